@@ -1,0 +1,29 @@
+#!/bin/sh
+# Renders the pictures of the README into this folder: `docs/pictures/render.sh [NAME…]`, default all.
+set -eu
+cd "$(dirname "$0")/../.."
+cargo build --release --quiet
+wanted=" $* "
+
+# picture  scene  further options
+picture() {
+    name=$1 scene=$2
+    shift 2
+    case $wanted in
+    "  " | *" $name "*) target/release/pt "scenes/$scene.json" -o "docs/pictures/$name.png" --progress none "$@" ;;
+    esac
+}
+
+picture cornell-box       cornell-box     --size 280x280 --spp 256
+picture mirror-balls      mirror-balls    --size 280x210 --spp 256
+picture mattness          mattness        --size 288x180 --spp 256
+picture statue            statue          --size 270x360 --spp 256
+picture pawns             pawns           --size 280x210 --spp 256
+picture triangle-stacks   triangle-stacks --size 240x320 --spp 256
+picture glass-panel       glass-panel     --size 320x320 --spp 1024
+# The same number of samples per pixel, so that the two can be compared.
+picture mis-plates        mis-plates      --size 360x270 --spp 256
+picture mis-plates-path   mis-plates      --size 264x198 --spp 256 --integrator path
+# One stop darker, so that too much light would show as well as too little; and what is there.
+picture furnace           furnace         --size 320x200 --spp 256 --exposure -1
+picture furnace-normals   furnace         --size 320x200 --spp 64 --integrator normals

@@ -1,0 +1,72 @@
+//! A scene built and rendered in Rust, without a scene file: `cargo run --release --example build_scene [-- SPP]`.
+//!
+//! A room of 2 m with a red and a green wall; in it a ball of plaster and a ball of glass.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::DVec3;
+use pt::bsdf::Material;
+use pt::camera::{Camera, Perspective, Pose};
+use pt::film::{FilmSpec, MomentFilm};
+use pt::integrators::nee::Nee;
+use pt::light::Emission;
+use pt::math::{Spectrum, Transform};
+use pt::output::{self, Tonemap};
+use pt::render::{Settings, Silent, render};
+use pt::sampler::SamplerSpec;
+use pt::shape::{Quad, Sphere};
+use pt::world::World;
+
+fn main() -> pt::Result<()> {
+    let spp = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(64);
+
+    // Nothing fails from here on: a world that is built can be rendered.
+    let world = Arc::new(world()?);
+    let mut film = MomentFilm::new(FilmSpec::new(256, 256));
+    let settings = Settings::new(SamplerSpec { spp, ..SamplerSpec::default() });
+    let report = render(world, &Nee { max_depth: 16, ..Nee::default() }, &mut film, &settings, &Silent);
+    println!("{} samples per pixel in {:.2} s", report.samples, report.elapsed.as_secs_f64());
+
+    // `.exr` instead would keep the radiance itself.
+    output::write(Path::new("build_scene.png"), &film.image(false), &vec![], &Tonemap::default())
+}
+
+fn world() -> pt::Result<World> {
+    // A camera looks along −z of its pose; the field of view is vertical, in degrees. No lens: everything is sharp.
+    let pose = Pose::new(&at(0.0, 1.0, 6.8));
+    let (fov, lens_radius, focus_distance) = (20.0, 0.0, 1.0);
+    let mut world = World::builder(Camera::Perspective(Perspective::new(pose, fov, lens_radius, focus_distance)));
+
+    // Colours are linear, with the primaries of Rec. 709.
+    let white = world.material(Material::diffuse(Spectrum::gray(0.73)));
+    let red = world.material(Material::diffuse(Spectrum::rgb(0.63, 0.06, 0.05)));
+    let green = world.material(Material::diffuse(Spectrum::rgb(0.14, 0.45, 0.09)));
+    let glass = world.material(Material::glass(1.5));
+
+    // A quad lies about the origin and faces +z: it is turned into the room, then moved.
+    let wall = Quad { size: [2.0, 2.0] };
+    world.shape(wall, at(0.0, 1.0, -1.0), white, None);
+    world.shape(wall, turned(DVec3::X, -90.0).then(&at(0.0, 0.0, 0.0)), white, None);
+    world.shape(wall, turned(DVec3::X, 90.0).then(&at(0.0, 2.0, 0.0)), white, None);
+    world.shape(wall, turned(DVec3::Y, 90.0).then(&at(-1.0, 1.0, 0.0)), red, None);
+    world.shape(wall, turned(DVec3::Y, -90.0).then(&at(1.0, 1.0, 0.0)), green, None);
+
+    world.shape(Sphere { radius: 0.35 }, at(-0.4, 0.35, -0.3), white, None);
+    world.shape(Sphere { radius: 0.35 }, at(0.4, 0.35, 0.3), glass, None);
+
+    // What emits is a light; its radiance is in W·m⁻²·sr⁻¹.
+    let lamp = Emission::new(Spectrum::rgb(17.0, 14.0, 10.0));
+    world.shape(Quad { size: [0.6, 0.6] }, turned(DVec3::X, 90.0).then(&at(0.0, 1.998, 0.0)), white, Some(lamp));
+    world.build()
+}
+
+/// Metres; the same place for numbers too large to be one.
+fn at(x: f64, y: f64, z: f64) -> Transform {
+    Transform::translate(DVec3::new(x, y, z)).unwrap_or(Transform::IDENTITY)
+}
+
+/// Counter-clockwise about an axis that points at the viewer.
+fn turned(axis: DVec3, degrees: f64) -> Transform {
+    Transform::rotate(axis, degrees).unwrap_or(Transform::IDENTITY)
+}

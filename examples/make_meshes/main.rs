@@ -1,0 +1,47 @@
+//! Makes the meshes of the demo scenes: `cargo run --release --example make_meshes`.
+//!
+//! Every number comes from arithmetic that is exact to the last bit on every machine (and pt's own sine and
+//! cosine), so that the files are the same everywhere: a test compares them with those in `scenes/meshes/`.
+
+mod pawn;
+mod stack;
+mod statue;
+mod surface_nets;
+
+use std::io;
+use std::path::Path;
+
+use pt::shape::mesh_data::MeshData;
+
+/// The files, by name.
+pub fn files() -> io::Result<Vec<(&'static str, Vec<u8>)>> {
+    Ok(vec![
+        ("statue.ply", ply(&statue::statue())?),
+        ("pawn.ply", ply(&pawn::pawn())?),
+        ("triangle-stack.obj", obj(&stack::triangles())?),
+        ("prism-stack.obj", obj(&stack::prisms())?),
+    ])
+}
+
+fn ply(mesh: &MeshData) -> io::Result<Vec<u8>> {
+    let mut bytes = vec![];
+    mesh.write_ply_binary(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn obj(mesh: &MeshData) -> io::Result<Vec<u8>> {
+    let mut bytes = vec![];
+    mesh.write_obj(&mut bytes)?;
+    Ok(bytes)
+}
+
+#[allow(dead_code)] // A test includes this file for `files` alone.
+fn main() -> io::Result<()> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/meshes");
+    std::fs::create_dir_all(&folder)?;
+    for (name, bytes) in files()? {
+        std::fs::write(folder.join(name), &bytes)?;
+        println!("{name}: {} kB", bytes.len().div_ceil(1000));
+    }
+    Ok(())
+}

@@ -1,0 +1,88 @@
+//! Renders `reference/*.exr`: `cargo run --release --example make_references [-- NAME …]`.
+//!
+//! Each picture is made by another integrator than the one it judges, with 64 times the samples
+//! or more, so that its own noise hardly counts. The `.json` beside it says how it was made.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use pt::describe::{self, Source};
+use pt::film::{Image, MomentFilm};
+use pt::integrator::choose;
+use pt::render::{Settings, Silent, render};
+use serde_json::json;
+
+/// Scene, the integrator that makes the picture, the one that it judges, samples per pixel of the judged.
+const REFERENCES: &[(&str, &str, &str, u32)] = &[
+    ("cornell-box", "path", "nee", 128),
+    ("mirror-balls", "path", "nee", 128),
+    ("mattness", "path", "nee", 128),
+    ("glass-panel", "path", "nee", 128),
+    ("triangle-stacks", "nee", "path", 128),
+    ("statue", "nee", "path", 64),
+];
+
+const FACTOR: u32 = 64;
+/// Another stream of random numbers than any test's.
+const SEED: u64 = 20_260_101;
+const SIZE: [u32; 2] = [64, 64];
+
+fn main() -> pt::Result<()> {
+    let wanted: Vec<String> = std::env::args().skip(1).collect();
+    for &(name, maker, judged, spp) in REFERENCES.iter().filter(|row| wanted.is_empty() || wanted.iter().any(|w| w == row.0)) {
+        let start = std::time::Instant::now();
+        make(name, maker, judged, spp)?;
+        println!("{name}: {:.0} s", start.elapsed().as_secs_f64());
+    }
+    Ok(())
+}
+
+fn make(name: &str, maker: &str, judged: &str, spp: u32) -> pt::Result<()> {
+    let file = format!("scenes/{name}.json");
+    let mut root = describe::load(Path::new(&file))?;
+    let [width, height] = SIZE;
+    let overrides = [
+        ("/film/width", width.to_string()),
+        ("/film/height", height.to_string()),
+        ("/sampler/type", "independent".into()),
+        ("/sampler/spp", (spp * FACTOR).to_string()),
+        ("/sampler/seed", SEED.to_string()),
+    ];
+    for (pointer, value) in &overrides {
+        root.set(pointer, value)?;
+    }
+    let scene = describe::read(&root, &file)?;
+    let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some(maker), &file)?;
+    let built = describe::build(&scene, Source { root: &root, file: &file, folder: Path::new("scenes") })?;
+    let mut film = MomentFilm::new(built.film);
+    let report = render(Arc::new(built.world), &*integrator, &mut film, &Settings::new(built.sampler), &Silent);
+    assert_eq!(report.invalid, 0, "{name}: invalid samples, the first {:?}", report.first_invalid.first());
+
+    let image = film.image(true);
+    let path = PathBuf::from(format!("reference/{name}.exr"));
+    pt::output::write(&path, &image, &vec![], &Default::default())?;
+    let command = format!(
+        "pt {file} -i {maker} --size {width}x{height} --sampler independent --spp {} --seed {SEED} -o {}",
+        spp * FACTOR,
+        path.display()
+    );
+    let provenance = json!({
+        "scene": file, "command": command, "integrator": maker, "seed": SEED, "spp": spp * FACTOR,
+        "mean": RGB.map(|name| mean(&image, name, |v| v)),
+        "standard_error": RGB.map(|name| standard_error(&image, name)),
+        "judges": { "integrator": judged, "spp": spp },
+    });
+    pt::output::replace(&path.with_extension("json"), format!("{provenance:#}\n").as_bytes())
+}
+
+const RGB: [&str; 3] = ["R", "G", "B"];
+
+fn mean(image: &Image, name: &str, f: impl Fn(f64) -> f64) -> f64 {
+    let values = image.channel(name).unwrap_or(&[]);
+    values.iter().map(|&v| f(v.into())).sum::<f64>() / values.len() as f64
+}
+
+/// Of the mean over the picture, whose pixels are independent.
+fn standard_error(image: &Image, name: &str) -> f64 {
+    (mean(image, &format!("StdErr.{name}"), |e| e * e) / (image.size.x * image.size.y) as f64).sqrt()
+}

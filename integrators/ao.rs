@@ -1,0 +1,48 @@
+//! How open the surroundings are.
+
+use std::sync::Arc;
+
+use pt::bsdf::TransportMode;
+use pt::describe::Positive;
+use pt::film::FilmSpec;
+use pt::integrator::{CameraSample, Context, Estimator, Integrator};
+use pt::math::{Ray, Spectrum};
+use pt::sampler::dimension::{self, Use};
+use pt::scene::Scene;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The share of directions, drawn from the material at the first hit, in which nothing is near.
+///
+/// Black where the camera sees nothing, or a material that scatters nothing.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct AmbientOcclusion {
+    /// What is farther away does not count (m). Without it everything counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_distance: Option<Positive>,
+}
+
+impl Integrator for AmbientOcclusion {
+    fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
+        Box::new(View { scene, max_distance: self.max_distance.map_or(f32::INFINITY, |d| d.get() as f32) })
+    }
+}
+
+struct View {
+    scene: Arc<dyn Scene>,
+    max_distance: f32,
+}
+
+impl Estimator for View {
+    fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
+        let Some(hit) = self.scene.intersect(&camera.ray) else { return Spectrum::BLACK };
+        let surface = self.scene.surface(&camera.ray, &hit);
+        cx.sampler.at(dimension::vertex(0, Use::Bsdf));
+        let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
+        let Some((wi, _)) = surface.sample(-camera.ray.direction, choice, u, TransportMode::Radiance) else { return Spectrum::BLACK };
+        let probe = Ray { t_max: self.max_distance, ..surface.spawn(wi, camera.ray.time) };
+        if self.scene.occluded(&probe) { Spectrum::BLACK } else { Spectrum::ONE }
+    }
+}

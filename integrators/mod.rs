@@ -1,0 +1,29 @@
+//! The integrators that come with pt: one file each, public names of `pt` only.
+//!
+//! To add one: a file beside these and a row in [`ALL`]. The command line, its help, comparisons and
+//! the tests take it from there.
+
+pub mod ao;
+pub mod nee;
+pub mod normals;
+pub mod path;
+pub mod whitted;
+
+use pt::effects::Effects;
+use pt::integrator::Entry;
+
+pub const ALL: &[Entry] = &[
+    Entry::of::<path::Path>(
+        "path",
+        "path tracing that finds light by chance: slow, simple, the judge of the others",
+        Effects::ALL.without(Effects::POINT_LIGHT),
+    ),
+    Entry::of::<nee::Nee>("nee", "path tracing with next-event estimation and multiple importance sampling", Effects::ALL),
+    Entry::of::<whitted::Whitted>(
+        "whitted",
+        "Whitted's ray tracing: direct light, and branches at mirrors and glass",
+        Effects::ALL.without(Effects::INTERREFLECTION),
+    ),
+    Entry::of::<normals::Normals>("normals", "the shading normal of what the camera sees, as a colour", Effects::NONE),
+    Entry::of::<ao::AmbientOcclusion>("ao", "ambient occlusion: the share of scattered directions that is free", Effects::NONE),
+];

@@ -1,0 +1,83 @@
+//! Path tracing that finds light by chance.
+
+use std::sync::Arc;
+
+use pt::bsdf::TransportMode;
+use pt::film::FilmSpec;
+use pt::integrator::{CameraSample, Context, Estimator, Integrator, Roulette};
+use pt::math::Spectrum;
+use pt::sampler::dimension::{self, Use};
+use pt::scene::Scene;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Follows one path from the camera and adds up the emission that it meets.
+///
+/// L = Σ_k β_k Le(x_k),  β_k = Π f·|cos| / pdf
+///
+/// No light is sampled, so that nothing can be counted twice: slow where lights are small, blind to
+/// lights without extent, and the judge of every cleverer method.
+///
+/// Source: Kajiya, *The Rendering Equation* (1986).
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Path {
+    /// The most scattering events on a path: 0 shows emission only, 1 adds direct light.
+    #[serde(deserialize_with = "pt::integrator::depth")]
+    #[schemars(range(max = 65535))]
+    pub max_depth: u32,
+    /// Scattering events before Russian roulette may end a path.
+    #[serde(deserialize_with = "pt::integrator::depth")]
+    #[schemars(range(max = 65535))]
+    pub roulette_depth: u32,
+}
+
+impl Default for Path {
+    fn default() -> Path {
+        Path { max_depth: 64, roulette_depth: 4 }
+    }
+}
+
+impl Integrator for Path {
+    fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
+        Box::new(Walk { scene, max_depth: self.max_depth, roulette: Roulette { from_depth: self.roulette_depth } })
+    }
+}
+
+struct Walk {
+    scene: Arc<dyn Scene>,
+    max_depth: u32,
+    roulette: Roulette,
+}
+
+impl Estimator for Walk {
+    fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
+        let mut ray = camera.ray;
+        let mut beta = Spectrum::ONE;
+        let mut radiance = Spectrum::BLACK;
+        // η² accumulated along the path: radiance is compressed in glass, roulette must not mind.
+        let mut compression = 1.0;
+        for depth in 0.. {
+            let Some(hit) = self.scene.intersect(&ray) else {
+                radiance += beta * self.scene.lights().background(&ray);
+                break;
+            };
+            let surface = self.scene.surface(&ray, &hit);
+            let wo = -ray.direction;
+            radiance += beta * surface.emitted(wo);
+            if depth == self.max_depth {
+                break;
+            }
+            cx.sampler.at(dimension::vertex(depth, Use::Bsdf));
+            let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
+            let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else { break };
+            beta *= sample.weight;
+            compression *= sample.eta * sample.eta;
+            let Some(survivors) = self.roulette.survive(depth, beta * compression, cx.sampler) else { break };
+            beta *= survivors;
+            ray = surface.spawn(wi, ray.time);
+        }
+        radiance
+    }
+}

@@ -1,0 +1,122 @@
+//! Whitted's ray tracing.
+
+use std::sync::Arc;
+
+use pt::bsdf::TransportMode;
+use pt::film::FilmSpec;
+use pt::integrator::{CameraSample, Context, Estimator, Integrator, sample_light};
+use pt::math::{Ray, Spectrum, Vec3};
+use pt::sampler::dimension::{self, Use};
+use pt::scene::{Scene, Surface};
+use schemars::JsonSchema;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+
+/// Direct light on what scatters, and a ray into every mirror direction.
+///
+/// L(x) = Le + f·|cos| Le / p_light + Σ_lobes weight · L(next)
+///
+/// What scatters is lit by the lights alone: no surface lights another, except through mirrors and glass.
+/// Where a path meets more interfaces than `branch_depth`, one lobe is chosen at random, by weight, so that
+/// the number of rays stays bounded and the mean stays right.
+///
+/// Source: Whitted, *An Improved Illumination Model for Shaded Display* (1980).
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+pub struct Whitted {
+    /// The most scattering events on a path: 0 shows emission only, 1 adds direct light.
+    #[serde(deserialize_with = "pt::integrator::depth")]
+    #[schemars(range(max = 65535))]
+    pub max_depth: u32,
+    /// Interfaces at which both reflection and refraction are followed; at most 12.
+    #[serde(deserialize_with = "at_most_12")]
+    #[schemars(range(max = 12))]
+    pub branch_depth: u32,
+}
+
+fn at_most_12<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    let depth = u32::deserialize(deserializer)?;
+    let refused = || D::Error::custom(format!("expected a whole number from 0 to {MAX_BRANCH_DEPTH}, found {depth}"));
+    if depth <= MAX_BRANCH_DEPTH { Ok(depth) } else { Err(refused()) }
+}
+
+impl Default for Whitted {
+    fn default() -> Whitted {
+        Whitted { max_depth: 64, branch_depth: 4 }
+    }
+}
+
+impl Integrator for Whitted {
+    fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
+        Box::new(Walk { scene, max_depth: self.max_depth, branch_depth: self.branch_depth.min(MAX_BRANCH_DEPTH) })
+    }
+}
+
+const MAX_BRANCH_DEPTH: u32 = 12;
+
+struct Walk {
+    scene: Arc<dyn Scene>,
+    max_depth: u32,
+    branch_depth: u32,
+}
+
+/// A ray still to be followed.
+#[derive(Clone, Copy)]
+struct Branch {
+    ray: Ray,
+    beta: Spectrum,
+    depth: u32,
+}
+
+impl Estimator for Walk {
+    fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
+        let mut radiance = Spectrum::BLACK;
+        // Each branching leaves one ray waiting.
+        let mut waiting: [Option<Branch>; MAX_BRANCH_DEPTH as usize + 1] = [None; _];
+        let mut next = Some(Branch { ray: camera.ray, beta: Spectrum::ONE, depth: 0 });
+        let mut count = 0;
+        while let Some(branch) = next {
+            let (light, [first, second]) = self.follow(branch, cx);
+            radiance += light;
+            if let (Some(_), Some(_)) = (first, second) {
+                waiting[count] = second;
+                count += 1;
+            }
+            next = first.or(second);
+            if next.is_none() && count > 0 {
+                count -= 1;
+                next = waiting[count];
+            }
+        }
+        radiance
+    }
+}
+
+impl Walk {
+    /// The light at the end of a branch, and the branches that start there.
+    fn follow(&self, branch: Branch, cx: &mut Context) -> (Spectrum, [Option<Branch>; 2]) {
+        let Branch { ray, beta, depth } = branch;
+        let Some(hit) = self.scene.intersect(&ray) else { return (beta * self.scene.lights().background(&ray), [None; 2]) };
+        let surface = self.scene.surface(&ray, &hit);
+        let wo = -ray.direction;
+        let mut light = surface.emitted(wo);
+        if depth == self.max_depth {
+            return (beta * light, [None; 2]);
+        }
+        light += sample_light(&*self.scene, &surface, wo, depth, ray.time, cx).map_or(Spectrum::BLACK, |(direct, _)| direct);
+        let onward = |(wi, weight): (Vec3, Spectrum)| Branch { ray: surface.spawn(wi, ray.time), beta: beta * weight, depth: depth + 1 };
+        (beta * light, self.lobes(&surface, wo, depth, cx).map(|lobe| lobe.map(onward)))
+    }
+
+    /// All delta lobes where branching is allowed, else one of them.
+    fn lobes(&self, surface: &Surface, wo: Vec3, depth: u32, cx: &mut Context) -> [Option<(Vec3, Spectrum)>; 2] {
+        let mut lobes = surface.delta_lobes(wo, TransportMode::Radiance).map(|(wi, sample)| (wi, sample.weight));
+        let (first, second) = (lobes.next(), lobes.next());
+        let (Some(a), Some(b), true) = (first, second, depth >= self.branch_depth) else { return [first, second] };
+        let share = a.1.max() / (a.1.max() + b.1.max());
+        cx.sampler.at(dimension::vertex(depth, Use::Bsdf));
+        let chosen = if cx.sampler.next_1d() < share { (a.0, a.1 / share) } else { (b.0, b.1 / (1.0 - share)) };
+        [Some(chosen), None]
+    }
+}

@@ -1,0 +1,198 @@
+//! From boxes to a wide hierarchy: obvhs joins them in pairs, we fold the pairs into eights.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use rayon::prelude::*;
+
+use super::node::{Child, MAX_DEPTH, Node, WIDTH};
+use super::packet::LANES;
+use crate::math::Aabb;
+use crate::math::float::unit_f32;
+
+/// A hierarchy whose leaves are runs of item numbers.
+pub struct Wide {
+    pub nodes: Vec<Node>,
+    pub leaves: Vec<Vec<u32>>,
+    pub root: Child,
+}
+
+/// Over the given boxes, in the order of item numbers; `None` for no boxes.
+pub fn wide(boxes: &[Aabb]) -> Option<Wide> {
+    if boxes.is_empty() {
+        return None;
+    }
+    let twins = twins(boxes);
+    let firsts = firsts(boxes.len(), &twins);
+    let boxes: Vec<Aabb> = firsts.iter().map(|&item| boxes[item as usize]).collect();
+    let binary = pairs(&boxes);
+    let (counts, bounds) = measure(&binary, &boxes);
+    let mut fold = Fold {
+        binary: &binary,
+        counts,
+        bounds,
+        firsts: &firsts,
+        twins: &twins,
+        wide: Wide { nodes: vec![], leaves: vec![], root: Child::leaf(0) },
+    };
+    fold.wide.root = fold.subtree(0, 0);
+    Some(fold.wide)
+}
+
+/// An item, and a later one with exactly the same box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Twin {
+    first: u32,
+    later: u32,
+}
+
+/// Items that share their box with an earlier one, in order; they join the leaf of that one.
+///
+/// No hierarchy can tell them apart, and clustering and reinsertion would take forever to try.
+///
+/// Tests: coincident_triangles_build_fast.
+fn twins(boxes: &[Aabb]) -> Vec<Twin> {
+    let hash = |(item, b): (usize, &Aabb)| {
+        let mut hasher = DefaultHasher::new();
+        [b.min, b.max].map(|corner| corner.to_array().map(f32::to_bits)).hash(&mut hasher);
+        (hasher.finish(), item as u32)
+    };
+    let mut hashed: Vec<(u64, u32)> = boxes.par_iter().enumerate().map(hash).collect();
+    hashed.par_sort_unstable();
+    let mut twins = vec![];
+    for run in hashed.chunk_by(|a, b| a.0 == b.0) {
+        let first = run[0].1;
+        // Boxes of equal hash that differ, should there ever be any, are left to the clustering.
+        let equal = run[1..].iter().filter(|(_, item)| boxes[*item as usize] == boxes[first as usize]);
+        twins.extend(equal.map(|&(_, later)| Twin { first, later }));
+    }
+    twins.sort_unstable();
+    twins
+}
+
+/// All items but the later twins.
+fn firsts(count: usize, twins: &[Twin]) -> Vec<u32> {
+    let mut is_first = vec![true; count];
+    twins.iter().for_each(|twin| is_first[twin.later as usize] = false);
+    (0..count as u32).filter(|&item| is_first[item as usize]).collect()
+}
+
+/// Agglomerative clustering, then reinsertion of the worst fifth: near the quality of a full
+/// sweep of the surface-area heuristic in a fraction of its time.
+fn pairs(boxes: &[Aabb]) -> Bvh2 {
+    let boxes: Vec<obvhs::aabb::Aabb> = boxes.iter().enumerate().map(|(item, b)| uneven(item, b)).collect();
+    let indices = (0..boxes.len() as u32).collect();
+    let mut builder = PlocBuilder::with_capacity(boxes.len());
+    let mut binary = builder.build(PlocSearchDistance::Medium, &boxes, indices, SortPrecision::U64, 3);
+    ReinsertionOptimizer::default().run(&mut binary, 0.2, None);
+    binary
+}
+
+/// The box, grown by up to a thousandth, each item by another share.
+///
+/// Clustering joins nearest neighbours. In a row of equal boxes all are equally near; it would
+/// join one pair per round, and its time grow with the square of their number. No hit depends on these boxes:
+/// the nodes get the true ones.
+///
+/// Tests: hostile_boxes_build_fast_and_right.
+fn uneven(item: usize, b: &Aabb) -> obvhs::aabb::Aabb {
+    // Multiples of the golden ratio, modulo 1: far apart for neighbours.
+    let share = unit_f32((item as u32).wrapping_mul(0x9e37_79b9));
+    let by = (b.max - b.min) * (share / 1024.0);
+    obvhs::aabb::Aabb::new(b.min.into(), (b.max + by).into())
+}
+
+/// How many items each binary node holds (twins aside), and the box around them.
+fn measure(binary: &Bvh2, boxes: &[Aabb]) -> (Vec<u32>, Vec<Aabb>) {
+    let mut order = vec![0usize];
+    for next in 0.. {
+        let Some(&index) = order.get(next) else { break };
+        let node = &binary.nodes[index];
+        if !node.is_leaf() {
+            order.extend([node.first_index as usize, node.first_index as usize + 1]);
+        }
+    }
+    let (mut counts, mut bounds) = (vec![0; binary.nodes.len()], vec![Aabb::EMPTY; binary.nodes.len()]);
+    for &index in order.iter().rev() {
+        let node = &binary.nodes[index];
+        let first = node.first_index as usize;
+        if node.is_leaf() {
+            let items = &binary.primitive_indices[first..first + node.prim_count as usize];
+            counts[index] = node.prim_count;
+            bounds[index] = items.iter().map(|&item| boxes[item as usize]).fold(Aabb::EMPTY, Aabb::union);
+        } else {
+            counts[index] = counts[first] + counts[first + 1];
+            bounds[index] = bounds[first].union(bounds[first + 1]);
+        }
+    }
+    (counts, bounds)
+}
+
+struct Fold<'a> {
+    binary: &'a Bvh2,
+    counts: Vec<u32>,
+    bounds: Vec<Aabb>,
+    /// The items that the binary tree counts.
+    firsts: &'a [u32],
+    twins: &'a [Twin],
+    wide: Wide,
+}
+
+impl Fold<'_> {
+    fn subtree(&mut self, index: usize, depth: usize) -> Child {
+        if self.is_small(index) || depth == MAX_DEPTH {
+            return self.leaf(index);
+        }
+        let children = self.open(index);
+        let slot = self.wide.nodes.len();
+        self.wide.nodes.push(Node::new(&[]));
+        let children: Vec<(Aabb, Child)> = children.into_iter().map(|c| (self.bounds[c], self.subtree(c, depth + 1))).collect();
+        self.wide.nodes[slot] = Node::new(&children);
+        Child::inner(slot)
+    }
+
+    fn is_small(&self, index: usize) -> bool {
+        self.counts[index] <= LANES as u32 || self.binary.nodes[index].is_leaf()
+    }
+
+    /// The descendants that become children: the largest box is opened until there are eight.
+    fn open(&self, index: usize) -> Vec<usize> {
+        let mut children = vec![index];
+        while children.len() < WIDTH {
+            let area = |c: usize| self.binary.nodes[c].aabb().half_area();
+            let largest = (0..children.len()).filter(|&k| !self.is_small(children[k])).max_by(|&a, &b| {
+                let (a, b) = (children[a], children[b]);
+                area(a).total_cmp(&area(b))
+            });
+            let Some(largest) = largest else { break };
+            let first = self.binary.nodes[children[largest]].first_index as usize;
+            children[largest] = first;
+            children.push(first + 1);
+        }
+        children
+    }
+
+    fn leaf(&mut self, index: usize) -> Child {
+        let mut items = vec![];
+        let mut open = vec![index];
+        while let Some(index) = open.pop() {
+            let node = &self.binary.nodes[index];
+            let first = node.first_index as usize;
+            if node.is_leaf() {
+                let indices = &self.binary.primitive_indices[first..first + node.prim_count as usize];
+                items.extend(indices.iter().map(|&i| self.firsts[i as usize]));
+            } else {
+                open.extend([first, first + 1]);
+            }
+        }
+        for first in items.clone() {
+            let start = self.twins.partition_point(|twin| twin.first < first);
+            items.extend(self.twins[start..].iter().take_while(|twin| twin.first == first).map(|twin| twin.later));
+        }
+        items.sort_unstable();
+        self.wide.leaves.push(items);
+        Child::leaf(self.wide.leaves.len() - 1)
+    }
+}

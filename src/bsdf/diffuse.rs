@@ -1,0 +1,42 @@
+//! Lambert's law.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec2;
+
+use super::{BsdfSample, Lobe};
+use crate::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
+
+/// Lambertian reflection: equal radiance in every direction.
+///
+/// f(wo, wi) = ρ / π                                   [sr⁻¹]
+///
+/// - on both sides of the surface; zero when the directions lie on opposite sides
+/// - sampling: cosine-weighted, so that weight = ρ exactly and no variance remains
+///
+/// Source: Lambert, *Photometria* (1760). Tests: furnace, reciprocity, sample_eval_pdf_agree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Diffuse {
+    /// ρ, the share of light that is reflected: [0, 1].
+    pub albedo: Spectrum,
+}
+
+impl Diffuse {
+    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+        if wo.same_side(wi) { self.albedo * (FRAC_1_PI * wi.abs_cos()) } else { Spectrum::BLACK }
+    }
+
+    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+        SolidAnglePdf::new(if wo.same_side(wi) { FRAC_1_PI * wi.abs_cos() } else { 0.0 })
+    }
+
+    pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
+        let up = warp::cosine_hemisphere(u);
+        let wi = Local(up * 1f32.copysign(wo.cos()));
+        if self.albedo.is_black() || !wo.same_side(wi) {
+            return None;
+        }
+        let density = Density::Smooth(self.pdf(wo, wi));
+        Some(BsdfSample { wi, weight: self.albedo, density, lobe: Lobe::Reflection, eta: 1.0 })
+    }
+}

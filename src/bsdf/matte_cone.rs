@@ -1,0 +1,78 @@
+//! Between a mirror and a matte wall, by one number.
+
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+use glam::Vec2;
+
+use super::{BsdfSample, Lobe};
+use crate::math::{Density, Frame, Local, SolidAnglePdf, Spectrum, float, fresnel, warp};
+
+/// Reflection spread evenly over a cone around the mirror direction.
+///
+/// f(wo, wi)·|cos θi| = ρ p(wi),  p = [wi in cone] / Ω + [wi's mirror image in cone] / Ω,  Ω = 2π (1 − cos α),  α = m · 90°
+///
+/// What falls below the surface is mirrored back above it, so that no energy is lost: albedo = ρ.
+/// m = 0 is a mirror; m = 1 is *not* Lambertian (it follows the mirror direction at every angle).
+/// Not reciprocal.
+///
+/// - on both sides of the surface; zero when the directions lie on opposite sides
+/// - sampling: uniform in the cone, so that weight = ρ
+///
+/// Source: a student path tracer's "mattness". Tests: furnace, sample_eval_pdf_agree, cone_is_not_reciprocal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MatteCone {
+    /// ρ: [0, 1].
+    pub color: Spectrum,
+    /// m: [0, 1].
+    pub mattness: f32,
+}
+
+impl MatteCone {
+    /// Narrower than f32 can tell unit vectors apart: α < 2⁻²³ or so.
+    pub fn is_mirror(&self) -> bool {
+        self.one_minus_cos() < 0.5 * f32::EPSILON * f32::EPSILON
+    }
+
+    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+        self.color * self.pdf(wo, wi).get()
+    }
+
+    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+        if self.is_mirror() || !wo.same_side(wi) {
+            return SolidAnglePdf::ZERO;
+        }
+        let mirror = Local(fresnel::reflect(wo.0));
+        let below = Local::new(wi.0.x, wi.0.y, -wi.0.z);
+        let ways = [wi, below].into_iter().filter(|&w| self.in_cone(mirror, w)).count();
+        SolidAnglePdf::new(ways as f32 / (TAU * self.one_minus_cos()))
+    }
+
+    pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
+        if self.is_mirror() {
+            return self.delta_lobe(wo);
+        }
+        let mirror = fresnel::reflect(wo.0);
+        let w = Frame::around(mirror).to_world(Local(warp::uniform_cone(u, self.one_minus_cos())));
+        let wi = Local(w.with_z(w.z.abs().copysign(wo.cos())));
+        // By construction there is at least one way to get here, whatever rounding says at the rim.
+        let density = SolidAnglePdf::new(self.pdf(wo, wi).get().max(1.0 / (TAU * self.one_minus_cos())));
+        let found = !self.color.is_black() && wo.same_side(wi);
+        found.then_some(BsdfSample { wi, weight: self.color, density: Density::Smooth(density), lobe: Lobe::Reflection, eta: 1.0 })
+    }
+
+    pub fn delta_lobe(&self, wo: Local) -> Option<BsdfSample> {
+        let found = self.is_mirror() && !self.color.is_black();
+        found.then(|| BsdfSample::reflected(Local(fresnel::reflect(wo.0)), self.color))
+    }
+
+    /// 1 − cos α = 2 sin²(α/2), which keeps narrow cones.
+    fn one_minus_cos(&self) -> f32 {
+        let s = float::sin(0.5 * self.mattness * FRAC_PI_2);
+        2.0 * s * s
+    }
+
+    /// 1 − cos ∠(axis, w) = |axis − w|²/2 for unit vectors, which keeps narrow cones.
+    fn in_cone(&self, Local(axis): Local, Local(w): Local) -> bool {
+        0.5 * (axis - w).length_squared() <= self.one_minus_cos()
+    }
+}

@@ -1,0 +1,83 @@
+//! Where pictures are taken from.
+//!
+//! A camera looks down −z of its frame, x to the right, y up. It knows nothing of pixels:
+//! positions on the film are shares of its width and height, from the upper left.
+//!
+//! To add one: a file beside these, a variant and an arm here, a variant in `describe::camera`.
+
+pub mod orthographic;
+pub mod perspective;
+pub mod spherical;
+
+use glam::{DVec3, Vec2, Vec3};
+
+use crate::effects::Effects;
+use crate::math::{Ray, Transform};
+
+pub use orthographic::Orthographic;
+pub use perspective::Perspective;
+pub use spherical::Spherical;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Camera {
+    Perspective(Perspective),
+    Orthographic(Orthographic),
+    Spherical(Spherical),
+}
+
+impl Camera {
+    /// The ray through a point of the film.
+    ///
+    /// - `film`: [0, 1)², from the upper left; `aspect`: width / height of the film
+    /// - `lens`: [0, 1)², used where there is a lens
+    pub fn ray(&self, film: Vec2, aspect: f32, lens: Vec2) -> Ray {
+        match self {
+            Camera::Perspective(camera) => camera.ray(film, aspect, lens),
+            Camera::Orthographic(camera) => camera.ray(film, aspect),
+            Camera::Spherical(camera) => camera.ray(film),
+        }
+    }
+
+    pub fn effects(&self) -> Effects {
+        match self {
+            Camera::Perspective(camera) if camera.has_lens() => Effects::THIN_LENS,
+            _ => Effects::NONE,
+        }
+    }
+
+    /// The same camera after the world has moved by −`origin`.
+    pub fn recentred(mut self, origin: DVec3) -> Camera {
+        let pose = match &mut self {
+            Camera::Perspective(camera) => &mut camera.pose,
+            Camera::Orthographic(camera) => &mut camera.pose,
+            Camera::Spherical(camera) => &mut camera.pose,
+        };
+        pose.eye -= origin;
+        self
+    }
+}
+
+/// Position and orientation. Distances are the world's: a scaled transform does not scale the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    pub eye: DVec3,
+    right: Vec3,
+    up: Vec3,
+    back: Vec3,
+}
+
+impl Pose {
+    /// From the camera's space to the world's.
+    pub fn new(to_world: &Transform) -> Pose {
+        let axis = |v: DVec3| to_world.vector(v).normalize().as_vec3();
+        Pose { eye: to_world.point(DVec3::ZERO), right: axis(DVec3::X), up: axis(DVec3::Y), back: axis(DVec3::Z) }
+    }
+
+    fn vector(&self, v: Vec3) -> Vec3 {
+        self.right * v.x + self.up * v.y + self.back * v.z
+    }
+
+    fn eye(&self) -> Vec3 {
+        self.eye.as_vec3()
+    }
+}

@@ -1,0 +1,194 @@
+//! What can be said on the command line.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::{Parser, Subcommand, ValueEnum};
+
+use crate::error::{Error, Result};
+
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
+
+/// A physically based renderer that shows what accuracy costs in time.
+#[derive(Parser, Debug)]
+#[command(name = "pt", version = VERSION, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct Args {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    #[command(flatten)]
+    pub render: Render,
+    /// Errors as one JSON object on stderr.
+    #[arg(long, global = true)]
+    pub json_errors: bool,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Validate a scene without rendering; say what it contains and which effects it calls for.
+    Check(Check),
+    /// What there is to choose from, with one line each.
+    List {
+        /// Only these.
+        what: Option<Family>,
+    },
+    /// The JSON Schema of the scene format, on stdout.
+    Schema(Schema),
+}
+
+#[derive(clap::Args, Debug)]
+pub struct Check {
+    #[command(flatten)]
+    pub scene: Scene,
+    /// The integrator to check the scene for; default: the scene's.
+    #[arg(short, long, value_name = "NAME")]
+    pub integrator: Option<String>,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    Integrators,
+    Samplers,
+    Shapes,
+    Materials,
+    Textures,
+    Lights,
+    Cameras,
+    Filters,
+}
+
+#[derive(clap::Args, Debug)]
+pub struct Schema {
+    /// The reference of all keys as Markdown instead.
+    #[arg(long)]
+    pub markdown: bool,
+}
+
+/// Which scene.
+#[derive(clap::Args, Debug)]
+pub struct Scene {
+    /// The scene file; `-` reads it from stdin, with paths relative to the working directory.
+    #[arg(value_name = "SCENE")]
+    path: Option<PathBuf>,
+    /// Override what the scene file says: a JSON pointer and a JSON value. May be repeated.
+    #[arg(short = 'D', value_name = "/POINTER=VALUE")]
+    pub overrides: Vec<String>,
+}
+
+/// Render SCENE.
+#[derive(clap::Args, Debug)]
+pub struct Render {
+    #[command(flatten)]
+    pub scene: Scene,
+    /// How light transport is computed: see `pt list integrators`. Default: the scene's, else nee.
+    #[arg(short, long, value_name = "NAME")]
+    pub integrator: Option<String>,
+    /// Where the picture goes: .exr (linear, float), .png, .ppm, .pfm. May be repeated. Default: SCENE.exr and SCENE.png here.
+    #[arg(short, long, value_name = "FILE", alias = "outfile")]
+    pub output: Vec<PathBuf>,
+    /// Samples per pixel.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Render until this long has passed, however many samples that is (or until --spp): `30s`, `1h30m`, a bare number
+    /// of seconds. Reading and building do not count; the first sample of every pixel is always finished.
+    #[arg(long, value_name = "DURATION", value_parser = duration, allow_negative_numbers = true, alias = "timeout")]
+    pub time: Option<Duration>,
+    /// Which random numbers: another seed, another independent picture.
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Where the random numbers come from: see `pt list samplers`.
+    #[arg(long, value_name = "NAME")]
+    pub sampler: Option<String>,
+    /// Size of the picture, such as 640x480.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// Render only these pixels of the picture.
+    #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = numbers::<4>, alias = "pixelbounds")]
+    pub crop: Option<[u32; 4]>,
+    /// Compute this pixel alone and print it; no file is written.
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, conflicts_with_all = ["output", "crop", "time"])]
+    pub pixel: Option<[u32; 2]>,
+    /// With --pixel: this sample alone.
+    #[arg(long, value_name = "K", requires = "pixel")]
+    pub sample: Option<u64>,
+    /// Threads. Default: all cores. The picture does not depend on it.
+    #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Stops of exposure, for 8-bit files only.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
+    pub exposure: f32,
+    /// The curve from radiance to display, for 8-bit files only.
+    #[arg(long, value_enum, default_value_t = Curve::None)]
+    pub tonemap: Curve,
+    /// How progress shows on stderr; `auto` is a bar on a terminal and a line every few seconds elsewhere.
+    #[arg(long, value_enum, default_value_t = Progress::Auto)]
+    pub progress: Progress,
+    /// Print what the render took: as text, or with =json as JSON.
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "text", value_name = "FORMAT")]
+    pub stats: Option<Stats>,
+    /// Say nothing but errors.
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say more.
+    #[arg(short, long)]
+    pub verbose: bool,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curve {
+    /// Clip at 1.
+    None,
+    /// A shoulder like film's.
+    Filmic,
+    /// Divide by the brightest value; no transfer curve.
+    Normalize,
+    /// The curve of the postcard path tracer.
+    Postcard,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    Auto,
+    Bar,
+    /// One JSON object per line.
+    Json,
+    None,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stats {
+    Text,
+    Json,
+}
+
+impl Scene {
+    /// clap cannot require it: a subcommand has a scene of its own, or none.
+    pub fn path(&self) -> Result<&Path> {
+        self.path.as_deref().ok_or_else(|| Error::Usage("expected a scene file, such as scenes/cornell-box.json; see pt --help".into()))
+    }
+
+    /// The overrides, split at the first `=`.
+    pub fn overrides(&self) -> Result<Vec<(&str, &str)>> {
+        let split = |text: &String| format!("-D {text}: expected /POINTER=VALUE, such as -D /camera/fov=60");
+        self.overrides.iter().map(|text| text.split_once('=').ok_or_else(|| Error::Usage(split(text)))).collect()
+    }
+}
+
+fn size(text: &str) -> std::result::Result<[u32; 2], String> {
+    numbers(&text.replace(['x', '×'], ",")).map_err(|_| "expected a size such as 640x480".to_owned())
+}
+
+fn numbers<const N: usize>(text: &str) -> std::result::Result<[u32; N], String> {
+    let parsed: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let example = (1..=N).map(|n| (100 * n).to_string()).collect::<Vec<_>>().join(",");
+    parsed.and_then(|numbers| numbers.try_into().ok()).ok_or(format!("expected {N} whole numbers such as {example}"))
+}
+
+fn finite(text: &str) -> std::result::Result<f32, String> {
+    text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or("expected a number".to_owned())
+}
+
+fn duration(text: &str) -> std::result::Result<Duration, String> {
+    let seconds = text.parse().ok().and_then(|s: f64| Duration::try_from_secs_f64(s).ok());
+    let parsed = seconds.or_else(|| humantime::parse_duration(text).ok());
+    parsed.filter(|d| !d.is_zero()).ok_or("expected a duration such as 30s, 1h30m or 0.5".to_owned())
+}

@@ -1,0 +1,53 @@
+//! `pt check SCENE`: is it right, what is in it, what does it call for?
+
+use super::load::load;
+use super::{args, say};
+use crate::effects::Effects;
+use crate::error::Result;
+use crate::integrator::Entry;
+use crate::scene::Scene;
+
+pub fn check(args: &args::Check, tables: &[&[Entry]]) -> Result<()> {
+    let loaded = load(&args.scene, &[], args.integrator.as_deref(), tables)?;
+    let built = &loaded.built;
+    let size = built.film.size;
+    let mut text = format!(
+        "{}: valid\n\nfilm        {} × {}, {} samples per pixel\nintegrator  {}: {}\nshapes      {} of {} primitives\nmaterials   {}\nlights      {}\n",
+        args.scene.path()?.display(),
+        size.x,
+        size.y,
+        built.sampler.spp,
+        loaded.entry.name,
+        loaded.entry.about,
+        built.world.shapes().len(),
+        built.world.primitive_count(),
+        loaded.description.materials.len(),
+        built.world.lights().len(),
+    );
+    let effects = built.world.effects();
+    text += "\ncalled for\n";
+    for effect in effects.iter() {
+        text += &line(effect, &askers(&built.needs, effect), loaded.entry.simulates);
+    }
+    text += &format!("\nnot called for, and off\n  {}\n", Effects::ALL - effects);
+    for warning in &built.warnings {
+        text += &format!("\nwarning: {warning}");
+    }
+    say(&text)
+}
+
+/// Effect, who needs it, what it costs, and whether the integrator has it.
+fn line(effect: Effects, askers: &[&str], simulates: Effects) -> String {
+    const SHOWN: usize = 4;
+    let more = askers.len().saturating_sub(SHOWN);
+    let mut who = askers[..askers.len() - more].join("; ");
+    if more > 0 {
+        who += &format!("; and {more} more");
+    }
+    let lacks = if simulates.contains(effect) { "" } else { "\n      NOT SIMULATED by this integrator: the picture will lack it" };
+    format!("  {effect}\n      by    {who}\n      costs {}{lacks}\n", effect.cost())
+}
+
+fn askers(needs: &[(String, Effects)], effect: Effects) -> Vec<&str> {
+    needs.iter().filter(|(_, needed)| needed.contains(effect)).map(|(name, _)| name.as_str()).collect()
+}

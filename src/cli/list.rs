@@ -1,0 +1,47 @@
+//! `pt list`: what there is, with one line each.
+
+use super::args::Family;
+use super::say;
+use crate::describe;
+use crate::error::Result;
+use crate::integrator::Entry;
+use crate::sampler::Kind;
+
+pub fn list(what: Option<Family>, tables: &[&[Entry]]) -> Result<()> {
+    const ALL: [Family; 8] = [
+        Family::Integrators,
+        Family::Samplers,
+        Family::Shapes,
+        Family::Materials,
+        Family::Textures,
+        Family::Lights,
+        Family::Cameras,
+        Family::Filters,
+    ];
+    let mut text = String::new();
+    for family in ALL.into_iter().filter(|family| what.is_none_or(|w| w == *family)) {
+        let rows = rows(family, tables);
+        let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+        if what.is_none() {
+            text += &format!("{}\n", format!("{family:?}").to_lowercase());
+        }
+        for (name, about) in rows {
+            text += &format!("  {name:width$}  {about}\n");
+        }
+    }
+    say(&text)
+}
+
+fn rows(family: Family, tables: &[&[Entry]]) -> Vec<(String, String)> {
+    let pair = |name: &str, about: &str| (name.to_owned(), about.to_owned());
+    match family {
+        Family::Integrators => tables.iter().copied().flatten().map(|entry| pair(entry.name, entry.about)).collect(),
+        Family::Samplers => Kind::ALL.iter().map(|(_, name, about)| pair(name, about)).collect(),
+        Family::Shapes => describe::members("Shape"),
+        Family::Materials => describe::members("Material"),
+        Family::Textures => describe::members("Texture"),
+        Family::Lights => describe::members("Light"),
+        Family::Cameras => describe::members("Camera"),
+        Family::Filters => describe::members("Filter"),
+    }
+}

@@ -1,0 +1,39 @@
+//! From the command line to a scene that can be rendered.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::args;
+use crate::describe::{self, Built, Source};
+use crate::error::Result;
+use crate::integrator::{self, Entry, Integrator};
+
+/// A scene, and how it is to be rendered.
+pub struct Loaded {
+    pub built: Built,
+    pub entry: Entry,
+    pub integrator: Arc<dyn Integrator>,
+    pub description: describe::Scene,
+    /// Of the scene file, without its folder and extension.
+    pub stem: String,
+}
+
+/// Reads, overrides, checks and builds the scene.
+///
+/// - `more`: overrides that have flags of their own, after those of `-D`
+pub fn load(scene: &args::Scene, more: &[(String, String)], integrator: Option<&str>, tables: &[&[Entry]]) -> Result<Loaded> {
+    let path = scene.path()?;
+    let (mut root, file) = (describe::load(path)?, describe::name(path));
+    for (pointer, text) in scene.overrides()? {
+        root.set(pointer, text)?;
+    }
+    for (pointer, text) in more {
+        root.set(pointer, text)?;
+    }
+    let description = describe::read(&root, &file)?;
+    let (entry, integrator) = integrator::choose(tables, root.child("integrator"), integrator, &file)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let built = describe::build(&description, Source { root: &root, file: &file, folder })?;
+    let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
+    Ok(Loaded { built, entry, integrator: integrator.into(), description, stem })
+}

@@ -1,0 +1,79 @@
+//! The command line: one file per subcommand.
+//!
+//! To add one: a file beside these, a variant in `args::Command`, an arm in `run`.
+
+mod args;
+mod check;
+mod list;
+mod load;
+mod progress;
+mod render;
+mod schema;
+mod signals;
+mod stats;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::error::{Error, Result};
+use crate::integrator::Entry;
+use args::{Args, Command};
+
+/// The whole program, for these tables of integrators: an outside integrator gets every command
+/// with `main_with(&[pt::integrators::ALL, &[MINE]])`.
+pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        // clap prints help and its own errors; a closed pipe is no reason to panic.
+        Err(error) => {
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let json = args.json_errors;
+    match run(args, tables) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            report(&error, json);
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn run(args: Args, tables: &[&[Entry]]) -> Result<()> {
+    match args.command {
+        Some(Command::Check(check)) => check::check(&check, tables),
+        Some(Command::List { what }) => list::list(what, tables),
+        Some(Command::Schema(args)) => schema::schema(&args, tables),
+        None => render::render(&args.render, tables),
+    }
+}
+
+/// One line per fault on stderr, or one JSON object.
+fn report(error: &Error, json: bool) {
+    let mut stderr = std::io::stderr().lock();
+    if json {
+        let object = serde_json::json!({ "exit_code": error.exit_code(), "errors": error.faults() });
+        let _ = writeln!(stderr, "{object}");
+        return;
+    }
+    for line in error.to_string().lines() {
+        let _ = writeln!(stderr, "error: {line}");
+    }
+}
+
+/// What goes to stdout; that nobody reads it to the end is no error.
+fn say(text: &str) -> Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::io("stdout", error)),
+        _ => Ok(()),
+    }
+}
+
+/// One line on stderr.
+fn note(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}

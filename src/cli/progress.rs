@@ -1,0 +1,130 @@
+//! How far a render is, for a person at a terminal, for a log, or for a program.
+
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::args;
+use super::{note, signals};
+use crate::film::Film;
+use crate::render::Observer;
+
+/// Shows progress and passes interrupts on to the render.
+pub struct Progress {
+    style: Style,
+    start: Instant,
+    /// Camera samples, all pixels together.
+    total: u64,
+    /// Where time, not samples, ends the render.
+    limit: Option<Duration>,
+    done: AtomicU64,
+    /// Samples per pixel of the picture so far.
+    whole: AtomicU64,
+    pixels: u64,
+    last: Mutex<Instant>,
+}
+
+enum Style {
+    Bar(ProgressBar),
+    Lines(Duration),
+    Json(Duration),
+    Silent,
+}
+
+impl Progress {
+    pub fn new(choice: args::Progress, pixels: u64, spp: u64, limit: Option<Duration>) -> Progress {
+        let style = match choice {
+            args::Progress::Auto if std::io::stderr().is_terminal() => Style::Bar(bar()),
+            args::Progress::Auto => Style::Lines(Duration::from_secs(3)),
+            args::Progress::Bar => Style::Bar(bar()),
+            args::Progress::Json => Style::Json(Duration::from_millis(250)),
+            args::Progress::None => Style::Silent,
+        };
+        let (start, total) = (Instant::now(), pixels.saturating_mul(spp));
+        let progress = Progress { style, start, total, limit, done: 0.into(), whole: 0.into(), pixels, last: Mutex::new(start) };
+        if let Style::Bar(bar) = &progress.style {
+            bar.set_length(1000);
+        }
+        progress
+    }
+
+    /// Clears the bar.
+    pub fn finish(&self) {
+        match &self.style {
+            Style::Bar(bar) => bar.finish_and_clear(),
+            Style::Json(_) => note(&self.json()),
+            Style::Lines(_) | Style::Silent => {}
+        }
+    }
+
+    /// The share that is done, by samples or by time.
+    fn share(&self) -> f64 {
+        let by_samples = self.done.load(Ordering::Relaxed) as f64 / self.total.max(1) as f64;
+        let by_time = self.limit.map_or(0.0, |limit| self.start.elapsed().as_secs_f64() / limit.as_secs_f64());
+        by_samples.max(by_time).min(1.0)
+    }
+
+    fn remaining(&self) -> Option<f64> {
+        let share = self.share();
+        (share > 0.0).then(|| self.start.elapsed().as_secs_f64() * (1.0 - share) / share)
+    }
+
+    fn words(&self) -> String {
+        let spp = self.done.load(Ordering::Relaxed) as f64 / self.pixels.max(1) as f64;
+        let eta = self.remaining().map_or("?".into(), |s| format!("{s:.1} s"));
+        format!("{spp:.1} spp, {:.1} s elapsed, {eta} left", self.start.elapsed().as_secs_f64())
+    }
+
+    fn json(&self) -> String {
+        serde_json::json!({
+            "spp": self.whole.load(Ordering::Relaxed),
+            "camera_samples": self.done.load(Ordering::Relaxed),
+            "share": self.share(),
+            "elapsed": self.start.elapsed().as_secs_f64(),
+            "remaining": self.remaining(),
+        })
+        .to_string()
+    }
+
+    /// At most one thread, at most this often.
+    fn due(&self, every: Duration) -> bool {
+        let Ok(mut last) = self.last.try_lock() else { return false };
+        let due = last.elapsed() >= every;
+        if due {
+            *last = Instant::now();
+        }
+        due
+    }
+}
+
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr_with_hz(10));
+    let style = ProgressStyle::with_template("[{bar:32}] {msg}").unwrap_or(ProgressStyle::default_bar());
+    bar.with_style(style.progress_chars("=> "))
+}
+
+impl Observer for Progress {
+    fn tile_done(&self, camera_samples: u64) {
+        self.done.fetch_add(camera_samples, Ordering::Relaxed);
+        match &self.style {
+            Style::Bar(bar) if self.due(Duration::from_millis(100)) => {
+                bar.set_position((1000.0 * self.share()) as u64);
+                bar.set_message(self.words());
+            }
+            Style::Lines(every) if self.due(*every) => note(&format!("{:3.0} %  {}", 100.0 * self.share(), self.words())),
+            Style::Json(every) if self.due(*every) => note(&self.json()),
+            _ => {}
+        }
+    }
+
+    fn wave_done(&self, samples: u64, _: &dyn Film) {
+        self.whole.store(samples, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        signals::caught().is_some()
+    }
+}

@@ -1,0 +1,129 @@
+//! What a render took: the only place for clock and machine.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use serde_json::json;
+
+use super::args::Stats;
+use crate::camera::Camera;
+use crate::effects::Effects;
+use crate::light::Lights;
+use crate::math::Ray;
+use crate::primitive::Hit;
+use crate::render::Report;
+use crate::scene::{Scene, Surface};
+
+/// A scene that counts the rays it is asked about; in use only where they are to be reported.
+pub struct Counted {
+    scene: Arc<dyn Scene>,
+    /// One per thread, a cache line apart, so that counting is not sharing.
+    counts: Vec<Line>,
+}
+
+#[repr(align(128))]
+#[derive(Default)]
+struct Line {
+    nearest: AtomicU64,
+    shadow: AtomicU64,
+}
+
+impl Counted {
+    pub fn new(scene: Arc<dyn Scene>, threads: usize) -> Counted {
+        Counted { scene, counts: (0..threads + 1).map(|_| Line::default()).collect() }
+    }
+
+    /// Rays for the nearest hit, and shadow rays.
+    pub fn rays(&self) -> (u64, u64) {
+        let sum = |f: fn(&Line) -> &AtomicU64| self.counts.iter().map(|line| f(line).load(Ordering::Relaxed)).sum();
+        (sum(|line| &line.nearest), sum(|line| &line.shadow))
+    }
+
+    fn line(&self) -> &Line {
+        let thread = rayon::current_thread_index().map_or(0, |i| i + 1);
+        &self.counts[thread.min(self.counts.len() - 1)]
+    }
+}
+
+impl Scene for Counted {
+    fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.line().nearest.fetch_add(1, Ordering::Relaxed);
+        self.scene.intersect(ray)
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.line().shadow.fetch_add(1, Ordering::Relaxed);
+        self.scene.occluded(ray)
+    }
+
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        self.scene.surface(ray, hit)
+    }
+
+    fn lights(&self) -> &Lights {
+        self.scene.lights()
+    }
+
+    fn camera(&self) -> &Camera {
+        self.scene.camera()
+    }
+
+    fn effects(&self) -> Effects {
+        self.scene.effects()
+    }
+}
+
+/// What there is to tell.
+pub struct Account<'a> {
+    pub report: &'a Report,
+    pub pixels: u64,
+    pub primitives: u64,
+    pub rays: (u64, u64),
+    pub threads: usize,
+    /// Reading and building (s).
+    pub load: f64,
+}
+
+impl Account<'_> {
+    pub fn print(&self, format: Stats) -> String {
+        let seconds = self.report.elapsed.as_secs_f64();
+        let samples = self.report.samples * self.pixels;
+        let rays = self.rays.0 + self.rays.1;
+        match format {
+            Stats::Json => {
+                let object = json!({
+                    "version": env!("CARGO_PKG_VERSION"), "build": env!("PT_BUILD_ID"), "threads": self.threads,
+                    "load_seconds": self.load, "render_seconds": seconds, "spp": self.report.samples, "camera_samples": samples,
+                    "rays": self.rays.0, "shadow_rays": self.rays.1, "primitives": self.primitives,
+                    "invalid_samples": self.report.invalid, "camera_samples_per_second": samples as f64 / seconds,
+                    "rays_per_second": rays as f64 / seconds, "peak_memory_bytes": peak_memory(),
+                });
+                format!("{object}\n")
+            }
+            Stats::Text => {
+                let memory = peak_memory().map_or(String::new(), |bytes| format!("memory      {:.0} MB at most\n", bytes as f64 * 1e-6));
+                format!(
+                    "load        {:.2} s, {} primitives\nrender      {seconds:.2} s on {} threads\nsamples     {samples} ({:.2} M/s)\n\
+                     rays        {} and {} shadow rays ({:.2} M/s), {:.2} + {:.2} per sample\n{memory}invalid     {} samples\n",
+                    self.load,
+                    self.primitives,
+                    self.threads,
+                    samples as f64 / seconds * 1e-6,
+                    self.rays.0,
+                    self.rays.1,
+                    rays as f64 / seconds * 1e-6,
+                    self.rays.0 as f64 / samples.max(1) as f64,
+                    self.rays.1 as f64 / samples.max(1) as f64,
+                    self.report.invalid,
+                )
+            }
+        }
+    }
+}
+
+/// The most memory that the process held, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
+}

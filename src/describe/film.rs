@@ -1,0 +1,128 @@
+//! The film: the image's size, the part of it to render, the pixel filter.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::value::{Fraction, Positive, Side};
+use crate::reader::by_type;
+
+/// The image.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Film {
+    /// Pixels.
+    pub width: Side,
+    /// Pixels.
+    pub height: Side,
+    /// The part to render: `[x0, x1, y0, y1]` in pixels from the top left, x0 ≤ x < x1 and y0 ≤ y < y1.
+    /// Its pixels are those of the full image, bit for bit. Default: all of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crop: Option<[u32; 4]>,
+    /// The pixel filter.
+    pub filter: Filter,
+}
+
+/// How samples near a pixel contribute to it.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Filter {
+    Box(BoxFilter),
+    Tent(TentFilter),
+    Gaussian(GaussianFilter),
+    Mitchell(MitchellFilter),
+}
+
+by_type!(Filter { Box(BoxFilter), Tent(TentFilter), Gaussian(GaussianFilter), Mitchell(MitchellFilter) });
+
+/// The mean over the pixel, if the radius is ½.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct BoxFilter {
+    /// Half the filter's width and height, in pixels.
+    pub radius: Positive,
+}
+
+/// Falls linearly to 0.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TentFilter {
+    /// Half the filter's width and height, in pixels.
+    pub radius: Positive,
+}
+
+/// A bell curve, lowered so that it reaches 0 at its radius.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct GaussianFilter {
+    /// Half the filter's width and height, in pixels.
+    pub radius: Positive,
+    /// Standard deviation, in pixels.
+    pub sigma: Positive,
+}
+
+/// The cubic of Mitchell and Netravali: sharp, with slight negative lobes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct MitchellFilter {
+    /// Half the filter's width and height, in pixels.
+    pub radius: Positive,
+    /// Blur.
+    pub b: Fraction,
+    /// Ringing.
+    pub c: Fraction,
+}
+
+impl Default for Film {
+    fn default() -> Film {
+        Film { width: Side::known(512), height: Side::known(512), crop: None, filter: Filter::Box(BoxFilter::default()) }
+    }
+}
+
+impl Default for BoxFilter {
+    fn default() -> BoxFilter {
+        BoxFilter { radius: Positive::known(0.5) }
+    }
+}
+
+impl Default for TentFilter {
+    fn default() -> TentFilter {
+        TentFilter { radius: Positive::known(1.0) }
+    }
+}
+
+impl Default for GaussianFilter {
+    fn default() -> GaussianFilter {
+        GaussianFilter { radius: Positive::known(1.5), sigma: Positive::known(0.5) }
+    }
+}
+
+impl Default for MitchellFilter {
+    fn default() -> MitchellFilter {
+        MitchellFilter { radius: Positive::known(2.0), b: Fraction::known(1.0 / 3.0), c: Fraction::known(1.0 / 3.0) }
+    }
+}
+
+/// What the film needs for a pixel: 48 bytes of moments, in the block of this wave, in two that wait for
+/// their siblings, and in the total.
+const BYTES_PER_PIXEL: u128 = 4 * 48;
+/// More than this is surely a slip of the keyboard.
+const MOST_BYTES: u128 = 16 << 30;
+
+impl Film {
+    /// The part to render, `[x0, x1, y0, y1]`.
+    pub fn bounds(&self) -> [u32; 4] {
+        self.crop.unwrap_or([0, self.width.get(), 0, self.height.get()])
+    }
+
+    /// # Errors
+    /// In words: an image that no memory holds.
+    pub(super) fn check_memory(&self) -> Result<(), String> {
+        let [x0, x1, y0, y1] = self.bounds().map(u128::from);
+        let bytes = (x1 - x0) * (y1 - y0) * BYTES_PER_PIXEL;
+        let gibibytes = |bytes: u128| bytes.div_ceil(1 << 30);
+        match bytes > MOST_BYTES {
+            true => Err(format!("the image needs {} GiB, the limit is {}", gibibytes(bytes), gibibytes(MOST_BYTES))),
+            false => Ok(()),
+        }
+    }
+}

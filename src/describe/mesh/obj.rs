@@ -1,0 +1,81 @@
+//! Wavefront OBJ: the text goes through our check to tobj, which makes the triangles.
+//!
+//! Read: `v`, `vt`, `vn`, `f` (polygons as fans, right for convex ones), `g`, `o`, `usemtl`; `mtllib` is only looked
+//! for. Materials come from the scene, so that nothing of a library is used.
+
+use std::io::{BufRead, Seek};
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+
+use super::obj_check::Checked;
+use super::{Found, invalid};
+use crate::shape::mesh_data::MeshData;
+use crate::{Error, Result};
+
+/// Reads an OBJ file; `beside` is the folder in which its libraries lie.
+///
+/// # Errors
+/// [`Error::Invalid`] with up to 20 faults, each with its line; [`Error::Io`].
+pub(super) fn read(mut source: impl BufRead + Seek, beside: Option<&Path>, name: &str) -> Result<Found> {
+    let mut text = Checked::new(&mut source, name, false);
+    let mut mesh = triangles(&mut text, name)?;
+    if text.is_mixed() {
+        drop(mesh);
+        source.rewind().map_err(|e| Error::io(name, e))?;
+        text = Checked::new(&mut source, name, true);
+        mesh = triangles(&mut text, name)?;
+        // What no face has was padding only.
+        if text.faces_with[0] == 0 {
+            mesh.uvs = Vec::new();
+        }
+    }
+    let mut warnings = Vec::new();
+    let ignored: Vec<_> = text.ignored.iter().map(|(keyword, count)| format!("{keyword} ({count})")).collect();
+    if !ignored.is_empty() {
+        warnings.push(format!("{name}: ignored statements: {}", ignored.join(", ")));
+    }
+    for (line, library) in text.libraries {
+        if beside.is_some_and(|folder| !is_there(folder, &library)) {
+            warnings.push(format!("{name}:{line}: material library {library} not found (not needed: the scene gives materials)"));
+        }
+    }
+    Ok(Found { mesh: MeshData { parts: text.parts, ..mesh }, warnings, directionless: text.directionless })
+}
+
+/// `library` is one file whose name may contain spaces, or several between spaces.
+fn is_there(folder: &Path, library: &str) -> bool {
+    folder.join(library).exists() || library.split_whitespace().all(|file| folder.join(file).exists())
+}
+
+/// Lets tobj read the checked text: one model, since names and groups do not pass.
+fn triangles(text: &mut Checked<impl BufRead>, name: &str) -> Result<MeshData> {
+    let read = tobj::load_obj_buf(text, &tobj::GPU_LOAD_OPTIONS, |_| Err(tobj::LoadError::GenericFailure));
+    if let Some(error) = text.failure.take() {
+        return Err(Error::io(name, error));
+    }
+    if !text.faults.is_empty() {
+        return Err(Error::Invalid(std::mem::take(&mut text.faults)));
+    }
+    if text.faces == 0 {
+        return Err(invalid(name, "no faces"));
+    }
+    let disagreement = |how: String| Error::Internal(format!("{name}: tobj {how}"));
+    let (mut models, _) = read.map_err(|e| disagreement(format!("refused what the check passed: {e}")))?;
+    let tobj::Mesh { positions, normals, texcoords, indices, .. } = models.pop().map(|model| model.mesh).unwrap_or_default();
+    let mesh = MeshData {
+        positions: triples(&positions).map(Vec3::from).collect(),
+        normals: triples(&normals).map(Vec3::from).collect(),
+        uvs: texcoords.as_chunks().0.iter().copied().map(Vec2::from).collect(),
+        triangles: triples(&indices).collect(),
+        parts: Vec::new(),
+    };
+    if mesh.triangles.len() as u64 != text.triangles {
+        return Err(disagreement(format!("made {} triangles of {}", mesh.triangles.len(), text.triangles)));
+    }
+    Ok(mesh)
+}
+
+fn triples<T: Copy>(flat: &[T]) -> impl Iterator<Item = [T; 3]> {
+    flat.as_chunks().0.iter().copied()
+}

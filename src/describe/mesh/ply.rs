@@ -1,0 +1,273 @@
+//! PLY: ascii and binary, of either byte order, through ply-rs-bw.
+//!
+//! Read: `vertex` with x y z, [nx ny nz], [u v | s t | texture_u texture_v]; `face` with a list `vertex_indices` or
+//! `vertex_index` (polygons as fans, right for convex ones). Elements are counted from 0, as their indices are.
+
+use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
+
+use glam::{Vec2, Vec3};
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
+
+use super::ply_row::{Row, is_indices, slots};
+use super::{Found, invalid};
+use crate::shape::mesh_data::Part;
+use crate::{Error, Fault, Result};
+
+/// A header longer than this is no header.
+const MAX_HEADER: u64 = 1 << 20;
+
+/// Reads a PLY file.
+///
+/// # Errors
+/// [`Error::Invalid`] with the line (ascii) or the element's number; [`Error::Limit`] beyond 2³² − 1 elements;
+/// [`Error::Io`]. A header that promises more than the file can hold is refused before anything is allocated for it.
+pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found> {
+    let size = source.seek(SeekFrom::End(0)).and_then(|size| source.rewind().map(|()| size)).map_err(|e| Error::io(name, e))?;
+    let text = header_text(&mut source, name)?;
+    let header = header(&text, name)?;
+    check_header(&header, size.saturating_sub(text.len() as u64), name)?;
+    let line = text.iter().filter(|&&b| b == b'\n').count();
+    let mut body = Body { source, name, encoding: header.encoding, line, row_text: Vec::new(), parser: Parser::new() };
+    let mut found = Found::default();
+    for element in header.elements.values() {
+        match element.name.as_str() {
+            "vertex" => body.read_vertices(element, &mut found)?,
+            "face" => body.read_faces(element, header.elements["vertex"].count, &mut found)?,
+            _ => body.read_rows(element, |_| Ok(()))?,
+        }
+    }
+    if found.mesh.triangles.is_empty() {
+        return Err(invalid(name, "no faces"));
+    }
+    let end = u32::try_from(found.mesh.triangles.len()).map_err(|_| Error::Limit(Fault::new("more than 2^32 triangles").in_file(name)))?;
+    found.mesh.parts = vec![Part { triangles: 0..end, ..Part::default() }];
+    if body.has_more().map_err(|e| Error::io(name, e))? {
+        found.warnings.push(format!("{name}: data after the last element ignored"));
+    }
+    Ok(found)
+}
+
+/// The bytes up to and with the line `end_header`.
+fn header_text(source: &mut impl BufRead, name: &str) -> Result<Vec<u8>> {
+    let mut text = Vec::new();
+    let mut source = source.take(MAX_HEADER);
+    loop {
+        let start = text.len();
+        if source.read_until(b'\n', &mut text).map_err(|e| Error::io(name, e))? == 0 {
+            return Err(invalid(name, "the header has no line \"end_header\""));
+        }
+        if text[start..].trim_ascii() == b"end_header" {
+            return Ok(text);
+        }
+    }
+}
+
+/// Parses the header; names that come twice are refused, because ply-rs-bw would keep the last and lose its place.
+fn header(text: &[u8], name: &str) -> Result<Header> {
+    let text = String::from_utf8_lossy(text);
+    let fault = |line: usize, message: String| Error::invalid(Fault::new(message).in_file(name).at_line(line));
+    let mut seen: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (line, words) in text.lines().enumerate().map(|(i, line)| (i + 1, line.split_ascii_whitespace().collect::<Vec<_>>())) {
+        let twice = match words[..] {
+            ["element", element, ..] => {
+                let twice = seen.iter().any(|known| known.0 == element);
+                seen.push((element, Vec::new()));
+                twice
+            }
+            ["property", .., property] => seen.last_mut().is_some_and(|(_, known)| {
+                let twice = known.contains(&property);
+                known.push(property);
+                twice
+            }),
+            _ => false,
+        };
+        if twice {
+            return Err(fault(line, format!("{} {} comes twice", words[0], words[words.len() - 1])));
+        }
+    }
+    let parsed = Parser::<Row>::new().read_header(&mut Reader::new(text.as_bytes()));
+    parsed.map_err(|e| match e.line() {
+        Some(line) => fault(line, format!("not a PLY header line: {}", text.lines().nth(line - 1).unwrap_or_default().trim_end())),
+        None => invalid(name, sentence(&e)),
+    })
+}
+
+/// The elements and properties that a mesh needs are there, and the counts are possible in `size` bytes.
+fn check_header(header: &Header, size: u64, name: &str) -> Result<()> {
+    for element in ["vertex", "face"] {
+        let count = header.elements.get(element).ok_or_else(|| invalid(name, format!("no element {element}")))?.count;
+        if u32::try_from(count).is_err() {
+            return Err(Error::Limit(Fault::new(format!("{count} {element} elements, at most 2^32 - 1 are possible")).in_file(name)));
+        }
+    }
+    let missing = slots(&header.elements["vertex"]).into_iter().zip(["x", "y", "z"]).find(|(has, _)| !has);
+    if let Some((_, axis)) = missing {
+        return Err(invalid(name, format!("vertex has no property {axis}")));
+    }
+    let is_index_list = |(name, property): (&String, &ply_rs_bw::ply::PropertyDef)| {
+        is_indices(name) && matches!(&property.data_type, PropertyType::List(_, item) if is_integer(item))
+    };
+    if header.elements["face"].properties.iter().filter(|&p| is_index_list(p)).count() != 1 {
+        return Err(invalid(name, "face needs one integer list vertex_indices (or vertex_index)"));
+    }
+    let mut least = 0;
+    for element in header.elements.values() {
+        least += element.count as u128 * smallest_row(element, header.encoding, name)?;
+    }
+    // The last ascii value needs no separator.
+    if least > u128::from(size) + u128::from(header.encoding == Encoding::Ascii) {
+        let promised: Vec<_> = header.elements.values().map(|e| format!("{} {}", e.count, e.name)).collect();
+        let message = format!("the header promises {} elements, at least {least} bytes, but {size} follow", promised.join(", "));
+        return Err(invalid(name, message));
+    }
+    Ok(())
+}
+
+/// The bytes that an element takes at least: empty lists, and in ascii one digit and one separator a value.
+fn smallest_row(element: &ElementDef, encoding: Encoding, name: &str) -> Result<u128> {
+    if element.properties.is_empty() && element.count > 0 {
+        return Err(invalid(name, format!("element {} has no properties", element.name)));
+    }
+    let mut bytes = 0;
+    for (property, definition) in &element.properties {
+        let scalar = match &definition.data_type {
+            PropertyType::List(count, _) if !is_integer(count) => {
+                return Err(invalid(name, format!("the length of list {property} is no integer")));
+            }
+            PropertyType::List(scalar, _) | PropertyType::Scalar(scalar) => scalar,
+        };
+        bytes += if encoding == Encoding::Ascii { 2 } else { size_of_scalar(scalar) };
+    }
+    Ok(bytes)
+}
+
+fn is_integer(scalar: &ScalarType) -> bool {
+    !matches!(scalar, ScalarType::Float | ScalarType::Double)
+}
+
+fn size_of_scalar(scalar: &ScalarType) -> u128 {
+    match scalar {
+        ScalarType::Char | ScalarType::UChar => 1,
+        ScalarType::Short | ScalarType::UShort => 2,
+        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
+        ScalarType::Double => 8,
+    }
+}
+
+/// What comes after the header, read row by row.
+struct Body<'a, R> {
+    source: R,
+    name: &'a str,
+    encoding: Encoding,
+    /// The line last read (ascii).
+    line: usize,
+    row_text: Vec<u8>,
+    parser: Parser<Row>,
+}
+
+impl<R: BufRead> Body<'_, R> {
+    fn read_vertices(&mut self, element: &ElementDef, found: &mut Found) -> Result<()> {
+        let has = slots(element);
+        let (has_normals, has_uvs) = (has[3..6] == [true; 3], has[6..] == [true; 2]);
+        found.mesh.positions.reserve_exact(element.count);
+        self.read_rows(element, |row| {
+            let used = row.numbers.iter().zip(["x", "y", "z", "nx", "ny", "nz", "u", "v"]).enumerate();
+            // Normals are forgiven: see `directionless`.
+            let mut wrong = used.filter(|(i, (number, _))| !number.is_finite() && (*i < 3 || (*i > 5 && has_uvs)));
+            if let Some((_, (number, slot))) = wrong.next() {
+                return Err(format!("{slot} is not a finite f32 ({number})"));
+            }
+            found.mesh.positions.push(Vec3::from(row.position()));
+            if has_uvs {
+                found.mesh.uvs.push(Vec2::from(row.uv()));
+            }
+            if has_normals {
+                let normal = Vec3::from(row.normal());
+                let has_direction = normal.is_finite() && normal != Vec3::ZERO;
+                found.directionless += usize::from(!has_direction);
+                found.mesh.normals.push(if has_direction { normal } else { Vec3::ZERO });
+            }
+            Ok(())
+        })
+    }
+
+    /// n corners make a fan of n − 2 triangles.
+    fn read_faces(&mut self, element: &ElementDef, vertices: usize, found: &mut Found) -> Result<()> {
+        let triangles = &mut found.mesh.triangles;
+        triangles.reserve_exact(element.count);
+        self.read_rows(element, |row| {
+            if let Some(index) = row.indices().find(|&i| !usize::try_from(i).is_ok_and(|i| i < vertices)) {
+                return Err(format!("vertex index {index}, but there are {vertices} vertices"));
+            }
+            let mut corners = row.indices().map(|i| i as u32);
+            let (count, first, second) = (corners.len(), corners.next(), corners.next());
+            let (Some(first), Some(mut previous), true) = (first, second, count > 2) else {
+                return Err(format!("{count} corners, at least 3 are needed"));
+            };
+            for corner in corners {
+                triangles.push([first, previous, corner]);
+                previous = corner;
+            }
+            Ok(())
+        })
+    }
+
+    /// Gives each row of an element to `take`, whose complaint gets the place.
+    fn read_rows(&mut self, element: &ElementDef, mut take: impl FnMut(Row) -> Result<(), String>) -> Result<()> {
+        for i in 0..element.count {
+            let row = match self.encoding {
+                Encoding::Ascii => self.read_line(element, i)?,
+                Encoding::BinaryLittleEndian => {
+                    self.parser.read_little_endian_element(&mut self.source, element).map_err(|e| self.binary_error(e, element, i))?
+                }
+                Encoding::BinaryBigEndian => {
+                    self.parser.read_big_endian_element(&mut self.source, element).map_err(|e| self.binary_error(e, element, i))?
+                }
+            };
+            take(row).map_err(|message| self.fault(element, i, message))?;
+        }
+        Ok(())
+    }
+
+    /// The next line that is not blank.
+    fn read_line(&mut self, element: &ElementDef, i: usize) -> Result<Row> {
+        loop {
+            self.row_text.clear();
+            self.line += 1;
+            if self.source.read_until(b'\n', &mut self.row_text).map_err(|e| Error::io(self.name, e))? == 0 {
+                return Err(invalid(self.name, format!("the file ends after {i} of {} {} elements", element.count, element.name)));
+            }
+            if !self.row_text.trim_ascii().is_empty() {
+                break;
+            }
+        }
+        let line = String::from_utf8_lossy(&self.row_text);
+        Row::from_line(&line, element).map_err(|message| self.fault(element, i, message))
+    }
+
+    fn binary_error(&self, error: ParseError, element: &ElementDef, i: usize) -> Error {
+        match error.kind() {
+            ErrorKind::UnexpectedEof => {
+                invalid(self.name, format!("the file ends within {} {i}, {} were promised", element.name, element.count))
+            }
+            ErrorKind::InvalidInput | ErrorKind::InvalidData => self.fault(element, i, sentence(&error)),
+            _ => Error::io(self.name, error.into()),
+        }
+    }
+
+    fn fault(&self, element: &ElementDef, i: usize, message: String) -> Error {
+        let fault = Fault::new(format!("{} {i}: {message}", element.name)).in_file(self.name);
+        Error::invalid(if self.encoding == Encoding::Ascii { fault.at_line(self.line) } else { fault })
+    }
+
+    fn has_more(&mut self) -> io::Result<bool> {
+        let rest = self.source.fill_buf()?;
+        Ok(if self.encoding == Encoding::Ascii { !rest.trim_ascii().is_empty() } else { !rest.is_empty() })
+    }
+}
+
+/// The first line of the parser's message, which may have several.
+fn sentence(error: &ParseError) -> String {
+    error.to_string().lines().next().unwrap_or_default().trim_end_matches('.').to_lowercase()
+}

@@ -1,0 +1,109 @@
+//! One element of a PLY file: a vertex or a face, whichever the header describes.
+
+use ply_rs_bw::ply::{BeginList, ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType};
+
+/// The numbers that a vertex can have, with the names they go by.
+const SLOTS: [&[&str]; 8] = [&["x"], &["y"], &["z"], &["nx"], &["ny"], &["nz"], &["u", "s", "texture_u"], &["v", "t", "texture_v"]];
+
+/// What a row keeps; everything else (colours, confidence) is read over.
+#[derive(Default)]
+pub struct Row {
+    /// In the order of the slots: position, normal, texture coordinates.
+    pub numbers: [f32; 8],
+    signed: Vec<i32>,
+    unsigned: Vec<u32>,
+}
+
+impl Row {
+    pub fn position(&self) -> [f32; 3] {
+        [self.numbers[0], self.numbers[1], self.numbers[2]]
+    }
+
+    pub fn normal(&self) -> [f32; 3] {
+        [self.numbers[3], self.numbers[4], self.numbers[5]]
+    }
+
+    pub fn uv(&self) -> [f32; 2] {
+        [self.numbers[6], self.numbers[7]]
+    }
+
+    /// The corners of a face.
+    pub fn indices(&self) -> impl ExactSizeIterator<Item = i64> {
+        // One of the two is empty, but an exact size needs one iterator.
+        let count = self.signed.len() + self.unsigned.len();
+        (0..count).map(|i| self.unsigned.get(i).map_or_else(|| i64::from(self.signed[i]), |&index| i64::from(index)))
+    }
+
+    /// Reads the line of an ascii element. Ours, because ply-rs-bw refuses `.5` and `1.`, and says no property.
+    pub fn from_line(line: &str, element: &ElementDef) -> Result<Row, String> {
+        let mut row = Row::default();
+        let mut words = line.split_ascii_whitespace();
+        for (name, property) in &element.properties {
+            let word = words.next().ok_or_else(|| format!("{name} is missing"))?;
+            let expected = |what: &str| format!("{name}: expected {what}, found {}", word.chars().take(40).collect::<String>());
+            match property.data_type {
+                PropertyType::Scalar(_) => {
+                    let value = word.parse().map_err(|_| expected("a number"))?;
+                    slot(name).into_iter().for_each(|i| row.numbers[i] = value);
+                }
+                PropertyType::List(..) => {
+                    let count: usize = word.parse().map_err(|_| expected("a count"))?;
+                    for i in 0..count {
+                        let word = words.next().ok_or_else(|| format!("{name}: {count} values promised, only {i} there"))?;
+                        if is_indices(name) {
+                            row.unsigned.push(word.parse().map_err(|_| format!("{name}: expected a vertex index, found {word}"))?);
+                        }
+                    }
+                }
+            }
+        }
+        match words.next() {
+            None => Ok(row),
+            Some(_) => Err("more values than the header names".to_string()),
+        }
+    }
+}
+
+/// Which slots the element's properties fill.
+pub fn slots(element: &ElementDef) -> [bool; 8] {
+    let has = |name: &&str| matches!(element.properties.get(*name).map(|p| &p.data_type), Some(PropertyType::Scalar(_)));
+    SLOTS.map(|names| names.iter().any(has))
+}
+
+pub fn is_indices(name: &str) -> bool {
+    matches!(name, "vertex_indices" | "vertex_index")
+}
+
+fn slot(name: &str) -> Option<usize> {
+    SLOTS.iter().position(|names| names.contains(&name))
+}
+
+impl PropertyAccess for Row {
+    fn new() -> Row {
+        Row::default()
+    }
+
+    fn set_property(&mut self, name: &str, value: Property) -> PropertyAccessResult {
+        if let (Some(slot), Some(number)) = (slot(name), value.to_f32_lossy()) {
+            self.numbers[slot] = number;
+            return PropertyAccessResult::Set;
+        }
+        match value {
+            _ if !is_indices(name) => return PropertyAccessResult::Ignored,
+            Property::ListChar(list) => self.signed = list.into_iter().map(i32::from).collect(),
+            Property::ListShort(list) => self.signed = list.into_iter().map(i32::from).collect(),
+            Property::ListUChar(list) => self.unsigned = list.into_iter().map(u32::from).collect(),
+            Property::ListUShort(list) => self.unsigned = list.into_iter().map(u32::from).collect(),
+            _ => return PropertyAccessResult::UnsupportedType,
+        }
+        PropertyAccessResult::Set
+    }
+
+    fn begin_list_int(&mut self, name: &str, _: usize) -> BeginList<'_, i32> {
+        if is_indices(name) { BeginList::Fill(&mut self.signed) } else { BeginList::UseSetter }
+    }
+
+    fn begin_list_uint(&mut self, name: &str, _: usize) -> BeginList<'_, u32> {
+        if is_indices(name) { BeginList::Fill(&mut self.unsigned) } else { BeginList::UseSetter }
+    }
+}

@@ -1,0 +1,44 @@
+//! pt's scene format as types: what a scene file says, before anything is built from it.
+//!
+//! Each type is read ([`read()`]), written (`Serialize`) and documented ([`schema()`]) from one
+//! definition; its doc comments are the reference in `docs/scene-format.md`. Values keep the
+//! numbers of the file; nothing here knows how they are rendered.
+//!
+//! To add a shape (a light, a texture, a material): a struct in its family's file, a variant in
+//! the family's enum and in its `by_type!`, then
+//! `PT_BLESS=1 cargo test --test it scene_format` for the page, and an example in `tests/it/everything.json`.
+
+mod build;
+mod camera;
+mod check;
+mod color;
+mod cycles;
+mod film;
+mod light;
+mod material;
+pub mod mesh;
+mod read;
+mod reference;
+mod sampler;
+mod scene;
+mod schema;
+mod shape;
+mod texture;
+mod transform;
+mod value;
+
+pub use build::{Built, Source, build};
+pub use camera::*;
+pub use color::*;
+pub use film::*;
+pub use light::*;
+pub use material::*;
+pub use read::*;
+pub use reference::reference;
+pub use sampler::*;
+pub use scene::*;
+pub use schema::{members, schema};
+pub use shape::*;
+pub use texture::*;
+pub use transform::*;
+pub use value::*;

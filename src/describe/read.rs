@@ -1,0 +1,69 @@
+//! From text to a checked scene.
+
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+
+use super::check::check;
+use super::scene::{Integrator, Scene};
+use crate::reader::{self, Faults, Node, UnknownKeys};
+use crate::{Error, Fault, Result};
+
+/// Reads a scene, whose file messages call `file`.
+///
+/// # Errors
+/// `Invalid`: all that is wrong with it, at most [`MAX_FAULTS`](crate::MAX_FAULTS); `Limit`: an image that no memory holds.
+pub fn parse(bytes: &[u8], file: &str) -> Result<Scene> {
+    read(&root(bytes, file)?, file)
+}
+
+/// The tree of the scene file at `path`, or of standard input if that is `-`, for [`Node::set`] before [`read`].
+///
+/// # Errors
+/// As [`root`]; `Io`; `Invalid` for what is missing or not a regular file: a pipe could block for ever, a device never end.
+pub fn load(path: &Path) -> Result<Node> {
+    let mut bytes = vec![];
+    if path == Path::new("-") {
+        std::io::stdin().read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    } else {
+        let refuse = |message: &str| Error::invalid(Fault::new(message).in_file(path));
+        let metadata = std::fs::metadata(path).map_err(|e| match e.kind() {
+            ErrorKind::NotFound => refuse("no such file"),
+            _ => Error::io(path, e),
+        })?;
+        if !metadata.is_file() {
+            return Err(refuse("not a regular file"));
+        }
+        bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    }
+    root(&bytes, &name(path))
+}
+
+/// What messages call the scene file at `path`.
+pub fn name(path: &Path) -> String {
+    if path == Path::new("-") { "stdin".into() } else { path.display().to_string() }
+}
+
+/// The tree of a scene file, for [`Node::set`] before [`read`].
+///
+/// # Errors
+/// `Invalid`: text that is not JSON.
+pub fn root(bytes: &[u8], file: &str) -> Result<Node> {
+    reader::parse(bytes).map_err(|fault| Error::invalid(fault.in_file(file)))
+}
+
+/// Reads a scene from its tree.
+///
+/// # Errors
+/// As [`parse`]; `Usage` where all faults lie in values given with `-D`.
+pub fn read(root: &Node, file: &str) -> Result<Scene> {
+    let faults = Faults::default();
+    let mut scene: Option<Scene> = reader::read(root, "", UnknownKeys::Refuse, &faults);
+    if let Some(scene) = &mut scene {
+        scene.integrator = Integrator(root.child("integrator").cloned());
+        check(scene, root, &faults);
+    }
+    faults.into_result(file)?;
+    let scene = scene.ok_or_else(|| Error::Internal(format!("{file}: no scene and no fault")))?;
+    scene.film.check_memory().map_err(|message| Error::Limit(reader::locate(root, file, "/film", message)))?;
+    Ok(scene)
+}

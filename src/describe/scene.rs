@@ -1,0 +1,93 @@
+//! The scene: the file as a whole.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Deserializer, Serialize};
+
+use super::camera::Camera;
+use super::color::Color;
+use super::film::Film;
+use super::light::Light;
+use super::material::Material;
+use super::sampler::Sampler;
+use super::shape::Shape;
+use super::texture::Texture;
+use super::value::{Radiometric, Version};
+use crate::reader::Node;
+
+/// A scene of pt.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// The version of this format.
+    pub pt: Version,
+    /// Where the scene is seen from.
+    pub camera: Camera,
+    /// The image and its pixels.
+    #[serde(default)]
+    pub film: Film,
+    /// How many samples are taken, and how they are spread.
+    #[serde(default)]
+    pub sampler: Sampler,
+    /// The integrator: its `type` and its own options, as `pt list integrators` shows them.
+    #[serde(default, skip_serializing_if = "Integrator::is_default")]
+    pub integrator: Integrator,
+    /// Materials by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub materials: BTreeMap<String, Material>,
+    /// Textures by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub textures: BTreeMap<String, Texture>,
+    /// What there is to see.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shapes: Vec<Shape>,
+    /// Lights without a surface; shapes shine by their `emission`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub lights: Vec<Light>,
+    /// What rays see that hit nothing. Default: nothing, black.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub background: Option<Background>,
+}
+
+/// Light from infinitely far, from all directions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Background {
+    /// W·m⁻²·sr⁻¹, the same from every direction.
+    pub radiance: Color<Radiometric>,
+}
+
+/// The integrator's part of the file, unread: only the integrator knows its options.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Integrator(pub Option<Node>);
+
+impl Integrator {
+    pub fn is_default(&self) -> bool {
+        self.0.is_none()
+    }
+}
+
+/// [`read`](super::read()) puts the node here, which has its positions; serde could only bring its values.
+impl<'de> Deserialize<'de> for Integrator {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Integrator, D::Error> {
+        IgnoredAny::deserialize(d).map(|_| Integrator(None))
+    }
+}
+
+impl JsonSchema for Integrator {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Integrator".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({
+            "description": "How light transport is simulated. Further keys are options of the integrator that `type` names.",
+            "type": "object",
+            "properties": { "type": { "type": "string", "description": "The name of an integrator." } },
+            "required": ["type"],
+        })
+    }
+}

@@ -1,0 +1,228 @@
+//! Shapes: what there is to see.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::color::Color;
+use super::material::MaterialRef;
+use super::transform::Transform;
+use super::value::{Point, Positive, Radiometric, Real, Vector};
+use crate::reader::{by_kind, by_type};
+
+/// What there is to see.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Shape {
+    Mesh(Mesh),
+    Sphere(Sphere),
+    Quad(Quad),
+    Disk(Disk),
+    Group(Group),
+}
+
+by_type!(Shape { Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Group(Group) });
+
+/// Defines a struct whose last keys are those that all shapes but groups share. (serde's `flatten` would lose the positions.)
+macro_rules! surface {
+    ($(#[$meta:meta])* pub struct $name:ident { $($own:tt)* }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            $($own)*
+            /// What the shape is called in messages and statistics.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub name: Option<String>,
+            /// How it reflects and transmits. Default: diffuse of albedo 0.5.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub material: Option<MaterialRef>,
+            /// Makes the shape a light.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub emission: Option<Emission>,
+            /// Places it: steps applied in listed order.
+            #[serde(default, skip_serializing_if = "Transform::is_identity")]
+            pub transform: Transform,
+        }
+    };
+}
+
+surface! {
+    /// Triangles: from a file, or `positions` and `triangles` given here.
+    pub struct Mesh {
+        /// An .obj or .ply file; a relative path starts from the scene file's folder.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub file: Option<String>,
+        /// The file's own material names (OBJ: `usemtl`) and the materials they stand for; other faces have `material`.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+        pub materials: BTreeMap<String, MaterialRef>,
+        /// Vertices.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub positions: Option<Vec<Point>>,
+        /// Three vertices each, counted from 0, counter-clockwise seen from the front.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub triangles: Option<Vec<[u32; 3]>>,
+        /// One shading normal for each vertex; without them the mesh is faceted.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub normals: Option<Vec<Vector>>,
+        /// Texture coordinates for each vertex.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub uvs: Option<Vec<[Real; 2]>>,
+    }
+}
+
+surface! {
+    /// A sphere; its normal points outwards.
+    pub struct Sphere {
+        /// Metres.
+        #[serde(default = "one")]
+        pub radius: Positive,
+        /// Metres.
+        #[serde(default = "origin")]
+        pub center: Point,
+    }
+}
+
+surface! {
+    /// A rectangle in the plane z = 0 about the origin; its normal is +z. Texture coordinates run from 0 to 1 along x and y.
+    pub struct Quad {
+        /// Full width and height, in metres: one number, or `[x, y]`.
+        #[serde(default = "unit_square")]
+        pub size: Size,
+    }
+}
+
+surface! {
+    /// A disk in the plane z = 0 about the origin; its normal is +z.
+    pub struct Disk {
+        /// Metres.
+        #[serde(default = "one")]
+        pub radius: Positive,
+    }
+}
+
+/// Shapes that are moved together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Group {
+    /// The shapes, placed by their own transforms first.
+    pub shapes: Vec<Shape>,
+    /// What the group is called in messages and statistics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Acts after the transforms of the shapes.
+    #[serde(default, skip_serializing_if = "Transform::is_identity")]
+    pub transform: Transform,
+}
+
+fn one() -> Positive {
+    Positive::known(1.0)
+}
+
+fn origin() -> Point {
+    Point([0.0; 3])
+}
+
+fn unit_square() -> Size {
+    Size::Square(one())
+}
+
+/// Full width and height: one number, or `[x, y]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub enum Size {
+    Square(Positive),
+    Sides([Positive; 2]),
+}
+
+by_kind!(Size { Number => Square(Positive), Array => Sides([Positive; 2]) });
+
+/// What a surface emits: its radiance, or an object with more to say.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(from = "EmissionForm")]
+pub struct Emission {
+    /// W·m⁻²·sr⁻¹, the same in every direction.
+    pub radiance: Color<Radiometric>,
+    /// Whether the back shines too; else only the side to which the normal points.
+    pub two_sided: bool,
+}
+
+/// The forms of an [`Emission`], by the kind of the JSON value.
+#[derive(Deserialize, JsonSchema)]
+#[serde(rename = "by kind", rename_all = "snake_case")]
+#[schemars(rename = "EmissionForm", untagged)]
+enum EmissionForm {
+    /// Radiance of the front, in W·m⁻²·sr⁻¹.
+    Number(Radiometric),
+    /// Radiance of the front, linear `[red, green, blue]`, in W·m⁻²·sr⁻¹.
+    Array([Radiometric; 3]),
+    Object(EmissionKeys),
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(inline)]
+struct EmissionKeys {
+    /// W·m⁻²·sr⁻¹, the same in every direction.
+    radiance: Color<Radiometric>,
+    /// Whether the back shines too; else only the side to which the normal points.
+    #[serde(default)]
+    two_sided: bool,
+}
+
+impl From<EmissionForm> for Emission {
+    fn from(form: EmissionForm) -> Emission {
+        let front = |radiance| Emission { radiance, two_sided: false };
+        match form {
+            EmissionForm::Number(gray) => front(Color::Gray(gray)),
+            EmissionForm::Array(rgb) => front(Color::Rgb(rgb)),
+            EmissionForm::Object(EmissionKeys { radiance, two_sided }) => Emission { radiance, two_sided },
+        }
+    }
+}
+
+impl Shape {
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Shape::Mesh(s) => s.name.as_deref(),
+            Shape::Sphere(s) => s.name.as_deref(),
+            Shape::Quad(s) => s.name.as_deref(),
+            Shape::Disk(s) => s.name.as_deref(),
+            Shape::Group(s) => s.name.as_deref(),
+        }
+    }
+
+    pub fn transform(&self) -> &Transform {
+        match self {
+            Shape::Mesh(s) => &s.transform,
+            Shape::Sphere(s) => &s.transform,
+            Shape::Quad(s) => &s.transform,
+            Shape::Disk(s) => &s.transform,
+            Shape::Group(s) => &s.transform,
+        }
+    }
+
+    /// `None` where none is given, and for groups.
+    pub fn material(&self) -> Option<&MaterialRef> {
+        match self {
+            Shape::Mesh(s) => s.material.as_ref(),
+            Shape::Sphere(s) => s.material.as_ref(),
+            Shape::Quad(s) => s.material.as_ref(),
+            Shape::Disk(s) => s.material.as_ref(),
+            Shape::Group(_) => None,
+        }
+    }
+
+    /// `None` where none is given, and for groups.
+    pub fn emission(&self) -> Option<&Emission> {
+        match self {
+            Shape::Mesh(s) => s.emission.as_ref(),
+            Shape::Sphere(s) => s.emission.as_ref(),
+            Shape::Quad(s) => s.emission.as_ref(),
+            Shape::Disk(s) => s.emission.as_ref(),
+            Shape::Group(_) => None,
+        }
+    }
+}

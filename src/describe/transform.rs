@@ -1,0 +1,189 @@
+//! Placing things: steps applied in listed order.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::value::{Direction, Point, Real, Vector};
+use crate::reader::by_kind;
+
+/// Steps applied in listed order: the first acts on the thing itself, the last in world space.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(inline)]
+pub struct Transform(pub Vec<Step>);
+
+impl Transform {
+    pub fn is_identity(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+/// One step of a transform: an object with exactly one key. Column vectors, right-handed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", try_from = "StepKeys")]
+#[schemars(!try_from)]
+pub enum Step {
+    /// Moves by `[x, y, z]` metres.
+    Translate(Vector),
+    /// Scales about the origin by one factor, or by `[x, y, z]`; negative factors mirror.
+    Scale(Scale),
+    /// Turns about an axis through the origin, counter-clockwise when the axis points at the viewer.
+    Rotate(Rotate),
+    /// Places and turns the thing as `look_at` does a camera: its −z axis points at `to`.
+    LookAt(LookAt),
+    /// 16 numbers, row by row; the last row is `0, 0, 0, 1`.
+    Matrix([Real; 16]),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StepKeys {
+    translate: Option<Vector>,
+    scale: Option<Scale>,
+    rotate: Option<Rotate>,
+    look_at: Option<LookAt>,
+    matrix: Option<[Real; 16]>,
+}
+
+impl TryFrom<StepKeys> for Step {
+    type Error = &'static str;
+
+    fn try_from(keys: StepKeys) -> Result<Step, &'static str> {
+        let StepKeys { translate, scale, rotate, look_at, matrix } = keys;
+        let mut steps = [
+            translate.map(Step::Translate),
+            scale.map(Step::Scale),
+            rotate.map(Step::Rotate),
+            look_at.map(Step::LookAt),
+            matrix.map(Step::Matrix),
+        ]
+        .into_iter()
+        .flatten();
+        match (steps.next(), steps.next()) {
+            (Some(step), None) => Ok(step),
+            _ => Err("expected exactly one of translate, scale, rotate, look_at, matrix in each step"),
+        }
+    }
+}
+
+/// One factor, or one for each axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub enum Scale {
+    Uniform(f64),
+    PerAxis([f64; 3]),
+}
+
+by_kind!(Scale { Number => Uniform(f64), Array => PerAxis([f64; 3]) });
+
+/// A turn about an axis through the origin.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rotate {
+    /// Of any length except 0.
+    pub axis: Direction,
+    /// The angle, in degrees.
+    pub degrees: Real,
+}
+
+/// A place and a view direction. The local −z axis points from `from` to `to`; +y is as near to `up` as can be.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LookAt {
+    /// Where the origin goes, in metres.
+    pub from: Point,
+    /// What −z points at, in metres.
+    pub to: Point,
+    /// Which way is up; not parallel to the view.
+    #[serde(default = "y_axis")]
+    pub up: Direction,
+}
+
+fn y_axis() -> Direction {
+    Direction([0.0, 1.0, 0.0])
+}
+
+impl Step {
+    /// The key that a file writes it with.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Step::Translate(_) => "translate",
+            Step::Scale(_) => "scale",
+            Step::Rotate(_) => "rotate",
+            Step::LookAt(_) => "look_at",
+            Step::Matrix(_) => "matrix",
+        }
+    }
+
+    /// # Errors
+    /// In words: a step that cannot be undone, or is none of an affine transform.
+    pub(super) fn check(&self) -> Result<(), String> {
+        match self {
+            Step::Translate(_) | Step::Rotate(_) => Ok(()),
+            Step::LookAt(look_at) => look_at.check(),
+            Step::Scale(Scale::Uniform(s)) => invertible([[*s, 0.0, 0.0], [0.0, *s, 0.0], [0.0, 0.0, *s]]),
+            Step::Scale(Scale::PerAxis([x, y, z])) => invertible([[*x, 0.0, 0.0], [0.0, *y, 0.0], [0.0, 0.0, *z]]),
+            Step::Matrix(m) => check_matrix(&m.map(Real::get)),
+        }
+    }
+}
+
+impl LookAt {
+    /// # Errors
+    /// In words: no view direction, or an `up` that does not say which way is up.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let [from, to] = [self.from.0, self.to.0];
+        let direction = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+        if length(direction) == 0.0 {
+            return Err("from and to are the same point".into());
+        }
+        if length(cross(unit(direction), unit(self.up.0))) <= PARALLEL {
+            return Err("up is parallel to the view direction".into());
+        }
+        Ok(())
+    }
+}
+
+/// What rounding can make of the sine of the angle between two parallel vectors.
+const PARALLEL: f64 = 4.0 * f64::EPSILON;
+
+fn check_matrix(m: &[f64; 16]) -> Result<(), String> {
+    let last_row = [m[12], m[13], m[14], m[15]];
+    if last_row != [0.0, 0.0, 0.0, 1.0] {
+        let [a, b, c, d] = last_row;
+        return Err(format!("the last row is {a}, {b}, {c}, {d}, expected 0, 0, 0, 1 (no projection)"));
+    }
+    invertible([[m[0], m[1], m[2]], [m[4], m[5], m[6]], [m[8], m[9], m[10]]])
+}
+
+/// Whether a 3 × 3 matrix (rows) can be undone, by rounding's own measure: |det| against what
+/// rounding can leave of a zero, ε times the product of the rows' lengths (Hadamard's bound of |det|).
+/// And whether volumes stay within what 32-bit floats hold.
+fn invertible(rows: [[f64; 3]; 3]) -> Result<(), String> {
+    let det = dot(rows[0], cross(rows[1], rows[2]));
+    let largest: f64 = rows.into_iter().map(length).product();
+    if det.abs() <= 8.0 * f64::EPSILON * largest {
+        return Err("the transform is singular: det 0".into());
+    }
+    let holdable = f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX);
+    if !holdable.contains(&det.abs()) {
+        return Err(format!("the transform's det {det:.1e} is more or less than a 32-bit float holds"));
+    }
+    Ok(())
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    dot(v, v).sqrt()
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    v.map(|x| x / length(v))
+}

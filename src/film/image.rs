@@ -1,0 +1,57 @@
+//! A picture as numbers: named f32 channels.
+
+use glam::UVec2;
+
+use super::{FilmSpec, Moments};
+
+/// Linear channels over the crop of a picture, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Of the whole picture.
+    pub full_size: UVec2,
+    /// Where in it this part begins.
+    pub origin: UVec2,
+    pub size: UVec2,
+    /// `R`, `G`, `B` first.
+    pub channels: Vec<Channel>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// As in EXR: `R`, `StdErr.R`, …
+    pub name: String,
+    pub values: Vec<f32>,
+}
+
+const RGB: [&str; 3] = ["R", "G", "B"];
+
+impl Image {
+    /// The mean; with `with_error` its standard error √(s²/n) too, where there are two samples.
+    pub fn from_moments(spec: &FilmSpec, moments: &[Moments], samples: u64, with_error: bool) -> Image {
+        let n = samples.max(1) as f64;
+        let channel =
+            |name: String, value: &dyn Fn(&Moments) -> f64| Channel { name, values: moments.iter().map(|m| value(m) as f32).collect() };
+        let mut channels: Vec<Channel> = vec![];
+        channels.extend((0..3).map(|c| channel(RGB[c].into(), &|m| m.sum[c] / n)));
+        if with_error && samples >= 2 {
+            let variance = |m: &Moments, c: usize| ((m.square[c] - m.sum[c] * m.sum[c] / n) / (n - 1.0)).max(0.0);
+            channels.extend((0..3).map(|c| channel(format!("StdErr.{}", RGB[c]), &|m| (variance(m, c) / n).sqrt())));
+        }
+        Image { full_size: spec.size, origin: spec.crop.min, size: spec.crop.size(), channels }
+    }
+
+    pub fn channel(&self, name: &str) -> Option<&[f32]> {
+        self.channels.iter().find(|c| c.name == name).map(|c| c.values.as_slice())
+    }
+
+    /// Red, green and blue of pixel (x, y) of this part; missing channels are 0.
+    pub fn rgb(&self, x: u32, y: u32) -> [f32; 3] {
+        let i = (y * self.size.x + x) as usize;
+        RGB.map(|name| self.channel(name).and_then(|values| values.get(i)).copied().unwrap_or(0.0))
+    }
+
+    pub fn pixels(&self) -> impl Iterator<Item = [f32; 3]> {
+        let [r, g, b] = RGB.map(|name| self.channel(name).unwrap_or(&[]));
+        r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b])
+    }
+}

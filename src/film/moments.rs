@@ -1,0 +1,71 @@
+//! Sums whose result depends on the samples alone, not on who added them up when.
+
+use crate::math::Spectrum;
+
+/// Σx and Σx² of some samples, per coefficient.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    pub sum: [f64; 3],
+    pub square: [f64; 3],
+}
+
+impl Moments {
+    pub fn of(sample: Spectrum) -> Moments {
+        let x = sample.to_rgb().map(|c| c as f64);
+        Moments { sum: x, square: x.map(|c| c * c) }
+    }
+
+    pub fn join(&self, other: &Moments) -> Moments {
+        let add = |a: [f64; 3], b: [f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        Moments { sum: add(self.sum, other.sum), square: add(self.square, other.square) }
+    }
+}
+
+/// Blocks of 2^level consecutive values, joined like the digits of a binary counter:
+///
+/// ```text
+/// level 2   [ 0  1  2  3 ]
+/// level 1   [ 0  1 ][ 2  3 ][ 4  5 ]
+/// level 0   [0] [1] [2] [3] [4] [5] [6]
+/// ```
+///
+/// Siblings join as soon as both are there. The joins, and so every rounding, follow from the
+/// number of values alone: any split into aligned blocks gives the same bits, and so does a
+/// running sum that pauses anywhere. It is also more accurate than one long sum.
+#[derive(Clone, Debug)]
+pub struct Tree<T> {
+    /// Levels fall from block to block.
+    blocks: Vec<(u32, T)>,
+}
+
+impl<T> Default for Tree<T> {
+    fn default() -> Tree<T> {
+        Tree { blocks: vec![] }
+    }
+}
+
+impl<T> Tree<T> {
+    pub fn clear(&mut self) {
+        self.blocks.clear();
+    }
+
+    /// The next 2^level values as one block.
+    pub fn push(&mut self, mut level: u32, mut block: T, join: impl Fn(&T, &T) -> T) {
+        while self.blocks.last().is_some_and(|last| last.0 == level) {
+            if let Some((_, sibling)) = self.blocks.pop() {
+                block = join(&sibling, &block);
+                level += 1;
+            }
+        }
+        self.blocks.push((level, block));
+    }
+
+    /// All of them, the shortest blocks first.
+    pub fn total(&self, join: impl Fn(&T, &T) -> T) -> Option<T>
+    where
+        T: Clone,
+    {
+        let (last, longer) = self.blocks.split_last()?;
+        Some(longer.iter().rev().fold(last.1.clone(), |sum, (_, block)| join(block, &sum)))
+    }
+}

@@ -1,0 +1,29 @@
+//! A physically based renderer whose integrators are plug-ins.
+
+extern crate self as pt;
+
+pub mod accel;
+pub mod bsdf;
+pub mod camera;
+pub mod cli;
+pub mod describe;
+pub mod effects;
+mod error;
+pub mod film;
+pub mod integrator;
+#[path = "../integrators/mod.rs"]
+pub mod integrators;
+pub mod light;
+pub mod math;
+pub mod measure;
+pub mod output;
+pub mod primitive;
+pub mod reader;
+pub mod render;
+pub mod sampler;
+pub mod scene;
+pub mod shape;
+pub mod texture;
+pub mod world;
+
+pub use error::{Error, Fault, MAX_FAULTS, Result};

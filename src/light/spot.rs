@@ -1,0 +1,69 @@
+//! A point light that shines into a cone.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec3, Vec3};
+
+use super::point::direction_and_square;
+use super::{Offer, Target};
+use crate::math::{Density, Spectrum, float};
+
+/// Full intensity within the inner cone, none beyond the outer, [`Falloff`] between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    pub position: DVec3,
+    /// Unit, away from the light.
+    pub axis: Vec3,
+    /// On the axis [W·sr⁻¹].
+    pub intensity: Spectrum,
+    /// f64: the cosines of narrow cones differ from 1 in digits that f32 lacks.
+    pub cos_inner: f64,
+    /// Below `cos_inner`, or equal to it for a hard edge.
+    pub cos_outer: f64,
+    pub falloff: Falloff,
+}
+
+/// From 0 at the outer to 1 at the inner cone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Falloff {
+    /// s²(3 − 2s), with s linear in the cosine.
+    #[default]
+    Smooth,
+    /// Linear in the angle.
+    Linear,
+}
+
+impl Spot {
+    pub(super) fn sample(&self, from: Vec3) -> Option<Offer> {
+        let (wi, d2) = direction_and_square(from, self.position.as_vec3())?;
+        let li = self.intensity * (self.falloff(-wi) / d2);
+        (!li.is_black()).then_some(Offer { wi, li, density: Density::Delta, target: Target::Free(self.position.as_vec3()) })
+    }
+
+    /// cos ∠(axis, w) = 1 − |axis − w|²/2 for unit vectors.
+    fn falloff(&self, w: Vec3) -> f32 {
+        let cos = 1.0 - 0.5 * (self.axis.as_dvec3() - w.as_dvec3()).length_squared();
+        if cos >= self.cos_inner {
+            return 1.0;
+        }
+        if cos <= self.cos_outer {
+            return 0.0;
+        }
+        match self.falloff {
+            Falloff::Smooth => {
+                let s = (cos - self.cos_outer) / (self.cos_inner - self.cos_outer);
+                (s * s * (3.0 - 2.0 * s)) as f32
+            }
+            Falloff::Linear => {
+                let angle = |cos: f64| float::acos(cos as f32);
+                let (inner, outer) = (angle(self.cos_inner), angle(self.cos_outer));
+                if outer > inner { ((outer - angle(cos)) / (outer - inner)).clamp(0.0, 1.0) } else { 1.0 }
+            }
+        }
+    }
+
+    /// Φ = 2π I (1 − (cos inner + cos outer)/2): the falloff is ½ in the mean, or near it.
+    pub(super) fn power(&self) -> f64 {
+        TAU * f64::from(self.intensity.average()) * (1.0 - 0.5 * (self.cos_inner + self.cos_outer))
+    }
+}

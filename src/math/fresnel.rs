@@ -1,0 +1,127 @@
+//! What a smooth boundary between two media does to light: directions and reflectances.
+//!
+//! Directions are local: +z is the normal, and it points to the outside. `eta` is the refractive
+//! index inside over the one outside. Computed in `f64` and rounded once: near the critical angle
+//! and near eta = 1 the formulas cancel, and that costs digits that `f32` does not have.
+
+use glam::Vec3;
+
+/// The mirror direction.
+///
+/// ωr = (−x, −y, z)
+#[inline]
+pub fn reflect(wo: Vec3) -> Vec3 {
+    Vec3::new(-wo.x, -wo.y, wo.z)
+}
+
+/// The refracted direction, or `None` under total reflection.
+///
+/// n sin θt = sin θo,    n = eta from outside, 1/eta from inside        (Snell)
+///
+/// - `wo`: unit, on either side
+/// - returns a unit direction on the other side; exactly −wo where eta = 1
+/// - `None` exactly where [`dielectric`] is exactly 1 by total reflection
+///
+/// Tests: Snell, coplanar, unit length, round trip, total reflection.
+#[inline]
+pub fn refract(wo: Vec3, eta: f32) -> Option<Vec3> {
+    if eta == 1.0 {
+        return Some(-wo);
+    }
+    let n = relative_index(wo.z, eta);
+    let (x, y, z) = (f64::from(wo.x), f64::from(wo.y), f64::from(wo.z));
+    let by_cosine = cos2_refracted(z * z, n);
+    if by_cosine <= 0.0 {
+        return None;
+    }
+    // Of sin² and cos², the smaller one is the accurate one.
+    let sin2 = x * x + y * y;
+    let by_sine = 1.0 - sin2 / (n * n);
+    let cos2 = if sin2 < 0.5 && by_sine > 0.0 { by_sine } else { by_cosine };
+    let (x, y, z) = (-x / n, -y / n, -cos2.sqrt().copysign(z));
+    let length = (x * x + y * y + z * z).sqrt();
+    Some(Vec3::new((x / length) as f32, (y / length) as f32, (z / length) as f32))
+}
+
+/// Reflectance of a dielectric boundary for unpolarised light.
+///
+/// R = (r_s² + r_p²)/2,    q = √(n² − sin²θ) = √((n − 1)(n + 1) + c²),    c = |cos θo|
+///
+/// r_s = (c − q)/(c + q)     = (1 − n²) / (c + q)²
+///
+/// r_p = (n²c − q)/(n²c + q) = (n² − 1)((n² + 1) c² − 1) / (n²c + q)²
+///
+/// The right-hand forms are used: they do not cancel where n is near 1.
+///
+/// - `cos_o`: positive from outside (n = eta), negative from inside (n = 1/eta)
+/// - `eta`: inside / outside, positive
+/// - returns exactly 0 for eta = 1, exactly 1 at and beyond the critical angle, never below 0 or above 1
+///
+/// Source: Fresnel (1823); Born and Wolf, *Principles of Optics*, §1.5. Tests: handbook values,
+/// Stokes' reversibility, critical angle, Brewster's angle, hemispherical averages.
+#[inline]
+pub fn dielectric(cos_o: f32, eta: f32) -> f32 {
+    if eta == 1.0 {
+        return 0.0;
+    }
+    let n = relative_index(cos_o, eta);
+    let c = f64::from(cos_o.abs()).min(1.0);
+    if cos2_refracted(c * c, n) <= 0.0 {
+        return 1.0;
+    }
+    let excess = (n - 1.0) * (n + 1.0);
+    let q = (excess + c * c).sqrt();
+    let (s, p) = (c + q, n * n * c + q);
+    let r_s = excess / (s * s);
+    let r_p = excess * ((n * n + 1.0) * (c * c) - 1.0) / (p * p);
+    (0.5 * (r_s * r_s + r_p * r_p)).min(1.0) as f32
+}
+
+/// Reflectance of a conductor for unpolarised light.
+///
+/// t = n² − k² − sin²θ,    m = √(t² + 4 n² k²),    a = √((m + t)/2),    c = |cos θ|
+///
+/// R_s = (m − 2ac + c²) / (m + 2ac + c²)
+///
+/// R_p = R_s (m c² − 2ac sin²θ + sin⁴θ) / (m c² + 2ac sin²θ + sin⁴θ)
+///
+/// - `cos_o`: its sign does not matter, a conductor has no inside
+/// - `eta`, `k`: complex refractive index eta + ik over the outside's
+/// - returns a value in [0, 1]; exactly 0 for eta = 1, k = 0
+///
+/// Source: Born and Wolf, *Principles of Optics*, §14.2. Tests: handbook values, k = 0 is the dielectric.
+#[inline]
+pub fn conductor(cos_o: f32, eta: f32, k: f32) -> f32 {
+    if eta == 1.0 && k == 0.0 {
+        return 0.0;
+    }
+    let (n, k) = (f64::from(eta), f64::from(k));
+    let c = f64::from(cos_o.abs()).min(1.0);
+    let (c2, s2) = (c * c, 1.0 - c * c);
+    // n² − sin²θ as (n − 1)(n + 1) + cos²θ, which does not cancel near n = 1.
+    let t = (n - 1.0) * (n + 1.0) + c2 - k * k;
+    let m = (t * t + 4.0 * n * n * k * k).sqrt();
+    let a = (0.5 * (m + t)).max(0.0).sqrt();
+    let r_s = ratio(m + c2, 2.0 * a * c);
+    let r_p = r_s * ratio(m * c2 + s2 * s2, 2.0 * a * c * s2);
+    (0.5 * (r_s + r_p)).clamp(0.0, 1.0) as f32
+}
+
+/// The index beyond the boundary over the index on the side of a direction with this cosine.
+#[inline]
+fn relative_index(cos_o: f32, eta: f32) -> f64 {
+    let eta = f64::from(eta);
+    if cos_o < 0.0 { 1.0 / eta } else { eta }
+}
+
+/// cos²θt = ((n − 1)(n + 1) + cos²θ) / n², without cancellation near n = 1; not above zero under total reflection.
+#[inline]
+fn cos2_refracted(cos2_o: f64, n: f64) -> f64 {
+    ((n - 1.0) * (n + 1.0) + cos2_o) / (n * n)
+}
+
+/// (a − b) / (a + b), where b vanishes at least as fast as a.
+#[inline]
+fn ratio(a: f64, b: f64) -> f64 {
+    if b == 0.0 { 1.0 } else { (a - b) / (a + b) }
+}

@@ -1,0 +1,21 @@
+//! Vectors have meanings, densities have measures, numbers have known errors.
+
+pub mod bounds;
+pub mod discrete;
+pub mod float;
+pub mod frame;
+pub mod fresnel;
+pub mod measure;
+pub mod ray;
+pub mod spectrum;
+pub mod transform;
+pub mod warp;
+
+pub use bounds::Aabb;
+pub use discrete::Discrete;
+pub use frame::{Frame, Local};
+pub use glam::{UVec2, Vec2, Vec3};
+pub use measure::{AreaPdf, Density, SolidAnglePdf, power_heuristic};
+pub use ray::Ray;
+pub use spectrum::Spectrum;
+pub use transform::Transform;

@@ -1,0 +1,128 @@
+//! The quantity of light, opaque to everything but the film.
+
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
+
+use glam::Vec3;
+
+/// A spectral quantity: radiance, reflectance, throughput.
+///
+/// Today three coefficients, linear RGB with the primaries of Rec. 709. Only the film
+/// ([`Spectrum::to_rgb`]) may look inside; everything else multiplies and adds, so that
+/// a spectral representation changes this file and the film alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spectrum(Vec3);
+
+impl Spectrum {
+    pub const BLACK: Spectrum = Spectrum(Vec3::ZERO);
+    pub const ONE: Spectrum = Spectrum(Vec3::ONE);
+
+    /// The same value at every wavelength.
+    pub const fn gray(value: f32) -> Spectrum {
+        Spectrum(Vec3::splat(value))
+    }
+
+    /// From linear RGB (Rec. 709).
+    pub const fn rgb(r: f32, g: f32, b: f32) -> Spectrum {
+        Spectrum(Vec3::new(r, g, b))
+    }
+
+    /// To linear RGB (Rec. 709): for the film.
+    pub fn to_rgb(self) -> [f32; 3] {
+        self.0.to_array()
+    }
+
+    pub fn is_black(self) -> bool {
+        self.0 == Vec3::ZERO
+    }
+
+    /// Finite and nowhere negative: what radiance must be.
+    pub fn is_valid(self) -> bool {
+        self.0.is_finite() && self.0.min_element() >= 0.0
+    }
+
+    pub fn is_finite(self) -> bool {
+        self.0.is_finite()
+    }
+
+    pub fn max(self) -> f32 {
+        self.0.max_element()
+    }
+
+    pub fn min(self) -> f32 {
+        self.0.min_element()
+    }
+
+    /// The mean over the coefficients: a measure of size for choosing lights, not a luminance.
+    pub fn average(self) -> f32 {
+        (self.0.x + self.0.y + self.0.z) / 3.0
+    }
+
+    pub fn map(self, f: impl Fn(f32) -> f32) -> Spectrum {
+        Spectrum(self.0.map(f))
+    }
+
+    /// f(self, other), coefficient by coefficient.
+    pub fn zip(self, other: Spectrum, f: impl Fn(f32, f32) -> f32) -> Spectrum {
+        Spectrum(Vec3::new(f(self.0.x, other.0.x), f(self.0.y, other.0.y), f(self.0.z, other.0.z)))
+    }
+}
+
+impl Add for Spectrum {
+    type Output = Spectrum;
+    fn add(self, other: Spectrum) -> Spectrum {
+        Spectrum(self.0 + other.0)
+    }
+}
+
+impl AddAssign for Spectrum {
+    fn add_assign(&mut self, other: Spectrum) {
+        self.0 += other.0;
+    }
+}
+
+impl Sub for Spectrum {
+    type Output = Spectrum;
+    fn sub(self, other: Spectrum) -> Spectrum {
+        Spectrum(self.0 - other.0)
+    }
+}
+
+impl Mul for Spectrum {
+    type Output = Spectrum;
+    fn mul(self, other: Spectrum) -> Spectrum {
+        Spectrum(self.0 * other.0)
+    }
+}
+
+impl MulAssign for Spectrum {
+    fn mul_assign(&mut self, other: Spectrum) {
+        self.0 *= other.0;
+    }
+}
+
+impl Mul<f32> for Spectrum {
+    type Output = Spectrum;
+    fn mul(self, factor: f32) -> Spectrum {
+        Spectrum(self.0 * factor)
+    }
+}
+
+impl MulAssign<f32> for Spectrum {
+    fn mul_assign(&mut self, factor: f32) {
+        self.0 *= factor;
+    }
+}
+
+impl Div<f32> for Spectrum {
+    type Output = Spectrum;
+    fn div(self, divisor: f32) -> Spectrum {
+        Spectrum(self.0 / divisor)
+    }
+}
+
+impl Sum for Spectrum {
+    fn sum<I: Iterator<Item = Spectrum>>(iter: I) -> Spectrum {
+        iter.fold(Spectrum::BLACK, Add::add)
+    }
+}

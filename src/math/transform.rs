@@ -1,0 +1,166 @@
+//! Affine transforms, kept with their inverses in double precision.
+
+use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
+
+use super::float::sin_cos_degrees;
+
+/// An invertible affine map of space, with its inverse.
+///
+/// p ↦ M p + t
+///
+/// Double precision, because a scene is baked once and seen often. Column vectors. Every
+/// constructor that takes a user's numbers returns `None` where they make no invertible map;
+/// composition multiplies the known inverses, so that nothing can fail later.
+///
+/// Tests: inverse round trips, normals stay perpendicular, handedness of mirrored mirrors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transform {
+    matrix: DAffine3,
+    inverse: DAffine3,
+    flips: bool,
+}
+
+impl Default for Transform {
+    fn default() -> Transform {
+        Transform::IDENTITY
+    }
+}
+
+impl Transform {
+    pub const IDENTITY: Transform = Transform { matrix: DAffine3::IDENTITY, inverse: DAffine3::IDENTITY, flips: false };
+
+    /// A translation; `None` unless finite.
+    pub fn translate(by: DVec3) -> Option<Transform> {
+        Transform::checked(DAffine3::from_translation(by), DAffine3::from_translation(-by), false)
+    }
+
+    /// A scale along each axis; `None` if a factor or its inverse is zero or not finite. Negative factors mirror.
+    pub fn scale(by: DVec3) -> Option<Transform> {
+        let flips = (by.x < 0.0) ^ (by.y < 0.0) ^ (by.z < 0.0);
+        Transform::checked(DAffine3::from_scale(by), DAffine3::from_scale(by.recip()), flips)
+    }
+
+    /// A rotation about an axis through the origin, counter-clockwise seen from the axis' tip; `None` for a zero axis.
+    ///
+    /// R = cos θ·1 + sin θ·(a×) + (1 − cos θ)·a aᵀ
+    ///
+    /// Multiples of 90° about a coordinate axis are exact.
+    ///
+    /// Source: Rodrigues (1840). Tests: exact quarter turns, length and handedness kept.
+    pub fn rotate(axis: DVec3, degrees: f64) -> Option<Transform> {
+        let a = unit(axis)?;
+        let (sin, cos) = sin_cos_degrees(degrees);
+        let cross = DMat3::from_cols(DVec3::new(0.0, a.z, -a.y), DVec3::new(-a.z, 0.0, a.x), DVec3::new(a.y, -a.x, 0.0));
+        let outer = DMat3::from_cols(a * a.x, a * a.y, a * a.z);
+        let rotation = DMat3::IDENTITY * cos + cross * sin + outer * (1.0 - cos);
+        Transform::checked(DAffine3::from_mat3(rotation), DAffine3::from_mat3(rotation.transpose()), false)
+    }
+
+    /// The camera's frame in the world: it stands at `from` and looks along its −z to `to`, with x right and y up.
+    ///
+    /// `None` when `from` is `to`, or `up` is zero or parallel to the line of sight.
+    ///
+    /// Tests: orthonormal and right-handed, −z hits the target, degenerate input rejected.
+    pub fn look_at(from: DVec3, to: DVec3, up: DVec3) -> Option<Transform> {
+        let z = unit(from - to)?;
+        let up = unit(up)?;
+        let x = up.cross(z);
+        // The cross product of unit vectors errs by a few roundings; below that its direction is noise.
+        if x.length() <= 8.0 * f64::EPSILON {
+            return None;
+        }
+        // Where up is nearly parallel to z, x is not quite perpendicular to it; y is, and x made from y.
+        let y = unit(z.cross(unit(x)?))?;
+        let rotation = DMat3::from_cols(y.cross(z), y, z);
+        let back = rotation.transpose();
+        let matrix = DAffine3::from_mat3_translation(rotation, from);
+        Transform::checked(matrix, DAffine3::from_mat3_translation(back, -(back * from)), false)
+    }
+
+    /// Any affine matrix; `None` if it is projective, not finite, or singular.
+    ///
+    /// Singular means: |det M| is within the rounding error of computing it,
+    /// |det M| ≤ 8 ε perm |M|. The bound scales with rows and columns, so small objects are not singular.
+    ///
+    /// Tests: singular, projective and non-finite input rejected; tiny and huge scales accepted.
+    pub fn from_matrix(m: DMat4) -> Option<Transform> {
+        if m.row(3) != DVec4::W {
+            return None;
+        }
+        let matrix = DAffine3::from_mat4(m);
+        let linear = matrix.matrix3;
+        let det = linear.determinant();
+        let is_regular = det.abs() > 8.0 * f64::EPSILON * permanent(linear.abs());
+        if !is_regular {
+            return None;
+        }
+        Transform::checked(matrix, matrix.inverse(), det < 0.0)
+    }
+
+    /// This map first, then `next`.
+    pub fn then(&self, next: &Transform) -> Transform {
+        Transform { matrix: next.matrix * self.matrix, inverse: self.inverse * next.inverse, flips: self.flips ^ next.flips }
+    }
+
+    pub fn inverse(&self) -> Transform {
+        Transform { matrix: self.inverse, inverse: self.matrix, flips: self.flips }
+    }
+
+    /// Maps a point.
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        self.matrix.transform_point3(p)
+    }
+
+    /// Maps a difference of points: not translated.
+    pub fn vector(&self, v: DVec3) -> DVec3 {
+        self.matrix.transform_vector3(v)
+    }
+
+    /// Maps a normal, to unit length: perpendicular to every tangent before, perpendicular after.
+    ///
+    /// n ↦ M⁻ᵀ n / |M⁻ᵀ n|
+    ///
+    /// - a mirror keeps the side that the normal marks; a normal found as a *cross product of mapped
+    ///   edges* changes side instead, see [`flips_handedness`](Self::flips_handedness)
+    /// - zero stays zero
+    ///
+    /// Tests: n·t = 0 kept, scale (2, 1, 1), mirrors.
+    pub fn normal(&self, n: DVec3) -> DVec3 {
+        unit(self.inverse.matrix3.transpose() * n).unwrap_or(DVec3::ZERO)
+    }
+
+    /// Whether a right-handed frame becomes left-handed: det M < 0.
+    pub fn flips_handedness(&self) -> bool {
+        self.flips
+    }
+
+    /// The factor by which volumes grow, negative for mirrors.
+    pub fn determinant(&self) -> f64 {
+        self.matrix.matrix3.determinant()
+    }
+
+    pub fn matrix(&self) -> DAffine3 {
+        self.matrix
+    }
+
+    fn checked(matrix: DAffine3, inverse: DAffine3, flips: bool) -> Option<Transform> {
+        (matrix.is_finite() && inverse.is_finite()).then_some(Transform { matrix, inverse, flips })
+    }
+}
+
+/// The vector at unit length, however long or short it was; `None` for zero and for what is not finite.
+pub fn unit(v: DVec3) -> Option<DVec3> {
+    let largest = v.abs().max_element();
+    if !v.is_finite() || largest == 0.0 {
+        return None;
+    }
+    // Dividing first keeps the squares from overflowing or vanishing.
+    let v = v / largest;
+    Some(v / v.length())
+}
+
+/// The determinant's sum with every sign positive: what its rounding error is relative to.
+fn permanent(m: DMat3) -> f64 {
+    let [a, b, c] = [m.x_axis, m.y_axis, m.z_axis];
+    a.x * (b.y * c.z + b.z * c.y) + a.y * (b.x * c.z + b.z * c.x) + a.z * (b.x * c.y + b.y * c.x)
+}

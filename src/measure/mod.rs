@@ -1,0 +1,15 @@
+//! How sure one may be: tests that compare an estimate with the truth, and two estimates with each other.
+//!
+//! Every test has a level: the probability that it says no to what is right. Levels are shared out
+//! among many tests by [`sidak`], so that the whole suite keeps its promise. No test here clamps a
+//! sample or hides a difference behind an absolute threshold: scaling both images changes no verdict.
+
+pub mod agreement;
+pub mod level;
+pub mod mean;
+pub mod verdict;
+
+pub use agreement::{Agreement, Render, agreement};
+pub use level::{critical_z, sidak};
+pub use mean::{Mean, Welch};
+pub use verdict::Verdict;

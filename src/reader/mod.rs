@@ -1,0 +1,31 @@
+//! JSON with positions: every fault of a file at once, each with line, column and pointer.
+//!
+//! ```text
+//! bytes ─ parse ─▶ Node ─ set (-D) ─▶ Node ─ read ─▶ any `Deserialize` type, and Faults
+//! ```
+//!
+//! Derived types read as they stand. Two more forms, both without buffering and so without
+//! losing a position, come from `by_type!` (`{"type": "sphere", …}`) and
+//! `by_kind!` (a number, or an array, or an object).
+//!
+//! A fault does not end the reading: it is noted, a placeholder takes the place of the value, and
+//! reading goes on. Placeholders leave the reader only together with the fault.
+
+mod cursor;
+mod de;
+mod faults;
+mod forms;
+mod node;
+mod number;
+mod parse;
+mod placeholder;
+mod set;
+mod suggest;
+
+pub use cursor::{UnknownKeys, read, read_options};
+pub use faults::{Faults, locate};
+pub(crate) use forms::{by_kind, by_type};
+pub(crate) use node::escaped;
+pub use node::{Member, Node, Place, Value};
+pub use parse::{MAX_DEPTH, parse};
+pub use suggest::{closest, unknown};

@@ -1,0 +1,26 @@
+//! "did you mean": the nearest known word.
+
+/// The known word nearest to `word`, if a slip of the finger explains the difference.
+pub fn closest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
+    // One slip in a short word, one more for every four letters.
+    let near = |(distance, k): &(usize, &str)| *distance <= 1 + k.chars().count() / 4;
+    known.into_iter().map(|k| (strsim::damerau_levenshtein(word, k), k)).filter(near).min().map(|(_, k)| k)
+}
+
+/// `unknown key "rougness", did you mean "roughness"?`
+pub fn unknown(what: &str, word: &str, known: &[&str]) -> String {
+    match closest(word, known.iter().copied()) {
+        Some(near) => format!("unknown {what} {word:?}, did you mean {near:?}?"),
+        None if known.is_empty() => format!("unknown {what} {word:?}, there are none"),
+        None => format!("unknown {what} {word:?}, expected {}", choice(known)),
+    }
+}
+
+/// `a`, `a or b`, `one of a, b, c`.
+pub(super) fn choice(words: &[&str]) -> String {
+    match words {
+        [one] => one.to_string(),
+        [one, other] => format!("{one} or {other}"),
+        _ => format!("one of {}", words.join(", ")),
+    }
+}

@@ -1,0 +1,78 @@
+//! Random numbers without structure.
+
+use glam::{UVec2, Vec2};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
+
+use super::dimension::BLOCK;
+use super::hash::{dimension_key, mix, pixel_key};
+use super::{Sampler, dimension};
+use crate::math::float::unit_f32;
+
+/// Independent uniform numbers.
+///
+/// A stream of xoshiro256++ for each block of 8 dimensions, seeded by (seed, pixel, index, block)
+/// when the first number of the block is asked for; dimension d is number d mod 8 of its stream.
+///
+/// Source: Blackman and Vigna, *Scrambled Linear Pseudorandom Number Generators* (2021).
+pub struct Independent {
+    seed: u64,
+    key: u64,
+    dimension: u32,
+    stream: Xoshiro256PlusPlus,
+    /// The block that the stream belongs to; none before the first number.
+    block: Option<u32>,
+    drawn: usize,
+    numbers: [f32; dimension::BLOCK as usize],
+}
+
+impl Independent {
+    pub fn new(seed: u64) -> Independent {
+        Independent {
+            seed,
+            key: pixel_key(seed, UVec2::ZERO),
+            dimension: 0,
+            stream: Xoshiro256PlusPlus::seed_from_u64(0),
+            block: None,
+            drawn: 0,
+            numbers: [0.0; BLOCK as usize],
+        }
+    }
+
+    #[inline]
+    fn number(&mut self) -> f32 {
+        let (block, place) = (self.dimension / BLOCK, (self.dimension % BLOCK) as usize);
+        if self.block != Some(block) {
+            self.stream = Xoshiro256PlusPlus::seed_from_u64(dimension_key(self.key, block));
+            self.block = Some(block);
+            self.drawn = 0;
+        }
+        while self.drawn <= place {
+            self.numbers[self.drawn] = unit_f32(self.stream.next_u32());
+            self.drawn += 1;
+        }
+        self.dimension = self.dimension.wrapping_add(1);
+        self.numbers[place]
+    }
+}
+
+impl Sampler for Independent {
+    fn start(&mut self, pixel: UVec2, index: u64) {
+        self.key = mix(pixel_key(self.seed, pixel) ^ index);
+        self.dimension = 0;
+        self.block = None;
+    }
+
+    fn at(&mut self, dimension: u32) {
+        self.dimension = dimension;
+    }
+
+    fn next_1d(&mut self) -> f32 {
+        self.number()
+    }
+
+    fn next_2d(&mut self) -> Vec2 {
+        let x = self.number();
+        Vec2::new(x, self.number())
+    }
+}

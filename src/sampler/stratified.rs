@@ -1,0 +1,96 @@
+//! One number per stratum.
+
+use glam::{UVec2, Vec2};
+
+use super::Sampler;
+use super::hash::{dimension_key, halves, mix, permute, pixel_key, within_cell};
+
+/// Stratified numbers: each dimension is cut into as many strata as there are samples per pixel.
+///
+/// 1-D: sample i lies in stratum π(i) of n, π a random permutation for each dimension.
+///
+/// 2-D: the same on a grid of nx × ny cells as near square as n divides; where n does not divide
+/// well (a prime), a grid with a few cells more, of which a random n are taken.
+///
+/// Samples beyond the planned n begin a fresh stratification.
+///
+/// Source: Cook, Porter, Carpenter, *Distributed Ray Tracing* (1984). Tests: one sample per stratum, chi².
+pub struct Stratified {
+    seed: u64,
+    strata: u32,
+    grid: UVec2,
+    key: u64,
+    /// The sample's number within its stratification.
+    sample: u32,
+    dimension: u32,
+}
+
+/// A stratum must hold a few of the 2²⁴ uniform numbers.
+const MAX_STRATA: u64 = 1 << 20;
+
+impl Stratified {
+    pub fn new(seed: u64, spp: u64) -> Stratified {
+        let strata = spp.clamp(1, MAX_STRATA) as u32;
+        let mut sampler = Stratified { seed, strata, grid: grid(strata), key: 0, sample: 0, dimension: 0 };
+        sampler.start(UVec2::ZERO, 0);
+        sampler
+    }
+}
+
+impl Sampler for Stratified {
+    fn start(&mut self, pixel: UVec2, index: u64) {
+        let n = u64::from(self.strata);
+        self.key = mix(pixel_key(self.seed, pixel) ^ (index / n));
+        self.sample = (index % n) as u32;
+        self.dimension = 0;
+    }
+
+    fn at(&mut self, dimension: u32) {
+        self.dimension = dimension;
+    }
+
+    fn next_1d(&mut self) -> f32 {
+        let key = dimension_key(self.key, self.dimension);
+        self.dimension = self.dimension.wrapping_add(1);
+        let stratum = permute(self.sample, self.strata, key);
+        within_cell(stratum, self.strata, (mix(key ^ u64::from(stratum)) >> 32) as u32)
+    }
+
+    fn next_2d(&mut self) -> Vec2 {
+        let key = dimension_key(self.key, self.dimension);
+        self.dimension = self.dimension.wrapping_add(2);
+        let cell = permute(self.sample, self.grid.element_product(), key);
+        let (x, y) = halves(mix(key ^ u64::from(cell)));
+        Vec2::new(within_cell(cell % self.grid.x, self.grid.x, x), within_cell(cell / self.grid.x, self.grid.y, y))
+    }
+}
+
+/// The grid of at least n cells: exactly n if two factors of n are within 2 : 1, else the nearest square that covers it.
+fn grid(n: u32) -> UVec2 {
+    let root = n.isqrt();
+    let exact = (1..=root).rev().take_while(|y| n / y <= 2 * y).find(|&y| n.is_multiple_of(y));
+    match exact {
+        Some(y) => UVec2::new(n / y, y),
+        None => {
+            let x = if root * root < n { root + 1 } else { root };
+            UVec2::new(x, n.div_ceil(x))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grids_cover_closely_and_are_near_square() {
+        for n in 1..5000 {
+            let UVec2 { x, y } = grid(n);
+            assert!(y <= x && x <= 2 * y.max(1) && x * y >= n, "{n}: {x} × {y}");
+            assert!(x * y - n < x, "{n}: {x} × {y} has a superfluous row");
+        }
+        assert_eq!(grid(256), UVec2::new(16, 16));
+        assert_eq!(grid(128), UVec2::new(16, 8));
+        assert_eq!(grid(7), UVec2::new(3, 3));
+    }
+}

@@ -1,0 +1,127 @@
+//! What light transport asks of the world.
+
+use glam::{Vec2, Vec3};
+
+use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
+use crate::camera::Camera;
+use crate::effects::Effects;
+use crate::light::{Emission, Lights, Target};
+use crate::math::{Frame, Local, Ray, SolidAnglePdf, Spectrum};
+use crate::primitive::Hit;
+use crate::shape::SurfacePoint;
+
+/// A scene, as integrators see it.
+pub trait Scene: Send + Sync {
+    /// The nearest hit with 0 < t < `ray.t_max`.
+    fn intersect(&self, ray: &Ray) -> Option<Hit>;
+
+    /// Whether anything is hit with 0 < t < `ray.t_max`.
+    fn occluded(&self, ray: &Ray) -> bool;
+
+    /// All about the point that `ray` hit.
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface;
+
+    fn lights(&self) -> &Lights;
+
+    fn camera(&self) -> &Camera;
+
+    /// What a picture of this scene calls for.
+    fn effects(&self) -> Effects;
+}
+
+/// A point on a surface and what happens to light there.
+///
+/// Directions are in world space here and point away from the surface; the BSDF sees them in the
+/// frame of the shading normal. Where shading and geometric normal disagree on the side of a
+/// direction nothing is scattered: light does not leak through.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    pub point: SurfacePoint,
+    pub frame: Frame,
+    pub bsdf: Bsdf,
+    pub emission: Option<Emission>,
+    /// Its index among the lights; of meaning where it emits.
+    pub light: u32,
+}
+
+impl Surface {
+    pub fn new(point: SurfacePoint, bsdf: Bsdf, emission: Option<(Emission, u32)>) -> Surface {
+        let (emission, light) = (emission.map(|e| e.0), emission.map_or(u32::MAX, |e| e.1));
+        Surface { frame: Frame::around(point.ns), point, bsdf, emission, light }
+    }
+
+    /// Radiance that the surface itself sends into `w`.
+    pub fn emitted(&self, w: Vec3) -> Spectrum {
+        self.emission.map_or(Spectrum::BLACK, |e| e.towards(self.point.ng, w))
+    }
+
+    /// f(wo, wi)·|cos θi| [sr⁻¹]; 0 for delta lobes.
+    pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Spectrum {
+        let (lo, li) = (self.frame.to_local(wo), self.frame.to_local(wi));
+        if self.agrees(wo, lo, wi, li) { self.bsdf.eval(lo, li, mode) } else { Spectrum::BLACK }
+    }
+
+    /// The density with which [`Surface::sample`] returns `wi`.
+    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> SolidAnglePdf {
+        self.bsdf.pdf(self.frame.to_local(wo), self.frame.to_local(wi))
+    }
+
+    /// A direction drawn from the BSDF, and the same in world space.
+    pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2, mode: TransportMode) -> Option<(Vec3, BsdfSample)> {
+        let lo = self.frame.to_local(wo);
+        let sample = self.bsdf.sample(lo, choice, u, mode)?;
+        self.in_world(wo, lo, sample)
+    }
+
+    /// The delta lobes, and their directions in world space.
+    pub fn delta_lobes(&self, wo: Vec3, mode: TransportMode) -> impl Iterator<Item = (Vec3, BsdfSample)> {
+        let lo = self.frame.to_local(wo);
+        self.bsdf.delta_lobes(lo, mode).filter_map(move |sample| self.in_world(wo, lo, sample))
+    }
+
+    fn in_world(&self, wo: Vec3, lo: Local, sample: BsdfSample) -> Option<(Vec3, BsdfSample)> {
+        // Unit to the last bit or so: a path must not lengthen its directions bounce by bounce.
+        let wi = self.frame.to_world(sample.wi).normalize();
+        self.agrees(wo, lo, wi, sample.wi).then_some((wi, sample))
+    }
+
+    /// Whether the geometric normal sees reflection and transmission as the shading normal does.
+    fn agrees(&self, wo: Vec3, lo: Local, wi: Vec3, li: Local) -> bool {
+        let ng = self.point.ng;
+        (ng.dot(wo) * ng.dot(wi) > 0.0) == lo.same_side(li)
+    }
+
+    /// The ray that leaves into `wi`, starting beside the surface.
+    pub fn spawn(&self, wi: Vec3, time: f32) -> Ray {
+        Ray { time, ..Ray::new(beside(&self.point, wi), wi) }
+    }
+
+    /// The ray whose occlusion is the shadow of `target`, in the direction `wi`.
+    pub fn shadow_ray(&self, wi: Vec3, target: &Target, time: f32) -> Ray {
+        let origin = beside(&self.point, wi);
+        let end = match target {
+            Target::Infinity => return self.spawn(wi, time),
+            Target::Free(end) => *end,
+            // Over its length the ray strays by the rounding of its direction: end that much farther off the
+            // light, whose own offset knows only how large its own coordinates are.
+            Target::Surface(point) => {
+                let stray = SHORTEN * origin.distance(point.p);
+                beside(&SurfacePoint { offset: point.offset + stray, ..*point }, -wi)
+            }
+        };
+        let line = end - origin;
+        let distance = line.length();
+        // t of a hit is rounded a few times: stop that much short of the end.
+        let t_max = distance * (1.0 - SHORTEN);
+        Ray { origin, direction: line / distance, t_max, time }
+    }
+}
+
+/// Four roundings of a direction's coordinates, or of a distance, as a share of the length.
+const SHORTEN: f32 = 4.0 * f32::EPSILON;
+
+/// The point moved off its surface, towards the side that `w` leads to.
+fn beside(point: &SurfacePoint, w: Vec3) -> Vec3 {
+    let side = if point.ng.dot(w) < 0.0 { -point.offset } else { point.offset };
+    point.p + point.ng * side
+}

@@ -1,0 +1,95 @@
+//! Ellipses: a disk, transformed.
+
+use glam::{DVec3, Vec2};
+
+use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, offset_bound};
+use crate::error::Result;
+use crate::math::{Aabb, AreaPdf, Ray, Transform, warp};
+
+/// The disk x² + y² ≤ r² in the plane z = 0; its normal is +z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disk {
+    /// (m)
+    pub radius: f64,
+}
+
+impl Geometry for Disk {
+    fn bounds(&self, to_world: &Transform) -> (DVec3, DVec3) {
+        let baked = self.place(to_world);
+        (baked.center - baked.reach(), baked.center + baked.reach())
+    }
+
+    fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>> {
+        Ok(Box::new(self.place(to_world)))
+    }
+}
+
+impl Disk {
+    fn place(&self, to_world: &Transform) -> Ellipse {
+        let (x, y) = (to_world.vector(DVec3::X * self.radius), to_world.vector(DVec3::Y * self.radius));
+        Ellipse { center: to_world.point(DVec3::ZERO), x, y, normal: to_world.normal(DVec3::Z) }
+    }
+}
+
+/// The points center + a·x + b·y with a² + b² ≤ 1. In f64: curved shapes are few, and exact.
+struct Ellipse {
+    center: DVec3,
+    x: DVec3,
+    y: DVec3,
+    normal: DVec3,
+}
+
+impl Ellipse {
+    /// Half the box around it, per axis: √(xᵢ² + yᵢ²).
+    fn reach(&self) -> DVec3 {
+        (self.x * self.x + self.y * self.y).map(f64::sqrt)
+    }
+
+    fn at(&self, ab: Vec2) -> SurfacePoint {
+        let ng = self.normal.as_vec3();
+        let p = (self.center + self.x * ab.x as f64 + self.y * ab.y as f64).as_vec3();
+        let magnitude = (self.center.abs() + self.reach()).as_vec3();
+        SurfacePoint { p, offset: offset_bound(ng, magnitude), ng, ns: ng, uv: ab * 0.5 + 0.5 }
+    }
+}
+
+impl Shape for Ellipse {
+    fn count(&self) -> u32 {
+        1
+    }
+
+    fn bounds(&self, _: u32) -> Aabb {
+        Aabb { min: (self.center - self.reach()).as_vec3(), max: (self.center + self.reach()).as_vec3() }
+    }
+
+    fn area(&self, _: u32) -> f32 {
+        (std::f64::consts::PI * self.x.cross(self.y).length()) as f32
+    }
+
+    fn facet(&self, _: u32) -> Facet {
+        Facet::Curved
+    }
+
+    /// Where the plane is met; inside where a² + b² ≤ 1, with p − center = a·x + b·y.
+    fn intersect(&self, _: u32, ray: &Ray) -> Option<ShapeHit> {
+        let d = ray.direction.as_dvec3();
+        let o = ray.origin.as_dvec3() - self.center;
+        let t = -self.normal.dot(o) / self.normal.dot(d);
+        if !(t as f32 > 0.0 && (t as f32) < ray.t_max) {
+            return None;
+        }
+        let p = o + d * t;
+        let n = self.x.cross(self.y);
+        let (a, b) = (p.cross(self.y).dot(n) / n.length_squared(), self.x.cross(p).dot(n) / n.length_squared());
+        (a * a + b * b <= 1.0).then(|| ShapeHit { t: t as f32, uv: Vec2::new(a as f32, b as f32) })
+    }
+
+    fn point(&self, _: u32, _: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        self.at(hit.uv)
+    }
+
+    /// An affine map keeps uniform points uniform.
+    fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
+        (self.at(warp::disk(u)), AreaPdf::new(1.0 / self.area(i)))
+    }
+}

@@ -1,0 +1,149 @@
+//! Cleaning of a mesh: what it drops, what it repairs, and how it says so.
+
+use glam::{DVec3, Vec3};
+
+use super::MeshData;
+
+/// What cleaning changed; all zero for a sound mesh.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CleanReport {
+    /// Triangles without area, dropped.
+    pub degenerate: usize,
+    /// Triangles that lay exactly on another, dropped.
+    pub duplicate: usize,
+    /// Normals that gave no direction (zero length, or no numbers), now flat.
+    pub directionless: usize,
+    /// Triangles whose corner normals all point away from their geometric normal; left as they are.
+    pub opposed: usize,
+}
+
+impl CleanReport {
+    /// One sentence for each kind of change.
+    pub fn warnings(&self, name: &str) -> Vec<String> {
+        let kinds = [
+            (self.degenerate, "degenerate triangle", " dropped"),
+            (self.duplicate, "duplicate triangle", " dropped"),
+            (self.directionless, "normal", " without direction replaced by the face normal"),
+            (self.opposed, "triangle", " wound against its normals (the winding decides which side is front)"),
+        ];
+        let sentence = |(count, what, then): (usize, &str, &str)| {
+            let plural = if count == 1 { "" } else { "s" };
+            let then = if count == 1 { then.to_string() } else { then.replace("its normals", "their normals") };
+            format!("{name}: {count} {what}{plural}{then}")
+        };
+        kinds.into_iter().filter(|kind| kind.0 > 0).map(sentence).collect()
+    }
+}
+
+/// See [`MeshData::clean`].
+pub(super) fn clean(mut mesh: MeshData) -> (MeshData, CleanReport) {
+    let mut report = CleanReport { directionless: flatten_directionless(&mut mesh.normals), ..CleanReport::default() };
+    let crosses = mesh.triangles.iter().map(|&t| mesh.cross(t));
+    let mut keep = Vec::with_capacity(mesh.triangles.len());
+    for (&triangle, cross) in mesh.triangles.iter().zip(crosses) {
+        let usable = cross != DVec3::ZERO;
+        report.degenerate += usize::from(!usable);
+        report.opposed += usize::from(usable && opposes_normals(&mesh, triangle, cross));
+        keep.push(usable);
+    }
+    for twin in duplicates(&mesh, &keep) {
+        keep[twin as usize] = false;
+        report.duplicate += 1;
+    }
+    if report.degenerate + report.duplicate > 0 {
+        retain(&mut mesh, &keep);
+    }
+    drop_unused_vertices(&mut mesh);
+    (mesh, report)
+}
+
+/// Sets normals that are no numbers to zero and counts them; an array of zeros says nothing and is emptied.
+fn flatten_directionless(normals: &mut Vec<Vec3>) -> usize {
+    let mut count = 0;
+    for normal in normals.iter_mut().filter(|n| !n.is_finite()) {
+        *normal = Vec3::ZERO;
+        count += 1;
+    }
+    if normals.iter().all(|&n| n == Vec3::ZERO) {
+        *normals = Vec::new();
+    }
+    count
+}
+
+fn opposes_normals(mesh: &MeshData, triangle: [u32; 3], cross: DVec3) -> bool {
+    !mesh.normals.is_empty() && triangle.iter().all(|&i| mesh.normals[i as usize].as_dvec3().dot(cross) < 0.0)
+}
+
+/// The positions' bits, rotated so that the smallest comes first: equal for equal triangles, and −0 equals 0.
+fn outline(mesh: &MeshData, triangle: [u32; 3]) -> [[u32; 3]; 3] {
+    let mut corners = triangle.map(|i| (mesh.positions[i as usize] + 0.0).to_array().map(f32::to_bits));
+    let first = (0..3).min_by_key(|&i| corners[i]).unwrap_or(0);
+    corners.rotate_left(first);
+    corners
+}
+
+/// The kept triangles that repeat an earlier one of their part.
+///
+/// Sorting by hash brings equals together with 12 bytes per triangle; only equal hashes are compared in full, by
+/// sorting again, so that no input makes it quadratic.
+fn duplicates(mesh: &MeshData, keep: &[bool]) -> Vec<u32> {
+    let key = |part: usize, t: u32| (part, outline(mesh, mesh.triangles[t as usize]));
+    let mut hashed = Vec::with_capacity(mesh.triangles.len());
+    for (part, range) in mesh.parts.iter().map(|p| p.triangles.clone()).enumerate() {
+        for t in range.filter(|&t| keep[t as usize]) {
+            hashed.push((hash(key(part, t)), t));
+        }
+    }
+    hashed.sort_unstable();
+    let part_of = |t: u32| mesh.parts.partition_point(|p| p.triangles.end <= t);
+    let mut twins = Vec::new();
+    for equal_hash in hashed.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
+        let mut run: Vec<_> = equal_hash.iter().map(|&(_, t)| (key(part_of(t), t), t)).collect();
+        run.sort_unstable();
+        twins.extend(run.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1));
+    }
+    twins
+}
+
+/// Multiplicative hashing (Knuth), enough to tell triangles apart; equal hashes are compared in full.
+fn hash((part, outline): (usize, [[u32; 3]; 3])) -> u64 {
+    let mix = |hash: u64, &word: &u32| (hash ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+    outline.as_flattened().iter().fold(part as u64, mix)
+}
+
+/// Keeps the marked triangles; parts shrink with them, and those that become empty go.
+fn retain(mesh: &mut MeshData, keep: &[bool]) {
+    let mut kept = 0;
+    for part in &mut mesh.parts {
+        let start = kept;
+        kept += part.triangles.clone().filter(|&t| keep[t as usize]).count() as u32;
+        part.triangles = start..kept;
+    }
+    mesh.parts.retain(|part| !part.triangles.is_empty());
+    let mut marks = keep.iter();
+    mesh.triangles.retain(|_| marks.next() == Some(&true));
+}
+
+/// Drops the vertices that no triangle uses: they would stretch the bounds.
+fn drop_unused_vertices(mesh: &mut MeshData) {
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|&i| used[i as usize] = true);
+    if used.iter().all(|&u| u) {
+        return;
+    }
+    let mut used_before = 0;
+    let new_index = |&is_used: &bool| {
+        used_before += u32::from(is_used);
+        used_before - u32::from(is_used)
+    };
+    let renamed: Vec<u32> = used.iter().map(new_index).collect();
+    mesh.triangles.iter_mut().flatten().for_each(|i| *i = renamed[*i as usize]);
+    keep_used(&mut mesh.positions, &used);
+    keep_used(&mut mesh.normals, &used);
+    keep_used(&mut mesh.uvs, &used);
+}
+
+fn keep_used<T>(values: &mut Vec<T>, used: &[bool]) {
+    let mut marks = used.iter();
+    values.retain(|_| marks.next() == Some(&true));
+}

@@ -1,0 +1,81 @@
+//! Parallelograms: a rectangle, transformed.
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, offset_bound};
+use crate::error::{Error, Fault, Result};
+use crate::math::{Aabb, AreaPdf, Ray, Transform};
+
+/// The rectangle |x| ≤ w/2, |y| ≤ h/2 in the plane z = 0; its normal is +z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quad {
+    /// Full width w and height h (m).
+    pub size: [f64; 2],
+}
+
+impl Quad {
+    fn corners(&self, to_world: &Transform) -> [DVec3; 4] {
+        let [w, h] = self.size.map(|s| 0.5 * s);
+        [(-w, -h), (w, -h), (w, h), (-w, h)].map(|(x, y)| to_world.point(DVec3::new(x, y, 0.0)))
+    }
+}
+
+impl Geometry for Quad {
+    fn bounds(&self, to_world: &Transform) -> (DVec3, DVec3) {
+        let c = self.corners(to_world);
+        (c.into_iter().reduce(DVec3::min).unwrap_or_default(), c.into_iter().reduce(DVec3::max).unwrap_or_default())
+    }
+
+    fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>> {
+        let corners = self.corners(to_world).map(|c| c.as_vec3());
+        // Of the corners as they are hit: rounding may leave nothing of a small quad in a large scene.
+        let [a, b, _, d] = corners.map(|c| c.as_dvec3());
+        let cross = (b - a).cross(d - a);
+        let flat = || Error::invalid(Fault::new("a quad is too small to be hit in a scene this large"));
+        let normal = cross.try_normalize().ok_or_else(flat)?;
+        let ng = if to_world.flips_handedness() { -normal } else { normal }.as_vec3();
+        let area = cross.length() as f32;
+        Ok(Box::new(Parallelogram { corners, ng, area, offset: offset_bound(ng, Aabb::around(corners).magnitude()) }))
+    }
+}
+
+/// Corners a, b, c, d in turn; u runs along ab, v along ad.
+struct Parallelogram {
+    corners: [Vec3; 4],
+    ng: Vec3,
+    area: f32,
+    offset: f32,
+}
+
+impl Parallelogram {
+    fn at(&self, uv: Vec2) -> SurfacePoint {
+        let [a, b, _, d] = self.corners;
+        SurfacePoint { p: a + (b - a) * uv.x + (d - a) * uv.y, offset: self.offset, ng: self.ng, ns: self.ng, uv }
+    }
+}
+
+impl Shape for Parallelogram {
+    fn count(&self) -> u32 {
+        1
+    }
+
+    fn bounds(&self, _: u32) -> Aabb {
+        Aabb::around(self.corners)
+    }
+
+    fn area(&self, _: u32) -> f32 {
+        self.area
+    }
+
+    fn facet(&self, _: u32) -> Facet {
+        Facet::Parallelogram(self.corners)
+    }
+
+    fn point(&self, _: u32, _: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        self.at(hit.uv)
+    }
+
+    fn sample_area(&self, _: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
+        (self.at(u), AreaPdf::new(1.0 / self.area))
+    }
+}

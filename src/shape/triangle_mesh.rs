@@ -1,0 +1,131 @@
+//! Triangle meshes.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::{Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, offset_bound, triangle};
+use crate::error::{Error, Fault, Result};
+use crate::math::{Aabb, AreaPdf, Ray, Transform, warp};
+
+/// A mesh in its own space.
+#[derive(Clone, Debug)]
+pub struct TriangleMesh {
+    pub data: Arc<MeshData>,
+}
+
+impl TriangleMesh {
+    pub fn new(data: MeshData) -> TriangleMesh {
+        TriangleMesh { data: Arc::new(data) }
+    }
+}
+
+impl Geometry for TriangleMesh {
+    fn bounds(&self, to_world: &Transform) -> (DVec3, DVec3) {
+        let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let corners = self.data.positions.iter().map(|p| to_world.point(p.as_dvec3()));
+        corners.fold(empty, |(min, max), p| (min.min(p), max.max(p)))
+    }
+
+    fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>> {
+        let mesh = &*self.data;
+        let positions: Vec<Vec3> = mesh.positions.iter().map(|p| to_world.point(p.as_dvec3()).as_vec3()).collect();
+        let place = |n: &Vec3| if *n == Vec3::ZERO { Vec3::ZERO } else { to_world.normal(n.as_dvec3()).as_vec3() };
+        let normals: Vec<Vec3> = mesh.normals.iter().map(place).collect();
+        let flip = to_world.flips_handedness();
+        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|&t| outward(t, flip, &positions, &normals)).collect();
+        if triangles.iter().all(|t| triangle::normal(t.map(|v| positions[v as usize])).is_none()) {
+            return Err(Error::invalid(Fault::new("no usable triangles: all of them are degenerate once placed")));
+        }
+        let part_ends = mesh.parts.iter().map(|part| part.triangles.end).collect();
+        Ok(Box::new(BakedMesh { positions, normals, uvs: mesh.uvs.clone(), triangles, part_ends }))
+    }
+}
+
+/// The triangle wound so that its geometric normal points to the outside.
+///
+/// A mirroring transform turns every triangle inside out. Where the vertex normals say otherwise
+/// than the winding, they win: they are what was modelled with care.
+fn outward([a, b, c]: [u32; 3], mirrored: bool, positions: &[Vec3], normals: &[Vec3]) -> [u32; 3] {
+    let wound = if mirrored { [a, c, b] } else { [a, b, c] };
+    let modelled: Vec3 = if normals.is_empty() { Vec3::ZERO } else { wound.iter().map(|&v| normals[v as usize]).sum() };
+    let against = triangle::normal(wound.map(|v| positions[v as usize])).is_some_and(|n| n.dot(modelled) < 0.0);
+    if against { [wound[0], wound[2], wound[1]] } else { wound }
+}
+
+struct BakedMesh {
+    positions: Vec<Vec3>,
+    /// Empty, or one per position; zero where the surface is flat.
+    normals: Vec<Vec3>,
+    /// Empty, or one per position.
+    uvs: Vec<Vec2>,
+    triangles: Vec<[u32; 3]>,
+    /// One past the last triangle of each part.
+    part_ends: Vec<u32>,
+}
+
+impl BakedMesh {
+    fn corners(&self, i: u32) -> [Vec3; 3] {
+        self.triangles[i as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// The surface at the weights `w` of the second and third corner.
+    fn at(&self, i: u32, w: Vec2) -> SurfacePoint {
+        let [a, b, c] = self.corners(i);
+        let ng = triangle::normal([a, b, c]).unwrap_or(Vec3::Z);
+        let p = a * (1.0 - w.x - w.y) + b * w.x + c * w.y;
+        let uv = if self.uvs.is_empty() { w } else { self.blend(&self.uvs, i, w) };
+        let offset = offset_bound(ng, a.abs().max(b.abs()).max(c.abs()));
+        SurfacePoint { p, offset, ng, ns: self.shading_normal(i, w, ng), uv }
+    }
+
+    fn blend<T>(&self, values: &[T], i: u32, w: Vec2) -> T
+    where
+        T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+    {
+        let [a, b, c] = self.triangles[i as usize].map(|v| values[v as usize]);
+        a * (1.0 - w.x - w.y) + b * w.x + c * w.y
+    }
+
+    /// Interpolated; `ng` where the mesh has none here, or where interpolation leaves the side of `ng`.
+    fn shading_normal(&self, i: u32, w: Vec2, ng: Vec3) -> Vec3 {
+        if self.normals.is_empty() || self.triangles[i as usize].iter().any(|&v| self.normals[v as usize] == Vec3::ZERO) {
+            return ng;
+        }
+        self.blend(&self.normals, i, w).try_normalize().filter(|n| n.dot(ng) > 0.0).unwrap_or(ng)
+    }
+}
+
+impl Shape for BakedMesh {
+    fn count(&self) -> u32 {
+        self.triangles.len() as u32
+    }
+
+    fn bounds(&self, i: u32) -> Aabb {
+        Aabb::around(self.corners(i))
+    }
+
+    fn area(&self, i: u32) -> f32 {
+        triangle::area(self.corners(i))
+    }
+
+    fn facet(&self, i: u32) -> Facet {
+        Facet::Triangle(self.corners(i))
+    }
+
+    fn point(&self, i: u32, _: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        self.at(i, hit.uv)
+    }
+
+    fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
+        (self.at(i, warp::triangle(u)), AreaPdf::new(1.0 / self.area(i)))
+    }
+
+    fn part(&self, i: u32) -> u32 {
+        self.part_ends.partition_point(|&end| end <= i) as u32
+    }
+
+    fn has_shading_normals(&self) -> bool {
+        !self.normals.is_empty()
+    }
+}

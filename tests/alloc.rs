@@ -1,0 +1,80 @@
+//! Samples of a scene of surfaces allocate nothing.
+//!
+//! The law: a render allocates while it is prepared, and a few times per wave and tile (the tile's
+//! result and sums, its sampler), nothing more. Doubling the samples makes one wave more of twice the
+//! length: however many samples there are, each doubling adds no more than one wave's share, which is
+//! at most four allocations for each tile and four for the film. The length of paths has no say.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+#[path = "it/common.rs"]
+#[allow(dead_code)]
+mod common;
+
+#[path = "it/identity/zoo.rs"]
+#[allow(dead_code)]
+mod zoo;
+
+use pt::film::{FilmSpec, MomentFilm};
+use pt::integrator::{Integrator, choose};
+use pt::integrators::nee::Nee;
+use pt::render::{Settings, Silent, render};
+use pt::sampler::{Kind, SamplerSpec};
+use zoo::Zoo;
+
+/// The system's allocator, counted.
+struct Counting;
+
+static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+
+// SAFETY: every call is the system allocator's own, with the caller's arguments.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+const SIZE: [u32; 2] = [64, 48];
+const TILE: u32 = 16;
+const TILES: u64 = (SIZE[0] / TILE * (SIZE[1] / TILE)) as u64;
+
+/// How often a render on one thread allocates.
+fn allocations(integrator: &dyn Integrator, kind: Kind, spp: u64) -> u64 {
+    let scene = Zoo::default().build();
+    let settings = Settings { tile: TILE, ..Settings::new(SamplerSpec { kind, seed: 1, spp }) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
+    pool.install(|| {
+        let mut film = MomentFilm::new(FilmSpec::new(SIZE[0], SIZE[1]));
+        let before = ALLOCATIONS.load(Ordering::Relaxed);
+        render(scene, integrator, &mut film, &settings, &Silent);
+        ALLOCATIONS.load(Ordering::Relaxed) - before
+    })
+}
+
+/// One test only: other tests' threads would be counted too.
+#[test]
+fn samples_allocate_nothing() {
+    for (entry, (kind, ..)) in pt::integrators::ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
+        let (_, integrator) = choose(&[&[*entry]], None, Some(entry.name), "").expect("defaults are valid");
+        let counts = [1, 2, 4, 8, 16, 32].map(|spp| allocations(&*integrator, *kind, spp));
+        for (few, many) in counts.iter().zip(&counts[1..]) {
+            assert!(many - few <= 4 * TILES + 4, "{} {kind:?}: {counts:?}", entry.name);
+        }
+    }
+    let [shallow, deep] = [2, 16].map(|max_depth| allocations(&Nee { max_depth, ..Nee::default() }, Kind::Independent, 8));
+    assert_eq!(shallow, deep, "allocations depend on the depth of paths");
+}

@@ -1,0 +1,243 @@
+//! Different methods, the same picture: on generated scenes, with every effect that there is.
+
+use std::sync::Arc;
+
+use glam::{DVec3, UVec2};
+use pt::bsdf::{Material, TransportMode};
+use pt::camera::{Camera, Perspective, Pose};
+use pt::film::{FilmSpec, Image};
+use pt::integrator::{CameraSample, Context, Estimator, Integrator};
+use pt::integrators::nee::Nee;
+use pt::integrators::{ALL, path::Path};
+use pt::light::{Emission, Environment, Light};
+use pt::math::{Spectrum, Transform, Vec3};
+use pt::measure::{Render, agreement, sidak};
+use pt::sampler::dimension::{self, Use};
+use pt::sampler::{Sampler, SamplerSpec};
+use pt::scene::Scene;
+use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
+use pt::world::{MaterialId, World, WorldBuilder};
+
+use crate::glass::{block, round_mesh};
+use crate::scenes::{Depth, at, facing, integrator, needs, picture};
+
+/// Cut where all methods must cut alike.
+const DEPTH: Depth = Depth { max: 12, roulette: 3 };
+const SAMPLES: u64 = 256;
+const EDGE: u32 = 32;
+/// Scenes with matte walls, and scenes without.
+const MATTE: u64 = 12;
+const CLEAR: u64 = 4;
+/// Pairs of pictures, at 1 % of false alarms together.
+const PAIRS: usize = (MATTE + 3 * CLEAR) as usize;
+
+/// Numbers that choose what is in a scene: pt's own independent sampler, one sample per scene.
+struct Dice(Box<dyn Sampler>);
+
+impl Dice {
+    fn new(scene: u64) -> Dice {
+        let mut sampler = SamplerSpec { seed: 7, ..SamplerSpec::default() }.build();
+        sampler.start(UVec2::ZERO, scene);
+        Dice(sampler)
+    }
+
+    fn within(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * f64::from(self.0.next_1d())
+    }
+
+    fn of(&mut self, count: u32) -> u32 {
+        (self.within(0.0, f64::from(count)) as u32).min(count - 1)
+    }
+
+    fn color(&mut self, from: f64, to: f64) -> Spectrum {
+        let [r, g, b] = [0; 3].map(|_| self.within(from, to) as f32);
+        Spectrum::rgb(r, g, b)
+    }
+
+    fn point(&mut self, reach: f64) -> DVec3 {
+        DVec3::from_array([0; 3].map(|_| self.within(-reach, reach)))
+    }
+}
+
+/// What a thing may be made of; the first three are clear.
+fn substance(kind: u32, dice: &mut Dice) -> Material {
+    match kind {
+        0 => Material::glass(dice.within(1.1, 2.4) as f32),
+        1 => Material::mirror(dice.color(0.6, 1.0)),
+        2 => Material::Conductor { eta: dice.color(0.1, 2.0), k: dice.color(2.0, 5.0) },
+        3 => Material::MatteCone { color: dice.color(0.3, 0.9).into(), mattness: dice.within(0.1, 1.0) as f32 },
+        _ => Material::diffuse(dice.color(0.2, 0.8)),
+    }
+}
+
+/// A lamp of each family of shapes in turn, under the ceiling, large enough for chance.
+fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId) {
+    let emission = Emission { radiance: dice.color(1.0, 4.0), two_sided: scene / 4 % 2 == 1 };
+    let place = facing(DVec3::new(dice.within(-0.2, 0.2), 0.8, dice.within(-0.3, 0.3)), dice.point(0.4) - DVec3::Y);
+    match scene % 4 {
+        0 => world.shape(Quad { size: [1.2, 1.0] }, place, dark, Some(emission)),
+        1 => world.shape(Disk { radius: 0.6 }, place, dark, Some(emission)),
+        2 => world.shape(Sphere { radius: 0.4 }, at(DVec3::new(0.2, 0.5, -0.2)), dark, Some(emission)),
+        _ => {
+            let squeezed = Transform::scale(DVec3::new(0.6, 0.3, 0.5)).unwrap().then(&at(DVec3::new(0.0, 0.55, 0.0)));
+            world.shape(TriangleMesh::new(round_mesh(1)), squeezed, dark, Some(emission));
+        }
+    }
+}
+
+/// A box open towards the camera, with a lamp and three things; every third scene stands under an open sky too.
+fn generated(scene: u64, matte: bool) -> Arc<World> {
+    let mut dice = Dice::new(if matte { scene } else { 1000 + scene });
+    let pose = Pose::new(&Transform::look_at(DVec3::new(0.1, 0.1, 3.4), DVec3::ZERO, DVec3::Y).unwrap());
+    let mut world = World::builder(Camera::Perspective(Perspective::new(pose, 40.0, 0.02, 3.0)));
+    let kinds = if matte { 6 } else { 3 };
+    for (axis, side) in [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0), (2, -1.0)] {
+        let out = DVec3::AXES[axis] * side;
+        let wall = if matte { Material::diffuse(dice.color(0.2, 0.8)) } else { Material::mirror(dice.color(0.3, 0.9)) };
+        let wall = world.material(wall);
+        world.shape(Quad { size: [2.0; 2] }, facing(out, -out), wall, None);
+    }
+    let dark = world.material(Material::mirror(Spectrum::gray(0.1)));
+    lamp(&mut world, scene, &mut dice, dark);
+    if scene.is_multiple_of(3) || !matte {
+        world.light(Light::Environment(Environment { radiance: dice.color(0.2, 0.8) }));
+    }
+    for thing in 0..3 {
+        // Glass, mirror, metal, matte cone in turn, so that every scene has clear and matte things.
+        let kind = if thing == 0 { (scene % 4) as u32 } else { dice.of(kinds) };
+        let material = world.material(substance(kind.min(kinds - 1), &mut dice));
+        let place = DVec3::new([-0.5, 0.45, 0.0][thing], -0.6, [-0.2, -0.4, 0.4][thing]);
+        let turn = Transform::rotate(dice.point(1.0) + DVec3::Y, dice.within(0.0, 360.0)).unwrap();
+        match dice.of(3) {
+            0 => world.shape(TriangleMesh::new(block(Vec3::new(0.2, 0.25, 0.15))), turn.then(&at(place)), material, None),
+            1 => {
+                world.shape(TriangleMesh::new(round_mesh(1)), Transform::scale(DVec3::splat(0.3)).unwrap().then(&at(place)), material, None)
+            }
+            _ => world.shape(Sphere { radius: 0.3 }, at(place), material, None),
+        }
+    }
+    Arc::new(world.build().unwrap())
+}
+
+fn image(scene: &Arc<World>, integrator: &dyn Integrator, seed: u64) -> Image {
+    let sampler = SamplerSpec { spp: SAMPLES, seed, ..SamplerSpec::default() };
+    picture(scene.clone(), integrator, FilmSpec::new(EDGE, EDGE), sampler)
+}
+
+/// What the four tests say to two images, where they say no.
+fn refusal(a: &Image, b: &Image) -> Option<String> {
+    let render = |image| Render { image, samples: SAMPLES };
+    let found = agreement(render(a), render(b), sidak(0.01, PAIRS)).unwrap();
+    (!found.accepts()).then(|| found.to_string())
+}
+
+/// Every pair of integrators that sees all of a generated scene.
+fn agree(scene: u64, matte: bool) {
+    let world = generated(scene, matte);
+    let able = ALL.iter().filter(|entry| entry.simulates.contains(needs(&*world, DEPTH)));
+    let images: Vec<(&str, Image)> =
+        able.zip(1..).filter_map(|(entry, seed)| Some((entry.name, image(&world, &*integrator(entry, DEPTH)?, seed)))).collect();
+    assert!(images.len() >= if matte { 2 } else { 3 });
+    for (k, (name, a)) in images.iter().enumerate() {
+        for (other, b) in &images[k + 1..] {
+            if let Some(found) = refusal(a, b) {
+                panic!("scene {scene} (matte: {matte}), {name} and {other}: {found}");
+            }
+        }
+    }
+}
+
+#[test]
+fn methods_agree_among_matte_things() {
+    (0..MATTE).for_each(|scene| agree(scene, true));
+}
+
+#[test]
+fn methods_agree_among_mirrors_and_glass() {
+    (0..CLEAR).for_each(|scene| agree(scene, false));
+}
+
+/// All its radiance times a factor.
+struct Biased<T>(T, f32);
+
+struct Scaled {
+    inner: Box<dyn Estimator>,
+    factor: f32,
+}
+
+impl<T: Integrator> Integrator for Biased<T> {
+    fn prepare(&self, scene: Arc<dyn Scene>, film: &FilmSpec) -> Box<dyn Estimator> {
+        Box::new(Scaled { inner: self.0.prepare(scene, film), factor: self.1 })
+    }
+}
+
+impl Estimator for Scaled {
+    fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
+        self.inner.li(camera, cx) * self.factor
+    }
+}
+
+/// Samples the lights, and then counts what it meets by chance as well, without weights.
+struct CountsTwice;
+
+struct Twice(Arc<dyn Scene>);
+
+impl Integrator for CountsTwice {
+    fn prepare(&self, scene: Arc<dyn Scene>, _: &FilmSpec) -> Box<dyn Estimator> {
+        Box::new(Twice(scene))
+    }
+}
+
+impl Estimator for Twice {
+    fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
+        let (mut ray, mut beta, mut radiance) = (camera.ray, Spectrum::ONE, Spectrum::BLACK);
+        for depth in 0.. {
+            let Some(hit) = self.0.intersect(&ray) else { return radiance + beta * self.0.lights().background(&ray) };
+            let surface = self.0.surface(&ray, &hit);
+            let wo = -ray.direction;
+            radiance += beta * surface.emitted(wo);
+            if depth == DEPTH.max {
+                break;
+            }
+            cx.sampler.at(dimension::vertex(depth, Use::Light));
+            let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
+            if let Some(light) = self.0.lights().sample(surface.point.p, choice, u) {
+                let f = surface.eval(wo, light.wi, TransportMode::Radiance);
+                if !f.is_black() && !self.0.occluded(&surface.shadow_ray(light.wi, &light.target, 0.0)) {
+                    radiance += beta * f * light.weight;
+                }
+            }
+            cx.sampler.at(dimension::vertex(depth, Use::Bsdf));
+            let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
+            let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else { break };
+            beta *= sample.weight;
+            ray = surface.spawn(wi, ray.time);
+        }
+        radiance
+    }
+}
+
+fn nee() -> Nee {
+    Nee { max_depth: DEPTH.max, roulette_depth: DEPTH.roulette }
+}
+
+#[test]
+fn light_counted_twice_is_refused() {
+    for scene in 0..4 {
+        let world = generated(scene, true);
+        let found = refusal(&image(&world, &nee(), 1), &image(&world, &CountsTwice, 2));
+        assert!(found.is_some(), "scene {scene}");
+    }
+}
+
+/// 3 % hide in every pixel, whose error is about 10 %.
+#[test]
+fn three_per_cent_of_bias_are_refused() {
+    for scene in 0..4 {
+        let world = generated(scene, true);
+        let path = Path { max_depth: DEPTH.max, roulette_depth: DEPTH.roulette };
+        let honest = image(&world, &path, 1);
+        assert!(refusal(&honest, &image(&world, &Biased(nee(), 1.0), 2)).is_none(), "scene {scene}");
+        assert!(refusal(&honest, &image(&world, &Biased(nee(), 1.03), 2)).is_some(), "scene {scene}");
+    }
+}

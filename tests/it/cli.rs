@@ -1,0 +1,338 @@
+//! The command line as its users meet it: what it writes, what it refuses, in which words, with which exit code.
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+const SCENE: &str = r#"{
+  "pt": 1,
+  "camera": { "look_at": { "from": [0, 0, 3], "to": [0, 0, 0] } },
+  "film": { "width": 8, "height": 6 },
+  "sampler": { "spp": 2 },
+  "shapes": [{ "type": "sphere" }],
+  "background": { "radiance": 1 }
+}"#;
+
+/// A folder with `scene.json` in it.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("scene.json"), SCENE).expect("write");
+    folder
+}
+
+fn pt(folder: &Path, args: &[&str]) -> assert_cmd::assert::Assert {
+    Command::cargo_bin("pt").expect("the binary").current_dir(folder).args(args).assert()
+}
+
+/// Exit code, and a phrase of stderr.
+#[track_caller]
+fn refused(folder: &Path, args: &[&str], code: i32, phrase: &str) {
+    let output = pt(folder, args).code(code).get_output().clone();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(stderr.contains(phrase), "{args:?}: expected {phrase:?} in\n{stderr}");
+    assert!(!stderr.contains("panicked"), "{args:?}: {stderr}");
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).expect("list").map(|e| e.expect("entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_scene_becomes_an_exr_and_a_png_named_after_it() {
+    let folder = folder();
+    pt(folder.path(), &["scene.json"]).success();
+    assert_eq!(files(folder.path()), ["scene.exr", "scene.json", "scene.png"]);
+    let (image, attributes) = pt::output::exr::read(&folder.path().join("scene.exr")).expect("a readable picture");
+    assert_eq!(image.size, glam::UVec2::new(8, 6));
+    // The corner sees the background alone: radiance 1, exactly.
+    assert_eq!(image.rgb(0, 0), [1.0; 3]);
+    assert!(attributes.contains(&("pt/integrator".into(), "nee".into())), "{attributes:?}");
+}
+
+#[test]
+fn every_integrator_is_chosen_by_name_and_keeps_what_it_knows_of_the_options() {
+    let folder = folder();
+    for entry in pt::integrators::ALL {
+        pt(
+            folder.path(),
+            &["--integrator", entry.name, "scene.json", "-o", "x.exr", "-D", "/integrator={\"type\":\"nee\",\"max_depth\":3}"],
+        )
+        .success();
+        let (_, attributes) = pt::output::exr::read(&folder.path().join("x.exr")).expect("a readable picture");
+        assert!(attributes.contains(&("pt/integrator".into(), entry.name.into())));
+    }
+}
+
+#[test]
+fn several_outputs_each_by_its_extension() {
+    let folder = folder();
+    pt(folder.path(), &["scene.json", "-o", "a.exr", "-o", "b.png", "-o", "c.ppm", "-o", "d.pfm"]).success();
+    let start = |name: &str| fs::read(folder.path().join(name)).expect("written")[..3].to_vec();
+    assert_eq!(start("a.exr"), [0x76, 0x2f, 0x31]);
+    assert_eq!(start("b.png"), [0x89, b'P', b'N']);
+    assert_eq!(start("c.ppm"), *b"P6\n");
+    assert_eq!(start("d.pfm"), *b"PF\n");
+}
+
+#[test]
+fn flags_override_the_scene() {
+    let folder = folder();
+    let flags = ["scene.json", "-o", "x.exr", "--size", "10x4", "--spp", "3", "--seed", "7", "--sampler", "halton", "--crop", "1,5,0,2"];
+    pt(folder.path(), &flags).success();
+    let (image, attributes) = pt::output::exr::read(&folder.path().join("x.exr")).expect("a readable picture");
+    assert_eq!((image.full_size, image.origin, image.size), (glam::UVec2::new(10, 4), glam::UVec2::new(1, 0), glam::UVec2::new(4, 2)));
+    for (name, value) in [("pt/spp", "3"), ("pt/seed", "7"), ("pt/sampler", "halton")] {
+        assert!(attributes.contains(&(name.into(), value.into())), "{name}: {attributes:?}");
+    }
+}
+
+#[test]
+fn a_sample_by_itself_is_the_sample_of_the_picture() {
+    let folder = folder();
+    pt(folder.path(), &["scene.json", "-o", "x.exr", "--spp", "1"]).success();
+    let (image, _) = pt::output::exr::read(&folder.path().join("x.exr")).expect("a readable picture");
+    let output = pt(folder.path(), &["scene.json", "--pixel", "4,3", "--sample", "0"]).success().get_output().clone();
+    let [r, g, b] = image.rgb(4, 3);
+    assert_eq!(String::from_utf8_lossy(&output.stdout), format!("pixel 4,3 sample 0: {r:?} {g:?} {b:?}\n"));
+}
+
+#[test]
+fn a_scene_from_stdin() {
+    let folder = folder();
+    Command::cargo_bin("pt").expect("the binary").current_dir(folder.path()).arg("-").write_stdin(SCENE).assert().success();
+    assert_eq!(files(folder.path()), ["scene.json", "stdin.exr", "stdin.png"]);
+}
+
+#[test]
+fn time_ends_a_render() {
+    let folder = folder();
+    let start = std::time::Instant::now();
+    pt(folder.path(), &["scene.json", "--time", "0.2"]).success();
+    // Generous, for a busy machine: without the limit 2³² samples would take hours.
+    assert!(start.elapsed().as_secs_f64() < 30.0);
+}
+
+#[test]
+fn progress_and_statistics_as_json_can_be_parsed() {
+    let folder = folder();
+    let output = pt(folder.path(), &["scene.json", "--progress", "json", "--stats=json"]).success().get_output().clone();
+    let stats: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(stats["camera_samples"], 8 * 6 * 2);
+    assert!(stats["rays"].as_u64().expect("a count") >= 8 * 6 * 2);
+    let lines = String::from_utf8_lossy(&output.stderr).into_owned();
+    let last = lines.lines().rfind(|line| line.starts_with('{')).expect("progress");
+    assert_eq!(serde_json::from_str::<serde_json::Value>(last).expect("JSON")["share"], 1.0);
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let folder = folder();
+    let output = pt(folder.path(), &["scene.json", "-q"]).success().get_output().clone();
+    assert!(output.stderr.is_empty() && output.stdout.is_empty());
+}
+
+#[test]
+fn what_an_integrator_lacks_is_said_in_one_line() {
+    let folder = folder();
+    let output = pt(folder.path(), &["scene.json", "-i", "whitted"]).success().get_output().clone();
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(stderr.contains("whitted does not simulate what this scene calls for: diffuse interreflection"), "{stderr}");
+}
+
+#[test]
+fn check_says_what_is_there_and_what_is_called_for() {
+    let folder = folder();
+    let output = pt(folder.path(), &["check", "scene.json"]).success().get_output().clone();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    for phrase in ["scene.json: valid", "environment", "\"background\"", "not called for, and off"] {
+        assert!(text.contains(phrase) || phrase == "\"background\"" && text.contains("background"), "{phrase}: {text}");
+    }
+    assert_eq!(files(folder.path()), ["scene.json"]);
+}
+
+#[test]
+fn list_shows_everything_with_a_line_each() {
+    let folder = folder();
+    let output = pt(folder.path(), &["list"]).success().get_output().clone();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    for name in ["whitted", "halton", "mesh", "dielectric", "checker", "spot", "orthographic", "mitchell"] {
+        let line = text.lines().find(|line| line.trim_start().starts_with(name)).unwrap_or_else(|| panic!("{name} in\n{text}"));
+        assert!(line.split_whitespace().count() >= 4, "{line}");
+    }
+}
+
+/// Rows B1, B2, B27, B28, B37, B39, B52–B54 of the table of bad inputs.
+#[test]
+fn bad_calls_are_refused_in_one_line_with_their_code_and_leave_nothing_behind() {
+    let folder = folder();
+    let at = folder.path();
+    fs::create_dir(at.join("folder")).expect("folder");
+    fs::write(at.join("dark.json"), SCENE.replace(",\n  \"background\": { \"radiance\": 1 }", "")).expect("write");
+    let before = files(at);
+    for (args, code, phrase) in [
+        (&["missing.json"][..], 3, "missing.json: no such file"),
+        (&["folder"], 3, "folder: not a regular file"),
+        (&["/dev/zero"], 3, "/dev/zero: not a regular file"),
+        (&[], 2, "expected a scene"),
+        (&["scene.json", "--spp", "0"], 2, "0 is not in 1.."),
+        (&["scene.json", "--spp", "4294967296"], 2, "4294967296 is not in"),
+        (&["scene.json", "-t", "0"], 2, "0 is not in 1..=1024"),
+        (&["scene.json", "-t", "1000000"], 2, "1000000 is not in 1..=1024"),
+        (&["scene.json", "--size", "0x4"], 2, "from 1 to 65536, found 0"),
+        (&["scene.json", "--size", "65536x65536"], 4, "GiB, the limit is"),
+        (&["scene.json", "--crop", "5,2,0,1"], 2, "the crop [x0, x1, y0, y1] is empty"),
+        (&["scene.json", "--crop", "0,9,0,1"], 2, "beyond the image of 8 × 6"),
+        (&["scene.json", "--pixel", "8,0"], 2, "the picture is 8 × 6"),
+        (&["scene.json", "--pixel", "1"], 2, "expected 2 whole numbers"),
+        (&["scene.json", "--sample", "1"], 2, "--pixel"),
+        (&["scene.json", "--time", "soon"], 2, "expected a duration such as 30s"),
+        (&["scene.json", "-i", "pathh"], 2, "unknown integrator \"pathh\", did you mean \"path\"?"),
+        (&["scene.json", "--sampler", "sobel"], 2, "unknown sampler \"sobel\", did you mean \"sobol\"?"),
+        (&["scene.json", "-D", "/camera/fov"], 2, "expected /POINTER=VALUE"),
+        (&["scene.json", "-D", "/camera/fov=400"], 2, "-D /camera/fov=400: /camera/fov: expected an angle"),
+        (&["scene.json", "-D", "/camra/fov=40"], 2, "unknown key"),
+        (&["scene.json", "-D", "/integrator={\"type\":\"nee\",\"max_dept\":1}"], 2, "did you mean \"max_depth\"?"),
+        (&["scene.json", "--nonsense"], 2, "--nonsense"),
+        (&["scene.json", "-o", "x.jpg"], 2, "expected a name that ends in .exr"),
+        (&["scene.json", "-o", "no/such/x.exr"], 5, "no/such/x.exr"),
+        (&["scene.json", "-o", "folder/.exr"], 2, "expected a name"),
+        (&["list", "everything"], 2, "everything"),
+    ] {
+        refused(at, args, code, phrase);
+        assert_eq!(files(at), before, "{args:?} left something behind");
+    }
+    fs::create_dir(at.join("x.exr")).expect("folder");
+    refused(at, &["scene.json", "-o", "x.exr"], 2, "is a folder");
+}
+
+#[test]
+fn an_environment_variable_is_judged_like_its_flag() {
+    let folder = folder();
+    let mut command = Command::cargo_bin("pt").expect("the binary");
+    let output = command.current_dir(folder.path()).env("PT_THREADS", "abc").arg("scene.json").assert().code(2).get_output().clone();
+    assert!(String::from_utf8_lossy(&output.stderr).contains("abc"));
+}
+
+#[test]
+fn a_scene_without_light_is_black_and_says_so() {
+    let folder = folder();
+    fs::write(folder.path().join("dark.json"), SCENE.replace(",\n  \"background\": { \"radiance\": 1 }", "")).expect("write");
+    let output = pt(folder.path(), &["dark.json", "-o", "x.exr"]).success().get_output().clone();
+    assert!(String::from_utf8_lossy(&output.stderr).contains("the image will be black"));
+}
+
+#[test]
+fn unusual_file_names_work() {
+    let folder = folder();
+    let long = format!("{}.json", "n".repeat(250));
+    for name in ["mit leerzeichen.json", "szene-ä-🫖.json", "-dash.json", &long] {
+        fs::write(folder.path().join(name), SCENE).expect("write");
+        pt(folder.path(), &["-o", "x.exr", "--", name]).success();
+    }
+}
+
+#[test]
+fn errors_as_json() {
+    let folder = folder();
+    fs::write(folder.path().join("bad.json"), SCENE.replace("\"spp\": 2", "\"sp\": 2, \"seed\": -1")).expect("write");
+    let output = pt(folder.path(), &["bad.json", "--json-errors"]).code(3).get_output().clone();
+    let object: serde_json::Value = serde_json::from_slice(&output.stderr).expect("one JSON object");
+    assert_eq!(object["exit_code"], 3);
+    let errors = object["errors"].as_array().expect("a list");
+    assert_eq!((errors.len(), &errors[0]["pointer"], &errors[0]["line"]), (2, &"/sampler/sp".into(), &5.into()));
+}
+
+#[test]
+fn a_failed_render_leaves_the_old_picture() {
+    let folder = folder();
+    let old = folder.path().join("scene.exr");
+    fs::write(&old, "old").expect("write");
+    refused(folder.path(), &["scene.json", "-D", "/shapes/0/radius=-1"], 2, "above 0");
+    assert_eq!(fs::read(&old).expect("still there"), b"old");
+}
+
+#[test]
+fn version_names_the_build() {
+    let folder = folder();
+    let output = pt(folder.path(), &["--version"]).success().get_output().clone();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(text.starts_with("pt 0.") && text.contains('('), "{text}");
+}
+
+/// A picture of what was rendered by then, and the exit code of the signal.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_render_keeps_its_picture() {
+    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        let folder = folder();
+        let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("pt"))
+            .current_dir(folder.path())
+            .args(["scene.json", "-o", "x.exr", "--time", "60", "--progress", "json"])
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .expect("it starts");
+        // The first line of progress: it renders.
+        let mut first = String::new();
+        let stderr = child.stderr.take().expect("a pipe");
+        std::io::BufRead::read_line(&mut std::io::BufReader::new(stderr), &mut first).expect("a line");
+        std::process::Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status().expect("kill");
+        assert_eq!(child.wait().expect("it ends").code(), Some(code), "{signal}");
+        assert!(folder.path().join("x.exr").exists(), "{signal}");
+    }
+}
+
+/// A light that is 10⁹ times mightier and far away takes no light from a near one.
+#[test]
+fn a_mighty_light_far_away_hides_no_near_one() {
+    let folder = folder();
+    let floor = r#""shapes": [{"type": "quad", "size": 4, "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": -90}}]}]"#;
+    let near = r#"{"type": "point", "position": [0, 1, 0], "intensity": 1}"#;
+    let far = r#"{"type": "point", "position": [0, 1e5, 0], "intensity": 1e9}"#;
+    let mean = |lights: &str| {
+        let camera = r#""camera": {"look_at": {"from": [0, 1, 4], "to": [0, 0, 0]}}"#;
+        let film = r#""film": {"width": 8, "height": 8}, "sampler": {"type": "independent", "spp": 4096}"#;
+        let scene = format!(r#"{{"pt": 1, {camera}, {film}, {floor}, "lights": [{lights}]}}"#);
+        fs::write(folder.path().join("lights.json"), scene).expect("write");
+        pt(folder.path(), &["lights.json", "-q", "-o", "x.exr"]).success();
+        let (image, _) = pt::output::exr::read(&folder.path().join("x.exr")).expect("a readable picture");
+        image.pixels().flatten().map(f64::from).sum::<f64>() / 192.0
+    };
+    let (sum, both) = (mean(near) + mean(far), mean(&format!("{near}, {far}")));
+    // 1/16 of the 262,144 samples go to the near light: a standard error of ¾ %.
+    assert!((both / sum - 1.0).abs() < 0.04, "{both} of {sum}");
+}
+
+const FLOOR: &str = r#"{"type": "quad", "size": 4, "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": -90}}]}"#;
+
+fn floor_scene(shapes: &str, lights: &str) -> String {
+    let camera = r#""camera": {"look_at": {"from": [0, 1, 4], "to": [0, 0, 0]}}"#;
+    format!(r#"{{"pt": 1, {camera}, "film": {{"width": 8, "height": 8}}, "shapes": [{shapes}], "lights": [{lights}]}}"#)
+}
+
+/// L = ρ/π · I/d², where 0.01° at 10 km light a disk of 1.7 m around the origin: cosines that f32 calls 1.
+#[test]
+fn a_narrow_spot_far_away_lights_what_it_points_at() {
+    let folder = folder();
+    let spot = r#"{"type": "spot", "position": [0, 1e4, 0], "to": [0, 0, 0], "intensity": 1e8, "inner_angle": 0.01, "outer_angle": 0.01}"#;
+    fs::write(folder.path().join("spot.json"), floor_scene(FLOOR, spot)).expect("write");
+    let output = pt(folder.path(), &["spot.json", "--pixel", "4,4", "--sample", "0"]).success().get_output().clone();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let value: f64 = text.split_whitespace().nth(4).and_then(|v| v.parse().ok()).unwrap_or_else(|| panic!("{text}"));
+    // Rounding of the position, 2⁻²⁴ of 10 km at worst, changes d² by 10⁻⁷.
+    assert!((value * std::f64::consts::PI / 0.5 - 1.0).abs() < 1e-5, "{text}");
+}
+
+/// Its four corners are one point in f32: a lamp that could be sampled but never hit.
+#[test]
+fn a_quad_that_rounding_leaves_nothing_of_is_refused() {
+    let folder = folder();
+    let lamp = r#"{"type": "quad", "size": 0.1, "emission": 1000, "transform": [{"translate": [0.3, 1, 0.3]}]}"#;
+    let far = r#"{"type": "sphere", "center": [1e7, 0, 0]}"#;
+    fs::write(folder.path().join("far.json"), floor_scene(&format!("{FLOOR}, {far}, {lamp}"), "")).expect("write");
+    refused(folder.path(), &["far.json"], 3, "too small to be hit in a scene this large");
+}

@@ -1,0 +1,137 @@
+//! What several suites of laws share: numbers, directions, rays and meshes, all from fixed seeds.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec2, Vec3};
+use proptest::test_runner::{Config, RngSeed};
+use pt::math::Transform;
+use pt::shape::{Geometry, MeshData, Shape, TriangleMesh};
+
+/// The configuration of every generated test: so many cases, the same in every run.
+pub fn cases(cases: u32) -> Config {
+    Config { cases, rng_seed: RngSeed::Fixed(0x9e37_79b9_7f4a_7c15), failure_persistence: None, ..Config::default() }
+}
+
+/// A short sequence of random numbers; a failing test prints the seed it was made from.
+///
+/// Source: Steele, Lea, Flood, *Fast Splittable Pseudorandom Number Generators* (2014), the finaliser.
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Random {
+        Random(seed.wrapping_mul(0xd129_0d3d_4a6b_f9c5))
+    }
+
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// 0 … n − 1
+    pub fn below(&mut self, n: usize) -> usize {
+        ((u128::from(self.bits()) * n as u128) >> 64) as usize
+    }
+
+    pub fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
+        choices[self.below(choices.len())]
+    }
+
+    /// [0, 1), a multiple of 2⁻⁵³
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 * 2f64.powi(-53)
+    }
+
+    pub fn range(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * self.unit()
+    }
+
+    /// 10^U(from, to)
+    pub fn decade(&mut self, from: f64, to: f64) -> f64 {
+        10f64.powf(self.range(from, to))
+    }
+
+    /// [0, 1)², multiples of 2⁻²⁴, with the corners of the square more often than chance has them.
+    pub fn square(&mut self) -> Vec2 {
+        let mut one = || match self.below(64) {
+            0 => 0.0,
+            1 => pt::math::float::ONE_MINUS_EPSILON,
+            _ => pt::math::float::unit_f32(self.bits() as u32),
+        };
+        Vec2::new(one(), one())
+    }
+
+    /// Uniform in [0, 1)², for means.
+    pub fn uniform_square(&mut self) -> Vec2 {
+        Vec2::new(pt::math::float::unit_f32(self.bits() as u32), pt::math::float::unit_f32(self.bits() as u32))
+    }
+
+    /// Uniform on the unit sphere.
+    pub fn direction(&mut self) -> DVec3 {
+        let (z, phi) = (self.range(-1.0, 1.0), self.range(0.0, std::f64::consts::TAU));
+        let r = (1.0 - z * z).sqrt();
+        DVec3::new(r * phi.cos(), r * phi.sin(), z)
+    }
+
+    /// Uniform in [−1, 1]³.
+    pub fn in_cube(&mut self) -> DVec3 {
+        DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))
+    }
+
+    pub fn rotation(&mut self) -> Transform {
+        Transform::rotate(self.direction(), self.range(0.0, 360.0)).expect("an axis has a direction")
+    }
+}
+
+/// A mesh without normals and texture coordinates.
+pub fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> MeshData {
+    MeshData { positions, triangles, ..MeshData::default() }
+}
+
+/// The mesh in world space, coordinates unchanged to the bit.
+pub fn baked(mesh: MeshData) -> Box<dyn Shape> {
+    TriangleMesh::new(mesh).bake(&Transform::IDENTITY).expect("some triangle has an area")
+}
+
+pub fn shapes(shapes: Vec<Box<dyn Shape>>) -> Arc<[Box<dyn Shape>]> {
+    shapes.into()
+}
+
+/// The unit icosahedron, each triangle split into four `splits` times and blown up to the sphere; outward, closed.
+pub fn icosphere(splits: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let golden = (1.0 + 5f64.sqrt()) / 2.0;
+    let mut points = vec![];
+    for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
+        points.extend([DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)]);
+    }
+    let near = |i: usize, j: usize| (points[i] - points[j]).length() < 2.1;
+    let mut triangles = vec![];
+    for (i, j, k) in (0..12).flat_map(|i| (i + 1..12).flat_map(move |j| (j + 1..12).map(move |k| (i, j, k)))) {
+        if near(i, j) && near(j, k) && near(k, i) {
+            let outward = (points[j] - points[i]).cross(points[k] - points[i]).dot(points[i]) > 0.0;
+            triangles.push(if outward { [i as u32, j as u32, k as u32] } else { [i as u32, k as u32, j as u32] });
+        }
+    }
+    points.iter_mut().for_each(|p| *p = p.normalize());
+    for _ in 0..splits {
+        (points, triangles) = split(points, &triangles);
+    }
+    (points, triangles)
+}
+
+fn split(mut points: Vec<DVec3>, triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let mut middles = std::collections::HashMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            points.push((points[a as usize] + points[b as usize]).normalize());
+            points.len() as u32 - 1
+        })
+    };
+    let mut finer = vec![];
+    for &[a, b, c] in triangles {
+        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+        finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+    }
+    (points, finer)
+}

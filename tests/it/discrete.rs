@@ -1,0 +1,60 @@
+//! Choosing in proportion to weights.
+
+use pt::math::discrete::Discrete;
+use pt::math::float::ONE_MINUS_EPSILON;
+
+use crate::support::Random;
+
+#[test]
+fn never_picks_what_has_no_weight() {
+    let mut random = Random::new(1);
+    for _ in 0..10_000 {
+        let n = 1 + random.bits() as usize % 20;
+        // Each weight is zero with probability ½, also the first and the last, also all but one.
+        let mut weights: Vec<f32> = (0..n).map(|_| if random.bits() & 1 == 0 { 0.0 } else { random.magnitude(1e-6, 1e6) as f32 }).collect();
+        weights[random.bits() as usize % n] = 1.0;
+        let discrete = Discrete::new(&weights).unwrap();
+        assert_eq!(discrete.len(), n);
+        let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+        let choices =
+            [0.0, 2f32.powi(-24), 0.5, ONE_MINUS_EPSILON].into_iter().chain((0..20).map(|_| random.unit() as f32 * ONE_MINUS_EPSILON));
+        for choice in choices {
+            let (i, pmf, rest) = discrete.sample(choice);
+            assert!(weights[i] > 0.0, "{weights:?} {choice}");
+            assert!((f64::from(pmf) / (f64::from(weights[i]) / total) - 1.0).abs() < 1e-7 && pmf == discrete.pmf(i));
+            assert!((0.0..1.0).contains(&rest));
+            // The stretched choice leads back to the choice.
+            let before: f64 = weights[..i].iter().map(|&w| f64::from(w)).sum();
+            let back = (before + f64::from(rest) * f64::from(weights[i])) / total;
+            assert!((back - f64::from(choice)).abs() < 1.3e-7, "{choice} → {i}, {rest} → {back}");
+        }
+        let sum: f64 = (0..n).map(|i| f64::from(discrete.pmf(i))).sum();
+        assert!((sum - 1.0).abs() < 1e-6);
+        assert!((0..n).all(|i| (discrete.pmf(i) > 0.0) == (weights[i] > 0.0)) && discrete.pmf(n) == 0.0);
+        // Any power of two: the same bits.
+        let scale = 2f32.powi(random.between(-60.0, 60.0) as i32);
+        let scaled = Discrete::new(&weights.iter().map(|w| w * scale).collect::<Vec<_>>()).unwrap();
+        for choice in [0.0, 0.3, 0.9, ONE_MINUS_EPSILON] {
+            assert_eq!(scaled.sample(choice), discrete.sample(choice));
+        }
+    }
+}
+
+#[test]
+fn picks_in_proportion() {
+    let weights = [1.0f32, 0.0, 3.0, 4.0, 0.0];
+    let discrete = Discrete::new(&weights).unwrap();
+    let mut counts = [0u32; 5];
+    for i in 0..8000 {
+        counts[discrete.sample((i as f32 + 0.5) / 8000.0).0] += 1;
+    }
+    assert_eq!(counts, [1000, 0, 3000, 4000, 0]);
+}
+
+#[test]
+fn refuses_what_cannot_be_picked_from() {
+    for weights in [&[][..], &[0.0], &[0.0, -0.0], &[1.0, -1.0], &[f32::NAN], &[1.0, f32::INFINITY]] {
+        assert!(Discrete::new(weights).is_none(), "{weights:?}");
+    }
+    assert!(Discrete::new(&[f32::MAX; 100]).is_some() && Discrete::new(&[1e-45]).is_some());
+}

@@ -1,0 +1,69 @@
+//! An effect that is simulated but not there changes no bit.
+
+use std::sync::Arc;
+
+use pt::camera::Camera;
+use pt::effects::Effects;
+use pt::integrators::ALL;
+use pt::light::Lights;
+use pt::math::Ray;
+use pt::primitive::Hit;
+use pt::sampler::{Kind, SamplerSpec};
+use pt::scene::{Scene, Surface};
+
+use super::new;
+use super::zoo::{Shot, Which, Zoo, bits, picture};
+
+/// A scene that claims to need everything.
+struct Wide(Arc<dyn Scene>);
+
+impl Scene for Wide {
+    fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.0.intersect(ray)
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.0.occluded(ray)
+    }
+
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        self.0.surface(ray, hit)
+    }
+
+    fn lights(&self) -> &Lights {
+        self.0.lights()
+    }
+
+    fn camera(&self) -> &Camera {
+        self.0.camera()
+    }
+
+    fn effects(&self) -> Effects {
+        Effects::ALL
+    }
+}
+
+/// The walk that can do everything and the one that does what the scene calls for.
+#[test]
+fn wide_equals_narrow() {
+    for (entry, lights) in ALL.iter().flat_map(|e| [Which::All, Which::AreaOnly, Which::EnvironmentOnly].map(|l| (e, l))) {
+        let zoo = Zoo { lights, ..Zoo::default() };
+        let shot = Shot { zoo, ..Shot::default() };
+        assert_ne!(zoo.build().effects(), Effects::ALL);
+        let [narrow, wide] =
+            [zoo.build() as Arc<dyn Scene>, Arc::new(Wide(zoo.build()))].map(|scene| bits(&picture(scene, &*new(entry), &shot)));
+        assert!(narrow == wide, "{} {lights:?}", entry.name);
+    }
+}
+
+/// A lens too small to move a ray draws its numbers, a light without power is there: nobody else's numbers change.
+#[test]
+fn unused_effects_shift_no_numbers() {
+    for (entry, (kind, ..)) in ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
+        let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 4, seed: 3 }, ..Shot::default() };
+        let taken = |zoo: Zoo| bits(&picture(zoo.build(), &*new(entry), &shot));
+        let wanted = taken(Zoo::default());
+        assert!(taken(Zoo { lens_radius: 1e-30, ..Zoo::default() }) == wanted, "{} {kind:?}: the lens", entry.name);
+        assert!(taken(Zoo { idle: true, ..Zoo::default() }) == wanted, "{} {kind:?}: the idle light", entry.name);
+    }
+}

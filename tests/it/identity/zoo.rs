@@ -1,0 +1,180 @@
+//! One of each: a small scene with every material, light, shape and texture, and how it is photographed.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use pt::bsdf::Material;
+use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
+use pt::film::{FilmSpec, Image, MomentFilm};
+use pt::integrator::Integrator;
+use pt::light::{Directional, Emission, Environment, Falloff, Light, Point, Spot};
+use pt::math::{Spectrum, Transform};
+use pt::render::{Report, Settings, Silent, render};
+use pt::sampler::SamplerSpec;
+use pt::scene::Scene;
+use pt::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
+use pt::texture::{Checker, Space, Texture};
+use pt::world::World;
+
+use crate::common::icosphere;
+
+/// The zoo, and what may change about it.
+#[derive(Clone, Copy, Debug)]
+pub struct Zoo {
+    /// Lengths, all of them; intensities by its square, so that the picture stays.
+    pub scale: f64,
+    /// Of every light.
+    pub emission: f32,
+    pub lens_radius: f32,
+    pub camera: Lens,
+    pub lights: Which,
+    /// A point light of no power, a shape outside of the picture that nothing sees.
+    pub idle: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lens {
+    Perspective,
+    Orthographic,
+    Spherical,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    All,
+    AreaOnly,
+    DirectionalOnly,
+    EnvironmentOnly,
+}
+
+impl Default for Zoo {
+    fn default() -> Zoo {
+        Zoo { scale: 1.0, emission: 1.0, lens_radius: 0.0, camera: Lens::Perspective, lights: Which::All, idle: false }
+    }
+}
+
+impl Zoo {
+    pub fn build(&self) -> Arc<World> {
+        let mut world = World::builder(self.camera());
+        let checker = |space| {
+            let colors = [Spectrum::rgb(0.9, 0.5, 0.1), Spectrum::rgb(0.1, 0.3, 0.8)].map(Texture::Constant);
+            let [even, odd] = colors;
+            Texture::Checker(Box::new(Checker { even, odd, scale: Vec3::splat(4.0), space }))
+        };
+        let to_texture = Transform::scale(DVec3::splat(self.scale)).expect("not zero").inverse();
+        let floor = world.material(Material::diffuse(checker(Space::World(to_texture))));
+        let spotted = world.material(Material::diffuse(checker(Space::Uv)));
+        let mirror = world.material(Material::mirror(Spectrum::rgb(0.9, 0.95, 1.0)));
+        let gold = world.material(Material::Conductor { eta: Spectrum::rgb(0.2, 0.9, 1.1), k: Spectrum::rgb(3.9, 2.4, 2.2) });
+        let glass = world.material(Material::glass(1.5));
+        let satin = world.material(Material::MatteCone { color: Spectrum::gray(0.7).into(), mattness: 0.2 });
+        let at = |x, y, z| Transform::translate(DVec3::new(x, y, z)).expect("finite");
+        let flat = Transform::rotate(DVec3::X, -90.0).expect("an axis");
+        let down = Transform::rotate(DVec3::X, 90.0).expect("an axis");
+        let squash = Transform::scale(DVec3::new(1.3, 0.6, 0.8)).expect("not zero");
+        world.shape(Quad { size: [6.0, 6.0] }, self.place(flat), floor, None);
+        world.shape(Sphere { radius: 0.5 }, self.place(at(-1.1, 0.5, 0.0)), glass, None);
+        world.shape(Sphere { radius: 0.4 }, self.place(squash.then(&at(0.1, 0.5, -0.6))), gold, None);
+        world.shape(Sphere { radius: 0.3 }, self.place(at(0.2, 0.3, 0.9)), satin, None);
+        world.shape(Disk { radius: 0.9 }, self.place(at(0.0, 1.0, -1.9)), mirror, None);
+        world.shape(TriangleMesh::new(ball()), self.place(at(1.2, 0.6, 0.2)), spotted, None);
+        self.add_lights(&mut world, &at, &down, spotted);
+        Arc::new(world.build().expect("the zoo is valid"))
+    }
+
+    fn add_lights(
+        &self,
+        world: &mut pt::world::WorldBuilder,
+        at: &dyn Fn(f64, f64, f64) -> Transform,
+        down: &Transform,
+        worn: pt::world::MaterialId,
+    ) {
+        let glow = |r, g, b| Spectrum::rgb(r, g, b) * self.emission;
+        let square = (self.scale * self.scale) as f32;
+        let has = |which| self.lights == Which::All || self.lights == which;
+        let lamp = has(Which::AreaOnly).then(|| Emission::new(glow(6.0, 5.0, 4.0)));
+        world.shape(Quad { size: [0.8, 0.6] }, self.place(down.then(&at(0.3, 2.5, 0.2))), worn, lamp);
+        let bulb = has(Which::AreaOnly).then(|| Emission { radiance: glow(2.0, 8.0, 3.0), two_sided: true });
+        world.shape(Sphere { radius: 0.1 }, self.place(at(-0.4, 1.4, 0.5)), worn, bulb);
+        if has(Which::DirectionalOnly) {
+            let direction = Vec3::new(0.5, -0.75, -0.4).normalize();
+            world.light(Light::Directional(Directional { direction, irradiance: glow(0.5, 0.4, 0.3) }));
+        }
+        if has(Which::EnvironmentOnly) {
+            world.light(Light::Environment(Environment { radiance: glow(0.1, 0.2, 0.4) }));
+        }
+        if self.lights == Which::All {
+            let position = DVec3::new(1.5, 2.0, 1.0) * self.scale;
+            world.light(Light::Point(Point { position, intensity: glow(2.0, 1.0, 1.0) * square }));
+            let (position, axis) = (DVec3::new(-2.0, 2.0, 1.0) * self.scale, Vec3::new(0.6, -0.64, -0.48).normalize());
+            let spot =
+                Spot { position, axis, intensity: glow(1.0, 2.0, 4.0) * square, cos_inner: 0.95, cos_outer: 0.8, falloff: Falloff::Smooth };
+            world.light(Light::Spot(spot));
+        }
+        if self.idle {
+            world.light(Light::Point(Point { position: DVec3::ZERO, intensity: Spectrum::BLACK }));
+        }
+    }
+
+    fn place(&self, transform: Transform) -> Transform {
+        transform.then(&Transform::scale(DVec3::splat(self.scale)).expect("not zero"))
+    }
+
+    fn camera(&self) -> Camera {
+        let (eye, target) = (DVec3::new(0.3, 1.6, 4.0) * self.scale, DVec3::new(0.0, 0.7, 0.0) * self.scale);
+        let pose = Pose::new(&Transform::look_at(eye, target, DVec3::Y).expect("looks somewhere"));
+        let scale = self.scale as f32;
+        match self.camera {
+            Lens::Perspective => Camera::Perspective(Perspective::new(pose, 45.0, self.lens_radius * scale, 4.0 * scale)),
+            Lens::Orthographic => Camera::Orthographic(Orthographic { pose, height: 3.0 * scale }),
+            Lens::Spherical => Camera::Spherical(Spherical { pose }),
+        }
+    }
+}
+
+/// Eighty triangles with interpolated normals and texture coordinates.
+fn ball() -> MeshData {
+    let (points, triangles) = icosphere(1);
+    let positions: Vec<Vec3> = points.iter().map(|p| p.as_vec3() * 0.5).collect();
+    let uvs = points.iter().map(|p| p.as_vec3().truncate()).collect();
+    MeshData { normals: points.iter().map(|p| p.as_vec3()).collect(), uvs, positions, triangles, ..MeshData::default() }
+}
+
+/// How the zoo is photographed.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    pub zoo: Zoo,
+    pub film: FilmSpec,
+    pub sampler: SamplerSpec,
+    pub tile: u32,
+}
+
+impl Default for Shot {
+    fn default() -> Shot {
+        let sampler = SamplerSpec { spp: 11, seed: 7, ..SamplerSpec::default() };
+        Shot { zoo: Zoo::default(), film: FilmSpec::new(40, 30), sampler, tile: 16 }
+    }
+}
+
+/// The bits of a picture, standard errors included.
+pub type Bits = Vec<(String, Vec<u32>)>;
+
+pub fn bits(image: &Image) -> Bits {
+    image.channels.iter().map(|c| (c.name.clone(), c.values.iter().map(|v| v.to_bits()).collect())).collect()
+}
+
+/// On the threads of the caller.
+pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, shot: &Shot) -> Image {
+    let mut film = MomentFilm::new(shot.film.clone());
+    let settings = Settings { tile: shot.tile, ..Settings::new(shot.sampler) };
+    let report: Report = render(scene, integrator, &mut film, &settings, &Silent);
+    assert_eq!(report.invalid, 0, "{:?} {shot:?}", report.first_invalid);
+    assert_eq!(report.samples, shot.sampler.spp);
+    film.image(true)
+}
+
+/// On so many threads.
+pub fn render_on(threads: usize, integrator: &dyn Integrator, shot: &Shot) -> Bits {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had");
+    pool.install(|| bits(&picture(shot.zoo.build(), integrator, shot)))
+}

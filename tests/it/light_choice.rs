@@ -1,0 +1,232 @@
+//! Lights as they are sampled, without a picture: their choice by power, their densities, their closed forms.
+//!
+//! E = ∫ L cos θ dω = mean over u of weight·cos θ, at the middles of a regular grid: f32 leaves some 1e-6,
+//! and a kink of the integrand c/n² for n×n points. All radiances are 1 where not said otherwise.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec3, Vec2, Vec3};
+use pt::light::{Area, Directional, Emission, Environment, Falloff, Light, LightSample, Lights, Point, Spot, Target};
+use pt::math::{Density, Spectrum, Transform};
+use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, TriangleMesh};
+
+use crate::common::{Random, icosphere, mesh};
+
+/// What one shape gives as light; the index of a light is that of its primitive.
+fn lit(geometry: &dyn Geometry, to_world: &Transform, two_sided: bool) -> Lights {
+    let shape = geometry.bake(to_world).expect("the shape can be hit");
+    let emission = Emission { radiance: Spectrum::ONE, two_sided };
+    let lights = (0..shape.count()).map(|primitive| Light::Area(Area { shape: 0, primitive, emission })).collect();
+    Lights::new(lights, vec![shape].into(), 1.0)
+}
+
+fn moved(x: f64, y: f64, z: f64) -> Transform {
+    Transform::translate(DVec3::new(x, y, z)).expect("finite")
+}
+
+fn turn(axis: DVec3, degrees: f64) -> Transform {
+    Transform::rotate(axis, degrees).expect("an axis has a direction")
+}
+
+fn scaled(x: f64, y: f64, z: f64) -> Transform {
+    Transform::scale(DVec3::new(x, y, z)).expect("not zero")
+}
+
+fn icosahedron() -> TriangleMesh {
+    let (points, triangles) = icosphere(0);
+    TriangleMesh::new(mesh(points.iter().map(|p| p.as_vec3()).collect(), triangles))
+}
+
+fn grid(n: usize) -> impl Iterator<Item = Vec2> {
+    let middle = move |k: usize| (k as f32 + 0.5) / n as f32;
+    (0..n).flat_map(move |i| (0..n).map(move |j| Vec2::new(middle(i), middle(j))))
+}
+
+/// E of a surface at `from`, where all lights have the same power [W·m⁻²].
+fn irradiance(lights: &Lights, from: DVec3, normal: DVec3, n: usize) -> f64 {
+    let count = lights.len();
+    let choices = (0..count).map(|k| (k as f32 + 0.5) / count as f32);
+    let samples = choices.flat_map(|choice| grid(n).filter_map(move |u| lights.sample(from.as_vec3(), choice, u)));
+    let brought = samples.map(|s| f64::from(s.weight.average()) * s.wi.as_dvec3().dot(normal).max(0.0));
+    brought.sum::<f64>() / (count * n * n) as f64
+}
+
+fn assert_near(found: f64, exact: f64, tolerance: f64, what: &str) {
+    let off = (found - exact).abs() / exact;
+    assert!(off <= tolerance, "{what}: {found} for {exact}, off by {off:.2e}");
+}
+
+fn smooth(sample: &LightSample) -> f64 {
+    match sample.density {
+        Density::Smooth(pdf) => f64::from(pdf.get()),
+        Density::Delta => panic!("not a delta light"),
+    }
+}
+
+/// An ellipsoid with half axes (b, c, a) at distance d on its axis a fills the elliptic cone of the slopes
+/// t = b/√(d² − a²) and c/√(d² − a²): E = π / √((1 + 1/t₁²)(1 + 1/t₂²)), by Nusselt's projection.
+#[test]
+fn ellipsoids_on_axis() {
+    for ([b, c, a], d) in [([1.0, 0.6, 1.5], 3.0), ([2.0, 0.5, 0.2], 0.5), ([1.0, 1.0, 3.0], 4.0), ([1.5, 0.6, 1.0], 1e4)] {
+        // The sphere's own poles to the sides: there the grid is at its coarsest.
+        let place = turn(DVec3::X, 90.0).then(&scaled(b, c, a)).then(&moved(0.0, 0.0, d));
+        let lights = lit(&Sphere { radius: 1.0 }, &place, false);
+        let slope = |b: f64| (d * d - a * a) / (b * b);
+        let exact = PI / ((1.0 + slope(b)) * (1.0 + slope(c))).sqrt();
+        // What faces the viewer ends in a kink.
+        assert_near(irradiance(&lights, DVec3::ZERO, DVec3::Z, 1024), exact, 1e-4, &format!("ellipsoid {a} {b} {c} at {d}"));
+    }
+}
+
+/// Inside of what glows everywhere: E = πL, wherever one stands and looks.
+#[test]
+fn from_within() {
+    let squash = scaled(1.5, 0.6, 1.0).then(&turn(DVec3::Y, 30.0));
+    let mut random = Random::new(3);
+    let shapes: [(&dyn Geometry, Transform); 3] =
+        [(&Sphere { radius: 1.0 }, Transform::IDENTITY), (&Sphere { radius: 1.0 }, squash), (&icosahedron(), Transform::IDENTITY)];
+    for (k, (geometry, to_world)) in shapes.into_iter().enumerate() {
+        let (two_sided, outward) = (lit(geometry, &to_world, true), lit(geometry, &to_world, false));
+        for _ in 0..4 {
+            let (inside, normal) = (to_world.point(random.direction() * 0.5), random.direction());
+            // The horizon is a kink, and what is nearest is coarsest.
+            assert_near(irradiance(&two_sided, inside, normal, 200), PI, 1e-3, &format!("shape {k} from {inside}"));
+            assert_eq!(irradiance(&outward, inside, normal, 16), 0.0, "shape {k} shines outward");
+        }
+    }
+}
+
+/// A wall that meets the floor, and a triangle askew: E = ½ Σ θᵢ (nᵢ·n) over the edges.
+#[test]
+fn polygons() {
+    let wall = lit(&Quad { size: [2.0, 2.0] }, &turn(DVec3::Y, -90.0).then(&moved(1.0, 0.0, 1.0)), false);
+    let corners = [(1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (1.0, 1.0, 2.0), (1.0, -1.0, 2.0)].map(DVec3::from);
+    assert_near(lambert(&corners), 0.597_329_491_3, 1e-9, "the formula");
+    assert_near(irradiance(&wall, DVec3::ZERO, DVec3::Z, 256), lambert(&corners), 1e-5, "wall");
+    let corners = [(1.0, 0.0, 1.0), (0.0, 1.0, 1.0), (-1.0, -1.0, 2.0)].map(DVec3::from);
+    let data = mesh(corners.iter().map(|p| p.as_vec3()).collect(), vec![[0, 1, 2]]);
+    let triangle = lit(&TriangleMesh::new(data), &Transform::IDENTITY, true);
+    assert_near(lambert(&corners), 0.687_617_388_7, 1e-9, "the formula");
+    // The warp to the triangle has a root at one corner.
+    assert_near(irradiance(&triangle, DVec3::ZERO, DVec3::Z, 512), lambert(&corners), 1e-4, "triangle");
+}
+
+/// Above the floor z = 0 at the origin.
+fn lambert(corners: &[DVec3]) -> f64 {
+    let edge = |i: usize| {
+        let (a, b) = (corners[i].normalize(), corners[(i + 1) % corners.len()].normalize());
+        a.angle_between(b) * a.cross(b).normalize().z
+    };
+    (0.5 * (0..corners.len()).map(edge).sum::<f64>()).abs()
+}
+
+/// The families, somewhere: shape, place.
+fn families() -> Vec<(&'static str, Box<dyn Geometry>, Transform)> {
+    let askew = turn(DVec3::new(1.0, 2.0, -0.5), 50.0).then(&moved(0.2, -0.1, 0.3));
+    vec![
+        ("quad", Box::new(Quad { size: [1.0, 0.6] }), askew.then(&scaled(1.0, 3.0, 0.5))),
+        ("disk", Box::new(Disk { radius: 0.7 }), askew.then(&scaled(1.0, 3.0, 0.5))),
+        ("sphere", Box::new(Sphere { radius: 0.8 }), askew),
+        ("ellipsoid", Box::new(Sphere { radius: 0.8 }), askew.then(&scaled(1.0, 2.0, 0.5))),
+        ("mesh", Box::new(icosahedron()), askew),
+    ]
+}
+
+/// The density of a sample is what `pdf` says of its point, the choice included; weight·density is the radiance, 1.
+#[test]
+fn pdf_is_the_density() {
+    let mut random = Random::new(5);
+    for (name, geometry, place) in families() {
+        let lights = lit(&*geometry, &place, true);
+        for _ in 0..4000 {
+            let from = (random.in_cube() * random.decade(-0.5, 3.0)).as_vec3();
+            let index = random.below(lights.len());
+            let choice = (index as f32 + 0.5) / lights.len() as f32;
+            let Some(sample) = lights.sample(from, choice, random.square()) else { continue };
+            let Target::Surface(point) = sample.target else { panic!("{name}: a light on a surface") };
+            let (density, pdf) = (smooth(&sample), f64::from(lights.pdf(index as u32, from, &point).get()));
+            // Seen at a flat angle, what is known of the point's normal and place to 6e-8 is magnified.
+            let flat = f64::from(point.ng.dot(sample.wi).abs());
+            assert!((density - pdf).abs() <= pdf * (1e-5 + 1e-6 / flat), "{name} from {from}: {density} or {pdf}, cos {flat}");
+            assert_near(f64::from(sample.weight.average()) * density, 1.0, 1e-6, name);
+        }
+    }
+}
+
+/// In its plane, and closer to it than f32 can square: nothing, or something finite.
+#[test]
+fn nothing_is_infinite() {
+    let mut random = Random::new(7);
+    for (name, geometry, _) in families() {
+        let lights = lit(&*geometry, &moved(0.3, 0.7, 0.0), true);
+        for k in 0..4000 {
+            let height = if k % 2 == 0 { 0.0 } else { random.decade(-38.0, -3.0) };
+            let from = DVec3::new(random.range(-2.0, 2.0), random.range(-2.0, 2.0), height).as_vec3();
+            let Some(sample) = lights.sample(from, random.unit() as f32 * 0.999, random.square()) else { continue };
+            let sound = sample.weight.is_valid() && smooth(&sample).is_finite() && sample.wi.is_normalized();
+            assert!(sound, "{name} from {from:?}: {sample:?}");
+        }
+    }
+}
+
+const REFERENCE: DVec3 = DVec3::new(3.0, 4.0, 5.0);
+
+/// How often `light` is chosen beside a point light of the given power (W), over all choices.
+fn share(light: Light, shapes: Vec<Box<dyn Shape>>, radius: f32, power: f64) -> f64 {
+    let reference = Light::Point(Point { position: REFERENCE, intensity: Spectrum::gray((power / (2.0 * TAU)) as f32) });
+    let lights = Lights::new(vec![light, reference], shapes.into(), radius);
+    let is_reference = |choice: f32| {
+        let sample = lights.sample(Vec3::ZERO, choice, Vec2::splat(0.5));
+        matches!(sample, Some(LightSample { target: Target::Free(p), .. }) if p == REFERENCE.as_vec3())
+    };
+    const N: usize = 1 << 14;
+    1.0 - (0..N).filter(|&k| is_reference((k as f32 + 0.5) / N as f32)).count() as f64 / N as f64
+}
+
+/// Φ/(Φ + Φ′): flux by formula, and the choice follows.
+#[test]
+fn lights_are_chosen_by_power() {
+    let gray = Spectrum::rgb(1.0, 2.0, 6.0); // 3 in the mean
+    let area = |two_sided| Light::Area(Area { shape: 0, primitive: 0, emission: Emission { radiance: gray, two_sided } });
+    let spot = Spot {
+        position: DVec3::new(0.0, 0.0, 2.0),
+        axis: Vec3::NEG_Z,
+        intensity: gray,
+        cos_inner: 0.9,
+        cos_outer: 0.7,
+        falloff: Falloff::Smooth,
+    };
+    let quad = || vec![Quad { size: [2.0, 3.0] }.bake(&moved(0.0, 0.0, 2.0)).expect("it can be hit")];
+    let sphere = || vec![Sphere { radius: 2.0 }.bake(&moved(0.0, 0.0, 5.0)).expect("it can be hit")];
+    let cases = [
+        ("quad", area(false), quad(), PI * 6.0 * 3.0),
+        ("two-sided quad", area(true), quad(), 2.0 * PI * 6.0 * 3.0),
+        ("sphere", area(false), sphere(), PI * (4.0 * PI * 4.0) * 3.0),
+        ("point", Light::Point(Point { position: DVec3::Y, intensity: gray }), vec![], 4.0 * PI * 3.0),
+        // The mean of s²(3 − 2s) over s is ½.
+        ("spot", Light::Spot(spot), vec![], TAU * 3.0 * (0.1 + 0.5 * 0.2)),
+        ("directional", Light::Directional(Directional { direction: Vec3::NEG_Z, irradiance: gray }), vec![], PI * 100.0 * 3.0),
+        ("environment", Light::Environment(Environment { radiance: gray }), vec![], 4.0 * PI * PI * 100.0 * 3.0),
+    ];
+    for (name, light, shapes, power) in cases {
+        // An eighth of the choices goes to both alike: ⅞ · ¼ + ⅛ · ½.
+        let found = share(light, shapes, 10.0, 3.0 * power);
+        // One choice of 2¹⁴ either way.
+        assert!((found - 9.0 / 32.0).abs() <= 2.0 / 16384.0, "{name}: {found} is not 9/32");
+    }
+}
+
+/// E = πL under a uniform sky; 1/4π is its density, times the probability of its choice.
+#[test]
+fn the_sky_and_its_choice() {
+    let sky = Light::Environment(Environment { radiance: Spectrum::ONE });
+    let alone = Lights::new(vec![sky.clone()], Vec::new().into(), 1.0);
+    // Half of the sphere is below the horizon: a kink.
+    assert_near(irradiance(&alone, DVec3::X, DVec3::new(0.6, 0.0, 0.8), 256), PI, 1e-3, "sky");
+    // Φ = 4π²R²L; a point light of three times that leaves the sky ⅞ · ¼ + ⅛ · ½ of the choices.
+    let point = Light::Point(Point { position: REFERENCE, intensity: Spectrum::gray(3.0 * std::f32::consts::PI) });
+    let both = Lights::new(vec![point, sky], Vec::new().into(), 1.0);
+    assert_near(f64::from(both.background_pdf(Vec3::X).get()), 9.0 / 32.0 / (2.0 * TAU), 1e-6, "the choice among lights");
+    let sample = both.sample(Vec3::ZERO, 0.9, Vec2::splat(0.3)).expect("the sky is everywhere");
+    assert_near(smooth(&sample), 9.0 / 32.0 / (2.0 * TAU), 1e-6, "density of the sample");
+}

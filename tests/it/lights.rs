@@ -1,0 +1,254 @@
+//! Lights at their extremes, and lights that no ray can hit.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec2, Vec3};
+use pt::bsdf::Material;
+use pt::effects::Effects;
+use pt::integrators::ALL;
+use pt::light::{Directional, Falloff, Light, LightSample, Point, Spot, Target};
+use pt::math::Transform;
+use pt::scene::Scene;
+use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
+use pt::world::{World, WorldBuilder};
+
+use crate::glass::round_mesh;
+use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, integrator, measure, probe, two_sided};
+
+const DIRECT: Depth = Depth { max: 1, roulette: u32::MAX };
+
+/// A white tile at the origin, facing up, seen at 60° from a hundredth of `scale` away.
+fn tile(scale: f64) -> WorldBuilder {
+    let mut world = World::builder(probe(DVec3::new(3f64.sqrt(), 1.0, 0.0) * (0.005 * scale), DVec3::ZERO));
+    let white = world.material(Material::diffuse(gray(1.0)));
+    world.shape(Quad { size: [0.005 * scale; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
+    world
+}
+
+/// L5. Tiny, far and huge: from 10⁻⁹ of the sky to all of it; E is known for each.
+#[test]
+fn tiny_far_and_huge_lights() {
+    let sphere = |r: f64, d: f64| {
+        let mut world = tile(d - r);
+        let dark = world.material(black());
+        world.shape(Sphere { radius: r }, at(DVec3::Y * d), dark, glow(1.0));
+        Law::new(format!("sphere, r {r:e}, d {d:e}"), world, (r / d).powi(2), DIRECT).resolution(1e-3, 2e-3)
+    };
+    let disk = |r: f64, h: f64| {
+        let mut world = tile(h);
+        let dark = world.material(black());
+        world.shape(Disk { radius: r }, facing(DVec3::Y * h, -DVec3::Y), dark, glow(1.0));
+        Law::new(format!("disk, r {r:e}, h {h:e}"), world, r * r / (r * r + h * h), DIRECT).resolution(1e-3, 2e-3)
+    };
+    let spheres = [(1e-5, 1.0), (1e-3, 1.0), (1.0, 1e5), (1e3, 1.001e3), (1e6, 1e7), (1e-9, 1e-6)].map(|(r, d)| sphere(r, d));
+    let disks = [(1e-5, 1.0), (1.0, 1e4), (1e-9, 1e-7), (1e9, 1e10)].map(|(r, h)| disk(r, h));
+    confirm(spheres.into_iter().chain(disks).collect(), Effort::Quick);
+    // As good as the whole sky: a sample by area is all but never near.
+    let sky = [disk(1e3, 1.0), disk(1e5, 1.0)].map(|law| law.by_chance(1e-3).not_by_lights_alone());
+    confirm(sky.into(), Effort::Quick);
+}
+
+/// L6, L8. Light that cannot come: edge-on, from behind the horizon, from the dark side; exactly none, and all finite.
+#[test]
+fn light_that_cannot_come() {
+    type Place = fn(&mut WorldBuilder);
+    let cases: [(&str, Place); 6] = [
+        ("edge-on square", |world| {
+            let dark = world.material(black());
+            world.shape(Quad { size: [1.0; 2] }, facing(DVec3::X * 2.0, DVec3::Y), dark, two_sided(1.0));
+        }),
+        ("edge-on disk", |world| {
+            let dark = world.material(black());
+            world.shape(Disk { radius: 1.0 }, facing(DVec3::Y * 2.0, DVec3::X), dark, two_sided(1.0));
+        }),
+        ("square behind the horizon", |world| {
+            let dark = world.material(black());
+            world.shape(Quad { size: [1.0; 2] }, facing(-DVec3::Y, DVec3::Y), dark, glow(1.0));
+        }),
+        ("mesh behind the horizon", |world| {
+            let dark = world.material(black());
+            world.shape(TriangleMesh::new(round_mesh(1)), at(-DVec3::Y * 1.5), dark, glow(1.0));
+        }),
+        ("sphere that touches the horizon from behind", |world| {
+            let dark = world.material(black());
+            world.shape(Sphere { radius: 0.5 }, at(DVec3::new(1.0, -0.5, 0.0)), dark, glow(1.0));
+        }),
+        ("the dark side of a square", |world| {
+            let dark = world.material(black());
+            world.shape(Quad { size: [1.0; 2] }, facing(DVec3::Y, DVec3::Y), dark, glow(1.0));
+        }),
+    ];
+    for (name, place) in cases {
+        let mut world = tile(1.0);
+        place(&mut world);
+        let scene = Arc::new(world.build().unwrap());
+        for entry in ALL {
+            let Some(integrator) = integrator(entry, DIRECT) else { continue };
+            let mean = measure(scene.clone(), &*integrator, 1 << 15, 1);
+            // The plane of what is seen edge-on misses the tile by a rounding.
+            let rounding = if name.starts_with("edge-on") { 1e-7 } else { 0.0 };
+            assert!(mean.value <= rounding, "{name} by {}: {}", entry.name, mean.value);
+        }
+    }
+}
+
+/// L7. Inside a lamp the whole sky glows: E = π L; and if it glows outwards only, not at all.
+#[test]
+fn inside_a_sphere_light() {
+    let inside = |center: DVec3, radius: f64| {
+        let mut world = tile(1.0);
+        let dark = world.material(black());
+        world.shape(Sphere { radius }, at(center), dark, two_sided(1.0));
+        let law = Law::new(format!("inside a sphere around {center}"), world, 1.0, DIRECT).resolution(1e-3, 3e-3).by_chance(1e-3);
+        // Off the centre the wall comes near, and samples of it by area differ much.
+        if center == DVec3::ZERO { law } else { law.not_by_lights_alone() }
+    };
+    confirm(vec![inside(DVec3::ZERO, 1.0), inside(DVec3::new(0.5, 0.3, 0.2), 1.0), inside(DVec3::Y * 99.0, 100.0)], Effort::Quick);
+
+    let mut world = tile(1.0);
+    let dark = world.material(black());
+    world.shape(Sphere { radius: 1.0 }, Transform::IDENTITY, dark, glow(1.0));
+    let scene = Arc::new(world.build().unwrap());
+    for entry in ALL {
+        let Some(integrator) = integrator(entry, DIRECT) else { continue };
+        assert_eq!(measure(scene.clone(), &*integrator, 1 << 13, 1).value, 0.0, "{}", entry.name);
+    }
+}
+
+/// A lamp whose surface one stands on lights nothing there: a sphere does not see itself from outside.
+#[test]
+fn a_sphere_light_does_not_light_itself() {
+    let mut world = World::builder(probe(DVec3::new(0.0, 0.5, 3.0), DVec3::new(0.0, 0.4, 0.9)));
+    let white = world.material(Material::diffuse(gray(1.0)));
+    world.shape(Sphere { radius: 1.0 }, Transform::IDENTITY, white, glow(1.0));
+    let scene = Arc::new(world.build().unwrap());
+    for entry in ALL {
+        let Some(integrator) = integrator(entry, Depth::exactly(8)) else { continue };
+        assert_eq!(measure(scene.clone(), &*integrator, 1 << 14, 1).value, 1.0, "{}", entry.name);
+    }
+}
+
+/// Samples of the lights of a scene at the user's origin, over a grid of random numbers with 0 and 1 − 2⁻²⁴.
+fn samples(scene: &World) -> Vec<Option<LightSample>> {
+    let grid: Vec<f32> = (0..16).map(|k| k as f32 / 16.0).chain([1.0 - f32::EPSILON / 2.0]).collect();
+    let mut found = vec![];
+    for &choice in &grid {
+        for &x in &grid {
+            found.extend(grid.iter().map(|&y| scene.lights().sample(-scene.origin().as_vec3(), choice, Vec2::new(x, y))));
+        }
+    }
+    found
+}
+
+/// Lamps without power are never chosen: every sample leads to the one that shines.
+#[test]
+fn lights_without_power_are_never_chosen() {
+    for place in 0..3 {
+        let mut world = World::builder(probe(DVec3::Z, DVec3::ZERO));
+        let dark = world.material(black());
+        for k in 0..3 {
+            let shines = if k == place { 2.0 } else { 0.0 };
+            world.shape(Sphere { radius: 0.1 }, at(DVec3::new(f64::from(k) - 1.0, 2.0, 0.0)), dark, glow(shines));
+            world.light(Light::Point(Point { position: DVec3::X * 9.0, intensity: gray(0.0) }));
+        }
+        let scene = world.build().unwrap();
+        let lamp = DVec3::new(f64::from(place) - 1.0, 2.0, 0.0) - scene.origin();
+        for sample in samples(&scene) {
+            let sample = sample.expect("a sample of the lamp");
+            let Target::Surface(point) = sample.target else { panic!("not the lamp: {sample:?}") };
+            assert!((point.p.as_dvec3() - lamp).length() < 0.11 && sample.weight.is_valid(), "{sample:?}");
+        }
+    }
+}
+
+/// No lights, or none with power: no light, and no panic. A point light at the very point: none either.
+#[test]
+fn no_light_is_no_light() {
+    let scene = |light: Option<Point>| {
+        let mut world = World::builder(probe(DVec3::Z, DVec3::ZERO));
+        if let Some(light) = light {
+            world.light(Light::Point(light));
+        }
+        world.build().unwrap()
+    };
+    let dark = Point { position: DVec3::X, intensity: gray(0.0) };
+    let here = Point { position: DVec3::ZERO, intensity: gray(1.0) };
+    for light in [None, Some(dark), Some(here)] {
+        assert!(samples(&scene(light)).iter().all(Option::is_none), "{light:?}");
+    }
+}
+
+/// A floor, lit by one light without extent, seen at the origin; nothing is left to chance.
+fn floor_under(name: String, light: Light, radiance: f64) -> Law {
+    let mut world = World::builder(probe(DVec3::new(0.6, 0.9, 0.3), DVec3::ZERO));
+    let white = world.material(Material::diffuse(gray(0.5)));
+    world.shape(Quad { size: [2.0; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
+    world.light(light);
+    let law = Law::new(name, world, radiance, DIRECT).resolution(1e-5, 1e-5);
+    assert!(law.scene.effects().contains(Effects::POINT_LIGHT));
+    law
+}
+
+/// From height 2 straight down but for a tilt of the axis; inner cone 20°, outer 30°.
+fn spot(tilt: f64) -> Light {
+    let cos = |degrees: f64| degrees.to_radians().cos();
+    let axis = DVec3::new(tilt.to_radians().sin(), -tilt.to_radians().cos(), 0.0).as_vec3().normalize();
+    Light::Spot(Spot {
+        position: DVec3::Y * 2.0,
+        axis,
+        intensity: gray(10.0),
+        cos_inner: cos(20.0),
+        cos_outer: cos(30.0),
+        falloff: Falloff::Smooth,
+    })
+}
+
+/// L = ρ/π · I/d² within the inner cone, nothing beyond the outer, the smooth step s²(3 − 2s) of the cosine between.
+#[test]
+fn spot_lights() {
+    let full = 0.5 / PI * 10.0 / 4.0;
+    let step = |degrees: f64| {
+        let cos = |d: f64| d.to_radians().cos();
+        let s = ((cos(degrees) - cos(30.0)) / (cos(20.0) - cos(30.0))).clamp(0.0, 1.0);
+        s * s * (3.0 - 2.0 * s)
+    };
+    let tilts = [0.0, 10.0, 19.99, 20.01, 22.0, 25.0, 27.0, 30.01, 45.0, 90.0, 180.0];
+    confirm(tilts.map(|tilt| floor_under(format!("spot tilted by {tilt}°"), spot(tilt), full * step(tilt))).into(), Effort::Quick);
+}
+
+/// L = ρ/π · E cos θ, down to grazing, and nothing from below.
+#[test]
+fn directional_lights() {
+    let law = |degrees: f64| {
+        let direction = DVec3::new(degrees.to_radians().sin(), -degrees.to_radians().cos(), 0.0).as_vec3().normalize();
+        let light = Light::Directional(Directional { direction, irradiance: gray(3.0) });
+        floor_under(format!("directional, {degrees}°"), light, 0.5 / PI * 3.0 * degrees.to_radians().cos().max(0.0))
+    };
+    confirm([0.0, 30.0, 60.0, 85.0, 89.0, 120.0, 180.0].map(law).into(), Effort::Quick);
+}
+
+/// What stands between is a shadow: exactly black, for every kind of light; what stands behind the light is none.
+#[test]
+fn shadows_are_black() {
+    let lights = [
+        Light::Point(Point { position: DVec3::Y * 2.0, intensity: gray(1.0) }),
+        spot(0.0),
+        Light::Directional(Directional { direction: -Vec3::Y, irradiance: gray(1.0) }),
+    ];
+    for (k, light) in lights.into_iter().enumerate() {
+        for (height, lit) in [(1.0, false), (3.0, k < 2)] {
+            let mut world = World::builder(probe(DVec3::new(0.6, 0.5, 0.3), DVec3::ZERO));
+            let (white, dark) = (world.material(Material::diffuse(gray(0.5))), world.material(black()));
+            world.shape(Quad { size: [2.0; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
+            world.shape(Quad { size: [0.2; 2] }, facing(DVec3::Y * height, DVec3::Y), dark, None);
+            world.light(light.clone());
+            let scene = Arc::new(world.build().unwrap());
+            for entry in ALL.iter().filter(|entry| entry.simulates.contains(Effects::POINT_LIGHT)) {
+                let Some(integrator) = integrator(entry, DIRECT) else { continue };
+                let mean = measure(scene.clone(), &*integrator, 1024, 1);
+                assert_eq!(mean.value > 0.0, lit, "light {k}, occluder at {height}, by {}", entry.name);
+            }
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! The integration tests, one binary.
+
+mod agreement;
+mod analytic;
+mod bsdfs;
+mod cameras;
+mod cli;
+mod common;
+mod demo_scenes;
+mod discrete;
+mod film;
+mod float;
+mod fresnel;
+mod glass;
+mod identity;
+mod intersection;
+mod light_choice;
+mod lights;
+mod marked;
+mod meshes;
+mod offsets;
+mod oracle;
+mod overrides;
+mod reader;
+mod references;
+mod samplers;
+mod scene_faults;
+mod scene_format;
+mod scenes;
+mod shapes;
+mod support;
+mod textures;
+mod transforms;
+mod warps;

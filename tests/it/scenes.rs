@@ -1,0 +1,257 @@
+//! Scenes and measurements that the tests of light transport share.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use pt::bsdf::Material;
+use pt::camera::{Camera, Perspective, Pose};
+use pt::effects::Effects;
+use pt::film::{Film, FilmSpec, Image, MomentFilm, Moments, Wave};
+use pt::integrator::{Entry, Integrator};
+use pt::integrators::nee::Nee;
+use pt::integrators::path::Path;
+use pt::integrators::whitted::Whitted;
+use pt::light::Emission;
+use pt::math::{Spectrum, Transform};
+use pt::measure::{Mean, critical_z};
+use pt::render::{Settings, Silent, render};
+use pt::sampler::SamplerSpec;
+use pt::scene::Scene;
+use pt::shape::Quad;
+use pt::world::{MaterialId, World, WorldBuilder};
+
+/// More statistical tests than there are in the whole suite: together they have 1 % of false alarms.
+const SUITE: usize = 1000;
+
+/// How many standard errors any mean may be off.
+pub fn critical() -> f64 {
+    critical_z(0.01, SUITE)
+}
+
+pub fn gray(value: f64) -> Spectrum {
+    Spectrum::gray(value as f32)
+}
+
+pub fn glow(radiance: f64) -> Option<Emission> {
+    Some(Emission::new(gray(radiance)))
+}
+
+pub fn two_sided(radiance: f64) -> Option<Emission> {
+    Some(Emission { two_sided: true, ..Emission::new(gray(radiance)) })
+}
+
+/// What swallows all light, and needs no interreflection for that.
+pub fn black() -> Material {
+    Material::mirror(Spectrum::BLACK)
+}
+
+pub fn at(p: DVec3) -> Transform {
+    Transform::translate(p).unwrap()
+}
+
+/// The plane z = 0 moved to `center`, its +z turned to `normal`.
+pub fn facing(center: DVec3, normal: DVec3) -> Transform {
+    let up = if normal.normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
+    Transform::look_at(center, center - normal, up).unwrap()
+}
+
+/// Six walls around a box, their normals inwards; `wear` dresses the wall on one side of one axis (0 to 2).
+pub fn room(world: &mut WorldBuilder, center: DVec3, half: DVec3, wear: impl Fn(usize, f64) -> (MaterialId, Option<Emission>)) {
+    for (axis, side) in (0..3).flat_map(|axis| [-1.0, 1.0].map(|side| (axis, side))) {
+        let out = DVec3::AXES[axis] * side;
+        let size = [[half.z, half.y], [half.x, half.z], [half.x, half.y]][axis].map(|s| 2.0 * s);
+        let (material, emission) = wear(axis, side);
+        world.shape(Quad { size }, facing(center + out * half, -out), material, emission);
+    }
+}
+
+/// A camera all of whose pixels look at one point, within a billionth of the distance.
+pub fn probe(from: DVec3, to: DVec3) -> Camera {
+    let up = if (to - from).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
+    Camera::Perspective(Perspective::new(Pose::new(&Transform::look_at(from, to, up).unwrap()), 1e-7, 0.0, 1.0))
+}
+
+/// How far an integrator follows its paths.
+#[derive(Clone, Copy)]
+pub struct Depth {
+    pub max: u32,
+    /// Where roulette begins.
+    pub roulette: u32,
+}
+
+impl Depth {
+    /// Without roulette.
+    pub fn exactly(max: u32) -> Depth {
+        Depth { max, roulette: u32::MAX }
+    }
+}
+
+/// The integrator of an entry with these depths: the one place that knows their options.
+pub fn integrator(entry: &Entry, depth: Depth) -> Option<Box<dyn Integrator>> {
+    match entry.name {
+        "path" => Some(Box::new(Path { max_depth: depth.max, roulette_depth: depth.roulette })),
+        "nee" => Some(Box::new(Nee { max_depth: depth.max, roulette_depth: depth.roulette })),
+        "whitted" => Some(Box::new(Whitted { max_depth: depth.max, ..Whitted::default() })),
+        _ => None,
+    }
+}
+
+/// What a picture calls for: with one scattering event surfaces cannot light each other.
+pub fn needs(scene: &dyn Scene, depth: Depth) -> Effects {
+    if depth.max <= 1 { scene.effects() - Effects::INTERREFLECTION } else { scene.effects() }
+}
+
+/// The edge of the film [pixels] of which every sample estimates the same number.
+const EDGE: u32 = 32;
+
+/// The mean of all samples of all pixels, in red.
+pub fn measure(scene: Arc<dyn Scene>, integrator: &dyn Integrator, samples: u64, seed: u64) -> Mean {
+    let mut film = Pool { spec: FilmSpec::new(EDGE, EDGE), total: Moments::default(), samples: 0 };
+    let spp = samples.div_ceil(u64::from(EDGE * EDGE));
+    let settings = Settings::new(SamplerSpec { spp, seed, ..SamplerSpec::default() });
+    let report = render(scene, integrator, &mut film, &settings, &Silent);
+    assert_eq!(report.invalid, 0, "invalid samples: {:?}", report.first_invalid);
+    Mean::from_sums(film.total.sum[0], film.total.square[0], film.samples)
+}
+
+/// A film of one number.
+struct Pool {
+    spec: FilmSpec,
+    total: Moments,
+    samples: u64,
+}
+
+impl Film for Pool {
+    fn spec(&self) -> &FilmSpec {
+        &self.spec
+    }
+
+    fn add(&mut self, wave: Wave, pixels: Vec<Moments>) {
+        self.samples += wave.samples() * pixels.len() as u64;
+        self.total = pixels.iter().fold(self.total, |sum, pixel| sum.join(pixel));
+    }
+}
+
+/// A picture with its standard errors.
+pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, spec: FilmSpec, sampler: SamplerSpec) -> Image {
+    let mut film = MomentFilm::new(spec);
+    let report = render(scene, integrator, &mut film, &Settings::new(sampler), &Silent);
+    assert_eq!(report.invalid, 0, "invalid samples: {:?}", report.first_invalid);
+    film.image(true)
+}
+
+/// A scene of which one radiance is known.
+pub struct Law {
+    pub name: String,
+    pub scene: Arc<World>,
+    /// Along the camera's ray.
+    pub radiance: f64,
+    pub depth: Depth,
+    /// Half of the interval of the mean, relative: a test that cannot tell this much fails.
+    pub resolution: f64,
+    /// The same where time is short.
+    pub quick: f64,
+    /// The same for paths that meet the light by chance; `None` where they do so too rarely.
+    pub by_chance: Option<f64>,
+    /// Whether light sampling without multiple importance sampling has a usable variance.
+    pub lights_alone: bool,
+}
+
+impl Law {
+    /// At 0.1 %, for methods that look for light.
+    pub fn new(name: impl Into<String>, world: WorldBuilder, radiance: f64, depth: Depth) -> Law {
+        let scene = Arc::new(world.build().unwrap());
+        Law { name: name.into(), scene, radiance, depth, resolution: 1e-3, quick: 1e-3, by_chance: None, lights_alone: true }
+    }
+
+    pub fn by_chance(self, quick: f64) -> Law {
+        Law { by_chance: Some(quick), ..self }
+    }
+
+    pub fn resolution(self, resolution: f64, quick: f64) -> Law {
+        Law { resolution, quick, ..self }
+    }
+
+    pub fn not_by_lights_alone(self) -> Law {
+        Law { lights_alone: false, ..self }
+    }
+
+    /// The resolution that is asked of a method; `None` where it is not asked at all.
+    fn asked(&self, entry: &Entry, effort: Effort) -> Option<f64> {
+        let quick = match entry.name {
+            _ if !entry.simulates.contains(needs(&*self.scene, self.depth)) => None,
+            "path" => self.by_chance,
+            "whitted" => self.lights_alone.then_some(self.quick),
+            _ => Some(self.quick),
+        };
+        quick.map(|quick| if effort == Effort::Full { self.resolution } else { quick })
+    }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub enum Effort {
+    Quick,
+    Full,
+}
+
+/// What f32 may add to a mean, relative.
+pub const ROUNDING: f64 = 1e-5;
+
+const PILOT: u64 = 1 << 13;
+const MOST: u64 = 1 << 34;
+
+/// Holds every integrator that can see the whole of a law's scene to it; fails listing all that are wrong.
+///
+/// A pilot tells how many samples the resolution takes; the test itself has a seed of its own.
+pub fn confirm(laws: Vec<Law>, effort: Effort) {
+    let mut wrong = vec![];
+    for law in &laws {
+        let mut asked = 0;
+        for entry in pt::integrators::ALL {
+            let (Some(resolution), Some(integrator)) = (law.asked(entry, effort), integrator(entry, law.depth)) else { continue };
+            asked += 1;
+            if let Err(fault) = hold(law, &*integrator, resolution) {
+                wrong.push(format!("{} by {}: {fault}", law.name, entry.name));
+            }
+        }
+        assert!(asked > 0, "{}: no integrator was asked", law.name);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn hold(law: &Law, integrator: &dyn Integrator, resolution: f64) -> Result<(), String> {
+    let begin = std::time::Instant::now();
+    let unit = law.radiance.abs();
+    let mean = resolve(|samples, seed| measure(law.scene.clone(), integrator, samples, seed), resolution * unit)?;
+    let half_width = critical() * mean.standard_error();
+    if std::env::var_os("PT_TEST_VERBOSE").is_some() {
+        let (n, error, seconds) = (mean.samples, (mean.value / law.radiance - 1.0) * 100.0, begin.elapsed().as_secs_f64());
+        println!("{}: {:.7} ± {half_width:.1e} ({error:+.4} %), {n:.1e} samples, {seconds:.1} s", law.name, mean.value);
+    }
+    if (mean.value - law.radiance).abs() <= half_width + ROUNDING * unit {
+        return Ok(());
+    }
+    Err(format!("{} ± {half_width:.1e}, expected {}: {:+.2} standard errors", mean.value, law.radiance, mean.z(law.radiance)))
+}
+
+/// A mean that is known to `half_width`, of as many samples as that takes.
+///
+/// The spread of a pilot tells how many; where rare bright samples make it larger than that, the run tells anew.
+/// Every run has its own seed: whether it counts is decided by spreads, never by where its mean lies.
+fn resolve(run: impl Fn(u64, u64) -> Mean, half_width: f64) -> Result<Mean, String> {
+    let mut samples = PILOT;
+    for seed in 1..=5 {
+        let mean = run(samples, seed);
+        let needed = mean.variance * mean.samples * (critical() / half_width).powi(2);
+        // Where nothing is left to chance there is no need, not even for a width of 0.
+        if mean.variance == 0.0 || needed <= mean.samples {
+            return Ok(mean);
+        }
+        // A third more than needed: the spread is an estimate itself.
+        samples = (1.33 * needed) as u64;
+        if samples > MOST {
+            break;
+        }
+    }
+    Err(format!("under-powered: {samples} samples would not do for ±{half_width:.2e}"))
+}

@@ -1,0 +1,178 @@
+//! Laws of every family of surfaces: areas, samples and densities agree; placing keeps sides (reliability G12, T2, T3).
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec3, Vec3};
+use pt::math::{Ray, Transform};
+use pt::shape::{Disk, Geometry, MeshData, Quad, Shape, Sphere, TriangleMesh};
+
+use crate::common::{Random, icosphere, mesh};
+
+fn stretch(by: [f64; 3]) -> Transform {
+    Transform::scale(DVec3::from(by)).expect("no factor is zero")
+}
+
+/// Each family, as it is, stretched, and mirrored.
+fn families() -> Vec<(&'static str, Box<dyn Geometry>, Transform)> {
+    let mut all = vec![];
+    let mut random = Random::new(11);
+    for scale in [[1.0, 1.0, 1.0], [2.0, 0.5, 1.3], [-1.0, 1.0, 1.0], [-0.7, -2.0, -1.1]] {
+        let place = stretch(scale).then(&random.rotation()).then(&Transform::translate(random.in_cube()).expect("finite"));
+        let triangle = TriangleMesh::new(mesh(vec![Vec3::ZERO, Vec3::X * 1.5, Vec3::new(0.3, 1.2, 0.0)], vec![[0, 1, 2]]));
+        let geometries: [(&str, Box<dyn Geometry>); 4] = [
+            ("triangle", Box::new(triangle)),
+            ("quad", Box::new(Quad { size: [1.5, 0.8] })),
+            ("disk", Box::new(Disk { radius: 0.7 })),
+            ("sphere", Box::new(Sphere { radius: 0.6 })),
+        ];
+        all.extend(geometries.map(|(name, geometry)| (name, geometry, place)));
+    }
+    all
+}
+
+fn bake((_, geometry, place): &(&str, Box<dyn Geometry>, Transform)) -> Box<dyn Shape> {
+    geometry.bake(place).expect("an area")
+}
+
+/// Mean and its standard error.
+fn mean(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (mut n, mut sum, mut square) = (0.0, 0.0, 0.0);
+    for v in values {
+        (n, sum, square) = (n + 1.0, sum + v, square + v * v);
+    }
+    let mean = sum / n;
+    (mean, ((square / n - mean * mean).max(0.0) / n).sqrt())
+}
+
+/// ∫ dA / p over samples is the area; every sample lies within the bounds and on the surface, and normals are unit.
+#[test]
+fn samples_cover_the_area() {
+    for family in families() {
+        let shape = bake(&family);
+        let mut random = Random::new(3);
+        let bounds = shape.bounds(0);
+        let slack = Vec3::splat(2.0 * f32::EPSILON * bounds.magnitude().max_element());
+        let (area, error) = mean((0..100_000).map(|_| {
+            let (point, pdf) = shape.sample_area(0, random.uniform_square());
+            assert!(point.p.cmpge(bounds.min - slack).all() && point.p.cmple(bounds.max + slack).all(), "{} {point:?}", family.0);
+            assert!((point.ng.length() - 1.0).abs() < 4.0 * f32::EPSILON && point.ns.dot(point.ng) > 0.0);
+            1.0 / pdf.get() as f64
+        }));
+        // Five standard errors: one false alarm in 10⁶, the seed fixed; 10⁻⁵ where nothing varies.
+        assert!((area - shape.area(0) as f64).abs() <= 5.0 * error + 1e-5 * area, "{}: {area} ± {error}, not {}", family.0, shape.area(0));
+    }
+}
+
+/// What `sample_from` says is what `pdf_from` says, and the ray to the sample finds it.
+#[test]
+fn sampled_densities_are_the_asked_ones() {
+    for family in families() {
+        let shape = bake(&family);
+        let mut random = Random::new(4);
+        for _ in 0..20_000 {
+            let from = shape.bounds(0).center() + (random.direction() * random.decade(-0.5, 3.0)).as_vec3();
+            let Some((point, pdf)) = shape.sample_from(0, from, random.square()) else { continue };
+            let asked = shape.pdf_from(0, from, &point).get();
+            assert!(pdf.get() > 0.0 && pdf.get().is_finite());
+            // The point is rounded to f32 before its density is asked: seen edge-on by cos, that counts 1/cos.
+            let line = (point.p - from).as_dvec3();
+            let cos = (point.ng.as_dvec3().dot(line) / line.length()).abs();
+            assert!((asked / pdf.get() - 1.0).abs() as f64 <= 1e-5 + 1e-5 / cos, "{}: {} but {asked}", family.0, pdf.get());
+        }
+    }
+}
+
+/// ∫ pdf over the directions in which the primitive is seen = 1, directions by chance. Points near, far and, of
+/// the sphere, inside: there all is seen, once.
+#[test]
+fn densities_integrate_to_one() {
+    for family in families() {
+        let shape = bake(&family);
+        let bounds = shape.bounds(0);
+        for (seed, distance) in [0.0, 1.2, 3.0].into_iter().enumerate() {
+            let mut random = Random::new(seed as u64);
+            let from = bounds.center() + (random.direction() * distance * bounds.radius() as f64).as_vec3();
+            let inside = distance == 0.0;
+            if inside && family.0 != "sphere" {
+                continue;
+            }
+            let (integral, error) = mean((0..400_000).map(|_| {
+                let ray = Ray::new(from, random.direction().as_vec3());
+                // By area both sides of an ellipsoid are drawn: all its hits count.
+                let (mut sum, mut start) = (0.0, ray);
+                while let Some(hit) = shape.intersect(0, &start) {
+                    let point = shape.point(0, &start, &hit);
+                    sum += shape.pdf_from(0, from, &point).get() as f64 * 4.0 * PI;
+                    let is_cone =
+                        family.0 == "sphere" && family.2.matrix().matrix3.x_axis.length() == family.2.matrix().matrix3.y_axis.length();
+                    if is_cone {
+                        break;
+                    }
+                    start.origin = point.p + start.direction * (bounds.radius() * 1e-4);
+                }
+                sum
+            }));
+            // One sample in 10⁴ may sit on a rim; five standard errors else.
+            assert!((integral - 1.0).abs() <= 5.0 * error + 1e-3, "{} from {distance}: {integral} ± {error}", family.0);
+        }
+    }
+}
+
+/// G12: the solid angle of a distant sphere, 2π s²/(1 + c), to 3·10⁻⁷; the naive 2π(1 − c) is 0 in f32.
+#[test]
+fn distant_spheres_keep_their_solid_angle() {
+    for (sine, exact) in [(1e-2, 3.14167e-4), (1e-3, 3.141_593_4e-6), (1e-4, 3.141_592_7e-8), (1e-5, 3.141_592_7e-10)] {
+        let sphere = Sphere { radius: sine }.bake(&Transform::IDENTITY).expect("a sphere");
+        let (point, pdf) = sphere.sample_from(0, Vec3::Z, glam::Vec2::splat(0.3)).expect("outside");
+        let omega = TAU * sine * sine / (1.0 + (1.0 - sine * sine).sqrt());
+        assert!((omega / exact - 1.0).abs() < 1e-6);
+        assert!((pdf.get() as f64 * omega - 1.0).abs() < 3e-7);
+        assert!(point.p.z > 0.0, "the near side");
+    }
+}
+
+/// A lit point on the sphere itself, or within: finite, and never a density of 0 for a sample that was given.
+#[test]
+fn spheres_are_sampled_from_their_surface_and_inside() {
+    let sphere = Sphere { radius: 1.0 }.bake(&Transform::IDENTITY).expect("a sphere");
+    let mut random = Random::new(9);
+    for _ in 0..100_000 {
+        let from = (random.direction() * random.pick(&[0.0, 0.5, 1.0 - 1e-7, 1.0, 1.0 + 1e-7, 1.0001])).as_vec3();
+        let Some((point, pdf)) = sphere.sample_from(0, from, random.square()) else { continue };
+        assert!(point.p.is_finite() && point.ng.is_finite() && pdf.get() > 0.0 && pdf.get().is_finite(), "{from} {point:?} {pdf:?}");
+    }
+}
+
+/// T2, T3: normals stay perpendicular under uneven scales and keep their side under mirrors.
+///
+/// The side: a small step along the object-space normal, mapped as a vector, leads to where `ng` points.
+#[test]
+fn normals_keep_their_side() {
+    let (points, triangles) = icosphere(2);
+    let positions: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
+    for (k, scale) in [[1.0, 1.0, 1.0], [3.0, 0.2, 1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, -2.0], [-1.0, -3.0, -0.5]].into_iter().enumerate() {
+        let mut random = Random::new(k as u64);
+        let place = stretch(scale).then(&random.rotation());
+        let outward = |p: Vec3, ng: Vec3| ng.as_dvec3().dot(place.vector(place.inverse().point(p.as_dvec3()))) > 0.0;
+        let sphere = Sphere { radius: 1.0 }.bake(&place).expect("a sphere");
+        for normals in [vec![], positions.clone()] {
+            let ball = MeshData { positions: positions.clone(), triangles: triangles.clone(), normals, ..MeshData::default() };
+            let ball = TriangleMesh::new(ball).bake(&place).expect("a ball");
+            for i in 0..ball.count() {
+                let (point, _) = ball.sample_area(i, random.square());
+                assert!(outward(point.p, point.ng) && outward(point.p, point.ns), "mesh, scale {scale:?}");
+            }
+        }
+        let step = place.vector(DVec3::Z);
+        for _ in 0..200 {
+            let (point, _) = sphere.sample_area(0, random.square());
+            assert!(outward(point.p, point.ng), "sphere, scale {scale:?}");
+            for flat in [Quad { size: [1.0, 1.0] }.bake(&place), Disk { radius: 1.0 }.bake(&place)] {
+                let (point, _) = flat.expect("an area").sample_area(0, random.square());
+                assert!(point.ng.as_dvec3().dot(step) > 0.0, "flat, scale {scale:?}");
+                let tangent = place.vector(DVec3::new(random.unit(), random.unit(), 0.0)).normalize();
+                assert!(point.ng.as_dvec3().dot(tangent).abs() < 1e-6, "flat, scale {scale:?}");
+            }
+        }
+    }
+}
