@@ -7,8 +7,8 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 
-use super::node::{Child, MAX_DEPTH, Node, WIDTH};
-use super::packet::LANES;
+use super::cut::Cuts;
+use super::node::{Child, MAX_DEPTH, Node};
 use crate::math::Aabb;
 use crate::math::float::unit_f32;
 
@@ -27,12 +27,10 @@ pub fn wide(boxes: &[Aabb]) -> Option<Wide> {
     let twins = twins(boxes);
     let firsts = firsts(boxes.len(), &twins);
     let boxes: Vec<Aabb> = firsts.iter().map(|&item| boxes[item as usize]).collect();
+    let copies: Vec<u32> = firsts.iter().map(|&item| 1 + later(&twins, item).count() as u32).collect();
     let binary = pairs(&boxes);
-    let (counts, bounds) = measure(&binary, &boxes);
     let mut fold = Fold {
-        binary: &binary,
-        counts,
-        bounds,
+        cuts: Cuts::new(&binary, &boxes, &copies),
         firsts: &firsts,
         twins: &twins,
         wide: Wide { nodes: vec![], leaves: vec![], root: Child::leaf(0) },
@@ -72,6 +70,12 @@ fn twins(boxes: &[Aabb]) -> Vec<Twin> {
     twins
 }
 
+/// The later twins of `first`.
+fn later(twins: &[Twin], first: u32) -> impl Iterator<Item = u32> {
+    let start = twins.partition_point(|twin| twin.first < first);
+    twins[start..].iter().take_while(move |twin| twin.first == first).map(|twin| twin.later)
+}
+
 /// All items but the later twins.
 fn firsts(count: usize, twins: &[Twin]) -> Vec<u32> {
     let mut is_first = vec![true; count];
@@ -104,37 +108,9 @@ fn uneven(item: usize, b: &Aabb) -> obvhs::aabb::Aabb {
     obvhs::aabb::Aabb::new(b.min.into(), (b.max + by).into())
 }
 
-/// How many items each binary node holds (twins aside), and the box around them.
-fn measure(binary: &Bvh2, boxes: &[Aabb]) -> (Vec<u32>, Vec<Aabb>) {
-    let mut order = vec![0usize];
-    for next in 0.. {
-        let Some(&index) = order.get(next) else { break };
-        let node = &binary.nodes[index];
-        if !node.is_leaf() {
-            order.extend([node.first_index as usize, node.first_index as usize + 1]);
-        }
-    }
-    let (mut counts, mut bounds) = (vec![0; binary.nodes.len()], vec![Aabb::EMPTY; binary.nodes.len()]);
-    for &index in order.iter().rev() {
-        let node = &binary.nodes[index];
-        let first = node.first_index as usize;
-        if node.is_leaf() {
-            let items = &binary.primitive_indices[first..first + node.prim_count as usize];
-            counts[index] = node.prim_count;
-            bounds[index] = items.iter().map(|&item| boxes[item as usize]).fold(Aabb::EMPTY, Aabb::union);
-        } else {
-            counts[index] = counts[first] + counts[first + 1];
-            bounds[index] = bounds[first].union(bounds[first + 1]);
-        }
-    }
-    (counts, bounds)
-}
-
 struct Fold<'a> {
-    binary: &'a Bvh2,
-    counts: Vec<u32>,
-    bounds: Vec<Aabb>,
-    /// The items that the binary tree counts.
+    cuts: Cuts<'a>,
+    /// The items that the binary hierarchy counts.
     firsts: &'a [u32],
     twins: &'a [Twin],
     wide: Wide,
@@ -142,54 +118,21 @@ struct Fold<'a> {
 
 impl Fold<'_> {
     fn subtree(&mut self, index: usize, depth: usize) -> Child {
-        if self.is_small(index) || depth == MAX_DEPTH {
+        let children = self.cuts.children(index);
+        if children.is_empty() || depth == MAX_DEPTH {
             return self.leaf(index);
         }
-        let children = self.open(index);
         let slot = self.wide.nodes.len();
         self.wide.nodes.push(Node::new(&[]));
-        let children: Vec<(Aabb, Child)> = children.into_iter().map(|c| (self.bounds[c], self.subtree(c, depth + 1))).collect();
+        let children: Vec<(Aabb, Child)> = children.into_iter().map(|c| (self.cuts.bounds(c), self.subtree(c, depth + 1))).collect();
         self.wide.nodes[slot] = Node::new(&children);
         Child::inner(slot)
     }
 
-    fn is_small(&self, index: usize) -> bool {
-        self.counts[index] <= LANES as u32 || self.binary.nodes[index].is_leaf()
-    }
-
-    /// The descendants that become children: the largest box is opened until there are eight.
-    fn open(&self, index: usize) -> Vec<usize> {
-        let mut children = vec![index];
-        while children.len() < WIDTH {
-            let area = |c: usize| self.binary.nodes[c].aabb().half_area();
-            let largest = (0..children.len()).filter(|&k| !self.is_small(children[k])).max_by(|&a, &b| {
-                let (a, b) = (children[a], children[b]);
-                area(a).total_cmp(&area(b))
-            });
-            let Some(largest) = largest else { break };
-            let first = self.binary.nodes[children[largest]].first_index as usize;
-            children[largest] = first;
-            children.push(first + 1);
-        }
-        children
-    }
-
     fn leaf(&mut self, index: usize) -> Child {
-        let mut items = vec![];
-        let mut open = vec![index];
-        while let Some(index) = open.pop() {
-            let node = &self.binary.nodes[index];
-            let first = node.first_index as usize;
-            if node.is_leaf() {
-                let indices = &self.binary.primitive_indices[first..first + node.prim_count as usize];
-                items.extend(indices.iter().map(|&i| self.firsts[i as usize]));
-            } else {
-                open.extend([first, first + 1]);
-            }
-        }
+        let mut items: Vec<u32> = self.cuts.items(index).into_iter().map(|i| self.firsts[i as usize]).collect();
         for first in items.clone() {
-            let start = self.twins.partition_point(|twin| twin.first < first);
-            items.extend(self.twins[start..].iter().take_while(|twin| twin.first == first).map(|twin| twin.later));
+            items.extend(later(self.twins, first));
         }
         items.sort_unstable();
         self.wide.leaves.push(items);

@@ -10,7 +10,7 @@ use super::packet::{LANES, Packet};
 use super::{Item, Shapes};
 use crate::math::{Aabb, Ray};
 use crate::primitive::{Hit, Primitive};
-use crate::shape::{Facet, Fold};
+use crate::shape::{Facet, Fold, ShapeHit};
 
 pub struct Bvh {
     shapes: Shapes,
@@ -33,9 +33,11 @@ struct Leaf {
 
 /// The best hit so far.
 struct Nearest {
-    t: f32,
-    uv: Vec2,
+    hit: ShapeHit,
     item: u32,
+    /// What the tests are asked for: they accept t < t_max only, and the next float above `hit.t` lets equally
+    /// near hits of lower items through.
+    t_max: f32,
 }
 
 impl Bvh {
@@ -95,21 +97,21 @@ impl Bvh {
         Leaf { packets: (first_packet, self.packets.len() as u32), curved: (first_curved, self.curved.len() as u32) }
     }
 
-    /// Every hit of the leaf that is nearer than `ray.t_max`, or as near and of a lower item, in turn.
+    /// Every hit of the leaf that is nearer than the nearest so far, or as near and of a lower item, in turn.
     #[inline(always)]
-    fn leaf(&self, leaf: usize, ray: &mut Ray, nearest: &mut Nearest) {
+    fn leaf(&self, leaf: usize, ray: &Ray, nearest: &mut Nearest) {
         let leaf = self.leaves[leaf];
         for packet in &self.packets[leaf.packets.0 as usize..leaf.packets.1 as usize] {
-            for lane in bits(packet.candidates(ray)) {
-                if let Some(hit) = packet.intersect(lane, ray) {
-                    nearest.offer(ray, hit.t, hit.uv, packet.item[lane]);
+            for lane in bits(packet.candidates(ray, nearest.t_max)) {
+                if let Some(hit) = packet.intersect(lane, ray, nearest.t_max) {
+                    nearest.offer(hit, packet.item[lane]);
                 }
             }
         }
         for &number in &self.curved[leaf.curved.0 as usize..leaf.curved.1 as usize] {
             let item = self.items[number as usize];
-            if let Some(hit) = self.shapes[item.shape as usize].intersect(item.primitive, ray) {
-                nearest.offer(ray, hit.t, hit.uv, number);
+            if let Some(hit) = self.shapes[item.shape as usize].intersect(item.primitive, &Ray { t_max: nearest.t_max, ..*ray }) {
+                nearest.offer(hit, number);
             }
         }
     }
@@ -119,7 +121,7 @@ impl Bvh {
         let leaf = self.leaves[leaf];
         let flat = self.packets[leaf.packets.0 as usize..leaf.packets.1 as usize]
             .iter()
-            .any(|packet| bits(packet.candidates(ray)).any(|lane| packet.intersect(lane, ray).is_some()));
+            .any(|packet| bits(packet.candidates(ray, ray.t_max)).any(|lane| packet.intersect(lane, ray, ray.t_max).is_some()));
         flat || self.curved[leaf.curved.0 as usize..leaf.curved.1 as usize].iter().any(|&number| {
             let item = self.items[number as usize];
             self.shapes[item.shape as usize].intersect(item.primitive, ray).is_some()
@@ -128,12 +130,10 @@ impl Bvh {
 }
 
 impl Nearest {
-    /// The tests accept t < t_max only; the next float above lets equally near hits of lower items through.
     #[inline(always)]
-    fn offer(&mut self, ray: &mut Ray, t: f32, uv: Vec2, item: u32) {
-        if t < self.t || (t == self.t && item < self.item) {
-            (self.t, self.uv, self.item) = (t, uv, item);
-            ray.t_max = t.next_up();
+    fn offer(&mut self, hit: ShapeHit, item: u32) {
+        if hit.t < self.hit.t || (hit.t == self.hit.t && item < self.item) {
+            *self = Nearest { hit, item, t_max: hit.t.next_up() };
         }
     }
 }
@@ -145,22 +145,21 @@ impl Primitive for Bvh {
 
     /// Front to back: the nearest child first, the others wait on the stack in order.
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let mut ray = *ray;
-        let slabs = Slabs::new(&ray);
-        let mut nearest = Nearest { t: ray.t_max, uv: Vec2::ZERO, item: u32::MAX };
+        let slabs = Slabs::new(ray);
+        let mut nearest = Nearest { hit: ShapeHit { t: ray.t_max, uv: Vec2::ZERO }, item: u32::MAX, t_max: ray.t_max };
         let mut stack = ArrayVec::<(f32, Child), STACK>::new();
         let mut next = Some((0.0, self.root?));
         while let Some((entry, child)) = next {
-            if entry <= nearest.t * WIDEN {
+            if entry <= nearest.hit.t * WIDEN {
                 match child.get() {
-                    Err(leaf) => self.leaf(leaf, &mut ray, &mut nearest),
-                    Ok(node) => self.nodes[node].push_met(&slabs, ray.t_max, &mut stack),
+                    Err(leaf) => self.leaf(leaf, ray, &mut nearest),
+                    Ok(node) => self.nodes[node].push_met(&slabs, nearest.t_max, &mut stack),
                 }
             }
             next = stack.pop();
         }
         let item = self.items.get(nearest.item as usize)?;
-        Some(Hit { shape: item.shape, primitive: item.primitive, uv: item.fold.uv(nearest.uv), t: nearest.t })
+        Some(Hit { shape: item.shape, primitive: item.primitive, uv: item.fold.uv(nearest.hit.uv), t: nearest.hit.t })
     }
 
     /// In any order: the first hit ends it.

@@ -2,6 +2,7 @@
 
 mod build;
 mod bvh;
+mod cut;
 mod list;
 mod node;
 mod packet;

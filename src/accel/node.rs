@@ -1,7 +1,7 @@
 //! Eight boxes side by side.
 
 use arrayvec::ArrayVec;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::bits;
 use crate::math::{Aabb, Ray};
@@ -19,8 +19,8 @@ pub const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
 #[repr(align(64))]
 #[derive(Clone)]
 pub struct Node {
-    min: [[f32; WIDTH]; 3],
-    max: [[f32; WIDTH]; 3],
+    /// The lower faces along x, y, z, then the upper ones; half; a lane for each child.
+    faces: [[Vec4; 2]; 6],
     pub child: [Child; WIDTH],
 }
 
@@ -46,18 +46,31 @@ impl Child {
     }
 }
 
-/// What the box tests need to know of a ray.
+/// What the box tests need to know of a ray, per axis.
 pub struct Slabs {
-    origin: [f32; 3],
-    inverse: [f32; 3],
-    negative: [bool; 3],
+    origin: [Vec4; 3],
+    inverse: [Vec4; 3],
+    /// Larger by [`WIDEN`].
+    widened: [Vec4; 3],
+    /// Of the faces by which the ray enters and leaves.
+    enter: [usize; 3],
+    leave: [usize; 3],
 }
 
 impl Slabs {
     pub fn new(ray: &Ray) -> Slabs {
+        let (origin, direction) = (ray.origin.to_array().map(Vec4::splat), ray.direction.to_array());
         // Finite, so that a ray that starts in the plane of a face and runs along it gives 0, not 0·∞.
-        let inverse = ray.direction.to_array().map(|d| (1.0 / d).clamp(-f32::MAX, f32::MAX));
-        Slabs { origin: ray.origin.to_array(), inverse, negative: ray.direction.to_array().map(|d| d.is_sign_negative()) }
+        let bound = Vec4::splat(f32::MAX / 2.0);
+        let inverse = direction.map(|d| (1.0 / Vec4::splat(d)).max(-bound).min(bound));
+        let upper = direction.map(|d| if d.is_sign_negative() { 3 } else { 0 });
+        Slabs {
+            origin,
+            inverse,
+            widened: inverse.map(|i| i * WIDEN),
+            enter: std::array::from_fn(|axis| axis + upper[axis]),
+            leave: std::array::from_fn(|axis| axis + 3 - upper[axis]),
+        }
     }
 }
 
@@ -69,11 +82,12 @@ pub const WIDEN: f32 = 1.0 + 2.0 * (3.0 * 0.5 * f32::EPSILON) + f32::EPSILON;
 
 impl Node {
     pub fn new(children: &[(Aabb, Child)]) -> Node {
-        let mut node = Node { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3], child: [Child(LEAF); WIDTH] };
+        let (low, high) = ([Vec4::INFINITY; 2], [Vec4::NEG_INFINITY; 2]);
+        let mut node = Node { faces: [low, low, low, high, high, high], child: [Child(LEAF); WIDTH] };
         for (slot, (bounds, child)) in children.iter().enumerate() {
             for axis in 0..3 {
-                node.min[axis][slot] = bounds.min[axis];
-                node.max[axis][slot] = bounds.max[axis];
+                node.faces[axis][slot / 4][slot % 4] = bounds.min[axis];
+                node.faces[axis + 3][slot / 4][slot % 4] = bounds.max[axis];
             }
             node.child[slot] = *child;
         }
@@ -81,24 +95,24 @@ impl Node {
     }
 
     /// The distance at which the ray enters each box, and a bit for each that it meets before `t_max`.
-    ///
-    /// Comparisons, not `f32::min`: they map to one instruction each, and NaN keeps the old value.
     #[inline(always)]
     pub fn meet(&self, slabs: &Slabs, t_max: f32) -> ([f32; WIDTH], u32) {
-        let mut near = [0f32; WIDTH];
-        let mut far = [t_max * WIDEN; WIDTH];
+        let (low, high) = (self.meet_half(0, slabs, t_max), self.meet_half(1, slabs, t_max));
+        let mut near = [0.0; WIDTH];
+        near[..4].copy_from_slice(&low.0.to_array());
+        near[4..].copy_from_slice(&high.0.to_array());
+        (near, low.1 | high.1 << 4)
+    }
+
+    #[inline(always)]
+    fn meet_half(&self, half: usize, slabs: &Slabs, t_max: f32) -> (Vec4, u32) {
+        let (mut near, mut far) = (Vec4::ZERO, Vec4::splat(t_max * WIDEN));
         for axis in 0..3 {
-            let (enter, leave) = if slabs.negative[axis] { (&self.max[axis], &self.min[axis]) } else { (&self.min[axis], &self.max[axis]) };
-            let (origin, inverse) = (slabs.origin[axis], slabs.inverse[axis]);
-            for i in 0..WIDTH {
-                let t = (enter[i] - origin) * inverse;
-                near[i] = if t > near[i] { t } else { near[i] };
-                let t = (leave[i] - origin) * inverse * WIDEN;
-                far[i] = if t < far[i] { t } else { far[i] };
-            }
+            let (enter, leave) = (self.faces[slabs.enter[axis]][half], self.faces[slabs.leave[axis]][half]);
+            near = ((enter - slabs.origin[axis]) * slabs.inverse[axis]).max(near);
+            far = ((leave - slabs.origin[axis]) * slabs.widened[axis]).min(far);
         }
-        let mask = (0..WIDTH).fold(0, |mask, i| mask | ((near[i] <= far[i]) as u32) << i);
-        (near, mask)
+        (near, near.cmple(far).bitmask())
     }
 
     /// Pushes the children that the ray meets before `t_max` with their distances, the nearest last.

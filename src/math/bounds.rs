@@ -38,6 +38,12 @@ impl Aabb {
         self.min.abs().max(self.max.abs())
     }
 
+    /// Of all six faces (m²); 0 where empty.
+    pub fn area(&self) -> f64 {
+        let [x, y, z] = if self.is_empty() { [0.0; 3] } else { (self.max.as_dvec3() - self.min.as_dvec3()).to_array() };
+        2.0 * (x * y + y * z + z * x)
+    }
+
     /// Larger on every side by `by` per axis.
     pub fn padded(&self, by: Vec3) -> Aabb {
         Aabb { min: self.min - by, max: self.max + by }

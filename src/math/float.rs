@@ -50,11 +50,24 @@ pub const fn gamma(n: u32) -> f32 {
 #[inline]
 pub fn sin_cos(x: f32) -> (f32, f32) {
     let (quadrant, r) = if x.abs() < REDUCE_BY_SUBTRACTION { reduce(x) } else { reduce_large(x) };
-    let square = r * r;
-    let sin = r * horner(square, SIN_12);
-    let cos = horner(square, COS_12);
+    let (sin, cos) = series(r);
     let (sin, cos) = turn(quadrant, sin, cos);
     (sin as f32, cos as f32)
+}
+
+/// Sine and cosine of an angle within ±π/4; see [`sin_cos`], whose bits it gives.
+///
+/// Tests: sin_cos_within_an_octant.
+#[inline]
+pub fn sin_cos_octant(x: f32) -> (f32, f32) {
+    let (sin, cos) = series(f64::from(x));
+    (sin as f32, cos as f32)
+}
+
+#[inline]
+fn series(r: f64) -> (f64, f64) {
+    let square = r * r;
+    (r * horner(square, SIN_12), horner(square, COS_12))
 }
 
 /// Sine of an angle in radians; see [`sin_cos`].

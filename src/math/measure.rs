@@ -9,6 +9,8 @@
 
 use std::ops::Mul;
 
+use glam::DVec3;
+
 /// Probability per solid angle [sr⁻¹].
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct SolidAnglePdf(f32);
@@ -47,11 +49,14 @@ impl AreaPdf {
         self.0
     }
 
-    /// p(ω) = p(A) · d² / |cos θ|, with θ between the normal of the area and the line of length d.
+    /// p(ω) = p(A) · d² / |cos θ| = p(A) · d³ / |n · line|
+    ///
+    /// - `line`: from where the area is seen to the point on it, of length d; `n`: the area's normal there, unit
     ///
     /// Edge-on (cos θ = 0) the area subtends no angle: `None`.
-    pub fn to_solid_angle(self, distance_squared: f32, cos: f32) -> Option<SolidAnglePdf> {
-        let pdf = self.0 * distance_squared / cos.abs();
+    pub fn to_solid_angle(self, line: DVec3, n: DVec3) -> Option<SolidAnglePdf> {
+        let d2 = line.length_squared();
+        let pdf = (f64::from(self.0) * (d2 * d2.sqrt() / n.dot(line).abs())) as f32;
         pdf.is_finite().then_some(SolidAnglePdf(pdf))
     }
 }

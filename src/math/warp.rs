@@ -4,11 +4,11 @@
 //! that neighbours stay neighbours and stratification survives. z is the axis. Every u in [0, 1)²,
 //! with 0 and 1 − 2⁻²⁴, gives a finite result inside the domain.
 
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f32::consts::FRAC_PI_4;
 
 use glam::{Vec2, Vec3};
 
-use super::float::{ONE_MINUS_EPSILON, ROUNDING, atan2, exp_f64, exp_m1_f64, ln_f64, sin_cos};
+use super::float::{ONE_MINUS_EPSILON, ROUNDING, atan2, exp_f64, exp_m1_f64, ln_f64, sin_cos_octant};
 
 const INV_PI: f32 = std::f32::consts::FRAC_1_PI;
 const INV_2PI: f32 = INV_PI / 2.0;
@@ -210,11 +210,12 @@ fn polar(u: Vec2) -> (f32, Vec2) {
     // exact in f32, symmetric, and keeps the radius below 1, where a cosine would be 0.
     let Vec2 { x: a, y: b } = (2.0 * u - 1.0) + ROUNDING;
     if a.abs() > b.abs() {
-        let (sin, cos) = sin_cos(FRAC_PI_4 * (b / a));
+        let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (b / a));
         (a, Vec2::new(cos, sin))
     } else if b != 0.0 {
-        let (sin, cos) = sin_cos(FRAC_PI_2 - FRAC_PI_4 * (a / b));
-        (b, Vec2::new(cos, sin))
+        // The complement of the angle: its sine and cosine trade places.
+        let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (a / b));
+        (b, Vec2::new(sin, cos))
     } else {
         (0.0, Vec2::X)
     }

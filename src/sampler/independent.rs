@@ -12,17 +12,15 @@ use crate::math::float::unit_f32;
 /// Independent uniform numbers.
 ///
 /// A stream of xoshiro256++ for each block of 8 dimensions, seeded by (seed, pixel, index, block)
-/// when the first number of the block is asked for; dimension d is number d mod 8 of its stream.
+/// when a number of the block is asked for; dimension d is number d mod 8 of its stream, two numbers to a draw.
 ///
 /// Source: Blackman and Vigna, *Scrambled Linear Pseudorandom Number Generators* (2021).
 pub struct Independent {
     seed: u64,
     key: u64,
     dimension: u32,
-    stream: Xoshiro256PlusPlus,
-    /// The block that the stream belongs to; none before the first number.
+    /// The block that the numbers belong to; none before the first.
     block: Option<u32>,
-    drawn: usize,
     numbers: [f32; dimension::BLOCK as usize],
 }
 
@@ -32,9 +30,7 @@ impl Independent {
             seed,
             key: pixel_key(seed, UVec2::ZERO),
             dimension: 0,
-            stream: Xoshiro256PlusPlus::seed_from_u64(0),
             block: None,
-            drawn: 0,
             numbers: [0.0; BLOCK as usize],
         }
     }
@@ -43,13 +39,12 @@ impl Independent {
     fn number(&mut self) -> f32 {
         let (block, place) = (self.dimension / BLOCK, (self.dimension % BLOCK) as usize);
         if self.block != Some(block) {
-            self.stream = Xoshiro256PlusPlus::seed_from_u64(dimension_key(self.key, block));
+            let mut stream = Xoshiro256PlusPlus::seed_from_u64(dimension_key(self.key, block));
+            for pair in self.numbers.chunks_exact_mut(2) {
+                let bits = stream.next_u64();
+                pair.copy_from_slice(&[unit_f32((bits >> 32) as u32), unit_f32(bits as u32)]);
+            }
             self.block = Some(block);
-            self.drawn = 0;
-        }
-        while self.drawn <= place {
-            self.numbers[self.drawn] = unit_f32(self.stream.next_u32());
-            self.drawn += 1;
         }
         self.dimension = self.dimension.wrapping_add(1);
         self.numbers[place]

@@ -82,9 +82,7 @@ pub trait Shape: Send + Sync {
 
 /// Per area, seen from `from`: per solid angle. `None` where the surface is seen edge-on.
 fn seen_from(point: &SurfacePoint, pdf: AreaPdf, from: Vec3) -> Option<SolidAnglePdf> {
-    let line = (point.p - from).as_dvec3();
-    let cos = point.ng.as_dvec3().dot(line) / line.length();
-    pdf.to_solid_angle(line.length_squared() as f32, cos as f32)
+    pdf.to_solid_angle((point.p - from).as_dvec3(), point.ng.as_dvec3())
 }
 
 /// A flat primitive, for accelerators.
@@ -111,7 +109,7 @@ impl Facet {
 
     /// The nearest hit; where both triangles report the same t, the first.
     pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let hits = self.triangles().filter_map(|(corners, fold)| Some((triangle::intersect(ray, corners)?, fold)));
+        let hits = self.triangles().filter_map(|(corners, fold)| Some((triangle::intersect(ray, ray.t_max, corners)?, fold)));
         hits.reduce(|best, hit| if hit.0.t < best.0.t { hit } else { best }).map(|(hit, fold)| ShapeHit { uv: fold.uv(hit.uv), ..hit })
     }
 }

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::ShapeHit;
 use crate::math::Ray;
 
-/// Where `ray` meets the triangle, edges and corners included; from either side.
+/// Where `ray` meets the triangle before `t_max`, edges and corners included; from either side.
 ///
 /// With corners a, b, c relative to the ray's origin and the ray's direction d, the edge function
 ///
@@ -22,27 +22,40 @@ use crate::math::Ray;
 ///
 /// Source: Shevtsov, Soupikov, Kapustin, *Ray-Triangle Intersection Algorithm for Modern CPU
 /// Architectures* (2007). Tests: watertight, triangle_matches_exact.
-pub fn intersect(ray: &Ray, corners: [Vec3; 3]) -> Option<ShapeHit> {
+#[inline(always)]
+pub fn intersect(ray: &Ray, t_max: f32, corners: [Vec3; 3]) -> Option<ShapeHit> {
     let o = ray.origin.as_dvec3();
     let d = ray.direction.as_dvec3();
     let [a, b, c] = corners.map(|v| v.as_dvec3() - o);
+    let (ab, ac) = (b - a, c - a);
+    // The plane first: most triangles asked lie behind the ray's origin, or beyond its end.
+    let n = ab.cross(ac);
+    let (height, slope) = (n.dot(a), n.dot(d));
+    // Written so that NaN, from a degenerate triangle, is a miss.
+    if !(height * slope > 0.0) {
+        return None;
+    }
+    let mut t = height / slope;
+    if slope * slope < NOISY * ab.length_squared() * ac.length_squared() * d.length_squared() {
+        let along = [a, b, c].map(|v| v.dot(d) / d.length_squared());
+        t = t.max(along[0].min(along[1]).min(along[2])).min(along[0].max(along[1]).max(along[2]));
+    }
+    let hit = t as f32;
+    if !(hit > 0.0 && hit < t_max) {
+        return None;
+    }
     let edge = |p: DVec3, q: DVec3| d.dot((q - p).cross(q + p));
     let (wa, wb, wc) = (edge(b, c), edge(c, a), edge(a, b));
     if wa.min(wb).min(wc) < 0.0 && wa.max(wb).max(wc) > 0.0 {
         return None;
     }
     let sum = wa + wb + wc;
-    let n = (b - a).cross(c - a);
-    let t = n.dot(a) / n.dot(d);
-    // Written so that NaN, from 0/0 of a degenerate triangle, is a miss.
-    if !(sum != 0.0 && t > 0.0) {
-        return None;
-    }
-    // Where the ray all but lies in the plane, t is noise: it stays between the corners.
-    let along = [a, b, c].map(|v| v.dot(d) / d.length_squared());
-    let t = t.max(along[0].min(along[1]).min(along[2])).min(along[0].max(along[1]).max(along[2])) as f32;
-    (t > 0.0 && t < ray.t_max).then(|| ShapeHit { t, uv: Vec2::new((wb / sum) as f32, (wc / sum) as f32) })
+    (sum != 0.0).then(|| ShapeHit { t: hit, uv: Vec2::new((wb / sum) as f32, (wc / sum) as f32) })
 }
+
+/// Below this share of its greatest, the square of n·d is mostly rounding: the ray all but lies in the plane, or
+/// the corners all but on a line. There t is noise, and kept between the corners.
+const NOISY: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// The unit normal (b − a) × (c − a); `None` where the triangle is degenerate.
 ///

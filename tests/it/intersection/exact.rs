@@ -78,7 +78,7 @@ fn decisions_are_exact_on_a_grid() {
                 let target = if random.below(2) == 0 { corners[random.below(3)] } else { integers(&mut random, size) };
                 let direction = sub(target, origin);
                 let exact = Exact::new(origin, direction, corners);
-                let found = triangle::intersect(&Ray::new(float(origin), float(direction)), corners.map(float));
+                let found = triangle::intersect(&Ray::new(float(origin), float(direction)), f32::INFINITY, corners.map(float));
                 assert_eq!(found.is_some(), exact.hits(), "seed {seed}: {origin:?} {direction:?} {corners:?}");
                 hits += u64::from(exact.hits());
             }
@@ -114,7 +114,7 @@ fn matches_integers(random: &mut Random, size: i128, seed: u64) -> bool {
     // Halved, so that the difference too fits 24 bits.
     let direction = sub([at(0), at(1), at(2)], origin).map(|x| x / 2);
     let exact = Exact::new(origin, direction, corners);
-    let found = triangle::intersect(&Ray::new(float(origin), float(direction)), corners.map(float));
+    let found = triangle::intersect(&Ray::new(float(origin), float(direction)), f32::INFINITY, corners.map(float));
     // Six products of three numbers below 2²⁵: each rounds by 2⁻⁵³ a few times.
     let slack = (12.0 * 2f64.powi(75 - 53)) as i128;
     if exact.weights.iter().all(|w| w.abs() > slack) && exact.numerator.abs() > slack {
@@ -151,7 +151,7 @@ fn needles_are_not_hit_beyond_their_ends() {
             let target = a + along * random.range(-0.5, 1.5);
             let origin = (target - along * random.range(1.0, 50.0) + random.direction() * random.decade(-9.0, 0.0)).as_vec3();
             let ray = Ray::new(origin, (target - origin.as_dvec3()).normalize().as_vec3());
-            let Some(hit) = triangle::intersect(&ray, corners) else { continue };
+            let Some(hit) = triangle::intersect(&ray, ray.t_max, corners) else { continue };
             let p = origin.as_dvec3() + ray.direction.as_dvec3() * hit.t as f64;
             let bounds = pt::math::Aabb::around(corners);
             let scale = origin.abs().max(bounds.magnitude()).max_element() as f64;
@@ -170,6 +170,6 @@ fn a_line_far_from_the_origin_is_missed() {
         let mut random = Random::new(seed);
         let origin = Vec3::new(-1081.5, 100.0, 87.8) + random.in_cube().as_vec3();
         let target = corners[0].lerp(corners[1], random.unit() as f32);
-        assert_eq!(triangle::intersect(&Ray::new(origin, (target - origin).normalize()), corners), None);
+        assert_eq!(triangle::intersect(&Ray::new(origin, (target - origin).normalize()), f32::INFINITY, corners), None);
     }
 }
