@@ -2,6 +2,7 @@
 
 mod agreement;
 mod analytic;
+mod bad_input;
 mod bsdfs;
 mod cameras;
 mod cli;
