@@ -4,12 +4,13 @@
 //! where it refuses it leaves every file as it was. What is refused in finer detail than a row has: `reader`
 //! (truncation at every byte, mutations), `scene_faults`, `overrides`, `meshes`.
 
+mod bench;
+mod disk;
+
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
 
-use crate::marked::unmark;
+use bench::{Bench, RIGHT, SQUARE, long_name};
 
 /// The row's name, what is given, the exit code, what is said.
 ///
@@ -351,110 +352,6 @@ const UNIX_CALLS: &[Row] =
 #[cfg(not(unix))]
 const UNIX_CALLS: &[Row] = &[];
 
-/// A scene that is right; what follows its last line are further keys.
-const RIGHT: &str = r#"{"pt": 1,
-"camera": {"look_at": {"from": [0, 0, 3], "to": [0, 0, 0]}},
-"film": {"width": 8, "height": 6},
-"sampler": {"spp": 1},
-"background": {"radiance": 1}"#;
-
-const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-const MESH: &str = r#", "shapes": [{"type": "mesh", "file": "mesh.obj"}]}"#;
-
-/// A folder of right and odd files; [`Bench::settled`] says whether all is as it was.
-struct Bench {
-    folder: tempfile::TempDir,
-    met: BTreeSet<&'static str>,
-    wrong: Vec<String>,
-}
-
-impl Bench {
-    fn new() -> Bench {
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        let at = folder.path();
-        fs::create_dir(at.join("folder")).expect("folder");
-        fs::create_dir(at.join("folder.exr")).expect("folder");
-        let right = format!("{RIGHT}}}");
-        for name in ["right.json", "scene.exr", "szene-ä-🫖.json", "-dash.json", "with space.json", &long_name()] {
-            fs::write(at.join(name), &right).expect("write");
-        }
-        #[cfg(unix)]
-        assert!(Command::new("mkfifo").arg(at.join("pipe")).status().expect("mkfifo runs").success());
-        Bench { folder, met: BTreeSet::new(), wrong: vec![] }
-    }
-
-    fn command(&self) -> Command {
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin("pt"));
-        command.current_dir(self.folder.path()).args(["--progress", "none"]).env_remove("PT_THREADS");
-        command
-    }
-
-    fn call(&mut self, row: &'static str, args: &[&str], code: i32, phrase: &str) {
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin("pt"));
-        command.current_dir(self.folder.path()).args(args);
-        self.judge(row, &args.join(" "), command, code, phrase);
-    }
-
-    /// `scene.json`, with its message where the mark stands.
-    fn scene(&mut self, row: &'static str, marked: &str, code: i32, phrase: &str) {
-        let (text, places) = unmark(marked);
-        let place = places.first().map_or(String::new(), |place| format!("error: scene.json:{place}"));
-        self.bytes(row, text.as_bytes(), code, &format!("{place}{phrase}"));
-    }
-
-    fn bytes(&mut self, row: &'static str, text: &[u8], code: i32, phrase: &str) {
-        fs::write(self.folder.path().join("scene.json"), text).expect("write");
-        let mut command = self.command();
-        command.args(["scene.json", "-o", "x.exr"]);
-        let shown = String::from_utf8_lossy(&text[..text.len().min(300)]).into_owned();
-        self.judge(row, &shown, command, code, phrase);
-    }
-
-    fn mesh(&mut self, row: &'static str, statements: &str, code: i32, phrase: &str) {
-        fs::write(self.folder.path().join("mesh.obj"), format!("{SQUARE}{statements}")).expect("write");
-        self.scene(row, &format!("{RIGHT}{MESH}"), code, phrase);
-    }
-
-    fn judge(&mut self, row: &'static str, given: &str, mut command: Command, code: i32, phrase: &str) {
-        self.met.insert(row);
-        let before = contents(self.folder.path());
-        let Output { status, stderr, .. } = command.output().expect("it runs");
-        let said = String::from_utf8_lossy(&stderr);
-        let given: String = given.chars().take(300).collect();
-        let mut note = |what: &str| self.wrong.push(format!("{row}: {given}\n  {what}, said:\n{said}"));
-        if status.code() != Some(code) {
-            note(&format!("expected exit code {code}, found {status}"));
-        }
-        if !said.contains(phrase) || said.contains("panicked") {
-            note(&format!("expected {phrase:?}"));
-        }
-        let picture = self.folder.path().join("x.exr");
-        if code == 0 && fs::remove_file(picture).is_err() {
-            note("no picture");
-        }
-        if contents(self.folder.path()) != before {
-            note("files are not as they were");
-        }
-    }
-}
-
-/// 255 bytes, the most that file systems take.
-fn long_name() -> String {
-    format!("{}.json", "n".repeat(250))
-}
-
-/// Names and, of files, bytes.
-fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let entry = |entry: std::io::Result<fs::DirEntry>| {
-        let path = entry.expect("an entry").path();
-        let bytes = if path.is_file() { fs::read(&path).expect("readable") } else { vec![] };
-        (path.display().to_string(), bytes)
-    };
-    let mut all: Vec<_> = fs::read_dir(folder).expect("a folder").map(entry).collect();
-    all.sort();
-    all
-}
-
 #[test]
 fn every_row_of_the_table_is_refused_or_warned_of_as_it_says() {
     let mut bench = Bench::new();
@@ -516,20 +413,4 @@ fn generated(bench: &mut Bench) {
         2,
         "'abc' for '--threads <THREADS>': expected a whole number from 1 to 1024 (in --threads or PT_THREADS)",
     );
-}
-
-/// What cannot be written is said, with exit code 5; what can be written beside it is.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_disk_is_said() {
-    let bench = Bench::new();
-    let full = || fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has it");
-    for args in
-        [&["check", "right.json"][..], &["right.json", "-q", "-o", "x.exr", "--stats"], &["list"], &["schema"], &["--help"], &["--version"]]
-    {
-        let output = Command::new(assert_cmd::cargo::cargo_bin("pt")).current_dir(bench.folder.path()).args(args).stdout(full()).output();
-        let output = output.expect("it runs");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!((output.status.code(), said.as_str()), (Some(5), "error: stdout: No space left on device (os error 28)\n"), "{args:?}");
-    }
 }
