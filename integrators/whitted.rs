@@ -9,8 +9,7 @@ use pt::math::{Ray, Spectrum, Vec3};
 use pt::sampler::dimension::{self, Use};
 use pt::scene::{Scene, Surface};
 use schemars::JsonSchema;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// Direct light on what scatters, and a ray into every mirror direction.
 ///
@@ -30,15 +29,9 @@ pub struct Whitted {
     #[schemars(range(max = 65535))]
     pub max_depth: u32,
     /// Interfaces at which both reflection and refraction are followed; at most 12.
-    #[serde(deserialize_with = "at_most_12")]
+    #[serde(deserialize_with = "pt::integrator::at_most::<MAX_BRANCH_DEPTH, _>")]
     #[schemars(range(max = 12))]
     pub branch_depth: u32,
-}
-
-fn at_most_12<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
-    let depth = u32::deserialize(deserializer)?;
-    let refused = || D::Error::custom(format!("expected a whole number from 0 to {MAX_BRANCH_DEPTH}, found {depth}"));
-    if depth <= MAX_BRANCH_DEPTH { Ok(depth) } else { Err(refused()) }
 }
 
 impl Default for Whitted {

@@ -110,9 +110,17 @@ pub const MAX_DEPTH: u32 = 65535;
 /// # Errors
 /// Beyond [`MAX_DEPTH`].
 pub fn depth<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
-    let depth = u32::deserialize(deserializer)?;
-    let refused = || D::Error::custom(format!("expected a whole number from 0 to {MAX_DEPTH}, found {depth}"));
-    if depth <= MAX_DEPTH { Ok(depth) } else { Err(refused()) }
+    at_most::<MAX_DEPTH, D>(deserializer)
+}
+
+/// Reads a number that has a bound of its own: `#[serde(deserialize_with = "pt::integrator::at_most::<12, _>")]`.
+///
+/// # Errors
+/// Beyond `MOST`.
+pub fn at_most<'de, const MOST: u32, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    let number = u32::deserialize(deserializer)?;
+    let refused = || D::Error::custom(format!("expected a whole number from 0 to {MOST}, found {number}"));
+    if number <= MOST { Ok(number) } else { Err(refused()) }
 }
 
 /// A row of the table of integrators: it feeds the command line, its help, comparisons and the tests.

@@ -8,9 +8,13 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-#[path = "it/common.rs"]
+#[path = "it/geometry.rs"]
 #[allow(dead_code)]
-mod common;
+mod geometry;
+
+#[path = "it/random.rs"]
+#[allow(dead_code)]
+mod random;
 
 #[path = "it/identity/zoo.rs"]
 #[allow(dead_code)]

@@ -6,9 +6,13 @@
 #[allow(dead_code)]
 mod integrators;
 
-#[path = "it/common.rs"]
+#[path = "it/geometry.rs"]
 #[allow(dead_code)]
-mod common;
+mod geometry;
+
+#[path = "it/random.rs"]
+#[allow(dead_code)]
+mod random;
 
 #[path = "it/identity/zoo.rs"]
 #[allow(dead_code)]

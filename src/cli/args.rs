@@ -111,7 +111,7 @@ pub struct Render {
     #[arg(long, value_name = "K", requires = "pixel")]
     pub sample: Option<u64>,
     /// Threads. Default: all cores. The picture does not depend on it.
-    #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = threads)]
     pub threads: Option<u32>,
     /// Stops of exposure, for 8-bit files only.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
@@ -181,6 +181,12 @@ fn numbers<const N: usize>(text: &str) -> std::result::Result<[u32; N], String> 
     let parsed: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     let example = (1..=N).map(|n| (100 * n).to_string()).collect::<Vec<_>>().join(",");
     parsed.and_then(|numbers| numbers.try_into().ok()).ok_or(format!("expected {N} whole numbers such as {example}"))
+}
+
+/// clap's own message would not say that the environment may have given the value.
+fn threads(text: &str) -> std::result::Result<u32, String> {
+    let expected = "expected a whole number from 1 to 1024 (in --threads or PT_THREADS)".to_owned();
+    text.parse().ok().filter(|n| (1..=1024).contains(n)).ok_or(expected)
 }
 
 fn finite(text: &str) -> std::result::Result<f32, String> {

@@ -26,20 +26,40 @@ use args::{Args, Command};
 pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
     let args = match Args::try_parse() {
         Ok(args) => args,
-        // clap prints help and its own errors; a closed pipe is no reason to panic.
-        Err(error) => {
-            let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
-        }
+        Err(refusal) => return answer(&refusal),
     };
     let json = args.json_errors;
-    match run(args, tables) {
+    finish(run(args, tables), json)
+}
+
+fn finish(result: Result<()>, json: bool) -> ExitCode {
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             report(&error, json);
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// What clap answers itself: help and version on stdout, what is wrong with the call on stderr.
+fn answer(refusal: &clap::Error) -> ExitCode {
+    let json = std::env::args_os().take_while(|arg| arg != "--").any(|arg| arg == "--json-errors");
+    if !refusal.use_stderr() {
+        return finish(printed(refusal.print()), json);
+    }
+    if json {
+        return finish(Err(Error::Usage(sentence(refusal))), json);
+    }
+    let _ = refusal.print();
+    ExitCode::from(refusal.exit_code() as u8)
+}
+
+/// What is wrong, without the usage and the hints that follow it.
+fn sentence(refusal: &clap::Error) -> String {
+    let text = refusal.to_string();
+    let paragraph = text.split("\n\n").next().unwrap_or_default();
+    paragraph.trim_start_matches("error: ").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn run(args: Args, tables: &[&[Entry]]) -> Result<()> {
@@ -67,7 +87,11 @@ fn report(error: &Error, json: bool) {
 /// What goes to stdout; that nobody reads it to the end is no error.
 fn say(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+    printed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
+}
+
+fn printed(result: std::io::Result<()>) -> Result<()> {
+    match result {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::io("stdout", error)),
         _ => Ok(()),
     }

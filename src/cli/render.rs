@@ -59,6 +59,9 @@ fn picture(args: &args::Render, loaded: Loaded, outputs: &[PathBuf], load: f64, 
         let attributes = attributes(&entry, &settings, &report);
         let image = film.image(settings.sampler.kind == Kind::Independent);
         write_all(args, outputs, &image, &attributes)?;
+        if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
+            note("warning: the image is black");
+        }
     }
     if !args.quiet {
         summarise(film.spec(), &entry, &report, outputs);
@@ -127,12 +130,18 @@ fn outputs(args: &args::Render, stem: &str) -> Result<Vec<PathBuf>> {
     let default = || vec![PathBuf::from(format!("{stem}.exr")), PathBuf::from(format!("{stem}.png"))];
     let outputs = if args.output.is_empty() { default() } else { args.output.clone() };
     for (i, path) in outputs.iter().enumerate() {
-        if outputs[..i].contains(path) {
+        if outputs[..i].iter().any(|other| is_same_file(other, path)) {
             return Err(Error::Usage(format!("{}: given twice as an output", path.display())));
         }
         writable(path, args.scene.path()?)?;
     }
     Ok(outputs)
+}
+
+/// Whether two outputs, which need not exist yet, are one.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    let folder = |path: &Path| output::folder(path).canonicalize().ok();
+    a.file_name() == b.file_name() && folder(a) == folder(b)
 }
 
 fn writable(path: &Path, scene: &Path) -> Result<()> {

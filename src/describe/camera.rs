@@ -3,10 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::schema::first_needs_no_type;
 use super::transform::{LookAt, Transform};
 use super::value::{FieldOfView, NonNegative, Positive};
-use crate::reader::by_type;
+use crate::reader::{by_type, first_needs_no_type};
 
 /// The camera. It stands at the origin, looks down −z, and +y is up; `look_at` or `transform` (not both) moves it.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

@@ -54,6 +54,11 @@ pub struct Conductor {
 }
 
 /// Smooth glass, water, …: reflects and refracts.
+///
+/// Of two faces in exactly one place (a glass box standing on a glass box) only the one listed first is met, and light
+/// goes on as if the other body had no surface there: wrong. Describe glued bodies as one mesh without the faces between
+/// them; two media that touch (water in a glass) by one face whose `eta` is the ratio of the two; bodies that only stand
+/// on each other with a gap of a hundred-thousandth of the scene's size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Dielectric {

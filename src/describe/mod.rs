@@ -13,6 +13,7 @@ mod camera;
 mod check;
 mod color;
 mod cycles;
+mod file;
 mod film;
 mod light;
 mod material;

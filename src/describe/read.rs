@@ -1,12 +1,13 @@
 //! From text to a checked scene.
 
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 use std::path::Path;
 
 use super::check::check;
+use super::file::open;
 use super::scene::{Integrator, Scene};
 use crate::reader::{self, Faults, Node, UnknownKeys};
-use crate::{Error, Fault, Result};
+use crate::{Error, Result};
 
 /// Reads a scene, whose file messages call `file`.
 ///
@@ -23,17 +24,10 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Scene> {
 pub fn load(path: &Path) -> Result<Node> {
     let mut bytes = vec![];
     if path == Path::new("-") {
-        std::io::stdin().read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+        std::io::stdin().read_to_end(&mut bytes).map_err(|e| Error::io(name(path), e))?;
     } else {
-        let refuse = |message: &str| Error::invalid(Fault::new(message).in_file(path));
-        let metadata = std::fs::metadata(path).map_err(|e| match e.kind() {
-            ErrorKind::NotFound => refuse("no such file"),
-            _ => Error::io(path, e),
-        })?;
-        if !metadata.is_file() {
-            return Err(refuse("not a regular file"));
-        }
-        bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+        let mut file = open(path, &name(path))?;
+        file.read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
     }
     root(&bytes, &name(path))
 }

@@ -189,7 +189,7 @@ fn required(schema: &Object) -> Vec<&str> {
 
 /// The description, on one line.
 fn description(schema: &Object) -> String {
-    schema.get("description").and_then(Value::as_str).unwrap_or_default().replace('\n', " ")
+    schema.get("description").and_then(Value::as_str).unwrap_or_default().replace("\n\n", "\n").replace('\n', " ")
 }
 
 /// A default as one writes it: `1`, not `1.0`.

@@ -61,11 +61,3 @@ fn tidy(schema: &mut Schema) {
         }
     }
 }
-
-/// For an enum with a default variant, its first: `type` may be left out.
-pub(super) fn first_needs_no_type(schema: &mut Schema) {
-    let first = schema.get_mut("oneOf").and_then(|forms| forms.get_mut(0));
-    if let Some(Value::Array(required)) = first.and_then(|form| form.get_mut("required")) {
-        required.retain(|key| key != "type");
-    }
-}

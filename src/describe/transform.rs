@@ -165,6 +165,12 @@ fn invertible(rows: [[f64; 3]; 3]) -> Result<(), String> {
     if det.abs() <= 8.0 * f64::EPSILON * largest {
         return Err("the transform is singular: det 0".into());
     }
+    check_volume(det)
+}
+
+/// # Errors
+/// In words: a determinant, by which volumes grow, beyond 32-bit floats.
+pub(super) fn check_volume(det: f64) -> Result<(), String> {
     let holdable = f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX);
     if !holdable.contains(&det.abs()) {
         return Err(format!("the transform's det {det:.1e} is more or less than a 32-bit float holds"));

@@ -93,6 +93,11 @@ impl Lights {
         self.lights.is_empty()
     }
 
+    /// Whether any of them has power.
+    pub fn shine(&self) -> bool {
+        self.choice.is_some()
+    }
+
     pub fn iter(&self) -> impl Iterator<Item = &Light> {
         self.lights.iter()
     }

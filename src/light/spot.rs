@@ -55,9 +55,8 @@ impl Spot {
                 (s * s * (3.0 - 2.0 * s)) as f32
             }
             Falloff::Linear => {
-                let angle = |cos: f64| float::acos(cos as f32);
-                let (inner, outer) = (angle(self.cos_inner), angle(self.cos_outer));
-                if outer > inner { ((outer - angle(cos)) / (outer - inner)).clamp(0.0, 1.0) } else { 1.0 }
+                let [inner, here, outer] = [self.cos_inner, cos, self.cos_outer].map(float::acos_f64);
+                ((outer - here) / (outer - inner)) as f32
             }
         }
     }

@@ -5,8 +5,11 @@ pub mod pfm;
 pub mod png;
 pub mod tonemap;
 
-use std::io::Write;
+use std::fs::File;
+use std::io::{self, Write};
 use std::path::Path;
+
+use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result};
 use crate::film::Image;
@@ -60,14 +63,10 @@ pub fn write(path: &Path, image: &Image, attributes: &Attributes, tonemap: &Tone
 
 /// The bytes appear under `path` at once, or the old file stays.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
-    let put = || -> std::io::Result<()> {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".pt-");
-        // What the user's mask leaves of read and write for all: a picture is not a secret.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = builder.tempfile_in(folder(path))?;
-        file.write_all(bytes)?;
+    let put = || -> io::Result<()> {
+        let mut file = beside(path)?;
+        // The file itself: its wrapper would name the temporary path in errors.
+        file.as_file_mut().write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path)?;
         Ok(())
@@ -80,9 +79,19 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
 /// # Errors
 /// `Io` where the folder is missing or read-only.
 pub fn check_folder(path: &Path) -> Result<()> {
-    tempfile::Builder::new().prefix(".pt-").tempfile_in(folder(path)).map(drop).map_err(|e| Error::io(path, e))
+    beside(path).map(drop).map_err(|e| Error::io(path, e))
 }
 
-fn folder(path: &Path) -> &Path {
+/// A temporary file in the folder of `path`, with the usual permissions: a picture is not a secret.
+fn beside(path: &Path) -> io::Result<NamedTempFile> {
+    // The system's own words, without the temporary name: the user knows only `path`.
+    let mut refusal = None;
+    let create = |temporary: &Path| File::create_new(temporary).inspect_err(|e| refusal = e.raw_os_error());
+    let made = tempfile::Builder::new().prefix(".pt-").make_in(folder(path), create);
+    made.map_err(|e| refusal.map_or(e, io::Error::from_raw_os_error))
+}
+
+/// The folder that `path` lies in.
+pub fn folder(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

@@ -1,6 +1,7 @@
-//! From linear radiance to what a screen shows. For 8-bit files only: EXR keeps what was measured.
+//! From linear radiance to what a screen shows, the same bytes on every platform. For 8-bit files only: EXR keeps what was measured.
 
 use crate::film::Image;
+use crate::math::float::powf;
 
 /// Exposure, then a curve, then 8 bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,7 +27,7 @@ pub enum Curve {
 impl Tonemap {
     /// Red, green, blue, row by row.
     pub fn apply(&self, image: &Image) -> Vec<u8> {
-        let gain = self.exposure.exp2();
+        let gain = powf(2.0, self.exposure);
         let brightest = image.pixels().flatten().filter(|v| v.is_finite()).fold(0.0, f32::max) * gain;
         image.pixels().flatten().map(|v| quantise(self.curve.map(v * gain, brightest))).collect()
     }
@@ -57,7 +58,7 @@ impl Curve {
 
 /// The sRGB transfer curve. Source: IEC 61966-2-1.
 pub fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * powf(linear, 1.0 / 2.4) - 0.055 }
 }
 
 /// To the nearest of 256 levels; NaN is black.

@@ -54,4 +54,12 @@ macro_rules! by_kind {
     };
 }
 
+/// What `by_type!(… or Variant(Variant))` means in a schema: of the first variant `type` may be left out.
+pub(crate) fn first_needs_no_type(schema: &mut schemars::Schema) {
+    let first = schema.get_mut("oneOf").and_then(|forms| forms.get_mut(0));
+    if let Some(serde_json::Value::Array(required)) = first.and_then(|form| form.get_mut("required")) {
+        required.retain(|key| key != "type");
+    }
+}
+
 pub(crate) use {by_kind, by_type};

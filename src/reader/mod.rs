@@ -24,7 +24,7 @@ mod suggest;
 
 pub use cursor::{UnknownKeys, read, read_options};
 pub use faults::{Faults, locate};
-pub(crate) use forms::{by_kind, by_type};
+pub(crate) use forms::{by_kind, by_type, first_needs_no_type};
 pub(crate) use node::escaped;
 pub use node::{Member, Node, Place, Value};
 pub use parse::{MAX_DEPTH, parse};

@@ -62,33 +62,37 @@ impl MeshData {
         clean::clean(self)
     }
 
-    /// Checks that the (cleaned) mesh can be rendered; returns warnings, sentences that begin with `name`.
+    /// The mesh as it can be rendered: checked and cleaned; with warnings, sentences that begin with `name`.
+    ///
+    /// - `directionless`: normals that its reader has made zero already
     ///
     /// # Errors
-    /// [`Error::Invalid`] where no triangle is left or a coordinate lies beyond [`MAX_COORDINATE`].
-    pub fn validate(&self, name: &str) -> Result<Vec<String>> {
+    /// [`Error::Invalid`] where a triangle has a coordinate beyond [`MAX_COORDINATE`], or no triangle is left.
+    pub fn usable(self, directionless: usize, name: &str) -> Result<(MeshData, Vec<String>)> {
         let fault = |message: String| Error::invalid(Fault::new(message).in_file(name));
-        if self.triangles.is_empty() {
-            return Err(fault("no usable triangles".to_string()));
-        }
+        // Before the cleaning: so far out, f32 makes triangles degenerate that are not.
         let (reach, extent) = self.reach_and_extent();
         if reach > MAX_COORDINATE {
             return Err(fault(format!("extent {} exceeds {MAX_COORDINATE:e}", brief(extent))));
         }
-        let detail = self.finest_detail();
-        if extent / detail <= MAX_DETAIL_RATIO {
-            return Ok(Vec::new());
+        let (mesh, report) = self.clean();
+        if mesh.triangles.is_empty() {
+            return Err(fault(format!("no usable triangles (all {} are degenerate)", report.degenerate)));
         }
-        let ulp = f64::from(reach.next_up()) - f64::from(reach);
-        let [extent, ratio, detail, ulp] = [extent, extent / detail, detail, ulp].map(brief);
-        Ok(vec![format!("{name}: extent {extent} is {ratio} times the finest detail {detail}; f32 steps by {ulp} out there (one ulp)")])
+        let mut warnings = CleanReport { directionless: report.directionless + directionless, ..report }.warnings(name);
+        let (reach, extent) = mesh.reach_and_extent();
+        let lost = lost_detail(extent, reach.into(), mesh.finest_detail(), "finest detail");
+        warnings.extend(lost.map(|sentence| format!("{name}: {sentence}")));
+        Ok((mesh, warnings))
     }
 
-    /// The largest |coordinate| (infinite where one is no number), and the larger of it and the longest side of the bounding box.
+    /// Of all corners: the largest |coordinate| (infinite where one is no number), and the larger of it and the longest
+    /// side of the bounding box.
     fn reach_and_extent(&self) -> (f32, f64) {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let mut finite = true;
-        for &p in &self.positions {
+        for &i in self.triangles.as_flattened() {
+            let p = self.positions[i as usize];
             (low, high) = (low.min(p), high.max(p));
             finite &= p.is_finite();
         }
@@ -105,6 +109,19 @@ impl MeshData {
         };
         self.triangles.iter().map(shortest).fold(f64::INFINITY, f64::min).sqrt()
     }
+}
+
+/// Says so where `extent` is so much larger than `detail`, the size of something (`what`), that f32 loses it.
+///
+/// - `reach`: the largest |coordinate|
+pub fn lost_detail(extent: f64, reach: f64, detail: f64, what: &str) -> Option<String> {
+    if extent / detail <= MAX_DETAIL_RATIO {
+        return None;
+    }
+    let reach = reach as f32;
+    let ulp = f64::from(reach.next_up()) - f64::from(reach);
+    let [extent, ratio, detail, ulp] = [extent, extent / detail, detail, ulp].map(brief);
+    Some(format!("extent {extent} is {ratio} times the {what} {detail}; f32 steps by {ulp} out there (one ulp)"))
 }
 
 /// Three digits, without those that say nothing: 2e30, 1.25e-3.

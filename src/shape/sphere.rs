@@ -60,9 +60,10 @@ fn surface_area(linear: DMat3) -> f64 {
     let cell = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
     let mut sum = 0.0;
     for (i, j) in (0..N).flat_map(|i| (0..2 * N).map(move |j| (i, j))) {
-        let (z, phi) = (1.0 - 2.0 * cell(i, N), TAU * cell(j, 2 * N));
+        let z = 1.0 - 2.0 * cell(i, N);
+        let (sin, cos) = float::sin_cos_degrees(360.0 * cell(j, 2 * N));
         let r = (1.0 - z * z).sqrt();
-        sum += stretch(linear, DVec3::new(r * phi.cos(), r * phi.sin(), z));
+        sum += stretch(linear, DVec3::new(r * cos, r * sin, z));
     }
     sum * 4.0 * PI / (2 * N * N) as f64
 }

@@ -8,7 +8,7 @@ use pt::bsdf::{Bsdf, Conductor, Dielectric, Diffuse, Lobe, MatteCone, Mirror, Tr
 use pt::math::float::ONE_MINUS_EPSILON;
 use pt::math::{Density, Local, Spectrum};
 
-use crate::common::cases;
+use crate::random::cases;
 
 const ULP: f32 = f32::EPSILON;
 

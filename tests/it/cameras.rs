@@ -12,7 +12,7 @@ use pt::scene::Scene;
 use pt::shape::{Disk, Quad, Sphere};
 use pt::world::World;
 
-use crate::common::{Random, cases};
+use crate::random::{Random, cases};
 
 /// Components of a unit direction err by a few roundings of 2⁻²⁴.
 const FEW_ROUNDINGS: f64 = 16.0 / 16_777_216.0;

@@ -3,7 +3,7 @@
 use pt::math::discrete::Discrete;
 use pt::math::float::ONE_MINUS_EPSILON;
 
-use crate::support::Random;
+use crate::random::Random;
 
 #[test]
 fn never_picks_what_has_no_weight() {
@@ -32,7 +32,7 @@ fn never_picks_what_has_no_weight() {
         assert!((sum - 1.0).abs() < 1e-6);
         assert!((0..n).all(|i| (discrete.pmf(i) > 0.0) == (weights[i] > 0.0)) && discrete.pmf(n) == 0.0);
         // Any power of two: the same bits.
-        let scale = 2f32.powi(random.between(-60.0, 60.0) as i32);
+        let scale = 2f32.powi(random.range(-60.0, 60.0) as i32);
         let scaled = Discrete::new(&weights.iter().map(|w| w * scale).collect::<Vec<_>>()).unwrap();
         for choice in [0.0, 0.3, 0.9, ONE_MINUS_EPSILON] {
             assert_eq!(scaled.sample(choice), discrete.sample(choice));

@@ -6,7 +6,7 @@ use pt::film::{Channel, Crop, Film, FilmSpec, Filter, Image, MomentFilm, Moments
 use pt::math::{Spectrum, float::ONE_MINUS_EPSILON};
 use pt::output::{Attributes, Curve, Format, Tonemap, exr, pfm, png, replace, tonemap::srgb, write};
 
-use crate::common::cases;
+use crate::random::cases;
 
 /// A filter, its radius, and its formula.
 type Known = (&'static str, Filter, f64, Box<dyn Fn(f64) -> f64>);

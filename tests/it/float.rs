@@ -5,7 +5,8 @@ use std::f64;
 
 use pt::math::float::*;
 
-use crate::support::{Random, ulps};
+use crate::random::Random;
+use crate::statistics::ulps;
 
 /// Half an ulp is the last rounding; the `f64` before it errs by less than 2⁻³³ of the result.
 const ROUNDED_ONCE: f64 = 0.501;
@@ -32,9 +33,9 @@ fn gamma_bounds_the_error_of_n_roundings() {
 #[test]
 fn sin_cos_are_rounded_once_over_all_finite_numbers() {
     let mut random = Random::new(1);
-    let any_bits = (0..1_000_000).map(|_| f32::from_bits(random.bits())).filter(|x| x.is_finite());
+    let any_bits = (0..1_000_000).map(|_| f32::from_bits(random.bits() as u32)).filter(|x| x.is_finite());
     let mut random = Random::new(2);
-    let usual = (0..1_000_000).map(|_| random.between(-10.0, 10.0) as f32);
+    let usual = (0..1_000_000).map(|_| random.range(-10.0, 10.0) as f32);
     // The f32 nearest to multiples of π/2, where the reduction loses most.
     let near_zeros = (1..100_000).map(|k| (f64::from(k) * f64::consts::FRAC_PI_2) as f32);
     for x in any_bits.chain(usual).chain(near_zeros) {
@@ -70,7 +71,7 @@ fn degrees_are_exact_at_quarter_turns_and_2_ulp_elsewhere() {
     }
     let mut random = Random::new(3);
     for _ in 0..100_000 {
-        let degrees = random.between(-720.0, 720.0);
+        let degrees = random.range(-720.0, 720.0);
         let (sin, cos) = sin_cos_degrees(degrees);
         // Turning degrees into radians rounds π/180 and the product: 2⁻⁵² of an angle up to 4π.
         let (exact_sin, exact_cos) = degrees.to_radians().sin_cos();
@@ -83,7 +84,7 @@ fn degrees_are_exact_at_quarter_turns_and_2_ulp_elsewhere() {
 fn acos_is_rounded_once_and_takes_rounded_cosines() {
     let mut random = Random::new(4);
     for _ in 0..1_000_000 {
-        let x = random.between(-1.0, 1.0) as f32;
+        let x = random.range(-1.0, 1.0) as f32;
         assert!(ulps(acos(x), f64::from(x).acos()) <= ROUNDED_ONCE, "acos {x:e}");
         let near_one = 1.0 - random.magnitude(6e-8, 1.0) as f32;
         assert!(ulps(acos(near_one), f64::from(near_one).acos()) <= ROUNDED_ONCE, "acos {near_one:e}");
@@ -96,8 +97,8 @@ fn acos_is_rounded_once_and_takes_rounded_cosines() {
 fn atan2_is_rounded_once_in_all_octants() {
     let mut random = Random::new(5);
     for _ in 0..1_000_000 {
-        let (y, x) = (f32::from_bits(random.bits()), f32::from_bits(random.bits()));
-        let alike = x * random.between(-4.0, 4.0) as f32;
+        let (y, x) = (f32::from_bits(random.bits() as u32), f32::from_bits(random.bits() as u32));
+        let alike = x * random.range(-4.0, 4.0) as f32;
         for y in [y, alike] {
             let exact = f64::from(y).atan2(f64::from(x));
             assert!(ulps(atan2(y, x), exact) <= ROUNDED_ONCE || exact.is_nan() && atan2(y, x).is_nan(), "atan2({y:e}, {x:e})");
@@ -118,12 +119,12 @@ fn atan2_is_rounded_once_in_all_octants() {
 fn exp_and_ln_are_rounded_once() {
     let mut random = Random::new(6);
     for _ in 0..1_000_000 {
-        let x = random.between(-104.0, 88.7) as f32;
+        let x = random.range(-104.0, 88.7) as f32;
         assert!(ulps(exp(x), f64::from(x).exp()) <= ROUNDED_ONCE, "exp {x:e} = {:e}", exp(x));
         let x = random.magnitude(1e-45, 1.0) as f32;
         assert!(ulps(exp(-x), f64::from(-x).exp()) <= ROUNDED_ONCE, "exp {x:e}");
-        let x = f32::from_bits(random.bits() >> 1);
-        let near_one = random.between(0.5, 2.0) as f32;
+        let x = f32::from_bits(random.bits() as u32 >> 1);
+        let near_one = random.range(0.5, 2.0) as f32;
         for x in [x, near_one].into_iter().filter(|x| x.is_finite()) {
             let exact = f64::from(x).ln();
             assert!(ln(x) as f64 == exact || ulps(ln(x), exact) <= ROUNDED_ONCE, "ln {x:e}");
@@ -139,7 +140,7 @@ fn exp_and_ln_are_rounded_once() {
 fn powf_is_rounded_once_with_ieee_special_cases() {
     let mut random = Random::new(7);
     for _ in 0..1_000_000 {
-        let (x, y) = (random.magnitude(1e-30, 1e30) as f32, random.between(-10.0, 10.0) as f32);
+        let (x, y) = (random.magnitude(1e-30, 1e30) as f32, random.range(-10.0, 10.0) as f32);
         let exact = f64::from(x).powf(f64::from(y));
         let is_f32 = exact < f64::from(f32::MAX);
         assert!(if is_f32 { ulps(powf(x, y), exact) <= ROUNDED_ONCE } else { powf(x, y) >= f32::MAX }, "{x:e}^{y}");

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use pt::math::fresnel::{conductor, dielectric, reflect, refract};
 
-use crate::support::{Random, laws};
+use crate::random::{Random, cases};
 
 /// One rounding to `f32` of a value up to 1: the formulas themselves are `f64`.
 const ROUNDING: f64 = 6e-8;
@@ -171,7 +171,7 @@ fn stokes_reversibility_holds() {
     // R(θi, n) = R(θt, 1/n)
     let mut random = Random::new(3);
     for _ in 0..1_000_000 {
-        let (cos, eta) = (random.between(0.01, 1.0) as f32, random.magnitude(1.001, 10.0) as f32);
+        let (cos, eta) = (random.range(0.01, 1.0) as f32, random.magnitude(1.001, 10.0) as f32);
         let cos_t = (1.0 - (1.0 - f64::from(cos).powi(2)) / f64::from(eta).powi(2)).sqrt();
         let (outside, inside) = (f64::from(dielectric(cos, eta)), f64::from(dielectric(-cos_t as f32, eta)));
         // cos θt is rounded; where it is near the critical one, R is steep.
@@ -188,7 +188,7 @@ fn energy_is_conserved_by_amplitudes() {
     // r² + t² n cos θt / cos θi = 1 for each polarisation, t_s = 2 cos i/(cos i + n cos t), t_p = 2 cos i/(n cos i + cos t)
     let mut random = Random::new(4);
     for _ in 0..1_000_000 {
-        let (cos, eta) = (random.between(1e-3, 1.0) as f32, random.magnitude(1.0, 1e3) as f32);
+        let (cos, eta) = (random.range(1e-3, 1.0) as f32, random.magnitude(1.0, 1e3) as f32);
         let (c, n) = (f64::from(cos), f64::from(eta));
         let cos_t = (1.0 - (1.0 - c * c) / (n * n)).sqrt();
         let (t_s, t_p) = (2.0 * c / (c + n * cos_t), 2.0 * c / (n * c + cos_t));
@@ -224,7 +224,7 @@ fn a_conductor_follows_the_complex_fresnel_equations() {
     let reflectance = |a: Complex, q: Complex| abs2((a.0 - q.0, a.1 - q.1)) / abs2((a.0 + q.0, a.1 + q.1));
     let mut random = Random::new(5);
     for _ in 0..1_000_000 {
-        let (cos, eta, k) = (random.between(1e-3, 1.0) as f32, random.magnitude(0.05, 20.0) as f32, random.magnitude(1e-3, 50.0) as f32);
+        let (cos, eta, k) = (random.range(1e-3, 1.0) as f32, random.magnitude(0.05, 20.0) as f32, random.magnitude(1e-3, 50.0) as f32);
         let (c, n) = (f64::from(cos), (f64::from(eta), f64::from(k)));
         let n2 = mul(n, n);
         let square = (n2.0 - (1.0 - c * c), n2.1);
@@ -307,7 +307,7 @@ fn grazing_and_extreme_input_is_finite() {
 }
 
 proptest! {
-    #![proptest_config(laws(10_000))]
+    #![proptest_config(cases(10_000))]
 
     #[test]
     fn the_reflectance_is_the_textbooks(angle in 0.0..FRAC_PI_2, eta in 0.2f32..5.0, inside: bool) {

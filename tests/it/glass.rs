@@ -2,6 +2,7 @@
 
 pub mod faults;
 mod ruler;
+mod touching;
 
 use std::sync::Arc;
 

@@ -7,10 +7,12 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
 use pt::light::{Area, Directional, Emission, Environment, Falloff, Light, LightSample, Lights, Point, Spot, Target};
+use pt::math::float::sin_cos_degrees;
 use pt::math::{Density, Spectrum, Transform};
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, TriangleMesh};
 
-use crate::common::{Random, icosphere, mesh};
+use crate::geometry::{icosphere, mesh};
+use crate::random::Random;
 
 /// What one shape gives as light; the index of a light is that of its primitive.
 fn lit(geometry: &dyn Geometry, to_world: &Transform, two_sided: bool) -> Lights {
@@ -229,4 +231,22 @@ fn the_sky_and_its_choice() {
     assert_near(f64::from(both.background_pdf(Vec3::X).get()), 9.0 / 32.0 / (2.0 * TAU), 1e-6, "the choice among lights");
     let sample = both.sample(Vec3::ZERO, 0.9, Vec2::splat(0.3)).expect("the sky is everywhere");
     assert_near(smooth(&sample), 9.0 / 32.0 / (2.0 * TAU), 1e-6, "density of the sample");
+}
+
+/// s = (outer − θ)/(outer − inner), for cones whose cosines f32 calls 1.
+#[test]
+fn narrow_cones_fall_off_in_the_angle() {
+    let (inner, outer) = (0.01, 0.05);
+    let [cos_inner, cos_outer] = [inner, outer].map(|degrees| sin_cos_degrees(degrees).1);
+    let falloff = Falloff::Linear;
+    let spot = Spot { position: DVec3::ZERO, axis: Vec3::NEG_Z, intensity: Spectrum::ONE, cos_inner, cos_outer, falloff };
+    let lights = Lights::new(vec![Light::Spot(spot)], Vec::new().into(), 1.0);
+    for degrees in [0.0, 0.009, 0.02, 0.03, 0.04, 0.049] {
+        let point = Vec3::new(f64::to_radians(degrees).tan() as f32, 0.0, -1.0);
+        let found = lights.sample(point, 0.5, Vec2::splat(0.5)).expect("within the cone").weight.to_rgb()[0];
+        let expected = ((outer - degrees) / (outer - inner)).min(1.0);
+        // The unit vector towards the light is rounded by 6·10⁻⁸, that is 3.4·10⁻⁶ of the 0.04 degrees.
+        assert_near(f64::from(found), expected, 1e-3, &format!("at {degrees}°"));
+    }
+    assert!(lights.sample(Vec3::new(f64::to_radians(0.051).tan() as f32, 0.0, -1.0), 0.5, Vec2::splat(0.5)).is_none(), "beyond");
 }

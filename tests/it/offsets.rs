@@ -10,7 +10,8 @@ use pt::scene::Surface;
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, SurfacePoint};
 use rayon::prelude::*;
 
-use crate::common::{Random, baked, mesh};
+use crate::geometry::{baked, mesh};
+use crate::random::Random;
 
 /// A family of primitives, placed at random.
 #[derive(Clone, Copy, Debug)]

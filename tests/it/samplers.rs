@@ -5,7 +5,8 @@ use proptest::prelude::*;
 use pt::sampler::dimension::{self, Use};
 use pt::sampler::{Kind, Sampler, SamplerSpec};
 
-use crate::support::{laws, sidak, uniformity};
+use crate::random::cases;
+use crate::statistics::{sidak, uniformity};
 
 const PIXEL: UVec2 = UVec2::new(17, 4);
 
@@ -76,7 +77,7 @@ fn blocks_of_dimensions_do_not_overlap() {
 }
 
 proptest! {
-    #![proptest_config(laws(10_000))]
+    #![proptest_config(cases(10_000))]
 
     /// Whatever was asked before, and of whatever instance, a number depends on its place alone.
     #[test]

@@ -6,7 +6,8 @@ use glam::{DVec3, Vec3};
 use pt::math::{Ray, Transform};
 use pt::shape::{Disk, Geometry, MeshData, Quad, Shape, Sphere, TriangleMesh};
 
-use crate::common::{Random, icosphere, mesh};
+use crate::geometry::{icosphere, mesh};
+use crate::random::Random;
 
 fn stretch(by: [f64; 3]) -> Transform {
     Transform::scale(DVec3::from(by)).expect("no factor is zero")

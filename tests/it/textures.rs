@@ -11,7 +11,7 @@ use pt::shape::{Quad, Sphere, SurfacePoint};
 use pt::texture::{Checker, Space, Texture};
 use pt::world::World;
 
-use crate::common::cases;
+use crate::random::cases;
 
 const EVEN: Spectrum = Spectrum::rgb(0.75, 0.5, 0.25);
 const ODD: Spectrum = Spectrum::rgb(0.125, 0.25, 0.5);

@@ -3,7 +3,7 @@
 use glam::{DMat3, DMat4, DVec3, DVec4};
 use pt::math::transform::{Transform, unit};
 
-use crate::support::Random;
+use crate::random::Random;
 
 /// A dozen roundings of numbers up to 1.
 const FEW_ROUNDINGS: f64 = 12.0 * f64::EPSILON;
@@ -12,8 +12,8 @@ const FEW_ROUNDINGS: f64 = 12.0 * f64::EPSILON;
 fn random_trs(random: &mut Random, mirrored: bool) -> (Transform, f64) {
     let s = DVec3::new(random.magnitude(0.1, 1000.0), random.magnitude(0.1, 1000.0), random.magnitude(0.1, 1000.0));
     let sign = if mirrored { DVec3::new(-1.0, 1.0, 1.0) } else { DVec3::ONE };
-    let rotate = Transform::rotate(random.direction(), random.between(-360.0, 360.0)).unwrap();
-    let shear = Transform::rotate(random.direction(), random.between(-360.0, 360.0)).unwrap();
+    let rotate = Transform::rotate(random.direction(), random.range(-360.0, 360.0)).unwrap();
+    let shear = Transform::rotate(random.direction(), random.range(-360.0, 360.0)).unwrap();
     let translate = Transform::translate(random.direction() * random.magnitude(0.01, 100.0)).unwrap();
     let trs = shear.then(&Transform::scale(s * sign).unwrap()).then(&rotate).then(&translate);
     (trs, s.max_element() / s.min_element())
@@ -114,7 +114,7 @@ fn quarter_turns_are_exact() {
 fn rotations_keep_lengths_axes_and_handedness() {
     let mut random = Random::new(4);
     for _ in 0..10_000 {
-        let (axis, degrees, v) = (random.direction() * random.magnitude(1e-200, 1e200), random.between(-720.0, 720.0), random.direction());
+        let (axis, degrees, v) = (random.direction() * random.magnitude(1e-200, 1e200), random.range(-720.0, 720.0), random.direction());
         let t = Transform::rotate(axis, degrees).unwrap();
         let axis = unit(axis).unwrap();
         let turned = t.vector(v);
@@ -154,7 +154,7 @@ fn look_at_refuses_what_has_no_frame() {
     let mut random = Random::new(6);
     for _ in 0..10_000 {
         let (from, direction) = (random.direction(), random.direction() * random.magnitude(0.1, 10.0));
-        assert!(Transform::look_at(DVec3::ZERO, direction, direction * random.between(-3.0, 3.0)).is_none());
+        assert!(Transform::look_at(DVec3::ZERO, direction, direction * random.range(-3.0, 3.0)).is_none());
         // Nearly parallel is still a frame.
         let up = direction + 1e-6 * from;
         let frame = Transform::look_at(DVec3::ZERO, direction, up).unwrap();
@@ -179,7 +179,7 @@ fn matrices_that_are_no_affine_bijections_are_refused() {
     let mut random = Random::new(7);
     for _ in 0..10_000 {
         let (a, b) = (random.direction() * random.magnitude(1e-9, 1e9), random.direction());
-        let (s, t) = (random.between(-2.0, 2.0), random.between(-2.0, 2.0));
+        let (s, t) = (random.range(-2.0, 2.0), random.range(-2.0, 2.0));
         // The third column in the plane of the others, up to rounding; rows and columns of any size.
         let flat = DMat3::from_cols(a, b, s * a + t * b);
         let rows = DMat3::from_diagonal(DVec3::new(random.magnitude(1e-9, 1e9), 1.0, random.magnitude(1e-9, 1e9)));

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 use pt::math::float::ONE_MINUS_EPSILON;
 use pt::math::warp;
 
-use crate::support::Random;
+use crate::random::Random;
 
 /// A map to the sphere with its density and inverse.
 struct Warp {

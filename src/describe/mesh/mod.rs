@@ -9,11 +9,11 @@ mod ply_row;
 mod token;
 mod write;
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, ErrorKind, Read, Seek};
+use std::io::{self, BufRead, BufReader, Read, Seek};
 use std::path::Path;
 
-use crate::shape::mesh_data::{CleanReport, MeshData};
+use super::file::open;
+use crate::shape::mesh_data::MeshData;
 use crate::{Error, Fault, Result};
 
 /// What a reader of one format found, before cleaning.
@@ -73,31 +73,10 @@ fn read_as(format: Format, source: impl BufRead + Seek, beside: Option<&Path>, n
         Format::Obj => obj::read(source, beside, name)?,
         Format::Ply => ply::read(source, name)?,
     };
-    let (mesh, report) = found.mesh.clean();
-    let report = CleanReport { directionless: report.directionless + found.directionless, ..report };
     let mut warnings = found.warnings;
-    warnings.extend(report.warnings(name));
-    match mesh.validate(name) {
-        Ok(more) => warnings.extend(more),
-        Err(_) if mesh.triangles.is_empty() => {
-            return Err(invalid(name, format!("no usable triangles (all {} are degenerate)", report.degenerate)));
-        }
-        Err(error) => return Err(error),
-    }
+    let (mesh, more) = found.mesh.usable(found.directionless, name)?;
+    warnings.extend(more);
     Ok((mesh, warnings))
-}
-
-/// Opens a regular file; a pipe or a device would block or never end, so its kind is asked first.
-fn open(path: &Path, name: &str) -> Result<File> {
-    let refused = |error: io::Error| match error.kind() {
-        ErrorKind::NotFound | ErrorKind::NotADirectory => invalid(name, "no such file"),
-        ErrorKind::InvalidInput | ErrorKind::InvalidFilename => invalid(name, "not a file name"),
-        _ => Error::io(name, error),
-    };
-    if !path.metadata().map_err(refused)?.is_file() {
-        return Err(invalid(name, "not a regular file"));
-    }
-    File::open(path).map_err(refused)
 }
 
 /// PLY where the first line is `ply`, else OBJ (which has no magic); leaves the source at its beginning.

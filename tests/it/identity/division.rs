@@ -9,7 +9,7 @@ use pt::sampler::{Kind, SamplerSpec};
 
 use super::new;
 use super::zoo::{Lens, Shot, Zoo, picture, render_on};
-use crate::common::{Random, cases};
+use crate::random::{Random, cases};
 
 #[test]
 fn threads_and_tiles_do_not_matter() {

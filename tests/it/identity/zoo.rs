@@ -16,7 +16,7 @@ use pt::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
 use pt::texture::{Checker, Space, Texture};
 use pt::world::World;
 
-use crate::common::icosphere;
+use crate::geometry::icosphere;
 
 /// The zoo, and what may change about it.
 #[derive(Clone, Copy, Debug)]

@@ -8,7 +8,7 @@ use pt::math::Ray;
 use pt::shape::triangle;
 use rayon::prelude::*;
 
-use crate::common::Random;
+use crate::random::Random;
 
 type Int3 = [i128; 3];
 

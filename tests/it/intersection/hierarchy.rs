@@ -9,7 +9,8 @@ use pt::primitive::{Hit, Primitive};
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere};
 use rayon::prelude::*;
 
-use crate::common::{Random, baked, mesh, shapes};
+use crate::geometry::{baked, mesh, shapes};
+use crate::random::Random;
 
 /// Triangles with corners on a small grid (shared edges, coincident, degenerate ones) or anywhere, and duplicates.
 fn soup(random: &mut Random, scale: f64) -> Box<dyn Shape> {
@@ -122,7 +123,7 @@ fn rays_that_are_none_miss() {
             }
         }
     }
-    assert_eq!(accel::build(crate::common::shapes(vec![])).intersect(&Ray::new(Vec3::ZERO, Vec3::Z)), None);
+    assert_eq!(accel::build(crate::geometry::shapes(vec![])).intersect(&Ray::new(Vec3::ZERO, Vec3::Z)), None);
 }
 
 /// G8: zero area, repeated corners, collinear corners.

@@ -5,7 +5,7 @@ use pt::math::{Ray, Transform};
 use pt::shape::{Geometry, Sphere};
 use rayon::prelude::*;
 
-use crate::common::Random;
+use crate::random::Random;
 
 /// The textbook discriminant b² − 4ac is zero here, in f32 and in f64: the sphere would be gone, or grazed.
 #[test]

@@ -8,7 +8,8 @@ use pt::math::Ray;
 use pt::primitive::Primitive;
 use rayon::prelude::*;
 
-use crate::common::{Random, baked, icosphere, mesh, shapes};
+use crate::geometry::{baked, icosphere, mesh, shapes};
+use crate::random::Random;
 
 /// Where the sphere stands: at home, and where f32 is coarse. The third is a place that caught others.
 const CENTERS: [[f64; 3]; 4] = [[0.0; 3], [1e3; 3], [148_376.0, 1_234.0, -223_423.0], [1e6; 3]];

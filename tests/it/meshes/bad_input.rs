@@ -1,4 +1,4 @@
-//! One test for each row of bad input that concerns meshes.
+//! What mesh files are refused for, in finer detail than the table of `bad_input`, and what is taken in spite of its looks.
 
 use super::*;
 
@@ -33,10 +33,6 @@ fn warned(bytes: impl AsRef<[u8]>, phrase: &str) -> MeshData {
 #[test]
 fn face_indices_that_name_nothing() {
     refused_after_square(&[
-        ("f 0 1 2", 5, "vertex index 0, but indices count from 1"),
-        ("f 1 2 5", 5, "vertex index 5, but only 4 vertices so far"),
-        ("# a comment\n\nf 1 2 -5", 7, "vertex index -5, but only 4 vertices so far"),
-        ("f 1 2 999999999999", 5, "vertex index 999999999999, but only 4 vertices"),
         ("f 1 2 99999999999999999999999", 5, "expected a vertex index, found 99999999999999999999999"),
         ("f 1 2 -9223372036854775808", 5, "vertex index -9223372036854775808"),
         ("f 1 2 9223372036854775807", 5, "vertex index 9223372036854775807"),
@@ -59,9 +55,7 @@ fn coordinates_that_are_no_numbers() {
         ]);
     }
     refused_after_square(&[
-        ("v 0 0 1e39", 5, "z: 1e39 is beyond the range of f32"),
         ("v 0 0 -1e400", 5, "z: -1e400 is beyond the range of f32"),
-        ("v 1,5 0 0", 5, "x: expected a number, found 1,5"),
         ("vn 1,5 0 0", 5, "x: expected a number, found 1,5"),
         ("v 0x10 0 0", 5, "x: expected a number, found 0x10"),
         ("v 1 2 3 blue", 5, "expected a number, found blue"),
@@ -72,12 +66,9 @@ fn coordinates_that_are_no_numbers() {
 #[test]
 fn too_few_components_and_empty_arrays() {
     refused_after_square(&[
-        ("v 1 2", 5, "a vertex needs x, y and z, but z is missing"),
         ("v", 5, "x is missing"),
         ("vn 0 1", 5, "a normal needs x, y and z, but z is missing"),
         ("vt", 5, "a texture coordinate needs u"),
-        ("f 1/1 2/1 3/1", 5, "texture coordinate index 1, but only 0 texture coordinates so far"),
-        ("f 1//1 2//1 3//1", 5, "normal index 1, but only 0 normals so far"),
         ("f 1//-1 2//-1 3//-1", 5, "normal index -1, but only 0 normals so far"),
     ]);
 }
@@ -86,7 +77,6 @@ fn too_few_components_and_empty_arrays() {
 fn faces_of_any_number_of_corners() {
     refused_after_square(&[
         ("f", 5, "a face with 0 corners, at least 3 are needed"),
-        ("f 1", 5, "a face with 1 corner, at least 3 are needed"),
         ("f 1 2 # 3", 5, "a face with 2 corners, at least 3 are needed"),
     ]);
     // Five corners, one of them repeated: the fan of three has one triangle without area.
@@ -128,8 +118,6 @@ fn no_faces_and_odd_but_right_files() {
 #[test]
 fn a_file_that_ends_within_a_statement() {
     refused_after_square(&[
-        ("f 1 2 3\nf 1 2", 6, "a face with 2 corners"),
-        ("f 1 2 3\nv 1 2 3e", 6, "z: expected a number, found 3e"),
         ("f 1 2 3\nv 1 -", 6, "y: expected a number, found -"),
         ("f 1 2 3\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/", 8, "corner 3 is written 3/1/, unlike those before it"),
         ("f 1 2 3\nv 1 2\\", 6, "z is missing"),
@@ -179,12 +167,9 @@ fn coordinates_too_large_to_square() {
 }
 
 #[test]
-fn detail_that_f32_loses() {
-    let wide = |width: &str| format!("{SQUARE}f 1 2 3\nv {width} 0 0\nv {width} 1 0\nf 1 2 5\nf 5 6 1");
-    // At 1.6·10⁷, just below 2²⁴, f32 steps by 1.
-    let mesh = warned(wide("16000000"), "is 1.6e7 times the finest detail 1e0; f32 steps by 1e0 out there (one ulp)");
-    assert_eq!(mesh.triangles.len(), 2, "the third lies on a line");
-    let (_, warnings) = read(wide("9000000")).expect("the mesh is sound");
+fn detail_that_f32_still_has() {
+    let wide = format!("{SQUARE}f 1 2 3\nv 9000000 0 0\nv 9000000 1 0\nf 5 6 1");
+    let (_, warnings) = read(wide).expect("the mesh is sound");
     assert!(!warnings.iter().any(|w| w.contains("detail")), "{warnings:?}");
 }
 

@@ -1,0 +1,51 @@
+//! Where the picture is taken from, its pixels and its samples.
+
+use glam::UVec2;
+
+use super::transform;
+use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
+use crate::describe;
+use crate::film::{Crop, FilmSpec, Filter};
+use crate::math::Transform;
+use crate::sampler::{Kind, SamplerSpec};
+
+/// # Errors
+/// In words: steps that together cannot be undone.
+pub(super) fn camera(described: &describe::Camera) -> Result<Camera, String> {
+    let to_world = match described.placement() {
+        (Some(at), _) => transform::look_at(at),
+        (None, Some(steps)) => Some(transform::placed(steps, &Transform::IDENTITY)?),
+        (None, None) => None,
+    };
+    let pose = Pose::new(&to_world.unwrap_or(Transform::IDENTITY));
+    Ok(match described {
+        describe::Camera::Perspective(c) => {
+            let (lens, focus) = (c.lens_radius.get() as f32, c.focus_distance.get() as f32);
+            Camera::Perspective(Perspective::new(pose, c.fov.get(), lens, focus))
+        }
+        describe::Camera::Orthographic(c) => Camera::Orthographic(Orthographic { pose, height: c.height.get() as f32 }),
+        describe::Camera::Spherical(_) => Camera::Spherical(Spherical { pose }),
+    })
+}
+
+pub(super) fn film(described: &describe::Film) -> FilmSpec {
+    let [x0, x1, y0, y1] = described.bounds();
+    let filter = match &described.filter {
+        describe::Filter::Box(f) => Filter::pixel_box(f.radius.get() as f32),
+        describe::Filter::Tent(f) => Filter::tent(f.radius.get() as f32),
+        describe::Filter::Gaussian(f) => Filter::gaussian(f.radius.get() as f32, f.sigma.get() as f32),
+        describe::Filter::Mitchell(f) => Filter::mitchell(f.radius.get() as f32, f.b.get() as f32, f.c.get() as f32),
+    };
+    let size = UVec2::new(described.width.get(), described.height.get());
+    FilmSpec { size, crop: Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) }, filter }
+}
+
+pub(super) fn sampler(described: &describe::Sampler) -> SamplerSpec {
+    let kind = match described.kind {
+        describe::SamplerKind::Independent => Kind::Independent,
+        describe::SamplerKind::Stratified => Kind::Stratified,
+        describe::SamplerKind::Halton => Kind::Halton,
+        describe::SamplerKind::Sobol => Kind::Sobol,
+    };
+    SamplerSpec { kind, seed: described.seed, spp: described.spp.get().into() }
+}

@@ -1,0 +1,55 @@
+//! Lights without a surface, and the background.
+
+use glam::DVec3;
+
+use super::{Builder, spectrum};
+use crate::describe;
+use crate::light::{Directional, Environment, Falloff, Light, Point, Spot};
+use crate::math::float;
+
+impl Builder<'_> {
+    pub(super) fn lights(&mut self) {
+        for (i, described) in self.scene.lights.iter().enumerate() {
+            let (made, name) = light_of(described);
+            let name = name.map_or_else(|| format!("/lights/{i}"), |name| format!("{name:?}"));
+            self.needs.push((name, made.effects()));
+            self.world.light(made);
+        }
+        if let Some(background) = &self.scene.background {
+            let made = Light::Environment(Environment { radiance: spectrum(&background.radiance) });
+            self.needs.push(("background".into(), made.effects()));
+            self.world.light(made);
+        }
+    }
+}
+
+fn light_of(described: &describe::Light) -> (Light, Option<&String>) {
+    match described {
+        describe::Light::Point(l) => {
+            (Light::Point(Point { position: l.position.0.into(), intensity: spectrum(&l.intensity) }), l.name.as_ref())
+        }
+        describe::Light::Directional(l) => {
+            let direction = DVec3::from(l.direction.0).normalize().as_vec3();
+            (Light::Directional(Directional { direction, irradiance: spectrum(&l.irradiance) }), l.name.as_ref())
+        }
+        describe::Light::Spot(l) => {
+            let position = DVec3::from(l.position.0);
+            let towards = l.to.map(|to| DVec3::from(to.0) - position);
+            let axis = l.direction.map(|d| DVec3::from(d.0)).or(towards).unwrap_or(DVec3::NEG_Z);
+            let cos = |angle: describe::ConeAngle| float::sin_cos_degrees(angle.get()).1;
+            let falloff = match l.falloff {
+                describe::Falloff::Smooth => Falloff::Smooth,
+                describe::Falloff::Linear => Falloff::Linear,
+            };
+            let spot = Spot {
+                position,
+                axis: axis.normalize().as_vec3(),
+                intensity: spectrum(&l.intensity),
+                cos_inner: cos(l.inner_angle),
+                cos_outer: cos(l.outer_angle),
+                falloff,
+            };
+            (Light::Spot(spot), l.name.as_ref())
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Meshes: read or taken as given, and what each of their parts wears.
+
+use glam::{DVec3, Vec2};
+
+use super::Builder;
+use crate::describe::{self, MaterialRef, Mesh};
+use crate::effects::Effects;
+use crate::error::{Error, Result};
+use crate::reader::{escaped, unknown};
+use crate::shape::{MeshData, Part};
+use crate::world::MaterialId;
+
+impl Builder<'_> {
+    /// Read from its file, or as given; `None` with a fault noted.
+    pub(super) fn mesh(&mut self, pointer: &str, mesh: &Mesh) -> Result<Option<MeshData>> {
+        let loaded = match &mesh.file {
+            Some(file) => describe::mesh::load(&self.source.folder.join(file), file),
+            None => inline(mesh, pointer),
+        };
+        match loaded {
+            Ok((data, warnings)) => {
+                self.warnings.extend(warnings);
+                Ok(Some(data))
+            }
+            Err(Error::Invalid(faults)) => {
+                for fault in faults {
+                    // A fault with a line of its own is about the mesh file, any other about the scene that names it.
+                    match (&mesh.file, fault.line) {
+                        (_, Some(_)) => self.faults.push(fault),
+                        (Some(file), None) => self.fault(&format!("{pointer}/file"), &format!("{file}: {}", fault.message)),
+                        (None, None) => self.fault(pointer, &fault.message),
+                    }
+                }
+                Ok(None)
+            }
+            Err(other) => Err(other),
+        }
+    }
+
+    /// One material per part of the mesh: the one that its name is mapped to, or that the scene has under it, or the mesh's own.
+    pub(super) fn part_materials(&mut self, pointer: &str, mesh: &Mesh, data: &MeshData, own: MaterialId) -> (Vec<MaterialId>, Effects) {
+        let mut effects = Effects::NONE;
+        let mut materials = vec![];
+        let names: Vec<&str> = data.parts.iter().filter_map(|part| part.material.as_deref()).collect();
+        for unused in mesh.materials.keys().filter(|key| !names.contains(&key.as_str())) {
+            let no_such = unknown("material", unused, &names).replacen("unknown", "no", 1);
+            self.warnings.push(format!("{pointer}/materials: the mesh has {no_such}"));
+        }
+        for part in &data.parts {
+            let name = part.material.as_deref().unwrap_or_default();
+            let mapped = mesh.materials.get(name).cloned();
+            let same = self.scene.materials.contains_key(name).then(|| MaterialRef::Named(name.into()));
+            let chosen = mapped.or(if mesh.material.is_none() { same } else { None });
+            materials.push(match chosen {
+                Some(chosen) => {
+                    let (_, (id, more)) = self.material(&format!("{pointer}/materials{}", escaped(name)), Some(&chosen));
+                    effects |= more;
+                    id
+                }
+                None => own,
+            });
+        }
+        if materials.is_empty() {
+            materials.push(own);
+        }
+        (materials, effects)
+    }
+}
+
+/// A mesh given in the scene file itself.
+fn inline(mesh: &Mesh, name: &str) -> Result<(MeshData, Vec<String>)> {
+    let vec3 = |v: &[f64; 3]| DVec3::from(*v).as_vec3();
+    let triangles = mesh.triangles.clone().unwrap_or_default();
+    let whole = Part { triangles: 0..triangles.len() as u32, ..Default::default() };
+    let data = MeshData {
+        positions: mesh.positions.iter().flatten().map(|p| vec3(&p.0)).collect(),
+        normals: mesh.normals.iter().flatten().map(|n| vec3(&n.0)).collect(),
+        uvs: mesh.uvs.iter().flatten().map(|uv| Vec2::new(uv[0].get() as f32, uv[1].get() as f32)).collect(),
+        triangles,
+        parts: vec![whole],
+    };
+    data.usable(0, name)
+}

@@ -1,0 +1,194 @@
+//! From the description to the world: files are read, names resolved, transforms composed.
+
+mod camera;
+mod light;
+mod material;
+mod mesh;
+mod transform;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::{Color, Scene, Shape, Size};
+use crate::effects::Effects;
+use crate::error::{Error, Fault, Result};
+use crate::film::FilmSpec;
+use crate::light::{Emission, Light};
+use crate::math::{Spectrum, Transform};
+use crate::reader::{Node, locate};
+use crate::sampler::SamplerSpec;
+use crate::scene::Scene as _;
+use crate::shape::mesh_data::lost_detail;
+use crate::shape::{Disk, Geometry, Quad, Sphere, TriangleMesh};
+use crate::world::{MaterialId, World, WorldBuilder};
+use material::MOST_TEXTURES;
+
+/// A scene ready to render.
+pub struct Built {
+    pub world: World,
+    pub film: FilmSpec,
+    pub sampler: SamplerSpec,
+    /// Sentences about what was found odd, and what was done about it.
+    pub warnings: Vec<String>,
+    /// Which part of the scene calls for which effects.
+    pub needs: Vec<(String, Effects)>,
+}
+
+/// Where the description came from, for messages and for the files that it names.
+#[derive(Clone, Copy)]
+pub struct Source<'a> {
+    pub root: &'a Node,
+    /// The scene file, as the user named it.
+    pub file: &'a str,
+    /// Relative paths start here.
+    pub folder: &'a Path,
+}
+
+/// Builds the world that `scene` describes.
+///
+/// # Errors
+/// `Invalid`: mesh files that cannot be used, shapes that cannot be placed; all of them. `Io`: files that cannot be read.
+pub fn build(scene: &Scene, source: Source) -> Result<Built> {
+    let misplaced = |message| Error::invalid(locate(source.root, source.file, "/camera/transform", message));
+    let camera = camera::camera(&scene.camera).map_err(misplaced)?;
+    let mut needs = vec![("camera".to_owned(), camera.effects())];
+    let world = World::builder(camera);
+    let mut builder = Builder {
+        scene,
+        source,
+        world,
+        materials: BTreeMap::new(),
+        textures: 0,
+        boxes: vec![],
+        needs: vec![],
+        warnings: vec![],
+        faults: vec![],
+    };
+    builder.shapes("/shapes", &scene.shapes, &Transform::IDENTITY)?;
+    builder.lights();
+    if builder.textures > MOST_TEXTURES {
+        let message = format!("textures within textures make more than {MOST_TEXTURES} of them");
+        return Err(Error::Limit(locate(source.root, source.file, "/textures", message)));
+    }
+    if !builder.faults.is_empty() {
+        builder.faults.truncate(crate::MAX_FAULTS);
+        return Err(Error::Invalid(builder.faults));
+    }
+    let mut warnings = std::mem::take(&mut builder.warnings);
+    let of_scene = |message| format!("{}: {message}", source.file);
+    warnings.extend(builder.lost_detail().map(of_scene));
+    needs.append(&mut builder.needs);
+    let place = |fault: Fault| if fault.file.is_empty() { locate(source.root, source.file, "/shapes", fault.message) } else { fault };
+    let world = builder.world.build().map_err(|error| match error {
+        Error::Invalid(faults) => Error::Invalid(faults.into_iter().map(place).collect()),
+        other => other,
+    })?;
+    warnings.extend(why_black(&world).map(|why| of_scene(format!("{why}, the image will be black"))));
+    Ok(Built { world, film: camera::film(&scene.film), sampler: camera::sampler(&scene.sampler), warnings, needs })
+}
+
+/// What no camera and no integrator could make visible.
+fn why_black(world: &World) -> Option<&'static str> {
+    let lights = world.lights();
+    let empty = world.shapes().is_empty() && !lights.iter().any(|light| matches!(light, Light::Environment(_)));
+    match (lights.shine(), empty) {
+        (false, _) => Some("no light"),
+        (true, true) => Some("no shapes and no background"),
+        (true, false) => None,
+    }
+}
+
+struct Builder<'a> {
+    scene: &'a Scene,
+    source: Source<'a>,
+    world: WorldBuilder,
+    /// By JSON pointer: each is made once.
+    materials: BTreeMap<String, (MaterialId, Effects)>,
+    /// Made so far.
+    textures: usize,
+    /// Around each shape, in the user's coordinates.
+    boxes: Vec<(DVec3, DVec3)>,
+    needs: Vec<(String, Effects)>,
+    warnings: Vec<String>,
+    faults: Vec<Fault>,
+}
+
+impl Builder<'_> {
+    fn shapes(&mut self, pointer: &str, shapes: &[Shape], outer: &Transform) -> Result<()> {
+        for (i, shape) in shapes.iter().enumerate() {
+            let pointer = format!("{pointer}/{i}");
+            match transform::placed(shape.transform(), outer) {
+                Ok(to_world) => self.shape(&pointer, shape, &to_world)?,
+                Err(message) => self.fault(&format!("{pointer}/transform"), &message),
+            }
+        }
+        Ok(())
+    }
+
+    fn shape(&mut self, pointer: &str, shape: &Shape, to_world: &Transform) -> Result<()> {
+        let emission = shape.emission().map(|e| Emission { radiance: spectrum(&e.radiance), two_sided: e.two_sided });
+        if let Shape::Group(group) = shape {
+            return self.shapes(&format!("{pointer}/shapes"), &group.shapes, to_world);
+        }
+        let (kind, own) = self.material(&format!("{pointer}/material"), shape.material());
+        let mut effects = own.1;
+        effects |= emission.map_or(Effects::NONE, |_| Effects::AREA_LIGHT);
+        let own = own.0;
+        match shape {
+            Shape::Sphere(s) => match Transform::translate(DVec3::from(s.center.0)) {
+                Some(to_center) => {
+                    self.place(Sphere { radius: s.radius.get() }, to_center.then(to_world), vec![own], emission);
+                }
+                None => self.fault(&format!("{pointer}/center"), "too far away"),
+            },
+            Shape::Quad(s) => {
+                let size = match s.size {
+                    Size::Square(side) => [side.get(); 2],
+                    Size::Sides(sides) => sides.map(|side| side.get()),
+                };
+                self.place(Quad { size }, *to_world, vec![own], emission);
+            }
+            Shape::Disk(s) => self.place(Disk { radius: s.radius.get() }, *to_world, vec![own], emission),
+            Shape::Mesh(s) => {
+                let Some(data) = self.mesh(pointer, s)? else { return Ok(()) };
+                effects |= if data.normals.is_empty() { Effects::NONE } else { Effects::SHADING_NORMALS };
+                let (parts, more) = self.part_materials(pointer, s, &data, own);
+                effects |= more;
+                self.place(TriangleMesh::new(data), *to_world, parts, emission);
+            }
+            Shape::Group(_) => {}
+        }
+        let name = shape.name().map_or_else(|| format!("{pointer}, {kind}"), |name| format!("{name:?}, {kind}"));
+        self.needs.push((name, effects));
+        Ok(())
+    }
+
+    fn place(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emission: Option<Emission>) {
+        self.boxes.push(geometry.bounds(&to_world));
+        self.world.parts(geometry, to_world, materials, emission);
+    }
+
+    /// Says so where the scene is so large that f32 loses its smallest shape.
+    fn lost_detail(&self) -> Option<String> {
+        let side = |(low, high): (DVec3, DVec3)| (high - low).max_element();
+        let extent = side(self.boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?);
+        let smallest = self.boxes.iter().copied().map(side).fold(f64::INFINITY, f64::min);
+        // The world is moved to its middle before it is rounded.
+        lost_detail(extent, extent / 2.0, smallest, "smallest shape")
+    }
+
+    fn fault(&mut self, pointer: &str, message: &str) {
+        self.faults.push(locate(self.source.root, self.source.file, pointer, message));
+    }
+}
+
+fn spectrum<T: Copy + Into<f64>>(color: &Color<T>) -> Spectrum {
+    rgb(color.linear())
+}
+
+fn rgb(values: [f64; 3]) -> Spectrum {
+    let [r, g, b] = values.map(|v| v as f32);
+    Spectrum::rgb(r, g, b)
+}

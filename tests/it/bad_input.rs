@@ -1,0 +1,416 @@
+//! The table of bad inputs: what `pt` is given, how it ends, what it says.
+//!
+//! Every row is fed to the program itself. Whatever it is given, it does not panic, says one line for each fault, and
+//! where it refuses it leaves every file as it was. What is refused in finer detail than a row has: `reader`
+//! (truncation at every byte, mutations), `scene_faults`, `overrides`, `meshes`.
+
+mod bench;
+mod disk;
+
+use std::collections::BTreeSet;
+use std::fs;
+
+use bench::{Bench, RIGHT, SQUARE, long_name};
+
+/// The row's name, what is given, the exit code, what is said.
+///
+/// Where the given text has a mark `^`, the message begins there: `scene.json:line:column: `.
+type Row = (&'static str, &'static str, i32, &'static str);
+
+/// Rows of the table that concern what pt can do so far.
+const ROWS: &str = "B1 B2 B3 B4 B5 B6 B7 B8 B9 B10 B11 B12 B13 B14 B15 B17 B18 B19 B20 B21 B24 B25 B26 B27 B28 B29 B37 \
+                    B39 B40 B41 B42 B43 B44 B52 B53 B54 B16";
+
+/// Whole scene files.
+const TEXTS: &[Row] = &[
+    ("B3", "^", 3, "empty, expected an object"),
+    ("B3", "^ \n\t ", 3, "empty"),
+    ("B4", "{\"pt\": 1, \"camera\": ^", 3, "expected a value after the colon"),
+    ("B4", "^{\"pt\": 1", 3, "this { is never closed"),
+    ("B4", "{^\"pt", 3, "unterminated string"),
+    ("B5", "\u{feff}{\"pt\": 1, \"camera\": {}, \"film\": {\"width\": 8, \"height\": 6}}", 0, "no light"),
+    ("B7", r#"{"pt": 1, "camera": {}, ^"camera": {}}"#, 3, r#"/camera: duplicate key "camera""#),
+    (
+        "B25",
+        r#"{"pt": 1, "camera": {"look_at": ^{"from": [1, 2, 3], "to": [1, 2, 3]}}}"#,
+        3,
+        "/camera/look_at: from and to are the same point",
+    ),
+    (
+        "B25",
+        r#"{"pt": 1, "camera": {"look_at": ^{"from": [0, 3, 0], "to": [0, 0, 0]}}}"#,
+        3,
+        "/camera/look_at: up is parallel to the view direction",
+    ),
+    // Parallel, but for the rounding of 0.1 and 0.3.
+    (
+        "B25",
+        r#"{"pt": 1, "camera": {"look_at": ^{"from": [0, 0, 0], "to": [0.1, 0.1, 0.1], "up": [0.3, 0.3, 0.3]}}}"#,
+        3,
+        "/camera/look_at: up is parallel",
+    ),
+    ("B26", r#"{"pt": 1, "camera": {"fov": ^0}}"#, 3, "/camera/fov: expected an angle in degrees above 0 and below 180, found 0"),
+    ("B26", r#"{"pt": 1, "camera": {"fov": ^-1}}"#, 3, "/camera/fov: expected an angle"),
+    ("B26", r#"{"pt": 1, "camera": {"fov": ^180}}"#, 3, "/camera/fov: expected an angle"),
+    ("B26", r#"{"pt": 1, "camera": {"fov": ^NaN}}"#, 3, "expected a value, found the word NaN"),
+    ("B26", r#"{"pt": 1, "camera": {"lens_radius": ^-1}}"#, 3, "/camera/lens_radius: expected a number of at least 0, found -1"),
+    ("B26", r#"{"pt": 1, "camera": {"focus_distance": ^0}}"#, 3, "/camera/focus_distance: expected a number above 0, found 0"),
+    ("B39", r#"^{"pt": 1}"#, 3, "missing key \"camera\""),
+];
+
+/// Keys added to a camera and a small film.
+const DARK: &[Row] = &[
+    ("B39", r#""shapes": [{"type": "sphere"}]"#, 0, "warning: scene.json: no light, the image will be black\n"),
+    ("B39", r#""shapes": [{"type": "sphere", "emission": 0}]"#, 0, "warning: scene.json: no light, the image will be black\n"),
+    ("B39", r#""background": {"radiance": 0}"#, 0, "warning: scene.json: no light, the image will be black\n"),
+    (
+        "B39",
+        r#""lights": [{"type": "point", "position": [0, 0, 0], "intensity": 1}]"#,
+        0,
+        "warning: scene.json: no shapes and no background, the image will be black\n",
+    ),
+    ("B39", r#""shapes": [{"type": "sphere", "center": [0, 0, 9], "emission": 1}]"#, 0, "warning: the image is black\n"),
+];
+
+/// Keys added to a scene that is right without them; it has a background and five lines before these.
+const SCENES: &[Row] = &[
+    (
+        "B8",
+        r#""materials": {"g": {"type": "matte_cone", "color": 1, "mattness": 1, ^"matness": 1}}"#,
+        3,
+        r#"/materials/g/matness: unknown key "matness", did you mean "mattness"?"#,
+    ),
+    ("B16", r#""materials": {"m": {"type": "mirror", "color": ^"t"}}"#, 3, r#"/materials/m/color: unknown texture "t""#),
+    ("B20", r#""shapes": ^[{"type": "sphere", "center": [1e30, 0, 0]}]"#, 3, "/shapes: the scene's extent 1.000e30 exceeds 1e18"),
+    ("B20", r#""shapes": ^[{"type": "quad", "size": 3e38}]"#, 3, "/shapes: the scene's extent 1.500e38 exceeds 1e18"),
+    (
+        "B20",
+        r#""shapes": [^{"type": "mesh", "positions": [[0, 0, 0], [3e38, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]]}]"#,
+        3,
+        "/shapes/0: extent 3e38 exceeds 1e18",
+    ),
+    // Rays are 2²⁴ steps from the middle to the edge: at 5·10⁸ m a step is 2⁵ m.
+    (
+        "B21",
+        r#""shapes": [{"type": "sphere"}, {"type": "sphere", "center": [1e9, 0, 0]}]"#,
+        0,
+        "scene.json: extent 1e9 is 5e8 times the smallest shape 2e0; f32 steps by 3.2e1 out there (one ulp)",
+    ),
+    (
+        "B24",
+        r#""shapes": [{"type": "disk", "transform": [{"scale": ^0}]}]"#,
+        3,
+        "/shapes/0/transform/0/scale: the transform is singular: det 0",
+    ),
+    (
+        "B24",
+        r#""shapes": [{"type": "disk", "transform": [{"scale": ^[1, 0, 1]}]}]"#,
+        3,
+        "/shapes/0/transform/0/scale: the transform is singular",
+    ),
+    (
+        "B24",
+        r#""shapes": [{"type": "disk", "transform": [{"scale": ^1e-30}]}]"#,
+        3,
+        "/shapes/0/transform/0/scale: the transform's det 1.0e-90",
+    ),
+    (
+        "B24",
+        r#""shapes": [{"type": "disk", "transform": [{"scale": ^1e20}]}]"#,
+        3,
+        "/shapes/0/transform/0/scale: the transform's det 1.0e60",
+    ),
+    ("B24", r#""shapes": [{"type": "disk", "transform": [{"scale": ^NaN}]}]"#, 3, "expected a value, found the word NaN"),
+    (
+        "B24",
+        r#""shapes": [{"type": "disk", "transform": [{"matrix": ^[1,2,3,0, 4,5,6,0, 7,8,9,0, 0,0,0,1]}]}]"#,
+        3,
+        "/shapes/0/transform/0/matrix: the transform is singular: det 0",
+    ),
+    // Rank 2 in exact numbers, not in rounded ones; small, so that no absolute threshold would do.
+    (
+        "B24",
+        r#""shapes": [{"type": "disk", "transform": [{"matrix": ^[1e-9,2e-9,3e-9,0, 4e-9,5e-9,6e-9,0, 7e-9,8e-9,9e-9,0, 0,0,0,1]}]}]"#,
+        3,
+        "/shapes/0/transform/0/matrix: the transform is singular: det 0",
+    ),
+    (
+        "B24",
+        r#""shapes": [{"type": "disk", "transform": [{"matrix": ^[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]}]}]"#,
+        3,
+        "/shapes/0/transform/0/matrix: the last row is 0, 0, 1, 1, expected 0, 0, 0, 1",
+    ),
+    // Each can be undone, but not together: across steps, and across a group.
+    (
+        "B24",
+        r#""shapes": [{"type": "disk", "transform": ^[{"scale": 1e-9}, {"scale": 1e-9}]}]"#,
+        3,
+        "/shapes/0/transform: all steps together: the transform's det 1.0e-54",
+    ),
+    (
+        "B24",
+        r#""shapes": [{"type": "group", "transform": [{"scale": 1e9}], "shapes": [{"type": "disk", "transform": ^[{"scale": 1e9}]}]}]"#,
+        3,
+        "/shapes/0/shapes/0/transform: all steps together: the transform's det 1.0e54",
+    ),
+    ("B28", r#""integrator": {"type": "nee", "max_depth": ^-1}"#, 3, "/integrator/max_depth: expected a whole number from 0"),
+    (
+        "B28",
+        r#""integrator": {"type": "nee", "max_depth": ^65536}"#,
+        3,
+        "/integrator/max_depth: expected a whole number from 0 to 65535, found 65536",
+    ),
+    (
+        "B40",
+        r#""materials": {"gold": {"type": "mirror"}}, "shapes": [{"type": "disk", "material": ^"glod"}]"#,
+        3,
+        r#"/shapes/0/material: unknown material "glod", did you mean "gold"?"#,
+    ),
+    ("B40", r#""shapes": [{"type": "disk", "material": ^"gold"}]"#, 3, r#"/shapes/0/material: unknown material "gold", there are none"#),
+    ("B40", r#""textures": {"a": {"type": "checker", "even": ^"a"}}"#, 3, "/textures/a/even: the texture contains itself: a → a"),
+    (
+        "B41",
+        r#""materials": {"m": {"type": "diffuse", "albedo": ^1.1}}"#,
+        3,
+        "/materials/m/albedo: expected a number from 0 to 1, found 1.1",
+    ),
+    (
+        "B41",
+        r#""materials": {"m": {"type": "diffuse", "albedo": [0, ^-0.1, 0]}}"#,
+        3,
+        "/materials/m/albedo/1: expected a number from 0 to 1, found -0.1",
+    ),
+    ("B41", r#""materials": {"m": {"type": "diffuse", "albedo": ^NaN}}"#, 3, "expected a value, found the word NaN"),
+    (
+        "B42",
+        r#""materials": {"m": {"type": "dielectric", "eta": ^0}}"#,
+        3,
+        "/materials/m/eta: expected an index of refraction from 0.01 to 100, found 0",
+    ),
+    ("B42", r#""materials": {"m": {"type": "dielectric", "eta": ^-1.5}}"#, 3, "/materials/m/eta: expected an index of refraction"),
+    ("B42", r#""materials": {"m": {"type": "dielectric", "eta": ^1e9}}"#, 3, "/materials/m/eta: expected an index of refraction"),
+    ("B42", r#""materials": {"m": {"type": "dielectric", "eta": ^NaN}}"#, 3, "expected a value, found the word NaN"),
+    (
+        "B42",
+        r#""materials": {"m": {"type": "conductor", "eta": 1, "k": ^-1}}"#,
+        3,
+        "/materials/m/k: expected an extinction coefficient from 0 to 1000, found -1",
+    ),
+    (
+        "B43",
+        r#""materials": {"m": {"type": "matte_cone", "color": 1, "mattness": ^-0.1}}"#,
+        3,
+        "/materials/m/mattness: expected a number from 0 to 1",
+    ),
+    (
+        "B43",
+        r#""materials": {"m": {"type": "matte_cone", "color": 1, "mattness": ^1.1}}"#,
+        3,
+        "/materials/m/mattness: expected a number from 0 to 1",
+    ),
+    ("B43", r#""materials": {"m": {"type": "matte_cone", "color": 1, "mattness": ^NaN}}"#, 3, "expected a value, found the word NaN"),
+    ("B43", r#""shapes": [{"type": "sphere", "material": {"type": "matte_cone", "color": 1, "mattness": 1e-9}}]"#, 0, "8×6"),
+    ("B44", r#""shapes": [{"type": "disk", "emission": ^-1}]"#, 3, "/shapes/0/emission: expected a number from 0 to 1e30, found -1"),
+    ("B44", r#""shapes": [{"type": "disk", "emission": ^1e38}]"#, 3, "/shapes/0/emission: expected a number from 0 to 1e30, found 1"),
+    (
+        "B44",
+        r#""shapes": [{"type": "disk", "emission": {"radiance": [1, 2, ^1e39]}}]"#,
+        3,
+        "/shapes/0/emission/radiance/2: the number 1e39 is too large",
+    ),
+    ("B44", r#""shapes": [{"type": "disk", "emission": ^Infinity}]"#, 3, "expected a value, found the word Infinity"),
+];
+
+/// A sphere's radius in place of `NUMBER`.
+const NUMBERS: &[(&str, &str)] = &[
+    ("1e39", "/shapes/0/radius: the number 1e39 is too large for a 32-bit float"),
+    ("-1e39", "/shapes/0/radius: the number -1e39 is too large"),
+    ("1e400", "/shapes/0/radius: the number 1e400 is too large"),
+    ("3.4028236e38", "/shapes/0/radius: the number 3.4028236e38 is too large"),
+    ("1e-50", "/shapes/0/radius: the number 1e-50 is too small"),
+    ("1e-400", "/shapes/0/radius: the number 1e-400 is too small"),
+    ("\"1\"", "/shapes/0/radius: expected a number, found the string \"1\": remove the quotes"),
+    ("+1", "a number may not start with +"),
+    (".5", "a number needs digits on both sides of its point"),
+    ("NaN", "expected a value, found the word NaN"),
+    ("Infinity", "expected a value, found the word Infinity"),
+    ("-Infinity", "expected a number, found -Infinity"),
+];
+
+/// The film, or its sampler.
+const FILMS: &[Row] = &[
+    ("B9", r#""film": {"width": 0^1}"#, 3, "a number may not start with 0"),
+    ("B27", r#""film": {"width": ^0}"#, 3, "/film/width: expected a whole number from 1 to 65536, found 0"),
+    ("B27", r#""film": {"width": ^-1}"#, 3, "/film/width: expected a whole number from 1 to 65536, found -1"),
+    ("B27", r#""film": {"width": ^1.5}"#, 3, "/film/width: expected a whole number, found 1.5"),
+    ("B27", r#""film": {"height": ^65537}"#, 3, "/film/height: expected a whole number from 1 to 65536, found 65537"),
+    ("B27", r#""film": {"height": ^4294967295}"#, 3, "/film/height: expected a whole number from 1 to 65536"),
+    // 65536² pixels of 192 bytes are 768 · 2³⁰ bytes.
+    ("B27", r#""film": ^{"width": 65536, "height": 65536}"#, 4, "/film: the image needs 768 GiB, the limit is 16"),
+    ("B28", r#""sampler": {"spp": ^0}"#, 3, "/sampler/spp: expected a whole number from 1 to 4294967295, found 0"),
+    ("B28", r#""sampler": {"spp": ^4294967296}"#, 3, "/sampler/spp: expected a whole number from 1 to 4294967295"),
+    ("B29", r#""film": {"crop": ^[0, 0, 0, 10]}"#, 3, "/film/crop: the crop [x0, x1, y0, y1] is empty"),
+    ("B29", r#""film": {"crop": ^[20, 10, 0, 10]}"#, 3, "/film/crop: the crop [x0, x1, y0, y1] is empty"),
+    ("B29", r#""film": {"crop": ^[0, 513, 0, 10]}"#, 3, "/film/crop: the crop reaches to 513, 10, beyond the image of 512 × 512"),
+    ("B29", r#""film": {"crop": [^-1, 5, 0, 10]}"#, 3, "/film/crop/0: expected a whole number from 0 to 4294967295, found -1"),
+];
+
+/// What follows four vertices in `mesh.obj`, from line 5 on.
+const MESHES: &[Row] = &[
+    ("B10", "f 0 1 2", 3, "mesh.obj:5: vertex index 0, but indices count from 1"),
+    ("B10", "f 1 2 5", 3, "mesh.obj:5: vertex index 5, but only 4 vertices so far"),
+    ("B10", "# a comment\n\nf 1 2 -5", 3, "mesh.obj:7: vertex index -5, but only 4 vertices so far"),
+    ("B10", "f 1 2 999999999999", 3, "mesh.obj:5: vertex index 999999999999, but only 4 vertices"),
+    ("B11", "v 0 nan 0", 3, "mesh.obj:5: y: nan is not a finite number"),
+    ("B11", "v 0 inf 0", 3, "mesh.obj:5: y: inf is not a finite number"),
+    ("B11", "v 0 -1.#IND00 0", 3, "mesh.obj:5: y: -1.#IND00 is not a finite number"),
+    ("B11", "v 0 0 1e39", 3, "mesh.obj:5: z: 1e39 is beyond the range of f32"),
+    ("B11", "v 1,5 0 0", 3, "mesh.obj:5: x: expected a number, found 1,5"),
+    ("B12", "v 1 2", 3, "mesh.obj:5: a vertex needs x, y and z, but z is missing"),
+    ("B12", "f 1/1 2/1 3/1", 3, "mesh.obj:5: texture coordinate index 1, but only 0 texture coordinates so far"),
+    ("B12", "f 1//1 2//1 3//1", 3, "mesh.obj:5: normal index 1, but only 0 normals so far"),
+    ("B13", "f 1", 3, "mesh.obj:5: a face with 1 corner, at least 3 are needed"),
+    ("B13", "f 1 2", 3, "mesh.obj:5: a face with 2 corners, at least 3 are needed"),
+    ("B13", "f 1 2 2 3 4", 0, "mesh.obj: 1 degenerate triangle dropped"),
+    ("B13", "f 1 3 2 4", 0, "8×6"),
+    ("B14", "", 3, "/shapes/0/file: mesh.obj: no faces"),
+    ("B14", "# a comment", 3, "/shapes/0/file: mesh.obj: no faces"),
+    ("B14", "f 1 2 3\r\nf 1 3 4\r\n", 0, "8×6"),
+    ("B14", "f 1 2 \\\n3", 0, "8×6"),
+    ("B15", "f 1 2 3\nf 1 2", 3, "mesh.obj:6: a face with 2 corners"),
+    ("B15", "f 1 2 3\nv 1 2 3e", 3, "mesh.obj:6: z: expected a number, found 3e"),
+    // The scene gives materials: a library is not needed.
+    ("B16", "mtllib none.mtl\nf 1 2 3", 0, "mesh.obj:5: material library none.mtl not found"),
+    ("B17", "vn 0 0 0\nvn 0 0 1\nf 1//1 2//2 3//2", 0, "mesh.obj: 1 normal without direction replaced by the face normal"),
+    ("B17", "vn nan 0 1\nvn 0 0 1\nf 1//1 2//2 3//2", 0, "mesh.obj: 1 normal without direction replaced by the face normal"),
+    ("B18", "f 1 1 2\nf 3 3 4", 3, "/shapes/0/file: mesh.obj: no usable triangles (all 2 are degenerate)"),
+    ("B20", "v -1e30 0 0\nv 1e30 0 0\nf 1 5 6\n", 3, "/shapes/0/file: mesh.obj: extent 2e30 exceeds 1e18"),
+    ("B20", "v 3e38 0 0\nf 1 2 5\nf 2 3 5", 3, "/shapes/0/file: mesh.obj: extent 3e38 exceeds 1e18"),
+    // One metre apart, and one point in f32: degenerate only because it is so far out.
+    ("B20", "v 1e30 0 0\nv 1000000000000000000000000000001 0 0\nv 1e30 1 0\nf 5 6 7", 3, "mesh.obj: extent 1e30 exceeds 1e18"),
+    // At 1.6·10⁷, just below 2²⁴, f32 steps by 1.
+    (
+        "B21",
+        "f 1 2 3\nv 16000000 0 0\nv 16000000 1 0\nf 5 6 1",
+        0,
+        "mesh.obj: extent 1.6e7 is 1.6e7 times the finest detail 1e0; f32 steps by 1e0 out there (one ulp)",
+    ),
+];
+
+/// Arguments, with spaces between them.
+const CALLS: &[Row] = &[
+    ("B1", "missing.json", 3, "error: missing.json: no such file"),
+    ("B1", "right.json/scene.json", 3, "error: right.json/scene.json: no such file"),
+    ("B1", "check missing.json", 3, "error: missing.json: no such file"),
+    ("B2", "folder", 3, "error: folder: not a regular file"),
+    ("B28", "right.json --spp 0", 2, "0 is not in 1.."),
+    ("B28", "right.json --spp 4294967296", 2, "4294967296 is not in"),
+    ("B28", "right.json -t 0", 2, "'0' for '--threads <THREADS>': expected a whole number from 1 to 1024"),
+    ("B28", "right.json -t 1000000", 2, "expected a whole number from 1 to 1024"),
+    ("B27", "right.json --size 0x4", 2, "from 1 to 65536, found 0"),
+    ("B27", "right.json --size 65536x65536", 4, "GiB, the limit is 16"),
+    ("B29", "right.json --crop 5,2,0,1", 2, "the crop [x0, x1, y0, y1] is empty"),
+    ("B29", "right.json --crop 0,9,0,1", 2, "beyond the image of 8 × 6"),
+    ("B37", "right.json -o no/such/x.exr", 5, "error: no/such/x.exr: No such file or directory (os error 2)\n"),
+    ("B37", "right.json -o right.json/x.exr", 5, "error: right.json/x.exr: Not a directory (os error 20)\n"),
+    ("B37", "scene.exr -o scene.exr", 2, "error: scene.exr: is the scene file, which would be overwritten"),
+    ("B37", "right.json -o folder.exr", 2, "error: folder.exr: is a folder, expected a file"),
+    ("B37", "right.json -o x.jpg", 2, "error: x.jpg: expected a name that ends in .exr, .png, .ppm or .pfm"),
+    ("B37", "right.json -o folder/.exr", 2, "expected a name that ends in"),
+    ("B37", "right.json -o x.exr -o ./x.exr", 2, "error: ./x.exr: given twice as an output"),
+    ("B52", "", 2, "expected a scene"),
+    ("B52", "right.json -D /camera/fov", 2, "expected /POINTER=VALUE"),
+    ("B52", "right.json -D camera/fov=1", 2, "-D camera/fov=1: expected a JSON pointer such as /camera/fov"),
+    ("B52", "right.json -D /camra/fov=40", 2, "unknown key"),
+    ("B52", "right.json -D /camera/fov=400", 2, "-D /camera/fov=400: /camera/fov: expected an angle"),
+    ("B52", "right.json -D /camera/fov=\"x\"", 2, "/camera/fov: expected a number, found the string \"x\""),
+    ("B52", "right.json -D /integrator={\"type\":\"nee\",\"max_dept\":1}", 2, "did you mean \"max_depth\"?"),
+    ("B52", "right.json --nonsense", 2, "unexpected argument '--nonsense' found"),
+    ("B52", "right.json --nonsense", 2, "Usage: pt"),
+    (
+        "B52",
+        "right.json --json-errors --nonsense",
+        2,
+        "{\"errors\":[{\"message\":\"unexpected argument '--nonsense' found\"}],\"exit_code\":2}\n",
+    ),
+    ("B52", "right.json --json-errors --sample 1", 2, "required arguments were not provided: --pixel <X,Y>\"}],\"exit_code\":2}\n"),
+    ("B52", "right.json -- --json-errors", 2, "Usage: pt"),
+    ("B52", "right.json --pixel 8,0", 2, "the picture is 8 × 6"),
+    ("B52", "right.json --pixel 1", 2, "expected 2 whole numbers"),
+    ("B52", "right.json --time soon", 2, "expected a duration such as 30s"),
+    ("B52", "right.json -i pathh", 2, "unknown integrator \"pathh\", did you mean \"path\"?"),
+    ("B52", "right.json --sampler sobel", 2, "unknown sampler \"sobel\", did you mean \"sobol\"?"),
+    ("B52", "list everything", 2, "everything"),
+    ("B54", "szene-ä-🫖.json -o x.exr", 0, "8×6"),
+    ("B54", "-o x.exr -- -dash.json", 0, "8×6"),
+];
+
+/// Where inputs are files, and devices to be met.
+#[cfg(unix)]
+const UNIX_CALLS: &[Row] =
+    &[("B2", "pipe", 3, "error: pipe: not a regular file"), ("B2", "/dev/zero", 3, "error: /dev/zero: not a regular file")];
+#[cfg(not(unix))]
+const UNIX_CALLS: &[Row] = &[];
+
+#[test]
+fn every_row_of_the_table_is_refused_or_warned_of_as_it_says() {
+    let mut bench = Bench::new();
+    let mut each = |rows: &[Row], feed: &dyn Fn(&mut Bench, &'static str, &str, i32, &str)| {
+        rows.iter().for_each(|&(row, given, code, phrase)| feed(&mut bench, row, given, code, phrase));
+    };
+    each(TEXTS, &|bench, row, text, code, phrase| bench.scene(row, text, code, phrase));
+    each(SCENES, &|bench, row, keys, code, phrase| bench.scene(row, &format!("{RIGHT},\n{keys}}}"), code, phrase));
+    let dark = r#"{"pt": 1, "camera": {}, "film": {"width": 8, "height": 6}, "#;
+    each(DARK, &|bench, row, keys, code, phrase| bench.scene(row, &format!("{dark}{keys}}}"), code, phrase));
+    each(FILMS, &|bench, row, keys, code, phrase| bench.scene(row, &format!("{{\"pt\": 1, \"camera\": {{}},\n{keys}}}"), code, phrase));
+    each(MESHES, &|bench, row, statements, code, phrase| bench.mesh(row, statements, code, phrase));
+    let call = |bench: &mut Bench, row, args: &str, code, phrase: &str| {
+        bench.call(row, &args.split_whitespace().collect::<Vec<_>>(), code, phrase);
+    };
+    each(CALLS, &call);
+    each(UNIX_CALLS, &call);
+    for (number, phrase) in NUMBERS {
+        bench.scene("B9", &format!("{RIGHT}, \"shapes\": [{{\"type\": \"sphere\", \"radius\": ^{number}}}]}}"), 3, phrase);
+    }
+    generated(&mut bench);
+
+    let wanted: BTreeSet<&str> = ROWS.split_whitespace().collect();
+    assert_eq!(bench.met, wanted, "the rows of the table");
+    assert!(bench.wrong.is_empty(), "{}", bench.wrong.join("\n"));
+}
+
+/// Inputs too long, or too little like text, for a line of the table.
+fn generated(bench: &mut Bench) {
+    bench.bytes("B5", b"{\n \"\xFF\": 1}", 3, "scene.json:2:3: byte 4: not UTF-8");
+    let utf16: Vec<u8> = "{\"pt\": 1}".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    bench.bytes("B5", &utf16, 3, "scene.json:1:1: byte 0: this is UTF-16 or UTF-32, expected UTF-8");
+    for depth in [129, 1_000_000] {
+        let text = format!("{}^{}", "[".repeat(128), "[".repeat(depth - 128));
+        bench.scene("B6", &text, 3, "lists and objects nest deeper than 128");
+    }
+    bench.mesh("B14", &format!("# {}\nf 1 2 3", "x".repeat(10_000_000)), 0, "8×6");
+    bench.mesh("B19", &"f 1 2 3\n".repeat(100_000), 0, "mesh.obj: 99999 duplicate triangles dropped");
+    let lamp = r#", "shapes": [{"type": "mesh", "file": "mesh.obj", "emission": 1}]}"#;
+    for (faces, code, phrase) in
+        [("f 1 1 2", 3, "no usable triangles (all 1 are degenerate)"), ("f 1 1 2\nf 1 2 3", 0, "1 degenerate triangle dropped")]
+    {
+        fs::write(bench.folder.path().join("mesh.obj"), format!("{SQUARE}{faces}")).expect("write");
+        bench.scene("B18", &format!("{RIGHT}{lamp}"), code, phrase);
+    }
+    let link = |i: usize| format!("\"t{i}\": {{\"type\": \"checker\", \"even\": \"t{}\", \"odd\": \"t{}\"}},", i + 1, i + 1);
+    let links: String = (1..10_000).map(link).collect();
+    let deep = format!("{RIGHT}, \"textures\": {{{links} \"t10000\": {{\"type\": \"constant\", \"color\": 1}}}}}}");
+    bench.scene("B40", &deep, 3, "textures lie within each other deeper than 64");
+    bench.call("B54", &["with space.json", "-o", "x.exr"], 0, "8×6");
+    bench.call("B54", &[&long_name(), "-o", "x.exr"], 0, "8×6");
+
+    let mut command = bench.command();
+    command.arg("right.json").env("PT_THREADS", "abc");
+    bench.judge(
+        "B53",
+        "PT_THREADS=abc",
+        command,
+        2,
+        "'abc' for '--threads <THREADS>': expected a whole number from 1 to 1024 (in --threads or PT_THREADS)",
+    );
+}
