@@ -36,7 +36,7 @@ fn one_output_that_fails_does_not_take_the_other_with_it() {
         .expect("it starts");
     let mut lines = BufReader::new(child.stderr.take().expect("a pipe")).lines().map(|line| line.expect("text"));
     // It renders: the outputs have been checked.
-    lines.next().expect("progress");
+    lines.find(|line| line.starts_with('{')).expect("progress");
     fs::remove_dir(at.join("gone")).expect("it is empty");
     Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
     let said: Vec<String> = lines.filter(|line| !line.starts_with('{')).collect();
