@@ -9,23 +9,35 @@
 //! To add a model: a file beside these, a variant in [`Bsdf`] and an arm in each `match` below,
 //! a variant in [`Material`].
 
+pub mod blinn_phong;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+pub mod diffuse_transmission;
 pub mod material;
 pub mod matte_cone;
+pub mod metal;
 pub mod mirror;
+pub mod oren_nayar;
+pub mod phong;
+pub mod plastic;
 
 use glam::Vec2;
 
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
 
+pub use blinn_phong::BlinnPhong;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use diffuse_transmission::DiffuseTransmission;
 pub use material::Material;
 pub use matte_cone::MatteCone;
+pub use metal::Metal;
 pub use mirror::Mirror;
+pub use oren_nayar::OrenNayar;
+pub use phong::Phong;
+pub use plastic::Plastic;
 
 /// A scattering model at one point, its parameters looked up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +47,12 @@ pub enum Bsdf {
     Conductor(Conductor),
     Dielectric(Dielectric),
     MatteCone(MatteCone),
+    OrenNayar(OrenNayar),
+    Phong(Phong),
+    BlinnPhong(BlinnPhong),
+    Metal(Metal),
+    Plastic(Plastic),
+    DiffuseTransmission(DiffuseTransmission),
 }
 
 /// What is transported: radiance (from the camera) is compressed by refraction, importance (from a light) is not.
@@ -72,6 +90,12 @@ impl Bsdf {
         match self {
             Bsdf::Diffuse(b) => b.eval(wo, wi),
             Bsdf::MatteCone(b) => b.eval(wo, wi),
+            Bsdf::OrenNayar(b) => b.eval(wo, wi),
+            Bsdf::Phong(b) => b.eval(wo, wi),
+            Bsdf::BlinnPhong(b) => b.eval(wo, wi),
+            Bsdf::Metal(b) => b.eval(wo, wi),
+            Bsdf::Plastic(b) => b.eval(wo, wi),
+            Bsdf::DiffuseTransmission(b) => b.eval(wo, wi),
             Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => Spectrum::BLACK,
         }
     }
@@ -81,6 +105,12 @@ impl Bsdf {
         match self {
             Bsdf::Diffuse(b) => b.pdf(wo, wi),
             Bsdf::MatteCone(b) => b.pdf(wo, wi),
+            Bsdf::OrenNayar(b) => b.pdf(wo, wi),
+            Bsdf::Phong(b) => b.pdf(wo, wi),
+            Bsdf::BlinnPhong(b) => b.pdf(wo, wi),
+            Bsdf::Metal(b) => b.pdf(wo, wi),
+            Bsdf::Plastic(b) => b.pdf(wo, wi),
+            Bsdf::DiffuseTransmission(b) => b.pdf(wo, wi),
             Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => SolidAnglePdf::ZERO,
         }
     }
@@ -95,17 +125,25 @@ impl Bsdf {
             Bsdf::Mirror(b) => b.sample(wo),
             Bsdf::Conductor(b) => b.sample(wo),
             Bsdf::Dielectric(b) => b.sample(wo, choice, mode),
+            Bsdf::OrenNayar(b) => b.sample(wo, u),
+            Bsdf::Phong(b) => b.sample(wo, u),
+            Bsdf::BlinnPhong(b) => b.sample(wo, u),
+            Bsdf::Metal(b) => b.sample(wo, u),
+            Bsdf::Plastic(b) => b.sample(wo, choice, u),
+            Bsdf::DiffuseTransmission(b) => b.sample(wo, choice, u),
         }
     }
 
     /// The single directions into which a share of the light goes, with that share as weight.
     pub fn delta_lobes(&self, wo: Local, mode: TransportMode) -> DeltaLobes {
         let lobes = match self {
-            Bsdf::Diffuse(_) => [None, None],
             Bsdf::MatteCone(b) => [b.delta_lobe(wo), None],
+            Bsdf::Metal(b) => [b.delta_lobe(wo), None],
+            Bsdf::Plastic(b) => [b.delta_lobe(wo), None],
             Bsdf::Mirror(b) => [b.sample(wo), None],
             Bsdf::Conductor(b) => [b.sample(wo), None],
             Bsdf::Dielectric(b) => b.delta_lobes(wo, mode),
+            Bsdf::Diffuse(_) | Bsdf::OrenNayar(_) | Bsdf::Phong(_) | Bsdf::BlinnPhong(_) | Bsdf::DiffuseTransmission(_) => [None, None],
         };
         lobes.into_iter().flatten()
     }
@@ -113,8 +151,10 @@ impl Bsdf {
     /// Whether there is anything that [`Bsdf::eval`] sees.
     pub fn has_smooth_lobe(&self) -> bool {
         match self {
-            Bsdf::Diffuse(_) => true,
+            Bsdf::Diffuse(_) | Bsdf::OrenNayar(_) | Bsdf::Phong(_) | Bsdf::BlinnPhong(_) => true,
+            Bsdf::Plastic(_) | Bsdf::DiffuseTransmission(_) => true,
             Bsdf::MatteCone(b) => !b.is_mirror(),
+            Bsdf::Metal(b) => !b.is_mirror(),
             Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => false,
         }
     }
@@ -123,12 +163,21 @@ impl Bsdf {
     pub fn reciprocal(&self) -> bool {
         match self {
             Bsdf::Diffuse(_) | Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => true,
+            Bsdf::OrenNayar(_) | Bsdf::Plastic(_) | Bsdf::DiffuseTransmission(_) => true,
             Bsdf::MatteCone(b) => b.is_mirror(),
+            Bsdf::Metal(b) => b.is_mirror(),
+            Bsdf::Phong(_) | Bsdf::BlinnPhong(_) => false,
         }
     }
 }
 
 impl BsdfSample {
+    /// A reflection from a smooth lobe; `None` where nothing is reflected or `wi` lies outside the lobe.
+    fn of_lobe(wi: Local, weight: Spectrum, pdf: SolidAnglePdf) -> Option<BsdfSample> {
+        let found = !weight.is_black() && pdf.get() > 0.0;
+        found.then_some(BsdfSample { wi, weight, density: Density::Smooth(pdf), lobe: Lobe::Reflection, eta: 1.0 })
+    }
+
     /// A mirror direction with the share `weight`.
     fn reflected(wi: Local, weight: Spectrum) -> BsdfSample {
         BsdfSample { wi, weight, density: Density::Delta, lobe: Lobe::Reflection, eta: 1.0 }

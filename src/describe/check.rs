@@ -99,14 +99,9 @@ impl Checker<'_> {
     }
 
     fn material(&self, pointer: &str, material: &Material) {
-        let (key, color) = match material {
-            Material::Diffuse(m) => ("albedo", &m.albedo),
-            Material::Mirror(m) => ("color", &m.color),
-            Material::Dielectric(m) => ("color", &m.color),
-            Material::MatteCone(m) => ("color", &m.color),
-            Material::Conductor(_) => return,
-        };
-        self.textured(&format!("{pointer}/{key}"), color);
+        for (key, color) in material.parts() {
+            self.textured(&format!("{pointer}/{key}"), color);
+        }
     }
 
     fn material_ref(&self, pointer: &str, material: &MaterialRef) {

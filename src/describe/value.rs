@@ -139,6 +139,10 @@ ranged! {
     Radiometric: f64 read as f64 ("a number", "number") in Included(0.0), Included(BRIGHTEST);
     /// An index of refraction. Real materials lie between 1 and 4, metals go down to 0.05.
     Index: f64 read as f64 ("an index of refraction", "number") in Included(0.01), Included(100.0);
+    /// An index of refraction of a coat, which reflects totally from within only.
+    CoatIndex: f64 read as f64 ("an index of refraction", "number") in Included(1.0), Included(100.0);
+    /// The power of a cosine.
+    Exponent: f64 read as f64 ("a number", "number") in Included(0.0), Included(1e8);
     /// The imaginary part of a metal's index of refraction.
     Extinction: f64 read as f64 ("an extinction coefficient", "number") in Included(0.0), Included(1000.0);
     /// The full angle of a view, in degrees.

@@ -77,6 +77,25 @@ pub fn dielectric(cos_o: f32, eta: f32) -> f32 {
     (0.5 * (r_s * r_s + r_p * r_p)).min(1.0) as f32
 }
 
+/// The mean reflectance of diffuse light from outside.
+///
+/// R̄ = ∫ R(μ) 2μ dμ, by Simpson's rule;    from inside it is 1 − (1 − R̄)/n²
+///
+/// - `eta`: inside / outside, at least 1
+///
+/// Tests: hemispherical averages.
+pub fn dielectric_mean(eta: f32) -> f32 {
+    const STEPS: u32 = 2048;
+    let integrand = |step: u32| {
+        let mu = f64::from(step) / f64::from(STEPS);
+        let weight = if step % 2 == 1 { 4.0 } else { 2.0 };
+        weight * 2.0 * mu * f64::from(dielectric(mu as f32, eta))
+    };
+    // At the ends: nothing at μ = 0, the weight 1 at μ = 1.
+    let sum: f64 = (1..STEPS).map(integrand).sum::<f64>() + 2.0 * f64::from(dielectric(1.0, eta));
+    (sum / f64::from(3 * STEPS)) as f32
+}
+
 /// Reflectance of a conductor for unpolarised light.
 ///
 /// t = n² − k² − sin²θ,    m = √(t² + 4 n² k²),    a = √((m + t)/2),    c = |cos θ|

@@ -26,13 +26,7 @@ pub struct Independent {
 
 impl Independent {
     pub fn new(seed: u64) -> Independent {
-        Independent {
-            seed,
-            key: pixel_key(seed, UVec2::ZERO),
-            dimension: 0,
-            block: None,
-            numbers: [0.0; BLOCK as usize],
-        }
+        Independent { seed, key: pixel_key(seed, UVec2::ZERO), dimension: 0, block: None, numbers: [0.0; BLOCK as usize] }
     }
 
     #[inline]

@@ -68,6 +68,7 @@ fn bound(model: &Bsdf) -> Spectrum {
         Bsdf::Conductor(_) => Spectrum::ONE,
         Bsdf::Dielectric(b) => b.color,
         Bsdf::MatteCone(b) => b.color,
+        other => panic!("{other:?} is proved elsewhere"),
     }
 }
 

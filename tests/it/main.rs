@@ -18,6 +18,7 @@ mod intersection;
 mod light_choice;
 mod lights;
 mod marked;
+mod matter;
 mod meshes;
 mod offsets;
 mod oracle;

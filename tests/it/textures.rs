@@ -132,6 +132,12 @@ fn materials_look_their_textures_up() {
         Material::mirror(texture()),
         Material::Dielectric { eta: 1.5, color: texture() },
         Material::MatteCone { color: texture(), mattness: 0.5 },
+        Material::OrenNayar { albedo: texture(), roughness: 0.5 },
+        Material::Phong { color: texture(), exponent: 2.0 },
+        Material::BlinnPhong { color: texture(), exponent: 2.0 },
+        Material::Metal { color: texture(), roughness: 0.5 },
+        Material::plastic(texture(), 1.5),
+        Material::DiffuseTransmission { reflectance: Spectrum::BLACK.into(), transmittance: texture() },
     ];
     for material in materials {
         for (u, expected) in [(0.5, EVEN), (1.5, ODD), (-0.5, ODD)] {
@@ -140,6 +146,12 @@ fn materials_look_their_textures_up() {
                 Bsdf::Mirror(b) => b.color,
                 Bsdf::Dielectric(b) => b.color,
                 Bsdf::MatteCone(b) => b.color,
+                Bsdf::OrenNayar(b) => b.albedo,
+                Bsdf::Phong(b) => b.color,
+                Bsdf::BlinnPhong(b) => b.color,
+                Bsdf::Metal(b) => b.color,
+                Bsdf::Plastic(b) => b.albedo,
+                Bsdf::DiffuseTransmission(b) => b.transmittance,
                 Bsdf::Conductor(_) => panic!("none was asked for"),
             };
             assert_eq!(found, expected, "{material:?} at u = {u}");

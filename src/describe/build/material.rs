@@ -43,6 +43,14 @@ impl Builder<'_> {
             M::Conductor(m) => Material::Conductor { eta: rgb(m.eta.each()), k: rgb(m.k.each()) },
             M::Dielectric(m) => Material::Dielectric { eta: m.eta.get() as f32, color: self.textured(&m.color) },
             M::MatteCone(m) => Material::MatteCone { color: self.textured(&m.color), mattness: m.mattness.get() as f32 },
+            M::OrenNayar(m) => Material::OrenNayar { albedo: self.textured(&m.albedo), roughness: m.roughness.get() as f32 },
+            M::Phong(m) => Material::Phong { color: self.textured(&m.color), exponent: m.exponent.get() as f32 },
+            M::BlinnPhong(m) => Material::BlinnPhong { color: self.textured(&m.color), exponent: m.exponent.get() as f32 },
+            M::Metal(m) => Material::Metal { color: self.textured(&m.color), roughness: m.roughness.get() as f32 },
+            M::Plastic(m) => Material::plastic(self.textured(&m.albedo), m.eta.get() as f32),
+            M::DiffuseTransmission(m) => {
+                Material::DiffuseTransmission { reflectance: self.textured(&m.reflectance), transmittance: self.textured(&m.transmittance) }
+            }
         }
     }
 
@@ -83,5 +91,11 @@ fn kind(described: &describe::Material) -> &'static str {
         describe::Material::Conductor(_) => "conductor",
         describe::Material::Dielectric(_) => "dielectric",
         describe::Material::MatteCone(_) => "matte_cone",
+        describe::Material::OrenNayar(_) => "oren_nayar",
+        describe::Material::Phong(_) => "phong",
+        describe::Material::BlinnPhong(_) => "blinn_phong",
+        describe::Material::Metal(_) => "metal",
+        describe::Material::Plastic(_) => "plastic",
+        describe::Material::DiffuseTransmission(_) => "diffuse_transmission",
     }
 }

@@ -1,0 +1,54 @@
+//! Paper, leaves, lampshades.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec2;
+
+use super::{BsdfSample, Lobe};
+use crate::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
+
+/// A thin matte sheet: equal radiance in every direction, on both sides.
+///
+/// f(wo, wi) = ρ / π on the side of wo,  τ / π on the other                                             [sr⁻¹]
+///
+/// - from either side alike
+/// - sampling: the side by the larger coefficients of ρ and τ, then cosine-weighted
+///
+/// Source: Lambert, *Photometria* (1760), with Kubelka's thin layers in mind. Tests: bsdfs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiffuseTransmission {
+    /// ρ: [0, 1].
+    pub reflectance: Spectrum,
+    /// τ: [0, 1 − ρ].
+    pub transmittance: Spectrum,
+}
+
+impl DiffuseTransmission {
+    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+        let share = if wo.same_side(wi) { self.reflectance } else { self.transmittance };
+        share * (FRAC_1_PI * wi.abs_cos())
+    }
+
+    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+        let reflected = self.probability();
+        let side = if wo.same_side(wi) { reflected } else { 1.0 - reflected };
+        SolidAnglePdf::new(side * FRAC_1_PI * wi.abs_cos())
+    }
+
+    pub fn sample(&self, wo: Local, choice: f32, u: Vec2) -> Option<BsdfSample> {
+        let reflected = self.probability();
+        let (share, probability, lobe, side) = match choice < reflected {
+            true => (self.reflectance, reflected, Lobe::Reflection, wo.cos()),
+            false => (self.transmittance, 1.0 - reflected, Lobe::Transmission, -wo.cos()),
+        };
+        let wi = Local(warp::cosine_hemisphere(u) * 1f32.copysign(side));
+        let found = !share.is_black() && wo.cos() != 0.0;
+        found.then(|| BsdfSample { wi, weight: share / probability, density: Density::Smooth(self.pdf(wo, wi)), lobe, eta: 1.0 })
+    }
+
+    /// Of reflection.
+    fn probability(&self) -> f32 {
+        let (r, t) = (self.reflectance.max(), self.transmittance.max());
+        if r + t > 0.0 { r / (r + t) } else { 1.0 }
+    }
+}

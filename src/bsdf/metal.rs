@@ -1,0 +1,70 @@
+//! A mirror with its reflections shaken.
+
+use std::f32::consts::TAU;
+
+use glam::Vec2;
+
+use super::BsdfSample;
+use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel, warp};
+
+/// The mirror direction m, plus r times a point on the unit sphere.
+///
+/// f(wo, wi)·|cos θi| = ρ p(wi),   p = (b² + q²) / (2π r q),   b = m·wi,   q = √(r² − sin²∠(m, wi))
+///
+/// The line along wi meets the sphere of radius r about m at the distances t = b ± q; each point stands for the
+/// density 1/(4π r²) · t²/cos, with cos = q/r between the line and the sphere's normal. p grows without bound at the
+/// rim of the cone sin ∠ = r, though not its integral. r = 0 is a mirror; r = 1 a cosine lobe about m, p = b/π.
+///
+/// What falls below the surface is absorbed. Not reciprocal.
+///
+/// - on both sides of the surface; zero when the directions lie on opposite sides
+/// - sampling: as defined, so that weight = ρ
+///
+/// Source: the "metal" of ray-tracing courses; the density is derived here. Tests: bsdfs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Metal {
+    /// ρ: [0, 1].
+    pub color: Spectrum,
+    /// r: [0, 1].
+    pub roughness: f32,
+}
+
+impl Metal {
+    /// Narrower than f32 can tell unit vectors apart.
+    pub fn is_mirror(&self) -> bool {
+        self.roughness < f32::EPSILON
+    }
+
+    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+        self.color * self.pdf(wo, wi).get()
+    }
+
+    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+        let mirror = fresnel::reflect(wo.0);
+        // By the sine: 1 − b² would lose narrow cones.
+        let (b, q2) = (mirror.dot(wi.0), self.roughness * self.roughness - mirror.cross(wi.0).length_squared());
+        let inside = !self.is_mirror() && wo.same_side(wi) && b > 0.0 && q2 > 0.0;
+        if inside { self.density(b, q2.sqrt()) } else { SolidAnglePdf::ZERO }
+    }
+
+    pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
+        if self.is_mirror() {
+            return self.delta_lobe(wo);
+        }
+        let (mirror, shift) = (fresnel::reflect(wo.0), warp::uniform_sphere(u));
+        let wi = (mirror + self.roughness * shift).try_normalize()?;
+        // Of the point drawn, not of the direction: at the rim that would be mostly rounding.
+        let (b, q) = (mirror.dot(wi), self.roughness * shift.dot(wi).abs());
+        let found = wo.same_side(Local(wi)) && b > 0.0 && q > 0.0;
+        found.then(|| BsdfSample::of_lobe(Local(wi), self.color, self.density(b, q))).flatten()
+    }
+
+    fn density(&self, b: f32, q: f32) -> SolidAnglePdf {
+        SolidAnglePdf::new((b * b + q * q) / (TAU * self.roughness * q))
+    }
+
+    pub fn delta_lobe(&self, wo: Local) -> Option<BsdfSample> {
+        let found = self.is_mirror() && !self.color.is_black();
+        found.then(|| BsdfSample::reflected(Local(fresnel::reflect(wo.0)), self.color))
+    }
+}

@@ -1,0 +1,80 @@
+//! Matte surfaces that are rough: unglazed clay, sand, the moon.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::Vec2;
+
+use super::BsdfSample;
+use crate::math::{Local, SolidAnglePdf, Spectrum, float, warp};
+
+/// Oren and Nayar's rough diffuse reflection, in the form that loses no energy.
+///
+/// f = ρ/π · A (1 + σ s/t)  +  ρₘ/π · (1 − E(μo)) (1 − E(μi)) / (1 − Ē)                                  [sr⁻¹]
+///
+/// s = wo·wi − μo μi,   t = max(μo, μi) if s > 0, else 1,   A = 1 / (1 + (1/2 − 2/3π) σ)
+/// E(μ) = A (1 + σ/π · G(μ)): the albedo of the first term at ρ = 1;   Ē: its mean
+/// ρₘ = ρ² Ē / (1 − ρ (1 − Ē)): light that bounced between the grooves
+///
+/// At ρ = 1 all light comes back, whatever σ. σ = 0 is Lambert's law.
+///
+/// - on both sides of the surface; zero when the directions lie on opposite sides
+/// - sampling: cosine-weighted
+///
+/// Source: Fujii's form, and Portsmouth, Kutz and Hill, *EON: A Practical Energy-Preserving Rough Diffuse BRDF*
+/// (JCGT 14(1), 2025). Tests: bsdfs, rough_matte_is_white.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrenNayar {
+    /// ρ: [0, 1].
+    pub albedo: Spectrum,
+    /// σ: [0, 1].
+    pub roughness: f32,
+}
+
+/// 1/2 − 2/(3π)
+const C1: f32 = 0.5 - 2.0 / (3.0 * PI);
+/// 2/3 − 28/(15π)
+const C2: f32 = 2.0 / 3.0 - 28.0 / (15.0 * PI);
+
+impl OrenNayar {
+    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+        if !wo.same_side(wi) {
+            return Spectrum::BLACK;
+        }
+        let (mu_o, mu_i) = (wo.abs_cos(), wi.abs_cos());
+        let s = wo.0.truncate().dot(wi.0.truncate());
+        let t = if s > 0.0 { mu_o.max(mu_i) } else { 1.0 };
+        let once = self.a() * (1.0 + self.roughness * s / t);
+        let mean = self.mean();
+        let grooves = if self.roughness > 0.0 { (1.0 - self.e(mu_o)) * (1.0 - self.e(mu_i)) / (1.0 - mean) } else { 0.0 };
+        let f = self.albedo.map(|rho| rho * once + rho * rho * mean / (1.0 - rho * (1.0 - mean)) * grooves);
+        f * (FRAC_1_PI * mu_i)
+    }
+
+    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+        SolidAnglePdf::new(if wo.same_side(wi) { FRAC_1_PI * wi.abs_cos() } else { 0.0 })
+    }
+
+    pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
+        let wi = Local(warp::cosine_hemisphere(u) * 1f32.copysign(wo.cos()));
+        let pdf = self.pdf(wo, wi);
+        BsdfSample::of_lobe(wi, self.eval(wo, wi) / pdf.get(), pdf)
+    }
+
+    fn a(&self) -> f32 {
+        1.0 / (1.0 + C1 * self.roughness)
+    }
+
+    /// The albedo of light scattered once, at ρ = 1, seen under the cosine `mu`.
+    fn e(&self, mu: f32) -> f32 {
+        let sine = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
+        // (1 − sine³) sine/μ, with 1 − sine = μ²/(1 + sine) taken out, so that nothing cancels at grazing.
+        let cubic = sine * mu * (1.0 + sine + sine * sine) / (1.0 + sine);
+        let g = sine * (float::acos(mu) - sine * mu) + (2.0 / 3.0) * (cubic - sine);
+        self.a() * (1.0 + self.roughness * FRAC_1_PI * g)
+    }
+
+    /// ∫ E(μ) 2μ dμ
+    fn mean(&self) -> f32 {
+        self.a() * (1.0 + C2 * self.roughness)
+    }
+}
