@@ -31,8 +31,9 @@ pub fn intersect(ray: &Ray, t_max: f32, corners: [Vec3; 3]) -> Option<ShapeHit> 
     // The plane first: most triangles asked lie behind the ray's origin, or beyond its end.
     let n = ab.cross(ac);
     let (height, slope) = (n.dot(a), n.dot(d));
-    // Written so that NaN, from a degenerate triangle, is a miss.
-    if !(height * slope > 0.0) {
+    // Of the same sign; false for NaN too, which a degenerate triangle gives.
+    let is_ahead = height * slope > 0.0;
+    if !is_ahead {
         return None;
     }
     let mut t = height / slope;
@@ -41,7 +42,7 @@ pub fn intersect(ray: &Ray, t_max: f32, corners: [Vec3; 3]) -> Option<ShapeHit> 
         t = t.max(along[0].min(along[1]).min(along[2])).min(along[0].max(along[1]).max(along[2]));
     }
     let hit = t as f32;
-    if !(hit > 0.0 && hit < t_max) {
+    if hit <= 0.0 || hit >= t_max {
         return None;
     }
     let edge = |p: DVec3, q: DVec3| d.dot((q - p).cross(q + p));
