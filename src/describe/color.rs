@@ -122,6 +122,6 @@ impl<T: Copy + Into<f64>> PerChannel<T> {
 /// By pt's own functions, whose error f32 does not see: colours are the same bits on every platform.
 ///
 /// Source: IEC 61966-2-1 (1999).
-fn decoded(c: f64) -> f64 {
+pub(super) fn decoded(c: f64) -> f64 {
     if c <= 0.04045 { c / 12.92 } else { exp_f64(2.4 * ln_f64((c + 0.055) / 1.055)) }
 }

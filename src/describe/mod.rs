@@ -18,6 +18,7 @@ mod film;
 mod light;
 mod material;
 pub mod mesh;
+pub mod picture;
 mod read;
 mod reference;
 mod sampler;

@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::color::{Color, Srgb};
-use super::value::{Fraction, Positive};
+use super::shape::Size;
+use super::value::{Fraction, Octaves, Positive};
 use crate::reader::by_type;
 
 /// A colour that varies over a surface.
@@ -13,16 +14,33 @@ use crate::reader::by_type;
 pub enum Texture {
     Constant(Constant),
     Checker(Checker),
+    Image(Image),
+    Noise(Noise),
+    Marble(Marble),
+    Mix(Mix),
+    Product(Product),
 }
 
-by_type!(Texture { Constant(Constant), Checker(Checker) });
+by_type!(Texture {
+    Constant(Constant),
+    Checker(Checker),
+    Image(Image),
+    Noise(Noise),
+    Marble(Marble),
+    Mix(Mix),
+    Product(Product),
+});
 
 impl Texture {
     /// The colours it is made of that may be textures themselves, with their keys.
     pub(super) fn parts(&self) -> Vec<(&'static str, &Textured)> {
         match self {
-            Texture::Constant(_) => vec![],
-            Texture::Checker(checker) => vec![("even", &checker.even), ("odd", &checker.odd)],
+            Texture::Constant(_) | Texture::Image(_) => vec![],
+            Texture::Checker(t) => vec![("even", &t.even), ("odd", &t.odd)],
+            Texture::Noise(t) => vec![("low", &t.low), ("high", &t.high)],
+            Texture::Marble(t) => vec![("base", &t.base), ("veins", &t.veins)],
+            Texture::Mix(t) => vec![("a", &t.a), ("b", &t.b), ("share", &t.share)],
+            Texture::Product(t) => vec![("a", &t.a), ("b", &t.b)],
         }
     }
 }
@@ -49,23 +67,145 @@ pub struct Checker {
     #[serde(default = "one")]
     pub scale: Positive,
     #[serde(default)]
-    pub on: CheckerOn,
+    pub on: TextureSpace,
+}
+
+/// A picture: PNG, JPEG or OpenEXR, its lower left corner at the texture coordinates (0, 0), its upper right one at (1, 1).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Image {
+    /// Relative to the scene file.
+    pub file: String,
+    #[serde(default)]
+    pub encoding: Encoding,
+    #[serde(default)]
+    pub wrap: Wrap,
+    #[serde(default)]
+    pub filter: TextureFilter,
+    /// How often the picture goes into one unit of the texture coordinates; `[u, v]` for each of them.
+    #[serde(default = "once")]
+    pub scale: Size,
+}
+
+/// From one colour to another by noise, which is the same at every scale.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Noise {
+    /// The colour where the noise is least.
+    #[serde(default = "Textured::black")]
+    pub low: Textured,
+    /// The colour where it is greatest.
+    #[serde(default = "Textured::white")]
+    pub high: Textured,
+    /// Lumps per unit of the coordinates.
+    #[serde(default = "one")]
+    pub scale: Positive,
+    /// Each more is half as large and half as strong.
+    #[serde(default = "six")]
+    pub octaves: Octaves,
+    #[serde(default = "in_position")]
+    pub on: TextureSpace,
+}
+
+/// Stone: layers across z, stirred.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Marble {
+    #[serde(default = "Textured::white")]
+    pub base: Textured,
+    #[serde(default = "Textured::black")]
+    pub veins: Textured,
+    /// Radians of the layers' sine per unit along z.
+    #[serde(default = "one")]
+    pub scale: Positive,
+    #[serde(default = "in_position")]
+    pub on: TextureSpace,
+}
+
+/// Two textures, one shining through the other: (1 − share) · a + share · b.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Mix {
+    pub a: Textured,
+    pub b: Textured,
+    /// Of `b`.
+    pub share: Textured,
+}
+
+/// Two textures, multiplied: a texture made darker or given a tint.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Product {
+    pub a: Textured,
+    pub b: Textured,
 }
 
 fn one() -> Positive {
     Positive::known(1.0)
 }
 
-/// What a checker divides into squares.
+fn once() -> Size {
+    Size::Square(one())
+}
+
+fn six() -> Octaves {
+    Octaves::known(6)
+}
+
+fn in_position() -> TextureSpace {
+    TextureSpace::Position
+}
+
+/// The coordinates that a texture varies over.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
-pub enum CheckerOn {
+pub enum TextureSpace {
     /// The surface's texture coordinates: squares.
     #[default]
     Uv,
     /// The position in world space: cubes.
     Position,
+}
+
+/// What the numbers in a picture mean.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub enum Encoding {
+    /// `srgb` for PNG and JPEG, `linear` for OpenEXR.
+    #[default]
+    Auto,
+    /// Encoded with the sRGB curve: photographs, colours.
+    Srgb,
+    /// Shares of light as they are: roughness, masks.
+    Linear,
+}
+
+/// What lies beyond a picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub enum Wrap {
+    /// The picture again.
+    #[default]
+    Repeat,
+    /// Its mirror image.
+    Mirror,
+    /// Its border.
+    Clamp,
+}
+
+/// What lies between the pixels of a picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub enum TextureFilter {
+    /// The four nearest pixels, by distance.
+    #[default]
+    Bilinear,
+    /// The nearest pixel.
+    Nearest,
 }
 
 /// A reflected colour: a colour (components from 0 to 1), the name of a texture, or a texture.
@@ -112,6 +252,11 @@ impl From<TexturedForm> for Textured {
             TexturedForm::Object(TextureOrSrgb::Srgb(color)) => Textured::Color(Color::Srgb(color)),
             TexturedForm::Object(TextureOrSrgb::Constant(texture)) => Textured::Texture(Box::new(Texture::Constant(texture))),
             TexturedForm::Object(TextureOrSrgb::Checker(texture)) => Textured::Texture(Box::new(Texture::Checker(texture))),
+            TexturedForm::Object(TextureOrSrgb::Image(texture)) => Textured::Texture(Box::new(Texture::Image(texture))),
+            TexturedForm::Object(TextureOrSrgb::Noise(texture)) => Textured::Texture(Box::new(Texture::Noise(texture))),
+            TexturedForm::Object(TextureOrSrgb::Marble(texture)) => Textured::Texture(Box::new(Texture::Marble(texture))),
+            TexturedForm::Object(TextureOrSrgb::Mix(texture)) => Textured::Texture(Box::new(Texture::Mix(texture))),
+            TexturedForm::Object(TextureOrSrgb::Product(texture)) => Textured::Texture(Box::new(Texture::Product(texture))),
         }
     }
 }
@@ -120,7 +265,20 @@ impl From<TexturedForm> for Textured {
 enum TextureOrSrgb {
     Constant(Constant),
     Checker(Checker),
+    Image(Image),
+    Noise(Noise),
+    Marble(Marble),
+    Mix(Mix),
+    Product(Product),
     Srgb(Srgb),
 }
 
-by_type!(TextureOrSrgb { Constant(Constant), Checker(Checker) } or Srgb(Srgb));
+by_type!(TextureOrSrgb {
+    Constant(Constant),
+    Checker(Checker),
+    Image(Image),
+    Noise(Noise),
+    Marble(Marble),
+    Mix(Mix),
+    Product(Product),
+} or Srgb(Srgb));

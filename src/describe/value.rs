@@ -153,6 +153,8 @@ ranged! {
     Side: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(65536.0);
     /// A number of samples in each pixel.
     SamplesPerPixel: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(u32::MAX as f64);
+    /// How many octaves of noise are added up.
+    Octaves: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(16.0);
     /// The version of the scene format.
     Version: u32 read as i128 ("a version", "integer") in Included(1.0), Included(1.0);
 }

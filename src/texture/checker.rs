@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Texture;
-use crate::math::{Spectrum, Transform};
+use super::{Space, Texture};
+use crate::math::Spectrum;
 use crate::shape::SurfacePoint;
 
 /// Cells of size 1 in the space of the texture; `even` where ⌊x⌋ + ⌊y⌋ + ⌊z⌋ is even.
@@ -16,31 +16,14 @@ pub struct Checker {
     pub space: Space,
 }
 
-/// Where a texture lives.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Space {
-    /// The surface's own coordinates, (u, v, 0).
-    Uv,
-    /// The world, through a transform from (recentred) world to texture space.
-    World(Transform),
-}
-
 impl Checker {
     pub fn at(&self, point: &SurfacePoint) -> Spectrum {
-        let q = match &self.space {
-            Space::Uv => point.uv.extend(0.0).as_dvec3(),
-            // Just behind the surface, by the error bound of the point: a wall between two cells shows one of them.
-            Space::World(to_texture) => to_texture.point((point.p - point.ng * point.offset).as_dvec3()),
-        };
-        let cell = (q * self.scale.as_dvec3()).map(f64::floor);
+        let cell = (self.space.coordinates(point) * self.scale.as_dvec3()).map(f64::floor);
         if is_even(cell) { self.even.at(point) } else { self.odd.at(point) }
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Checker {
-        let space = match self.space {
-            Space::Uv => Space::Uv,
-            Space::World(to_texture) => Space::World(Transform::translate(origin).map_or(to_texture, |back| back.then(&to_texture))),
-        };
+        let space = self.space.recentred(origin);
         Checker { even: self.even.recentred(origin), odd: self.odd.recentred(origin), scale: self.scale, space }
     }
 }

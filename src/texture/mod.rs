@@ -1,20 +1,35 @@
 //! Colours that vary over a surface.
 //!
-//! To add one: a file beside these, a variant and an arm here, a variant in `describe::texture`.
+//! To add one: a file beside these, a variant and its arms here, a variant in `describe::texture`.
 
 pub mod checker;
+pub mod image;
+pub mod marble;
+pub mod mix;
+pub mod noise;
+pub mod space;
 
 use glam::DVec3;
 
 use crate::math::Spectrum;
 use crate::shape::SurfacePoint;
 
-pub use checker::{Checker, Space};
+pub use checker::Checker;
+pub use image::Image;
+pub use marble::Marble;
+pub use mix::{Mix, Product};
+pub use noise::Noise;
+pub use space::Space;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
     Constant(Spectrum),
     Checker(Box<Checker>),
+    Image(Image),
+    Noise(Box<Noise>),
+    Marble(Box<Marble>),
+    Mix(Box<Mix>),
+    Product(Box<Product>),
 }
 
 impl Texture {
@@ -22,14 +37,23 @@ impl Texture {
         match self {
             Texture::Constant(value) => *value,
             Texture::Checker(checker) => checker.at(point),
+            Texture::Image(image) => image.at(point),
+            Texture::Noise(noise) => noise.at(point),
+            Texture::Marble(marble) => marble.at(point),
+            Texture::Mix(mix) => mix.at(point),
+            Texture::Product(product) => product.at(point),
         }
     }
 
     /// The same texture after the world has moved by −`origin`.
     pub fn recentred(self, origin: DVec3) -> Texture {
         match self {
-            Texture::Constant(_) => self,
+            Texture::Constant(_) | Texture::Image(_) => self,
             Texture::Checker(checker) => Texture::Checker(Box::new(checker.recentred(origin))),
+            Texture::Noise(noise) => Texture::Noise(Box::new(noise.recentred(origin))),
+            Texture::Marble(marble) => Texture::Marble(Box::new(marble.recentred(origin))),
+            Texture::Mix(mix) => Texture::Mix(Box::new(mix.recentred(origin))),
+            Texture::Product(product) => Texture::Product(Box::new(product.recentred(origin))),
         }
     }
 

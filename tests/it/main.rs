@@ -23,6 +23,7 @@ mod meshes;
 mod offsets;
 mod oracle;
 mod overrides;
+mod pictures;
 mod random;
 mod reader;
 mod references;

@@ -1,13 +1,18 @@
 //! Materials and the textures on them.
 
-use glam::Vec3;
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
 
 use super::{Builder, rgb, spectrum};
 use crate::bsdf::Material;
-use crate::describe::{self, CheckerOn, MaterialRef, Textured};
+use crate::describe::{self, MaterialRef, Size, TextureSpace, Textured};
 use crate::effects::Effects;
+use crate::error::Error;
 use crate::math::{Spectrum, Transform};
-use crate::texture::{Checker, Space, Texture};
+use crate::reader::escaped;
+use crate::texture::image::{Filter, Pixels, Wrap};
+use crate::texture::{Checker, Image, Marble, Mix, Noise, Product, Space, Texture};
 use crate::world::MaterialId;
 
 /// Textures within textures are copied where they are used: checkers of checkers of … grow as 2ⁿ.
@@ -25,7 +30,7 @@ impl Builder<'_> {
         let (id, effects) = match self.materials.get(&key) {
             Some(known) => *known,
             None => {
-                let made = self.material_of(described);
+                let made = self.material_of(&key, described);
                 let effects = made.effects();
                 let known = (self.world.material(made), effects);
                 self.materials.insert(key, known);
@@ -35,52 +40,124 @@ impl Builder<'_> {
         (kind(described).to_owned(), (id, effects))
     }
 
-    fn material_of(&mut self, described: &describe::Material) -> Material {
+    fn material_of(&mut self, pointer: &str, described: &describe::Material) -> Material {
         use describe::Material as M;
+        let mut textured = |key: &str, described: &Textured| self.textured(&format!("{pointer}/{key}"), described);
         match described {
-            M::Diffuse(m) => Material::Diffuse { albedo: self.textured(&m.albedo) },
-            M::Mirror(m) => Material::Mirror { color: self.textured(&m.color) },
+            M::Diffuse(m) => Material::Diffuse { albedo: textured("albedo", &m.albedo) },
+            M::Mirror(m) => Material::Mirror { color: textured("color", &m.color) },
             M::Conductor(m) => Material::Conductor { eta: rgb(m.eta.each()), k: rgb(m.k.each()) },
-            M::Dielectric(m) => Material::Dielectric { eta: m.eta.get() as f32, color: self.textured(&m.color) },
-            M::MatteCone(m) => Material::MatteCone { color: self.textured(&m.color), mattness: m.mattness.get() as f32 },
-            M::OrenNayar(m) => Material::OrenNayar { albedo: self.textured(&m.albedo), roughness: m.roughness.get() as f32 },
-            M::Phong(m) => Material::Phong { color: self.textured(&m.color), exponent: m.exponent.get() as f32 },
-            M::BlinnPhong(m) => Material::BlinnPhong { color: self.textured(&m.color), exponent: m.exponent.get() as f32 },
-            M::Metal(m) => Material::Metal { color: self.textured(&m.color), roughness: m.roughness.get() as f32 },
-            M::Plastic(m) => Material::plastic(self.textured(&m.albedo), m.eta.get() as f32),
-            M::DiffuseTransmission(m) => {
-                Material::DiffuseTransmission { reflectance: self.textured(&m.reflectance), transmittance: self.textured(&m.transmittance) }
-            }
+            M::Dielectric(m) => Material::Dielectric { eta: m.eta.get() as f32, color: textured("color", &m.color) },
+            M::MatteCone(m) => Material::MatteCone { color: textured("color", &m.color), mattness: m.mattness.get() as f32 },
+            M::OrenNayar(m) => Material::OrenNayar { albedo: textured("albedo", &m.albedo), roughness: m.roughness.get() as f32 },
+            M::Phong(m) => Material::Phong { color: textured("color", &m.color), exponent: m.exponent.get() as f32 },
+            M::BlinnPhong(m) => Material::BlinnPhong { color: textured("color", &m.color), exponent: m.exponent.get() as f32 },
+            M::Metal(m) => Material::Metal { color: textured("color", &m.color), roughness: m.roughness.get() as f32 },
+            M::Plastic(m) => Material::plastic(textured("albedo", &m.albedo), m.eta.get() as f32),
+            M::DiffuseTransmission(m) => Material::DiffuseTransmission {
+                reflectance: textured("reflectance", &m.reflectance),
+                transmittance: textured("transmittance", &m.transmittance),
+            },
         }
     }
 
-    fn textured(&mut self, described: &Textured) -> Texture {
+    fn textured(&mut self, pointer: &str, described: &Textured) -> Texture {
         match described {
             Textured::Color(color) => Texture::Constant(spectrum(color)),
-            Textured::Texture(inline) => self.texture(inline),
+            Textured::Texture(inline) => self.texture(pointer, inline),
             Textured::Named(name) => match self.scene.textures.get(name) {
-                Some(texture) => self.texture(texture),
+                Some(texture) => self.texture(&format!("/textures{}", escaped(name)), texture),
                 None => Spectrum::BLACK.into(),
             },
         }
     }
 
-    fn texture(&mut self, described: &describe::Texture) -> Texture {
+    fn texture(&mut self, pointer: &str, described: &describe::Texture) -> Texture {
+        use describe::Texture as T;
         self.textures += 1;
         if self.textures > MOST_TEXTURES {
             return Spectrum::BLACK.into();
         }
-        match described {
-            describe::Texture::Constant(t) => Texture::Constant(spectrum(&t.color)),
-            describe::Texture::Checker(t) => {
-                let space = match t.on {
-                    CheckerOn::Uv => Space::Uv,
-                    CheckerOn::Position => Space::World(Transform::IDENTITY),
-                };
-                let scale = Vec3::splat(t.scale.get() as f32);
-                Texture::Checker(Box::new(Checker { even: self.textured(&t.even), odd: self.textured(&t.odd), scale, space }))
-            }
+        if let T::Image(t) = described {
+            return self.image(pointer, t);
         }
+        let mut part = |key: &str, described: &Textured| self.textured(&format!("{pointer}/{key}"), described);
+        match described {
+            T::Constant(t) => Texture::Constant(spectrum(&t.color)),
+            T::Checker(t) => Texture::Checker(Box::new(Checker {
+                even: part("even", &t.even),
+                odd: part("odd", &t.odd),
+                scale: Vec3::splat(t.scale.get() as f32),
+                space: space(t.on),
+            })),
+            T::Noise(t) => Texture::Noise(Box::new(Noise {
+                low: part("low", &t.low),
+                high: part("high", &t.high),
+                scale: t.scale.get(),
+                octaves: t.octaves.get(),
+                space: space(t.on),
+            })),
+            T::Marble(t) => Texture::Marble(Box::new(Marble {
+                base: part("base", &t.base),
+                veins: part("veins", &t.veins),
+                scale: t.scale.get(),
+                space: space(t.on),
+            })),
+            T::Mix(t) => Texture::Mix(Box::new(Mix { a: part("a", &t.a), b: part("b", &t.b), share: part("share", &t.share) })),
+            T::Product(t) => Texture::Product(Box::new(Product { a: part("a", &t.a), b: part("b", &t.b) })),
+            T::Image(_) => Spectrum::BLACK.into(),
+        }
+    }
+
+    /// Read once for every encoding that it is used in; black with a fault noted.
+    fn image(&mut self, pointer: &str, described: &describe::Image) -> Texture {
+        let key = (described.file.clone(), described.encoding);
+        let pixels = match self.pictures.get(&key) {
+            Some(known) => known.clone(),
+            None => {
+                let loaded = self.picture(pointer, described);
+                self.pictures.insert(key, loaded.clone());
+                loaded
+            }
+        };
+        let Some(pixels) = pixels else { return Spectrum::BLACK.into() };
+        let wrap = match described.wrap {
+            describe::Wrap::Repeat => Wrap::Repeat,
+            describe::Wrap::Mirror => Wrap::Mirror,
+            describe::Wrap::Clamp => Wrap::Clamp,
+        };
+        let filter = match described.filter {
+            describe::TextureFilter::Bilinear => Filter::Bilinear,
+            describe::TextureFilter::Nearest => Filter::Nearest,
+        };
+        let scale = match described.scale {
+            Size::Square(both) => Vec2::splat(both.get() as f32),
+            Size::Sides(sides) => Vec2::from(sides.map(|side| side.get() as f32)),
+        };
+        Texture::Image(Image { pixels, scale, wrap, filter })
+    }
+
+    fn picture(&mut self, pointer: &str, described: &describe::Image) -> Option<Arc<Pixels>> {
+        match describe::picture::load(&self.source.folder.join(&described.file), &described.file, described.encoding) {
+            Ok((pixels, warnings)) => {
+                self.warnings.extend(warnings);
+                return Some(Arc::new(pixels));
+            }
+            Err(Error::Invalid(faults)) => {
+                for fault in faults {
+                    self.fault(&format!("{pointer}/file"), &format!("{}: {}", described.file, fault.message));
+                }
+            }
+            Err(other) => self.failures.push(other),
+        }
+        None
+    }
+}
+
+fn space(on: TextureSpace) -> Space {
+    match on {
+        TextureSpace::Uv => Space::Uv,
+        TextureSpace::Position => Space::World(Transform::IDENTITY),
     }
 }
 

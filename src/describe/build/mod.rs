@@ -8,10 +8,11 @@ mod transform;
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Color, Scene, Shape, Size};
+use super::{Color, Encoding, Scene, Shape, Size};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::film::FilmSpec;
@@ -22,6 +23,7 @@ use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
 use crate::shape::mesh_data::lost_detail;
 use crate::shape::{Disk, Geometry, Quad, Sphere, TriangleMesh};
+use crate::texture::image::Pixels;
 use crate::world::{MaterialId, World, WorldBuilder};
 use material::MOST_TEXTURES;
 
@@ -61,16 +63,21 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         world,
         materials: BTreeMap::new(),
         textures: 0,
+        pictures: BTreeMap::new(),
         boxes: vec![],
         needs: vec![],
         warnings: vec![],
         faults: vec![],
+        failures: vec![],
     };
     builder.shapes("/shapes", &scene.shapes, &Transform::IDENTITY)?;
     builder.lights();
     if builder.textures > MOST_TEXTURES {
         let message = format!("textures within textures make more than {MOST_TEXTURES} of them");
         return Err(Error::Limit(locate(source.root, source.file, "/textures", message)));
+    }
+    if let Some(failure) = std::mem::take(&mut builder.failures).into_iter().next() {
+        return Err(failure);
     }
     if !builder.faults.is_empty() {
         builder.faults.truncate(crate::MAX_FAULTS);
@@ -108,11 +115,15 @@ struct Builder<'a> {
     materials: BTreeMap<String, (MaterialId, Effects)>,
     /// Made so far.
     textures: usize,
+    /// By file and encoding: each is read once; `None` where it could not be used.
+    pictures: BTreeMap<(String, Encoding), Option<Arc<Pixels>>>,
     /// Around each shape, in the user's coordinates.
     boxes: Vec<(DVec3, DVec3)>,
     needs: Vec<(String, Effects)>,
     warnings: Vec<String>,
     faults: Vec<Fault>,
+    /// What is not the scene's mistake: files that cannot be read, or are too large.
+    failures: Vec<Error>,
 }
 
 impl Builder<'_> {

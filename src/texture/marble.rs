@@ -1,0 +1,36 @@
+//! Stone with veins.
+
+use glam::DVec3;
+
+use super::noise::turbulence;
+use super::{Space, Texture};
+use crate::math::{Spectrum, float};
+use crate::shape::SurfacePoint;
+
+/// Layers across z, stirred by turbulence: from `base` to `veins` by the share ½ (1 + sin(scale·z + 10·turbulence(p))).
+///
+/// Source: Perlin, *An Image Synthesizer* (1985), with the constants of ray-tracing courses. Tests: textures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marble {
+    pub base: Texture,
+    pub veins: Texture,
+    /// Radians per unit along z.
+    pub scale: f64,
+    pub space: Space,
+}
+
+/// Of the turbulence: seven halvings leave less than a hundredth.
+const OCTAVES: u32 = 7;
+
+impl Marble {
+    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+        let p = self.space.coordinates(point);
+        let phase = self.scale * p.z + 10.0 * turbulence(p, OCTAVES);
+        self.base.at(point).mix(self.veins.at(point), 0.5 * (1.0 + float::sin(phase as f32)))
+    }
+
+    pub(super) fn recentred(self, origin: DVec3) -> Marble {
+        let (base, veins, space) = (self.base.recentred(origin), self.veins.recentred(origin), self.space.recentred(origin));
+        Marble { base, veins, space, ..self }
+    }
+}

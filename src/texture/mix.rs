@@ -1,0 +1,44 @@
+//! Textures made of textures.
+
+use glam::DVec3;
+
+use super::Texture;
+use crate::math::Spectrum;
+use crate::shape::SurfacePoint;
+
+/// (1 − t) a + t b, coefficient by coefficient.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mix {
+    pub a: Texture,
+    pub b: Texture,
+    /// t: [0, 1].
+    pub share: Texture,
+}
+
+/// a · b, coefficient by coefficient.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Product {
+    pub a: Texture,
+    pub b: Texture,
+}
+
+impl Mix {
+    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+        let share = self.share.at(point);
+        self.a.at(point) * (Spectrum::ONE - share) + self.b.at(point) * share
+    }
+
+    pub(super) fn recentred(self, origin: DVec3) -> Mix {
+        Mix { a: self.a.recentred(origin), b: self.b.recentred(origin), share: self.share.recentred(origin) }
+    }
+}
+
+impl Product {
+    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+        self.a.at(point) * self.b.at(point)
+    }
+
+    pub(super) fn recentred(self, origin: DVec3) -> Product {
+        Product { a: self.a.recentred(origin), b: self.b.recentred(origin) }
+    }
+}

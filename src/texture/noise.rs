@@ -1,0 +1,112 @@
+//! Noise: colours without a pattern, the same at every scale.
+
+use glam::{DVec3, IVec3};
+
+use super::{Space, Texture};
+use crate::math::Spectrum;
+use crate::shape::SurfacePoint;
+
+/// From `low` to `high` by the share ½ (1 + fbm), between 0 and 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noise {
+    pub low: Texture,
+    pub high: Texture,
+    /// Cells of the coarsest octave per unit.
+    pub scale: f64,
+    pub octaves: u32,
+    pub space: Space,
+}
+
+impl Noise {
+    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+        let share = 0.5 * (1.0 + fbm(self.space.coordinates(point) * self.scale, self.octaves));
+        self.low.at(point).mix(self.high.at(point), share.clamp(0.0, 1.0) as f32)
+    }
+
+    pub(super) fn recentred(self, origin: DVec3) -> Noise {
+        let (low, high, space) = (self.low.recentred(origin), self.high.recentred(origin), self.space.recentred(origin));
+        Noise { low, high, space, ..self }
+    }
+}
+
+/// Perlin's gradient noise: 0 at the points of the lattice, between −1 and 1, smooth to the second derivative.
+///
+/// n(p) = Σ over the 8 corners of p's cell of  w(p − corner) · g(corner)·(p − corner),   w = Π (1 − fade(|x|))
+///
+/// fade(t) = t³ (6 t² − 15 t + 10);   g: one of the 12 directions to the edges of a cube, by a hash of the corner
+///
+/// - `p`: in cells; beyond 2³¹ cells the lattice repeats
+///
+/// Source: Perlin, *Improving Noise* (2002), with an integer hash for his table. Tests: noise_is_smooth_and_centred.
+pub fn perlin(p: DVec3) -> f64 {
+    let cell = p.floor();
+    let (from, corner) = (p - cell, cell.as_i64vec3().as_ivec3());
+    let at = |dx: i32, dy: i32, dz: i32| {
+        let offset = from - DVec3::new(dx.into(), dy.into(), dz.into());
+        slope(corner.wrapping_add(IVec3::new(dx, dy, dz)), offset)
+    };
+    let [x, y, z] = from.to_array().map(fade);
+    let line = |dy, dz| lerp(at(0, dy, dz), at(1, dy, dz), x);
+    let face = |dz| lerp(line(0, dz), line(1, dz), y);
+    lerp(face(0), face(1), z)
+}
+
+/// Σ over `octaves` of 2⁻ᵏ n(2ᵏ p), each octave twice as fine and half as strong: fractional Brownian motion.
+///
+/// - within ±2
+pub fn fbm(p: DVec3, octaves: u32) -> f64 {
+    octave_sum(p, octaves, perlin)
+}
+
+/// Σ over `octaves` of 2⁻ᵏ |n(2ᵏ p)|: creased where [`fbm`] passes through zero.
+///
+/// - from 0 to 2
+pub fn turbulence(p: DVec3, octaves: u32) -> f64 {
+    octave_sum(p, octaves, |p| perlin(p).abs())
+}
+
+fn octave_sum(p: DVec3, octaves: u32, n: impl Fn(DVec3) -> f64) -> f64 {
+    let octave = |k: u32| {
+        let scale = f64::from(1u32 << k);
+        // Shifted, or all octaves would vanish together at the lattice's points.
+        n(p * scale + DVec3::splat(0.5 * f64::from(k))) / scale
+    };
+    (0..octaves).map(octave).sum()
+}
+
+fn fade(t: f64) -> f64 {
+    t * t * t * (t * (6.0 * t - 15.0) + 10.0)
+}
+
+fn lerp(a: f64, b: f64, share: f64) -> f64 {
+    a + (b - a) * share
+}
+
+/// The corner's direction times the offset from it.
+fn slope(corner: IVec3, DVec3 { x, y, z }: DVec3) -> f64 {
+    match hash(corner) % 12 {
+        0 => x + y,
+        1 => x - y,
+        2 => -x + y,
+        3 => -x - y,
+        4 => x + z,
+        5 => x - z,
+        6 => -x + z,
+        7 => -x - z,
+        8 => y + z,
+        9 => y - z,
+        10 => -y + z,
+        _ => -y - z,
+    }
+}
+
+/// Source of the finaliser: Steele, Lea, Flood, *Fast Splittable Pseudorandom Number Generators* (2014).
+fn hash(IVec3 { x, y, z }: IVec3) -> u64 {
+    let mut h = 0x9e37_79b9_7f4a_7c15u64;
+    for part in [x, y, z] {
+        h = (h ^ u64::from(part as u32)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        h ^= h >> 27;
+    }
+    h = h.wrapping_mul(0x94d0_49bb_1331_11eb);
+    h ^ (h >> 31)
+}

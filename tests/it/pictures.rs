@@ -1,0 +1,229 @@
+//! Pictures as textures, and textures made of textures (reliability B16, B31, B33, B34).
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::{DVec3, UVec2, Vec2, Vec3};
+use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgb32FImage, Rgba};
+use pt::Error;
+use pt::describe::{self, Encoding, Source, picture};
+use pt::math::Spectrum;
+use pt::shape::SurfacePoint;
+use pt::texture::image::{Filter, Pixels, Wrap};
+use pt::texture::noise::{fbm, perlin, turbulence};
+use pt::texture::{Image, Mix, Product, Texture};
+use tempfile::TempDir;
+
+use crate::random::Random;
+
+fn at(texture: &Texture, u: f32, v: f32) -> Spectrum {
+    texture.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, v) })
+}
+
+fn gray(levels: &[f32], width: u32) -> Arc<Pixels> {
+    let size = UVec2::new(width, levels.len() as u32 / width);
+    Arc::new(Pixels::new(size, levels.iter().map(|&level| [level; 3]).collect()).expect("as many as the size says"))
+}
+
+fn texture(pixels: &Arc<Pixels>, wrap: Wrap, filter: Filter) -> Texture {
+    Texture::Image(Image { pixels: pixels.clone(), scale: Vec2::ONE, wrap, filter })
+}
+
+/// The rows run from the top, v from the bottom; at a pixel's centre both filters show it exactly.
+#[test]
+fn centres_show_their_pixel() {
+    let pixels = gray(&[0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 1.0], 4);
+    for filter in [Filter::Nearest, Filter::Bilinear] {
+        let picture = texture(&pixels, Wrap::Repeat, filter);
+        for (k, level) in [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 1.0].into_iter().enumerate() {
+            let (x, y) = (k % 4, k / 4);
+            let uv = ((x as f32 + 0.5) / 4.0, 1.0 - (y as f32 + 0.5) / 2.0);
+            assert_eq!(at(&picture, uv.0, uv.1), Spectrum::gray(level));
+        }
+    }
+}
+
+/// A ramp is a ramp between the outermost centres; beyond them each way of wrapping keeps its promise.
+#[test]
+fn between_and_beyond() {
+    let pixels = gray(&[0.0, 0.25, 0.5, 0.75], 4);
+    let show = |wrap, u| at(&texture(&pixels, wrap, Filter::Bilinear), u, 0.3).max();
+    let mut random = Random::new(3);
+    for _ in 0..1000 {
+        let u = random.range(0.125, 0.875) as f32;
+        assert!((show(Wrap::Clamp, u) - (u - 0.125)).abs() < 1e-6, "{u}");
+        // A whole number of eighths, so that adding periods to it is exact.
+        let u = random.below(8) as f32 / 8.0 + 1.0 / 16.0;
+        let far = random.below(1000) as f32 - 500.0;
+        assert_eq!(show(Wrap::Repeat, u + far), show(Wrap::Repeat, u));
+        assert_eq!(show(Wrap::Mirror, u + 2.0 * far), show(Wrap::Mirror, u));
+        assert_eq!(show(Wrap::Mirror, -u), show(Wrap::Mirror, u));
+        assert_eq!((show(Wrap::Clamp, -u), show(Wrap::Clamp, 1.0 + u)), (0.0, 0.75));
+    }
+    // Half way between the last pixel and the first of the next period.
+    assert_eq!((show(Wrap::Repeat, 0.0), show(Wrap::Mirror, 0.0)), (0.375, 0.0));
+}
+
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Folder {
+        Folder(tempfile::tempdir().expect("a folder"))
+    }
+
+    fn with(&self, name: &str, picture: impl Into<DynamicImage>, format: ImageFormat) -> PathBuf {
+        let mut bytes = Cursor::new(vec![]);
+        picture.into().write_to(&mut bytes, format).expect("encodes");
+        self.write(name, bytes.get_ref())
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.0.path().join(name);
+        std::fs::write(&path, bytes).expect("written");
+        path
+    }
+}
+
+fn shown(path: &Path, encoding: Encoding) -> [f32; 3] {
+    let (pixels, warnings) = picture::load(path, "p", encoding).unwrap_or_else(|e| panic!("{e}"));
+    assert!(warnings.is_empty(), "{warnings:?}");
+    at(&texture(&Arc::new(pixels), Wrap::Clamp, Filter::Nearest), 0.5, 0.5).to_rgb()
+}
+
+/// The standard's curve, from its text.
+fn iec_61966(encoded: f64) -> f64 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Every kind of PNG, a JPEG and an OpenEXR of one colour: the same colour, decoded where it is encoded.
+#[test]
+fn formats_agree() {
+    let folder = Folder::new();
+    let (level, level16) = (188u8, 188 * 257u16);
+    let pngs: [(&str, DynamicImage); 6] = [
+        ("l.png", ImageBuffer::from_pixel(8, 8, Luma([level])).into()),
+        ("la.png", ImageBuffer::from_pixel(8, 8, LumaA([level, 9])).into()),
+        ("rgb.png", ImageBuffer::from_pixel(8, 8, Rgb([level; 3])).into()),
+        ("rgba.png", ImageBuffer::from_pixel(8, 8, Rgba([level, level, level, 0])).into()),
+        ("l16.png", ImageBuffer::from_pixel(8, 8, Luma([level16])).into()),
+        ("rgba16.png", ImageBuffer::from_pixel(8, 8, Rgba([level16, level16, level16, 7])).into()),
+    ];
+    let share = 188.0 / 255.0;
+    for (name, picture) in pngs {
+        let path = folder.with(name, picture, ImageFormat::Png);
+        for (encoding, expected) in [(Encoding::Auto, iec_61966(share)), (Encoding::Srgb, iec_61966(share)), (Encoding::Linear, share)] {
+            for value in shown(&path, encoding) {
+                assert!((value as f64 - expected).abs() < 1e-7, "{name}, {encoding:?}: {value} for {expected}");
+            }
+        }
+    }
+    let jpeg = folder.with("p.jpg", ImageBuffer::from_pixel(8, 8, Rgb([level; 3])), ImageFormat::Jpeg);
+    // Its cosine transform may miss by a level.
+    assert!(shown(&jpeg, Encoding::Linear).iter().all(|v| (*v as f64 - share).abs() <= 1.5 / 255.0));
+    let exr = folder.with("p.exr", Rgb32FImage::from_pixel(8, 8, Rgb([0.25, 0.5, 1.0])), ImageFormat::OpenExr);
+    assert_eq!(shown(&exr, Encoding::Auto), [0.25, 0.5, 1.0]);
+}
+
+fn refusal(path: &Path) -> (u8, String) {
+    match picture::load(path, "p", Encoding::Auto) {
+        Ok(_) => panic!("{} is accepted", path.display()),
+        Err(error) => (error.exit_code(), error.to_string()),
+    }
+}
+
+#[test]
+fn what_is_no_usable_picture_is_refused() {
+    let folder = Folder::new();
+    for (wrong, said) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (-0.5, "-0.5"), (1.5, "1.5")] {
+        let mut picture = Rgb32FImage::from_pixel(4, 3, Rgb([0.5; 3]));
+        picture.put_pixel(2, 1, Rgb([0.5, wrong, 0.5]));
+        let (code, message) = refusal(&folder.with("p.exr", picture, ImageFormat::OpenExr));
+        assert_eq!(code, 3);
+        assert!(message.contains(&format!("pixel (2, 1): expected shares of light from 0 to 1, found 0.5, {said}, 0.5")), "{message}");
+    }
+    let right = folder.with("right.png", ImageBuffer::from_pixel(8, 8, Rgb([1u8; 3])), ImageFormat::Png);
+    let bytes = std::fs::read(&right).expect("written");
+    for end in [0, 4, 8, 20, bytes.len() / 2, bytes.len() - 13] {
+        let (code, message) = refusal(&folder.write("cut.png", &bytes[..end]));
+        assert!(code == 3 && message.contains("p: ") && !message.contains('\n'), "{code} {message} at {end}");
+    }
+    // A header that promises 65,535² pixels of 16 bits, with the checksum that belongs to it.
+    let mut bomb = bytes.clone();
+    bomb[16..26].copy_from_slice(&[0, 0, 0xff, 0xff, 0, 0, 0xff, 0xff, 16, 6]);
+    let sum = crc32(&bomb[12..29]);
+    bomb[29..33].copy_from_slice(&sum.to_be_bytes());
+    assert_eq!(refusal(&folder.write("bomb.png", &bomb)).0, 4);
+    assert_eq!(refusal(&folder.write("p.gif", b"GIF89a...")), (3, "p: unknown picture format: expected PNG, JPEG or OpenEXR".into()));
+    assert_eq!(refusal(&folder.0.path().join("none.png")).0, 3);
+    assert_eq!(refusal(folder.0.path()).0, 3);
+}
+
+/// Of PNG's chunks, bit by bit. Source: ISO 3309.
+fn crc32(bytes: &[u8]) -> u32 {
+    let byte = |sum: u32, byte: &u8| (0..8).fold(sum ^ u32::from(*byte), |s, _| if s & 1 == 1 { (s >> 1) ^ 0xedb8_8320 } else { s >> 1 });
+    !bytes.iter().fold(!0, byte)
+}
+
+/// The first bytes decide; a name that says otherwise is mentioned.
+#[test]
+fn content_goes_before_the_name() {
+    let folder = Folder::new();
+    let path = folder.with("p.jpg", ImageBuffer::from_pixel(2, 2, Rgb([9u8; 3])), ImageFormat::Png);
+    let (_, warnings) = picture::load(&path, "p.jpg", Encoding::Auto).expect("a PNG");
+    assert_eq!(warnings, ["p.jpg: read as PNG, which its first bytes say it is"]);
+}
+
+/// A scene that names a missing picture says where it does, whether within a material or under a name.
+#[test]
+fn missing_pictures_are_located() {
+    let scene = r#"{ "pt": 1, "textures": { "t": { "type": "image", "file": "a.png" } }, "shapes": [
+        { "type": "sphere", "material": { "type": "diffuse", "albedo": { "type": "product", "a": 0.5, "b": { "type": "image", "file": "b.png" } } } },
+        { "type": "sphere", "material": { "type": "mirror", "color": "t" } } ] }"#;
+    let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
+    let described = describe::read(&root, "s.json").expect("a scene");
+    let Err(Error::Invalid(faults)) = describe::build(&described, Source { root: &root, file: "s.json", folder: Path::new("nowhere") })
+    else {
+        panic!("it is built without its pictures")
+    };
+    let said: Vec<(String, String)> = faults.iter().map(|f| (f.pointer.clone(), f.message.clone())).collect();
+    let expected = [("/shapes/0/material/albedo/b/file", "b.png: no such file"), ("/textures/t/file", "a.png: no such file")];
+    assert_eq!(said, expected.map(|(pointer, message)| (pointer.to_owned(), message.to_owned())));
+}
+
+#[test]
+fn mixes_and_products_are_arithmetic() {
+    let [a, b] = [Spectrum::rgb(1.0, 0.5, 0.0), Spectrum::rgb(0.25, 0.5, 1.0)];
+    let share = Spectrum::rgb(0.25, 0.5, 1.0);
+    let mix = Texture::Mix(Box::new(Mix { a: a.into(), b: b.into(), share: share.into() }));
+    assert_eq!(at(&mix, 0.0, 0.0), Spectrum::rgb(0.8125, 0.5, 1.0));
+    let product = Texture::Product(Box::new(Product { a: a.into(), b: b.into() }));
+    assert_eq!(at(&product, 0.0, 0.0), Spectrum::rgb(0.25, 0.25, 0.0));
+}
+
+/// Zero on the lattice; within ±1; its slope at a lattice point one of the twelve gradients; and no jump anywhere.
+#[test]
+fn noise_is_smooth_and_centred() {
+    let mut random = Random::new(5);
+    let mut mean = 0.0;
+    const N: usize = 100_000;
+    for _ in 0..N {
+        let cell = DVec3::new(random.range(-1e6, 1e6), random.range(-1e6, 1e6), random.range(-1e6, 1e6)).floor();
+        assert_eq!(perlin(cell), 0.0);
+        const H: f64 = 1e-5;
+        let slope = DVec3::from(DVec3::AXES.map(|axis| perlin(cell + H * axis) / H));
+        let mut sizes = slope.abs().to_array();
+        sizes.sort_by(f64::total_cmp);
+        assert!(sizes[0].abs() < 1e-3 && (sizes[1] - 1.0).abs() < 1e-3 && (sizes[2] - 1.0).abs() < 1e-3, "{slope}");
+        let p = cell + DVec3::new(random.unit(), random.unit(), random.unit());
+        let n = perlin(p);
+        assert!(n.abs() <= 1.0);
+        // The steepest that gradients of length √2 and a fade of slope 15/8 allow is below 8.
+        assert!((perlin(p + H * DVec3::ONE) - n).abs() < 8.0 * 3f64.sqrt() * H + 1e-9);
+        assert!(fbm(p, 6).abs() <= 2.0 && (0.0..=2.0).contains(&turbulence(p, 6)));
+        assert_eq!(fbm(p, 1), n);
+        mean += n / N as f64;
+    }
+    // Its standard deviation is near 1/4: five standard errors.
+    assert!(mean.abs() < 5.0 * 0.25 / (N as f64).sqrt(), "{mean}");
+}
