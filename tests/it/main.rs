@@ -21,6 +21,7 @@ mod meshes;
 mod offsets;
 mod oracle;
 mod overrides;
+mod proof;
 mod reader;
 mod references;
 mod samplers;
