@@ -8,6 +8,7 @@ mod list;
 mod load;
 mod progress;
 mod render;
+mod sample;
 mod schema;
 mod signals;
 mod stats;
@@ -34,7 +35,7 @@ pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
     };
     let json = args.json_errors;
     match run(args, tables) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             report(&error, json);
             ExitCode::from(error.exit_code())
@@ -42,13 +43,16 @@ pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
     }
 }
 
-fn run(args: Args, tables: &[&[Entry]]) -> Result<()> {
+/// What was asked for; a subcommand that judges may say no with an exit code of its own.
+fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
     match args.command {
-        Some(Command::Check(check)) => check::check(&check, tables),
-        Some(Command::List { what }) => list::list(what, tables),
-        Some(Command::Schema(args)) => schema::schema(&args, tables),
-        None => render::render(&args.render, tables),
+        Some(Command::Sample(args)) => return sample::sample(&args),
+        Some(Command::Check(check)) => check::check(&check, tables)?,
+        Some(Command::List { what }) => list::list(what, tables)?,
+        Some(Command::Schema(args)) => schema::schema(&args, tables)?,
+        None => render::render(&args.render, tables)?,
     }
+    Ok(ExitCode::SUCCESS)
 }
 
 /// One line per fault on stderr, or one JSON object.

@@ -24,6 +24,7 @@ mod overrides;
 mod proof;
 mod reader;
 mod references;
+mod sample;
 mod samplers;
 mod scene_faults;
 mod scene_format;
