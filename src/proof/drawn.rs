@@ -21,7 +21,7 @@ pub const FINE: [usize; 2] = [80, 160];
 pub const COARSE: [usize; 2] = [10, 20];
 /// Halvings of the third division: at most 2⁸ cells of equal chance, however narrow the lobe is.
 const HALVINGS: u32 = 8;
-/// Cells are not halved below this width [rad]: rounding, 2⁻²⁴, must not carry directions over their edges.
+/// Cells are not halved below this width (rad): rounding, 2⁻²⁴, must not carry directions over their edges.
 const NARROWEST: f64 = 1.0 / 65_536.0;
 /// Directions drawn beforehand, to make the cells of equal chance. They are not counted.
 const GUIDES: u64 = 1 << 14;

@@ -52,7 +52,7 @@ impl Rect {
         parts
     }
 
-    /// Along z and across it [rad]: how far apart its edges are.
+    /// Along z and across it (rad): how far apart its edges are.
     pub fn extent(&self) -> [f64; 2] {
         let polar = |z: f64| 2.0 * (0.5 * (1.0 - z)).max(0.0).sqrt().min(1.0).asin();
         let widest = self.z[0].abs().min(self.z[1].abs());
