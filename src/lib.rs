@@ -18,6 +18,7 @@ pub mod math;
 pub mod measure;
 pub mod output;
 pub mod primitive;
+pub mod proof;
 pub mod reader;
 pub mod render;
 pub mod sampler;

@@ -35,7 +35,8 @@ impl BlinnPhong {
             let on_top = h * 1f32.copysign(wo.cos());
             warp::cos_power_hemisphere_pdf(on_top, self.exponent) / (4.0 * wo.0.dot(h))
         });
-        SolidAnglePdf::new(density)
+        // Beyond f32 where wo·h is all but 0: such mirrors are seen edge-on, and count for nothing.
+        SolidAnglePdf::new(if density.is_finite() { density } else { 0.0 })
     }
 
     pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {

@@ -33,6 +33,42 @@ pub enum Command {
     },
     /// The JSON Schema of the scene format, on stdout.
     Schema(Schema),
+    /// Points of warps and samplers, and how a material scatters, as numbers and pictures. Without arguments: what there is.
+    Sample(Sample),
+}
+
+#[derive(clap::Args, Debug)]
+pub struct Sample {
+    /// A warp or a sampler, or `material`.
+    #[arg(value_name = "WARP")]
+    pub what: Option<String>,
+    /// With `material`: which.
+    #[arg(value_name = "SCENE#NAME")]
+    pub scene: Option<String>,
+    /// How many points.
+    #[arg(short = 'n', long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub count: u32,
+    /// Where the points go: .csv, .png or .svg; default: CSV to stdout. With `material` what its three pictures' names begin with.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Where the random numbers of a warp come from: see `pt list samplers`.
+    #[arg(long, value_name = "NAME")]
+    pub sampler: Option<String>,
+    /// Which random numbers.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// n of cosine-power.
+    #[arg(long, value_name = "N", default_value = "20", value_parser = exponent)]
+    pub exponent: f32,
+    /// The half angle of a cone, in degrees.
+    #[arg(long, value_name = "DEGREES", default_value = "30", value_parser = cone)]
+    pub angle: f64,
+    /// With `material`: the angle from the normal (beyond 90 it is below the surface) and the azimuth, in degrees.
+    #[arg(long, value_name = "THETA,PHI", default_value = "30,0", value_parser = angles, allow_hyphen_values = true)]
+    pub wo: [f64; 2],
+    /// With `material`: how many directions are drawn.
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(2..=1_000_000_000))]
+    pub samples: u64,
 }
 
 #[derive(clap::Args, Debug)]
@@ -187,6 +223,20 @@ fn numbers<const N: usize>(text: &str) -> std::result::Result<[u32; N], String> 
 fn threads(text: &str) -> std::result::Result<u32, String> {
     let expected = "expected a whole number from 1 to 1024 (in --threads or PT_THREADS)".to_owned();
     text.parse().ok().filter(|n| (1..=1024).contains(n)).ok_or(expected)
+}
+
+fn exponent(text: &str) -> std::result::Result<f32, String> {
+    text.parse().ok().filter(|n: &f32| (0.0..=1e9).contains(n)).ok_or("expected a number from 0 to 1e9".to_owned())
+}
+
+fn cone(text: &str) -> std::result::Result<f64, String> {
+    text.parse().ok().filter(|angle: &f64| *angle > 0.0 && *angle <= 180.0).ok_or("expected an angle above 0 and at most 180".to_owned())
+}
+
+fn angles(text: &str) -> std::result::Result<[f64; 2], String> {
+    let parsed = text.split_once(',').and_then(|(theta, phi)| Some([theta.trim().parse().ok()?, phi.trim().parse().ok()?]));
+    let inside = |[theta, phi]: &[f64; 2]| (0.0..=180.0).contains(theta) && phi.is_finite();
+    parsed.filter(inside).ok_or("expected two angles in degrees such as 60,0; the first from 0 to 180".to_owned())
 }
 
 fn finite(text: &str) -> std::result::Result<f32, String> {

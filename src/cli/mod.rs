@@ -8,6 +8,7 @@ mod list;
 mod load;
 mod progress;
 mod render;
+mod sample;
 mod schema;
 mod signals;
 mod stats;
@@ -32,9 +33,9 @@ pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
     finish(run(args, tables), json)
 }
 
-fn finish(result: Result<()>, json: bool) -> ExitCode {
+fn finish(result: Result<ExitCode>, json: bool) -> ExitCode {
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) => {
             report(&error, json);
             ExitCode::from(error.exit_code())
@@ -46,7 +47,7 @@ fn finish(result: Result<()>, json: bool) -> ExitCode {
 fn answer(refusal: &clap::Error) -> ExitCode {
     let json = std::env::args_os().take_while(|arg| arg != "--").any(|arg| arg == "--json-errors");
     if !refusal.use_stderr() {
-        return finish(printed(refusal.print()), json);
+        return finish(printed(refusal.print()).map(|()| ExitCode::SUCCESS), json);
     }
     if json {
         return finish(Err(Error::Usage(sentence(refusal))), json);
@@ -62,13 +63,16 @@ fn sentence(refusal: &clap::Error) -> String {
     paragraph.trim_start_matches("error: ").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn run(args: Args, tables: &[&[Entry]]) -> Result<()> {
+/// What was asked for; a subcommand that judges may say no with an exit code of its own.
+fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
     match args.command {
-        Some(Command::Check(check)) => check::check(&check, tables),
-        Some(Command::List { what }) => list::list(what, tables),
-        Some(Command::Schema(args)) => schema::schema(&args, tables),
-        None => render::render(&args.render, tables),
+        Some(Command::Sample(args)) => return sample::sample(&args),
+        Some(Command::Check(check)) => check::check(&check, tables)?,
+        Some(Command::List { what }) => list::list(what, tables)?,
+        Some(Command::Schema(args)) => schema::schema(&args, tables)?,
+        None => render::render(&args.render, tables)?,
     }
+    Ok(ExitCode::SUCCESS)
 }
 
 /// One line per fault on stderr, or one JSON object.

@@ -76,10 +76,13 @@ pub struct Checker {
 pub struct Image {
     /// Relative to the scene file.
     pub file: String,
+    /// What its numbers mean.
     #[serde(default)]
     pub encoding: Encoding,
+    /// What lies beyond it.
     #[serde(default)]
     pub wrap: Wrap,
+    /// What lies between its pixels.
     #[serde(default)]
     pub filter: TextureFilter,
     /// How often the picture goes into one unit of the texture coordinates; `[u, v]` for each of them.
@@ -103,6 +106,7 @@ pub struct Noise {
     /// Each more is half as large and half as strong.
     #[serde(default = "six")]
     pub octaves: Octaves,
+    /// What it varies over.
     #[serde(default = "in_position")]
     pub on: TextureSpace,
 }
@@ -111,13 +115,16 @@ pub struct Noise {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Marble {
+    /// The colour of the stone.
     #[serde(default = "Textured::white")]
     pub base: Textured,
+    /// The colour of its veins.
     #[serde(default = "Textured::black")]
     pub veins: Textured,
     /// Radians of the layers' sine per unit along z.
     #[serde(default = "one")]
     pub scale: Positive,
+    /// What it varies over.
     #[serde(default = "in_position")]
     pub on: TextureSpace,
 }
@@ -126,7 +133,9 @@ pub struct Marble {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mix {
+    /// What shows where `share` is 0.
     pub a: Textured,
+    /// What shows where it is 1.
     pub b: Textured,
     /// Of `b`.
     pub share: Textured,
@@ -136,7 +145,9 @@ pub struct Mix {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Product {
+    /// The one factor.
     pub a: Textured,
+    /// The other.
     pub b: Textured,
 }
 

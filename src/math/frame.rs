@@ -32,7 +32,9 @@ impl Local {
 
     /// Both on the same side of the surface; a direction in the surface is on neither.
     pub fn same_side(self, other: Local) -> bool {
-        self.0.z * other.0.z > 0.0
+        // Not the sign of the product, which may underflow to 0.
+        let (a, b) = (self.0.z, other.0.z);
+        (a > 0.0 && b > 0.0) || (a < 0.0 && b < 0.0)
     }
 }
 

@@ -42,7 +42,9 @@ pub fn intersect(ray: &Ray, t_max: f32, corners: [Vec3; 3]) -> Option<ShapeHit> 
         t = t.max(along[0].min(along[1]).min(along[2])).min(along[0].max(along[1]).max(along[2]));
     }
     let hit = t as f32;
-    if hit <= 0.0 || hit >= t_max {
+    // False for a t_max of NaN, too.
+    let is_between = hit > 0.0 && hit < t_max;
+    if !is_between {
         return None;
     }
     let edge = |p: DVec3, q: DVec3| d.dot((q - p).cross(q + p));

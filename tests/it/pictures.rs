@@ -177,7 +177,7 @@ fn content_goes_before_the_name() {
 /// A scene that names a missing picture says where it does, whether within a material or under a name.
 #[test]
 fn missing_pictures_are_located() {
-    let scene = r#"{ "pt": 1, "textures": { "t": { "type": "image", "file": "a.png" } }, "shapes": [
+    let scene = r#"{ "pt": 1, "camera": {}, "textures": { "t": { "type": "image", "file": "a.png" } }, "shapes": [
         { "type": "sphere", "material": { "type": "diffuse", "albedo": { "type": "product", "a": 0.5, "b": { "type": "image", "file": "b.png" } } } },
         { "type": "sphere", "material": { "type": "mirror", "color": "t" } } ] }"#;
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");

@@ -1,0 +1,124 @@
+//! The density of a map is one over how much it stretches.
+
+use glam::{DVec2, DVec3, Vec2};
+
+use super::{Case, Input, Outcome, random_inputs, show};
+use crate::bsdf::{BsdfSample, TransportMode};
+use crate::math::{Density, Local};
+use crate::proof::Model;
+use crate::proof::report::{CERTAIN, CounterExample};
+
+/// Half the difference of u that derivatives are taken over, and half of that again: how much the two differ is the error.
+const STEP: f64 = 1.0 / 512.0;
+/// Beyond this error a point says too little. It is near a seam, or the lobe too narrow for f32.
+const LARGEST_ERROR: f64 = 0.02;
+/// What the estimate of the error may have missed.
+const MARGIN: f64 = 2e-3;
+
+/// pdf · |J| of one sample, and the chance of its lobe.
+struct Stretch {
+    input: Input,
+    wi: Local,
+    pdf: f64,
+    jacobian: f64,
+    share: f64,
+    error: f64,
+}
+
+pub fn jacobian(case: &Case) -> Outcome {
+    let tried = random_inputs(case, 5).filter(|input| input.wo.abs_cos() > 1e-3).take(POINTS);
+    let points: Vec<Stretch> = tried.filter_map(|input| stretch(case.model, input)).collect();
+    if points.is_empty() {
+        return Outcome::exempt("no sample has a density, or none where the map is smooth".into());
+    }
+    let exact = case.model.one_to_one();
+    let refusal = points.iter().find(|point| point.is_wrong(exact)).map(|point| point.refuse(exact));
+    let demand = if exact { "equal" } else { "at least (other ways may lead to the same direction)" };
+    Outcome::new(refusal, vec![format!("{} points where the map is smooth; pdf · |J| / chance must be {demand} 1", points.len())])
+}
+
+/// Each takes some hundred samples.
+const POINTS: usize = 2000;
+
+impl Stretch {
+    fn product(&self) -> f64 {
+        self.pdf * self.jacobian / self.share
+    }
+
+    fn is_wrong(&self, exact: bool) -> bool {
+        let off = self.product() - 1.0;
+        let tolerance = 4.0 * self.error + MARGIN;
+        off.is_nan() || off < -tolerance || (exact && off > tolerance)
+    }
+
+    fn refuse(&self, exact: bool) -> CounterExample {
+        let relation = if exact { "=" } else { "≥" };
+        CounterExample {
+            inputs: format!("{}, which gave wi = {}", self.input, show(self.wi)),
+            expected: format!(
+                "pdf {relation} chance / |∂ω/∂u| = {:.6} / {:.6e} = {:.6e}",
+                self.share,
+                self.jacobian,
+                self.share / self.jacobian
+            ),
+            found: format!("pdf = {:.6e}, {:.4} times that (derivative known to {:.1e})", self.pdf, self.product(), self.error),
+            sure: CERTAIN.into(),
+        }
+    }
+}
+
+fn stretch(model: &dyn Model, input: Input) -> Option<Stretch> {
+    let Input { wo, choice, u } = input;
+    if u.min_element() < 2.0 * STEP as f32 || u.max_element() > 1.0 - 2.0 * STEP as f32 {
+        return None;
+    }
+    let map = |choice: f32, u: Vec2| smooth(model.sample(wo, choice, u, TransportMode::Importance)?);
+    let (wi, pdf) = map(choice, u)?;
+    let derivative = |along: DVec2, step: f64| {
+        let end = |sign: f64| map(choice, (u.as_dvec2() + sign * step * along).as_vec2()).map(|(w, _)| w.0.as_dvec3());
+        Some((end(1.0)? - end(-1.0)?) / (2.0 * step))
+    };
+    let area = |step: f64| -> Option<(f64, DVec3, DVec3)> {
+        let (du, dv) = (derivative(DVec2::X, step)?, derivative(DVec2::Y, step)?);
+        // dω = |ω · (∂ω/∂u × ∂ω/∂v)|: along ω the noise of a coordinate near 1 does not count.
+        Some((wi.0.as_dvec3().dot(du.cross(dv)).abs(), du, dv))
+    };
+    let ((wide, ..), (jacobian, du, dv)) = (area(STEP)?, area(0.5 * STEP)?);
+    // Rounded twice over a step, on either side.
+    let noise = f64::from(f32::EPSILON) / STEP * (du.length() + dv.length()) / jacobian;
+    let error = ((wide - jacobian) / jacobian).abs() + noise;
+    let settled = error < LARGEST_ERROR && jacobian > 0.0;
+    settled.then(|| Stretch {
+        input,
+        wi,
+        pdf: f64::from(pdf),
+        jacobian,
+        share: share(|c| map(c, u).map(|(w, _)| w) == Some(wi), choice),
+        error,
+    })
+}
+
+fn smooth(sample: BsdfSample) -> Option<(Local, f32)> {
+    match sample.density {
+        Density::Smooth(pdf) => Some((sample.wi, pdf.get())),
+        Density::Delta => None,
+    }
+}
+
+/// The measure of the choices that lead to the same lobe as `own`: an interval, whose ends are found by halving.
+fn share(same: impl Fn(f32) -> bool, own: f32) -> f64 {
+    const HALVINGS: u32 = 24;
+    let end = |outer: f32| {
+        if same(outer) {
+            return outer;
+        }
+        let (mut inside, mut outside) = (own, outer);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (inside + outside);
+            *(if same(middle) { &mut inside } else { &mut outside }) = middle;
+        }
+        inside
+    };
+    let (low, high) = (end(0.0), end(crate::math::float::ONE_MINUS_EPSILON));
+    f64::from(high) - f64::from(low) + f64::from(crate::math::float::ROUNDING)
+}

@@ -1,0 +1,67 @@
+//! What is proved.
+
+use std::fmt::Debug;
+
+use glam::Vec2;
+
+use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
+use crate::math::{Local, SolidAnglePdf, Spectrum};
+
+/// A scattering model, as its proof sees it: pt's own, or anyone's.
+///
+/// The conventions are those of [`pt::bsdf`](crate::bsdf): directions are unit, local, and point away from the
+/// surface; the cosine is inside `eval`; `eval` and `pdf` are 0 for delta lobes. `Debug` is how a report names it.
+pub trait Model: Debug + Send + Sync {
+    /// f(wo, wi)·|cos θi| [sr⁻¹].
+    fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum;
+
+    /// The density with which [`sample`](Model::sample) returns `wi` [sr⁻¹].
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf;
+
+    /// A direction for `wo`; `None` where this draw leads nowhere.
+    fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample>;
+
+    /// All single directions that take a share of the light, with that share as weight.
+    fn delta_lobes(&self, _wo: Local, _mode: TransportMode) -> Vec<BsdfSample> {
+        vec![]
+    }
+
+    /// Whether it claims f(a, b) = f(b, a), up to η² through the surface.
+    fn reciprocal(&self) -> bool {
+        true
+    }
+
+    /// Whether `sample` reaches each direction from one `u` only, `choice` being the choice of a lobe.
+    ///
+    /// Then its density is the chance of the lobe over the Jacobian, exactly; where several ways lead
+    /// to one direction it is more.
+    fn one_to_one(&self) -> bool {
+        false
+    }
+}
+
+impl Model for Bsdf {
+    fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+        Bsdf::eval(self, wo, wi, mode)
+    }
+
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+        Bsdf::pdf(self, wo, wi)
+    }
+
+    fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        Bsdf::sample(self, wo, choice, u, mode)
+    }
+
+    fn delta_lobes(&self, wo: Local, mode: TransportMode) -> Vec<BsdfSample> {
+        Bsdf::delta_lobes(self, wo, mode).collect()
+    }
+
+    fn reciprocal(&self) -> bool {
+        Bsdf::reciprocal(self)
+    }
+
+    fn one_to_one(&self) -> bool {
+        matches!(self, Bsdf::Diffuse(_) | Bsdf::OrenNayar(_) | Bsdf::Phong(_))
+    }
+}

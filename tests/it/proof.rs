@@ -1,0 +1,182 @@
+//! The proof kit: pt's own models pass, deliberate bugs do not, and a false alarm is as rare as it says.
+
+mod mutants;
+
+use proptest::prelude::*;
+use pt::bsdf::{
+    BlinnPhong, Bsdf, Conductor, Dielectric, Diffuse, DiffuseTransmission, MatteCone, Metal, Mirror, OrenNayar, Phong, Plastic,
+};
+use pt::math::Spectrum;
+use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
+use pt::proof::{Case, CounterExample, Furnace, Options, Verdict, at, chi2, incidences, inputs_at, prove, reciprocity_at, weight_at};
+
+use crate::random::{Random, cases};
+use crate::statistics::{sidak, uniformity};
+
+/// Samples per incidence. `PT_PROOF_SAMPLES=1000000 cargo test --test it proof` gives the full figures.
+fn samples() -> u64 {
+    std::env::var("PT_PROOF_SAMPLES").ok().and_then(|n| n.parse().ok()).unwrap_or(100_000)
+}
+
+fn options() -> Options {
+    Options { samples: samples(), cases: 4000, ..Options::default() }
+}
+
+const COLOR: Spectrum = Spectrum::rgb(0.25, 0.5, 1.0);
+
+/// Every model, at the ends of its parameters and between them; whether it gives all light back.
+fn models() -> Vec<(Bsdf, bool)> {
+    let colored = [COLOR, Spectrum::ONE].into_iter().flat_map(|color| {
+        let cones = [0.0, 1e-6, 1e-4, 1e-3, 0.02, 0.3, 0.7, 1.0].map(|mattness| Bsdf::MatteCone(MatteCone { color, mattness }));
+        let glass = [1.0, 1.33, 1.5, 1.0 / 1.5, 2.42].map(|eta| Bsdf::Dielectric(Dielectric { eta, color }));
+        let plain = [Bsdf::Diffuse(Diffuse { albedo: color }), Bsdf::Mirror(Mirror { color })];
+        cones.into_iter().chain(glass).chain(plain).map(move |model| (model, color == Spectrum::ONE))
+    });
+    let gold = Conductor { eta: Spectrum::rgb(0.18, 0.42, 1.37), k: Spectrum::rgb(3.42, 2.35, 1.77) };
+    let matte = [0.0, 0.5, 1.0].map(|roughness| (Bsdf::OrenNayar(OrenNayar { albedo: Spectrum::ONE, roughness }), true));
+    let lobes = [0.0, 1.0, 30.0, 1e4].into_iter().flat_map(|exponent| {
+        [Bsdf::Phong(Phong { color: COLOR, exponent }), Bsdf::BlinnPhong(BlinnPhong { color: COLOR, exponent })].map(|lobe| (lobe, false))
+    });
+    // Narrower ones have a rim, where the density has a pole, that is mostly rounding: `matter` allows for it.
+    let shaken = [0.0, 0.2, 0.7, 1.0].map(|roughness| (Bsdf::Metal(Metal { color: COLOR, roughness }), false));
+    let coated = [1.0, 1.5, 2.42].map(|eta| {
+        let internal = Plastic::internal(eta);
+        (Bsdf::Plastic(Plastic { albedo: Spectrum::ONE, eta, internal }), true)
+    });
+    let (reflectance, transmittance) = (Spectrum::gray(0.25), Spectrum::gray(0.75));
+    let paper = (Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance, transmittance }), true);
+    colored.chain([(Bsdf::Conductor(gold), false), paper]).chain(matte).chain(lobes).chain(shaken).chain(coated).collect()
+}
+
+/// M4 and M7–M12: one family of tests, refused together with a probability of 1 %.
+#[test]
+fn own_models_are_proved() {
+    let models = models();
+    let refused: Vec<String> = models
+        .iter()
+        .map(|(model, lossless)| {
+            let furnace = if *lossless { Furnace::Lossless(0.0) } else { Furnace::Passive };
+            prove(model, &Options { suite: models.len(), furnace, ..options() })
+        })
+        .filter(|report| !report.accepts())
+        .map(|report| report.to_string())
+        .collect();
+    assert!(refused.is_empty(), "{}", refused.join("\n"));
+}
+
+fn refused(result: Result<(), CounterExample>) -> Result<(), TestCaseError> {
+    result.map_err(|example| TestCaseError::fail(format!("\n{example}")))
+}
+
+proptest! {
+    #![proptest_config(cases(100_000))]
+
+    /// The laws of single inputs, for generated models: what breaks one shrinks.
+    #[test]
+    fn own_models_obey_single_laws(
+        model in any_bsdf(), wo in sphere(), wi in sphere(), choice in uniform(), u in square(), mode in mode()
+    ) {
+        refused(inputs_at(&model, wo, wi, choice, u, mode))?;
+        refused(weight_at(&model, wo, choice, u, mode))?;
+        if model.reciprocal() {
+            refused(reciprocity_at(&model, wo, wi, 1.0))?;
+        }
+    }
+}
+
+/// `reciprocal()` = false is no excuse: where a model says so the kit finds a pair of directions that shows it.
+#[test]
+fn what_claims_not_to_be_reciprocal_is_not() {
+    for (model, _) in models().into_iter().filter(|(model, _)| !model.reciprocal()) {
+        let report = prove(&model, &Options { samples: 1000, incidences: incidences(&[0.6]), ..options() });
+        let finding = report.findings.iter().find(|finding| finding.law == "reciprocity").expect("a law of that name");
+        assert_eq!(finding.verdict, Verdict::Exempt);
+        assert!(finding.notes[0].contains("and it is not"), "{report}");
+    }
+}
+
+/// p of a right model is uniform: its deciles are hit equally often, and 5 % of runs fall below 5 %.
+#[test]
+fn false_alarms_are_as_frequent_as_they_say() {
+    const RUNS: u64 = 1000;
+    // Any bins and any shares, some of them sparse.
+    let shares: Vec<f64> = (1..=60).map(|k| 1.0 / f64::from(k)).collect();
+    let total: f64 = shares.iter().sum();
+    let mut random = Random::new(11);
+    let mut deciles = [0u64; 10];
+    let mut alarms = 0;
+    for _ in 0..RUNS {
+        let mut counts = vec![0u64; shares.len()];
+        for _ in 0..3000 {
+            let mut rest = random.unit() * total;
+            let bin = shares.iter().position(|share| {
+                rest -= share;
+                rest < 0.0
+            });
+            counts[bin.unwrap_or(0)] += 1;
+        }
+        let p = chi2(&shares, &counts).p;
+        deciles[((p * 10.0) as usize).min(9)] += 1;
+        alarms += u64::from(p < 0.05);
+    }
+    assert!(uniformity(&deciles) > sidak(2), "{deciles:?}");
+    // 50 ± 6.9: within 2.8 σ with a probability of 99.5 %.
+    assert!((31..=69).contains(&alarms), "{alarms} of {RUNS}");
+}
+
+/// The same of the law as a whole, with its quadrature and its samples: 40 runs at 20 % refuse about 8, never 20.
+#[test]
+fn the_whole_law_keeps_its_level() {
+    let model = Bsdf::MatteCone(MatteCone { color: COLOR, mattness: 0.3 });
+    let run = |seed| Options { alpha: 0.2, samples: 20_000, cases: 0, seed, incidences: vec![at(0.7, 1.0)], ..Options::default() };
+    let level = |options: &Options| Case::new(&model, options).level();
+    let smallest = |options: &Options| {
+        let case = Case::new(&model, options);
+        case.drawn[0].divisions.iter().map(|d| chi2(&d.shares, &d.counts).p).fold(1.0, f64::min)
+    };
+    // The level of one of nine tests; the chi² tests are three of them: 1 − (1 − 0.2)^(3/9) = 7.2 %, less for what they share.
+    assert!((level(&run(0)) - (1.0 - 0.8f64.powf(1.0 / 9.0))).abs() < 1e-12);
+    let alarms = (0..100)
+        .filter(|&seed| {
+            let options = run(seed);
+            smallest(&options) < level(&options)
+        })
+        .count();
+    // 7.2 of 100, σ 2.6: above 15 with a probability of 0.2 %.
+    assert!(alarms <= 15, "{alarms} false alarms of 100");
+}
+
+/// A counter-example can be repeated from what it prints, and says how sure it is.
+#[test]
+fn a_refusal_is_readable() {
+    let report = prove(&mutants::Lambert { cosine: false, consistent: false }, &options());
+    let text = report.to_string();
+    for part in ["REFUSED", "weight", "wo = (", "choice = ", "u = (", "expected", "found", "how sure", "certain"] {
+        assert!(text.contains(part), "{part:?} is missing in\n{text}");
+    }
+    assert!(report.into_result().is_err());
+}
+
+/// What f32 cannot tell apart is not judged, and the report says so; a little wider, it is.
+#[test]
+fn lobes_narrower_than_rounding_are_named() {
+    let options = Options { incidences: vec![at(0.8, 0.3)], ..options() };
+    for (mattness, said) in [(1e-6, true), (1e-3, false)] {
+        let report = prove(&Bsdf::MatteCone(MatteCone { color: COLOR, mattness }), &options);
+        assert_eq!(report.to_string().contains("narrower than f32"), said, "{report}");
+    }
+}
+
+/// A lobe far narrower than the finest grid is still proved: the cells of equal chance follow it.
+#[test]
+fn narrow_lobes_are_resolved() {
+    let model = mutants::Blinn { exponent: 1e6, bug: None };
+    let options = Options { incidences: vec![at(0.8, 0.3)], ..options() };
+    let case = Case::new(&model, &options);
+    let [fine, coarse, equal] = &case.drawn[0].divisions;
+    let freedom = |d: &pt::proof::Division| chi2(&d.shares, &d.counts).freedom;
+    assert!(freedom(coarse) <= 1 && freedom(fine) <= 8 && freedom(equal) > 200);
+    assert!(case.report().accepts(), "{}", case.report());
+    let wider = mutants::Blinn { exponent: 1e6, bug: Some(mutants::Bug::Width) };
+    assert!(prove(&wider, &options).refuses("chi2"));
+}
