@@ -14,7 +14,12 @@ pub mod dielectric;
 pub mod diffuse;
 pub mod material;
 pub mod matte_cone;
+pub mod metal;
+pub mod microfacet;
 pub mod mirror;
+pub mod rough_conductor;
+pub mod rough_dielectric;
+pub mod thin_dielectric;
 
 use glam::Vec2;
 
@@ -25,7 +30,11 @@ pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use material::Material;
 pub use matte_cone::MatteCone;
+pub use metal::Metal;
 pub use mirror::Mirror;
+pub use rough_conductor::RoughConductor;
+pub use rough_dielectric::RoughDielectric;
+pub use thin_dielectric::ThinDielectric;
 
 /// A scattering model at one point, its parameters looked up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +44,9 @@ pub enum Bsdf {
     Conductor(Conductor),
     Dielectric(Dielectric),
     MatteCone(MatteCone),
+    RoughConductor(RoughConductor),
+    RoughDielectric(RoughDielectric),
+    ThinDielectric(ThinDielectric),
 }
 
 /// What is transported: radiance (from the camera) is compressed by refraction, importance (from a light) is not.
@@ -68,11 +80,13 @@ pub type DeltaLobes = std::iter::Flatten<std::array::IntoIter<Option<BsdfSample>
 
 impl Bsdf {
     /// f(wo, wi)·|cos θi|; 0 for delta lobes.
-    pub fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
+    pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
         match self {
             Bsdf::Diffuse(b) => b.eval(wo, wi),
             Bsdf::MatteCone(b) => b.eval(wo, wi),
-            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => Spectrum::BLACK,
+            Bsdf::RoughConductor(b) => b.eval(wo, wi),
+            Bsdf::RoughDielectric(b) => b.eval(wo, wi, mode),
+            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => Spectrum::BLACK,
         }
     }
 
@@ -81,7 +95,9 @@ impl Bsdf {
         match self {
             Bsdf::Diffuse(b) => b.pdf(wo, wi),
             Bsdf::MatteCone(b) => b.pdf(wo, wi),
-            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => SolidAnglePdf::ZERO,
+            Bsdf::RoughConductor(b) => b.pdf(wo, wi),
+            Bsdf::RoughDielectric(b) => b.pdf(wo, wi),
+            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => SolidAnglePdf::ZERO,
         }
     }
 
@@ -95,27 +111,40 @@ impl Bsdf {
             Bsdf::Mirror(b) => b.sample(wo),
             Bsdf::Conductor(b) => b.sample(wo),
             Bsdf::Dielectric(b) => b.sample(wo, choice, mode),
+            Bsdf::RoughConductor(b) => b.sample(wo, choice, u),
+            Bsdf::RoughDielectric(b) => b.sample(wo, choice, u, mode),
+            Bsdf::ThinDielectric(b) => b.sample(wo, choice),
         }
     }
 
     /// The single directions into which a share of the light goes, with that share as weight.
     pub fn delta_lobes(&self, wo: Local, mode: TransportMode) -> DeltaLobes {
         let lobes = match self {
-            Bsdf::Diffuse(_) => [None, None],
+            Bsdf::Diffuse(_) | Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) => [None, None],
             Bsdf::MatteCone(b) => [b.delta_lobe(wo), None],
             Bsdf::Mirror(b) => [b.sample(wo), None],
             Bsdf::Conductor(b) => [b.sample(wo), None],
             Bsdf::Dielectric(b) => b.delta_lobes(wo, mode),
+            Bsdf::ThinDielectric(b) => b.delta_lobes(wo),
         };
         lobes.into_iter().flatten()
+    }
+
+    /// The same surface of a body that took light on the way to it; a metal has no inside.
+    fn dimmed(self, left: Spectrum) -> Bsdf {
+        match self {
+            Bsdf::Dielectric(b) => Bsdf::Dielectric(Dielectric { color: b.color * left, ..b }),
+            Bsdf::RoughDielectric(b) => Bsdf::RoughDielectric(RoughDielectric { color: b.color * left, ..b }),
+            other => other,
+        }
     }
 
     /// Whether there is anything that [`Bsdf::eval`] sees.
     pub fn has_smooth_lobe(&self) -> bool {
         match self {
-            Bsdf::Diffuse(_) => true,
+            Bsdf::Diffuse(_) | Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) => true,
             Bsdf::MatteCone(b) => !b.is_mirror(),
-            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => false,
+            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => false,
         }
     }
 
@@ -123,6 +152,7 @@ impl Bsdf {
     pub fn reciprocal(&self) -> bool {
         match self {
             Bsdf::Diffuse(_) | Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => true,
+            Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) | Bsdf::ThinDielectric(_) => true,
             Bsdf::MatteCone(b) => b.is_mirror(),
         }
     }

@@ -4,7 +4,13 @@ use std::f64::consts::TAU;
 
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
-use pt::bsdf::{Bsdf, Conductor, Dielectric, Diffuse, Lobe, MatteCone, Mirror, TransportMode};
+use pt::bsdf::microfacet::albedo::Domain;
+use pt::bsdf::microfacet::{Distribution, Microfacets};
+use pt::bsdf::rough_conductor::{self, MoreReflections};
+use pt::bsdf::rough_dielectric::{self, MoreEncounters};
+use pt::bsdf::{
+    Bsdf, Conductor, Dielectric, Diffuse, Lobe, MatteCone, Mirror, RoughConductor, RoughDielectric, ThinDielectric, TransportMode,
+};
 use pt::math::float::ONE_MINUS_EPSILON;
 use pt::math::{Density, Local, Spectrum};
 
@@ -24,9 +30,64 @@ fn eta() -> impl Strategy<Value = f32> {
     prop_oneof![Just(1.0f32), Just(1.5), Just(1.0 / 1.5), Just(1.000001), (-0.5f32..0.5).prop_map(|e| 10f32.powf(e))]
 }
 
+fn distribution() -> impl Strategy<Value = Distribution> {
+    prop_oneof![Just(Distribution::Ggx), Just(Distribution::Beckmann)]
+}
+
+/// Down to the smoothest that is still rough, and beyond 1; one in four rougher one way than the other.
+fn facets() -> impl Strategy<Value = Microfacets> {
+    let alpha = || prop_oneof![4 => (-6f32..0.0).prop_map(|e| 10f32.powf(e)), 1 => Just(1.0f32), 1 => Just(3.1f32), 1 => Just(1e-6f32)];
+    (alpha(), alpha(), 0..4, distribution())
+        .prop_map(|(x, y, way, distribution)| Microfacets { alpha: Vec2::new(x, if way == 0 { y } else { x }), distribution })
+}
+
+/// Some whose tables are made once.
+fn tabulated_facets() -> impl Strategy<Value = Microfacets> {
+    let alpha = prop::sample::select(vec![Vec2::splat(1e-3), Vec2::splat(0.1), Vec2::splat(0.6), Vec2::new(0.8, 0.2)]);
+    (alpha, distribution()).prop_map(|(alpha, distribution)| Microfacets { alpha, distribution })
+}
+
+fn rough_metal(eta: Spectrum, k: Spectrum) -> impl Strategy<Value = Bsdf> {
+    let compensated = move |facets: Microfacets| {
+        let losses = rough_conductor::losses(Domain::One(facets.alpha), facets.distribution);
+        let more = MoreReflections::new(losses, facets.alpha, rough_conductor::mean_reflectance(eta, k));
+        Bsdf::RoughConductor(RoughConductor { eta, k, facets, more })
+    };
+    prop_oneof![
+        2 => facets().prop_map(move |facets| Bsdf::RoughConductor(RoughConductor { eta, k, facets, more: None })),
+        1 => tabulated_facets().prop_map(compensated),
+    ]
+}
+
+fn rough_glass() -> impl Strategy<Value = Bsdf> {
+    let tabulated = prop::sample::select(vec![1.5f32, 1.0 / 1.5, 2.42]);
+    let compensated = |(eta, color, facets): (f32, Spectrum, Microfacets)| {
+        let losses = rough_dielectric::losses(eta, Domain::One(facets.alpha), facets.distribution);
+        Bsdf::RoughDielectric(RoughDielectric { eta, color, facets, more: MoreEncounters::new(losses, facets.alpha, eta) })
+    };
+    let plain = |(eta, color, facets): (f32, Spectrum, Microfacets)| {
+        let rough = RoughDielectric::is_rough(eta, facets.alpha);
+        let model = RoughDielectric { eta, color, facets, more: None };
+        if rough { Bsdf::RoughDielectric(model) } else { Bsdf::Dielectric(Dielectric { eta, color }) }
+    };
+    prop_oneof![
+        2 => (eta(), color(), facets()).prop_map(plain),
+        1 => (tabulated, color(), tabulated_facets()).prop_map(compensated),
+    ]
+}
+
+fn is_rough(model: &Bsdf) -> bool {
+    matches!(model, Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_))
+}
+
 fn model() -> impl Strategy<Value = Bsdf> {
     let metal = ([0.05f32..5.0, 0.05f32..5.0, 0.05f32..5.0], [0f32..9.0, 0f32..9.0, 0f32..9.0]);
+    let rough = ([0.05f32..5.0, 0.05f32..5.0, 0.05f32..5.0], [0f32..9.0, 0f32..9.0, 0f32..9.0])
+        .prop_flat_map(|([a, b, c], [d, e, f])| rough_metal(Spectrum::rgb(a, b, c), Spectrum::rgb(d, e, f)));
     prop_oneof![
+        rough,
+        rough_glass(),
+        (eta(), color()).prop_map(|(eta, color)| Bsdf::ThinDielectric(ThinDielectric { eta, color })),
         color().prop_map(|albedo| Bsdf::Diffuse(Diffuse { albedo })),
         color().prop_map(|color| Bsdf::Mirror(Mirror { color })),
         metal.prop_map(|([a, b, c], [d, e, f])| Bsdf::Conductor(Conductor { eta: Spectrum::rgb(a, b, c), k: Spectrum::rgb(d, e, f) })),
@@ -68,6 +129,13 @@ fn bound(model: &Bsdf) -> Spectrum {
         Bsdf::Conductor(_) => Spectrum::ONE,
         Bsdf::Dielectric(b) => b.color,
         Bsdf::MatteCone(b) => b.color,
+        Bsdf::ThinDielectric(b) => b.color,
+        // Three roundings in the division by the density.
+        Bsdf::RoughConductor(RoughConductor { more: None, .. }) => Spectrum::gray(1.0 + 4.0 * ULP),
+        Bsdf::RoughDielectric(b) if b.more.is_none() => b.color * (1.0 + 4.0 * ULP),
+        // One lobe may be sampled where the other is bright: only the mean is bounded.
+        Bsdf::RoughConductor(_) => Spectrum::gray(f32::MAX),
+        Bsdf::RoughDielectric(b) => b.color * f32::MAX,
     }
 }
 
@@ -88,7 +156,7 @@ proptest! {
     #[test]
     fn sample_eval_pdf_agree(model in model(), wo in direction(), choice in uniform(), u in square(), mode in mode()) {
         let Some(sample) = model.sample(wo, choice, u, mode) else {
-            prop_assert!(bound(&model).is_black() || matches!(model, Bsdf::MatteCone(_)), "{model:?} gave nothing");
+            prop_assert!(bound(&model).is_black() || matches!(model, Bsdf::MatteCone(_)) || is_rough(&model), "{model:?} gave nothing");
             return Ok(());
         };
         let wi = sample.wi;
@@ -122,8 +190,13 @@ proptest! {
         let f = model.eval(wo, wi, TransportMode::Radiance);
         let pdf = model.pdf(wo, wi).get();
         prop_assert!(f.is_valid() && pdf >= 0.0 && pdf.is_finite());
-        prop_assert_eq!(f, model.eval(wo, wi, TransportMode::Importance));
-        prop_assert!(wo.same_side(wi) || (f.is_black() && pdf == 0.0));
+        if let (Bsdf::RoughDielectric(glass), false) = (model, wo.same_side(wi)) {
+            let eta = if wo.cos() > 0.0 { glass.eta } else { 1.0 / glass.eta };
+            prop_assert!(near(f * (eta * eta), model.eval(wo, wi, TransportMode::Importance), 4.0 * ULP));
+        } else {
+            prop_assert_eq!(f, model.eval(wo, wi, TransportMode::Importance));
+            prop_assert!(wo.same_side(wi) || (f.is_black() && pdf == 0.0));
+        }
         // Sampling finds whatever is there.
         prop_assert!(f.is_black() || pdf > 0.0);
     }
@@ -196,7 +269,10 @@ proptest! {
             return Ok(());
         }
         let (there, back) = (model.eval(wo, wi, TransportMode::Radiance), model.eval(wi, wo, TransportMode::Radiance));
-        prop_assert!(near(there * wo.abs_cos(), back * wi.abs_cos(), 4e-6));
+        // Per η² on the side that is looked from.
+        let eta = |w: Local| if let (Bsdf::RoughDielectric(glass), true) = (model, w.cos() < 0.0) { glass.eta } else { 1.0 };
+        let (there, back) = (there * (wo.abs_cos() / eta(wo).powi(2)), back * (wi.abs_cos() / eta(wi).powi(2)));
+        prop_assert!(near(there, back, 4e-6), "{there:?} but {back:?}");
         for lobe in model.delta_lobes(wo, TransportMode::Importance) {
             let reverse = model.delta_lobes(lobe.wi, TransportMode::Importance).find(|r| r.lobe == lobe.lobe);
             let reverse = reverse.map_or(Spectrum::BLACK, |r| r.weight);

@@ -1,12 +1,14 @@
 //! Materials and the textures on them.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::{Builder, rgb, spectrum};
-use crate::bsdf::Material;
-use crate::describe::{self, CheckerOn, MaterialRef, Textured};
+use crate::bsdf::microfacet::finish::{self, Alpha, Finish};
+use crate::bsdf::microfacet::{Distribution, Microfacets};
+use crate::bsdf::{Material, Metal};
+use crate::describe::{self, CheckerOn, Fraction, MaterialRef, Textured};
 use crate::effects::Effects;
-use crate::math::{Spectrum, Transform};
+use crate::math::{Spectrum, Transform, float};
 use crate::texture::{Checker, Space, Texture};
 use crate::world::MaterialId;
 
@@ -40,10 +42,60 @@ impl Builder<'_> {
         match described {
             M::Diffuse(m) => Material::Diffuse { albedo: self.textured(&m.albedo) },
             M::Mirror(m) => Material::Mirror { color: self.textured(&m.color) },
-            M::Conductor(m) => Material::Conductor { eta: rgb(m.eta.each()), k: rgb(m.k.each()) },
-            M::Dielectric(m) => Material::Dielectric { eta: m.eta.get() as f32, color: self.textured(&m.color) },
+            M::Conductor(m) => self.conductor(m),
+            M::Dielectric(m) => self.dielectric(m),
+            M::ThinDielectric(m) => Material::ThinDielectric { eta: m.eta.get() as f32, color: self.textured(&m.color) },
             M::MatteCone(m) => Material::MatteCone { color: self.textured(&m.color), mattness: m.mattness.get() as f32 },
         }
+    }
+
+    fn conductor(&mut self, m: &describe::Conductor) -> Material {
+        let named = m.metal.map(|metal| metal_of(metal).index());
+        let each = |values: Option<[f64; 3]>| values.map_or(Spectrum::BLACK, rgb);
+        let (eta, k) = named.unwrap_or_else(|| (each(m.eta.map(|v| v.each())), each(m.k.map(|v| v.each()))));
+        match self.finish(&m.roughness, m.anisotropy, m.alpha, m.distribution) {
+            None => Material::Conductor { eta, k },
+            Some(finish) => Material::rough_conductor(eta, k, finish, m.multiscatter),
+        }
+    }
+
+    fn dielectric(&mut self, m: &describe::Dielectric) -> Material {
+        let (eta, color) = (m.eta.get() as f32, self.textured(&m.color));
+        let surface = match self.finish(&m.roughness, m.anisotropy, m.alpha, m.distribution) {
+            None => Material::Dielectric { eta, color },
+            Some(finish) => Material::rough_glass(eta, color, finish, m.multiscatter),
+        };
+        match &m.absorption {
+            None => surface,
+            Some(a) => {
+                let left = spectrum(&a.color);
+                let absorption = left.map(|left| -float::ln(left) / a.distance.get() as f32);
+                Material::Filled { surface: Box::new(surface), absorption }
+            }
+        }
+    }
+
+    /// `None` for a surface that is smooth everywhere.
+    fn finish(
+        &mut self,
+        roughness: &Textured,
+        anisotropy: Fraction,
+        width: Option<describe::Alpha>,
+        distribution: describe::Distribution,
+    ) -> Option<Finish> {
+        let anisotropy = anisotropy.get() as f32;
+        let alpha = match (width, self.textured(roughness)) {
+            (Some(describe::Alpha::Round(width)), _) => Alpha::Constant(Vec2::splat(width.get() as f32)),
+            (Some(describe::Alpha::Along(widths)), _) => Alpha::Constant(Vec2::from(widths.map(|width| width.get() as f32))),
+            (None, Texture::Constant(roughness)) => Alpha::Constant(finish::alpha(roughness.average(), anisotropy)),
+            (None, roughness) => Alpha::Textured { roughness, anisotropy },
+        };
+        let distribution = match distribution {
+            describe::Distribution::Ggx => Distribution::Ggx,
+            describe::Distribution::Beckmann => Distribution::Beckmann,
+        };
+        let smooth = matches!(alpha, Alpha::Constant(alpha) if Microfacets::new(alpha, distribution).is_none());
+        (!smooth).then_some(Finish { alpha, distribution })
     }
 
     fn textured(&mut self, described: &Textured) -> Texture {
@@ -83,5 +135,21 @@ fn kind(described: &describe::Material) -> &'static str {
         describe::Material::Conductor(_) => "conductor",
         describe::Material::Dielectric(_) => "dielectric",
         describe::Material::MatteCone(_) => "matte_cone",
+        describe::Material::ThinDielectric(_) => "thin_dielectric",
+    }
+}
+
+fn metal_of(described: describe::Metal) -> Metal {
+    use describe::Metal as M;
+    match described {
+        M::Ag => Metal::Ag,
+        M::Al => Metal::Al,
+        M::Au => Metal::Au,
+        M::Cr => Metal::Cr,
+        M::Cu => Metal::Cu,
+        M::Fe => Metal::Fe,
+        M::Ni => Metal::Ni,
+        M::Ti => Metal::Ti,
+        M::W => Metal::W,
     }
 }
