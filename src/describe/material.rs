@@ -45,13 +45,13 @@ pub struct Mirror {
     pub color: Textured,
 }
 
-/// Metal: a polished mirror, or rough. Either by name, or by its index of refraction eta − i·k.
+/// Element: a polished mirror, or rough. Either by name, or by its index of refraction eta − i·k.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Conductor {
     /// A chemical element: its published index, reduced to red, green and blue.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub metal: Option<Metal>,
+    pub metal: Option<Element>,
     /// Real part of the index of refraction, relative to the outside.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eta: Option<PerChannel<Index>>,
@@ -153,7 +153,7 @@ pub enum Distribution {
 /// A metal, by its chemical symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[schemars(inline)]
-pub enum Metal {
+pub enum Element {
     /// Silver.
     Ag,
     /// Aluminium.

@@ -18,7 +18,7 @@ mod intersection;
 mod light_choice;
 mod lights;
 mod marked;
-mod matter;
+mod absorption;
 mod meshes;
 mod microfacets;
 mod offsets;

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use super::{Builder, rgb, spectrum};
 use crate::bsdf::microfacet::finish::{self, Alpha, Finish};
 use crate::bsdf::microfacet::{Distribution, Microfacets};
-use crate::bsdf::{Material, Metal};
+use crate::bsdf::{Material, Element};
 use crate::describe::{self, CheckerOn, Fraction, MaterialRef, Textured};
 use crate::effects::Effects;
 use crate::math::{Spectrum, Transform, float};
@@ -139,17 +139,17 @@ fn kind(described: &describe::Material) -> &'static str {
     }
 }
 
-fn metal_of(described: describe::Metal) -> Metal {
-    use describe::Metal as M;
+fn metal_of(described: describe::Element) -> Element {
+    use describe::Element as M;
     match described {
-        M::Ag => Metal::Ag,
-        M::Al => Metal::Al,
-        M::Au => Metal::Au,
-        M::Cr => Metal::Cr,
-        M::Cu => Metal::Cu,
-        M::Fe => Metal::Fe,
-        M::Ni => Metal::Ni,
-        M::Ti => Metal::Ti,
-        M::W => Metal::W,
+        M::Ag => Element::Ag,
+        M::Al => Element::Al,
+        M::Au => Element::Au,
+        M::Cr => Element::Cr,
+        M::Cu => Element::Cu,
+        M::Fe => Element::Fe,
+        M::Ni => Element::Ni,
+        M::Ti => Element::Ti,
+        M::W => Element::W,
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish};
-use pt::bsdf::{Material, Metal};
+use pt::bsdf::{Material, Element};
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::Integrator;
@@ -70,7 +70,7 @@ impl Zoo {
         let gold = world.material(Material::Conductor { eta: Spectrum::rgb(0.2, 0.9, 1.1), k: Spectrum::rgb(3.9, 2.4, 2.2) });
         let glass = world.material(Material::glass(1.5));
         let finish = |alpha: Vec2, distribution| Finish { alpha: Alpha::Constant(alpha), distribution };
-        let (eta, k) = Metal::Cu.index();
+        let (eta, k) = Element::Cu.index();
         let brushed = world.material(Material::rough_conductor(eta, k, finish(Vec2::new(0.3, 0.06), Distribution::Ggx), true));
         let frosted = Material::rough_glass(1.5, Spectrum::ONE, finish(Vec2::splat(0.2), Distribution::Beckmann), true);
         let absorption = Spectrum::rgb(0.3, 1.0, 2.0) * (1.0 / self.scale) as f32;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish, alpha};
-use pt::bsdf::{Bsdf, Lobe, Material, Metal, ThinDielectric, TransportMode};
+use pt::bsdf::{Bsdf, Lobe, Material, Element, ThinDielectric, TransportMode};
 use pt::light::{Environment, Light};
 use pt::math::fresnel::{conductor, dielectric};
 use pt::math::{Local, Ray, Spectrum, Transform};
@@ -38,7 +38,7 @@ fn daylight(wavelength: f64) -> f64 {
 }
 
 /// n and k as published, by straight lines between the wavelengths.
-fn published(metal: Metal, wavelength: f64) -> (f64, f64) {
+fn published(metal: Element, wavelength: f64) -> (f64, f64) {
     let table = metal.published();
     let after = table.iter().position(|row| row.0 > wavelength).unwrap_or(table.len() - 1).max(1);
     let (a, b) = (table[after - 1], table[after]);
@@ -51,7 +51,7 @@ fn published(metal: Metal, wavelength: f64) -> (f64, f64) {
 #[test]
 fn metals_have_the_colour_of_their_spectrum() {
     const RGB: [[f64; 3]; 3] = [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
-    for metal in Metal::ALL {
+    for metal in Element::ALL {
         let reflectance = |wavelength| {
             let (n, k) = published(metal, wavelength);
             ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k)
@@ -147,7 +147,7 @@ fn rough_bodies_vanish_in_white_light() {
 #[test]
 fn grain_follows_the_texture() {
     let finish = Finish { alpha: Alpha::Constant(alpha(0.5, 0.8)), distribution: Distribution::Ggx };
-    let (eta, k) = Metal::Fe.index();
+    let (eta, k) = Element::Fe.index();
     let brushed = || Material::rough_conductor(eta, k, finish.clone(), false);
     let turn = Transform::rotate(DVec3::Z, 30.0).expect("an axis");
     let x = Vec3::new(0.75f32.sqrt(), 0.5, 0.0);

@@ -18,7 +18,7 @@ use crate::math::Spectrum;
 
 /// A chemical element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Metal {
+pub enum Element {
     Ag,
     Al,
     Au,
@@ -33,8 +33,8 @@ pub enum Metal {
 /// A wavelength (nm), n and k.
 pub type Measured = (f64, f64, f64);
 
-impl Metal {
-    pub const ALL: [Metal; 9] = [Metal::Ag, Metal::Al, Metal::Au, Metal::Cr, Metal::Cu, Metal::Fe, Metal::Ni, Metal::Ti, Metal::W];
+impl Element {
+    pub const ALL: [Element; 9] = [Element::Ag, Element::Al, Element::Au, Element::Cr, Element::Cu, Element::Fe, Element::Ni, Element::Ti, Element::W];
 
     /// η and k of the complex index, for each coefficient of the spectrum.
     pub fn index(self) -> (Spectrum, Spectrum) {
@@ -78,7 +78,7 @@ impl Metal {
     /// The visible part of what was measured, by wavelength.
     pub const fn published(self) -> &'static [Measured] {
         match self {
-            Metal::Ag => &[
+            Element::Ag => &[
                 (381.5, 0.05, 1.864),
                 (397.4, 0.05, 2.070),
                 (413.3, 0.05, 2.275),
@@ -93,7 +93,7 @@ impl Metal {
                 (659.5, 0.05, 4.483),
                 (704.5, 0.04, 4.838),
             ],
-            Metal::Al => &[
+            Element::Al => &[
                 (364.66, 0.39877, 4.3957),
                 (413.28, 0.52135, 5.0008),
                 (442.80, 0.60790, 5.3676),
@@ -105,7 +105,7 @@ impl Metal {
                 (688.81, 1.8301, 8.0601),
                 (729.32, 2.1606, 8.3565),
             ],
-            Metal::Au => &[
+            Element::Au => &[
                 (381.5, 1.46, 1.933),
                 (397.4, 1.47, 1.952),
                 (413.3, 1.46, 1.958),
@@ -120,7 +120,7 @@ impl Metal {
                 (659.5, 0.14, 3.697),
                 (704.5, 0.13, 4.103),
             ],
-            Metal::Cr => &[
+            Element::Cr => &[
                 (381.0, 1.92, 2.74),
                 (397.0, 2.00, 2.83),
                 (413.0, 2.08, 2.93),
@@ -135,7 +135,7 @@ impl Metal {
                 (659.0, 3.09, 3.34),
                 (704.0, 3.05, 3.39),
             ],
-            Metal::Cu => &[
+            Element::Cu => &[
                 (381.5, 1.33, 2.045),
                 (397.4, 1.32, 2.116),
                 (413.3, 1.28, 2.207),
@@ -150,7 +150,7 @@ impl Metal {
                 (659.5, 0.22, 3.747),
                 (704.5, 0.21, 4.205),
             ],
-            Metal::Fe => &[
+            Element::Fe => &[
                 (381.0, 2.12, 2.50),
                 (397.0, 2.24, 2.58),
                 (413.0, 2.35, 2.65),
@@ -165,7 +165,7 @@ impl Metal {
                 (659.0, 2.92, 3.10),
                 (704.0, 2.86, 3.19),
             ],
-            Metal::Ni => &[
+            Element::Ni => &[
                 (381.0, 1.72, 2.48),
                 (397.0, 1.72, 2.57),
                 (413.0, 1.70, 2.69),
@@ -180,7 +180,7 @@ impl Metal {
                 (659.0, 1.99, 4.26),
                 (704.0, 2.06, 4.50),
             ],
-            Metal::Ti => &[
+            Element::Ti => &[
                 (381.0, 1.99, 2.93),
                 (397.0, 2.08, 2.95),
                 (413.0, 2.14, 2.98),
@@ -195,7 +195,7 @@ impl Metal {
                 (659.0, 2.76, 3.84),
                 (704.0, 2.86, 3.96),
             ],
-            Metal::W => &[
+            Element::W => &[
                 (386.6, 3.458, 2.490),
                 (400.2, 3.406, 2.415),
                 (425.3, 3.346, 2.439),
