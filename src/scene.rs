@@ -50,6 +50,12 @@ impl Surface {
         Surface { frame: Frame::around(point.ns), point, bsdf, emission, light }
     }
 
+    /// With the x axis of its frame along a tangent; as it is where there is none.
+    pub fn along(self, tangent: Option<Vec3>) -> Surface {
+        let frame = tangent.and_then(|x| Frame::along(self.point.ns, x));
+        Surface { frame: frame.unwrap_or(self.frame), ..self }
+    }
+
     /// Radiance that the surface itself sends into `w`.
     pub fn emitted(&self, w: Vec3) -> Spectrum {
         self.emission.map_or(Spectrum::BLACK, |e| e.towards(self.point.ng, w))

@@ -168,7 +168,8 @@ impl Scene for World {
         let part = if dress.materials.len() > 1 { shape.part(hit.primitive) as usize } else { 0 };
         let material = &self.materials[dress.materials[part].0 as usize];
         let emission = dress.emission.map(|e| (e, dress.first_light + hit.primitive));
-        Surface::new(point, material.at(&point), emission)
+        let surface = Surface::new(point, material.met(&point, ray, hit.t), emission);
+        if material.is_anisotropic() { surface.along(shape.tangent(hit.primitive, &point)) } else { surface }
     }
 
     fn lights(&self) -> &Lights {

@@ -14,13 +14,18 @@ pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
 pub mod diffuse_transmission;
+pub mod element;
 pub mod material;
 pub mod matte_cone;
 pub mod metal;
+pub mod microfacet;
 pub mod mirror;
 pub mod oren_nayar;
 pub mod phong;
 pub mod plastic;
+pub mod rough_conductor;
+pub mod rough_dielectric;
+pub mod thin_dielectric;
 
 use glam::Vec2;
 
@@ -31,6 +36,7 @@ pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
+pub use element::Element;
 pub use material::Material;
 pub use matte_cone::MatteCone;
 pub use metal::Metal;
@@ -38,6 +44,9 @@ pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
 pub use phong::Phong;
 pub use plastic::Plastic;
+pub use rough_conductor::RoughConductor;
+pub use rough_dielectric::RoughDielectric;
+pub use thin_dielectric::ThinDielectric;
 
 /// A scattering model at one point, its parameters looked up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +62,9 @@ pub enum Bsdf {
     Metal(Metal),
     Plastic(Plastic),
     DiffuseTransmission(DiffuseTransmission),
+    RoughConductor(RoughConductor),
+    RoughDielectric(RoughDielectric),
+    ThinDielectric(ThinDielectric),
 }
 
 /// What is transported: radiance (from the camera) is compressed by refraction, importance (from a light) is not.
@@ -86,7 +98,7 @@ pub type DeltaLobes = std::iter::Flatten<std::array::IntoIter<Option<BsdfSample>
 
 impl Bsdf {
     /// f(wo, wi)·|cos θi|; 0 for delta lobes.
-    pub fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
+    pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
         match self {
             Bsdf::Diffuse(b) => b.eval(wo, wi),
             Bsdf::MatteCone(b) => b.eval(wo, wi),
@@ -96,7 +108,9 @@ impl Bsdf {
             Bsdf::Metal(b) => b.eval(wo, wi),
             Bsdf::Plastic(b) => b.eval(wo, wi),
             Bsdf::DiffuseTransmission(b) => b.eval(wo, wi),
-            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => Spectrum::BLACK,
+            Bsdf::RoughConductor(b) => b.eval(wo, wi),
+            Bsdf::RoughDielectric(b) => b.eval(wo, wi, mode),
+            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => Spectrum::BLACK,
         }
     }
 
@@ -111,7 +125,9 @@ impl Bsdf {
             Bsdf::Metal(b) => b.pdf(wo, wi),
             Bsdf::Plastic(b) => b.pdf(wo, wi),
             Bsdf::DiffuseTransmission(b) => b.pdf(wo, wi),
-            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => SolidAnglePdf::ZERO,
+            Bsdf::RoughConductor(b) => b.pdf(wo, wi),
+            Bsdf::RoughDielectric(b) => b.pdf(wo, wi),
+            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => SolidAnglePdf::ZERO,
         }
     }
 
@@ -131,6 +147,9 @@ impl Bsdf {
             Bsdf::Metal(b) => b.sample(wo, u),
             Bsdf::Plastic(b) => b.sample(wo, choice, u),
             Bsdf::DiffuseTransmission(b) => b.sample(wo, choice, u),
+            Bsdf::RoughConductor(b) => b.sample(wo, choice, u),
+            Bsdf::RoughDielectric(b) => b.sample(wo, choice, u, mode),
+            Bsdf::ThinDielectric(b) => b.sample(wo, choice),
         }
     }
 
@@ -143,19 +162,30 @@ impl Bsdf {
             Bsdf::Mirror(b) => [b.sample(wo), None],
             Bsdf::Conductor(b) => [b.sample(wo), None],
             Bsdf::Dielectric(b) => b.delta_lobes(wo, mode),
+            Bsdf::ThinDielectric(b) => b.delta_lobes(wo),
             Bsdf::Diffuse(_) | Bsdf::OrenNayar(_) | Bsdf::Phong(_) | Bsdf::BlinnPhong(_) | Bsdf::DiffuseTransmission(_) => [None, None],
+            Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) => [None, None],
         };
         lobes.into_iter().flatten()
+    }
+
+    /// The same surface of a body that took light on the way to it; a metal has no inside.
+    fn dimmed(self, left: Spectrum) -> Bsdf {
+        match self {
+            Bsdf::Dielectric(b) => Bsdf::Dielectric(Dielectric { color: b.color * left, ..b }),
+            Bsdf::RoughDielectric(b) => Bsdf::RoughDielectric(RoughDielectric { color: b.color * left, ..b }),
+            other => other,
+        }
     }
 
     /// Whether there is anything that [`Bsdf::eval`] sees.
     pub fn has_smooth_lobe(&self) -> bool {
         match self {
             Bsdf::Diffuse(_) | Bsdf::OrenNayar(_) | Bsdf::Phong(_) | Bsdf::BlinnPhong(_) => true,
-            Bsdf::Plastic(_) | Bsdf::DiffuseTransmission(_) => true,
+            Bsdf::Plastic(_) | Bsdf::DiffuseTransmission(_) | Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) => true,
             Bsdf::MatteCone(b) => !b.is_mirror(),
             Bsdf::Metal(b) => !b.is_mirror(),
-            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => false,
+            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => false,
         }
     }
 
@@ -164,6 +194,7 @@ impl Bsdf {
         match self {
             Bsdf::Diffuse(_) | Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => true,
             Bsdf::OrenNayar(_) | Bsdf::Plastic(_) | Bsdf::DiffuseTransmission(_) => true,
+            Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) | Bsdf::ThinDielectric(_) => true,
             Bsdf::MatteCone(b) => b.is_mirror(),
             Bsdf::Metal(b) => b.is_mirror(),
             Bsdf::Phong(_) | Bsdf::BlinnPhong(_) => false,

@@ -6,11 +6,12 @@ use super::camera::Camera;
 use super::cycles;
 use super::film::Film;
 use super::light::{Light, SpotLight};
-use super::material::{Material, MaterialRef};
+use super::material::{Alpha, Conductor, Material, MaterialRef};
 use super::scene::Scene;
 use super::shape::{Mesh, Shape};
 use super::texture::{Texture, Textured};
 use super::transform::{LookAt, Transform};
+use super::value::Fraction;
 use crate::reader::{Faults, Node, escaped, unknown};
 
 /// Adds to `faults` what is wrong with `scene`, which was read from `root`.
@@ -101,6 +102,32 @@ impl Checker<'_> {
     fn material(&self, pointer: &str, material: &Material) {
         for (key, color) in material.parts() {
             self.textured(&format!("{pointer}/{key}"), color);
+        }
+        match material {
+            Material::Conductor(m) => {
+                self.index(pointer, m);
+                self.one_width(pointer, m.alpha, &m.roughness, m.anisotropy);
+            }
+            Material::Dielectric(m) => self.one_width(pointer, m.alpha, &m.roughness, m.anisotropy),
+            _ => {}
+        }
+    }
+
+    /// By name or by number.
+    fn index(&self, pointer: &str, metal: &Conductor) {
+        match (metal.metal, metal.eta, metal.k) {
+            (Some(_), None, None) | (None, Some(_), Some(_)) => {}
+            (Some(_), Some(_), _) => self.fault(&format!("{pointer}/eta"), "give metal, or eta and k, not both"),
+            (Some(_), None, Some(_)) => self.fault(&format!("{pointer}/k"), "give metal, or eta and k, not both"),
+            (None, Some(_), None) => self.fault(pointer, "missing key \"k\""),
+            (None, None, Some(_)) => self.fault(pointer, "missing key \"eta\""),
+            (None, None, None) => self.fault(pointer, "a conductor needs \"metal\", or \"eta\" and \"k\""),
+        }
+    }
+
+    fn one_width(&self, pointer: &str, alpha: Option<Alpha>, roughness: &Textured, anisotropy: Fraction) {
+        if alpha.is_some() && (*roughness != Textured::black() || anisotropy.get() != 0.0) {
+            self.fault(&format!("{pointer}/alpha"), "give alpha, or roughness and anisotropy, not both");
         }
     }
 

@@ -58,6 +58,12 @@ impl Frame {
         Frame { x: Vec3::new(1.0 + sign * z.x * z.x * a, sign * b, -sign * z.x), y: Vec3::new(b, sign + z.y * z.y * a, -z.y), z }
     }
 
+    /// The basis around the unit vector `z` whose x axis is as near to `x` as can be; `None` where that is along `z`.
+    pub fn along(z: Vec3, x: Vec3) -> Option<Frame> {
+        let x = (x - z * z.dot(x)).try_normalize()?;
+        Some(Frame { x, y: z.cross(x), z })
+    }
+
     pub fn to_local(&self, world: Vec3) -> Local {
         Local(Vec3::new(world.dot(self.x), world.dot(self.y), world.dot(self.z)))
     }

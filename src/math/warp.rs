@@ -205,7 +205,7 @@ fn ln_cosine(w: Vec3) -> f64 {
 
 /// The concentric map in polar form: a signed radius in (−1, 1), and a unit direction within 45° of +x or of +y.
 #[inline]
-fn polar(u: Vec2) -> (f32, Vec2) {
+pub(crate) fn polar(u: Vec2) -> (f32, Vec2) {
     // Uniform numbers are the lower ends of cells of width 2⁻²⁴; taking the cells' centres is
     // exact in f32, symmetric, and keeps the radius below 1, where a cosine would be 0.
     let Vec2 { x: a, y: b } = (2.0 * u - 1.0) + ROUNDING;

@@ -1,6 +1,6 @@
 //! Ellipses: a disk, transformed.
 
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, offset_bound};
 use crate::error::Result;
@@ -86,6 +86,10 @@ impl Shape for Ellipse {
 
     fn point(&self, _: u32, _: &Ray, hit: &ShapeHit) -> SurfacePoint {
         self.at(hit.uv)
+    }
+
+    fn tangent(&self, _: u32, _: &SurfacePoint) -> Option<Vec3> {
+        self.x.try_normalize().map(|x| x.as_vec3())
     }
 
     /// An affine map keeps uniform points uniform.

@@ -55,6 +55,11 @@ pub trait Shape: Send + Sync {
     /// The surface where `ray` met primitive `i`.
     fn point(&self, i: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
 
+    /// A tangent along which the first texture coordinate grows, of any length, where there is one: the grain of brushed metal.
+    fn tangent(&self, _i: u32, _point: &SurfacePoint) -> Option<Vec3> {
+        None
+    }
+
     /// A point on primitive `i`, uniform by area unless a family says otherwise.
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf);
 

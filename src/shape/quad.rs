@@ -75,6 +75,10 @@ impl Shape for Parallelogram {
         self.at(hit.uv)
     }
 
+    fn tangent(&self, _: u32, _: &SurfacePoint) -> Option<Vec3> {
+        Some(self.corners[1] - self.corners[0])
+    }
+
     fn sample_area(&self, _: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         (self.at(u), AreaPdf::new(1.0 / self.area))
     }

@@ -185,6 +185,12 @@ impl Shape for Ellipsoid {
         self.at((self.inverse * (p - self.center)).normalize())
     }
 
+    /// Along the circle of latitude; the poles have none.
+    fn tangent(&self, _: u32, point: &SurfacePoint) -> Option<Vec3> {
+        let n = self.inverse * (point.p.as_dvec3() - self.center);
+        (self.linear * DVec3::new(-n.y, n.x, 0.0)).try_normalize().map(|x| x.as_vec3())
+    }
+
     /// Uniform on the unit sphere; its image is denser where it is stretched less.
     fn sample_area(&self, _: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         let n = warp::uniform_sphere(u).as_dvec3().normalize();

@@ -121,6 +121,18 @@ impl Shape for BakedMesh {
         (self.at(i, warp::triangle(u)), AreaPdf::new(1.0 / self.area(i)))
     }
 
+    /// p = p₀ + u ∂p/∂u + v ∂p/∂v at the corners, solved for ∂p/∂u.
+    fn tangent(&self, i: u32, _: &SurfacePoint) -> Option<Vec3> {
+        let [a, b, c] = self.corners(i).map(|p| p.as_dvec3());
+        if self.uvs.is_empty() {
+            return (b - a).try_normalize().map(|x| x.as_vec3());
+        }
+        let [p, q, r] = self.triangles[i as usize].map(|v| self.uvs[v as usize].as_dvec2());
+        let (pq, pr) = (q - p, r - p);
+        let turn = pq.perp_dot(pr).signum();
+        (((b - a) * pr.y - (c - a) * pq.y) * turn).try_normalize().map(|x| x.as_vec3())
+    }
+
     fn part(&self, i: u32) -> u32 {
         self.part_ends.partition_point(|&end| end <= i) as u32
     }

@@ -51,6 +51,27 @@ fn sin_cos_are_rounded_once_over_all_finite_numbers() {
     }
 }
 
+/// The oracle: erf x = 2/√π Σ (−1)ⁿ x²ⁿ⁺¹ / (n! (2n + 1)) below 3, where it loses 4 digits of 16; the continued fraction
+/// erfc x = e^(−x²)/√π · 1/(x + ½/(x + 1/(x + 3/2/(x + …)))) above 2, where 100 levels give all digits.
+#[test]
+fn erfc_within_an_ulp() {
+    let series = |x: f64| {
+        let (mut term, mut sum) = (x, x);
+        for n in 1..100 {
+            term *= -x * x / f64::from(n);
+            sum += term / f64::from(2 * n + 1);
+        }
+        1.0 - sum * 2.0 / f64::consts::PI.sqrt()
+    };
+    let fraction = |x: f64| (-x * x).exp() / f64::consts::PI.sqrt() / (1..100).rev().fold(x, |rest, n| x + 0.5 * f64::from(n) / rest);
+    for k in -20_000..93_000 {
+        let x = k as f32 * 1e-4;
+        let exact = if x < 2.0 { series(f64::from(x)) } else { fraction(f64::from(x)) };
+        assert!(ulps(erfc(x), exact) <= 0.55, "erfc {x} = {} but {exact}", erfc(x));
+    }
+    assert_eq!((erfc(0.0), erfc(f32::INFINITY), erfc(f32::NEG_INFINITY)), (1.0, 0.0, 2.0));
+}
+
 #[test]
 fn the_two_reductions_of_angles_meet() {
     // On both sides of the angle where the reduction changes, and where the integers of the second begin to skip bits.

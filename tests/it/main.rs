@@ -1,5 +1,6 @@
 //! The integration tests, one binary.
 
+mod absorption;
 mod agreement;
 mod analytic;
 mod bad_input;
@@ -20,6 +21,7 @@ mod lights;
 mod marked;
 mod matter;
 mod meshes;
+mod microfacets;
 mod offsets;
 mod oracle;
 mod overrides;

@@ -2,13 +2,18 @@
 
 mod mutants;
 
+use glam::{Vec2, Vec3};
 use proptest::prelude::*;
+use pt::bsdf::microfacet::Distribution;
+use pt::bsdf::microfacet::finish::{Alpha, Finish};
 use pt::bsdf::{
-    BlinnPhong, Bsdf, Conductor, Dielectric, Diffuse, DiffuseTransmission, MatteCone, Metal, Mirror, OrenNayar, Phong, Plastic,
+    BlinnPhong, Bsdf, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, Material, MatteCone, Metal, Mirror, OrenNayar, Phong,
+    Plastic, ThinDielectric,
 };
 use pt::math::Spectrum;
 use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
 use pt::proof::{Case, CounterExample, Furnace, Options, Verdict, at, chi2, incidences, inputs_at, prove, reciprocity_at, weight_at};
+use pt::shape::SurfacePoint;
 
 use crate::random::{Random, cases};
 use crate::statistics::{sidak, uniformity};
@@ -48,10 +53,35 @@ fn models() -> Vec<(Bsdf, bool)> {
     colored.chain([(Bsdf::Conductor(gold), false), paper]).chain(matte).chain(lobes).chain(shaken).chain(coated).collect()
 }
 
+/// M10's facets: metal and glass from either side, round and four to one, with and without later reflections.
+fn rough() -> Vec<(Bsdf, bool)> {
+    let point = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
+    let (eta, k) = Element::Cu.index();
+    let mut models = vec![];
+    for distribution in [Distribution::Ggx, Distribution::Beckmann] {
+        for (alpha, multiscatter) in [(Vec2::splat(0.05), false), (Vec2::splat(0.3), true), (Vec2::new(0.8, 0.2), false), (Vec2::ONE, true)]
+        {
+            let finish = || Finish { alpha: Alpha::Constant(alpha), distribution };
+            models.push(Material::rough_conductor(eta, k, finish(), multiscatter).at(&point));
+            models.extend([1.5, 1.0 / 1.5].map(|eta| Material::rough_glass(eta, COLOR, finish(), multiscatter).at(&point)));
+        }
+    }
+    models.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, color: COLOR }));
+    models.into_iter().map(|model| (model, false)).collect()
+}
+
 /// M4 and M7–M12: one family of tests, refused together with a probability of 1 %.
 #[test]
 fn own_models_are_proved() {
-    let models = models();
+    accepted(&models());
+}
+
+#[test]
+fn rough_models_are_proved() {
+    accepted(&rough());
+}
+
+fn accepted(models: &[(Bsdf, bool)]) {
     let refused: Vec<String> = models
         .iter()
         .map(|(model, lossless)| {

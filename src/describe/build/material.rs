@@ -5,11 +5,13 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::{Builder, rgb, spectrum};
-use crate::bsdf::Material;
-use crate::describe::{self, MaterialRef, Size, TextureSpace, Textured};
+use crate::bsdf::microfacet::finish::{self, Alpha, Finish};
+use crate::bsdf::microfacet::{Distribution, Microfacets};
+use crate::bsdf::{Element, Material};
+use crate::describe::{self, Fraction, MaterialRef, Size, TextureSpace, Textured};
 use crate::effects::Effects;
 use crate::error::Error;
-use crate::math::{Spectrum, Transform};
+use crate::math::{Spectrum, Transform, float};
 use crate::reader::escaped;
 use crate::texture::image::{Filter, Pixels, Wrap};
 use crate::texture::{Checker, Image, Marble, Mix, Noise, Product, Space, Texture};
@@ -46,8 +48,9 @@ impl Builder<'_> {
         match described {
             M::Diffuse(m) => Material::Diffuse { albedo: textured("albedo", &m.albedo) },
             M::Mirror(m) => Material::Mirror { color: textured("color", &m.color) },
-            M::Conductor(m) => Material::Conductor { eta: rgb(m.eta.each()), k: rgb(m.k.each()) },
-            M::Dielectric(m) => Material::Dielectric { eta: m.eta.get() as f32, color: textured("color", &m.color) },
+            M::Conductor(m) => self.conductor(pointer, m),
+            M::Dielectric(m) => self.dielectric(pointer, m),
+            M::ThinDielectric(m) => Material::ThinDielectric { eta: m.eta.get() as f32, color: textured("color", &m.color) },
             M::MatteCone(m) => Material::MatteCone { color: textured("color", &m.color), mattness: m.mattness.get() as f32 },
             M::OrenNayar(m) => Material::OrenNayar { albedo: textured("albedo", &m.albedo), roughness: m.roughness.get() as f32 },
             M::Phong(m) => Material::Phong { color: textured("color", &m.color), exponent: m.exponent.get() as f32 },
@@ -59,6 +62,56 @@ impl Builder<'_> {
                 transmittance: textured("transmittance", &m.transmittance),
             },
         }
+    }
+
+    fn conductor(&mut self, pointer: &str, m: &describe::Conductor) -> Material {
+        let named = m.metal.map(|metal| metal_of(metal).index());
+        let each = |values: Option<[f64; 3]>| values.map_or(Spectrum::BLACK, rgb);
+        let (eta, k) = named.unwrap_or_else(|| (each(m.eta.map(|v| v.each())), each(m.k.map(|v| v.each()))));
+        match self.finish(pointer, &m.roughness, m.anisotropy, m.alpha, m.distribution) {
+            None => Material::Conductor { eta, k },
+            Some(finish) => Material::rough_conductor(eta, k, finish, m.multiscatter),
+        }
+    }
+
+    fn dielectric(&mut self, pointer: &str, m: &describe::Dielectric) -> Material {
+        let (eta, color) = (m.eta.get() as f32, self.textured(&format!("{pointer}/color"), &m.color));
+        let surface = match self.finish(pointer, &m.roughness, m.anisotropy, m.alpha, m.distribution) {
+            None => Material::Dielectric { eta, color },
+            Some(finish) => Material::rough_glass(eta, color, finish, m.multiscatter),
+        };
+        match &m.absorption {
+            None => surface,
+            Some(a) => {
+                let left = spectrum(&a.color);
+                let absorption = left.map(|left| -float::ln(left) / a.distance.get() as f32);
+                Material::Filled { surface: Box::new(surface), absorption }
+            }
+        }
+    }
+
+    /// `None` for a surface that is smooth everywhere.
+    fn finish(
+        &mut self,
+        pointer: &str,
+        roughness: &Textured,
+        anisotropy: Fraction,
+        width: Option<describe::Alpha>,
+        distribution: describe::Distribution,
+    ) -> Option<Finish> {
+        let anisotropy = anisotropy.get() as f32;
+        let alpha = match (width, self.textured(&format!("{pointer}/roughness"), roughness)) {
+            (Some(describe::Alpha::Round(width)), _) => Alpha::Constant(Vec2::splat(width.get() as f32)),
+            (Some(describe::Alpha::Along(widths)), _) => Alpha::Constant(Vec2::from(widths.map(|width| width.get() as f32))),
+            (None, Texture::Constant(roughness)) => Alpha::Constant(finish::alpha(roughness.average(), anisotropy)),
+            (None, roughness) => Alpha::Textured { roughness, anisotropy },
+        };
+        let distribution = match distribution {
+            describe::Distribution::Ggx => Distribution::Ggx,
+            describe::Distribution::Beckmann => Distribution::Beckmann,
+        };
+        let smooth = matches!(alpha, Alpha::Constant(alpha) if Microfacets::new(alpha, distribution).is_none());
+        (!smooth).then_some(Finish { alpha, distribution })
     }
 
     fn textured(&mut self, pointer: &str, described: &Textured) -> Texture {
@@ -174,5 +227,21 @@ fn kind(described: &describe::Material) -> &'static str {
         describe::Material::Metal(_) => "metal",
         describe::Material::Plastic(_) => "plastic",
         describe::Material::DiffuseTransmission(_) => "diffuse_transmission",
+        describe::Material::ThinDielectric(_) => "thin_dielectric",
+    }
+}
+
+fn metal_of(described: describe::Element) -> Element {
+    use describe::Element as M;
+    match described {
+        M::Ag => Element::Ag,
+        M::Al => Element::Al,
+        M::Au => Element::Au,
+        M::Cr => Element::Cr,
+        M::Cu => Element::Cu,
+        M::Fe => Element::Fe,
+        M::Ni => Element::Ni,
+        M::Ti => Element::Ti,
+        M::W => Element::W,
     }
 }

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
-use pt::bsdf::Material;
+use glam::{DVec3, Vec2, Vec3};
+use pt::bsdf::microfacet::Distribution;
+use pt::bsdf::microfacet::finish::{Alpha, Finish};
+use pt::bsdf::{Element, Material};
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::Integrator;
@@ -67,6 +69,13 @@ impl Zoo {
         let mirror = world.material(Material::mirror(Spectrum::rgb(0.9, 0.95, 1.0)));
         let gold = world.material(Material::Conductor { eta: Spectrum::rgb(0.2, 0.9, 1.1), k: Spectrum::rgb(3.9, 2.4, 2.2) });
         let glass = world.material(Material::glass(1.5));
+        let finish = |alpha: Vec2, distribution| Finish { alpha: Alpha::Constant(alpha), distribution };
+        let (eta, k) = Element::Cu.index();
+        let brushed = world.material(Material::rough_conductor(eta, k, finish(Vec2::new(0.3, 0.06), Distribution::Ggx), true));
+        let frosted = Material::rough_glass(1.5, Spectrum::ONE, finish(Vec2::splat(0.2), Distribution::Beckmann), true);
+        let absorption = Spectrum::rgb(0.3, 1.0, 2.0) * (1.0 / self.scale) as f32;
+        let bottle = world.material(Material::Filled { surface: Box::new(frosted), absorption });
+        let bubble = world.material(Material::ThinDielectric { eta: 1.33, color: Spectrum::ONE.into() });
         let satin = world.material(Material::MatteCone { color: Spectrum::gray(0.7).into(), mattness: 0.2 });
         let at = |x, y, z| Transform::translate(DVec3::new(x, y, z)).expect("finite");
         let flat = Transform::rotate(DVec3::X, -90.0).expect("an axis");
@@ -76,6 +85,9 @@ impl Zoo {
         world.shape(Sphere { radius: 0.5 }, self.place(at(-1.1, 0.5, 0.0)), glass, None);
         world.shape(Sphere { radius: 0.4 }, self.place(squash.then(&at(0.1, 0.5, -0.6))), gold, None);
         world.shape(Sphere { radius: 0.3 }, self.place(at(0.2, 0.3, 0.9)), satin, None);
+        world.shape(Sphere { radius: 0.25 }, self.place(at(-0.5, 0.25, 0.9)), bottle, None);
+        world.shape(Quad { size: [0.5, 0.8] }, self.place(at(0.75, 0.4, 0.6)), brushed, None);
+        world.shape(Sphere { radius: 0.2 }, self.place(at(-0.1, 1.3, 0.3)), bubble, None);
         world.shape(Disk { radius: 0.9 }, self.place(at(0.0, 1.0, -1.9)), mirror, None);
         world.shape(TriangleMesh::new(ball()), self.place(at(1.2, 0.6, 0.2)), spotted, None);
         self.add_lights(&mut world, &at, &down, spotted);

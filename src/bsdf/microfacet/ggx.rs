@@ -1,0 +1,37 @@
+//! Facets of an ellipsoid.
+//!
+//! D(h) = 1 / (π αx αy ((hx/αx)² + (hy/αy)² + hz²)²)                              [sr⁻¹]
+//!
+//! S(w) = √(cos²θ + (αx wx)² + (αy wy)²)
+//!
+//! Source: Trowbridge and Reitz (1975); Walter et al., *Microfacet Models for Refraction* (2007).
+
+use glam::{Vec2, Vec3};
+
+use crate::math::warp;
+
+/// D(h) / D(normal), from (hx/αx)² + (hy/αy)² and hz².
+pub(super) fn profile(slope2: f32, cos2: f32) -> f32 {
+    let sum = slope2 + cos2;
+    1.0 / (sum * sum)
+}
+
+/// S(w), from cos θ and √((αx wx)² + (αy wy)²).
+pub(super) fn across(cos: f32, sine: f32) -> f32 {
+    (cos * cos + sine * sine).sqrt()
+}
+
+/// A normal in sight from `wo`, not normalized; all at roughness 1, where the facets are those of a hemisphere.
+///
+/// Mirroring maps the visible normals of a hemisphere to the cap z > −cos θo of the sphere, evenly: a point of the cap and `wo`
+/// make the normal half way between them.
+///
+/// Source: Dupuy and Benyoub, *Sampling Visible GGX Normals with Spherical Caps* (2023).
+pub(super) fn sample_visible(wo: Vec3, u: Vec2) -> Vec3 {
+    let (r, direction) = warp::polar(u);
+    let height = 1.0 + wo.z;
+    // With z = 1 − r² height the point on the cap: z + cos θo and 1 − z² = r² height (1 + z), neither by cancellation.
+    let z_and_cos = height * ((1.0 - r) * (1.0 + r));
+    let sine = r * (height * ((1.0 - wo.z) + z_and_cos)).sqrt();
+    Vec3::new(sine * direction.x + wo.x, sine * direction.y + wo.y, z_and_cos)
+}

@@ -1,0 +1,125 @@
+//! Rough surfaces as many tiny mirrors, too small to be seen one by one.
+//!
+//! What the models share: the distribution of the facets' normals, how much of them is in sight, and how
+//! those in sight are sampled.
+//!
+//! - `alpha`: the roughness along the local x and y axes, the root mean square slope times √2 for Beckmann.
+//!   Users set `roughness` r, and α = r²: the width of the highlight is proportional to α, and equal steps
+//!   of r look equal.
+//! - Directions are in the hemisphere of the normal here: z > 0.
+
+mod beckmann;
+mod ggx;
+
+pub mod albedo;
+pub mod finish;
+
+use glam::{Vec2, Vec3};
+
+use crate::math::Local;
+
+pub use albedo::Albedo;
+pub use finish::Finish;
+
+/// How the normals of facets spread about the surface's own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Distribution {
+    /// Trowbridge and Reitz's: long tails, as measured surfaces have.
+    Ggx,
+    /// Gaussian slopes: a sharp fall-off.
+    Beckmann,
+}
+
+/// Facets of a distribution, with heights that do not depend on each other (Smith).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Microfacets {
+    /// Along x and y, each at least [`MIN_ALPHA`].
+    pub alpha: Vec2,
+    pub distribution: Distribution,
+}
+
+/// Smoother than this is a mirror: unit vectors of f32 have no finer directions than a sixteenth of it.
+pub const MIN_ALPHA: f32 = 1e-6;
+
+impl Microfacets {
+    /// `None` where the surface is as good as smooth.
+    pub fn new(alpha: Vec2, distribution: Distribution) -> Option<Microfacets> {
+        (alpha.max_element() >= MIN_ALPHA).then(|| Microfacets { alpha: alpha.max(Vec2::splat(MIN_ALPHA)), distribution })
+    }
+
+    /// D(h): area of facets with the normal h, per area of the surface and solid angle [sr⁻¹].
+    ///
+    /// ∫ D(h) cos θh dh = 1
+    ///
+    /// Tests: distribution_of_normals (reliability M6), projected_area_is_one.
+    pub fn density(&self, h: Local) -> f32 {
+        // sin² by the coordinates themselves: 1 − cos² would have no digits left of a small alpha.
+        let (x, y) = (h.0.x / self.alpha.x, h.0.y / self.alpha.y);
+        let peak = 1.0 / (std::f32::consts::PI * self.alpha.x * self.alpha.y);
+        peak * match self.distribution {
+            Distribution::Ggx => ggx::profile(x * x + y * y, h.cos() * h.cos()),
+            Distribution::Beckmann => beckmann::profile(x * x + y * y, h.cos() * h.cos()),
+        }
+    }
+
+    /// S(w) = cos θ (1 + 2 Λ(w)): the area of facets, front and back, that lies across w, per area of the surface.
+    ///
+    /// Of it, (cos θ + S)/2 faces w and cos θ is in sight. Smith's functions follow without a division by
+    /// cos θ, and hold down to cos θ = 0, where Λ is infinite:
+    ///
+    /// - Λ(w) = (S/cos θ − 1)/2
+    /// - G₁(w) = 1/(1 + Λ) = 2 cos θ / (cos θ + S)
+    /// - G₂(a, b) = 1/(1 + Λ(a) + Λ(b)) = 2 cos a cos b / (cos a S(b) + cos b S(a)), facets at equal heights being hidden together
+    ///
+    /// Source: Smith (1967); Heitz, *Understanding the Masking-Shadowing Function* (2014). Tests: weak furnace (M1).
+    pub fn across(&self, w: Local) -> f32 {
+        let sine = (self.alpha * w.0.truncate()).length();
+        match self.distribution {
+            Distribution::Ggx => ggx::across(w.cos(), sine),
+            Distribution::Beckmann => beckmann::across(w.cos(), sine),
+        }
+    }
+
+    /// The normal of a facet in sight from `wo`, drawn with density G₁(wo) |wo·h| D(h) / cos θo.
+    ///
+    /// In the space where the surface is stretched to roughness 1, w ∝ (αx x, αy y, z); normals go back the same way.
+    pub fn sample_visible(&self, wo: Local, u: Vec2) -> Local {
+        let stretched = (wo.0 * self.alpha.extend(1.0)).normalize();
+        let normal = match self.distribution {
+            Distribution::Ggx => ggx::sample_visible(stretched, u),
+            Distribution::Beckmann => beckmann::sample_visible(stretched, u),
+        };
+        Local((normal * self.alpha.extend(1.0)).normalize())
+    }
+}
+
+/// What two directions make of facets that mirror one into the other, or refract one into the other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    /// |cos θi| G₂ D / (4 |cos θo| |cos θi|), without Fresnel's factor [sr⁻¹].
+    pub scattered: f32,
+    /// G₁(wo) D / (4 |cos θo|), the density of mirroring `wo` at a facet in sight [sr⁻¹].
+    pub density: f32,
+}
+
+impl Pair {
+    /// - `h`: the normal of the facets that do it
+    pub fn new(facets: &Microfacets, wo: Local, wi: Local, h: Local) -> Pair {
+        let d = facets.density(h);
+        let (o, i) = (wo.abs_cos(), wi.abs_cos());
+        let (across_o, across_i) = (facets.across(upward(wo)), facets.across(upward(wi)));
+        // S(i)/cos i first: products of two cosines may underflow.
+        Pair { scattered: 0.5 * d / (o * (across_i / i) + across_o), density: 0.5 * d / (o + across_o) }
+    }
+}
+
+/// The same direction, or its mirror image above the surface.
+pub(super) fn upward(w: Local) -> Local {
+    Local(w.0.with_z(w.abs_cos()))
+}
+
+/// The unit vector along `sum`, turned to z > 0, and the length of `sum`; `None` for no direction at all.
+pub(super) fn upward_normal(sum: Vec3) -> Option<(Local, f32)> {
+    let length = sum.length();
+    (length > 0.0).then(|| (Local(sum * (1f32.copysign(sum.z) / length)), length))
+}

@@ -1,0 +1,231 @@
+//! Frosted glass, ice, ground lenses.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec2;
+
+use super::microfacet::albedo::{Domain, Shelf};
+use super::microfacet::{Albedo, Distribution, Microfacets, upward, upward_normal};
+use super::{BsdfSample, Lobe, TransportMode};
+use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
+
+/// A rough interface between two clear media, whose facets reflect and refract.
+///
+/// reflection: f = F(wo·h) D(h) G₂ / (4 |cos θo| |cos θi|),    h half way between wo and wi          [sr⁻¹]
+///
+/// refraction: f = s (1 − F) D(h) G₂ |wo·h| |wi·h| / (|cos θo| |cos θi| (wo·h/η' + wi·h)²),    h along ±(wo + η' wi)
+///
+/// with η' the index on the side of wi over that on the side of wo. The last factors are the Jacobian |dh/dwi| with what
+/// belongs to it; s = 1/η'² for radiance, which is spread over a wider or narrower cone behind the interface, and s = 1 for
+/// importance. To both comes f₂, light that met more than one facet (see [`albedo`](super::microfacet::albedo)):
+///
+/// f₂ = (1 − x) (1 − E(wo)) (1 − E(wi)) / (π m)  back,    s x (1 − E(wo)) (1 − E'(wi)) / (π m')  through
+///
+/// x is 1 − F̄ from the rarer side, where F̄ = 2 ∫ F μ dμ, and from the denser one what reciprocity makes of that, x m / (m' n²).
+///
+/// - `eta`: index of refraction inside (below the surface) over outside (where the normal points)
+/// - sampling: normals in sight; there, reflection with probability F, so that weight = colour · G₂/G₁ (· s);
+///   with probability 1 − E(wo) the cosine on either side, for f₂
+///
+/// Source: Walter et al., *Microfacet Models for Refraction through Rough Surfaces* (2007); Kulla and Conty (2017).
+/// Tests: tables M5, M7–M9, radiance_is_compressed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoughDielectric {
+    pub eta: f32,
+    /// Multiplies what passes or is reflected, at every interface: [0, 1]. Physical glass has 1.
+    pub color: Spectrum,
+    pub facets: Microfacets,
+    /// Later encounters; `None` follows the first alone.
+    pub more: Option<MoreEncounters>,
+}
+
+/// The lobes of light that met more than one facet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MoreEncounters {
+    losses: &'static Losses,
+    /// m outside and inside.
+    mean: [f32; 2],
+    /// x from outside and from inside.
+    through: [f32; 2],
+}
+
+/// The tables of 1 − E for light from outside and from inside, and F̄ from the rarer side.
+#[derive(Debug, PartialEq)]
+pub struct Losses {
+    sides: [Albedo; 2],
+    mean_fresnel: f32,
+}
+
+/// The tables of clear glass.
+pub fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Losses {
+    static SHELF: Shelf<Losses> = Shelf::new();
+    let [x, y] = domain.bits();
+    SHELF.get((distribution, [x, y, eta.to_bits(), 0]), || {
+        let side = |eta| Albedo::tabulate(domain, distribution, |facets, wo, u| returned(facets, eta, wo, u));
+        Losses { sides: [side(eta), side(1.0 / eta)], mean_fresnel: mean_reflectance(eta.max(1.0 / eta)) }
+    })
+}
+
+/// F̄ of light that comes from the rarer side.
+fn mean_reflectance(eta: f32) -> f32 {
+    const STEPS: usize = 64;
+    let at = |i: usize| (i as f32 + 0.5) / STEPS as f32;
+    (0..STEPS).map(|i| fresnel::dielectric(at(i), eta) * (2.0 * at(i) / STEPS as f32)).sum()
+}
+
+/// What a facet in sight returns of white light, masked on its way out.
+fn returned(facets: &Microfacets, eta: f32, wo: Local, u: Vec2) -> f32 {
+    let h = facets.sample_visible(wo, u);
+    let cos = wo.0.dot(h.0);
+    let reflectance = fresnel::dielectric(cos, eta);
+    let back = Local(2.0 * cos * h.0 - wo.0);
+    let through = refracted(wo, h, eta).filter(|wi| wi.cos() < 0.0);
+    let back = if back.cos() > 0.0 { reflectance * unmasked(facets, wo, back) } else { 0.0 };
+    back + through.map_or(0.0, |wi| (1.0 - reflectance) * unmasked(facets, wo, wi))
+}
+
+/// G₂/G₁
+fn unmasked(facets: &Microfacets, wo: Local, wi: Local) -> f32 {
+    let (o, i) = (wo.abs_cos(), wi.abs_cos());
+    let (across_o, across_i) = (facets.across(upward(wo)), facets.across(upward(wi)));
+    (o + across_o) / (o * (across_i / i) + across_o)
+}
+
+/// `wo` refracted at a facet; `None` under total reflection.
+fn refracted(wo: Local, h: Local, eta: f32) -> Option<Local> {
+    let cos = wo.0.dot(h.0);
+    let n = if wo.cos() < 0.0 { 1.0 / eta } else { eta };
+    // sin² by the part across the facet: the cosine has no digits left of a small angle.
+    let across = (wo.0 - cos * h.0) / n;
+    let sin2 = across.length_squared();
+    (sin2 < 1.0).then(|| Local((-across - h.0 * (1.0 - sin2).sqrt().copysign(cos)).normalize()))
+}
+
+/// What a pair of directions has in common, whichever way the light goes.
+struct Meeting {
+    h: Local,
+    /// F at the facet.
+    reflectance: f32,
+    /// What D(h) is multiplied by for the density of `wi` from visible normals, without G₁/|cos θo| and Fresnel.
+    jacobian: f32,
+}
+
+impl RoughDielectric {
+    /// `None` for an interface that bends light by less than f32 can tell: it is as good as smooth.
+    ///
+    /// Slopes of α turn the light that passes by about α |η − 1|.
+    pub fn is_rough(eta: f32, alpha: Vec2) -> bool {
+        alpha.max_element() * (eta - 1.0).abs() >= super::microfacet::MIN_ALPHA
+    }
+
+    pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+        self.both(wo, wi, mode).map_or(Spectrum::BLACK, |(f, _)| self.color * f)
+    }
+
+    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+        self.both(wo, wi, TransportMode::Importance).map_or(SolidAnglePdf::ZERO, |(_, pdf)| pdf)
+    }
+
+    pub fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        if wo.cos() == 0.0 || self.color.is_black() {
+            return None;
+        }
+        let (lost, through) = self.lost(wo);
+        let wi = if choice < lost {
+            let side = if choice < lost * through { -wo.cos() } else { wo.cos() };
+            Local(warp::cosine_hemisphere(u) * 1f32.copysign(side))
+        } else {
+            let choice = (choice - lost) / (1.0 - lost);
+            self.at_a_facet(wo, choice, u)?
+        };
+        let (f, pdf) = self.both(wo, wi, mode).filter(|(_, pdf)| pdf.get() > 0.0)?;
+        let (lobe, eta) = if wo.same_side(wi) { (Lobe::Reflection, 1.0) } else { (Lobe::Transmission, self.relative_index(wo)) };
+        Some(BsdfSample { wi, weight: self.color * (f / pdf.get()), density: Density::Smooth(pdf), lobe, eta })
+    }
+
+    /// Mirrored or refracted at a facet in sight; `None` where that leads to the wrong side of the surface.
+    fn at_a_facet(&self, wo: Local, choice: f32, u: Vec2) -> Option<Local> {
+        let seen = self.facets.sample_visible(upward(wo), u);
+        let h = Local(seen.0.with_z(seen.cos() * 1f32.copysign(wo.cos())));
+        let cos = wo.0.dot(h.0) * 1f32.copysign(wo.cos());
+        if choice < fresnel::dielectric(cos, self.eta) {
+            Some(Local((2.0 * wo.0.dot(h.0) * h.0 - wo.0).normalize())).filter(|wi| wo.same_side(*wi))
+        } else {
+            refracted(wo, h, self.eta).filter(|wi| wo.cos() * wi.cos() < 0.0)
+        }
+    }
+
+    /// f·|cos θi| without the colour, and the density of `wi`.
+    fn both(&self, wo: Local, wi: Local, mode: TransportMode) -> Option<(f32, SolidAnglePdf)> {
+        if wo.cos() * wi.cos() == 0.0 {
+            return None;
+        }
+        let reflects = wo.same_side(wi);
+        let eta = self.relative_index(wo);
+        let spread = if reflects || mode == TransportMode::Importance { 1.0 } else { 1.0 / (eta * eta) };
+        let (once_f, once_pdf) = if reflects { self.reflection(wo, wi) } else { self.refraction(wo, wi) }.unwrap_or((0.0, 0.0));
+        let (lost, through) = self.lost(wo);
+        let side = if reflects { 1.0 - through } else { through };
+        let pdf = (1.0 - lost) * once_pdf + lost * side * FRAC_1_PI * wi.abs_cos();
+        let more = self.more.map_or(0.0, |m| {
+            let far = usize::from(wi.cos() < 0.0);
+            lost * side * FRAC_1_PI * wi.abs_cos() * m.losses.sides[far].loss(wi, self.facets.alpha) / m.mean[far]
+        });
+        Some((spread * (once_f + more), SolidAnglePdf::new(pdf)))
+    }
+
+    fn reflection(&self, wo: Local, wi: Local) -> Option<(f32, f32)> {
+        let (h, length) = upward_normal(wo.0 + wi.0)?;
+        let cos = (0.5 * length).min(1.0).copysign(wo.cos());
+        // dh/dwi = 1/(4 wi·h), and |wo·h| = |wi·h|.
+        Some(self.by(wo, wi, Meeting { h, reflectance: fresnel::dielectric(cos, self.eta), jacobian: 0.25 }, true))
+    }
+
+    fn refraction(&self, wo: Local, wi: Local) -> Option<(f32, f32)> {
+        // Of the direction outside and the one inside, whichever comes first: the same numbers both ways.
+        let (outside, inside) = if wo.cos() > 0.0 { (wo, wi) } else { (wi, wo) };
+        let (h, length) = upward_normal(outside.0 + inside.0 * self.eta)?;
+        let (cos_outside, cos_inside) = (outside.0.dot(h.0), inside.0.dot(h.0));
+        if cos_outside <= 0.0 || cos_inside >= 0.0 {
+            return None;
+        }
+        // Fresnel's equations from the rarer side, where they are not steep.
+        let reflectance =
+            if self.eta > 1.0 { fresnel::dielectric(cos_outside, self.eta) } else { fresnel::dielectric(cos_inside, self.eta) };
+        // n² |wi·h| / (wo·h + n wi·h)², with n the index on the side of wi; the sum is the length of the vector along h.
+        let index = if wi.cos() < 0.0 { self.eta } else { 1.0 };
+        let jacobian = -cos_outside * cos_inside * (index / length) * (index / length);
+        Some(self.by(wo, wi, Meeting { h, reflectance, jacobian }, false))
+    }
+
+    /// f·|cos θi| for importance and the density of `wi`, at the facets with normal h.
+    fn by(&self, wo: Local, wi: Local, at: Meeting, reflects: bool) -> (f32, f32) {
+        let share = if reflects { at.reflectance } else { 1.0 - at.reflectance };
+        let (o, across) = (wo.abs_cos(), self.facets.across(upward(wo)));
+        // G₁/|cos θo| = 2/(|cos θo| + S)
+        let pdf = 2.0 / (o + across) * self.facets.density(at.h) * at.jacobian * share;
+        (pdf * unmasked(&self.facets, wo, wi), pdf)
+    }
+
+    /// 1 − E(wo), and the share of it that goes through.
+    fn lost(&self, wo: Local) -> (f32, f32) {
+        let side = usize::from(wo.cos() < 0.0);
+        self.more.map_or((0.0, 0.0), |m| (m.losses.sides[side].loss(wo, self.facets.alpha), m.through[side]))
+    }
+
+    fn relative_index(&self, wo: Local) -> f32 {
+        if wo.cos() > 0.0 { self.eta } else { 1.0 / self.eta }
+    }
+}
+
+impl MoreEncounters {
+    /// `None` for facets so smooth that nothing is lost.
+    pub fn new(losses: &'static Losses, alpha: Vec2, eta: f32) -> Option<MoreEncounters> {
+        let mean = [0, 1].map(|side: usize| losses.sides[side].mean_loss(alpha));
+        let (rare, dense, n2) = if eta > 1.0 { (0, 1, eta * eta) } else { (1, 0, 1.0 / (eta * eta)) };
+        let mut through = [0.0; 2];
+        through[rare] = (1.0 - losses.mean_fresnel).min(mean[dense] * n2 / mean[rare]);
+        through[dense] = through[rare] * mean[rare] / (mean[dense] * n2);
+        (mean.iter().chain(&through).all(|x| x.is_finite() && *x > 0.0)).then_some(MoreEncounters { losses, mean, through })
+    }
+}

@@ -1,0 +1,196 @@
+//! Metals by name, panes, coloured glass, grain; and rough bodies in light from all around, by every integrator.
+
+use glam::{DVec3, Vec2, Vec3};
+use pt::bsdf::microfacet::Distribution;
+use pt::bsdf::microfacet::finish::{Alpha, Finish, alpha};
+use pt::bsdf::{Bsdf, Element, Lobe, Material, ThinDielectric, TransportMode};
+use pt::light::{Environment, Light};
+use pt::math::fresnel::{conductor, dielectric};
+use pt::math::{Local, Ray, Spectrum, Transform};
+use pt::scene::Scene;
+use pt::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
+use pt::world::World;
+
+use crate::scenes::{Depth, Effort, Law, at, confirm, gray, probe};
+
+/// The CIE 1931 observer by another road than the library's table: a fit of a few bell curves, good to 1 %.
+///
+/// Source: Wyman, Sloan, Shirley, *Simple Analytic Approximations to the CIE XYZ Color Matching Functions* (2013).
+fn observer(wavelength: f64) -> [f64; 3] {
+    let bell = |height: f64, middle: f64, left: f64, right: f64| {
+        let t = (wavelength - middle) * if wavelength < middle { left } else { right };
+        height * (-0.5 * t * t).exp()
+    };
+    let x = bell(0.362, 442.0, 0.0624, 0.0374) + bell(1.056, 599.8, 0.0264, 0.0323) - bell(0.065, 501.1, 0.0490, 0.0382);
+    let y = bell(0.821, 568.8, 0.0213, 0.0247) + bell(0.286, 530.9, 0.0613, 0.0322);
+    let z = bell(1.217, 437.0, 0.0845, 0.0278) + bell(0.681, 459.0, 0.0385, 0.0725);
+    [x, y, z]
+}
+
+/// The illuminant D65 at every 20 nm from 380 to 700 (CIE 15, 2004).
+const D65: [f64; 17] =
+    [49.98, 82.75, 93.43, 104.87, 117.81, 115.92, 109.35, 104.79, 104.41, 100.0, 95.79, 90.01, 87.70, 83.70, 80.21, 78.28, 71.61];
+
+fn daylight(wavelength: f64) -> f64 {
+    let x = ((wavelength - 380.0) / 20.0).clamp(0.0, 15.999);
+    let (k, part) = (x as usize, x.fract());
+    D65[k] + (D65[k + 1] - D65[k]) * part
+}
+
+/// n and k as published, by straight lines between the wavelengths.
+fn published(metal: Element, wavelength: f64) -> (f64, f64) {
+    let table = metal.published();
+    let after = table.iter().position(|row| row.0 > wavelength).unwrap_or(table.len() - 1).max(1);
+    let (a, b) = (table[after - 1], table[after]);
+    let part = ((wavelength - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
+    (a.1 + part * (b.1 - a.1), a.2 + part * (b.2 - a.2))
+}
+
+/// A named metal has the colour at normal incidence that its published spectrum has under daylight, within 1 % of white;
+/// what Rec. 709 cannot show (the red of gold) is the greatest reflectance of any wavelength.
+#[test]
+fn metals_have_the_colour_of_their_spectrum() {
+    const RGB: [[f64; 3]; 3] = [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
+    for metal in Element::ALL {
+        let reflectance = |wavelength| {
+            let (n, k) = published(metal, wavelength);
+            ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k)
+        };
+        let (eta, k) = metal.index();
+        let found = eta.zip(k, |eta, k| conductor(1.0, eta, k)).to_rgb();
+        let greatest = (380..=700).map(|w| reflectance(f64::from(w))).fold(0.0, f64::max);
+        for (c, row) in RGB.iter().enumerate() {
+            let (mut sum, mut white) = (0.0, 0.0);
+            for wavelength in (380..=700).map(f64::from) {
+                let seen = observer(wavelength);
+                let weight = daylight(wavelength) * (0..3).map(|i| row[i] * seen[i]).sum::<f64>();
+                (sum, white) = (sum + weight * reflectance(wavelength), white + weight);
+            }
+            let exact = (sum / white).min(greatest);
+            assert!((f64::from(found[c]) - exact).abs() < 0.01, "{metal:?}, coefficient {c}: {} but {exact}", found[c]);
+        }
+    }
+}
+
+/// A pane returns the sum of what goes to and fro between its faces, and passes the rest straight on.
+#[test]
+fn thin_plate() {
+    for eta in [1.0f32, 1.33, 1.5, 2.42, 1.0 / 1.5] {
+        for cos in [1.0f32, 0.7, 0.3, 0.01] {
+            let wo = Local::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let pane = Bsdf::ThinDielectric(ThinDielectric { eta, color: Spectrum::ONE });
+            let once = f64::from(dielectric(cos, eta));
+            let series: f64 = (0..10_000).map(|n| (1.0 - once) * (1.0 - once) * once.powi(2 * n + 1)).sum();
+            let mut shares = [0.0, 0.0];
+            for side in [wo, Local(-wo.0)] {
+                for lobe in pane.delta_lobes(side, TransportMode::Radiance) {
+                    shares[usize::from(lobe.lobe == Lobe::Transmission)] = f64::from(lobe.weight.average());
+                    assert!(lobe.lobe == Lobe::Reflection || (lobe.wi.0 == -side.0 && lobe.eta == 1.0));
+                }
+                let expected = once + if once < 1.0 { series } else { 0.0 };
+                assert!((shares[0] - expected).abs() < 2e-6, "{shares:?} but {expected}: η = {eta}, cos {cos}");
+                assert!((shares[0] + shares[1] - 1.0).abs() < 2e-7);
+            }
+        }
+    }
+}
+
+/// A ball of radius 1 in light of radiance 1 from all around, seen from outside through its middle.
+fn in_white_light(name: String, material: Material, radiance: f64) -> Law {
+    let mut world = World::builder(probe(DVec3::new(0.0, 0.0, 4.0), DVec3::new(0.0, 0.0, 1.0)));
+    let worn = world.material(material);
+    world.shape(Sphere { radius: 1.0 }, at(DVec3::ZERO), worn, None);
+    world.light(Light::Environment(Environment { radiance: Spectrum::ONE }));
+    Law::new(name, world, radiance, Depth { max: 1000, roulette: 8 })
+}
+
+/// Through a ball of glass that lets A pass from end to end: L = R + (1 − R)² A / (1 − R A), reflections inside included.
+#[test]
+fn glass_absorbs_by_the_way() {
+    let row = |(eta, left): (f32, f64)| {
+        let absorption = gray(-left.ln() / 2.0);
+        let body = Material::Filled { surface: Box::new(Material::glass(eta)), absorption };
+        let r = f64::from(dielectric(1.0, eta));
+        let exact = r + (1.0 - r) * (1.0 - r) * left / (1.0 - r * left);
+        in_white_light(format!("glass {eta} that leaves {left}"), body, exact).resolution(1e-3, 2e-3)
+    };
+    confirm([(1.0, 0.5), (1.5, 0.5), (1.5, 0.05), (2.42, 0.9)].map(row).into(), Effort::Quick);
+}
+
+fn round(alpha: f32, distribution: Distribution) -> Finish {
+    Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution }
+}
+
+/// White metal and clear frosted glass cannot be told from the light around them: M4 for whole paths, with radiance
+/// compressed on the way in and restored on the way out. The resolution is that of the tables.
+#[test]
+fn rough_bodies_vanish_in_white_light() {
+    let white = |alpha, distribution| {
+        let metal = Material::rough_conductor(Spectrum::ONE, Spectrum::gray(1e4), round(alpha, distribution), true);
+        in_white_light(format!("metal {alpha} {distribution:?}"), metal, 1.0).resolution(2e-3, 4e-3)
+    };
+    let clear = |eta, alpha, distribution| {
+        let glass = Material::rough_glass(eta, Spectrum::ONE, round(alpha, distribution), true);
+        in_white_light(format!("glass {eta} {alpha} {distribution:?}"), glass, 1.0).resolution(3e-3, 6e-3).by_chance(6e-3)
+    };
+    let laws = vec![
+        white(0.1, Distribution::Ggx),
+        white(0.8, Distribution::Beckmann),
+        clear(1.5, 0.05, Distribution::Ggx),
+        clear(1.5, 0.5, Distribution::Beckmann),
+        clear(1.0 / 1.33, 0.3, Distribution::Ggx),
+    ];
+    confirm(laws, Effort::Quick);
+}
+
+/// The grain of brushed metal runs along the first texture coordinate, wherever a shape is turned to.
+#[test]
+fn grain_follows_the_texture() {
+    let finish = Finish { alpha: Alpha::Constant(alpha(0.5, 0.8)), distribution: Distribution::Ggx };
+    let (eta, k) = Element::Fe.index();
+    let brushed = || Material::rough_conductor(eta, k, finish.clone(), false);
+    let turn = Transform::rotate(DVec3::Z, 30.0).expect("an axis");
+    let x = Vec3::new(0.75f32.sqrt(), 0.5, 0.0);
+    let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| Vec3::new(x - 0.3, y - 0.3, 0.0));
+    let flipped = MeshData {
+        positions: corners.into(),
+        // u grows along +y, v along −x.
+        uvs: corners.map(|p| Vec2::new(p.y, -p.x)).into(),
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    };
+    let plain = MeshData { positions: corners.into(), triangles: vec![[0, 1, 2]], ..MeshData::default() };
+    let look = |world: pt::world::WorldBuilder| {
+        let world = world.build().expect("sound");
+        let ray = Ray::new((DVec3::new(0.05, 0.05, 5.0) - world.origin()).as_vec3(), -Vec3::Z);
+        let hit = world.intersect(&ray).expect("it is there");
+        world.surface(&ray, &hit).frame
+    };
+    let seen = |add: &dyn Fn(&mut pt::world::WorldBuilder, pt::world::MaterialId)| {
+        let mut world = World::builder(probe(DVec3::Z, DVec3::ZERO));
+        let worn = world.material(brushed());
+        add(&mut world, worn);
+        look(world)
+    };
+    let frames = [
+        (seen(&|world, worn| world.shape(Quad { size: [2.0, 3.0] }, turn, worn, None)), x),
+        (seen(&|world, worn| world.shape(Disk { radius: 1.0 }, turn, worn, None)), x),
+        (seen(&|world, worn| world.shape(TriangleMesh::new(plain.clone()), turn, worn, None)), x),
+        (seen(&|world, worn| world.shape(TriangleMesh::new(flipped.clone()), turn, worn, None)), Vec3::Z.cross(x)),
+    ];
+    for (frame, grain) in frames {
+        assert!((frame.x - grain).length() < 1e-6 && frame.z == Vec3::Z, "{frame:?} but {grain}");
+    }
+    // On a sphere, circles of latitude about its z axis.
+    let standing = Transform::rotate(DVec3::X, -90.0).expect("an axis");
+    let frame = seen(&|world, worn| world.shape(Sphere { radius: 1.0 }, standing, worn, None));
+    assert!(frame.x.y.abs() < 1e-6 && (frame.x.length() - 1.0).abs() < 1e-6 && frame.x.dot(frame.z).abs() < 1e-6, "{frame:?}");
+}
+
+/// What users set: α = r², and the anisotropy of 1 makes highlights ten times as long as wide.
+#[test]
+fn roughness_is_the_root_of_alpha() {
+    assert_eq!(alpha(0.5, 0.0), Vec2::splat(0.25));
+    let stretched = alpha(0.5, 1.0);
+    assert!((stretched.x / stretched.y - 10.0).abs() < 1e-4 && (stretched.x * stretched.y - 0.0625).abs() < 1e-6);
+}
