@@ -196,6 +196,27 @@ const SCENES: &[Row] = &[
         3,
         "/materials/m/k: expected an extinction coefficient from 0 to 1000, found -1",
     ),
+    ("B42", r#""materials": {"m": ^{"type": "conductor"}}"#, 3, "/materials/m: a conductor needs \"metal\", or \"eta\" and \"k\""),
+    ("B42", r#""materials": {"m": ^{"type": "conductor", "eta": 1}}"#, 3, "/materials/m: missing key \"k\""),
+    (
+        "B42",
+        r#""materials": {"m": {"type": "conductor", "metal": "Au", "eta": ^1}}"#,
+        3,
+        "/materials/m/eta: give metal, or eta and k, not both",
+    ),
+    ("B43", r#""materials": {"m": {"type": "dielectric", "roughness": ^1.1}}"#, 3, "/materials/m/roughness: expected a number from 0 to 1"),
+    (
+        "B43",
+        r#""materials": {"m": {"type": "dielectric", "roughness": ^-0.1}}"#,
+        3,
+        "/materials/m/roughness: expected a number from 0 to 1",
+    ),
+    (
+        "B43",
+        r#""materials": {"m": {"type": "dielectric", "roughness": 0.5, "alpha": ^0.1}}"#,
+        3,
+        "/materials/m/alpha: give alpha, or roughness and anisotropy, not both",
+    ),
     (
         "B43",
         r#""materials": {"m": {"type": "matte_cone", "color": 1, "mattness": ^-0.1}}"#,

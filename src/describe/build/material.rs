@@ -32,6 +32,7 @@ impl Builder<'_> {
         let (id, effects) = match self.materials.get(&key) {
             Some(known) => *known,
             None => {
+                self.note_smooth(&key, described);
                 let made = self.material_of(&key, described);
                 let effects = made.effects();
                 let known = (self.world.material(made), effects);
@@ -40,6 +41,20 @@ impl Builder<'_> {
             }
         };
         (kind(described).to_owned(), (id, effects))
+    }
+
+    /// A roughness too small to be told from none.
+    fn note_smooth(&mut self, pointer: &str, described: &describe::Material) {
+        let (describe::Material::Conductor(describe::Conductor { roughness, .. })
+        | describe::Material::Dielectric(describe::Dielectric { roughness, .. })) = described
+        else {
+            return;
+        };
+        let Textured::Color(color) = roughness else { return };
+        let value = spectrum(color).average();
+        if value > 0.0 && Microfacets::new(finish::alpha(value, 0.0), Distribution::Ggx).is_none() {
+            self.warnings.push(format!("{}: {pointer}/roughness: {value} is as good as 0, the surface is smooth", self.source.file));
+        }
     }
 
     fn material_of(&mut self, pointer: &str, described: &describe::Material) -> Material {
