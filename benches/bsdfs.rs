@@ -1,0 +1,91 @@
+//! What the models cost: nanoseconds of CPU time to sample one direction, and to evaluate f and pdf for it.
+//!
+//! `cargo bench --bench bsdfs`. Directions and numbers are prepared beforehand; the fastest of several rounds counts.
+
+use std::hint::black_box;
+
+use cpu_time::ProcessTime;
+use glam::{Vec2, Vec3};
+use pt::bsdf::microfacet::Distribution;
+use pt::bsdf::microfacet::finish::{Alpha, Finish};
+use pt::bsdf::{Bsdf, Element, Material, TransportMode};
+use pt::math::{Local, Spectrum, warp};
+use pt::sampler::{Kind, SamplerSpec};
+use pt::shape::SurfacePoint;
+
+const COUNT: usize = 1 << 14;
+const ROUNDS: usize = 50;
+
+fn main() {
+    let gray = || Spectrum::gray(0.5);
+    let (eta, k) = Element::Au.index();
+    let finish = |alpha: Vec2, distribution| Finish { alpha: Alpha::Constant(alpha), distribution };
+    let round = || finish(Vec2::splat(0.3), Distribution::Ggx);
+    let models = [
+        ("diffuse", Material::diffuse(gray())),
+        ("oren_nayar", Material::OrenNayar { albedo: gray().into(), roughness: 0.5 }),
+        ("mirror", Material::mirror(gray())),
+        ("conductor", Material::Conductor { eta, k }),
+        ("conductor, GGX", Material::rough_conductor(eta, k, round(), false)),
+        ("conductor, GGX, multiscatter", Material::rough_conductor(eta, k, round(), true)),
+        ("conductor, GGX 4:1", Material::rough_conductor(eta, k, finish(Vec2::new(0.6, 0.15), Distribution::Ggx), false)),
+        ("conductor, Beckmann", Material::rough_conductor(eta, k, finish(Vec2::splat(0.3), Distribution::Beckmann), false)),
+        ("dielectric", Material::glass(1.5)),
+        ("dielectric, GGX", Material::rough_glass(1.5, Spectrum::ONE, round(), false)),
+        ("dielectric, GGX, multiscatter", Material::rough_glass(1.5, Spectrum::ONE, round(), true)),
+        ("thin_dielectric", Material::ThinDielectric { eta: 1.5, color: Spectrum::ONE.into() }),
+        ("matte_cone", Material::MatteCone { color: gray().into(), mattness: 0.3 }),
+        ("phong", Material::Phong { color: gray().into(), exponent: 30.0 }),
+        ("blinn_phong", Material::BlinnPhong { color: gray().into(), exponent: 30.0 }),
+        ("metal", Material::Metal { color: gray().into(), roughness: 0.3 }),
+        ("plastic", Material::plastic(gray(), 1.5)),
+        ("diffuse_transmission", Material::DiffuseTransmission { reflectance: gray().into(), transmittance: gray().into() }),
+    ];
+    let inputs = inputs();
+    println!("{:32}{:>12}{:>16}", "ns of CPU time", "sample", "eval + pdf");
+    for (name, material) in models {
+        let model = material.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO });
+        let sample = fastest(|| sample_all(&model, &inputs));
+        let evaluate = fastest(|| evaluate_all(&model, &inputs));
+        println!("{name:32}{sample:12.1}{evaluate:16.1}");
+    }
+}
+
+struct Input {
+    wo: Local,
+    wi: Local,
+    choice: f32,
+    u: Vec2,
+}
+
+fn inputs() -> Vec<Input> {
+    let mut sampler = SamplerSpec { kind: Kind::Independent, seed: 1, spp: COUNT as u64 }.build();
+    let one = |index| {
+        sampler.start(glam::UVec2::ZERO, index);
+        let (wo, wi) = (warp::cosine_hemisphere(sampler.next_2d()), warp::cosine_hemisphere(sampler.next_2d()));
+        Input { wo: Local(wo), wi: Local(wi), choice: sampler.next_1d(), u: sampler.next_2d() }
+    };
+    (0..COUNT as u64).map(one).collect()
+}
+
+fn sample_all(model: &Bsdf, inputs: &[Input]) {
+    for input in inputs {
+        black_box(black_box(model).sample(input.wo, input.choice, input.u, TransportMode::Radiance));
+    }
+}
+
+fn evaluate_all(model: &Bsdf, inputs: &[Input]) {
+    for input in inputs {
+        black_box((black_box(model).eval(input.wo, input.wi, TransportMode::Radiance), model.pdf(input.wo, input.wi)));
+    }
+}
+
+/// Per input (ns).
+fn fastest(mut run: impl FnMut()) -> f64 {
+    let mut round = || {
+        let start = ProcessTime::now();
+        run();
+        start.elapsed().as_secs_f64() * 1e9 / COUNT as f64
+    };
+    (0..ROUNDS).map(|_| round()).fold(f64::INFINITY, f64::min)
+}
