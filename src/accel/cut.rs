@@ -17,7 +17,7 @@ use super::node::WIDTH;
 use super::packet::LANES;
 use crate::math::Aabb;
 
-/// Testing eight boxes, and testing four triangles: about alike, by the clock.
+/// Testing eight boxes, and testing four triangles: taken as alike, both are some sixty instructions of four lanes.
 const NODE: f32 = 1.0;
 const PACKET: f32 = 1.0;
 

@@ -15,7 +15,7 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: h from D, so that weight = ρ
 ///
-/// Source: Blinn, *Models of Light Reflection for Computer Synthesized Pictures* (1977). Tests: bsdfs.
+/// Source: Blinn, *Models of Light Reflection for Computer Synthesized Pictures* (1977). Tests: matter, proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlinnPhong {
     /// ρ: [0, 1].

@@ -14,7 +14,7 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
 /// - from either side alike
 /// - sampling: the side by the larger coefficients of ρ and τ, then cosine-weighted
 ///
-/// Source: Lambert, *Photometria* (1760), with Kubelka's thin layers in mind. Tests: bsdfs.
+/// Source: Lambert, *Photometria* (1760). Tests: matter, proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiffuseTransmission {
     /// ρ: [0, 1].

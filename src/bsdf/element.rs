@@ -12,7 +12,7 @@
 //! Cr, Fe, Ni, Ti: Johnson and Christy, *Optical constants of transition metals*, Phys. Rev. B 9 (1974); Al: Rakić, *Algorithm for
 //! the determination of intrinsic optical constants of metal films*, Appl. Opt. 34 (1995); W: Weaver, Olson, Lynch, *Optical
 //! properties of crystalline tungsten*, Phys. Rev. B 12 (1975). Room temperature, clean surfaces.
-//! Observer and illuminant: CIE 15 (2004). Tests: metals.
+//! Observer and illuminant: CIE 15 (2004). Tests: metals_have_the_colour_of_their_spectrum.
 
 use crate::math::Spectrum;
 

@@ -20,7 +20,7 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel, warp};
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: as defined, so that weight = ρ
 ///
-/// Source: the "metal" of ray-tracing courses; the density is derived here. Tests: bsdfs.
+/// Source: the "metal" of ray-tracing courses; the density is derived here. Tests: matter, proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metal {
     /// ρ: [0, 1].

@@ -21,7 +21,7 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, float, warp};
 /// - sampling: cosine-weighted
 ///
 /// Source: Fujii's form, and Portsmouth, Kutz and Hill, *EON: A Practical Energy-Preserving Rough Diffuse BRDF*
-/// (JCGT 14(1), 2025). Tests: bsdfs, rough_matte_is_white.
+/// (JCGT 14(1), 2025). Tests: matter, proof, rough_matte_is_white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrenNayar {
     /// ρ: [0, 1].

@@ -15,7 +15,7 @@ use crate::math::{Frame, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 /// - sampling: the lobe itself, so that weight = ρ
 ///
 /// Source: Phong, *Illumination for Computer Generated Pictures* (1975); normalised as by Lafortune and Willems (1994).
-/// Tests: bsdfs.
+/// Tests: matter, proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
     /// ρ: [0, 1].

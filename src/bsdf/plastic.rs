@@ -17,7 +17,7 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel, warp};
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: surface or ground by what each sends back, the ground cosine-weighted
 ///
-/// Source: Wolff, *Diffuse-Reflectance Model for Smooth Dielectric Surfaces* (1994). Tests: bsdfs, coated_white_is_white.
+/// Source: Wolff, *Diffuse-Reflectance Model for Smooth Dielectric Surfaces* (1994). Tests: matter, proof, coated_white_is_white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plastic {
     /// ρ, of the ground: [0, 1].

@@ -11,7 +11,7 @@ use crate::shape::SurfacePoint;
 ///
 /// (u, v) = (0, 0) is the lower left corner of the picture, (1, 1) the upper right one, before `scale`.
 ///
-/// Tests: textures.
+/// Tests: pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     pub pixels: Arc<Pixels>,

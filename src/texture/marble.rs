@@ -9,7 +9,7 @@ use crate::shape::SurfacePoint;
 
 /// Layers across z, stirred by turbulence: from `base` to `veins` by the share ½ (1 + sin(scale·z + 10·turbulence(p))).
 ///
-/// Source: Perlin, *An Image Synthesizer* (1985), with the constants of ray-tracing courses. Tests: textures.
+/// Source: Perlin, *An Image Synthesizer* (1985), with the constants of ray-tracing courses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marble {
     pub base: Texture,
