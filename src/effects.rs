@@ -30,10 +30,12 @@ impl Effects {
     pub const REFRACTION: Effects = Effects(1 << 5);
     /// Depth of field.
     pub const THIN_LENS: Effects = Effects(1 << 6);
-    /// Interpolated normals.
+    /// Normals that are not the surface's own: interpolated, or turned by a relief.
     pub const SHADING_NORMALS: Effects = Effects(1 << 7);
     /// Parameters that vary over a surface.
     pub const TEXTURES: Effects = Effects(1 << 8);
+    /// Surfaces with holes.
+    pub const CUT_OUTS: Effects = Effects(1 << 9);
 
     /// Everything pt knows.
     pub const ALL: Effects = Effects((1 << KNOWN.len()) - 1);
@@ -100,7 +102,7 @@ impl Sub for Effects {
     }
 }
 
-const KNOWN: [Known; 9] = [
+const KNOWN: [Known; 10] = [
     Known { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
     Known { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
     Known { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
@@ -108,6 +110,7 @@ const KNOWN: [Known; 9] = [
     Known { bit: Effects::SPECULAR_REFLECTION, name: "mirror reflection", cost: "one more ray per bounce" },
     Known { bit: Effects::REFRACTION, name: "refraction", cost: "one more ray per interface" },
     Known { bit: Effects::THIN_LENS, name: "depth of field", cost: "two random numbers per camera ray" },
-    Known { bit: Effects::SHADING_NORMALS, name: "interpolated normals", cost: "one interpolation per hit" },
+    Known { bit: Effects::SHADING_NORMALS, name: "shading normals", cost: "one interpolation per hit" },
     Known { bit: Effects::TEXTURES, name: "textures", cost: "one lookup per parameter and hit" },
+    Known { bit: Effects::CUT_OUTS, name: "cut-outs", cost: "one lookup per surface that a ray meets, shadow rays too" },
 ];

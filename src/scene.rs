@@ -19,7 +19,7 @@ pub trait Scene: Send + Sync {
     fn occluded(&self, ray: &Ray) -> bool;
 
     /// All about the point that `ray` hit.
-    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface;
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_>;
 
     fn lights(&self) -> &Lights;
 
@@ -35,25 +35,25 @@ pub trait Scene: Send + Sync {
 /// frame of the shading normal. Where shading and geometric normal disagree on the side of a
 /// direction nothing is scattered: light does not leak through.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface {
+pub struct Surface<'a> {
     pub point: SurfacePoint,
     pub frame: Frame,
-    pub bsdf: Bsdf,
+    pub bsdf: Bsdf<'a>,
     pub emission: Option<Emission>,
     /// Its index among the lights; of meaning where it emits.
     pub light: u32,
 }
 
-impl Surface {
-    pub fn new(point: SurfacePoint, bsdf: Bsdf, emission: Option<(Emission, u32)>) -> Surface {
+impl<'a> Surface<'a> {
+    pub fn new(point: SurfacePoint, bsdf: Bsdf<'a>, emission: Option<(Emission, u32)>) -> Surface<'a> {
         let (emission, light) = (emission.map(|e| e.0), emission.map_or(u32::MAX, |e| e.1));
         Surface { frame: Frame::around(point.ns), point, bsdf, emission, light }
     }
 
-    /// With the x axis of its frame along a tangent; as it is where there is none.
-    pub fn along(self, tangent: Option<Vec3>) -> Surface {
-        let frame = tangent.and_then(|x| Frame::along(self.point.ns, x));
-        Surface { frame: frame.unwrap_or(self.frame), ..self }
+    /// With another shading normal, and the x axis of its frame along a tangent, where there is one.
+    pub fn turned(self, ns: Vec3, tangent: Option<Vec3>) -> Surface<'a> {
+        let frame = tangent.and_then(|x| Frame::along(ns, x)).unwrap_or_else(|| Frame::around(ns));
+        Surface { frame, point: SurfacePoint { ns, ..self.point }, ..self }
     }
 
     /// Radiance that the surface itself sends into `w`.
@@ -64,7 +64,26 @@ impl Surface {
     /// f(wo, wi)·|cos θi| [sr⁻¹]; 0 for delta lobes.
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Spectrum {
         let (lo, li) = (self.frame.to_local(wo), self.frame.to_local(wi));
-        if self.agrees(wo, lo, wi, li) { self.bsdf.eval(lo, li, mode) } else { Spectrum::BLACK }
+        if !self.agrees(wo, lo, wi, li) {
+            return Spectrum::BLACK;
+        }
+        let f = self.bsdf.eval(lo, li, mode);
+        match mode {
+            TransportMode::Radiance => f,
+            TransportMode::Importance => f * self.adjoint(wo, lo, wi, li),
+        }
+    }
+
+    /// |cos θo| |ng·wi| / (|ng·wo| |cos θi|): importance meets the surface by its geometric normal.
+    ///
+    /// A shading normal makes the cosines of f·|cos θi| those of another surface. For radiance that is the look that is wanted;
+    /// what lights send must then be scaled so that both find the same picture.
+    ///
+    /// Source: Veach, *Robust Monte Carlo Methods for Light Transport Simulation* (1997), §5.3. Tests: importance_is_adjoint.
+    fn adjoint(&self, wo: Vec3, lo: Local, wi: Vec3, li: Local) -> f32 {
+        let ng = self.point.ng;
+        let ratio = (lo.abs_cos() / li.abs_cos()) * (ng.dot(wi) / ng.dot(wo)).abs();
+        if ratio.is_finite() { ratio } else { 0.0 }
     }
 
     /// The density with which [`Surface::sample`] returns `wi`.
@@ -76,21 +95,27 @@ impl Surface {
     pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2, mode: TransportMode) -> Option<(Vec3, BsdfSample)> {
         let lo = self.frame.to_local(wo);
         let sample = self.bsdf.sample(lo, choice, u, mode)?;
-        self.in_world(wo, lo, sample)
+        self.in_world(wo, lo, sample, mode)
     }
 
     /// The delta lobes, and their directions in world space.
     pub fn delta_lobes(&self, wo: Vec3, mode: TransportMode) -> impl Iterator<Item = (Vec3, BsdfSample)> {
         let lo = self.frame.to_local(wo);
-        self.bsdf.delta_lobes(lo, mode).filter_map(move |sample| self.in_world(wo, lo, sample))
+        self.bsdf.delta_lobes(lo, mode).filter_map(move |sample| self.in_world(wo, lo, sample, mode))
     }
 
-    fn in_world(&self, wo: Vec3, lo: Local, sample: BsdfSample) -> Option<(Vec3, BsdfSample)> {
+    fn in_world(&self, wo: Vec3, lo: Local, sample: BsdfSample, mode: TransportMode) -> Option<(Vec3, BsdfSample)> {
         // A path must not lengthen its directions bounce by bounce. This near to 1, a step of Newton's for 1/√x
         // is as good as a root and a division, and does not make the next ray wait for them.
         let w = self.frame.to_world(sample.wi);
         let wi = w * (1.5 - 0.5 * w.length_squared());
-        self.agrees(wo, lo, wi, sample.wi).then_some((wi, sample))
+        if !self.agrees(wo, lo, wi, sample.wi) {
+            return None;
+        }
+        match mode {
+            TransportMode::Radiance => Some((wi, sample)),
+            TransportMode::Importance => Some((wi, BsdfSample { weight: sample.weight * self.adjoint(wo, lo, wi, sample.wi), ..sample })),
+        }
     }
 
     /// Whether the geometric normal sees reflection and transmission as the shading normal does.
@@ -130,7 +155,7 @@ impl Surface {
 const SHORTEN: f32 = 4.0 * f32::EPSILON;
 
 /// The point moved off its surface, towards the side that `w` leads to.
-fn beside(point: &SurfacePoint, w: Vec3) -> Vec3 {
+pub(crate) fn beside(point: &SurfacePoint, w: Vec3) -> Vec3 {
     let side = if point.ng.dot(w) < 0.0 { -point.offset } else { point.offset };
     point.p + point.ng * side
 }

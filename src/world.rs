@@ -5,26 +5,35 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::accel;
-use crate::bsdf::Material;
+use crate::bsdf::{Place, Skin};
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::light::{Area, Emission, Light, Lights};
-use crate::math::{Ray, Transform};
+use crate::math::{Ray, Transform, float};
 use crate::primitive::{Hit, Primitive};
-use crate::scene::{Scene, Surface};
-use crate::shape::{Geometry, Shape};
+use crate::sampler::hash;
+use crate::scene::{Scene, Surface, beside};
+use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint};
 
 /// The one scene of production use.
 pub struct World {
     shapes: Arc<[Box<dyn Shape>]>,
     dresses: Vec<Dress>,
-    materials: Vec<Material>,
+    skins: Vec<Worn>,
+    /// Whether any of them lets rays through.
+    has_holes: bool,
     hierarchy: Box<dyn Primitive>,
     lights: Lights,
     camera: Camera,
     effects: Effects,
     origin: DVec3,
+}
+
+/// A skin, and whether it needs the axes of the surface.
+struct Worn {
+    skin: Skin,
+    needs_tangents: bool,
 }
 
 /// What a shape wears.
@@ -42,7 +51,7 @@ pub struct MaterialId(u32);
 /// A scene in the making: coordinates are the user's, f64 where it matters.
 pub struct WorldBuilder {
     camera: Camera,
-    materials: Vec<Material>,
+    skins: Vec<Skin>,
     objects: Vec<Object>,
     lights: Vec<Light>,
 }
@@ -59,7 +68,7 @@ pub const MAX_EXTENT: f64 = 1e18;
 
 impl World {
     pub fn builder(camera: Camera) -> WorldBuilder {
-        WorldBuilder { camera, materials: vec![], objects: vec![], lights: vec![] }
+        WorldBuilder { camera, skins: vec![], objects: vec![], lights: vec![] }
     }
 
     /// What was subtracted from all coordinates, so that f32 is finest where the scene is.
@@ -83,9 +92,10 @@ impl World {
 }
 
 impl WorldBuilder {
-    pub fn material(&mut self, material: Material) -> MaterialId {
-        self.materials.push(material);
-        MaterialId(self.materials.len() as u32 - 1)
+    /// A material, or a material with a relief and holes.
+    pub fn material(&mut self, skin: impl Into<Skin>) -> MaterialId {
+        self.skins.push(skin.into());
+        MaterialId(self.skins.len() as u32 - 1)
     }
 
     /// A shape of one material; emitting where `emission` says so.
@@ -131,13 +141,15 @@ impl WorldBuilder {
         };
         let dresses: Vec<Dress> = self.objects.into_iter().enumerate().map(dress).collect();
         let lights = Lights::new(lights, shapes.clone(), hierarchy.bounds().radius());
-        let materials: Vec<Material> = self.materials.into_iter().map(|m| m.recentred(origin)).collect();
+        let wear = |skin: Skin| Worn { needs_tangents: skin.needs_tangents(), skin: skin.recentred(origin) };
+        let skins: Vec<Worn> = self.skins.into_iter().map(wear).collect();
 
-        let worn = dresses.iter().flat_map(|d| &d.materials).map(|m| materials[m.0 as usize].effects());
+        let worn = dresses.iter().flat_map(|d| &d.materials).map(|m| skins[m.0 as usize].skin.effects());
         let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
         let effects = worn.chain(normals).fold(lights.effects() | self.camera.effects(), Effects::union);
         let camera = self.camera.recentred(origin);
-        Ok(World { shapes, dresses, materials, hierarchy, lights, camera, effects, origin })
+        let has_holes = effects.contains(Effects::CUT_OUTS);
+        Ok(World { shapes, dresses, skins, has_holes, hierarchy, lights, camera, effects, origin })
     }
 
     /// The middle of the box around all shapes.
@@ -152,24 +164,76 @@ impl WorldBuilder {
     }
 }
 
+impl World {
+    fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        self.shapes[hit.shape as usize].point(hit.primitive, ray, &ShapeHit { t: hit.t, uv: hit.uv })
+    }
+
+    fn worn(&self, hit: &Hit) -> &Worn {
+        let dress = &self.dresses[hit.shape as usize];
+        let part = if dress.materials.len() > 1 { self.shapes[hit.shape as usize].part(hit.primitive) as usize } else { 0 };
+        &self.skins[dress.materials[part].0 as usize]
+    }
+
+    /// Along the axes of the surface, and its relief.
+    #[inline(never)]
+    fn turned<'a>(&self, surface: Surface<'a>, ray: &Ray, hit: &Hit, skin: &Skin) -> Surface<'a> {
+        let point = &surface.point;
+        let tangents = self.shapes[hit.shape as usize].tangents(hit.primitive, point);
+        let ns = match (&skin.relief, tangents) {
+            (Some(relief), Some(tangents)) => relief.normal(point, tangents, -ray.direction),
+            _ => point.ns,
+        };
+        surface.turned(ns, tangents.map(|[u, _]| u))
+    }
+
+    /// The first hit from `hit` on that is not a hole.
+    fn behind_holes(&self, ray: &Ray, hit: Hit) -> Option<Hit> {
+        let (mut onward, mut hit, mut way) = (*ray, hit, 0.0);
+        for _ in 0..MOST_HOLES {
+            let Some(opacity) = &self.worn(&hit).skin.opacity else { break };
+            let point = self.point(&onward, &hit);
+            if chance(ray, &hit) < opacity.scalar(&point) {
+                break;
+            }
+            way += hit.t;
+            onward = Ray { origin: beside(&point, ray.direction), t_max: ray.t_max - way, ..*ray };
+            hit = self.hierarchy.intersect(&onward)?;
+        }
+        Some(Hit { t: way + hit.t, ..hit })
+    }
+}
+
+/// A ray that passes more holes than this has met a surface.
+const MOST_HOLES: u32 = 4096;
+
+/// A number in [0, 1) that belongs to a ray and a surface on its way, for surfaces that are partly there.
+///
+/// No two rays are alike, so that it is as good as random; the same ray finds the same surfaces again.
+fn chance(ray: &Ray, hit: &Hit) -> f32 {
+    let line = ray.origin.to_array().into_iter().chain(ray.direction.to_array()).map(f32::to_bits);
+    let key = line.chain([hit.shape, hit.primitive]).fold(0, hash::absorb);
+    float::unit_f32(hash::halves(key).0)
+}
+
 impl Scene for World {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.hierarchy.intersect(ray)
+        let hit = self.hierarchy.intersect(ray);
+        if self.has_holes { self.behind_holes(ray, hit?) } else { hit }
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
-        self.hierarchy.occluded(ray)
+        if self.has_holes { self.intersect(ray).is_some() } else { self.hierarchy.occluded(ray) }
     }
 
-    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let shape = &self.shapes[hit.shape as usize];
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
+        let (point, worn) = (self.point(ray, hit), self.worn(hit));
         let dress = &self.dresses[hit.shape as usize];
-        let point = shape.point(hit.primitive, ray, &crate::shape::ShapeHit { t: hit.t, uv: hit.uv });
-        let part = if dress.materials.len() > 1 { shape.part(hit.primitive) as usize } else { 0 };
-        let material = &self.materials[dress.materials[part].0 as usize];
         let emission = dress.emission.map(|e| (e, dress.first_light + hit.primitive));
-        let surface = Surface::new(point, material.met(&point, ray, hit.t), emission);
-        if material.is_anisotropic() { surface.along(shape.tangent(hit.primitive, &point)) } else { surface }
+        // A ray that meets a surface from inside has been inside since it last met one: exact for a body without others in it.
+        let inside = if ray.direction.dot(point.ng) > 0.0 { hit.t } else { 0.0 };
+        let surface = Surface::new(point, worn.skin.material.met(&Place { point, inside }), emission);
+        if worn.needs_tangents { self.turned(surface, ray, hit, &worn.skin) } else { surface }
     }
 
     fn lights(&self) -> &Lights {

@@ -3,10 +3,12 @@
 use glam::DVec3;
 
 use super::microfacet::{Albedo, Finish};
-use super::{BlinnPhong, Bsdf, Conductor, Dielectric, Diffuse, DiffuseTransmission, MatteCone, Metal, Mirror, OrenNayar, Phong, Plastic};
-use super::{RoughConductor, RoughDielectric, ThinDielectric, rough_conductor, rough_dielectric};
+use super::{
+    BlinnPhong, Bsdf, Conductor, Dielectric, Diffuse, DiffuseTransmission, MatteCone, Metal, Mirror, OrenNayar, Phong, Plastic, Reflectance,
+};
+use super::{Compound, Mix, Place, RoughConductor, RoughDielectric, Share, ThinDielectric, rough_conductor, rough_dielectric};
 use crate::effects::Effects;
-use crate::math::{Ray, Spectrum, float};
+use crate::math::{Spectrum, float};
 use crate::shape::SurfacePoint;
 use crate::texture::Texture;
 
@@ -19,9 +21,11 @@ pub enum Material {
     Mirror {
         color: Texture,
     },
+    /// See [`Material::metal`].
     Conductor {
-        eta: Spectrum,
-        k: Spectrum,
+        reflectance: Metallic,
+        finish: Option<Finish>,
+        losses: Option<&'static Albedo>,
     },
     Dielectric {
         eta: f32,
@@ -29,11 +33,11 @@ pub enum Material {
     },
     MatteCone {
         color: Texture,
-        mattness: f32,
+        mattness: Texture,
     },
     OrenNayar {
         albedo: Texture,
-        roughness: f32,
+        roughness: Texture,
     },
     Phong {
         color: Texture,
@@ -45,7 +49,7 @@ pub enum Material {
     },
     Metal {
         color: Texture,
-        roughness: f32,
+        roughness: Texture,
     },
     Plastic {
         albedo: Texture,
@@ -56,13 +60,6 @@ pub enum Material {
     DiffuseTransmission {
         reflectance: Texture,
         transmittance: Texture,
-    },
-    /// See [`Material::rough_conductor`].
-    RoughConductor {
-        eta: Spectrum,
-        k: Spectrum,
-        finish: Finish,
-        more: Option<(&'static Albedo, Spectrum)>,
     },
     /// See [`Material::rough_glass`].
     RoughDielectric {
@@ -80,6 +77,58 @@ pub enum Material {
         surface: Box<Material>,
         absorption: Spectrum,
     },
+    /// Made of other materials.
+    Compound(Box<Compound>),
+}
+
+/// What metal reflects, from point to point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Metallic {
+    /// By its index of refraction; with the mean over the hemisphere.
+    Index { reflectance: Reflectance, mean: Spectrum },
+    /// By its colour, seen straight on.
+    Color(Texture),
+}
+
+impl Metallic {
+    /// And its mean over the hemisphere.
+    fn at(&self, point: &SurfacePoint) -> (Reflectance, Spectrum) {
+        match self {
+            Metallic::Index { reflectance, mean } => (*reflectance, *mean),
+            Metallic::Color(color) => {
+                let reflectance = Reflectance::Schlick { normal: color.at(point) };
+                (reflectance, reflectance.mean())
+            }
+        }
+    }
+
+    fn texture(&self) -> Option<&Texture> {
+        match self {
+            Metallic::Index { .. } => None,
+            Metallic::Color(color) => Some(color),
+        }
+    }
+
+    fn recentred(self, origin: DVec3) -> Metallic {
+        match self {
+            Metallic::Index { .. } => self,
+            Metallic::Color(color) => Metallic::Color(color.recentred(origin)),
+        }
+    }
+}
+
+impl From<Texture> for Metallic {
+    fn from(color: Texture) -> Metallic {
+        Metallic::Color(color)
+    }
+}
+
+/// eta and k.
+impl From<(Spectrum, Spectrum)> for Metallic {
+    fn from((eta, k): (Spectrum, Spectrum)) -> Metallic {
+        let reflectance = Reflectance::Index { eta, k };
+        Metallic::Index { reflectance, mean: reflectance.mean() }
+    }
 }
 
 impl Material {
@@ -102,10 +151,11 @@ impl Material {
         Material::Plastic { albedo: albedo.into(), eta, internal: Plastic::internal(eta) }
     }
 
-    /// Metal with facets; `multiscatter` follows light that is reflected more than once among them.
-    pub fn rough_conductor(eta: Spectrum, k: Spectrum, finish: Finish, multiscatter: bool) -> Material {
-        let tables = || (rough_conductor::losses(finish.domain(), finish.distribution), rough_conductor::mean_reflectance(eta, k));
-        Material::RoughConductor { eta, k, more: multiscatter.then(tables), finish }
+    /// Metal: polished without a `finish`, else with facets; `multiscatter` follows light that they reflect more than once.
+    pub fn metal(reflectance: impl Into<Metallic>, finish: Option<Finish>, multiscatter: bool) -> Material {
+        let rough = finish.as_ref().filter(|_| multiscatter);
+        let losses = rough.map(|finish| rough_conductor::losses(finish.domain(), finish.distribution));
+        Material::Conductor { reflectance: reflectance.into(), finish, losses }
     }
 
     /// Glass with facets; `multiscatter` follows light that meets more than one of them.
@@ -114,38 +164,80 @@ impl Material {
         Material::RoughDielectric { eta, color: color.into(), more: multiscatter.then(tables), finish }
     }
 
-    /// The model at the end of a ray of length `t`, with what the body behind the surface has taken of its light on the way.
-    ///
-    /// A ray that meets a surface from inside has been inside since it last met one: exact for a body without others in it.
-    pub fn met(&self, point: &SurfacePoint, ray: &Ray, t: f32) -> Bsdf {
-        match self {
-            Material::Filled { surface, absorption } if ray.direction.dot(point.ng) > 0.0 => {
-                surface.at(point).dimmed(absorption.map(|sigma| float::exp(-sigma * t)))
-            }
-            _ => self.at(point),
+    /// `share` of the second, from 0 to 1, the rest of the first.
+    pub fn mix(a: Material, b: Material, share: impl Into<Texture>) -> Material {
+        match share.into() {
+            Texture::Constant(none) if none == Spectrum::BLACK => a,
+            Texture::Constant(all) if all == Spectrum::ONE => b,
+            share => Compound::Mix(Mix { a, b, share: Share::Texture(share) }).into(),
         }
     }
 
     /// Whether it matters where the axes of the surface point.
     pub fn is_anisotropic(&self) -> bool {
         match self {
-            Material::RoughConductor { finish, .. } | Material::RoughDielectric { finish, .. } => finish.is_anisotropic(),
+            Material::Conductor { finish, .. } => finish.as_ref().is_some_and(Finish::is_anisotropic),
+            Material::RoughDielectric { finish, .. } => finish.is_anisotropic(),
             Material::Filled { surface, .. } => surface.is_anisotropic(),
+            Material::Compound(compound) => compound.is_anisotropic(),
             _ => false,
         }
     }
 
-    pub fn at(&self, point: &SurfacePoint) -> Bsdf {
+    /// Whether light goes through.
+    pub fn transmits(&self) -> bool {
+        match self {
+            Material::Dielectric { .. } | Material::RoughDielectric { .. } | Material::ThinDielectric { .. } => true,
+            Material::DiffuseTransmission { .. } | Material::Filled { .. } => true,
+            Material::Compound(compound) => compound.parts().into_iter().any(Material::transmits),
+            _ => false,
+        }
+    }
+
+    /// A bound on [`Bsdf::delta_lobes`]: the mirror direction, which all share, and that of each kind of glass.
+    pub fn most_delta_lobes(&self) -> usize {
+        1 + self.glasses()
+    }
+
+    fn glasses(&self) -> usize {
+        match self {
+            Material::Compound(compound) => compound.parts().into_iter().map(Material::glasses).sum(),
+            Material::DiffuseTransmission { .. } => 0,
+            plain => usize::from(plain.transmits()),
+        }
+    }
+
+    /// The model at a point, for light from outside.
+    pub fn at(&self, point: &SurfacePoint) -> Bsdf<'_> {
+        self.met(&Place { point: *point, inside: 0.0 })
+    }
+
+    /// The model at a place, with what the body behind the surface has taken of the light on its way there.
+    pub fn met(&self, at: &Place) -> Bsdf<'_> {
+        let point = &at.point;
         match self {
             Material::Diffuse { albedo } => Bsdf::Diffuse(Diffuse { albedo: albedo.at(point) }),
             Material::Mirror { color } => Bsdf::Mirror(Mirror { color: color.at(point) }),
-            Material::Conductor { eta, k } => Bsdf::Conductor(Conductor { eta: *eta, k: *k }),
+            Material::Conductor { reflectance, finish, losses } => {
+                let (reflectance, mean) = reflectance.at(point);
+                match finish.as_ref().and_then(|finish| finish.at(point)) {
+                    None => Bsdf::Conductor(Conductor { reflectance }),
+                    Some(facets) => {
+                        let more = losses.and_then(|losses| rough_conductor::MoreReflections::new(losses, facets.alpha, mean));
+                        Bsdf::RoughConductor(RoughConductor { reflectance, facets, more })
+                    }
+                }
+            }
             Material::Dielectric { eta, color } => Bsdf::Dielectric(Dielectric { eta: *eta, color: color.at(point) }),
-            Material::MatteCone { color, mattness } => Bsdf::MatteCone(MatteCone { color: color.at(point), mattness: *mattness }),
-            Material::OrenNayar { albedo, roughness } => Bsdf::OrenNayar(OrenNayar { albedo: albedo.at(point), roughness: *roughness }),
+            Material::MatteCone { color, mattness } => {
+                Bsdf::MatteCone(MatteCone { color: color.at(point), mattness: mattness.scalar(point) })
+            }
+            Material::OrenNayar { albedo, roughness } => {
+                Bsdf::OrenNayar(OrenNayar { albedo: albedo.at(point), roughness: roughness.scalar(point) })
+            }
             Material::Phong { color, exponent } => Bsdf::Phong(Phong { color: color.at(point), exponent: *exponent }),
             Material::BlinnPhong { color, exponent } => Bsdf::BlinnPhong(BlinnPhong { color: color.at(point), exponent: *exponent }),
-            Material::Metal { color, roughness } => Bsdf::Metal(Metal { color: color.at(point), roughness: *roughness }),
+            Material::Metal { color, roughness } => Bsdf::Metal(Metal { color: color.at(point), roughness: roughness.scalar(point) }),
             Material::Plastic { albedo, eta, internal } => {
                 Bsdf::Plastic(Plastic { albedo: albedo.at(point), eta: *eta, internal: *internal })
             }
@@ -154,13 +246,6 @@ impl Material {
                 let scale = (reflectance + transmittance).max().max(1.0).recip();
                 Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance: reflectance * scale, transmittance: transmittance * scale })
             }
-            Material::RoughConductor { eta, k, finish, more } => match finish.at(point) {
-                None => Bsdf::Conductor(Conductor { eta: *eta, k: *k }),
-                Some(facets) => {
-                    let more = more.and_then(|(losses, mean)| rough_conductor::MoreReflections::new(losses, facets.alpha, mean));
-                    Bsdf::RoughConductor(RoughConductor { eta: *eta, k: *k, facets, more })
-                }
-            },
             Material::RoughDielectric { eta, color, finish, more } => {
                 let (eta, color) = (*eta, color.at(point));
                 match finish.at(point).filter(|facets| RoughDielectric::is_rough(eta, facets.alpha)) {
@@ -172,7 +257,11 @@ impl Material {
                 }
             }
             Material::ThinDielectric { eta, color } => Bsdf::ThinDielectric(ThinDielectric { eta: *eta, color: color.at(point) }),
-            Material::Filled { surface, .. } => surface.at(point),
+            Material::Filled { surface, absorption } if at.inside > 0.0 => {
+                surface.met(at).dimmed(absorption.map(|sigma| float::exp(-sigma * at.inside)))
+            }
+            Material::Filled { surface, .. } => surface.met(at),
+            Material::Compound(compound) => compound.met(at),
         }
     }
 
@@ -181,62 +270,72 @@ impl Material {
         match self {
             Material::Diffuse { albedo } => Material::Diffuse { albedo: albedo.recentred(origin) },
             Material::Mirror { color } => Material::Mirror { color: color.recentred(origin) },
-            Material::Conductor { eta, k } => Material::Conductor { eta, k },
+            Material::Conductor { reflectance, finish, losses } => {
+                let finish = finish.map(|finish| finish.recentred(origin));
+                Material::Conductor { reflectance: reflectance.recentred(origin), finish, losses }
+            }
             Material::Dielectric { eta, color } => Material::Dielectric { eta, color: color.recentred(origin) },
-            Material::MatteCone { color, mattness } => Material::MatteCone { color: color.recentred(origin), mattness },
-            Material::OrenNayar { albedo, roughness } => Material::OrenNayar { albedo: albedo.recentred(origin), roughness },
+            Material::MatteCone { color, mattness } => {
+                Material::MatteCone { color: color.recentred(origin), mattness: mattness.recentred(origin) }
+            }
+            Material::OrenNayar { albedo, roughness } => {
+                Material::OrenNayar { albedo: albedo.recentred(origin), roughness: roughness.recentred(origin) }
+            }
             Material::Phong { color, exponent } => Material::Phong { color: color.recentred(origin), exponent },
             Material::BlinnPhong { color, exponent } => Material::BlinnPhong { color: color.recentred(origin), exponent },
-            Material::Metal { color, roughness } => Material::Metal { color: color.recentred(origin), roughness },
+            Material::Metal { color, roughness } => {
+                Material::Metal { color: color.recentred(origin), roughness: roughness.recentred(origin) }
+            }
             Material::Plastic { albedo, eta, internal } => Material::Plastic { albedo: albedo.recentred(origin), eta, internal },
             Material::DiffuseTransmission { reflectance, transmittance } => {
                 Material::DiffuseTransmission { reflectance: reflectance.recentred(origin), transmittance: transmittance.recentred(origin) }
-            }
-            Material::RoughConductor { eta, k, finish, more } => {
-                Material::RoughConductor { eta, k, finish: finish.recentred(origin), more }
             }
             Material::RoughDielectric { eta, color, finish, more } => {
                 Material::RoughDielectric { eta, color: color.recentred(origin), finish: finish.recentred(origin), more }
             }
             Material::ThinDielectric { eta, color } => Material::ThinDielectric { eta, color: color.recentred(origin) },
             Material::Filled { surface, absorption } => Material::Filled { surface: Box::new(surface.recentred(origin)), absorption },
+            Material::Compound(compound) => Material::Compound(Box::new(compound.recentred(origin))),
         }
     }
 
     /// What simulating this material takes.
     pub fn effects(&self) -> Effects {
-        let spread = |is_mirror: bool| if is_mirror { Effects::SPECULAR_REFLECTION } else { Effects::INTERREFLECTION };
+        let spread = |width: &Texture| match width {
+            Texture::Constant(none) if none.is_black() => Effects::SPECULAR_REFLECTION,
+            Texture::Constant(_) => Effects::INTERREFLECTION,
+            _ => Effects::SPECULAR_REFLECTION | Effects::INTERREFLECTION,
+        };
         let (model, textures): (Effects, Vec<&Texture>) = match self {
-            Material::Diffuse { albedo } | Material::OrenNayar { albedo, .. } => (Effects::INTERREFLECTION, vec![albedo]),
+            Material::Diffuse { albedo } => (Effects::INTERREFLECTION, vec![albedo]),
+            Material::OrenNayar { albedo, roughness } => (Effects::INTERREFLECTION, vec![albedo, roughness]),
             Material::Mirror { color } => (Effects::SPECULAR_REFLECTION, vec![color]),
-            Material::Conductor { .. } => (Effects::SPECULAR_REFLECTION, vec![]),
+            Material::Conductor { reflectance, finish, .. } => {
+                let model = finish.as_ref().map_or(Effects::SPECULAR_REFLECTION, |finish| finish.effects(Effects::SPECULAR_REFLECTION));
+                (model, reflectance.texture().into_iter().chain(finish.as_ref().and_then(Finish::texture)).collect())
+            }
             Material::Dielectric { color, .. } => (Effects::REFRACTION | Effects::SPECULAR_REFLECTION, vec![color]),
-            Material::MatteCone { color, mattness } => {
-                (spread(MatteCone { color: Spectrum::ONE, mattness: *mattness }.is_mirror()), vec![color])
-            }
-            Material::Metal { color, roughness } => {
-                (spread(Metal { color: Spectrum::ONE, roughness: *roughness }.is_mirror()), vec![color])
-            }
+            Material::MatteCone { color, mattness } => (spread(mattness), vec![color, mattness]),
+            Material::Metal { color, roughness } => (spread(roughness), vec![color, roughness]),
             Material::Phong { color, .. } | Material::BlinnPhong { color, .. } => (Effects::INTERREFLECTION, vec![color]),
             Material::Plastic { albedo, .. } => (Effects::INTERREFLECTION | Effects::SPECULAR_REFLECTION, vec![albedo]),
             Material::DiffuseTransmission { reflectance, transmittance } => (Effects::INTERREFLECTION, vec![reflectance, transmittance]),
-            Material::RoughConductor { finish, .. } => {
-                (finish_effects(finish, Effects::SPECULAR_REFLECTION), finish.texture().into_iter().collect())
-            }
             Material::RoughDielectric { color, finish, .. } => {
                 let smooth = Effects::REFRACTION | Effects::SPECULAR_REFLECTION;
-                (finish_effects(finish, smooth), finish.texture().into_iter().chain([color]).collect())
+                (finish.effects(smooth), finish.texture().into_iter().chain([color]).collect())
             }
             // Light passes it unbent.
             Material::ThinDielectric { color, .. } => (Effects::REFRACTION | Effects::SPECULAR_REFLECTION, vec![color]),
             Material::Filled { surface, .. } => (surface.effects(), vec![]),
+            Material::Compound(compound) => (compound.effects(), vec![]),
         };
         let textured = textures.into_iter().any(|t| !t.is_constant());
         if textured { model | Effects::TEXTURES } else { model }
     }
 }
 
-/// A rough surface scatters all around; a textured one may be smooth in places.
-fn finish_effects(finish: &Finish, smooth: Effects) -> Effects {
-    if finish.texture().is_some() { Effects::INTERREFLECTION | smooth } else { Effects::INTERREFLECTION }
+impl From<Compound> for Material {
+    fn from(compound: Compound) -> Material {
+        Material::Compound(Box::new(compound))
+    }
 }

@@ -10,6 +10,7 @@
 //! a variant in [`Material`].
 
 pub mod blinn_phong;
+pub mod compound;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
@@ -23,34 +24,40 @@ pub mod mirror;
 pub mod oren_nayar;
 pub mod phong;
 pub mod plastic;
+pub mod principled;
 pub mod rough_conductor;
 pub mod rough_dielectric;
+pub mod skin;
 pub mod thin_dielectric;
 
+use arrayvec::ArrayVec;
 use glam::Vec2;
 
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
 
 pub use blinn_phong::BlinnPhong;
-pub use conductor::Conductor;
+pub use compound::{Coat, Coated, Compound, Met, Mix, Place, Share, Sheen, Sides};
+pub use conductor::{Conductor, Reflectance};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
 pub use element::Element;
-pub use material::Material;
+pub use material::{Material, Metallic};
 pub use matte_cone::MatteCone;
 pub use metal::Metal;
 pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
 pub use phong::Phong;
 pub use plastic::Plastic;
+pub use principled::Principled;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
+pub use skin::{Relief, Skin};
 pub use thin_dielectric::ThinDielectric;
 
 /// A scattering model at one point, its parameters looked up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bsdf {
+pub enum Bsdf<'a> {
     Diffuse(Diffuse),
     Mirror(Mirror),
     Conductor(Conductor),
@@ -65,6 +72,7 @@ pub enum Bsdf {
     RoughConductor(RoughConductor),
     RoughDielectric(RoughDielectric),
     ThinDielectric(ThinDielectric),
+    Compound(Met<'a>),
 }
 
 /// What is transported: radiance (from the camera) is compressed by refraction, importance (from a light) is not.
@@ -93,10 +101,33 @@ pub enum Lobe {
     Transmission,
 }
 
-/// At most two: reflection and transmission.
-pub type DeltaLobes = std::iter::Flatten<std::array::IntoIter<Option<BsdfSample>, 2>>;
+/// The single directions into which a model sends a share of the light; plain models two at most.
+#[derive(Clone, Debug, Default)]
+struct DeltaLobes(ArrayVec<BsdfSample, MAX_DELTA_LOBES>);
 
-impl Bsdf {
+/// The most of them: a scene that asks for more is refused.
+pub const MAX_DELTA_LOBES: usize = 8;
+
+impl DeltaLobes {
+    /// Another one, of which the whole takes `share`; lobes into one direction are one.
+    fn add(&mut self, lobe: BsdfSample, share: Spectrum) {
+        let weight = lobe.weight * share;
+        let same = self.0.iter_mut().find(|known| known.wi == lobe.wi && known.eta == lobe.eta);
+        match same {
+            Some(known) => known.weight += weight,
+            None if weight.is_black() => {}
+            None => self.0.push(BsdfSample { weight, ..lobe }),
+        }
+    }
+}
+
+impl<const N: usize> From<[Option<BsdfSample>; N]> for DeltaLobes {
+    fn from(lobes: [Option<BsdfSample>; N]) -> DeltaLobes {
+        DeltaLobes(lobes.into_iter().flatten().collect())
+    }
+}
+
+impl<'a> Bsdf<'a> {
     /// f(wo, wi)·|cos θi|; 0 for delta lobes.
     pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
         match self {
@@ -110,6 +141,7 @@ impl Bsdf {
             Bsdf::DiffuseTransmission(b) => b.eval(wo, wi),
             Bsdf::RoughConductor(b) => b.eval(wo, wi),
             Bsdf::RoughDielectric(b) => b.eval(wo, wi, mode),
+            Bsdf::Compound(b) => b.eval(wo, wi, mode),
             Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => Spectrum::BLACK,
         }
     }
@@ -127,6 +159,7 @@ impl Bsdf {
             Bsdf::DiffuseTransmission(b) => b.pdf(wo, wi),
             Bsdf::RoughConductor(b) => b.pdf(wo, wi),
             Bsdf::RoughDielectric(b) => b.pdf(wo, wi),
+            Bsdf::Compound(b) => b.pdf(wo, wi),
             Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => SolidAnglePdf::ZERO,
         }
     }
@@ -150,11 +183,12 @@ impl Bsdf {
             Bsdf::RoughConductor(b) => b.sample(wo, choice, u),
             Bsdf::RoughDielectric(b) => b.sample(wo, choice, u, mode),
             Bsdf::ThinDielectric(b) => b.sample(wo, choice),
+            Bsdf::Compound(b) => b.sample(wo, choice, u, mode),
         }
     }
 
     /// The single directions into which a share of the light goes, with that share as weight.
-    pub fn delta_lobes(&self, wo: Local, mode: TransportMode) -> DeltaLobes {
+    pub fn delta_lobes(&self, wo: Local, mode: TransportMode) -> impl Iterator<Item = BsdfSample> + use<> {
         let lobes = match self {
             Bsdf::MatteCone(b) => [b.delta_lobe(wo), None],
             Bsdf::Metal(b) => [b.delta_lobe(wo), None],
@@ -165,12 +199,13 @@ impl Bsdf {
             Bsdf::ThinDielectric(b) => b.delta_lobes(wo),
             Bsdf::Diffuse(_) | Bsdf::OrenNayar(_) | Bsdf::Phong(_) | Bsdf::BlinnPhong(_) | Bsdf::DiffuseTransmission(_) => [None, None],
             Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) => [None, None],
+            Bsdf::Compound(b) => return b.delta_lobes(wo, mode).0.into_iter(),
         };
-        lobes.into_iter().flatten()
+        DeltaLobes::from(lobes).0.into_iter()
     }
 
     /// The same surface of a body that took light on the way to it; a metal has no inside.
-    fn dimmed(self, left: Spectrum) -> Bsdf {
+    fn dimmed(self, left: Spectrum) -> Bsdf<'a> {
         match self {
             Bsdf::Dielectric(b) => Bsdf::Dielectric(Dielectric { color: b.color * left, ..b }),
             Bsdf::RoughDielectric(b) => Bsdf::RoughDielectric(RoughDielectric { color: b.color * left, ..b }),
@@ -185,6 +220,7 @@ impl Bsdf {
             Bsdf::Plastic(_) | Bsdf::DiffuseTransmission(_) | Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) => true,
             Bsdf::MatteCone(b) => !b.is_mirror(),
             Bsdf::Metal(b) => !b.is_mirror(),
+            Bsdf::Compound(b) => b.has_smooth_lobe(),
             Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => false,
         }
     }
@@ -198,6 +234,7 @@ impl Bsdf {
             Bsdf::MatteCone(b) => b.is_mirror(),
             Bsdf::Metal(b) => b.is_mirror(),
             Bsdf::Phong(_) | Bsdf::BlinnPhong(_) => false,
+            Bsdf::Compound(b) => b.reciprocal(),
         }
     }
 }

@@ -5,22 +5,21 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec2;
 
 use super::microfacet::albedo::{Domain, Shelf};
-use super::microfacet::{Albedo, Distribution, Microfacets, Pair, upward, upward_normal};
-use super::{BsdfSample, Lobe};
-use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
+use super::microfacet::{Albedo, Distribution, Microfacets, Pair, half, mirrored, upward};
+use super::{BsdfSample, Lobe, Reflectance};
+use crate::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
 
 /// Reflection at a metal whose facets are tiny mirrors.
 ///
 /// f(wo, wi) = F(wo·h) D(h) G₂(wo, wi) / (4 |cos θo| |cos θi|)  +  f₂(wo, wi)      [sr⁻¹],    h half way between wo and wi
 ///
-/// with Fresnel's F for the complex index η + ik, and f₂ for light that facets reflect more than once (see
+/// with Fresnel's F, and f₂ for light that facets reflect more than once (see
 /// [`albedo`](super::microfacet::albedo)), darker by
 ///
 /// F₂ = F̄² Ē / (1 − F̄ (1 − Ē)),    F̄ = 2 ∫ F μ dμ,    Ē = 1 − m
 ///
 /// as each further reflection costs F̄. Without f₂ rough metals are too dark: white ones of α = 1 return half of the light.
 ///
-/// - `eta`, `k`: relative to the outside, one value per coefficient of the spectrum
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: normals in sight, so that weight = F G₂/G₁ ≤ 1; with probability 1 − E(wo) the cosine, for f₂
 ///
@@ -28,8 +27,7 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 /// Fdez-Agüera, *A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting* (2019). Tests: tables M1–M9.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughConductor {
-    pub eta: Spectrum,
-    pub k: Spectrum,
+    pub reflectance: Reflectance,
     pub facets: Microfacets,
     /// Later reflections; `None` follows the first alone.
     pub more: Option<MoreReflections>,
@@ -44,7 +42,7 @@ pub struct MoreReflections {
 }
 
 impl MoreReflections {
-    /// - `mean_fresnel`: F̄, see [`mean_reflectance`]
+    /// - `mean_fresnel`: F̄, see [`Reflectance::mean`]
     ///
     /// `None` for facets so smooth that nothing is lost.
     pub fn new(losses: &'static Albedo, alpha: Vec2, mean_fresnel: Spectrum) -> Option<MoreReflections> {
@@ -64,16 +62,7 @@ pub fn losses(domain: Domain, distribution: Distribution) -> &'static Albedo {
 /// G₂/G₁ of the mirror direction that `u` chooses; 0 where it leads into the surface.
 fn returned(facets: &Microfacets, wo: Local, u: Vec2) -> f32 {
     let wi = mirrored(wo, facets.sample_visible(wo, u));
-    let pair = |(h, _)| Pair::new(facets, wo, wi, h);
-    let hit = upward_normal(wo.0 + wi.0).filter(|_| wi.cos() > 0.0).map(pair).filter(|pair| pair.density > 0.0);
-    hit.map_or(0.0, |pair| pair.scattered / pair.density)
-}
-
-/// F̄: Fresnel's reflectance, averaged over the hemisphere by the cosine.
-pub fn mean_reflectance(eta: Spectrum, k: Spectrum) -> Spectrum {
-    const STEPS: usize = 64;
-    let at = |i: usize| (i as f32 + 0.5) / STEPS as f32;
-    (0..STEPS).map(|i| eta.zip(k, |eta, k| fresnel::conductor(at(i), eta, k)) * (2.0 * at(i) / STEPS as f32)).sum()
+    half(wo, wi).map_or(0.0, |(h, _)| Pair::new(facets, wo, wi, h).unmasked())
 }
 
 impl RoughConductor {
@@ -98,7 +87,7 @@ impl RoughConductor {
     fn both(&self, wo: Local, wi: Local) -> Option<(Spectrum, SolidAnglePdf)> {
         let (h, cos) = half(wo, wi)?;
         let pair = Pair::new(&self.facets, wo, wi, h);
-        let once = self.eta.zip(self.k, |eta, k| fresnel::conductor(cos, eta, k)) * pair.scattered;
+        let once = self.reflectance.at(cos) * pair.scattered;
         let more = self.more.map_or(Spectrum::BLACK, |m| {
             let alpha = self.facets.alpha;
             m.strength * (m.losses.loss(wo, alpha) * m.losses.loss(wi, alpha) * wi.abs_cos())
@@ -115,15 +104,4 @@ impl RoughConductor {
     fn lost(&self, wo: Local) -> f32 {
         self.more.map_or(0.0, |m| m.losses.loss(wo, self.facets.alpha))
     }
-}
-
-/// The normal half way between two directions on one side, and the cosine of either to it.
-fn half(wo: Local, wi: Local) -> Option<(Local, f32)> {
-    // |wo + wi| = 2 wo·h = 2 wi·h: the same from both ends.
-    upward_normal(wo.0 + wi.0).filter(|_| wo.same_side(wi)).map(|(h, length)| (h, (0.5 * length).min(1.0)))
-}
-
-/// `wo` mirrored at a facet.
-fn mirrored(wo: Local, h: Local) -> Local {
-    Local((2.0 * wo.0.dot(h.0) * h.0 - wo.0).normalize())
 }

@@ -56,7 +56,7 @@ impl Scene for Counted {
         self.scene.occluded(ray)
     }
 
-    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.scene.surface(ray, hit)
     }
 

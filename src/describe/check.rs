@@ -6,12 +6,11 @@ use super::camera::Camera;
 use super::cycles;
 use super::film::Film;
 use super::light::{Light, SpotLight};
-use super::material::{Alpha, Conductor, Material, MaterialRef};
+use super::material::{Conductor, Finish, Material, MaterialRef};
 use super::scene::Scene;
 use super::shape::{Mesh, Shape};
 use super::texture::{Texture, Textured};
 use super::transform::{LookAt, Transform};
-use super::value::Fraction;
 use crate::reader::{Faults, Node, escaped, unknown};
 
 /// Adds to `faults` what is wrong with `scene`, which was read from `root`.
@@ -23,7 +22,7 @@ pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
     for (name, texture) in &scene.textures {
         checker.texture(&format!("/textures{}", escaped(name)), texture);
     }
-    for (pointer, message) in cycles::find(&scene.textures) {
+    for (pointer, message) in cycles::textures(&scene.textures).into_iter().chain(cycles::materials(&scene.materials)) {
         checker.fault(&pointer, message);
     }
     for (name, material) in &scene.materials {
@@ -100,32 +99,60 @@ impl Checker<'_> {
     }
 
     fn material(&self, pointer: &str, material: &Material) {
-        for (key, color) in material.parts() {
+        for (key, color) in material.textures() {
             self.textured(&format!("{pointer}/{key}"), color);
         }
+        for (key, part) in material.parts() {
+            self.material_ref(&format!("{pointer}/{key}"), part);
+            self.within(&format!("{pointer}/{key}"), material, part);
+        }
+        if let Some(finish) = material.finish() {
+            self.one_width(pointer, finish);
+        }
         match material {
-            Material::Conductor(m) => {
-                self.index(pointer, m);
-                self.one_width(pointer, m.alpha, &m.roughness, m.anisotropy);
+            Material::Conductor(m) => self.index(pointer, m),
+            Material::Mix(m) if m.share.is_some() == m.fresnel.is_some() => {
+                self.fault(pointer, "a mix needs either \"share\" or \"fresnel\"");
             }
-            Material::Dielectric(m) => self.one_width(pointer, m.alpha, &m.roughness, m.anisotropy),
+            Material::TwoSided(m) if m.front.is_none() && m.back.is_none() => {
+                self.fault(pointer, "a two-sided material needs \"front\", or \"back\", or both");
+            }
+            Material::Bumped(m) if m.normal_map.is_some() == m.bump_map.is_some() => {
+                self.fault(pointer, "a bumped material needs either \"normal_map\" or \"bump_map\"");
+            }
             _ => {}
         }
     }
 
-    /// By name or by number.
-    fn index(&self, pointer: &str, metal: &Conductor) {
-        match (metal.metal, metal.eta, metal.k) {
-            (Some(_), None, None) | (None, Some(_), Some(_)) => {}
-            (Some(_), Some(_), _) => self.fault(&format!("{pointer}/eta"), "give metal, or eta and k, not both"),
-            (Some(_), None, Some(_)) => self.fault(&format!("{pointer}/k"), "give metal, or eta and k, not both"),
-            (None, Some(_), None) => self.fault(pointer, "missing key \"k\""),
-            (None, None, Some(_)) => self.fault(pointer, "missing key \"eta\""),
-            (None, None, None) => self.fault(pointer, "a conductor needs \"metal\", or \"eta\" and \"k\""),
+    /// What a material may not have within it.
+    fn within(&self, pointer: &str, outer: &Material, part: &MaterialRef) {
+        let Some(inner) = self.scene.material(part) else { return };
+        let skin = matches!(outer, Material::Bumped(_) | Material::Masked(_));
+        match inner {
+            Material::Masked(_) | Material::Bumped(_) if !skin => {
+                self.fault(pointer, "holes and reliefs go around all other materials: put \"masked\" or \"bumped\" outside");
+            }
+            Material::Bumped(_) if matches!(outer, Material::Bumped(_)) => self.fault(pointer, "one relief is all a surface can have"),
+            _ => {}
         }
     }
 
-    fn one_width(&self, pointer: &str, alpha: Option<Alpha>, roughness: &Textured, anisotropy: Fraction) {
+    /// By name, by number, or by colour.
+    fn index(&self, pointer: &str, metal: &Conductor) {
+        let fault = |key: &str, message: &str| self.fault(&format!("{pointer}{key}"), message);
+        match (metal.metal.is_some(), metal.eta.is_some(), metal.k.is_some(), metal.color.is_some()) {
+            (true, false, false, false) | (false, true, true, false) | (false, false, false, true) => {}
+            (true, true, _, _) => fault("/eta", "give metal, or eta and k, not both"),
+            (true, _, true, _) => fault("/k", "give metal, or eta and k, not both"),
+            (true, _, _, true) => fault("/color", "give metal or color, not both"),
+            (_, _, _, true) => fault("/color", "give eta and k, or color, not both"),
+            (false, true, false, _) => fault("", "missing key \"k\""),
+            (false, false, true, _) => fault("", "missing key \"eta\""),
+            (false, false, false, false) => fault("", "a conductor needs \"metal\", or \"eta\" and \"k\", or \"color\""),
+        }
+    }
+
+    fn one_width(&self, pointer: &str, Finish { alpha, roughness, anisotropy, .. }: Finish) {
         if alpha.is_some() && (*roughness != Textured::black() || anisotropy.get() != 0.0) {
             self.fault(&format!("{pointer}/alpha"), "give alpha, or roughness and anisotropy, not both");
         }
@@ -149,17 +176,36 @@ impl Checker<'_> {
         self.transform(&format!("{pointer}/transform"), shape.transform());
         if let Some(material) = shape.material() {
             self.material_ref(&format!("{pointer}/material"), material);
+            self.whole_light(&format!("{pointer}/material"), shape, material);
         }
         match shape {
-            Shape::Mesh(mesh) => self.mesh(pointer, mesh),
+            Shape::Mesh(mesh) => self.mesh(pointer, shape, mesh),
             Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes),
             Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) => {}
         }
     }
 
-    fn mesh(&self, pointer: &str, mesh: &Mesh) {
+    /// Lights are sampled as if they had no holes.
+    fn whole_light(&self, pointer: &str, shape: &Shape, material: &MaterialRef) {
+        if shape.emission().is_some() && self.has_holes(material, 0) {
+            self.fault(pointer, "what emits can have no holes: leave out \"emission\", or the \"masked\" material");
+        }
+    }
+
+    /// - `depth`: bounds the walk where materials contain themselves, which is told elsewhere
+    fn has_holes(&self, material: &MaterialRef, depth: usize) -> bool {
+        match self.scene.material(material) {
+            Some(Material::Masked(_)) => true,
+            Some(Material::Bumped(m)) if depth < 8 => self.has_holes(&m.surface, depth + 1),
+            _ => false,
+        }
+    }
+
+    fn mesh(&self, pointer: &str, shape: &Shape, mesh: &Mesh) {
         for (name, material) in &mesh.materials {
-            self.material_ref(&format!("{pointer}/materials{}", escaped(name)), material);
+            let pointer = format!("{pointer}/materials{}", escaped(name));
+            self.material_ref(&pointer, material);
+            self.whole_light(&pointer, shape, material);
         }
         match (&mesh.file, &mesh.positions, &mesh.triangles) {
             (Some(_), None, None) => self.nothing_inline(pointer, mesh),

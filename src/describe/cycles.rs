@@ -1,29 +1,53 @@
-//! Textures that contain themselves, by name.
+//! Textures and materials that contain themselves, by name.
 
 use std::collections::BTreeMap;
 use std::slice;
 
+use super::material::{Material, MaterialRef};
 use super::texture::{Texture, Textured};
 use crate::reader::escaped;
 
-/// How many named textures may lie within each other: evaluating them recurses.
-const MAX_DEPTH: usize = 64;
+/// What may refer to others of its kind by name.
+#[derive(Clone, Copy)]
+struct Kind {
+    name: &'static str,
+    /// Where a scene keeps them.
+    folder: &'static str,
+    /// How many may lie within each other: evaluating them recurses.
+    max_depth: usize,
+}
+
+const TEXTURES: Kind = Kind { name: "texture", folder: "/textures", max_depth: 64 };
+const MATERIALS: Kind = Kind { name: "material", folder: "/materials", max_depth: 8 };
 
 /// A fault: the JSON pointer it is about, and what is wrong.
 pub(super) type Finding = (String, String);
 
-/// What one texture mentions: where, and the name.
+/// What one of them mentions: where, and the name.
 struct Mention<'s> {
     pointer: String,
     name: &'s str,
 }
 
 /// Every reference by which a texture contains itself, and the first texture that lies too deep.
-///
-/// A depth-first walk with its own stack, each texture entered once.
-pub(super) fn find(textures: &BTreeMap<String, Texture>) -> Vec<Finding> {
-    let graph: BTreeMap<&str, Vec<Mention>> = textures.iter().map(|(name, texture)| (name.as_str(), mentions(name, texture))).collect();
-    let mut walk = Walk { graph: &graph, open: vec![], depths: BTreeMap::new(), findings: vec![] };
+pub(super) fn textures(textures: &BTreeMap<String, Texture>) -> Vec<Finding> {
+    find(TEXTURES, textures, of_texture)
+}
+
+/// The same of materials.
+pub(super) fn materials(materials: &BTreeMap<String, Material>) -> Vec<Finding> {
+    find(MATERIALS, materials, of_material)
+}
+
+/// A depth-first walk with its own stack, each entered once.
+fn find<'s, T>(kind: Kind, all: &'s BTreeMap<String, T>, mentions: impl Fn(String, &'s T, &mut Vec<Mention<'s>>)) -> Vec<Finding> {
+    let of = |(name, one): (&'s String, &'s T)| {
+        let mut found = vec![];
+        mentions(format!("{}{}", kind.folder, escaped(name)), one, &mut found);
+        (name.as_str(), found)
+    };
+    let graph: BTreeMap<&str, Vec<Mention>> = all.iter().map(of).collect();
+    let mut walk = Walk { kind, graph: &graph, open: vec![], depths: BTreeMap::new(), findings: vec![] };
     for name in graph.keys() {
         walk.from(name);
     }
@@ -31,10 +55,11 @@ pub(super) fn find(textures: &BTreeMap<String, Texture>) -> Vec<Finding> {
 }
 
 struct Walk<'g, 's> {
+    kind: Kind,
     graph: &'g BTreeMap<&'s str, Vec<Mention<'s>>>,
-    /// The textures being walked, each within the one before.
+    /// Those being walked, each within the one before.
     open: Vec<(&'s str, slice::Iter<'g, Mention<'s>>)>,
-    /// The textures entered; 0 until all they mention is walked, then how deep they reach.
+    /// Those entered; 0 until all they mention is walked, then how deep they reach.
     depths: BTreeMap<&'s str, usize>,
     findings: Vec<Finding>,
 }
@@ -46,7 +71,7 @@ impl<'s> Walk<'_, 's> {
             match rest.next() {
                 Some(mention) if self.depths.get(mention.name) == Some(&0) => {
                     let path: Vec<&str> = self.open.iter().map(|(n, _)| *n).skip_while(|n| *n != mention.name).collect();
-                    let message = format!("the texture contains itself: {} → {}", path.join(" → "), mention.name);
+                    let message = format!("the {} contains itself: {} → {}", self.kind.name, path.join(" → "), mention.name);
                     self.findings.push((mention.pointer.clone(), message));
                 }
                 Some(mention) => {
@@ -71,27 +96,33 @@ impl<'s> Walk<'_, 's> {
     fn leave(&mut self, name: &'s str) {
         let below = self.graph[name].iter().filter_map(|m| self.depths.get(m.name)).max();
         let depth = 1 + below.copied().unwrap_or(0);
-        if depth == MAX_DEPTH + 1 {
-            self.findings.push((format!("/textures{}", escaped(name)), format!("textures lie within each other deeper than {MAX_DEPTH}")));
+        let Kind { name: kind, folder, max_depth } = self.kind;
+        if depth == max_depth + 1 {
+            let message = format!("{kind}s lie within each other deeper than {max_depth}");
+            self.findings.push((format!("{folder}{}", escaped(name)), message));
         }
         self.depths.insert(name, depth);
         self.open.pop();
     }
 }
 
-fn mentions<'s>(name: &str, texture: &'s Texture) -> Vec<Mention<'s>> {
-    let mut found = vec![];
-    collect(format!("/textures{}", escaped(name)), texture, &mut found);
-    found
-}
-
 /// Recurses only into textures written within each other, which nest no deeper than the file.
-fn collect<'s>(pointer: String, texture: &'s Texture, found: &mut Vec<Mention<'s>>) {
+fn of_texture<'s>(pointer: String, texture: &'s Texture, found: &mut Vec<Mention<'s>>) {
     for (key, part) in texture.parts() {
         match part {
             Textured::Color(_) => {}
             Textured::Named(name) => found.push(Mention { pointer: format!("{pointer}/{key}"), name }),
-            Textured::Texture(inner) => collect(format!("{pointer}/{key}"), inner, found),
+            Textured::Texture(inner) => of_texture(format!("{pointer}/{key}"), inner, found),
+        }
+    }
+}
+
+/// The same of materials.
+fn of_material<'s>(pointer: String, material: &'s Material, found: &mut Vec<Mention<'s>>) {
+    for (key, part) in material.parts() {
+        match part {
+            MaterialRef::Named(name) => found.push(Mention { pointer: format!("{pointer}/{key}"), name }),
+            MaterialRef::Inline(inner) => of_material(format!("{pointer}/{key}"), inner, found),
         }
     }
 }

@@ -10,7 +10,7 @@ use super::camera::Camera;
 use super::color::Color;
 use super::film::Film;
 use super::light::Light;
-use super::material::Material;
+use super::material::{Material, MaterialRef};
 use super::sampler::Sampler;
 use super::shape::Shape;
 use super::texture::Texture;
@@ -49,6 +49,16 @@ pub struct Scene {
     /// What rays see that hit nothing. Default: nothing, black.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
+}
+
+impl Scene {
+    /// `None` for a name that is not there.
+    pub(super) fn material<'s>(&'s self, chosen: &'s MaterialRef) -> Option<&'s Material> {
+        match chosen {
+            MaterialRef::Inline(inline) => Some(inline),
+            MaterialRef::Named(name) => self.materials.get(name),
+        }
+    }
 }
 
 /// Light from infinitely far, from all directions.

@@ -40,7 +40,7 @@ pub trait Model: Debug + Send + Sync {
     }
 }
 
-impl Model for Bsdf {
+impl Model for Bsdf<'_> {
     fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
         Bsdf::eval(self, wo, wi, mode)
     }

@@ -8,17 +8,20 @@ use glam::Vec2;
 use proptest::prelude::*;
 
 use super::at;
-use crate::bsdf::{Bsdf, Conductor, Dielectric, Diffuse, MatteCone, Mirror, TransportMode};
+use crate::bsdf::{Bsdf, Conductor, Dielectric, Diffuse, MatteCone, Mirror, Reflectance, TransportMode};
 use crate::math::float::{ONE_MINUS_EPSILON, ROUNDING, unit_f32};
 use crate::math::{Local, Spectrum};
 
 /// Any of pt's models, with parameters at, near, and between their limits.
-pub fn any_bsdf() -> impl Strategy<Value = Bsdf> {
+pub fn any_bsdf() -> impl Strategy<Value = Bsdf<'static>> {
     let metal = ([0.05f32..5.0, 0.05f32..5.0, 0.05f32..5.0], [0f32..9.0, 0f32..9.0, 0f32..9.0]);
     prop_oneof![
         color().prop_map(|albedo| Bsdf::Diffuse(Diffuse { albedo })),
         color().prop_map(|color| Bsdf::Mirror(Mirror { color })),
-        metal.prop_map(|([a, b, c], [d, e, f])| Bsdf::Conductor(Conductor { eta: Spectrum::rgb(a, b, c), k: Spectrum::rgb(d, e, f) })),
+        metal.prop_map(|([a, b, c], [d, e, f])| {
+            let reflectance = Reflectance::Index { eta: Spectrum::rgb(a, b, c), k: Spectrum::rgb(d, e, f) };
+            Bsdf::Conductor(Conductor { reflectance })
+        }),
         (eta(), color()).prop_map(|(eta, color)| Bsdf::Dielectric(Dielectric { eta, color })),
         (color(), fraction()).prop_map(|(color, mattness)| Bsdf::MatteCone(MatteCone { color, mattness })),
     ]

@@ -4,7 +4,7 @@
 //! row in [`Kind::ALL`], an arm in [`SamplerSpec::build`].
 
 mod halton;
-mod hash;
+pub(crate) mod hash;
 mod independent;
 mod sobol;
 mod stratified;

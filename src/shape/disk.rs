@@ -88,8 +88,9 @@ impl Shape for Ellipse {
         self.at(hit.uv)
     }
 
-    fn tangent(&self, _: u32, _: &SurfacePoint) -> Option<Vec3> {
-        self.x.try_normalize().map(|x| x.as_vec3())
+    /// The square [0, 1]² of texture coordinates lies around the disk.
+    fn tangents(&self, _: u32, _: &SurfacePoint) -> Option<[Vec3; 2]> {
+        Some([self.x, self.y].map(|radius| (2.0 * radius).as_vec3()))
     }
 
     /// An affine map keeps uniform points uniform.

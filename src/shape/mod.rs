@@ -55,8 +55,8 @@ pub trait Shape: Send + Sync {
     /// The surface where `ray` met primitive `i`.
     fn point(&self, i: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
 
-    /// A tangent along which the first texture coordinate grows, of any length, where there is one: the grain of brushed metal.
-    fn tangent(&self, _i: u32, _point: &SurfacePoint) -> Option<Vec3> {
+    /// ∂p/∂u and ∂p/∂v, how the point moves with its texture coordinates (m), where they tell: the grain of brushed metal.
+    fn tangents(&self, _i: u32, _point: &SurfacePoint) -> Option<[Vec3; 2]> {
         None
     }
 

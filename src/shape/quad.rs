@@ -75,8 +75,8 @@ impl Shape for Parallelogram {
         self.at(hit.uv)
     }
 
-    fn tangent(&self, _: u32, _: &SurfacePoint) -> Option<Vec3> {
-        Some(self.corners[1] - self.corners[0])
+    fn tangents(&self, _: u32, _: &SurfacePoint) -> Option<[Vec3; 2]> {
+        Some([self.corners[1] - self.corners[0], self.corners[3] - self.corners[0]])
     }
 
     fn sample_area(&self, _: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {

@@ -185,10 +185,13 @@ impl Shape for Ellipsoid {
         self.at((self.inverse * (p - self.center)).normalize())
     }
 
-    /// Along the circle of latitude; the poles have none.
-    fn tangent(&self, _: u32, point: &SurfacePoint) -> Option<Vec3> {
+    /// Along the circles of latitude and of longitude; the poles have none.
+    fn tangents(&self, _: u32, point: &SurfacePoint) -> Option<[Vec3; 2]> {
         let n = self.inverse * (point.p.as_dvec3() - self.center);
-        (self.linear * DVec3::new(-n.y, n.x, 0.0)).try_normalize().map(|x| x.as_vec3())
+        let sine = n.truncate().length();
+        let along = |d: DVec3| (self.linear * d).as_vec3();
+        let (east, south) = (DVec3::new(-n.y, n.x, 0.0) * TAU, DVec3::new(n.x * n.z, n.y * n.z, -sine * sine) * (PI / sine));
+        (sine > 0.0).then(|| [along(east), along(south)])
     }
 
     /// Uniform on the unit sphere; its image is denser where it is stretched less.

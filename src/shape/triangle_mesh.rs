@@ -121,16 +121,17 @@ impl Shape for BakedMesh {
         (self.at(i, warp::triangle(u)), AreaPdf::new(1.0 / self.area(i)))
     }
 
-    /// p = p₀ + u ∂p/∂u + v ∂p/∂v at the corners, solved for ∂p/∂u.
-    fn tangent(&self, i: u32, _: &SurfacePoint) -> Option<Vec3> {
+    /// p = p₀ + u ∂p/∂u + v ∂p/∂v at the corners, solved for both.
+    fn tangents(&self, i: u32, _: &SurfacePoint) -> Option<[Vec3; 2]> {
         let [a, b, c] = self.corners(i).map(|p| p.as_dvec3());
+        let (ab, ac) = (b - a, c - a);
         if self.uvs.is_empty() {
-            return (b - a).try_normalize().map(|x| x.as_vec3());
+            return Some([ab.as_vec3(), ac.as_vec3()]);
         }
         let [p, q, r] = self.triangles[i as usize].map(|v| self.uvs[v as usize].as_dvec2());
         let (pq, pr) = (q - p, r - p);
-        let turn = pq.perp_dot(pr).signum();
-        (((b - a) * pr.y - (c - a) * pq.y) * turn).try_normalize().map(|x| x.as_vec3())
+        let area = pq.perp_dot(pr);
+        (area != 0.0).then(|| [(ab * pr.y - ac * pq.y) / area, (ac * pq.x - ab * pr.x) / area].map(|x| x.as_vec3()))
     }
 
     fn part(&self, i: u32) -> u32 {

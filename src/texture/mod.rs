@@ -45,6 +45,11 @@ impl Texture {
         }
     }
 
+    /// The mean over the coefficients, where a number is asked for.
+    pub fn scalar(&self, point: &SurfacePoint) -> f32 {
+        self.at(point).average()
+    }
+
     /// The same texture after the world has moved by −`origin`.
     pub fn recentred(self, origin: DVec3) -> Texture {
         match self {
@@ -65,5 +70,12 @@ impl Texture {
 impl From<Spectrum> for Texture {
     fn from(value: Spectrum) -> Texture {
         Texture::Constant(value)
+    }
+}
+
+/// A number, the same everywhere.
+impl From<f32> for Texture {
+    fn from(value: f32) -> Texture {
+        Texture::Constant(Spectrum::gray(value))
     }
 }

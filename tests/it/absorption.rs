@@ -126,7 +126,7 @@ fn round(alpha: f32, distribution: Distribution) -> Finish {
 #[test]
 fn rough_bodies_vanish_in_white_light() {
     let white = |alpha, distribution| {
-        let metal = Material::rough_conductor(Spectrum::ONE, Spectrum::gray(1e4), round(alpha, distribution), true);
+        let metal = Material::metal((Spectrum::ONE, Spectrum::gray(1e4)), Some(round(alpha, distribution)), true);
         in_white_light(format!("metal {alpha} {distribution:?}"), metal, 1.0).resolution(2e-3, 4e-3)
     };
     let clear = |eta, alpha, distribution| {
@@ -148,7 +148,7 @@ fn rough_bodies_vanish_in_white_light() {
 fn grain_follows_the_texture() {
     let finish = Finish { alpha: Alpha::Constant(alpha(0.5, 0.8)), distribution: Distribution::Ggx };
     let (eta, k) = Element::Fe.index();
-    let brushed = || Material::rough_conductor(eta, k, finish.clone(), false);
+    let brushed = || Material::metal((eta, k), Some(finish.clone()), false);
     let turn = Transform::rotate(DVec3::Z, 30.0).expect("an axis");
     let x = Vec3::new(0.75f32.sqrt(), 0.5, 0.0);
     let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| Vec3::new(x - 0.3, y - 0.3, 0.0));

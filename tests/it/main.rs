@@ -7,6 +7,7 @@ mod bad_input;
 mod bsdfs;
 mod cameras;
 mod cli;
+mod compounds;
 mod demo_scenes;
 mod discrete;
 mod film;

@@ -14,11 +14,11 @@ use crate::random::{Random, cases};
 const ULP: f32 = f32::EPSILON;
 const COLOR: Spectrum = Spectrum::rgb(0.25, 0.5, 1.0);
 
-fn plastic(albedo: Spectrum, eta: f32) -> Bsdf {
+fn plastic(albedo: Spectrum, eta: f32) -> Bsdf<'static> {
     Bsdf::Plastic(Plastic { albedo, eta, internal: Plastic::internal(eta) })
 }
 
-fn model() -> impl Strategy<Value = Bsdf> {
+fn model() -> impl Strategy<Value = Bsdf<'static>> {
     let exponent = prop_oneof![Just(0f32), Just(1.0), (0f32..8.0).prop_map(|e| 10f32.powf(e))];
     let share = prop_oneof![Just(0f32), Just(1.0), (-6f32..0.0).prop_map(|e| 10f32.powf(e)), 0f32..=1.0];
     let eta = prop_oneof![Just(1f32), Just(1.5), 1f32..=4.0];

@@ -7,7 +7,7 @@ use pt::bsdf::microfacet::albedo::Domain;
 use pt::bsdf::microfacet::{Distribution, MIN_ALPHA, Microfacets};
 use pt::bsdf::rough_conductor::{self, MoreReflections};
 use pt::bsdf::rough_dielectric::{self, MoreEncounters};
-use pt::bsdf::{Bsdf, RoughConductor, RoughDielectric, TransportMode};
+use pt::bsdf::{Bsdf, Reflectance, RoughConductor, RoughDielectric, TransportMode};
 use pt::math::{Local, Spectrum};
 
 const BOTH: [Distribution; 2] = [Distribution::Ggx, Distribution::Beckmann];
@@ -17,17 +17,17 @@ fn facets(x: f32, y: f32, distribution: Distribution) -> Microfacets {
 }
 
 /// Metal that reflects all but 2·10⁻⁵ of the light at any angle (F13).
-fn white_metal(facets: Microfacets, compensated: bool) -> Bsdf {
-    let (eta, k) = (Spectrum::ONE, Spectrum::gray(1e4));
+fn white_metal(facets: Microfacets, compensated: bool) -> Bsdf<'static> {
+    let reflectance = Reflectance::Index { eta: Spectrum::ONE, k: Spectrum::gray(1e4) };
     let more = |_| {
         let losses = rough_conductor::losses(Domain::One(facets.alpha), facets.distribution);
-        MoreReflections::new(losses, facets.alpha, rough_conductor::mean_reflectance(eta, k))
+        MoreReflections::new(losses, facets.alpha, reflectance.mean())
     };
     let multiple = compensated.then_some(()).and_then(more);
-    Bsdf::RoughConductor(RoughConductor { eta, k, facets, more: multiple })
+    Bsdf::RoughConductor(RoughConductor { reflectance, facets, more: multiple })
 }
 
-fn clear_glass(eta: f32, facets: Microfacets, compensated: bool) -> Bsdf {
+fn clear_glass(eta: f32, facets: Microfacets, compensated: bool) -> Bsdf<'static> {
     let more = |_| {
         let losses = rough_dielectric::losses(eta, Domain::One(facets.alpha), facets.distribution);
         MoreEncounters::new(losses, facets.alpha, eta)

@@ -57,7 +57,7 @@ impl Family {
     }
 }
 
-fn surface(point: SurfacePoint) -> Surface {
+fn surface(point: SurfacePoint) -> Surface<'static> {
     Surface::new(point, Bsdf::Diffuse(Diffuse { albedo: Spectrum::ONE }), None)
 }
 

@@ -99,7 +99,7 @@ impl Scene for Oracle {
         !self.hits(ray).is_empty()
     }
 
-    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.world.surface(ray, hit)
     }
 

@@ -7,13 +7,14 @@ use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish};
 use pt::bsdf::{
-    BlinnPhong, Bsdf, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, Material, MatteCone, Metal, Mirror, OrenNayar, Phong,
-    Plastic, ThinDielectric,
+    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, Material, MatteCone, Metal,
+    Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen, Sides, ThinDielectric,
 };
 use pt::math::Spectrum;
 use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
 use pt::proof::{Case, CounterExample, Furnace, Options, Verdict, at, chi2, incidences, inputs_at, prove, reciprocity_at, weight_at};
 use pt::shape::SurfacePoint;
+use pt::texture::Texture;
 
 use crate::random::{Random, cases};
 use crate::statistics::{sidak, uniformity};
@@ -30,14 +31,15 @@ fn options() -> Options {
 const COLOR: Spectrum = Spectrum::rgb(0.25, 0.5, 1.0);
 
 /// Every model, at the ends of its parameters and between them; whether it gives all light back.
-fn models() -> Vec<(Bsdf, bool)> {
+fn models() -> Vec<(Bsdf<'static>, bool)> {
     let colored = [COLOR, Spectrum::ONE].into_iter().flat_map(|color| {
         let cones = [0.0, 1e-6, 1e-4, 1e-3, 0.02, 0.3, 0.7, 1.0].map(|mattness| Bsdf::MatteCone(MatteCone { color, mattness }));
         let glass = [1.0, 1.33, 1.5, 1.0 / 1.5, 2.42].map(|eta| Bsdf::Dielectric(Dielectric { eta, color }));
         let plain = [Bsdf::Diffuse(Diffuse { albedo: color }), Bsdf::Mirror(Mirror { color })];
         cones.into_iter().chain(glass).chain(plain).map(move |model| (model, color == Spectrum::ONE))
     });
-    let gold = Conductor { eta: Spectrum::rgb(0.18, 0.42, 1.37), k: Spectrum::rgb(3.42, 2.35, 1.77) };
+    let reflectance = Reflectance::Index { eta: Spectrum::rgb(0.18, 0.42, 1.37), k: Spectrum::rgb(3.42, 2.35, 1.77) };
+    let gold = Conductor { reflectance };
     let matte = [0.0, 0.5, 1.0].map(|roughness| (Bsdf::OrenNayar(OrenNayar { albedo: Spectrum::ONE, roughness }), true));
     let lobes = [0.0, 1.0, 30.0, 1e4].into_iter().flat_map(|exponent| {
         [Bsdf::Phong(Phong { color: COLOR, exponent }), Bsdf::BlinnPhong(BlinnPhong { color: COLOR, exponent })].map(|lobe| (lobe, false))
@@ -53,17 +55,69 @@ fn models() -> Vec<(Bsdf, bool)> {
     colored.chain([(Bsdf::Conductor(gold), false), paper]).chain(matte).chain(lobes).chain(shaken).chain(coated).collect()
 }
 
-/// M10's facets: metal and glass from either side, round and four to one, with and without later reflections.
-fn rough() -> Vec<(Bsdf, bool)> {
+/// A material at a point; kept for the life of the tests.
+fn met(material: Material) -> Bsdf<'static> {
     let point = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
-    let (eta, k) = Element::Cu.index();
+    Box::leak(Box::new(material)).at(&point)
+}
+
+/// Materials of materials; whether they give all light back.
+fn compounds() -> Vec<(Bsdf<'static>, bool)> {
+    let round = |alpha: f32| Some(Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
+    let coated = |ground, coat: Coat| Material::from(Compound::Coated(Coated { ground, coat }));
+    let clay = |albedo: Spectrum| Material::OrenNayar { albedo: albedo.into(), roughness: 0.7.into() };
+    let copper = |finish| Material::metal(Element::Cu.index(), finish, true);
+    let fresnel = |a, b| Material::from(Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: 1.5 } }));
+    let glass = || Material::rough_glass(1.5, COLOR, round(0.3).unwrap(), true);
+    let principled = Principled {
+        base_color: COLOR.into(),
+        metallic: 0.3.into(),
+        transmission: 0.4.into(),
+        specular: 0.7.into(),
+        finish: round(0.2),
+        eta: 1.5,
+        coat: 0.5.into(),
+        lacquer: Coat::new(1.5, Spectrum::ONE, round(0.05)),
+        sheen_color: Spectrum::rgb(0.1, 0.4, 0.2).into(),
+        sheen_alpha: 0.2,
+        multiscatter: true,
+    };
+    let lossless = [
+        Material::mix(Material::diffuse(Spectrum::ONE), Material::mirror(Spectrum::ONE), 0.3),
+        coated(Material::diffuse(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, None)),
+        coated(Material::diffuse(Spectrum::ONE), Coat::new(2.4, Spectrum::ONE, None).as_seen()),
+        coated(Material::mirror(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, None)),
+        fresnel(Material::mirror(Spectrum::ONE), Material::mirror(Spectrum::ONE)),
+    ];
+    let others = [
+        Material::mix(Material::diffuse(COLOR), copper(round(0.1)), 0.6),
+        Material::mix(glass(), clay(COLOR), 0.5),
+        fresnel(Material::diffuse(COLOR), copper(round(0.3))),
+        coated(Material::diffuse(COLOR), Coat::new(1.5, COLOR, round(0.2))),
+        coated(clay(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, round(0.4))),
+        coated(copper(round(0.4)), Coat::new(1.7, Spectrum::rgb(0.9, 0.5, 0.1), None)),
+        coated(copper(None), Coat::new(1.5, COLOR, round(0.1))),
+        coated(glass(), Coat::new(1.3, Spectrum::ONE, round(0.6))),
+        Compound::Sheen(Sheen::new(Material::diffuse(COLOR), Spectrum::ONE, 0.3)).into(),
+        Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), COLOR, 0.02)).into(),
+        Compound::Sides(Sides { front: Some(copper(round(0.3))), back: Some(Material::diffuse(COLOR)) }).into(),
+        Compound::Sides(Sides { front: None, back: Some(Material::mirror(COLOR)) }).into(),
+        Material::metal(Texture::from(COLOR), round(0.3), true),
+        principled.into(),
+    ];
+    lossless.into_iter().map(|material| (met(material), true)).chain(others.into_iter().map(|material| (met(material), false))).collect()
+}
+
+/// M10's facets: metal and glass from either side, round and four to one, with and without later reflections.
+fn rough() -> Vec<(Bsdf<'static>, bool)> {
+    let copper = Element::Cu.index();
     let mut models = vec![];
     for distribution in [Distribution::Ggx, Distribution::Beckmann] {
         for (alpha, multiscatter) in [(Vec2::splat(0.05), false), (Vec2::splat(0.3), true), (Vec2::new(0.8, 0.2), false), (Vec2::ONE, true)]
         {
             let finish = || Finish { alpha: Alpha::Constant(alpha), distribution };
-            models.push(Material::rough_conductor(eta, k, finish(), multiscatter).at(&point));
-            models.extend([1.5, 1.0 / 1.5].map(|eta| Material::rough_glass(eta, COLOR, finish(), multiscatter).at(&point)));
+            models.push(met(Material::metal(copper, Some(finish()), multiscatter)));
+            models.extend([1.5, 1.0 / 1.5].map(|eta| met(Material::rough_glass(eta, COLOR, finish(), multiscatter))));
         }
     }
     models.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, color: COLOR }));
@@ -79,6 +133,11 @@ fn own_models_are_proved() {
 #[test]
 fn rough_models_are_proved() {
     accepted(&rough());
+}
+
+#[test]
+fn compounds_are_proved() {
+    accepted(&compounds());
 }
 
 fn accepted(models: &[(Bsdf, bool)]) {

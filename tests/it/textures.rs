@@ -131,11 +131,11 @@ fn materials_look_their_textures_up() {
         Material::diffuse(texture()),
         Material::mirror(texture()),
         Material::Dielectric { eta: 1.5, color: texture() },
-        Material::MatteCone { color: texture(), mattness: 0.5 },
-        Material::OrenNayar { albedo: texture(), roughness: 0.5 },
+        Material::MatteCone { color: texture(), mattness: 0.5.into() },
+        Material::OrenNayar { albedo: texture(), roughness: 0.5.into() },
         Material::Phong { color: texture(), exponent: 2.0 },
         Material::BlinnPhong { color: texture(), exponent: 2.0 },
-        Material::Metal { color: texture(), roughness: 0.5 },
+        Material::Metal { color: texture(), roughness: 0.5.into() },
         Material::plastic(texture(), 1.5),
         Material::DiffuseTransmission { reflectance: Spectrum::BLACK.into(), transmittance: texture() },
     ];
@@ -168,12 +168,12 @@ fn only_what_varies_is_textured() {
             Material::diffuse(texture.clone()),
             Material::mirror(texture.clone()),
             Material::Dielectric { eta: 1.5, color: texture.clone() },
-            Material::MatteCone { color: texture.clone(), mattness: 0.5 },
+            Material::MatteCone { color: texture.clone(), mattness: 0.5.into() },
         ];
         for material in materials {
             assert_eq!(material.effects().contains(Effects::TEXTURES), is_textured, "{material:?}");
         }
     }
-    let gold = Material::Conductor { eta: Spectrum::gray(0.2), k: Spectrum::gray(3.0) };
+    let gold = Material::metal((Spectrum::gray(0.2), Spectrum::gray(3.0)), None, true);
     assert_eq!(gold.effects(), Effects::SPECULAR_REFLECTION);
 }

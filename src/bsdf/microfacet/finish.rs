@@ -4,6 +4,7 @@ use glam::{DVec3, Vec2};
 
 use super::albedo::Domain;
 use super::{Distribution, Microfacets};
+use crate::effects::Effects;
 use crate::shape::SurfacePoint;
 use crate::texture::Texture;
 
@@ -57,6 +58,11 @@ impl Finish {
             Alpha::Constant(alpha) => alpha.x != alpha.y,
             Alpha::Textured { anisotropy, .. } => *anisotropy != 0.0,
         }
+    }
+
+    /// A rough surface scatters all around; a textured one may be smooth in places.
+    pub fn effects(&self, smooth: Effects) -> Effects {
+        if self.texture().is_some() { Effects::INTERREFLECTION | smooth } else { Effects::INTERREFLECTION }
     }
 
     pub fn texture(&self) -> Option<&Texture> {

@@ -111,6 +111,22 @@ impl Pair {
         // S(i)/cos i first: products of two cosines may underflow.
         Pair { scattered: 0.5 * d / (o * (across_i / i) + across_o), density: 0.5 * d / (o + across_o) }
     }
+
+    /// G₂/G₁: what is not masked on its way out; 0 where nothing goes that way.
+    pub fn unmasked(&self) -> f32 {
+        if self.density > 0.0 { self.scattered / self.density } else { 0.0 }
+    }
+}
+
+/// The normal half way between two directions on one side, and the cosine of either to it.
+pub(super) fn half(wo: Local, wi: Local) -> Option<(Local, f32)> {
+    // |wo + wi| = 2 wo·h = 2 wi·h: the same from both ends.
+    upward_normal(wo.0 + wi.0).filter(|_| wo.same_side(wi)).map(|(h, length)| (h, (0.5 * length).min(1.0)))
+}
+
+/// `wo` mirrored at a facet.
+pub(super) fn mirrored(wo: Local, h: Local) -> Local {
+    Local((2.0 * wo.0.dot(h.0) * h.0 - wo.0).normalize())
 }
 
 /// The same direction, or its mirror image above the surface.

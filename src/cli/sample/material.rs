@@ -5,7 +5,6 @@ use std::process::ExitCode;
 
 use glam::{UVec2, Vec3};
 
-use crate::bsdf::Bsdf;
 use crate::cli::{args, say};
 use crate::describe::{self, Source};
 use crate::error::{Error, Result};
@@ -15,11 +14,15 @@ use crate::output::{self, Tonemap, png};
 use crate::proof::{Case, Division, FINE, Options, at, chi2};
 use crate::reader::unknown;
 use crate::scene::Scene;
+use crate::world::World;
 
 pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
     let usage = || Error::Usage(format!("{scene}: expected a scene and a material of it, such as scene.json#glass"));
     let (path, name) = scene.rsplit_once('#').ok_or_else(usage)?;
-    let bsdf = find(Path::new(path), name)?;
+    let world = sphere_of(Path::new(path), name)?;
+    let ray = Ray::new(Vec3::new(0.3, 0.2, 3.0) - world.origin().as_vec3(), Vec3::NEG_Z);
+    let hit = world.intersect(&ray).ok_or_else(|| Error::Internal("a ray missed the unit sphere".into()))?;
+    let bsdf = world.surface(&ray, &hit).bsdf;
     let [theta, phi] = args.wo.map(f64::to_radians);
     let options = Options { samples: args.samples, seed: args.seed, incidences: vec![at(theta.cos(), phi)], ..Options::default() };
     let case = Case::new(&bsdf, &options);
@@ -29,24 +32,20 @@ pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
     Ok(ExitCode::from(u8::from(!report.accepts())))
 }
 
-/// The material of that name, at one point of a sphere if it has textures.
-fn find(path: &Path, name: &str) -> Result<Bsdf> {
+/// A world of one sphere that is made of the material of that name.
+fn sphere_of(path: &Path, name: &str) -> Result<World> {
     let (mut root, file) = (describe::load(path)?, describe::name(path));
     let described = describe::read(&root, &file)?;
     if !described.materials.contains_key(name) {
         let known: Vec<&str> = described.materials.keys().map(String::as_str).collect();
         return Err(Error::Usage(format!("{file}#{name}: {}", unknown("material", name, &known))));
     }
-    // A world of one sphere that is made of it, and a look at that.
     let sphere = serde_json::json!([{ "type": "sphere", "material": name }]);
     for (pointer, value) in [("/shapes", sphere.to_string()), ("/lights", "[]".into())] {
         root.set(pointer, &value)?;
     }
     let folder = path.parent().unwrap_or(Path::new(""));
-    let world = describe::build(&describe::read(&root, &file)?, Source { root: &root, file: &file, folder })?.world;
-    let ray = Ray::new(Vec3::new(0.3, 0.2, 3.0) - world.origin().as_vec3(), Vec3::NEG_Z);
-    let hit = world.intersect(&ray).ok_or_else(|| Error::Internal("a ray missed the unit sphere".into()))?;
-    Ok(world.surface(&ray, &hit).bsdf)
+    Ok(describe::build(&describe::read(&root, &file)?, Source { root: &root, file: &file, folder })?.world)
 }
 
 /// The figures that one looks for first.

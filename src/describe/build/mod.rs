@@ -25,7 +25,7 @@ use crate::shape::mesh_data::lost_detail;
 use crate::shape::{Disk, Geometry, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
 use crate::world::{MaterialId, World, WorldBuilder};
-use material::MOST_TEXTURES;
+use material::{MOST_PARTS, MOST_TEXTURES};
 
 /// A scene ready to render.
 pub struct Built {
@@ -63,6 +63,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         world,
         materials: BTreeMap::new(),
         textures: 0,
+        parts: 0,
         pictures: BTreeMap::new(),
         boxes: vec![],
         needs: vec![],
@@ -75,6 +76,10 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     if builder.textures > MOST_TEXTURES {
         let message = format!("textures within textures make more than {MOST_TEXTURES} of them");
         return Err(Error::Limit(locate(source.root, source.file, "/textures", message)));
+    }
+    if builder.parts > MOST_PARTS {
+        let message = format!("materials within materials make more than {MOST_PARTS} of them");
+        return Err(Error::Limit(locate(source.root, source.file, "/materials", message)));
     }
     if let Some(failure) = std::mem::take(&mut builder.failures).into_iter().next() {
         return Err(failure);
@@ -115,6 +120,8 @@ struct Builder<'a> {
     materials: BTreeMap<String, (MaterialId, Effects)>,
     /// Made so far.
     textures: usize,
+    /// Materials within materials, made so far.
+    parts: usize,
     /// By file and encoding: each is read once; `None` where it could not be used.
     pictures: BTreeMap<(String, Encoding), Option<Arc<Pixels>>>,
     /// Around each shape, in the user's coordinates.

@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3, Vec2};
 
 use super::{Case, Input, Outcome, random_inputs, show};
 use crate::bsdf::{BsdfSample, TransportMode};
+use crate::math::float::{ONE_MINUS_EPSILON, ROUNDING};
 use crate::math::{Density, Local};
 use crate::proof::Model;
 use crate::proof::report::{CERTAIN, CounterExample};
@@ -105,20 +106,32 @@ fn smooth(sample: BsdfSample) -> Option<(Local, f32)> {
     }
 }
 
-/// The measure of the choices that lead to the same lobe as `own`: an interval, whose ends are found by halving.
+/// The measure of the choices that lead to the same direction as `own`: intervals, whose ends are found by halving.
+///
+/// Several where a model chooses among models that have the same lobe. One that is narrower than a grid's cell may be missed:
+/// then less is demanded.
 fn share(same: impl Fn(f32) -> bool, own: f32) -> f64 {
+    const CELLS: usize = 32;
     const HALVINGS: u32 = 24;
-    let end = |outer: f32| {
-        if same(outer) {
-            return outer;
-        }
-        let (mut inside, mut outside) = (own, outer);
+    let grid = |k: usize| (k as f32 / CELLS as f32).min(ONE_MINUS_EPSILON);
+    let mut nodes: Vec<f32> = (0..=CELLS).map(grid).chain([own]).collect();
+    nodes.sort_by(f32::total_cmp);
+    let inside: Vec<bool> = nodes.iter().map(|&choice| same(choice)).collect();
+    let edge = |mut a: f32, mut b: f32, at_a: bool| {
         for _ in 0..HALVINGS {
-            let middle = 0.5 * (inside + outside);
-            *(if same(middle) { &mut inside } else { &mut outside }) = middle;
+            let middle = 0.5 * (a + b);
+            *(if same(middle) == at_a { &mut a } else { &mut b }) = middle;
         }
-        inside
+        0.5 * (f64::from(a) + f64::from(b))
     };
-    let (low, high) = (end(0.0), end(crate::math::float::ONE_MINUS_EPSILON));
-    f64::from(high) - f64::from(low) + f64::from(crate::math::float::ROUNDING)
+    let cell = |k: usize| {
+        let (a, b) = (nodes[k], nodes[k + 1]);
+        match (inside[k], inside[k + 1]) {
+            (true, true) => f64::from(b) - f64::from(a),
+            (false, false) => 0.0,
+            (true, false) => edge(a, b, true) - f64::from(a),
+            (false, true) => f64::from(b) - edge(a, b, false),
+        }
+    };
+    (0..nodes.len() - 1).map(cell).sum::<f64>() + f64::from(ROUNDING)
 }

@@ -26,7 +26,7 @@ impl Scene for Wide {
         self.0.occluded(ray)
     }
 
-    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.0.surface(ray, hit)
     }
 

@@ -1,0 +1,244 @@
+//! Varnish, glaze, lacquer: a clear coat over any material.
+
+use glam::{DVec3, Vec2};
+
+use super::{Place, Scatter, choose};
+use crate::bsdf::microfacet::albedo::{Domain, Shelf};
+use crate::bsdf::microfacet::{Albedo, Distribution, Finish, Microfacets, Pair, half, mirrored, upward};
+use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Diffuse, Lobe, Material, OrenNayar, TransportMode};
+use crate::effects::Effects;
+use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, fresnel};
+use crate::texture::Texture;
+
+/// A material under a clear coat, on both sides of it.
+///
+/// f = f_coat + T(wo, wi) c · f_ground
+///
+/// f_coat reflects at the coat's facets, the share E(w) of light from w in all. What the coat lets pass is, for a ground in
+/// general,
+///
+/// T = 1 − max(E(wo), E(wi))
+///
+/// which is reciprocal, never gives more light back than came, and loses nothing over a mirror. Over a Lambertian ground light
+/// is thrown back and forth, the share K of what leaves the ground each time:
+///
+/// T = (1 − E(wo)) (1 − E(wi)) / (η² (1 − ρ K)),    K = 1 − (1 − Ē)/η²
+///
+/// which loses nothing either, and makes colours deeper than they are without a coat. On Oren and Nayar's ground T is darker by
+/// (1 − K)/(1 − ρ K) alike. On others the second passage is neglected.
+///
+/// c is the coat's own colour, over the ways down and up inside of it: c(wo, wi) = color^((1/cos θ'o + 1/cos θ'i)/2).
+///
+/// - sampling: the coat by what it reflects of wo, else the ground
+///
+/// Source: Wolff (1994) and Kelemen and Szirmay-Kalos (2001) for T over a matte ground; Estevez and Kulla, *Production Friendly
+/// Microfacet Sheen* (2017), §5, for T in general. Tests: coated_white_is_white, a_coat_over_matte_is_plastic, compounds_are_proved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coated {
+    pub ground: Material,
+    pub coat: Coat,
+}
+
+/// A clear layer without thickness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coat {
+    /// η, over the outside: at least 1.
+    eta: f32,
+    /// What is left of white light that goes straight down and up.
+    color: Texture,
+    /// `None` for a smooth one, and the table of 1 − E.
+    finish: Option<(Finish, &'static Albedo)>,
+    /// 1 − F̄ of a smooth one.
+    smooth_mean: f32,
+    /// Whether a matte ground's own colour is meant to be seen: without the deepening by light that is thrown back.
+    as_seen: bool,
+}
+
+/// A coat at a point.
+struct Layer {
+    eta: f32,
+    color: Spectrum,
+    facets: Option<(Microfacets, &'static Albedo)>,
+    /// 1 − Ē
+    mean: f32,
+    as_seen: bool,
+}
+
+impl Coat {
+    /// - `eta`: at least 1
+    /// - `finish`: `None` for a smooth coat
+    pub fn new(eta: f32, color: impl Into<Texture>, finish: Option<Finish>) -> Coat {
+        let table = |finish: Finish| {
+            let losses = losses(eta, finish.domain(), finish.distribution);
+            (finish, losses)
+        };
+        let smooth_mean = 1.0 - fresnel::dielectric_mean(eta);
+        Coat { eta, color: color.into(), finish: finish.map(table), smooth_mean, as_seen: false }
+    }
+
+    /// A matte ground then shows its own colour: under other coats colours are deeper.
+    pub fn as_seen(self) -> Coat {
+        Coat { as_seen: true, ..self }
+    }
+
+    fn at(&self, at: &Place) -> Layer {
+        let facets = self.finish.as_ref().and_then(|(finish, losses)| Some((finish.at(&at.point)?, *losses)));
+        let mean = facets.map_or(self.smooth_mean, |(facets, losses)| losses.mean_loss(facets.alpha));
+        Layer { eta: self.eta, color: self.color.at(&at.point), facets, mean, as_seen: self.as_seen }
+    }
+}
+
+/// The table of what clear facets do not reflect: 1 − E.
+fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Albedo {
+    static SHELF: Shelf<Albedo> = Shelf::new();
+    let [x, y] = domain.bits();
+    SHELF.get((distribution, [x, y, eta.to_bits(), 0]), || {
+        Albedo::tabulate(domain, distribution, |facets, wo, u| {
+            let wi = mirrored(wo, facets.sample_visible(wo, u));
+            half(wo, wi).map_or(0.0, |(h, cos)| fresnel::dielectric(cos, eta) * Pair::new(facets, wo, wi, h).unmasked())
+        })
+    })
+}
+
+impl Layer {
+    /// E(w)
+    fn reflected(&self, w: Local) -> f32 {
+        match self.facets {
+            None => fresnel::dielectric(w.abs_cos(), self.eta),
+            Some((facets, losses)) => 1.0 - losses.loss(w, facets.alpha).min(1.0),
+        }
+    }
+
+    /// T c: what becomes of the ground's light.
+    fn through(&self, ground: &Bsdf, wo: Local, wi: Local) -> Spectrum {
+        let [o, i] = [wo, wi].map(|w| 1.0 - self.reflected(w));
+        let thrown_back = 1.0 - self.mean / (self.eta * self.eta);
+        let deepened = |albedo: Spectrum| (albedo * self.color).map(|rho| (1.0 - thrown_back) / (1.0 - rho * thrown_back));
+        let passed = match ground {
+            Bsdf::Diffuse(Diffuse { .. }) if self.as_seen => Spectrum::gray(o * i / self.mean),
+            Bsdf::Diffuse(Diffuse { albedo }) => deepened(*albedo) * (o * i / self.mean),
+            Bsdf::OrenNayar(OrenNayar { albedo, .. }) if !self.as_seen => deepened(*albedo) * o.min(i),
+            _ => Spectrum::gray(o.min(i)),
+        };
+        passed * self.dimmed(wo, wi)
+    }
+
+    /// color^((1/cos θ'o + 1/cos θ'i)/2)
+    fn dimmed(&self, wo: Local, wi: Local) -> Spectrum {
+        if self.color == Spectrum::ONE {
+            return Spectrum::ONE;
+        }
+        let cos2 = |w: Local| 1.0 - (1.0 - w.0.z * w.0.z).max(0.0) / (self.eta * self.eta);
+        let ways = 0.5 * (cos2(wo).max(MIN_COS2).sqrt().recip() + cos2(wi).max(MIN_COS2).sqrt().recip());
+        self.color.map(|c| if c > 0.0 { float::powf(c, ways) } else { 0.0 })
+    }
+
+    /// f_coat·|cos θi| and the density of `wi`.
+    fn reflection(&self, wo: Local, wi: Local) -> Option<(f32, f32)> {
+        let (facets, _) = self.facets.as_ref()?;
+        let (h, cos) = half(wo, wi)?;
+        let pair = Pair::new(facets, wo, wi, h);
+        Some((fresnel::dielectric(cos, self.eta) * pair.scattered, pair.density))
+    }
+
+    /// Of the coat to be sampled: its share in what comes back.
+    fn chance(&self, ground: &Bsdf, wo: Local) -> f32 {
+        let coat = self.reflected(wo);
+        let below = match ground {
+            Bsdf::Diffuse(Diffuse { albedo }) => albedo.max(),
+            _ => 1.0,
+        };
+        let ground = (1.0 - coat) * below;
+        if coat + ground > 0.0 { coat / (coat + ground) } else { 0.0 }
+    }
+}
+
+/// Where the coat is as thin as air (η = 1) light along it would go a long way; 1000 thicknesses are as good as all.
+const MIN_COS2: f32 = 1e-6;
+
+impl Coated {
+    fn at(&self, at: &Place) -> (Layer, Bsdf<'_>) {
+        (self.coat.at(at), self.ground.met(at))
+    }
+
+    pub(super) fn recentred(self, origin: DVec3) -> Coated {
+        let finish = self.coat.finish.map(|(finish, losses)| (finish.recentred(origin), losses));
+        Coated { ground: self.ground.recentred(origin), coat: Coat { color: self.coat.color.recentred(origin), finish, ..self.coat } }
+    }
+}
+
+impl Scatter for Coated {
+    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+        let (layer, ground) = self.at(at);
+        let below = ground.eval(wo, wi, mode);
+        let below = if below.is_black() { below } else { below * layer.through(&ground, wo, wi) };
+        below + Spectrum::gray(layer.reflection(wo, wi).map_or(0.0, |(f, _)| f))
+    }
+
+    fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
+        let (layer, ground) = self.at(at);
+        let chance = layer.chance(&ground, wo);
+        let coat = layer.reflection(wo, wi).map_or(0.0, |(_, pdf)| pdf);
+        SolidAnglePdf::new(coat * chance + ground.pdf(wo, wi).get() * (1.0 - chance))
+    }
+
+    fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        let (layer, ground) = self.at(at);
+        let chance = layer.chance(&ground, wo);
+        let (coat, choice) = choose(choice, chance);
+        if !coat {
+            let sample = ground.sample(wo, choice, u, mode)?;
+            return self.of_part(at, wo, sample, 1.0 - chance, |wi| layer.through(&ground, wo, wi), mode);
+        }
+        let Some((facets, _)) = layer.facets else {
+            let wi = Local(fresnel::reflect(wo.0));
+            let reflected = BsdfSample::reflected(wi, Spectrum::gray(layer.reflected(wo)));
+            return self.of_part(at, wo, reflected, chance, |_| Spectrum::ONE, mode);
+        };
+        let up = upward(wo);
+        let wi = mirrored(up, facets.sample_visible(up, u));
+        let wi = Local(wi.0.with_z(wi.cos() * 1f32.copysign(wo.cos())));
+        let pdf = Density::Smooth(SolidAnglePdf::ZERO);
+        let sample = BsdfSample { wi, weight: Spectrum::ONE, density: pdf, lobe: Lobe::Reflection, eta: 1.0 };
+        self.of_part(at, wo, sample, chance, |_| Spectrum::ONE, mode).filter(|_| wo.same_side(wi))
+    }
+
+    fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes {
+        let (layer, ground) = self.at(at);
+        let mut lobes = DeltaLobes::default();
+        let reflected = layer.reflected(wo);
+        if layer.facets.is_none() && reflected > 0.0 {
+            lobes.add(BsdfSample::reflected(Local(fresnel::reflect(wo.0)), Spectrum::gray(reflected)), Spectrum::ONE);
+        }
+        for lobe in ground.delta_lobes(wo, mode) {
+            lobes.add(lobe, layer.through(&ground, wo, lobe.wi));
+        }
+        lobes
+    }
+
+    fn has_smooth_lobe(&self, at: &Place) -> bool {
+        let (layer, ground) = self.at(at);
+        layer.facets.is_some() || ground.has_smooth_lobe()
+    }
+
+    fn reciprocal(&self, at: &Place) -> bool {
+        self.ground.met(at).reciprocal()
+    }
+
+    fn parts(&self) -> Vec<&Material> {
+        vec![&self.ground]
+    }
+
+    fn textures(&self) -> Vec<&Texture> {
+        let roughness = self.coat.finish.as_ref().and_then(|(finish, _)| finish.texture());
+        roughness.into_iter().chain([&self.coat.color]).collect()
+    }
+
+    fn own_effects(&self) -> Effects {
+        self.coat.finish.as_ref().map_or(Effects::SPECULAR_REFLECTION, |(finish, _)| finish.effects(Effects::SPECULAR_REFLECTION))
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.ground.is_anisotropic() || self.coat.finish.as_ref().is_some_and(|(finish, _)| finish.is_anisotropic())
+    }
+}

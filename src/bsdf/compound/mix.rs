@@ -1,0 +1,129 @@
+//! Two materials side by side, too fine to be told apart: rust on steel, dust on glass.
+
+use glam::{DVec3, Vec2};
+
+use super::{Place, Scatter, choose};
+use crate::bsdf::{BsdfSample, DeltaLobes, Material, TransportMode};
+use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel};
+use crate::texture::Texture;
+
+/// Some of one material and some of another.
+///
+/// f = a · f_a + b · f_b,    a + b ≤ 1
+///
+/// - by a share t, a number or a texture (of a colour, the mean): a = 1 − t, b = t
+/// - by Fresnel's F at the surface of a dielectric: a = 1 − max(F(θo), F(θi)), b = min(F(θo), F(θi)), so that the second
+///   shows where one looks along the surface. What goes one way goes back the same way, and never is more light returned
+///   than came: both would fail with F(θo) alone. Where both directions are at the same angle, a mirror's, nothing is lost
+/// - sampling: the second with probability t or F(θo)
+///
+/// Tests: mixes_are_sums, compounds_are_proved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mix {
+    pub a: Material,
+    pub b: Material,
+    pub share: Share,
+}
+
+/// How much of the second.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Share {
+    /// From 0 to 1.
+    Texture(Texture),
+    /// By the index of refraction, inside over outside.
+    Fresnel { eta: f32 },
+}
+
+impl Mix {
+    /// The one that is alone at a place.
+    pub(super) fn only(&self, at: &Place) -> Option<&Material> {
+        match self.constant(at)? {
+            0.0 => Some(&self.a),
+            1.0 => Some(&self.b),
+            _ => None,
+        }
+    }
+
+    /// t, where it is the same for all directions.
+    fn constant(&self, at: &Place) -> Option<f32> {
+        match &self.share {
+            Share::Texture(texture) => Some(texture.at(&at.point).average().clamp(0.0, 1.0)),
+            Share::Fresnel { .. } => None,
+        }
+    }
+
+    /// Of the second to be sampled.
+    fn chance(&self, at: &Place, wo: Local) -> f32 {
+        self.share_of(at, wo, wo)[1]
+    }
+
+    fn share_of(&self, at: &Place, wo: Local, wi: Local) -> [f32; 2] {
+        match self.share {
+            Share::Fresnel { eta } => {
+                let [o, i] = [wo, wi].map(|w| fresnel::dielectric(w.abs_cos(), eta));
+                [1.0 - o.max(i), o.min(i)]
+            }
+            Share::Texture(_) => {
+                let t = self.constant(at).unwrap_or(0.0);
+                [1.0 - t, t]
+            }
+        }
+    }
+
+    pub(super) fn recentred(self, origin: DVec3) -> Mix {
+        let share = match self.share {
+            Share::Texture(texture) => Share::Texture(texture.recentred(origin)),
+            fresnel => fresnel,
+        };
+        Mix { a: self.a.recentred(origin), b: self.b.recentred(origin), share }
+    }
+}
+
+impl Scatter for Mix {
+    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+        let [a, b] = self.share_of(at, wo, wi);
+        self.a.met(at).eval(wo, wi, mode) * a + self.b.met(at).eval(wo, wi, mode) * b
+    }
+
+    fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
+        let chance = self.chance(at, wo);
+        SolidAnglePdf::new(self.a.met(at).pdf(wo, wi).get() * (1.0 - chance) + self.b.met(at).pdf(wo, wi).get() * chance)
+    }
+
+    fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        let chance = self.chance(at, wo);
+        let (second, choice) = choose(choice, chance);
+        let (part, chance) = if second { (&self.b, chance) } else { (&self.a, 1.0 - chance) };
+        let sample = part.met(at).sample(wo, choice, u, mode)?;
+        self.of_part(at, wo, sample, chance, |wi| Spectrum::gray(self.share_of(at, wo, wi)[usize::from(second)]), mode)
+    }
+
+    fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes {
+        let mut lobes = DeltaLobes::default();
+        for (k, part) in [&self.a, &self.b].into_iter().enumerate() {
+            for lobe in part.met(at).delta_lobes(wo, mode) {
+                lobes.add(lobe, Spectrum::gray(self.share_of(at, wo, lobe.wi)[k]));
+            }
+        }
+        lobes
+    }
+
+    fn has_smooth_lobe(&self, at: &Place) -> bool {
+        self.a.met(at).has_smooth_lobe() || self.b.met(at).has_smooth_lobe()
+    }
+
+    fn reciprocal(&self, at: &Place) -> bool {
+        self.a.met(at).reciprocal() && self.b.met(at).reciprocal()
+    }
+
+    fn parts(&self) -> Vec<&Material> {
+        vec![&self.a, &self.b]
+    }
+
+    fn textures(&self) -> Vec<&Texture> {
+        match &self.share {
+            Share::Texture(texture) => vec![texture],
+            Share::Fresnel { .. } => vec![],
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Materials made of materials.
+//!
+//! A compound at a point is a reference to its description: the parts are looked up when they are asked for, so that the
+//! models of plain materials stay small plain data, and nothing is allocated at a hit.
+//!
+//! To add one: a file beside these, a variant in [`Compound`] and its arms.
+
+pub mod coated;
+pub mod mix;
+pub mod sheen;
+pub mod sides;
+
+use glam::{DVec3, Vec2};
+
+use super::{Bsdf, BsdfSample, DeltaLobes, Material, TransportMode};
+use crate::effects::Effects;
+use crate::math::float::ONE_MINUS_EPSILON;
+use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
+use crate::shape::SurfacePoint;
+use crate::texture::Texture;
+
+pub use coated::{Coat, Coated};
+pub use mix::{Mix, Share};
+pub use sheen::Sheen;
+pub use sides::Sides;
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Compound {
+    Mix(Mix),
+    Coated(Coated),
+    Sheen(Sheen),
+    Sides(Sides),
+}
+
+/// Where light meets a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    pub point: SurfacePoint,
+    /// How far it came through the body behind the surface (m); 0 for light from outside.
+    pub inside: f32,
+}
+
+/// A compound at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Met<'a> {
+    pub compound: &'a Compound,
+    pub place: Place,
+}
+
+/// What a compound does to light at a place; the conventions are those of [`Bsdf`].
+trait Scatter {
+    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode) -> Spectrum;
+    fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf;
+    fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample>;
+    fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes;
+    fn has_smooth_lobe(&self, at: &Place) -> bool;
+    fn reciprocal(&self, at: &Place) -> bool;
+
+    /// The materials it is made of.
+    fn parts(&self) -> Vec<&Material>;
+    /// Its own parameters.
+    fn textures(&self) -> Vec<&Texture>;
+
+    /// What it adds to the effects of its parts.
+    fn own_effects(&self) -> Effects {
+        Effects::NONE
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.parts().into_iter().any(Material::is_anisotropic)
+    }
+
+    /// A sample of a part, as one of the whole.
+    ///
+    /// - `chance`: of the part to be chosen
+    /// - `share`: what the whole takes of it into that direction
+    ///
+    /// Into a single direction the part leads alone; elsewhere all of the whole counts.
+    fn of_part(
+        &self,
+        at: &Place,
+        wo: Local,
+        sample: BsdfSample,
+        chance: f32,
+        share: impl FnOnce(Local) -> Spectrum,
+        mode: TransportMode,
+    ) -> Option<BsdfSample>
+    where
+        Self: Sized,
+    {
+        if sample.density == Density::Delta {
+            let weight = sample.weight * share(sample.wi) / chance;
+            return (!weight.is_black()).then_some(BsdfSample { weight, ..sample });
+        }
+        let pdf = self.pdf(at, wo, sample.wi);
+        let weight = self.eval(at, wo, sample.wi, mode) / pdf.get();
+        (pdf.get() > 0.0).then_some(BsdfSample { weight, density: Density::Smooth(pdf), ..sample })
+    }
+}
+
+/// Calls the member's own.
+macro_rules! of_each {
+    ($compound:expr, $member:ident => $call:expr) => {
+        match $compound {
+            Compound::Mix($member) => $call,
+            Compound::Coated($member) => $call,
+            Compound::Sheen($member) => $call,
+            Compound::Sides($member) => $call,
+        }
+    };
+}
+
+// Out of line, so that plain materials do not pay for the recursion.
+impl Met<'_> {
+    #[inline(never)]
+    pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+        of_each!(self.compound, member => member.eval(&self.place, wo, wi, mode))
+    }
+
+    #[inline(never)]
+    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+        of_each!(self.compound, member => member.pdf(&self.place, wo, wi))
+    }
+
+    #[inline(never)]
+    pub fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        of_each!(self.compound, member => member.sample(&self.place, wo, choice, u, mode))
+    }
+
+    #[inline(never)]
+    pub(in crate::bsdf) fn delta_lobes(&self, wo: Local, mode: TransportMode) -> DeltaLobes {
+        of_each!(self.compound, member => member.delta_lobes(&self.place, wo, mode))
+    }
+
+    #[inline(never)]
+    pub fn has_smooth_lobe(&self) -> bool {
+        of_each!(self.compound, member => member.has_smooth_lobe(&self.place))
+    }
+
+    pub fn reciprocal(&self) -> bool {
+        of_each!(self.compound, member => member.reciprocal(&self.place))
+    }
+}
+
+impl Compound {
+    /// The compound at a place; where only one of two is there, that one.
+    pub fn met(&self, at: &Place) -> Bsdf<'_> {
+        if let Compound::Mix(mix) = self
+            && let Some(only) = mix.only(at)
+        {
+            return only.met(at);
+        }
+        Bsdf::Compound(Met { compound: self, place: *at })
+    }
+
+    pub fn is_anisotropic(&self) -> bool {
+        of_each!(self, member => member.is_anisotropic())
+    }
+
+    pub fn effects(&self) -> Effects {
+        let parts = self.parts().into_iter().map(Material::effects).fold(Effects::NONE, Effects::union);
+        let (own, textures) = of_each!(self, member => (member.own_effects(), member.textures()));
+        let textured = textures.into_iter().any(|texture| !texture.is_constant());
+        parts | own | if textured { Effects::TEXTURES } else { Effects::NONE }
+    }
+
+    /// The materials it is made of.
+    pub fn parts(&self) -> Vec<&Material> {
+        of_each!(self, member => member.parts())
+    }
+
+    /// The same compound after the world has moved by −`origin`.
+    pub fn recentred(self, origin: DVec3) -> Compound {
+        match self {
+            Compound::Mix(m) => Compound::Mix(m.recentred(origin)),
+            Compound::Coated(m) => Compound::Coated(m.recentred(origin)),
+            Compound::Sheen(m) => Compound::Sheen(m.recentred(origin)),
+            Compound::Sides(m) => Compound::Sides(m.recentred(origin)),
+        }
+    }
+}
+
+/// Whether a uniform number chooses the second of two, and what is left of it: uniform again.
+fn choose(choice: f32, second: f32) -> (bool, f32) {
+    let (chosen, rest) = if choice < second { (true, choice / second) } else { (false, (choice - second) / (1.0 - second)) };
+    (chosen, rest.min(ONE_MINUS_EPSILON))
+}

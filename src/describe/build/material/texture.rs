@@ -1,0 +1,132 @@
+//! Textures: names resolved, pictures read.
+
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+
+use crate::describe::build::{Builder, spectrum};
+use crate::describe::{self, Encoding, Size, TextureSpace, Textured};
+use crate::error::Error;
+use crate::math::{Spectrum, Transform};
+use crate::reader::escaped;
+use crate::texture::image::{Filter, Pixels, Wrap};
+use crate::texture::{Checker, Image, Marble, Mix, Noise, Product, Space, Texture};
+
+/// Textures within textures are copied where they are used: checkers of checkers of … grow as 2ⁿ.
+pub(in crate::describe::build) const MOST_TEXTURES: usize = 1 << 16;
+
+impl Builder<'_> {
+    pub(super) fn textured(&mut self, pointer: &str, described: &Textured) -> Texture {
+        match described {
+            Textured::Color(color) => Texture::Constant(spectrum(color)),
+            Textured::Texture(inline) => self.texture(pointer, inline),
+            Textured::Named(name) => match self.scene.textures.get(name) {
+                Some(texture) => self.texture(&format!("/textures{}", escaped(name)), texture),
+                None => Spectrum::BLACK.into(),
+            },
+        }
+    }
+
+    /// A picture of normals: linear where nothing else is said.
+    pub(super) fn normal_map(&mut self, pointer: &str, described: &Textured) -> Texture {
+        let picture = match described {
+            Textured::Texture(inline) => Some(&**inline),
+            Textured::Named(name) => self.scene.textures.get(name),
+            Textured::Color(_) => None,
+        };
+        match picture {
+            Some(describe::Texture::Image(picture)) if picture.encoding == Encoding::Auto => {
+                self.image(pointer, &describe::Image { encoding: Encoding::Linear, ..picture.clone() })
+            }
+            _ => self.textured(pointer, described),
+        }
+    }
+
+    fn texture(&mut self, pointer: &str, described: &describe::Texture) -> Texture {
+        use describe::Texture as T;
+        self.textures += 1;
+        if self.textures > MOST_TEXTURES {
+            return Spectrum::BLACK.into();
+        }
+        if let T::Image(t) = described {
+            return self.image(pointer, t);
+        }
+        let mut part = |key: &str, described: &Textured| self.textured(&format!("{pointer}/{key}"), described);
+        match described {
+            T::Constant(t) => Texture::Constant(spectrum(&t.color)),
+            T::Checker(t) => Texture::Checker(Box::new(Checker {
+                even: part("even", &t.even),
+                odd: part("odd", &t.odd),
+                scale: Vec3::splat(t.scale.get() as f32),
+                space: space(t.on),
+            })),
+            T::Noise(t) => Texture::Noise(Box::new(Noise {
+                low: part("low", &t.low),
+                high: part("high", &t.high),
+                scale: t.scale.get(),
+                octaves: t.octaves.get(),
+                space: space(t.on),
+            })),
+            T::Marble(t) => Texture::Marble(Box::new(Marble {
+                base: part("base", &t.base),
+                veins: part("veins", &t.veins),
+                scale: t.scale.get(),
+                space: space(t.on),
+            })),
+            T::Mix(t) => Texture::Mix(Box::new(Mix { a: part("a", &t.a), b: part("b", &t.b), share: part("share", &t.share) })),
+            T::Product(t) => Texture::Product(Box::new(Product { a: part("a", &t.a), b: part("b", &t.b) })),
+            T::Image(_) => Spectrum::BLACK.into(),
+        }
+    }
+
+    /// Read once for every encoding that it is used in; black with a fault noted.
+    fn image(&mut self, pointer: &str, described: &describe::Image) -> Texture {
+        let key = (described.file.clone(), described.encoding);
+        let pixels = match self.pictures.get(&key) {
+            Some(known) => known.clone(),
+            None => {
+                let loaded = self.picture(pointer, described);
+                self.pictures.insert(key, loaded.clone());
+                loaded
+            }
+        };
+        let Some(pixels) = pixels else { return Spectrum::BLACK.into() };
+        let wrap = match described.wrap {
+            describe::Wrap::Repeat => Wrap::Repeat,
+            describe::Wrap::Mirror => Wrap::Mirror,
+            describe::Wrap::Clamp => Wrap::Clamp,
+        };
+        let filter = match described.filter {
+            describe::TextureFilter::Bilinear => Filter::Bilinear,
+            describe::TextureFilter::Nearest => Filter::Nearest,
+        };
+        let scale = match described.scale {
+            Size::Square(both) => Vec2::splat(both.get() as f32),
+            Size::Sides(sides) => Vec2::from(sides.map(|side| side.get() as f32)),
+        };
+        Texture::Image(Image { pixels, scale, wrap, filter })
+    }
+
+    fn picture(&mut self, pointer: &str, described: &describe::Image) -> Option<Arc<Pixels>> {
+        match describe::picture::load(&self.source.folder.join(&described.file), &described.file, described.encoding) {
+            Ok((pixels, warnings)) => {
+                self.warnings.extend(warnings);
+                return Some(Arc::new(pixels));
+            }
+            Err(Error::Invalid(faults)) => {
+                for fault in faults {
+                    self.fault(&format!("{pointer}/file"), &format!("{}: {}", described.file, fault.message));
+                }
+            }
+            Err(other) => self.failures.push(other),
+        }
+        None
+    }
+}
+
+fn space(on: TextureSpace) -> Space {
+    match on {
+        TextureSpace::Uv => Space::Uv,
+        TextureSpace::Position => Space::World(Transform::IDENTITY),
+    }
+}

@@ -1,0 +1,55 @@
+//! Materials made of materials.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::super::texture::Textured;
+use super::super::value::{Fraction, Index};
+use super::MaterialRef;
+
+/// Two materials side by side, too fine to be told apart.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialMix {
+    /// The first.
+    pub a: MaterialRef,
+    /// The second.
+    pub b: MaterialRef,
+    /// How much of `b`: 0 is all `a`. (Of a colour, the mean.)
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share: Option<Textured>,
+    /// In place of `share`: `b` shows where a surface with this index of refraction reflects, along the surface above all. A little
+    /// energy is lost unless `b` is a mirror.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fresnel: Option<Index>,
+}
+
+/// Fibres that stand up from a material and catch the light where one looks along it: velvet, dust.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sheen {
+    /// What the fibres stand on.
+    pub ground: MaterialRef,
+    /// Of the fibres.
+    #[serde(default = "Textured::white")]
+    pub color: Textured,
+    /// 0.1 (and below) are fibres that stand straight, 1 lie all ways.
+    #[serde(default = "half")]
+    pub roughness: Fraction,
+}
+
+/// A sheet with two faces. Nothing goes through; a side that is left out is black.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TwoSided {
+    /// Where the normal points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub front: Option<MaterialRef>,
+    /// On the other side.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub back: Option<MaterialRef>,
+}
+
+fn half() -> Fraction {
+    Fraction::known(0.5)
+}

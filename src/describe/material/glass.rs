@@ -1,0 +1,86 @@
+//! What light goes through.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::super::color::Color;
+use super::super::texture::Textured;
+use super::super::value::{Fraction, Index, Positive};
+use super::finish::{Alpha, Distribution, Finish, finish_of};
+
+/// Glass, water, …: reflects and refracts, clear or frosted.
+///
+/// Of two faces in exactly one place (a glass box standing on a glass box) only the one listed first is met, and light
+/// goes on as if the other body had no surface there: wrong. Describe glued bodies as one mesh without the faces between
+/// them; two media that touch (water in a glass) by one face whose `eta` is the ratio of the two; bodies that only stand
+/// on each other with a gap of a hundred-thousandth of the scene's size.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Dielectric {
+    /// Index of refraction inside (the side the normal points away from) divided by that outside.
+    pub eta: Index,
+    /// Light is multiplied by this at every passage through the surface.
+    pub color: Textured,
+    /// 0 is clear, 1 frosted. The width of highlights, alpha, is its square, so that equal steps look equal. Below 0.001 a
+    /// surface is as good as smooth. (Of a colour, the mean.)
+    pub roughness: Textured,
+    /// From round highlights to highlights ten times as long as wide, along the first texture coordinate.
+    pub anisotropy: Fraction,
+    /// In place of `roughness` and `anisotropy`, the width itself: one number, or `[along u, along v]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha: Option<Alpha>,
+    /// How the facets of a rough surface lean.
+    pub distribution: Distribution,
+    /// Follow light that meets more than one facet. Without, frosted glass is too dark, from inside above all. It costs tables
+    /// (70 ms once for each glass with GGX, five times that with Beckmann, fifteen to thirty times where the roughness is a texture
+    /// or anisotropic) and a fifth of the time of a scattering.
+    pub multiscatter: bool,
+    /// What the glass itself takes of the light on its way through. Exact for a closed body with nothing in it: the way from
+    /// one meeting with this surface to the next counts, so that light on its way to something inside of the body is not dimmed,
+    /// and an open surface dims whatever reaches it from behind.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absorption: Option<Absorption>,
+}
+
+finish_of!(Dielectric);
+
+/// The colour that is left of white light after a distance (Beer and Lambert): colour^(way / distance).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Absorption {
+    /// The share of light that is left.
+    pub color: Color<Fraction>,
+    /// After how long a way inside (m).
+    pub distance: Positive,
+}
+
+/// A pane or a bubble as one surface without thickness: both faces and all reflections between them. Light passes straight.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ThinDielectric {
+    /// Index of refraction of the pane divided by that around it.
+    pub eta: Index,
+    /// Light that passes or is reflected is multiplied by this once.
+    pub color: Textured,
+}
+
+impl Default for Dielectric {
+    fn default() -> Dielectric {
+        Dielectric {
+            eta: Index::known(1.5),
+            color: Textured::white(),
+            roughness: Textured::black(),
+            anisotropy: Fraction::known(0.0),
+            alpha: None,
+            distribution: Distribution::Ggx,
+            multiscatter: true,
+            absorption: None,
+        }
+    }
+}
+
+impl Default for ThinDielectric {
+    fn default() -> ThinDielectric {
+        ThinDielectric { eta: Index::known(1.5), color: Textured::white() }
+    }
+}

@@ -1,0 +1,155 @@
+//! Materials: how surfaces reflect and transmit.
+
+mod coated;
+mod compound;
+mod finish;
+mod glass;
+mod glossy;
+mod matte;
+mod metal;
+mod principled;
+mod skin;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::texture::Textured;
+use crate::reader::{by_kind, by_type};
+
+pub use coated::*;
+pub use compound::*;
+pub use finish::*;
+pub use glass::*;
+pub use glossy::*;
+pub use matte::*;
+pub use metal::*;
+pub use principled::*;
+pub use skin::*;
+
+/// How a surface reflects and transmits light.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Material {
+    Diffuse(Diffuse),
+    Mirror(Mirror),
+    Conductor(Conductor),
+    Dielectric(Dielectric),
+    MatteCone(MatteCone),
+    OrenNayar(OrenNayar),
+    Phong(Phong),
+    BlinnPhong(BlinnPhong),
+    Metal(Metal),
+    Plastic(Plastic),
+    DiffuseTransmission(DiffuseTransmission),
+    ThinDielectric(ThinDielectric),
+    Coated(Coated),
+    Mix(MaterialMix),
+    Sheen(Sheen),
+    TwoSided(TwoSided),
+    Principled(Principled),
+    Bumped(Bumped),
+    Masked(Masked),
+}
+
+by_type!(Material {
+    Diffuse(Diffuse),
+    Mirror(Mirror),
+    Conductor(Conductor),
+    Dielectric(Dielectric),
+    MatteCone(MatteCone),
+    OrenNayar(OrenNayar),
+    Phong(Phong),
+    BlinnPhong(BlinnPhong),
+    Metal(Metal),
+    Plastic(Plastic),
+    DiffuseTransmission(DiffuseTransmission),
+    ThinDielectric(ThinDielectric),
+    Coated(Coated),
+    Mix(MaterialMix),
+    Sheen(Sheen),
+    TwoSided(TwoSided),
+    Principled(Principled),
+    Bumped(Bumped),
+    Masked(Masked),
+});
+
+impl Material {
+    /// The colours and numbers that may be textures, with their keys.
+    pub(super) fn textures(&self) -> Vec<(&'static str, &Textured)> {
+        match self {
+            Material::Diffuse(m) => vec![("albedo", &m.albedo)],
+            Material::Mirror(m) => vec![("color", &m.color)],
+            Material::Conductor(m) => m.color.iter().map(|color| ("color", color)).chain([("roughness", &m.roughness)]).collect(),
+            Material::Dielectric(m) => vec![("color", &m.color), ("roughness", &m.roughness)],
+            Material::MatteCone(m) => vec![("color", &m.color), ("mattness", &m.mattness)],
+            Material::OrenNayar(m) => vec![("albedo", &m.albedo), ("roughness", &m.roughness)],
+            Material::Phong(m) => vec![("color", &m.color)],
+            Material::BlinnPhong(m) => vec![("color", &m.color)],
+            Material::Metal(m) => vec![("color", &m.color), ("roughness", &m.roughness)],
+            Material::Plastic(m) => vec![("albedo", &m.albedo), ("roughness", &m.roughness)],
+            Material::DiffuseTransmission(m) => vec![("reflectance", &m.reflectance), ("transmittance", &m.transmittance)],
+            Material::ThinDielectric(m) => vec![("color", &m.color)],
+            Material::Coated(m) => vec![("color", &m.color), ("roughness", &m.roughness)],
+            Material::Mix(m) => m.share.iter().map(|share| ("share", share)).collect(),
+            Material::Sheen(m) => vec![("color", &m.color)],
+            Material::TwoSided(_) => vec![],
+            Material::Principled(m) => vec![
+                ("base_color", &m.base_color),
+                ("metallic", &m.metallic),
+                ("roughness", &m.roughness),
+                ("specular", &m.specular),
+                ("transmission", &m.transmission),
+                ("coat", &m.coat),
+                ("coat_roughness", &m.coat_roughness),
+                ("coat_color", &m.coat_color),
+                ("sheen_color", &m.sheen_color),
+            ],
+            Material::Bumped(m) => {
+                let normals = m.normal_map.iter().map(|map| ("normal_map", map));
+                normals.chain(m.bump_map.iter().map(|map| ("bump_map", map))).collect()
+            }
+            Material::Masked(m) => vec![("opacity", &m.opacity)],
+        }
+    }
+
+    /// The materials it is made of, with their keys.
+    pub(super) fn parts(&self) -> Vec<(&'static str, &MaterialRef)> {
+        match self {
+            Material::Coated(m) => vec![("ground", &m.ground)],
+            Material::Mix(m) => vec![("a", &m.a), ("b", &m.b)],
+            Material::Sheen(m) => vec![("ground", &m.ground)],
+            Material::TwoSided(m) => m.front.iter().map(|side| ("front", side)).chain(m.back.iter().map(|side| ("back", side))).collect(),
+            Material::Bumped(m) => vec![("surface", &m.surface)],
+            Material::Masked(m) => vec![("surface", &m.surface)],
+            _ => vec![],
+        }
+    }
+
+    /// How rough it is, where it has the keys for that.
+    pub(super) fn finish(&self) -> Option<Finish<'_>> {
+        match self {
+            Material::Conductor(m) => Some(m.finish()),
+            Material::Dielectric(m) => Some(m.finish()),
+            Material::Plastic(m) => Some(m.finish()),
+            Material::Coated(m) => Some(m.finish()),
+            _ => None,
+        }
+    }
+}
+
+impl Default for Material {
+    fn default() -> Material {
+        Material::Diffuse(Diffuse::default())
+    }
+}
+
+/// The name of a material under `materials`, or a material.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum MaterialRef {
+    /// The name of a material under `materials`.
+    Named(String),
+    Inline(Box<Material>),
+}
+
+by_kind!(MaterialRef { String => Named(String), Object => Inline(Material) });

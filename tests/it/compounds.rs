@@ -1,0 +1,381 @@
+//! Materials made of materials, reliefs and holes: what each says of its parts.
+
+use std::f32::consts::FRAC_1_PI;
+use std::sync::Arc;
+
+use glam::{DVec3, UVec2, Vec2, Vec3};
+use proptest::prelude::*;
+use pt::bsdf::microfacet::Distribution;
+use pt::bsdf::microfacet::finish::{Alpha, Finish};
+use pt::bsdf::{
+    Bsdf, Coat, Coated, Compound, Diffuse, Element, Material, Mirror, Mix, Plastic, Principled, Relief, Share, Sheen, Sides, Skin,
+    TransportMode,
+};
+use pt::camera::Camera;
+use pt::light::Emission;
+use pt::math::{Local, Ray, Spectrum, Transform};
+use pt::proof::at;
+use pt::proof::strategies::{color, fraction, sphere};
+use pt::scene::{Scene, Surface};
+use pt::shape::{MeshData, Quad, Sphere, SurfacePoint, TriangleMesh};
+use pt::texture::image::{Filter, Pixels, Wrap};
+use pt::texture::{Checker, Image, Space, Texture};
+use pt::world::World;
+
+use crate::random::{Random, cases};
+use crate::scenes::probe;
+
+const MODE: TransportMode = TransportMode::Radiance;
+
+fn eye() -> Camera {
+    probe(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO)
+}
+
+fn point(uv: Vec2) -> SurfacePoint {
+    SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv }
+}
+
+fn center(material: &Material) -> Bsdf<'_> {
+    material.at(&point(Vec2::ZERO))
+}
+
+fn round(alpha: f32) -> Finish {
+    Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx }
+}
+
+fn coated(ground: Material, coat: Coat) -> Material {
+    Compound::Coated(Coated { ground, coat }).into()
+}
+
+fn near(a: Spectrum, b: Spectrum, relative: f32) -> bool {
+    a.zip(b, |a, b| f32::from(u8::from((a - b).abs() > relative * (a.abs() + b.abs()) + f32::MIN_POSITIVE))).is_black()
+}
+
+/// ∫ f·|cos| dwi over the side of `wo`, and its delta lobes, by the midpoint rule in the square of the sine, which is exact for
+/// Lambert.
+fn albedo(model: &Bsdf, wo: Local) -> Spectrum {
+    const N: usize = 128;
+    let smooth: Spectrum = (0..N * N)
+        .map(|k| {
+            let (i, j) = ((k / N) as f64 + 0.5, (k % N) as f64 + 0.5);
+            let wi = at((1.0 - i / N as f64).sqrt(), std::f64::consts::TAU * j / N as f64);
+            model.eval(wo, wi, MODE) / (wi.cos() * FRAC_1_PI)
+        })
+        .sum();
+    smooth * (1.0 / (N * N) as f32) + model.delta_lobes(wo, MODE).map(|lobe| lobe.weight).sum()
+}
+
+proptest! {
+    #![proptest_config(cases(10_000))]
+
+    /// f = (1 − t) f_a + t f_b, density and single directions alike.
+    #[test]
+    fn mixes_are_sums(a in color(), b in color(), t in fraction(), alpha in prop::sample::select(vec![0.1f32, 0.3, 1.0]), wo in sphere(), wi in sphere()) {
+        let (first, second) = (Material::diffuse(a), Material::metal(Texture::from(b), Some(round(alpha)), true));
+        let mix = Material::from(Compound::Mix(Mix { a: first.clone(), b: second.clone(), share: Share::Texture(t.into()) }));
+        let (mix, first, second) = (center(&mix), center(&first), center(&second));
+        let sum = first.eval(wo, wi, MODE) * (1.0 - t) + second.eval(wo, wi, MODE) * t;
+        prop_assert!(near(mix.eval(wo, wi, MODE), sum, 1e-5));
+        let density = first.pdf(wo, wi).get() * (1.0 - t) + second.pdf(wo, wi).get() * t;
+        prop_assert!((mix.pdf(wo, wi).get() - density).abs() <= 1e-5 * density);
+    }
+
+    /// Over a Lambertian ground a smooth coat is what `plastic` derives by itself, with its lobes.
+    #[test]
+    fn a_coat_over_matte_is_plastic(albedo in color(), eta in 1f32..3.0, wo in sphere(), wi in sphere()) {
+        let coat = coated(Material::diffuse(albedo), Coat::new(eta, Spectrum::ONE, None));
+        let plastic = Bsdf::Plastic(Plastic { albedo, eta, internal: Plastic::internal(eta) });
+        let coat = center(&coat);
+        prop_assert!(near(coat.eval(wo, wi, MODE), plastic.eval(wo, wi, MODE), 2e-5));
+        let lobes = |model: &Bsdf| model.delta_lobes(wo, MODE).map(|lobe| (lobe.wi, lobe.lobe)).collect::<Vec<_>>();
+        prop_assert_eq!(lobes(&coat), lobes(&plastic));
+        let weight = |model: &Bsdf| model.delta_lobes(wo, MODE).map(|lobe| lobe.weight).sum::<Spectrum>();
+        prop_assert_eq!(weight(&coat), weight(&plastic));
+    }
+
+    /// Each side is as its material alone; nothing goes through.
+    #[test]
+    fn sides_are_their_own(front in color(), back in color(), wo in sphere(), wi in sphere()) {
+        let sides = Compound::Sides(Sides { front: Some(Material::diffuse(front)), back: Some(Material::diffuse(back)) });
+        let sides = Material::from(sides);
+        let expected = Bsdf::Diffuse(Diffuse { albedo: if wo.cos() > 0.0 { front } else { back } });
+        prop_assert_eq!(center(&sides).eval(wo, wi, MODE), expected.eval(wo, wi, MODE));
+        prop_assert_eq!(center(&sides).pdf(wo, wi), expected.pdf(wo, wi));
+    }
+}
+
+/// What importance finds is what radiance finds the other way round, by geometric normals:
+/// f*(wo, wi) / |ng·wi| = f(wi, wo) / |ng·wo| for a reciprocal model, whatever the shading normal.
+#[test]
+fn importance_is_adjoint() {
+    let mut random = Random::new(13);
+    let mut direction = |least: f64| at(random.range(least, 1.0), random.range(0.0, 6.3)).0;
+    for _ in 0..10_000 {
+        let (ns, a, b) = (direction(0.7), direction(0.05), direction(0.05));
+        let surface = Surface::new(SurfacePoint { ns, ..point(Vec2::ZERO) }, Bsdf::Diffuse(Diffuse { albedo: Spectrum::ONE }), None);
+        let forward = surface.eval(a, b, TransportMode::Importance).average() / b.z;
+        let backward = surface.eval(b, a, TransportMode::Radiance).average() / a.z;
+        assert!((forward - backward).abs() <= 1e-5 * forward.max(backward), "{forward} {backward}");
+    }
+}
+
+/// A white ground under a clear coat gives all light back, smooth or rough: what the coat keeps from the ground it returns itself.
+///
+/// The quadrature is good to 1e-3 for these widths; the tables of the coat to as much.
+#[test]
+fn coated_white_is_white() {
+    let white = || Material::diffuse(Spectrum::ONE);
+    for eta in [1.2, 1.5, 2.4] {
+        for finish in [None, Some(round(0.25)), Some(round(0.6)), Some(round(1.0))] {
+            for cos in [1.0, 0.7, 0.3] {
+                let material = coated(white(), Coat::new(eta, Spectrum::ONE, finish.clone()));
+                let found = albedo(&center(&material), at(cos, 0.4)).average();
+                assert!((found - 1.0).abs() < 2e-3, "eta {eta}, {finish:?}, cos {cos}: {found}");
+            }
+        }
+    }
+}
+
+/// Under a coat colours are deeper: ρ (1 − K)/(1 − ρ K) of the light that enters comes out again, with K what the coat throws
+/// back of diffuse light from within.
+#[test]
+fn coats_deepen_colors() {
+    let (eta, rho) = (1.5f32, 0.5f32);
+    let internal = Plastic::internal(eta);
+    let deep = rho * (1.0 - internal) / (1.0 - rho * internal);
+    let wo = at(0.8, 0.0);
+    let coat = || Coat::new(eta, Spectrum::ONE, None);
+    let shares = [(coat(), deep), (coat().as_seen(), rho)].map(|(coat, expected)| {
+        let material = coated(Material::diffuse(Spectrum::gray(rho)), coat);
+        let model = center(&material);
+        let reflected: Spectrum = model.delta_lobes(wo, MODE).map(|lobe| lobe.weight).sum();
+        ((albedo(&model, wo) - reflected).average() / (1.0 - reflected.average()), expected)
+    });
+    for (found, expected) in shares {
+        assert!((found - expected).abs() < 1e-3, "{found}, expected {expected}");
+    }
+    assert!(deep < 0.3, "{deep}");
+}
+
+/// E of the fibres, as the ground sees it: a white mirror under them loses exactly what they return.
+#[test]
+fn sheen_returns_what_it_says() {
+    for alpha in [0.05, 0.2, 0.6, 1.0] {
+        let sheen = Material::from(Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), Spectrum::ONE, alpha)));
+        for cos in [1.0, 0.6, 0.25] {
+            let found = albedo(&center(&sheen), at(cos, 0.0)).average();
+            assert!((found - 1.0).abs() < 5e-3, "alpha {alpha}, cos {cos}: {found}");
+        }
+    }
+}
+
+/// The ends of its sliders are the materials that they name.
+#[test]
+fn principled_is_what_it_names() {
+    let base = Spectrum::rgb(0.9, 0.5, 0.2);
+    let principled = || Principled {
+        base_color: base.into(),
+        metallic: 0.0.into(),
+        transmission: 0.0.into(),
+        specular: 1.0.into(),
+        finish: Some(round(0.3)),
+        eta: 1.5,
+        coat: 0.0.into(),
+        lacquer: Coat::new(1.5, Spectrum::ONE, None),
+        sheen_color: 0.0.into(),
+        sheen_alpha: 0.3,
+        multiscatter: true,
+    };
+    let glaze = |finish| Coat::new(1.5, Spectrum::ONE, finish).as_seen();
+    let plastic = coated(Material::diffuse(base), glaze(Some(round(0.3))));
+    let cases: [(Principled, Material); 6] = [
+        (principled(), plastic.clone()),
+        (Principled { specular: 0.0.into(), ..principled() }, Material::diffuse(base)),
+        (Principled { metallic: 1.0.into(), ..principled() }, Material::metal(Texture::from(base), Some(round(0.3)), true)),
+        (Principled { transmission: 1.0.into(), ..principled() }, Material::rough_glass(1.5, base, round(0.3), true)),
+        (Principled { coat: 1.0.into(), ..principled() }, coated(plastic.clone(), Coat::new(1.5, Spectrum::ONE, None))),
+        (Principled { sheen_color: base.into(), ..principled() }, Compound::Sheen(Sheen::new(plastic, base, 0.3)).into()),
+    ];
+    let mut random = Random::new(5);
+    for (principled, expected) in cases {
+        let material = Material::from(principled);
+        assert_eq!(material, expected);
+        let (wo, wi) = (at(random.range(0.1, 1.0), random.range(0.0, 6.0)), at(random.range(0.1, 1.0), random.range(0.0, 6.0)));
+        assert_eq!(center(&material).eval(wo, wi, MODE), center(&expected).eval(wo, wi, MODE));
+    }
+    // Seen straight on, metal has its base colour.
+    let metal = Material::from(Principled { metallic: 1.0.into(), finish: None, ..principled() });
+    let lobe = center(&metal).sample(Local::NORMAL, 0.5, Vec2::splat(0.5), MODE).expect("a mirror");
+    assert_eq!(lobe.weight, base);
+}
+
+/// A share of a texture chooses from point to point, and where it is 0 or 1 nothing of the other is left.
+#[test]
+fn a_texture_mixes() {
+    let squares = Checker { even: 0.0.into(), odd: 1.0.into(), scale: Vec3::ONE, space: Space::Uv };
+    let share = Texture::Checker(Box::new(squares));
+    let material = Material::mix(Material::diffuse(Spectrum::ONE), Material::mirror(Spectrum::ONE), share);
+    assert_eq!(material.at(&point(Vec2::new(0.5, 0.5))), Bsdf::Diffuse(Diffuse { albedo: Spectrum::ONE }));
+    assert_eq!(material.at(&point(Vec2::new(1.5, 0.5))), Bsdf::Mirror(Mirror { color: Spectrum::ONE }));
+}
+
+/// A picture whose bilinear interpolation is `low` + (`high` − `low`) · u near the middle, the same for all v.
+fn ramp(low: f32, high: f32) -> Texture {
+    let pixels = Pixels::new(UVec2::new(2, 1), vec![[low; 3], [high; 3]]).expect("two pixels");
+    // Pixel centres lie at 1/4 and 3/4: half of the range is between them.
+    Texture::Image(Image { pixels: Arc::new(pixels), scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Bilinear })
+}
+
+/// A quad in the plane z = 0 with corners ±1, seen from above.
+fn quad(skin: impl Into<Skin>, to_world: Transform) -> World {
+    let mut world = World::builder(eye());
+    let skin = world.material(skin);
+    world.shape(Quad { size: [2.0; 2] }, to_world, skin, None);
+    world.build().expect("a quad")
+}
+
+fn seen(world: &World, direction: Vec3) -> Vec3 {
+    let ray = Ray::new(-5.0 * direction - world.origin().as_vec3(), direction);
+    let hit = world.intersect(&ray).expect("the quad");
+    world.surface(&ray, &hit).frame.z
+}
+
+/// A slope of heights is a plane that leans: dz/dx = s makes n ∝ (−s, 0, 1).
+#[test]
+fn heights_lean_as_planes() {
+    // Twice the slope between the pixels of the ramp: from 0 to 1 over half of the two metres.
+    for scale in [0.1f32, -0.3, 1.0] {
+        let relief = Relief::Heights { map: ramp(0.0, 1.0), scale };
+        let world = quad(Skin { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
+        let normal = seen(&world, Vec3::NEG_Z);
+        let expected = Vec3::new(-scale, 0.0, 1.0).normalize();
+        assert!((normal - expected).length() < 1e-3, "{normal} {expected}");
+    }
+}
+
+/// A picture of one normal turns every surface by it, along its own axes, wherever the surface faces; (½, ½, 1) turns nothing.
+#[test]
+fn normal_maps_turn_normals() {
+    let n = Vec3::new(0.36, 0.48, 0.8);
+    let constant = |n: Vec3| {
+        let [r, g, b] = (0.5 * n + 0.5).to_array();
+        Texture::Constant(Spectrum::rgb(r, g, b))
+    };
+    let skin =
+        |n: Vec3| Skin { relief: Some(Relief::Normals { map: constant(n), strength: 1.0 }), ..Material::diffuse(Spectrum::ONE).into() };
+    let turned = seen(&quad(skin(n), Transform::IDENTITY), Vec3::NEG_Z);
+    assert!((turned - n).length() < 1e-6, "{turned}");
+    let rotation = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 40.0).expect("an axis");
+    let axis = |v: Vec3| rotation.vector(v.as_dvec3()).as_vec3();
+    let turned = seen(&quad(skin(n), rotation), -axis(Vec3::Z));
+    assert!((turned - axis(n)).length() < 1e-5, "{turned} {}", axis(n));
+    let mirrored = Transform::scale(DVec3::new(1.0, -1.0, 1.0)).expect("not zero");
+    let turned = seen(&quad(skin(n), mirrored), Vec3::NEG_Z);
+    assert!((turned - Vec3::new(n.x, -n.y, n.z)).length() < 1e-5, "{turned}");
+    assert_eq!(seen(&quad(skin(Vec3::Z), Transform::IDENTITY), Vec3::NEG_Z), Vec3::Z);
+}
+
+/// However a relief turns them, normals look at the viewer, and on the side of the surface.
+#[test]
+fn turned_normals_are_seen() {
+    let mut random = Random::new(8);
+    for _ in 0..10_000 {
+        let [x, y] = [random.range(-1.0, 1.0), random.range(-1.0, 1.0)].map(|x| x as f32);
+        let map = Texture::Constant(Spectrum::rgb(0.5 + 0.5 * x, 0.5 + 0.5 * y, random.range(0.5, 1.0) as f32));
+        let relief = Relief::Normals { map, strength: 3.0 };
+        let wo = at(random.range(1e-3, 1.0), random.range(0.0, 6.3)).0;
+        for wo in [wo, -wo] {
+            let n = relief.normal(&point(Vec2::ZERO), [Vec3::X, Vec3::Y], wo);
+            assert!(n.is_normalized() && n.z > 0.0 && n.dot(wo) * wo.z > 0.0, "{n} {wo}");
+        }
+    }
+}
+
+/// Pixels of opacity 0 let camera rays, shadow rays and chains of holes through; what is partly there is met by that share.
+#[test]
+fn holes_let_light_through() {
+    let squares = |even: f32, odd: f32| {
+        Texture::Checker(Box::new(Checker { even: even.into(), odd: odd.into(), scale: Vec3::splat(2.0), space: Space::Uv }))
+    };
+    let world = |opacity: Texture| {
+        let mut world = World::builder(eye());
+        let wall = world.material(Material::diffuse(Spectrum::ONE));
+        let lace = world.material(Skin { opacity: Some(opacity), ..Material::diffuse(Spectrum::ONE).into() });
+        for z in [1.0, 2.0, 3.0] {
+            let up = Transform::translate(DVec3::new(0.0, 0.0, z)).expect("near");
+            world.shape(Quad { size: [2.0; 2] }, up, lace, None);
+        }
+        world.shape(Quad { size: [4.0; 2] }, Transform::IDENTITY, wall, Some(Emission { radiance: Spectrum::ONE, two_sided: false }));
+        world.build().expect("quads")
+    };
+    let look = |world: &World, x: f32, y: f32| {
+        let ray = Ray::new(Vec3::new(x, y, 5.0) - world.origin().as_vec3(), Vec3::NEG_Z);
+        let hit = world.intersect(&ray).expect("the wall at least");
+        let before = Ray { t_max: hit.t * 0.999, ..ray };
+        assert!(!world.occluded(&before));
+        assert!(world.occluded(&Ray { t_max: hit.t * 1.001, ..ray }));
+        let p = world.surface(&ray, &hit).point.p + world.origin().as_vec3();
+        assert!((p - Vec3::new(x, y, 5.0 - hit.t)).length() < 1e-5);
+        5.0 - hit.t
+    };
+    let lace = world(squares(0.0, 1.0));
+    assert!(look(&lace, -0.5, -0.5).abs() < 1e-5);
+    assert!((look(&lace, 0.5, -0.5) - 3.0).abs() < 1e-5);
+    // Each of three veils stops three tenths: 30, 21, 14.7 and 34.3 %.
+    let veil = world(squares(0.3, 0.3));
+    const RAYS: u32 = 100_000;
+    let mut counts = [0u32; 4];
+    let mut random = Random::new(3);
+    for _ in 0..RAYS {
+        let z = look(&veil, random.range(-0.9, 0.9) as f32, random.range(-0.9, 0.9) as f32);
+        counts[(3.0 - z).round() as usize] += 1;
+    }
+    for (count, share) in counts.into_iter().zip([0.3, 0.21, 0.147, 0.343]) {
+        let (mean, sigma) = (f64::from(RAYS) * share, (f64::from(RAYS) * share * (1.0 - share)).sqrt());
+        // Beyond 4.5 σ in one of four with a probability of 3e-5.
+        assert!((f64::from(count) - mean).abs() < 4.5 * sigma, "{counts:?}");
+    }
+}
+
+/// ∂p/∂u and ∂p/∂v are what moving along the texture coordinates does: on spheres, disks' squares, and meshes.
+#[test]
+fn tangents_are_derivatives() {
+    let to_world = Transform::scale(DVec3::new(2.0, 1.0, 0.5)).expect("not zero");
+    let mut builder = World::builder(eye());
+    let material = builder.material(Material::diffuse(Spectrum::ONE));
+    let mesh = MeshData {
+        positions: vec![Vec3::ZERO, Vec3::new(3.0, 0.5, 0.0), Vec3::new(1.0, 2.0, 0.3)],
+        uvs: vec![Vec2::new(0.1, 0.2), Vec2::new(0.9, 0.3), Vec2::new(0.4, 0.8)],
+        triangles: vec![[0, 1, 2]],
+        ..MeshData::default()
+    };
+    builder.shape(Sphere { radius: 1.0 }, to_world, material, None);
+    builder.shape(TriangleMesh::new(mesh), to_world, material, None);
+    builder.shape(pt::shape::Disk { radius: 1.5 }, to_world, material, None);
+    let world = builder.build().expect("shapes");
+    let mut random = Random::new(21);
+    for (k, shape) in world.shapes().iter().enumerate() {
+        for _ in 0..200 {
+            let u = Vec2::new(random.range(0.05, 0.95) as f32, random.range(0.1, 0.9) as f32);
+            let (a, _) = shape.sample_area(0, u);
+            let Some([du, dv]) = shape.tangents(0, &a) else { panic!("shape {k} has none") };
+            let (b, _) = shape.sample_area(0, u + Vec2::new(3e-4, 2e-4));
+            let moved = b.uv - a.uv;
+            if moved.length() > 0.1 {
+                continue; // across the seam
+            }
+            let (found, expected) = (du * moved.x + dv * moved.y, b.p - a.p);
+            assert!((found - expected).length() < 0.02 * expected.length() + 2e-6, "shape {k}: {found} {expected}");
+        }
+    }
+}
+
+/// Gold by its index and by its colour look alike straight on.
+#[test]
+fn metal_by_color_is_metal() {
+    let (eta, k) = Element::Au.index();
+    let by_index = Material::metal((eta, k), None, true);
+    let sample = |material: &Material| center(material).sample(Local::NORMAL, 0.5, Vec2::splat(0.5), MODE).expect("a mirror").weight;
+    let color = sample(&by_index);
+    assert_eq!(sample(&Material::metal(Texture::from(color), None, true)), color);
+}
