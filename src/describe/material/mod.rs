@@ -152,4 +152,4 @@ pub enum MaterialRef {
     Inline(Box<Material>),
 }
 
-by_kind!(MaterialRef { String => Named(String), Object => Inline(Material) });
+by_kind!(MaterialRef { String => Named(String), Object => Inline(Box<Material>) });
