@@ -34,6 +34,7 @@ struct Dress {
     emission: Option<Emission>,
     /// Of its first primitive; the others follow.
     first_light: u32,
+    has_lift: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,7 +128,7 @@ impl WorldBuilder {
                 let light = |primitive| Light::Area(Area { shape: k as u32, primitive, emission });
                 lights.extend((0..shapes[k].count()).map(light));
             }
-            Dress { materials: object.materials, emission: object.emission, first_light }
+            Dress { materials: object.materials, emission: object.emission, first_light, has_lift: shapes[k].has_lift() }
         };
         let dresses: Vec<Dress> = self.objects.into_iter().enumerate().map(dress).collect();
         let lights = Lights::new(lights, shapes.clone(), hierarchy.bounds().radius());
@@ -168,8 +169,14 @@ impl Scene for World {
         let part = if dress.materials.len() > 1 { shape.part(hit.primitive) as usize } else { 0 };
         let material = &self.materials[dress.materials[part].0 as usize];
         let emission = dress.emission.map(|e| (e, dress.first_light + hit.primitive));
-        let surface = Surface::new(point, material.met(&point, ray, hit.t), emission);
-        if material.is_anisotropic() { surface.along(shape.tangent(hit.primitive, &point)) } else { surface }
+        let mut surface = Surface::new(point, material.met(&point, ray, hit.t), emission);
+        if dress.has_lift {
+            surface.lift(shape.lift(hit.primitive, hit.uv, &point), ray);
+        }
+        if material.is_anisotropic() {
+            surface = surface.along(shape.tangent(hit.primitive, &point));
+        }
+        surface
     }
 
     fn lights(&self) -> &Lights {

@@ -37,6 +37,7 @@ mod scene_format;
 mod scenes;
 mod shapes;
 mod statistics;
+mod terminator;
 mod textures;
 mod transforms;
 mod warps;
