@@ -33,7 +33,8 @@ pub trait Scene: Send + Sync {
 ///
 /// Directions are in world space here and point away from the surface; the BSDF sees them in the
 /// frame of the shading normal. Where shading and geometric normal disagree on the side of a
-/// direction nothing is scattered: light does not leak through.
+/// direction nothing is scattered: light does not leak through. Above a coarse mesh that stands for a smooth
+/// surface, [`Surface::lift`], the shading normal decides alone, and the ray itself finds what is in its way.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
     pub point: SurfacePoint,
@@ -42,7 +43,7 @@ pub struct Surface {
     pub emission: Option<Emission>,
     /// Its index among the lights; of meaning where it emits.
     pub light: u32,
-    /// Where light shines upon it and leaves it outwards: at `point.p`, or above by [`Surface::lift`].
+    /// The point that light shines upon, and leaves outwards: `point.p`, or above it by [`Surface::lift`].
     pub lit: Vec3,
 }
 
@@ -54,9 +55,9 @@ impl Surface {
 
     /// As `ray` met it, where it stands for a smooth surface `lift` above it (m): [`Shape::lift`](crate::shape::Shape::lift).
     ///
-    /// What leaves outwards starts up there, and the shading normal alone says what does: facets that face away
-    /// from a light that the smooth surface sees are lit if the ray really passes them. Seen from within, by either
-    /// normal, nothing changes; nor does a lift below the error bound of the point, which is not known to be one.
+    /// What leaves outwards starts up there, and the shading normal alone says what does: a facet that faces away
+    /// from a light that the smooth surface sees is lit if the ray really passes all facets. Nothing changes where
+    /// `ray` comes from below, by either normal; nor for a lift within the error bound of the point, mere rounding.
     pub fn lift(&mut self, lift: f32, ray: &Ray) {
         let from_above = self.point.ng.dot(ray.direction) < 0.0 && self.point.ns.dot(ray.direction) < 0.0;
         if from_above && lift > self.point.offset {

@@ -69,11 +69,11 @@ surface! {
         /// Texture coordinates for each vertex.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub uvs: Option<Vec<[Real; 2]>>,
-        /// For coarse meshes with normals whose edges show as dark steps where the light turns away: rays then leave outwards
-        /// from the smooth surface that the normals tell of, and facets no longer shade each other. Costs a few operations
-        /// per hit. What is nearer to a facet than the smooth surface, about the height of the bulge that the facet cuts off
-        /// and as much again, casts no shadow on it: leave it off where the mesh is fine, or flat with rounded normals.
-        #[serde(default, skip_serializing_if = "is_false")]
+        /// For coarse meshes with `normals`, whose facets show as dark steps where the surface turns away from a light: light
+        /// then leaves the outside from the smooth surface of which the normals tell, and facets do not hide what that
+        /// surface sees. It costs a few operations where a ray meets the mesh, and shadows right at it: nothing that comes
+        /// nearer to a facet than twice the height of the bulge that the facet cuts off shades it there.
+        #[serde(default)]
         pub smooth_shadows: bool,
     }
 }
@@ -120,10 +120,6 @@ pub struct Group {
     /// Acts after the transforms of the shapes.
     #[serde(default, skip_serializing_if = "Transform::is_identity")]
     pub transform: Transform,
-}
-
-fn is_false(key: &bool) -> bool {
-    !key
 }
 
 fn one() -> Positive {

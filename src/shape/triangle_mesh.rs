@@ -12,7 +12,7 @@ use crate::math::{Aabb, AreaPdf, Ray, Transform, warp};
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
     pub data: Arc<MeshData>,
-    /// Whether light leaves from the smooth surface that the normals tell of, not from the facets: [`smooth_lift`].
+    /// Whether light leaves from the smooth surface that the normals tell of, not from the facets: [`Shape::lift`].
     pub smooth_shadows: bool,
 }
 
