@@ -85,7 +85,7 @@ impl Estimator for Walk {
             compression *= sample.eta * sample.eta;
             let Some(survivors) = self.roulette.survive(depth, beta * compression, cx.sampler) else { break };
             beta *= survivors;
-            arrival = Arrival { from: surface.point.p, density: sample.density };
+            arrival = Arrival { from: surface.lit, density: sample.density };
             ray = surface.spawn(wi, ray.time);
         }
         radiance

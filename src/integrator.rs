@@ -96,7 +96,7 @@ pub fn sample_light(
     }
     cx.sampler.at(dimension::vertex(depth, Use::Light));
     let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
-    let light = scene.lights().sample(surface.point.p, choice, u)?;
+    let light = scene.lights().sample(surface.lit, choice, u)?;
     let f = surface.eval(wo, light.wi, TransportMode::Radiance);
     let reached = !f.is_black() && !scene.occluded(&surface.shadow_ray(light.wi, &light.target, time));
     reached.then(|| (f * light.weight, light))

@@ -33,7 +33,8 @@ pub trait Scene: Send + Sync {
 ///
 /// Directions are in world space here and point away from the surface; the BSDF sees them in the
 /// frame of the shading normal. Where shading and geometric normal disagree on the side of a
-/// direction nothing is scattered: light does not leak through.
+/// direction nothing is scattered: light does not leak through. Above a coarse mesh that stands for a smooth
+/// surface, [`Surface::lift`], the shading normal decides alone, and the ray itself finds what is in its way.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
     pub point: SurfacePoint,
@@ -42,18 +43,32 @@ pub struct Surface<'a> {
     pub emission: Option<Emission>,
     /// Its index among the lights; of meaning where it emits.
     pub light: u32,
+    /// The point that light shines upon, and leaves outwards: `point.p`, or above it by [`Surface::lift`].
+    pub lit: Vec3,
 }
 
 impl<'a> Surface<'a> {
     pub fn new(point: SurfacePoint, bsdf: Bsdf<'a>, emission: Option<(Emission, u32)>) -> Surface<'a> {
         let (emission, light) = (emission.map(|e| e.0), emission.map_or(u32::MAX, |e| e.1));
-        Surface { frame: Frame::around(point.ns), point, bsdf, emission, light }
+        Surface { frame: Frame::around(point.ns), lit: point.p, point, bsdf, emission, light }
     }
 
-    /// With another shading normal, and the x axis of its frame along a tangent, where there is one.
-    pub fn turned(self, ns: Vec3, tangent: Option<Vec3>) -> Surface<'a> {
-        let frame = tangent.and_then(|x| Frame::along(ns, x)).unwrap_or_else(|| Frame::around(ns));
-        Surface { frame, point: SurfacePoint { ns, ..self.point }, ..self }
+    /// As `ray` met it, where it stands for a smooth surface `lift` above it (m): [`Shape::lift`](crate::shape::Shape::lift).
+    ///
+    /// What leaves outwards starts up there, and the shading normal alone says what does: a facet that faces away
+    /// from a light that the smooth surface sees is lit if the ray really passes all facets. Nothing changes where
+    /// `ray` comes from below, by either normal; nor for a lift within the error bound of the point, mere rounding.
+    pub fn lift(&mut self, lift: f32, ray: &Ray) {
+        let from_above = self.point.ng.dot(ray.direction) < 0.0 && self.point.ns.dot(ray.direction) < 0.0;
+        if from_above && lift > self.point.offset {
+            self.lit = self.point.p + self.point.ng * lift;
+        }
+    }
+
+    /// Gives it another shading normal, and lays the x axis of its frame along a tangent, where there is one.
+    pub fn turn(&mut self, ns: Vec3, tangent: Option<Vec3>) {
+        self.frame = tangent.and_then(|x| Frame::along(ns, x)).unwrap_or_else(|| Frame::around(ns));
+        self.point.ns = ns;
     }
 
     /// Radiance that the surface itself sends into `w`.
@@ -104,6 +119,7 @@ impl<'a> Surface<'a> {
         self.bsdf.delta_lobes(lo, mode).filter_map(move |sample| self.in_world(wo, lo, sample, mode))
     }
 
+    #[inline]
     fn in_world(&self, wo: Vec3, lo: Local, sample: BsdfSample, mode: TransportMode) -> Option<(Vec3, BsdfSample)> {
         // A path must not lengthen its directions bounce by bounce. This near to 1, a step of Newton's for 1/√x
         // is as good as a root and a division, and does not make the next ray wait for them.
@@ -120,18 +136,30 @@ impl<'a> Surface<'a> {
 
     /// Whether the geometric normal sees reflection and transmission as the shading normal does.
     fn agrees(&self, wo: Vec3, lo: Local, wi: Vec3, li: Local) -> bool {
-        let ng = self.point.ng;
-        (ng.dot(wo) * ng.dot(wi) > 0.0) == lo.same_side(li)
+        let (out, on) = (self.point.ng.dot(wo), self.point.ng.dot(wi));
+        let same_side = out * on > 0.0 || (out > 0.0 && self.rises(wi));
+        same_side == lo.same_side(li)
+    }
+
+    /// Whether `w` leaves the smooth surface above, if there is one, outwards.
+    fn rises(&self, w: Vec3) -> bool {
+        self.lit != self.point.p && self.point.ns.dot(w) > 0.0
+    }
+
+    /// Where the ray into `w` starts: off the surface, on the side that `w` leads to.
+    fn start(&self, w: Vec3) -> Vec3 {
+        let point = &self.point;
+        if point.ng.dot(w) < 0.0 && !self.rises(w) { point.p - point.ng * point.offset } else { self.lit + point.ng * point.offset }
     }
 
     /// The ray that leaves into `wi`, starting beside the surface.
     pub fn spawn(&self, wi: Vec3, time: f32) -> Ray {
-        Ray { time, ..Ray::new(beside(&self.point, wi), wi) }
+        Ray { time, ..Ray::new(self.start(wi), wi) }
     }
 
     /// The ray whose occlusion is the shadow of `target`, in the direction `wi`.
     pub fn shadow_ray(&self, wi: Vec3, target: &Target, time: f32) -> Ray {
-        let origin = beside(&self.point, wi);
+        let origin = self.start(wi);
         let end = match target {
             Target::Infinity => return self.spawn(wi, time),
             Target::Free(end) => *end,

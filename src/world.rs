@@ -43,6 +43,7 @@ struct Dress {
     emission: Option<Emission>,
     /// Of its first primitive; the others follow.
     first_light: u32,
+    has_lift: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,7 +138,7 @@ impl WorldBuilder {
                 let light = |primitive| Light::Area(Area { shape: k as u32, primitive, emission });
                 lights.extend((0..shapes[k].count()).map(light));
             }
-            Dress { materials: object.materials, emission: object.emission, first_light }
+            Dress { materials: object.materials, emission: object.emission, first_light, has_lift: shapes[k].has_lift() }
         };
         let dresses: Vec<Dress> = self.objects.into_iter().enumerate().map(dress).collect();
         let lights = Lights::new(lights, shapes.clone(), hierarchy.bounds().radius());
@@ -177,14 +178,14 @@ impl World {
 
     /// Along the axes of the surface, and its relief.
     #[inline(never)]
-    fn turned<'a>(&self, surface: Surface<'a>, ray: &Ray, hit: &Hit, skin: &Skin) -> Surface<'a> {
+    fn turn(&self, surface: &mut Surface, ray: &Ray, hit: &Hit, skin: &Skin) {
         let point = &surface.point;
         let tangents = self.shapes[hit.shape as usize].tangents(hit.primitive, point);
         let ns = match (&skin.relief, tangents) {
             (Some(relief), Some(tangents)) => relief.normal(point, tangents, -ray.direction),
             _ => point.ns,
         };
-        surface.turned(ns, tangents.map(|[u, _]| u))
+        surface.turn(ns, tangents.map(|[u, _]| u));
     }
 
     /// The first hit from `hit` on that is not a hole.
@@ -232,8 +233,14 @@ impl Scene for World {
         let emission = dress.emission.map(|e| (e, dress.first_light + hit.primitive));
         // A ray that meets a surface from inside has been inside since it last met one: exact for a body without others in it.
         let inside = if ray.direction.dot(point.ng) > 0.0 { hit.t } else { 0.0 };
-        let surface = Surface::new(point, worn.skin.material.met(&Place { point, inside }), emission);
-        if worn.needs_tangents { self.turned(surface, ray, hit, &worn.skin) } else { surface }
+        let mut surface = Surface::new(point, worn.skin.material.met(&Place { point, inside }), emission);
+        if dress.has_lift {
+            surface.lift(self.shapes[hit.shape as usize].lift(hit.primitive, hit.uv, &point), ray);
+        }
+        if worn.needs_tangents {
+            self.turn(&mut surface, ray, hit, &worn.skin);
+        }
+        surface
     }
 
     fn lights(&self) -> &Lights {

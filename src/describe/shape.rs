@@ -69,6 +69,12 @@ surface! {
         /// Texture coordinates for each vertex.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub uvs: Option<Vec<[Real; 2]>>,
+        /// For coarse meshes with `normals`, whose facets show as dark steps where the surface turns away from a light: light
+        /// then leaves the outside from the smooth surface of which the normals tell, and facets do not hide what that
+        /// surface sees. It costs a few operations where a ray meets the mesh, and shadows right at it: nothing that comes
+        /// nearer to a facet than twice the height of the bulge that the facet cuts off shades it there.
+        #[serde(default)]
+        pub smooth_shadows: bool,
     }
 }
 

@@ -83,6 +83,17 @@ pub trait Shape: Send + Sync {
     fn has_shading_normals(&self) -> bool {
         false
     }
+
+    /// How far above primitive `i` lies the smooth surface for which it stands (m): at `point`, whose own
+    /// coordinates on the primitive are `uv`, along `ng`.
+    fn lift(&self, _i: u32, _uv: Vec2, _point: &SurfacePoint) -> f32 {
+        0.0
+    }
+
+    /// Whether [`Shape::lift`] ever says more than 0.
+    fn has_lift(&self) -> bool {
+        false
+    }
 }
 
 /// Per area, seen from `from`: per solid angle. `None` where the surface is seen edge-on.

@@ -38,6 +38,7 @@ mod scene_format;
 mod scenes;
 mod shapes;
 mod statistics;
+mod terminator;
 mod textures;
 mod transforms;
 mod warps;

@@ -174,7 +174,8 @@ impl Builder<'_> {
                 effects |= if data.normals.is_empty() { Effects::NONE } else { Effects::SHADING_NORMALS };
                 let (parts, more) = self.part_materials(pointer, s, &data, own);
                 effects |= more;
-                self.place(TriangleMesh::new(data), *to_world, parts, emission);
+                let mesh = TriangleMesh { smooth_shadows: s.smooth_shadows, ..TriangleMesh::new(data) };
+                self.place(mesh, *to_world, parts, emission);
             }
             Shape::Group(_) => {}
         }

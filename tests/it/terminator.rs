@@ -1,0 +1,388 @@
+//! Coarse meshes with smooth normals, lit as the surfaces for which they stand (reliability N22).
+
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use pt::bsdf::{Lobe, Material, TransportMode};
+use pt::camera::{Camera, Perspective, Pose};
+use pt::describe::{self, Source};
+use pt::film::FilmSpec;
+use pt::integrators::ALL;
+use pt::light::{Directional, Environment, Light, Point, Target};
+use pt::math::{Ray, Transform};
+use pt::sampler::SamplerSpec;
+use pt::scene::{Scene, Surface};
+use pt::shape::{Geometry, MeshData, Sphere, TriangleMesh, triangle};
+use pt::world::{World, WorldBuilder};
+
+use crate::geometry::icosphere;
+use crate::glass::round_mesh;
+use crate::identity::zoo::{Bits, bits};
+use crate::random::Random;
+use crate::scenes::{Depth, Effort, Law, at, black, confirm, glow, gray, integrator, picture, probe, two_sided};
+
+const ALBEDO: f64 = 0.5;
+
+fn wide(from: DVec3, to: DVec3) -> Camera {
+    let pose = Transform::look_at(from, to, DVec3::Y).expect("not straight up");
+    Camera::Perspective(Perspective::new(Pose::new(&pose), 90.0, 0.0, 1.0))
+}
+
+/// The mesh in the middle of nothing, of one material.
+fn alone(data: &MeshData, smooth_shadows: bool, place: Transform, material: Material) -> WorldBuilder {
+    let mut world = World::builder(probe(DVec3::Z * 5.0, DVec3::ZERO));
+    let material = world.material(material);
+    world.shape(TriangleMesh { smooth_shadows, ..TriangleMesh::new(data.clone()) }, place, material, None);
+    world
+}
+
+fn matte(data: &MeshData, smooth_shadows: bool) -> World {
+    alone(data, smooth_shadows, Transform::IDENTITY, Material::diffuse(gray(ALBEDO))).build().expect("a mesh")
+}
+
+/// A ball: its corners on the unit sphere, its normals those of the sphere.
+fn ball((points, triangles): (Vec<DVec3>, Vec<[u32; 3]>)) -> MeshData {
+    let positions: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
+    MeshData { normals: positions.clone(), positions, triangles, ..MeshData::default() }
+}
+
+/// Eight triangles.
+fn octahedron() -> MeshData {
+    let flat = round_mesh(0);
+    MeshData { normals: flat.positions.clone(), ..flat }
+}
+
+const SEGMENTS: u32 = 20;
+
+/// The radius of 1 around y, long, its first edge turned by `turn` degrees; the normals are those of a true cylinder.
+fn cylinder(turn: f64) -> MeshData {
+    let normals: Vec<Vec3> = (0..2 * SEGMENTS).map(|k| around(turn.to_radians() + edge(k / 2)).as_vec3()).collect();
+    let positions = normals.iter().enumerate().map(|(k, n)| n.with_y(if k % 2 == 0 { -100.0 } else { 100.0 })).collect();
+    let side = |k| [0, 1, 2, 3].map(|corner| (2 * k + corner) % (2 * SEGMENTS));
+    let triangles = (0..SEGMENTS).map(side).flat_map(|[a, b, c, d]| [[a, c, b], [b, c, d]]).collect();
+    MeshData { positions, normals, triangles, ..MeshData::default() }
+}
+
+fn edge(k: u32) -> f64 {
+    f64::from(k) * TAU / f64::from(SEGMENTS)
+}
+
+/// Of a circle in the plane y = 0, from z towards x.
+fn around(azimuth: f64) -> DVec3 {
+    DVec3::new(azimuth.sin(), 0.0, azimuth.cos())
+}
+
+/// What the ray sees of parallel light from `sun`, of irradiance 1; and the shading normal there.
+fn lit(scene: &World, ray: &Ray, sun: DVec3) -> Option<(f64, DVec3)> {
+    let surface = scene.surface(ray, &scene.intersect(ray)?);
+    let wi = sun.as_vec3();
+    let f = surface.eval(-ray.direction, wi, TransportMode::Radiance);
+    let lit = !f.is_black() && !scene.occluded(&surface.shadow_ray(wi, &Target::Infinity, 0.0));
+    Some((if lit { f.average().into() } else { 0.0 }, surface.point.ns.as_dvec3()))
+}
+
+/// The largest step of radiance from one facet of the cylinder to the next, and the largest error against the formula
+///
+/// L = ρ/π E max(0, n·ω)
+///
+/// of a true cylinder, both as shares of ρ/π E.
+///
+/// Seen along −z, lit from 80° beside the eye: light and dark meet at an azimuth of −10°, in full view. `turn`
+/// puts the facets' edges anywhere about it. What is seen edge-on, beyond 60°, is left out.
+fn step_and_error(smooth_shadows: bool, turn: f64, above: f64) -> (f64, f64) {
+    let scene = matte(&cylinder(turn), smooth_shadows);
+    let sun = (around(80f64.to_radians()) * above.cos() + DVec3::Y * above.sin()).normalize();
+    let seen = |azimuth: f64| {
+        // On the facet at this azimuth, not on the circle.
+        let beside = (azimuth - turn.to_radians()).rem_euclid(edge(1)) - 0.5 * edge(1);
+        let p = around(azimuth) * ((0.5 * edge(1)).cos() / beside.cos());
+        let ray = Ray::new((p + DVec3::Z * 3.0).as_vec3(), -Vec3::Z);
+        lit(&scene, &ray, sun).expect("aimed at the cylinder").0 / (ALBEDO * FRAC_1_PI)
+    };
+    let in_view = |azimuth: &f64| azimuth.abs() < 60f64.to_radians();
+    let edges = (0..SEGMENTS).map(|k| turn.to_radians() + edge(k)).map(|a| (a + PI).rem_euclid(TAU) - PI).filter(in_view);
+    let step = edges.map(|a| (seen(a + 1e-4) - seen(a - 1e-4)).abs()).fold(0.0, f64::max);
+    let azimuths = (-600..=600).map(|k| (0.1 * f64::from(k) + 0.0123).to_radians()).filter(in_view);
+    let error = azimuths.map(|a| (seen(a) - around(a).dot(sun).max(0.0)).abs()).fold(0.0, f64::max);
+    (step, error)
+}
+
+/// N22. A cylinder of 20 facets, lit from 80° beside the eye, straight and from above: steps of at most 2 %.
+///
+/// The radiance of the true cylinder itself, within the rounding of a normal; without the fix, a facet that
+/// just faces away is black up to its edge: sin 9° = 16 % there, for the worst of 18 turns at least 12 %.
+#[test]
+fn smooth_cylinder() {
+    for above in [0f64, 10.0, 60.0].map(f64::to_radians) {
+        let worst = |smooth_shadows| {
+            let turns = (0..18).map(|turn| step_and_error(smooth_shadows, f64::from(turn) + 0.3, above));
+            turns.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1))).expect("some turns")
+        };
+        let (step, error) = worst(true);
+        // Between the two sides of an edge, 2·10⁻⁴ rad apart, the formula itself moves by as much.
+        assert!(step < 3e-4, "{step}");
+        assert!(error < 1e-5, "{error}");
+        let (step, error) = worst(false);
+        assert!(step > 0.12 * above.cos() && error > 0.12 * above.cos(), "without: {step}, {error}");
+    }
+}
+
+/// Convex meshes, from the coarsest.
+fn convex() -> [MeshData; 4] {
+    [octahedron(), ball(icosphere(0)), ball(icosphere(1)), cylinder(7.0)]
+}
+
+/// A point of the mesh that a ray from outside met, by both normals, and the way back.
+fn met<'a>(scene: &'a World, random: &mut Random) -> Option<(Surface<'a>, Vec3)> {
+    let (from, to) = (random.direction() * 4.0, random.in_cube());
+    let ray = Ray::new(from.as_vec3(), (to - from).normalize().as_vec3());
+    let surface = scene.surface(&ray, &scene.intersect(&ray)?);
+    let wo = -ray.direction;
+    (surface.point.ng.dot(wo) > 0.0 && surface.point.ns.dot(wo) > 0.0).then_some((surface, wo))
+}
+
+/// Whatever direction the shading normal allows, the ray leaves: the smooth surface is convex, and does not shade itself.
+///
+/// Directions within 10⁻⁵ of the horizon are left to rounding.
+#[test]
+fn lifted_rays_clear_a_convex_mesh() {
+    let squash = Transform::scale(DVec3::new(1.5, 0.4, 0.8)).expect("not zero");
+    for (k, data) in convex().iter().enumerate() {
+        for place in [Transform::IDENTITY, squash] {
+            let stuck = |smooth_shadows| {
+                let scene = alone(data, smooth_shadows, place, Material::diffuse(gray(ALBEDO))).build().expect("a mesh");
+                let mut random = Random::new(k as u64);
+                let (mut rays, mut stuck) = (0, 0);
+                while rays < 20_000 {
+                    let (Some((surface, wo)), wi) = (met(&scene, &mut random), random.direction().as_vec3()) else { continue };
+                    if surface.point.ns.dot(wi) > 1e-5 {
+                        rays += 1;
+                        let black = surface.eval(wo, wi, TransportMode::Radiance).is_black();
+                        stuck += u32::from(black || scene.occluded(&surface.spawn(wi, 0.0)));
+                    }
+                }
+                stuck
+            };
+            assert_eq!(stuck(true), 0, "mesh {k}, {place:?}");
+            assert!(stuck(false) > 100, "mesh {k}: the facets hide nothing without the fix, {place:?}");
+        }
+    }
+}
+
+/// In uniform light a convex body shows its albedo, whoever looks for the light: L = ρ Le.
+#[test]
+fn furnace() {
+    let seen = |data: &MeshData, from: DVec3| {
+        let mut world = World::builder(probe(from * 3.0, from * 0.5));
+        let material = world.material(Material::diffuse(gray(ALBEDO)));
+        world.shape(TriangleMesh { smooth_shadows: true, ..TriangleMesh::new(data.clone()) }, Transform::IDENTITY, material, None);
+        world.light(Light::Environment(Environment { radiance: gray(1.0) }));
+        world
+    };
+    let law = |(data, from): (MeshData, DVec3)| {
+        Law::new(format!("{from}"), seen(&data, from), ALBEDO, Depth::exactly(4)).resolution(1e-3, 2e-3).by_chance(2e-3)
+    };
+    let from = DVec3::new(0.5, 0.6, 0.7).normalize();
+    confirm([(octahedron(), from), (ball(icosphere(0)), DVec3::new(0.1, 0.2, 1.0).normalize())].map(law).into(), Effort::Quick);
+}
+
+/// A ball of light near a facet shines upon the smooth surface, whoever looks for it: L = ρ Le (r/d)²,
+/// d from where the surface is, h = (1 − |p|²)/(p·ng) above p.
+#[test]
+fn light_nearby() {
+    let (corners, normals) = ([Vec3::X, Vec3::Y, Vec3::Z], vec![Vec3::X, Vec3::Y, Vec3::Z]);
+    let data = MeshData { positions: corners.into(), normals, triangles: vec![[0, 1, 2]], ..MeshData::default() };
+    let up = DVec3::ONE.normalize();
+    let (p, across) = (DVec3::splat(1.0 / 3.0), DVec3::new(1.0, -1.0, 0.0));
+    let h = (1.0 - p.length_squared()) / p.dot(up);
+    let (radius, height) = (0.5, 3.0);
+    let mut world = World::builder(probe(p + across + up * 0.5, p));
+    let material = world.material(Material::diffuse(gray(ALBEDO)));
+    world.shape(TriangleMesh { smooth_shadows: true, ..TriangleMesh::new(data) }, Transform::IDENTITY, material, None);
+    let dark = world.material(black());
+    world.shape(Sphere { radius }, at(p + up * height), dark, glow(1.0));
+    let radiance = ALBEDO * (radius / (height - h)).powi(2);
+    // By chance: 7 % of the directions.
+    confirm(vec![Law::new("near", world, radiance, Depth::exactly(1)).by_chance(1e-2)], Effort::Quick);
+}
+
+/// A closed body whose normals lean by up to 60° from those of its facets, at random.
+fn crooked() -> MeshData {
+    let mut random = Random::new(11);
+    let data = ball(icosphere(1));
+    let lean = |n: &Vec3| (n.as_dvec3() + random.direction() * 0.8).normalize().as_vec3();
+    MeshData { normals: data.normals.iter().map(lean).collect(), ..data }
+}
+
+/// No light leaves a closed body, and none enters: however its normals lie, exactly 0.
+#[test]
+fn nothing_leaks() {
+    let bodies = [octahedron(), ball(icosphere(0)), ball(icosphere(2)), crooked()];
+    for (k, data) in bodies.iter().enumerate() {
+        for (lamp, eye) in [(DVec3::ZERO, DVec3::new(1.0, 1.5, 3.0)), (DVec3::new(1.0, 1.5, 3.0), DVec3::ZERO)] {
+            let mut world = World::builder(wide(eye, DVec3::new(0.1, -0.2, 0.3)));
+            let white = world.material(Material::diffuse(gray(0.9)));
+            world.shape(TriangleMesh { smooth_shadows: true, ..TriangleMesh::new(data.clone()) }, Transform::IDENTITY, white, None);
+            let dark = world.material(black());
+            world.shape(Sphere { radius: 0.1 }, at(lamp + DVec3::X * 0.2), dark, two_sided(1.0));
+            world.light(Light::Point(Point { position: lamp, intensity: gray(1.0) }));
+            let scene = Arc::new(world.build().expect("a body and a lamp"));
+            for entry in ALL {
+                let Some(integrator) = integrator(entry, Depth::exactly(8)) else { continue };
+                let image = picture(scene.clone(), &*integrator, FilmSpec::new(48, 48), SamplerSpec { spp: 64, ..SamplerSpec::default() });
+                let color = image.channels.iter().filter(|c| ["R", "G", "B"].contains(&c.name.as_str()));
+                let values: Vec<f32> = color.flat_map(|c| c.values.clone()).collect();
+                assert_eq!(values, vec![0.0; 3 * 48 * 48], "body {k} by {}, the lamp at {lamp}", entry.name);
+            }
+        }
+    }
+}
+
+/// Lit from above, seen from below: exactly 0 wherever the smooth ball has turned away, Lambert's law before that.
+#[test]
+fn the_far_side_stays_dark() {
+    for data in [octahedron(), ball(icosphere(0)), ball(icosphere(2))] {
+        let scene = matte(&data, true);
+        let mut random = Random::new(3);
+        let mut dark = 0;
+        for _ in 0..20_000 {
+            let from = DVec3::new(random.range(-1.0, 1.0), -4.0, random.range(-1.0, 1.0));
+            let ray = Ray::new(from.as_vec3(), (random.in_cube() * 0.5 - from).normalize().as_vec3());
+            // At its outline a coarse ball is seen edge-on, from below by the one normal and from above by the other.
+            let Some((radiance, ns)) = lit(&scene, &ray, DVec3::Y).filter(|(_, ns)| ns.dot(ray.direction.as_dvec3()) < 0.0) else {
+                continue;
+            };
+            let expected = ALBEDO * FRAC_1_PI * ns.y;
+            if expected <= 0.0 {
+                dark += 1;
+                assert_eq!(radiance, 0.0, "at {ns}");
+            } else if expected > 1e-5 {
+                assert!((radiance - expected).abs() < 1e-6, "{radiance} at {ns}, not {expected}");
+            }
+        }
+        assert!(dark > 10_000, "{dark}");
+    }
+}
+
+/// What leaves inwards, and what comes from within, is the same to the bit; refraction through and through.
+#[test]
+fn refraction_stays() {
+    for data in convex() {
+        let [plain, smooth] =
+            [false, true].map(|smooth| alone(&data, smooth, Transform::IDENTITY, Material::glass(1.5)).build().expect("a body of glass"));
+        let mut random = Random::new(8);
+        let (mut interfaces, mut changed) = (0, 0);
+        for _ in 0..5_000 {
+            let from = random.direction() * 4.0;
+            let mut ray = Ray::new(from.as_vec3(), (random.in_cube() - from).normalize().as_vec3());
+            for _ in 0..8 {
+                let (Some(hit), wo) = (plain.intersect(&ray), -ray.direction) else { break };
+                let [a, b] = [&plain, &smooth].map(|world| world.surface(&ray, &hit));
+                let wi = random.direction().as_vec3();
+                let from_above = a.point.ng.dot(wo) > 0.0 && a.point.ns.dot(wo) > 0.0;
+                if from_above && (a.point.ng.dot(wi) > 0.0 || a.point.ns.dot(wi) > 0.0) {
+                    changed += u32::from(a.spawn(wi, 0.0) != b.spawn(wi, 0.0));
+                } else {
+                    assert_eq!(a.spawn(wi, 0.0), b.spawn(wi, 0.0));
+                }
+                if !from_above {
+                    assert_eq!(a.lit, b.lit);
+                }
+                // Refracted where it can be, else totally reflected, within.
+                let [a, b] = [a, b].map(|surface| {
+                    let lobes: Vec<_> = surface.delta_lobes(wo, TransportMode::Radiance).collect();
+                    let chosen = lobes.iter().find(|(_, s)| s.lobe == Lobe::Transmission).or(lobes.first().filter(|_| !from_above));
+                    chosen.map(|(wi, sample)| (surface.spawn(*wi, 0.0), sample.weight, sample.eta))
+                });
+                assert_eq!(a, b);
+                let Some((next, ..)) = a else { break };
+                ray = next;
+                interfaces += 1;
+            }
+        }
+        assert!(interfaces > 5_000 && changed > 1_000, "{interfaces}, {changed}");
+    }
+}
+
+/// A picture of the mesh in sunlight, sky and the light of a floor beside it, with every integrator.
+fn pictures(data: &MeshData, smooth_shadows: bool, place: Transform) -> Vec<Bits> {
+    let mut world = World::builder(wide(DVec3::new(0.5, 0.5, 2.0), DVec3::ZERO));
+    let white = world.material(Material::diffuse(gray(0.8)));
+    world.shape(TriangleMesh { smooth_shadows, ..TriangleMesh::new(data.clone()) }, place, white, None);
+    world.shape(Sphere { radius: 1.0 }, at(DVec3::new(1.5, -0.5, 0.5)), white, None);
+    world.light(Light::Directional(Directional { direction: Vec3::new(-0.6, -0.8, 0.0), irradiance: gray(3.0) }));
+    world.light(Light::Environment(Environment { radiance: gray(0.2) }));
+    let scene = Arc::new(world.build().expect("a scene"));
+    let taken = |entry| {
+        let integrator = integrator(entry, Depth::exactly(3))?;
+        Some(bits(&picture(scene.clone(), &*integrator, FilmSpec::new(32, 32), SamplerSpec { spp: 4, seed: 5, ..SamplerSpec::default() })))
+    };
+    ALL.iter().filter_map(taken).collect()
+}
+
+/// Normals that say nothing but what the facets say themselves, or none at all: the same picture, bit for bit.
+#[test]
+fn consistent_normals_change_no_bit() {
+    let (points, triangles) = icosphere(1);
+    let corners: Vec<Vec3> = triangles.as_flattened().iter().map(|&v| points[v as usize].as_vec3()).collect();
+    let own: Vec<Vec3> = corners.chunks(3).flat_map(|t| [triangle::normal([t[0], t[1], t[2]]).expect("an area"); 3]).collect();
+    let triangles = (0..corners.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let bare = MeshData { positions: corners, triangles, ..MeshData::default() };
+    let faceted = MeshData { normals: own, ..bare.clone() };
+    let far = Transform::rotate(DVec3::new(1.0, 2.0, 3.0), 40.0).expect("an axis").then(&at(DVec3::new(0.1, 0.2, 0.3)));
+    for place in [Transform::IDENTITY, far] {
+        for data in [&bare, &faceted] {
+            assert!(pictures(data, true, place) == pictures(data, false, place), "{place:?}");
+        }
+        let smooth = ball(icosphere(1));
+        assert!(pictures(&smooth, true, place) != pictures(&smooth, false, place), "the fix does nothing");
+    }
+}
+
+/// The key of the scene format, and its default.
+#[test]
+fn the_key_switches_it_on() {
+    let lifted = |key: &str| {
+        let text = format!(
+            r#"{{"pt": 1, "camera": {{}}, "shapes": [{{"type": "mesh", {key} "positions": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+                "normals": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "triangles": [[0, 1, 2]]}}]}}"#
+        );
+        let root = describe::root(text.as_bytes(), "s").expect("JSON");
+        let scene = describe::read(&root, "s").expect("a scene");
+        let built = describe::build(&scene, Source { root: &root, file: "s", folder: Path::new("") }).expect("a mesh");
+        built.world.shapes()[0].has_lift()
+    };
+    assert_eq!(["", r#""smooth_shadows": false,"#, r#""smooth_shadows": true,"#].map(lifted), [false, false, true]);
+}
+
+/// Twice the height of a sphere over its facet, none over a hollow one, and bounded where normals make no sense.
+#[test]
+fn lifts_have_bounds() {
+    let shape = |normals: [Vec3; 3]| {
+        let data = MeshData {
+            positions: vec![Vec3::X, Vec3::Y, Vec3::Z],
+            normals: normals.into(),
+            triangles: vec![[0, 1, 2]],
+            ..MeshData::default()
+        };
+        let mesh = TriangleMesh { smooth_shadows: true, ..TriangleMesh::new(data) };
+        mesh.bake(&Transform::IDENTITY).expect("an area")
+    };
+    let middle = |normals: [Vec3; 3]| {
+        let shape = shape(normals);
+        let ray = Ray::new(Vec3::ONE, -Vec3::ONE.normalize());
+        let hit = shape.intersect(0, &ray).expect("aimed at it");
+        shape.lift(0, hit.uv, &shape.point(0, &ray, &hit))
+    };
+    // (1 − 1/3)/(1/√3)
+    assert!((middle(Vec3::AXES) - 2.0 / 3f32.sqrt()).abs() < 1e-6);
+    let ng = Vec3::ONE.normalize();
+    let mirrored = Vec3::AXES.map(|n| 2.0 * ng.dot(n) * ng - n);
+    assert_eq!(middle(mirrored), 0.0);
+    let flat = |tilt: f32| Vec3::AXES.map(|n| ((n - ng * n.dot(ng)).normalize() + ng * tilt).normalize());
+    // Twice the distance to the corners, √(2/3).
+    assert!((middle(flat(1e-3)) - 2.0 * (2f32 / 3.0).sqrt()).abs() < 1e-3);
+    assert_eq!(middle(Vec3::AXES.map(|_| Vec3::ZERO)), 0.0);
+}
