@@ -36,6 +36,7 @@ mod scene_faults;
 mod scene_format;
 mod scenes;
 mod shapes;
+mod spherical;
 mod statistics;
 mod textures;
 mod transforms;

@@ -7,6 +7,8 @@ mod points;
 use std::path::Path;
 use std::process::ExitCode;
 
+use glam::Vec3;
+
 use super::{args, say};
 use crate::error::{Error, Result};
 use crate::output;
@@ -49,8 +51,14 @@ fn draw(name: &str, args: &args::Sample) -> Result<()> {
         }
         (None, own) => own.unwrap_or_default(),
     };
-    let parameters = Parameters { exponent: args.exponent, one_minus_cos: one_minus_cos(args.angle) };
-    let drawn = points::draw(warp, parameters, sampler, args.seed, args.count);
+    let parameters = Parameters {
+        exponent: args.exponent,
+        one_minus_cos: one_minus_cos(args.angle),
+        corners: args.corners.map(Vec3::from),
+        alpha: args.alpha.into(),
+        wo: args.wo,
+    };
+    let drawn = points::draw(warp, &parameters, sampler, args.seed, args.count)?;
     let Some(path) = &args.output else { return say(&points::csv(&drawn, warp)) };
     let bytes = match extension(path) {
         Some("csv") => points::csv(&drawn, warp).into_bytes(),
