@@ -74,6 +74,9 @@ pub struct Sample {
     /// degrees.
     #[arg(long, value_name = "THETA,PHI", default_value = "30,0", value_parser = angles, allow_hyphen_values = true)]
     pub wo: [f64; 2],
+    /// With `material`: let the scene name meshes and pictures that lie outside of its own folder.
+    #[arg(long)]
+    pub allow_outside: bool,
     /// With `material`: how many directions are drawn.
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(2..=1_000_000_000))]
     pub samples: u64,
@@ -116,6 +119,9 @@ pub struct Scene {
     /// Override what the scene file says: a JSON pointer and a JSON value. May be repeated.
     #[arg(short = 'D', value_name = "/POINTER=VALUE")]
     pub overrides: Vec<String>,
+    /// Let the scene name meshes and pictures that lie outside of its own folder.
+    #[arg(long)]
+    pub allow_outside: bool,
 }
 
 /// Render SCENE.

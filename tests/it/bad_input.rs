@@ -6,6 +6,7 @@
 
 mod bench;
 mod disk;
+mod outside;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -18,7 +19,7 @@ use bench::{Bench, RIGHT, SQUARE, long_name};
 type Row = (&'static str, &'static str, i32, &'static str);
 
 /// Rows of the table that concern what pt can do so far.
-const ROWS: &str = "B1 B2 B3 B4 B5 B6 B7 B8 B9 B10 B11 B12 B13 B14 B15 B17 B18 B19 B20 B21 B24 B25 B26 B27 B28 B29 B37 \
+const ROWS: &str = "B1 B2 B3 B4 B5 B6 B7 B8 B9 B10 B11 B12 B13 B14 B15 B17 B18 B19 B20 B21 B24 B25 B26 B27 B28 B29 B35 B37 \
                     B39 B40 B41 B42 B43 B44 B52 B53 B54 B16";
 
 /// Whole scene files.
@@ -242,6 +243,22 @@ const SCENES: &[Row] = &[
     ("B44", r#""shapes": [{"type": "disk", "emission": ^Infinity}]"#, 3, "expected a value, found the word Infinity"),
 ];
 
+/// What a mesh and a picture are called, as JSON; where the name leads. Nothing of it need exist: where something does, nothing
+/// is said about it.
+const PATHS: &[(&str, &str)] = &[
+    ("\"../mesh.obj\"", "../mesh.obj: leads out of the scene file's folder; if it may, say --allow-outside\n"),
+    ("\"folder/../../mesh.obj\"", "folder/../../mesh.obj: leads out of the scene file's folder"),
+    ("\"../../../../../../../../etc/passwd\"", "../../../../../../../../etc/passwd: leads out of the scene file's folder"),
+    ("\"..\\\\mesh.obj\"", "..\\mesh.obj: leads out of the scene file's folder"),
+    ("\"/etc/passwd\"", "/etc/passwd: is no path from the scene file's folder; if it may, say --allow-outside\n"),
+    ("\"~/mesh.obj\"", "~/mesh.obj: is no path from the scene file's folder"),
+    ("\"\\\\\\\\server\\\\share\\\\mesh.obj\"", "\\\\server\\share\\mesh.obj: is no path from the scene file's folder"),
+    ("\"C:\\\\mesh.obj\"", "C:\\mesh.obj: is no path from the scene file's folder"),
+    ("\"mesh\\u0000.obj\"", "a file name with control characters\n"),
+    ("\"folder/../none.obj\"", "folder/../none.obj: no such file\n"),
+    ("\"folder\"", "folder: not a regular file\n"),
+];
+
 /// A sphere's radius in place of `NUMBER`.
 const NUMBERS: &[(&str, &str)] = &[
     ("1e39", "/shapes/0/radius: the number 1e39 is too large for a 32-bit float"),
@@ -393,11 +410,34 @@ fn every_row_of_the_table_is_refused_or_warned_of_as_it_says() {
     for (number, phrase) in NUMBERS {
         bench.scene("B9", &format!("{RIGHT}, \"shapes\": [{{\"type\": \"sphere\", \"radius\": ^{number}}}]}}"), 3, phrase);
     }
+    for (name, phrase) in PATHS {
+        named(&mut bench, name, phrase);
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("/etc/passwd", bench.folder.path().join("link.obj")).expect("a link");
+        named(&mut bench, "\"link.obj\"", "link.obj: is a link out of the scene file's folder; if it may, say --allow-outside\n");
+    }
+    named(&mut bench, &format!("\"{}\"", "x".repeat(5000)), "a file name of 5000 bytes, expected at most 4096\n");
     generated(&mut bench);
 
     let wanted: BTreeSet<&str> = ROWS.split_whitespace().collect();
     assert_eq!(bench.met, wanted, "the rows of the table");
     assert!(bench.wrong.is_empty(), "{}", bench.wrong.join("\n"));
+}
+
+/// A file by this name, as JSON: of a mesh, and of a picture under a name and within a material.
+fn named(bench: &mut Bench, name: &str, phrase: &str) {
+    let mesh = format!(r#""shapes": [{{"type": "mesh", "file": ^{name}}}]"#);
+    let picture = format!(r#"{{"type": "image", "file": ^{name}}}"#);
+    let texture =
+        format!(r#""textures": {{"t": {picture}}}, "shapes": [{{"type": "disk", "material": {{"type": "diffuse", "albedo": "t"}}}}]"#);
+    let inline = format!(
+        r#""shapes": [{{"type": "disk", "material": {{"type": "diffuse", "albedo": {{"type": "mix", "a": {picture}, "b": 0, "share": 0}}}}}}]"#
+    );
+    for (keys, pointer) in [(mesh, "/shapes/0"), (texture, "/textures/t"), (inline, "/shapes/0/material/albedo/a")] {
+        bench.scene("B35", &format!("{RIGHT},\n{keys}}}"), 3, &format!("{pointer}/file: {phrase}"));
+    }
 }
 
 /// Inputs too long, or too little like text, for a line of the table.

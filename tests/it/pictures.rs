@@ -182,7 +182,8 @@ fn missing_pictures_are_located() {
         { "type": "sphere", "material": { "type": "mirror", "color": "t" } } ] }"#;
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").expect("a scene");
-    let Err(Error::Invalid(faults)) = describe::build(&described, Source { root: &root, file: "s.json", folder: Path::new("nowhere") })
+    let Err(Error::Invalid(faults)) =
+        describe::build(&described, Source { root: &root, file: "s.json", folder: Path::new("nowhere"), allow_outside: false })
     else {
         panic!("it is built without its pictures")
     };

@@ -19,7 +19,7 @@ use crate::scene::Scene;
 pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
     let usage = || Error::Usage(format!("{scene}: expected a scene and a material of it, such as scene.json#glass"));
     let (path, name) = scene.rsplit_once('#').ok_or_else(usage)?;
-    let bsdf = find(Path::new(path), name)?;
+    let bsdf = find(Path::new(path), name, args.allow_outside)?;
     let [theta, phi] = args.wo.map(f64::to_radians);
     let options = Options { samples: args.samples, seed: args.seed, incidences: vec![at(theta.cos(), phi)], ..Options::default() };
     let case = Case::new(&bsdf, &options);
@@ -30,7 +30,7 @@ pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
 }
 
 /// The material of that name, at one point of a sphere if it has textures.
-fn find(path: &Path, name: &str) -> Result<Bsdf> {
+fn find(path: &Path, name: &str, allow_outside: bool) -> Result<Bsdf> {
     let (mut root, file) = (describe::load(path)?, describe::name(path));
     let described = describe::read(&root, &file)?;
     if !described.materials.contains_key(name) {
@@ -43,7 +43,8 @@ fn find(path: &Path, name: &str) -> Result<Bsdf> {
         root.set(pointer, &value)?;
     }
     let folder = path.parent().unwrap_or(Path::new(""));
-    let world = describe::build(&describe::read(&root, &file)?, Source { root: &root, file: &file, folder })?.world;
+    let source = Source { root: &root, file: &file, folder, allow_outside };
+    let world = describe::build(&describe::read(&root, &file)?, source)?.world;
     let ray = Ray::new(Vec3::new(0.3, 0.2, 3.0) - world.origin().as_vec3(), Vec3::NEG_Z);
     let hit = world.intersect(&ray).ok_or_else(|| Error::Internal("a ray missed the unit sphere".into()))?;
     Ok(world.surface(&ray, &hit).bsdf)
