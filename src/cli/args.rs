@@ -74,10 +74,13 @@ pub struct Sample {
     /// degrees.
     #[arg(long, value_name = "THETA,PHI", default_value = "30,0", value_parser = angles, allow_hyphen_values = true)]
     pub wo: [f64; 2],
+    /// Instead of points: whether the directions of a warp follow the density that they should have. Exit code 1 if they do not.
+    #[arg(long, conflicts_with = "output")]
+    pub chi2: bool,
     /// With `material`: let the scene name meshes and pictures that lie outside of its own folder.
     #[arg(long)]
     pub allow_outside: bool,
-    /// With `material`: how many directions are drawn.
+    /// With `material` or --chi2: how many directions are drawn.
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(2..=1_000_000_000))]
     pub samples: u64,
 }

@@ -2,7 +2,7 @@
 //!
 //! In coordinates along its edges, at the height d above its plane: the part of the rectangle below a given x covers
 //!
-//! Ω(x) = G(x) − G(x₀),    G(x) = A(x, y₁) − A(x, y₀),    sin A(x, y) = sin ψ sin β,    tan ψ = x/d,  tan β = y/d          [sr]
+//! Ω(x) = G(x) − G(x₀),    G(x) = A(x, y₁) − A(x, y₀),    sin A(x, y) = sin ψ sin β,    tan ψ = x/d,  tan β = y/d          (sr)
 //!
 //! which is a law of cosines, sin² G = sin² ψ (a² + b² − 2 a b cos G) for a = sin β₁, b = sin β₀, and so can be solved for x:
 //!
@@ -53,7 +53,7 @@ impl SphericalRectangle {
         is_seen.then_some(SphericalRectangle { axes: [x, y, z], low, high, height, solid_angle })
     }
 
-    /// Ω, up to 2π                                                                          [sr]
+    /// Ω, up to 2π                                                                          (sr)
     pub fn solid_angle(&self) -> f32 {
         self.solid_angle as f32
     }
@@ -61,6 +61,13 @@ impl SphericalRectangle {
     /// 1/Ω inside the rectangle                                                            [sr⁻¹]
     pub fn pdf(&self) -> f32 {
         self.solid_angle.recip() as f32
+    }
+
+    /// Whether a ray from the origin meets the rectangle; on an edge either way.
+    pub fn contains(&self, w: Vec3) -> bool {
+        let [x, y, z] = self.axes.map(|axis| axis.dot(w.as_dvec3()));
+        let at = DVec2::new(x, y) * self.height;
+        z > 0.0 && at.cmpge(self.low * z).all() && at.cmple(self.high * z).all()
     }
 
     /// A direction, uniform in the solid angle of the rectangle.

@@ -1,6 +1,6 @@
 //! A triangle as it is seen from a point, and directions that are uniform in what it covers.
 //!
-//! tan(Ω/2) = |det(a, b, c)| / (|a||b||c| + (a·b)|c| + (b·c)|a| + (c·a)|b|)                [sr]
+//! tan(Ω/2) = |det(a, b, c)| / (|a||b||c| + (a·b)|c| + (b·c)|a| + (c·a)|b|)                (sr)
 //!
 //! A share u of Ω is cut off by the arc from b to c′, a point of the arc from a to c. With c′ = cos t a + sin t e, where e is the
 //! direction at a towards c, that formula can be solved for t:
@@ -40,7 +40,7 @@ impl SphericalTriangle {
         is_seen.then(|| SphericalTriangle { a, b, c, e: e.normalize(), solid_angle })
     }
 
-    /// Ω, up to 2π                                                                          [sr]
+    /// Ω, up to 2π                                                                          (sr)
     pub fn solid_angle(&self) -> f32 {
         self.solid_angle as f32
     }
@@ -48,6 +48,14 @@ impl SphericalTriangle {
     /// 1/Ω inside the triangle                                                             [sr⁻¹]
     pub fn pdf(&self) -> f32 {
         self.solid_angle.recip() as f32
+    }
+
+    /// Whether a ray from the origin meets the triangle; on an edge either way.
+    pub fn contains(&self, w: Vec3) -> bool {
+        let w = w.as_dvec3();
+        let [a, b, c] = [(self.b, self.c), (self.c, self.a), (self.a, self.b)].map(|(p, q)| p.cross(q - p).dot(w));
+        let orientation = self.a.cross(self.b - self.a).dot(self.c);
+        [a, b, c].iter().all(|side| side * orientation >= 0.0)
     }
 
     /// A direction, uniform in the solid angle of the triangle.

@@ -91,6 +91,29 @@ fn points_have_the_mean_of_their_density() {
     }
 }
 
+/// Every map to the sphere has the density that it should have, but for the usual mistake.
+#[test]
+fn directions_are_put_to_the_chi2_test() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for args in [
+        &["sphere"][..],
+        &["hemisphere"],
+        &["cosine"],
+        &["cosine-power", "--exponent", "8"],
+        &["cone", "--angle", "50"],
+        &["spherical-triangle"],
+        &["spherical-rectangle"],
+        &["visible-ggx", "--alpha", "0.2,0.7", "--wo", "75,20"],
+        &["visible-beckmann", "--alpha", "0.4", "--wo", "60,-100"],
+    ] {
+        let text = stdout(folder.path(), &[args, &["--chi2", "--samples", "100000"]].concat());
+        assert!(text.contains("∫ pdf          1.000") || text.contains("∫ pdf          0.9999"), "{args:?}: {text}");
+    }
+    let refused = pt(folder.path(), &["hemisphere-angles", "--chi2", "--samples", "100000"]).code(1);
+    let text = String::from_utf8_lossy(&refused.get_output().stdout).into_owned();
+    assert!(text.contains("chi² p         0.000 (80×160"), "{text}");
+}
+
 #[test]
 fn pictures_and_tables_by_extension() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -118,6 +141,8 @@ fn what_cannot_be_drawn_is_refused_in_one_line() {
         (&["visible-ggx", "--alpha", "-1"], 2, "expected one or two numbers from 0 to 100"),
         (&["visible-ggx", "--alpha", "0"], 2, "smoother than which is a mirror"),
         (&["visible-beckmann", "--wo", "91,0"], 2, "expected at most 90 degrees from the normal"),
+        (&["disk", "--chi2"], 2, "--chi2: the points of disk are no directions"),
+        (&["sobol", "--chi2"], 2, "--chi2: the points of square are no directions"),
         (&["material"], 2, "scene.json#glass"),
         (&["material", "scene.json"], 2, "scene.json#glass"),
         (&["material", "scene.json#glas"], 2, "unknown material \"glas\", did you mean \"glass\"?"),

@@ -25,6 +25,7 @@ struct Region {
     pdf: f32,
     sample: Box<dyn Fn(Vec2) -> Vec3>,
     inverse: Box<dyn Fn(Vec3) -> Vec2>,
+    contains: Box<dyn Fn(Vec3) -> bool>,
 }
 
 fn triangle(a: Vec3, b: Vec3, c: Vec3) -> Option<Region> {
@@ -36,6 +37,7 @@ fn triangle(a: Vec3, b: Vec3, c: Vec3) -> Option<Region> {
         pdf: seen.pdf(),
         sample: Box::new(move |u| seen.sample(u)),
         inverse: Box::new(move |w| seen.sample_inverse(w)),
+        contains: Box::new(move |w| seen.contains(w)),
     })
 }
 
@@ -47,6 +49,7 @@ fn rectangle(corner: Vec3, x: Vec3, y: Vec3) -> Option<Region> {
         pdf: seen.pdf(),
         sample: Box::new(move |u| seen.sample(u)),
         inverse: Box::new(move |w| seen.sample_inverse(w)),
+        contains: Box::new(move |w| seen.contains(w)),
     })
 }
 
@@ -229,6 +232,28 @@ fn directions_lie_inside() {
             let normal = flat.edges[0].cross(flat.edges[1]).normalize();
             assert!(w.as_dvec3().dot(normal) * flat.corner.dot(normal).signum() > -6e-8, "{flat:?} at {u}: {w} leads away");
         }
+    }
+}
+
+/// Directions inside by more than their rounding are contained, those outside by more are not.
+#[test]
+fn regions_contain_what_is_inside() {
+    let mut random = Random::new(77);
+    for Region { flat, contains, sample, .. } in regions() {
+        let (mut inside, mut not) = (0, 0);
+        for _ in 0..2000 {
+            let near = sample(random.uniform_square()).as_dvec3();
+            let w = (near + random.direction() * random.magnitude(1e-7, 1.0)).normalize().as_vec3();
+            let far = outside(&flat, w);
+            let normal = flat.edges[0].cross(flat.edges[1]).normalize();
+            let rises = w.as_dvec3().dot(normal) * flat.corner.dot(normal).signum();
+            if far.abs() > 1e-7 && rises.abs() > 1e-7 {
+                let is_inside = far < 0.0 && rises > 0.0;
+                assert_eq!(contains(w), is_inside, "{flat:?}: {w} is {far} outside");
+                *(if is_inside { &mut inside } else { &mut not }) += 1;
+            }
+        }
+        assert!(not > 20 && (inside > 100 || flat.edges[0].length() < 1e-3), "{flat:?}: {inside} inside, {not} not");
     }
 }
 

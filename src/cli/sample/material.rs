@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use glam::{UVec2, Vec3};
 
+use super::directions::{figures, tests};
 use crate::bsdf::Bsdf;
 use crate::cli::{args, say};
 use crate::describe::{self, Source};
@@ -12,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
 use crate::math::Ray;
 use crate::output::{self, Tonemap, png};
-use crate::proof::{Case, Division, FINE, Options, at, chi2};
+use crate::proof::{Case, Division, FINE, Options, at};
 use crate::reader::unknown;
 use crate::scene::Scene;
 
@@ -55,8 +56,6 @@ fn summary(case: &Case, args: &args::Sample) -> String {
     let drawn = &case.drawn[0];
     let [theta, phi] = args.wo;
     let share = |count: u64| 100.0 * count as f64 / drawn.samples as f64;
-    let tests = drawn.divisions.iter().map(|division| (division.name, chi2(&division.shares, &division.counts)));
-    let tests: Vec<String> = tests.map(|(name, test)| format!("{:.3} ({name}, {} degrees of freedom)", test.p, test.freedom)).collect();
     let [r, g, b] = drawn.albedo.map(|mean| format!("{:.5} ± {:.5}", mean.value, mean.standard_error()));
     format!(
         "wo             θ = {theta}°, φ = {phi}°\n\
@@ -70,7 +69,7 @@ fn summary(case: &Case, args: &args::Sample) -> String {
         share(drawn.samples - drawn.failed),
         share(drawn.smooth),
         share(drawn.samples - drawn.failed - drawn.smooth),
-        tests.join(", ")
+        figures(&tests(drawn))
     )
 }
 

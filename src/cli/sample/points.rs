@@ -35,14 +35,27 @@ pub struct Parameters {
 }
 
 /// From random numbers to a point.
-type Map = Box<dyn Fn(&mut dyn Sampler) -> Vec3>;
+pub enum Map {
+    Square(OfSquare<Vec3>),
+    Sphere(Directions),
+    /// As many numbers as it takes.
+    Free(fn(&mut dyn Sampler) -> Vec3),
+}
+
+type OfSquare<T> = Box<dyn Fn(Vec2) -> T + Send + Sync>;
+
+/// A map to the sphere, and the density that its directions should have [sr⁻¹].
+pub struct Directions {
+    pub map: OfSquare<Vec3>,
+    pub pdf: Box<dyn Fn(Vec3) -> f32 + Send + Sync>,
+}
 
 pub struct Warp {
     pub name: &'static str,
     pub about: &'static str,
     pub kin: Kindred,
     /// Fails where the parameters leave nothing to draw.
-    map: fn(&Parameters) -> Result<Map>,
+    pub map: fn(&Parameters) -> Result<Map>,
 }
 
 /// To add a warp to the list: a row here.
@@ -63,44 +76,54 @@ pub const WARPS: &[Warp] = &[
         name: "ball-rejection",
         about: "Uniform in the unit ball: points of the cube, until one lies inside.",
         kin: Kindred::Space,
-        map: |_| Ok(Box::new(rejected)),
+        map: |_| Ok(Map::Free(rejected)),
     },
     Warp {
         name: "ball",
         about: "Uniform in the unit ball, directly: a direction, and the cube root of u for a radius.",
         kin: Kindred::Space,
-        map: |_| Ok(Box::new(ball)),
+        map: |_| Ok(Map::Free(ball)),
     },
-    Warp { name: "sphere", about: "Uniform on the unit sphere.", kin: Kindred::Space, map: |_| of_square(warp::uniform_sphere) },
+    Warp {
+        name: "sphere",
+        about: "Uniform on the unit sphere.",
+        kin: Kindred::Space,
+        map: |_| of_sphere(warp::uniform_sphere, |_| warp::uniform_sphere_pdf()),
+    },
     Warp {
         name: "hemisphere",
         about: "Uniform on the hemisphere z > 0.",
         kin: Kindred::Space,
-        map: |_| of_square(warp::uniform_hemisphere),
+        map: |_| of_sphere(warp::uniform_hemisphere, warp::uniform_hemisphere_pdf),
     },
     Warp {
         name: "hemisphere-angles",
         about: "The usual mistake: uniform in the angle, so that points crowd at the pole. Compare `hemisphere` and `cosine`.",
         kin: Kindred::Space,
-        map: |_| of_square(angles),
+        map: |_| of_sphere(angles, warp::uniform_hemisphere_pdf),
     },
     Warp {
         name: "cosine",
         about: "On the hemisphere, with density proportional to the cosine.",
         kin: Kindred::Space,
-        map: |_| of_square(warp::cosine_hemisphere),
+        map: |_| of_sphere(warp::cosine_hemisphere, warp::cosine_hemisphere_pdf),
     },
     Warp {
         name: "cosine-power",
         about: "On the hemisphere, with density proportional to cosⁿ: --exponent n.",
         kin: Kindred::Space,
-        map: |&Parameters { exponent, .. }| of_square(move |u| warp::cos_power_hemisphere(u, exponent)),
+        map: |&Parameters { exponent: n, .. }| {
+            of_sphere(move |u| warp::cos_power_hemisphere(u, n), move |w| warp::cos_power_hemisphere_pdf(w, n))
+        },
     },
     Warp {
         name: "cone",
         about: "Uniform on a cone of directions: --angle degrees, its half angle.",
         kin: Kindred::Space,
-        map: |&Parameters { one_minus_cos, .. }| of_square(move |u| warp::uniform_cone(u, one_minus_cos)),
+        map: |&Parameters { one_minus_cos: h, .. }| {
+            let inside = move |w: Vec3| if 1.0 - w.z <= h { warp::uniform_cone_pdf(h) } else { 0.0 };
+            of_sphere(move |u| warp::uniform_cone(u, h), inside)
+        },
     },
     Warp {
         name: "spherical-triangle",
@@ -134,6 +157,10 @@ pub const SQUARE: Warp = Warp { name: "square", about: "", kin: Kindred::Square,
 /// The first `count` points.
 pub fn draw(warp: &Warp, parameters: &Parameters, sampler: Kind, seed: u64, count: u32) -> Result<Vec<Vec3>> {
     let map = (warp.map)(parameters)?;
+    let map = |sampler: &mut dyn Sampler| match &map {
+        Map::Square(map) | Map::Sphere(Directions { map, .. }) => map(sampler.next_2d()),
+        Map::Free(map) => map(sampler),
+    };
     let mut sampler = SamplerSpec { kind: sampler, seed, spp: count.into() }.build();
     let point = |i: u32| {
         sampler.start(UVec2::ZERO, i.into());
@@ -154,13 +181,17 @@ pub fn csv(points: &[Vec3], warp: &Warp) -> String {
     text
 }
 
-fn of_square(map: impl Fn(Vec2) -> Vec3 + 'static) -> Result<Map> {
-    Ok(Box::new(move |sampler| map(sampler.next_2d())))
+fn of_square(map: fn(Vec2) -> Vec3) -> Result<Map> {
+    Ok(Map::Square(Box::new(map)))
+}
+
+fn of_sphere(map: impl Fn(Vec2) -> Vec3 + Send + Sync + 'static, pdf: impl Fn(Vec3) -> f32 + Send + Sync + 'static) -> Result<Map> {
+    Ok(Map::Sphere(Directions { map: Box::new(map), pdf: Box::new(pdf) }))
 }
 
 fn spherical_triangle(parameters: &Parameters) -> Result<Map> {
     let seen = SphericalTriangle::new(parameters.corners).ok_or_else(unseen)?;
-    of_square(move |u| seen.sample(u))
+    of_sphere(move |u| seen.sample(u), move |w| if seen.contains(w) { seen.pdf() } else { 0.0 })
 }
 
 fn spherical_rectangle(parameters: &Parameters) -> Result<Map> {
@@ -172,7 +203,7 @@ fn spherical_rectangle(parameters: &Parameters) -> Result<Map> {
         return Err(Error::Usage("--corners: expected a right angle at the first corner of a spherical-rectangle".into()));
     }
     let seen = SphericalRectangle::new(corner, edges).ok_or_else(unseen)?;
-    of_square(move |u| seen.sample(u))
+    of_sphere(move |u| seen.sample(u), move |w| if seen.contains(w) { seen.pdf() } else { 0.0 })
 }
 
 fn unseen() -> Error {
@@ -188,7 +219,12 @@ fn visible_normals(parameters: &Parameters, distribution: Distribution) -> Resul
     let facets = Microfacets::new(parameters.alpha, distribution).ok_or_else(smooth)?;
     let ((sin, cos), (y, x)) = (float::sin_cos_degrees(theta), float::sin_cos_degrees(phi));
     let wo = Local(DVec3::new(sin * x, sin * y, cos).as_vec3());
-    of_square(move |u| facets.sample_visible(wo, u).0)
+    // G₁(wo) (wo·h) D(h) / cos θo, see `Microfacets::across`.
+    let pdf = move |h: Vec3| {
+        let in_sight = if h.z > 0.0 { wo.0.dot(h).max(0.0) } else { 0.0 };
+        2.0 * in_sight * facets.density(Local(h)) / (wo.cos() + facets.across(wo))
+    };
+    of_sphere(move |u| facets.sample_visible(wo, u).0, pdf)
 }
 
 fn rejected(sampler: &mut dyn Sampler) -> Vec3 {
