@@ -11,6 +11,7 @@ mod outside;
 use std::collections::BTreeSet;
 use std::fs;
 
+use crate::pictures::bomb;
 use bench::{Bench, RIGHT, SQUARE, UNLIT, long_name};
 
 /// The row's name, what is given, the exit code, what is said.
@@ -19,7 +20,7 @@ use bench::{Bench, RIGHT, SQUARE, UNLIT, long_name};
 type Row = (&'static str, &'static str, i32, &'static str);
 
 /// Rows of the table that concern what pt can do so far.
-const ROWS: &str = "B1 B2 B3 B4 B5 B6 B7 B8 B9 B10 B11 B12 B13 B14 B15 B17 B18 B19 B20 B21 B24 B25 B26 B27 B28 B29 B35 B37 \
+const ROWS: &str = "B1 B2 B3 B4 B5 B6 B7 B8 B9 B10 B11 B12 B13 B14 B15 B17 B18 B19 B20 B21 B24 B25 B26 B27 B28 B29 B33 B34 B35 B37 \
                     B39 B40 B41 B42 B43 B44 B52 B53 B54 B16";
 
 /// Whole scene files.
@@ -425,6 +426,18 @@ fn every_row_of_the_table_is_refused_or_warned_of_as_it_says() {
 /// Inputs too long, or too little like text, for a line of the table.
 fn generated(bench: &mut Bench) {
     bench.file("B35", &format!("\"{}\"", "x".repeat(5000)), 3, "a file name of 5000 bytes, expected at most 4096\n");
+    let mut png = std::io::Cursor::new(vec![]);
+    image::RgbImage::new(8, 8).write_to(&mut png, image::ImageFormat::Png).expect("encoded");
+    let png = png.into_inner();
+    for (row, bytes, code, phrase) in [
+        ("B33", &png[..png.len() / 2], 3, "/shapes/0/material/albedo/file: p.jpg: not a usable PNG picture"),
+        ("B33", &bomb(png.clone()), 4, "p.jpg: the picture would take more than 4 GiB"),
+        ("B34", &png, 0, "warning: p.jpg: read as PNG, which its first bytes say it is\n"),
+    ] {
+        fs::write(bench.folder.path().join("p.jpg"), bytes).expect("write");
+        let matte = r#""shapes": [{"type": "disk", "material": {"type": "diffuse", "albedo": {"type": "image", "file": "p.jpg"}}}]"#;
+        bench.scene(row, &format!("{RIGHT},\n{matte}}}"), code, phrase);
+    }
     bench.bytes("B5", b"{\n \"\xFF\": 1}", 3, "scene.json:2:3: byte 4: not UTF-8");
     let utf16: Vec<u8> = "{\"pt\": 1}".encode_utf16().flat_map(u16::to_le_bytes).collect();
     bench.bytes("B5", &utf16, 3, "scene.json:1:1: byte 0: this is UTF-16 or UTF-32, expected UTF-8");
