@@ -53,7 +53,7 @@ fn make(name: &str, maker: &str, judged: &str, spp: u32) -> pt::Result<()> {
     }
     let scene = describe::read(&root, &file)?;
     let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some(maker), &file)?;
-    let built = describe::build(&scene, Source { root: &root, file: &file, folder: Path::new("scenes") })?;
+    let built = describe::build(&scene, Source { root: &root, file: &file, folder: Path::new("scenes"), allow_outside: false })?;
     let mut film = MomentFilm::new(built.film);
     let report = render(Arc::new(built.world), &*integrator, &mut film, &Settings::new(built.sampler), &Silent);
     assert_eq!(report.invalid, 0, "{name}: invalid samples, the first {:?}", report.first_invalid.first());

@@ -95,6 +95,7 @@ impl<'a> Surface<'a> {
     /// what lights send must then be scaled so that both find the same picture.
     ///
     /// Source: Veach, *Robust Monte Carlo Methods for Light Transport Simulation* (1997), §5.3. Tests: importance_is_adjoint.
+    #[inline(never)]
     fn adjoint(&self, wo: Vec3, lo: Local, wi: Vec3, li: Local) -> f32 {
         let ng = self.point.ng;
         let ratio = (lo.abs_cos() / li.abs_cos()) * (ng.dot(wi) / ng.dot(wo)).abs();
@@ -107,6 +108,7 @@ impl<'a> Surface<'a> {
     }
 
     /// A direction drawn from the BSDF, and the same in world space.
+    #[inline]
     pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2, mode: TransportMode) -> Option<(Vec3, BsdfSample)> {
         let lo = self.frame.to_local(wo);
         let sample = self.bsdf.sample(lo, choice, u, mode)?;

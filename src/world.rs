@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::accel;
-use crate::bsdf::{Place, Skin};
+use crate::bsdf::Skin;
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
@@ -166,31 +166,40 @@ impl WorldBuilder {
 }
 
 impl World {
+    #[inline]
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.shapes[hit.shape as usize].point(hit.primitive, ray, &ShapeHit { t: hit.t, uv: hit.uv })
     }
 
+    #[inline]
     fn worn(&self, hit: &Hit) -> &Worn {
         let dress = &self.dresses[hit.shape as usize];
         let part = if dress.materials.len() > 1 { self.shapes[hit.shape as usize].part(hit.primitive) as usize } else { 0 };
         &self.skins[dress.materials[part].0 as usize]
     }
 
-    /// Along the axes of the surface, and its relief.
+    /// On the smooth surface that it stands for, along its axes, and with its relief.
     #[inline(never)]
-    fn turn(&self, surface: &mut Surface, ray: &Ray, hit: &Hit, skin: &Skin) {
-        let point = &surface.point;
-        let tangents = self.shapes[hit.shape as usize].tangents(hit.primitive, point);
-        let ns = match (&skin.relief, tangents) {
-            (Some(relief), Some(tangents)) => relief.normal(point, tangents, -ray.direction),
-            _ => point.ns,
-        };
-        surface.turn(ns, tangents.map(|[u, _]| u));
+    fn dressed<'a>(&self, mut surface: Surface<'a>, ray: &Ray, hit: &Hit) -> Surface<'a> {
+        let (shape, worn) = (&self.shapes[hit.shape as usize], self.worn(hit));
+        if self.dresses[hit.shape as usize].has_lift {
+            surface.lift(shape.lift(hit.primitive, hit.uv, &surface.point), ray);
+        }
+        if worn.needs_tangents {
+            let tangents = shape.tangents(hit.primitive, &surface.point);
+            let ns = match (&worn.skin.relief, tangents) {
+                (Some(relief), Some(tangents)) => relief.normal(&surface.point, tangents, -ray.direction),
+                _ => surface.point.ns,
+            };
+            surface.turn(ns, tangents.map(|[u, _]| u));
+        }
+        surface
     }
 
-    /// The first hit from `hit` on that is not a hole.
-    fn behind_holes(&self, ray: &Ray, hit: Hit) -> Option<Hit> {
-        let (mut onward, mut hit, mut way) = (*ray, hit, 0.0);
+    /// The first hit that is not a hole.
+    #[inline(never)]
+    fn past_holes(&self, ray: &Ray) -> Option<Hit> {
+        let (mut onward, mut hit, mut way) = (*ray, self.hierarchy.intersect(ray)?, 0.0);
         for _ in 0..MOST_HOLES {
             let Some(opacity) = &self.worn(&hit).skin.opacity else { break };
             let point = self.point(&onward, &hit);
@@ -219,8 +228,7 @@ fn chance(ray: &Ray, hit: &Hit) -> f32 {
 
 impl Scene for World {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let hit = self.hierarchy.intersect(ray);
-        if self.has_holes { self.behind_holes(ray, hit?) } else { hit }
+        if self.has_holes { self.past_holes(ray) } else { self.hierarchy.intersect(ray) }
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
@@ -233,14 +241,11 @@ impl Scene for World {
         let emission = dress.emission.map(|e| (e, dress.first_light + hit.primitive));
         // A ray that meets a surface from inside has been inside since it last met one: exact for a body without others in it.
         let inside = if ray.direction.dot(point.ng) > 0.0 { hit.t } else { 0.0 };
-        let mut surface = Surface::new(point, worn.skin.material.met(&Place { point, inside }), emission);
-        if dress.has_lift {
-            surface.lift(self.shapes[hit.shape as usize].lift(hit.primitive, hit.uv, &point), ray);
+        let bsdf = worn.skin.material.met(&point, inside);
+        if dress.has_lift || worn.needs_tangents {
+            return self.dressed(Surface::new(point, bsdf, emission), ray, hit);
         }
-        if worn.needs_tangents {
-            self.turn(&mut surface, ray, hit, &worn.skin);
-        }
-        surface
+        Surface::new(point, bsdf, emission)
     }
 
     fn lights(&self) -> &Lights {

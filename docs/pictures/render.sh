@@ -29,3 +29,15 @@ picture mis-plates-path   mis-plates      --size 264x198 --spp 256 --integrator 
 # One stop darker, so that too much light would show as well as too little; and what is there.
 picture furnace           furnace         --size 320x200 --spp 256 --exposure -1
 picture furnace-normals   furnace         --size 320x200 --spp 64 --integrator normals
+
+# points  warp
+points() {
+    name=sample-$1
+    case $wanted in
+    "  " | *" $name "*) target/release/pt sample "$1" -n 2000 -o "docs/pictures/$name.png" ;;
+    esac
+}
+
+points cosine
+points hemisphere
+points hemisphere-angles

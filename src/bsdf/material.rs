@@ -209,12 +209,13 @@ impl Material {
 
     /// The model at a point, for light from outside.
     pub fn at(&self, point: &SurfacePoint) -> Bsdf<'_> {
-        self.met(&Place { point: *point, inside: 0.0 })
+        self.met(point, 0.0)
     }
 
-    /// The model at a place, with what the body behind the surface has taken of the light on its way there.
-    pub fn met(&self, at: &Place) -> Bsdf<'_> {
-        let point = &at.point;
+    /// The model at a point, with what the body behind the surface has taken of the light on its way there.
+    ///
+    /// - `inside`: the length of that way (m); 0 for light from outside
+    pub fn met(&self, point: &SurfacePoint, inside: f32) -> Bsdf<'_> {
         match self {
             Material::Diffuse { albedo } => Bsdf::Diffuse(Diffuse { albedo: albedo.at(point) }),
             Material::Mirror { color } => Bsdf::Mirror(Mirror { color: color.at(point) }),
@@ -257,11 +258,11 @@ impl Material {
                 }
             }
             Material::ThinDielectric { eta, color } => Bsdf::ThinDielectric(ThinDielectric { eta: *eta, color: color.at(point) }),
-            Material::Filled { surface, absorption } if at.inside > 0.0 => {
-                surface.met(at).dimmed(absorption.map(|sigma| float::exp(-sigma * at.inside)))
+            Material::Filled { surface, absorption } if inside > 0.0 => {
+                surface.met(point, inside).dimmed(absorption.map(|sigma| float::exp(-sigma * inside)))
             }
-            Material::Filled { surface, .. } => surface.met(at),
-            Material::Compound(compound) => compound.met(at),
+            Material::Filled { surface, .. } => surface.met(point, inside),
+            Material::Compound(compound) => compound.met(&Place { point: *point, inside }),
         }
     }
 

@@ -63,10 +63,24 @@ pub struct Sample {
     /// The half angle of a cone, in degrees.
     #[arg(long, value_name = "DEGREES", default_value = "30", value_parser = cone)]
     pub angle: f64,
-    /// With `material`: the angle from the normal (beyond 90 it is below the surface) and the azimuth, in degrees.
+    /// Of spherical-triangle and spherical-rectangle: three corners as seen from the origin, such as '1,0,0 0,1,0 0,0,1'. The right
+    /// angle of a rectangle is at the first.
+    #[arg(long, value_name = "A B C", default_value = "-1,-1,0.7 1,-1,0.7 -1,1,0.7", value_parser = corners, allow_hyphen_values = true)]
+    pub corners: [[f32; 3]; 3],
+    /// Of visible normals: the roughness α of the facets, along x and along y or the same for both.
+    #[arg(long, value_name = "X[,Y]", default_value = "0.5", value_parser = alpha, allow_hyphen_values = true)]
+    pub alpha: [f32; 2],
+    /// With `material` and of visible normals: the angle from the normal (beyond 90 it is below the surface) and the azimuth, in
+    /// degrees.
     #[arg(long, value_name = "THETA,PHI", default_value = "30,0", value_parser = angles, allow_hyphen_values = true)]
     pub wo: [f64; 2],
-    /// With `material`: how many directions are drawn.
+    /// Instead of points: whether the directions of a warp follow the density that they should have. Exit code 1 if they do not.
+    #[arg(long, conflicts_with = "output")]
+    pub chi2: bool,
+    /// With `material`: let the scene name meshes and pictures that lie outside of its own folder.
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// With `material` or --chi2: how many directions are drawn.
     #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(2..=1_000_000_000))]
     pub samples: u64,
 }
@@ -108,6 +122,9 @@ pub struct Scene {
     /// Override what the scene file says: a JSON pointer and a JSON value. May be repeated.
     #[arg(short = 'D', value_name = "/POINTER=VALUE")]
     pub overrides: Vec<String>,
+    /// Let the scene name meshes and pictures that lie outside of its own folder.
+    #[arg(long)]
+    pub allow_outside: bool,
 }
 
 /// Render SCENE.
@@ -231,6 +248,22 @@ fn exponent(text: &str) -> std::result::Result<f32, String> {
 
 fn cone(text: &str) -> std::result::Result<f64, String> {
     text.parse().ok().filter(|angle: &f64| *angle > 0.0 && *angle <= 180.0).ok_or("expected an angle above 0 and at most 180".to_owned())
+}
+
+fn corners(text: &str) -> std::result::Result<[[f32; 3]; 3], String> {
+    let numbers =
+        |point: &str| -> Option<Vec<f32>> { point.split(',').map(|part| part.parse().ok().filter(|x: &f32| x.is_finite())).collect() };
+    let point = |point: &str| numbers(point).and_then(|coordinates| coordinates.try_into().ok());
+    let parsed: Option<Vec<[f32; 3]>> = text.split_whitespace().map(point).collect();
+    parsed.and_then(|points| points.try_into().ok()).ok_or("expected three points such as '1,0,0 0,1,0 0,0,1'".to_owned())
+}
+
+fn alpha(text: &str) -> std::result::Result<[f32; 2], String> {
+    let (x, y) = text.split_once(',').unwrap_or((text, text));
+    let parsed = [x, y].map(|part| part.trim().parse().ok().filter(|alpha| (0.0..=100.0).contains(alpha)));
+    Option::zip(parsed[0], parsed[1])
+        .map(|(x, y)| [x, y])
+        .ok_or("expected one or two numbers from 0 to 100 such as 0.5 or 0.1,0.5".to_owned())
 }
 
 fn angles(text: &str) -> std::result::Result<[f64; 2], String> {

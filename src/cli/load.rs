@@ -33,7 +33,7 @@ pub fn load(scene: &args::Scene, more: &[(String, String)], integrator: Option<&
     let description = describe::read(&root, &file)?;
     let (entry, integrator) = integrator::choose(tables, root.child("integrator"), integrator, &file)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let built = describe::build(&description, Source { root: &root, file: &file, folder })?;
+    let built = describe::build(&description, Source { root: &root, file: &file, folder, allow_outside: scene.allow_outside })?;
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
     Ok(Loaded { built, entry, integrator: integrator.into(), description, stem })
 }

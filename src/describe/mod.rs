@@ -14,6 +14,7 @@ mod check;
 mod color;
 mod cycles;
 mod file;
+mod files;
 mod film;
 mod light;
 mod material;

@@ -51,7 +51,7 @@ macro_rules! surface {
 surface! {
     /// Triangles: from a file, or `positions` and `triangles` given here.
     pub struct Mesh {
-        /// An .obj or .ply file; a relative path starts from the scene file's folder.
+        /// An .obj or .ply file: a path from the scene file's folder, in which it lies (see `--allow-outside`).
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub file: Option<String>,
         /// The file's own material names (OBJ: `usemtl`) and the materials they stand for; other faces have `material`.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::color::{Color, Srgb};
 use super::shape::Size;
 use super::value::{Fraction, Octaves, Positive};
-use crate::reader::by_type;
+use crate::reader::{by_kind, by_type};
 
 /// A colour that varies over a surface.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -63,18 +63,48 @@ pub struct Checker {
     /// The colour of the others.
     #[serde(default = "Textured::black")]
     pub odd: Textured,
-    /// Squares per unit of the texture coordinates, or cubes per metre.
-    #[serde(default = "one")]
-    pub scale: Positive,
+    /// Squares per unit of the texture coordinates, or cubes per metre; or as waves, `{"radians": r}`.
+    #[serde(default = "one_cell")]
+    pub scale: CheckerScale,
     #[serde(default)]
     pub on: TextureSpace,
+}
+
+/// Cells per unit: one number, or as waves, `{"radians": r}`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub enum CheckerScale {
+    Cells(Positive),
+    Waves(CheckerWaves),
+}
+
+by_kind!(CheckerScale { Number => Cells(Positive), Object => Waves(CheckerWaves) });
+
+/// A checker by the sign of sin(r x) sin(r y) sin(r z), `odd` where it is negative: its cells are π/r wide. A coordinate that is
+/// exactly 0 counts as just above it, so that a floor at 0 has a pattern.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CheckerWaves {
+    /// r, per unit of the coordinates.
+    pub radians: Positive,
+}
+
+impl CheckerScale {
+    /// Cells per unit. A sine changes its sign where its argument is a multiple of π.
+    pub fn get(self) -> f64 {
+        match self {
+            CheckerScale::Cells(cells) => cells.get(),
+            CheckerScale::Waves(waves) => waves.radians.get() / std::f64::consts::PI,
+        }
+    }
 }
 
 /// A picture: PNG, JPEG or OpenEXR, its lower left corner at the texture coordinates (0, 0), its upper right one at (1, 1).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Image {
-    /// Relative to the scene file.
+    /// A path from the scene file's folder, in which it lies (see `--allow-outside`).
     pub file: String,
     /// What its numbers mean.
     #[serde(default)]
@@ -153,6 +183,10 @@ pub struct Product {
 
 fn one() -> Positive {
     Positive::known(1.0)
+}
+
+fn one_cell() -> CheckerScale {
+    CheckerScale::Cells(one())
 }
 
 fn once() -> Size {

@@ -82,6 +82,15 @@ pub fn cos(x: f32) -> f32 {
     sin_cos(x).1
 }
 
+/// Sine and cosine in double precision of an angle within ±2π: absolute error below 10⁻¹⁵.
+#[inline]
+pub(crate) fn sin_cos_f64(x: f64) -> (f64, f64) {
+    let quadrant = round(x * std::f64::consts::FRAC_2_PI);
+    let r = (x - quadrant * FRAC_PI_2_HIGH) - quadrant * FRAC_PI_2_LOW;
+    let square = r * r;
+    turn(quadrant as i32, r * horner(square, SIN_16), horner(square, COS_18))
+}
+
 /// Sine and cosine of an angle in degrees, in double precision.
 ///
 /// Multiples of 90° give exactly −1, 0 and 1: the reduction by quarter turns has no rounding.
@@ -124,13 +133,19 @@ pub fn acos_f64(x: f64) -> f64 {
 /// Tests: within 1 ulp, all eight octants, all signed zeros and infinities.
 #[inline]
 pub fn atan2(y: f32, x: f32) -> f32 {
-    let (mut along, mut across) = (f64::from(x).abs(), f64::from(y).abs());
+    atan2_f64(y.into(), x.into()) as f32
+}
+
+/// The same in double precision: relative error below 10⁻¹¹.
+#[inline]
+pub(crate) fn atan2_f64(y: f64, x: f64) -> f64 {
+    let (mut along, mut across) = (x.abs(), y.abs());
     if along.is_infinite() && across.is_infinite() {
         (along, across) = (1.0, 1.0);
     }
     let angle = if across == 0.0 && along == 0.0 { 0.0 } else { angle_below_quarter_turn(across, along) };
     let angle = if x.is_sign_negative() { PI - angle } else { angle };
-    (angle as f32).copysign(y)
+    angle.copysign(y)
 }
 
 /// eˣ.

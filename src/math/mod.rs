@@ -8,6 +8,8 @@ pub mod fresnel;
 pub mod measure;
 pub mod ray;
 pub mod spectrum;
+pub mod spherical_rectangle;
+pub mod spherical_triangle;
 pub mod transform;
 pub mod warp;
 
@@ -18,4 +20,6 @@ pub use glam::{UVec2, Vec2, Vec3};
 pub use measure::{AreaPdf, Density, SolidAnglePdf, power_heuristic};
 pub use ray::Ray;
 pub use spectrum::Spectrum;
+pub use spherical_rectangle::SphericalRectangle;
+pub use spherical_triangle::SphericalTriangle;
 pub use transform::Transform;

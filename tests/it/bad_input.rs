@@ -6,11 +6,13 @@
 
 mod bench;
 mod disk;
+mod outside;
 
 use std::collections::BTreeSet;
 use std::fs;
 
-use bench::{Bench, RIGHT, SQUARE, long_name};
+use crate::pictures::bomb;
+use bench::{Bench, RIGHT, SQUARE, UNLIT, long_name};
 
 /// The row's name, what is given, the exit code, what is said.
 ///
@@ -18,7 +20,7 @@ use bench::{Bench, RIGHT, SQUARE, long_name};
 type Row = (&'static str, &'static str, i32, &'static str);
 
 /// Rows of the table that concern what pt can do so far.
-const ROWS: &str = "B1 B2 B3 B4 B5 B6 B7 B8 B9 B10 B11 B12 B13 B14 B15 B17 B18 B19 B20 B21 B24 B25 B26 B27 B28 B29 B37 \
+const ROWS: &str = "B1 B2 B3 B4 B5 B6 B7 B8 B9 B10 B11 B12 B13 B14 B15 B17 B18 B19 B20 B21 B24 B25 B26 B27 B28 B29 B33 B34 B35 B37 \
                     B39 B40 B41 B42 B43 B44 B52 B53 B54 B16";
 
 /// Whole scene files.
@@ -242,20 +244,38 @@ const SCENES: &[Row] = &[
     ("B44", r#""shapes": [{"type": "disk", "emission": ^Infinity}]"#, 3, "expected a value, found the word Infinity"),
 ];
 
+/// What a mesh and a picture are called, as JSON; where the name leads. Nothing of it need exist: where something does, nothing
+/// is said about it.
+const PATHS: &[Row] = &[
+    ("B35", "\"../mesh.obj\"", 3, "../mesh.obj: leads out of the scene file's folder; if it may, say --allow-outside\n"),
+    ("B35", "\"folder/../../mesh.obj\"", 3, "folder/../../mesh.obj: leads out of the scene file's folder"),
+    ("B35", "\"../../../../../../../../etc/passwd\"", 3, "../../../../../../../../etc/passwd: leads out of the scene file's folder"),
+    ("B35", "\"..\\\\mesh.obj\"", 3, "..\\mesh.obj: leads out of the scene file's folder"),
+    ("B35", "\"/etc/passwd\"", 3, "/etc/passwd: is no path from the scene file's folder; if it may, say --allow-outside\n"),
+    ("B35", "\"~/mesh.obj\"", 3, "~/mesh.obj: is no path from the scene file's folder"),
+    ("B35", "\"\\\\\\\\server\\\\share\\\\mesh.obj\"", 3, "\\\\server\\share\\mesh.obj: is no path from the scene file's folder"),
+    ("B35", "\"C:\\\\mesh.obj\"", 3, "C:\\mesh.obj: is no path from the scene file's folder"),
+    ("B35", "\"mesh\\u0000.obj\"", 3, "a file name with control characters\n"),
+    ("B35", "\"folder/../none.obj\"", 3, "folder/../none.obj: no such file\n"),
+    #[cfg(unix)]
+    ("B35", "\"link.obj\"", 3, "link.obj: is a link out of the scene file's folder; if it may, say --allow-outside\n"),
+    ("B35", "\"folder\"", 3, "folder: not a regular file\n"),
+];
+
 /// A sphere's radius in place of `NUMBER`.
-const NUMBERS: &[(&str, &str)] = &[
-    ("1e39", "/shapes/0/radius: the number 1e39 is too large for a 32-bit float"),
-    ("-1e39", "/shapes/0/radius: the number -1e39 is too large"),
-    ("1e400", "/shapes/0/radius: the number 1e400 is too large"),
-    ("3.4028236e38", "/shapes/0/radius: the number 3.4028236e38 is too large"),
-    ("1e-50", "/shapes/0/radius: the number 1e-50 is too small"),
-    ("1e-400", "/shapes/0/radius: the number 1e-400 is too small"),
-    ("\"1\"", "/shapes/0/radius: expected a number, found the string \"1\": remove the quotes"),
-    ("+1", "a number may not start with +"),
-    (".5", "a number needs digits on both sides of its point"),
-    ("NaN", "expected a value, found the word NaN"),
-    ("Infinity", "expected a value, found the word Infinity"),
-    ("-Infinity", "expected a number, found -Infinity"),
+const NUMBERS: &[Row] = &[
+    ("B9", "1e39", 3, "/shapes/0/radius: the number 1e39 is too large for a 32-bit float"),
+    ("B9", "-1e39", 3, "/shapes/0/radius: the number -1e39 is too large"),
+    ("B9", "1e400", 3, "/shapes/0/radius: the number 1e400 is too large"),
+    ("B9", "3.4028236e38", 3, "/shapes/0/radius: the number 3.4028236e38 is too large"),
+    ("B9", "1e-50", 3, "/shapes/0/radius: the number 1e-50 is too small"),
+    ("B9", "1e-400", 3, "/shapes/0/radius: the number 1e-400 is too small"),
+    ("B9", "\"1\"", 3, "/shapes/0/radius: expected a number, found the string \"1\": remove the quotes"),
+    ("B9", "+1", 3, "a number may not start with +"),
+    ("B9", ".5", 3, "a number needs digits on both sides of its point"),
+    ("B9", "NaN", 3, "expected a value, found the word NaN"),
+    ("B9", "Infinity", 3, "expected a value, found the word Infinity"),
+    ("B9", "-Infinity", 3, "expected a number, found -Infinity"),
 ];
 
 /// The film, or its sampler.
@@ -364,34 +384,37 @@ const CALLS: &[Row] = &[
     ("B52", "list everything", 2, "everything"),
     ("B54", "szene-ä-🫖.json -o x.exr", 0, "8×6"),
     ("B54", "-o x.exr -- -dash.json", 0, "8×6"),
+    // Where inputs are files, and devices to be met.
+    #[cfg(unix)]
+    ("B2", "pipe", 3, "error: pipe: not a regular file"),
+    #[cfg(unix)]
+    ("B2", "/dev/zero", 3, "error: /dev/zero: not a regular file"),
 ];
 
-/// Where inputs are files, and devices to be met.
-#[cfg(unix)]
-const UNIX_CALLS: &[Row] =
-    &[("B2", "pipe", 3, "error: pipe: not a regular file"), ("B2", "/dev/zero", 3, "error: /dev/zero: not a regular file")];
-#[cfg(not(unix))]
-const UNIX_CALLS: &[Row] = &[];
+/// A table: how what is given comes before the program, and its rows.
+struct Table(fn(&mut Bench, &Row), &'static [Row]);
+
+const TABLES: &[Table] = &[
+    Table(|bench, &(row, text, code, phrase)| bench.scene(row, text, code, phrase), TEXTS),
+    Table(|bench, &(row, keys, code, phrase)| bench.scene(row, &format!("{RIGHT},\n{keys}}}"), code, phrase), SCENES),
+    Table(|bench, &(row, keys, code, phrase)| bench.scene(row, &format!("{UNLIT}, {keys}}}"), code, phrase), DARK),
+    Table(|bench, &(row, keys, code, phrase)| bench.scene(row, &format!("{{\"pt\": 1, \"camera\": {{}},\n{keys}}}"), code, phrase), FILMS),
+    Table(|bench, &(row, statements, code, phrase)| bench.mesh(row, statements, code, phrase), MESHES),
+    Table(
+        |bench, &(row, number, code, phrase)| {
+            bench.scene(row, &format!("{RIGHT}, \"shapes\": [{{\"type\": \"sphere\", \"radius\": ^{number}}}]}}"), code, phrase);
+        },
+        NUMBERS,
+    ),
+    Table(|bench, &(row, name, code, phrase)| bench.file(row, name, code, phrase), PATHS),
+    Table(|bench, &(row, args, code, phrase)| bench.call(row, &args.split_whitespace().collect::<Vec<_>>(), code, phrase), CALLS),
+];
 
 #[test]
 fn every_row_of_the_table_is_refused_or_warned_of_as_it_says() {
     let mut bench = Bench::new();
-    let mut each = |rows: &[Row], feed: &dyn Fn(&mut Bench, &'static str, &str, i32, &str)| {
-        rows.iter().for_each(|&(row, given, code, phrase)| feed(&mut bench, row, given, code, phrase));
-    };
-    each(TEXTS, &|bench, row, text, code, phrase| bench.scene(row, text, code, phrase));
-    each(SCENES, &|bench, row, keys, code, phrase| bench.scene(row, &format!("{RIGHT},\n{keys}}}"), code, phrase));
-    let dark = r#"{"pt": 1, "camera": {}, "film": {"width": 8, "height": 6}, "#;
-    each(DARK, &|bench, row, keys, code, phrase| bench.scene(row, &format!("{dark}{keys}}}"), code, phrase));
-    each(FILMS, &|bench, row, keys, code, phrase| bench.scene(row, &format!("{{\"pt\": 1, \"camera\": {{}},\n{keys}}}"), code, phrase));
-    each(MESHES, &|bench, row, statements, code, phrase| bench.mesh(row, statements, code, phrase));
-    let call = |bench: &mut Bench, row, args: &str, code, phrase: &str| {
-        bench.call(row, &args.split_whitespace().collect::<Vec<_>>(), code, phrase);
-    };
-    each(CALLS, &call);
-    each(UNIX_CALLS, &call);
-    for (number, phrase) in NUMBERS {
-        bench.scene("B9", &format!("{RIGHT}, \"shapes\": [{{\"type\": \"sphere\", \"radius\": ^{number}}}]}}"), 3, phrase);
+    for Table(feed, rows) in TABLES {
+        rows.iter().for_each(|row| feed(&mut bench, row));
     }
     generated(&mut bench);
 
@@ -402,6 +425,19 @@ fn every_row_of_the_table_is_refused_or_warned_of_as_it_says() {
 
 /// Inputs too long, or too little like text, for a line of the table.
 fn generated(bench: &mut Bench) {
+    bench.file("B35", &format!("\"{}\"", "x".repeat(5000)), 3, "a file name of 5000 bytes, expected at most 4096\n");
+    let mut png = std::io::Cursor::new(vec![]);
+    image::RgbImage::new(8, 8).write_to(&mut png, image::ImageFormat::Png).expect("encoded");
+    let png = png.into_inner();
+    for (row, bytes, code, phrase) in [
+        ("B33", &png[..png.len() / 2], 3, "/shapes/0/material/albedo/file: p.jpg: not a usable PNG picture"),
+        ("B33", &bomb(png.clone()), 4, "p.jpg: the picture would take more than 4 GiB"),
+        ("B34", &png, 0, "warning: p.jpg: read as PNG, which its first bytes say it is\n"),
+    ] {
+        fs::write(bench.folder.path().join("p.jpg"), bytes).expect("write");
+        let matte = r#""shapes": [{"type": "disk", "material": {"type": "diffuse", "albedo": {"type": "image", "file": "p.jpg"}}}]"#;
+        bench.scene(row, &format!("{RIGHT},\n{matte}}}"), code, phrase);
+    }
     bench.bytes("B5", b"{\n \"\xFF\": 1}", 3, "scene.json:2:3: byte 4: not UTF-8");
     let utf16: Vec<u8> = "{\"pt\": 1}".encode_utf16().flat_map(u16::to_le_bytes).collect();
     bench.bytes("B5", &utf16, 3, "scene.json:1:1: byte 0: this is UTF-16 or UTF-32, expected UTF-8");

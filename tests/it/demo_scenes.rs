@@ -30,7 +30,7 @@ impl Demo {
             root.set(side, "16").expect(side);
         }
         let scene = describe::read(&root, &file).unwrap_or_else(|e| panic!("{e}"));
-        let source = Source { root: &root, file: &file, folder: Path::new("scenes") };
+        let source = Source { root: &root, file: &file, folder: Path::new("scenes"), allow_outside: false };
         let built = describe::build(&scene, source).unwrap_or_else(|e| panic!("{e}"));
         Demo { built, root, file }
     }

@@ -148,15 +148,18 @@ fn what_is_no_usable_picture_is_refused() {
         let (code, message) = refusal(&folder.write("cut.png", &bytes[..end]));
         assert!(code == 3 && message.contains("p: ") && !message.contains('\n'), "{code} {message} at {end}");
     }
-    // A header that promises 65,535² pixels of 16 bits, with the checksum that belongs to it.
-    let mut bomb = bytes.clone();
-    bomb[16..26].copy_from_slice(&[0, 0, 0xff, 0xff, 0, 0, 0xff, 0xff, 16, 6]);
-    let sum = crc32(&bomb[12..29]);
-    bomb[29..33].copy_from_slice(&sum.to_be_bytes());
-    assert_eq!(refusal(&folder.write("bomb.png", &bomb)).0, 4);
+    assert_eq!(refusal(&folder.write("bomb.png", &bomb(bytes))).0, 4);
     assert_eq!(refusal(&folder.write("p.gif", b"GIF89a...")), (3, "p: unknown picture format: expected PNG, JPEG or OpenEXR".into()));
     assert_eq!(refusal(&folder.0.path().join("none.png")).0, 3);
     assert_eq!(refusal(folder.0.path()).0, 3);
+}
+
+/// The PNG with a header that promises 65,535² pixels of 16 bits, and the checksum that belongs to it.
+pub fn bomb(mut png: Vec<u8>) -> Vec<u8> {
+    png[16..26].copy_from_slice(&[0, 0, 0xff, 0xff, 0, 0, 0xff, 0xff, 16, 6]);
+    let sum = crc32(&png[12..29]);
+    png[29..33].copy_from_slice(&sum.to_be_bytes());
+    png
 }
 
 /// Of PNG's chunks, bit by bit. Source: ISO 3309.
@@ -182,7 +185,8 @@ fn missing_pictures_are_located() {
         { "type": "sphere", "material": { "type": "mirror", "color": "t" } } ] }"#;
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").expect("a scene");
-    let Err(Error::Invalid(faults)) = describe::build(&described, Source { root: &root, file: "s.json", folder: Path::new("nowhere") })
+    let Err(Error::Invalid(faults)) =
+        describe::build(&described, Source { root: &root, file: "s.json", folder: Path::new("nowhere"), allow_outside: false })
     else {
         panic!("it is built without its pictures")
     };

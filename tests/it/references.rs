@@ -124,7 +124,7 @@ fn picture_by(integrator: &dyn Integrator, file: &str, spp: u64, [width, height]
     }
     root.set("/sampler/type", "independent").expect("a sampler");
     let scene = describe::read(&root, file).expect(file);
-    let built = describe::build(&scene, Source { root: &root, file, folder: Path::new("scenes") }).expect(file);
+    let built = describe::build(&scene, Source { root: &root, file, folder: Path::new("scenes"), allow_outside: false }).expect(file);
     let mut film = MomentFilm::new(built.film);
     render(Arc::new(built.world), integrator, &mut film, &Settings::new(built.sampler), &Silent);
     film.image(true)

@@ -1,5 +1,6 @@
 //! `pt sample`: points as numbers and pictures, materials as figures and pictures.
 
+use std::f64::consts::{FRAC_PI_3, PI};
 use std::fs;
 use std::path::Path;
 
@@ -39,7 +40,7 @@ fn every_name_of_the_list_draws() {
         .filter(|line| line.starts_with("  ") && !line.contains("pt sample"))
         .filter_map(|line| line.split_whitespace().next())
         .collect();
-    assert!(names.len() >= 14, "{list}");
+    assert!(names.len() >= 18, "{list}");
     for name in names {
         let drawn = points(&stdout(folder.path(), &[name, "-n", "37"]));
         assert_eq!(drawn.len(), 37, "{name}");
@@ -58,6 +59,9 @@ fn points_have_the_mean_of_their_density() {
     };
     let height = |p: &[f64]| p[2];
     let square = |p: &[f64]| p.iter().map(|x| x * x).sum();
+    // Of GGX at α = 1 all facets are those of a hemisphere: seen from the side, z has the density of wo·h = x on a quarter of the
+    // sphere, (2/π) ∫ x z dω = 4/(3π); from above 2/3. Beckmann's from above: tan² θ is exponential, ⟨cos θ⟩ = e √π erfc 1.
+    // Seen from the octant's three planes alike, ⟨z⟩ = 1/2; the square's, by Lambert's sum over its edges, 2 √2 atan(1/√2) over 2π/3.
     // Standard deviations are below 0.31: five of the mean are 0.011.
     for (args, expected) in [
         (&["hemisphere"][..], 0.5),
@@ -65,6 +69,11 @@ fn points_have_the_mean_of_their_density() {
         (&["hemisphere-angles"], std::f64::consts::FRAC_2_PI),
         (&["cosine-power", "--exponent", "8"], 0.9),
         (&["cone", "--angle", "60"], 0.75),
+        (&["spherical-triangle", "--corners", "1,0,0 0,1,0 0,0,1"], 0.5),
+        (&["spherical-rectangle", "--corners", "-1,-1,1 1,-1,1 -1,1,1"], 2f64.sqrt() * 0.5f64.sqrt().atan() / FRAC_PI_3),
+        (&["visible-ggx", "--alpha", "1", "--wo", "0,0"], 2.0 / 3.0),
+        (&["visible-ggx", "--alpha", "1,1", "--wo", "90,0"], 4.0 / (3.0 * PI)),
+        (&["visible-beckmann", "--alpha", "1", "--wo", "0,0"], 0.757_872_156),
         (&["sphere"], 0.0),
     ] {
         // The sphere's is 1/√3.
@@ -75,6 +84,34 @@ fn points_have_the_mean_of_their_density() {
         assert!((mean(&[ball], &square) - 0.6).abs() < 0.011, "{ball}");
     }
     assert!((mean(&["disk"], &square) - 0.5).abs() < 0.011);
+    // Facets seen from the side, along x or y by the azimuth: ⟨wo·h⟩ = (2/π) ∫ x² dω over a quarter of the sphere.
+    for (wo, axis) in [("90,0", 0), ("90,90", 1)] {
+        let towards = mean(&["visible-ggx", "--alpha", "1", "--wo", wo], &|p| p[axis]);
+        assert!((towards - 2.0 / 3.0).abs() < 0.011, "{wo}: {towards}");
+    }
+}
+
+/// Every map to the sphere has the density that it should have, but for the usual mistake.
+#[test]
+fn directions_are_put_to_the_chi2_test() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for args in [
+        &["sphere"][..],
+        &["hemisphere"],
+        &["cosine"],
+        &["cosine-power", "--exponent", "8"],
+        &["cone", "--angle", "50"],
+        &["spherical-triangle"],
+        &["spherical-rectangle"],
+        &["visible-ggx", "--alpha", "0.2,0.7", "--wo", "75,20"],
+        &["visible-beckmann", "--alpha", "0.4", "--wo", "60,-100"],
+    ] {
+        let text = stdout(folder.path(), &[args, &["--chi2", "--samples", "100000"]].concat());
+        assert!(text.contains("∫ pdf          1.000") || text.contains("∫ pdf          0.9999"), "{args:?}: {text}");
+    }
+    let refused = pt(folder.path(), &["hemisphere-angles", "--chi2", "--samples", "100000"]).code(1);
+    let text = String::from_utf8_lossy(&refused.get_output().stdout).into_owned();
+    assert!(text.contains("chi² p         0.000 (80×160"), "{text}");
 }
 
 #[test]
@@ -98,6 +135,14 @@ fn what_cannot_be_drawn_is_refused_in_one_line() {
         (&["sphere", "-o", "p.gif"], 2, "p.gif: expected a name that ends in .csv, .png or .svg"),
         (&["sphere", "--sampler", "sobel"], 2, "unknown sampler \"sobel\", did you mean \"sobol\"?"),
         (&["cone", "--angle", "0"], 2, "expected an angle above 0"),
+        (&["spherical-triangle", "--corners", "1,0,0 0,1,0"], 2, "expected three points such as '1,0,0 0,1,0 0,0,1'"),
+        (&["spherical-triangle", "--corners", "1,0,0 0,1,0 1,1,0"], 2, "not edge-on"),
+        (&["spherical-rectangle", "--corners", "0,0,1 1,0,1 1,1,1"], 2, "expected a right angle at the first corner"),
+        (&["visible-ggx", "--alpha", "-1"], 2, "expected one or two numbers from 0 to 100"),
+        (&["visible-ggx", "--alpha", "0"], 2, "smoother than which is a mirror"),
+        (&["visible-beckmann", "--wo", "91,0"], 2, "expected at most 90 degrees from the normal"),
+        (&["disk", "--chi2"], 2, "--chi2: the points of disk are no directions"),
+        (&["sobol", "--chi2"], 2, "--chi2: the points of square are no directions"),
         (&["material"], 2, "scene.json#glass"),
         (&["material", "scene.json"], 2, "scene.json#glass"),
         (&["material", "scene.json#glas"], 2, "unknown material \"glas\", did you mean \"glass\"?"),

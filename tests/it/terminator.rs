@@ -351,7 +351,8 @@ fn the_key_switches_it_on() {
         );
         let root = describe::root(text.as_bytes(), "s").expect("JSON");
         let scene = describe::read(&root, "s").expect("a scene");
-        let built = describe::build(&scene, Source { root: &root, file: "s", folder: Path::new("") }).expect("a mesh");
+        let built =
+            describe::build(&scene, Source { root: &root, file: "s", folder: Path::new(""), allow_outside: false }).expect("a mesh");
         built.world.shapes()[0].has_lift()
     };
     assert_eq!(["", r#""smooth_shadows": false,"#, r#""smooth_shadows": true,"#].map(lifted), [false, false, true]);

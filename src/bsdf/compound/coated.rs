@@ -158,7 +158,7 @@ const MIN_COS2: f32 = 1e-6;
 
 impl Coated {
     fn at(&self, at: &Place) -> (Layer, Bsdf<'_>) {
-        (self.coat.at(at), self.ground.met(at))
+        (self.coat.at(at), at.met(&self.ground))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Coated {
@@ -222,7 +222,7 @@ impl Scatter for Coated {
     }
 
     fn reciprocal(&self, at: &Place) -> bool {
-        self.ground.met(at).reciprocal()
+        at.met(&self.ground).reciprocal()
     }
 
     fn parts(&self) -> Vec<&Material> {

@@ -82,26 +82,26 @@ impl Mix {
 impl Scatter for Mix {
     fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
         let [a, b] = self.share_of(at, wo, wi);
-        self.a.met(at).eval(wo, wi, mode) * a + self.b.met(at).eval(wo, wi, mode) * b
+        at.met(&self.a).eval(wo, wi, mode) * a + at.met(&self.b).eval(wo, wi, mode) * b
     }
 
     fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
         let chance = self.chance(at, wo);
-        SolidAnglePdf::new(self.a.met(at).pdf(wo, wi).get() * (1.0 - chance) + self.b.met(at).pdf(wo, wi).get() * chance)
+        SolidAnglePdf::new(at.met(&self.a).pdf(wo, wi).get() * (1.0 - chance) + at.met(&self.b).pdf(wo, wi).get() * chance)
     }
 
     fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let chance = self.chance(at, wo);
         let (second, choice) = choose(choice, chance);
         let (part, chance) = if second { (&self.b, chance) } else { (&self.a, 1.0 - chance) };
-        let sample = part.met(at).sample(wo, choice, u, mode)?;
+        let sample = at.met(part).sample(wo, choice, u, mode)?;
         self.of_part(at, wo, sample, chance, |wi| Spectrum::gray(self.share_of(at, wo, wi)[usize::from(second)]), mode)
     }
 
     fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes {
         let mut lobes = DeltaLobes::default();
         for (k, part) in [&self.a, &self.b].into_iter().enumerate() {
-            for lobe in part.met(at).delta_lobes(wo, mode) {
+            for lobe in at.met(part).delta_lobes(wo, mode) {
                 lobes.add(lobe, Spectrum::gray(self.share_of(at, wo, lobe.wi)[k]));
             }
         }
@@ -109,11 +109,11 @@ impl Scatter for Mix {
     }
 
     fn has_smooth_lobe(&self, at: &Place) -> bool {
-        self.a.met(at).has_smooth_lobe() || self.b.met(at).has_smooth_lobe()
+        at.met(&self.a).has_smooth_lobe() || at.met(&self.b).has_smooth_lobe()
     }
 
     fn reciprocal(&self, at: &Place) -> bool {
-        self.a.met(at).reciprocal() && self.b.met(at).reciprocal()
+        at.met(&self.a).reciprocal() && at.met(&self.b).reciprocal()
     }
 
     fn parts(&self) -> Vec<&Material> {

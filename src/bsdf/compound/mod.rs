@@ -40,6 +40,13 @@ pub struct Place {
     pub inside: f32,
 }
 
+impl Place {
+    /// A material here.
+    fn met<'m>(&self, material: &'m Material) -> Bsdf<'m> {
+        material.met(&self.point, self.inside)
+    }
+}
+
 /// A compound at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Met<'a> {
@@ -148,7 +155,7 @@ impl Compound {
         if let Compound::Mix(mix) = self
             && let Some(only) = mix.only(at)
         {
-            return only.met(at);
+            return at.met(only);
         }
         Bsdf::Compound(Met { compound: self, place: *at })
     }

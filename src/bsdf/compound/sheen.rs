@@ -72,7 +72,7 @@ impl Sheen {
     }
 
     fn at(&self, at: &Place) -> (Spectrum, Bsdf<'_>) {
-        (self.color.at(&at.point), self.ground.met(at))
+        (self.color.at(&at.point), at.met(&self.ground))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Sheen {
@@ -160,7 +160,7 @@ impl Scatter for Sheen {
     }
 
     fn reciprocal(&self, at: &Place) -> bool {
-        self.ground.met(at).reciprocal()
+        at.met(&self.ground).reciprocal()
     }
 
     fn parts(&self) -> Vec<&Material> {

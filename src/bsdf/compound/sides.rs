@@ -23,7 +23,11 @@ pub struct Sides {
 impl Sides {
     fn towards(&self, at: &Place, w: Local) -> Option<Bsdf<'_>> {
         let side = if w.cos() > 0.0 { &self.front } else { &self.back };
-        side.as_ref().map(|material| material.met(at))
+        side.as_ref().map(|material| at.met(material))
+    }
+
+    fn each(&self) -> impl Iterator<Item = &Material> {
+        self.front.iter().chain(&self.back)
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Sides {
@@ -58,15 +62,15 @@ impl Scatter for Sides {
     }
 
     fn has_smooth_lobe(&self, at: &Place) -> bool {
-        self.parts().into_iter().any(|side| side.met(at).has_smooth_lobe())
+        self.each().any(|side| at.met(side).has_smooth_lobe())
     }
 
     fn reciprocal(&self, at: &Place) -> bool {
-        self.parts().into_iter().all(|side| side.met(at).reciprocal())
+        self.each().all(|side| at.met(side).reciprocal())
     }
 
     fn parts(&self) -> Vec<&Material> {
-        self.front.iter().chain(&self.back).collect()
+        self.each().collect()
     }
 
     fn textures(&self) -> Vec<&Texture> {

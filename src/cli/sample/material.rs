@@ -5,13 +5,14 @@ use std::process::ExitCode;
 
 use glam::{UVec2, Vec3};
 
+use super::directions::{figures, tests};
 use crate::cli::{args, say};
 use crate::describe::{self, Source};
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
 use crate::math::Ray;
 use crate::output::{self, Tonemap, png};
-use crate::proof::{Case, Division, FINE, Options, at, chi2};
+use crate::proof::{Case, Division, FINE, Options, at};
 use crate::reader::unknown;
 use crate::scene::Scene;
 use crate::world::World;
@@ -19,7 +20,7 @@ use crate::world::World;
 pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
     let usage = || Error::Usage(format!("{scene}: expected a scene and a material of it, such as scene.json#glass"));
     let (path, name) = scene.rsplit_once('#').ok_or_else(usage)?;
-    let world = sphere_of(Path::new(path), name)?;
+    let world = sphere_of(Path::new(path), name, args.allow_outside)?;
     let ray = Ray::new(Vec3::new(0.3, 0.2, 3.0) - world.origin().as_vec3(), Vec3::NEG_Z);
     let hit = world.intersect(&ray).ok_or_else(|| Error::Internal("a ray missed the unit sphere".into()))?;
     let bsdf = world.surface(&ray, &hit).bsdf;
@@ -33,7 +34,7 @@ pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
 }
 
 /// A world of one sphere that is made of the material of that name.
-fn sphere_of(path: &Path, name: &str) -> Result<World> {
+fn sphere_of(path: &Path, name: &str, allow_outside: bool) -> Result<World> {
     let (mut root, file) = (describe::load(path)?, describe::name(path));
     let described = describe::read(&root, &file)?;
     if !described.materials.contains_key(name) {
@@ -45,7 +46,8 @@ fn sphere_of(path: &Path, name: &str) -> Result<World> {
         root.set(pointer, &value)?;
     }
     let folder = path.parent().unwrap_or(Path::new(""));
-    Ok(describe::build(&describe::read(&root, &file)?, Source { root: &root, file: &file, folder })?.world)
+    let source = Source { root: &root, file: &file, folder, allow_outside };
+    Ok(describe::build(&describe::read(&root, &file)?, source)?.world)
 }
 
 /// The figures that one looks for first.
@@ -53,8 +55,6 @@ fn summary(case: &Case, args: &args::Sample) -> String {
     let drawn = &case.drawn[0];
     let [theta, phi] = args.wo;
     let share = |count: u64| 100.0 * count as f64 / drawn.samples as f64;
-    let tests = drawn.divisions.iter().map(|division| (division.name, chi2(&division.shares, &division.counts)));
-    let tests: Vec<String> = tests.map(|(name, test)| format!("{:.3} ({name}, {} degrees of freedom)", test.p, test.freedom)).collect();
     let [r, g, b] = drawn.albedo.map(|mean| format!("{:.5} ± {:.5}", mean.value, mean.standard_error()));
     format!(
         "wo             θ = {theta}°, φ = {phi}°\n\
@@ -68,7 +68,7 @@ fn summary(case: &Case, args: &args::Sample) -> String {
         share(drawn.samples - drawn.failed),
         share(drawn.smooth),
         share(drawn.samples - drawn.failed - drawn.smooth),
-        tests.join(", ")
+        figures(&tests(drawn))
     )
 }
 

@@ -1,8 +1,11 @@
 //! The warps by name, and their points.
 
-use glam::{UVec2, Vec2, Vec3};
+use glam::{DVec3, UVec2, Vec2, Vec3};
 
-use crate::math::{float, warp};
+use crate::bsdf::microfacet::{Distribution, MIN_ALPHA, Microfacets};
+use crate::error::{Error, Result};
+use crate::math::float::{self, gamma};
+use crate::math::{Local, SphericalRectangle, SphericalTriangle, warp};
 use crate::sampler::{Kind, Sampler, SamplerSpec};
 
 /// What the points of a warp lie in.
@@ -23,13 +26,36 @@ pub struct Parameters {
     pub exponent: f32,
     /// Of the half angle of a cone.
     pub one_minus_cos: f32,
+    /// Of a triangle; of a rectangle one and its two neighbours.
+    pub corners: [Vec3; 3],
+    /// Of facets, along x and y.
+    pub alpha: Vec2,
+    /// Where facets are seen from: polar angle and azimuth (degrees).
+    pub wo: [f64; 2],
+}
+
+/// From random numbers to a point.
+pub enum Map {
+    Square(OfSquare<Vec3>),
+    Sphere(Directions),
+    /// As many numbers as it takes.
+    Free(fn(&mut dyn Sampler) -> Vec3),
+}
+
+type OfSquare<T> = Box<dyn Fn(Vec2) -> T + Send + Sync>;
+
+/// A map to the sphere, and the density that its directions should have [sr⁻¹].
+pub struct Directions {
+    pub map: OfSquare<Vec3>,
+    pub pdf: Box<dyn Fn(Vec3) -> f32 + Send + Sync>,
 }
 
 pub struct Warp {
     pub name: &'static str,
     pub about: &'static str,
     pub kin: Kindred,
-    map: fn(&Parameters, &mut dyn Sampler) -> Vec3,
+    /// Fails where the parameters leave nothing to draw.
+    pub map: fn(&Parameters) -> Result<Map>,
 }
 
 /// To add a warp to the list: a row here.
@@ -38,70 +64,109 @@ pub const WARPS: &[Warp] = &[
         name: "disk",
         about: "Uniform on the unit disk, by the concentric map.",
         kin: Kindred::Plane,
-        map: |_, s| warp::disk(s.next_2d()).extend(0.0),
+        map: |_| of_square(|u| warp::disk(u).extend(0.0)),
     },
     Warp {
         name: "triangle",
         about: "Uniform on a triangle, as the barycentrics of two corners.",
         kin: Kindred::Square,
-        map: |_, s| warp::triangle(s.next_2d()).extend(0.0),
+        map: |_| of_square(|u| warp::triangle(u).extend(0.0)),
     },
     Warp {
         name: "ball-rejection",
         about: "Uniform in the unit ball: points of the cube, until one lies inside.",
         kin: Kindred::Space,
-        map: |_, s| rejected(s),
+        map: |_| Ok(Map::Free(rejected)),
     },
     Warp {
         name: "ball",
         about: "Uniform in the unit ball, directly: a direction, and the cube root of u for a radius.",
         kin: Kindred::Space,
-        map: |_, s| ball(s),
+        map: |_| Ok(Map::Free(ball)),
     },
-    Warp { name: "sphere", about: "Uniform on the unit sphere.", kin: Kindred::Space, map: |_, s| warp::uniform_sphere(s.next_2d()) },
+    Warp {
+        name: "sphere",
+        about: "Uniform on the unit sphere.",
+        kin: Kindred::Space,
+        map: |_| of_sphere(warp::uniform_sphere, |_| warp::uniform_sphere_pdf()),
+    },
     Warp {
         name: "hemisphere",
         about: "Uniform on the hemisphere z > 0.",
         kin: Kindred::Space,
-        map: |_, s| warp::uniform_hemisphere(s.next_2d()),
+        map: |_| of_sphere(warp::uniform_hemisphere, warp::uniform_hemisphere_pdf),
     },
     Warp {
         name: "hemisphere-angles",
         about: "The usual mistake: uniform in the angle, so that points crowd at the pole. Compare `hemisphere` and `cosine`.",
         kin: Kindred::Space,
-        map: |_, s| angles(s.next_2d()),
+        map: |_| of_sphere(angles, warp::uniform_hemisphere_pdf),
     },
     Warp {
         name: "cosine",
         about: "On the hemisphere, with density proportional to the cosine.",
         kin: Kindred::Space,
-        map: |_, s| warp::cosine_hemisphere(s.next_2d()),
+        map: |_| of_sphere(warp::cosine_hemisphere, warp::cosine_hemisphere_pdf),
     },
     Warp {
         name: "cosine-power",
         about: "On the hemisphere, with density proportional to cosⁿ: --exponent n.",
         kin: Kindred::Space,
-        map: |p, s| warp::cos_power_hemisphere(s.next_2d(), p.exponent),
+        map: |&Parameters { exponent: n, .. }| {
+            of_sphere(move |u| warp::cos_power_hemisphere(u, n), move |w| warp::cos_power_hemisphere_pdf(w, n))
+        },
     },
     Warp {
         name: "cone",
         about: "Uniform on a cone of directions: --angle degrees, its half angle.",
         kin: Kindred::Space,
-        map: |p, s| warp::uniform_cone(s.next_2d(), p.one_minus_cos),
+        map: |&Parameters { one_minus_cos: h, .. }| {
+            let inside = move |w: Vec3| if 1.0 - w.z <= h { warp::uniform_cone_pdf(h) } else { 0.0 };
+            of_sphere(move |u| warp::uniform_cone(u, h), inside)
+        },
+    },
+    Warp {
+        name: "spherical-triangle",
+        about: "Uniform in the solid angle of a triangle, seen from the origin: --corners A B C.",
+        kin: Kindred::Space,
+        map: spherical_triangle,
+    },
+    Warp {
+        name: "spherical-rectangle",
+        about: "Uniform in the solid angle of a rectangle, seen from the origin: --corners A B C, the right angle at A.",
+        kin: Kindred::Space,
+        map: spherical_rectangle,
+    },
+    Warp {
+        name: "visible-ggx",
+        about: "Normals of the facets in sight, by Trowbridge and Reitz (GGX): --alpha X,Y --wo THETA,PHI.",
+        kin: Kindred::Space,
+        map: |p| visible_normals(p, Distribution::Ggx),
+    },
+    Warp {
+        name: "visible-beckmann",
+        about: "Normals of the facets in sight, of Gaussian slopes: --alpha X,Y --wo THETA,PHI.",
+        kin: Kindred::Space,
+        map: |p| visible_normals(p, Distribution::Beckmann),
     },
 ];
 
 /// What samplers draw.
-pub const SQUARE: Warp = Warp { name: "square", about: "", kin: Kindred::Square, map: |_, s| s.next_2d().extend(0.0) };
+pub const SQUARE: Warp = Warp { name: "square", about: "", kin: Kindred::Square, map: |_| of_square(|u| u.extend(0.0)) };
 
 /// The first `count` points.
-pub fn draw(warp: &Warp, parameters: Parameters, sampler: Kind, seed: u64, count: u32) -> Vec<Vec3> {
-    let mut sampler = SamplerSpec { kind: sampler, seed, spp: count.into() }.build();
-    let mut point = |i: u32| {
-        sampler.start(UVec2::ZERO, i.into());
-        (warp.map)(&parameters, &mut *sampler)
+pub fn draw(warp: &Warp, parameters: &Parameters, sampler: Kind, seed: u64, count: u32) -> Result<Vec<Vec3>> {
+    let map = (warp.map)(parameters)?;
+    let map = |sampler: &mut dyn Sampler| match &map {
+        Map::Square(map) | Map::Sphere(Directions { map, .. }) => map(sampler.next_2d()),
+        Map::Free(map) => map(sampler),
     };
-    (0..count).map(&mut point).collect()
+    let mut sampler = SamplerSpec { kind: sampler, seed, spp: count.into() }.build();
+    let point = |i: u32| {
+        sampler.start(UVec2::ZERO, i.into());
+        map(&mut *sampler)
+    };
+    Ok((0..count).map(point).collect())
 }
 
 /// A header and a line per point, with all digits.
@@ -114,6 +179,52 @@ pub fn csv(points: &[Vec3], warp: &Warp) -> String {
         };
     }
     text
+}
+
+fn of_square(map: fn(Vec2) -> Vec3) -> Result<Map> {
+    Ok(Map::Square(Box::new(map)))
+}
+
+fn of_sphere(map: impl Fn(Vec2) -> Vec3 + Send + Sync + 'static, pdf: impl Fn(Vec3) -> f32 + Send + Sync + 'static) -> Result<Map> {
+    Ok(Map::Sphere(Directions { map: Box::new(map), pdf: Box::new(pdf) }))
+}
+
+fn spherical_triangle(parameters: &Parameters) -> Result<Map> {
+    let seen = SphericalTriangle::new(parameters.corners).ok_or_else(unseen)?;
+    of_sphere(move |u| seen.sample(u), move |w| if seen.contains(w) { seen.pdf() } else { 0.0 })
+}
+
+fn spherical_rectangle(parameters: &Parameters) -> Result<Map> {
+    let [corner, b, c] = parameters.corners;
+    let edges = [b - corner, c - corner];
+    // Decimals in f32 leave a right angle off by a rounding of each coordinate.
+    let scale = parameters.corners.map(Vec3::length).into_iter().fold(0.0, f32::max);
+    if edges[0].dot(edges[1]).abs() > gamma(8) * scale * (edges[0].length() + edges[1].length()) {
+        return Err(Error::Usage("--corners: expected a right angle at the first corner of a spherical-rectangle".into()));
+    }
+    let seen = SphericalRectangle::new(corner, edges).ok_or_else(unseen)?;
+    of_sphere(move |u| seen.sample(u), move |w| if seen.contains(w) { seen.pdf() } else { 0.0 })
+}
+
+fn unseen() -> Error {
+    Error::Usage("--corners: expected corners that span an area as seen from the origin, not edge-on".into())
+}
+
+fn visible_normals(parameters: &Parameters, distribution: Distribution) -> Result<Map> {
+    let [theta, phi] = parameters.wo;
+    if theta > 90.0 {
+        return Err(Error::Usage(format!("--wo {theta},{phi}: expected at most 90 degrees from the normal; facets are seen from above")));
+    }
+    let smooth = || Error::Usage(format!("--alpha: expected at least {MIN_ALPHA:?}, smoother than which is a mirror"));
+    let facets = Microfacets::new(parameters.alpha, distribution).ok_or_else(smooth)?;
+    let ((sin, cos), (y, x)) = (float::sin_cos_degrees(theta), float::sin_cos_degrees(phi));
+    let wo = Local(DVec3::new(sin * x, sin * y, cos).as_vec3());
+    // G₁(wo) (wo·h) D(h) / cos θo, see `Microfacets::across`.
+    let pdf = move |h: Vec3| {
+        let in_sight = if h.z > 0.0 { wo.0.dot(h).max(0.0) } else { 0.0 };
+        2.0 * in_sight * facets.density(Local(h)) / (wo.cos() + facets.across(wo))
+    };
+    of_sphere(move |u| facets.sample_visible(wo, u).0, pdf)
 }
 
 fn rejected(sampler: &mut dyn Sampler) -> Vec3 {

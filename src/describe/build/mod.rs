@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Color, Encoding, Scene, Shape, Size};
+use super::{Color, Encoding, Scene, Shape, Size, files};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::film::FilmSpec;
@@ -46,15 +46,22 @@ pub struct Source<'a> {
     pub file: &'a str,
     /// Relative paths start here.
     pub folder: &'a Path,
+    /// Whether the scene may name files that lie elsewhere.
+    pub allow_outside: bool,
 }
 
 /// Builds the world that `scene` describes.
 ///
 /// # Errors
-/// `Invalid`: mesh files that cannot be used, shapes that cannot be placed; all of them. `Io`: files that cannot be read.
+/// `Invalid`: files that lie outside of the scene's folder, mesh files that cannot be used, shapes that cannot be placed; all of them. `Io`: files that cannot be read.
 pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     let misplaced = |message| Error::invalid(locate(source.root, source.file, "/camera/transform", message));
     let camera = camera::camera(&scene.camera).map_err(misplaced)?;
+    let refused = files::refused(scene, source.folder, source.allow_outside).into_iter().take(crate::MAX_FAULTS);
+    let refused: Vec<Fault> = refused.map(|(pointer, message)| locate(source.root, source.file, &pointer, message)).collect();
+    if !refused.is_empty() {
+        return Err(Error::Invalid(refused));
+    }
     let mut needs = vec![("camera".to_owned(), camera.effects())];
     let world = World::builder(camera);
     let mut builder = Builder {

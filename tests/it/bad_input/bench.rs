@@ -14,6 +14,9 @@ pub const RIGHT: &str = r#"{"pt": 1,
 "sampler": {"spp": 1},
 "background": {"radiance": 1}"#;
 
+/// One that is right and has no light, for further keys.
+pub const UNLIT: &str = r#"{"pt": 1, "camera": {}, "film": {"width": 8, "height": 6}"#;
+
 /// The first four lines of `mesh.obj`.
 pub const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 /// The end of a scene that names it.
@@ -39,7 +42,10 @@ impl Bench {
             fs::write(at.join(name), &right).expect("write");
         }
         #[cfg(unix)]
-        assert!(Command::new("mkfifo").arg(at.join("pipe")).status().expect("mkfifo runs").success());
+        {
+            assert!(Command::new("mkfifo").arg(at.join("pipe")).status().expect("mkfifo runs").success());
+            std::os::unix::fs::symlink("/etc/passwd", at.join("link.obj")).expect("a link");
+        }
         Bench { folder, met: BTreeSet::new(), wrong: vec![] }
     }
 
@@ -73,6 +79,19 @@ impl Bench {
     pub fn mesh(&mut self, row: &'static str, statements: &str, code: i32, phrase: &str) {
         fs::write(self.folder.path().join("mesh.obj"), format!("{SQUARE}{statements}")).expect("write");
         self.scene(row, &format!("{RIGHT}{MESH}"), code, phrase);
+    }
+
+    /// A file by this name, as JSON: of a mesh, of a picture under a name, and of one within a material.
+    pub fn file(&mut self, row: &'static str, name: &str, code: i32, phrase: &str) {
+        let picture = format!(r#"{{"type": "image", "file": ^{name}}}"#);
+        let disk = |albedo: &str| format!(r#""shapes": [{{"type": "disk", "material": {{"type": "diffuse", "albedo": {albedo}}}}}]"#);
+        for (keys, pointer) in [
+            (format!(r#""shapes": [{{"type": "mesh", "file": ^{name}}}]"#), "/shapes/0"),
+            (format!(r#""textures": {{"t": {picture}}}, {}"#, disk(r#""t""#)), "/textures/t"),
+            (disk(&format!(r#"{{"type": "mix", "a": {picture}, "b": 0, "share": 0}}"#)), "/shapes/0/material/albedo/a"),
+        ] {
+            self.scene(row, &format!("{RIGHT},\n{keys}}}"), code, &format!("{pointer}/file: {phrase}"));
+        }
     }
 
     pub fn judge(&mut self, row: &'static str, given: &str, mut command: Command, code: i32, phrase: &str) {

@@ -1,0 +1,66 @@
+//! Directions of a warp against the density that they should have.
+
+use std::fmt;
+use std::process::ExitCode;
+
+use glam::Vec2;
+
+use super::points::{Directions, Map, Parameters, Warp};
+use crate::bsdf::{BsdfSample, Lobe, TransportMode};
+use crate::cli::{args, say};
+use crate::error::{Error, Result};
+use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
+use crate::measure::sidak;
+use crate::proof::{Chi2, Drawn, Model, Options, chi2};
+
+/// Prints the tests of three divisions of the sphere; 1 where one of them says no at a level of 1 % for all.
+pub fn judge(warp: &Warp, parameters: &Parameters, args: &args::Sample) -> Result<ExitCode> {
+    let Map::Sphere(directions) = (warp.map)(parameters)? else {
+        return Err(Error::Usage(format!("--chi2: the points of {} are no directions", warp.name)));
+    };
+    let options = Options { samples: args.samples, seed: args.seed, ..Options::default() };
+    let drawn = Drawn::new(&Scattering { warp, directions }, Local::NORMAL, 0, &options);
+    let tests = tests(&drawn);
+    say(&format!("samples        {}\n∫ pdf          {:.5}\nchi² p         {}\n", drawn.samples, drawn.mass, figures(&tests)))?;
+    let refused = tests.iter().any(|(_, test)| test.p < sidak(options.alpha, tests.len()));
+    Ok(ExitCode::from(u8::from(refused)))
+}
+
+/// What each division says.
+pub fn tests(drawn: &Drawn) -> Vec<(&'static str, Chi2)> {
+    drawn.divisions.iter().map(|division| (division.name, chi2(&division.shares, &division.counts))).collect()
+}
+
+pub fn figures(tests: &[(&str, Chi2)]) -> String {
+    let figures: Vec<String> =
+        tests.iter().map(|(name, test)| format!("{:.3} ({name}, {} degrees of freedom)", test.p, test.freedom)).collect();
+    figures.join(", ")
+}
+
+/// A surface that scatters all light into these directions, wherever it comes from.
+struct Scattering<'a> {
+    warp: &'a Warp,
+    directions: Directions,
+}
+
+impl fmt::Debug for Scattering<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.warp.name)
+    }
+}
+
+impl Model for Scattering<'_> {
+    fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
+        Spectrum::gray(self.pdf(wo, wi).get())
+    }
+
+    fn pdf(&self, _wo: Local, wi: Local) -> SolidAnglePdf {
+        SolidAnglePdf::new((self.directions.pdf)(wi.0))
+    }
+
+    fn sample(&self, wo: Local, _choice: f32, u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
+        let wi = Local((self.directions.map)(u));
+        let density = Density::Smooth(self.pdf(wo, wi));
+        Some(BsdfSample { wi, weight: Spectrum::ONE, density, lobe: Lobe::Reflection, eta: 1.0 })
+    }
+}

@@ -1,0 +1,139 @@
+//! The files that a scene names: with its own folder it may do as it likes, the rest of the disk is not its business.
+//!
+//! A scene comes from anywhere; what it may read goes into a picture or a message. Paths are therefore relative and stay within the
+//! scene file's folder, unless whoever starts pt allows more.
+
+use std::path::Path;
+
+use super::material::{Material, MaterialRef};
+use super::scene::Scene;
+use super::shape::Shape;
+use super::texture::{Texture, Textured};
+use crate::reader::escaped;
+
+/// Bytes of a path: no system takes more.
+const LONGEST: usize = 4096;
+
+/// JSON pointers to what is no file name, or leads out of `folder` and may not; with what is wrong with each.
+///
+/// Where a path leads is asked of its text first, so that nothing is said about what exists elsewhere; then of the disk, since links
+/// lead out as well.
+pub(super) fn refused(scene: &Scene, folder: &Path, allow_outside: bool) -> Vec<(String, String)> {
+    let mut files = Files(vec![]);
+    scene.textures.iter().for_each(|(name, texture)| files.texture(&format!("/textures{}", escaped(name)), texture));
+    scene.materials.iter().for_each(|(name, material)| files.material(&format!("/materials{}", escaped(name)), material));
+    files.shapes("/shapes", &scene.shapes);
+    let why_not = |file: &str| no_name(file).or_else(|| if allow_outside { None } else { outside(file, folder) });
+    files.0.into_iter().filter_map(|(pointer, file)| Some((pointer, why_not(file)?))).collect()
+}
+
+/// Names that a message could not show.
+fn no_name(file: &str) -> Option<String> {
+    let too_long = (file.len() > LONGEST).then(|| format!("a file name of {} bytes, expected at most {LONGEST}", file.len()));
+    too_long.or_else(|| file.contains(char::is_control).then(|| "a file name with control characters".to_owned()))
+}
+
+fn outside(file: &str, folder: &Path) -> Option<String> {
+    let why = if is_absolute(file) {
+        "is no path from the scene file's folder"
+    } else if climbs_out(file) {
+        "leads out of the scene file's folder"
+    } else if is_linked_out(file, folder) {
+        "is a link out of the scene file's folder"
+    } else {
+        return None;
+    };
+    Some(format!("{file}: {why}; if it may, say --allow-outside"))
+}
+
+/// On any system: a scene that one refuses the others refuse too.
+fn is_absolute(file: &str) -> bool {
+    let has_drive = file.as_bytes().first().is_some_and(u8::is_ascii_alphabetic) && file[1..].starts_with(':');
+    file.starts_with(['/', '\\', '~']) || has_drive || Path::new(file).is_absolute()
+}
+
+/// Whether any of its steps leaves the folder, even if a later one returns.
+fn climbs_out(file: &str) -> bool {
+    let mut depth = 0i32;
+    file.split(['/', '\\']).any(|step| {
+        depth += match step {
+            "" | "." => 0,
+            ".." => -1,
+            _ => 1,
+        };
+        depth < 0
+    })
+}
+
+/// What does not exist leads nowhere.
+fn is_linked_out(file: &str, folder: &Path) -> bool {
+    let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+    let real = |path: &Path| path.canonicalize().ok();
+    Option::zip(real(folder), real(&folder.join(file))).is_some_and(|(folder, file)| !file.starts_with(folder))
+}
+
+/// With their JSON pointers.
+struct Files<'s>(Vec<(String, &'s str)>);
+
+impl<'s> Files<'s> {
+    fn shapes(&mut self, pointer: &str, shapes: &'s [Shape]) {
+        for (i, shape) in shapes.iter().enumerate() {
+            let pointer = format!("{pointer}/{i}");
+            if let Some(material) = shape.material() {
+                self.material_ref(&format!("{pointer}/material"), material);
+            }
+            match shape {
+                Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes),
+                Shape::Mesh(mesh) => {
+                    self.0.extend(mesh.file.as_deref().map(|file| (format!("{pointer}/file"), file)));
+                    for (name, material) in &mesh.materials {
+                        self.material_ref(&format!("{pointer}/materials{}", escaped(name)), material);
+                    }
+                }
+                Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) => {}
+            }
+        }
+    }
+
+    fn material_ref(&mut self, pointer: &str, material: &'s MaterialRef) {
+        if let MaterialRef::Inline(material) = material {
+            self.material(pointer, material);
+        }
+    }
+
+    fn material(&mut self, pointer: &str, material: &'s Material) {
+        material.textures().into_iter().for_each(|(key, texture)| self.textured(&format!("{pointer}/{key}"), texture));
+        material.parts().into_iter().for_each(|(key, part)| self.material_ref(&format!("{pointer}/{key}"), part));
+    }
+
+    fn textured(&mut self, pointer: &str, color: &'s Textured) {
+        if let Textured::Texture(texture) = color {
+            self.texture(pointer, texture);
+        }
+    }
+
+    fn texture(&mut self, pointer: &str, texture: &'s Texture) {
+        if let Texture::Image(image) = texture {
+            self.0.push((format!("{pointer}/file"), &image.file));
+        }
+        texture.parts().into_iter().for_each(|(key, part)| self.textured(&format!("{pointer}/{key}"), part));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_counted_on_every_system() {
+        for file in ["a", "./a", "a/../b", "a//b/../../c", "a\\..\\b", "..a/b", "a..", "...", "ab:c/d", "é:x", ""] {
+            assert!(!is_absolute(file) && !climbs_out(file), "{file}");
+        }
+        for file in ["..", "../a", "a/../../b", "./../a", "a/../../scenes/b", "..\\a", "a\\..\\..\\b"] {
+            assert!(climbs_out(file) && !is_absolute(file), "{file}");
+        }
+        for file in ["/a", "//server/share", "\\\\server\\share\\a", "\\a", "~/a", "~user/a", "C:\\a", "c:/a", "c:a"] {
+            assert!(is_absolute(file), "{file}");
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! How rough a surface is, as scenes describe it: by a texture, and too little to matter.
+
+use std::path::Path;
+
+use glam::Vec3;
+use pt::bsdf::{Bsdf, TransportMode};
+use pt::describe::{self, Built, Source};
+use pt::math::{Local, Ray};
+use pt::scene::Scene;
+
+use crate::random::Random;
+
+/// A square of two metres that faces the camera, of this material.
+fn square(material: &str) -> Built {
+    let scene = format!(
+        r#"{{"pt": 1, "camera": {{}}, "background": {{"radiance": 1}}, "materials": {{"m": {material}}},
+            "shapes": [{{"type": "quad", "size": 2, "material": "m"}}]}}"#
+    );
+    let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
+    let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
+    let source = Source { root: &root, file: "s.json", folder: Path::new(""), allow_outside: false };
+    describe::build(&described, source).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Where x < 0, or x > 0: a checker of two squares side by side has its even one first.
+fn bsdf(built: &Built, x: f32) -> Bsdf<'_> {
+    let ray = Ray::new(Vec3::new(x, -0.5, 3.0) - built.world.origin().as_vec3(), Vec3::NEG_Z);
+    let hit = built.world.intersect(&ray).expect("the square is there");
+    built.world.surface(&ray, &hit).bsdf
+}
+
+fn metal(roughness: &str, more: &str) -> String {
+    format!(r#"{{"type": "conductor", "metal": "Cu", "roughness": {roughness}{more}}}"#)
+}
+
+/// Two roughnesses on one metal are each what a metal of that roughness is. Both lie on rows of the table of lost light that textured
+/// metals share, multiples of 1/16, so that nothing is interpolated.
+#[test]
+fn a_textured_roughness_is_each_of_its_values() {
+    let mut random = Random::new(91);
+    for more in [r#", "multiscatter": false"#, "", r#", "distribution": "beckmann""#] {
+        let textured = square(&metal(r#"{"type": "checker", "even": 0.25, "odd": 0.625, "scale": 2}"#, more));
+        for (x, roughness) in [(-0.5, "0.25"), (0.5, "0.625")] {
+            let plain = square(&metal(roughness, more));
+            let (found, expected) = (bsdf(&textured, x), bsdf(&plain, 0.5));
+            assert!(matches!(found, Bsdf::RoughConductor(_)), "{found:?}");
+            for _ in 0..200 {
+                let [wo, wi] = [(); 2].map(|()| Local(random.direction().as_vec3()));
+                let (choice, u) = (random.unit() as f32, random.uniform_square());
+                assert_eq!(found.pdf(wo, wi), expected.pdf(wo, wi));
+                let [a, b] = [&found, &expected].map(|bsdf| bsdf.eval(wo, wi, TransportMode::Radiance).to_rgb());
+                let [c, d] = [&found, &expected].map(|bsdf| bsdf.sample(wo, choice, u, TransportMode::Radiance));
+                assert_eq!(c.map(|s| s.wi), d.map(|s| s.wi));
+                for (a, b) in a.into_iter().zip(b) {
+                    // The row is the same up to the rounding of its place, of a step of 1/16 in slopes of some tenths.
+                    assert!((a - b).abs() <= 1e-5 * b.abs(), "{roughness}{more}: {a}, expected {b} for {wo:?} {wi:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Where a textured roughness is 0 the metal is a mirror.
+#[test]
+fn a_textured_roughness_of_0_is_smooth() {
+    let textured = square(&metal(r#"{"type": "checker", "even": 0, "odd": 0.5, "scale": 2}"#, ""));
+    assert_eq!(bsdf(&textured, -0.5), bsdf(&square(&metal("0", "")), 0.5));
+    assert!(matches!(bsdf(&textured, -0.5), Bsdf::Conductor(_)));
+    assert!(matches!(bsdf(&textured, 0.5), Bsdf::RoughConductor(_)));
+}
+
+/// α = r² below 10⁻⁶ is no roughness that directions of f32 can show: r below 10⁻³ is said to be none, 0 itself is not.
+#[test]
+fn a_roughness_as_good_as_0_is_said() {
+    for kind in [r#""type": "conductor", "metal": "Au""#, r#""type": "dielectric", "eta": 1.5"#] {
+        for (roughness, is_said) in [("0", false), ("1e-6", true), ("9.99e-4", true), ("1.001e-3", false), ("0.5", false)] {
+            let warnings = square(&format!(r#"{{{kind}, "roughness": {roughness}}}"#)).warnings;
+            let said = warnings.iter().any(|warning| {
+                let value: f32 = roughness.parse().expect("a number");
+                *warning == format!("s.json: /materials/m/roughness: {value} is as good as 0, the surface is smooth")
+            });
+            assert_eq!(said, is_said, "{kind}, {roughness}: {warnings:?}");
+            assert_eq!(warnings.len(), usize::from(is_said), "{kind}, {roughness}: {warnings:?}");
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Patterns as scenes describe them, by their formulas.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec2, Vec3};
+use pt::bsdf::Bsdf;
+use pt::describe::{self, Source};
+use pt::math::{Ray, Spectrum};
+use pt::scene::Scene;
+use pt::shape::SurfacePoint;
+use pt::texture::noise::{perlin, turbulence};
+use pt::texture::{Marble, Space, Texture};
+use pt::world::World;
+
+use crate::random::Random;
+
+/// The unit sphere about the origin, matte in this texture.
+fn sphere(texture: &str) -> World {
+    let scene = format!(
+        r#"{{"pt": 1, "camera": {{}}, "textures": {{"t": {texture}}},
+            "shapes": [{{"type": "sphere", "material": {{"type": "diffuse", "albedo": "t"}}}}]}}"#
+    );
+    let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
+    let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
+    let source = Source { root: &root, file: "s.json", folder: Path::new(""), allow_outside: false };
+    describe::build(&described, source).unwrap_or_else(|e| panic!("{e}")).world
+}
+
+/// Where a ray from this side meets the sphere (a texture sees what is just behind that), and what is seen there.
+fn seen(world: &World, from: DVec3) -> (DVec3, f32) {
+    let ray = Ray::new((3.0 * from).as_vec3(), -from.as_vec3());
+    let hit = world.intersect(&ray).expect("it aims at the centre");
+    let surface = world.surface(&ray, &hit);
+    let Bsdf::Diffuse(diffuse) = surface.bsdf else { panic!("the sphere is matte") };
+    let behind = surface.point.p - surface.point.ng * surface.point.offset;
+    (behind.as_dvec3() + world.origin(), diffuse.albedo.average())
+}
+
+/// One ancestor's checker: odd where the product of three sines is negative.
+#[test]
+fn a_checker_in_radians_has_the_sign_of_three_sines() {
+    let mut random = Random::new(81);
+    for radians in [1.0, 10.0, 31.4] {
+        let texture = format!(r#"{{"type": "checker", "even": 0.75, "odd": 0.25, "scale": {{"radians": {radians}}}, "on": "position"}}"#);
+        let world = sphere(&texture);
+        let mut odd = 0;
+        for _ in 0..2000 {
+            let (p, albedo) = seen(&world, random.direction());
+            let sines = (radians * p).to_array().map(f64::sin);
+            // Nearer to a wall than f32 tells 31.4 p: on either side.
+            if sines.iter().any(|sine| sine.abs() < 2e-5) {
+                continue;
+            }
+            let product: f64 = sines.iter().product();
+            assert_eq!(albedo, if product < 0.0 { 0.25 } else { 0.75 }, "{radians} at {p}");
+            odd += u32::from(product < 0.0);
+        }
+        assert!((500..1500).contains(&odd), "{odd} of 2000 are odd");
+    }
+}
+
+/// Its cells are π/r wide: the two ways to say a scale agree.
+#[test]
+fn radians_are_cells_by_pi() {
+    let mut random = Random::new(82);
+    let checker = |scale: &str| sphere(&format!(r#"{{"type": "checker", "scale": {scale}, "on": "position"}}"#));
+    let (cells, radians) = (checker("4"), checker(r#"{"radians": 12.566370614359172}"#));
+    for _ in 0..1000 {
+        let from = random.direction();
+        assert_eq!(seen(&cells, from), seen(&radians, from));
+    }
+}
+
+/// From `base` to `veins` by ½ (1 + sin(scale·z + 10·turbulence(p))).
+#[test]
+fn marble_is_a_sine_stirred_by_turbulence() {
+    let mut random = Random::new(83);
+    for scale in [0.5, 4.0, 20.0] {
+        let [base, veins] = [Spectrum::rgb(0.25, 0.5, 0.0), Spectrum::rgb(0.75, 0.5, 1.0)];
+        let to_texture = random.rotation();
+        let space = Space::World(to_texture);
+        let marble = Texture::Marble(Box::new(Marble { base: base.into(), veins: veins.into(), scale, space }));
+        let world = sphere(&format!(r#"{{"type": "marble", "base": 0, "veins": 1, "scale": {scale}}}"#));
+        // The phase is up to 20 + 10 · 2, its rounding 2⁻²⁰; the point's own is 2⁻²⁴ of 1, times the slope of the
+        // turbulence, at most some 1.5 for each of seven octaves, times 10.
+        const TOLERANCE: f64 = 1e-5;
+        let share = |p: DVec3| 0.5 * (1.0 + (scale * p.z + 10.0 * turbulence(p, 7)).sin());
+        for _ in 0..1000 {
+            let p = random.in_cube().as_vec3();
+            let point = SurfacePoint { p, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
+            let expected = base.mix(veins, share(to_texture.point(p.as_dvec3())) as f32);
+            let found = marble.at(&point);
+            for (found, expected) in found.to_rgb().into_iter().zip(expected.to_rgb()) {
+                assert!(f64::from((found - expected).abs()) < TOLERANCE, "{scale} at {p}: {found}, expected {expected}");
+            }
+            let (p, found) = seen(&world, random.direction());
+            assert!((f64::from(found) - share(p)).abs() < TOLERANCE, "described, {scale} at {p}: {found}, expected {}", share(p));
+        }
+    }
+}
+
+/// Σ 2⁻ᵏ |n(2ᵏ p)|, octaves shifted by half a cell each: never negative, creased, and not the absolute value of the sum.
+#[test]
+fn turbulence_is_the_sum_of_absolute_octaves() {
+    let mut random = Random::new(84);
+    for _ in 0..1000 {
+        let p = 10.0 * random.in_cube();
+        let octave = |k: i32| perlin(p * 2f64.powi(k) + DVec3::splat(0.5 * f64::from(k))).abs() / 2f64.powi(k);
+        let sum: f64 = (0..7).map(octave).sum();
+        assert!((turbulence(p, 7) - sum).abs() < 1e-14, "{p}");
+    }
+}
