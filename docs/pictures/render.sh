@@ -19,6 +19,7 @@ picture mirror-balls      mirror-balls    --size 280x210 --spp 256
 picture mattness          mattness        --size 288x180 --spp 256
 picture matter            matter          --size 288x180 --spp 256
 picture metals            metals          --size 288x180 --spp 512
+picture compounds       compounds       --size 288x180 --spp 512
 picture statue            statue          --size 270x360 --spp 256
 picture pawns             pawns           --size 280x210 --spp 256
 picture triangle-stacks   triangle-stacks --size 240x320 --spp 256

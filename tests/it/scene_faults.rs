@@ -1,6 +1,16 @@
 //! What each part of the scene format refuses, and in which words; more of it in the table of `bad_input`.
 
+use std::path::Path;
+
+use pt::describe::{self, Source};
+
 use crate::marked::{assert_fault, assert_fault_in_scene, read, scene};
+
+fn build(text: &str) -> pt::Result<()> {
+    let root = describe::root(text.as_bytes(), "scene.json")?;
+    let source = Source { root: &root, file: "scene.json", folder: Path::new(""), allow_outside: false };
+    describe::build(&describe::read(&root, "scene.json")?, source).map(drop)
+}
 
 #[test]
 fn cameras() {
@@ -108,4 +118,48 @@ fn textures_within_textures_are_limited() {
     let faults = read(chain(10_000)).expect_err("too deep");
     assert_eq!(faults.len(), 1);
     assert!(faults[0].contains("/textures/t9936: textures lie within each other deeper than 64"), "{}", faults[0]);
+}
+
+/// The same of materials, each a mix of the next with itself.
+fn mixes(length: usize, shapes: &str) -> String {
+    let link = |i: usize| format!(r#""m{i}": {{"type": "mix", "a": "m{}", "b": "m{}", "share": 0.5}},"#, i + 1, i + 1);
+    let links: String = (1..length).map(link).collect();
+    scene(&format!(r#""materials": {{{links} "m{length}": {{"type": "diffuse"}}}}, "shapes": [{shapes}]"#))
+}
+
+#[test]
+fn materials_within_materials_are_limited() {
+    assert!(read(mixes(8, "")).is_ok());
+    let faults = read(mixes(10_000, "")).expect_err("too deep");
+    assert_eq!(faults.len(), 1);
+    assert!(faults[0].contains("/materials/m9992: materials lie within each other deeper than 8"), "{}", faults[0]);
+}
+
+/// Mixes written out within mixes, and each of them by name again and again: refused by their number, in no time.
+#[test]
+fn materials_do_not_explode() {
+    let wide = |of: &str| {
+        let mix = |a: String| format!(r#"{{"type": "mix", "a": {a}, "b": {a}, "share": 0.5}}"#);
+        (0..5).fold(format!("{of:?}"), |inner, _| mix(inner))
+    };
+    let links: Vec<String> = (1..7).map(|i| format!(r#""m{i}": {}"#, wide(&format!("m{}", i + 1)))).collect();
+    let text = scene(&format!(
+        r#""materials": {{{}, "m7": {{"type": "diffuse"}}}}, "shapes": [{{"type": "disk", "material": "m1"}}]"#,
+        links.join(", ")
+    ));
+    let error = build(&text).expect_err("32^6 materials");
+    assert!(error.to_string().contains("/materials: materials within materials make more than 4096 of them"), "{error}");
+}
+
+/// Nine kinds of glass in one surface bend light nine ways, and mirror it: more than a path can branch into.
+#[test]
+fn glasses_in_one_surface_are_limited() {
+    let glass = |i: usize| format!(r#"{{"type": "dielectric", "eta": 1.{i}}}"#);
+    let mixed = |count: usize| {
+        let more = |inner: String, i: usize| format!(r#"{{"type": "mix", "a": {inner}, "b": {}, "share": 0.5}}"#, glass(i));
+        scene(&format!(r#""shapes": [{{"type": "disk", "material": {}}}]"#, (2..=count).fold(glass(1), more)))
+    };
+    assert!(build(&mixed(7)).is_ok());
+    let error = build(&mixed(8)).expect_err("nine directions");
+    assert!(error.to_string().contains("/shapes/0/material: sends light into more than 8 single directions"), "{error}");
 }
