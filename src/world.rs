@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::accel;
-use crate::bsdf::Skin;
+use crate::bsdf::{Bsdf, Skin};
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
@@ -30,10 +30,19 @@ pub struct World {
     origin: DVec3,
 }
 
-/// A skin, and whether it needs the axes of the surface.
+/// A skin, and what is known of it beforehand.
 struct Worn {
     skin: Skin,
+    /// The model that it is everywhere, if it is, and if it needs no more than the shading normal.
+    uniform: Option<Bsdf<'static>>,
     needs_tangents: bool,
+}
+
+impl Worn {
+    fn new(skin: Skin) -> Worn {
+        let needs_tangents = skin.needs_tangents();
+        Worn { uniform: skin.material.uniform().filter(|_| !needs_tangents), needs_tangents, skin }
+    }
 }
 
 /// What a shape wears.
@@ -142,8 +151,7 @@ impl WorldBuilder {
         };
         let dresses: Vec<Dress> = self.objects.into_iter().enumerate().map(dress).collect();
         let lights = Lights::new(lights, shapes.clone(), hierarchy.bounds().radius());
-        let wear = |skin: Skin| Worn { needs_tangents: skin.needs_tangents(), skin: skin.recentred(origin) };
-        let skins: Vec<Worn> = self.skins.into_iter().map(wear).collect();
+        let skins: Vec<Worn> = self.skins.into_iter().map(|skin| Worn::new(skin.recentred(origin))).collect();
 
         let worn = dresses.iter().flat_map(|d| &d.materials).map(|m| skins[m.0 as usize].skin.effects());
         let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
@@ -239,6 +247,9 @@ impl Scene for World {
         let (point, worn) = (self.point(ray, hit), self.worn(hit));
         let dress = &self.dresses[hit.shape as usize];
         let emission = dress.emission.map(|e| (e, dress.first_light + hit.primitive));
+        if let (Some(bsdf), false) = (worn.uniform, dress.has_lift) {
+            return Surface::new(point, bsdf, emission);
+        }
         // A ray that meets a surface from inside has been inside since it last met one: exact for a body without others in it.
         let inside = if ray.direction.dot(point.ng) > 0.0 { hit.t } else { 0.0 };
         let bsdf = worn.skin.material.met(&point, inside);

@@ -1,6 +1,6 @@
 //! What a surface is made of: a model whose parameters may vary from point to point.
 
-use glam::DVec3;
+use glam::{DVec3, Vec2, Vec3};
 
 use super::microfacet::{Albedo, Finish};
 use super::{
@@ -217,6 +217,25 @@ impl Material {
     /// - `inside`: the length of that way (m); 0 for light from outside
     pub fn met(&self, point: &SurfacePoint, inside: f32) -> Bsdf<'_> {
         match self {
+            Material::Compound(compound) => compound.met(&Place { point: *point, inside }),
+            Material::Filled { surface, absorption } => {
+                let surface = surface.met(point, inside);
+                if inside > 0.0 { surface.dimmed(absorption.map(|sigma| float::exp(-sigma * inside))) } else { surface }
+            }
+            // All others have one.
+            plain => plain.model(point).unwrap_or(Bsdf::Diffuse(Diffuse { albedo: Spectrum::BLACK })),
+        }
+    }
+
+    /// The model that a material is everywhere, if it is; to be looked up once.
+    pub fn uniform(&self) -> Option<Bsdf<'static>> {
+        const ANYWHERE: SurfacePoint = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
+        self.model(&ANYWHERE).filter(|_| !self.effects().contains(Effects::TEXTURES))
+    }
+
+    /// `None` for what is made of other materials.
+    fn model(&self, point: &SurfacePoint) -> Option<Bsdf<'static>> {
+        Some(match self {
             Material::Diffuse { albedo } => Bsdf::Diffuse(Diffuse { albedo: albedo.at(point) }),
             Material::Mirror { color } => Bsdf::Mirror(Mirror { color: color.at(point) }),
             Material::Conductor { reflectance, finish, losses } => {
@@ -258,12 +277,8 @@ impl Material {
                 }
             }
             Material::ThinDielectric { eta, color } => Bsdf::ThinDielectric(ThinDielectric { eta: *eta, color: color.at(point) }),
-            Material::Filled { surface, absorption } if inside > 0.0 => {
-                surface.met(point, inside).dimmed(absorption.map(|sigma| float::exp(-sigma * inside)))
-            }
-            Material::Filled { surface, .. } => surface.met(point, inside),
-            Material::Compound(compound) => compound.met(&Place { point: *point, inside }),
-        }
+            Material::Filled { .. } | Material::Compound(_) => return None,
+        })
     }
 
     /// The same material after the world has moved by −`origin`.

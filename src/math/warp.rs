@@ -5,6 +5,7 @@
 //! with 0 and 1 − 2⁻²⁴, gives a finite result inside the domain.
 
 use std::f32::consts::FRAC_PI_4;
+use std::hint::select_unpredictable;
 
 use glam::{Vec2, Vec3};
 
@@ -209,16 +210,13 @@ pub(crate) fn polar(u: Vec2) -> (f32, Vec2) {
     // Uniform numbers are the lower ends of cells of width 2⁻²⁴; taking the cells' centres is
     // exact in f32, symmetric, and keeps the radius below 1, where a cosine would be 0.
     let Vec2 { x: a, y: b } = (2.0 * u - 1.0) + ROUNDING;
-    if a.abs() > b.abs() {
-        let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (b / a));
-        (a, Vec2::new(cos, sin))
-    } else if b != 0.0 {
-        // The complement of the angle: its sine and cosine trade places.
-        let (sin, cos) = sin_cos_octant(FRAC_PI_4 * (a / b));
-        (b, Vec2::new(sin, cos))
-    } else {
-        (0.0, Vec2::X)
-    }
+    // Selected, not branched: which of the two it is cannot be foretold.
+    let steep = a.abs() <= b.abs();
+    let (r, small) = (select_unpredictable(steep, b, a), select_unpredictable(steep, a, b));
+    let ratio = if r == 0.0 { 0.0 } else { small / r };
+    // The complement of a steep angle: its sine and cosine trade places.
+    let (sin, cos) = sin_cos_octant(FRAC_PI_4 * ratio);
+    (r, Vec2::new(select_unpredictable(steep, sin, cos), select_unpredictable(steep, cos, sin)))
 }
 
 /// Rounding may carry an inverse just past an edge of [0, 1)².
