@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish};
-use pt::bsdf::{Element, Material};
+use pt::bsdf::{Coat, Element, Material, Principled, Relief, Skin};
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::Integrator;
@@ -76,6 +76,9 @@ impl Zoo {
         let bottle = world.material(Material::Filled { surface: Box::new(frosted), absorption });
         let bubble = world.material(Material::ThinDielectric { eta: 1.33, color: Spectrum::ONE.into() });
         let satin = world.material(Material::MatteCone { color: Spectrum::gray(0.7).into(), mattness: 0.2.into() });
+        let paint = world.material(self.paint(checker(Space::Uv)));
+        let veil = Skin { opacity: Some(0.6.into()), ..Material::mix(Material::mirror(Spectrum::ONE), Material::glass(1.2), 0.5).into() };
+        let veil = world.material(veil);
         let at = |x, y, z| Transform::translate(DVec3::new(x, y, z)).expect("finite");
         let flat = Transform::rotate(DVec3::X, -90.0).expect("an axis");
         let down = Transform::rotate(DVec3::X, 90.0).expect("an axis");
@@ -87,10 +90,32 @@ impl Zoo {
         world.shape(Sphere { radius: 0.25 }, self.place(at(-0.5, 0.25, 0.9)), bottle, None);
         world.shape(Quad { size: [0.5, 0.8] }, self.place(at(0.75, 0.4, 0.6)), brushed, None);
         world.shape(Sphere { radius: 0.2 }, self.place(at(-0.1, 1.3, 0.3)), bubble, None);
+        world.shape(Sphere { radius: 0.3 }, self.place(at(-1.6, 0.3, 0.9)), paint, None);
+        world.shape(Quad { size: [0.6, 0.6] }, self.place(at(-0.6, 0.5, 1.4)), veil, None);
         world.shape(Disk { radius: 0.9 }, self.place(at(0.0, 1.0, -1.9)), mirror, None);
         world.shape(TriangleMesh::new(ball()), self.place(at(1.2, 0.6, 0.2)), spotted, None);
         self.add_lights(&mut world, &at, &down, spotted);
         Arc::new(world.build().expect("the zoo is valid"))
+    }
+
+    /// Materials within materials, on a surface with a relief.
+    fn paint(&self, color: Texture) -> Skin {
+        let finish = |alpha: f32| Some(Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
+        let paint = Principled {
+            base_color: color.clone(),
+            metallic: 0.5.into(),
+            transmission: 0.2.into(),
+            specular: 1.0.into(),
+            finish: finish(0.1),
+            eta: 1.5,
+            coat: 0.8.into(),
+            lacquer: Coat::new(1.5, Spectrum::rgb(0.9, 0.8, 0.7), None),
+            sheen_color: 0.3.into(),
+            sheen_alpha: 0.2,
+            multiscatter: true,
+        };
+        let relief = Relief::Heights { map: color, scale: (1e-3 * self.scale) as f32 };
+        Skin { relief: Some(relief), ..Material::from(paint).into() }
     }
 
     fn add_lights(
