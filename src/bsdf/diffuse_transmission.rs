@@ -30,25 +30,25 @@ impl DiffuseTransmission {
     }
 
     pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
-        let reflected = self.probability();
-        let side = if wo.same_side(wi) { reflected } else { 1.0 - reflected };
+        let [reflected, transmitted] = self.probabilities();
+        let side = if wo.same_side(wi) { reflected } else { transmitted };
         SolidAnglePdf::new(side * FRAC_1_PI * wi.abs_cos())
     }
 
     pub fn sample(&self, wo: Local, choice: f32, u: Vec2) -> Option<BsdfSample> {
-        let reflected = self.probability();
+        let [reflected, transmitted] = self.probabilities();
         let (share, probability, lobe, side) = match choice < reflected {
             true => (self.reflectance, reflected, Lobe::Reflection, wo.cos()),
-            false => (self.transmittance, 1.0 - reflected, Lobe::Transmission, -wo.cos()),
+            false => (self.transmittance, transmitted, Lobe::Transmission, -wo.cos()),
         };
         let wi = Local(warp::cosine_hemisphere(u) * 1f32.copysign(side));
         let found = !share.is_black() && wo.cos() != 0.0;
         found.then(|| BsdfSample { wi, weight: share / probability, density: Density::Smooth(self.pdf(wo, wi)), lobe, eta: 1.0 })
     }
 
-    /// Of reflection.
-    fn probability(&self) -> f32 {
+    /// Of reflection and of transmission; neither as the rest of the other, which would be 0 before the light is.
+    fn probabilities(&self) -> [f32; 2] {
         let (r, t) = (self.reflectance.max(), self.transmittance.max());
-        if r + t > 0.0 { r / (r + t) } else { 1.0 }
+        if r + t > 0.0 { [r / (r + t), t / (r + t)] } else { [1.0, 0.0] }
     }
 }

@@ -44,8 +44,8 @@ impl OrenNayar {
         let s = wo.0.truncate().dot(wi.0.truncate());
         let t = if s > 0.0 { mu_o.max(mu_i) } else { 1.0 };
         let once = self.a() * (1.0 + self.roughness * s / t);
-        let mean = self.mean();
-        let grooves = if self.roughness > 0.0 { (1.0 - self.e(mu_o)) * (1.0 - self.e(mu_i)) / (1.0 - mean) } else { 0.0 };
+        let (mean, lost) = (self.mean(), self.a() * self.roughness);
+        let grooves = lost * loss(mu_o) * loss(mu_i) / (C1 - C2);
         let f = self.albedo.map(|rho| rho * once + rho * rho * mean / (1.0 - rho * (1.0 - mean)) * grooves);
         f * (FRAC_1_PI * mu_i)
     }
@@ -64,17 +64,17 @@ impl OrenNayar {
         1.0 / (1.0 + C1 * self.roughness)
     }
 
-    /// The albedo of light scattered once, at ρ = 1, seen under the cosine `mu`.
-    fn e(&self, mu: f32) -> f32 {
-        let sine = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
-        // (1 − sine³) sine/μ, with 1 − sine = μ²/(1 + sine) taken out, so that nothing cancels at grazing.
-        let cubic = sine * mu * (1.0 + sine + sine * sine) / (1.0 + sine);
-        let g = sine * (float::acos(mu) - sine * mu) + (2.0 / 3.0) * (cubic - sine);
-        self.a() * (1.0 + self.roughness * FRAC_1_PI * g)
-    }
-
     /// ∫ E(μ) 2μ dμ
     fn mean(&self) -> f32 {
         self.a() * (1.0 + C2 * self.roughness)
     }
+}
+
+/// (1 − E(μ)) / (A σ) = C₁ − G(μ)/π, from which small roughness takes no digits; its mean is C₁ − C₂.
+fn loss(mu: f32) -> f32 {
+    let sine = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
+    // (1 − sine³) sine/μ, with 1 − sine = μ²/(1 + sine) taken out, so that nothing cancels at grazing.
+    let cubic = sine * mu * (1.0 + sine + sine * sine) / (1.0 + sine);
+    let g = sine * (float::acos(mu) - sine * mu) + (2.0 / 3.0) * (cubic - sine);
+    (C1 - FRAC_1_PI * g).max(0.0)
 }

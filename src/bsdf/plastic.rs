@@ -43,12 +43,12 @@ impl Plastic {
     }
 
     pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
-        let density = (1.0 - self.probability(wo)) * FRAC_1_PI * wi.abs_cos();
+        let density = self.probabilities(wo)[1] * FRAC_1_PI * wi.abs_cos();
         SolidAnglePdf::new(if wo.same_side(wi) { density } else { 0.0 })
     }
 
     pub fn sample(&self, wo: Local, choice: f32, u: Vec2) -> Option<BsdfSample> {
-        let surface = self.probability(wo);
+        let [surface, _] = self.probabilities(wo);
         if choice < surface {
             return self.delta_lobe(wo).map(|lobe| BsdfSample { weight: lobe.weight / surface, ..lobe });
         }
@@ -72,10 +72,11 @@ impl Plastic {
         self.albedo.map(|rho| rho / (1.0 - rho * self.internal))
     }
 
-    /// Of the surface: the share of it in what comes back.
-    fn probability(&self, wo: Local) -> f32 {
+    /// Of surface and ground: their shares in what comes back, neither as the rest of the other.
+    fn probabilities(&self, wo: Local) -> [f32; 2] {
         let surface = self.surface(wo);
         let ground = (1.0 - surface) * self.ground().max() * (1.0 - self.internal);
-        if surface + ground > 0.0 { surface / (surface + ground) } else { 1.0 }
+        let sum = surface + ground;
+        if sum > 0.0 { [surface / sum, ground / sum] } else { [1.0, 0.0] }
     }
 }

@@ -8,12 +8,28 @@ use glam::Vec2;
 use proptest::prelude::*;
 
 use super::at;
-use crate::bsdf::{Bsdf, Conductor, Dielectric, Diffuse, MatteCone, Mirror, Reflectance, TransportMode};
+use crate::bsdf::{
+    Bsdf, Conductor, Dielectric, Diffuse, DiffuseTransmission, MatteCone, Mirror, OrenNayar, Plastic, Reflectance, ThinDielectric,
+    TransportMode,
+};
 use crate::math::float::{ONE_MINUS_EPSILON, ROUNDING, unit_f32};
 use crate::math::{Local, Spectrum};
 
-/// Any of pt's models, with parameters at, near, and between their limits.
+/// Any of pt's plain models that have no tables, with parameters at, near, and between their limits.
 pub fn any_bsdf() -> impl Strategy<Value = Bsdf<'static>> {
+    prop_oneof![
+        5 => simple_bsdf(),
+        1 => (color(), fraction()).prop_map(|(albedo, roughness)| Bsdf::OrenNayar(OrenNayar { albedo, roughness })),
+        1 => (color(), 1f32..4.0).prop_map(|(albedo, eta)| Bsdf::Plastic(Plastic { albedo, eta, internal: Plastic::internal(eta) })),
+        1 => (color(), eta()).prop_map(|(color, eta)| Bsdf::ThinDielectric(ThinDielectric { eta, color })),
+        1 => (color(), fraction()).prop_map(|(color, share)| {
+            Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance: color * (1.0 - share), transmittance: color * share })
+        }),
+    ]
+}
+
+/// Models that draw from one lobe, by weights that never exceed their colour.
+pub fn simple_bsdf() -> impl Strategy<Value = Bsdf<'static>> {
     let metal = ([0.05f32..5.0, 0.05f32..5.0, 0.05f32..5.0], [0f32..9.0, 0f32..9.0, 0f32..9.0]);
     prop_oneof![
         color().prop_map(|albedo| Bsdf::Diffuse(Diffuse { albedo })),

@@ -180,7 +180,7 @@ const SCENES: &[Row] = &[
         "B40",
         r#""materials": {"m": {"type": "sheen", "ground": ^"cloth"}}"#,
         3,
-        "/materials/m/ground: unknown material \"cloth\", did you mean",
+        "/materials/m/ground: unknown material \"cloth\", expected m",
     ),
     (
         "B40",

@@ -141,15 +141,16 @@ impl Layer {
         Some((fresnel::dielectric(cos, self.eta) * pair.scattered, pair.density))
     }
 
-    /// Of the coat to be sampled: its share in what comes back.
-    fn chance(&self, ground: &Bsdf, wo: Local) -> f32 {
+    /// Of coat and ground to be sampled: their shares in what comes back, neither as the rest of the other.
+    fn chances(&self, ground: &Bsdf, wo: Local) -> [f32; 2] {
         let coat = self.reflected(wo);
         let below = match ground {
             Bsdf::Diffuse(Diffuse { albedo }) => albedo.max(),
             _ => 1.0,
         };
         let ground = (1.0 - coat) * below;
-        if coat + ground > 0.0 { coat / (coat + ground) } else { 0.0 }
+        let sum = coat + ground;
+        if sum > 0.0 { [coat / sum, ground / sum] } else { [0.0, 1.0] }
     }
 }
 
@@ -177,18 +178,18 @@ impl Scatter for Coated {
 
     fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
         let (layer, ground) = self.at(at);
-        let chance = layer.chance(&ground, wo);
-        let coat = layer.reflection(wo, wi).map_or(0.0, |(_, pdf)| pdf);
-        SolidAnglePdf::new(coat * chance + ground.pdf(wo, wi).get() * (1.0 - chance))
+        let [coat, below] = layer.chances(&ground, wo);
+        let reflected = layer.reflection(wo, wi).map_or(0.0, |(_, pdf)| pdf);
+        SolidAnglePdf::new(coat * reflected + below * ground.pdf(wo, wi).get())
     }
 
     fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let (layer, ground) = self.at(at);
-        let chance = layer.chance(&ground, wo);
+        let [chance, below] = layer.chances(&ground, wo);
         let (coat, choice) = choose(choice, chance);
         if !coat {
             let sample = ground.sample(wo, choice, u, mode)?;
-            return self.of_part(at, wo, sample, 1.0 - chance, |wi| layer.through(&ground, wo, wi), mode);
+            return self.of_part(at, wo, sample, below, |wi| layer.through(&ground, wo, wi), mode);
         }
         let Some((facets, _)) = layer.facets else {
             let wi = Local(fresnel::reflect(wo.0));
