@@ -118,9 +118,10 @@ pub fn depth<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error
 /// # Errors
 /// Beyond `MOST`.
 pub fn at_most<'de, const MOST: u32, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
-    let number = u32::deserialize(deserializer)?;
+    // Wider than what is wanted, so that its own bound is the one that is told.
+    let number = i128::deserialize(deserializer)?;
     let refused = || D::Error::custom(format!("expected a whole number from 0 to {MOST}, found {number}"));
-    if number <= MOST { Ok(number) } else { Err(refused()) }
+    u32::try_from(number).ok().filter(|number| *number <= MOST).ok_or_else(refused)
 }
 
 /// A row of the table of integrators: it feeds the command line, its help, comparisons and the tests.

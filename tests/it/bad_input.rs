@@ -155,7 +155,12 @@ const SCENES: &[Row] = &[
         3,
         "/shapes/0/shapes/0/transform: all steps together: the transform's det 1.0e54",
     ),
-    ("B28", r#""integrator": {"type": "nee", "max_depth": ^-1}"#, 3, "/integrator/max_depth: expected a whole number from 0"),
+    (
+        "B28",
+        r#""integrator": {"type": "nee", "max_depth": ^-1}"#,
+        3,
+        "/integrator/max_depth: expected a whole number from 0 to 65535, found -1",
+    ),
     (
         "B28",
         r#""integrator": {"type": "nee", "max_depth": ^65536}"#,
