@@ -100,6 +100,7 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         coated(glass(), Coat::new(1.3, Spectrum::ONE, round(0.6))),
         Compound::Sheen(Sheen::new(Material::diffuse(COLOR), Spectrum::ONE, 0.3)).into(),
         Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), COLOR, 0.02)).into(),
+        Compound::Sheen(Sheen::new(Material::diffuse(Spectrum::ONE), Spectrum::ONE, 0.01)).into(),
         Compound::Sides(Sides { front: Some(copper(round(0.3))), back: Some(Material::diffuse(COLOR)) }).into(),
         Compound::Sides(Sides { front: None, back: Some(Material::mirror(COLOR)) }).into(),
         Material::metal(Texture::from(COLOR), round(0.3), true),
