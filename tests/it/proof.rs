@@ -82,6 +82,16 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         sheen_alpha: 0.2,
         multiscatter: true,
     };
+    // Chances of the same lobe lie close together, with little between them.
+    let dense = Principled {
+        metallic: 0.0.into(),
+        transmission: 0.5.into(),
+        specular: 1.0.into(),
+        eta: 100.0,
+        coat: 0.0.into(),
+        sheen_color: 0.0.into(),
+        ..principled.clone()
+    };
     let lossless = [
         Material::mix(Material::diffuse(Spectrum::ONE), Material::mirror(Spectrum::ONE), 0.3),
         coated(Material::diffuse(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, None)),
@@ -105,6 +115,7 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         Compound::Sides(Sides { front: None, back: Some(Material::mirror(COLOR)) }).into(),
         Material::metal(Texture::from(COLOR), round(0.3), true),
         principled.into(),
+        dense.into(),
     ];
     lossless.into_iter().map(|material| (met(material), true)).chain(others.into_iter().map(|material| (met(material), false))).collect()
 }
