@@ -180,7 +180,7 @@ const SCENES: &[Row] = &[
         "B40",
         r#""materials": {"m": {"type": "sheen", "ground": ^"cloth"}}"#,
         3,
-        "/materials/m/ground: unknown material \"cloth\", did you mean",
+        "/materials/m/ground: unknown material \"cloth\", expected m",
     ),
     (
         "B40",
@@ -191,6 +191,12 @@ const SCENES: &[Row] = &[
     (
         "B40",
         r#""materials": {"r": {"type": "bumped", "surface": {"type": "mirror"}, "bump_map": 0}, "m": {"type": "bumped", "surface": ^"r", "bump_map": 0}}"#,
+        3,
+        "/materials/m/surface: one relief is all a surface can have",
+    ),
+    (
+        "B40",
+        r#""materials": {"r": {"type": "bumped", "surface": {"type": "mirror"}, "bump_map": 0}, "m": {"type": "bumped", "surface": ^{"type": "masked", "surface": "r", "opacity": 1}, "bump_map": 0}}"#,
         3,
         "/materials/m/surface: one relief is all a surface can have",
     ),
