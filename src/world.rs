@@ -208,10 +208,10 @@ impl World {
     #[inline(never)]
     fn past_holes(&self, ray: &Ray) -> Option<Hit> {
         let (mut onward, mut hit, mut way) = (*ray, self.hierarchy.intersect(ray)?, 0.0);
-        for _ in 0..MOST_HOLES {
+        for passed in 0..MOST_HOLES {
             let Some(opacity) = &self.worn(&hit).skin.opacity else { break };
             let point = self.point(&onward, &hit);
-            if chance(ray, &hit) < opacity.scalar(&point) {
+            if chance(ray, passed) < opacity.scalar(&point) {
                 break;
             }
             way += hit.t;
@@ -225,14 +225,15 @@ impl World {
 /// A ray that passes more holes than this has met a surface.
 const MOST_HOLES: u32 = 4096;
 
-/// A number in [0, 1) that belongs to a ray and a surface on its way, for surfaces that are partly there.
+/// A number in [0, 1) that belongs to a ray and the surface that it meets after it `passed` so many, for surfaces that are
+/// partly there.
 ///
-/// No two rays are alike, so that it is as good as random; the same ray finds the same surfaces again. Exponents are left out:
-/// a scene of twice the size has the same holes.
-fn chance(ray: &Ray, hit: &Hit) -> f32 {
+/// No two rays are alike, so that it is as good as random; the same ray finds the same surfaces again. A surface that it meets
+/// twice, a sphere's, has two numbers. Exponents are left out: a scene of twice the size has the same holes.
+fn chance(ray: &Ray, passed: u32) -> f32 {
     const EXPONENT: u32 = 0xff << 23;
     let line = ray.origin.to_array().into_iter().chain(ray.direction.to_array()).map(|x| x.to_bits() & !EXPONENT);
-    let key = line.chain([hit.shape, hit.primitive]).fold(0, hash::absorb);
+    let key = line.chain([passed]).fold(0, hash::absorb);
     float::unit_f32(hash::halves(key).0)
 }
 

@@ -132,8 +132,19 @@ impl Checker<'_> {
             Material::Masked(_) | Material::Bumped(_) if !skin => {
                 self.fault(pointer, "holes and reliefs go around all other materials: put \"masked\" or \"bumped\" outside");
             }
-            Material::Bumped(_) if matches!(outer, Material::Bumped(_)) => self.fault(pointer, "one relief is all a surface can have"),
+            _ if matches!(outer, Material::Bumped(_)) && self.has_relief(part, 0) => {
+                self.fault(pointer, "one relief is all a surface can have");
+            }
             _ => {}
+        }
+    }
+
+    /// - `depth`: bounds the walk where materials contain themselves, which is told elsewhere
+    fn has_relief(&self, material: &MaterialRef, depth: usize) -> bool {
+        match self.scene.material(material) {
+            Some(Material::Bumped(_)) => true,
+            Some(Material::Masked(m)) if depth < 128 => self.has_relief(&m.surface, depth + 1),
+            _ => false,
         }
     }
 

@@ -199,6 +199,12 @@ const SCENES: &[Row] = &[
         3,
         "/materials/m/surface: one relief is all a surface can have",
     ),
+    (
+        "B40",
+        r#""materials": {"r": {"type": "bumped", "surface": {"type": "mirror"}, "bump_map": 0}, "m": {"type": "bumped", "surface": ^{"type": "masked", "surface": "r", "opacity": 1}, "bump_map": 0}}"#,
+        3,
+        "/materials/m/surface: one relief is all a surface can have",
+    ),
     ("B40", r#""materials": {"m": ^{"type": "bumped", "surface": {"type": "mirror"}}}"#, 3, "/materials/m: a bumped material needs either"),
     ("B40", r#""materials": {"m": ^{"type": "two_sided"}}"#, 3, "/materials/m: a two-sided material needs"),
     (

@@ -337,6 +337,28 @@ fn holes_let_light_through() {
     }
 }
 
+/// A ray through a ball of opacity o meets its surface twice, and passes both by (1 − o)².
+#[test]
+fn a_veiled_ball_is_met_twice() {
+    const RAYS: u32 = 100_000;
+    let mut world = World::builder(eye());
+    let veil = world.material(Skin { opacity: Some(0.3.into()), ..Material::diffuse(Spectrum::ONE).into() });
+    world.shape(Sphere { radius: 1.0 }, Transform::IDENTITY, veil, None);
+    let world = world.build().expect("a ball");
+    let mut random = Random::new(5);
+    let mut counts = [0u32; 3];
+    for _ in 0..RAYS {
+        let from = Vec3::new(random.range(-0.5, 0.5) as f32, random.range(-0.5, 0.5) as f32, 5.0);
+        let met = world.intersect(&Ray::new(from, Vec3::NEG_Z));
+        counts[met.map_or(2, |hit| usize::from(hit.t > 5.0))] += 1;
+    }
+    for (count, share) in counts.into_iter().zip([0.3, 0.21, 0.49]) {
+        let (mean, sigma) = (f64::from(RAYS) * share, (f64::from(RAYS) * share * (1.0 - share)).sqrt());
+        // Beyond 4.5 σ in one of three with a probability of 2e-5.
+        assert!((f64::from(count) - mean).abs() < 4.5 * sigma, "{counts:?}");
+    }
+}
+
 /// ∂p/∂u and ∂p/∂v are what moving along the texture coordinates does: on spheres, disks' squares, and meshes.
 #[test]
 fn tangents_are_derivatives() {

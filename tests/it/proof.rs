@@ -82,6 +82,16 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         sheen_alpha: 0.2,
         multiscatter: true,
     };
+    // Chances of the same lobe lie close together, with little between them.
+    let dense = Principled {
+        metallic: 0.0.into(),
+        transmission: 0.5.into(),
+        specular: 1.0.into(),
+        eta: 100.0,
+        coat: 0.0.into(),
+        sheen_color: 0.0.into(),
+        ..principled.clone()
+    };
     let lossless = [
         Material::mix(Material::diffuse(Spectrum::ONE), Material::mirror(Spectrum::ONE), 0.3),
         coated(Material::diffuse(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, None)),
@@ -100,10 +110,12 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         coated(glass(), Coat::new(1.3, Spectrum::ONE, round(0.6))),
         Compound::Sheen(Sheen::new(Material::diffuse(COLOR), Spectrum::ONE, 0.3)).into(),
         Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), COLOR, 0.02)).into(),
+        Compound::Sheen(Sheen::new(Material::diffuse(Spectrum::ONE), Spectrum::ONE, 0.01)).into(),
         Compound::Sides(Sides { front: Some(copper(round(0.3))), back: Some(Material::diffuse(COLOR)) }).into(),
         Compound::Sides(Sides { front: None, back: Some(Material::mirror(COLOR)) }).into(),
         Material::metal(Texture::from(COLOR), round(0.3), true),
         principled.into(),
+        dense.into(),
     ];
     lossless.into_iter().map(|material| (met(material), true)).chain(others.into_iter().map(|material| (met(material), false))).collect()
 }

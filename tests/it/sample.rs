@@ -12,7 +12,8 @@ const SCENE: &str = r#"{
   "materials": {
     "wall": { "type": "diffuse", "albedo": [0.2, 0.4, 0.8] },
     "brushed": { "type": "matte_cone", "color": 1, "mattness": 0.3 },
-    "glass": { "type": "dielectric", "eta": 1.5 }
+    "glass": { "type": "dielectric", "eta": 1.5 },
+    "veil": { "type": "masked", "surface": "wall", "opacity": 0 }
   },
   "shapes": [{ "type": "sphere", "material": "wall" }],
   "background": { "radiance": 1 }
@@ -164,6 +165,7 @@ fn materials_are_proved_and_drawn() {
     for (name, wo, phrases) in [
         ("wall", "30,0", ["furnace albedo 0.20000 ± 0.00000 (red), 0.40000", "valid samples  100.000 %"]),
         ("brushed", "70,45", ["furnace albedo 1.00000", "valid samples  100.000 % (100.000 % with a density"]),
+        ("veil", "30,0", ["furnace albedo 0.20000 ± 0.00000 (red), 0.40000", "valid samples  100.000 %"]),
         ("glass", "120,-10", ["∫ pdf          0.00000", "delta"]),
     ] {
         let scene = format!("scene.json#{name}");

@@ -52,7 +52,8 @@ impl Sheen {
         let mut table = Box::new(Table { raw: [0.0; NODES], albedo: [0.0; NODES] });
         table.raw = std::array::from_fn(|node| returned(node, |wo, wi| raw(alpha, wo, wi)));
         let raws = table.raw;
-        table.albedo = std::array::from_fn(|node| returned(node, |wo, wi| tamed(alpha, &raws, wo, wi)));
+        // What R between its nodes and the midpoint rule leave above 1 would be light taken from the ground that is not there.
+        table.albedo = std::array::from_fn(|node| returned(node, |wo, wi| tamed(alpha, &raws, wo, wi)).min(1.0));
         Sheen { ground, color: color.into(), alpha, table }
     }
 

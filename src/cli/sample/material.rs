@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
 use crate::math::Ray;
 use crate::output::{self, Tonemap, png};
+use crate::primitive::Hit;
 use crate::proof::{Case, Division, FINE, Options, at};
 use crate::reader::unknown;
 use crate::scene::Scene;
@@ -22,7 +23,9 @@ pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
     let (path, name) = scene.rsplit_once('#').ok_or_else(usage)?;
     let world = sphere_of(Path::new(path), name, args.allow_outside)?;
     let ray = Ray::new(Vec3::new(0.3, 0.2, 3.0) - world.origin().as_vec3(), Vec3::NEG_Z);
-    let hit = world.intersect(&ray).ok_or_else(|| Error::Internal("a ray missed the unit sphere".into()))?;
+    // The shape is asked, not the world: of a surface with holes it is what is there that scatters.
+    let met = world.shapes()[0].intersect(0, &ray).ok_or_else(|| Error::Internal("a ray missed the unit sphere".into()))?;
+    let hit = Hit { shape: 0, primitive: 0, uv: met.uv, t: met.t };
     let bsdf = world.surface(&ray, &hit).bsdf;
     let [theta, phi] = args.wo.map(f64::to_radians);
     let options = Options { samples: args.samples, seed: args.seed, incidences: vec![at(theta.cos(), phi)], ..Options::default() };
