@@ -121,9 +121,11 @@ pub fn conductor(cos_o: f32, eta: f32, k: f32) -> f32 {
     let t = (n - 1.0) * (n + 1.0) + c2 - k * k;
     let m = (t * t + 4.0 * n * n * k * k).sqrt();
     let a = (0.5 * (m + t)).max(0.0).sqrt();
-    let r_s = ratio(m + c2, 2.0 * a * c);
-    let r_p = r_s * ratio(m * c2 + s2 * s2, 2.0 * a * c * s2);
-    (0.5 * (r_s + r_p)).clamp(0.0, 1.0) as f32
+    // R_s (1 + R_p/R_s)/2 over one denominator; where that is 0, at the edge of total reflection, so is what is lost.
+    let (s, p, both) = (m + c2, m * c2 + s2 * s2, 2.0 * a * c);
+    let denominator = (s + both) * (p + both * s2);
+    let reflectance = if denominator == 0.0 { 1.0 } else { (s - both) * p / denominator };
+    reflectance.clamp(0.0, 1.0) as f32
 }
 
 /// The index beyond the boundary over the index on the side of a direction with this cosine.
@@ -137,10 +139,4 @@ fn relative_index(cos_o: f32, eta: f32) -> f64 {
 #[inline]
 fn cos2_refracted(cos2_o: f64, n: f64) -> f64 {
     ((n - 1.0) * (n + 1.0) + cos2_o) / (n * n)
-}
-
-/// (a − b) / (a + b), where b vanishes at least as fast as a.
-#[inline]
-fn ratio(a: f64, b: f64) -> f64 {
-    if b == 0.0 { 1.0 } else { (a - b) / (a + b) }
 }

@@ -83,19 +83,20 @@ impl Coat {
 
     fn at(&self, at: &Place) -> Layer {
         let facets = self.finish.as_ref().and_then(|(finish, losses)| Some((finish.at(&at.point)?, *losses)));
-        let mean = facets.map_or(self.smooth_mean, |(facets, losses)| losses.mean_loss(facets.alpha));
+        let mean = facets.map_or(self.smooth_mean, |(facets, losses)| 2.0 * losses.mean_loss(facets.alpha) + self.smooth_mean - 1.0);
         Layer { eta: self.eta, color: self.color.at(&at.point), facets, mean, as_seen: self.as_seen }
     }
 }
 
-/// The table of what clear facets do not reflect: 1 − E.
+/// The table of (1 − (E − F))/2, with F what a smooth coat reflects: E itself may change faster than the facets lean.
 fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Albedo {
     static SHELF: Shelf<Albedo> = Shelf::new();
     let [x, y] = domain.bits();
     SHELF.get((distribution, [x, y, eta.to_bits(), 0]), || {
         Albedo::tabulate(domain, distribution, |facets, wo, u| {
             let wi = mirrored(wo, facets.sample_visible(wo, u));
-            half(wo, wi).map_or(0.0, |(h, cos)| fresnel::dielectric(cos, eta) * Pair::new(facets, wo, wi, h).unmasked())
+            let rough = half(wo, wi).map_or(0.0, |(h, cos)| fresnel::dielectric(cos, eta) * Pair::new(facets, wo, wi, h).unmasked());
+            0.5 + 0.5 * (rough - fresnel::dielectric(wo.cos(), eta))
         })
     })
 }
@@ -103,10 +104,8 @@ fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Albe
 impl Layer {
     /// E(w)
     fn reflected(&self, w: Local) -> f32 {
-        match self.facets {
-            None => fresnel::dielectric(w.abs_cos(), self.eta),
-            Some((facets, losses)) => 1.0 - losses.loss(w, facets.alpha).min(1.0),
-        }
+        let smooth = fresnel::dielectric(w.abs_cos(), self.eta);
+        self.facets.map_or(smooth, |(facets, losses)| (1.0 + smooth - 2.0 * losses.loss(w, facets.alpha)).clamp(0.0, 1.0))
     }
 
     /// T c: what becomes of the ground's light.

@@ -20,9 +20,9 @@ pub(super) fn profile(slope2: f32, cos2: f32) -> f32 {
     if tan2 < 80.0 { exp(-tan2) / (cos2 * cos2) } else { 0.0 }
 }
 
-/// S(w), from cos θ and √((αx wx)² + (αy wy)²).
-pub(super) fn across(cos: f32, sine: f32) -> f32 {
-    let (cos, sine) = (f64::from(cos), f64::from(sine));
+/// S(w), from cos θ and (αx wx)² + (αy wy)².
+pub(super) fn across(cos: f32, sine2: f32) -> f32 {
+    let (cos, sine) = (f64::from(cos), f64::from(sine2).sqrt());
     let (erfc, gaussian) = erfc_and_gaussian(cos / sine);
     (cos * (1.0 - erfc) + sine * gaussian / SQRT_PI) as f32
 }

@@ -16,9 +16,9 @@ pub(super) fn profile(slope2: f32, cos2: f32) -> f32 {
     1.0 / (sum * sum)
 }
 
-/// S(w), from cos θ and √((αx wx)² + (αy wy)²).
-pub(super) fn across(cos: f32, sine: f32) -> f32 {
-    (cos * cos + sine * sine).sqrt()
+/// S(w), from cos θ and (αx wx)² + (αy wy)².
+pub(super) fn across(cos: f32, sine2: f32) -> f32 {
+    (cos * cos + sine2).sqrt()
 }
 
 /// A normal in sight from `wo`, not normalized; all at roughness 1, where the facets are those of a hemisphere.
