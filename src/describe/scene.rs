@@ -34,7 +34,7 @@ pub struct Scene {
     /// The integrator: its `type` and its own options, as `pt list integrators` shows them.
     #[serde(default, skip_serializing_if = "Integrator::is_default")]
     pub integrator: Integrator,
-    /// Materials by name.
+    /// Materials by name. Those that are made of others by name may lie within each other 8 deep.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, Material>,
     /// Textures by name.

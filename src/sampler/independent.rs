@@ -29,19 +29,28 @@ impl Independent {
         Independent { seed, key: pixel_key(seed, UVec2::ZERO), dimension: 0, block: None, numbers: [0.0; BLOCK as usize] }
     }
 
+    /// The next `N` numbers, of one block.
     #[inline]
-    fn number(&mut self) -> f32 {
-        let (block, place) = (self.dimension / BLOCK, (self.dimension % BLOCK) as usize);
+    fn take<const N: usize>(&mut self, block: u32, place: usize) -> [f32; N] {
         if self.block != Some(block) {
-            let mut stream = Xoshiro256PlusPlus::seed_from_u64(dimension_key(self.key, block));
-            for pair in self.numbers.chunks_exact_mut(2) {
-                let bits = stream.next_u64();
-                pair.copy_from_slice(&[unit_f32((bits >> 32) as u32), unit_f32(bits as u32)]);
-            }
-            self.block = Some(block);
+            self.fill(block);
         }
-        self.dimension = self.dimension.wrapping_add(1);
-        self.numbers[place]
+        self.dimension = self.dimension.wrapping_add(N as u32);
+        std::array::from_fn(|k| self.numbers[place + k])
+    }
+
+    fn fill(&mut self, block: u32) {
+        let mut stream = Xoshiro256PlusPlus::seed_from_u64(dimension_key(self.key, block));
+        for pair in self.numbers.chunks_exact_mut(2) {
+            let bits = stream.next_u64();
+            pair.copy_from_slice(&[unit_f32((bits >> 32) as u32), unit_f32(bits as u32)]);
+        }
+        self.block = Some(block);
+    }
+
+    /// The block of the next number, and its place there.
+    fn place(&self) -> (u32, usize) {
+        (self.dimension / BLOCK, (self.dimension % BLOCK) as usize)
     }
 }
 
@@ -57,11 +66,15 @@ impl Sampler for Independent {
     }
 
     fn next_1d(&mut self) -> f32 {
-        self.number()
+        let (block, place) = self.place();
+        let [x] = self.take(block, place);
+        x
     }
 
     fn next_2d(&mut self) -> Vec2 {
-        let x = self.number();
-        Vec2::new(x, self.number())
+        match self.place() {
+            (block, place) if place + 1 < BLOCK as usize => Vec2::from(self.take(block, place)),
+            _ => Vec2::new(self.next_1d(), self.next_1d()),
+        }
     }
 }

@@ -25,8 +25,8 @@ pub struct Bumped {
     pub scale: Real,
 }
 
-/// A surface with holes: leaves, lace, a fence on one quad. Light of all kinds goes through them, shadow rays too. Not within
-/// other materials, and not on what emits.
+/// A surface with holes: leaves, lace, a fence on one quad. Light of all kinds goes through them, shadow rays too; through 4096
+/// on one line, then it is stopped. Not within other materials, and not on what emits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Masked {
