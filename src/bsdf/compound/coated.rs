@@ -32,7 +32,8 @@ use crate::texture::Texture;
 /// - sampling: the coat by what it reflects of wo, else the ground
 ///
 /// Source: Wolff (1994) and Kelemen and Szirmay-Kalos (2001) for T over a matte ground; Estevez and Kulla, *Production Friendly
-/// Microfacet Sheen* (2017), §5, for T in general. Tests: coated_white_is_white, a_coat_over_matte_is_plastic, compounds_are_proved.
+/// Microfacet Sheen* (2017), §5, for T in general. Tests: coated_white_is_white, and along_the_surface,
+/// a_coat_over_matte_is_plastic, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coated {
     pub ground: Material,
@@ -46,7 +47,7 @@ pub struct Coat {
     eta: f32,
     /// What is left of white light that goes straight down and up.
     color: Texture,
-    /// `None` for a smooth one, and the table of 1 − E.
+    /// `None` for a smooth one; with the table of [`losses`].
     finish: Option<(Finish, &'static Albedo)>,
     /// 1 − F̄ of a smooth one.
     smooth_mean: f32,
