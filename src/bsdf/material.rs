@@ -166,10 +166,15 @@ impl Material {
 
     /// `share` of the second, from 0 to 1, the rest of the first.
     pub fn mix(a: Material, b: Material, share: impl Into<Texture>) -> Material {
-        match share.into() {
-            Texture::Constant(none) if none == Spectrum::BLACK => a,
-            Texture::Constant(all) if all == Spectrum::ONE => b,
-            share => Compound::Mix(Mix { a, b, share: Share::Texture(share) }).into(),
+        Material::mixed(|| a, || b, share.into())
+    }
+
+    /// [`Material::mix`] of what is made only where there is some of it: facets come with tables.
+    pub(super) fn mixed(a: impl FnOnce() -> Material, b: impl FnOnce() -> Material, share: Texture) -> Material {
+        match share {
+            Texture::Constant(none) if none == Spectrum::BLACK => a(),
+            Texture::Constant(all) if all == Spectrum::ONE => b(),
+            share => Compound::Mix(Mix { a: a(), b: b(), share: Share::Texture(share) }).into(),
         }
     }
 

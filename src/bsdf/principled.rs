@@ -44,28 +44,19 @@ impl From<Principled> for Material {
         let ground = || Material::diffuse(p.base_color.clone());
         let glaze = || Coat::new(p.eta, Spectrum::ONE, p.finish.clone()).as_seen();
         let glazed = || Compound::Coated(Coated { ground: ground(), coat: glaze() }).into();
-        let plastic = || mixed(ground, glazed, &p.specular);
+        let plastic = || Material::mixed(ground, glazed, p.specular.clone());
         let glass = || match p.finish.clone() {
             None => Material::Dielectric { eta: p.eta, color: p.base_color.clone() },
             Some(finish) => Material::rough_glass(p.eta, p.base_color.clone(), finish, p.multiscatter),
         };
         let metal = || Material::metal(p.base_color.clone(), p.finish.clone(), p.multiscatter);
-        let body = mixed(|| mixed(plastic, glass, &p.transmission), metal, &p.metallic);
+        let body = Material::mixed(|| Material::mixed(plastic, glass, p.transmission.clone()), metal, p.metallic.clone());
         let dressed = match p.sheen_color {
             Texture::Constant(color) if color.is_black() => body,
             color => Compound::Sheen(Sheen::new(body, color, p.sheen_alpha)).into(),
         };
         let coated = || Compound::Coated(Coated { ground: dressed.clone(), coat: p.lacquer }).into();
-        mixed(|| dressed.clone(), coated, &p.coat)
-    }
-}
-
-/// [`Material::mix`] of what is made only where there is some of it: facets come with tables.
-fn mixed(a: impl FnOnce() -> Material, b: impl FnOnce() -> Material, share: &Texture) -> Material {
-    match share {
-        Texture::Constant(none) if *none == Spectrum::BLACK => a(),
-        Texture::Constant(all) if *all == Spectrum::ONE => b(),
-        share => Material::mix(a(), b(), share.clone()),
+        Material::mixed(|| dressed.clone(), coated, p.coat)
     }
 }
 
@@ -76,7 +67,7 @@ mod tests {
     #[test]
     fn what_is_not_there_is_not_made() {
         let [black, white] = [Spectrum::BLACK, Spectrum::ONE].map(Material::diffuse);
-        assert_eq!(mixed(|| black.clone(), || unreachable!("a share of 0"), &0.0.into()), black);
-        assert_eq!(mixed(|| unreachable!("a share of 1"), || white.clone(), &1.0.into()), white);
+        assert_eq!(Material::mixed(|| black.clone(), || unreachable!("a share of 0"), 0.0.into()), black);
+        assert_eq!(Material::mixed(|| unreachable!("a share of 1"), || white.clone(), 1.0.into()), white);
     }
 }
