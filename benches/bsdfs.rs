@@ -59,7 +59,7 @@ struct Input {
 }
 
 fn inputs() -> Vec<Input> {
-    let mut sampler = SamplerSpec { kind: Kind::Independent, seed: 1, spp: COUNT as u64 }.build();
+    let mut sampler = SamplerSpec { kind: Kind::Independent, seed: 1, spp: COUNT as u64, ..SamplerSpec::default() }.build();
     let one = |index| {
         sampler.start(glam::UVec2::ZERO, index);
         let (wo, wi) = (warp::cosine_hemisphere(sampler.next_2d()), warp::cosine_hemisphere(sampler.next_2d()));

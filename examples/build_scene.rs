@@ -29,7 +29,7 @@ fn main() -> pt::Result<()> {
     println!("{} samples per pixel in {:.2} s", report.samples, report.elapsed.as_secs_f64());
 
     // `.exr` instead would keep the radiance itself.
-    output::write(Path::new("build_scene.png"), &film.image(false), &vec![], &Tonemap::default())
+    output::write(Path::new("build_scene.png"), &film.image(), &vec![], &Tonemap::default())
 }
 
 fn world() -> pt::Result<World> {

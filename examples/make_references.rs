@@ -58,7 +58,7 @@ fn make(name: &str, maker: &str, judged: &str, spp: u32) -> pt::Result<()> {
     let report = render(Arc::new(built.world), &*integrator, &mut film, &Settings::new(built.sampler), &Silent);
     assert_eq!(report.invalid, 0, "{name}: invalid samples, the first {:?}", report.first_invalid.first());
 
-    let image = film.image(true);
+    let image = film.image();
     let path = PathBuf::from(format!("reference/{name}.exr"));
     pt::output::write(&path, &image, &vec![], &Default::default())?;
     let command = format!(

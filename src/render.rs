@@ -7,7 +7,7 @@ use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
 use crate::effects::Effects;
-use crate::film::{Crop, Film, FilmSpec, Moments, Tree, Wave};
+use crate::film::{Block, Crop, Film, FilmSpec, Moments, Tree, Wave};
 use crate::integrator::{CameraSample, Context, Estimator, Integrator};
 use crate::math::Spectrum;
 use crate::sampler::{Sampler, SamplerSpec, dimension};
@@ -85,92 +85,129 @@ pub fn render(
     settings: &Settings,
     observer: &dyn Observer,
 ) -> Report {
-    let spec = film.spec().clone();
-    let estimator = integrator.prepare(scene.clone(), &spec);
-    let job = Job::new(&*scene, &*estimator, &spec, &settings.sampler);
-    let tiles = tiles(spec.crop, settings.tile);
-    let start = Instant::now();
-    let mut report = Report::default();
-    while let Some(wave) = next_wave(&report, settings, start) {
-        let parts: Vec<Option<Part>> = tiles
-            .par_iter()
-            .map(|tile| {
-                let part = job.tile(*tile, wave, observer);
-                observer.tile_done(part.as_ref().map_or(0, |_| tile.pixel_count() * wave.samples()));
-                part
-            })
-            .collect();
-        // A wave is whole or not at all: only then is the picture a function of its sample count.
-        let Some(parts) = parts.into_iter().collect::<Option<Vec<Part>>>() else {
-            report.cancelled = true;
-            break;
-        };
-        for part in &parts {
-            report.invalid += part.invalid.len() as u64;
-            let room = KEPT_INVALID - report.first_invalid.len();
-            report.first_invalid.extend(part.invalid.iter().take(room));
-        }
-        film.add(wave, assemble(spec.crop, &tiles, &parts));
-        report.samples += wave.samples();
-        observer.wave_done(report.samples, film);
+    let mut render = Render::new(scene, integrator, film.spec(), settings);
+    match settings.time {
+        Some(time) => render.advance_for(time, settings.samples, film, observer),
+        None => render.advance(settings.samples, film, observer),
     }
-    report.elapsed = start.elapsed();
-    report
+    render.report
 }
 
 /// One sample of one pixel, by itself: what `--pixel x,y --sample k` shows.
 pub fn sample(scene: Arc<dyn Scene>, integrator: &dyn Integrator, spec: &FilmSpec, sampler: &SamplerSpec, id: SampleId) -> Spectrum {
-    let estimator = integrator.prepare(scene.clone(), spec);
-    let job = Job::new(&*scene, &*estimator, spec, sampler);
-    job.sample(UVec2::new(id.pixel.0, id.pixel.1), id.index, &mut *sampler.build())
+    let render = Render::new(scene, integrator, spec, &Settings::new(*sampler));
+    let mut sequences = sampler.sequences();
+    let k = sequences.len() as u64;
+    render.sample(UVec2::new(id.pixel.0, id.pixel.1), id.index / k, &mut *sequences[(id.index % k) as usize])
 }
 
-struct Job<'a> {
-    scene: &'a dyn Scene,
-    estimator: &'a dyn Estimator,
-    spec: &'a FilmSpec,
-    sampler: &'a SamplerSpec,
+/// A render that can be taken further, sample by sample.
+pub struct Render {
+    scene: Arc<dyn Scene>,
+    estimator: Box<dyn Estimator>,
+    spec: FilmSpec,
+    sampler: SamplerSpec,
     has_lens: bool,
+    tiles: Vec<Crop>,
+    report: Report,
 }
 
-/// What a tile yields: the moments of its pixels, row by row.
+/// What a tile yields: the sums of its pixels, row by row.
 struct Part {
-    pixels: Vec<Moments>,
+    block: Block,
     invalid: Vec<SampleId>,
 }
 
-impl<'a> Job<'a> {
-    fn new(scene: &'a dyn Scene, estimator: &'a dyn Estimator, spec: &'a FilmSpec, sampler: &'a SamplerSpec) -> Job<'a> {
-        Job { scene, estimator, spec, sampler, has_lens: scene.effects().contains(Effects::THIN_LENS) }
+impl Render {
+    /// Prepares the integrator; nothing is sampled yet.
+    pub fn new(scene: Arc<dyn Scene>, integrator: &dyn Integrator, spec: &FilmSpec, settings: &Settings) -> Render {
+        let estimator = integrator.prepare(scene.clone(), spec);
+        let has_lens = scene.effects().contains(Effects::THIN_LENS);
+        let tiles = tiles(spec.crop, settings.tile);
+        Render { scene, estimator, spec: spec.clone(), sampler: settings.sampler, has_lens, tiles, report: Report::default() }
+    }
+
+    /// Of all that was done so far.
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
+
+    /// On to `samples` per pixel. Into the same film each time.
+    pub fn advance(&mut self, samples: u64, film: &mut dyn Film, observer: &dyn Observer) {
+        self.advance_while(|done, _| Wave::next(done, samples, MAX_WAVE_LEVEL), film, observer);
+    }
+
+    /// As far as the time goes, counted with what was spent before, and at most to `samples` per pixel.
+    pub fn advance_for(&mut self, time: Duration, samples: u64, film: &mut dyn Film, observer: &dyn Observer) {
+        let next = |done: u64, elapsed: Duration| {
+            let affordable = done as f64 * time.saturating_sub(elapsed).as_secs_f64() / elapsed.as_secs_f64();
+            let total = if done == 0 { samples } else { samples.min(done.saturating_add(affordable as u64)) };
+            Wave::next(done, total, MAX_WAVE_LEVEL)
+        };
+        self.advance_while(next, film, observer);
+    }
+
+    fn advance_while(&mut self, next: impl Fn(u64, Duration) -> Option<Wave>, film: &mut dyn Film, observer: &dyn Observer) {
+        let (start, before) = (Instant::now(), self.report.elapsed);
+        while let Some(wave) = next(self.report.samples, self.report.elapsed).filter(|_| !self.report.cancelled) {
+            self.wave(wave, film, observer);
+            self.report.elapsed = before + start.elapsed();
+        }
+    }
+
+    /// A wave is whole or not at all: only then is the picture a function of its sample count.
+    fn wave(&mut self, wave: Wave, film: &mut dyn Film, observer: &dyn Observer) {
+        let tile = |tile: &Crop| {
+            let part = self.tile(*tile, wave, observer);
+            observer.tile_done(part.as_ref().map_or(0, |_| tile.pixel_count() * wave.samples()));
+            part
+        };
+        let Some(parts) = self.tiles.par_iter().map(tile).collect::<Option<Vec<Part>>>() else {
+            self.report.cancelled = true;
+            return;
+        };
+        for part in &parts {
+            self.report.invalid += part.invalid.len() as u64;
+            let room = KEPT_INVALID - self.report.first_invalid.len();
+            self.report.first_invalid.extend(part.invalid.iter().take(room));
+        }
+        film.add(wave, self.assemble(&parts));
+        self.report.samples += wave.samples();
+        observer.wave_done(self.report.samples, film);
     }
 
     /// `None` where the render was cancelled meanwhile.
     fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<Part> {
-        let mut sampler = self.sampler.build();
+        let mut sequences = self.sampler.sequences();
         let mut tree = Tree::default();
-        let mut part = Part { pixels: Vec::with_capacity(tile.pixel_count() as usize), invalid: vec![] };
+        let mut part = Part { block: Block::with_capacity(self.sampler.spread(), tile.pixel_count() as usize), invalid: vec![] };
+        let k = sequences.len() as u64;
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             if observer.cancelled() {
                 return None;
             }
-            tree.clear();
-            for index in wave.first..wave.first + wave.samples() {
-                let mut value = self.sample(UVec2::new(x, y), index, &mut *sampler);
-                if !value.is_finite() {
-                    part.invalid.push(SampleId { pixel: (x, y), index });
-                    value = Spectrum::BLACK;
+            for (r, sequence) in (0..).zip(&mut sequences) {
+                tree.clear();
+                for index in wave.dealt(r, k) {
+                    let mut value = self.sample(UVec2::new(x, y), index, &mut **sequence);
+                    if !value.is_finite() {
+                        part.invalid.push(SampleId { pixel: (x, y), index: index * k + r });
+                        value = Spectrum::BLACK;
+                    }
+                    tree.push(0, Moments::of(value), Moments::join);
                 }
-                tree.push(0, Moments::of(value), Moments::join);
+                part.block.push(&tree.total(Moments::join).unwrap_or_default());
             }
-            part.pixels.extend(tree.total(Moments::join));
         }
         Some(part)
     }
 
     /// The filtered radiance; not finite where the estimate is invalid.
-    fn sample(&self, pixel: UVec2, index: u64, sampler: &mut dyn Sampler) -> Spectrum {
-        let camera = self.camera_sample(pixel, index, sampler);
-        let radiance = self.estimator.li(&camera, &mut Context { sampler });
+    ///
+    /// - `index`: within the sequence
+    fn sample(&self, pixel: UVec2, index: u64, sequence: &mut dyn Sampler) -> Spectrum {
+        let camera = self.camera_sample(pixel, index, sequence);
+        let radiance = self.estimator.li(&camera, &mut Context { sampler: sequence });
         if radiance.is_valid() { radiance * camera.weight } else { Spectrum::gray(f32::NAN) }
     }
 
@@ -184,6 +221,20 @@ impl<'a> Job<'a> {
         let ray = self.scene.camera().ray(raster / self.spec.size.as_vec2(), self.spec.aspect(), lens);
         CameraSample { ray, weight, pixel, raster }
     }
+
+    /// From tiles to rows of the crop.
+    fn assemble(&self, parts: &[Part]) -> Block {
+        let crop = self.spec.crop;
+        let mut block = Block::black(self.sampler.spread(), crop.pixel_count() as usize);
+        for (tile, part) in self.tiles.iter().zip(parts) {
+            let width = tile.size().x as usize;
+            for row in 0..tile.size().y as usize {
+                let start = (tile.min.y - crop.min.y) as usize * crop.size().x as usize + (tile.min.x - crop.min.x) as usize;
+                block.put(start + row * crop.size().x as usize, &part.block, row * width..(row + 1) * width);
+            }
+        }
+        block
+    }
 }
 
 fn draw_lens(sampler: &mut dyn Sampler) -> Vec2 {
@@ -191,35 +242,9 @@ fn draw_lens(sampler: &mut dyn Sampler) -> Vec2 {
     sampler.next_2d()
 }
 
-/// The next aligned wave within the budget of samples and time.
-fn next_wave(report: &Report, settings: &Settings, start: Instant) -> Option<Wave> {
-    let done = report.samples;
-    let mut total = settings.samples;
-    if let (Some(time), true) = (settings.time, done > 0) {
-        let elapsed = start.elapsed();
-        let affordable = done as f64 * time.saturating_sub(elapsed).as_secs_f64() / elapsed.as_secs_f64();
-        total = total.min(done.saturating_add(affordable as u64));
-    }
-    Wave::next(done, total, MAX_WAVE_LEVEL)
-}
-
 fn tiles(crop: Crop, edge: u32) -> Vec<Crop> {
     let edge = edge.max(1);
     let starts = |from: u32, to: u32| (from..to).step_by(edge as usize);
     let tile = |x: u32, y: u32| Crop { min: UVec2::new(x, y), max: UVec2::new(x, y).saturating_add(UVec2::splat(edge)).min(crop.max) };
     starts(crop.min.y, crop.max.y).flat_map(|y| starts(crop.min.x, crop.max.x).map(move |x| tile(x, y))).collect()
-}
-
-/// From tiles to rows of the crop.
-fn assemble(crop: Crop, tiles: &[Crop], parts: &[Part]) -> Vec<Moments> {
-    let mut pixels = vec![Moments::default(); crop.pixel_count() as usize];
-    for (tile, part) in tiles.iter().zip(parts) {
-        let width = tile.size().x as usize;
-        for (row, values) in part.pixels.chunks(width).enumerate() {
-            let y = tile.min.y - crop.min.y + row as u32;
-            let start = y as usize * crop.size().x as usize + (tile.min.x - crop.min.x) as usize;
-            pixels[start..start + width].copy_from_slice(values);
-        }
-    }
-    pixels
 }

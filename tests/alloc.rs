@@ -59,7 +59,7 @@ const TILES: u64 = (SIZE[0] / TILE * (SIZE[1] / TILE)) as u64;
 /// How often a render on one thread allocates.
 fn allocations(integrator: &dyn Integrator, kind: Kind, spp: u64) -> u64 {
     let scene = Zoo::default().build();
-    let settings = Settings { tile: TILE, ..Settings::new(SamplerSpec { kind, seed: 1, spp }) };
+    let settings = Settings { tile: TILE, ..Settings::new(SamplerSpec { kind, seed: 1, spp, ..SamplerSpec::default() }) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
     pool.install(|| {
         let mut film = MomentFilm::new(FilmSpec::new(SIZE[0], SIZE[1]));

@@ -151,6 +151,21 @@ pub struct Render {
     /// Where the random numbers come from: see `pt list samplers`.
     #[arg(long, value_name = "NAME")]
     pub sampler: Option<String>,
+    /// How many independent scramblings share the samples of a pixel, to tell the error of all samplers but `independent`: 1 to 64.
+    #[arg(long, value_name = "K")]
+    pub scramblings: Option<u32>,
+    /// Stop when the relative error of the picture is at most this, such as 1% or 0.01. Exit code 7 if it is not reached.
+    #[arg(long, value_name = "ERROR", value_parser = share)]
+    pub target: Option<f64>,
+    /// How sure to be of errors and targets.
+    #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
+    pub confidence: f64,
+    /// First find out for so long what 10 %, 3 %, 1 % and 0.3 % of error cost, for each of --integrators.
+    #[arg(long, value_name = "DURATION", value_parser = duration, conflicts_with = "pixel")]
+    pub pilot: Option<Duration>,
+    /// With --pilot: whose prices, such as path,nee. Default: the one that renders.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "pilot")]
+    pub integrators: Vec<String>,
     /// Size of the picture, such as 640x480.
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,
@@ -274,6 +289,13 @@ fn angles(text: &str) -> std::result::Result<[f64; 2], String> {
 
 fn finite(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or("expected a number".to_owned())
+}
+
+/// Above 0 and below 1, in per cent or not.
+fn share(text: &str) -> std::result::Result<f64, String> {
+    let (number, unit) = text.trim().strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    let parsed = number.trim().parse().ok().map(|x: f64| x * unit);
+    parsed.filter(|x| *x > 0.0 && *x < 1.0).ok_or("expected a share such as 1% or 0.01, above 0 and below 1".to_owned())
 }
 
 fn duration(text: &str) -> std::result::Result<Duration, String> {

@@ -7,6 +7,7 @@ use super::args;
 use crate::describe::{self, Built, Source};
 use crate::error::Result;
 use crate::integrator::{self, Entry, Integrator};
+use crate::reader::Node;
 
 /// A scene, and how it is to be rendered.
 pub struct Loaded {
@@ -16,6 +17,19 @@ pub struct Loaded {
     pub description: describe::Scene,
     /// Of the scene file, without its folder and extension.
     pub stem: String,
+    root: Node,
+    file: String,
+}
+
+impl Loaded {
+    /// Another integrator for the same scene.
+    ///
+    /// # Errors
+    /// `Usage` for an unknown name, `Invalid` for options of the scene that it refuses.
+    pub fn choose(&self, tables: &[&[Entry]], name: &str) -> Result<(Entry, Arc<dyn Integrator>)> {
+        let (entry, integrator) = integrator::choose(tables, self.root.child("integrator"), Some(name), &self.file)?;
+        Ok((entry, integrator.into()))
+    }
 }
 
 /// Reads, overrides, checks and builds the scene.
@@ -35,5 +49,5 @@ pub fn load(scene: &args::Scene, more: &[(String, String)], integrator: Option<&
     let folder = path.parent().unwrap_or(Path::new(""));
     let built = describe::build(&description, Source { root: &root, file: &file, folder, allow_outside: scene.allow_outside })?;
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
-    Ok(Loaded { built, entry, integrator: integrator.into(), description, stem })
+    Ok(Loaded { built, entry, integrator: integrator.into(), description, stem, root, file })
 }

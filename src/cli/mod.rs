@@ -6,12 +6,14 @@ mod args;
 mod check;
 mod list;
 mod load;
+mod pilot;
 mod progress;
 mod render;
 mod sample;
 mod schema;
 mod signals;
 mod stats;
+mod words;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -21,6 +23,9 @@ use clap::Parser;
 use crate::error::{Error, Result};
 use crate::integrator::Entry;
 use args::{Args, Command};
+
+/// The exit code of a question that was not answered: a target not reached, a test without power.
+const INCONCLUSIVE: u8 = 7;
 
 /// The whole program, for these tables of integrators: an outside integrator gets every command
 /// with `main_with(&[pt::integrators::ALL, &[MINE]])`.
@@ -70,7 +75,7 @@ fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::List { what }) => list::list(what, tables)?,
         Some(Command::Schema(args)) => schema::schema(&args, tables)?,
-        None => render::render(&args.render, tables)?,
+        None => return render::render(&args.render, tables),
     }
     Ok(ExitCode::SUCCESS)
 }

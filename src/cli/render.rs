@@ -1,23 +1,25 @@
 //! `pt SCENE`: load, render, write.
 
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::load::{Loaded, load};
 use super::progress::Progress;
 use super::stats::{Account, Counted};
-use super::{args, note, say, signals};
+use super::{INCONCLUSIVE, args, note, pilot, say, signals, words};
 use crate::describe::Built;
 use crate::error::{Error, Result};
 use crate::film::{Crop, Film, FilmSpec, Image, MomentFilm};
-use crate::integrator::Entry;
+use crate::integrator::{Entry, Integrator};
+use crate::measure::{self, Course, Outcome, Target, Until};
 use crate::output::{self, Attributes, Curve, Format, Tonemap};
-use crate::render::{self, Report, SampleId, Settings};
+use crate::render::{self, Render, Report, SampleId, Settings};
 use crate::sampler::Kind;
 use crate::scene::Scene;
 
-pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<()> {
+pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
     let start = Instant::now();
     let loaded = load(&args.scene, &overrides(args)?, args.integrator.as_deref(), tables)?;
     let load_seconds = start.elapsed().as_secs_f64();
@@ -29,48 +31,73 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| Error::Internal(format!("cannot start {threads} threads: {e}")))?;
     if let Some([x, y]) = args.pixel {
-        return pool.install(|| pixel(args, loaded, x, y));
+        return pool.install(|| pixel(args, loaded, x, y)).map(|()| ExitCode::SUCCESS);
     }
     let outputs = outputs(args, &loaded.stem)?;
+    let whom = pilot::whom(&loaded, &args.integrators, tables)?;
     signals::catch()?;
     let threads = pool.current_num_threads();
-    pool.install(|| picture(args, loaded, &outputs, load_seconds, threads))
+    pool.install(|| picture(args, loaded, &whom, &outputs, load_seconds, threads))
 }
 
 /// Renders, reports and writes.
-fn picture(args: &args::Render, loaded: Loaded, outputs: &[PathBuf], load: f64, threads: usize) -> Result<()> {
+fn picture(
+    args: &args::Render,
+    loaded: Loaded,
+    whom: &[(Entry, Arc<dyn Integrator>)],
+    outputs: &[PathBuf],
+    load: f64,
+    threads: usize,
+) -> Result<ExitCode> {
     let Loaded { built, entry, integrator, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
-    let mut settings = Settings { time: args.time, ..Settings::new(built.sampler) };
-    if args.time.is_some() && args.spp.is_none() {
-        settings.samples = u32::MAX.into();
-    }
+    let settings = Settings::new(built.sampler);
+    let until = until(args, &settings);
     let world: Arc<dyn Scene> = Arc::new(built.world);
+    let shown = if args.quiet && args.progress == args::Progress::Auto { args::Progress::None } else { args.progress };
+    if let Some(time) = args.pilot {
+        let progress = Progress::new(shown, pixels, u32::MAX.into(), Some(time * whom.len() as u32));
+        let list = pilot::price_list(&world, &built.film, &settings, whom, time, args.confidence, &progress);
+        progress.finish();
+        note(&list);
+    }
     let counted = args.stats.map(|_| Arc::new(Counted::new(world.clone(), threads)));
     let scene = counted.clone().map_or(world, |counted| counted as Arc<dyn Scene>);
 
-    let shown = if args.quiet && args.progress == args::Progress::Auto { args::Progress::None } else { args.progress };
-    let progress = Progress::new(shown, pixels, settings.samples, args.time);
+    let progress = Progress::new(shown, pixels, until.samples, until.time);
     let mut film = MomentFilm::new(built.film);
-    let report = render::render(scene, &*integrator, &mut film, &settings, &progress);
+    let mut render = Render::new(scene, &*integrator, film.spec(), &settings);
+    let course = measure::follow(&mut render, &mut film, &until, &progress);
     progress.finish();
+    let report = render.report();
+    let outcome = until.target.map(|target| (target, target.outcome(&course)));
 
     if report.samples > 0 {
-        let attributes = attributes(&entry, &settings, &report);
-        let image = film.image(settings.sampler.kind == Kind::Independent);
-        write_all(args, outputs, &image, &attributes)?;
+        let image = film.image();
+        write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course))?;
         if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
             note("warning: the image is black");
         }
     }
     if !args.quiet {
-        summarise(film.spec(), &entry, &report, outputs);
+        summarise(film.spec(), &entry, report, &course, args.confidence, outputs);
+        outcome.iter().for_each(|(target, outcome)| note(&words::outcome(target, *outcome)));
     }
     if let (Some(format), Some(counted)) = (args.stats, counted) {
-        let account = Account { report: &report, pixels, primitives, rays: counted.rays(), threads, load };
+        let account = Account { report, pixels, primitives, rays: counted.rays(), threads, load };
         say(&account.print(format))?;
     }
-    signals::caught().map_or(Ok(()), |signal| Err(Error::Interrupted(signal)))
+    if let Some(signal) = signals::caught() {
+        return Err(Error::Interrupted(signal));
+    }
+    Ok(if outcome.is_some_and(|(_, outcome)| outcome != Outcome::Met) { ExitCode::from(INCONCLUSIVE) } else { ExitCode::SUCCESS })
+}
+
+/// When a render ends: where only a time or an accuracy is asked for, the samples that the scene plans are no limit.
+fn until(args: &args::Render, settings: &Settings) -> Until {
+    let free = (args.time.is_some() || args.target.is_some()) && args.spp.is_none();
+    let samples = if free { u32::MAX.into() } else { settings.samples };
+    Until { samples, time: args.time, target: args.target.map(|error| Target { error, confidence: args.confidence }) }
 }
 
 /// One pixel, or one sample of it, printed.
@@ -88,7 +115,7 @@ fn pixel(args: &args::Render, loaded: Loaded, x: u32, y: u32) -> Result<()> {
     let min = glam::UVec2::new(x, y);
     let mut film = MomentFilm::new(FilmSpec { crop: Crop { min, max: min + 1 }, ..film });
     render::render(scene, &*loaded.integrator, &mut film, &Settings::new(sampler), &render::Silent);
-    let image = film.image(sampler.kind == Kind::Independent);
+    let image = film.image();
     let [r, g, b] = image.rgb(0, 0);
     let error = image.channel("StdErr.R").map(|_| {
         let [r, g, b] = ["StdErr.R", "StdErr.G", "StdErr.B"].map(|name| image.channel(name).map_or(0.0, |c| c[0]));
@@ -107,6 +134,7 @@ fn overrides(args: &args::Render) -> Result<Vec<(String, String)>> {
     set("/film/crop", args.crop.or(whole).map(|c| format!("{c:?}")));
     set("/sampler/spp", args.spp.map(|n| n.to_string()));
     set("/sampler/seed", args.seed.map(|n| n.to_string()));
+    set("/sampler/scramblings", args.scramblings.map(|n| n.to_string()));
     if let Some(name) = &args.sampler {
         let known: Vec<&str> = Kind::ALL.iter().map(|(_, name, _)| *name).collect();
         if !known.contains(&name.as_str()) {
@@ -172,30 +200,52 @@ fn write_all(args: &args::Render, outputs: &[PathBuf], image: &Image, attributes
 }
 
 /// What the file says about itself: functions of scene and settings alone.
-fn attributes(entry: &Entry, settings: &Settings, report: &Report) -> Attributes {
+fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &Course) -> Attributes {
     let sampler = Kind::ALL.iter().find(|(kind, ..)| *kind == settings.sampler.kind).map_or("", |(_, name, _)| name);
-    let pairs = [
+    let samples = course.last().map_or(0, |last| last.samples);
+    let mut pairs = vec![
         ("pt/version", env!("CARGO_PKG_VERSION").to_owned()),
         ("pt/integrator", entry.name.to_owned()),
         ("pt/sampler", sampler.to_owned()),
         ("pt/seed", settings.sampler.seed.to_string()),
-        ("pt/spp", report.samples.to_string()),
+        ("pt/scramblings", settings.sampler.spread().sequences().to_string()),
+        ("pt/spp", samples.to_string()),
+        ("pt/confidence", args.confidence.to_string()),
     ];
+    if let Some(error) = course.last().and_then(|last| last.error) {
+        let [low, high] = error.interval(args.confidence);
+        pairs.extend(
+            [("pt/relativeError", error.value), ("pt/relativeErrorLow", low), ("pt/relativeErrorHigh", high)]
+                .map(|(k, v)| (k, v.to_string())),
+        );
+    }
     pairs.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-fn summarise(spec: &FilmSpec, entry: &Entry, report: &Report, outputs: &[PathBuf]) {
+fn summarise(spec: &FilmSpec, entry: &Entry, report: &Report, course: &Course, confidence: f64, outputs: &[PathBuf]) {
     let size = spec.crop.size();
     let files = outputs.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
-    let seconds = report.elapsed.as_secs_f64();
-    let what = format!("{}×{} · {} · {} spp · {seconds:.2} s", size.x, size.y, entry.name, report.samples);
+    let time = words::duration(report.elapsed.as_secs_f64());
+    let what = format!("{}×{} · {} · {} spp · {time}", size.x, size.y, entry.name, report.samples);
     match (report.samples, report.cancelled) {
         (0, _) => note(&format!("{what} · interrupted before the first sample: nothing written")),
-        (_, true) => note(&format!("{what} · interrupted · {files}")),
-        (_, false) => note(&format!("{what} · {files}")),
+        (_, true) => note(&format!("{what} · interrupted{} · {files}", accuracy(course, confidence))),
+        (_, false) => note(&format!("{what}{} · {files}", accuracy(course, confidence))),
     }
     if let Some(first) = report.first_invalid.first() {
         let (x, y) = first.pixel;
         note(&format!("warning: {} invalid samples counted as black; the first: --pixel {x},{y} --sample {}", report.invalid, first.index));
+    }
+}
+
+/// ` · relative error 2.1 % (95 %: 2.0–2.2) · 1 % would take about 14 s`, as far as it is known.
+fn accuracy(course: &Course, confidence: f64) -> String {
+    match course.last().and_then(|last| last.error) {
+        None => String::new(),
+        Some(error) if !error.is_established() => " · relative error cannot be established (heavy tail)".into(),
+        Some(error) => {
+            let price = words::next_price(course, confidence).map_or(String::new(), |price| format!(" · {price}"));
+            format!(" · relative error {}{price}", words::error(&error, confidence))
+        }
     }
 }

@@ -125,6 +125,9 @@ impl Page {
         if let Some(forms) = ["oneOf", "anyOf"].iter().find_map(|key| schema.get(*key)?.as_array()) {
             return self.choice(forms);
         }
+        if let Some(values) = schema.get("enum").and_then(Value::as_array) {
+            return values.iter().map(|value| format!("`{value}`")).collect::<Vec<_>>().join(", ");
+        }
         let kind = schema.get("type").and_then(Value::as_str).unwrap_or("anything");
         match kind {
             "array" => self.array_words(schema),

@@ -1,7 +1,10 @@
 //! The sampler: where the random numbers come from.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::value::SamplesPerPixel;
 
@@ -16,6 +19,9 @@ pub struct Sampler {
     pub spp: SamplesPerPixel,
     /// Another seed is another, independent image of the same scene.
     pub seed: u64,
+    /// How many independent scramblings of `stratified`, `halton` and `sobol` share the samples of a pixel, so that their spread
+    /// tells the error. With 1 the samples are the most even, and there are no error bars. `independent` samples need none.
+    pub scramblings: Scramblings,
 }
 
 /// How samples are spread.
@@ -36,6 +42,41 @@ pub enum SamplerKind {
 
 impl Default for Sampler {
     fn default() -> Sampler {
-        Sampler { kind: SamplerKind::default(), spp: SamplesPerPixel::known(64), seed: 0 }
+        Sampler { kind: SamplerKind::default(), spp: SamplesPerPixel::known(64), seed: 0, scramblings: Scramblings(2) }
+    }
+}
+
+/// A number of scramblings: the samples of aligned blocks are dealt out to them evenly, so it is a power of two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct Scramblings(u32);
+
+impl Scramblings {
+    pub const ALL: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
+
+    pub fn get(self) -> u32 {
+        self.0
+    }
+}
+
+impl<'de> Deserialize<'de> for Scramblings {
+    fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Scramblings, D::Error> {
+        let number = i128::deserialize(d)?;
+        let known = Scramblings::ALL.into_iter().find(|k| i128::from(*k) == number);
+        known.map(Scramblings).ok_or_else(|| D::Error::custom(format!("expected a power of two from 1 to 64, found {number}")))
+    }
+}
+
+impl JsonSchema for Scramblings {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Scramblings".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        schemars::json_schema!({ "enum": Scramblings::ALL })
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::UVec2;
 
-use super::{FilmSpec, Moments};
+use super::FilmSpec;
+use super::block::{Block, estimate, freedom};
 
 /// Linear channels over the crop of a picture, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,17 +27,18 @@ pub struct Channel {
 const RGB: [&str; 3] = ["R", "G", "B"];
 
 impl Image {
-    /// The mean; with `with_error` its standard error √(s²/n) too, where there are two samples.
-    pub fn from_moments(spec: &FilmSpec, moments: &[Moments], samples: u64, with_error: bool) -> Image {
-        let n = samples.max(1) as f64;
-        let channel =
-            |name: String, value: &dyn Fn(&Moments) -> f64| Channel { name, values: moments.iter().map(|m| value(m) as f32).collect() };
-        let mut channels: Vec<Channel> = vec![];
-        channels.extend((0..3).map(|c| channel(RGB[c].into(), &|m| m.sum[c] / n)));
-        if with_error && samples >= 2 {
-            let variance = |m: &Moments, c: usize| ((m.square[c] - m.sum[c] * m.sum[c] / n) / (n - 1.0)).max(0.0);
-            channels.extend((0..3).map(|c| channel(format!("StdErr.{}", RGB[c]), &|m| (variance(m, c) / n).sqrt())));
+    /// The mean, its standard error where the samples' [`Spread`](crate::sampler::Spread) tells one, and how many samples there are.
+    pub fn from_block(spec: &FilmSpec, block: &Block, samples: u64) -> Image {
+        let estimates: Vec<[(f64, f64); 3]> = block.pixels().map(|pixel| estimate(block.spread(), pixel, samples)).collect();
+        let channel = |name: String, value: &dyn Fn(&[(f64, f64); 3]) -> f64| Channel {
+            name,
+            values: estimates.iter().map(|pixel| value(pixel) as f32).collect(),
+        };
+        let mut channels: Vec<Channel> = (0..3).map(|c| channel(RGB[c].into(), &|pixel| pixel[c].0)).collect();
+        if freedom(block.spread(), samples) > 0.0 {
+            channels.extend((0..3).map(|c| channel(format!("StdErr.{}", RGB[c]), &|pixel| pixel[c].1.sqrt())));
         }
+        channels.push(channel("SampleCount.Y".into(), &|_| samples as f64));
         Image { full_size: spec.size, origin: spec.crop.min, size: spec.crop.size(), channels }
     }
 

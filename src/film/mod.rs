@@ -1,11 +1,17 @@
 //! Where samples end, and what is kept of them.
 
+pub mod block;
 pub mod filter;
 pub mod image;
 pub mod moments;
 
+use std::ops::Range;
+
 use glam::UVec2;
 
+use crate::sampler::Spread;
+
+pub use block::Block;
 pub use filter::Filter;
 pub use image::{Channel, Image};
 pub use moments::{Moments, Tree};
@@ -61,6 +67,12 @@ impl Wave {
         1 << self.level
     }
 
+    /// Which samples of sequence r of k lie in the wave: sample i of the pixel is sample i div k of sequence i mod k.
+    pub fn dealt(&self, r: u64, k: u64) -> Range<u64> {
+        let before = |end: u64| (end + k - 1 - r) / k;
+        before(self.first)..before(self.first + self.samples())
+    }
+
     /// The largest aligned wave after `done` samples that ends by `total`, at most 2^`max_level` long.
     ///
     /// The first is a single sample, so that a picture shows at once.
@@ -75,15 +87,15 @@ impl Wave {
 pub trait Film: Send {
     fn spec(&self) -> &FilmSpec;
 
-    /// Takes the moments of one wave, rows of the crop from the top. Waves come in order, without gaps.
-    fn add(&mut self, wave: Wave, pixels: Vec<Moments>);
+    /// Takes what one wave adds up to. Waves come in order, without gaps, and all have one spread.
+    fn add(&mut self, wave: Wave, block: Block);
 }
 
-/// The film of production use: sums and sums of squares, added up over the dyadic tree of sample indices.
+/// The film of production use: sums over the dyadic tree of sample indices.
 pub struct MomentFilm {
     spec: FilmSpec,
     samples: u64,
-    tree: Tree<Vec<Moments>>,
+    tree: Tree<Block>,
 }
 
 impl MomentFilm {
@@ -96,13 +108,15 @@ impl MomentFilm {
         self.samples
     }
 
+    /// ν, the degrees of freedom of the standard errors; 0 where there are none.
+    pub fn freedom(&self) -> f64 {
+        self.tree.any().map_or(0.0, |block| block::freedom(block.spread(), self.samples))
+    }
+
     /// The picture so far; black before the first wave.
-    ///
-    /// - `with_error`: whether s²/n is the variance of the mean, as it is for independent samples
-    pub fn image(&self, with_error: bool) -> Image {
-        let black = || vec![Moments::default(); self.spec.crop.pixel_count() as usize];
-        let total = self.tree.total(join).unwrap_or_else(black);
-        Image::from_moments(&self.spec, &total, self.samples, with_error)
+    pub fn image(&self) -> Image {
+        let black = || Block::black(Spread::Samples, self.spec.crop.pixel_count() as usize);
+        Image::from_block(&self.spec, &self.tree.total(Block::join).unwrap_or_else(black), self.samples)
     }
 }
 
@@ -111,13 +125,8 @@ impl Film for MomentFilm {
         &self.spec
     }
 
-    fn add(&mut self, wave: Wave, pixels: Vec<Moments>) {
-        self.tree.push(wave.level, pixels, join);
+    fn add(&mut self, wave: Wave, block: Block) {
+        self.tree.push(wave.level, block, Block::join);
         self.samples = wave.first + wave.samples();
     }
-}
-
-#[expect(clippy::ptr_arg, reason = "the tree joins what it holds")]
-fn join(a: &Vec<Moments>, b: &Vec<Moments>) -> Vec<Moments> {
-    a.iter().zip(b).map(|(a, b)| a.join(b)).collect()
 }

@@ -5,11 +5,17 @@
 //! sample or hides a difference behind an absolute threshold: scaling both images changes no verdict.
 
 pub mod agreement;
+pub mod course;
+pub mod follow;
 pub mod level;
 pub mod mean;
+pub mod relative;
 pub mod verdict;
 
 pub use agreement::{Agreement, Render, agreement};
+pub use course::{Checkpoint, Course, Price, checkpoints};
+pub use follow::{Outcome, Target, Until, follow};
 pub use level::{critical_z, sidak};
 pub use mean::{Mean, Welch};
+pub use relative::RelativeError;
 pub use verdict::Verdict;

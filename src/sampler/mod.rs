@@ -34,15 +34,60 @@ pub trait Sampler {
 }
 
 /// Settings of a sampler.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SamplerSpec {
     pub kind: Kind,
     pub seed: u64,
     /// Samples per pixel that are planned. Only `stratified` depends on it; the others' samples are a prefix of an endless sequence.
     pub spp: u64,
+    /// K, a power of two: how many independent scramblings share the samples of a pixel, so that their spread tells the error.
+    ///
+    /// One long sequence is more even than K shorter ones, and says nothing of its own error. Independent
+    /// samples need no such thing.
+    pub scramblings: u32,
+}
+
+impl Default for SamplerSpec {
+    /// Two scramblings: the least that tells an error, and the least that it costs.
+    fn default() -> SamplerSpec {
+        SamplerSpec { kind: Kind::default(), seed: 0, spp: 0, scramblings: 2 }
+    }
+}
+
+/// What of a pixel's samples is independent of what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Spread {
+    /// Each sample of all others.
+    Samples,
+    /// K sequences of each other; sample i belongs to sequence i mod K.
+    Scramblings(u32),
+}
+
+impl Spread {
+    /// Into how many sequences samples are dealt.
+    pub fn sequences(self) -> u32 {
+        match self {
+            Spread::Samples => 1,
+            Spread::Scramblings(k) => k,
+        }
+    }
 }
 
 impl SamplerSpec {
+    pub fn spread(&self) -> Spread {
+        match self.kind {
+            Kind::Independent => Spread::Samples,
+            Kind::Stratified | Kind::Halton | Kind::Sobol => Spread::Scramblings(self.scramblings.max(1).next_power_of_two()),
+        }
+    }
+
+    /// The sequences of a pixel: sample i of the pixel is sample i div K of sequence i mod K.
+    pub fn sequences(&self) -> Vec<Box<dyn Sampler>> {
+        let k = self.spread().sequences();
+        (0..k).map(|r| SamplerSpec { seed: scrambled(self.seed, r), spp: self.spp.div_ceil(k.into()), ..*self }.build()).collect()
+    }
+
+    /// One sequence, whole.
     pub fn build(&self) -> Box<dyn Sampler> {
         match self.kind {
             Kind::Independent => Box::new(independent::Independent::new(self.seed)),
@@ -51,6 +96,11 @@ impl SamplerSpec {
             Kind::Sobol => Box::new(sobol::Sobol::new(self.seed)),
         }
     }
+}
+
+/// The seed of scrambling r; the first keeps the pixel's own.
+fn scrambled(seed: u64, r: u32) -> u64 {
+    if r == 0 { seed } else { hash::dimension_key(!seed, r) }
 }
 
 /// The samplers there are.

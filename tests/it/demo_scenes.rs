@@ -46,7 +46,7 @@ impl Demo {
         for (name, integrator) in integrators {
             let mut film = MomentFilm::new(self.built.film.clone());
             let report = render(world.clone(), &*integrator, &mut film, &Settings::new(sampler), &Silent);
-            judge(name, film.image(sampler.kind == Kind::Independent), report);
+            judge(name, film.image(), report);
         }
     }
 }

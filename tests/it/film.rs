@@ -2,9 +2,10 @@
 
 use glam::{DVec2, UVec2, Vec2};
 use proptest::prelude::*;
-use pt::film::{Channel, Crop, Film, FilmSpec, Filter, Image, MomentFilm, Moments, Wave};
+use pt::film::{Block, Channel, Crop, Film, FilmSpec, Filter, Image, MomentFilm, Moments, Wave};
 use pt::math::{Spectrum, float::ONE_MINUS_EPSILON};
 use pt::output::{Attributes, Curve, Format, Tonemap, exr, pfm, png, replace, tonemap::srgb, write};
+use pt::sampler::Spread;
 
 use crate::random::cases;
 
@@ -163,7 +164,7 @@ proptest! {
     /// Mean Σx/n and its standard error √(Σ(x − mean)²/(n (n − 1))), however the samples come in waves.
     #[test]
     fn the_film_keeps_mean_and_error(samples in prop::collection::vec(0f32..100.0, 2..40), max_level in 0u32..7) {
-        let image = filmed(&samples, max_level).image(true);
+        let image = filmed(&samples, max_level).image();
         let n = samples.len() as f64;
         let mean = samples.iter().map(|&x| f64::from(x)).sum::<f64>() / n;
         let error = (samples.iter().map(|&x| (f64::from(x) - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
@@ -182,7 +183,7 @@ fn filmed(samples: &[f32], max_level: u32) -> MomentFilm {
     while let Some(wave) = Wave::next(film.samples(), samples.len() as u64, max_level) {
         let of_wave = &samples[wave.first as usize..][..wave.samples() as usize];
         let sum = |factor: f32| of_wave.iter().map(|&x| Moments::of(Spectrum::gray(x) * factor)).reduce(|a, b| a.join(&b));
-        film.add(wave, [1.0, 3.0].map(|factor| sum(factor).expect("a wave has samples")).to_vec());
+        film.add(wave, Block::of_samples(&[1.0, 3.0].map(|factor| sum(factor).expect("a wave has samples"))));
     }
     film
 }
@@ -190,15 +191,67 @@ fn filmed(samples: &[f32], max_level: u32) -> MomentFilm {
 #[test]
 fn textbook_samples() {
     // Mean 5, s² = 32/7, so the mean's standard error is √(4/7).
-    let image = filmed(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0], 3).image(true);
+    let image = filmed(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0], 3).image();
     assert_eq!(image.rgb(0, 0), [5.0; 3]);
     assert_eq!(image.channel("StdErr.B").expect("an error")[0], (4f64 / 7.0).sqrt() as f32);
     // Equal samples have no error; the rounding of .1² does not make one.
-    let equal = filmed(&[0.1; 37], 6).image(true);
+    let equal = filmed(&[0.1; 37], 6).image();
     assert!(equal.channel("StdErr.R").expect("an error")[0] < 1e-8);
-    assert_eq!(filmed(&[1.0], 0).image(true).channel("StdErr.R"), None, "one sample tells nothing of its error");
-    assert_eq!(filmed(&[1.0, 2.0], 1).image(false).channel("StdErr.R"), None);
-    assert_eq!(filmed(&[], 0).image(true).rgb(1, 0), [0.0; 3], "black before the first wave");
+    assert_eq!(filmed(&[1.0], 0).image().channel("StdErr.R"), None, "one sample tells nothing of its error");
+    assert_eq!(filmed(&[1.0, 2.0], 1).image().channel("SampleCount.Y"), Some([2.0; 2].as_slice()));
+    assert_eq!(filmed(&[], 0).image().rgb(1, 0), [0.0; 3], "black before the first wave");
+}
+
+/// Four scramblings of the means 1, 2, 3, 6: mean 3, Σ(m − 3)² = 14, so the mean's variance is 14/(4·3).
+#[test]
+fn scramblings_tell_the_error_by_their_means() {
+    let samples = |n: u64| (0..n).map(|i| [1.0, 2.0, 3.0, 6.0][i as usize % 4]).collect::<Vec<f32>>();
+    for (n, max_level) in [(8, 0), (8, 3), (24, 6), (256, 1), (256, 6)] {
+        let image = dealt(4, &samples(n), max_level);
+        assert_eq!(image.rgb(0, 0), [3.0; 3], "{n} samples");
+        assert_eq!(image.channel("StdErr.G").expect("an error")[0], (14f64 / 12.0).sqrt() as f32, "{n} samples");
+    }
+    // What varies within a scrambling says nothing of its mean.
+    let even = dealt(2, &[0.0, 9.0, 9.0, 0.0, 0.0, 9.0, 9.0, 0.0], 6);
+    assert_eq!((even.rgb(0, 0), even.channel("StdErr.R")), ([4.5; 3], Some([0.0].as_slice())));
+    assert_eq!(dealt(4, &samples(7), 6).channel("StdErr.R"), None, "two samples each at least");
+    assert_eq!(dealt(1, &samples(64), 6).channel("StdErr.R"), None, "one scrambling tells nothing");
+}
+
+/// The samples of one pixel, dealt to k scramblings.
+fn dealt(k: u32, samples: &[f32], max_level: u32) -> Image {
+    let mut film = MomentFilm::new(FilmSpec::new(1, 1));
+    while let Some(wave) = Wave::next(film.samples(), samples.len() as u64, max_level) {
+        let mut block = Block::with_capacity(Spread::Scramblings(k), 1);
+        for r in 0..u64::from(k) {
+            let own = wave.dealt(r, k.into()).map(|i| Moments::of(Spectrum::gray(samples[(i * u64::from(k) + r) as usize])));
+            block.push(&own.reduce(|a, b| a.join(&b)).unwrap_or_default());
+        }
+        film.add(wave, block);
+    }
+    film.image()
+}
+
+proptest! {
+    /// Each sample of a wave belongs to one scrambling, and each scrambling's samples follow one another.
+    #[test]
+    fn waves_deal_every_sample_once(k in 0u32..7, total in 1u64..3000, max_level in 0u32..8) {
+        let k = 1u64 << k;
+        let mut next = vec![0; k as usize];
+        let mut done = 0;
+        while let Some(wave) = Wave::next(done, total, max_level) {
+            let mut count = 0;
+            for r in 0..k {
+                let own = wave.dealt(r, k);
+                prop_assert_eq!(own.start, next[r as usize]);
+                prop_assert!(own.clone().all(|i| (wave.first..wave.first + wave.samples()).contains(&(i * k + r))));
+                count += own.end - own.start;
+                next[r as usize] = own.end;
+            }
+            prop_assert_eq!(count, wave.samples());
+            done += wave.samples();
+        }
+    }
 }
 
 #[test]
@@ -207,7 +260,7 @@ fn a_crop_knows_its_place() {
     let spec = FilmSpec { crop: Crop { min, max }, ..FilmSpec::new(10, 20) };
     assert_eq!((spec.aspect(), spec.crop.pixel_count()), (0.5, 12));
     let moments: Vec<Moments> = (0..12).map(|i| Moments::of(Spectrum::rgb(i as f32, 0.0, 1.0))).collect();
-    let image = Image::from_moments(&spec, &moments, 1, false);
+    let image = Image::from_block(&spec, &Block::of_samples(&moments), 1);
     assert_eq!((image.full_size, image.origin, image.size), (UVec2::new(10, 20), min, UVec2::new(4, 3)));
     assert_eq!(image.rgb(1, 2), [9.0, 0.0, 1.0], "rows from the top, 4 pixels each");
     assert_eq!(image.pixels().count(), 12);

@@ -1,6 +1,7 @@
 //! The integration tests, one binary.
 
 mod absorption;
+mod accuracy;
 mod agreement;
 mod analytic;
 mod bad_input;

@@ -141,7 +141,7 @@ fn room() -> (Arc<World>, Oracle) {
 
 /// Rays from anywhere to anywhere in the room.
 fn rays(count: u64) -> impl Iterator<Item = Ray> {
-    let mut sampler = SamplerSpec { kind: Kind::Independent, seed: 3, spp: 1 }.build();
+    let mut sampler = SamplerSpec { kind: Kind::Independent, seed: 3, spp: 1, ..SamplerSpec::default() }.build();
     (0..count).map(move |index| {
         sampler.start(UVec2::ZERO, index);
         let mut point = || Vec3::new(sampler.next_1d(), sampler.next_1d(), sampler.next_1d()) * 2.4 - 1.2;
@@ -180,10 +180,10 @@ fn a_picture_of_the_oracle_is_the_picture() {
         let integrator = pt::integrator::choose(&[pt::integrators::ALL], None, Some(entry.name), "").expect("defaults").1;
         let picture = |scene: Arc<dyn Scene>| -> Image {
             let mut film = MomentFilm::new(FilmSpec::new(24, 24));
-            let settings = Settings::new(SamplerSpec { kind: Kind::Independent, seed: 1, spp: 64 });
+            let settings = Settings::new(SamplerSpec { kind: Kind::Independent, seed: 1, spp: 64, ..SamplerSpec::default() });
             let report = render(scene, &*integrator, &mut film, &settings, &Silent);
             assert_eq!(report.invalid, 0);
-            film.image(false)
+            film.image()
         };
         let (world, oracle) = room();
         let (a, b) = (picture(world), picture(Arc::new(oracle)));

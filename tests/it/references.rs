@@ -127,5 +127,5 @@ fn picture_by(integrator: &dyn Integrator, file: &str, spp: u64, [width, height]
     let built = describe::build(&scene, Source { root: &root, file, folder: Path::new("scenes"), allow_outside: false }).expect(file);
     let mut film = MomentFilm::new(built.film);
     render(Arc::new(built.world), integrator, &mut film, &Settings::new(built.sampler), &Silent);
-    film.image(true)
+    film.image()
 }

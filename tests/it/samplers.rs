@@ -15,7 +15,7 @@ fn kinds() -> impl Iterator<Item = Kind> {
 }
 
 fn build(kind: Kind, seed: u64, spp: u64) -> Box<dyn Sampler> {
-    SamplerSpec { kind, seed, spp }.build()
+    SamplerSpec { kind, seed, spp, ..SamplerSpec::default() }.build()
 }
 
 fn number(sampler: &mut dyn Sampler, pixel: UVec2, index: u64, dimension: u32) -> f32 {

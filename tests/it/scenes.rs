@@ -6,7 +6,7 @@ use glam::DVec3;
 use pt::bsdf::Material;
 use pt::camera::{Camera, Perspective, Pose};
 use pt::effects::Effects;
-use pt::film::{Film, FilmSpec, Image, MomentFilm, Moments, Wave};
+use pt::film::{Block, Film, FilmSpec, Image, MomentFilm, Moments, Wave};
 use pt::integrator::{Entry, Integrator};
 use pt::integrators::nee::Nee;
 use pt::integrators::path::Path;
@@ -126,9 +126,10 @@ impl Film for Pool {
         &self.spec
     }
 
-    fn add(&mut self, wave: Wave, pixels: Vec<Moments>) {
-        self.samples += wave.samples() * pixels.len() as u64;
-        self.total = pixels.iter().fold(self.total, |sum, pixel| sum.join(pixel));
+    fn add(&mut self, wave: Wave, block: Block) {
+        self.samples += wave.samples() * block.len() as u64;
+        let moments = |pixel: &[f64]| Moments { sum: std::array::from_fn(|c| pixel[c]), square: std::array::from_fn(|c| pixel[3 + c]) };
+        self.total = block.pixels().fold(self.total, |sum, pixel| sum.join(&moments(pixel)));
     }
 }
 
@@ -137,7 +138,7 @@ pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, spec: FilmSpe
     let mut film = MomentFilm::new(spec);
     let report = render(scene, integrator, &mut film, &Settings::new(sampler), &Silent);
     assert_eq!(report.invalid, 0, "invalid samples: {:?}", report.first_invalid);
-    film.image(true)
+    film.image()
 }
 
 /// A scene of which one radiance is known.

@@ -161,7 +161,7 @@ pub fn draw(warp: &Warp, parameters: &Parameters, sampler: Kind, seed: u64, coun
         Map::Square(map) | Map::Sphere(Directions { map, .. }) => map(sampler.next_2d()),
         Map::Free(map) => map(sampler),
     };
-    let mut sampler = SamplerSpec { kind: sampler, seed, spp: count.into() }.build();
+    let mut sampler = SamplerSpec { kind: sampler, seed, spp: count.into(), ..SamplerSpec::default() }.build();
     let point = |i: u32| {
         sampler.start(UVec2::ZERO, i.into());
         map(&mut *sampler)

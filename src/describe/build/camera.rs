@@ -47,5 +47,5 @@ pub(super) fn sampler(described: &describe::Sampler) -> SamplerSpec {
         describe::SamplerKind::Halton => Kind::Halton,
         describe::SamplerKind::Sobol => Kind::Sobol,
     };
-    SamplerSpec { kind, seed: described.seed, spp: described.spp.get().into() }
+    SamplerSpec { kind, seed: described.seed, spp: described.spp.get().into(), scramblings: described.scramblings.get() }
 }

@@ -64,7 +64,7 @@ impl Stand {
 ///
 /// Two interfaces and no more: the faint images of inner reflections are no part of the ruler.
 pub fn edge(scene: Arc<dyn Scene>, integrator: &dyn Integrator) -> f64 {
-    let sampler = SamplerSpec { kind: Kind::Stratified, spp: 64, seed: 1 };
+    let sampler = SamplerSpec { kind: Kind::Stratified, spp: 64, seed: 1, ..SamplerSpec::default() };
     let image = picture(scene, integrator, FilmSpec::new(WIDTH, 1), sampler);
     let row: Vec<f64> = image.pixels().map(|[r, _, _]| f64::from(r)).collect();
     let plateau = row[0];

@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 use proptest::prelude::*;
-use pt::film::{Crop, Film, FilmSpec, MomentFilm, Moments, Tree, Wave};
+use pt::film::{Block, Crop, Film, FilmSpec, MomentFilm, Moments, Tree, Wave};
 use pt::integrators::ALL;
 use pt::math::Spectrum;
 use pt::sampler::{Kind, SamplerSpec};
@@ -14,7 +14,7 @@ use crate::random::{Random, cases};
 #[test]
 fn threads_and_tiles_do_not_matter() {
     for (entry, (kind, ..)) in ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
-        let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 7, seed: 3 }, ..Shot::default() };
+        let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 7, seed: 3, ..SamplerSpec::default() }, ..Shot::default() };
         let wanted = render_on(1, &*new(entry), &shot);
         for (threads, tile) in [(2, 16), (3, 5), (7, 1), (2, 64), (7, 0), (1, u32::MAX)] {
             let found = render_on(threads, &*new(entry), &Shot { tile, ..shot.clone() });
@@ -26,7 +26,7 @@ fn threads_and_tiles_do_not_matter() {
 #[test]
 fn crops_are_parts_of_the_full_picture() {
     for (entry, (kind, ..)) in ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
-        let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 4, seed: 3 }, ..Shot::default() };
+        let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 4, seed: 3, ..SamplerSpec::default() }, ..Shot::default() };
         let full = picture(shot.zoo.build(), &*new(entry), &shot);
         let crop = Crop { min: UVec2::new(7, 11), max: UVec2::new(30, 13) };
         let film = FilmSpec { crop, ..shot.film.clone() };
@@ -98,9 +98,9 @@ proptest! {
             let mut film = MomentFilm::new(FilmSpec::new(1, 1));
             for first in 0..count {
                 let value = Spectrum::gray((random.unit() * random.decade(-3.0, 3.0)) as f32 * factor);
-                film.add(Wave { first, level: 0 }, vec![Moments::of(value)]);
+                film.add(Wave { first, level: 0 }, Block::of_samples(&[Moments::of(value)]));
             }
-            film.image(true).channels.iter().map(|c| c.values[0]).collect::<Vec<f32>>()
+            film.image().channels.iter().filter(|c| c.name != "SampleCount.Y").map(|c| c.values[0]).collect::<Vec<f32>>()
         };
         let factor = 2f32.powi(k);
         let wanted: Vec<f32> = film(1.0).iter().map(|v| v * factor).collect();

@@ -60,7 +60,7 @@ fn wide_equals_narrow() {
 #[test]
 fn unused_effects_shift_no_numbers() {
     for (entry, (kind, ..)) in ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
-        let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 4, seed: 3 }, ..Shot::default() };
+        let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 4, seed: 3, ..SamplerSpec::default() }, ..Shot::default() };
         let taken = |zoo: Zoo| bits(&picture(zoo.build(), &*new(entry), &shot));
         let wanted = taken(Zoo::default());
         assert!(taken(Zoo { lens_radius: 1e-30, ..Zoo::default() }) == wanted, "{} {kind:?}: the lens", entry.name);

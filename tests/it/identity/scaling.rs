@@ -35,7 +35,7 @@ fn brightness_is_exact() {
         for k in [-20, 7, 20] {
             let factor = 2f32.powi(k);
             let bright = taken(Zoo { lights, emission: factor, ..Zoo::default() }, entry);
-            for (dim, bright) in dim.channels.iter().zip(&bright.channels) {
+            for (dim, bright) in dim.channels.iter().zip(&bright.channels).filter(|(c, _)| c.name != "SampleCount.Y") {
                 let wanted: Vec<u32> = dim.values.iter().map(|v| (v * factor).to_bits()).collect();
                 let found: Vec<u32> = bright.values.iter().map(|v| v.to_bits()).collect();
                 assert!(found == wanted, "{} {lights:?} ×2^{k}, channel {}", entry.name, dim.name);

@@ -206,7 +206,7 @@ pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, shot: &Shot) 
     let report: Report = render(scene, integrator, &mut film, &settings, &Silent);
     assert_eq!(report.invalid, 0, "{:?} {shot:?}", report.first_invalid);
     assert_eq!(report.samples, shot.sampler.spp);
-    film.image(true)
+    film.image()
 }
 
 /// On so many threads.

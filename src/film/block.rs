@@ -1,0 +1,135 @@
+//! What the samples of one wave add up to.
+
+use super::Moments;
+use crate::sampler::Spread;
+
+/// Sums over some samples of every pixel, rows of the crop from the top.
+///
+/// A pixel has as many numbers as its [`Spread`] needs:
+///
+/// ```text
+/// Samples          Σr Σg Σb  Σr² Σg² Σb²     the spread of the samples tells the error of their mean
+/// Scramblings(K)   Σr Σg Σb  of each         the spread of the K means tells the error of their mean
+/// ```
+///
+/// All are sums, so that blocks join by adding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    spread: Spread,
+    sums: Vec<f64>,
+}
+
+impl Block {
+    /// Nothing yet, with room for so many pixels.
+    pub fn with_capacity(spread: Spread, pixels: usize) -> Block {
+        Block { spread, sums: Vec::with_capacity(pixels * slots(spread)) }
+    }
+
+    /// No light in so many pixels.
+    pub fn black(spread: Spread, pixels: usize) -> Block {
+        Block { spread, sums: vec![0.0; pixels * slots(spread)] }
+    }
+
+    /// Of independent samples.
+    pub fn of_samples(pixels: &[Moments]) -> Block {
+        let mut block = Block::with_capacity(Spread::Samples, pixels.len());
+        pixels.iter().for_each(|moments| block.push(moments));
+        block
+    }
+
+    pub fn spread(&self) -> Spread {
+        self.spread
+    }
+
+    /// The samples of the next pixel, or of its next scrambling.
+    pub fn push(&mut self, moments: &Moments) {
+        self.sums.extend(moments.sum);
+        if self.spread == Spread::Samples {
+            self.sums.extend(moments.square);
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.sums.len() / slots(self.spread)
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.sums.is_empty()
+    }
+
+    /// The numbers of pixel after pixel.
+    pub fn pixels(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+        self.sums.chunks_exact(slots(self.spread))
+    }
+
+    /// Σx of each pixel, over all its scramblings.
+    pub fn sums(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.pixels().map(|pixel| total(self.spread, pixel))
+    }
+
+    /// Both must have the same pixels and the same spread.
+    pub fn join(&self, other: &Block) -> Block {
+        Block { spread: self.spread, sums: self.sums.iter().zip(&other.sums).map(|(a, b)| a + b).collect() }
+    }
+
+    /// A row of `from` becomes pixels `start`… of this block.
+    pub(crate) fn put(&mut self, start: usize, from: &Block, pixels: std::ops::Range<usize>) {
+        let slots = slots(self.spread);
+        self.sums[start * slots..][..pixels.len() * slots].copy_from_slice(&from.sums[pixels.start * slots..pixels.end * slots]);
+    }
+}
+
+/// Numbers per pixel.
+fn slots(spread: Spread) -> usize {
+    match spread {
+        Spread::Samples => 6,
+        Spread::Scramblings(k) => 3 * k as usize,
+    }
+}
+
+/// Mean and the variance of that mean, of each colour of a pixel after n samples.
+///
+/// ```text
+/// Samples          v = (Σx² − (Σx)²/n) / (n (n − 1))
+/// Scramblings(K)   v = Σ_r n_r (m_r − m)² / (n (K − 1)),  m_r the mean of the n_r samples of scrambling r
+/// ```
+///
+/// - `pixel`: numbers of [`Block::pixels`]
+pub fn estimate(spread: Spread, pixel: &[f64], n: u64) -> [(f64, f64); 3] {
+    let sum = total(spread, pixel);
+    let count = n.max(1) as f64;
+    std::array::from_fn(|c| {
+        let mean = sum[c] / count;
+        let squares = match spread {
+            Spread::Samples => (pixel[3 + c] - sum[c] * mean).max(0.0),
+            Spread::Scramblings(k) => {
+                let of = |r: u64| (pixel[3 * r as usize + c], dealt(n, k.into(), r));
+                let deviation = |(sum, count): (f64, f64)| if count > 0.0 { count * (sum / count - mean).powi(2) } else { 0.0 };
+                (0..k.into()).map(|r| deviation(of(r))).sum()
+            }
+        };
+        (mean, squares / (count * freedom(spread, n)))
+    })
+}
+
+/// How many of n samples belong to scrambling r of k.
+fn dealt(n: u64, k: u64, r: u64) -> f64 {
+    (n.saturating_sub(r)).div_ceil(k) as f64
+}
+
+/// ν, the degrees of freedom of the variances: n − 1 or K − 1. 0 where there is no telling.
+pub fn freedom(spread: Spread, n: u64) -> f64 {
+    match spread {
+        Spread::Samples => n.saturating_sub(1) as f64,
+        // With fewer than two samples each a scrambling is no better than a sample.
+        Spread::Scramblings(k) if n < 2 * u64::from(k) => 0.0,
+        Spread::Scramblings(k) => f64::from(k) - 1.0,
+    }
+}
+
+fn total(spread: Spread, pixel: &[f64]) -> [f64; 3] {
+    match spread {
+        Spread::Samples => std::array::from_fn(|c| pixel[c]),
+        Spread::Scramblings(_) => pixel.as_chunks::<3>().0.iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]),
+    }
+}

@@ -1,0 +1,128 @@
+//! How the error of a render falls, and what a smaller one would cost.
+
+use super::RelativeError;
+
+/// What a render had reached at one of its checkpoints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// Per pixel.
+    pub samples: u64,
+    /// Of rendering.
+    pub seconds: f64,
+    pub error: Option<RelativeError>,
+}
+
+/// The checkpoints of one render, in order.
+#[derive(Clone, Debug, Default)]
+pub struct Course {
+    pub checkpoints: Vec<Checkpoint>,
+}
+
+/// What an error costs: a time, and the interval that holds it with the confidence asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Price {
+    pub seconds: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// The samples per pixel at which the error of a render is looked at: 2, 3, 4, 6, 8, 12, … below `total`, and `total`.
+///
+/// Planned ahead: whoever looks whenever it suits stops at a moment of luck.
+pub fn checkpoints(total: u64) -> impl Iterator<Item = u64> {
+    let planned = (0..).map(|k: u32| if k.is_multiple_of(2) { 2u64 << (k / 2) } else { 3u64 << (k / 2) });
+    planned.take_while(move |samples| *samples < total && *samples < 1 << 62).chain([total])
+}
+
+/// Errors fall like 1/√n at least; beyond this speed-up a fit is noise.
+const STEEPEST: f64 = 2.0;
+
+impl Course {
+    pub fn last(&self) -> Option<&Checkpoint> {
+        self.checkpoints.last()
+    }
+
+    /// −b in relMSE ~ n⁻ᵇ over the last checkpoints: 1 for independent samples, more where even samples pay.
+    ///
+    /// Least squares of ln relMSE over ln n, over the last factor of 16 in n, drawn towards 1 as one observation of
+    /// the standard deviation [`PRIOR`]. A slope below 1 is that of an error whose bright rare parts have not come
+    /// yet: no promise is made of it.
+    pub fn slope(&self) -> f64 {
+        let Some(last) = self.last() else { return 1.0 };
+        let recent = self.checkpoints.iter().filter(|c| c.samples * 16 >= last.samples);
+        let points: Vec<(f64, f64, f64)> = recent
+            .filter_map(|c| {
+                c.error.filter(|e| e.value > 0.0).map(|e| ((c.samples as f64).ln(), -2.0 * e.value.ln(), (2.0 * e.spread).powi(2)))
+            })
+            .collect();
+        let count = points.len() as f64;
+        let (x, y) = (points.iter().map(|p| p.0).sum::<f64>() / count, points.iter().map(|p| p.1).sum::<f64>() / count);
+        let variance = points.iter().map(|p| p.2).sum::<f64>() / count;
+        let xx = points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
+        let xy = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>();
+        // Without two checkpoints xx is 0 and only the prior speaks.
+        let precision = if xx > 0.0 { xx / variance.max(f64::MIN_POSITIVE) } else { 0.0 };
+        let prior = PRIOR.powi(-2);
+        let fitted = if xx > 0.0 { xy / xx } else { 1.0 };
+        ((fitted * precision + prior) / (precision + prior)).clamp(1.0, STEEPEST)
+    }
+
+    /// The render time at which the error will be `target`, with an interval of this confidence.
+    ///
+    /// T* = T (relMSE / target²)^(1/b)
+    ///
+    /// `None` before the first error, and where the error is not established.
+    pub fn price(&self, target: f64, confidence: f64) -> Option<Price> {
+        let last = self.last()?;
+        let error = last.error.filter(RelativeError::is_established)?;
+        let exponent = 2.0 / self.slope();
+        let at = |error: f64| last.seconds * (error / target).powf(exponent);
+        let [low, high] = error.interval(confidence);
+        Some(Price { seconds: at(error.value), low: at(low), high: at(high) })
+    }
+}
+
+/// How far a slope may lie from 1 before anything was seen.
+const PRIOR: f64 = 0.2;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn course(errors: &[(u64, f64)]) -> Course {
+        let error = |value| Some(RelativeError { value, spread: 0.01, effective_pixels: 1e4 });
+        let checkpoint = |&(samples, value): &(u64, f64)| Checkpoint { samples, seconds: samples as f64 / 8.0, error: error(value) };
+        Course { checkpoints: errors.iter().map(checkpoint).collect() }
+    }
+
+    #[test]
+    fn checkpoints_are_planned() {
+        assert_eq!(checkpoints(20).collect::<Vec<_>>(), [2, 3, 4, 6, 8, 12, 16, 20]);
+        assert_eq!(checkpoints(16).last(), Some(16));
+        assert_eq!(checkpoints(1).collect::<Vec<_>>(), [1]);
+        assert_eq!(checkpoints(u64::MAX).last(), Some(u64::MAX));
+    }
+
+    /// error = 0.8/√n: 1 % takes n = 6400, which is 800 s.
+    #[test]
+    fn independent_samples_cost_the_square() {
+        let course = course(&[(4, 0.4), (16, 0.2), (64, 0.1)]);
+        assert!((course.slope() - 1.0).abs() < 1e-9);
+        let price = course.price(0.01, 0.95).expect("a price");
+        assert!((price.seconds - 800.0).abs() < 1e-6 && price.low < 800.0 && price.high > 800.0, "{price:?}");
+        // ± 2 · 1.96 · 0.01 in ln T.
+        assert!(((price.high / price.seconds).ln() - 0.0392).abs() < 1e-4);
+    }
+
+    /// relMSE ~ n^−1.5 is believed where it is seen well, and an error that stands still is not extrapolated.
+    #[test]
+    fn slopes_are_fitted() {
+        let power = |b: f64| [4u64, 8, 16, 32, 64].map(|n| (n, (n as f64).powf(-0.5 * b)));
+        assert!((course(&power(1.5)).slope() - 1.5).abs() < 0.02);
+        assert_eq!(course(&power(0.3)).slope(), 1.0);
+        assert_eq!(course(&power(4.0)).slope(), STEEPEST);
+        assert_eq!(course(&[(4, 0.1)]).slope(), 1.0);
+        assert_eq!(Course::default().slope(), 1.0);
+        assert_eq!(Course::default().price(0.01, 0.95), None);
+    }
+}

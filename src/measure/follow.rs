@@ -1,0 +1,91 @@
+//! Renders with an eye on the error: to a number of samples, to a time, to an accuracy.
+
+use std::time::Duration;
+
+use super::{Checkpoint, Course, RelativeError, checkpoints};
+use crate::film::MomentFilm;
+use crate::render::{Observer, Render};
+
+/// When to stop: at whichever comes first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Until {
+    /// Per pixel.
+    pub samples: u64,
+    pub time: Option<Duration>,
+    pub target: Option<Target>,
+}
+
+/// A relative error, and how sure it is to be that one has reached it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    pub error: f64,
+    /// Below 1.
+    pub confidence: f64,
+}
+
+/// What became of a target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    Met,
+    NotMet,
+    /// A few pixels hold all the noise: what is seen of the error says little about the rest.
+    NotEstablished,
+}
+
+/// Takes a render on until it may stop, noting the error at each checkpoint.
+pub fn follow(render: &mut Render, film: &mut MomentFilm, until: &Until, observer: &dyn Observer) -> Course {
+    let mut course = Course::default();
+    let mut looks = Looks::default();
+    for samples in checkpoints(until.samples) {
+        match until.time {
+            Some(time) => render.advance_for(time, samples, film, observer),
+            None => render.advance(samples, film, observer),
+        }
+        let reached = film.samples();
+        if reached > course.last().map_or(0, |last| last.samples) {
+            let error = RelativeError::of(&film.image(), film.freedom());
+            course.checkpoints.push(Checkpoint { samples: reached, seconds: render.report().elapsed.as_secs_f64(), error });
+        }
+        // Cancelled, or out of time: an unplanned moment, at which nothing is decided.
+        if reached < samples || until.target.is_some_and(|target| looks.meet(target, course.last())) {
+            break;
+        }
+    }
+    course
+}
+
+/// Looks at an error that stop a render: each has a share of the risk, so that all together keep it.
+///
+/// αⱼ = α / (j (j + 1)),  Σ αⱼ = α
+#[derive(Default)]
+struct Looks {
+    taken: u32,
+}
+
+impl Looks {
+    /// Whether the error lies below the target.
+    fn meet(&mut self, target: Target, at: Option<&Checkpoint>) -> bool {
+        let Some(error) = at.and_then(|checkpoint| checkpoint.error).filter(RelativeError::is_established) else { return false };
+        self.taken += 1;
+        error.below(1.0 - share(target, self.taken)) <= target.error
+    }
+}
+
+/// The risk of look j.
+fn share(target: Target, look: u32) -> f64 {
+    (1.0 - target.confidence) / (f64::from(look) * (f64::from(look) + 1.0))
+}
+
+impl Target {
+    /// What became of it, as the course of the whole render tells.
+    pub fn outcome(&self, course: &Course) -> Outcome {
+        let errors = || course.checkpoints.iter().filter_map(|checkpoint| checkpoint.error);
+        let mut looks = Looks::default();
+        let met = course.checkpoints.iter().fold(false, |met, checkpoint| looks.meet(*self, Some(checkpoint)) || met);
+        match errors().last() {
+            Some(last) if !last.is_established() => Outcome::NotEstablished,
+            Some(_) if met => Outcome::Met,
+            _ => Outcome::NotMet,
+        }
+    }
+}
