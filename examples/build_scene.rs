@@ -26,10 +26,12 @@ fn main() -> pt::Result<()> {
     let mut film = MomentFilm::new(FilmSpec::new(256, 256));
     let settings = Settings::new(SamplerSpec { spp, ..SamplerSpec::default() });
     let report = render(world, &Nee { max_depth: 16, ..Nee::default() }, &mut film, &settings, &Silent);
-    println!("{} samples per pixel in {:.2} s", report.samples, report.elapsed.as_secs_f64());
 
     // `.exr` instead would keep the radiance itself.
-    output::write(Path::new("build_scene.png"), &film.image(), &vec![], &Tonemap::default())
+    let picture = Path::new("build_scene.png");
+    output::write(picture, &film.image(), &vec![], &Tonemap::default())?;
+    println!("{} samples per pixel in {:.2} s: {}", report.samples, report.elapsed.as_secs_f64(), picture.display());
+    Ok(())
 }
 
 fn world() -> pt::Result<World> {

@@ -61,7 +61,7 @@ impl Error {
         match self {
             Error::Invalid(faults) => faults.clone(),
             Error::Limit(fault) => vec![fault.clone()],
-            other => vec![Fault { message: other.to_string(), ..Fault::default() }],
+            other => other.to_string().lines().map(Fault::new).collect(),
         }
     }
 }

@@ -1,6 +1,8 @@
 //! What can be said on the command line.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::time::Duration;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -46,7 +48,7 @@ pub struct Sample {
     #[arg(value_name = "SCENE#NAME")]
     pub scene: Option<String>,
     /// How many points.
-    #[arg(short = 'n', long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    #[arg(short = 'n', long, default_value_t = 1000, value_parser = whole(1_u32, 10_000_000), allow_negative_numbers = true)]
     pub count: u32,
     /// Where the points go: .csv, .png or .svg; default: CSV to stdout. With `material` what its three pictures' names begin with.
     #[arg(short, long, value_name = "FILE")]
@@ -55,7 +57,7 @@ pub struct Sample {
     #[arg(long, value_name = "NAME")]
     pub sampler: Option<String>,
     /// Which random numbers.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     pub seed: u64,
     /// n of cosine-power.
     #[arg(long, value_name = "N", default_value = "20", value_parser = exponent)]
@@ -81,7 +83,7 @@ pub struct Sample {
     #[arg(long)]
     pub allow_outside: bool,
     /// With `material` or --chi2: how many directions are drawn.
-    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(2..=1_000_000_000))]
+    #[arg(long, default_value_t = 1_000_000, value_parser = whole(2_u64, 1_000_000_000), allow_negative_numbers = true)]
     pub samples: u64,
 }
 
@@ -139,14 +141,14 @@ pub struct Render {
     #[arg(short, long, value_name = "FILE", alias = "outfile")]
     pub output: Vec<PathBuf>,
     /// Samples per pixel.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     pub spp: Option<u32>,
     /// Render until this long has passed, however many samples that is (or until --spp): `30s`, `1h30m`, a bare number
     /// of seconds. Reading and building do not count; the first sample of every pixel is always finished.
     #[arg(long, value_name = "DURATION", value_parser = duration, allow_negative_numbers = true, alias = "timeout")]
     pub time: Option<Duration>,
     /// Which random numbers: another seed, another independent picture.
-    #[arg(long)]
+    #[arg(long, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Where the random numbers come from: see `pt list samplers`.
     #[arg(long, value_name = "NAME")]
@@ -167,19 +169,19 @@ pub struct Render {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "pilot")]
     pub integrators: Vec<String>,
     /// Size of the picture, such as 640x480.
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Render only these pixels of the picture.
-    #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = numbers::<4>, alias = "pixelbounds")]
+    #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = numbers::<4>, alias = "pixelbounds", allow_hyphen_values = true)]
     pub crop: Option<[u32; 4]>,
     /// Compute this pixel alone and print it; no file is written.
-    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, conflicts_with_all = ["output", "crop", "time"])]
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, conflicts_with_all = ["output", "crop", "time"], allow_hyphen_values = true)]
     pub pixel: Option<[u32; 2]>,
     /// With --pixel: this sample alone.
-    #[arg(long, value_name = "K", requires = "pixel")]
+    #[arg(long, value_name = "K", requires = "pixel", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     pub sample: Option<u64>,
     /// Threads. Default: all cores. The picture does not depend on it.
-    #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = threads)]
+    #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<u32>,
     /// Stops of exposure, for 8-bit files only.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
@@ -196,7 +198,7 @@ pub struct Render {
     /// Say nothing but errors.
     #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Say more.
+    /// Say more: before rendering what `pt check` says of the scene.
     #[arg(short, long)]
     pub verbose: bool,
 }
@@ -241,8 +243,22 @@ impl Scene {
     }
 }
 
+/// A size that a film can have: sides as in the scene format.
 fn size(text: &str) -> std::result::Result<[u32; 2], String> {
-    numbers(&text.replace(['x', '×'], ",")).map_err(|_| "expected a size such as 640x480".to_owned())
+    let sides = numbers(&text.replace(['x', '×'], ",")).map_err(|_| "expected a size such as 640x480".to_owned())?;
+    let right = sides.iter().all(|side| (1..=65536).contains(side));
+    right.then_some(sides).ok_or("expected a size from 1x1 to 65536x65536".to_owned())
+}
+
+/// A whole number within bounds; clap's own parser would tell of invalid digits and not of what is expected.
+fn whole<N>(low: N, high: N) -> impl Fn(&str) -> std::result::Result<N, String> + Clone
+where
+    N: FromStr + PartialOrd + Display + Copy,
+{
+    move |text| {
+        let inside = |n: &N| (low..=high).contains(n);
+        text.parse().ok().filter(inside).ok_or_else(|| format!("expected a whole number from {low} to {high}"))
+    }
 }
 
 fn numbers<const N: usize>(text: &str) -> std::result::Result<[u32; N], String> {

@@ -1,7 +1,8 @@
 //! `pt check SCENE`: is it right, what is in it, what does it call for?
 
-use super::load::load;
+use super::load::{Loaded, load};
 use super::{args, say};
+use crate::describe;
 use crate::effects::Effects;
 use crate::error::Result;
 use crate::integrator::Entry;
@@ -9,11 +10,19 @@ use crate::scene::Scene;
 
 pub fn check(args: &args::Check, tables: &[&[Entry]]) -> Result<()> {
     let loaded = load(&args.scene, &[], args.integrator.as_deref(), tables)?;
+    let mut text = format!("{}: valid\n\n{}", describe::name(args.scene.path()?), contents(&loaded));
+    for warning in &loaded.built.warnings {
+        text += &format!("\nwarning: {warning}");
+    }
+    say(&text)
+}
+
+/// What is in the scene, which effects it calls for and who asks for them; also what `--verbose` tells before it renders.
+pub fn contents(loaded: &Loaded) -> String {
     let built = &loaded.built;
     let size = built.film.size;
     let mut text = format!(
-        "{}: valid\n\nfilm        {} × {}, {} samples per pixel\nintegrator  {}: {}\nshapes      {} of {} primitives\nmaterials   {}\nlights      {}\n",
-        args.scene.path()?.display(),
+        "film        {} × {}, {} samples per pixel\nintegrator  {}: {}\nshapes      {}, {} primitives in all\nmaterials   {}\nlights      {}\n",
         size.x,
         size.y,
         built.sampler.spp,
@@ -29,11 +38,7 @@ pub fn check(args: &args::Check, tables: &[&[Entry]]) -> Result<()> {
     for effect in effects.iter() {
         text += &line(effect, &askers(&built.needs, effect), loaded.entry.simulates);
     }
-    text += &format!("\nnot called for, and off\n  {}\n", Effects::ALL - effects);
-    for warning in &built.warnings {
-        text += &format!("\nwarning: {warning}");
-    }
-    say(&text)
+    text + &format!("\nnot called for, and off\n  {}\n", Effects::ALL - effects)
 }
 
 /// Effect, who needs it, what it costs, and whether the integrator has it.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::args;
 use crate::describe::{self, Built, Source};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::integrator::{self, Entry, Integrator};
 use crate::reader::Node;
 
@@ -32,22 +32,38 @@ impl Loaded {
     }
 }
 
+/// What a flag says in place of a key of the scene.
+pub struct Override {
+    /// The flag as it was written, such as `--spp 16`: what is wrong with the value is told by it.
+    pub words: String,
+    pub pointer: &'static str,
+    pub value: String,
+}
+
 /// Reads, overrides, checks and builds the scene.
 ///
 /// - `more`: overrides that have flags of their own, after those of `-D`
-pub fn load(scene: &args::Scene, more: &[(String, String)], integrator: Option<&str>, tables: &[&[Entry]]) -> Result<Loaded> {
+pub fn load(scene: &args::Scene, more: &[Override], integrator: Option<&str>, tables: &[&[Entry]]) -> Result<Loaded> {
     let path = scene.path()?;
     let (mut root, file) = (describe::load(path)?, describe::name(path));
-    for (pointer, text) in scene.overrides()? {
-        root.set(pointer, text)?;
-    }
-    for (pointer, text) in more {
-        root.set(pointer, text)?;
-    }
+    overridden(&mut root, scene, more).map_err(|refusal| deeper(refusal, &root, &file))?;
     let description = describe::read(&root, &file)?;
     let (entry, integrator) = integrator::choose(tables, root.child("integrator"), integrator, &file)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let built = describe::build(&description, Source { root: &root, file: &file, folder, allow_outside: scene.allow_outside })?;
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
     Ok(Loaded { built, entry, integrator: integrator.into(), description, stem, root, file })
+}
+
+fn overridden(root: &mut Node, scene: &args::Scene, more: &[Override]) -> Result<()> {
+    scene.overrides()?.into_iter().try_for_each(|(pointer, text)| root.set(pointer, text))?;
+    more.iter().try_for_each(|flag| root.set_by(&flag.words, flag.pointer, &flag.value))
+}
+
+/// Why there was no place for a value: where the scene itself is wrong, that is what to say.
+fn deeper(refusal: Error, root: &Node, file: &str) -> Error {
+    match describe::read(root, file) {
+        Err(wrong @ Error::Invalid(_)) => wrong,
+        _ => refusal,
+    }
 }

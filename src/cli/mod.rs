@@ -8,6 +8,7 @@ mod list;
 mod load;
 mod pilot;
 mod progress;
+mod refusal;
 mod render;
 mod sample;
 mod schema;
@@ -32,7 +33,7 @@ const INCONCLUSIVE: u8 = 7;
 pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
     let args = match Args::try_parse() {
         Ok(args) => args,
-        Err(refusal) => return answer(&refusal),
+        Err(refusal) => return refusal::answer(&refusal),
     };
     let json = args.json_errors;
     finish(run(args, tables), json)
@@ -46,26 +47,6 @@ fn finish(result: Result<ExitCode>, json: bool) -> ExitCode {
             ExitCode::from(error.exit_code())
         }
     }
-}
-
-/// What clap answers itself: help and version on stdout, what is wrong with the call on stderr.
-fn answer(refusal: &clap::Error) -> ExitCode {
-    let json = std::env::args_os().take_while(|arg| arg != "--").any(|arg| arg == "--json-errors");
-    if !refusal.use_stderr() {
-        return finish(printed(refusal.print()).map(|()| ExitCode::SUCCESS), json);
-    }
-    if json {
-        return finish(Err(Error::Usage(sentence(refusal))), json);
-    }
-    let _ = refusal.print();
-    ExitCode::from(refusal.exit_code() as u8)
-}
-
-/// What is wrong, without the usage and the hints that follow it.
-fn sentence(refusal: &clap::Error) -> String {
-    let text = refusal.to_string();
-    let paragraph = text.split("\n\n").next().unwrap_or_default();
-    paragraph.trim_start_matches("error: ").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// What was asked for; a subcommand that judges may say no with an exit code of its own.

@@ -5,10 +5,10 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::load::{Loaded, load};
+use super::load::{Loaded, Override, load};
 use super::progress::Progress;
 use super::stats::{Account, Counted};
-use super::{INCONCLUSIVE, args, note, pilot, say, signals, words};
+use super::{INCONCLUSIVE, args, check, note, pilot, say, signals, words};
 use crate::describe::Built;
 use crate::error::{Error, Result};
 use crate::film::{Crop, Film, FilmSpec, Image, MomentFilm};
@@ -26,6 +26,9 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
     if !args.quiet {
         loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
         remark_missing_effects(&loaded);
+    }
+    if args.verbose {
+        note(&check::contents(&loaded));
     }
     let threads = args.threads.map_or(0, |n| n as usize);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
@@ -125,23 +128,35 @@ fn pixel(args: &args::Render, loaded: Loaded, x: u32, y: u32) -> Result<()> {
 }
 
 /// Flags that say what a key of the scene says.
-fn overrides(args: &args::Render) -> Result<Vec<(String, String)>> {
+fn overrides(args: &args::Render) -> Result<Vec<Override>> {
     let mut list = vec![];
-    let mut set = |pointer: &str, value: Option<String>| list.extend(value.map(|value| (pointer.to_owned(), value)));
-    set("/film/width", args.size.map(|s| s[0].to_string()));
-    set("/film/height", args.size.map(|s| s[1].to_string()));
-    let whole = args.size.map(|[w, h]| [0, w, 0, h]);
-    set("/film/crop", args.crop.or(whole).map(|c| format!("{c:?}")));
-    set("/sampler/spp", args.spp.map(|n| n.to_string()));
-    set("/sampler/seed", args.seed.map(|n| n.to_string()));
-    set("/sampler/scramblings", args.scramblings.map(|n| n.to_string()));
+    let mut set = |words: String, pointer, value: String| list.push(Override { words, pointer, value });
+    if let Some([width, height]) = args.size {
+        let words = format!("--size {width}x{height}");
+        set(words.clone(), "/film/width", width.to_string());
+        set(words.clone(), "/film/height", height.to_string());
+        // The scene's own crop is of a picture of another size.
+        set(words, "/film/crop", format!("{:?}", [0, width, 0, height]));
+    }
+    if let Some([x0, x1, y0, y1]) = args.crop {
+        set(format!("--crop {x0},{x1},{y0},{y1}"), "/film/crop", format!("{:?}", [x0, x1, y0, y1]));
+    }
+    if let Some(spp) = args.spp {
+        set(format!("--spp {spp}"), "/sampler/spp", spp.to_string());
+    }
+    if let Some(seed) = args.seed {
+        set(format!("--seed {seed}"), "/sampler/seed", seed.to_string());
+    }
+    if let Some(k) = args.scramblings {
+        set(format!("--scramblings {k}"), "/sampler/scramblings", k.to_string());
+    }
     if let Some(name) = &args.sampler {
         let known: Vec<&str> = Kind::ALL.iter().map(|(_, name, _)| *name).collect();
         if !known.contains(&name.as_str()) {
             return Err(Error::Usage(crate::reader::unknown("sampler", name, &known)));
         }
+        set(format!("--sampler {name}"), "/sampler/type", name.clone());
     }
-    set("/sampler/type", args.sampler.clone());
     Ok(list)
 }
 

@@ -29,6 +29,9 @@ pub(super) fn refused(scene: &Scene, folder: &Path, allow_outside: bool) -> Vec<
 
 /// Names that a message could not show.
 fn no_name(file: &str) -> Option<String> {
+    if file.is_empty() {
+        return Some("an empty file name".to_owned());
+    }
     let too_long = (file.len() > LONGEST).then(|| format!("a file name of {} bytes, expected at most {LONGEST}", file.len()));
     too_long.or_else(|| file.contains(char::is_control).then(|| "a file name with control characters".to_owned()))
 }

@@ -38,8 +38,15 @@ fn integrator(entry: &Entry) -> Value {
 pub fn members(family: &str) -> Vec<(String, String)> {
     let schema = schema(&[]).to_value();
     let forms = schema["$defs"][family]["oneOf"].as_array().cloned().unwrap_or_default();
-    let line = |text: &Value| text.as_str().and_then(|t| t.lines().next()).unwrap_or_default().to_owned();
-    forms.iter().map(|form| (line(&form["properties"]["type"]["const"]), line(&form["description"]))).collect()
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    forms.iter().map(|form| (text(&form["properties"]["type"]["const"]), first_line(&text(&form["description"])))).collect()
+}
+
+/// The first line of a text, to the end of its last whole sentence.
+fn first_line(text: &str) -> String {
+    let line = text.lines().next().unwrap_or_default();
+    let whole = if line.ends_with('.') { line } else { line.rsplit_once(". ").map_or(line, |(sentences, _)| &line[..=sentences.len()]) };
+    whole.to_owned()
 }
 
 /// Says what the reader does: keys are left out, never `null`; and numbers have ranges, not machine formats.

@@ -1,4 +1,4 @@
-//! Overrides from the command line: `-D /camera/fov=60`.
+//! Overrides from the command line: `-D /camera/fov=60`, `--spp 16`.
 
 use std::sync::Arc;
 
@@ -16,7 +16,15 @@ impl Node {
     /// # Errors
     /// `Usage`: a pointer that leads nowhere, named with what there is instead; broken JSON.
     pub fn set(&mut self, pointer: &str, text: &str) -> Result<()> {
-        let words: Arc<str> = format!("-D {pointer}={text}").into();
+        self.set_by(&format!("-D {pointer}={text}"), pointer, text)
+    }
+
+    /// As [`Node::set`], for a flag of its own: `words` are what the user wrote, such as `--spp 16`.
+    ///
+    /// # Errors
+    /// As [`Node::set`].
+    pub fn set_by(&mut self, words: &str, pointer: &str, text: &str) -> Result<()> {
+        let words: Arc<str> = words.into();
         let usage = |message: String| Error::Usage(format!("{words}: {message}"));
         let value = parse_value(text).map_err(usage)?;
         let path = segments(pointer).filter(|path| !path.is_empty());

@@ -106,6 +106,8 @@ fn a_scene_from_stdin() {
     let folder = folder();
     Command::cargo_bin("pt").expect("the binary").current_dir(folder.path()).arg("-").write_stdin(SCENE).assert().success();
     assert_eq!(files(folder.path()), ["scene.json", "stdin.exr", "stdin.png"]);
+    let check = Command::cargo_bin("pt").expect("the binary").args(["check", "-"]).write_stdin(SCENE).assert().success();
+    assert!(check.get_output().stdout.starts_with(b"stdin: valid\n"));
 }
 
 #[test]
@@ -164,6 +166,23 @@ fn list_shows_everything_with_a_line_each() {
         let line = text.lines().find(|line| line.trim_start().starts_with(name)).unwrap_or_else(|| panic!("{name} in\n{text}"));
         assert!(line.split_whitespace().count() >= 4, "{line}");
     }
+    // What the scene format says of its members is cut to a line, but not within a sentence.
+    let families = text.lines().skip_while(|line| *line != "samplers");
+    for line in families.filter(|line| line.starts_with(' ')) {
+        assert!(line.ends_with('.'), "{line}");
+    }
+}
+
+#[test]
+fn verbose_tells_what_check_does() {
+    let folder = folder();
+    let check = pt(folder.path(), &["check", "scene.json"]).success().get_output().clone();
+    let verbose = pt(folder.path(), &["scene.json", "-v"]).success().get_output().clone();
+    let check = String::from_utf8_lossy(&check.stdout).into_owned();
+    let (valid, contents) = check.split_once("\n\n").expect("a first line by itself");
+    assert_eq!(valid, "scene.json: valid");
+    let verbose = String::from_utf8_lossy(&verbose.stderr).into_owned();
+    assert!(verbose.starts_with(contents), "{verbose}");
 }
 
 #[test]

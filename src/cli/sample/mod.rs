@@ -31,11 +31,11 @@ pub fn sample(args: &args::Sample) -> Result<ExitCode> {
 fn list() -> String {
     let mut text = "warps: where points of the square go\n".to_owned();
     for warp in WARPS {
-        text += &format!("  {:<18} {}\n", warp.name, warp.about);
+        text += &format!("  {:<19} {}\n", warp.name, warp.about);
     }
     text += "samplers: the square itself\n";
     for (_, name, about) in Kind::ALL {
-        text += &format!("  {name:<18} {about}\n");
+        text += &format!("  {name:<19} {about}\n");
     }
     text + "\n  pt sample WARP [-n 1000] [-o points.csv|.png|.svg]\n  pt sample WARP --chi2\n  pt sample material scene.json#NAME --wo 60,0\n"
 }

@@ -41,6 +41,7 @@ impl Bench {
         for name in ["right.json", "scene.exr", "szene-ä-🫖.json", "-dash.json", "with space.json", &long_name()] {
             fs::write(at.join(name), &right).expect("write");
         }
+        fs::write(at.join("list.json"), "[]").expect("write");
         #[cfg(unix)]
         {
             assert!(Command::new("mkfifo").arg(at.join("pipe")).status().expect("mkfifo runs").success());

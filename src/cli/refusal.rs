@@ -1,0 +1,56 @@
+//! What clap refuses, and what it answers itself: help and the version.
+
+use std::process::ExitCode;
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, ValueEnum};
+
+use super::args::{Args, Stats};
+use super::{finish, printed};
+use crate::error::Error;
+use crate::reader::closest;
+
+/// Help and version on stdout, what is wrong with the call on stderr.
+pub fn answer(refusal: &clap::Error) -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let json = words.iter().take_while(|word| *word != "--").any(|word| word == "--json-errors");
+    if !refusal.use_stderr() {
+        return finish(printed(refusal.print()).map(|()| ExitCode::SUCCESS), json);
+    }
+    if let Some(message) = stray(refusal, &words) {
+        return finish(Err(Error::Usage(message)), json);
+    }
+    if json {
+        return finish(Err(Error::Usage(sentence(refusal))), json);
+    }
+    let _ = refusal.print();
+    ExitCode::from(refusal.exit_code() as u8)
+}
+
+/// A word after the scene: to clap it is a command that "cannot be used with" the scene, whatever was meant by it.
+fn stray(refusal: &clap::Error, words: &[String]) -> Option<String> {
+    let (ErrorKind::ArgumentConflict, Some(ContextValue::String(word))) = (refusal.kind(), refusal.get(ContextKind::InvalidSubcommand))
+    else {
+        return None;
+    };
+    let parser = Args::command();
+    let commands: Vec<&str> = parser.get_subcommands().map(|command| command.get_name()).collect();
+    let before = words.iter().position(|other| other == word).and_then(|at| words[..at].last());
+    let misspelt = || words.iter().find_map(|typed| closest(typed, commands.iter().copied()).map(|near| (typed, near)));
+    Some(if before.is_some_and(|flag| flag == "--stats") && Stats::from_str(word, false).is_ok() {
+        format!("--stats {word}: expected --stats={word}")
+    } else if commands.contains(&word.as_str()) {
+        format!("{word}: a command comes first, as in pt {word} scene.json; see pt --help")
+    } else if let Some((typed, near)) = misspelt() {
+        format!("unknown command {typed:?}, did you mean {near:?}? See pt --help")
+    } else {
+        format!("unexpected {word:?}: one scene at a time, and options before a --; see pt --help")
+    })
+}
+
+/// What is wrong, without the usage and the hints that follow it.
+fn sentence(refusal: &clap::Error) -> String {
+    let text = refusal.to_string();
+    let paragraph = text.split("\n\n").next().unwrap_or_default();
+    paragraph.trim_start_matches("error: ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
