@@ -6,6 +6,7 @@ pub mod accel;
 pub mod bsdf;
 pub mod camera;
 pub mod cli;
+pub mod compare;
 pub mod describe;
 pub mod effects;
 mod error;
