@@ -11,9 +11,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use pt::describe::{self, Source};
-use pt::film::{FilmSpec, Image, MomentFilm};
+use pt::film::{FilmSpec, MomentFilm};
 use pt::integrator::{Integrator, choose};
-use pt::measure::{Course, RelativeError, Until, follow};
+use pt::measure::{Course, Distance, RelativeError, Until, follow};
 use pt::render::{Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
@@ -41,12 +41,12 @@ impl Subject {
         Ok(Subject { scene: Arc::new(built.world), integrator, spec: built.film })
     }
 
-    fn taken(&self, kind: Kind, scramblings: u32, seed: u64, until: &Until) -> (Image, f64, Course) {
+    fn taken(&self, kind: Kind, scramblings: u32, seed: u64, until: &Until) -> (MomentFilm, Course) {
         let settings = Settings::new(SamplerSpec { kind, seed, spp: until.samples, scramblings });
         let mut film = MomentFilm::new(self.spec.clone());
         let mut render = Render::new(self.scene.clone(), &*self.integrator, &self.spec, &settings);
         let course = follow(&mut render, &mut film, until, &Silent);
-        (film.image(), film.freedom(), course)
+        (film, course)
     }
 }
 
@@ -58,21 +58,22 @@ fn main() -> pt::Result<()> {
     );
     for name in SCENES {
         let subject = Subject::load(name)?;
-        let (reference, ..) = subject.taken(Kind::Sobol, 8, u64::MAX, &Until { samples: 128 * SAMPLES, ..short });
+        let (reference, _) = subject.taken(Kind::Sobol, 8, u64::MAX, &Until { samples: 128 * SAMPLES, ..short });
+        let reference = reference.image();
         for kind in SAMPLERS {
             let (mut held, mut squares) = (0, [0.0; 2]);
             let mut error = 0.0;
             for seed in 0..seeds {
-                let (image, freedom, _) = subject.taken(kind, 2, seed, &short);
-                let stated = RelativeError::of(&image, freedom).expect("error bars");
-                let truth = RelativeError::measured(&image, &reference).expect("a reference");
+                let (film, _) = subject.taken(kind, 2, seed, &short);
+                let stated = RelativeError::of(&film).expect("error bars");
+                let truth = Distance::between(&film.image(), &reference).expect("a reference").relmse.max(0.0).sqrt();
                 let [low, high] = stated.interval(0.95);
                 held += u64::from((low..=high).contains(&truth));
                 error += stated.value / seeds as f64;
                 squares[0] += truth * truth;
                 if kind != Kind::Independent {
-                    let (plain, ..) = subject.taken(kind, 1, seed, &short);
-                    squares[1] += RelativeError::measured(&plain, &reference).expect("a reference").powi(2);
+                    let (plain, _) = subject.taken(kind, 1, seed, &short);
+                    squares[1] += Distance::between(&plain.image(), &reference).expect("a reference").relmse;
                 }
             }
             let cost = if squares[1] > 0.0 { format!("{:.2}", squares[0] / squares[1]) } else { "–".into() };
@@ -91,11 +92,11 @@ fn main() -> pt::Result<()> {
 fn price(subject: &Subject, kind: Kind) -> String {
     const TARGET: f64 = 0.01;
     let pilot = Until { samples: u32::MAX.into(), time: Some(Duration::from_secs(1)), target: None };
-    let (_, _, course) = subject.taken(kind, 2, 1, &pilot);
+    let (_, course) = subject.taken(kind, 2, 1, &pilot);
     let Some(price) = course.price(TARGET, 0.95) else { return "cannot be established".into() };
     // As long as foretold and half as long again, then where the course crosses the target.
     let long = Until { time: Some(Duration::from_secs_f64(1.5 * price.seconds)), ..pilot };
-    let (_, _, course) = subject.taken(kind, 2, 2, &long);
+    let (_, course) = subject.taken(kind, 2, 2, &long);
     let taken = course.price(TARGET, 0.95).map(|_| crossing(&course, TARGET));
     taken.flatten().map_or("not reached".into(), |taken| format!("{:.2}", price.seconds / taken))
 }

@@ -179,13 +179,14 @@ impl Render {
     /// `None` where the render was cancelled meanwhile.
     fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<Part> {
         let mut sequences = self.sampler.sequences();
-        let mut tree = Tree::default();
+        let (mut tree, mut moments) = (Tree::default(), vec![]);
         let mut part = Part { block: Block::with_capacity(self.sampler.spread(), tile.pixel_count() as usize), invalid: vec![] };
         let k = sequences.len() as u64;
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             if observer.cancelled() {
                 return None;
             }
+            moments.clear();
             for (r, sequence) in (0..).zip(&mut sequences) {
                 tree.clear();
                 for index in wave.dealt(r, k) {
@@ -196,8 +197,9 @@ impl Render {
                     }
                     tree.push(0, Moments::of(value), Moments::join);
                 }
-                part.block.push(&tree.total(Moments::join).unwrap_or_default());
+                moments.push(tree.total(Moments::join).unwrap_or_default());
             }
+            part.block.push(&moments);
         }
         Some(part)
     }

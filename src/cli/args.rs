@@ -35,6 +35,8 @@ pub enum Command {
     },
     /// The JSON Schema of the scene format, on stdout.
     Schema(Schema),
+    /// What accuracy costs in time: several methods on one scene, measured at doubling checkpoints, told in a report.
+    Compare(Compare),
     /// Points of warps and samplers, and how a material scatters, as numbers and pictures. Without arguments: what there is.
     Sample(Sample),
 }
@@ -85,6 +87,54 @@ pub struct Sample {
     /// With `material` or --chi2: how many directions are drawn.
     #[arg(long, default_value_t = 1_000_000, value_parser = whole(2_u64, 1_000_000_000), allow_negative_numbers = true)]
     pub samples: u64,
+}
+
+#[derive(clap::Args, Debug)]
+pub struct Compare {
+    #[command(flatten)]
+    pub scene: Scene,
+    /// Which integrators.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "path,nee,whitted")]
+    pub integrators: Vec<String>,
+    /// Which samplers. Default: the scene's.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub samplers: Vec<String>,
+    /// The folder of the report. Default: SCENE-report here.
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// Samples per pixel of each replicate at most; without --time all of them.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Render time of each method, and of a reference that is to be computed. Default: 8s.
+    #[arg(long, value_name = "DURATION", value_parser = duration)]
+    pub time: Option<Duration>,
+    /// Independent renders of each method.
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(2..=256))]
+    pub replicates: u32,
+    /// The picture to measure against, an EXR of the same pixels. Default: one is computed.
+    #[arg(long, value_name = "FILE")]
+    pub reference: Option<PathBuf>,
+    /// By which integrator a reference is computed. Default: nee.
+    #[arg(long, value_name = "NAME", conflicts_with = "reference")]
+    pub reference_integrator: Option<String>,
+    /// For how long. Default: as long as each method.
+    #[arg(long, value_name = "DURATION", value_parser = duration, conflicts_with = "reference")]
+    pub reference_time: Option<Duration>,
+    /// Size of the pictures. Default: the scene's, at most 65536 pixels.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// How sure to be of intervals.
+    #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
+    pub confidence: f64,
+    /// Also the data that the viewer JERI reads.
+    #[arg(long)]
+    pub jeri: bool,
+    /// Threads. Default: all cores.
+    #[arg(short, long, env = "PT_THREADS", value_parser = threads)]
+    pub threads: Option<u32>,
+    /// How progress shows on stderr.
+    #[arg(long, value_enum, default_value_t = Progress::Auto)]
+    pub progress: Progress,
 }
 
 #[derive(clap::Args, Debug)]

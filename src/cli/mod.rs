@@ -4,6 +4,7 @@
 
 mod args;
 mod check;
+mod compare;
 mod list;
 mod load;
 mod pilot;
@@ -14,7 +15,6 @@ mod sample;
 mod schema;
 mod signals;
 mod stats;
-mod words;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -53,6 +53,7 @@ fn finish(result: Result<ExitCode>, json: bool) -> ExitCode {
 fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
     match args.command {
         Some(Command::Sample(args)) => return sample::sample(&args),
+        Some(Command::Compare(args)) => return compare::compare(&args, tables),
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::List { what }) => list::list(what, tables)?,
         Some(Command::Schema(args)) => schema::schema(&args, tables)?,

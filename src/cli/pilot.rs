@@ -4,12 +4,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::load::Loaded;
-use super::words;
 use crate::error::Result;
 use crate::film::{FilmSpec, MomentFilm};
 use crate::integrator::{Entry, Integrator};
-use crate::measure::{Course, Until, follow};
-use crate::render::{Observer, Render, Settings};
+use crate::measure::words;
+use crate::measure::{Course, Until, Watcher, follow};
+use crate::render::{Render, Settings};
 use crate::scene::Scene;
 
 /// Renders for so long with each integrator, throws the pictures away, and returns the list.
@@ -20,13 +20,13 @@ pub fn price_list(
     who: &[(Entry, Arc<dyn Integrator>)],
     time: Duration,
     confidence: f64,
-    observer: &dyn Observer,
+    watcher: &dyn Watcher,
 ) -> String {
     let rows = who.iter().map(|(entry, integrator)| {
         let mut film = MomentFilm::new(spec.clone());
         let mut render = Render::new(scene.clone(), &**integrator, spec, settings);
         let until = Until { samples: u32::MAX.into(), time: Some(time), target: None };
-        (entry.name, follow(&mut render, &mut film, &until, observer))
+        (entry.name, follow(&mut render, &mut film, &until, watcher))
     });
     print(&rows.collect::<Vec<_>>(), confidence)
 }

@@ -10,14 +10,15 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::args;
 use super::{note, signals};
 use crate::film::Film;
+use crate::measure::{Course, Watcher};
 use crate::render::Observer;
 
 /// Shows progress and passes interrupts on to the render.
 pub struct Progress {
     style: Style,
     start: Instant,
-    /// Camera samples, all pixels together.
-    total: u64,
+    /// Camera samples, all pixels together; as far as is known.
+    total: AtomicU64,
     /// Where time, not samples, ends the render.
     limit: Option<Duration>,
     done: AtomicU64,
@@ -44,7 +45,8 @@ impl Progress {
             args::Progress::None => Style::Silent,
         };
         let (start, total) = (Instant::now(), pixels.saturating_mul(spp));
-        let progress = Progress { style, start, total, limit, done: 0.into(), whole: 0.into(), pixels, last: Mutex::new(start) };
+        let progress =
+            Progress { style, start, total: total.into(), limit, done: 0.into(), whole: 0.into(), pixels, last: Mutex::new(start) };
         if let Style::Bar(bar) = &progress.style {
             bar.set_length(1000);
         }
@@ -62,7 +64,7 @@ impl Progress {
 
     /// The share that is done, by samples or by time.
     fn share(&self) -> f64 {
-        let by_samples = self.done.load(Ordering::Relaxed) as f64 / self.total.max(1) as f64;
+        let by_samples = self.done.load(Ordering::Relaxed) as f64 / self.total.load(Ordering::Relaxed).max(1) as f64;
         let by_time = self.limit.map_or(0.0, |limit| self.start.elapsed().as_secs_f64() / limit.as_secs_f64());
         by_samples.max(by_time).min(1.0)
     }
@@ -104,6 +106,12 @@ fn bar() -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr_with_hz(10));
     let style = ProgressStyle::with_template("[{bar:32}] {msg}").unwrap_or(ProgressStyle::default_bar());
     bar.with_style(style.progress_chars("=> "))
+}
+
+impl Watcher for Progress {
+    fn looked(&self, _: &Course, expected: u64) {
+        self.total.store(self.pixels.saturating_mul(expected), Ordering::Relaxed);
+    }
 }
 
 impl Observer for Progress {

@@ -8,12 +8,12 @@ use std::time::Instant;
 use super::load::{Loaded, Override, load};
 use super::progress::Progress;
 use super::stats::{Account, Counted};
-use super::{INCONCLUSIVE, args, check, note, pilot, say, signals, words};
+use super::{INCONCLUSIVE, args, check, note, pilot, say, signals};
 use crate::describe::Built;
 use crate::error::{Error, Result};
 use crate::film::{Crop, Film, FilmSpec, Image, MomentFilm};
 use crate::integrator::{Entry, Integrator};
-use crate::measure::{self, Course, Outcome, Target, Until};
+use crate::measure::{self, Course, Outcome, Target, Until, words};
 use crate::output::{self, Attributes, Curve, Format, Tonemap};
 use crate::render::{self, Render, Report, SampleId, Settings};
 use crate::sampler::Kind;
@@ -30,9 +30,7 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
     if args.verbose {
         note(&check::contents(&loaded));
     }
-    let threads = args.threads.map_or(0, |n| n as usize);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| Error::Internal(format!("cannot start {threads} threads: {e}")))?;
+    let pool = pool(args.threads)?;
     if let Some([x, y]) = args.pixel {
         return pool.install(|| pixel(args, loaded, x, y)).map(|()| ExitCode::SUCCESS);
     }
@@ -41,6 +39,20 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
     signals::catch()?;
     let threads = pool.current_num_threads();
     pool.install(|| picture(args, loaded, &whom, &outputs, load_seconds, threads))
+}
+
+/// So many threads, or one for each core.
+pub fn pool(threads: Option<u32>) -> Result<rayon::ThreadPool> {
+    let threads = threads.map_or(0, |n| n as usize);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|e| Error::Internal(format!("cannot start {threads} threads: {e}")))
+}
+
+/// The sampler of this name.
+pub fn sampler_named(name: &str) -> Result<Kind> {
+    let known: Vec<&str> = Kind::ALL.iter().map(|(_, name, _)| *name).collect();
+    let found = Kind::ALL.iter().find(|row| row.1 == name).map(|row| row.0);
+    found.ok_or_else(|| Error::Usage(crate::reader::unknown("sampler", name, &known)))
 }
 
 /// Renders, reports and writes.
@@ -151,10 +163,7 @@ fn overrides(args: &args::Render) -> Result<Vec<Override>> {
         set(format!("--scramblings {k}"), "/sampler/scramblings", k.to_string());
     }
     if let Some(name) = &args.sampler {
-        let known: Vec<&str> = Kind::ALL.iter().map(|(_, name, _)| *name).collect();
-        if !known.contains(&name.as_str()) {
-            return Err(Error::Usage(crate::reader::unknown("sampler", name, &known)));
-        }
+        sampler_named(name)?;
         set(format!("--sampler {name}"), "/sampler/type", name.clone());
     }
     Ok(list)

@@ -3,7 +3,14 @@
 //! Every method renders the same scene several times, each time with other random numbers, interleaved so that a
 //! machine that slows down slows all of them. At doubling checkpoints each picture is measured against a reference.
 
+mod conclude;
+pub mod curve;
+pub mod run;
+
 use crate::film::Image;
+
+pub use conclude::conclusions;
+pub use run::{Contestant, Effort, run};
 
 /// All that was measured, for the report to tell.
 #[derive(Clone, Debug)]

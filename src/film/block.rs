@@ -8,11 +8,11 @@ use crate::sampler::Spread;
 /// A pixel has as many numbers as its [`Spread`] needs:
 ///
 /// ```text
-/// Samples          Σr Σg Σb  Σr² Σg² Σb²     the spread of the samples tells the error of their mean
-/// Scramblings(K)   Σr Σg Σb  of each         the spread of the K means tells the error of their mean
+/// Samples          Σr Σg Σb  Σr² Σg² Σb²   Σy² Σy³    the spread of the samples tells the error of their mean
+/// Scramblings(K)   Σr Σg Σb of each        Σy² Σy³    the spread of the K means tells the error of their mean
 /// ```
 ///
-/// All are sums, so that blocks join by adding.
+/// with y the mean of the colours. All are sums, so that blocks join by adding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
     spread: Spread,
@@ -33,7 +33,7 @@ impl Block {
     /// Of independent samples.
     pub fn of_samples(pixels: &[Moments]) -> Block {
         let mut block = Block::with_capacity(Spread::Samples, pixels.len());
-        pixels.iter().for_each(|moments| block.push(moments));
+        pixels.iter().for_each(|moments| block.push(std::slice::from_ref(moments)));
         block
     }
 
@@ -41,12 +41,13 @@ impl Block {
         self.spread
     }
 
-    /// The samples of the next pixel, or of its next scrambling.
-    pub fn push(&mut self, moments: &Moments) {
-        self.sums.extend(moments.sum);
+    /// The samples of the next pixel, sequence by sequence.
+    pub fn push(&mut self, sequences: &[Moments]) {
+        sequences.iter().for_each(|moments| self.sums.extend(moments.sum));
         if self.spread == Spread::Samples {
-            self.sums.extend(moments.square);
+            sequences.iter().for_each(|moments| self.sums.extend(moments.square));
         }
+        self.sums.extend(sequences.iter().fold([0.0; 2], |sum, moments| [sum[0] + moments.gray[0], sum[1] + moments.gray[1]]));
     }
 
     pub fn len(&self) -> usize {
@@ -79,11 +80,14 @@ impl Block {
     }
 }
 
+/// Σy² and Σy³, the last numbers of a pixel.
+const GRAY: usize = 2;
+
 /// Numbers per pixel.
 fn slots(spread: Spread) -> usize {
     match spread {
-        Spread::Samples => 6,
-        Spread::Scramblings(k) => 3 * k as usize,
+        Spread::Samples => 6 + GRAY,
+        Spread::Scramblings(k) => 3 * k as usize + GRAY,
     }
 }
 
@@ -112,6 +116,24 @@ pub fn estimate(spread: Spread, pixel: &[f64], n: u64) -> [(f64, f64); 3] {
     })
 }
 
+/// The third cumulant of a pixel's mean over its variance, both of the mean of the colours.
+///
+/// ```text
+/// κ₃/v = μ₃ / (n σ²)
+/// ```
+///
+/// of independent samples; scramblings, which take out noise that is even, leave this ratio about as it is.
+/// 0 where there is no noise.
+pub fn pull(spread: Spread, pixel: &[f64], n: u64) -> f64 {
+    let n = n.max(1) as f64;
+    let mean = total(spread, pixel).iter().sum::<f64>() / (3.0 * n);
+    let &[.., square, cube] = pixel else { return 0.0 };
+    let variance = square / n - mean * mean;
+    let third = cube / n - mean * (3.0 * square / n - 2.0 * mean * mean);
+    // What rounding leaves of equal samples is not noise.
+    if variance > 1e-12 * mean * mean { third / (n * variance) } else { 0.0 }
+}
+
 /// How many of n samples belong to scrambling r of k.
 fn dealt(n: u64, k: u64, r: u64) -> f64 {
     (n.saturating_sub(r)).div_ceil(k) as f64
@@ -130,6 +152,8 @@ pub fn freedom(spread: Spread, n: u64) -> f64 {
 fn total(spread: Spread, pixel: &[f64]) -> [f64; 3] {
     match spread {
         Spread::Samples => std::array::from_fn(|c| pixel[c]),
-        Spread::Scramblings(_) => pixel.as_chunks::<3>().0.iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]),
+        Spread::Scramblings(k) => {
+            pixel[..3 * k as usize].as_chunks::<3>().0.iter().fold([0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]])
+        }
     }
 }

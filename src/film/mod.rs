@@ -108,15 +108,15 @@ impl MomentFilm {
         self.samples
     }
 
-    /// ν, the degrees of freedom of the standard errors; 0 where there are none.
-    pub fn freedom(&self) -> f64 {
-        self.tree.any().map_or(0.0, |block| block::freedom(block.spread(), self.samples))
+    /// All that was added so far; black before the first wave.
+    pub fn total(&self) -> Block {
+        let black = || Block::black(Spread::Samples, self.spec.crop.pixel_count() as usize);
+        self.tree.total(Block::join).unwrap_or_else(black)
     }
 
-    /// The picture so far; black before the first wave.
+    /// The picture so far.
     pub fn image(&self) -> Image {
-        let black = || Block::black(Spread::Samples, self.spec.crop.pixel_count() as usize);
-        Image::from_block(&self.spec, &self.tree.total(Block::join).unwrap_or_else(black), self.samples)
+        Image::from_block(&self.spec, &self.total(), self.samples)
     }
 }
 

@@ -2,22 +2,27 @@
 
 use crate::math::Spectrum;
 
-/// Σx and Σx² of some samples, per coefficient.
+/// Sums of powers of some samples: Σx and Σx² of each colour, Σy² and Σy³ of their mean y.
+///
+/// The third power tells how skewed the noise is: by how much a pixel that looks bright looks uncertain too.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     pub sum: [f64; 3],
     pub square: [f64; 3],
+    pub gray: [f64; 2],
 }
 
 impl Moments {
     pub fn of(sample: Spectrum) -> Moments {
         let x = sample.to_rgb().map(|c| c as f64);
-        Moments { sum: x, square: x.map(|c| c * c) }
+        let y = (x[0] + x[1] + x[2]) / 3.0;
+        Moments { sum: x, square: x.map(|c| c * c), gray: [y * y, y * y * y] }
     }
 
     pub fn join(&self, other: &Moments) -> Moments {
         let add = |a: [f64; 3], b: [f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-        Moments { sum: add(self.sum, other.sum), square: add(self.square, other.square) }
+        let gray = [self.gray[0] + other.gray[0], self.gray[1] + other.gray[1]];
+        Moments { sum: add(self.sum, other.sum), square: add(self.square, other.square), gray }
     }
 }
 
@@ -58,11 +63,6 @@ impl<T> Tree<T> {
             }
         }
         self.blocks.push((level, block));
-    }
-
-    /// One of the blocks; `None` where there is none.
-    pub fn any(&self) -> Option<&T> {
-        self.blocks.last().map(|(_, block)| block)
     }
 
     /// All of them, the shortest blocks first.

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::{Checkpoint, Course, RelativeError, checkpoints};
 use crate::film::MomentFilm;
-use crate::render::{Observer, Render};
+use crate::render::{Observer, Render, Silent};
 
 /// When to stop: at whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,6 +13,17 @@ pub struct Until {
     pub samples: u64,
     pub time: Option<Duration>,
     pub target: Option<Target>,
+}
+
+impl Until {
+    /// How many samples per pixel it will take, as the course so far tells.
+    fn expected(&self, course: &Course) -> u64 {
+        let samples = |target: &Target| {
+            let (price, last) = (course.price(target.error, target.confidence)?, course.last()?);
+            Some((last.samples as f64 * (price.seconds / last.seconds).max(1.0)) as u64)
+        };
+        self.target.as_ref().and_then(samples).map_or(self.samples, |expected| expected.min(self.samples))
+    }
 }
 
 /// A relative error, and how sure it is to be that one has reached it.
@@ -32,19 +43,28 @@ pub enum Outcome {
     NotEstablished,
 }
 
+/// Told how a render that is followed goes on.
+pub trait Watcher: Observer {
+    /// The error was looked at; `expected` is how many samples per pixel the render will take, as far as one can tell.
+    fn looked(&self, _course: &Course, _expected: u64) {}
+}
+
+impl Watcher for Silent {}
+
 /// Takes a render on until it may stop, noting the error at each checkpoint.
-pub fn follow(render: &mut Render, film: &mut MomentFilm, until: &Until, observer: &dyn Observer) -> Course {
+pub fn follow(render: &mut Render, film: &mut MomentFilm, until: &Until, watcher: &dyn Watcher) -> Course {
     let mut course = Course::default();
     let mut looks = Looks::default();
     for samples in checkpoints(until.samples) {
         match until.time {
-            Some(time) => render.advance_for(time, samples, film, observer),
-            None => render.advance(samples, film, observer),
+            Some(time) => render.advance_for(time, samples, film, watcher),
+            None => render.advance(samples, film, watcher),
         }
         let reached = film.samples();
         if reached > course.last().map_or(0, |last| last.samples) {
-            let error = RelativeError::of(&film.image(), film.freedom());
+            let error = RelativeError::of(film);
             course.checkpoints.push(Checkpoint { samples: reached, seconds: render.report().elapsed.as_secs_f64(), error });
+            watcher.looked(&course, until.expected(&course));
         }
         // Cancelled, or out of time: an unplanned moment, at which nothing is decided.
         if reached < samples || until.target.is_some_and(|target| looks.meet(target, course.last())) {

@@ -6,16 +6,19 @@
 
 pub mod agreement;
 pub mod course;
+pub mod distance;
 pub mod follow;
 pub mod level;
 pub mod mean;
 pub mod relative;
 pub mod verdict;
+pub mod words;
 
 pub use agreement::{Agreement, Render, agreement};
 pub use course::{Checkpoint, Course, Price, checkpoints};
-pub use follow::{Outcome, Target, Until, follow};
+pub use distance::Distance;
+pub use follow::{Outcome, Target, Until, Watcher, follow};
 pub use level::{critical_z, sidak};
 pub use mean::{Mean, Welch};
-pub use relative::RelativeError;
+pub use relative::{EPSILON, RelativeError};
 pub use verdict::Verdict;

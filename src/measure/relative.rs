@@ -2,7 +2,8 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::film::Image;
+use crate::film::block::{estimate, freedom, pull};
+use crate::film::{Block, Film, Image, MomentFilm};
 
 /// The estimated relative error of a picture, and how sure the estimate is.
 ///
@@ -38,40 +39,25 @@ pub const EPSILON: f64 = 0.01;
 const FEWEST: f64 = 30.0;
 
 impl RelativeError {
-    /// From the channels `R`, `G`, `B` and `StdErr.R`, `StdErr.G`, `StdErr.B`. `None` without them, and for a black picture.
-    ///
-    /// - `freedom`: ν of the standard errors
-    pub fn of(image: &Image, freedom: f64) -> Option<RelativeError> {
-        let floor = floor(image).filter(|_| freedom > 0.0)?;
-        let smoothed = Smoothed::of(image)?;
-        let shares = smoothed.shares(floor);
-        let (count, sum, square) = shares.fold((0.0, 0.0, 0.0), |(n, s, q), share| (n + 1.0, s + share, q + share * share));
+    /// Of the picture so far. `None` where its samples tell no error, and for a black picture.
+    pub fn of(film: &MomentFilm) -> Option<RelativeError> {
+        let (block, samples) = (film.total(), film.samples());
+        let freedom = freedom(block.spread(), samples);
+        let smoothed = Smoothed::new(&block, samples, film.spec().crop.size().x as usize);
+        let floor = smoothed.floor().filter(|_| freedom > 0.0)?;
+        let (mut sum, mut square) = (0.0, 0.0);
+        for share in smoothed.shares(floor) {
+            sum += share;
+            square += share * share;
+        }
+        let count = smoothed.pixels.len() as f64;
         // Both the estimate of v, of relative variance 2/ν, and the noise itself, of 2, the colours moving together:
         // Σ c² (2 + 2/ν), where the squares of the estimates are (1 + 2/ν) times too large.
         let effective = if square > 0.0 { sum * sum / square } else { count };
-        let variance = 2.0 * (freedom + 1.0) / (freedom + 2.0) / effective;
-        Some(RelativeError { value: (sum / count).sqrt(), spread: 0.5 * variance.sqrt(), effective_pixels: effective })
-    }
-
-    /// √relMSE of a picture, measured: its distance from a reference, less what the reference's own standard errors add to it.
-    ///
-    /// relMSE = 1/3P Σ ((x − r)² − v_r) / (r² + ε)
-    ///
-    /// 0 where the picture is closer to the reference than that is to the truth. `None` for different sizes or a black reference.
-    pub fn measured(image: &Image, reference: &Image) -> Option<f64> {
-        let floor = floor(reference)?;
-        let errors = errors(reference);
-        let at = |i: usize, c: usize| errors.map_or(0.0, |channels| f64::from(channels[c][i]).powi(2));
-        let pixel = |(i, (x, r)): (usize, ([f32; 3], [f32; 3]))| -> f64 {
-            let color = |c: usize| {
-                let (x, r) = (f64::from(x[c]), f64::from(r[c]));
-                ((x - r).powi(2) - at(i, c)) / (r * r + floor)
-            };
-            color(0) + color(1) + color(2)
-        };
-        let sum: f64 = image.pixels().zip(reference.pixels()).enumerate().map(pixel).sum();
-        let count = 3.0 * reference.pixels().count() as f64;
-        (image.size == reference.size).then(|| (sum / count).max(0.0).sqrt())
+        let chance = (2.0 * (freedom + 1.0) / (freedom + 2.0) / effective).sqrt();
+        // What the denominators were corrected by may be as wrong as it is large.
+        let corrected = if sum > 0.0 { (sum / smoothed.uncorrected(floor)).ln() } else { 0.0 };
+        Some(RelativeError { value: (sum / count).sqrt(), spread: 0.5 * chance.hypot(corrected), effective_pixels: effective })
     }
 
     /// Holds the error with this probability.
@@ -91,13 +77,14 @@ impl RelativeError {
     }
 }
 
-/// ε, above 0.
-fn floor(image: &Image) -> Option<f64> {
+/// ε of a reference, above 0.
+pub(super) fn floor(image: &Image) -> Option<f64> {
     let mean = image.pixels().flatten().map(f64::from).sum::<f64>() / (3.0 * image.pixels().count() as f64);
     Some(EPSILON * mean * mean).filter(|floor| floor.is_normal())
 }
 
-fn errors(image: &Image) -> Option<[&[f32]; 3]> {
+/// The standard errors of the colours.
+pub(super) fn errors(image: &Image) -> Option<[&[f32]; 3]> {
     let channels: Vec<&[f32]> = ["StdErr.R", "StdErr.G", "StdErr.B"].iter().filter_map(|name| image.channel(name)).collect();
     channels.try_into().ok()
 }
@@ -112,81 +99,104 @@ struct Smoothed {
     width: usize,
     /// Value and variance of each colour.
     pixels: Vec<[(f64, f64); 3]>,
-    /// The same of their mean, the variance as it is around the pixel.
+    /// The same of their mean.
     gray: Vec<(f64, f64)>,
+    /// κ₃/v of their mean: by how much a brighter pixel looks noisier than it is.
+    pull: Vec<f64>,
 }
 
 /// Neighbours this far away count (pixels).
-const REACH: usize = 2;
+const REACH: usize = 1;
 
 impl Smoothed {
-    fn of(image: &Image) -> Option<Smoothed> {
-        let [red, green, blue] = errors(image)?;
-        let variance = |error: f32| f64::from(error).powi(2);
-        let errors = red.iter().zip(green).zip(blue).map(|((&r, &g), &b)| [r, g, b]);
-        let pixels: Vec<[(f64, f64); 3]> =
-            image.pixels().zip(errors).map(|(x, e)| std::array::from_fn(|c| (f64::from(x[c]), variance(e[c])))).collect();
-        let mut smoothed = Smoothed { width: image.size.x as usize, pixels, gray: vec![] };
-        // The colours of a sample move together: their errors add, not their variances.
-        let gray = |pixel: &[(f64, f64); 3]| {
-            let mean = |f: fn(&(f64, f64)) -> f64| pixel.iter().map(f).sum::<f64>() / 3.0;
-            (mean(|c| c.0), mean(|c| c.1.sqrt()).powi(2))
-        };
-        let each: Vec<(f64, f64)> = smoothed.pixels.iter().map(gray).collect();
-        let around = |i: usize| {
-            let (sum, count) = smoothed.around(i, 1).fold((0.0, 0.0), |(sum, count), q| (sum + each[q].1, count + 1.0));
-            (each[i].0, sum / count)
-        };
-        smoothed.gray = (0..each.len()).map(around).collect();
-        Some(smoothed)
+    fn new(block: &Block, samples: u64, width: usize) -> Smoothed {
+        let pixels: Vec<[(f64, f64); 3]> = block.pixels().map(|pixel| estimate(block.spread(), pixel, samples)).collect();
+        let pull = block.pixels().map(|pixel| pull(block.spread(), pixel, samples)).collect();
+        let gray = pixels.iter().map(gray).collect();
+        Smoothed { width, pixels, gray, pull }
     }
 
-    /// The pixels within `reach` of pixel i, and itself.
-    fn around(&self, i: usize, reach: usize) -> impl Iterator<Item = usize> {
+    /// ε, above 0.
+    fn floor(&self) -> Option<f64> {
+        let mean = self.gray.iter().map(|(x, _)| x).sum::<f64>() / self.gray.len() as f64;
+        Some(EPSILON * mean * mean).filter(|floor| floor.is_normal())
+    }
+
+    /// The pixels within reach of pixel i.
+    fn around(&self, i: usize) -> impl Iterator<Item = usize> {
         let (width, height) = (self.width, self.pixels.len() / self.width.max(1));
-        let (x, y) = (i % width, i / width);
-        let span = move |at: usize, end: usize| at.saturating_sub(reach)..(at + reach + 1).min(end);
-        span(y, height).flat_map(move |y| span(x, width).map(move |x| y * width + x))
+        let span = |at: usize, end: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(end);
+        let (across, down) = (span(i % width, width), span(i / width, height));
+        down.flat_map(move |y| across.clone().map(move |x| y * width + x)).filter(move |q| *q != i)
     }
 
     /// What each pixel adds to relMSE, the mean of its colours.
     fn shares(&self, floor: f64) -> impl Iterator<Item = f64> {
         (0..self.pixels.len()).map(move |i| {
-            let weights: f64 = self.around(i, REACH).map(|q| self.weight(i, q)).sum();
+            let typical = self.typical(i);
+            let others: f64 = self.around(i).map(|q| self.likeness(q, typical)).sum();
+            // Where the pixel is of another kind than most around it, it stands for itself.
+            let own = if others > 0.0 { 1.0 - self.likeness(i, typical) } else { 1.0 };
+            let weight = |q: usize| (1.0 - own) * self.likeness(q, typical) / others;
+            // A colour is as skewed as the mean of the colours, in the measure of its own noise.
+            let noise = self.gray[i].1.sqrt();
+            let pull = if noise > 0.0 { self.pull[i] / noise } else { 0.0 };
             let color = |c: usize| {
-                let sum = self.around(i, REACH).fold((0.0, 0.0), |(x, v), q| {
-                    let (weight, (value, variance)) = (self.weight(i, q) / weights, self.pixels[q][c]);
-                    (x + weight * value, v + weight * weight * variance)
+                let (x, v) = self.pixels[i][c];
+                let mean = (own * x, own * own * v);
+                let mean = self.around(i).filter(|_| own < 1.0).fold(mean, |(sum, spread), q| {
+                    let (weight, (x, v)) = (weight(q), self.pixels[q][c]);
+                    (sum + weight * x, spread + weight * weight * v)
                 });
-                share(self.pixels[i][c].1, sum, floor)
+                share(v, mean, own * pull * v.sqrt(), floor)
             };
             (color(0) + color(1) + color(2)) / 3.0
         })
     }
 
-    /// 1 where two pixels differ by no more than their noise, falling to 0.
-    fn weight(&self, p: usize, q: usize) -> f64 {
-        let ((x, v), (y, w)) = (self.gray[p], self.gray[q]);
-        let noise = v + w;
-        match (x - y).powi(2) {
-            0.0 => 1.0,
-            distance if distance <= noise => 1.0,
-            distance => (0.5 * (1.0 - distance / noise)).exp(),
-        }
+    /// relMSE · P, had each pixel been its own reference.
+    fn uncorrected(&self, floor: f64) -> f64 {
+        self.pixels.iter().flatten().map(|(x, v)| v / (3.0 * (x * x + floor))).sum()
     }
+
+    /// The medians of value and variance around a pixel: neither a bright sample nor an edge moves them far.
+    fn typical(&self, i: usize) -> (f64, f64) {
+        let median = |f: fn(&(f64, f64)) -> f64| {
+            let mut values: Vec<f64> = self.around(i).chain([i]).map(|q| f(&self.gray[q])).collect();
+            let middle = values.len() / 2;
+            *values.select_nth_unstable_by(middle, f64::total_cmp).1
+        };
+        (median(|gray| gray.0), median(|gray| gray.1))
+    }
+
+    /// 1 where a pixel differs from what is typical by no more than noise does, falling to 0.
+    fn likeness(&self, q: usize, (x, v): (f64, f64)) -> f64 {
+        let (y, w) = self.gray[q];
+        let (distance, noise) = ((x - y).powi(2), v + w);
+        if distance <= noise { 1.0 } else { (0.5 * (1.0 - distance / noise)).exp() }
+    }
+}
+
+/// Value and variance of the mean of the colours. They move together: their errors add, not their variances.
+fn gray(pixel: &[(f64, f64); 3]) -> (f64, f64) {
+    let mean = |f: fn(&(f64, f64)) -> f64| pixel.iter().map(f).sum::<f64>() / 3.0;
+    (mean(|c| c.0), mean(|c| c.1.sqrt()).powi(2))
 }
 
 /// What one colour of a pixel adds to relMSE: v/(r² + ε), of which x = r + noise of variance w is known.
 ///
-/// The mean of g(x) = 1/(x² + ε) is g(r) + ½ g″ w and not g(r):
+/// The mean of v g(x), with g(x) = 1/(x² + ε), is not v g(r): g is curved, and where noise is skewed, x is large
+/// together with v.
 ///
 /// ```text
-/// share = v g(x) / (1 + ½ w g″/g),   g″/g = (6x² − 2ε) / (x² + ε)²
+/// E[v g(x)] = v g(r) (1 + ½ w g″/g + κ g′/g),   g″/g = (6x² − 2ε)/(x² + ε)²,  g′/g = −2x/(x² + ε)
 /// ```
-fn share(v: f64, (x, w): (f64, f64), floor: f64) -> f64 {
+///
+/// - `pull`: κ, the covariance of v and x over v
+fn share(v: f64, (x, w): (f64, f64), pull: f64, floor: f64) -> f64 {
     let below = x * x + floor;
-    let correction = 0.5 * w * (6.0 * x * x - 2.0 * floor) / (below * below);
-    // First order is as far as this goes; a negative correction must not reach −1.
+    let correction = 0.5 * w * (6.0 * x * x - 2.0 * floor) / (below * below) - 2.0 * x * pull / below;
+    // First order is as far as this goes; it must not reach a factor of 0 or ∞.
     let factor = if correction > 0.0 { 1.0 / (1.0 + correction) } else { 1.0 - correction.max(-1.0) };
     v / below * factor
 }

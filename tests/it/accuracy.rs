@@ -3,7 +3,7 @@
 use glam::UVec2;
 use pt::film::{Block, Film, FilmSpec, Image, MomentFilm, Moments, Wave};
 use pt::math::Spectrum;
-use pt::measure::RelativeError;
+use pt::measure::{Distance, RelativeError};
 use pt::sampler::Spread;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
@@ -24,19 +24,18 @@ fn truth(i: u32) -> f64 {
 }
 
 impl Noise {
-    fn taken(&self, seed: u64) -> (Image, f64) {
+    fn taken(&self, seed: u64) -> MomentFilm {
         let mut random = Random::new(seed);
         let k = u64::from(self.spread.sequences());
         let mut block = Block::with_capacity(self.spread, (EDGE * EDGE) as usize);
         for i in 0..EDGE * EDGE {
-            for _ in 0..k {
-                let mut sample = |_| Moments::of(Spectrum::gray((truth(i) * (self.draw)(&mut random)) as f32));
-                block.push(&(0..self.samples / k).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample"));
-            }
+            let mut sample = |_| Moments::of(Spectrum::gray((truth(i) * (self.draw)(&mut random)) as f32));
+            let mut sequence = |_| (0..self.samples / k).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample");
+            block.push(&(0..k).map(&mut sequence).collect::<Vec<_>>());
         }
         let mut film = MomentFilm::new(FilmSpec::new(EDGE, EDGE));
         film.add(Wave { first: 0, level: self.samples.ilog2() }, block);
-        (film.image(), film.freedom())
+        film
     }
 }
 
@@ -49,7 +48,7 @@ fn exponential(random: &mut Random) -> f64 {
     -(1.0 - random.unit()).ln()
 }
 
-/// The interval of 95 % holds the error in 93 to 97 % of the cases, each colour being the same noise: for even and
+/// The interval of 95 % holds the error in 93 to 97 % of the cases, or more where noise is strong, each colour being the same noise: for even and
 /// skewed noise, for samples and scramblings, at errors from 1 to 25 % of a pixel's brightness.
 ///
 /// 400 pictures each; a coverage at the very ends of the range fails here with a probability of 10⁻³ a case.
@@ -73,14 +72,16 @@ fn intervals_hold_the_true_error() {
             }
             let noise = Noise { draw, spread, samples };
             let hit = |seed: &u64| {
-                let (image, freedom) = noise.taken(*seed);
-                let error = RelativeError::of(&image, freedom).expect("an error");
-                let truth = RelativeError::measured(&image, &reference).expect("a reference");
+                let film = noise.taken(*seed);
+                let error = RelativeError::of(&film).expect("an error");
+                let truth = Distance::between(&film.image(), &reference).expect("a reference").relmse.max(0.0).sqrt();
                 let [low, high] = error.interval(0.95);
                 (low..=high).contains(&truth)
             };
             let hits = (0..400).filter(hit).count() as u64;
-            assert!(is_between(hits, 400, 0.93, 0.97), "{name}, {spread:?}, {samples} samples: {hits} of 400");
+            // Where noise is strong the interval allows for its own correction, and holds more often.
+            let most = if samples < 256 { 1.0 } else { 0.97 };
+            assert!(is_between(hits, 400, 0.93, most), "{name}, {spread:?}, {samples} samples: {hits} of 400");
         }
     }
 }
@@ -88,6 +89,6 @@ fn intervals_hold_the_true_error() {
 /// Whether a share between `low` and `high` could give so many hits, at a risk of 10⁻³.
 pub fn is_between(hits: u64, of: u64, low: f64, high: f64) -> bool {
     let few = Binomial::new(low, of).expect("a share").cdf(hits);
-    let many = 1.0 - Binomial::new(high, of).expect("a share").cdf(hits.saturating_sub(1));
+    let many = if hits == 0 { 1.0 } else { Binomial::new(high, of).expect("a share").sf(hits - 1) };
     few > 1e-3 && many > 1e-3
 }

@@ -223,10 +223,11 @@ fn dealt(k: u32, samples: &[f32], max_level: u32) -> Image {
     let mut film = MomentFilm::new(FilmSpec::new(1, 1));
     while let Some(wave) = Wave::next(film.samples(), samples.len() as u64, max_level) {
         let mut block = Block::with_capacity(Spread::Scramblings(k), 1);
-        for r in 0..u64::from(k) {
+        let sequence = |r: u64| {
             let own = wave.dealt(r, k.into()).map(|i| Moments::of(Spectrum::gray(samples[(i * u64::from(k) + r) as usize])));
-            block.push(&own.reduce(|a, b| a.join(&b)).unwrap_or_default());
-        }
+            own.reduce(|a, b| a.join(&b)).unwrap_or_default()
+        };
+        block.push(&(0..k.into()).map(sequence).collect::<Vec<_>>());
         film.add(wave, block);
     }
     film.image()

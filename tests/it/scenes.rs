@@ -128,7 +128,11 @@ impl Film for Pool {
 
     fn add(&mut self, wave: Wave, block: Block) {
         self.samples += wave.samples() * block.len() as u64;
-        let moments = |pixel: &[f64]| Moments { sum: std::array::from_fn(|c| pixel[c]), square: std::array::from_fn(|c| pixel[3 + c]) };
+        let moments = |pixel: &[f64]| Moments {
+            sum: std::array::from_fn(|c| pixel[c]),
+            square: std::array::from_fn(|c| pixel[3 + c]),
+            ..Moments::default()
+        };
         self.total = block.pixels().fold(self.total, |sum, pixel| sum.join(&moments(pixel)));
     }
 }

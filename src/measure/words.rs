@@ -1,6 +1,6 @@
 //! Errors, times and prices in words.
 
-use crate::measure::{Course, Outcome, Price, RelativeError, Target};
+use super::{Course, Outcome, Price, RelativeError, Target};
 
 /// The errors whose prices are told.
 pub const TARGETS: [f64; 4] = [0.1, 0.03, 0.01, 0.003];

@@ -1,0 +1,187 @@
+//! From single measurements to what they say together: means, slopes, bias, prices.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::run::Contestant;
+use super::{Cost, Measurement, Method, Point, Reference, TARGETS};
+use crate::film::{Channel, Image};
+use crate::measure::EPSILON;
+
+/// All that is told of one method.
+///
+/// - `pictures`: of its replicates, after the last checkpoint
+pub fn method(
+    contestant: Contestant,
+    pictures: &[Image],
+    measurements: Vec<Measurement>,
+    reference: &Reference,
+    confidence: f64,
+) -> Method {
+    let curve = points(&measurements);
+    let image = mean(pictures);
+    let bias = bias(&image, &reference.image);
+    let slopes = Replicates::of(&measurements, slope);
+    let prices = TARGETS.iter().map(|target| price(&measurements, *target, bias, confidence)).collect();
+    Method {
+        name: contestant.name,
+        integrator: contestant.integrator_name,
+        sampler: contestant.sampler_name,
+        curve,
+        sample: pictures.first().cloned().unwrap_or_else(|| image.clone()),
+        image,
+        slope: slopes.map(|slopes| (slopes.mean, slopes.error)),
+        bias,
+        prices,
+        lacks: contestant.lacks,
+        measurements,
+    }
+}
+
+/// Mean and standard error over the replicates of each checkpoint.
+fn points(measurements: &[Measurement]) -> Vec<Point> {
+    let mut samples: Vec<u64> = measurements.iter().map(|m| m.samples).collect();
+    samples.sort_unstable();
+    samples.dedup();
+    let point = |samples: u64| {
+        let all: Vec<&Measurement> = measurements.iter().filter(|m| m.samples == samples).collect();
+        let over = |value: fn(&Measurement) -> f64| {
+            let spread = Replicates::new(&all.iter().map(|m| value(m)).collect::<Vec<_>>());
+            (spread.mean, spread.error)
+        };
+        Point { samples, seconds: over(|m| m.seconds).0, mse: over(|m| m.mse), relmse: over(|m| m.relmse), trimmed: over(|m| m.trimmed) }
+    };
+    samples.into_iter().map(point).collect()
+}
+
+/// The mean of the replicates, its standard error from their spread.
+fn mean(pictures: &[Image]) -> Image {
+    let Some(first) = pictures.first() else {
+        return Image { full_size: glam::UVec2::ZERO, origin: glam::UVec2::ZERO, size: glam::UVec2::ZERO, channels: vec![] };
+    };
+    let count = pictures.len() as f64;
+    let all = |name: &str| -> Vec<&[f32]> { pictures.iter().filter_map(|picture| picture.channel(name)).collect() };
+    let mut channels: Vec<Channel> = vec![];
+    let mut errors: Vec<Channel> = vec![];
+    for name in ["R", "G", "B"] {
+        let values = all(name);
+        let at = |i: usize| values.iter().map(move |channel| f64::from(channel[i]));
+        let middle = |i: usize| at(i).sum::<f64>() / count;
+        let error = |i: usize| (at(i).map(|x| (x - middle(i)).powi(2)).sum::<f64>() / (count * (count - 1.0))).sqrt();
+        let pixels = first.pixels().count();
+        channels.push(Channel { name: name.into(), values: (0..pixels).map(|i| middle(i) as f32).collect() });
+        errors.push(Channel { name: format!("StdErr.{name}"), values: (0..pixels).map(|i| error(i) as f32).collect() });
+    }
+    channels.extend(errors);
+    Image { channels, ..first.clone() }
+}
+
+/// How sure a bias must be before it is called one: a chance of 10⁻⁴ on noise that is normal, and room for tails.
+const SURE: f64 = 4.0;
+
+/// √relMSE that more samples do not remove, and its standard error; `None` where noise explains what is seen.
+///
+/// ```text
+/// b² = 1/3P Σ ((x̄ − r)² − u) / (r² + ε),   u = v_x̄ + v_r
+/// ```
+///
+/// Of the noise, (x̄ − r)² has the variance 2u² + 4b²u, the colours moving together.
+fn bias(image: &Image, reference: &Image) -> Option<(f64, f64)> {
+    let brightness = reference.pixels().flatten().map(f64::from).sum::<f64>() / (3.0 * reference.pixels().count() as f64);
+    let floor = EPSILON * brightness * brightness;
+    let errors = |image: &Image, c: usize, i: usize| {
+        image.channel(["StdErr.R", "StdErr.G", "StdErr.B"][c]).map_or(0.0, |channel| f64::from(channel[i]).powi(2))
+    };
+    let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
+    for (i, (x, r)) in image.pixels().zip(reference.pixels()).enumerate() {
+        let mut spread = 0.0;
+        for c in 0..3 {
+            let below = 3.0 * (f64::from(r[c]).powi(2) + floor);
+            let u = errors(image, c, i) + errors(reference, c, i);
+            let square = f64::from(x[c] - r[c]).powi(2) - u;
+            sum += square / below;
+            spread += (2.0 * u * u + 4.0 * square.max(0.0) * u).sqrt() / below;
+        }
+        variance += spread * spread;
+        count += 1.0;
+    }
+    let (square, error) = (sum / count, variance.sqrt() / count);
+    (square > SURE * error && square > 0.0).then(|| (square.sqrt(), 0.5 * error / square.sqrt()))
+}
+
+/// −d ln relMSE / d ln seconds of one replicate, by least squares over its last five checkpoints.
+fn slope(of: &[&Measurement]) -> Option<f64> {
+    let usable: Vec<(f64, f64)> = of.iter().rev().take(5).filter(|m| m.relmse > 0.0).map(|m| (m.seconds.ln(), m.relmse.ln())).collect();
+    if usable.len() < 3 {
+        return None;
+    }
+    let count = usable.len() as f64;
+    let (x, y) = (usable.iter().map(|p| p.0).sum::<f64>() / count, usable.iter().map(|p| p.1).sum::<f64>() / count);
+    let xx: f64 = usable.iter().map(|p| (p.0 - x).powi(2)).sum();
+    let xy: f64 = usable.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    (xx > 0.0).then(|| -xy / xx)
+}
+
+/// The time that an error takes: where each replicate's course crosses it, or would.
+fn price(measurements: &[Measurement], target: f64, bias: Option<(f64, f64)>, confidence: f64) -> Option<Cost> {
+    // A method never gets below its bias.
+    if bias.is_some_and(|(bias, _)| bias >= target) {
+        return None;
+    }
+    let crossings = |of: &[&Measurement]| crossing(of, target).map(|(ln_seconds, _)| ln_seconds);
+    let times = Replicates::of(measurements, crossings)?;
+    let beyond = |of: &[&Measurement]| crossing(of, target).map(|(_, extrapolated)| f64::from(u8::from(extrapolated)));
+    let extrapolated = Replicates::of(measurements, beyond).is_some_and(|share| share.mean > 0.0);
+    let reach = times.quantile(0.5 + 0.5 * confidence) * times.error;
+    Some(Cost { seconds: times.mean.exp(), low: (times.mean - reach).exp(), high: (times.mean + reach).exp(), extrapolated })
+}
+
+/// ln of the seconds at which relMSE falls to target², and whether that lies beyond what was rendered.
+///
+/// Between checkpoints along the line that joins them in the logarithms; before the first and beyond the last along
+/// the slope of plain Monte Carlo, relMSE ~ 1/t.
+fn crossing(of: &[&Measurement], target: f64) -> Option<(f64, bool)> {
+    let goal = 2.0 * target.ln();
+    let points: Vec<(f64, f64)> = of.iter().filter(|m| m.relmse > 0.0).map(|m| (m.seconds.ln(), m.relmse.ln())).collect();
+    let (first, last) = (points.first()?, points.last()?);
+    if first.1 <= goal {
+        return Some((first.0 + first.1 - goal, true));
+    }
+    let pair = points.windows(2).find(|pair| pair[0].1 > goal && pair[1].1 <= goal);
+    Some(match pair {
+        Some(pair) => {
+            let share = (pair[0].1 - goal) / (pair[0].1 - pair[1].1);
+            (pair[0].0 + share * (pair[1].0 - pair[0].0), false)
+        }
+        None => (last.0 + last.1 - goal, true),
+    })
+}
+
+/// A number that each replicate has, and what they say together.
+pub struct Replicates {
+    pub mean: f64,
+    /// Standard error of the mean; 0 for one replicate.
+    pub error: f64,
+    count: f64,
+}
+
+impl Replicates {
+    pub fn new(values: &[f64]) -> Replicates {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+        Replicates { mean, error: if count > 1.0 { (squares / (count * (count - 1.0))).sqrt() } else { 0.0 }, count }
+    }
+
+    /// `None` where one of the replicates has no such number.
+    fn of(measurements: &[Measurement], value: impl Fn(&[&Measurement]) -> Option<f64>) -> Option<Replicates> {
+        let replicates = measurements.iter().map(|m| m.replicate + 1).max()?;
+        let one = |r: u32| value(&measurements.iter().filter(|m| m.replicate == r).collect::<Vec<_>>());
+        let values: Vec<f64> = (0..replicates).map(one).collect::<Option<_>>()?;
+        Some(Replicates::new(&values))
+    }
+
+    /// Of Student's t with as many degrees of freedom as there are replicates, less one.
+    pub fn quantile(&self, p: f64) -> f64 {
+        StudentsT::new(0.0, 1.0, (self.count - 1.0).max(1.0)).map_or(0.0, |t| t.inverse_cdf(p))
+    }
+}

@@ -1,0 +1,48 @@
+//! How far a picture is from a reference.
+
+use super::relative::{errors, floor};
+use crate::film::Image;
+
+/// Mean squared distances of a picture from a reference, less what the reference's own standard errors add to them.
+///
+/// ```text
+/// mse    = 1/3P Σ ((x − r)² − v_r)
+/// relmse = 1/3P Σ ((x − r)² − v_r) / (r² + ε),   ε = 0.01 · mean(r)²
+/// ```
+///
+/// over P pixels and three colours. Below 0 where the picture is as close to the truth as the reference is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance {
+    pub mse: f64,
+    pub relmse: f64,
+    /// relMSE without the worst 0.1 % of the pixels: what a few bright ones do not decide.
+    pub trimmed: f64,
+}
+
+/// The share of the pixels that a trimmed mean leaves out.
+const TRIMMED: f64 = 1e-3;
+
+impl Distance {
+    /// `None` for pictures of different sizes, and for a black reference.
+    pub fn between(image: &Image, reference: &Image) -> Option<Distance> {
+        let floor = floor(reference).filter(|_| image.size == reference.size)?;
+        let errors = errors(reference);
+        let variance = |i: usize, c: usize| errors.map_or(0.0, |channels| f64::from(channels[c][i]).powi(2));
+        let (mut mse, mut shares) = (0.0, Vec::with_capacity(image.pixels().count()));
+        for (i, (x, r)) in image.pixels().zip(reference.pixels()).enumerate() {
+            let mut share = 0.0;
+            for c in 0..3 {
+                let (x, r) = (f64::from(x[c]), f64::from(r[c]));
+                let square = (x - r).powi(2) - variance(i, c);
+                mse += square / 3.0;
+                share += square / (3.0 * (r * r + floor));
+            }
+            shares.push(share);
+        }
+        let count = shares.len() as f64;
+        let relmse = shares.iter().sum::<f64>() / count;
+        shares.sort_unstable_by(f64::total_cmp);
+        let kept = &shares[..shares.len() - (TRIMMED * count) as usize];
+        Some(Distance { mse: mse / count, relmse, trimmed: kept.iter().sum::<f64>() / kept.len() as f64 })
+    }
+}
