@@ -1,4 +1,5 @@
-//! How sure one may be: tests that compare an estimate with the truth, and two estimates with each other.
+//! How far off a picture is, and how sure one may be of it: error measures, and tests that compare an estimate with the truth, and
+//! two estimates with each other.
 //!
 //! Every test has a level: the probability that it says no to what is right. Levels are shared out
 //! among many tests by [`sidak`], so that the whole suite keeps its promise. No test here clamps a
@@ -7,9 +8,11 @@
 pub mod agreement;
 pub mod level;
 pub mod mean;
+pub mod metric;
 pub mod verdict;
 
 pub use agreement::{Agreement, Render, agreement};
 pub use level::{critical_z, sidak};
 pub use mean::{Mean, Welch};
+pub use metric::Metric;
 pub use verdict::Verdict;

@@ -25,11 +25,16 @@ pub enum Curve {
 }
 
 impl Tonemap {
-    /// Red, green, blue, row by row.
+    /// Red, green, blue in 8 bits, row by row.
     pub fn apply(&self, image: &Image) -> Vec<u8> {
+        self.display(image).into_iter().flatten().map(quantise).collect()
+    }
+
+    /// What a screen is to show, 0 to 1, before it is cut to 8 bits; NaN stays.
+    pub fn display(&self, image: &Image) -> Vec<[f32; 3]> {
         let gain = powf(2.0, self.exposure);
         let brightest = image.pixels().flatten().filter(|v| v.is_finite()).fold(0.0, f32::max) * gain;
-        image.pixels().flatten().map(|v| quantise(self.curve.map(v * gain, brightest))).collect()
+        image.pixels().map(|rgb| rgb.map(|v| self.curve.map(v * gain, brightest).clamp(0.0, 1.0))).collect()
     }
 }
 
@@ -63,5 +68,5 @@ pub fn srgb(linear: f32) -> f32 {
 
 /// To the nearest of 256 levels; NaN is black.
 fn quantise(x: f32) -> u8 {
-    (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+    (x * 255.0 + 0.5) as u8
 }

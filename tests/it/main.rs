@@ -23,6 +23,7 @@ mod lights;
 mod marked;
 mod matter;
 mod meshes;
+mod metrics;
 mod microfacets;
 mod offsets;
 mod oracle;
