@@ -5,7 +5,9 @@ use std::time::Duration;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
+use super::image::args::Verb;
 use crate::error::{Error, Result};
+use crate::output;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
 
@@ -35,6 +37,11 @@ pub enum Command {
     Schema(Schema),
     /// Points of warps and samplers, and how a material scatters, as numbers and pictures. Without arguments: what there is.
     Sample(Sample),
+    /// Compare, look into and convert pictures: .exr, .png, .ppm, .pfm, and .jpg to read.
+    Image {
+        #[command(subcommand)]
+        verb: Verb,
+    },
 }
 
 #[derive(clap::Args, Debug)]
@@ -104,6 +111,7 @@ pub enum Family {
     Lights,
     Cameras,
     Filters,
+    Metrics,
 }
 
 #[derive(clap::Args, Debug)]
@@ -198,6 +206,17 @@ pub enum Curve {
     Postcard,
 }
 
+impl From<Curve> for output::Curve {
+    fn from(curve: Curve) -> output::Curve {
+        match curve {
+            Curve::None => output::Curve::None,
+            Curve::Filmic => output::Curve::Filmic,
+            Curve::Normalize => output::Curve::Normalize,
+            Curve::Postcard => output::Curve::Postcard,
+        }
+    }
+}
+
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     Auto,
@@ -272,7 +291,7 @@ fn angles(text: &str) -> std::result::Result<[f64; 2], String> {
     parsed.filter(inside).ok_or("expected two angles in degrees such as 60,0; the first from 0 to 180".to_owned())
 }
 
-fn finite(text: &str) -> std::result::Result<f32, String> {
+pub(super) fn finite(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or("expected a number".to_owned())
 }
 

@@ -4,8 +4,10 @@
 
 mod args;
 mod check;
+mod image;
 mod list;
 mod load;
+mod outputs;
 mod progress;
 mod render;
 mod sample;
@@ -67,6 +69,7 @@ fn sentence(refusal: &clap::Error) -> String {
 fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
     match args.command {
         Some(Command::Sample(args)) => return sample::sample(&args),
+        Some(Command::Image { verb }) => return image::image(&verb),
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::List { what }) => list::list(what, tables)?,
         Some(Command::Schema(args)) => schema::schema(&args, tables)?,

@@ -6,12 +6,14 @@
 //! sample or hides a difference behind an absolute threshold: scaling both images changes no verdict.
 
 pub mod agreement;
+pub mod average;
 pub mod level;
 pub mod mean;
 pub mod metric;
 pub mod verdict;
 
 pub use agreement::{Agreement, Render, agreement};
+pub use average::average;
 pub use level::{critical_z, sidak};
 pub use mean::{Mean, Welch};
 pub use metric::Metric;

@@ -1,7 +1,7 @@
 //! From linear radiance to what a screen shows, the same bytes on every platform. For 8-bit files only: EXR keeps what was measured.
 
 use crate::film::Image;
-use crate::math::float::powf;
+use crate::math::float::{exp_f64, ln_f64, powf};
 
 /// Exposure, then a curve, then 8 bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -64,6 +64,11 @@ impl Curve {
 /// The sRGB transfer curve. Source: IEC 61966-2-1.
 pub fn srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * powf(linear, 1.0 / 2.4) - 0.055 }
+}
+
+/// The inverse of the sRGB transfer curve, the same bits on every platform. Source: IEC 61966-2-1.
+pub fn linear(encoded: f64) -> f64 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { exp_f64(2.4 * ln_f64((encoded + 0.055) / 1.055)) }
 }
 
 /// To the nearest of 256 levels; NaN is black.

@@ -17,6 +17,8 @@ mod fresnel;
 mod geometry;
 mod glass;
 mod identity;
+mod image_verbs;
+mod images;
 mod intersection;
 mod light_choice;
 mod lights;

@@ -42,6 +42,16 @@ pub struct Kind {
     root: bool,
 }
 
+impl Kind {
+    /// The formula of a pixel's error, its ε, and what `a` and `r` are where it matters which.
+    pub fn about(&self) -> String {
+        let epsilon = self.epsilon.map_or(String::new(), |epsilon| format!(", ε = {epsilon}, or :eps=NUMBER"));
+        let root = if self.root { ", root of the mean" } else { "" };
+        let roles = if self.first == self.second { String::new() } else { format!("; a: {}, r: {}", self.first, self.second) };
+        format!("{}{epsilon}{root}{roles}", self.formula)
+    }
+}
+
 const PLAIN: Kind = Kind { name: "", formula: "", first: PICTURE, second: REFERENCE, error: squared::square, epsilon: None, root: false };
 const PICTURE: &str = "picture";
 const REFERENCE: &str = "reference";
@@ -152,7 +162,7 @@ impl Metric {
 
     /// As [`Metric::parse`] reads it.
     pub fn name(&self) -> String {
-        let epsilon = self.epsilon.map(|epsilon| format!("eps={epsilon:?}"));
+        let epsilon = self.epsilon.map(|epsilon| format!("eps={epsilon}"));
         let options: Vec<String> = epsilon.into_iter().chain(self.robust.then(|| "robust".to_owned())).collect();
         let colon = if options.is_empty() { "" } else { ":" };
         format!("{}{colon}{}", self.kind.name, options.join(","))
@@ -160,7 +170,7 @@ impl Metric {
 
     /// In full, with the numbers that are used.
     pub fn formula(&self) -> String {
-        let epsilon = self.epsilon.map(|epsilon| format!("{epsilon:?}")).or(self.kind.epsilon.map(str::to_owned));
+        let epsilon = self.epsilon.map(|epsilon| epsilon.to_string()).or(self.kind.epsilon.map(str::to_owned));
         let epsilon = epsilon.map_or(String::new(), |epsilon| format!(", ε = {epsilon}"));
         let pixels = if self.robust { "all pixels but the worst 0.1 %" } else { "all pixels" };
         let root = if self.kind.root { "square root of the " } else { "" };

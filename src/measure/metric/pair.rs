@@ -1,7 +1,7 @@
 //! Two pictures that can be compared.
 
 use crate::film::Image;
-use crate::output::Tonemap;
+use crate::output::{Tonemap, window};
 use crate::{Error, Fault, Result};
 
 /// A picture and what messages call it.
@@ -87,13 +87,4 @@ impl Named<'_> {
         }
         Ok(())
     }
-}
-
-/// `8 × 6`, or `4 × 2 at (1, 0) of 8 × 6`.
-pub fn window(image: &Image) -> String {
-    let (size, full, origin) = (image.size, image.full_size, image.origin);
-    if size == full && origin == glam::UVec2::ZERO {
-        return format!("{} × {}", size.x, size.y);
-    }
-    format!("{} × {} at ({}, {}) of {} × {}", size.x, size.y, origin.x, origin.y, full.x, full.y)
 }
