@@ -7,6 +7,7 @@ pub mod layer;
 pub mod pfm;
 pub mod png;
 mod read;
+pub mod tev;
 pub mod tonemap;
 
 use std::fs::File;

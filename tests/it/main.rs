@@ -45,6 +45,7 @@ mod shapes;
 mod spherical;
 mod statistics;
 mod terminator;
+mod tev;
 mod textures;
 mod transforms;
 mod warps;
