@@ -44,7 +44,7 @@ fn from_utf8(text: &Text) -> String {
 /// All channels of the first part as f32, and its text attributes.
 ///
 /// # Errors
-/// As [`super::read`].
+/// As [`super::read()`].
 pub fn read(path: &Path) -> PtResult<(Image, Attributes)> {
     decode(&super::read::bytes(path)?).map_err(|refusal| refusal.of(path))
 }

@@ -25,7 +25,7 @@ pub use layer::{Pick, window};
 pub use read::{facts, read};
 pub use tonemap::{Curve, Tonemap};
 
-/// The file types that can be written, by extension; all of them can be read too, see [`read`].
+/// The file types that can be written, by extension; all of them can be read too, see [`read()`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Linear f32, every channel.
