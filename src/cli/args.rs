@@ -183,6 +183,9 @@ pub struct Render {
     /// How progress shows on stderr; `auto` is a bar on a terminal and a line every few seconds elsewhere.
     #[arg(long, value_enum, default_value_t = Progress::Auto)]
     pub progress: Progress,
+    /// Show the picture in tev while it is rendered. tev listens at 127.0.0.1:14158 unless it is told otherwise.
+    #[arg(long, value_name = "HOST:PORT", alias = "tev", conflicts_with = "pixel")]
+    pub display_server: Option<String>,
     /// Print what the render took: as text, or with =json as JSON.
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "text", value_name = "FORMAT")]
     pub stats: Option<Stats>,

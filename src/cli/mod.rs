@@ -4,6 +4,7 @@
 
 mod args;
 mod check;
+mod display;
 mod image;
 mod list;
 mod load;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::display::Displayed;
 use super::load::{Loaded, load};
 use super::outputs::check_outputs;
 use super::progress::Progress;
@@ -40,7 +41,7 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<()> {
 
 /// Renders, reports and writes.
 fn picture(args: &args::Render, loaded: Loaded, outputs: &[PathBuf], load: f64, threads: usize) -> Result<()> {
-    let Loaded { built, entry, integrator, .. } = loaded;
+    let Loaded { built, entry, integrator, stem, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
     let mut settings = Settings { time: args.time, ..Settings::new(built.sampler) };
     if args.time.is_some() && args.spp.is_none() {
@@ -52,9 +53,10 @@ fn picture(args: &args::Render, loaded: Loaded, outputs: &[PathBuf], load: f64, 
 
     let shown = if args.quiet && args.progress == args::Progress::Auto { args::Progress::None } else { args.progress };
     let progress = Progress::new(shown, pixels, settings.samples, args.time);
-    let mut film = MomentFilm::new(built.film);
-    let report = render::render(scene, &*integrator, &mut film, &settings, &progress);
+    let mut displayed = Displayed::new(MomentFilm::new(built.film), args.display_server.as_deref(), &stem, args.quiet);
+    let report = render::render(scene, &*integrator, &mut displayed, &settings, &progress);
     progress.finish();
+    let film = &displayed.film;
 
     if report.samples > 0 {
         let attributes = attributes(&entry, &settings, &report);
@@ -71,6 +73,7 @@ fn picture(args: &args::Render, loaded: Loaded, outputs: &[PathBuf], load: f64, 
         let account = Account { report: &report, pixels, primitives, rays: counted.rays(), threads, load };
         say(&account.print(format))?;
     }
+    displayed.finish();
     signals::caught().map_or(Ok(()), |signal| Err(Error::Interrupted(signal)))
 }
 

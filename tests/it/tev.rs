@@ -374,3 +374,31 @@ fn taking_leave_ends() {
     viewer.finish();
     talker.join().expect("its caller is gone");
 }
+
+/// `--display-server`: the viewer shows in the end what the file says, and the file is that of a render that nobody looked at,
+/// also where nobody listens, which is said in one line.
+#[test]
+fn a_render_is_shown_and_not_disturbed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = r#"{ "pt": 1, "camera": { "look_at": { "from": [0, 0, 3], "to": [0, 0, 0] } }, "film": { "width": 40, "height": 30 },
+        "sampler": { "spp": 4 }, "shapes": [{ "type": "sphere" }], "background": { "radiance": 1 } }"#;
+    std::fs::write(folder.path().join("scene.json"), scene).expect("written");
+    let render = |out: &str, more: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("pt").expect("the binary");
+        let output = command.current_dir(folder.path()).args(["scene.json", "--progress", "none", "-o", out]).args(more).assert().success();
+        let (image, attributes) = pt::output::read(&folder.path().join(out)).expect("readable");
+        ((pt::output::hash(&image), attributes), String::from_utf8_lossy(&output.get_output().stderr).into_owned())
+    };
+    let (alone, _) = render("alone.exr", &[]);
+    let (listener, address) = listener();
+    let (screen, _) = screen(listener);
+    assert_eq!(render("shown.exr", &["--display-server", &address]).0, alone);
+    let screen = screen.join().expect("no violation");
+    let image = pt::output::read(&folder.path().join("shown.exr")).expect("readable").0;
+    assert!(screen.shows(&image) && screen.name.starts_with("scene ("), "{}", screen.name);
+
+    // Nobody listens there any more.
+    let (unseen, said) = render("unseen.exr", &["--display-server", &address]);
+    assert_eq!((unseen, said.matches("warning: ").count()), (alone, 1), "{said}");
+    assert!(said.contains(&format!("warning: the viewer at {address} cannot be reached (")), "{said}");
+}
