@@ -7,7 +7,9 @@ use std::time::Duration;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
+use super::image::args::Verb;
 use crate::error::{Error, Result};
+use crate::output;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
 
@@ -39,6 +41,11 @@ pub enum Command {
     Compare(Compare),
     /// Points of warps and samplers, and how a material scatters, as numbers and pictures. Without arguments: what there is.
     Sample(Sample),
+    /// Compare, look into and convert pictures: .exr, .png, .ppm, .pfm, and .jpg to read.
+    Image {
+        #[command(subcommand)]
+        verb: Verb,
+    },
 }
 
 #[derive(clap::Args, Debug)]
@@ -156,6 +163,7 @@ pub enum Family {
     Lights,
     Cameras,
     Filters,
+    Metrics,
 }
 
 #[derive(clap::Args, Debug)]
@@ -242,6 +250,9 @@ pub struct Render {
     /// How progress shows on stderr; `auto` is a bar on a terminal and a line every few seconds elsewhere.
     #[arg(long, value_enum, default_value_t = Progress::Auto)]
     pub progress: Progress,
+    /// Show the picture in tev while it is rendered. tev listens at 127.0.0.1:14158 unless it is told otherwise.
+    #[arg(long, value_name = "HOST:PORT", alias = "tev", conflicts_with = "pixel")]
+    pub display_server: Option<String>,
     /// Print what the render took: as text, or with =json as JSON.
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "text", value_name = "FORMAT")]
     pub stats: Option<Stats>,
@@ -263,6 +274,17 @@ pub enum Curve {
     Normalize,
     /// The curve of the postcard path tracer.
     Postcard,
+}
+
+impl From<Curve> for output::Curve {
+    fn from(curve: Curve) -> output::Curve {
+        match curve {
+            Curve::None => output::Curve::None,
+            Curve::Filmic => output::Curve::Filmic,
+            Curve::Normalize => output::Curve::Normalize,
+            Curve::Postcard => output::Curve::Postcard,
+        }
+    }
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -353,7 +375,7 @@ fn angles(text: &str) -> std::result::Result<[f64; 2], String> {
     parsed.filter(inside).ok_or("expected two angles in degrees such as 60,0; the first from 0 to 180".to_owned())
 }
 
-fn finite(text: &str) -> std::result::Result<f32, String> {
+pub(super) fn finite(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or("expected a number".to_owned())
 }
 

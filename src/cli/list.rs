@@ -5,10 +5,11 @@ use super::say;
 use crate::describe;
 use crate::error::Result;
 use crate::integrator::Entry;
+use crate::measure::metric;
 use crate::sampler::Kind;
 
 pub fn list(what: Option<Family>, tables: &[&[Entry]]) -> Result<()> {
-    const ALL: [Family; 8] = [
+    const ALL: [Family; 9] = [
         Family::Integrators,
         Family::Samplers,
         Family::Shapes,
@@ -17,6 +18,7 @@ pub fn list(what: Option<Family>, tables: &[&[Entry]]) -> Result<()> {
         Family::Lights,
         Family::Cameras,
         Family::Filters,
+        Family::Metrics,
     ];
     let mut text = String::new();
     for family in ALL.into_iter().filter(|family| what.is_none_or(|w| w == *family)) {
@@ -43,5 +45,6 @@ fn rows(family: Family, tables: &[&[Entry]]) -> Vec<(String, String)> {
         Family::Lights => describe::members("Light"),
         Family::Cameras => describe::members("Camera"),
         Family::Filters => describe::members("Filter"),
+        Family::Metrics => metric::ALL.iter().map(|kind| (kind.name.into(), kind.about())).collect(),
     }
 }

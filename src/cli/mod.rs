@@ -5,8 +5,11 @@
 mod args;
 mod check;
 mod compare;
+mod display;
+mod image;
 mod list;
 mod load;
+mod outputs;
 mod pilot;
 mod progress;
 mod refusal;
@@ -54,6 +57,7 @@ fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
     match args.command {
         Some(Command::Sample(args)) => return sample::sample(&args),
         Some(Command::Compare(args)) => return compare::compare(&args, tables),
+        Some(Command::Image { verb }) => return image::image(&verb),
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::List { what }) => list::list(what, tables)?,
         Some(Command::Schema(args)) => schema::schema(&args, tables)?,

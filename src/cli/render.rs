@@ -1,11 +1,13 @@
 //! `pt SCENE`: load, render, write.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::display::Displayed;
 use super::load::{Loaded, Override, load};
+use super::outputs::check_outputs;
 use super::progress::Progress;
 use super::stats::{Account, Counted};
 use super::{INCONCLUSIVE, args, check, note, pilot, say, signals};
@@ -14,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::film::{Crop, Film, FilmSpec, Image, MomentFilm};
 use crate::integrator::{Entry, Integrator};
 use crate::measure::{self, Course, Outcome, Target, Until, words};
-use crate::output::{self, Attributes, Curve, Format, Tonemap};
+use crate::output::{self, Attributes, Tonemap};
 use crate::render::{self, Render, Report, SampleId, Settings};
 use crate::sampler::Kind;
 use crate::scene::Scene;
@@ -64,7 +66,7 @@ fn picture(
     load: f64,
     threads: usize,
 ) -> Result<ExitCode> {
-    let Loaded { built, entry, integrator, .. } = loaded;
+    let Loaded { built, entry, integrator, stem, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
     let settings = Settings::new(built.sampler);
     let until = until(args, &settings);
@@ -80,9 +82,10 @@ fn picture(
     let scene = counted.clone().map_or(world, |counted| counted as Arc<dyn Scene>);
 
     let progress = Progress::new(shown, pixels, until.samples, until.time);
-    let mut film = MomentFilm::new(built.film);
-    let mut render = Render::new(scene, &*integrator, film.spec(), &settings);
-    let course = measure::follow(&mut render, &mut film, &until, &progress);
+    let mut displayed = Displayed::new(MomentFilm::new(built.film), args.display_server.as_deref(), &stem, args.quiet);
+    let mut render = Render::new(scene, &*integrator, displayed.spec(), &settings);
+    let course = measure::follow(&mut render, &mut displayed, &until, &progress);
+    let film = &displayed.film;
     progress.finish();
     let report = render.report();
     let outcome = until.target.map(|target| (target, target.outcome(&course)));
@@ -102,6 +105,7 @@ fn picture(
         let account = Account { report, pixels, primitives, rays: counted.rays(), threads, load };
         say(&account.print(format))?;
     }
+    displayed.finish();
     if let Some(signal) = signals::caught() {
         return Err(Error::Interrupted(signal));
     }
@@ -181,43 +185,12 @@ fn remark_missing_effects(loaded: &Loaded) {
 fn outputs(args: &args::Render, stem: &str) -> Result<Vec<PathBuf>> {
     let default = || vec![PathBuf::from(format!("{stem}.exr")), PathBuf::from(format!("{stem}.png"))];
     let outputs = if args.output.is_empty() { default() } else { args.output.clone() };
-    for (i, path) in outputs.iter().enumerate() {
-        if outputs[..i].iter().any(|other| is_same_file(other, path)) {
-            return Err(Error::Usage(format!("{}: given twice as an output", path.display())));
-        }
-        writable(path, args.scene.path()?)?;
-    }
+    check_outputs(&outputs, &[args.scene.path()?], "is the scene file")?;
     Ok(outputs)
 }
 
-/// Whether two outputs, which need not exist yet, are one.
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    let folder = |path: &Path| output::folder(path).canonicalize().ok();
-    a.file_name() == b.file_name() && folder(a) == folder(b)
-}
-
-fn writable(path: &Path, scene: &Path) -> Result<()> {
-    let usage = |message: &str| Error::Usage(format!("{}: {message}", path.display()));
-    if Format::of(path).is_none() {
-        return Err(usage(&format!("expected a name that ends in {}", Format::EXTENSIONS)));
-    }
-    if path.is_dir() {
-        return Err(usage("is a folder, expected a file"));
-    }
-    if path.canonicalize().is_ok_and(|path| scene.canonicalize().is_ok_and(|scene| path == scene)) {
-        return Err(usage("is the scene file, which would be overwritten"));
-    }
-    output::check_folder(path)
-}
-
 fn write_all(args: &args::Render, outputs: &[PathBuf], image: &Image, attributes: &Attributes) -> Result<()> {
-    let curve = match args.tonemap {
-        args::Curve::None => Curve::None,
-        args::Curve::Filmic => Curve::Filmic,
-        args::Curve::Normalize => Curve::Normalize,
-        args::Curve::Postcard => Curve::Postcard,
-    };
-    let tonemap = Tonemap { exposure: args.exposure, curve };
+    let tonemap = Tonemap { exposure: args.exposure, curve: args.tonemap.into() };
     // All are tried, so that one that fails does not take the others with it.
     let results: Vec<Result<()>> = outputs.iter().map(|path| output::write(path, image, attributes, &tonemap)).collect();
     results.into_iter().collect()

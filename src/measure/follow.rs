@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::{Checkpoint, Course, RelativeError, checkpoints};
-use crate::film::MomentFilm;
+use crate::film::{Film, MomentFilm};
 use crate::render::{Observer, Render, Silent};
 
 /// When to stop: at whichever comes first.
@@ -43,6 +43,17 @@ pub enum Outcome {
     NotEstablished,
 }
 
+/// A film whose error can be told.
+pub trait Followed: Film {
+    fn moments(&self) -> &MomentFilm;
+}
+
+impl Followed for MomentFilm {
+    fn moments(&self) -> &MomentFilm {
+        self
+    }
+}
+
 /// Told how a render that is followed goes on.
 pub trait Watcher: Observer {
     /// The error was looked at; `expected` is how many samples per pixel the render will take, as far as one can tell.
@@ -52,7 +63,7 @@ pub trait Watcher: Observer {
 impl Watcher for Silent {}
 
 /// Takes a render on until it may stop, noting the error at each checkpoint.
-pub fn follow(render: &mut Render, film: &mut MomentFilm, until: &Until, watcher: &dyn Watcher) -> Course {
+pub fn follow(render: &mut Render, film: &mut impl Followed, until: &Until, watcher: &dyn Watcher) -> Course {
     let mut course = Course::default();
     let mut looks = Looks::default();
     for samples in checkpoints(until.samples) {
@@ -60,9 +71,9 @@ pub fn follow(render: &mut Render, film: &mut MomentFilm, until: &Until, watcher
             Some(time) => render.advance_for(time, samples, film, watcher),
             None => render.advance(samples, film, watcher),
         }
-        let reached = film.samples();
+        let reached = film.moments().samples();
         if reached > course.last().map_or(0, |last| last.samples) {
-            let error = RelativeError::of(film);
+            let error = RelativeError::of(film.moments());
             course.checkpoints.push(Checkpoint { samples: reached, seconds: render.report().elapsed.as_secs_f64(), error });
             watcher.looked(&course, until.expected(&course));
         }

@@ -1,24 +1,29 @@
-//! How sure one may be: tests that compare an estimate with the truth, and two estimates with each other.
+//! How far off a picture is, and how sure one may be of it: error measures, and tests that compare an estimate with the truth, and
+//! two estimates with each other.
 //!
 //! Every test has a level: the probability that it says no to what is right. Levels are shared out
 //! among many tests by [`sidak`], so that the whole suite keeps its promise. No test here clamps a
 //! sample or hides a difference behind an absolute threshold: scaling both images changes no verdict.
 
 pub mod agreement;
+pub mod average;
 pub mod course;
 pub mod distance;
 pub mod follow;
 pub mod level;
 pub mod mean;
+pub mod metric;
 pub mod relative;
 pub mod verdict;
 pub mod words;
 
 pub use agreement::{Agreement, Render, agreement};
+pub use average::average;
 pub use course::{Checkpoint, Course, Price, checkpoints};
 pub use distance::Distance;
 pub use follow::{Outcome, Target, Until, Watcher, follow};
 pub use level::{critical_z, sidak};
 pub use mean::{Mean, Welch};
+pub use metric::Metric;
 pub use relative::{EPSILON, RelativeError};
 pub use verdict::Verdict;

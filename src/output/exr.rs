@@ -3,11 +3,14 @@
 use std::io::Cursor;
 use std::path::Path;
 
+use exr::meta::MetaData;
+use exr::meta::header::Header;
 use exr::prelude::*;
 use glam::UVec2;
 
 use super::Attributes;
-use crate::error::{Error, Fault, Result as PtResult};
+use super::read::Refusal;
+use crate::error::{Error, Result as PtResult};
 use crate::film::{Channel, Image};
 
 /// Data window = the rendered part, display window = the whole picture; ZIP over 16 rows.
@@ -38,28 +41,89 @@ fn from_utf8(text: &Text) -> String {
     String::from_utf8_lossy(text.bytes()).into_owned()
 }
 
-/// All channels of the first layer as f32, and its text attributes.
+/// All channels of the first part as f32, and its text attributes.
 ///
 /// # Errors
-/// `Invalid` for what is no EXR file; `Io` where it cannot be read.
+/// As [`super::read()`].
 pub fn read(path: &Path) -> PtResult<(Image, Attributes)> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    decode(&super::read::bytes(path)?).map_err(|refusal| refusal.of(path))
+}
+
+/// What the bytes of a file hold.
+pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
+    let broken = |e: exr::error::Error| Refusal::Invalid(format!("not a readable EXR picture: {e}"));
+    check_size(&MetaData::read_from_buffered(bytes, false).map_err(broken)?)?;
     let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
-    let broken = |e: exr::error::Error| Error::invalid(Fault::new(format!("not a readable EXR picture: {e}")).in_file(path));
     let file = reader.from_buffered(Cursor::new(bytes)).map_err(broken)?;
-    let layer = file.layer_data;
-    let unsigned = |v: i32| v.max(0) as u32;
+    let (display, layer) = (file.attributes.display_window, file.layer_data);
     let channel = |c: &AnyChannel<FlatSamples>| Channel { name: from_utf8(&c.name), values: c.sample_data.values_as_f32().collect() };
     let text = |(name, value): (&Text, &AttributeValue)| match value {
         AttributeValue::Text(text) => Some((from_utf8(name), from_utf8(text))),
         _ => None,
     };
-    let display = file.attributes.display_window.size;
+    let [x, y] = [|v: Vec2<i32>| v.x(), |v: Vec2<i32>| v.y()]
+        .map(|of| i64::from(of(layer.attributes.layer_position)) - i64::from(of(display.position)));
+    let [width, height] = [layer.size.x() as i64, layer.size.y() as i64];
+    if x < 0 || y < 0 || x + width > display.size.x() as i64 || y + height > display.size.y() as i64 {
+        let message = format!("the data window, {width} × {height} from ({x}, {y}), reaches beyond the display window");
+        return Err(Refusal::Invalid(message));
+    }
     let image = Image {
-        full_size: UVec2::new(display.x() as u32, display.y() as u32),
-        origin: UVec2::new(unsigned(layer.attributes.layer_position.x()), unsigned(layer.attributes.layer_position.y())),
-        size: UVec2::new(layer.size.x() as u32, layer.size.y() as u32),
+        full_size: UVec2::new(display.size.x() as u32, display.size.y() as u32),
+        origin: UVec2::new(x as u32, y as u32),
+        size: UVec2::new(width as u32, height as u32),
         channels: layer.channel_data.list.iter().map(channel).collect(),
     };
-    Ok((image, layer.attributes.other.iter().filter_map(text).collect()))
+    let mut attributes: Attributes = layer.attributes.other.iter().filter_map(text).collect();
+    attributes.sort();
+    Ok((image, attributes))
+}
+
+/// Refuses before it is decoded what would not fit.
+fn check_size(meta: &MetaData) -> PtResult<(), Refusal> {
+    let bytes = |header: &Header| header.layer_size.x() as u128 * header.layer_size.y() as u128 * header.channels.list.len() as u128 * 4;
+    match meta.headers.iter().map(bytes).max() {
+        Some(most) if most > super::read::MOST_MEMORY.into() => Err(Refusal::TooLarge),
+        _ => Ok(()),
+    }
+}
+
+/// How a file stores its picture, one fact a line: parts, compression, types of channels, and all attributes, with their values.
+pub(super) fn facts(bytes: &[u8]) -> Attributes {
+    let Ok(meta) = MetaData::read_from_buffered(bytes, false) else { return vec![] };
+    let mut facts: Attributes = vec![];
+    let mut fact = |name: &str, value: Option<String>| facts.extend(value.map(|value| (name.to_owned(), value)));
+    fact("parts", (meta.headers.len() > 1).then(|| format!("{}, of which the first is read", meta.headers.len())));
+    let Some(header) = meta.headers.first() else { return facts };
+    let types = header.channels.list.iter().map(|c| format!("{:?}", c.sample_type).to_lowercase());
+    let mut types: Vec<String> = types.collect();
+    types.sort();
+    types.dedup();
+    fact("compression", Some(format!("{:?}", header.compression)));
+    fact("samples", Some(types.join(", ")));
+    let (own, shared) = (&header.own_attributes, &header.shared_attributes);
+    let texts = [
+        ("software", &own.software_name),
+        ("layer", &own.layer_name),
+        ("owner", &own.owner),
+        ("comments", &own.comments),
+        ("capture date", &own.capture_date),
+    ];
+    texts.into_iter().for_each(|(name, text)| fact(name, text.as_ref().map(from_utf8)));
+    fact("chromaticities", shared.chromaticities.map(|c| format!("{c:?}")));
+    let mut others: Vec<(String, String)> =
+        shared.other.iter().chain(&own.other).map(|(name, value)| (from_utf8(name), shown(value))).collect();
+    others.sort();
+    others.into_iter().for_each(|(name, value)| fact(&name, Some(value)));
+    facts
+}
+
+fn shown(value: &AttributeValue) -> String {
+    match value {
+        AttributeValue::Text(text) => from_utf8(text),
+        AttributeValue::F64(x) => x.to_string(),
+        AttributeValue::F32(x) => x.to_string(),
+        AttributeValue::I32(x) => x.to_string(),
+        other => format!("{other:?}"),
+    }
 }

@@ -1,8 +1,13 @@
-//! Pictures to files: whole or not at all.
+//! Pictures to files, whole or not at all, and back.
 
+pub mod colormap;
 pub mod exr;
+pub mod hash;
+pub mod layer;
 pub mod pfm;
 pub mod png;
+mod read;
+pub mod tev;
 pub mod tonemap;
 
 use std::fs::File;
@@ -14,9 +19,13 @@ use tempfile::NamedTempFile;
 use crate::error::{Error, Result};
 use crate::film::Image;
 
+pub use colormap::Colormap;
+pub use hash::{Hash, hash};
+pub use layer::{Pick, window};
+pub use read::{facts, read};
 pub use tonemap::{Curve, Tonemap};
 
-/// The file types that can be written, by extension.
+/// The file types that can be written, by extension; all of them can be read too, see [`read()`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Linear f32, every channel.

@@ -1,11 +1,16 @@
 //! 8-bit pictures for eyes.
 
-use image::ImageEncoder;
+use std::io::Cursor;
+
+use glam::UVec2;
 use image::codecs::png::PngEncoder;
+use image::{ImageEncoder, ImageError, ImageFormat, ImageReader, Limits};
 
 use super::Tonemap;
+use super::read::{MOST_MEMORY, Refusal, rgb_image};
+use super::tonemap::linear;
 use crate::error::{Error, Result};
-use crate::film::Image;
+use crate::film::{Channel, Image};
 
 pub fn encode(image: &Image, tonemap: &Tonemap) -> Result<Vec<u8>> {
     let mut bytes = vec![];
@@ -21,4 +26,27 @@ pub fn encode_ppm(image: &Image, tonemap: &Tonemap) -> Vec<u8> {
     let mut bytes = format!("P6\n{} {}\n255\n", image.size.x, image.size.y).into_bytes();
     bytes.extend(tonemap.apply(image));
     bytes
+}
+
+/// What the bytes of a PNG, JPEG or PPM hold, made linear; a channel `A` where there is transparency.
+pub(super) fn decode(bytes: &[u8], format: ImageFormat) -> Result<Image, Refusal> {
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MOST_MEMORY);
+    reader.limits(limits);
+    let picture = reader.decode().map_err(|error| match error {
+        ImageError::Limits(_) => Refusal::TooLarge,
+        other => Refusal::Invalid(format!("not a readable {} picture: {other}", format.extensions_str()[0].to_uppercase())),
+    })?;
+    let (size, has_alpha) = (UVec2::new(picture.width(), picture.height()), picture.color().has_alpha());
+    let table: Vec<f32> = (0..=u16::MAX).map(|level| linear(f64::from(level) / 65535.0) as f32).collect();
+    // 8 bits become 16 by repeating them: the same share.
+    let levels = picture.into_rgba16();
+    let pixels: Vec<[f32; 3]> = levels.pixels().map(|p| [p[0], p[1], p[2]].map(|level| table[usize::from(level)])).collect();
+    let mut image = rgb_image(size, &pixels);
+    if has_alpha {
+        let values = levels.pixels().map(|p| f32::from(p[3]) / 65535.0).collect();
+        image.channels.push(Channel { name: "A".into(), values });
+    }
+    Ok(image)
 }

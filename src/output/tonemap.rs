@@ -1,7 +1,7 @@
 //! From linear radiance to what a screen shows, the same bytes on every platform. For 8-bit files only: EXR keeps what was measured.
 
 use crate::film::Image;
-use crate::math::float::powf;
+use crate::math::float::{exp_f64, ln_f64, powf};
 
 /// Exposure, then a curve, then 8 bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,11 +25,16 @@ pub enum Curve {
 }
 
 impl Tonemap {
-    /// Red, green, blue, row by row.
+    /// Red, green, blue in 8 bits, row by row.
     pub fn apply(&self, image: &Image) -> Vec<u8> {
+        self.display(image).into_iter().flatten().map(quantise).collect()
+    }
+
+    /// What a screen is to show, 0 to 1, before it is cut to 8 bits; NaN stays.
+    pub fn display(&self, image: &Image) -> Vec<[f32; 3]> {
         let gain = powf(2.0, self.exposure);
         let brightest = image.pixels().flatten().filter(|v| v.is_finite()).fold(0.0, f32::max) * gain;
-        image.pixels().flatten().map(|v| quantise(self.curve.map(v * gain, brightest))).collect()
+        image.pixels().map(|rgb| rgb.map(|v| self.curve.map(v * gain, brightest).clamp(0.0, 1.0))).collect()
     }
 }
 
@@ -61,7 +66,12 @@ pub fn srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * powf(linear, 1.0 / 2.4) - 0.055 }
 }
 
+/// The inverse of the sRGB transfer curve, the same bits on every platform. Source: IEC 61966-2-1.
+pub fn linear(encoded: f64) -> f64 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { exp_f64(2.4 * ln_f64((encoded + 0.055) / 1.055)) }
+}
+
 /// To the nearest of 256 levels; NaN is black.
 fn quantise(x: f32) -> u8 {
-    (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+    (x * 255.0 + 0.5) as u8
 }

@@ -1,0 +1,59 @@
+//! `pt image average A B... -o OUT`: independent pictures of the same become a better one.
+
+use std::path::{Path, PathBuf};
+
+use super::args::Average;
+use crate::cli::note;
+use crate::cli::outputs::check_outputs;
+use crate::error::Result;
+use crate::film::Image;
+use crate::measure::{self, metric::Named};
+use crate::output::{self, Attributes};
+
+pub fn average(args: &Average) -> Result<()> {
+    let inputs: Vec<&Path> = args.inputs.iter().map(PathBuf::as_path).collect();
+    check_outputs(&args.output, &inputs, "is one of the inputs")?;
+    let read: Vec<(Image, Attributes)> = inputs.iter().map(|path| output::read(path)).collect::<Result<_>>()?;
+    let names: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
+    let named: Vec<Named> = names.iter().zip(&read).map(|(name, (image, _))| Named { name, image }).collect();
+    let mean = measure::average(&named)?;
+    named.iter().for_each(warn_of_broken);
+    warn_of_copies(&names, &read);
+    let attributes = common(&read);
+    args.output.iter().try_for_each(|path| output::write(path, &mean, &attributes, &args.tone.map()))
+}
+
+fn warn_of_broken(picture: &Named) {
+    let broken = picture.image.channels.iter().flat_map(|c| &c.values).filter(|v| !v.is_finite()).count();
+    if broken > 0 {
+        note(&format!("warning: {}: values that are not finite, here and in the mean: {broken}", picture.name));
+    }
+}
+
+/// The same random numbers twice are no second opinion.
+fn warn_of_copies(names: &[String], read: &[(Image, Attributes)]) {
+    let numbers = |attributes: &Attributes| ["pt/seed", "pt/sampler", "pt/integrator"].map(|name| value(attributes, name));
+    for (i, (_, later)) in read.iter().enumerate() {
+        let copy = read[..i].iter().position(|(_, earlier)| numbers(later)[0].is_some() && numbers(earlier) == numbers(later));
+        if let Some(k) = copy {
+            note(&format!(
+                "warning: {} and {} are made of the same random numbers (pt/seed): their mean is no more accurate",
+                names[k], names[i]
+            ));
+        }
+    }
+}
+
+fn value(attributes: &Attributes, name: &str) -> Option<String> {
+    attributes.iter().find(|(other, _)| other == name).map(|(_, value)| value.clone())
+}
+
+/// What all pictures say alike; the samples per pixel add up.
+fn common(read: &[(Image, Attributes)]) -> Attributes {
+    const SPP: &str = "pt/spp";
+    let spp: Option<u64> = read.iter().map(|(_, attributes)| value(attributes, SPP)?.parse::<u64>().ok()).sum();
+    let first = read.first().map(|(_, attributes)| attributes.as_slice()).unwrap_or_default();
+    let is_common = |name: &str, text: &String| read.iter().all(|(_, other)| value(other, name).as_ref() == Some(text));
+    let shared = first.iter().filter(|(name, text)| name != SPP && is_common(name, text)).cloned();
+    shared.chain(spp.map(|spp| (SPP.to_owned(), spp.to_string()))).collect()
+}

@@ -1,0 +1,133 @@
+//! `pt image falsecolor A [B] -o OUT`: numbers as colours, with a scale.
+
+use glam::UVec2;
+
+use super::args::Falsecolor;
+use super::{label, number, picked};
+use crate::cli::outputs::check_outputs;
+use crate::cli::say;
+use crate::error::{Error, Result};
+use crate::film::{Channel, Image};
+use crate::measure::Metric;
+use crate::measure::metric::{Named, Pair};
+use crate::output::tonemap::linear;
+use crate::output::{self, Colormap, Tonemap};
+
+pub fn falsecolor(args: &Falsecolor) -> Result<()> {
+    let metric = Metric::parse(&args.metric)?;
+    let inputs: Vec<_> = [Some(&args.first), args.second.as_ref()].into_iter().flatten().map(|path| path.as_path()).collect();
+    check_outputs(std::slice::from_ref(&args.output), &inputs, "is one of the pictures")?;
+    if args.log && args.range.is_some_and(|[low, _]| low <= 0.0) {
+        return Err(Error::Usage("--log: expected a --range above 0".into()));
+    }
+    let pick = args.layer.pick();
+    let image = picked(&args.first, &pick)?;
+    let name = args.first.display().to_string();
+    let (values, what) = match &args.second {
+        None => (image.pixels().map(luminance).collect(), format!("luminance of {pick} of {name}")),
+        Some(path) => {
+            let (reference, other) = (picked(path, &pick)?, path.display().to_string());
+            let pair = Pair::new(Named { name: &name, image: &image }, Named { name: &other, image: &reference }, args.tone.map())?;
+            let what = format!("{} of a = {name}, r = {other}: {}", metric.name(), metric.formula());
+            (metric.measure(&pair).map, what)
+        }
+    };
+    let scale = Scale::around(&values, args.range, args.log, args.map.into());
+    output::write(&args.output, &painted(&values, image.size, &scale), &vec![], &Tonemap::default())?;
+    say(&format!("{what}\n{}\n", scale.sentence(&values)))
+}
+
+/// Y of linear Rec. 709; of a grey the grey itself.
+fn luminance([r, g, b]: [f32; 3]) -> f64 {
+    0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+}
+
+/// From numbers to colours.
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
+    low: f64,
+    high: f64,
+    log: bool,
+    map: Colormap,
+}
+
+/// In no map: what is no number must not look like one.
+const NAN: [u8; 3] = [0, 255, 255];
+
+impl Scale {
+    /// The range given, or one that 99 % of the values do not exceed, so that one firefly does not make all else black.
+    pub fn around(values: &[f64], range: Option<[f64; 2]>, log: bool, map: Colormap) -> Scale {
+        let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite() && (!log || *v > 0.0)).collect();
+        finite.sort_by(f64::total_cmp);
+        let at = |share: f64| finite.get((share * finite.len() as f64) as usize).copied().unwrap_or_default();
+        let low = if log { at(0.01) } else { at(0.0).min(0.0) };
+        let [low, high] = range.unwrap_or([low, at(0.99)]);
+        Scale { low, high, log, map }
+    }
+
+    fn color(&self, value: f64) -> [u8; 3] {
+        if value.is_nan() {
+            return NAN;
+        }
+        let place = |x: f64| if self.log { x.max(0.0).ln() } else { x };
+        let (low, high) = (place(self.low), place(self.high));
+        // A range without width has two colours.
+        let share = if high > low { (place(value) - low) / (high - low) } else { f64::from(u8::from(value > self.high)) };
+        self.map.color(share)
+    }
+
+    /// The value at a share of the scale's length.
+    fn value(&self, share: f64) -> f64 {
+        if self.log { self.low.powf(1.0 - share) * self.high.powf(share) } else { self.low + share * (self.high - self.low) }
+    }
+
+    /// Range, extremes, and what is no number.
+    pub fn sentence(&self, values: &[f64]) -> String {
+        let (low, high) = (number(self.low), number(self.high));
+        let numbers = || values.iter().copied().filter(|v| !v.is_nan());
+        let (min, max) = numbers().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), v| (min.min(v), max.max(v)));
+        let broken = values.len() - numbers().count();
+        let broken = if broken == 0 { String::new() } else { format!("; in cyan what is NaN, pixels: {broken}") };
+        let log = if self.log { ", logarithmic" } else { "" };
+        format!("colours from {low} to {high}{log}; values from {} to {}{broken}", number(min), number(max))
+    }
+}
+
+/// Rows below the picture: a gap, the bar of the scale, a gap, its labels, a gap.
+const GAP: usize = 3;
+const BAR: usize = 10;
+const LEGEND: usize = 3 * GAP + BAR + label::HEIGHT;
+
+/// The colours of the values, and the scale below them.
+///
+/// - `values`: rows from the top, `size.x` in each
+pub fn painted(values: &[f64], size: UVec2, scale: &Scale) -> Image {
+    let width = size.x as usize;
+    let mut pixels: Vec<[u8; 3]> = values.iter().map(|&value| scale.color(value)).collect();
+    pixels.extend(legend(width, scale));
+    let value = |byte: u8| linear(f64::from(byte) / 255.0) as f32;
+    let channel = |(c, name): (usize, &str)| Channel { name: name.into(), values: pixels.iter().map(|p| value(p[c])).collect() };
+    let size = UVec2::new(size.x, size.y + LEGEND as u32);
+    Image { full_size: size, origin: UVec2::ZERO, size, channels: ["R", "G", "B"].into_iter().enumerate().map(channel).collect() }
+}
+
+fn legend(width: usize, scale: &Scale) -> Vec<[u8; 3]> {
+    let mut rows = vec![[0; 3]; LEGEND * width];
+    let share = |x: usize| (x as f64 + 0.5) / width as f64;
+    for y in GAP..GAP + BAR {
+        (0..width).for_each(|x| rows[y * width + x] = scale.map.color(share(x)));
+    }
+    // As many of the ends and the middle as have room, each within the picture.
+    let texts = [0.0, 1.0, 0.5].map(|share| (share, label::short(scale.value(share))));
+    let mut taken: Vec<(usize, usize)> = vec![];
+    for (share, text) in texts {
+        let room = label::width(&text);
+        let Some(free) = width.checked_sub(room) else { continue };
+        let start = (share * free as f64) as usize;
+        if taken.iter().all(|&(from, to)| start + room + label::HEIGHT < from || start > to + label::HEIGHT) {
+            label::write(&text, |x, y| rows[(2 * GAP + BAR + y) * width + start + x] = [255; 3]);
+            taken.push((start, start + room));
+        }
+    }
+    rows
+}

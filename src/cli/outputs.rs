@@ -1,0 +1,39 @@
+//! Where results go: refused before the work rather than after it.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::output::{self, Format};
+
+/// Whether pictures can be written under these names.
+///
+/// - `inputs`: what must not be overwritten, and `is_input` says what it is: `is the scene file`
+///
+/// # Errors
+/// `Usage` for a name given twice, an unknown extension, a folder, an input; `Io` where the folder is missing or read-only.
+pub fn check_outputs(outputs: &[PathBuf], inputs: &[&Path], is_input: &str) -> Result<()> {
+    for (i, path) in outputs.iter().enumerate() {
+        let usage = |message: &str| Error::Usage(format!("{}: {message}", path.display()));
+        if outputs[..i].iter().any(|other| is_same_file(other, path)) {
+            return Err(usage("given twice as an output"));
+        }
+        if Format::of(path).is_none() {
+            return Err(usage(&format!("expected a name that ends in {}", Format::EXTENSIONS)));
+        }
+        if path.is_dir() {
+            return Err(usage("is a folder, expected a file"));
+        }
+        let is = |input: &Path| path.canonicalize().is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input));
+        if inputs.iter().any(|input| is(input)) {
+            return Err(usage(&format!("{is_input}, which would be overwritten")));
+        }
+        output::check_folder(path)?;
+    }
+    Ok(())
+}
+
+/// Whether two outputs, which need not exist yet, are one.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    let folder = |path: &Path| output::folder(path).canonicalize().ok();
+    a.file_name() == b.file_name() && folder(a) == folder(b)
+}

@@ -1,0 +1,32 @@
+//! Absolute differences, alone and relative: one wrong pixel counts once, not squared.
+
+use super::Pair;
+
+/// Of JERI's MAPE and SMAPE.
+const EPSILON: f64 = 0.01;
+
+/// |a − r|
+pub fn difference(pair: &Pair, _: Option<f64>) -> Vec<f64> {
+    pair.map(|a, r| (a - r).abs())
+}
+
+/// |a − r|/(|r| + ε)
+///
+/// Source: JERI, with ε = 0.01.
+pub fn mape(pair: &Pair, epsilon: Option<f64>) -> Vec<f64> {
+    let epsilon = epsilon.unwrap_or(EPSILON);
+    pair.map(|a, r| over((a - r).abs(), r.abs() + epsilon))
+}
+
+/// 2|a − r|/(|a| + |r| + 2ε),    at most 2
+///
+/// Source: JERI, with ε = 0.01.
+pub fn smape(pair: &Pair, epsilon: Option<f64>) -> Vec<f64> {
+    let epsilon = epsilon.unwrap_or(EPSILON);
+    pair.map(|a, r| over(2.0 * (a - r).abs(), a.abs() + r.abs() + 2.0 * epsilon))
+}
+
+/// x/y, where 0/0 is 0: no difference is no error.
+pub(super) fn over(difference: f64, by: f64) -> f64 {
+    if difference == 0.0 { 0.0 } else { difference / by }
+}

@@ -1,0 +1,91 @@
+//! What a picture has: its window, and its layers, each of which can be looked at as red, green and blue.
+
+use std::fmt;
+
+use glam::UVec2;
+
+use crate::film::{Channel, Image};
+use crate::reader::unknown;
+
+/// What of a picture is to be looked at.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Pick {
+    /// `R`, `G`, `B`, or the only channel there is.
+    #[default]
+    Colour,
+    /// `StdErr` for `StdErr.R`, `StdErr.G`, `StdErr.B`; `N` for `N.X`, `N.Y`, `N.Z`; `SampleCount` for `SampleCount.Y`.
+    Layer(String),
+    /// One channel by its full name.
+    Channel(String),
+}
+
+const TRIPLES: [[&str; 3]; 4] = [["R", "G", "B"], ["r", "g", "b"], ["X", "Y", "Z"], ["x", "y", "z"]];
+
+impl fmt::Display for Pick {
+    /// `R, G, B`, `layer StdErr`, `channel Z`
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Pick::Colour => f.write_str("R, G, B"),
+            Pick::Layer(name) => write!(f, "layer {name}"),
+            Pick::Channel(name) => write!(f, "channel {name}"),
+        }
+    }
+}
+
+impl Pick {
+    /// The picture with `R`, `G`, `B` alone, which are those that were picked; a single channel is a grey.
+    ///
+    /// # Errors
+    /// A sentence that says what there is instead.
+    pub fn of(&self, image: &Image) -> Result<Image, String> {
+        let [r, g, b] = self.names(image)?;
+        let channel = |(name, from): (&str, &str)| image.channel(from).map(|values| Channel { name: name.into(), values: values.to_vec() });
+        let channels = [("R", r), ("G", g), ("B", b)].into_iter().filter_map(channel).collect();
+        Ok(Image { channels, ..*image })
+    }
+
+    /// The channels that become red, green and blue.
+    fn names<'i>(&self, image: &'i Image) -> Result<[&'i str; 3], String> {
+        let all: Vec<&str> = image.channels.iter().map(|c| c.name.as_str()).collect();
+        let (layer, what) = match self {
+            Pick::Colour => ("", "colours"),
+            Pick::Layer(name) => (name.as_str(), "layer"),
+            Pick::Channel(name) => {
+                let found = all.iter().find(|channel| *channel == name);
+                return found.map(|name| [*name; 3]).ok_or_else(|| unknown("channel", name, &all));
+            }
+        };
+        let within: Vec<(&str, &str)> =
+            all.iter().map(|name| (*name, split(name))).filter(|(_, (l, _))| *l == layer).map(|(name, (_, c))| (name, c)).collect();
+        let named = |component: &str| within.iter().find(|(_, c)| *c == component).map(|(name, _)| *name);
+        let triple = TRIPLES.iter().find_map(|[r, g, b]| Some([named(r)?, named(g)?, named(b)?]));
+        let single = match (within.as_slice(), layer) {
+            ([(only, _)], _) => Some([*only; 3]),
+            // The only channel of a picture may be called anything.
+            ([], "") if all.len() == 1 => Some([all[0]; 3]),
+            _ => None,
+        };
+        triple.or(single).ok_or_else(|| match (self, within.is_empty()) {
+            (Pick::Layer(_), true) => {
+                let mut layers: Vec<&str> = all.iter().map(|name| split(name).0).filter(|layer| !layer.is_empty()).collect();
+                layers.dedup();
+                unknown("layer", layer, &layers)
+            }
+            _ => format!("expected R, G and B among the {what}, found {}", all.join(", ")),
+        })
+    }
+}
+
+/// `a.b.R` is component R of layer `a.b`.
+fn split(name: &str) -> (&str, &str) {
+    name.rsplit_once('.').unwrap_or(("", name))
+}
+
+/// `8 × 6`, or `4 × 2 at (1, 0) of 8 × 6`: what two pictures must have in common to be compared.
+pub fn window(image: &Image) -> String {
+    let (size, full, origin) = (image.size, image.full_size, image.origin);
+    if size == full && origin == UVec2::ZERO {
+        return format!("{} × {}", size.x, size.y);
+    }
+    format!("{} × {} at ({}, {}) of {} × {}", size.x, size.y, origin.x, origin.y, full.x, full.y)
+}

@@ -1,0 +1,122 @@
+//! Pictures from files: EXR, PNG, JPEG, PPM and PFM, by content.
+
+use std::io::ErrorKind;
+use std::path::Path;
+
+use glam::UVec2;
+use image::ImageFormat;
+
+use super::{Attributes, exr, pfm, png};
+use crate::error::{Error, Fault, Result};
+use crate::film::{Channel, Image};
+
+/// No picture may take more than this (bytes).
+pub(super) const MOST_MEMORY: u64 = 4 << 30;
+
+/// Why bytes are no picture; what their file is called is said by [`Refusal::of`].
+#[derive(Debug)]
+pub(super) enum Refusal {
+    Invalid(String),
+    TooLarge,
+}
+
+impl Refusal {
+    pub(super) fn of(self, path: &Path) -> Error {
+        match self {
+            Refusal::Invalid(message) => Error::invalid(Fault::new(message).in_file(path)),
+            Refusal::TooLarge => Error::Limit(Fault::new("the picture would take more than 4 GiB").in_file(path)),
+        }
+    }
+}
+
+/// Reads a picture, linear, and the text attributes that an EXR carries. The first bytes decide what it is, not its name.
+///
+/// - PNG, JPEG and PPM are decoded from sRGB
+/// - of an EXR of several parts the first
+///
+/// # Errors
+/// `Invalid` for what is missing or no picture, `Limit` for more than 4 GiB, `Io` for what may not be read.
+pub fn read(path: &Path) -> Result<(Image, Attributes)> {
+    decode(&bytes(path)?).map_err(|refusal| refusal.of(path))
+}
+
+/// How the file stores its picture, one fact a line, for people: format, size, and what else an EXR says.
+///
+/// # Errors
+/// As [`read`].
+pub fn facts(path: &Path) -> Result<Attributes> {
+    let bytes = bytes(path)?;
+    let kind = Kind::of(&bytes).ok_or_else(|| unknown().of(path))?;
+    let mut facts = vec![("file".to_owned(), format!("{}, {} bytes", kind.title(), bytes.len()))];
+    if kind == Kind::Exr {
+        facts.extend(exr::facts(&bytes));
+    }
+    Ok(facts)
+}
+
+fn decode(bytes: &[u8]) -> Result<(Image, Attributes), Refusal> {
+    let plain = |image| (image, vec![]);
+    match Kind::of(bytes).ok_or_else(unknown)? {
+        Kind::Exr => exr::decode(bytes),
+        Kind::Pfm => pfm::decode(bytes).map(plain),
+        Kind::Encoded(format) => png::decode(bytes, format).map(plain),
+    }
+}
+
+fn unknown() -> Refusal {
+    Refusal::Invalid("unknown picture format: expected EXR, PNG, JPEG, PPM or PFM".into())
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Exr,
+    Pfm,
+    Encoded(ImageFormat),
+}
+
+impl Kind {
+    fn of(bytes: &[u8]) -> Option<Kind> {
+        match bytes {
+            [0x76, 0x2f, 0x31, 0x01, ..] => Some(Kind::Exr),
+            [b'P', b'F' | b'f', ..] => Some(Kind::Pfm),
+            [0x89, b'P', b'N', b'G', ..] => Some(Kind::Encoded(ImageFormat::Png)),
+            [0xff, 0xd8, 0xff, ..] => Some(Kind::Encoded(ImageFormat::Jpeg)),
+            [b'P', b'1'..=b'6', ..] => Some(Kind::Encoded(ImageFormat::Pnm)),
+            _ => None,
+        }
+    }
+
+    fn title(self) -> &'static str {
+        match self {
+            Kind::Exr => "OpenEXR",
+            Kind::Pfm => "PFM",
+            Kind::Encoded(ImageFormat::Png) => "PNG",
+            Kind::Encoded(ImageFormat::Jpeg) => "JPEG",
+            Kind::Encoded(_) => "PPM",
+        }
+    }
+}
+
+/// The whole file; a pipe or a device would block or never end, so its kind is asked first.
+pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
+    let invalid = |message: &str| Error::invalid(Fault::new(message).in_file(path));
+    let refused = |error: std::io::Error| match error.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory => invalid("no such file"),
+        ErrorKind::InvalidInput | ErrorKind::InvalidFilename => invalid("not a file name"),
+        _ => Error::io(path, error),
+    };
+    let about = path.metadata().map_err(refused)?;
+    if !about.is_file() {
+        return Err(invalid("not a regular file"));
+    }
+    if about.len() > MOST_MEMORY {
+        return Err(Refusal::TooLarge.of(path));
+    }
+    std::fs::read(path).map_err(refused)
+}
+
+/// A whole picture of `R`, `G`, `B`.
+pub(super) fn rgb_image(size: UVec2, pixels: &[[f32; 3]]) -> Image {
+    let channel = |(c, name): (usize, &str)| Channel { name: name.into(), values: pixels.iter().map(|p| p[c]).collect() };
+    Image { full_size: size, origin: UVec2::ZERO, size, channels: ["R", "G", "B"].into_iter().enumerate().map(channel).collect() }
+}

@@ -1,0 +1,302 @@
+//! Pictures to tev, the image viewer, while they are rendered.
+//!
+//! One way, over TCP: the viewer never answers. A picture is created once, then its changed tiles follow. All of it happens on a
+//! thread of its own, which takes the latest picture whenever it is done with the one before: a render never waits, and a viewer
+//! that is slow, stuck, gone or not there yet costs it nothing.
+//!
+//! Source: tev's `Ipc.h` (protocol); pbrt-v4's `display.cpp` (tiles, names, timeouts).
+
+use std::io::{self, Read};
+use std::net::{Shutdown, TcpStream, ToSocketAddrs};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use cpu_time::ThreadTime;
+use glam::UVec2;
+use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
+
+use crate::film::Image;
+
+/// Where tev listens unless it is told otherwise.
+pub const DEFAULT_ADDRESS: &str = "127.0.0.1:14158";
+
+/// Edge of the tiles that are compared and sent (pixels).
+const TILE: u32 = 128;
+/// Pictures do not follow each other faster than this.
+const REFRESH: Duration = Duration::from_millis(250);
+/// Making and sending pictures takes at most this share of the time.
+const SHARE: f64 = 0.01;
+/// After a failure the viewer is left alone for so long.
+const RETRY: Duration = Duration::from_secs(5);
+/// A viewer that takes nothing for so long is given up.
+const PATIENCE: Duration = Duration::from_secs(3);
+/// How long [`Viewer::finish`] waits for the last picture to be taken.
+const FAREWELL: Duration = Duration::from_secs(10);
+const CHANNELS: [&str; 3] = ["R", "G", "B"];
+
+/// A connection to a viewer that may or may not be there.
+///
+/// Dropped or finished, it sends the last picture it was given.
+#[derive(Debug)]
+pub struct Viewer {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// The latest picture that was not sent yet.
+    waiting: Option<Image>,
+    /// Before this no picture is asked for.
+    due: Option<Instant>,
+    /// No more pictures will come.
+    is_last: bool,
+    /// The thread is done.
+    is_over: bool,
+}
+
+impl Viewer {
+    /// Returns at once; whether anybody listens shows later.
+    ///
+    /// - `address`: `host:port`
+    /// - `name`: of the picture; the process id follows, so that two renders do not overwrite each other
+    /// - `warn`: told once, in a sentence, when the viewer cannot be reached or goes away
+    pub fn start(address: &str, name: &str, warn: impl Fn(&str) + Send + 'static) -> Viewer {
+        let shared = Arc::new(Shared::default());
+        let sender = Sender {
+            address: address.to_owned(),
+            // A zero byte ends a name in the protocol.
+            name: format!("{} ({})", name.replace('\0', ""), std::process::id()),
+            warn: Box::new(warn),
+            has_warned: false,
+            connection: None,
+            unsent: None,
+            failed: None,
+        };
+        let theirs = shared.clone();
+        let thread = thread::Builder::new().name("viewer".into()).spawn(move || sender.run(&theirs));
+        if thread.is_err() {
+            shared.lock().is_over = true;
+        }
+        Viewer { shared, thread: thread.ok() }
+    }
+
+    /// Shows a picture, `R`, `G`, `B` of which are sent. Never waits: a picture that was not sent yet is forgotten for it.
+    pub fn show(&self, image: Image) {
+        let forgotten = self.shared.lock().waiting.replace(image);
+        self.shared.changed.notify_all();
+        // Outside of the lock: it may be large.
+        drop(forgotten);
+    }
+
+    /// Shows the picture that `make` makes, unless it is too early: one every quarter of a second, and so few of them that making
+    /// one (by the clock, since a render waits for it) and sending it (by the time of the processor) takes no more than a hundredth
+    /// of the time.
+    pub fn offer(&self, make: impl FnOnce() -> Image) {
+        let start = Instant::now();
+        if self.shared.lock().due.is_some_and(|due| start < due) {
+            return;
+        }
+        let image = make();
+        self.shared.postpone(start.elapsed());
+        self.show(image);
+    }
+
+    /// Sends the last picture and takes leave; waits some seconds at most.
+    pub fn finish(self) {}
+}
+
+impl Drop for Viewer {
+    fn drop(&mut self) {
+        let mut state = self.shared.lock();
+        state.is_last = true;
+        self.shared.changed.notify_all();
+        let waited = self.shared.changed.wait_timeout_while(state, FAREWELL, |state| !state.is_over);
+        let (state, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        // A thread that still hangs on a viewer is left behind; it ends with the program.
+        let is_over = state.is_over;
+        drop(state);
+        if let Some(thread) = self.thread.take().filter(|_| is_over) {
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What took so long is not to be done again before it was a small share of the time.
+    fn postpone(&self, took: Duration) {
+        let due = Instant::now() + REFRESH.max(took.div_f64(SHARE));
+        let mut state = self.lock();
+        state.due = state.due.max(Some(due));
+    }
+
+    /// The next picture, or none after `patience`; and whether it was the last.
+    fn next(&self, patience: Duration) -> (Option<Image>, bool) {
+        let nothing_new = |state: &mut State| state.waiting.is_none() && !state.is_last;
+        let waited = self.changed.wait_timeout_while(self.lock(), patience, nothing_new);
+        let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        (state.waiting.take(), state.is_last)
+    }
+}
+
+/// Says that the thread is done, however it ends.
+struct Leave<'a>(&'a Shared);
+
+impl Drop for Leave<'_> {
+    fn drop(&mut self) {
+        self.0.lock().is_over = true;
+        self.0.changed.notify_all();
+    }
+}
+
+/// What runs on the thread.
+struct Sender {
+    address: String,
+    name: String,
+    warn: Box<dyn Fn(&str) + Send>,
+    has_warned: bool,
+    connection: Option<Connection>,
+    /// The latest picture, where it could not be sent.
+    unsent: Option<Arc<Image>>,
+    failed: Option<Instant>,
+}
+
+impl Sender {
+    fn run(mut self, shared: &Shared) {
+        let _leave = Leave(shared);
+        loop {
+            let (image, is_last) = shared.next(RETRY);
+            self.unsent = image.map(Arc::new).or(self.unsent);
+            let is_early = self.failed.is_some_and(|failed| failed.elapsed() < RETRY);
+            // After the last picture there is no later attempt.
+            if is_last || !is_early {
+                let start = ThreadTime::now();
+                self.send();
+                shared.postpone(start.elapsed());
+            }
+            if is_last {
+                break;
+            }
+        }
+        self.connection.take().into_iter().for_each(Connection::close);
+    }
+
+    /// Sends what there is to send, over the connection that there is or a new one.
+    fn send(&mut self) {
+        let Some(image) = self.unsent.take() else { return };
+        let was_there = self.connection.is_some();
+        let connection = self.connection.take().map_or_else(|| Connection::open(&self.address), Ok);
+        match connection.and_then(|connection| connection.update(&self.name, &image)) {
+            Ok(connection) => (self.connection, self.failed) = (Some(connection), None),
+            Err(error) => {
+                (self.unsent, self.failed) = (Some(image), Some(Instant::now()));
+                self.complain(was_there, &error);
+            }
+        }
+    }
+
+    fn complain(&mut self, was_there: bool, error: &io::Error) {
+        if !std::mem::replace(&mut self.has_warned, true) {
+            let what = if was_there { "went away" } else { "cannot be reached" };
+            (self.warn)(&format!("the viewer at {} {what} ({error}); the render goes on", self.address));
+        }
+    }
+}
+
+/// A viewer that is there, and what it shows.
+struct Connection {
+    client: TevClient,
+    /// The same socket.
+    stream: TcpStream,
+    shown: Option<Arc<Image>>,
+}
+
+impl Connection {
+    fn open(address: &str) -> io::Result<Connection> {
+        let mut refusal = io::Error::new(io::ErrorKind::NotFound, "no such address");
+        for address in address.to_socket_addrs()? {
+            match TcpStream::connect_timeout(&address, PATIENCE) {
+                Ok(stream) => {
+                    stream.set_write_timeout(Some(PATIENCE))?;
+                    stream.set_nodelay(true)?;
+                    return Ok(Connection { client: TevClient::wrap(stream.try_clone()?), stream, shown: None });
+                }
+                Err(error) => refusal = error,
+            }
+        }
+        Err(refusal)
+    }
+
+    /// Creates the picture where it is new, and sends the tiles that have changed. An error ends the connection.
+    fn update(mut self, name: &str, image: &Arc<Image>) -> io::Result<Connection> {
+        let shown = self.shown.take().filter(|shown| shown.full_size == image.full_size);
+        if shown.is_none() {
+            let UVec2 { x: width, y: height } = image.full_size;
+            self.client.send(PacketCreateImage { image_name: name, grab_focus: true, width, height, channel_names: &CHANNELS })?;
+        }
+        let before = shown.filter(|shown| (shown.origin, shown.size) == (image.origin, image.size));
+        for corner in corners(image.size) {
+            let size = (image.size - corner).min(UVec2::splat(TILE));
+            let data = tile(image, corner, size);
+            let is_old = before.as_ref().is_some_and(|before| same_bits(&tile(before, corner, size), &data));
+            if !is_old {
+                self.send_tile(name, image.origin + corner, size, &data)?;
+            }
+        }
+        self.shown = Some(image.clone());
+        Ok(self)
+    }
+
+    fn send_tile(&mut self, name: &str, corner: UVec2, size: UVec2, data: &[f32]) -> io::Result<()> {
+        self.client.send(PacketUpdateImage {
+            image_name: name,
+            grab_focus: false,
+            channel_names: &CHANNELS,
+            channel_offsets: &[0, 1, 2],
+            channel_strides: &[3, 3, 3],
+            x: corner.x,
+            y: corner.y,
+            width: size.x,
+            height: size.y,
+            data,
+        })
+    }
+
+    /// Says that nothing follows, and waits until the viewer has read it all: a socket closed at once may lose its tail.
+    fn close(mut self) {
+        let end = Instant::now() + PATIENCE;
+        let said = self.stream.shutdown(Shutdown::Write).and_then(|()| self.stream.set_read_timeout(Some(PATIENCE)));
+        let mut answer = [0; 256];
+        // What a viewer might say is of no interest; its silence is.
+        while said.is_ok() && Instant::now() < end && self.stream.read(&mut answer).is_ok_and(|count| count > 0) {}
+    }
+}
+
+/// The upper left pixels of all tiles.
+fn corners(size: UVec2) -> impl Iterator<Item = UVec2> {
+    let starts = |to: u32| (0..to).step_by(TILE as usize);
+    starts(size.y).flat_map(move |y| starts(size.x).map(move |x| UVec2::new(x, y)))
+}
+
+/// Red, green, blue of every pixel of a part, row by row.
+fn tile(image: &Image, corner: UVec2, size: UVec2) -> Vec<f32> {
+    let channels = CHANNELS.map(|name| image.channel(name));
+    let value = |channel: &Option<&[f32]>, x: u32, y: u32| channel.map_or(0.0, |values| values[(y * image.size.x + x) as usize]);
+    let pixels = (corner.y..corner.y + size.y).flat_map(|y| (corner.x..corner.x + size.x).map(move |x| (x, y)));
+    pixels.flat_map(|(x, y)| [0, 1, 2].map(|c| value(&channels[c], x, y))).collect()
+}
+
+fn same_bits(a: &[f32], b: &[f32]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+}
