@@ -53,7 +53,7 @@ fn near(a: Spectrum, b: Spectrum, relative: f32) -> bool {
 
 /// ∫ f·|cos| dwi over the side of `wo`, and its delta lobes, by the midpoint rule in the square of the sine, which is exact for
 /// Lambert.
-fn albedo(model: &Bsdf, wo: Local) -> Spectrum {
+pub fn albedo(model: &Bsdf, wo: Local) -> Spectrum {
     const N: usize = 128;
     let smooth: Spectrum = (0..N * N)
         .map(|k| {
@@ -183,11 +183,11 @@ fn coats_deepen_colors() {
 /// E of the fibres, as the ground sees it: a white mirror under them loses exactly what they return.
 #[test]
 fn sheen_returns_what_it_says() {
-    for alpha in [0.05, 0.2, 0.6, 1.0] {
-        let sheen = Material::from(Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), Spectrum::ONE, alpha)));
+    for roughness in [0.22, 0.45, 0.77, 1.0] {
+        let sheen = Material::from(Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), Spectrum::ONE, roughness)));
         for cos in [1.0, 0.6, 0.25] {
             let found = albedo(&center(&sheen), at(cos, 0.0)).average();
-            assert!((found - 1.0).abs() < 5e-3, "alpha {alpha}, cos {cos}: {found}");
+            assert!((found - 1.0).abs() < 5e-3, "roughness {roughness}, cos {cos}: {found}");
         }
     }
 }
@@ -202,11 +202,13 @@ fn principled_is_what_it_names() {
         transmission: 0.0.into(),
         specular: 1.0.into(),
         finish: Some(round(0.3)),
-        eta: 1.5,
+        eta: 1.5.into(),
         coat: 0.0.into(),
-        lacquer: Coat::new(1.5, Spectrum::ONE, None),
+        coat_eta: 1.5.into(),
+        coat_color: Spectrum::ONE.into(),
+        coat_finish: None,
         sheen_color: 0.0.into(),
-        sheen_alpha: 0.3,
+        sheen_roughness: 0.55.into(),
         multiscatter: true,
     };
     let glaze = |finish| Coat::new(1.5, Spectrum::ONE, finish).as_seen();
@@ -217,7 +219,7 @@ fn principled_is_what_it_names() {
         (Principled { metallic: 1.0.into(), ..principled() }, Material::metal(Texture::from(base), Some(round(0.3)), true)),
         (Principled { transmission: 1.0.into(), ..principled() }, Material::rough_glass(1.5, base, round(0.3), true)),
         (Principled { coat: 1.0.into(), ..principled() }, coated(plastic.clone(), Coat::new(1.5, Spectrum::ONE, None))),
-        (Principled { sheen_color: base.into(), ..principled() }, Compound::Sheen(Sheen::new(plastic, base, 0.3)).into()),
+        (Principled { sheen_color: base.into(), ..principled() }, Compound::Sheen(Sheen::new(plastic, base, 0.55)).into()),
     ];
     let mut random = Random::new(5);
     for (principled, expected) in cases {
@@ -243,7 +245,7 @@ fn a_texture_mixes() {
 }
 
 /// A picture whose bilinear interpolation is `low` + (`high` − `low`) · u near the middle, the same for all v.
-fn ramp(low: f32, high: f32) -> Texture {
+pub fn ramp(low: f32, high: f32) -> Texture {
     let pixels = Pixels::new(UVec2::new(2, 1), vec![[low; 3], [high; 3]]).expect("two pixels");
     // Pixel centres lie at 1/4 and 3/4: half of the range is between them.
     Texture::Image(Image { pixels: Arc::new(pixels), scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Bilinear })
@@ -268,7 +270,7 @@ fn seen(world: &World, direction: Vec3) -> Vec3 {
 fn heights_lean_as_planes() {
     // Twice the slope between the pixels of the ramp: from 0 to 1 over half of the two metres.
     for scale in [0.1f32, -0.3, 1.0] {
-        let relief = Relief::Heights { map: ramp(0.0, 1.0), scale };
+        let relief = Relief::Heights { map: ramp(0.0, 1.0), scale: scale.into() };
         let world = quad(Skin { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
         let normal = seen(&world, Vec3::NEG_Z);
         let expected = Vec3::new(-scale, 0.0, 1.0).normalize();
@@ -284,8 +286,10 @@ fn normal_maps_turn_normals() {
         let [r, g, b] = (0.5 * n + 0.5).to_array();
         Texture::Constant(Spectrum::rgb(r, g, b))
     };
-    let skin =
-        |n: Vec3| Skin { relief: Some(Relief::Normals { map: constant(n), strength: 1.0 }), ..Material::diffuse(Spectrum::ONE).into() };
+    let skin = |n: Vec3| Skin {
+        relief: Some(Relief::Normals { map: constant(n), strength: 1.0.into() }),
+        ..Material::diffuse(Spectrum::ONE).into()
+    };
     let turned = seen(&quad(skin(n), Transform::IDENTITY), Vec3::NEG_Z);
     assert!((turned - n).length() < 1e-6, "{turned}");
     let rotation = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 40.0).expect("an axis");
@@ -305,7 +309,7 @@ fn turned_normals_are_seen() {
     for _ in 0..10_000 {
         let [x, y] = [random.range(-1.0, 1.0), random.range(-1.0, 1.0)].map(|x| x as f32);
         let map = Texture::Constant(Spectrum::rgb(0.5 + 0.5 * x, 0.5 + 0.5 * y, random.range(0.5, 1.0) as f32));
-        let relief = Relief::Normals { map, strength: 3.0 };
+        let relief = Relief::Normals { map, strength: 3.0.into() };
         let wo = at(random.range(1e-3, 1.0), random.range(0.0, 6.3)).0;
         for wo in [wo, -wo] {
             let n = relief.normal(&point(Vec2::ZERO), [Vec3::X, Vec3::Y], wo);

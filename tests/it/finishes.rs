@@ -11,7 +11,7 @@ use pt::scene::Scene;
 use crate::random::Random;
 
 /// A square of two metres that faces the camera, of this material.
-fn square(material: &str) -> Built {
+pub fn square(material: &str) -> Built {
     let scene = format!(
         r#"{{"pt": 1, "camera": {{}}, "background": {{"radiance": 1}}, "materials": {{"m": {material}}},
             "shapes": [{{"type": "quad", "size": 2, "material": "m"}}]}}"#
@@ -23,7 +23,7 @@ fn square(material: &str) -> Built {
 }
 
 /// Where x < 0, or x > 0: a checker of two squares side by side has its even one first.
-fn bsdf(built: &Built, x: f32) -> Bsdf<'_> {
+pub fn bsdf(built: &Built, x: f32) -> Bsdf<'_> {
     let ray = Ray::new(Vec3::new(x, -0.5, 3.0) - built.world.origin().as_vec3(), Vec3::NEG_Z);
     let hit = built.world.intersect(&ray).expect("the square is there");
     built.world.surface(&ray, &hit).bsdf

@@ -44,4 +44,5 @@ mod statistics;
 mod terminator;
 mod textures;
 mod transforms;
+mod varying;
 mod warps;
