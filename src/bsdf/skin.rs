@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::Material;
 use crate::effects::Effects;
 use crate::math::Frame;
-use crate::shape::SurfacePoint;
+use crate::shape::{SurfacePoint, bent};
 use crate::texture::{Number, Texture};
 
 /// A material with what belongs to a place on a surface, not to how light is scattered there.
@@ -46,8 +46,7 @@ impl Relief {
         let normal = turned.and_then(Vec3::try_normalize).filter(|n| n.dot(point.ng) > 0.0).unwrap_or(point.ns);
         // Of the side that is looked at.
         let seen = if point.ng.dot(wo) < 0.0 { -wo } else { wo };
-        let cos = normal.dot(seen);
-        if cos >= LEAST_COS { normal } else { (normal + seen * (LEAST_COS - cos)).normalize() }
+        bent(normal, seen, LEAST_COS)
     }
 
     fn textures(&self) -> impl Iterator<Item = &Texture> {
@@ -75,16 +74,17 @@ fn mapped(map: &Texture, strength: f32, point: &SurfacePoint, [du, dv]: [Vec3; 2
 ///
 /// Source: Mikkelsen, *Bump Mapping Unparametrized Surfaces on the GPU* (2010).
 fn sloped(map: &Texture, scale: &Number, point: &SurfacePoint, [du, dv]: [Vec3; 2]) -> Option<Vec3> {
+    // In f64, where no slope of f32 heights is too steep to be normalized.
     let height = |uv: Vec2| {
         let p = point.p + du * uv.x + dv * uv.y;
         let moved = SurfacePoint { p, uv: point.uv + uv, ..*point };
-        scale.at(&moved) * map.scalar(&moved)
+        f64::from(scale.at(&moved)) * f64::from(map.scalar(&moved))
     };
-    let slope = |step: Vec2| (height(step) - height(-step)) / (2.0 * STEP);
+    let slope = |step: Vec2| (height(step) - height(-step)) / (2.0 * f64::from(STEP));
     let (h_u, h_v) = (slope(Vec2::new(STEP, 0.0)), slope(Vec2::new(0.0, STEP)));
-    let n = point.ns;
+    let [n, du, dv] = [point.ns, du, dv].map(|v| v.as_dvec3());
     let gradient = (dv.cross(n) * h_u + n.cross(du) * h_v) / n.dot(du.cross(dv));
-    gradient.is_finite().then(|| n - gradient)
+    gradient.is_finite().then(|| (n - gradient).normalize().as_vec3())
 }
 
 impl Skin {

@@ -278,6 +278,17 @@ fn heights_lean_as_planes() {
     }
 }
 
+/// However steep they are, slopes lean: away from the viewer as far as normals go, not back to flat.
+#[test]
+fn no_slope_is_too_steep() {
+    for scale in [1e4f32, 1e18, 1e30, 3e38, -1e30] {
+        let relief = Relief::Heights { map: ramp(0.0, 1.0), scale: scale.into() };
+        let world = quad(Skin { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
+        let normal = seen(&world, Vec3::NEG_Z);
+        assert!((normal - Vec3::new(-scale.signum(), 0.0, 0.0)).length() < 0.02, "{scale}: {normal}");
+    }
+}
+
 /// A picture of one normal turns every surface by it, along its own axes, wherever the surface faces; (½, ½, 1) turns nothing.
 #[test]
 fn normal_maps_turn_normals() {

@@ -12,7 +12,8 @@ use super::finish::{Alpha, Distribution, Finish, finish_of};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Conductor {
-    /// A chemical element: its published index, reduced to red, green and blue.
+    /// A chemical element: its published index, reduced to red, green and blue. Seen straight on it has the colour in daylight of
+    /// its published spectrum; but for gold, whose red of 1.04 no red, green and blue can show: it is 0.97.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub metal: Option<Element>,
     /// Real part of the index of refraction, relative to the outside.
