@@ -83,7 +83,7 @@ const LATTICE: [u32; 2] = [2584, 4181];
 const GRID: [usize; 3] = [9, 9, 5];
 const GRID_LATTICE: [u32; 2] = [610, 987];
 
-/// Facets are not longer than this times their width; rougher means than 0.003 are told apart.
+/// Of grids: longer facets than ten times their width, and smoother ones than √α = 0.003, have the tables of these.
 const LEAST_RATIO: f32 = 0.1;
 const LEAST_MEAN: f32 = 0.003;
 
