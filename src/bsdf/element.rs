@@ -6,7 +6,9 @@
 //!
 //! is the coefficient of the metal's colour under white light, at normal incidence. The index that has it is made from
 //! n̄ and k̄, the means of n and k over the positive part of w_c: where n̄ < 1 (noble metals) k = k̄ and n is what gives R_c, else n = n̄
-//! and k is. Gold is redder than Rec. 709 can show (R_red = 1.04): no coefficient is larger than the greatest R(λ), here 0.97.
+//! and k is. Every coefficient of these metals is within 0.05 % of the same integral with the observer and D65 at every nanometre from
+//! 380 to 780, and within 1 % (tested) of one by another observer, with one exception. Gold is redder than Rec. 709 can show,
+//! R_red = 1.038: no coefficient may be larger than the greatest R(λ), here 0.971, which is 6.4 % less.
 //!
 //! Published indices: Ag, Au, Cu: Johnson and Christy, *Optical constants of the noble metals*, Phys. Rev. B 6 (1972);
 //! Cr, Fe, Ni, Ti: Johnson and Christy, *Optical constants of transition metals*, Phys. Rev. B 9 (1974); Al: Rakić, *Algorithm for

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::microfacet::{Albedo, Finish};
+use super::microfacet::{Albedo, Finish, Ladder, Scale};
 use super::{
     BlinnPhong, Bsdf, Conductor, Dielectric, Diffuse, DiffuseTransmission, MatteCone, Metal, Mirror, OrenNayar, Phong, Plastic, Reflectance,
 };
@@ -10,7 +10,7 @@ use super::{Compound, Mix, Place, RoughConductor, RoughDielectric, Share, ThinDi
 use crate::effects::Effects;
 use crate::math::{Spectrum, float};
 use crate::shape::SurfacePoint;
-use crate::texture::Texture;
+use crate::texture::{Number, Texture};
 
 /// A model with textures for parameters; [`Material::at`] looks them up.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub enum Material {
         losses: Option<&'static Albedo>,
     },
     Dielectric {
-        eta: f32,
+        eta: Number,
         color: Texture,
     },
     MatteCone {
@@ -41,20 +41,22 @@ pub enum Material {
     },
     Phong {
         color: Texture,
-        exponent: f32,
+        exponent: Number,
     },
     BlinnPhong {
         color: Texture,
-        exponent: f32,
+        exponent: Number,
     },
     Metal {
         color: Texture,
         roughness: Texture,
     },
+    /// See [`Material::plastic`].
     Plastic {
         albedo: Texture,
-        eta: f32,
-        internal: f32,
+        eta: Number,
+        /// [`Plastic::internal`], where it is the same everywhere.
+        internal: Option<f32>,
     },
     /// Where reflectance and transmittance add up to more than 1, both are scaled down.
     DiffuseTransmission {
@@ -63,13 +65,13 @@ pub enum Material {
     },
     /// See [`Material::rough_glass`].
     RoughDielectric {
-        eta: f32,
+        eta: Number,
         color: Texture,
         finish: Finish,
-        more: Option<&'static rough_dielectric::Losses>,
+        more: Option<Ladder<rough_dielectric::Losses>>,
     },
     ThinDielectric {
-        eta: f32,
+        eta: Number,
         color: Texture,
     },
     /// The surface of a body that absorbs: e^(−σ d) of the light passes the distance d inside (σ in 1/m).
@@ -86,32 +88,42 @@ pub enum Material {
 pub enum Metallic {
     /// By its index of refraction; with the mean over the hemisphere.
     Index { reflectance: Reflectance, mean: Spectrum },
+    /// By an index of refraction that varies.
+    Indices { eta: Texture, k: Texture },
     /// By its colour, seen straight on.
     Color(Texture),
 }
 
 impl Metallic {
-    /// And its mean over the hemisphere.
-    fn at(&self, point: &SurfacePoint) -> (Reflectance, Spectrum) {
+    fn at(&self, point: &SurfacePoint) -> Reflectance {
         match self {
-            Metallic::Index { reflectance, mean } => (*reflectance, *mean),
-            Metallic::Color(color) => {
-                let reflectance = Reflectance::Schlick { normal: color.at(point) };
-                (reflectance, reflectance.mean())
-            }
+            Metallic::Index { reflectance, .. } => *reflectance,
+            Metallic::Indices { eta, k } => Reflectance::Index { eta: eta.at(point), k: k.at(point) },
+            Metallic::Color(color) => Reflectance::Schlick { normal: color.at(point) },
         }
     }
 
-    fn texture(&self) -> Option<&Texture> {
+    /// The mean over the hemisphere of what it reflects at a point.
+    fn mean(&self, reflectance: &Reflectance) -> Spectrum {
         match self {
-            Metallic::Index { .. } => None,
-            Metallic::Color(color) => Some(color),
+            Metallic::Index { mean, .. } => *mean,
+            Metallic::Indices { .. } | Metallic::Color(_) => reflectance.mean(),
         }
+    }
+
+    fn textures(&self) -> impl Iterator<Item = &Texture> {
+        let [first, second] = match self {
+            Metallic::Index { .. } => [None, None],
+            Metallic::Indices { eta, k } => [Some(eta), Some(k)],
+            Metallic::Color(color) => [Some(color), None],
+        };
+        first.into_iter().chain(second)
     }
 
     fn recentred(self, origin: DVec3) -> Metallic {
         match self {
             Metallic::Index { .. } => self,
+            Metallic::Indices { eta, k } => Metallic::Indices { eta: eta.recentred(origin), k: k.recentred(origin) },
             Metallic::Color(color) => Metallic::Color(color.recentred(origin)),
         }
     }
@@ -131,6 +143,16 @@ impl From<(Spectrum, Spectrum)> for Metallic {
     }
 }
 
+/// eta and k.
+impl From<(Texture, Texture)> for Metallic {
+    fn from(index: (Texture, Texture)) -> Metallic {
+        match index {
+            (Texture::Constant(eta), Texture::Constant(k)) => (eta, k).into(),
+            (eta, k) => Metallic::Indices { eta, k },
+        }
+    }
+}
+
 impl Material {
     /// A matte surface that reflects the share `albedo`.
     pub fn diffuse(albedo: impl Into<Texture>) -> Material {
@@ -143,12 +165,13 @@ impl Material {
 
     /// Clear glass with the index of refraction `eta`, inside over outside.
     pub fn glass(eta: f32) -> Material {
-        Material::Dielectric { eta, color: Spectrum::ONE.into() }
+        Material::Dielectric { eta: eta.into(), color: Spectrum::ONE.into() }
     }
 
     /// A matte ground under a clear coat with the index of refraction `eta`, at least 1.
-    pub fn plastic(albedo: impl Into<Texture>, eta: f32) -> Material {
-        Material::Plastic { albedo: albedo.into(), eta, internal: Plastic::internal(eta) }
+    pub fn plastic(albedo: impl Into<Texture>, eta: impl Into<Number>) -> Material {
+        let eta = eta.into();
+        Material::Plastic { albedo: albedo.into(), internal: eta.constant().map(Plastic::internal), eta }
     }
 
     /// Metal: polished without a `finish`, else with facets; `multiscatter` follows light that they reflect more than once.
@@ -159,9 +182,10 @@ impl Material {
     }
 
     /// Glass with facets; `multiscatter` follows light that meets more than one of them.
-    pub fn rough_glass(eta: f32, color: impl Into<Texture>, finish: Finish, multiscatter: bool) -> Material {
-        let tables = || rough_dielectric::losses(eta, finish.domain(), finish.distribution);
-        Material::RoughDielectric { eta, color: color.into(), more: multiscatter.then(tables), finish }
+    pub fn rough_glass(eta: impl Into<Number>, color: impl Into<Texture>, finish: Finish, multiscatter: bool) -> Material {
+        let eta = eta.into();
+        let tables = || Ladder::new(eta.range(), Scale::Index, |eta| rough_dielectric::losses(eta, finish.domain(), finish.distribution));
+        Material::RoughDielectric { color: color.into(), more: multiscatter.then(tables), finish, eta }
     }
 
     /// `share` of the second, from 0 to 1, the rest of the first.
@@ -243,28 +267,32 @@ impl Material {
         Some(match self {
             Material::Diffuse { albedo } => Bsdf::Diffuse(Diffuse { albedo: albedo.at(point) }),
             Material::Mirror { color } => Bsdf::Mirror(Mirror { color: color.at(point) }),
-            Material::Conductor { reflectance, finish, losses } => {
-                let (reflectance, mean) = reflectance.at(point);
+            Material::Conductor { reflectance: metallic, finish, losses } => {
+                let reflectance = metallic.at(point);
                 match finish.as_ref().and_then(|finish| finish.at(point)) {
                     None => Bsdf::Conductor(Conductor { reflectance }),
                     Some(facets) => {
-                        let more = losses.and_then(|losses| rough_conductor::MoreReflections::new(losses, facets.alpha, mean));
+                        let more = losses
+                            .and_then(|losses| rough_conductor::MoreReflections::new(losses, facets.alpha, metallic.mean(&reflectance)));
                         Bsdf::RoughConductor(RoughConductor { reflectance, facets, more })
                     }
                 }
             }
-            Material::Dielectric { eta, color } => Bsdf::Dielectric(Dielectric { eta: *eta, color: color.at(point) }),
+            Material::Dielectric { eta, color } => Bsdf::Dielectric(Dielectric { eta: eta.at(point), color: color.at(point) }),
             Material::MatteCone { color, mattness } => {
                 Bsdf::MatteCone(MatteCone { color: color.at(point), mattness: mattness.scalar(point) })
             }
             Material::OrenNayar { albedo, roughness } => {
                 Bsdf::OrenNayar(OrenNayar { albedo: albedo.at(point), roughness: roughness.scalar(point) })
             }
-            Material::Phong { color, exponent } => Bsdf::Phong(Phong { color: color.at(point), exponent: *exponent }),
-            Material::BlinnPhong { color, exponent } => Bsdf::BlinnPhong(BlinnPhong { color: color.at(point), exponent: *exponent }),
+            Material::Phong { color, exponent } => Bsdf::Phong(Phong { color: color.at(point), exponent: exponent.at(point) }),
+            Material::BlinnPhong { color, exponent } => {
+                Bsdf::BlinnPhong(BlinnPhong { color: color.at(point), exponent: exponent.at(point) })
+            }
             Material::Metal { color, roughness } => Bsdf::Metal(Metal { color: color.at(point), roughness: roughness.scalar(point) }),
             Material::Plastic { albedo, eta, internal } => {
-                Bsdf::Plastic(Plastic { albedo: albedo.at(point), eta: *eta, internal: *internal })
+                let eta = eta.at(point);
+                Bsdf::Plastic(Plastic { albedo: albedo.at(point), eta, internal: internal.unwrap_or_else(|| Plastic::internal(eta)) })
             }
             Material::DiffuseTransmission { reflectance, transmittance } => {
                 let (reflectance, transmittance) = (reflectance.at(point), transmittance.at(point));
@@ -272,16 +300,17 @@ impl Material {
                 Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance: reflectance * scale, transmittance: transmittance * scale })
             }
             Material::RoughDielectric { eta, color, finish, more } => {
-                let (eta, color) = (*eta, color.at(point));
+                let (eta, color) = (eta.at(point), color.at(point));
                 match finish.at(point).filter(|facets| RoughDielectric::is_rough(eta, facets.alpha)) {
                     None => Bsdf::Dielectric(Dielectric { eta, color }),
                     Some(facets) => {
-                        let more = more.and_then(|losses| rough_dielectric::MoreEncounters::new(losses, facets.alpha, eta));
+                        let losses = more.as_ref().map(|losses| losses.at(eta));
+                        let more = losses.and_then(|losses| rough_dielectric::MoreEncounters::new(losses, facets.alpha, eta));
                         Bsdf::RoughDielectric(RoughDielectric { eta, color, facets, more })
                     }
                 }
             }
-            Material::ThinDielectric { eta, color } => Bsdf::ThinDielectric(ThinDielectric { eta: *eta, color: color.at(point) }),
+            Material::ThinDielectric { eta, color } => Bsdf::ThinDielectric(ThinDielectric { eta: eta.at(point), color: color.at(point) }),
             Material::Filled { .. } | Material::Compound(_) => return None,
         })
     }
@@ -295,26 +324,35 @@ impl Material {
                 let finish = finish.map(|finish| finish.recentred(origin));
                 Material::Conductor { reflectance: reflectance.recentred(origin), finish, losses }
             }
-            Material::Dielectric { eta, color } => Material::Dielectric { eta, color: color.recentred(origin) },
+            Material::Dielectric { eta, color } => Material::Dielectric { eta: eta.recentred(origin), color: color.recentred(origin) },
             Material::MatteCone { color, mattness } => {
                 Material::MatteCone { color: color.recentred(origin), mattness: mattness.recentred(origin) }
             }
             Material::OrenNayar { albedo, roughness } => {
                 Material::OrenNayar { albedo: albedo.recentred(origin), roughness: roughness.recentred(origin) }
             }
-            Material::Phong { color, exponent } => Material::Phong { color: color.recentred(origin), exponent },
-            Material::BlinnPhong { color, exponent } => Material::BlinnPhong { color: color.recentred(origin), exponent },
+            Material::Phong { color, exponent } => Material::Phong { color: color.recentred(origin), exponent: exponent.recentred(origin) },
+            Material::BlinnPhong { color, exponent } => {
+                Material::BlinnPhong { color: color.recentred(origin), exponent: exponent.recentred(origin) }
+            }
             Material::Metal { color, roughness } => {
                 Material::Metal { color: color.recentred(origin), roughness: roughness.recentred(origin) }
             }
-            Material::Plastic { albedo, eta, internal } => Material::Plastic { albedo: albedo.recentred(origin), eta, internal },
+            Material::Plastic { albedo, eta, internal } => {
+                Material::Plastic { albedo: albedo.recentred(origin), eta: eta.recentred(origin), internal }
+            }
             Material::DiffuseTransmission { reflectance, transmittance } => {
                 Material::DiffuseTransmission { reflectance: reflectance.recentred(origin), transmittance: transmittance.recentred(origin) }
             }
-            Material::RoughDielectric { eta, color, finish, more } => {
-                Material::RoughDielectric { eta, color: color.recentred(origin), finish: finish.recentred(origin), more }
+            Material::RoughDielectric { eta, color, finish, more } => Material::RoughDielectric {
+                eta: eta.recentred(origin),
+                color: color.recentred(origin),
+                finish: finish.recentred(origin),
+                more,
+            },
+            Material::ThinDielectric { eta, color } => {
+                Material::ThinDielectric { eta: eta.recentred(origin), color: color.recentred(origin) }
             }
-            Material::ThinDielectric { eta, color } => Material::ThinDielectric { eta, color: color.recentred(origin) },
             Material::Filled { surface, absorption } => Material::Filled { surface: Box::new(surface.recentred(origin)), absorption },
             Material::Compound(compound) => Material::Compound(Box::new(compound.recentred(origin))),
         }
@@ -333,20 +371,25 @@ impl Material {
             Material::Mirror { color } => (Effects::SPECULAR_REFLECTION, vec![color]),
             Material::Conductor { reflectance, finish, .. } => {
                 let model = finish.as_ref().map_or(Effects::SPECULAR_REFLECTION, |finish| finish.effects(Effects::SPECULAR_REFLECTION));
-                (model, reflectance.texture().into_iter().chain(finish.as_ref().and_then(Finish::texture)).collect())
+                (model, reflectance.textures().chain(finish.iter().flat_map(Finish::textures)).collect())
             }
-            Material::Dielectric { color, .. } => (Effects::REFRACTION | Effects::SPECULAR_REFLECTION, vec![color]),
+            Material::Dielectric { eta, color } | Material::ThinDielectric { eta, color } => {
+                // Light passes a thin one unbent.
+                (Effects::REFRACTION | Effects::SPECULAR_REFLECTION, eta.texture().into_iter().chain([color]).collect())
+            }
             Material::MatteCone { color, mattness } => (spread(mattness), vec![color, mattness]),
             Material::Metal { color, roughness } => (spread(roughness), vec![color, roughness]),
-            Material::Phong { color, .. } | Material::BlinnPhong { color, .. } => (Effects::INTERREFLECTION, vec![color]),
-            Material::Plastic { albedo, .. } => (Effects::INTERREFLECTION | Effects::SPECULAR_REFLECTION, vec![albedo]),
-            Material::DiffuseTransmission { reflectance, transmittance } => (Effects::INTERREFLECTION, vec![reflectance, transmittance]),
-            Material::RoughDielectric { color, finish, .. } => {
-                let smooth = Effects::REFRACTION | Effects::SPECULAR_REFLECTION;
-                (finish.effects(smooth), finish.texture().into_iter().chain([color]).collect())
+            Material::Phong { color, exponent } | Material::BlinnPhong { color, exponent } => {
+                (Effects::INTERREFLECTION, exponent.texture().into_iter().chain([color]).collect())
             }
-            // Light passes it unbent.
-            Material::ThinDielectric { color, .. } => (Effects::REFRACTION | Effects::SPECULAR_REFLECTION, vec![color]),
+            Material::Plastic { albedo, eta, .. } => {
+                (Effects::INTERREFLECTION | Effects::SPECULAR_REFLECTION, eta.texture().into_iter().chain([albedo]).collect())
+            }
+            Material::DiffuseTransmission { reflectance, transmittance } => (Effects::INTERREFLECTION, vec![reflectance, transmittance]),
+            Material::RoughDielectric { eta, color, finish, .. } => {
+                let smooth = Effects::REFRACTION | Effects::SPECULAR_REFLECTION;
+                (finish.effects(smooth), finish.textures().chain(eta.texture()).chain([color]).collect())
+            }
             Material::Filled { surface, .. } => (surface.effects(), vec![]),
             Material::Compound(compound) => (compound.effects(), vec![]),
         };

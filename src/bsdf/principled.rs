@@ -3,7 +3,7 @@
 use super::microfacet::Finish;
 use super::{Coat, Coated, Compound, Material, Sheen};
 use crate::math::Spectrum;
-use crate::texture::Texture;
+use crate::texture::{Number, Texture};
 
 /// Metal, plastic, glass, lacquer and velvet by a base colour and some shares.
 ///
@@ -27,14 +27,17 @@ pub struct Principled {
     /// Of metal, glass and plastic; `None` where they are smooth.
     pub finish: Option<Finish>,
     /// Index of refraction of glass and plastic: at least 1.
-    pub eta: f32,
+    pub eta: Number,
     /// How much of the surface is coated.
     pub coat: Texture,
-    /// What with.
-    pub lacquer: Coat,
+    /// Index of refraction of that coat: at least 1.
+    pub coat_eta: Number,
+    pub coat_color: Texture,
+    /// `None` where it is smooth.
+    pub coat_finish: Option<Finish>,
     pub sheen_color: Texture,
     /// How far its fibres spread, see [`Sheen`].
-    pub sheen_alpha: f32,
+    pub sheen_roughness: Texture,
     /// Whether light is followed that facets of metal and glass reflect more than once.
     pub multiscatter: bool,
 }
@@ -42,20 +45,21 @@ pub struct Principled {
 impl From<Principled> for Material {
     fn from(p: Principled) -> Material {
         let ground = || Material::diffuse(p.base_color.clone());
-        let glaze = || Coat::new(p.eta, Spectrum::ONE, p.finish.clone()).as_seen();
+        let glaze = || Coat::new(p.eta.clone(), Spectrum::ONE, p.finish.clone()).as_seen();
         let glazed = || Compound::Coated(Coated { ground: ground(), coat: glaze() }).into();
         let plastic = || Material::mixed(ground, glazed, p.specular.clone());
         let glass = || match p.finish.clone() {
-            None => Material::Dielectric { eta: p.eta, color: p.base_color.clone() },
-            Some(finish) => Material::rough_glass(p.eta, p.base_color.clone(), finish, p.multiscatter),
+            None => Material::Dielectric { eta: p.eta.clone(), color: p.base_color.clone() },
+            Some(finish) => Material::rough_glass(p.eta.clone(), p.base_color.clone(), finish, p.multiscatter),
         };
         let metal = || Material::metal(p.base_color.clone(), p.finish.clone(), p.multiscatter);
         let body = Material::mixed(|| Material::mixed(plastic, glass, p.transmission.clone()), metal, p.metallic.clone());
         let dressed = match p.sheen_color {
             Texture::Constant(color) if color.is_black() => body,
-            color => Compound::Sheen(Sheen::new(body, color, p.sheen_alpha)).into(),
+            color => Compound::Sheen(Sheen::new(body, color, p.sheen_roughness)).into(),
         };
-        let coated = || Compound::Coated(Coated { ground: dressed.clone(), coat: p.lacquer }).into();
+        let lacquer = || Coat::new(p.coat_eta, p.coat_color, p.coat_finish);
+        let coated = || Compound::Coated(Coated { ground: dressed.clone(), coat: lacquer() }).into();
         Material::mixed(|| dressed.clone(), coated, p.coat)
     }
 }

@@ -4,7 +4,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec2;
 
-use super::microfacet::albedo::{Domain, Shelf};
+use super::microfacet::albedo::{Domain, Key, Shelf};
 use super::microfacet::{Albedo, Distribution, Microfacets, Pair, half, mirrored, upward};
 use super::{BsdfSample, Lobe, Reflectance};
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
@@ -54,9 +54,8 @@ impl MoreReflections {
 
 /// The table of white metal.
 pub fn losses(domain: Domain, distribution: Distribution) -> &'static Albedo {
-    static SHELF: Shelf<Albedo> = Shelf::new();
-    let [x, y] = domain.bits();
-    SHELF.get((distribution, [x, y, 0, 0]), || Albedo::tabulate(domain, distribution, returned))
+    static SHELF: Shelf<Key, Albedo> = Shelf::new();
+    SHELF.get((distribution, domain.bits(), 0), || Albedo::tabulate(domain, distribution, returned))
 }
 
 /// G₂/G₁ of the mirror direction that `u` chooses; 0 where it leads into the surface.

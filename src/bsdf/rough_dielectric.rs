@@ -4,8 +4,8 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec2;
 
-use super::microfacet::albedo::{Domain, Shelf};
-use super::microfacet::{Albedo, Distribution, Microfacets, upward, upward_normal};
+use super::microfacet::albedo::{Domain, Key, Shelf};
+use super::microfacet::{Albedo, Between, Distribution, Microfacets, upward, upward_normal};
 use super::{BsdfSample, Lobe, TransportMode};
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 
@@ -42,7 +42,7 @@ pub struct RoughDielectric {
 /// The lobes of light that met more than one facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MoreEncounters {
-    losses: &'static Losses,
+    losses: Between<Losses>,
     /// m outside and inside.
     mean: [f32; 2],
     /// x from outside and from inside.
@@ -58,9 +58,8 @@ pub struct Losses {
 
 /// The tables of clear glass.
 pub fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Losses {
-    static SHELF: Shelf<Losses> = Shelf::new();
-    let [x, y] = domain.bits();
-    SHELF.get((distribution, [x, y, eta.to_bits(), 0]), || {
+    static SHELF: Shelf<Key, Losses> = Shelf::new();
+    SHELF.get((distribution, domain.bits(), eta.to_bits()), || {
         let side = |eta| Albedo::tabulate(domain, distribution, |facets, wo, u| returned(facets, eta, wo, u));
         Losses { sides: [side(eta), side(1.0 / eta)], mean_fresnel: mean_reflectance(eta.max(1.0 / eta)) }
     })
@@ -169,7 +168,7 @@ impl RoughDielectric {
         let pdf = (1.0 - lost) * once_pdf + lost * side * FRAC_1_PI * wi.abs_cos();
         let more = self.more.map_or(0.0, |m| {
             let far = usize::from(wi.cos() < 0.0);
-            lost * side * FRAC_1_PI * wi.abs_cos() * m.losses.sides[far].loss(wi, self.facets.alpha) / m.mean[far]
+            lost * side * FRAC_1_PI * wi.abs_cos() * m.loss(far, wi, self.facets.alpha) / m.mean[far]
         });
         Some((spread * (once_f + more), SolidAnglePdf::new(pdf)))
     }
@@ -210,7 +209,7 @@ impl RoughDielectric {
     /// 1 − E(wo), and the share of it that goes through.
     fn lost(&self, wo: Local) -> (f32, f32) {
         let side = usize::from(wo.cos() < 0.0);
-        self.more.map_or((0.0, 0.0), |m| (m.losses.sides[side].loss(wo, self.facets.alpha), m.through[side]))
+        self.more.map_or((0.0, 0.0), |m| (m.loss(side, wo, self.facets.alpha), m.through[side]))
     }
 
     fn relative_index(&self, wo: Local) -> f32 {
@@ -220,12 +219,18 @@ impl RoughDielectric {
 
 impl MoreEncounters {
     /// `None` for facets so smooth that nothing is lost.
-    pub fn new(losses: &'static Losses, alpha: Vec2, eta: f32) -> Option<MoreEncounters> {
-        let mean = [0, 1].map(|side: usize| losses.sides[side].mean_loss(alpha));
+    pub fn new(losses: Between<Losses>, alpha: Vec2, eta: f32) -> Option<MoreEncounters> {
+        let mean = [0, 1].map(|side: usize| losses.value(|table| table.sides[side].mean_loss(alpha)));
+        let mean_fresnel = losses.value(|table| table.mean_fresnel);
         let (rare, dense, n2) = if eta > 1.0 { (0, 1, eta * eta) } else { (1, 0, 1.0 / (eta * eta)) };
         let mut through = [0.0; 2];
-        through[rare] = (1.0 - losses.mean_fresnel).min(mean[dense] * n2 / mean[rare]);
+        through[rare] = (1.0 - mean_fresnel).min(mean[dense] * n2 / mean[rare]);
         through[dense] = through[rare] * mean[rare] / (mean[dense] * n2);
         (mean.iter().chain(&through).all(|x| x.is_finite() && *x > 0.0)).then_some(MoreEncounters { losses, mean, through })
+    }
+
+    /// 1 − E(w), for light from a side.
+    fn loss(&self, side: usize, w: Local, alpha: Vec2) -> f32 {
+        self.losses.value(|table| table.sides[side].loss(w, alpha))
     }
 }

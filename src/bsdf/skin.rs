@@ -5,8 +5,8 @@ use glam::{DVec3, Vec2, Vec3};
 use super::Material;
 use crate::effects::Effects;
 use crate::math::Frame;
-use crate::shape::SurfacePoint;
-use crate::texture::Texture;
+use crate::shape::{SurfacePoint, bent};
+use crate::texture::{Number, Texture};
 
 /// A material with what belongs to a place on a surface, not to how light is scattered there.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,9 +21,9 @@ pub struct Skin {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Relief {
     /// n ∝ s (2 r − 1) t + s (2 g − 1) b + (2 b − 1) n₀, of a picture's red, green and blue, along the texture coordinates.
-    Normals { map: Texture, strength: f32 },
+    Normals { map: Texture, strength: Number },
     /// n ∝ n₀ − ∇ₛ h, of heights h = scale · texture (m) above the surface.
-    Heights { map: Texture, scale: f32 },
+    Heights { map: Texture, scale: Number },
 }
 
 /// Texture coordinates are moved by this for the slope of heights: half a pixel of a picture of 1024.
@@ -40,26 +40,24 @@ impl Relief {
     /// What turns away from the viewer cannot be seen, and would be black: there the normal is bent back towards `wo`.
     pub fn normal(&self, point: &SurfacePoint, tangents: [Vec3; 2], wo: Vec3) -> Vec3 {
         let turned = match self {
-            Relief::Normals { map, strength } => mapped(map, *strength, point, tangents),
-            Relief::Heights { map, scale } => sloped(map, *scale, point, tangents),
+            Relief::Normals { map, strength } => mapped(map, strength.at(point), point, tangents),
+            Relief::Heights { map, scale } => sloped(map, scale, point, tangents),
         };
         let normal = turned.and_then(Vec3::try_normalize).filter(|n| n.dot(point.ng) > 0.0).unwrap_or(point.ns);
         // Of the side that is looked at.
         let seen = if point.ng.dot(wo) < 0.0 { -wo } else { wo };
-        let cos = normal.dot(seen);
-        if cos >= LEAST_COS { normal } else { (normal + seen * (LEAST_COS - cos)).normalize() }
+        bent(normal, seen, LEAST_COS)
     }
 
-    fn texture(&self) -> &Texture {
-        match self {
-            Relief::Normals { map, .. } | Relief::Heights { map, .. } => map,
-        }
+    fn textures(&self) -> impl Iterator<Item = &Texture> {
+        let (Relief::Normals { map, strength: scale } | Relief::Heights { map, scale }) = self;
+        scale.texture().into_iter().chain([map])
     }
 
     fn recentred(self, origin: DVec3) -> Relief {
         match self {
-            Relief::Normals { map, strength } => Relief::Normals { map: map.recentred(origin), strength },
-            Relief::Heights { map, scale } => Relief::Heights { map: map.recentred(origin), scale },
+            Relief::Normals { map, strength } => Relief::Normals { map: map.recentred(origin), strength: strength.recentred(origin) },
+            Relief::Heights { map, scale } => Relief::Heights { map: map.recentred(origin), scale: scale.recentred(origin) },
         }
     }
 }
@@ -75,16 +73,18 @@ fn mapped(map: &Texture, strength: f32, point: &SurfacePoint, [du, dv]: [Vec3; 2
 /// ∇ₛ h = (h_u (∂p/∂v × n) + h_v (n × ∂p/∂u)) / (n · (∂p/∂u × ∂p/∂v)), by differences across the point.
 ///
 /// Source: Mikkelsen, *Bump Mapping Unparametrized Surfaces on the GPU* (2010).
-fn sloped(map: &Texture, scale: f32, point: &SurfacePoint, [du, dv]: [Vec3; 2]) -> Option<Vec3> {
+fn sloped(map: &Texture, scale: &Number, point: &SurfacePoint, [du, dv]: [Vec3; 2]) -> Option<Vec3> {
+    // In f64, where no slope of f32 heights is too steep to be normalized.
     let height = |uv: Vec2| {
         let p = point.p + du * uv.x + dv * uv.y;
-        scale * map.scalar(&SurfacePoint { p, uv: point.uv + uv, ..*point })
+        let moved = SurfacePoint { p, uv: point.uv + uv, ..*point };
+        f64::from(scale.at(&moved)) * f64::from(map.scalar(&moved))
     };
-    let slope = |step: Vec2| (height(step) - height(-step)) / (2.0 * STEP);
+    let slope = |step: Vec2| (height(step) - height(-step)) / (2.0 * f64::from(STEP));
     let (h_u, h_v) = (slope(Vec2::new(STEP, 0.0)), slope(Vec2::new(0.0, STEP)));
-    let n = point.ns;
+    let [n, du, dv] = [point.ns, du, dv].map(|v| v.as_dvec3());
     let gradient = (dv.cross(n) * h_u + n.cross(du) * h_v) / n.dot(du.cross(dv));
-    gradient.is_finite().then(|| n - gradient)
+    gradient.is_finite().then(|| (n - gradient).normalize().as_vec3())
 }
 
 impl Skin {
@@ -96,7 +96,10 @@ impl Skin {
     /// What simulating it takes.
     pub fn effects(&self) -> Effects {
         let textured = |texture: &Texture| if texture.is_constant() { Effects::NONE } else { Effects::TEXTURES };
-        let relief = self.relief.as_ref().map_or(Effects::NONE, |r| Effects::SHADING_NORMALS | textured(r.texture()));
+        let relief = self
+            .relief
+            .as_ref()
+            .map_or(Effects::NONE, |relief| relief.textures().map(textured).fold(Effects::SHADING_NORMALS, Effects::union));
         let opacity = self.opacity.as_ref().map_or(Effects::NONE, |o| Effects::CUT_OUTS | textured(o));
         self.material.effects() | relief | opacity
     }

@@ -164,7 +164,7 @@ impl Checker<'_> {
     }
 
     fn one_width(&self, pointer: &str, Finish { alpha, roughness, anisotropy, .. }: Finish) {
-        if alpha.is_some() && (*roughness != Textured::black() || anisotropy.get() != 0.0) {
+        if alpha.is_some() && (*roughness != Textured::black() || *anisotropy != Textured::black()) {
             self.fault(&format!("{pointer}/alpha"), "give alpha, or roughness and anisotropy, not both");
         }
     }

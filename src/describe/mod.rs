@@ -29,6 +29,7 @@ mod shape;
 mod texture;
 mod transform;
 mod value;
+mod varying;
 
 pub use build::{Built, Source, build};
 pub use camera::*;
@@ -45,3 +46,4 @@ pub use shape::*;
 pub use texture::*;
 pub use transform::*;
 pub use value::*;
+pub use varying::*;

@@ -64,7 +64,12 @@ fn tidy(schema: &mut Schema) {
         if let [Value::Object(only)] = &mut forms[..] {
             let only = std::mem::take(only);
             schema.remove("anyOf");
-            only.into_iter().for_each(|(key, value)| drop(schema.insert(key, value)));
+            for (key, value) in only {
+                // What a key means counts, before what its type means.
+                if key != "description" || schema.get("description").is_none() {
+                    schema.insert(key, value);
+                }
+            }
         }
     }
 }

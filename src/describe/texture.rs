@@ -278,6 +278,24 @@ impl Textured {
     }
 }
 
+impl From<Fraction> for Textured {
+    fn from(gray: Fraction) -> Textured {
+        Textured::Color(Color::Gray(gray))
+    }
+}
+
+impl From<String> for Textured {
+    fn from(name: String) -> Textured {
+        Textured::Named(name)
+    }
+}
+
+impl From<Box<Texture>> for Textured {
+    fn from(texture: Box<Texture>) -> Textured {
+        Textured::Texture(texture)
+    }
+}
+
 /// The forms of [`Textured`], by the kind of the JSON value.
 #[derive(Deserialize)]
 #[serde(rename = "by kind", rename_all = "snake_case")]

@@ -6,6 +6,8 @@
 
 use glam::Vec3;
 
+use super::float;
+
 /// The mirror direction.
 ///
 /// ωr = (−x, −y, z)
@@ -79,22 +81,30 @@ pub fn dielectric(cos_o: f32, eta: f32) -> f32 {
 
 /// The mean reflectance of diffuse light from outside.
 ///
-/// R̄ = ∫ R(μ) 2μ dμ, by Simpson's rule;    from inside it is 1 − (1 − R̄)/n²
+/// R̄ = ∫ R(μ) 2μ dμ = 1/2 + (n − 1)(3n + 1) / (6 (n + 1)²) + n² (n² − 1)² / (n² + 1)³ · ln((n − 1)/(n + 1))
+///     − 2 n³ (n² + 2n − 1) / ((n² + 1)(n⁴ − 1)) + 8 n⁴ (n⁴ + 1) / ((n² + 1)(n⁴ − 1)²) · ln n
 ///
-/// - `eta`: inside / outside, at least 1
+/// and from inside it is 1 − (1 − R̄)/n².
 ///
-/// Tests: hemispherical averages.
+/// - `eta`: n, inside / outside, at least 1
+///
+/// Source: Walsh's integral, in Duntley, *The Optical Properties of Diffusing Materials* (1942). Tests: hemispherical averages.
 pub fn dielectric_mean(eta: f32) -> f32 {
-    const STEPS: u32 = 2048;
-    let integrand = |step: u32| {
-        let mu = f64::from(step) / f64::from(STEPS);
-        let weight = if step % 2 == 1 { 4.0 } else { 2.0 };
-        weight * 2.0 * mu * f64::from(dielectric(mu as f32, eta))
-    };
-    // At the ends: nothing at μ = 0, the weight 1 at μ = 1.
-    let sum: f64 = (1..STEPS).map(integrand).sum::<f64>() + 2.0 * f64::from(dielectric(1.0, eta));
-    (sum / f64::from(3 * STEPS)) as f32
+    let n = f64::from(eta);
+    if n - 1.0 < MOST_LINEAR {
+        return ((n - 1.0) / 3.0) as f32;
+    }
+    let (n2, n4) = (n * n, n * n * n * n);
+    let (sum, difference) = (n2 + 1.0, (n - 1.0) * (n + 1.0) * (n2 + 1.0));
+    let p = (n - 1.0) / (n + 1.0);
+    let logarithms = n2 * ((n2 - 1.0) / sum).powi(2) / sum * float::ln_f64(p)
+        + 8.0 * n4 * (n4 + 1.0) / (sum * difference * difference) * float::ln_f64(n);
+    let rest = 0.5 + p * (3.0 * n + 1.0) / (6.0 * (n + 1.0)) - 2.0 * n * n2 * (n2 + 2.0 * n - 1.0) / (sum * difference);
+    (rest + logarithms) as f32
 }
+
+/// n − 1 up to which R̄ is (n − 1)/3 to 4·10⁻⁸, where the terms of its formula cancel.
+const MOST_LINEAR: f64 = 1e-4;
 
 /// Reflectance of a conductor for unpolarised light.
 ///

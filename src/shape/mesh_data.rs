@@ -53,6 +53,18 @@ impl MeshData {
         (b - a).cross(c - a)
     }
 
+    /// How many triangles have texture coordinates that span no area: in all three corners alike, or on a line.
+    pub fn flat_uvs(&self) -> usize {
+        if self.uvs.is_empty() {
+            return 0;
+        }
+        let is_flat = |triangle: &&[u32; 3]| {
+            let [a, b, c] = triangle.map(|v| self.uvs[v as usize].as_dvec2());
+            (b - a).perp_dot(c - a) == 0.0
+        };
+        self.triangles.iter().filter(is_flat).count()
+    }
+
     /// Removes what no ray should meet: degenerate and duplicate triangles, normals that are no numbers, unused vertices.
     ///
     /// - degenerate: the cross product is exactly zero in f64 (repeated or collinear corners); no epsilon

@@ -173,6 +173,15 @@ pub struct SurfacePoint {
     pub uv: Vec2,
 }
 
+/// `n`, bent towards the direction `w` where its cosine to it is below `least`: to that cosine, about.
+///
+/// - `n`, `w`: unit
+/// - a unit vector; `n` where there is nothing to bend it in
+pub fn bent(n: Vec3, w: Vec3, least: f32) -> Vec3 {
+    let cos = n.dot(w);
+    if cos >= least { n } else { (n + w * (least - cos)).try_normalize().unwrap_or(n) }
+}
+
 /// The distance that separates a spawned ray from its surface: 32·2⁻²⁴ · Σ |nᵢ|·max|vᵢ|  (m)
 ///
 /// - `n`: the geometric normal; `magnitude`: the largest |coordinate| of the primitive, per axis

@@ -7,6 +7,7 @@ pub mod image;
 pub mod marble;
 pub mod mix;
 pub mod noise;
+pub mod number;
 pub mod space;
 
 use glam::DVec3;
@@ -19,6 +20,7 @@ pub use image::Image;
 pub use marble::Marble;
 pub use mix::{Mix, Product};
 pub use noise::Noise;
+pub use number::Number;
 pub use space::Space;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +61,14 @@ impl Texture {
             Texture::Marble(marble) => Texture::Marble(Box::new(marble.recentred(origin))),
             Texture::Mix(mix) => Texture::Mix(Box::new(mix.recentred(origin))),
             Texture::Product(product) => Texture::Product(Box::new(product.recentred(origin))),
+        }
+    }
+
+    /// From `a` to `b` by `share`, coefficient by coefficient; constant where `share` is.
+    pub fn between(a: Spectrum, b: Spectrum, share: Texture) -> Texture {
+        match share {
+            Texture::Constant(share) => Texture::Constant(a * (Spectrum::ONE - share) + b * share),
+            share => Texture::Mix(Box::new(Mix { a: a.into(), b: b.into(), share })),
         }
     }
 

@@ -46,8 +46,10 @@ fn published(metal: Element, wavelength: f64) -> (f64, f64) {
     (a.1 + part * (b.1 - a.1), a.2 + part * (b.2 - a.2))
 }
 
-/// A named metal has the colour at normal incidence that its published spectrum has under daylight, within 1 % of white;
-/// what Rec. 709 cannot show (the red of gold) is the greatest reflectance of any wavelength.
+/// A named metal has the colour at normal incidence that its published spectrum has under daylight: each coefficient within 1 % of
+/// itself, though the fit of the observer alone is off by up to 0.3 %.
+///
+/// One coefficient is beyond Rec. 709, the red of gold, 1.04: it is the greatest reflectance of any wavelength, 0.97.
 #[test]
 fn metals_have_the_colour_of_their_spectrum() {
     const RGB: [[f64; 3]; 3] = [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
@@ -66,8 +68,11 @@ fn metals_have_the_colour_of_their_spectrum() {
                 let weight = daylight(wavelength) * (0..3).map(|i| row[i] * seen[i]).sum::<f64>();
                 (sum, white) = (sum + weight * reflectance(wavelength), white + weight);
             }
-            let exact = (sum / white).min(greatest);
-            assert!((f64::from(found[c]) - exact).abs() < 0.01, "{metal:?}, coefficient {c}: {} but {exact}", found[c]);
+            let exact = sum / white;
+            let beyond = (metal, c) == (Element::Au, 0);
+            assert_eq!(exact > greatest, beyond, "{metal:?}, coefficient {c}: {exact}, and at most {greatest}");
+            let expected = if beyond { greatest } else { exact };
+            assert!((f64::from(found[c]) / expected - 1.0).abs() < 0.01, "{metal:?}, coefficient {c}: {} but {expected}", found[c]);
         }
     }
 }

@@ -8,11 +8,12 @@ use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish};
 use pt::bsdf::{
-    Bsdf, Coat, Coated, Compound, Diffuse, Element, Material, Mirror, Mix, Plastic, Principled, Relief, Share, Sheen, Sides, Skin,
-    TransportMode,
+    Bsdf, BsdfSample, Coat, Coated, Compound, Diffuse, Element, Material, Mirror, Mix, Plastic, Principled, Relief, Share, Sheen, Sides,
+    Skin, TransportMode,
 };
 use pt::camera::Camera;
 use pt::light::Emission;
+use pt::math::fresnel::dielectric;
 use pt::math::{Local, Ray, Spectrum, Transform};
 use pt::proof::at;
 use pt::proof::strategies::{color, fraction, sphere};
@@ -53,7 +54,7 @@ fn near(a: Spectrum, b: Spectrum, relative: f32) -> bool {
 
 /// ∫ f·|cos| dwi over the side of `wo`, and its delta lobes, by the midpoint rule in the square of the sine, which is exact for
 /// Lambert.
-fn albedo(model: &Bsdf, wo: Local) -> Spectrum {
+pub fn albedo(model: &Bsdf, wo: Local) -> Spectrum {
     const N: usize = 128;
     let smooth: Spectrum = (0..N * N)
         .map(|k| {
@@ -68,9 +69,11 @@ fn albedo(model: &Bsdf, wo: Local) -> Spectrum {
 proptest! {
     #![proptest_config(cases(10_000))]
 
-    /// f = (1 − t) f_a + t f_b, density and single directions alike.
+    /// f = (1 − t) f_a + t f_b, and the density alike.
     #[test]
     fn mixes_are_sums(a in color(), b in color(), t in fraction(), alpha in prop::sample::select(vec![0.1f32, 0.3, 1.0]), wo in sphere(), wi in sphere()) {
+        // As a texture says it, up to rounding: of 1 − t there may be little.
+        let t = Spectrum::gray(t).average();
         let (first, second) = (Material::diffuse(a), Material::metal(Texture::from(b), Some(round(alpha)), true));
         let mix = Material::from(Compound::Mix(Mix { a: first.clone(), b: second.clone(), share: Share::Texture(t.into()) }));
         let (mix, first, second) = (center(&mix), center(&first), center(&second));
@@ -78,6 +81,36 @@ proptest! {
         prop_assert!(near(mix.eval(wo, wi, MODE), sum, 1e-5));
         let density = first.pdf(wo, wi).get() * (1.0 - t) + second.pdf(wo, wi).get() * t;
         prop_assert!((mix.pdf(wo, wi).get() - density).abs() <= 1e-5 * density);
+    }
+
+    /// The same of single directions: what glass and a mirror have in common is added up.
+    #[test]
+    fn mixed_lobes_are_sums(a in color(), b in color(), t in fraction(), wo in sphere()) {
+        // As a texture says it, up to rounding: of 1 − t there may be little.
+        let t = Spectrum::gray(t).average();
+        let (first, second) = (Material::Dielectric { eta: 1.5.into(), color: a.into() }, Material::mirror(b));
+        let mix = Material::from(Compound::Mix(Mix { a: first.clone(), b: second.clone(), share: Share::Texture(t.into()) }));
+        let lobes = |material: &Material| center(material).delta_lobes(wo, MODE).collect::<Vec<_>>();
+        let parts = [(lobes(&first), 1.0 - t), (lobes(&second), t)];
+        for lobe in lobes(&mix) {
+            let share = |(lobes, share): &(Vec<BsdfSample>, f32)| {
+                lobes.iter().filter(|part| part.wi == lobe.wi).map(|part| part.weight * *share).sum::<Spectrum>()
+            };
+            prop_assert!(near(lobe.weight, parts.iter().map(share).sum(), 1e-5), "{lobe:?}");
+        }
+        let total = |lobes: &[BsdfSample]| lobes.iter().map(|lobe| lobe.weight).sum::<Spectrum>();
+        let sum = parts.iter().map(|(lobes, share)| total(lobes) * *share).sum();
+        prop_assert!(near(total(&lobes(&mix)), sum, 1e-5));
+    }
+
+    /// By Fresnel, f = (1 − max(F(θo), F(θi))) f_a + min(F(θo), F(θi)) f_b.
+    #[test]
+    fn fresnel_mixes_are_sums(a in color(), b in color(), eta in 1f32..3.0, wo in sphere(), wi in sphere()) {
+        let (first, second) = (Material::diffuse(a), Material::metal(Texture::from(b), Some(round(0.3)), true));
+        let mix = Material::from(Compound::Mix(Mix { a: first.clone(), b: second.clone(), share: Share::Fresnel { eta: eta.into() } }));
+        let [o, i] = [wo, wi].map(|w| dielectric(w.abs_cos(), eta));
+        let sum = center(&first).eval(wo, wi, MODE) * (1.0 - o.max(i)) + center(&second).eval(wo, wi, MODE) * o.min(i);
+        prop_assert!(near(center(&mix).eval(wo, wi, MODE), sum, 1e-5));
     }
 
     /// Over a Lambertian ground a smooth coat is what `plastic` derives by itself, with its lobes.
@@ -183,41 +216,57 @@ fn coats_deepen_colors() {
 /// E of the fibres, as the ground sees it: a white mirror under them loses exactly what they return.
 #[test]
 fn sheen_returns_what_it_says() {
-    for alpha in [0.05, 0.2, 0.6, 1.0] {
-        let sheen = Material::from(Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), Spectrum::ONE, alpha)));
+    for roughness in [0.22, 0.45, 0.77, 1.0] {
+        let sheen = Material::from(Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), Spectrum::ONE, roughness)));
         for cos in [1.0, 0.6, 0.25] {
             let found = albedo(&center(&sheen), at(cos, 0.0)).average();
-            assert!((found - 1.0).abs() < 5e-3, "alpha {alpha}, cos {cos}: {found}");
+            assert!((found - 1.0).abs() < 5e-3, "roughness {roughness}, cos {cos}: {found}");
         }
     }
 }
 
-/// The ends of its sliders are the materials that they name.
+/// The ends of its sliders are the materials that they name, and between the ends they are mixed.
 #[test]
 fn principled_is_what_it_names() {
-    let base = Spectrum::rgb(0.9, 0.5, 0.2);
+    let (base, tint) = (Spectrum::rgb(0.9, 0.5, 0.2), Spectrum::rgb(0.3, 0.8, 0.9));
     let principled = || Principled {
         base_color: base.into(),
         metallic: 0.0.into(),
         transmission: 0.0.into(),
         specular: 1.0.into(),
         finish: Some(round(0.3)),
-        eta: 1.5,
+        eta: 1.4.into(),
         coat: 0.0.into(),
-        lacquer: Coat::new(1.5, Spectrum::ONE, None),
+        coat_eta: 1.7.into(),
+        coat_color: tint.into(),
+        coat_finish: Some(round(0.1)),
         sheen_color: 0.0.into(),
-        sheen_alpha: 0.3,
+        sheen_roughness: 0.55.into(),
         multiscatter: true,
     };
-    let glaze = |finish| Coat::new(1.5, Spectrum::ONE, finish).as_seen();
-    let plastic = coated(Material::diffuse(base), glaze(Some(round(0.3))));
-    let cases: [(Principled, Material); 6] = [
-        (principled(), plastic.clone()),
-        (Principled { specular: 0.0.into(), ..principled() }, Material::diffuse(base)),
-        (Principled { metallic: 1.0.into(), ..principled() }, Material::metal(Texture::from(base), Some(round(0.3)), true)),
-        (Principled { transmission: 1.0.into(), ..principled() }, Material::rough_glass(1.5, base, round(0.3), true)),
-        (Principled { coat: 1.0.into(), ..principled() }, coated(plastic.clone(), Coat::new(1.5, Spectrum::ONE, None))),
-        (Principled { sheen_color: base.into(), ..principled() }, Compound::Sheen(Sheen::new(plastic, base, 0.3)).into()),
+    let matte = || Material::diffuse(base);
+    let plastic = || coated(matte(), Coat::new(1.4, Spectrum::ONE, Some(round(0.3))).as_seen());
+    let metal = |multiscatter| Material::metal(Texture::from(base), Some(round(0.3)), multiscatter);
+    let glass = |multiscatter| Material::rough_glass(1.4, base, round(0.3), multiscatter);
+    let velvet = |ground| Material::from(Compound::Sheen(Sheen::new(ground, tint, 0.55)));
+    let lacquer = || Coat::new(1.7, tint, Some(round(0.1)));
+    let blend = Material::mix(Material::mix(Material::mix(matte(), plastic(), 0.7), glass(true), 0.4), metal(true), 0.3);
+    let (metallic, clear) = (Principled { metallic: 1.0.into(), ..principled() }, Principled { transmission: 1.0.into(), ..principled() });
+    let cases: [(Principled, Material); 11] = [
+        (principled(), plastic()),
+        (Principled { specular: 0.0.into(), ..principled() }, matte()),
+        (metallic.clone(), metal(true)),
+        (Principled { transmission: 1.0.into(), ..metallic.clone() }, metal(true)),
+        (Principled { multiscatter: false, ..metallic }, metal(false)),
+        (clear.clone(), glass(true)),
+        (Principled { multiscatter: false, ..clear.clone() }, glass(false)),
+        (Principled { finish: None, ..clear }, Material::Dielectric { eta: 1.4.into(), color: base.into() }),
+        (Principled { metallic: 0.3.into(), transmission: 0.4.into(), specular: 0.7.into(), ..principled() }, blend),
+        (Principled { sheen_color: tint.into(), ..principled() }, velvet(plastic())),
+        (
+            Principled { coat: 0.6.into(), sheen_color: tint.into(), ..principled() },
+            Material::mix(velvet(plastic()), coated(velvet(plastic()), lacquer()), 0.6),
+        ),
     ];
     let mut random = Random::new(5);
     for (principled, expected) in cases {
@@ -243,7 +292,7 @@ fn a_texture_mixes() {
 }
 
 /// A picture whose bilinear interpolation is `low` + (`high` − `low`) · u near the middle, the same for all v.
-fn ramp(low: f32, high: f32) -> Texture {
+pub fn ramp(low: f32, high: f32) -> Texture {
     let pixels = Pixels::new(UVec2::new(2, 1), vec![[low; 3], [high; 3]]).expect("two pixels");
     // Pixel centres lie at 1/4 and 3/4: half of the range is between them.
     Texture::Image(Image { pixels: Arc::new(pixels), scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Bilinear })
@@ -268,11 +317,22 @@ fn seen(world: &World, direction: Vec3) -> Vec3 {
 fn heights_lean_as_planes() {
     // Twice the slope between the pixels of the ramp: from 0 to 1 over half of the two metres.
     for scale in [0.1f32, -0.3, 1.0] {
-        let relief = Relief::Heights { map: ramp(0.0, 1.0), scale };
+        let relief = Relief::Heights { map: ramp(0.0, 1.0), scale: scale.into() };
         let world = quad(Skin { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
         let normal = seen(&world, Vec3::NEG_Z);
         let expected = Vec3::new(-scale, 0.0, 1.0).normalize();
         assert!((normal - expected).length() < 1e-3, "{normal} {expected}");
+    }
+}
+
+/// However steep they are, slopes lean: away from the viewer as far as normals go, not back to flat.
+#[test]
+fn no_slope_is_too_steep() {
+    for scale in [1e4f32, 1e18, 1e30, 3e38, -1e30] {
+        let relief = Relief::Heights { map: ramp(0.0, 1.0), scale: scale.into() };
+        let world = quad(Skin { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
+        let normal = seen(&world, Vec3::NEG_Z);
+        assert!((normal - Vec3::new(-scale.signum(), 0.0, 0.0)).length() < 0.02, "{scale}: {normal}");
     }
 }
 
@@ -284,8 +344,10 @@ fn normal_maps_turn_normals() {
         let [r, g, b] = (0.5 * n + 0.5).to_array();
         Texture::Constant(Spectrum::rgb(r, g, b))
     };
-    let skin =
-        |n: Vec3| Skin { relief: Some(Relief::Normals { map: constant(n), strength: 1.0 }), ..Material::diffuse(Spectrum::ONE).into() };
+    let skin = |n: Vec3| Skin {
+        relief: Some(Relief::Normals { map: constant(n), strength: 1.0.into() }),
+        ..Material::diffuse(Spectrum::ONE).into()
+    };
     let turned = seen(&quad(skin(n), Transform::IDENTITY), Vec3::NEG_Z);
     assert!((turned - n).length() < 1e-6, "{turned}");
     let rotation = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 40.0).expect("an axis");
@@ -305,7 +367,7 @@ fn turned_normals_are_seen() {
     for _ in 0..10_000 {
         let [x, y] = [random.range(-1.0, 1.0), random.range(-1.0, 1.0)].map(|x| x as f32);
         let map = Texture::Constant(Spectrum::rgb(0.5 + 0.5 * x, 0.5 + 0.5 * y, random.range(0.5, 1.0) as f32));
-        let relief = Relief::Normals { map, strength: 3.0 };
+        let relief = Relief::Normals { map, strength: 3.0.into() };
         let wo = at(random.range(1e-3, 1.0), random.range(0.0, 6.3)).0;
         for wo in [wo, -wo] {
             let n = relief.normal(&point(Vec2::ZERO), [Vec3::X, Vec3::Y], wo);

@@ -11,11 +11,15 @@ use pt::scene::Scene;
 use crate::random::Random;
 
 /// A square of two metres that faces the camera, of this material.
-fn square(material: &str) -> Built {
+pub fn square(material: &str) -> Built {
     let scene = format!(
         r#"{{"pt": 1, "camera": {{}}, "background": {{"radiance": 1}}, "materials": {{"m": {material}}},
             "shapes": [{{"type": "quad", "size": 2, "material": "m"}}]}}"#
     );
+    built(&scene)
+}
+
+fn built(scene: &str) -> Built {
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
     let source = Source { root: &root, file: "s.json", folder: Path::new(""), allow_outside: false };
@@ -23,7 +27,7 @@ fn square(material: &str) -> Built {
 }
 
 /// Where x < 0, or x > 0: a checker of two squares side by side has its even one first.
-fn bsdf(built: &Built, x: f32) -> Bsdf<'_> {
+pub fn bsdf(built: &Built, x: f32) -> Bsdf<'_> {
     let ray = Ray::new(Vec3::new(x, -0.5, 3.0) - built.world.origin().as_vec3(), Vec3::NEG_Z);
     let hit = built.world.intersect(&ray).expect("the square is there");
     built.world.surface(&ray, &hit).bsdf
@@ -72,15 +76,40 @@ fn a_textured_roughness_of_0_is_smooth() {
 /// α = r² below 10⁻⁶ is no roughness that directions of f32 can show: r below 10⁻³ is said to be none, 0 itself is not.
 #[test]
 fn a_roughness_as_good_as_0_is_said() {
-    for kind in [r#""type": "conductor", "metal": "Au""#, r#""type": "dielectric", "eta": 1.5"#] {
+    let kinds = [
+        (r#""type": "conductor", "metal": "Au""#, "roughness"),
+        (r#""type": "dielectric", "eta": 1.5"#, "roughness"),
+        (r#""type": "principled""#, "roughness"),
+        (r#""type": "principled", "coat": 1"#, "coat_roughness"),
+    ];
+    for (kind, key) in kinds {
         for (roughness, is_said) in [("0", false), ("1e-6", true), ("9.99e-4", true), ("1.001e-3", false), ("0.5", false)] {
-            let warnings = square(&format!(r#"{{{kind}, "roughness": {roughness}}}"#)).warnings;
+            let warnings = square(&format!(r#"{{{kind}, "{key}": {roughness}}}"#)).warnings;
             let said = warnings.iter().any(|warning| {
                 let value: f32 = roughness.parse().expect("a number");
-                *warning == format!("s.json: /materials/m/roughness: {value} is as good as 0, the surface is smooth")
+                *warning == format!("s.json: /materials/m/{key}: {value} is as good as 0, the surface is smooth")
             });
             assert_eq!(said, is_said, "{kind}, {roughness}: {warnings:?}");
             assert_eq!(warnings.len(), usize::from(is_said), "{kind}, {roughness}: {warnings:?}");
+        }
+    }
+}
+
+/// A relief on a triangle without texture coordinates to run along is said, and one that has them is not.
+#[test]
+fn a_relief_that_cannot_show_is_said() {
+    for (uvs, is_said) in
+        [("[[0, 0], [1, 0], [0, 1]]", false), ("[[0.5, 0.5], [0.5, 0.5], [0.5, 0.5]]", true), ("[[0, 0], [1, 1], [2, 2]]", true)]
+    {
+        for (bumped, matters) in
+            [(r#"{"type": "bumped", "surface": {"type": "diffuse"}, "bump_map": 0.5}"#, true), (r#"{"type": "diffuse"}"#, false)]
+        {
+            let mesh = format!(
+                r#"{{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]], "uvs": {uvs}, "material": {bumped}}}"#
+            );
+            let warnings = built(&format!(r#"{{"pt": 1, "camera": {{}}, "background": {{"radiance": 1}}, "shapes": [{mesh}]}}"#)).warnings;
+            let expected = "s.json: /shapes/0: the texture coordinates of 1 of 1 triangles span no area: no relief shows there";
+            assert_eq!(warnings.iter().any(|warning| warning == expected), is_said && matters, "{uvs}, {bumped}: {warnings:?}");
         }
     }
 }

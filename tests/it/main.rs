@@ -49,4 +49,5 @@ mod terminator;
 mod tev;
 mod textures;
 mod transforms;
+mod varying;
 mod warps;

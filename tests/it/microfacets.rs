@@ -30,7 +30,7 @@ fn white_metal(facets: Microfacets, compensated: bool) -> Bsdf<'static> {
 fn clear_glass(eta: f32, facets: Microfacets, compensated: bool) -> Bsdf<'static> {
     let more = |_| {
         let losses = rough_dielectric::losses(eta, Domain::One(facets.alpha), facets.distribution);
-        MoreEncounters::new(losses, facets.alpha, eta)
+        MoreEncounters::new(losses.into(), facets.alpha, eta)
     };
     let multiple = compensated.then_some(()).and_then(more);
     Bsdf::RoughDielectric(RoughDielectric { eta, color: Spectrum::ONE, facets, more: multiple })

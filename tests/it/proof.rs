@@ -67,7 +67,7 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
     let coated = |ground, coat: Coat| Material::from(Compound::Coated(Coated { ground, coat }));
     let clay = |albedo: Spectrum| Material::OrenNayar { albedo: albedo.into(), roughness: 0.7.into() };
     let copper = |finish| Material::metal(Element::Cu.index(), finish, true);
-    let fresnel = |a, b| Material::from(Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: 1.5 } }));
+    let fresnel = |a, b| Material::from(Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: 1.5.into() } }));
     let glass = || Material::rough_glass(1.5, COLOR, round(0.3).unwrap(), true);
     let principled = Principled {
         base_color: COLOR.into(),
@@ -75,11 +75,13 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         transmission: 0.4.into(),
         specular: 0.7.into(),
         finish: round(0.2),
-        eta: 1.5,
+        eta: 1.5.into(),
         coat: 0.5.into(),
-        lacquer: Coat::new(1.5, Spectrum::ONE, round(0.05)),
+        coat_eta: 1.5.into(),
+        coat_color: Spectrum::ONE.into(),
+        coat_finish: round(0.05),
         sheen_color: Spectrum::rgb(0.1, 0.4, 0.2).into(),
-        sheen_alpha: 0.2,
+        sheen_roughness: 0.45.into(),
         multiscatter: true,
     };
     // Chances of the same lobe lie close together, with little between them.
@@ -87,7 +89,7 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         metallic: 0.0.into(),
         transmission: 0.5.into(),
         specular: 1.0.into(),
-        eta: 100.0,
+        eta: 100.0.into(),
         coat: 0.0.into(),
         sheen_color: 0.0.into(),
         ..principled.clone()
@@ -108,9 +110,9 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         coated(copper(round(0.4)), Coat::new(1.7, Spectrum::rgb(0.9, 0.5, 0.1), None)),
         coated(copper(None), Coat::new(1.5, COLOR, round(0.1))),
         coated(glass(), Coat::new(1.3, Spectrum::ONE, round(0.6))),
-        Compound::Sheen(Sheen::new(Material::diffuse(COLOR), Spectrum::ONE, 0.3)).into(),
-        Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), COLOR, 0.02)).into(),
-        Compound::Sheen(Sheen::new(Material::diffuse(Spectrum::ONE), Spectrum::ONE, 0.01)).into(),
+        Compound::Sheen(Sheen::new(Material::diffuse(COLOR), Spectrum::ONE, 0.55)).into(),
+        Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), COLOR, 0.14)).into(),
+        Compound::Sheen(Sheen::new(Material::diffuse(Spectrum::ONE), Spectrum::ONE, 0.1)).into(),
         Compound::Sides(Sides { front: Some(copper(round(0.3))), back: Some(Material::diffuse(COLOR)) }).into(),
         Compound::Sides(Sides { front: None, back: Some(Material::mirror(COLOR)) }).into(),
         Material::metal(Texture::from(COLOR), round(0.3), true),

@@ -11,7 +11,7 @@ use pt::describe::{self, Source};
 use pt::film::FilmSpec;
 use pt::integrators::ALL;
 use pt::light::{Directional, Environment, Light, Point, Target};
-use pt::math::{Ray, Transform};
+use pt::math::{Density, Ray, Transform};
 use pt::sampler::SamplerSpec;
 use pt::scene::{Scene, Surface};
 use pt::shape::{Geometry, MeshData, Sphere, TriangleMesh, triangle};
@@ -168,6 +168,43 @@ fn lifted_rays_clear_a_convex_mesh() {
             assert_eq!(stuck(true), 0, "mesh {k}, {place:?}");
             assert!(stuck(false) > 100, "mesh {k}: the facets hide nothing without the fix, {place:?}");
         }
+    }
+}
+
+/// At the outline of a coarse ball facets are seen whose interpolated normals face away: they are lit all the same, matte ones and
+/// mirrors, from outside and from within; and what is sampled there is what is evaluated, so that whoever looks for light finds the same.
+#[test]
+fn outlines_have_no_fringe() {
+    for (k, subdivisions) in [0, 1].into_iter().enumerate() {
+        let data = ball(icosphere(subdivisions));
+        let scenes = [Material::diffuse(gray(ALBEDO)), Material::mirror(gray(1.0))]
+            .map(|material| alone(&data, false, Transform::IDENTITY, material).build().expect("a ball"));
+        let mut random = Random::new(k as u64);
+        let mut turned = 0;
+        for _ in 0..20_000 {
+            let (from, to) = (random.direction() * if random.unit() < 0.5 { 4.0 } else { 0.3 }, random.in_cube());
+            let ray = Ray::new(from.as_vec3(), (to - from).normalize().as_vec3());
+            let (wo, choice, u) = (-ray.direction, random.unit() as f32, random.uniform_square());
+            for scene in &scenes {
+                let Some(hit) = scene.intersect(&ray) else { continue };
+                let surface = scene.surface(&ray, &hit);
+                let ng = surface.point.ng * 1f32.copysign(surface.point.ng.dot(wo));
+                // The corners are those of a unit ball.
+                turned += u32::from((ray.origin + ray.direction * hit.t).dot(wo) * surface.point.ng.dot(wo) < 0.0);
+                let sample = surface.sample(wo, choice, u, TransportMode::Radiance);
+                if surface.bsdf.has_smooth_lobe() {
+                    assert!(!surface.eval(wo, ng, TransportMode::Radiance).is_black(), "{surface:?}");
+                    let Some((wi, sample)) = sample else { continue };
+                    let Density::Smooth(pdf) = sample.density else { panic!("a matte ball") };
+                    let f = surface.eval(wo, wi, TransportMode::Radiance).average();
+                    assert!((f - sample.weight.average() * pdf.get()).abs() <= 1e-5 * f + 1e-7);
+                    assert!((surface.pdf(wo, wi).get() - pdf.get()).abs() <= 1e-5 * pdf.get() + 1e-7);
+                } else {
+                    assert!(sample.is_some_and(|(wi, _)| wi.dot(ng) > 0.0), "{surface:?}");
+                }
+            }
+        }
+        assert!(turned > 30, "{turned} normals faced away");
     }
 }
 

@@ -130,11 +130,11 @@ fn materials_look_their_textures_up() {
     let materials = [
         Material::diffuse(texture()),
         Material::mirror(texture()),
-        Material::Dielectric { eta: 1.5, color: texture() },
+        Material::Dielectric { eta: 1.5.into(), color: texture() },
         Material::MatteCone { color: texture(), mattness: 0.5.into() },
         Material::OrenNayar { albedo: texture(), roughness: 0.5.into() },
-        Material::Phong { color: texture(), exponent: 2.0 },
-        Material::BlinnPhong { color: texture(), exponent: 2.0 },
+        Material::Phong { color: texture(), exponent: 2.0.into() },
+        Material::BlinnPhong { color: texture(), exponent: 2.0.into() },
         Material::Metal { color: texture(), roughness: 0.5.into() },
         Material::plastic(texture(), 1.5),
         Material::DiffuseTransmission { reflectance: Spectrum::BLACK.into(), transmittance: texture() },
@@ -167,7 +167,7 @@ fn only_what_varies_is_textured() {
         let materials = [
             Material::diffuse(texture.clone()),
             Material::mirror(texture.clone()),
-            Material::Dielectric { eta: 1.5, color: texture.clone() },
+            Material::Dielectric { eta: 1.5.into(), color: texture.clone() },
             Material::MatteCone { color: texture.clone(), mattness: 0.5.into() },
         ];
         for material in materials {

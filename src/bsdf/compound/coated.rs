@@ -3,12 +3,12 @@
 use glam::{DVec3, Vec2};
 
 use super::{Place, Scatter, choose};
-use crate::bsdf::microfacet::albedo::{Domain, Shelf};
-use crate::bsdf::microfacet::{Albedo, Distribution, Finish, Microfacets, Pair, half, mirrored, upward};
+use crate::bsdf::microfacet::albedo::{Domain, Key, Shelf};
+use crate::bsdf::microfacet::{Albedo, Between, Distribution, Finish, Ladder, Microfacets, Pair, Scale, half, mirrored, upward};
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Diffuse, Lobe, Material, OrenNayar, TransportMode};
 use crate::effects::Effects;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, fresnel};
-use crate::texture::Texture;
+use crate::texture::{Number, Texture};
 
 /// A material under a clear coat, on both sides of it.
 ///
@@ -44,13 +44,13 @@ pub struct Coated {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coat {
     /// η, over the outside: at least 1.
-    eta: f32,
+    eta: Number,
     /// What is left of white light that goes straight down and up.
     color: Texture,
-    /// `None` for a smooth one; with the table of [`losses`].
-    finish: Option<(Finish, &'static Albedo)>,
-    /// 1 − F̄ of a smooth one.
-    smooth_mean: f32,
+    /// `None` for a smooth one; with the tables of [`losses`].
+    finish: Option<(Finish, Ladder<Albedo>)>,
+    /// 1 − F̄ of a smooth one, where it is the same everywhere.
+    smooth_mean: Option<f32>,
     /// Whether a matte ground's own colour is meant to be seen: without the deepening by light that is thrown back.
     as_seen: bool,
 }
@@ -59,7 +59,7 @@ pub struct Coat {
 struct Layer {
     eta: f32,
     color: Spectrum,
-    facets: Option<(Microfacets, &'static Albedo)>,
+    facets: Option<(Microfacets, Between<Albedo>)>,
     /// 1 − Ē
     mean: f32,
     as_seen: bool,
@@ -68,13 +68,14 @@ struct Layer {
 impl Coat {
     /// - `eta`: at least 1
     /// - `finish`: `None` for a smooth coat
-    pub fn new(eta: f32, color: impl Into<Texture>, finish: Option<Finish>) -> Coat {
-        let table = |finish: Finish| {
-            let losses = losses(eta, finish.domain(), finish.distribution);
+    pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, finish: Option<Finish>) -> Coat {
+        let eta = eta.into();
+        let tables = |finish: Finish| {
+            let losses = Ladder::new(eta.range(), Scale::Index, |eta| losses(eta, finish.domain(), finish.distribution));
             (finish, losses)
         };
-        let smooth_mean = 1.0 - fresnel::dielectric_mean(eta);
-        Coat { eta, color: color.into(), finish: finish.map(table), smooth_mean, as_seen: false }
+        let finish = finish.map(tables);
+        Coat { color: color.into(), finish, smooth_mean: eta.constant().map(smooth_mean), as_seen: false, eta }
     }
 
     /// A matte ground then shows its own colour: under other coats colours are deeper.
@@ -83,17 +84,34 @@ impl Coat {
     }
 
     fn at(&self, at: &Place) -> Layer {
-        let facets = self.finish.as_ref().and_then(|(finish, losses)| Some((finish.at(&at.point)?, *losses)));
-        let mean = facets.map_or(self.smooth_mean, |(facets, losses)| 2.0 * losses.mean_loss(facets.alpha) + self.smooth_mean - 1.0);
-        Layer { eta: self.eta, color: self.color.at(&at.point), facets, mean, as_seen: self.as_seen }
+        let eta = self.eta.at(&at.point);
+        let facets = self.finish.as_ref().and_then(|(finish, losses)| Some((finish.at(&at.point)?, losses.at(eta))));
+        let smooth_mean = self.smooth_mean.unwrap_or_else(|| smooth_mean(eta));
+        let mean =
+            facets.map_or(smooth_mean, |(facets, losses)| 2.0 * losses.value(|table| table.mean_loss(facets.alpha)) + smooth_mean - 1.0);
+        Layer { eta, color: self.color.at(&at.point), facets, mean, as_seen: self.as_seen }
     }
+
+    fn textures(&self) -> impl Iterator<Item = &Texture> {
+        let finish = self.finish.iter().flat_map(|(finish, _)| finish.textures());
+        finish.chain(self.eta.texture()).chain([&self.color])
+    }
+
+    fn recentred(self, origin: DVec3) -> Coat {
+        let finish = self.finish.map(|(finish, losses)| (finish.recentred(origin), losses));
+        Coat { eta: self.eta.recentred(origin), color: self.color.recentred(origin), finish, ..self }
+    }
+}
+
+/// 1 − F̄
+fn smooth_mean(eta: f32) -> f32 {
+    1.0 - fresnel::dielectric_mean(eta)
 }
 
 /// The table of (1 − (E − F))/2, with F what a smooth coat reflects: E itself may change faster than the facets lean.
 fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Albedo {
-    static SHELF: Shelf<Albedo> = Shelf::new();
-    let [x, y] = domain.bits();
-    SHELF.get((distribution, [x, y, eta.to_bits(), 0]), || {
+    static SHELF: Shelf<Key, Albedo> = Shelf::new();
+    SHELF.get((distribution, domain.bits(), eta.to_bits()), || {
         Albedo::tabulate(domain, distribution, |facets, wo, u| {
             let wi = mirrored(wo, facets.sample_visible(wo, u));
             let rough = half(wo, wi).map_or(0.0, |(h, cos)| fresnel::dielectric(cos, eta) * Pair::new(facets, wo, wi, h).unmasked());
@@ -106,7 +124,10 @@ impl Layer {
     /// E(w)
     fn reflected(&self, w: Local) -> f32 {
         let smooth = fresnel::dielectric(w.abs_cos(), self.eta);
-        self.facets.map_or(smooth, |(facets, losses)| (1.0 + smooth - 2.0 * losses.loss(w, facets.alpha)).clamp(0.0, 1.0))
+        self.facets.map_or(smooth, |(facets, losses)| {
+            let loss = losses.value(|table| table.loss(w, facets.alpha));
+            (1.0 + smooth - 2.0 * loss).clamp(0.0, 1.0)
+        })
     }
 
     /// T c: what becomes of the ground's light.
@@ -163,8 +184,7 @@ impl Coated {
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Coated {
-        let finish = self.coat.finish.map(|(finish, losses)| (finish.recentred(origin), losses));
-        Coated { ground: self.ground.recentred(origin), coat: Coat { color: self.coat.color.recentred(origin), finish, ..self.coat } }
+        Coated { ground: self.ground.recentred(origin), coat: self.coat.recentred(origin) }
     }
 }
 
@@ -231,8 +251,7 @@ impl Scatter for Coated {
     }
 
     fn textures(&self) -> Vec<&Texture> {
-        let roughness = self.coat.finish.as_ref().and_then(|(finish, _)| finish.texture());
-        roughness.into_iter().chain([&self.coat.color]).collect()
+        self.coat.textures().collect()
     }
 
     fn own_effects(&self) -> Effects {

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2};
 use super::{Place, Scatter, choose};
 use crate::bsdf::{BsdfSample, DeltaLobes, Material, TransportMode};
 use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel};
-use crate::texture::Texture;
+use crate::texture::{Number, Texture};
 
 /// Some of one material and some of another.
 ///
@@ -31,7 +31,7 @@ pub enum Share {
     /// From 0 to 1.
     Texture(Texture),
     /// By the index of refraction, inside over outside.
-    Fresnel { eta: f32 },
+    Fresnel { eta: Number },
 }
 
 impl Mix {
@@ -58,8 +58,9 @@ impl Mix {
     }
 
     fn share_of(&self, at: &Place, wo: Local, wi: Local) -> [f32; 2] {
-        match self.share {
+        match &self.share {
             Share::Fresnel { eta } => {
+                let eta = eta.at(&at.point);
                 let [o, i] = [wo, wi].map(|w| fresnel::dielectric(w.abs_cos(), eta));
                 [1.0 - o.max(i), o.min(i)]
             }
@@ -73,7 +74,7 @@ impl Mix {
     pub(super) fn recentred(self, origin: DVec3) -> Mix {
         let share = match self.share {
             Share::Texture(texture) => Share::Texture(texture.recentred(origin)),
-            fresnel => fresnel,
+            Share::Fresnel { eta } => Share::Fresnel { eta: eta.recentred(origin) },
         };
         Mix { a: self.a.recentred(origin), b: self.b.recentred(origin), share }
     }
@@ -123,7 +124,7 @@ impl Scatter for Mix {
     fn textures(&self) -> Vec<&Texture> {
         match &self.share {
             Share::Texture(texture) => vec![texture],
-            Share::Fresnel { .. } => vec![],
+            Share::Fresnel { eta } => eta.texture().into_iter().collect(),
         }
     }
 }

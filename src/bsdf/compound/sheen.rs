@@ -5,7 +5,8 @@ use std::f32::consts::PI;
 use glam::{DVec3, Vec2};
 
 use super::{Place, Scatter, choose};
-use crate::bsdf::microfacet::upward_normal;
+use crate::bsdf::microfacet::albedo::Shelf;
+use crate::bsdf::microfacet::{Between, Ladder, Scale, upward_normal};
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Lobe, Material, TransportMode};
 use crate::effects::Effects;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, warp};
@@ -18,9 +19,9 @@ use crate::texture::Texture;
 /// s = D(h) / (4 (μo + μi − μo μi)) / max(1, R(wo), R(wi)),    D(h) = (2 + 1/α) sin^(1/α) θh / 2π
 ///
 /// with R the share that D alone would return: above 1 for narrow lobes along the surface, and s takes that back. E is the
-/// share that s returns.
+/// share that s returns. α is the square of the roughness that users set: how far the fibres spread, from 0.01 to 1. Where a
+/// texture sets it s is interpolated between the fibres of 17 α, each as above: so are R and E, and no light is made.
 ///
-/// - `alpha`: how far the fibres spread, from 0.01 to 1; what users set is its root
 /// - on both sides of the surface; s is zero when the directions lie on opposite sides
 /// - sampling: fibres by what they return of wo, evenly over the hemisphere, else the ground
 ///
@@ -30,15 +31,22 @@ use crate::texture::Texture;
 pub struct Sheen {
     ground: Material,
     color: Texture,
-    alpha: f32,
-    table: Box<Table>,
+    roughness: Texture,
+    tables: Ladder<Table>,
 }
 
 /// R and E over √μ.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 struct Table {
+    alpha: f32,
     raw: [f32; NODES],
     albedo: [f32; NODES],
+}
+
+/// The fibres at a point.
+struct Fibres {
+    color: Spectrum,
+    tables: Between<Table>,
 }
 
 const NODES: usize = 33;
@@ -47,38 +55,64 @@ const NODES: usize = 33;
 pub const MIN_ALPHA: f32 = 0.01;
 
 impl Sheen {
-    pub fn new(ground: Material, color: impl Into<Texture>, alpha: f32) -> Sheen {
-        let alpha = alpha.clamp(MIN_ALPHA, 1.0);
-        let mut table = Box::new(Table { raw: [0.0; NODES], albedo: [0.0; NODES] });
-        table.raw = std::array::from_fn(|node| returned(node, |wo, wi| raw(alpha, wo, wi)));
-        let raws = table.raw;
-        // What R between its nodes and the midpoint rule leave above 1 would be light taken from the ground that is not there.
-        table.albedo = std::array::from_fn(|node| returned(node, |wo, wi| tamed(alpha, &raws, wo, wi)).min(1.0));
-        Sheen { ground, color: color.into(), alpha, table }
+    /// - `roughness`: from 0 to 1
+    pub fn new(ground: Material, color: impl Into<Texture>, roughness: impl Into<Texture>) -> Sheen {
+        let roughness = roughness.into();
+        let range = match roughness {
+            Texture::Constant(roughness) => [alpha(roughness.average()); 2],
+            _ => [MIN_ALPHA, 1.0],
+        };
+        Sheen { ground, color: color.into(), roughness, tables: Ladder::new(range, Scale::Ratio, table) }
     }
 
-    /// s·|cos θi|, white.
-    fn fibres(&self, wo: Local, wi: Local) -> f32 {
-        if wo.same_side(wi) { tamed(self.alpha, &self.table.raw, wo, wi) } else { 0.0 }
-    }
-
-    /// 1 − max(color) max(E(wo), E(wi))
-    fn through(&self, color: Spectrum, wo: Local, wi: Local) -> f32 {
-        1.0 - color.max() * lookup(&self.table.albedo, wo).max(lookup(&self.table.albedo, wi))
-    }
-
-    /// Of the fibres to be sampled.
-    fn chance(&self, color: Spectrum, wo: Local) -> f32 {
-        color.max() * lookup(&self.table.albedo, wo)
-    }
-
-    fn at(&self, at: &Place) -> (Spectrum, Bsdf<'_>) {
-        (self.color.at(&at.point), at.met(&self.ground))
+    fn at(&self, at: &Place) -> (Fibres, Bsdf<'_>) {
+        let tables = self.tables.at(alpha(self.roughness.scalar(&at.point)));
+        (Fibres { color: self.color.at(&at.point), tables }, at.met(&self.ground))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Sheen {
-        Sheen { ground: self.ground.recentred(origin), color: self.color.recentred(origin), ..self }
+        let (color, roughness) = (self.color.recentred(origin), self.roughness.recentred(origin));
+        Sheen { ground: self.ground.recentred(origin), color, roughness, ..self }
     }
+}
+
+impl Fibres {
+    /// color · s·|cos θi|
+    fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+        if wo.same_side(wi) { self.color * self.tables.value(|table| table.tamed(wo, wi)) } else { Spectrum::BLACK }
+    }
+
+    /// 1 − max(color) max(E(wo), E(wi))
+    fn through(&self, wo: Local, wi: Local) -> f32 {
+        1.0 - self.chance(wo).max(self.chance(wi))
+    }
+
+    /// Of the fibres to be sampled: max(color) E(wo).
+    fn chance(&self, wo: Local) -> f32 {
+        self.color.max() * self.tables.value(|table| lookup(&table.albedo, wo))
+    }
+}
+
+impl Table {
+    /// s·|cos θi|, of directions on one side.
+    fn tamed(&self, wo: Local, wi: Local) -> f32 {
+        raw(self.alpha, wo, wi) / lookup(&self.raw, wo).max(lookup(&self.raw, wi)).max(1.0)
+    }
+}
+
+fn alpha(roughness: f32) -> f32 {
+    (roughness * roughness).clamp(MIN_ALPHA, 1.0)
+}
+
+/// Made once for each α.
+fn table(alpha: f32) -> &'static Table {
+    static SHELF: Shelf<u32, Table> = Shelf::new();
+    SHELF.get(alpha.to_bits(), || {
+        let table = Table { alpha, raw: std::array::from_fn(|node| returned(node, |wo, wi| raw(alpha, wo, wi))), albedo: [0.0; NODES] };
+        // What R between its nodes and the midpoint rule leave above 1 would be light taken from the ground that is not there.
+        let albedo = std::array::from_fn(|node| returned(node, |wo, wi| table.tamed(wo, wi)).min(1.0));
+        Table { albedo, ..table }
+    })
 }
 
 /// D(h)·|cos θi| / (4 (μo + μi − μo μi)), of directions on one side.
@@ -89,10 +123,6 @@ fn raw(alpha: f32, wo: Local, wi: Local) -> f32 {
     let density = (2.0 + 1.0 / alpha) * float::powf(sine, 1.0 / alpha) / (2.0 * PI);
     // μi / (μo + μi − μo μi) ≤ 1, without a division of 0 by 0.
     density * 0.25 / (1.0 - o + o / i)
-}
-
-fn tamed(alpha: f32, raws: &[f32; NODES], wo: Local, wi: Local) -> f32 {
-    raw(alpha, wo, wi) / lookup(raws, wo).max(lookup(raws, wi)).max(1.0)
 }
 
 /// ∫ f dwi for the direction of a node, by the midpoint rule in μ and φ.
@@ -121,24 +151,24 @@ fn lookup(table: &[f32; NODES], w: Local) -> f32 {
 
 impl Scatter for Sheen {
     fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
-        let (color, ground) = self.at(at);
-        color * self.fibres(wo, wi) + ground.eval(wo, wi, mode) * self.through(color, wo, wi)
+        let (fibres, ground) = self.at(at);
+        fibres.eval(wo, wi) + ground.eval(wo, wi, mode) * fibres.through(wo, wi)
     }
 
     fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
-        let (color, ground) = self.at(at);
-        let chance = self.chance(color, wo);
+        let (fibres, ground) = self.at(at);
+        let chance = fibres.chance(wo);
         let fibres = if wo.same_side(wi) { 0.5 / PI } else { 0.0 };
         SolidAnglePdf::new(fibres * chance + ground.pdf(wo, wi).get() * (1.0 - chance))
     }
 
     fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        let (color, ground) = self.at(at);
-        let chance = self.chance(color, wo);
-        let (fibres, choice) = choose(choice, chance);
-        if !fibres {
+        let (fibres, ground) = self.at(at);
+        let chance = fibres.chance(wo);
+        let (chosen, choice) = choose(choice, chance);
+        if !chosen {
             let sample = ground.sample(wo, choice, u, mode)?;
-            return self.of_part(at, wo, sample, 1.0 - chance, |wi| Spectrum::gray(self.through(color, wo, wi)), mode);
+            return self.of_part(at, wo, sample, 1.0 - chance, |wi| Spectrum::gray(fibres.through(wo, wi)), mode);
         }
         let wi = Local(warp::uniform_hemisphere(u) * 1f32.copysign(wo.cos()));
         let density = Density::Smooth(SolidAnglePdf::ZERO);
@@ -147,17 +177,17 @@ impl Scatter for Sheen {
     }
 
     fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes {
-        let (color, ground) = self.at(at);
+        let (fibres, ground) = self.at(at);
         let mut lobes = DeltaLobes::default();
         for lobe in ground.delta_lobes(wo, mode) {
-            lobes.add(lobe, Spectrum::gray(self.through(color, wo, lobe.wi)));
+            lobes.add(lobe, Spectrum::gray(fibres.through(wo, lobe.wi)));
         }
         lobes
     }
 
     fn has_smooth_lobe(&self, at: &Place) -> bool {
-        let (color, ground) = self.at(at);
-        !color.is_black() || ground.has_smooth_lobe()
+        let (fibres, ground) = self.at(at);
+        !fibres.color.is_black() || ground.has_smooth_lobe()
     }
 
     fn reciprocal(&self, at: &Place) -> bool {
@@ -169,7 +199,7 @@ impl Scatter for Sheen {
     }
 
     fn textures(&self) -> Vec<&Texture> {
-        vec![&self.color]
+        vec![&self.color, &self.roughness]
     }
 
     fn own_effects(&self) -> Effects {

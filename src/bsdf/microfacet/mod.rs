@@ -13,6 +13,7 @@ mod ggx;
 
 pub mod albedo;
 pub mod finish;
+pub mod ladder;
 
 use glam::{Vec2, Vec3};
 
@@ -20,6 +21,7 @@ use crate::math::Local;
 
 pub use albedo::Albedo;
 pub use finish::Finish;
+pub use ladder::{Between, Ladder, Scale};
 
 /// How the normals of facets spread about the surface's own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

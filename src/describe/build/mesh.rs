@@ -37,6 +37,15 @@ impl Builder<'_> {
         }
     }
 
+    /// A relief runs along the texture coordinates.
+    pub(super) fn note_no_relief(&mut self, pointer: &str, data: &MeshData) {
+        let (flat, all) = (data.flat_uvs(), data.triangles.len());
+        if flat > 0 {
+            let message = format!("the texture coordinates of {flat} of {all} triangles span no area: no relief shows there");
+            self.warnings.push(format!("{}: {pointer}: {message}", self.source.file));
+        }
+    }
+
     /// One material per part of the mesh: the one that its name is mapped to, or that the scene has under it, or the mesh's own.
     pub(super) fn part_materials(&mut self, pointer: &str, mesh: &Mesh, data: &MeshData, own: MaterialId) -> (Vec<MaterialId>, Effects) {
         let mut effects = Effects::NONE;

@@ -178,9 +178,12 @@ impl Builder<'_> {
             Shape::Disk(s) => self.place(Disk { radius: s.radius.get() }, *to_world, vec![own], emission),
             Shape::Mesh(s) => {
                 let Some(data) = self.mesh(pointer, s)? else { return Ok(()) };
-                effects |= if data.normals.is_empty() { Effects::NONE } else { Effects::SHADING_NORMALS };
                 let (parts, more) = self.part_materials(pointer, s, &data, own);
                 effects |= more;
+                if effects.contains(Effects::SHADING_NORMALS) {
+                    self.note_no_relief(pointer, &data);
+                }
+                effects |= if data.normals.is_empty() { Effects::NONE } else { Effects::SHADING_NORMALS };
                 let mesh = TriangleMesh { smooth_shadows: s.smooth_shadows, ..TriangleMesh::new(data) };
                 self.place(mesh, *to_world, parts, emission);
             }

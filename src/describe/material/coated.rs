@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::texture::Textured;
-use super::super::value::{CoatIndex, Fraction};
+use super::super::value::CoatIndex;
+use super::super::varying::Varying;
 use super::MaterialRef;
 use super::finish::{Alpha, Distribution, Finish, finish_of};
 
@@ -15,13 +16,13 @@ pub struct Plastic {
     /// The share of light that the ground reflects.
     pub albedo: Textured,
     /// Index of refraction of the coat over that outside.
-    pub eta: CoatIndex,
+    pub eta: Varying<CoatIndex>,
     /// 0 is smooth, 1 the roughest. The width of highlights, alpha, is its square, so that equal steps look equal. Below 0.001 a
     /// surface is as good as smooth. (Of a colour, the mean.)
     pub roughness: Textured,
-    /// From round highlights to highlights ten times as long as wide, along the first texture coordinate.
-    pub anisotropy: Fraction,
-    /// In place of `roughness` and `anisotropy`, the width itself: one number, or `[along u, along v]`.
+    /// From round highlights to highlights ten times as long as wide, along the first texture coordinate. (Of a colour, the mean.)
+    pub anisotropy: Textured,
+    /// In place of `roughness` and `anisotropy`, the width itself; `[along u, along v]` for each of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<Alpha>,
     /// How the facets of a rough surface lean.
@@ -36,7 +37,7 @@ pub struct Coated {
     pub ground: MaterialRef,
     /// Index of refraction of the coat over that outside.
     #[serde(default = "glassy")]
-    pub eta: CoatIndex,
+    pub eta: Varying<CoatIndex>,
     /// What the coat leaves of light that goes straight down through it and up again.
     #[serde(default = "Textured::white")]
     pub color: Textured,
@@ -44,10 +45,10 @@ pub struct Coated {
     /// surface is as good as smooth. (Of a colour, the mean.)
     #[serde(default = "Textured::black")]
     pub roughness: Textured,
-    /// From round highlights to highlights ten times as long as wide, along the first texture coordinate.
-    #[serde(default = "none")]
-    pub anisotropy: Fraction,
-    /// In place of `roughness` and `anisotropy`, the width itself: one number, or `[along u, along v]`.
+    /// From round highlights to highlights ten times as long as wide, along the first texture coordinate. (Of a colour, the mean.)
+    #[serde(default = "Textured::black")]
+    pub anisotropy: Textured,
+    /// In place of `roughness` and `anisotropy`, the width itself; `[along u, along v]` for each of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub alpha: Option<Alpha>,
     /// How the facets of a rough surface lean.
@@ -57,12 +58,8 @@ pub struct Coated {
 
 finish_of!(Plastic, Coated);
 
-fn glassy() -> CoatIndex {
-    CoatIndex::known(1.5)
-}
-
-fn none() -> Fraction {
-    Fraction::known(0.0)
+fn glassy() -> Varying<CoatIndex> {
+    Varying::Same(CoatIndex::known(1.5))
 }
 
 impl Default for Plastic {
@@ -71,7 +68,7 @@ impl Default for Plastic {
             albedo: Textured::gray(0.5),
             eta: glassy(),
             roughness: Textured::black(),
-            anisotropy: Fraction::known(0.0),
+            anisotropy: Textured::black(),
             alpha: None,
             distribution: Distribution::Ggx,
         }

@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::texture::Textured;
-use super::super::value::{Fraction, Index};
+use super::super::value::Index;
+use super::super::varying::Varying;
 use super::MaterialRef;
 
 /// Two materials side by side, too fine to be told apart.
@@ -21,7 +22,7 @@ pub struct MaterialMix {
     /// In place of `share`: `b` shows where a surface with this index of refraction reflects, along the surface above all. A little
     /// energy is lost unless `b` is a mirror.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub fresnel: Option<Index>,
+    pub fresnel: Option<Varying<Index>>,
 }
 
 /// Fibres that stand up from a material and catch the light where one looks along it: velvet, dust.
@@ -33,9 +34,9 @@ pub struct Sheen {
     /// Of the fibres.
     #[serde(default = "Textured::white")]
     pub color: Textured,
-    /// 0.1 (and below) are fibres that stand straight, 1 lie all ways.
+    /// 0.1 (and below) are fibres that stand straight, 1 lie all ways. (Of a colour, the mean.)
     #[serde(default = "half")]
-    pub roughness: Fraction,
+    pub roughness: Textured,
 }
 
 /// A sheet with two faces. Nothing goes through; a side that is left out is black.
@@ -50,6 +51,6 @@ pub struct TwoSided {
     pub back: Option<MaterialRef>,
 }
 
-fn half() -> Fraction {
-    Fraction::known(0.5)
+fn half() -> Textured {
+    Textured::gray(0.5)
 }

@@ -3,20 +3,25 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::texture::Textured;
+use super::super::texture::{Texture, Textured};
 use super::super::value::Fraction;
 use crate::reader::by_kind;
 
-/// The width of highlights: one number, or `[along u, along v]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+/// The width of highlights, from 0 to 1: a number or a texture, or `[along u, along v]`, each a number or a texture.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum Alpha {
-    Round(Fraction),
-    Along([Fraction; 2]),
+    Round(Textured),
+    Along([Textured; 2]),
 }
 
-by_kind!(Alpha { Number => Round(Fraction), Array => Along([Fraction; 2]) });
+by_kind!(Alpha {
+    Number => Round(Fraction),
+    Array => Along([Textured; 2]),
+    String => Round(String),
+    Object => Round(Box<Texture>),
+});
 
 /// How the facets of a rough surface lean.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -34,9 +39,21 @@ pub enum Distribution {
 #[derive(Debug, Clone, Copy)]
 pub struct Finish<'m> {
     pub roughness: &'m Textured,
-    pub anisotropy: Fraction,
-    pub alpha: Option<Alpha>,
+    pub anisotropy: &'m Textured,
+    pub alpha: Option<&'m Alpha>,
     pub distribution: Distribution,
+}
+
+impl<'m> Finish<'m> {
+    /// With their keys.
+    pub(super) fn textures(self) -> impl Iterator<Item = (&'static str, &'m Textured)> {
+        let [first, second] = match self.alpha {
+            None => [None, None],
+            Some(Alpha::Round(width)) => [Some(("alpha", width)), None],
+            Some(Alpha::Along([u, v])) => [Some(("alpha/0", u)), Some(("alpha/1", v))],
+        };
+        [("roughness", self.roughness), ("anisotropy", self.anisotropy)].into_iter().chain(first).chain(second)
+    }
 }
 
 /// Of a struct that has the keys.
@@ -44,7 +61,7 @@ macro_rules! finish_of {
     ($($name:ident),+) => { $(
         impl $name {
             pub(in crate::describe) fn finish(&self) -> Finish<'_> {
-                Finish { roughness: &self.roughness, anisotropy: self.anisotropy, alpha: self.alpha, distribution: self.distribution }
+                Finish { roughness: &self.roughness, anisotropy: &self.anisotropy, alpha: self.alpha.as_ref(), distribution: self.distribution }
             }
         }
     )+ };

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::super::color::Color;
 use super::super::texture::Textured;
 use super::super::value::{Fraction, Index, Positive};
+use super::super::varying::Varying;
 use super::finish::{Alpha, Distribution, Finish, finish_of};
 
 /// Glass, water, …: reflects and refracts, clear or frosted.
@@ -18,26 +19,31 @@ use super::finish::{Alpha, Distribution, Finish, finish_of};
 #[serde(deny_unknown_fields, default)]
 pub struct Dielectric {
     /// Index of refraction inside (the side the normal points away from) divided by that outside.
-    pub eta: Index,
+    ///
+    /// A body whose index varies over its surface has no index inside: light that goes in by one index and out by another is
+    /// brighter or darker by the square of their ratio.
+    pub eta: Varying<Index>,
     /// Light is multiplied by this at every passage through the surface.
     pub color: Textured,
     /// 0 is clear, 1 frosted. The width of highlights, alpha, is its square, so that equal steps look equal. Below 0.001 a
     /// surface is as good as smooth. (Of a colour, the mean.)
     pub roughness: Textured,
-    /// From round highlights to highlights ten times as long as wide, along the first texture coordinate.
-    pub anisotropy: Fraction,
-    /// In place of `roughness` and `anisotropy`, the width itself: one number, or `[along u, along v]`.
+    /// From round highlights to highlights ten times as long as wide, along the first texture coordinate. (Of a colour, the mean.)
+    pub anisotropy: Textured,
+    /// In place of `roughness` and `anisotropy`, the width itself; `[along u, along v]` for each of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<Alpha>,
     /// How the facets of a rough surface lean.
     pub distribution: Distribution,
     /// Follow light that meets more than one facet. Without, frosted glass is too dark, from inside above all. It costs tables
     /// (70 ms once for each glass with GGX, five times that with Beckmann, fifteen to thirty times where the roughness is a texture
-    /// or anisotropic) and a fifth of the time of a scattering.
+    /// or anisotropic, a hundred times where the anisotropy is a texture or both; all that for each table of a varying `eta`, which are
+    /// 5 from 1.3 to 1.6, 15 from 1 to 1.6) and a fifth of the time of a scattering.
     pub multiscatter: bool,
     /// What the glass itself takes of the light on its way through. Exact for a closed body with nothing in it: the way from
     /// one meeting with this surface to the next counts, so that light on its way to something inside of the body is not dimmed,
-    /// and an open surface dims whatever reaches it from behind.
+    /// and an open surface dims whatever reaches it from behind. It takes no textures: it belongs to the body, not to a place on
+    /// its surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub absorption: Option<Absorption>,
 }
@@ -59,7 +65,7 @@ pub struct Absorption {
 #[serde(deny_unknown_fields, default)]
 pub struct ThinDielectric {
     /// Index of refraction of the pane divided by that around it.
-    pub eta: Index,
+    pub eta: Varying<Index>,
     /// Light that passes or is reflected is multiplied by this once.
     pub color: Textured,
 }
@@ -67,10 +73,10 @@ pub struct ThinDielectric {
 impl Default for Dielectric {
     fn default() -> Dielectric {
         Dielectric {
-            eta: Index::known(1.5),
+            eta: Varying::Same(Index::known(1.5)),
             color: Textured::white(),
             roughness: Textured::black(),
-            anisotropy: Fraction::known(0.0),
+            anisotropy: Textured::black(),
             alpha: None,
             distribution: Distribution::Ggx,
             multiscatter: true,
@@ -81,6 +87,6 @@ impl Default for Dielectric {
 
 impl Default for ThinDielectric {
     fn default() -> ThinDielectric {
-        ThinDielectric { eta: Index::known(1.5), color: Textured::white() }
+        ThinDielectric { eta: Varying::Same(Index::known(1.5)), color: Textured::white() }
     }
 }

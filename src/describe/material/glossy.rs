@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::super::texture::Textured;
 use super::super::value::Exponent;
+use super::super::varying::Varying;
 
 /// Reflects like a perfect mirror.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -31,7 +32,7 @@ pub struct Phong {
     /// The share of light that is reflected, at most.
     pub color: Textured,
     /// The lobe is the cosine to this power: the larger, the sharper.
-    pub exponent: Exponent,
+    pub exponent: Varying<Exponent>,
 }
 
 /// A glossy lobe of half vectors (Blinn and Phong), normalised. What falls below the surface is lost. Not reciprocal.
@@ -41,7 +42,7 @@ pub struct BlinnPhong {
     /// The share of light that is reflected, at most.
     pub color: Textured,
     /// Half vectors are spread as the cosine to this power: the larger, the sharper.
-    pub exponent: Exponent,
+    pub exponent: Varying<Exponent>,
 }
 
 /// A mirror with shaken reflections: the mirror direction plus `roughness` times a point on the unit sphere. What falls
@@ -63,13 +64,13 @@ impl Default for Mirror {
 
 impl Default for Phong {
     fn default() -> Phong {
-        Phong { color: Textured::white(), exponent: Exponent::known(10.0) }
+        Phong { color: Textured::white(), exponent: Varying::Same(Exponent::known(10.0)) }
     }
 }
 
 impl Default for BlinnPhong {
     fn default() -> BlinnPhong {
-        BlinnPhong { color: Textured::white(), exponent: Exponent::known(10.0) }
+        BlinnPhong { color: Textured::white(), exponent: Varying::Same(Exponent::known(10.0)) }
     }
 }
 

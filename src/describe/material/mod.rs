@@ -14,6 +14,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::texture::Textured;
+use super::varying::{Varying, VaryingPerChannel};
 use crate::reader::{by_kind, by_type};
 
 pub use coated::*;
@@ -79,34 +80,56 @@ impl Material {
         match self {
             Material::Diffuse(m) => vec![("albedo", &m.albedo)],
             Material::Mirror(m) => vec![("color", &m.color)],
-            Material::Conductor(m) => m.color.iter().map(|color| ("color", color)).chain([("roughness", &m.roughness)]).collect(),
-            Material::Dielectric(m) => vec![("color", &m.color), ("roughness", &m.roughness)],
+            Material::Conductor(m) => {
+                let by = [
+                    ("color", m.color.as_ref()),
+                    ("eta/by", m.eta.as_ref().and_then(VaryingPerChannel::by)),
+                    ("k/by", m.k.as_ref().and_then(VaryingPerChannel::by)),
+                ];
+                by.into_iter().filter_map(given).chain(m.finish().textures()).collect()
+            }
+            Material::Dielectric(m) => {
+                given(("eta/by", m.eta.by())).into_iter().chain([("color", &m.color)]).chain(m.finish().textures()).collect()
+            }
             Material::MatteCone(m) => vec![("color", &m.color), ("mattness", &m.mattness)],
             Material::OrenNayar(m) => vec![("albedo", &m.albedo), ("roughness", &m.roughness)],
-            Material::Phong(m) => vec![("color", &m.color)],
-            Material::BlinnPhong(m) => vec![("color", &m.color)],
+            Material::Phong(m) => given(("exponent/by", m.exponent.by())).into_iter().chain([("color", &m.color)]).collect(),
+            Material::BlinnPhong(m) => given(("exponent/by", m.exponent.by())).into_iter().chain([("color", &m.color)]).collect(),
             Material::Metal(m) => vec![("color", &m.color), ("roughness", &m.roughness)],
-            Material::Plastic(m) => vec![("albedo", &m.albedo), ("roughness", &m.roughness)],
+            Material::Plastic(m) => {
+                given(("eta/by", m.eta.by())).into_iter().chain([("albedo", &m.albedo)]).chain(m.finish().textures()).collect()
+            }
             Material::DiffuseTransmission(m) => vec![("reflectance", &m.reflectance), ("transmittance", &m.transmittance)],
-            Material::ThinDielectric(m) => vec![("color", &m.color)],
-            Material::Coated(m) => vec![("color", &m.color), ("roughness", &m.roughness)],
-            Material::Mix(m) => m.share.iter().map(|share| ("share", share)).collect(),
-            Material::Sheen(m) => vec![("color", &m.color)],
+            Material::ThinDielectric(m) => given(("eta/by", m.eta.by())).into_iter().chain([("color", &m.color)]).collect(),
+            Material::Coated(m) => {
+                given(("eta/by", m.eta.by())).into_iter().chain([("color", &m.color)]).chain(m.finish().textures()).collect()
+            }
+            Material::Mix(m) => [("share", m.share.as_ref()), ("fresnel/by", m.fresnel.as_ref().and_then(Varying::by))]
+                .into_iter()
+                .filter_map(given)
+                .collect(),
+            Material::Sheen(m) => vec![("color", &m.color), ("roughness", &m.roughness)],
             Material::TwoSided(_) => vec![],
-            Material::Principled(m) => vec![
-                ("base_color", &m.base_color),
-                ("metallic", &m.metallic),
-                ("roughness", &m.roughness),
-                ("specular", &m.specular),
-                ("transmission", &m.transmission),
-                ("coat", &m.coat),
-                ("coat_roughness", &m.coat_roughness),
-                ("coat_color", &m.coat_color),
-                ("sheen_color", &m.sheen_color),
-            ],
+            Material::Principled(m) => {
+                let by = [("eta/by", m.eta.by()), ("coat_eta/by", m.coat_eta.by())];
+                let shares = [
+                    ("base_color", &m.base_color),
+                    ("metallic", &m.metallic),
+                    ("roughness", &m.roughness),
+                    ("anisotropy", &m.anisotropy),
+                    ("specular", &m.specular),
+                    ("transmission", &m.transmission),
+                    ("coat", &m.coat),
+                    ("coat_roughness", &m.coat_roughness),
+                    ("coat_color", &m.coat_color),
+                    ("sheen_color", &m.sheen_color),
+                    ("sheen_roughness", &m.sheen_roughness),
+                ];
+                shares.into_iter().chain(by.into_iter().filter_map(given)).collect()
+            }
             Material::Bumped(m) => {
-                let normals = m.normal_map.iter().map(|map| ("normal_map", map));
-                normals.chain(m.bump_map.iter().map(|map| ("bump_map", map))).collect()
+                let maps = [("normal_map", m.normal_map.as_ref()), ("bump_map", m.bump_map.as_ref()), ("scale/by", m.scale.by())];
+                maps.into_iter().filter_map(given).collect()
             }
             Material::Masked(m) => vec![("opacity", &m.opacity)],
         }
@@ -125,6 +148,14 @@ impl Material {
         }
     }
 
+    /// Its roughnesses of facets, with their keys.
+    pub(super) fn roughnesses(&self) -> Vec<(&'static str, &Textured)> {
+        match self {
+            Material::Principled(m) => vec![("roughness", &m.roughness), ("coat_roughness", &m.coat_roughness)],
+            other => other.finish().into_iter().map(|finish| ("roughness", finish.roughness)).collect(),
+        }
+    }
+
     /// How rough it is, where it has the keys for that.
     pub(super) fn finish(&self) -> Option<Finish<'_>> {
         match self {
@@ -135,6 +166,11 @@ impl Material {
             _ => None,
         }
     }
+}
+
+/// What is there of what may be.
+fn given<'m>((key, texture): (&'static str, Option<&'m Textured>)) -> Option<(&'static str, &'m Textured)> {
+    texture.map(|texture| (key, texture))
 }
 
 impl Default for Material {

@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::texture::Textured;
-use super::super::value::{CoatIndex, Fraction};
+use super::super::value::CoatIndex;
+use super::super::varying::Varying;
 
 /// Metal, plastic, glass, lacquer and velvet by a base colour and some shares, as in glTF and painting programs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -17,11 +18,11 @@ pub struct Principled {
     /// Of metal, plastic and glass: 0 is smooth, 1 the roughest.
     pub roughness: Textured,
     /// From round highlights to highlights ten times as long as wide, along the first texture coordinate.
-    pub anisotropy: Fraction,
+    pub anisotropy: Textured,
     /// How much of the plastic is clad in its clear layer: without, it is matte.
     pub specular: Textured,
     /// Index of refraction of plastic and glass.
-    pub eta: CoatIndex,
+    pub eta: Varying<CoatIndex>,
     /// The share of glass in what is not metal.
     pub transmission: Textured,
     /// The share that is coated with another clear layer.
@@ -29,13 +30,13 @@ pub struct Principled {
     /// Of that layer.
     pub coat_roughness: Textured,
     /// Of that layer.
-    pub coat_eta: CoatIndex,
+    pub coat_eta: Varying<CoatIndex>,
     /// What that layer leaves of light that goes straight down through it and up again.
     pub coat_color: Textured,
     /// Fibres on the surface; black is none.
     pub sheen_color: Textured,
     /// Of the fibres: 0.1 (and below) stand straight, 1 lie all ways.
-    pub sheen_roughness: Fraction,
+    pub sheen_roughness: Textured,
     /// Follow light that facets of metal and glass reflect more than once.
     pub multiscatter: bool,
 }
@@ -46,16 +47,16 @@ impl Default for Principled {
             base_color: Textured::gray(0.8),
             metallic: Textured::black(),
             roughness: Textured::gray(0.5),
-            anisotropy: Fraction::known(0.0),
+            anisotropy: Textured::black(),
             specular: Textured::white(),
-            eta: CoatIndex::known(1.5),
+            eta: Varying::Same(CoatIndex::known(1.5)),
             transmission: Textured::black(),
             coat: Textured::black(),
             coat_roughness: Textured::black(),
-            coat_eta: CoatIndex::known(1.5),
+            coat_eta: Varying::Same(CoatIndex::known(1.5)),
             coat_color: Textured::white(),
             sheen_color: Textured::black(),
-            sheen_roughness: Fraction::known(0.5),
+            sheen_roughness: Textured::gray(0.5),
             multiscatter: true,
         }
     }

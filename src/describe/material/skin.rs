@@ -5,9 +5,11 @@ use serde::{Deserialize, Serialize};
 
 use super::super::texture::Textured;
 use super::super::value::Real;
+use super::super::varying::Varying;
 use super::MaterialRef;
 
-/// A relief too fine for triangles: it turns normals, and moves no points. Not within other materials.
+/// A relief too fine for triangles: it turns normals, and moves no points; a slope that would face away is turned back until it is
+/// seen. Where texture coordinates span no area there is no relief. Not within other materials.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bumped {
@@ -22,7 +24,7 @@ pub struct Bumped {
     pub bump_map: Option<Textured>,
     /// The height of white above black (m); with `normal_map`, the strength of the relief.
     #[serde(default = "one")]
-    pub scale: Real,
+    pub scale: Varying<Real>,
 }
 
 /// A surface with holes: leaves, lace, a fence on one quad. Light of all kinds goes through them, shadow rays too; through 4096
@@ -36,6 +38,6 @@ pub struct Masked {
     pub opacity: Textured,
 }
 
-fn one() -> Real {
-    Real::known(1.0)
+fn one() -> Varying<Real> {
+    Varying::Same(Real::known(1.0))
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish};
-use pt::bsdf::{Coat, Element, Material, Principled, Relief, Skin};
+use pt::bsdf::{Element, Material, Principled, Relief, Skin};
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::Integrator;
@@ -74,7 +74,7 @@ impl Zoo {
         let frosted = Material::rough_glass(1.5, Spectrum::ONE, finish(Vec2::splat(0.2), Distribution::Beckmann), true);
         let absorption = Spectrum::rgb(0.3, 1.0, 2.0) * (1.0 / self.scale) as f32;
         let bottle = world.material(Material::Filled { surface: Box::new(frosted), absorption });
-        let bubble = world.material(Material::ThinDielectric { eta: 1.33, color: Spectrum::ONE.into() });
+        let bubble = world.material(Material::ThinDielectric { eta: 1.33.into(), color: Spectrum::ONE.into() });
         let satin = world.material(Material::MatteCone { color: Spectrum::gray(0.7).into(), mattness: 0.2.into() });
         let paint = world.material(self.paint(checker(Space::Uv)));
         let veil = Skin { opacity: Some(0.6.into()), ..Material::mix(Material::mirror(Spectrum::ONE), Material::glass(1.2), 0.5).into() };
@@ -107,14 +107,16 @@ impl Zoo {
             transmission: 0.2.into(),
             specular: 1.0.into(),
             finish: finish(0.1),
-            eta: 1.5,
+            eta: 1.5.into(),
             coat: 0.8.into(),
-            lacquer: Coat::new(1.5, Spectrum::rgb(0.9, 0.8, 0.7), None),
+            coat_eta: 1.5.into(),
+            coat_color: Spectrum::rgb(0.9, 0.8, 0.7).into(),
+            coat_finish: None,
             sheen_color: 0.3.into(),
-            sheen_alpha: 0.2,
+            sheen_roughness: 0.45.into(),
             multiscatter: true,
         };
-        let relief = Relief::Heights { map: color, scale: (1e-3 * self.scale) as f32 };
+        let relief = Relief::Heights { map: color, scale: ((1e-3 * self.scale) as f32).into() };
         Skin { relief: Some(relief), ..Material::from(paint).into() }
     }
 

@@ -3,8 +3,7 @@
 mod finish;
 mod texture;
 
-use super::{Builder, rgb, spectrum};
-use crate::bsdf::microfacet::Finish;
+use super::{Builder, spectrum};
 use crate::bsdf::{Coat, Coated, Compound, Element, MAX_DELTA_LOBES, Material, Mix, Principled, Relief, Share, Sheen, Sides, Skin};
 use crate::describe::{self, Distribution, MaterialRef, Textured};
 use crate::effects::Effects;
@@ -68,10 +67,10 @@ impl Builder<'_> {
     }
 
     fn relief(&mut self, pointer: &str, m: &describe::Bumped) -> Option<Relief> {
-        let scale = m.scale.get() as f32;
+        let scale = self.number(pointer, "scale", &m.scale);
         let normals = m.normal_map.as_ref().map(|map| self.normal_map(&format!("{pointer}/normal_map"), map));
         let heights = m.bump_map.as_ref().map(|map| self.textured(&format!("{pointer}/bump_map"), map));
-        normals.map(|map| Relief::Normals { map, strength: scale }).or(heights.map(|map| Relief::Heights { map, scale }))
+        normals.map(|map| Relief::Normals { map, strength: scale.clone() }).or(heights.map(|map| Relief::Heights { map, scale }))
     }
 
     /// A material within another.
@@ -87,22 +86,24 @@ impl Builder<'_> {
 
     fn material_of(&mut self, pointer: &str, described: &describe::Material) -> Material {
         use describe::Material as M;
-        if let Some(finish) = described.finish() {
-            self.note_smooth(pointer, finish);
-        }
+        self.note_smooth(pointer, described);
         let mut textured = |key: &str, described: &Textured| self.textured(&format!("{pointer}/{key}"), described);
         match described {
             M::Diffuse(m) => Material::Diffuse { albedo: textured("albedo", &m.albedo) },
             M::Mirror(m) => Material::Mirror { color: textured("color", &m.color) },
             M::Conductor(m) => self.conductor(pointer, m),
             M::Dielectric(m) => self.dielectric(pointer, m),
-            M::ThinDielectric(m) => Material::ThinDielectric { eta: m.eta.get() as f32, color: textured("color", &m.color) },
+            M::ThinDielectric(m) => {
+                Material::ThinDielectric { color: textured("color", &m.color), eta: self.number(pointer, "eta", &m.eta) }
+            }
             M::MatteCone(m) => Material::MatteCone { color: textured("color", &m.color), mattness: textured("mattness", &m.mattness) },
             M::OrenNayar(m) => {
                 Material::OrenNayar { albedo: textured("albedo", &m.albedo), roughness: textured("roughness", &m.roughness) }
             }
-            M::Phong(m) => Material::Phong { color: textured("color", &m.color), exponent: m.exponent.get() as f32 },
-            M::BlinnPhong(m) => Material::BlinnPhong { color: textured("color", &m.color), exponent: m.exponent.get() as f32 },
+            M::Phong(m) => Material::Phong { color: textured("color", &m.color), exponent: self.number(pointer, "exponent", &m.exponent) },
+            M::BlinnPhong(m) => {
+                Material::BlinnPhong { color: textured("color", &m.color), exponent: self.number(pointer, "exponent", &m.exponent) }
+            }
             M::Metal(m) => Material::Metal { color: textured("color", &m.color), roughness: textured("roughness", &m.roughness) },
             M::Plastic(m) => self.plastic(pointer, m),
             M::DiffuseTransmission(m) => Material::DiffuseTransmission {
@@ -112,8 +113,8 @@ impl Builder<'_> {
             M::Coated(m) => self.coated(pointer, m),
             M::Mix(m) => self.mix(pointer, m),
             M::Sheen(m) => {
-                let (color, alpha) = (textured("color", &m.color), finish::alpha_of(m.roughness));
-                Compound::Sheen(Sheen::new(self.part(pointer, "ground", &m.ground), color, alpha)).into()
+                let (color, roughness) = (textured("color", &m.color), textured("roughness", &m.roughness));
+                Compound::Sheen(Sheen::new(self.part(pointer, "ground", &m.ground), color, roughness)).into()
             }
             M::TwoSided(m) => self.two_sided(pointer, m),
             M::Principled(m) => self.principled(pointer, m),
@@ -128,13 +129,16 @@ impl Builder<'_> {
             return Material::metal(self.textured(&format!("{pointer}/color"), color), finish, m.multiscatter);
         }
         let named = m.metal.map(|metal| metal_of(metal).index());
-        let each = |values: Option<[f64; 3]>| values.map_or(Spectrum::BLACK, rgb);
-        let index = named.unwrap_or_else(|| (each(m.eta.map(|v| v.each())), each(m.k.map(|v| v.each()))));
-        Material::metal(index, finish, m.multiscatter)
+        if let Some(index) = named {
+            return Material::metal(index, finish, m.multiscatter);
+        }
+        let eta = m.eta.as_ref().map_or(Spectrum::BLACK.into(), |eta| self.channels(pointer, "eta", eta));
+        let k = m.k.as_ref().map_or(Spectrum::BLACK.into(), |k| self.channels(pointer, "k", k));
+        Material::metal((eta, k), finish, m.multiscatter)
     }
 
     fn dielectric(&mut self, pointer: &str, m: &describe::Dielectric) -> Material {
-        let (eta, color) = (m.eta.get() as f32, self.textured(&format!("{pointer}/color"), &m.color));
+        let (eta, color) = (self.number(pointer, "eta", &m.eta), self.textured(&format!("{pointer}/color"), &m.color));
         let surface = match self.finish(pointer, m.finish()) {
             None => Material::Dielectric { eta, color },
             Some(finish) => Material::rough_glass(eta, color, finish, m.multiscatter),
@@ -150,7 +154,7 @@ impl Builder<'_> {
     }
 
     fn plastic(&mut self, pointer: &str, m: &describe::Plastic) -> Material {
-        let (albedo, eta) = (self.textured(&format!("{pointer}/albedo"), &m.albedo), m.eta.get() as f32);
+        let (albedo, eta) = (self.textured(&format!("{pointer}/albedo"), &m.albedo), self.number(pointer, "eta", &m.eta));
         match self.finish(pointer, m.finish()) {
             None => Material::plastic(albedo, eta),
             finish => Compound::Coated(Coated { ground: Material::diffuse(albedo), coat: Coat::new(eta, Spectrum::ONE, finish) }).into(),
@@ -159,14 +163,14 @@ impl Builder<'_> {
 
     fn coated(&mut self, pointer: &str, m: &describe::Coated) -> Material {
         let color = self.textured(&format!("{pointer}/color"), &m.color);
-        let coat = Coat::new(m.eta.get() as f32, color, self.finish(pointer, m.finish()));
+        let coat = Coat::new(self.number(pointer, "eta", &m.eta), color, self.finish(pointer, m.finish()));
         Compound::Coated(Coated { ground: self.part(pointer, "ground", &m.ground), coat }).into()
     }
 
     fn mix(&mut self, pointer: &str, m: &describe::MaterialMix) -> Material {
         let (a, b) = (self.part(pointer, "a", &m.a), self.part(pointer, "b", &m.b));
-        match m.fresnel {
-            Some(eta) => Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: eta.get() as f32 } }).into(),
+        match &m.fresnel {
+            Some(eta) => Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: self.number(pointer, "fresnel", eta) } }).into(),
             None => {
                 let share = m.share.as_ref().map(|share| self.textured(&format!("{pointer}/share"), share));
                 Material::mix(a, b, share.unwrap_or(Spectrum::BLACK.into()))
@@ -192,22 +196,23 @@ impl Builder<'_> {
         let (metallic, transmission) = (textured("metallic", &m.metallic), textured("transmission", &m.transmission));
         let (specular, coat) = (textured("specular", &m.specular), textured("coat", &m.coat));
         let (coat_color, sheen_color) = (textured("coat_color", &m.coat_color), textured("sheen_color", &m.sheen_color));
-        let mut finish = |key: &str, roughness: &Textured, anisotropy| {
-            self.roughened(&format!("{pointer}/{key}"), roughness, anisotropy, None, Distribution::Ggx)
-        };
-        let body: Option<Finish> = finish("roughness", &m.roughness, m.anisotropy);
-        let lacquer = finish("coat_roughness", &m.coat_roughness, describe::Fraction::known(0.0));
+        let sheen_roughness = textured("sheen_roughness", &m.sheen_roughness);
+        let finish = self.roughened(pointer, ["roughness", "anisotropy"], [&m.roughness, &m.anisotropy], Distribution::Ggx);
+        let round = Textured::gray(0.0);
+        let coat_finish = self.roughened(pointer, ["coat_roughness"; 2], [&m.coat_roughness, &round], Distribution::Ggx);
         Principled {
             base_color,
             metallic,
             transmission,
             specular,
-            finish: body,
-            eta: m.eta.get() as f32,
+            finish,
+            eta: self.number(pointer, "eta", &m.eta),
             coat,
-            lacquer: Coat::new(m.coat_eta.get() as f32, coat_color, lacquer),
+            coat_eta: self.number(pointer, "coat_eta", &m.coat_eta),
+            coat_color,
+            coat_finish,
             sheen_color,
-            sheen_alpha: finish::alpha_of(m.sheen_roughness),
+            sheen_roughness,
             multiscatter: m.multiscatter,
         }
         .into()

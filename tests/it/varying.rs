@@ -1,0 +1,254 @@
+//! Any number or colour of a material takes a texture: in each place it is what the texture says there.
+
+use glam::{Vec2, Vec3};
+use pt::bsdf::microfacet::finish::{Alpha, Finish};
+use pt::bsdf::microfacet::{self, Distribution};
+use pt::bsdf::{Bsdf, Coat, Coated, Compound, Material, Plastic, Sheen, TransportMode};
+use pt::effects::Effects;
+use pt::math::fresnel::{dielectric, dielectric_mean};
+use pt::math::{Local, Spectrum};
+use pt::proof::at;
+use pt::scene::Scene;
+use pt::shape::SurfacePoint;
+use pt::texture::{Number, Texture};
+
+use crate::compounds::{albedo, ramp};
+use crate::finishes::{bsdf, square};
+use crate::random::Random;
+
+/// A material with `$` for a number, and two numbers it may be.
+type Row = (&'static str, &'static str, &'static str);
+
+/// Numbers from 0 to 1 take a texture as they are. What has a table to be looked up in is at its nodes.
+const SHARES: &[Row] = &[
+    (r#"{"type": "conductor", "metal": "Cu", "roughness": 0.5, "anisotropy": $, "multiscatter": false}"#, "0", "0.75"),
+    (r#"{"type": "conductor", "metal": "Cu", "alpha": $, "multiscatter": false}"#, "0.25", "0.5"),
+    (r#"{"type": "conductor", "metal": "Cu", "alpha": [$, 0.5], "multiscatter": false}"#, "0", "0.25"),
+    (r#"{"type": "conductor", "metal": "Cu", "alpha": [0.5, $], "multiscatter": false}"#, "0.25", "0.75"),
+    (r#"{"type": "dielectric", "roughness": 0.5, "anisotropy": $, "multiscatter": false}"#, "0", "0.75"),
+    (r#"{"type": "sheen", "ground": {"type": "diffuse"}, "roughness": $}"#, "0", "1"),
+    (r#"{"type": "principled", "sheen_color": 0.5, "sheen_roughness": $}"#, "0", "1"),
+    (r#"{"type": "principled", "metallic": 1, "roughness": 0.5, "anisotropy": $, "multiscatter": false}"#, "0", "0.75"),
+];
+
+/// Others take one between two ends.
+const NUMBERS: &[Row] = &[
+    (r#"{"type": "phong", "exponent": $}"#, "3", "1e4"),
+    (r#"{"type": "blinn_phong", "exponent": $}"#, "0", "30"),
+    (r#"{"type": "conductor", "eta": $, "k": 3}"#, "0.2", "[1.5, 0.4, 0.1]"),
+    (r#"{"type": "conductor", "eta": [1.5, 0.4, 0.1], "k": $}"#, "[3, 2, 1]", "1000"),
+    (r#"{"type": "conductor", "eta": [1.5, 0.4, 0.1], "k": $, "roughness": 0.5}"#, "[3, 2, 1]", "[2, 2, 4]"),
+    (r#"{"type": "dielectric", "eta": $}"#, "1", "1.7"),
+    (r#"{"type": "dielectric", "eta": $, "roughness": 0.5}"#, "0.8", "1.25"),
+    (r#"{"type": "dielectric", "eta": $, "roughness": 0.5, "multiscatter": false}"#, "2", "1.25"),
+    (r#"{"type": "thin_dielectric", "eta": $}"#, "1.5", "1"),
+    (r#"{"type": "plastic", "albedo": 0.7, "eta": $}"#, "1.3", "1.5"),
+    (r#"{"type": "plastic", "albedo": 0.7, "eta": $, "roughness": 0.3}"#, "1.3", "1.5"),
+    (r#"{"type": "coated", "ground": {"type": "diffuse"}, "eta": $}"#, "1", "2.4"),
+    (r#"{"type": "mix", "a": {"type": "diffuse"}, "b": {"type": "mirror"}, "fresnel": $}"#, "1.1", "3"),
+    (r#"{"type": "principled", "transmission": 0.5, "roughness": 0, "eta": $}"#, "1.2", "1.6"),
+    (r#"{"type": "principled", "coat": 0.5, "coat_eta": $}"#, "1.2", "1.6"),
+];
+
+/// A checker of two squares is the one material on the left, and the other on the right.
+#[test]
+fn a_texture_is_each_of_its_values() {
+    let mut random = Random::new(3);
+    let checker = |even: &str, odd: &str| format!(r#"{{"type": "checker", "even": {even}, "odd": {odd}, "scale": 2}}"#);
+    let between = |a: &str, b: &str| format!(r#"{{"from": {a}, "to": {b}, "by": {}}}"#, checker("0", "1"));
+    let shares = SHARES.iter().map(|(material, a, b)| (material, checker(a, b), a, b));
+    let numbers = NUMBERS.iter().map(|(material, a, b)| (material, between(a, b), a, b));
+    for (material, textured, a, b) in shares.chain(numbers) {
+        let textured = square(&material.replace('$', &textured));
+        assert!(textured.world.effects().contains(Effects::TEXTURES), "{material}");
+        for (x, value) in [(-0.5, a), (0.5, b)] {
+            let plain = square(&material.replace('$', value));
+            assert!(!plain.world.effects().contains(Effects::TEXTURES), "{material}");
+            same(&bsdf(&textured, x), &bsdf(&plain, x), &mut random, &format!("{material}, {value}"));
+        }
+    }
+}
+
+/// The same light from everywhere to everywhere, to the rounding of tables that are looked up at their nodes.
+fn same(found: &Bsdf, expected: &Bsdf, random: &mut Random, what: &str) {
+    const MODE: TransportMode = TransportMode::Radiance;
+    let near = |a: f32, b: f32| (a - b).abs() <= 2e-5 * b.abs() + 1e-7;
+    for _ in 0..100 {
+        let [wo, wi] = [(); 2].map(|()| Local(random.direction().as_vec3()));
+        let (choice, u) = (random.unit() as f32, random.uniform_square());
+        assert!(near(found.pdf(wo, wi).get(), expected.pdf(wo, wi).get()), "{what}");
+        let [a, b] = [found, expected].map(|bsdf| bsdf.eval(wo, wi, MODE).to_rgb());
+        assert!(a.into_iter().zip(b).all(|(a, b)| near(a, b)), "{what}: {a:?}, expected {b:?} for {wo:?} {wi:?}");
+        let [a, b] = [found, expected].map(|bsdf| bsdf.sample(wo, choice, u, MODE));
+        assert_eq!(a.map(|s| s.wi), b.map(|s| s.wi), "{what}");
+        let [a, b] = [found, expected].map(|bsdf| bsdf.delta_lobes(wo, MODE).map(|lobe| (lobe.wi, lobe.weight)).collect::<Vec<_>>());
+        assert!(a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| a.0 == b.0 && near(a.1.average(), b.1.average())), "{what}");
+    }
+}
+
+/// From one end to the other, both exactly, whatever is greater; and a number that a constant texture gives is a constant.
+#[test]
+fn numbers_lie_between_their_ends() {
+    let place = |u: f32| SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, 0.5) };
+    for (from, to) in [(1.1f32, 1.7f32), (1e8, 0.0), (-3.0, 5.0)] {
+        let number = Number::between(from, to, ramp(0.0, 1.0));
+        assert_eq!(number.range(), [from.min(to), from.max(to)]);
+        // The ramp rises from 1/4 to 3/4.
+        for (u, share) in [(0.0, 0.0), (0.25, 0.0), (0.5, 0.5), (0.625, 0.75), (0.75, 1.0), (1.0, 1.0)] {
+            let expected = from + (to - from) * share;
+            assert!((number.at(&place(u)) - expected).abs() <= 2e-6 * from.abs().max(to.abs()), "{number:?} at {u}");
+        }
+        assert_eq!((number.at(&place(0.0)), number.at(&place(1.0))), (from, to));
+        assert_eq!(Number::between(from, to, 1.0.into()), Number::Constant(to));
+    }
+}
+
+/// What its place in a texture ramp makes of a material, at the middle.
+fn halfway(material: &Material) -> Bsdf<'_> {
+    material.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::splat(0.5) })
+}
+
+fn finish(alpha: f32) -> Finish {
+    Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx }
+}
+
+/// White glass, and white under a coat, half way between two tables, where they are most wrong, against the tables of that very
+/// index: what they give back of light differs by less than 2e-3, as much as is asked of the tables themselves. (Glass that is hardly
+/// there, η below 1.0025, reflects totally within the last 4°: there the edge lies between the tables, and they differ by 5e-3.)
+#[test]
+fn between_two_tables_no_light_is_lost() {
+    for (low, high) in [(1.0, 1.0025), (1.0025, 1.01), (1.022, 1.04), (1.19, 1.248), (1.43, 1.5), (2.2, 2.4), (0.65, 0.69)] {
+        let varying = || Number::between(low, high, ramp(0.0, 1.0));
+        let middle = 0.5 * (low + high);
+        for alpha in [0.1, 0.3, 1.0] {
+            let glass = |eta| Material::rough_glass(eta, Spectrum::ONE, finish(alpha), true);
+            let coat = |eta| {
+                let coat = Coat::new(eta, Spectrum::ONE, Some(finish(alpha)));
+                Material::from(Compound::Coated(Coated { ground: Material::diffuse(Spectrum::ONE), coat }))
+            };
+            let mut pairs = vec![("glass", glass(varying()), glass(middle.into()))];
+            if low >= 1.0 {
+                pairs.push(("coat", coat(varying()), coat(middle.into())));
+            }
+            for (name, between, exact) in &pairs {
+                for (cos, side) in [1.0, 0.6, 0.2].into_iter().flat_map(|cos| [(cos, 1.0), (cos, -1.0)]) {
+                    let difference = difference(&halfway(between), &halfway(exact), Local(at(cos, 0.4).0 * side));
+                    let what = format!("{name}, η {low} to {high}, α {alpha}, cos {cos} {side}");
+                    assert!(difference.abs() < if high < 1.005 { 5e-3 } else { 2e-3 }, "{what}: {difference}");
+                }
+            }
+        }
+    }
+}
+
+/// Long facets whose length or roughness varies, against the tables of that very roughness, white to one part in a hundred: by the
+/// mean of the two widths alone half of the light would be missing.
+#[test]
+fn long_facets_that_vary_lose_no_light() {
+    let white = |alpha| Material::metal(Texture::from(Spectrum::ONE), Some(Finish { alpha, distribution: Distribution::Ggx }), true);
+    let varying = |value: f32| ramp(value - 0.02, value + 0.02);
+    for (roughness, anisotropy) in [(0.3f32, 0.9f32), (0.53, 0.5), (0.7, 0.98), (0.95, 0.3)] {
+        let widths = microfacet::finish::alpha(roughness, anisotropy);
+        let exact = white(Alpha::Constant(widths));
+        let mut varied = vec![
+            Alpha::Textured { roughness: roughness.into(), anisotropy: varying(anisotropy) },
+            Alpha::Textured { roughness: varying(roughness), anisotropy: anisotropy.into() },
+            Alpha::Textured { roughness: varying(roughness), anisotropy: varying(anisotropy) },
+        ];
+        if widths.x < 0.98 {
+            varied.push(Alpha::Widths([varying(widths.x), widths.y.into()]));
+        }
+        for alpha in varied {
+            let between = white(alpha.clone());
+            for (cos, phi) in [1.0, 0.6, 0.2, 0.05].into_iter().flat_map(|cos| [0.0, 0.8, 1.57].map(|phi| (cos, phi))) {
+                let difference = difference(&halfway(&between), &halfway(&exact), at(cos, phi));
+                assert!(difference.abs() < 0.012, "{roughness}, {anisotropy}, {alpha:?}, cos {cos}, φ {phi}: {difference}");
+            }
+        }
+    }
+}
+
+/// Fibres between two tables take from a mirror below exactly what they return; as near as with one of them.
+#[test]
+fn between_two_tables_of_fibres_no_light_is_lost() {
+    for (low, high) in [(0.1, 0.25), (0.3, 0.6), (0.6, 1.0)] {
+        let sheen = Sheen::new(Material::mirror(Spectrum::ONE), Spectrum::ONE, ramp(low, high));
+        for cos in [1.0, 0.6, 0.25] {
+            let found = albedo(&halfway(&Compound::Sheen(sheen.clone()).into()), at(cos, 0.0)).average();
+            assert!((found - 1.0).abs() < 5e-3, "roughness {low} to {high}, cos {cos}: {found}");
+        }
+    }
+}
+
+/// What one model gives back more than the other, over both sides of the surface: all that they have in common cancels, narrow
+/// lobes first.
+fn difference(a: &Bsdf, b: &Bsdf, wo: Local) -> f64 {
+    const N: u32 = 64;
+    let cell = |k: u32| {
+        let [i, j] = [k % N, k / N].map(|k| (f64::from(k) + 0.5) / f64::from(N));
+        let sides = [1.0, -1.0].map(|side| {
+            let wi = Local(at((1.0 - i).sqrt(), std::f64::consts::TAU * j).0 * side);
+            let [a, b] = [a, b].map(|model| f64::from(model.eval(wo, wi, TransportMode::Importance).average()));
+            (a - b) / f64::from(wi.abs_cos())
+        });
+        sides[0] + sides[1]
+    };
+    (0..N * N).map(cell).sum::<f64>() * std::f64::consts::PI / f64::from(N * N)
+}
+
+/// Where an index varies, what follows from it is as if it were the same everywhere.
+#[test]
+fn means_follow_the_index() {
+    let model = Material::plastic(Spectrum::ONE, Number::between(1.2, 1.8, ramp(0.0, 1.0)));
+    let Bsdf::Plastic(plastic) = halfway(&model) else { panic!("plastic") };
+    assert!((plastic.eta - 1.5).abs() < 1e-6);
+    assert_eq!(plastic.internal, Plastic::internal(plastic.eta));
+}
+
+/// The mean reflectance against Simpson's rule; near 1, where the terms of the formula cancel, too.
+#[test]
+fn mean_reflectance_is_the_integral() {
+    const STEPS: u32 = 2048;
+    let integral = |eta: f32| {
+        let at = |step: u32| f64::from(step) / f64::from(STEPS);
+        let term = |step: u32| f64::from(2 << (step % 2)) * 2.0 * at(step) * f64::from(dielectric(at(step) as f32, eta));
+        ((1..STEPS).map(term).sum::<f64>() + 2.0 * f64::from(dielectric(1.0, eta))) / f64::from(3 * STEPS)
+    };
+    for eta in [1.0001f32, 1.00011, 1.001, 1.01, 1.1, 1.5, 2.42, 10.0, 100.0] {
+        let (found, expected) = (f64::from(dielectric_mean(eta)), integral(eta));
+        // Of the rule with F all but a step at the horizon: a tenth of a cell.
+        assert!((found - expected).abs() < 1e-7 + 5e-5 * expected, "η {eta}: {found}, {expected}");
+    }
+}
+
+/// A texture of no use is one fault, at its place.
+#[test]
+fn ends_have_the_range_of_the_number() {
+    let refused = |material: &str| {
+        let scene = format!(r#"{{"pt": 1, "camera": {{}}, "materials": {{"m": {material}}}}}"#);
+        let root = pt::describe::root(scene.as_bytes(), "s.json").expect("JSON");
+        pt::describe::read(&root, "s.json").expect_err("a fault").to_string()
+    };
+    for (material, said) in [
+        (
+            r#"{"type": "dielectric", "eta": {"from": 0, "to": 1.5, "by": 1}}"#,
+            "/materials/m/eta/from: expected an index of refraction from 0.01 to 100, found 0",
+        ),
+        (
+            r#"{"type": "plastic", "eta": {"from": 1, "to": 0.9, "by": 1}}"#,
+            "/materials/m/eta/to: expected an index of refraction from 1 to 100, found 0.9",
+        ),
+        (
+            r#"{"type": "phong", "exponent": {"from": 1, "to": 9, "by": 2}}"#,
+            "/materials/m/exponent/by: expected a number from 0 to 1, found 2",
+        ),
+        (r#"{"type": "phong", "exponent": {"from": 1, "by": 1}}"#, "/materials/m/exponent: missing key \"to\""),
+        (r#"{"type": "phong", "exponent": {"from": 1, "to": 9, "by": "wood"}}"#, "/materials/m/exponent/by: unknown texture \"wood\""),
+        (r#"{"type": "conductor", "eta": 1, "k": {"from": 1, "to": [1, 2], "by": 1}}"#, "/materials/m/k/to"),
+        (r#"{"type": "sheen", "ground": {"type": "mirror"}, "roughness": "wood"}"#, "/materials/m/roughness: unknown texture \"wood\""),
+        (r#"{"type": "conductor", "metal": "Cu", "alpha": [0.1, "wood"]}"#, "/materials/m/alpha/1: unknown texture \"wood\""),
+    ] {
+        let found = refused(material);
+        assert!(found.contains(said), "{material}: {found}");
+    }
+}
