@@ -3,6 +3,8 @@
 //! Every method renders the same scene several times, each time with other random numbers, interleaved so that a
 //! machine that slows down slows all of them. At doubling checkpoints each picture is measured against a reference.
 
+pub mod report;
+
 use crate::film::Image;
 
 /// All that was measured, for the report to tell.

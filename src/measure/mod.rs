@@ -11,6 +11,7 @@ pub mod level;
 pub mod mean;
 pub mod relative;
 pub mod verdict;
+pub mod words;
 
 pub use agreement::{Agreement, Render, agreement};
 pub use course::{Checkpoint, Course, Price, checkpoints};
