@@ -138,7 +138,7 @@ fn measure(
     let conclusions = conclusions(&methods);
     let comparison = Comparison { scene: stem, reference, methods, confidence: args.confidence, conclusions };
     output::write(&folder.join("reference.exr"), &comparison.reference.image, &vec![], &output::Tonemap::default())?;
-    //REPORT
+    compare::report::write(&comparison, folder, args.jeri)?;
     say(&summary(&comparison, folder))?;
     Ok(ExitCode::SUCCESS)
 }

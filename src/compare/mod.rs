@@ -5,6 +5,7 @@
 
 mod conclude;
 pub mod curve;
+pub mod report;
 pub mod run;
 
 use crate::film::Image;

@@ -37,6 +37,7 @@ mod proof;
 mod random;
 mod reader;
 mod references;
+mod report;
 mod sample;
 mod samplers;
 mod scene_faults;

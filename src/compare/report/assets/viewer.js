@@ -1,0 +1,402 @@
+"use strict";
+// The image viewer of the report. Pictures are half floats under a power of two; all that is shown is computed from them.
+(() => {
+  const element = (id) => document.getElementById(id);
+  const data = JSON.parse(element("pictures").textContent);
+  const [width, height] = data.size;
+  const [canvas, stage, handle] = ["canvas", "stage", "handle"].map(element);
+  const context = canvas.getContext("2d");
+
+  // Half floats: what each of the 65536 patterns means.
+  const HALF = Float32Array.from({ length: 65536 }, (_, bits) => {
+    const [sign, exponent, fraction] = [bits & 0x8000 ? -1 : 1, (bits >> 10) & 31, bits & 1023];
+    if (exponent === 31) return fraction ? NaN : sign * Infinity;
+    return exponent ? sign * (1 + fraction / 1024) * 2 ** (exponent - 15) : sign * fraction * 2 ** -24;
+  });
+
+  function decode(plane) {
+    if (!plane) return null;
+    const bytes = atob(plane.data);
+    const bits = new Uint16Array(bytes.length / 2);
+    for (let i = 0; i < bits.length; i++) bits[i] = bytes.charCodeAt(2 * i) | (bytes.charCodeAt(2 * i + 1) << 8);
+    return { bits, unit: 2 ** plane.exponent };
+  }
+
+  const view = (planes) => planes && { color: decode(planes.color), error: decode(planes.error) };
+  const pictures = data.pictures.map((picture) => {
+    const mean = view(picture.mean);
+    return { name: picture.name, color: picture.color, views: { mean, render: view(picture.render) || mean } };
+  });
+  const value = (plane, i) => HALF[plane.bits[i]] * plane.unit;
+
+  const reference = pictures[0].views.mean.color;
+  const mean = reference.bits.reduce((sum, _, i) => sum + value(reference, i), 0) / reference.bits.length;
+  const floor = data.epsilon * mean * mean;
+
+  const start = { shown: Math.min(1, pictures.length - 1), other: 0, split: null, view: "render", overlay: "picture", exposure: 0, curve: "sRGB", zoom: null, x: width / 2, y: height / 2 };
+  const state = { ...start, probe: [width >> 1, height >> 1], pinned: false };
+
+  // What a pixel is.
+
+  const viewOf = (index, which = state.view) => pictures[index].views[which];
+
+  function colors(index, pixel, which) {
+    const plane = viewOf(index, which).color;
+    return [0, 1, 2].map((c) => value(plane, 3 * pixel + c));
+  }
+
+  // √ of the mean over the colours of (x − r)²/(r² + ε): its mean square over the picture is relMSE.
+  function error(index, pixel) {
+    const plane = viewOf(index).color;
+    let sum = 0;
+    for (let c = 3 * pixel; c < 3 * pixel + 3; c++) {
+      const r = value(reference, c);
+      sum += (value(plane, c) - r) ** 2 / (r * r + floor);
+    }
+    return Math.sqrt(sum / 3);
+  }
+
+  const deviation = (index, pixel, which) => {
+    const plane = viewOf(index, which).error;
+    return plane ? value(plane, pixel) : null;
+  };
+
+  // The standard error on the same scale as the error.
+  function bar(index, pixel) {
+    let sum = 0;
+    for (let c = 3 * pixel; c < 3 * pixel + 3; c++) sum += 1 / (value(reference, c) ** 2 + floor);
+    return deviation(index, pixel) * Math.sqrt(sum / 3);
+  }
+
+  // From numbers to what a screen shows.
+
+  const srgb = (x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
+  const CURVES = {
+    sRGB: srgb,
+    Filmic: (x) => { const v = Math.min(Math.max(x, 0), 1e9); return srgb((v * (2.51 * v + 0.03)) / (v * (2.43 * v + 0.59) + 0.14)); },
+  };
+
+  function toneTable(unit) {
+    const gain = unit * 2 ** state.exposure;
+    const curve = CURVES[state.curve];
+    return Uint8ClampedArray.from(HALF, (half) => { const v = curve(half * gain); return Number.isNaN(v) ? 0 : 255 * v; });
+  }
+
+  // Viridis, from 0.1 % to 100 %.
+  const STOPS = ["440154", "482878", "3e4989", "31688e", "26828e", "1f9e89", "35b779", "6ece58", "b5de2b", "fde725"].map((hex) => [0, 2, 4].map((i) => parseInt(hex.slice(i, i + 2), 16)));
+  function falseColor(relative) {
+    const at = Math.min(Math.max((Math.log10(relative) + 3) / 3, 0), 1) * (STOPS.length - 1) || 0;
+    const i = Math.min(Math.floor(at), STOPS.length - 2);
+    return STOPS[i].map((low, c) => low + (at - i) * (STOPS[i + 1][c] - low));
+  }
+
+  const bitmaps = new Map();
+  function bitmap(index) {
+    const key = [index, state.view, state.overlay, state.exposure, state.curve].join();
+    if (bitmaps.has(key)) return bitmaps.get(key);
+    if (bitmaps.size > 2 * pictures.length + 4) bitmaps.clear();
+    const surface = Object.assign(document.createElement("canvas"), { width, height });
+    const target = surface.getContext("2d");
+    const image = target.createImageData(width, height);
+    fill(image.data, index);
+    target.putImageData(image, 0, 0);
+    bitmaps.set(key, surface);
+    return surface;
+  }
+
+  function fill(out, index) {
+    const { color, error: bars } = viewOf(index);
+    if (state.overlay === "picture") {
+      const tone = toneTable(color.unit);
+      for (let i = 0, o = 0; i < color.bits.length; i += 3, o += 4) {
+        out[o] = tone[color.bits[i]];
+        out[o + 1] = tone[color.bits[i + 1]];
+        out[o + 2] = tone[color.bits[i + 2]];
+        out[o + 3] = 255;
+      }
+      return;
+    }
+    const relative = state.overlay === "error" ? error : bar;
+    if (relative === bar && !bars) return;
+    for (let pixel = 0, o = 0; pixel < width * height; pixel++, o += 4) {
+      [out[o], out[o + 1], out[o + 2]] = falseColor(relative(index, pixel));
+      out[o + 3] = 255;
+    }
+  }
+
+  // Where a pixel is. Zoom is in CSS pixels per pixel of the picture, (x, y) is the middle of the stage.
+
+  const fitting = () => Math.min(canvas.clientWidth / width, canvas.clientHeight / height) || 1;
+  const zoom = () => state.zoom ?? fitting();
+  const toStage = (x, y) => [canvas.clientWidth / 2 + (x - state.x) * zoom(), canvas.clientHeight / 2 + (y - state.y) * zoom()];
+  const toPicture = (x, y) => [state.x + (x - canvas.clientWidth / 2) / zoom(), state.y + (y - canvas.clientHeight / 2) / zoom()];
+  const clamp = (v, low, high) => Math.min(Math.max(v, low), high);
+  const onStage = (event) => { const box = canvas.getBoundingClientRect(); return [event.clientX - box.left, event.clientY - box.top]; };
+
+  let waiting = false;
+  function redraw() {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(() => { waiting = false; draw(); });
+  }
+
+  function draw() {
+    const density = window.devicePixelRatio || 1;
+    const [w, h] = [canvas.clientWidth, canvas.clientHeight];
+    if (canvas.width !== Math.round(w * density) || canvas.height !== Math.round(h * density)) {
+      canvas.width = Math.round(w * density);
+      canvas.height = Math.round(h * density);
+    }
+    context.setTransform(density, 0, 0, density, 0, 0);
+    context.clearRect(0, 0, w, h);
+    context.imageSmoothingEnabled = zoom() * density < 1;
+    context.imageSmoothingQuality = "high";
+    const [x, y] = toStage(0, 0);
+    const paint = (index, from, to) => {
+      context.save();
+      context.beginPath();
+      context.rect(from, 0, to - from, h);
+      context.clip();
+      context.drawImage(bitmap(index), x, y, width * zoom(), height * zoom());
+      context.restore();
+    };
+    const edge = state.split === null ? w : state.split * w;
+    paint(state.shown, 0, edge);
+    if (state.split !== null) paint(state.other, edge, w);
+    if (zoom() >= 6 || state.pinned) outline();
+  }
+
+  // Around the pixel that is read.
+  function outline() {
+    const [x, y] = toStage(...state.probe);
+    const size = Math.max(zoom(), 7);
+    const shift = (zoom() - size) / 2;
+    for (const [color, wide] of [["#000", 3], ["#fff", 1]]) {
+      context.strokeStyle = color;
+      context.lineWidth = wide;
+      context.strokeRect(x + shift - 1, y + shift - 1, size + 2, size + 2);
+    }
+  }
+
+  // Words around the picture.
+
+  const number = (v, digits = 4) => {
+    if (!Number.isFinite(v)) return String(v);
+    const size = Math.abs(v);
+    return size !== 0 && (size < 1e-4 || size >= 9999.5) ? v.toExponential(2) : v.toPrecision(digits);
+  };
+  const perCent = (v) => (v === null ? "–" : `${number(100 * v, 2)} %`);
+
+  function describe() {
+    const missing = (index) => state.overlay === "bar" && !viewOf(index).error;
+    const title = (index) => pictures[index].name + (missing(index) ? ": knows no error bars" : "");
+    element("left-name").textContent = title(state.shown);
+    element("right-name").textContent = title(state.other);
+    const isSplit = state.split !== null;
+    for (const id of ["right-name", "handle", "other"]) element(id).hidden = !isSplit;
+    handle.style.left = `${100 * (state.split ?? 0.5)}%`;
+    handle.setAttribute("aria-valuenow", Math.round(100 * (state.split ?? 0.5)));
+    handle.setAttribute("aria-valuetext", `${pictures[state.shown].name} left, ${pictures[state.other].name} right`);
+    const press = (button, on) => button.setAttribute("aria-pressed", on);
+    document.querySelectorAll("#names button").forEach((button, i) => press(button, i === state.shown));
+    document.querySelectorAll("[data-overlay]").forEach((button) => press(button, button.dataset.overlay === state.overlay));
+    document.querySelectorAll("[data-view]").forEach((button) => press(button, button.dataset.view === state.view));
+    press(element("split"), isSplit);
+    element("other").value = state.other;
+    element("exposure").value = `${state.exposure > 0 ? "+" : state.exposure < 0 ? "−" : ""}${Math.abs(state.exposure)} EV`;
+    element("curve").textContent = state.curve;
+    element("zoom").value = `${Math.round(100 * zoom())} %`;
+    element("scale").hidden = state.overlay === "picture";
+    element("scale-title").textContent = state.overlay === "bar" ? "standard error, relative" : "error against the reference, relative";
+    canvas.style.touchAction = zoom() > 1.01 * fitting() ? "none" : "pan-y";
+    readout();
+  }
+
+  function readout() {
+    const [x, y] = state.probe;
+    element("status").textContent = `Pixel ${x + data.origin[0]}, ${y + data.origin[1]}`;
+    const pixel = y * width + x;
+    [...element("values").rows].forEach((row, i) => {
+      row.classList.toggle("shown", i === state.shown);
+      const cells = [...colors(i, pixel).map((v) => number(v)), deviation(i, pixel) === null ? "–" : number(deviation(i, pixel), 2), i ? perCent(error(i, pixel)) : ""];
+      cells.forEach((text, c) => { row.cells[c + 1].textContent = text; });
+    });
+  }
+
+  function set(change) {
+    Object.assign(state, change);
+    state.exposure = clamp(state.exposure, -40, 40);
+    describe();
+    redraw();
+  }
+
+  // What one can do.
+
+  const probe = (x, y, pinned) => set({ probe: [clamp(Math.floor(x), 0, width - 1), clamp(Math.floor(y), 0, height - 1)], pinned });
+  const show = (index) => index < pictures.length && set({ shown: index });
+  const toggle = (name, on, off) => set({ [name]: state[name] === on ? off : on });
+  const split = (at) => set({ split: clamp(at, 0, 1) });
+  const flipCurve = () => toggle("curve", "Filmic", "sRGB");
+
+  function zoomBy(factor, x = canvas.clientWidth / 2, y = canvas.clientHeight / 2) {
+    const [px, py] = toPicture(x, y);
+    const next = clamp(zoom() * factor, Math.min(fitting(), 1) / 2, 64);
+    // What is under the pointer stays there.
+    move({ zoom: next, x: px - (x - canvas.clientWidth / 2) / next, y: py - (y - canvas.clientHeight / 2) / next });
+  }
+
+  const move = ({ x, y, ...rest }) => set({ x: clamp(x, 0, width), y: clamp(y, 0, height), ...rest });
+  const pan = (dx, dy) => move({ x: state.x - dx / zoom(), y: state.y - dy / zoom() });
+
+  // The mean of the reference at middle grey, 18 %, to half a stop.
+  const fitExposure = () => set({ exposure: mean > 0 ? Math.round(2 * Math.log2(0.18 / mean)) / 2 : 0 });
+
+  function fullScreen() {
+    if (document.fullscreenElement) document.exitFullscreen();
+    else element("viewer").requestFullscreen?.().catch(() => {});
+  }
+
+  function reset() {
+    set({ ...start, shown: state.shown, other: state.other, pinned: false });
+  }
+
+  // Mouse and fingers.
+
+  const pointers = new Map();
+  let travelled = 0;
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, onStage(event));
+    if (pointers.size === 1) travelled = 0;
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const now = onStage(event);
+    const before = pointers.get(event.pointerId);
+    if (!before) {
+      if (event.pointerType === "mouse" && !state.pinned) probe(...toPicture(...now), false);
+      return;
+    }
+    if (pointers.size === 2) {
+      const other = [...pointers].find(([id]) => id !== event.pointerId)[1];
+      const distance = ([x, y]) => Math.hypot(x - other[0], y - other[1]) || 1;
+      zoomBy(distance(now) / distance(before), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
+      pan((now[0] - before[0]) / 2, (now[1] - before[1]) / 2);
+      travelled = Infinity;
+    } else {
+      travelled += Math.hypot(now[0] - before[0], now[1] - before[1]);
+      // A click that trembles is a click.
+      if (travelled > 4) pan(now[0] - before[0], now[1] - before[1]);
+    }
+    pointers.set(event.pointerId, now);
+  });
+  const lift = (event) => {
+    const at = pointers.get(event.pointerId);
+    pointers.delete(event.pointerId);
+    return at;
+  };
+  canvas.addEventListener("pointerup", (event) => {
+    const at = lift(event);
+    if (!at || travelled > 4) return;
+    const [x, y] = toPicture(...at).map(Math.floor);
+    const again = state.pinned && x === state.probe[0] && y === state.probe[1];
+    probe(x, y, !again);
+  });
+  canvas.addEventListener("pointercancel", lift);
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const lines = event.deltaMode === 1 ? 33 : 1;
+    zoomBy(Math.exp(-0.002 * clamp(event.deltaY * lines, -400, 400)), ...onStage(event));
+  }, { passive: false });
+
+  handle.addEventListener("pointerdown", (event) => handle.setPointerCapture(event.pointerId));
+  handle.addEventListener("pointermove", (event) => {
+    if (handle.hasPointerCapture(event.pointerId)) split(onStage(event)[0] / canvas.clientWidth);
+  });
+
+  // Keys.
+
+  const KEYS = {
+    e: () => set({ exposure: state.exposure + 0.5 }),
+    E: () => set({ exposure: state.exposure - 0.5 }),
+    a: fitExposure,
+    t: flipCurve,
+    d: () => toggle("overlay", "error", "picture"),
+    b: () => toggle("overlay", "bar", "picture"),
+    m: () => toggle("view", "mean", "render"),
+    w: () => toggle("split", null, 0.5),
+    "[": () => split((state.split ?? 0.5) - 0.02),
+    "]": () => split((state.split ?? 0.5) + 0.02),
+    "+": () => zoomBy(1.25),
+    "=": () => zoomBy(1.25),
+    "-": () => zoomBy(0.8),
+    f: fullScreen,
+    r: reset,
+    "?": () => element("help").showModal(),
+  };
+  const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, dialog[open]")) return;
+    const arrow = ARROWS[event.key];
+    const digit = /^Digit(\d)$/.exec(event.code);
+    let act = KEYS[event.key];
+    if (/^\d$/.test(event.key)) act = () => show(Number(event.key));
+    else if (event.shiftKey && digit) act = () => Number(digit[1]) < pictures.length && set({ other: Number(digit[1]), split: state.split ?? 0.5 });
+    else if (arrow && event.target === handle) act = arrow[0] ? () => split(state.split + 0.02 * arrow[0]) : null;
+    else if (arrow && event.shiftKey && stage.contains(event.target)) act = () => probe(state.probe[0] + arrow[0], state.probe[1] + arrow[1], true);
+    else if (arrow && stage.contains(event.target)) act = () => pan(-60 * arrow[0], -60 * arrow[1]);
+    if (!act) return;
+    event.preventDefault();
+    act();
+  });
+
+  // Buttons.
+
+  const add = (parent, tag, properties) => parent.appendChild(Object.assign(document.createElement(tag), properties));
+  const swatch = (parent, color) => add(parent, "i", { className: color === null ? "swatch" : `swatch f-m${color}` });
+  pictures.forEach(({ name, color }, i) => {
+    const button = add(element("names"), "button", { onclick: () => show(i) });
+    if (i < 10) {
+      add(button, "kbd", { textContent: i });
+      button.setAttribute("aria-keyshortcuts", i);
+    }
+    button.append(name);
+    add(element("other"), "option", { value: i, textContent: name });
+    const row = add(element("values"), "tr", {});
+    const head = add(row, "th", { scope: "row" });
+    swatch(head, color);
+    head.append(name);
+    for (let c = 0; c < 5; c++) add(row, "td", {});
+  });
+  const click = (id, act) => element(id).addEventListener("click", act);
+  click("split", KEYS.w);
+  click("darker", KEYS.E);
+  click("brighter", KEYS.e);
+  click("curve", flipCurve);
+  click("out", KEYS["-"]);
+  click("in", KEYS["+"]);
+  click("reset", reset);
+  click("help-button", KEYS["?"]);
+  element("other").addEventListener("change", (event) => set({ other: Number(event.target.value) }));
+  document.querySelectorAll("[data-overlay]").forEach((button) => button.addEventListener("click", () => set({ overlay: button.dataset.overlay })));
+  document.querySelectorAll("[data-view]").forEach((button) => button.addEventListener("click", () => set({ view: button.dataset.view })));
+  stage.style.setProperty("--shape", `${width} / ${height}`);
+  new ResizeObserver(() => { describe(); redraw(); }).observe(canvas);
+  describe();
+
+  // For tests and consoles.
+  window.pt = {
+    state: () => ({ ...state, zoom: zoom() }),
+    // Pixel (x, y) of the whole picture: of every picture its colours and standard error.
+    read: (x, y, which = state.view) => {
+      const pixel = (y - data.origin[1]) * width + x - data.origin[0];
+      return pictures.map(({ name }, i) => ({ name, rgb: colors(i, pixel, which), deviation: deviation(i, pixel, which) }));
+    },
+    // The middle of pixel (x, y) in the window.
+    locate: (x, y) => {
+      const box = canvas.getBoundingClientRect();
+      const [px, py] = toStage(x - data.origin[0] + 0.5, y - data.origin[1] + 0.5);
+      return [box.left + px, box.top + py];
+    },
+  };
+})();

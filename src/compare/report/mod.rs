@@ -1,0 +1,61 @@
+//! A comparison as files: numbers for programs, plots for papers, one page for people.
+//!
+//! To add a plot: a file in `plot/`, a row in [`plot::ALL`].
+
+mod escape;
+mod jeri;
+mod names;
+mod page;
+mod planes;
+mod plot;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use super::Comparison;
+use crate::error::{Error, Result};
+use crate::output;
+
+/// Files to be written, in this order, by their paths inside the report's folder.
+type Files = Vec<(PathBuf, Vec<u8>)>;
+
+/// Writes the report into `folder`, which is made where it is missing:
+///
+/// - `convergence.csv`, `convergence.json`: every measurement, what the replicates say together, and the formulas
+/// - `plots/*.svg`, `plots/*.png`
+/// - `index.html`: table, plots and pictures in one file that needs no server and no network
+/// - with `jeri`, `jeri/`: EXR pictures and the tree `data.js`, `data.json` for the JERI viewer
+///
+/// All is made in memory first, each file appears whole, and the page comes last.
+///
+/// # Errors
+/// `Io` where the system refuses; `Internal` for pictures that are not of the reference's size.
+pub fn write(comparison: &Comparison, folder: &Path, jeri: bool) -> Result<()> {
+    same_size(comparison)?;
+    let mut files: Files = vec![("convergence.csv".into(), table::csv(comparison)), ("convergence.json".into(), table::json(comparison)?)];
+    files.extend(plot::files(comparison)?);
+    if jeri {
+        files.extend(jeri::files(comparison)?);
+    }
+    files.push(("index.html".into(), page::html(comparison)?));
+    for (name, bytes) in &files {
+        let path = folder.join(name);
+        let parent = output::folder(&path);
+        std::fs::create_dir_all(parent).map_err(|e| Error::io(parent, e))?;
+        output::replace(&path, bytes)?;
+    }
+    Ok(())
+}
+
+fn same_size(comparison: &Comparison) -> Result<()> {
+    let size = comparison.reference.image.size;
+    for method in &comparison.methods {
+        for image in [&method.image, &method.sample] {
+            if image.size != size {
+                let text = format!("the picture of {} is {}, its reference {}", method.name, image.size, size);
+                return Err(Error::Internal(text));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,175 @@
+//! `index.html`: one file with all inside.
+
+use serde::Serialize;
+
+use super::escape::{script, xml};
+use super::names;
+use super::planes::Plane;
+use super::plot::{self, course};
+use crate::compare::{Comparison, Method, TARGETS};
+use crate::error::{Error, Result};
+use crate::film::Image;
+use crate::measure::relative::EPSILON;
+use crate::measure::words;
+
+const TEMPLATE: &str = include_str!("assets/page.html");
+
+pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
+    let pictures = serde_json::to_string(&pictures(comparison)).map_err(|e| Error::Internal(format!("cannot write JSON: {e}")))?;
+    let value = |name: &str| match name {
+        "scene" => xml(&comparison.scene),
+        "style" => include_str!("assets/page.css").into(),
+        "dark" => include_str!("assets/dark.css").into(),
+        "conclusions" => comparison.conclusions.iter().map(|text| format!("<p>{}</p>\n", xml(&unbroken(text)))).collect(),
+        "reference" => reference(comparison),
+        "confidence" => words::per_cent(comparison.confidence),
+        "targets" => TARGETS.iter().map(|t| format!("<th scope=\"col\">{} %</th>\n", words::per_cent(*t))).collect(),
+        "methods" => (0..comparison.methods.len()).map(|place| row(comparison, place)).collect(),
+        "plots" => plot::elements(comparison).iter().map(figure).collect(),
+        "epsilon" => EPSILON.to_string(),
+        "pictures" => script(&pictures),
+        "script" => include_str!("assets/viewer.js").into(),
+        other => unreachable!("the page asks for {other}"),
+    };
+    Ok(fill(TEMPLATE, value).into_bytes())
+}
+
+/// Every `{{name}}` of the template gives way to its value. Values are not searched again.
+fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
+    let mut parts = template.split("{{");
+    let mut page = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").unwrap_or((part, ""));
+        page.push_str(&value(name));
+        page.push_str(rest);
+    }
+    page
+}
+
+fn reference(comparison: &Comparison) -> String {
+    let error = comparison.reference.error.map(|error| format!(", its own error {} %, subtracted", words::per_cent(error)));
+    format!("{}{}", xml(&comparison.reference.origin), error.unwrap_or_default())
+}
+
+/// No line ends between a number and its unit.
+fn unbroken(text: &str) -> String {
+    let mut joined = String::with_capacity(text.len());
+    for word in text.split(' ') {
+        let is_unit =
+            matches!(word.trim_end_matches(['.', ',', ';', ':', ')', '?']), "%" | "s" | "ms" | "min" | "h" | "days" | "years" | "spp");
+        if !joined.is_empty() {
+            joined.push(if is_unit && joined.ends_with(|c: char| c.is_ascii_digit()) { '\u{a0}' } else { ' ' });
+        }
+        joined.push_str(word);
+    }
+    joined
+}
+
+fn figure([wide, narrow]: &[String; 2]) -> String {
+    format!("<figure><div class=\"wide\">{wide}</div><div class=\"narrow\">{narrow}</div></figure>\n")
+}
+
+/// A method in the table.
+fn row(comparison: &Comparison, place: usize) -> String {
+    let method = &comparison.methods[place];
+    let cell =
+        |class: &str, label: &str, value: String| format!("<td class=\"{class}\" data-label=\"{label}\"><span>{value}</span></td>\n");
+    let mut cells = cell("", "Sampler", xml(&method.sampler));
+    cells += &cell("", "Error at the end", last(comparison, method));
+    cells += &cell("", "Slope", method.slope.map_or("–".into(), plot::slope));
+    for (i, target) in TARGETS.into_iter().enumerate() {
+        let class = if is_cheapest(comparison, place, i) { "price best" } else { "price" };
+        cells += &cell(class, &format!("Time to {} %", words::per_cent(target)), price(method, i, target));
+    }
+    let bias = method.bias.map(|(bias, deviation)| format!("{} ± {} %", words::per_cent(bias), words::per_cent(deviation)));
+    cells += &cell("", "Bias", bias.unwrap_or("none seen".into()));
+    let lacks = if method.lacks.is_empty() { "nothing".into() } else { xml(&method.lacks) };
+    cells += &cell("lacks", "Leaves out", lacks);
+    let swatch = format!("<i class=\"swatch f-m{}\"></i>", place % 6);
+    format!("<tr><th scope=\"row\">{swatch}{}</th>\n{cells}</tr>\n", xml(&method.name))
+}
+
+/// Error, its interval, and what it took.
+fn last(comparison: &Comparison, method: &Method) -> String {
+    let Some(last) = course(method, comparison.confidence).into_iter().next_back() else { return "below the reference's".into() };
+    let [error, low, high] = [last.error, last.low, last.high].map(words::per_cent);
+    format!("{error} % <small>{low}–{high} %<br>{} spp, {}</small>", last.samples, words::duration(last.seconds))
+}
+
+fn price(method: &Method, i: usize, target: f64) -> String {
+    let Some(cost) = method.prices.get(i).copied().flatten() else { return format!("<small>{}</small>", plot::unpriced(method, target)) };
+    let [seconds, low, high] = [cost.seconds, cost.low, cost.high].map(words::duration);
+    if cost.extrapolated {
+        format!("<span title=\"foretold\">≈ {seconds}</span> <small>{low}–{high}</small>")
+    } else {
+        format!("{seconds} <small>{low}–{high}</small>")
+    }
+}
+
+fn is_cheapest(comparison: &Comparison, place: usize, i: usize) -> bool {
+    let seconds = |method: &Method| method.prices.get(i).copied().flatten().map(|cost| cost.seconds);
+    let least = comparison.methods.iter().filter_map(seconds).min_by(f64::total_cmp);
+    comparison.methods.len() > 1 && least.is_some() && seconds(&comparison.methods[place]) == least
+}
+
+/// What the viewer shows; the reference first.
+#[derive(Serialize)]
+struct Pictures {
+    size: [u32; 2],
+    /// Of the first pixel in the whole picture.
+    origin: [u32; 2],
+    epsilon: f64,
+    pictures: Vec<Picture>,
+}
+
+#[derive(Serialize)]
+struct Picture {
+    name: String,
+    /// Place among the methods' colours.
+    color: Option<usize>,
+    /// One replicate, as a user would get it; left out where it is the same.
+    render: Option<View>,
+    /// Of all replicates.
+    mean: View,
+}
+
+#[derive(Serialize)]
+struct View {
+    color: Plane,
+    error: Option<Plane>,
+}
+
+fn pictures(comparison: &Comparison) -> Pictures {
+    let view = |image: &Image| View { color: Plane::color(image), error: Plane::error(image) };
+    let image = &comparison.reference.image;
+    let reference = Picture { name: names::REFERENCE.into(), color: None, render: None, mean: view(image) };
+    let methods = names::titles(comparison).into_iter().zip(&comparison.methods).enumerate();
+    let method = |(place, (name, method)): (usize, (String, &Method))| Picture {
+        name,
+        color: Some(place % 6),
+        render: Some(view(&method.sample)),
+        mean: view(&method.image),
+    };
+    Pictures {
+        size: image.size.to_array(),
+        origin: image.origin.to_array(),
+        epsilon: EPSILON,
+        pictures: std::iter::once(reference).chain(methods.map(method)).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_stay_with_their_numbers() {
+        assert_eq!(unbroken("a 1 % b 2 min 3 s, is s"), "a 1\u{a0}% b 2\u{a0}min 3\u{a0}s, is s");
+    }
+
+    #[test]
+    fn values_are_not_searched_again() {
+        let page = fill("<a>{{x}}</a>{{y}}.", |name| format!("[{name} {{{{x}}}}]"));
+        assert_eq!(page, "<a>[x {{x}}]</a>[y {{x}}].");
+    }
+}

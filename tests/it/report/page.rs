@@ -1,0 +1,302 @@
+//! The page of a report in a real browser, opened from its file.
+
+use std::fs;
+use std::path::Path;
+
+use pt::compare::report;
+use pt::film::Image;
+use pt::output::exr;
+use pt::output::tonemap::srgb;
+use serde_json::json;
+
+use super::browser::{Browser, point};
+use super::synthetic::{ORIGIN, SIZE, comparison};
+
+const SHIFT: char = '\u{e008}';
+const ESCAPE: &str = "\u{e00c}";
+const LEFT: &str = "\u{e012}";
+const RIGHT: &str = "\u{e014}";
+const DOWN: &str = "\u{e015}";
+
+/// A pixel of the wall and one of the lamp, which is brighter than a screen, in the whole picture.
+const WALL: [u32; 2] = [ORIGIN.x + 5, ORIGIN.y + 9];
+const LAMP: [u32; 2] = [ORIGIN.x + 73, ORIGIN.y + 16];
+/// On the wall, a little below the lamp.
+const BESIDE: [u32; 2] = [ORIGIN.x + 73, ORIGIN.y + 26];
+
+#[test]
+fn the_page_works_in_a_browser() {
+    let Some(browser) = Browser::open() else { return };
+    let report = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report");
+    report::write(&comparison(), &report, true).expect("a report");
+    let page = Page { browser, pictures: pictures(&report.join("jeri")) };
+    page.browser.prefer("light");
+    page.browser.resize(1400, 900);
+    page.browser.visit(&report.join("index.html"));
+
+    page.is_self_contained();
+    page.is_labelled();
+    page.reads_what_the_files_hold();
+    page.flips();
+    page.tones();
+    page.zooms_and_pans();
+    page.splits();
+    page.shows_errors();
+    page.explains_its_keys();
+    page.fits(1400, 900);
+
+    page.browser.resize(390, 844);
+    page.fits(390, 844);
+    page.is_touched();
+    assert_eq!(page.browser.complaints(), [""; 0], "the console is quiet");
+    page.photograph();
+}
+
+/// Reference first, then each method's render, as the files of the same report hold them.
+fn pictures(folder: &Path) -> Vec<Image> {
+    let files = ["reference", "path.render", "nee.render", "nee-sobol.render", "whitted.render"];
+    files.iter().map(|stem| exr::read(&folder.join(format!("{stem}.exr"))).expect("EXR").0).collect()
+}
+
+struct Page {
+    browser: Browser,
+    pictures: Vec<Image>,
+}
+
+impl Page {
+    fn state(&self, name: &str) -> serde_json::Value {
+        self.browser.run(&format!("return window.pt.state()[{}]", json!(name)))
+    }
+
+    fn number(&self, name: &str) -> f64 {
+        self.state(name).as_f64().unwrap_or_else(|| panic!("{name} is no number"))
+    }
+
+    /// Where a pixel of the picture is in the window.
+    fn locate(&self, [x, y]: [u32; 2]) -> [f64; 2] {
+        self.browser.run("document.querySelector('#stage').scrollIntoView({block: 'center', behavior: 'instant'})");
+        point(&self.browser.run(&format!("return window.pt.locate({x}, {y})")))
+    }
+
+    /// What the screen shows there, 8 bits each.
+    fn shown(&self, pixel: [u32; 2]) -> [u8; 3] {
+        let [x, y] = self.locate(pixel);
+        let script = format!(
+            "const c = document.querySelector('canvas'), b = c.getBoundingClientRect(); \
+             return [...c.getContext('2d').getImageData({x} - b.left, {y} - b.top, 1, 1).data]"
+        );
+        let found = self.browser.run(&script);
+        std::array::from_fn(|c| found[c].as_u64().expect("a byte") as u8)
+    }
+
+    fn expected(&self, picture: usize, [x, y]: [u32; 2], tone: impl Fn(f32) -> f32) -> [u8; 3] {
+        self.pictures[picture].rgb(x - ORIGIN.x, y - ORIGIN.y).map(|v| (255.0 * tone(v).clamp(0.0, 1.0)).round() as u8)
+    }
+
+    /// The screen shows that value up to half floats (2⁻¹¹, below one level) and rounding: one level of 255.
+    fn shows(&self, pixel: [u32; 2], expected: [u8; 3], what: &str) {
+        let found = self.shown(pixel);
+        assert!(found.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1), "{what}: {found:?} is shown, {expected:?} expected");
+    }
+
+    fn is_self_contained(&self) {
+        assert_eq!(self.browser.run("return performance.getEntriesByType('resource').map(e => e.name)"), json!([]));
+    }
+
+    /// What takes the focus has a name; plots tell what they show.
+    fn is_labelled(&self) {
+        let nameless = "return [...document.querySelectorAll('button, select, [tabindex], svg[role=img]')] \
+                        .filter(e => !(e.getAttribute('aria-label') || e.textContent).trim()).map(e => e.outerHTML)";
+        assert_eq!(self.browser.run(nameless), json!([]));
+        assert!(self.browser.run("return document.querySelectorAll('svg[role=img]').length") == 8);
+    }
+
+    /// Every pixel and every picture, to half a unit of a half float's eleven bits.
+    fn reads_what_the_files_hold(&self) {
+        let script = format!(
+            "const all = []; for (let y = 0; y < {}; y++) for (let x = 0; x < {}; x++) \
+             all.push(window.pt.read(x + {}, y + {}).map(p => p.rgb)); return all",
+            SIZE.y, SIZE.x, ORIGIN.x, ORIGIN.y
+        );
+        let read = self.browser.run(&script);
+        for (pixel, found) in read.as_array().expect("pixels").iter().enumerate() {
+            let (x, y) = (pixel as u32 % SIZE.x, pixel as u32 / SIZE.x);
+            for (picture, image) in self.pictures.iter().enumerate() {
+                for (c, value) in image.rgb(x, y).into_iter().map(f64::from).enumerate() {
+                    let back = found[picture][c].as_f64().expect("a number");
+                    assert!((back - value).abs() <= value.abs() / 2048.0, "picture {picture}, pixel {x}, {y}: {back} for {value}");
+                }
+            }
+        }
+        // Under the mouse the same numbers, to four digits.
+        self.browser.hover(self.locate(WALL));
+        let status = self.browser.run("return document.querySelector('#status').textContent");
+        assert_eq!(status, format!("Pixel {}, {}", WALL[0], WALL[1]));
+        let cell = self.browser.run("return document.querySelector('#values').rows[2].cells[2].textContent");
+        let cell: f64 = cell.as_str().and_then(|text| text.parse().ok()).expect("a number");
+        let value = f64::from(self.pictures[2].rgb(WALL[0] - ORIGIN.x, WALL[1] - ORIGIN.y)[1]);
+        assert!((cell / value - 1.0).abs() < 1.0 / 2048.0 + 0.0005, "{cell} for {value}");
+    }
+
+    fn flips(&self) {
+        for (key, picture) in [("0", 0), ("1", 1), ("4", 4), ("2", 2), ("9", 2)] {
+            self.browser.press(key);
+            assert_eq!(self.state("shown"), picture, "after {key}");
+            self.shows(WALL, self.expected(picture, WALL, srgb), "a picture by its key");
+        }
+        self.browser.click("#names button:nth-child(4)");
+        assert_eq!(self.state("shown"), 3);
+        assert_eq!(self.browser.run("return document.querySelector('#left-name').textContent"), "nee · sobol");
+        self.shows(WALL, self.expected(3, WALL, srgb), "a picture by its button");
+    }
+
+    fn tones(&self) {
+        self.browser.press("0eee");
+        assert_eq!(self.number("exposure"), 1.5);
+        self.shows(WALL, self.expected(0, WALL, |v| srgb(v * 1.5f32.exp2())), "three halves of a stop brighter");
+        self.browser.press("EEEEEEEEEEEEEEE");
+        assert_eq!(self.number("exposure"), -6.0);
+        // The lamp was white before: more than a screen shows is still there.
+        self.shows(LAMP, self.expected(0, LAMP, |v| srgb(v / 64.0)), "the lamp, six stops darker");
+        self.browser.press("r");
+        assert_eq!(self.number("exposure"), 0.0);
+        self.shows(LAMP, [255; 3], "the lamp");
+        self.browser.press("t");
+        let filmic = |x: f32| srgb(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14));
+        self.shows(WALL, self.expected(0, WALL, filmic), "the other curve");
+        self.browser.click("#curve");
+        self.shows(WALL, self.expected(0, WALL, srgb), "the first curve again");
+    }
+
+    fn zooms_and_pans(&self) {
+        let (at, before) = (self.locate(LAMP), self.number("zoom"));
+        self.browser.wheel(at, -300);
+        // Pointers stand on whole CSS pixels: what was under it may move by less than one, times the zoom.
+        let (now, zoom) = (self.locate(LAMP), self.number("zoom"));
+        assert!(zoom > 1.5 * before, "{zoom} after {before}");
+        assert!(now.iter().zip(at).all(|(a, b)| (a - b).abs() <= zoom / before), "{now:?} is where {at:?} was");
+        self.browser.press("+");
+        assert!(self.number("zoom") > 1.2 * zoom);
+        self.browser.press("-");
+        assert!((self.number("zoom") / zoom - 1.0).abs() < 1e-9);
+        self.shows(BESIDE, self.expected(0, BESIDE, srgb), "zoomed in");
+
+        let at = self.locate(LAMP);
+        self.browser.drag("mouse", &[at, [at[0] - 40.0, at[1] + 10.0], [at[0] - 90.0, at[1] + 30.0]]);
+        let now = self.locate(LAMP);
+        assert!((now[0] - at[0] + 90.0).abs() < 1.0 && (now[1] - at[1] - 30.0).abs() < 1.0, "{now:?} after {at:?}");
+        self.browser.run("document.querySelector('canvas').focus()");
+        self.browser.press(LEFT);
+        assert!(self.locate(LAMP)[0] > now[0] + 30.0, "the left arrow looks to the left");
+        self.browser.press(DOWN);
+        assert!(self.locate(LAMP)[1] < now[1] - 30.0, "the down arrow looks down");
+        // With shift, the pixel that is read.
+        let probe = point(&self.state("probe"));
+        self.browser.press_with(SHIFT, RIGHT);
+        assert_eq!(point(&self.state("probe")), [probe[0] + 1.0, probe[1]]);
+        self.browser.press("r");
+        assert_eq!(self.number("zoom"), before);
+        self.browser.click("#in");
+        assert!(self.number("zoom") > before);
+        self.browser.click("#reset");
+    }
+
+    /// Left of the split one picture, right of it the other, wherever it stands.
+    fn splits(&self) {
+        self.browser.press("4w");
+        self.shows(WALL, self.expected(4, WALL, srgb), "left of the split");
+        self.shows(LAMP, self.expected(0, LAMP, srgb), "right of the split");
+        let far = [ORIGIN.x + SIZE.x - 6, ORIGIN.y + 40];
+        self.shows(far, self.expected(0, far, srgb), "right of the split");
+        let middle = "const b = document.querySelector('#handle').getBoundingClientRect(); return [b.x + b.width / 2, b.y + 60]";
+        let [x, y] = point(&self.browser.run(middle));
+        let [edge, _] = self.locate(far);
+        self.browser.drag("mouse", &[[x, y], [x + 20.0, y], [edge + 20.0, y]]);
+        self.shows(far, self.expected(4, far, srgb), "left of the moved split");
+        let at = self.number("split");
+        self.browser.run("document.querySelector('#handle').focus()");
+        self.browser.press(LEFT);
+        assert!((self.number("split") - at + 0.02).abs() < 1e-9);
+        self.browser.press_with(SHIFT, "2");
+        assert_eq!(self.state("other"), 2);
+        self.browser.click("#split");
+        assert!(self.state("split").is_null());
+        self.browser.press("r");
+    }
+
+    /// The reference has no error: the scale's lowest colour. The biased method has 11 % on the wall: between.
+    fn shows_errors(&self) {
+        self.browser.press("0d");
+        self.shows(WALL, [0x44, 0x01, 0x54], "no error");
+        self.browser.press("4");
+        let biased = self.shown(WALL);
+        assert!(biased[1] > 0x80 && biased[2] < 0x90, "{biased:?} is not high on the scale");
+        assert_eq!(self.browser.run("return document.querySelector('#scale').hidden"), false);
+        self.browser.press("b");
+        assert_eq!(self.state("overlay"), "bar");
+        let bar = self.shown(WALL);
+        assert!(bar[2] > bar[1], "{bar:?}: the method's error bar is small, for it does not know its bias");
+        self.browser.click("[data-view=mean]");
+        assert_eq!(self.state("view"), "mean");
+        self.browser.press("mb");
+        assert_eq!([self.state("view"), self.state("overlay")], ["render", "picture"]);
+        self.browser.press("r");
+    }
+
+    fn explains_its_keys(&self) {
+        self.browser.press("?");
+        assert_eq!(self.browser.run("return document.querySelector('#help').open"), true);
+        self.browser.press(ESCAPE);
+        assert_eq!(self.browser.run("return document.querySelector('#help').open"), false);
+    }
+
+    /// Nothing is wider than the window, every letter of a plot can be read.
+    fn fits(&self, width: u32, height: u32) {
+        assert_eq!(self.browser.run("return [innerWidth, innerHeight]"), json!([width, height]));
+        let wide = "return [...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > innerWidth + 0.5) \
+                    .map(e => e.outerHTML.slice(0, 80))";
+        assert_eq!(self.browser.run(wide), json!([]));
+        let small = "return [...document.querySelectorAll('svg text')].filter(e => e.getClientRects().length && \
+                     e.getScreenCTM().a * parseFloat(e.getAttribute('font-size')) < 11).map(e => e.textContent)";
+        assert_eq!(self.browser.run(small), json!([]));
+        // Words of a plot do not run into each other.
+        let touching = "const found = []; for (const svg of document.querySelectorAll('svg')) { \
+             const all = [...svg.querySelectorAll('text')].map(e => [e, e.getBoundingClientRect()]).filter(([, b]) => b.width); \
+             all.forEach(([a, p], i) => all.slice(i + 1).forEach(([b, q]) => { \
+             if (p.left < q.right - 1 && q.left < p.right - 1 && p.top < q.bottom - 3 && q.top < p.bottom - 3) \
+             found.push(a.textContent + ' / ' + b.textContent) })) } return found";
+        assert_eq!(self.browser.run(touching), json!([]));
+    }
+
+    fn is_touched(&self) {
+        self.browser.press("r");
+        let at = self.locate(LAMP);
+        self.browser.drag("touch", &[at]);
+        assert_eq!(point(&self.state("probe")), [f64::from(LAMP[0] - ORIGIN.x), f64::from(LAMP[1] - ORIGIN.y)]);
+        let before = self.number("zoom");
+        let [x, y] = at;
+        self.browser.pinch(&[[x - 20.0, y], [x - 30.0, y], [x - 60.0, y]], &[[x + 20.0, y], [x + 30.0, y], [x + 60.0, y]]);
+        let ratio = self.number("zoom") / before;
+        assert!((2.0..4.0).contains(&ratio), "fingers three times as far apart: zoomed by {ratio}");
+        self.browser.press("r");
+    }
+
+    /// For eyes, beside the report: `target/tmp/report-*.png`.
+    fn photograph(&self) {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        for (width, height) in [(390, 844), (1400, 900)] {
+            self.browser.resize(width, height);
+            for scheme in ["light", "dark"] {
+                self.browser.prefer(scheme);
+                self.browser.run("scrollTo(0, 0)");
+                let shot = |name: &str, whole| {
+                    let path = folder.join(format!("report-{width}-{scheme}{name}.png"));
+                    fs::write(&path, self.browser.screenshot(whole)).expect("a picture");
+                };
+                shot("", false);
+                shot("-whole", true);
+            }
+            self.browser.prefer("light");
+        }
+    }
+}
