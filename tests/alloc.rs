@@ -76,7 +76,8 @@ fn samples_allocate_nothing() {
         let (_, integrator) = choose(&[&[*entry]], None, Some(entry.name), "").expect("defaults are valid");
         let counts = [1, 2, 4, 8, 16, 32].map(|spp| allocations(&*integrator, *kind, spp));
         for (few, many) in counts.iter().zip(&counts[1..]) {
-            assert!(many - few <= 4 * TILES + 4, "{} {kind:?}: {counts:?}", entry.name);
+            // A wave more: for each tile a sampler for each sequence, and the lists of samplers, sums, moments and joins.
+            assert!(many - few <= 7 * TILES + 4, "{} {kind:?}: {counts:?}", entry.name);
         }
     }
     let [shallow, deep] = [2, 16].map(|max_depth| allocations(&Nee { max_depth, ..Nee::default() }, Kind::Independent, 8));

@@ -37,6 +37,8 @@ pub enum Command {
     },
     /// The JSON Schema of the scene format, on stdout.
     Schema(Schema),
+    /// Whether two integrators, or an integrator and a picture, converge to the same picture: exit code 0 yes, 1 no, 7 no telling.
+    Verify(Verify),
     /// What accuracy costs in time: several methods on one scene, measured at doubling checkpoints, told in a report.
     Compare(Compare),
     /// Points of warps and samplers, and how a material scatters, as numbers and pictures. Without arguments: what there is.
@@ -136,6 +138,36 @@ pub struct Compare {
     /// Also the data that the viewer JERI reads.
     #[arg(long)]
     pub jeri: bool,
+    /// Threads. Default: all cores.
+    #[arg(short, long, env = "PT_THREADS", value_parser = threads)]
+    pub threads: Option<u32>,
+    /// How progress shows on stderr.
+    #[arg(long, value_enum, default_value_t = Progress::Auto)]
+    pub progress: Progress,
+}
+
+#[derive(clap::Args, Debug)]
+pub struct Verify {
+    #[command(flatten)]
+    pub scene: Scene,
+    /// Two integrators, or an integrator and an EXR with error bars.
+    #[arg(value_name = "SIDE", num_args = 2, required = true)]
+    pub sides: Vec<String>,
+    /// Samples per pixel of each side that is rendered. Default: the scene's.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Render time of each side.
+    #[arg(long, value_name = "DURATION", value_parser = duration)]
+    pub time: Option<Duration>,
+    /// The risk of calling two sides different that are the same.
+    #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = share)]
+    pub alpha: f64,
+    /// Where the probabilities go, pixel by pixel.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Size of the pictures.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
     /// Threads. Default: all cores.
     #[arg(short, long, env = "PT_THREADS", value_parser = threads)]
     pub threads: Option<u32>,

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::load::{Loaded, Override, load};
+use super::load::{Loaded, load};
 use super::progress::Progress;
 use super::{args, note, render, say, signals};
 use crate::compare::{self, Comparison, Contestant, Effort, Reference, conclusions};
@@ -36,16 +36,8 @@ pub fn compare(args: &args::Compare, tables: &[&[Entry]]) -> Result<ExitCode> {
 
 /// The scene, made smaller where no size is asked for: how errors fall does not depend on how many pixels show it.
 fn sized(args: &args::Compare, tables: &[&[Entry]]) -> Result<Loaded> {
-    let resized = |[width, height]: [u32; 2]| {
-        let set = |pointer, value: String| Override { words: format!("--size {width}x{height}"), pointer, value };
-        vec![
-            set("/film/width", width.to_string()),
-            set("/film/height", height.to_string()),
-            set("/film/crop", format!("{:?}", [0, width, 0, height])),
-        ]
-    };
     if let Some(size) = args.size {
-        return load(&args.scene, &resized(size), None, tables);
+        return load(&args.scene, &render::resized(size), None, tables);
     }
     let loaded = load(&args.scene, &[], None, tables)?;
     let [width, height] = loaded.built.film.size.to_array();
@@ -55,7 +47,7 @@ fn sized(args: &args::Compare, tables: &[&[Entry]]) -> Result<Loaded> {
     let scale = (f64::from(PIXELS) / (f64::from(width) * f64::from(height))).sqrt();
     let smaller = [width, height].map(|side| ((f64::from(side) * scale).round() as u32).max(1));
     note(&format!("compared at {}×{} pixels instead of {width}×{height}; --size asks for more", smaller[0], smaller[1]));
-    load(&args.scene, &resized(smaller), None, tables)
+    load(&args.scene, &render::resized(smaller), None, tables)
 }
 
 /// Every integrator with every sampler.
@@ -159,13 +151,13 @@ fn computed(
         return None;
     }
     let error = RelativeError::of(&film).map(|error| error.value);
-    let told = error.map_or(String::new(), |error| format!(", relative error {} %", per_cent(error)));
     let image: Image = film.image();
-    Some(Reference { image, origin: format!("computed by {}, {} spp{told}", entry.name, film.samples()), error })
+    Some(Reference { image, origin: format!("a reference by {}, {} spp", entry.name, film.samples()), error })
 }
 
 fn summary(comparison: &Comparison, folder: &Path) -> String {
-    let mut text = format!("reference: {}\n", comparison.reference.origin);
+    let known = comparison.reference.error.map_or(String::new(), |error| format!(", relative error {} %", per_cent(error)));
+    let mut text = format!("against {}{known}\n", comparison.reference.origin);
     for method in &comparison.methods {
         let Some(last) = method.curve.last() else { continue };
         let slope = method.slope.map_or(String::new(), |(slope, error)| format!(" · slope −{slope:.2} ± {error:.2}"));

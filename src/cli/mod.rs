@@ -18,6 +18,7 @@ mod sample;
 mod schema;
 mod signals;
 mod stats;
+mod verify;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -58,6 +59,7 @@ fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Sample(args)) => return sample::sample(&args),
         Some(Command::Compare(args)) => return compare::compare(&args, tables),
         Some(Command::Image { verb }) => return image::image(&verb),
+        Some(Command::Verify(args)) => return verify::verify(&args, tables),
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::List { what }) => list::list(what, tables)?,
         Some(Command::Schema(args)) => schema::schema(&args, tables)?,

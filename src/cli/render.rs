@@ -43,6 +43,14 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
     pool.install(|| picture(args, loaded, &whom, &outputs, load_seconds, threads))
 }
 
+/// What `--size` says.
+pub fn resized([width, height]: [u32; 2]) -> Vec<Override> {
+    let set = |pointer, value: String| Override { words: format!("--size {width}x{height}"), pointer, value };
+    // The scene's own crop is of a picture of another size.
+    let crop = format!("{:?}", [0, width, 0, height]);
+    vec![set("/film/width", width.to_string()), set("/film/height", height.to_string()), set("/film/crop", crop)]
+}
+
 /// So many threads, or one for each core.
 pub fn pool(threads: Option<u32>) -> Result<rayon::ThreadPool> {
     let threads = threads.map_or(0, |n| n as usize);
@@ -92,7 +100,8 @@ fn picture(
 
     if report.samples > 0 {
         let image = film.image();
-        write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course))?;
+        let freedom = film.freedom();
+        write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course, freedom))?;
         if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
             note("warning: the image is black");
         }
@@ -145,15 +154,8 @@ fn pixel(args: &args::Render, loaded: Loaded, x: u32, y: u32) -> Result<()> {
 
 /// Flags that say what a key of the scene says.
 fn overrides(args: &args::Render) -> Result<Vec<Override>> {
-    let mut list = vec![];
+    let mut list = args.size.map(resized).unwrap_or_default();
     let mut set = |words: String, pointer, value: String| list.push(Override { words, pointer, value });
-    if let Some([width, height]) = args.size {
-        let words = format!("--size {width}x{height}");
-        set(words.clone(), "/film/width", width.to_string());
-        set(words.clone(), "/film/height", height.to_string());
-        // The scene's own crop is of a picture of another size.
-        set(words, "/film/crop", format!("{:?}", [0, width, 0, height]));
-    }
     if let Some([x0, x1, y0, y1]) = args.crop {
         set(format!("--crop {x0},{x1},{y0},{y1}"), "/film/crop", format!("{:?}", [x0, x1, y0, y1]));
     }
@@ -197,7 +199,7 @@ fn write_all(args: &args::Render, outputs: &[PathBuf], image: &Image, attributes
 }
 
 /// What the file says about itself: functions of scene and settings alone.
-fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &Course) -> Attributes {
+fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &Course, freedom: f64) -> Attributes {
     let sampler = Kind::ALL.iter().find(|(kind, ..)| *kind == settings.sampler.kind).map_or("", |(_, name, _)| name);
     let samples = course.last().map_or(0, |last| last.samples);
     let mut pairs = vec![
@@ -208,6 +210,7 @@ fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &
         ("pt/scramblings", settings.sampler.spread().sequences().to_string()),
         ("pt/spp", samples.to_string()),
         ("pt/confidence", args.confidence.to_string()),
+        ("pt/standardErrorFreedom", freedom.to_string()),
     ];
     if let Some(error) = course.last().and_then(|last| last.error) {
         let [low, high] = error.interval(args.confidence);

@@ -27,7 +27,7 @@ pub fn method(
         integrator: contestant.integrator_name,
         sampler: contestant.sampler_name,
         curve,
-        sample: pictures.first().cloned().unwrap_or_else(|| image.clone()),
+        sample: one(pictures, &image),
         image,
         slope: slopes.map(|slopes| (slopes.mean, slopes.error)),
         bias,
@@ -73,6 +73,16 @@ fn mean(pictures: &[Image]) -> Image {
     }
     channels.extend(errors);
     Image { channels, ..first.clone() }
+}
+
+/// One of the replicates, with the standard errors that the spread of all tells: √R times those of the mean.
+fn one(pictures: &[Image], mean: &Image) -> Image {
+    let Some(first) = pictures.first() else { return mean.clone() };
+    let root = (pictures.len() as f32).sqrt();
+    let wider = |channel: &Channel| Channel { values: channel.values.iter().map(|error| error * root).collect(), ..channel.clone() };
+    let colors = first.channels.iter().filter(|channel| ["R", "G", "B"].contains(&channel.name.as_str())).cloned();
+    let errors = mean.channels.iter().filter(|channel| channel.name.starts_with("StdErr.")).map(wider);
+    Image { channels: colors.chain(errors).collect(), ..first.clone() }
 }
 
 /// How sure a bias must be before it is called one: a chance of 10⁻⁴ on noise that is normal, and room for tails.

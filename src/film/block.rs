@@ -91,6 +91,9 @@ fn slots(spread: Spread) -> usize {
     }
 }
 
+/// A mean and its variance, for each colour of a pixel.
+pub type Estimate = [(f64, f64); 3];
+
 /// Mean and the variance of that mean, of each colour of a pixel after n samples.
 ///
 /// ```text
@@ -99,7 +102,7 @@ fn slots(spread: Spread) -> usize {
 /// ```
 ///
 /// - `pixel`: numbers of [`Block::pixels`]
-pub fn estimate(spread: Spread, pixel: &[f64], n: u64) -> [(f64, f64); 3] {
+pub fn estimate(spread: Spread, pixel: &[f64], n: u64) -> Estimate {
     let sum = total(spread, pixel);
     let count = n.max(1) as f64;
     std::array::from_fn(|c| {

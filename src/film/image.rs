@@ -3,7 +3,7 @@
 use glam::UVec2;
 
 use super::FilmSpec;
-use super::block::{Block, estimate, freedom};
+use super::block::{Block, Estimate, estimate, freedom};
 
 /// Linear channels over the crop of a picture, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,8 +29,8 @@ const RGB: [&str; 3] = ["R", "G", "B"];
 impl Image {
     /// The mean, its standard error where the samples' [`Spread`](crate::sampler::Spread) tells one, and how many samples there are.
     pub fn from_block(spec: &FilmSpec, block: &Block, samples: u64) -> Image {
-        let estimates: Vec<[(f64, f64); 3]> = block.pixels().map(|pixel| estimate(block.spread(), pixel, samples)).collect();
-        let channel = |name: String, value: &dyn Fn(&[(f64, f64); 3]) -> f64| Channel {
+        let estimates: Vec<Estimate> = block.pixels().map(|pixel| estimate(block.spread(), pixel, samples)).collect();
+        let channel = |name: String, value: &dyn Fn(&Estimate) -> f64| Channel {
             name,
             values: estimates.iter().map(|pixel| value(pixel) as f32).collect(),
         };

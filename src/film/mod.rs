@@ -108,6 +108,11 @@ impl MomentFilm {
         self.samples
     }
 
+    /// ν, the degrees of freedom of the standard errors; 0 where there are none.
+    pub fn freedom(&self) -> f64 {
+        self.tree.any().map_or(0.0, |block| block::freedom(block.spread(), self.samples))
+    }
+
     /// All that was added so far; black before the first wave.
     pub fn total(&self) -> Block {
         let black = || Block::black(Spread::Samples, self.spec.crop.pixel_count() as usize);

@@ -65,6 +65,11 @@ impl<T> Tree<T> {
         self.blocks.push((level, block));
     }
 
+    /// One of the blocks; `None` where there is none.
+    pub fn any(&self) -> Option<&T> {
+        self.blocks.last().map(|(_, block)| block)
+    }
+
     /// All of them, the shortest blocks first.
     pub fn total(&self, join: impl Fn(&T, &T) -> T) -> Option<T>
     where

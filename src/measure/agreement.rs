@@ -15,8 +15,8 @@ use std::fmt;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::{Mean, Verdict, sidak};
-use crate::film::Image;
+use super::{Mean, Verdict, critical_z, sidak};
+use crate::film::{Channel, Image};
 use crate::{Error, Fault, Result};
 
 /// An image of independent samples, and how many there are per pixel.
@@ -76,6 +76,36 @@ pub fn agreement(a: Render, b: Render, alpha: f64) -> Result<Agreement> {
         Verdict { tests, ..worst.unwrap_or(Verdict { p: 1.0, level, tests }) }
     };
     Ok(Agreement { pixel: worst(0), block: worst(1), global: worst(2), spread: worst(3) })
+}
+
+/// The probability of so large a difference by chance, of each pixel and colour: near 0 where the images differ.
+///
+/// # Errors
+/// Those of [`agreement`].
+pub fn p_values(a: Render, b: Render) -> Result<Image> {
+    let channel = |name: &str| -> Result<Channel> {
+        let pair = Pair::new(a, b, name)?;
+        let p = |[a, b]: &[Mean; 2]| rounded(*a).welch(&rounded(*b)).p() as f32;
+        Ok(Channel { name: name.into(), values: pair.pixels.iter().map(p).collect() })
+    };
+    Ok(Image { channels: CHANNELS.into_iter().map(channel).collect::<Result<_>>()?, ..a.image.clone() })
+}
+
+/// The least relative difference of the whole images that [`agreement`] would refuse with a probability of 90 %.
+///
+/// (z_α + z_90 %) √(Σ v₁ + v₂) / Σ m, of the colour that shows it best
+///
+/// # Errors
+/// Those of [`agreement`].
+pub fn smallest_bias(a: Render, b: Render, alpha: f64) -> Result<f64> {
+    const Z_90: f64 = 1.281_551_565_5;
+    let z = critical_z(alpha, 4 * CHANNELS.len()) + Z_90;
+    let of = |name: &str| -> Result<f64> {
+        let [a, b] = Pair::new(a, b, name)?.pixels.iter().fold([Mean::default(); 2], add);
+        Ok(z * (a.variance + b.variance).sqrt() / (0.5 * (a.value + b.value)).abs())
+    };
+    let all: Vec<f64> = CHANNELS.into_iter().map(of).collect::<Result<_>>()?;
+    Ok(all.into_iter().filter(|bias| !bias.is_nan()).fold(f64::INFINITY, f64::min))
 }
 
 /// One colour of both images.

@@ -45,7 +45,7 @@ impl Course {
     /// −b in relMSE ~ n⁻ᵇ over the last checkpoints: 1 for independent samples, more where even samples pay.
     ///
     /// Least squares of ln relMSE over ln n, over the last factor of 16 in n, drawn towards 1 as one observation of
-    /// the standard deviation [`PRIOR`]. A slope below 1 is that of an error whose bright rare parts have not come
+    /// the standard deviation 0.2. A slope below 1 is that of an error whose bright rare parts have not come
     /// yet: no promise is made of it.
     pub fn slope(&self) -> f64 {
         let Some(last) = self.last() else { return 1.0 };

@@ -110,10 +110,9 @@ fn share(target: Target, look: u32) -> f64 {
 impl Target {
     /// What became of it, as the course of the whole render tells.
     pub fn outcome(&self, course: &Course) -> Outcome {
-        let errors = || course.checkpoints.iter().filter_map(|checkpoint| checkpoint.error);
         let mut looks = Looks::default();
-        let met = course.checkpoints.iter().fold(false, |met, checkpoint| looks.meet(*self, Some(checkpoint)) || met);
-        match errors().last() {
+        let met = course.checkpoints.iter().any(|checkpoint| looks.meet(*self, Some(checkpoint)));
+        match course.checkpoints.iter().rev().find_map(|checkpoint| checkpoint.error) {
             Some(last) if !last.is_established() => Outcome::NotEstablished,
             Some(_) if met => Outcome::Met,
             _ => Outcome::NotMet,

@@ -2,7 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::film::block::{estimate, freedom, pull};
+use crate::film::block::{Estimate, estimate, freedom, pull};
 use crate::film::{Block, Film, Image, MomentFilm};
 
 /// The estimated relative error of a picture, and how sure the estimate is.
@@ -77,6 +77,16 @@ impl RelativeError {
     }
 }
 
+/// Whether enough pixels of a picture from a file share its noise, as its channels `StdErr` tell; yes for a picture without noise.
+pub fn is_established(image: &Image) -> bool {
+    let (Some(floor), Some(errors)) = (floor(image), errors(image)) else { return false };
+    let share =
+        |(i, x): (usize, [f32; 3])| -> f64 { (0..3).map(|c| f64::from(errors[c][i]).powi(2) / (f64::from(x[c]).powi(2) + floor)).sum() };
+    let add = |(sum, square): (f64, f64), share: f64| (sum + share, square + share * share);
+    let (sum, square) = image.pixels().enumerate().map(share).fold((0.0, 0.0), add);
+    sum * sum >= FEWEST * square
+}
+
 /// ε of a reference, above 0.
 pub(super) fn floor(image: &Image) -> Option<f64> {
     let mean = image.pixels().flatten().map(f64::from).sum::<f64>() / (3.0 * image.pixels().count() as f64);
@@ -98,7 +108,7 @@ pub(super) fn errors(image: &Image) -> Option<[&[f32]; 3]> {
 struct Smoothed {
     width: usize,
     /// Value and variance of each colour.
-    pixels: Vec<[(f64, f64); 3]>,
+    pixels: Vec<Estimate>,
     /// The same of their mean.
     gray: Vec<(f64, f64)>,
     /// κ₃/v of their mean: by how much a brighter pixel looks noisier than it is.
@@ -110,7 +120,7 @@ const REACH: usize = 1;
 
 impl Smoothed {
     fn new(block: &Block, samples: u64, width: usize) -> Smoothed {
-        let pixels: Vec<[(f64, f64); 3]> = block.pixels().map(|pixel| estimate(block.spread(), pixel, samples)).collect();
+        let pixels: Vec<Estimate> = block.pixels().map(|pixel| estimate(block.spread(), pixel, samples)).collect();
         let pull = block.pixels().map(|pixel| pull(block.spread(), pixel, samples)).collect();
         let gray = pixels.iter().map(gray).collect();
         Smoothed { width, pixels, gray, pull }
@@ -178,7 +188,7 @@ impl Smoothed {
 }
 
 /// Value and variance of the mean of the colours. They move together: their errors add, not their variances.
-fn gray(pixel: &[(f64, f64); 3]) -> (f64, f64) {
+fn gray(pixel: &Estimate) -> (f64, f64) {
     let mean = |f: fn(&(f64, f64)) -> f64| pixel.iter().map(f).sum::<f64>() / 3.0;
     (mean(|c| c.0), mean(|c| c.1.sqrt()).powi(2))
 }

@@ -11,6 +11,9 @@ use crate::random::Random;
 
 const EDGE: u32 = 24;
 
+/// A kind of noise by name: one sample of mean 1.
+type Kind = (&'static str, fn(&mut Random) -> f64);
+
 /// A picture of which the truth is known: gray pixels from dark to bright, as rows of noise.
 struct Noise {
     /// One sample of mean 1.
@@ -56,7 +59,7 @@ fn exponential(random: &mut Random) -> f64 {
 fn intervals_hold_the_true_error() {
     let uniform = |random: &mut Random| 2.0 * random.unit();
     let rare = |random: &mut Random| if random.unit() < 0.1 { 10.0 } else { 0.0 };
-    let kinds: [(&str, fn(&mut Random) -> f64); 3] = [("uniform", uniform), ("exponential", exponential), ("one in ten", rare)];
+    let kinds: [Kind; 3] = [("uniform", uniform), ("exponential", exponential), ("one in ten", rare)];
     let reference = exact();
     for (name, draw) in kinds {
         for (spread, samples) in [

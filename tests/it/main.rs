@@ -4,6 +4,7 @@ mod absorption;
 mod accuracy;
 mod agreement;
 mod analytic;
+mod answers;
 mod bad_input;
 mod bsdfs;
 mod cameras;

@@ -1,6 +1,6 @@
 //! A comparison as files: numbers for programs, plots for papers, one page for people.
 //!
-//! To add a plot: a file in `plot/`, a row in [`plot::ALL`].
+//! To add a plot: a file in `plot/`, a row in `plot::ALL`.
 
 mod escape;
 mod jeri;

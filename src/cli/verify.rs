@@ -1,0 +1,169 @@
+//! `pt verify SCENE A B`: do two methods, or a method and a picture, converge to the same picture?
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use super::load::{Loaded, load};
+use super::progress::Progress;
+use super::{INCONCLUSIVE, args, note, render, say, signals};
+use crate::describe::Built;
+use crate::error::{Error, Fault, Result};
+use crate::film::{FilmSpec, Image, MomentFilm};
+use crate::integrator::Entry;
+use crate::measure::relative::is_established;
+use crate::measure::words::{duration, per_cent};
+use crate::measure::{Agreement, Until, agreement, follow};
+use crate::output::{self, Attributes, Tonemap, exr};
+use crate::render::{Render, Settings};
+use crate::sampler::SamplerSpec;
+use crate::scene::Scene;
+
+/// Independent scramblings of each side: their spread is what the test goes by.
+const SCRAMBLINGS: u32 = 16;
+
+/// One side of the question.
+struct Side {
+    name: String,
+    image: Image,
+    /// n of a mean with n − 1 degrees of freedom.
+    samples: u64,
+    /// Whether enough pixels share the noise for the tests to mean something.
+    established: bool,
+}
+
+pub fn verify(args: &args::Verify, tables: &[&[Entry]]) -> Result<ExitCode> {
+    let resized = args.size.map(render::resized).unwrap_or_default();
+    let loaded = load(&args.scene, &resized, None, tables)?;
+    loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    if let Some(path) = &args.output {
+        output::check_folder(path)?;
+    }
+    signals::catch()?;
+    let verdict = render::pool(args.threads)?.install(|| judge(args, loaded, tables))?;
+    Ok(verdict)
+}
+
+fn judge(args: &args::Verify, loaded: Loaded, tables: &[&[Entry]]) -> Result<ExitCode> {
+    let methods = args.sides.iter().map(|name| side_named(name, &loaded, tables)).collect::<Result<Vec<_>>>()?;
+    let Built { world, film, sampler, .. } = loaded.built;
+    let effects = world.effects();
+    let scene: Arc<dyn Scene> = Arc::new(world);
+    let mut sides = vec![];
+    for (k, method) in methods.into_iter().enumerate() {
+        sides.push(match method {
+            Method::Picture(side) => side,
+            Method::Integrator(entry, integrator) => {
+                let lacks = effects - entry.simulates;
+                if !lacks.is_empty() {
+                    note(&format!("note: {} does not simulate what this scene calls for: {lacks}", entry.name));
+                }
+                // Each side has its own random numbers: shared ones would agree more than chance does.
+                let sampler = SamplerSpec { seed: sampler.seed.wrapping_add(0x5eed * k as u64), scramblings: SCRAMBLINGS, ..sampler };
+                rendered(args, &scene, &film, entry, &*integrator, sampler)?
+            }
+        });
+    }
+    let [a, b] = sides.try_into().map_err(|_| Error::Usage("expected two sides".into()))?;
+    let agreement = agreement(a.as_render(), b.as_render(), args.alpha)?;
+    report(args, &a, &b, &agreement)
+}
+
+enum Method {
+    Integrator(Entry, Arc<dyn crate::integrator::Integrator>),
+    Picture(Side),
+}
+
+/// A name of the table, or else a picture with error bars.
+fn side_named(name: &str, loaded: &Loaded, tables: &[&[Entry]]) -> Result<Method> {
+    if Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
+        return pictured(Path::new(name), &loaded.built.film).map(Method::Picture);
+    }
+    loaded.choose(tables, name).map(|(entry, integrator)| Method::Integrator(entry, integrator))
+}
+
+/// A picture with standard errors, of the same pixels.
+fn pictured(path: &Path, film: &FilmSpec) -> Result<Side> {
+    let (image, attributes) = exr::read(path)?;
+    let refused = |text: String| Error::invalid(Fault::new(text).in_file(path));
+    if image.size != film.crop.size() || image.origin != film.crop.min {
+        let (expected, found) = (film.crop.size(), image.size);
+        return Err(refused(format!("expected {} × {} pixels as the scene has, found {} × {}", expected.x, expected.y, found.x, found.y)));
+    }
+    if let Some(missing) = ["R", "G", "B", "StdErr.R", "StdErr.G", "StdErr.B"].into_iter().find(|name| image.channel(name).is_none()) {
+        return Err(refused(format!("has no channel {missing}: without standard errors nothing can be concluded")));
+    }
+    let broken = image.channels.iter().flat_map(|channel| &channel.values).filter(|value| !value.is_finite()).count();
+    if broken > 0 {
+        return Err(refused(format!("has {broken} values that are no numbers")));
+    }
+    let freedom = attributes.iter().find(|(name, _)| name == "pt/standardErrorFreedom").and_then(|(_, value)| value.parse::<u64>().ok());
+    let freedom = freedom.ok_or_else(|| refused("does not say how sure its standard errors are (pt/standardErrorFreedom)".into()))?;
+    Ok(Side { name: path.display().to_string(), established: is_established(&image), image, samples: freedom + 1 })
+}
+
+fn rendered(
+    args: &args::Verify,
+    scene: &Arc<dyn Scene>,
+    film: &FilmSpec,
+    entry: Entry,
+    integrator: &dyn crate::integrator::Integrator,
+    sampler: SamplerSpec,
+) -> Result<Side> {
+    let samples = args.spp.map_or(if args.time.is_some() { u32::MAX.into() } else { sampler.spp }, u64::from);
+    let until = Until { samples, time: args.time, target: None };
+    let mut moments = MomentFilm::new(film.clone());
+    let mut render = Render::new(scene.clone(), integrator, film, &Settings::new(SamplerSpec { spp: samples, ..sampler }));
+    let progress = Progress::new(args.progress, film.crop.pixel_count(), samples, args.time);
+    let course = follow(&mut render, &mut moments, &until, &progress);
+    progress.finish();
+    if let Some(signal) = signals::caught() {
+        return Err(Error::Interrupted(signal));
+    }
+    let error = course.last().and_then(|last| last.error);
+    let told = error.map_or(String::new(), |error| format!(", relative error {} %", per_cent(error.value)));
+    note(&format!("{}: {} spp in {}{told}", entry.name, moments.samples(), duration(render.report().elapsed.as_secs_f64())));
+    let freedom = moments.freedom();
+    if freedom == 0.0 {
+        let needed = 2 * SCRAMBLINGS;
+        return Err(Error::Usage(format!(
+            "{} samples per pixel tell no error: at least {needed} are needed (--spp, --time)",
+            moments.samples()
+        )));
+    }
+    Ok(Side {
+        name: entry.name.into(),
+        image: moments.image(),
+        samples: freedom as u64 + 1,
+        established: error.is_some_and(|error| error.is_established()),
+    })
+}
+
+impl Side {
+    fn as_render(&self) -> crate::measure::Render<'_> {
+        crate::measure::Render { image: &self.image, samples: self.samples }
+    }
+}
+
+/// What the tests say, what they could have seen, and the exit code: 0 the same, 1 different, 7 no telling.
+fn report(args: &args::Verify, a: &Side, b: &Side, agreement: &Agreement) -> Result<ExitCode> {
+    if let Some(path) = &args.output {
+        let p = crate::measure::agreement::p_values(a.as_render(), b.as_render())?;
+        output::write(path, &p, &Attributes::new(), &Tonemap::default())?;
+    }
+    let tests = agreement.to_string().split("; ").map(|line| format!("  {line}\n")).collect::<String>();
+    let seen = crate::measure::agreement::smallest_bias(a.as_render(), b.as_render(), args.alpha)?;
+    let power = format!("a difference of {} % of the whole picture's light would have shown\n", per_cent(seen));
+    let unsure: Vec<&str> = [a, b].into_iter().filter(|side| !side.established).map(|side| side.name.as_str()).collect();
+    let (word, code) = match (agreement.accepts(), unsure.is_empty()) {
+        (_, false) => ("inconclusive", ExitCode::from(INCONCLUSIVE)),
+        (true, true) => ("the same picture, as far as one can tell", ExitCode::SUCCESS),
+        (false, true) => ("different pictures", ExitCode::FAILURE),
+    };
+    let why = match unsure.is_empty() {
+        true => String::new(),
+        false => format!("heavy tail: a few pixels hold all the noise of {}\n", unsure.join(" and ")),
+    };
+    say(&format!("{} and {}: {word}\n{tests}{why}{power}", a.name, b.name))?;
+    Ok(code)
+}

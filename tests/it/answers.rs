@@ -1,0 +1,105 @@
+//! What the commands say about accuracy: targets, prices, comparisons, verdicts; with which exit code.
+
+use std::path::Path;
+
+use assert_cmd::Command;
+use pt::film::Image;
+use pt::output::{Attributes, Tonemap, exr, write};
+use tempfile::TempDir;
+
+const CORNELL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-box.json");
+
+/// stdout and stderr of a call that ends with this exit code.
+#[track_caller]
+fn said(folder: &Path, code: i32, args: &[&str]) -> String {
+    let output = Command::cargo_bin("pt").expect("the binary").current_dir(folder).args(args).output().expect("a run");
+    let text = format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(code), "{args:?}\n{text}");
+    text
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+#[test]
+fn a_target_is_met_or_missed() {
+    let folder = folder();
+    let render = |code: i32, more: &[&str]| said(folder.path(), code, &[&[CORNELL, "--size", "48x48", "-o", "box.exr"], more].concat());
+    let met = render(0, &["--target", "20%"]);
+    assert!(met.contains("target 20 %: met (95 % sure)"), "{met}");
+    let (_, attributes) = exr::read(&folder.path().join("box.exr")).expect("a picture");
+    let high = attributes.iter().find(|(name, _)| name == "pt/relativeErrorHigh").expect("an error").1.parse::<f64>().expect("a number");
+    assert!(high <= 0.21, "the interval lies below the target: {high}");
+    let missed = render(7, &["--target", "0.1%", "--spp", "16"]);
+    assert!(missed.contains("target 0.1 %: not met") && missed.contains("would take about"), "{missed}");
+    assert!(render(2, &["--target", "0"]).contains("above 0 and below 1"));
+}
+
+#[test]
+fn a_pilot_tells_the_prices_of_each_integrator() {
+    let folder = folder();
+    let args = [CORNELL, "--size", "32x32", "--spp", "4", "--pilot", "0.3s", "--integrators", "nee,path"];
+    let text = said(folder.path(), 0, &args);
+    let row = |name: &str| text.lines().any(|line| line.starts_with(name) && line.matches('(').count() == 4);
+    assert!(row("nee ") && row("path "), "{text}");
+    assert!(said(folder.path(), 2, &[CORNELL, "--pilot", "1s", "--integrators", "nea"]).contains("did you mean \"nee\""));
+}
+
+/// Every sampler's picture carries error bars and what they are worth; one scrambling alone tells none.
+#[test]
+fn pictures_carry_their_errors() {
+    let folder = folder();
+    for (kind, name, _) in pt::sampler::Kind::ALL {
+        for (k, freedom) in [("1", 0.0), ("2", 1.0), ("8", 7.0)] {
+            let args = [CORNELL, "--size", "16x16", "--spp", "32", "--sampler", name, "--scramblings", k, "-q", "-o", "a.exr"];
+            said(folder.path(), 0, &args);
+            let (image, attributes) = exr::read(&folder.path().join("a.exr")).expect("a picture");
+            let freedom = if *kind == pt::sampler::Kind::Independent { 31.0 } else { freedom };
+            assert_eq!(image.channel("StdErr.G").is_some(), freedom > 0.0, "{name} {k}");
+            assert!(image.channel("SampleCount.Y").is_some_and(|counts| counts.iter().all(|n| *n == 32.0)), "{name} {k}");
+            assert!(attributes.contains(&("pt/standardErrorFreedom".into(), freedom.to_string())), "{name} {k}: {attributes:?}");
+        }
+    }
+    assert!(said(folder.path(), 2, &[CORNELL, "--scramblings", "3"]).contains("expected a power of two"));
+}
+
+/// A picture by the other integrator passes; the same with 3 % more light, or with a corner 30 % brighter, does not.
+#[test]
+fn verify_finds_planted_bias() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    said(folder.path(), 0, &[CORNELL, "--size", "64x64", "--spp", "1024", "--scramblings", "16", "--seed", "77", "-q", "-o", "good.exr"]);
+    let (good, attributes) = exr::read(&at("good.exr")).expect("a picture");
+    let planted = |name: &str, factor: &dyn Fn(usize) -> f32| {
+        let mut image: Image = good.clone();
+        for channel in image.channels.iter_mut().filter(|channel| channel.name != "SampleCount.Y") {
+            channel.values.iter_mut().enumerate().for_each(|(i, value)| *value *= factor(i));
+        }
+        write(&at(name), &image, &attributes, &Tonemap::default()).expect("written");
+    };
+    planted("bright.exr", &|_| 1.03);
+    planted("corner.exr", &|i| if i % 64 >= 56 && i / 64 >= 56 { 1.3 } else { 1.0 });
+    let verify = |code: i32, side: &str| said(folder.path(), code, &["verify", CORNELL, "nee", side, "--size", "64x64", "--spp", "1024"]);
+    assert!(verify(0, "good.exr").contains("the same picture"));
+    assert!(verify(1, "bright.exr").contains("different pictures"));
+    assert!(verify(1, "corner.exr").contains("block: DIFFER"));
+    let mut bare = good.clone();
+    bare.channels.retain(|channel| !channel.name.starts_with("StdErr"));
+    write(&at("bare.exr"), &bare, &Attributes::new(), &Tonemap::default()).expect("written");
+    assert!(verify(3, "bare.exr").contains("has no channel StdErr.R"));
+    assert!(said(folder.path(), 3, &["verify", CORNELL, "nee", "good.exr", "--size", "32x32"]).contains("expected 32 × 32 pixels"));
+}
+
+#[test]
+fn compare_writes_a_report_and_says_which_is_cheapest() {
+    let folder = folder();
+    let text = said(folder.path(), 0, &["compare", CORNELL, "--size", "32x32", "--time", "0.5s", "-o", "report"]);
+    assert!(text.contains("nee is the cheapest") && text.contains("that is bias"), "{text}");
+    assert!(text.contains("whitted does not simulate diffuse interreflection"), "{text}");
+    for file in ["index.html", "convergence.csv", "convergence.json", "reference.exr"] {
+        assert!(folder.path().join("report").join(file).is_file(), "{file}");
+    }
+    let again = ["compare", CORNELL, "--size", "24x24", "--time", "0.5s", "--reference", "report/reference.exr"];
+    assert!(said(folder.path(), 3, &again).contains("expected 24 × 24 pixels"));
+}
