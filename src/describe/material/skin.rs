@@ -8,7 +8,7 @@ use super::super::value::Real;
 use super::super::varying::Varying;
 use super::MaterialRef;
 
-/// A relief too fine for triangles: it turns normals, and moves no points; a slope that would face away is turned back until it is
+/// A relief too fine for triangles: it turns normals, and moves no points. A slope that would face away is turned back until it is
 /// seen. Where texture coordinates span no area there is no relief. Not within other materials.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
