@@ -16,6 +16,12 @@ pub struct Until {
 }
 
 impl Until {
+    /// A look costs as much as a fraction of a sample: without a target a few late ones tell the slope.
+    fn is_looked_at(&self, samples: u64) -> bool {
+        let late = samples.saturating_mul(16) >= self.samples || self.time.is_some();
+        self.target.is_some() || samples == self.samples || late && samples.is_power_of_two()
+    }
+
     /// How many samples per pixel it will take, as the course so far tells.
     fn expected(&self, course: &Course) -> u64 {
         let samples = |target: &Target| {
@@ -66,7 +72,7 @@ impl Watcher for Silent {}
 pub fn follow(render: &mut Render, film: &mut impl Followed, until: &Until, watcher: &dyn Watcher) -> Course {
     let mut course = Course::default();
     let mut looks = Looks::default();
-    for samples in checkpoints(until.samples) {
+    for samples in checkpoints(until.samples).filter(|samples| until.is_looked_at(*samples)) {
         match until.time {
             Some(time) => render.advance_for(time, samples, film, watcher),
             None => render.advance(samples, film, watcher),

@@ -1,5 +1,7 @@
 //! How far a picture is from the truth, told by its own error bars.
 
+use arrayvec::ArrayVec;
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::film::block::{Estimate, estimate, freedom, pull};
@@ -117,6 +119,7 @@ struct Smoothed {
 
 /// Neighbours this far away count (pixels).
 const REACH: usize = 1;
+const AROUND: usize = (2 * REACH + 1) * (2 * REACH + 1);
 
 impl Smoothed {
     fn new(block: &Block, samples: u64, width: usize) -> Smoothed {
@@ -141,8 +144,8 @@ impl Smoothed {
     }
 
     /// What each pixel adds to relMSE, the mean of its colours.
-    fn shares(&self, floor: f64) -> impl Iterator<Item = f64> {
-        (0..self.pixels.len()).map(move |i| {
+    fn shares(&self, floor: f64) -> Vec<f64> {
+        let share = |i: usize| {
             let typical = self.typical(i);
             let others: f64 = self.around(i).map(|q| self.likeness(q, typical)).sum();
             // Where the pixel is of another kind than most around it, it stands for itself.
@@ -161,7 +164,8 @@ impl Smoothed {
                 share(v, mean, own * pull * v.sqrt(), floor)
             };
             (color(0) + color(1) + color(2)) / 3.0
-        })
+        };
+        (0..self.pixels.len()).into_par_iter().map(share).collect()
     }
 
     /// relMSE · P, had each pixel been its own reference.
@@ -172,7 +176,7 @@ impl Smoothed {
     /// The medians of value and variance around a pixel: neither a bright sample nor an edge moves them far.
     fn typical(&self, i: usize) -> (f64, f64) {
         let median = |f: fn(&(f64, f64)) -> f64| {
-            let mut values: Vec<f64> = self.around(i).chain([i]).map(|q| f(&self.gray[q])).collect();
+            let mut values: ArrayVec<f64, AROUND> = self.around(i).chain([i]).map(|q| f(&self.gray[q])).collect();
             let middle = values.len() / 2;
             *values.select_nth_unstable_by(middle, f64::total_cmp).1
         };
