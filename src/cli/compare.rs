@@ -81,19 +81,13 @@ fn contestants(args: &args::Compare, loaded: &Loaded, tables: &[&[Entry]]) -> Re
 fn given(path: &Path, film: &FilmSpec) -> Result<Reference> {
     let (image, _) = exr::read(path)?;
     let refused = |text: String| Error::invalid(Fault::new(text).in_file(path));
-    if image.size != film.crop.size() || image.origin != film.crop.min {
-        let (found, expected) = (image.size, film.crop.size());
-        return Err(refused(format!("expected {} × {} pixels as the scene has, found {} × {}", expected.x, expected.y, found.x, found.y)));
-    }
+    render::same_pixels(path, &image, film)?;
     if let Some(missing) = ["R", "G", "B"].into_iter().find(|name| image.channel(name).is_none()) {
         return Err(refused(format!("the reference has no channel {missing}")));
     }
     let broken = image.pixels().flatten().filter(|value| !value.is_finite()).count();
     if broken > 0 {
         return Err(refused(format!("the reference has {broken} values that are no numbers")));
-    }
-    if image.pixels().flatten().all(|value| value == 0.0) {
-        return Err(refused("the reference is black".into()));
     }
     Ok(Reference { image, origin: path.display().to_string(), error: None })
 }
@@ -117,6 +111,9 @@ fn measure(
         Some(reference) => reference,
         None => computed(&scene, &spec, &judge, &sampler, args.reference_time.unwrap_or(time)).ok_or_else(interrupted)?,
     };
+    if reference.image.pixels().flatten().all(|value| value == 0.0) {
+        return Err(Error::invalid(Fault::new(format!("{} is black: there is nothing to compare", reference.origin)).in_file(&stem)));
+    }
     let effort = Effort {
         replicates: args.replicates,
         samples: args.spp.map_or(1 << 30, u64::from),

@@ -1,6 +1,6 @@
 //! `pt SCENE`: load, render, write.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
@@ -12,7 +12,7 @@ use super::progress::Progress;
 use super::stats::{Account, Counted};
 use super::{INCONCLUSIVE, args, check, note, pilot, say, signals};
 use crate::describe::Built;
-use crate::error::{Error, Result};
+use crate::error::{Error, Fault, Result};
 use crate::film::{Crop, Film, FilmSpec, Image, MomentFilm};
 use crate::integrator::{Entry, Integrator};
 use crate::measure::{self, Course, Outcome, Target, Until, words};
@@ -49,6 +49,19 @@ pub fn resized([width, height]: [u32; 2]) -> Vec<Override> {
     // The scene's own crop is of a picture of another size.
     let crop = format!("{:?}", [0, width, 0, height]);
     vec![set("/film/width", width.to_string()), set("/film/height", height.to_string()), set("/film/crop", crop)]
+}
+
+/// Whether a picture from a file shows the pixels that the scene asks for.
+///
+/// # Errors
+/// `Invalid` where it does not.
+pub fn same_pixels(path: &Path, image: &Image, film: &FilmSpec) -> Result<()> {
+    let (expected, found) = (film.crop.size(), image.size);
+    if (found, image.origin) == (expected, film.crop.min) {
+        return Ok(());
+    }
+    let text = format!("expected {} × {} pixels as the scene has, found {} × {}", expected.x, expected.y, found.x, found.y);
+    Err(Error::invalid(Fault::new(text).in_file(path)))
 }
 
 /// So many threads, or one for each core.

@@ -40,8 +40,7 @@ pub fn verify(args: &args::Verify, tables: &[&[Entry]]) -> Result<ExitCode> {
         output::check_folder(path)?;
     }
     signals::catch()?;
-    let verdict = render::pool(args.threads)?.install(|| judge(args, loaded, tables))?;
-    Ok(verdict)
+    render::pool(args.threads)?.install(|| judge(args, loaded, tables))
 }
 
 fn judge(args: &args::Verify, loaded: Loaded, tables: &[&[Entry]]) -> Result<ExitCode> {
@@ -58,8 +57,9 @@ fn judge(args: &args::Verify, loaded: Loaded, tables: &[&[Entry]]) -> Result<Exi
                 if !lacks.is_empty() {
                     note(&format!("note: {} does not simulate what this scene calls for: {lacks}", entry.name));
                 }
-                // Each side has its own random numbers: shared ones would agree more than chance does.
-                let sampler = SamplerSpec { seed: sampler.seed.wrapping_add(0x5eed * k as u64), scramblings: SCRAMBLINGS, ..sampler };
+                // Other random numbers than the other side's, and than those of a picture of the scene's own seed: shared ones
+                // would agree more than chance does.
+                let sampler = SamplerSpec { seed: sampler.seed.wrapping_add(0x5eed * (k as u64 + 1)), scramblings: SCRAMBLINGS, ..sampler };
                 rendered(args, &scene, &film, entry, &*integrator, sampler)?
             }
         });
@@ -86,10 +86,7 @@ fn side_named(name: &str, loaded: &Loaded, tables: &[&[Entry]]) -> Result<Method
 fn pictured(path: &Path, film: &FilmSpec) -> Result<Side> {
     let (image, attributes) = exr::read(path)?;
     let refused = |text: String| Error::invalid(Fault::new(text).in_file(path));
-    if image.size != film.crop.size() || image.origin != film.crop.min {
-        let (expected, found) = (film.crop.size(), image.size);
-        return Err(refused(format!("expected {} × {} pixels as the scene has, found {} × {}", expected.x, expected.y, found.x, found.y)));
-    }
+    render::same_pixels(path, &image, film)?;
     if let Some(missing) = ["R", "G", "B", "StdErr.R", "StdErr.G", "StdErr.B"].into_iter().find(|name| image.channel(name).is_none()) {
         return Err(refused(format!("has no channel {missing}: without standard errors nothing can be concluded")));
     }

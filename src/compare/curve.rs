@@ -5,7 +5,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use super::run::Contestant;
 use super::{Cost, Measurement, Method, Point, Reference, TARGETS};
 use crate::film::{Channel, Image};
-use crate::measure::EPSILON;
+use crate::measure::relative::{errors, floor};
 
 /// All that is told of one method.
 ///
@@ -96,17 +96,15 @@ const SURE: f64 = 4.0;
 ///
 /// Of the noise, (x̄ − r)² has the variance 2u² + 4b²u, the colours moving together.
 fn bias(image: &Image, reference: &Image) -> Option<(f64, f64)> {
-    let brightness = reference.pixels().flatten().map(f64::from).sum::<f64>() / (3.0 * reference.pixels().count() as f64);
-    let floor = EPSILON * brightness * brightness;
-    let errors = |image: &Image, c: usize, i: usize| {
-        image.channel(["StdErr.R", "StdErr.G", "StdErr.B"][c]).map_or(0.0, |channel| f64::from(channel[i]).powi(2))
-    };
+    let floor = floor(reference)?;
+    let errors = [errors(image), errors(reference)];
+    let variance_of = |c: usize, i: usize| errors.iter().flatten().map(|channels| f64::from(channels[c][i]).powi(2)).sum::<f64>();
     let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
     for (i, (x, r)) in image.pixels().zip(reference.pixels()).enumerate() {
         let mut spread = 0.0;
         for c in 0..3 {
             let below = 3.0 * (f64::from(r[c]).powi(2) + floor);
-            let u = errors(image, c, i) + errors(reference, c, i);
+            let u = variance_of(c, i);
             let square = f64::from(x[c] - r[c]).powi(2) - u;
             sum += square / below;
             spread += (2.0 * u * u + 4.0 * square.max(0.0) * u).sqrt() / below;
@@ -167,15 +165,15 @@ fn crossing(of: &[&Measurement], target: f64) -> Option<(f64, bool)> {
 }
 
 /// A number that each replicate has, and what they say together.
-pub struct Replicates {
-    pub mean: f64,
+struct Replicates {
+    mean: f64,
     /// Standard error of the mean; 0 for one replicate.
-    pub error: f64,
+    error: f64,
     count: f64,
 }
 
 impl Replicates {
-    pub fn new(values: &[f64]) -> Replicates {
+    fn new(values: &[f64]) -> Replicates {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
@@ -191,7 +189,7 @@ impl Replicates {
     }
 
     /// Of Student's t with as many degrees of freedom as there are replicates, less one.
-    pub fn quantile(&self, p: f64) -> f64 {
+    fn quantile(&self, p: f64) -> f64 {
         StudentsT::new(0.0, 1.0, (self.count - 1.0).max(1.0)).map_or(0.0, |t| t.inverse_cdf(p))
     }
 }

@@ -10,6 +10,7 @@ pub mod run;
 
 use crate::film::Image;
 
+pub use crate::measure::words::TARGETS;
 pub use conclude::conclusions;
 pub use run::{Contestant, Effort, run};
 
@@ -61,9 +62,6 @@ pub struct Method {
     /// Effects that the scene calls for and the method leaves out, in words; empty for none.
     pub lacks: String,
 }
-
-/// The relative errors whose cost is told.
-pub const TARGETS: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
 
 /// Seconds that an error takes, with the interval that holds them.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -90,23 +90,21 @@ pub fn is_established(image: &Image) -> bool {
 }
 
 /// ε of a reference, above 0.
-pub(super) fn floor(image: &Image) -> Option<f64> {
+pub fn floor(image: &Image) -> Option<f64> {
     let mean = image.pixels().flatten().map(f64::from).sum::<f64>() / (3.0 * image.pixels().count() as f64);
     Some(EPSILON * mean * mean).filter(|floor| floor.is_normal())
 }
 
 /// The standard errors of the colours.
-pub(super) fn errors(image: &Image) -> Option<[&[f32]; 3]> {
+pub fn errors(image: &Image) -> Option<[&[f32]; 3]> {
     let channels: Vec<&[f32]> = ["StdErr.R", "StdErr.G", "StdErr.B"].iter().filter_map(|name| image.channel(name)).collect();
     channels.try_into().ok()
 }
 
 /// A picture as sure of itself as its neighbourhoods allow: the denominators of relMSE.
 ///
-/// In the place of r stands the mean of the pixels around that differ by no more than noise does. The pixel alone
-/// would not do: a bright sample makes it bright as well as uncertain, and would excuse itself.
-///
-/// Source of the weights: Rousselle, Knaus, Zwicker, *Adaptive Rendering with Non-Local Means Filtering* (2012).
+/// In the place of r stands the mean of the pixels around that differ from their median by no more than noise does. The
+/// pixel alone would not do: a bright sample makes it bright as well as uncertain, and would excuse itself.
 struct Smoothed {
     width: usize,
     /// Value and variance of each colour.

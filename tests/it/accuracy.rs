@@ -89,6 +89,44 @@ fn intervals_hold_the_true_error() {
     }
 }
 
+/// 2^k times the light: the same error, to the last bit, since every operation on the way is exact but for the exponent.
+#[test]
+fn errors_do_not_depend_on_the_unit_of_light() {
+    let noise = |factor: f64| {
+        let mut random = Random::new(5);
+        let mut block = Block::with_capacity(Spread::Samples, (EDGE * EDGE) as usize);
+        for i in 0..EDGE * EDGE {
+            let mut sample = |_| Moments::of(Spectrum::gray((truth(i) * exponential(&mut random)) as f32 * factor as f32));
+            block.push(&[(0..64).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample")]);
+        }
+        let mut film = MomentFilm::new(FilmSpec::new(EDGE, EDGE));
+        film.add(Wave { first: 0, level: 6 }, block);
+        RelativeError::of(&film).expect("an error")
+    };
+    for k in [-20, 1, 20] {
+        assert_eq!(noise(2f64.powi(k)), noise(1.0), "2^{k}");
+    }
+}
+
+/// Ten pixels of 576 met by one sample of a thousand times the light: whatever the rest says, the next such pixel changes the answer.
+#[test]
+fn heavy_tails_are_not_established() {
+    let film = |bright: u32| {
+        let mut random = Random::new(6);
+        let mut block = Block::with_capacity(Spread::Samples, (EDGE * EDGE) as usize);
+        for i in 0..EDGE * EDGE {
+            let lucky = i % 57 == 0 && i / 57 < bright;
+            let mut sample = |k: u32| Moments::of(Spectrum::gray(if lucky && k == 0 { 1000.0 } else { exponential(&mut random) as f32 }));
+            block.push(&[(0..64).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample")]);
+        }
+        let mut film = MomentFilm::new(FilmSpec::new(EDGE, EDGE));
+        film.add(Wave { first: 0, level: 6 }, block);
+        RelativeError::of(&film).expect("an error")
+    };
+    assert!(film(0).is_established());
+    assert!(!film(10).is_established(), "{:?}", film(10));
+}
+
 /// Whether a share between `low` and `high` could give so many hits, at a risk of 10⁻³.
 pub fn is_between(hits: u64, of: u64, low: f64, high: f64) -> bool {
     let few = Binomial::new(low, of).expect("a share").cdf(hits);
