@@ -1,5 +1,7 @@
 //! The one loop: waves of samples over tiles of pixels, in parallel.
 
+mod first_hit;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -7,7 +9,7 @@ use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
 use crate::effects::Effects;
-use crate::film::{Block, Crop, Film, FilmSpec, Moments, Tree, Wave};
+use crate::film::{Block, Crop, Film, FilmSpec, Layer, Moments, Slots, Tree, Wave};
 use crate::integrator::{CameraSample, Context, Estimator, Integrator};
 use crate::math::Spectrum;
 use crate::sampler::{Sampler, SamplerSpec, dimension};
@@ -180,13 +182,15 @@ impl Render {
     fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<Part> {
         let mut sequences = self.sampler.sequences();
         let (mut tree, mut moments) = (Tree::default(), vec![]);
-        let mut part = Part { block: Block::with_capacity(self.sampler.spread(), tile.pixel_count() as usize), invalid: vec![] };
+        let mut part = Part { block: Block::with_capacity(self.slots(), tile.pixel_count() as usize), invalid: vec![] };
         let k = sequences.len() as u64;
+        let (mut terms, is_timed) = (vec![], self.spec.layers.contains(&Layer::Time));
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             if observer.cancelled() {
                 return None;
             }
             moments.clear();
+            let start = is_timed.then(Instant::now);
             for (r, sequence) in (0..).zip(&mut sequences) {
                 tree.clear();
                 for index in wave.dealt(r, k) {
@@ -200,8 +204,37 @@ impl Render {
                 moments.push(tree.total(Moments::join).unwrap_or_default());
             }
             part.block.push(&moments);
+            if !self.spec.layers.is_empty() {
+                let seconds = start.map_or(0.0, |start| start.elapsed().as_secs_f64());
+                part.block.push_layers(self.layers(UVec2::new(x, y), wave, &mut sequences, seconds, &mut terms));
+            }
         }
         Some(part)
+    }
+
+    /// What the layers of a pixel add up: its camera samples once more, after the picture is done with them.
+    ///
+    /// - `seconds`: that the picture's samples took
+    fn layers<'t>(
+        &self,
+        pixel: UVec2,
+        wave: Wave,
+        sequences: &mut [Box<dyn Sampler>],
+        seconds: f64,
+        terms: &'t mut Vec<f64>,
+    ) -> &'t [f64] {
+        terms.clear();
+        let (k, share) = (sequences.len() as u64, seconds / wave.samples() as f64);
+        for i in wave.first..wave.first + wave.samples() {
+            let sequence = &mut *sequences[(i % k) as usize];
+            let camera = self.camera_sample(pixel, i / k, sequence);
+            first_hit::add_terms(&*self.scene, &self.spec.layers, &camera, sequence, share, terms);
+        }
+        first_hit::joined(terms, self.slots().layers)
+    }
+
+    fn slots(&self) -> Slots {
+        self.spec.slots(self.sampler.spread())
     }
 
     /// The filtered radiance; not finite where the estimate is invalid.
@@ -227,7 +260,7 @@ impl Render {
     /// From tiles to rows of the crop.
     fn assemble(&self, parts: &[Part]) -> Block {
         let crop = self.spec.crop;
-        let mut block = Block::black(self.sampler.spread(), crop.pixel_count() as usize);
+        let mut block = Block::black(self.slots(), crop.pixel_count() as usize);
         for (tile, part) in self.tiles.iter().zip(parts) {
             let width = tile.size().x as usize;
             for row in 0..tile.size().y as usize {

@@ -1,6 +1,6 @@
 //! What light transport asks of the world.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
 use crate::camera::Camera;
@@ -27,6 +27,9 @@ pub trait Scene: Send + Sync {
 
     /// What a picture of this scene calls for.
     fn effects(&self) -> Effects;
+
+    /// What was subtracted from the user's coordinates, so that f32 is finest where the scene is (m).
+    fn origin(&self) -> DVec3;
 }
 
 /// A point on a surface and what happens to light there.

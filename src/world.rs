@@ -81,11 +81,6 @@ impl World {
         WorldBuilder { camera, skins: vec![], objects: vec![], lights: vec![] }
     }
 
-    /// What was subtracted from all coordinates, so that f32 is finest where the scene is.
-    pub fn origin(&self) -> DVec3 {
-        self.origin
-    }
-
     pub fn primitive_count(&self) -> u64 {
         self.shapes.iter().map(|shape| shape.count() as u64).sum()
     }
@@ -272,5 +267,9 @@ impl Scene for World {
 
     fn effects(&self) -> Effects {
         self.effects
+    }
+
+    fn origin(&self) -> DVec3 {
+        self.origin
     }
 }

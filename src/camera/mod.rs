@@ -9,7 +9,7 @@ pub mod orthographic;
 pub mod perspective;
 pub mod spherical;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DMat3, DMat4, DVec3, DVec4, Vec2, Vec3};
 
 use crate::effects::Effects;
 use crate::math::{Ray, Transform};
@@ -42,6 +42,56 @@ impl Camera {
         match self {
             Camera::Perspective(camera) if camera.has_lens() => Effects::THIN_LENS,
             _ => Effects::NONE,
+        }
+    }
+
+    /// How far a point is in front of it: along its axis, for panoramas from the eye (m).
+    pub fn depth(&self, p: DVec3) -> f64 {
+        let pose = self.pose();
+        match self {
+            Camera::Spherical(_) => (p - pose.eye).length(),
+            _ => (pose.eye - p).dot(pose.back.as_dvec3()),
+        }
+    }
+
+    /// From the world to the camera's space: x right, y up, −z ahead (m).
+    pub fn world_to_camera(&self) -> DMat4 {
+        let Pose { eye, right, up, back } = *self.pose();
+        let turn = DMat3::from_cols(right.as_dvec3(), up.as_dvec3(), back.as_dvec3()).transpose();
+        DMat4::from_mat3_translation(turn, -(turn * eye))
+    }
+
+    /// From the camera's space to its film, in homogeneous coordinates: x and y in [0, 1]², from the upper left; z is 1/depth of a
+    /// perspective, else the depth. `None` for panoramas, which no matrix makes.
+    pub fn to_film(&self, aspect: f64) -> Option<DMat4> {
+        let [x, y, z, w] = [DVec4::X, DVec4::Y, DVec4::Z, DVec4::W];
+        let rows = match self {
+            Camera::Perspective(_) => {
+                let width = self.screen_width(aspect)?;
+                [x / width - 0.5 * z, -y * (aspect / width) - 0.5 * z, w, -z]
+            }
+            Camera::Orthographic(camera) => {
+                let height = f64::from(camera.height);
+                [x / (height * aspect) + 0.5 * w, -y / height + 0.5 * w, -z, w]
+            }
+            Camera::Spherical(_) => return None,
+        };
+        Some(DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose())
+    }
+
+    /// How much of the plane a metre in front of a perspective camera the film shows, from left to right (m).
+    pub fn screen_width(&self, aspect: f64) -> Option<f64> {
+        match self {
+            Camera::Perspective(camera) => Some(2.0 * f64::from(camera.tan_half_fov) * aspect),
+            _ => None,
+        }
+    }
+
+    fn pose(&self) -> &Pose {
+        match self {
+            Camera::Perspective(camera) => &camera.pose,
+            Camera::Orthographic(camera) => &camera.pose,
+            Camera::Spherical(camera) => &camera.pose,
         }
     }
 

@@ -13,7 +13,7 @@ use crate::math::{Ray, float, warp};
 pub struct Perspective {
     pub pose: Pose,
     /// τ, half the vertical field of view.
-    tan_half_fov: f32,
+    pub(super) tan_half_fov: f32,
     /// (m); 0 for a pinhole.
     lens_radius: f32,
     /// Along the axis (m).

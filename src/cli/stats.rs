@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use glam::DVec3;
 use serde_json::json;
 
 use super::args::Stats;
@@ -70,6 +71,10 @@ impl Scene for Counted {
 
     fn effects(&self) -> Effects {
         self.scene.effects()
+    }
+
+    fn origin(&self) -> DVec3 {
+        self.scene.origin()
     }
 }
 

@@ -20,6 +20,30 @@ pub struct Film {
     pub crop: Option<[u32; 4]>,
     /// The pixel filter.
     pub filter: Filter,
+    /// What is kept beside the picture, in EXR files: means over each pixel of what the camera meets first. The picture itself does
+    /// not change.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<Layer>,
+}
+
+/// A layer beside the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Layer {
+    /// The share of light that the first surface scatters: `Albedo.R`, `.G`, `.B`.
+    Albedo,
+    /// Its geometric normal: `N.X`, `.Y`, `.Z`.
+    N,
+    /// Its shading normal: `Ns.X`, `.Y`, `.Z`.
+    Ns,
+    /// Where it is, in metres: `P.X`, `.Y`, `.Z`.
+    P,
+    /// How far it is along the camera's axis, in metres: `Z`.
+    Z,
+    /// Its texture coordinates: `uv.U`, `uv.V`.
+    Uv,
+    /// Seconds that the pixel took: `Time.Y`. The only layer that is another one each time.
+    Time,
 }
 
 /// How samples near a pixel contribute to it.
@@ -74,7 +98,7 @@ pub struct MitchellFilter {
 
 impl Default for Film {
     fn default() -> Film {
-        Film { width: Side::known(512), height: Side::known(512), crop: None, filter: Filter::Box(BoxFilter::default()) }
+        Film { width: Side::known(512), height: Side::known(512), crop: None, filter: Filter::Box(BoxFilter::default()), layers: vec![] }
     }
 }
 

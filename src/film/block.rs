@@ -12,22 +12,52 @@ use crate::sampler::Spread;
 /// Scramblings(K)   Σr Σg Σb of each        Σy² Σy³    the spread of the K means tells the error of their mean
 /// ```
 ///
-/// with y the mean of the colours. All are sums, so that blocks join by adding.
+/// with y the mean of the colours. What [layers](super::layer) add up follows them. All are sums, so that blocks join by adding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Block {
-    spread: Spread,
+    slots: Slots,
     sums: Vec<f64>,
+}
+
+/// Which numbers a pixel has: those of its colours, then those of its layers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slots {
+    pub spread: Spread,
+    /// How many numbers layers add up.
+    pub layers: usize,
+}
+
+impl Slots {
+    fn colors(self) -> usize {
+        match self.spread {
+            Spread::Samples => 6 + GRAY,
+            Spread::Scramblings(k) => 3 * k as usize + GRAY,
+        }
+    }
+
+    fn all(self) -> usize {
+        self.colors() + self.layers
+    }
+}
+
+/// Without layers.
+impl From<Spread> for Slots {
+    fn from(spread: Spread) -> Slots {
+        Slots { spread, layers: 0 }
+    }
 }
 
 impl Block {
     /// Nothing yet, with room for so many pixels.
-    pub fn with_capacity(spread: Spread, pixels: usize) -> Block {
-        Block { spread, sums: Vec::with_capacity(pixels * slots(spread)) }
+    pub fn with_capacity(slots: impl Into<Slots>, pixels: usize) -> Block {
+        let slots = slots.into();
+        Block { slots, sums: Vec::with_capacity(pixels * slots.all()) }
     }
 
     /// No light in so many pixels.
-    pub fn black(spread: Spread, pixels: usize) -> Block {
-        Block { spread, sums: vec![0.0; pixels * slots(spread)] }
+    pub fn black(slots: impl Into<Slots>, pixels: usize) -> Block {
+        let slots = slots.into();
+        Block { slots, sums: vec![0.0; pixels * slots.all()] }
     }
 
     /// Of independent samples.
@@ -38,58 +68,65 @@ impl Block {
     }
 
     pub fn spread(&self) -> Spread {
-        self.spread
+        self.slots.spread
     }
 
-    /// The samples of the next pixel, sequence by sequence.
+    pub fn slots(&self) -> Slots {
+        self.slots
+    }
+
+    /// The samples of the next pixel, sequence by sequence. Where there are layers, [`Block::push_layers`] completes it.
     pub fn push(&mut self, sequences: &[Moments]) {
         sequences.iter().for_each(|moments| self.sums.extend(moments.sum));
-        if self.spread == Spread::Samples {
+        if self.spread() == Spread::Samples {
             sequences.iter().for_each(|moments| self.sums.extend(moments.square));
         }
         self.sums.extend(sequences.iter().fold([0.0; 2], |sum, moments| [sum[0] + moments.gray[0], sum[1] + moments.gray[1]]));
     }
 
+    /// What the layers of the pixel just pushed add up.
+    pub fn push_layers(&mut self, sums: &[f64]) {
+        debug_assert_eq!(sums.len(), self.slots.layers);
+        self.sums.extend(sums);
+    }
+
     pub fn len(&self) -> usize {
-        self.sums.len() / slots(self.spread)
+        self.sums.len() / self.slots.all()
     }
 
     pub fn is_empty(&self) -> bool {
         self.sums.is_empty()
     }
 
-    /// The numbers of pixel after pixel.
+    /// The numbers of pixel after pixel, those of their colours.
     pub fn pixels(&self) -> impl ExactSizeIterator<Item = &[f64]> {
-        self.sums.chunks_exact(slots(self.spread))
+        self.sums.chunks_exact(self.slots.all()).map(|pixel| &pixel[..self.slots.colors()])
+    }
+
+    /// The numbers of pixel after pixel, those of their layers.
+    pub fn layers(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+        self.sums.chunks_exact(self.slots.all()).map(|pixel| &pixel[self.slots.colors()..])
     }
 
     /// Σx of each pixel, over all its scramblings.
     pub fn sums(&self) -> impl Iterator<Item = [f64; 3]> {
-        self.pixels().map(|pixel| total(self.spread, pixel))
+        self.pixels().map(|pixel| total(self.spread(), pixel))
     }
 
-    /// Both must have the same pixels and the same spread.
+    /// Both must have the same pixels and the same slots.
     pub fn join(&self, other: &Block) -> Block {
-        Block { spread: self.spread, sums: self.sums.iter().zip(&other.sums).map(|(a, b)| a + b).collect() }
+        Block { slots: self.slots, sums: self.sums.iter().zip(&other.sums).map(|(a, b)| a + b).collect() }
     }
 
     /// A row of `from` becomes pixels `start`… of this block.
     pub(crate) fn put(&mut self, start: usize, from: &Block, pixels: std::ops::Range<usize>) {
-        let slots = slots(self.spread);
+        let slots = self.slots.all();
         self.sums[start * slots..][..pixels.len() * slots].copy_from_slice(&from.sums[pixels.start * slots..pixels.end * slots]);
     }
 }
 
-/// Σy² and Σy³, the last numbers of a pixel.
+/// Σy² and Σy³, the last numbers of a pixel's colours.
 const GRAY: usize = 2;
-
-/// Numbers per pixel.
-fn slots(spread: Spread) -> usize {
-    match spread {
-        Spread::Samples => 6 + GRAY,
-        Spread::Scramblings(k) => 3 * k as usize + GRAY,
-    }
-}
 
 /// A mean and its variance, for each colour of a pixel.
 pub type Estimate = [(f64, f64); 3];

@@ -1,9 +1,12 @@
 //! A picture as numbers: named f32 channels.
 
+use std::ops::Range;
+
 use glam::UVec2;
 
-use super::FilmSpec;
 use super::block::{Block, Estimate, estimate, freedom};
+use super::layer::{self, Layer};
+use super::FilmSpec;
 
 /// Linear channels over the crop of a picture, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,10 +27,19 @@ pub struct Channel {
     pub values: Vec<f32>,
 }
 
+/// - `place`: of its numbers among those of a pixel's layers
+fn layer_channels(block: &Block, layer: Layer, place: Range<usize>, samples: u64) -> impl Iterator<Item = Channel> {
+    layer.channels().iter().enumerate().map(move |(c, name)| Channel {
+        name: (*name).into(),
+        values: block.layers().map(|sums| layer.value(&sums[place.clone()], c, samples) as f32).collect(),
+    })
+}
+
 const RGB: [&str; 3] = ["R", "G", "B"];
 
 impl Image {
-    /// The mean, its standard error where the samples' [`Spread`](crate::sampler::Spread) tells one, and how many samples there are.
+    /// The mean, its standard error where the samples' [`Spread`](crate::sampler::Spread) tells one, how many samples
+    /// there are, and the layers of the film.
     pub fn from_block(spec: &FilmSpec, block: &Block, samples: u64) -> Image {
         let estimates: Vec<Estimate> = block.pixels().map(|pixel| estimate(block.spread(), pixel, samples)).collect();
         let channel = |name: String, value: &dyn Fn(&Estimate) -> f64| Channel {
@@ -39,6 +51,7 @@ impl Image {
             channels.extend((0..3).map(|c| channel(format!("StdErr.{}", RGB[c]), &|pixel| pixel[c].1.sqrt())));
         }
         channels.push(channel("SampleCount.Y".into(), &|_| samples as f64));
+        channels.extend(layer::places(&spec.layers).flat_map(|(layer, place)| layer_channels(block, layer, place, samples)));
         Image { full_size: spec.size, origin: spec.crop.min, size: spec.crop.size(), channels }
     }
 

@@ -3,6 +3,7 @@
 pub mod block;
 pub mod filter;
 pub mod image;
+pub mod layer;
 pub mod moments;
 
 use std::ops::Range;
@@ -11,9 +12,10 @@ use glam::UVec2;
 
 use crate::sampler::Spread;
 
-pub use block::Block;
+pub use block::{Block, Slots};
 pub use filter::Filter;
 pub use image::{Channel, Image};
+pub use layer::Layer;
 pub use moments::{Moments, Tree};
 
 /// The picture to be taken.
@@ -24,13 +26,25 @@ pub struct FilmSpec {
     /// The part to be rendered; its pixels are those of the whole picture, bit for bit.
     pub crop: Crop,
     pub filter: Filter,
+    /// What is kept beside the picture; changes no bit of it.
+    pub layers: Vec<Layer>,
 }
 
 impl FilmSpec {
-    /// The whole picture, box filter.
+    /// The whole picture, box filter, no layers.
     pub fn new(width: u32, height: u32) -> FilmSpec {
         let size = UVec2::new(width, height);
-        FilmSpec { size, crop: Crop { min: UVec2::ZERO, max: size }, filter: Filter::default() }
+        FilmSpec { size, crop: Crop { min: UVec2::ZERO, max: size }, filter: Filter::default(), layers: vec![] }
+    }
+
+    /// The picture alone.
+    pub fn without_layers(self) -> FilmSpec {
+        FilmSpec { layers: vec![], ..self }
+    }
+
+    /// Which numbers a pixel has.
+    pub fn slots(&self, spread: Spread) -> Slots {
+        Slots { spread, layers: layer::slots(&self.layers) }
     }
 
     pub fn aspect(&self) -> f32 {
@@ -115,7 +129,7 @@ impl MomentFilm {
 
     /// All that was added so far; black before the first wave.
     pub fn total(&self) -> Block {
-        let black = || Block::black(Spread::Samples, self.spec.crop.pixel_count() as usize);
+        let black = || Block::black(self.spec.slots(Spread::Samples), self.spec.crop.pixel_count() as usize);
         self.tree.total(Block::join).unwrap_or_else(black)
     }
 

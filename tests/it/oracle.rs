@@ -114,6 +114,10 @@ impl Scene for Oracle {
     fn effects(&self) -> Effects {
         self.world.effects()
     }
+
+    fn origin(&self) -> DVec3 {
+        self.world.origin()
+    }
 }
 
 /// A room with a lamp, a glass ball and a matte one.

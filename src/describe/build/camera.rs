@@ -1,11 +1,13 @@
 //! Where the picture is taken from, its pixels and its samples.
 
+use std::collections::BTreeSet;
+
 use glam::UVec2;
 
 use super::transform;
 use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use crate::describe;
-use crate::film::{Crop, FilmSpec, Filter};
+use crate::film::{Crop, FilmSpec, Filter, Layer};
 use crate::math::Transform;
 use crate::sampler::{Kind, SamplerSpec};
 
@@ -37,7 +39,20 @@ pub(super) fn film(described: &describe::Film) -> FilmSpec {
         describe::Filter::Mitchell(f) => Filter::mitchell(f.radius.get() as f32, f.b.get() as f32, f.c.get() as f32),
     };
     let size = UVec2::new(described.width.get(), described.height.get());
-    FilmSpec { size, crop: Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) }, filter }
+    let layers = described.layers.iter().copied().map(layer).collect::<BTreeSet<_>>().into_iter().collect();
+    FilmSpec { size, crop: Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) }, filter, layers }
+}
+
+fn layer(described: describe::Layer) -> Layer {
+    match described {
+        describe::Layer::Albedo => Layer::Albedo,
+        describe::Layer::N => Layer::Normal,
+        describe::Layer::Ns => Layer::ShadingNormal,
+        describe::Layer::P => Layer::Position,
+        describe::Layer::Z => Layer::Depth,
+        describe::Layer::Uv => Layer::Uv,
+        describe::Layer::Time => Layer::Time,
+    }
 }
 
 pub(super) fn sampler(described: &describe::Sampler) -> SamplerSpec {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use pt::camera::Camera;
 use pt::effects::Effects;
 use pt::integrators::ALL;
@@ -40,6 +41,10 @@ impl Scene for Wide {
 
     fn effects(&self) -> Effects {
         Effects::ALL
+    }
+
+    fn origin(&self) -> DVec3 {
+        self.0.origin()
     }
 }
 

@@ -1,0 +1,127 @@
+//! Layers: numbers beside the colours of a pixel.
+//!
+//! ```text
+//! Samples   Σ w x / n          as the picture: w weighs by the pixel's filter, what met nothing counts as 0
+//! Hits      Σ |w| x / Σ |w|    over the samples that met a surface; 0 where none did
+//! Sum       Σ x
+//! ```
+//!
+//! All three come from sums, so that layers join as the picture does. |w|: a filter with negative lobes has no say
+//! in where things are, and a mean of places lies among them.
+//!
+//! To add one: a variant here, its row in [`Layer::ALL`], its arms, and where its numbers come from: for what the first
+//! surface tells, an arm in `render::first_hit`.
+
+/// What there is beside the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Layer {
+    Albedo,
+    Normal,
+    ShadingNormal,
+    Position,
+    Depth,
+    Uv,
+    Time,
+}
+
+/// How the samples of a pixel become one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    Samples,
+    Hits,
+    Sum,
+}
+
+/// The most channels of a layer.
+pub const MAX_CHANNELS: usize = 3;
+
+impl Layer {
+    /// Each layer with the name by which it is asked for and one line about it.
+    pub const ALL: &[(Layer, &str, &str)] = &[
+        (Layer::Albedo, "albedo", "Albedo.R/G/B: the share of light that the first surface scatters; what shines has the colour of its light."),
+        (Layer::Normal, "n", "N.X/Y/Z: geometric normal of the first surface, to its outside, in world space."),
+        (Layer::ShadingNormal, "ns", "Ns.X/Y/Z: its shading normal, with smooth meshes, normal and bump maps."),
+        (Layer::Position, "p", "P.X/Y/Z: where the first surface is, in world space (m), over the samples that meet one."),
+        (Layer::Depth, "z", "Z: how far it is along the camera's axis (m), for panoramas from the camera; over the samples that meet one."),
+        (Layer::Uv, "uv", "uv.U/V: its texture coordinates, over the samples that meet one."),
+        (Layer::Time, "time", "Time.Y: seconds that the picture's samples took. By the clock, so no part of `all` nor of hashes."),
+    ];
+
+    /// By the name in [`Layer::ALL`].
+    pub fn named(name: &str) -> Option<Layer> {
+        Layer::ALL.iter().find(|row| row.1 == name).map(|row| row.0)
+    }
+
+    /// Their full names in a picture.
+    pub fn channels(self) -> &'static [&'static str] {
+        match self {
+            Layer::Albedo => &["Albedo.R", "Albedo.G", "Albedo.B"],
+            Layer::Normal => &["N.X", "N.Y", "N.Z"],
+            Layer::ShadingNormal => &["Ns.X", "Ns.Y", "Ns.Z"],
+            Layer::Position => &["P.X", "P.Y", "P.Z"],
+            Layer::Depth => &["Z"],
+            Layer::Uv => &["uv.U", "uv.V"],
+            Layer::Time => &["Time.Y"],
+        }
+    }
+
+    pub fn rule(self) -> Rule {
+        match self {
+            Layer::Albedo | Layer::Normal | Layer::ShadingNormal => Rule::Samples,
+            Layer::Position | Layer::Depth | Layer::Uv => Rule::Hits,
+            Layer::Time => Rule::Sum,
+        }
+    }
+
+    /// Whether it depends on scene and settings alone.
+    pub fn is_reproducible(self) -> bool {
+        self != Layer::Time
+    }
+
+    /// How many numbers of a pixel it adds up.
+    pub fn slots(self) -> usize {
+        self.channels().len() + usize::from(self.rule() == Rule::Hits)
+    }
+
+    /// Appends what one sample adds to them.
+    ///
+    /// - `weight`: of the filter
+    /// - `values`: one per channel; `None` where the sample met nothing
+    pub fn add_terms(self, weight: f64, values: Option<&[f64]>, terms: &mut Vec<f64>) {
+        let Some(values) = values else { return terms.extend(std::iter::repeat_n(0.0, self.slots())) };
+        match self.rule() {
+            Rule::Samples => terms.extend(values.iter().map(|x| weight * x)),
+            Rule::Sum => terms.extend(values),
+            Rule::Hits => {
+                terms.extend(values.iter().map(|x| weight.abs() * x));
+                terms.push(weight.abs());
+            }
+        }
+    }
+
+    /// The number of channel `c` in the picture, from its sums over n samples.
+    pub fn value(self, sums: &[f64], c: usize, n: u64) -> f64 {
+        match self.rule() {
+            Rule::Samples => sums[c] / n.max(1) as f64,
+            Rule::Sum => sums[c],
+            Rule::Hits => match sums.last() {
+                Some(&weight) if weight > 0.0 => sums[c] / weight,
+                _ => 0.0,
+            },
+        }
+    }
+}
+
+/// Where the numbers of each layer lie among those of a pixel.
+pub fn places(layers: &[Layer]) -> impl Iterator<Item = (Layer, std::ops::Range<usize>)> {
+    layers.iter().scan(0, |start, layer| {
+        let from = *start;
+        *start += layer.slots();
+        Some((*layer, from..*start))
+    })
+}
+
+/// How many numbers per pixel the layers add up.
+pub fn slots(layers: &[Layer]) -> usize {
+    layers.iter().map(|layer| layer.slots()).sum()
+}

@@ -1,0 +1,89 @@
+//! The layers that the first surface tells: what a camera sample meets, before any light is asked for.
+//!
+//! ```text
+//! albedo   f·|cos θi| / pdf of one direction drawn from the surface's BSDF, without the compression of radiance in glass
+//! ```
+//!
+//! Its mean is the share of light from the camera's direction that is scattered, reflected or transmitted. Where the weight of a
+//! sample is the same for all directions (matte, mirrors, clear glass) that is exact, else it has the noise of as many samples as
+//! the picture. What shines towards the camera is no question of scattering: it has the colour of its light, the largest
+//! component 1, however bright it is.
+
+use arrayvec::ArrayVec;
+use glam::DVec3;
+
+use crate::bsdf::TransportMode;
+use crate::film::Layer;
+use crate::film::layer::MAX_CHANNELS;
+use crate::integrator::CameraSample;
+use crate::math::Spectrum;
+use crate::sampler::Sampler;
+use crate::sampler::dimension::{self, Use};
+use crate::scene::{Scene, Surface};
+
+/// Numbers of one layer, one per channel.
+type Values = ArrayVec<f64, MAX_CHANNELS>;
+
+/// Appends what one sample adds to the layers, in their order.
+///
+/// - `sampler`: of the sample, after the camera's numbers; nothing that the picture's own sample draws changes by it
+/// - `seconds`: that the sample took
+pub fn add_terms(
+    scene: &dyn Scene,
+    layers: &[Layer],
+    camera: &CameraSample,
+    sampler: &mut dyn Sampler,
+    seconds: f64,
+    terms: &mut Vec<f64>,
+) {
+    let hit = scene.intersect(&camera.ray);
+    let surface = hit.map(|hit| scene.surface(&camera.ray, &hit));
+    for layer in layers {
+        let values = match (layer, &surface) {
+            (Layer::Time, _) => Some([seconds].into_iter().collect()),
+            (_, None) => None,
+            (_, Some(surface)) => Some(values(scene, *layer, camera, surface, sampler)),
+        };
+        layer.add_terms(f64::from(camera.weight), values.as_deref(), terms);
+    }
+}
+
+fn values(scene: &dyn Scene, layer: Layer, camera: &CameraSample, surface: &Surface, sampler: &mut dyn Sampler) -> Values {
+    let point = &surface.point;
+    let vector = |v: DVec3| v.to_array().into_iter().collect();
+    match layer {
+        Layer::Albedo => albedo(surface, camera, sampler).to_rgb().map(f64::from).into_iter().collect(),
+        Layer::Normal => vector(point.ng.as_dvec3()),
+        Layer::ShadingNormal => vector(point.ns.as_dvec3()),
+        Layer::Position => vector(point.p.as_dvec3() + scene.origin()),
+        Layer::Depth => [scene.camera().depth(point.p.as_dvec3())].into_iter().collect(),
+        Layer::Uv => point.uv.to_array().map(f64::from).into_iter().collect(),
+        Layer::Time => Values::new(),
+    }
+}
+
+fn albedo(surface: &Surface, camera: &CameraSample, sampler: &mut dyn Sampler) -> Spectrum {
+    let wo = -camera.ray.direction;
+    let emitted = surface.emitted(wo);
+    if !emitted.is_black() {
+        return emitted * (1.0 / emitted.max());
+    }
+    sampler.at(dimension::vertex(0, Use::Bsdf));
+    let (choice, u) = (sampler.next_1d(), sampler.next_2d());
+    // Importance is not compressed by refraction: what enters glass is all there.
+    let sample = surface.bsdf.sample(surface.frame.to_local(wo), choice, u, TransportMode::Importance);
+    sample.map_or(Spectrum::BLACK, |sample| sample.weight)
+}
+
+/// The sums of rows of `width` numbers, as many as a power of two: siblings first, as the tree of samples joins them.
+pub fn joined(rows: &mut [f64], width: usize) -> &[f64] {
+    let mut apart = width;
+    while apart < rows.len() {
+        for pair in rows.chunks_mut(2 * apart) {
+            let (left, right) = pair.split_at_mut(apart);
+            left.iter_mut().zip(right).take(width).for_each(|(a, b)| *a += *b);
+        }
+        apart *= 2;
+    }
+    &rows[..width]
+}
