@@ -1,10 +1,11 @@
 //! Do error bars and prices keep their word? The tables of docs/accuracy.md.
 //!
-//! `cargo bench --bench accuracy [-- SEEDS]`, 100 seeds without. Six scenes, three samplers each:
+//! `cargo bench --bench accuracy [-- coverage|prices] [SEEDS]`: both tables, 100 seeds, unless told otherwise. Six scenes,
+//! three samplers each:
 //!
-//! - coverage: how often the interval of 95 % that a render states holds its true relative error
-//! - price: the time foretold for 1 % by a short pilot, over the time that 1 % then takes
-//! - cost: relMSE with two scramblings over relMSE with one, which is the ratio of time × relMSE: a sample takes as long
+//! - coverage: how often the interval of 95 % that a render states holds its true relative error, and
+//!   relMSE with two scramblings over relMSE with one, which is the ratio of time × relMSE: a sample takes as long
+//! - prices: the time foretold for 1 % by a short pilot, over the time that 1 % then takes
 
 use std::path::Path;
 use std::sync::Arc;
@@ -21,6 +22,8 @@ use pt::scene::Scene;
 const SCENES: [&str; 6] = ["cornell-box", "mirror-balls", "mis-plates", "statue", "triangle-stacks", "matter"];
 const SAMPLERS: [Kind; 3] = [Kind::Independent, Kind::Halton, Kind::Sobol];
 const SAMPLES: u64 = 64;
+
+const SHORT: Until = Until { samples: SAMPLES, time: None, target: None };
 
 struct Subject {
     scene: Arc<dyn Scene>,
@@ -51,54 +54,79 @@ impl Subject {
 }
 
 fn main() -> pt::Result<()> {
-    let seeds: u64 = std::env::args().filter_map(|arg| arg.parse().ok()).next().unwrap_or(100);
-    let short = Until { samples: SAMPLES, time: None, target: None };
+    let words: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with('-')).collect();
+    let asked = |name: &str| words.iter().any(|word| word == name) || !words.iter().any(|word| word.parse::<u64>().is_err());
+    let seeds: u64 = words.iter().filter_map(|word| word.parse().ok()).next().unwrap_or(100);
+    if asked("coverage") {
+        coverage(seeds)?;
+    }
+    if asked("prices") {
+        prices()?;
+    }
+    Ok(())
+}
+
+fn coverage(seeds: u64) -> pt::Result<()> {
     println!(
-        "| scene | sampler | error | interval holds | price foretold / taken | relMSE of 2 scramblings / 1 |\n|---|---|---|---|---|---|"
+        "| scene | sampler | error | stated / true | not established | interval holds | relMSE of 2 scramblings / 1 |\n|---|---|---|---|---|---|---|"
     );
     for name in SCENES {
         let subject = Subject::load(name)?;
-        let (reference, _) = subject.taken(Kind::Sobol, 8, u64::MAX, &Until { samples: 128 * SAMPLES, ..short });
+        let (reference, _) = subject.taken(Kind::Sobol, 8, u64::MAX, &Until { samples: 128 * SAMPLES, ..SHORT });
         let reference = reference.image();
+        let relmse = |film: &MomentFilm| Distance::between(&film.image(), &reference).expect("a reference").relmse.max(0.0);
         for kind in SAMPLERS {
-            let (mut held, mut squares) = (0, [0.0; 2]);
-            let mut error = 0.0;
+            let (mut established, mut held) = (0_u32, 0_u32);
+            let (mut stated_square, mut true_square, mut square, mut plain_square) = (0.0, 0.0, 0.0, 0.0);
             for seed in 0..seeds {
-                let (film, _) = subject.taken(kind, 2, seed, &short);
+                let (film, _) = subject.taken(kind, 2, seed, &SHORT);
                 let stated = RelativeError::of(&film).expect("error bars");
-                let truth = Distance::between(&film.image(), &reference).expect("a reference").relmse.max(0.0).sqrt();
-                let [low, high] = stated.interval(0.95);
-                held += u64::from((low..=high).contains(&truth));
-                error += stated.value / seeds as f64;
-                squares[0] += truth * truth;
+                let truth = relmse(&film);
+                square += truth;
+                if stated.is_established() {
+                    let [low, high] = stated.interval(0.95);
+                    held += u32::from((low..=high).contains(&truth.sqrt()));
+                    established += 1;
+                    stated_square += stated.value * stated.value;
+                    true_square += truth;
+                }
                 if kind != Kind::Independent {
-                    let (plain, _) = subject.taken(kind, 1, seed, &short);
-                    squares[1] += Distance::between(&plain.image(), &reference).expect("a reference").relmse;
+                    plain_square += relmse(&subject.taken(kind, 1, seed, &SHORT).0);
                 }
             }
-            let cost = if squares[1] > 0.0 { format!("{:.2}", squares[0] / squares[1]) } else { "–".into() };
-            println!(
-                "| {name} | {kind:?} | {:.1} % | {:.0} % | {} | {cost} |",
-                100.0 * error,
-                100.0 * held as f64 / seeds as f64,
-                price(&subject, kind)
-            );
+            let cost = if plain_square > 0.0 { format!("{:.2}", square / plain_square) } else { "–".into() };
+            let error = 100.0 * (square / seeds as f64).sqrt();
+            let ratio = (stated_square / true_square).sqrt();
+            let share = 100.0 * f64::from(held) / f64::from(established);
+            println!("| {name} | {kind:?} | {error:.1} % | {ratio:.3} | {} | {share:.0} % | {cost} |", seeds - u64::from(established));
         }
     }
     Ok(())
 }
 
-/// Foretold by a pilot of a second, over what it takes.
+fn prices() -> pt::Result<()> {
+    println!("| scene | sampler | seconds for 1 %: foretold | taken | ratio |\n|---|---|---|---|---|");
+    for name in SCENES {
+        let subject = Subject::load(name)?;
+        for kind in SAMPLERS {
+            println!("| {name} | {kind:?} | {} |", price(&subject, kind));
+        }
+    }
+    Ok(())
+}
+
+/// Foretold by a pilot of two seconds, what it takes, and the ratio.
 fn price(subject: &Subject, kind: Kind) -> String {
     const TARGET: f64 = 0.01;
-    let pilot = Until { samples: u32::MAX.into(), time: Some(Duration::from_secs(1)), target: None };
+    let pilot = Until { samples: u32::MAX.into(), time: Some(Duration::from_secs(2)), target: None };
     let (_, course) = subject.taken(kind, 2, 1, &pilot);
-    let Some(price) = course.price(TARGET, 0.95) else { return "cannot be established".into() };
+    let Some(price) = course.price(TARGET, 0.95) else { return "cannot be established | – | –".into() };
     // As long as foretold and half as long again, then where the course crosses the target.
     let long = Until { time: Some(Duration::from_secs_f64(1.5 * price.seconds)), ..pilot };
     let (_, course) = subject.taken(kind, 2, 2, &long);
     let taken = course.price(TARGET, 0.95).map(|_| crossing(&course, TARGET));
-    taken.flatten().map_or("not reached".into(), |taken| format!("{:.2}", price.seconds / taken))
+    let ratio = |taken: f64| format!("{taken:.1} | {:.2}", price.seconds / taken);
+    format!("{:.1} | {}", price.seconds, taken.flatten().map_or("not reached | –".into(), ratio))
 }
 
 /// When the error fell below the target, between checkpoints by the power law that joins them.
