@@ -1,11 +1,12 @@
 //! Do error bars and prices keep their word? The tables of docs/accuracy.md.
 //!
-//! `cargo bench --bench accuracy [-- coverage|prices] [SEEDS]`: both tables, 100 seeds, unless told otherwise. Six scenes,
+//! `cargo bench --bench accuracy [-- coverage|prices|adaptive] [SEEDS]`: all tables, 100 seeds, unless told otherwise. Six scenes,
 //! three samplers each:
 //!
 //! - coverage: how often the interval of 95 % that a render states holds its true relative error, and
 //!   relMSE with two scramblings over relMSE with one, which is the ratio of time × relMSE: a sample takes as long
 //! - prices: the time foretold for 1 % by a short pilot, over the time that 1 % then takes
+//! - adaptive: relMSE, and time × relMSE, of 256 samples where they are worth most over those of 256 samples everywhere
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,6 +15,7 @@ use std::time::Duration;
 use pt::describe::{self, Source};
 use pt::film::{FilmSpec, MomentFilm};
 use pt::integrator::{Integrator, choose};
+use pt::measure::adaptive::explore;
 use pt::measure::{Course, Distance, RelativeError, Until, follow};
 use pt::render::{Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
@@ -63,6 +65,9 @@ fn main() -> pt::Result<()> {
     if asked("prices") {
         prices()?;
     }
+    if asked("adaptive") {
+        adaptive(seeds.min(16))?;
+    }
     Ok(())
 }
 
@@ -100,6 +105,40 @@ fn coverage(seeds: u64) -> pt::Result<()> {
             let share = 100.0 * f64::from(held) / f64::from(established);
             println!("| {name} | {kind:?} | {error:.1} % | {ratio:.3} | {} | {share:.0} % | {cost} |", seeds - u64::from(established));
         }
+    }
+    Ok(())
+}
+
+fn adaptive(seeds: u64) -> pt::Result<()> {
+    const SAMPLES: u64 = 256;
+    println!("| scene | relMSE adaptive / even | time × relMSE adaptive / even | interval holds, adaptive |\n|---|---|---|---|");
+    for name in SCENES {
+        let mut subject = Subject::load(name)?;
+        let even = subject.spec.clone();
+        let (reference, _) = subject.taken(Kind::Sobol, 8, u64::MAX, &Until { samples: 64 * SAMPLES, ..SHORT });
+        let reference = reference.image();
+        let relmse = |film: &MomentFilm| Distance::between(&film.image(), &reference).expect("a reference").relmse.max(0.0);
+        let (mut errors, mut seconds, mut held, mut established) = ([0.0; 2], [0.0; 2], 0_u32, 0_u32);
+        for seed in 0..seeds {
+            subject.spec = even.clone();
+            let (film, course) = subject.taken(Kind::Sobol, 2, seed, &Until { samples: SAMPLES, ..SHORT });
+            errors[0] += relmse(&film);
+            seconds[0] += course.last().map_or(0.0, |last| last.seconds);
+            let settings = Settings::new(SamplerSpec { kind: Kind::Sobol, seed, spp: SAMPLES, scramblings: 2 });
+            let (density, explored) = explore(&subject.scene, &*subject.integrator, &even, &settings, SAMPLES, &Silent);
+            subject.spec.density = density;
+            let samples = ((SAMPLES as f64 / subject.spec.density.mean()).round() as u64).max(1);
+            let (film, course) = subject.taken(Kind::Sobol, 2, seed, &Until { samples, ..SHORT });
+            errors[1] += relmse(&film);
+            seconds[1] += course.last().map_or(0.0, |last| last.seconds) + explored.as_secs_f64();
+            if let Some(stated) = RelativeError::of(&film).filter(RelativeError::is_established) {
+                let [low, high] = stated.interval(0.95);
+                held += u32::from((low..=high).contains(&relmse(&film).sqrt()));
+                established += 1;
+            }
+        }
+        let (error, cost) = (errors[1] / errors[0], errors[1] * seconds[1] / (errors[0] * seconds[0]));
+        println!("| {name} | {error:.2} | {cost:.2} | {held} of {established} |");
     }
     Ok(())
 }

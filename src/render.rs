@@ -54,7 +54,7 @@ impl Observer for Silent {}
 /// What happened beside the picture.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// Per pixel.
+    /// Per pixel; rounds of samples where the film's density tells pixels apart.
     pub samples: u64,
     pub cancelled: bool,
     /// Samples that were not finite or negative; they count as zero. A healthy scene has none.
@@ -72,7 +72,7 @@ pub struct SampleId {
     pub index: u64,
 }
 
-/// Waves are at most 2^6 samples long, so that progress shows and an interrupt loses little.
+/// Waves are at most about 2^6 samples long, so that progress shows and an interrupt loses little.
 const MAX_WAVE_LEVEL: u32 = 6;
 const KEPT_INVALID: usize = 16;
 
@@ -117,6 +117,8 @@ pub struct Render {
 /// What a tile yields: the sums of its pixels, row by row.
 struct Part {
     block: Block,
+    /// Of all its pixels.
+    samples: u64,
     invalid: Vec<SampleId>,
 }
 
@@ -129,6 +131,12 @@ impl Render {
         Render { scene, estimator, spec: spec.clone(), sampler: settings.sampler, has_lens, tiles, report: Report::default() }
     }
 
+    /// Time that was spent on the picture before counts as its own.
+    pub fn after(mut self, spent: Duration) -> Render {
+        self.report.elapsed = spent;
+        self
+    }
+
     /// Of all that was done so far.
     pub fn report(&self) -> &Report {
         &self.report
@@ -136,17 +144,23 @@ impl Render {
 
     /// On to `samples` per pixel. Into the same film each time.
     pub fn advance(&mut self, samples: u64, film: &mut dyn Film, observer: &dyn Observer) {
-        self.advance_while(|done, _| Wave::next(done, samples, MAX_WAVE_LEVEL), film, observer);
+        let level = self.max_wave_level();
+        self.advance_while(|done, _| Wave::next(done, samples, level), film, observer);
     }
 
     /// As far as the time goes, counted with what was spent before, and at most to `samples` per pixel.
     pub fn advance_for(&mut self, time: Duration, samples: u64, film: &mut dyn Film, observer: &dyn Observer) {
+        let level = self.max_wave_level();
         let next = |done: u64, elapsed: Duration| {
             let affordable = done as f64 * time.saturating_sub(elapsed).as_secs_f64() / elapsed.as_secs_f64();
             let total = if done == 0 { samples } else { samples.min(done.saturating_add(affordable as u64)) };
-            Wave::next(done, total, MAX_WAVE_LEVEL)
+            Wave::next(done, total, level)
         };
         self.advance_while(next, film, observer);
+    }
+
+    fn max_wave_level(&self) -> u32 {
+        MAX_WAVE_LEVEL.saturating_sub(self.spec.density.mean().log2() as u32)
     }
 
     fn advance_while(&mut self, next: impl Fn(u64, Duration) -> Option<Wave>, film: &mut dyn Film, observer: &dyn Observer) {
@@ -161,7 +175,7 @@ impl Render {
     fn wave(&mut self, wave: Wave, film: &mut dyn Film, observer: &dyn Observer) {
         let tile = |tile: &Crop| {
             let part = self.tile(*tile, wave, observer);
-            observer.tile_done(part.as_ref().map_or(0, |_| tile.pixel_count() * wave.samples()));
+            observer.tile_done(part.as_ref().map_or(0, |part| part.samples));
             part
         };
         let Some(parts) = self.tiles.par_iter().map(tile).collect::<Option<Vec<Part>>>() else {
@@ -182,13 +196,14 @@ impl Render {
     fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<Part> {
         let mut sequences = self.sampler.sequences();
         let (mut tree, mut moments) = (Tree::default(), vec![]);
-        let mut part = Part { block: Block::with_capacity(self.slots(), tile.pixel_count() as usize), invalid: vec![] };
+        let mut part = Part { block: Block::with_capacity(self.slots(), tile.pixel_count() as usize), samples: 0, invalid: vec![] };
         let k = sequences.len() as u64;
         let (mut terms, is_timed) = (vec![], self.spec.layers.contains(&Layer::Time));
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             if observer.cancelled() {
                 return None;
             }
+            let wave = wave.denser(self.spec.density.level(self.spec.crop.index(UVec2::new(x, y))));
             moments.clear();
             let start = is_timed.then(Instant::now);
             for (r, sequence) in (0..).zip(&mut sequences) {
@@ -204,6 +219,7 @@ impl Render {
                 moments.push(tree.total(Moments::join).unwrap_or_default());
             }
             part.block.push(&moments);
+            part.samples += wave.samples();
             if !self.spec.layers.is_empty() {
                 let seconds = start.map_or(0.0, |start| start.elapsed().as_secs_f64());
                 part.block.push_layers(self.layers(UVec2::new(x, y), wave, &mut sequences, seconds, &mut terms));
@@ -215,14 +231,7 @@ impl Render {
     /// What the layers of a pixel add up: its camera samples once more, after the picture is done with them.
     ///
     /// - `seconds`: that the picture's samples took
-    fn layers<'t>(
-        &self,
-        pixel: UVec2,
-        wave: Wave,
-        sequences: &mut [Box<dyn Sampler>],
-        seconds: f64,
-        terms: &'t mut Vec<f64>,
-    ) -> &'t [f64] {
+    fn layers<'t>(&self, pixel: UVec2, wave: Wave, sequences: &mut [Box<dyn Sampler>], seconds: f64, terms: &'t mut Vec<f64>) -> &'t [f64] {
         terms.clear();
         let (k, share) = (sequences.len() as u64, seconds / wave.samples() as f64);
         for i in wave.first..wave.first + wave.samples() {
@@ -264,8 +273,8 @@ impl Render {
         for (tile, part) in self.tiles.iter().zip(parts) {
             let width = tile.size().x as usize;
             for row in 0..tile.size().y as usize {
-                let start = (tile.min.y - crop.min.y) as usize * crop.size().x as usize + (tile.min.x - crop.min.x) as usize;
-                block.put(start + row * crop.size().x as usize, &part.block, row * width..(row + 1) * width);
+                let start = crop.index(tile.min + UVec2::Y * row as u32);
+                block.put(start, &part.block, row * width..(row + 1) * width);
             }
         }
         block

@@ -249,6 +249,10 @@ pub struct Render {
     /// Stop when the relative error of the picture is at most this, such as 1% or 0.01. Exit code 7 if it is not reached.
     #[arg(long, value_name = "ERROR", value_parser = share)]
     pub target: Option<f64>,
+    /// Samples go where they are worth most, as a short pilot tells: up to 64 times as many in noisy pixels as in calm ones.
+    /// Unbiased, and with the right error bars.
+    #[arg(long, conflicts_with = "pixel")]
+    pub adaptive: bool,
     /// How sure to be of errors and targets.
     #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
     pub confidence: f64,

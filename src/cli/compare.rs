@@ -121,7 +121,7 @@ fn measure(
         time: if args.spp.is_some() && args.time.is_none() { None } else { Some(time) },
     };
     let count = contestants.len() as u32;
-    let progress = Progress::new(args.progress, spec.crop.pixel_count(), u32::MAX.into(), Some(effort.time.unwrap_or(time) * count));
+    let progress = Progress::new(args.progress, &spec, u32::MAX.into(), Some(effort.time.unwrap_or(time) * count));
     let methods = compare::run(&scene, &spec, contestants, &effort, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
     progress.finish();
     let conclusions = conclusions(&methods);
@@ -140,7 +140,7 @@ fn computed(
     sampler: &SamplerSpec,
     time: Duration,
 ) -> Option<Reference> {
-    let progress = Progress::new(args::Progress::None, spec.crop.pixel_count(), u32::MAX.into(), Some(time));
+    let progress = Progress::new(args::Progress::None, &spec, u32::MAX.into(), Some(time));
     let mut film = MomentFilm::new(spec.clone());
     let mut render = Render::new(scene.clone(), &**judge, spec, &Settings::new(*sampler));
     render.advance_for(time, u32::MAX.into(), &mut film, &progress);

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::args;
 use super::{note, signals};
-use crate::film::Film;
+use crate::film::{Film, FilmSpec};
 use crate::measure::{Course, Watcher};
 use crate::render::Observer;
 
@@ -22,9 +22,11 @@ pub struct Progress {
     /// Where time, not samples, ends the render.
     limit: Option<Duration>,
     done: AtomicU64,
-    /// Samples per pixel of the picture so far.
+    /// Rounds of samples of the picture so far.
     whole: AtomicU64,
     pixels: u64,
+    /// Camera samples of one round.
+    round: u64,
     last: Mutex<Instant>,
 }
 
@@ -36,7 +38,8 @@ enum Style {
 }
 
 impl Progress {
-    pub fn new(choice: args::Progress, pixels: u64, spp: u64, limit: Option<Duration>) -> Progress {
+    /// - `rounds`: that the picture is expected to take, a sample per pixel each where its density says no more
+    pub fn new(choice: args::Progress, film: &FilmSpec, rounds: u64, limit: Option<Duration>) -> Progress {
         let style = match choice {
             args::Progress::Auto if std::io::stderr().is_terminal() => Style::Bar(bar()),
             args::Progress::Auto => Style::Lines(Duration::from_secs(3)),
@@ -44,9 +47,11 @@ impl Progress {
             args::Progress::Json => Style::Json(Duration::from_millis(250)),
             args::Progress::None => Style::Silent,
         };
-        let (start, total) = (Instant::now(), pixels.saturating_mul(spp));
+        let pixels = film.crop.pixel_count();
+        let round = (film.density.mean() * pixels as f64).round() as u64;
+        let (start, total) = (Instant::now(), round.saturating_mul(rounds));
         let progress =
-            Progress { style, start, total: total.into(), limit, done: 0.into(), whole: 0.into(), pixels, last: Mutex::new(start) };
+            Progress { style, start, total: total.into(), limit, done: 0.into(), whole: 0.into(), pixels, round, last: Mutex::new(start) };
         if let Style::Bar(bar) = &progress.style {
             bar.set_length(1000);
         }
@@ -82,7 +87,7 @@ impl Progress {
 
     fn json(&self) -> String {
         serde_json::json!({
-            "spp": self.whole.load(Ordering::Relaxed),
+            "spp": self.whole.load(Ordering::Relaxed) * self.round / self.pixels.max(1),
             "camera_samples": self.done.load(Ordering::Relaxed),
             "share": self.share(),
             "elapsed": self.start.elapsed().as_secs_f64(),
@@ -110,7 +115,7 @@ fn bar() -> ProgressBar {
 
 impl Watcher for Progress {
     fn looked(&self, _: &Course, expected: u64) {
-        self.total.store(self.pixels.saturating_mul(expected), Ordering::Relaxed);
+        self.total.store(self.round.saturating_mul(expected), Ordering::Relaxed);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::display::Displayed;
 use super::load::{Loaded, Override, load};
@@ -15,7 +15,7 @@ use crate::describe::Built;
 use crate::error::{Error, Fault, Result};
 use crate::film::{Crop, Film, FilmSpec, Image, MomentFilm};
 use crate::integrator::{Entry, Integrator};
-use crate::measure::{self, Course, Outcome, Target, Until, words};
+use crate::measure::{self, Course, Outcome, Target, Until, adaptive, words};
 use crate::output::{self, Attributes, Tonemap};
 use crate::render::{self, Render, Report, SampleId, Settings};
 use crate::sampler::Kind;
@@ -90,11 +90,11 @@ fn picture(
     let Loaded { built, entry, integrator, stem, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
     let settings = Settings::new(built.sampler);
-    let until = until(args, &settings);
+    let mut until = until(args, &settings);
     let world: Arc<dyn Scene> = Arc::new(built.world);
     let shown = if args.quiet && args.progress == args::Progress::Auto { args::Progress::None } else { args.progress };
     if let Some(time) = args.pilot {
-        let progress = Progress::new(shown, pixels, u32::MAX.into(), Some(time * whom.len() as u32));
+        let progress = Progress::new(shown, &built.film, u32::MAX.into(), Some(time * whom.len() as u32));
         let list = pilot::price_list(&world, &built.film, &settings, whom, time, args.confidence, &progress);
         progress.finish();
         note(&list);
@@ -102,9 +102,16 @@ fn picture(
     let counted = args.stats.map(|_| Arc::new(Counted::new(world.clone(), threads)));
     let scene = counted.clone().map_or(world, |counted| counted as Arc<dyn Scene>);
 
-    let progress = Progress::new(shown, pixels, until.samples, until.time);
-    let mut displayed = Displayed::new(MomentFilm::new(built.film), args.display_server.as_deref(), &stem, args.quiet);
-    let mut render = Render::new(scene, &*integrator, displayed.spec(), &settings);
+    let mut spec = built.film;
+    let mut explored = Duration::ZERO;
+    if args.adaptive {
+        let progress = Progress::new(args::Progress::None, &spec, until.samples, None);
+        (spec.density, explored) = adaptive::explore(&scene, &*integrator, &spec, &settings, until.samples, &progress);
+        until.samples = ((until.samples as f64 / spec.density.mean()).round() as u64).max(1);
+    }
+    let progress = Progress::new(shown, &spec, until.samples, until.time);
+    let mut displayed = Displayed::new(MomentFilm::new(spec), args.display_server.as_deref(), &stem, args.quiet);
+    let mut render = Render::new(scene, &*integrator, displayed.spec(), &settings).after(explored);
     let course = measure::follow(&mut render, &mut displayed, &until, &progress);
     let film = &displayed.film;
     progress.finish();
@@ -113,18 +120,17 @@ fn picture(
 
     if report.samples > 0 {
         let image = film.image();
-        let freedom = film.freedom();
-        write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course, freedom))?;
+        write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course, film))?;
         if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
             note("warning: the image is black");
         }
     }
     if !args.quiet {
-        summarise(film.spec(), &entry, report, &course, args.confidence, outputs);
+        summarise(film, &entry, report, &course, args.confidence, outputs);
         outcome.iter().for_each(|(target, outcome)| note(&words::outcome(target, *outcome)));
     }
     if let (Some(format), Some(counted)) = (args.stats, counted) {
-        let account = Account { report, pixels, primitives, rays: counted.rays(), threads, load };
+        let account = Account { report, spp: film.mean_samples(), pixels, primitives, rays: counted.rays(), threads, load };
         say(&account.print(format))?;
     }
     displayed.finish();
@@ -212,18 +218,17 @@ fn write_all(args: &args::Render, outputs: &[PathBuf], image: &Image, attributes
 }
 
 /// What the file says about itself: functions of scene and settings alone.
-fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &Course, freedom: f64) -> Attributes {
+fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &Course, film: &MomentFilm) -> Attributes {
     let sampler = Kind::ALL.iter().find(|(kind, ..)| *kind == settings.sampler.kind).map_or("", |(_, name, _)| name);
-    let samples = course.last().map_or(0, |last| last.samples);
     let mut pairs = vec![
         ("pt/version", env!("CARGO_PKG_VERSION").to_owned()),
         ("pt/integrator", entry.name.to_owned()),
         ("pt/sampler", sampler.to_owned()),
         ("pt/seed", settings.sampler.seed.to_string()),
         ("pt/scramblings", settings.sampler.spread().sequences().to_string()),
-        ("pt/spp", samples.to_string()),
+        ("pt/spp", film.mean_samples().to_string()),
         ("pt/confidence", args.confidence.to_string()),
-        ("pt/standardErrorFreedom", freedom.to_string()),
+        ("pt/standardErrorFreedom", film.freedom().to_string()),
     ];
     if let Some(error) = course.last().and_then(|last| last.error) {
         let [low, high] = error.interval(args.confidence);
@@ -235,11 +240,11 @@ fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &
     pairs.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-fn summarise(spec: &FilmSpec, entry: &Entry, report: &Report, course: &Course, confidence: f64, outputs: &[PathBuf]) {
-    let size = spec.crop.size();
+fn summarise(film: &MomentFilm, entry: &Entry, report: &Report, course: &Course, confidence: f64, outputs: &[PathBuf]) {
+    let size = film.spec().crop.size();
     let files = outputs.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
     let time = words::duration(report.elapsed.as_secs_f64());
-    let what = format!("{}×{} · {} · {} spp · {time}", size.x, size.y, entry.name, report.samples);
+    let what = format!("{}×{} · {} · {} · {time}", size.x, size.y, entry.name, samples(film));
     match (report.samples, report.cancelled) {
         (0, _) => note(&format!("{what} · interrupted before the first sample: nothing written")),
         (_, true) => note(&format!("{what} · interrupted{} · {files}", accuracy(course, confidence))),
@@ -249,6 +254,13 @@ fn summarise(spec: &FilmSpec, entry: &Entry, report: &Report, course: &Course, c
         let (x, y) = first.pixel;
         note(&format!("warning: {} invalid samples counted as black; the first: --pixel {x},{y} --sample {}", report.invalid, first.index));
     }
+}
+
+/// `64 spp`, or `64.3 spp (8 to 512)`.
+fn samples(film: &MomentFilm) -> String {
+    let (mean, density) = (film.mean_samples(), &film.spec().density);
+    let [fewest, most] = density.range().map(|samples| samples * film.samples());
+    if density.is_even() { format!("{mean} spp") } else { format!("{mean:.1} spp ({fewest} to {most})") }
 }
 
 /// ` · relative error 2.1 % (95 %: 2.0–2.2) · 1 % would take about 14 s`, as far as it is known.

@@ -81,6 +81,8 @@ impl Scene for Counted {
 /// What there is to tell.
 pub struct Account<'a> {
     pub report: &'a Report,
+    /// Samples per pixel, the mean of all.
+    pub spp: f64,
     pub pixels: u64,
     pub primitives: u64,
     pub rays: (u64, u64),
@@ -92,13 +94,13 @@ pub struct Account<'a> {
 impl Account<'_> {
     pub fn print(&self, format: Stats) -> String {
         let seconds = self.report.elapsed.as_secs_f64();
-        let samples = self.report.samples * self.pixels;
+        let samples = (self.spp * self.pixels as f64).round() as u64;
         let rays = self.rays.0 + self.rays.1;
         match format {
             Stats::Json => {
                 let object = json!({
                     "version": env!("CARGO_PKG_VERSION"), "build": env!("PT_BUILD_ID"), "threads": self.threads,
-                    "load_seconds": self.load, "render_seconds": seconds, "spp": self.report.samples, "camera_samples": samples,
+                    "load_seconds": self.load, "render_seconds": seconds, "spp": self.spp.round() as u64, "camera_samples": samples,
                     "rays": self.rays.0, "shadow_rays": self.rays.1, "primitives": self.primitives,
                     "invalid_samples": self.report.invalid, "camera_samples_per_second": samples as f64 / seconds,
                     "rays_per_second": rays as f64 / seconds, "peak_memory_bytes": peak_memory(),

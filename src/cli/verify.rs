@@ -111,7 +111,7 @@ fn rendered(
     let until = Until { samples, time: args.time, target: None };
     let mut moments = MomentFilm::new(film.clone());
     let mut render = Render::new(scene.clone(), integrator, film, &Settings::new(SamplerSpec { spp: samples, ..sampler }));
-    let progress = Progress::new(args.progress, film.crop.pixel_count(), samples, args.time);
+    let progress = Progress::new(args.progress, film, samples, args.time);
     let course = follow(&mut render, &mut moments, &until, &progress);
     progress.finish();
     if let Some(signal) = signals::caught() {

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use glam::UVec2;
 
+use super::FilmSpec;
 use super::block::{Block, Estimate, estimate, freedom};
 use super::layer::{self, Layer};
-use super::FilmSpec;
 
 /// Linear channels over the crop of a picture, rows from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,10 +28,11 @@ pub struct Channel {
 }
 
 /// - `place`: of its numbers among those of a pixel's layers
-fn layer_channels(block: &Block, layer: Layer, place: Range<usize>, samples: u64) -> impl Iterator<Item = Channel> {
+/// - `taken`: samples of pixel i
+fn layer_channels(block: &Block, layer: Layer, place: Range<usize>, taken: &dyn Fn(usize) -> u64) -> impl Iterator<Item = Channel> {
     layer.channels().iter().enumerate().map(move |(c, name)| Channel {
         name: (*name).into(),
-        values: block.layers().map(|sums| layer.value(&sums[place.clone()], c, samples) as f32).collect(),
+        values: block.layers().enumerate().map(|(i, sums)| layer.value(&sums[place.clone()], c, taken(i)) as f32).collect(),
     })
 }
 
@@ -41,17 +42,18 @@ impl Image {
     /// The mean, its standard error where the samples' [`Spread`](crate::sampler::Spread) tells one, how many samples
     /// there are, and the layers of the film.
     pub fn from_block(spec: &FilmSpec, block: &Block, samples: u64) -> Image {
-        let estimates: Vec<Estimate> = block.pixels().map(|pixel| estimate(block.spread(), pixel, samples)).collect();
+        let taken = |i: usize| spec.density.samples(i, samples);
+        let estimates: Vec<Estimate> = block.pixels().enumerate().map(|(i, pixel)| estimate(block.spread(), pixel, taken(i))).collect();
         let channel = |name: String, value: &dyn Fn(&Estimate) -> f64| Channel {
             name,
             values: estimates.iter().map(|pixel| value(pixel) as f32).collect(),
         };
         let mut channels: Vec<Channel> = (0..3).map(|c| channel(RGB[c].into(), &|pixel| pixel[c].0)).collect();
-        if freedom(block.spread(), samples) > 0.0 {
+        if freedom(block.spread(), spec.density.range()[0] * samples) > 0.0 {
             channels.extend((0..3).map(|c| channel(format!("StdErr.{}", RGB[c]), &|pixel| pixel[c].1.sqrt())));
         }
-        channels.push(channel("SampleCount.Y".into(), &|_| samples as f64));
-        channels.extend(layer::places(&spec.layers).flat_map(|(layer, place)| layer_channels(block, layer, place, samples)));
+        channels.push(Channel { name: "SampleCount.Y".into(), values: (0..estimates.len()).map(|i| taken(i) as f32).collect() });
+        channels.extend(layer::places(&spec.layers).flat_map(|(layer, place)| layer_channels(block, layer, place, &taken)));
         Image { full_size: spec.size, origin: spec.crop.min, size: spec.crop.size(), channels }
     }
 

@@ -1,6 +1,7 @@
 //! Where samples end, and what is kept of them.
 
 pub mod block;
+pub mod density;
 pub mod filter;
 pub mod image;
 pub mod layer;
@@ -13,6 +14,7 @@ use glam::UVec2;
 use crate::sampler::Spread;
 
 pub use block::{Block, Slots};
+pub use density::Density;
 pub use filter::Filter;
 pub use image::{Channel, Image};
 pub use layer::Layer;
@@ -28,13 +30,21 @@ pub struct FilmSpec {
     pub filter: Filter,
     /// What is kept beside the picture; changes no bit of it.
     pub layers: Vec<Layer>,
+    /// How many samples each pixel of the crop takes beside the others.
+    pub density: Density,
 }
 
 impl FilmSpec {
-    /// The whole picture, box filter, no layers.
+    /// The whole picture, box filter, no layers, all pixels alike.
     pub fn new(width: u32, height: u32) -> FilmSpec {
         let size = UVec2::new(width, height);
-        FilmSpec { size, crop: Crop { min: UVec2::ZERO, max: size }, filter: Filter::default(), layers: vec![] }
+        FilmSpec {
+            size,
+            crop: Crop { min: UVec2::ZERO, max: size },
+            filter: Filter::default(),
+            layers: vec![],
+            density: Density::default(),
+        }
     }
 
     /// The picture alone.
@@ -64,12 +74,20 @@ impl Crop {
         self.max - self.min
     }
 
+    /// Which of its pixels, row by row, lies at these coordinates of the whole picture.
+    pub fn index(&self, pixel: UVec2) -> usize {
+        let UVec2 { x, y } = pixel - self.min;
+        y as usize * self.size().x as usize + x as usize
+    }
+
     pub fn pixel_count(&self) -> u64 {
         self.size().x as u64 * self.size().y as u64
     }
 }
 
 /// The samples `first` … `first + 2^level − 1` of every pixel; `first` is a multiple of 2^level.
+///
+/// Where a [`Density`] tells pixels apart, rounds of samples stand in the place of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wave {
     pub first: u64,
@@ -85,6 +103,11 @@ impl Wave {
     pub fn dealt(&self, r: u64, k: u64) -> Range<u64> {
         let before = |end: u64| (end + k - 1 - r) / k;
         before(self.first)..before(self.first + self.samples())
+    }
+
+    /// The samples of a pixel that takes 2^level of them in each round, this wave being of rounds.
+    pub fn denser(&self, level: u32) -> Wave {
+        Wave { first: self.first << level, level: self.level + level }
     }
 
     /// The largest aligned wave after `done` samples that ends by `total`, at most 2^`max_level` long.
@@ -117,14 +140,20 @@ impl MomentFilm {
         MomentFilm { spec, samples: 0, tree: Tree::default() }
     }
 
-    /// Samples per pixel so far.
+    /// Samples per pixel so far; rounds of samples where a [`Density`] tells pixels apart.
     pub fn samples(&self) -> u64 {
         self.samples
     }
 
-    /// ν, the degrees of freedom of the standard errors; 0 where there are none.
+    /// Samples so far, the mean of all pixels.
+    pub fn mean_samples(&self) -> f64 {
+        self.samples as f64 * self.spec.density.mean()
+    }
+
+    /// ν, the degrees of freedom of the standard errors, of the pixel that has the fewest; 0 where there are none.
     pub fn freedom(&self) -> f64 {
-        self.tree.any().map_or(0.0, |block| block::freedom(block.spread(), self.samples))
+        let [fewest, _] = self.spec.density.range();
+        self.tree.any().map_or(0.0, |block| block::freedom(block.spread(), fewest * self.samples))
     }
 
     /// All that was added so far; black before the first wave.

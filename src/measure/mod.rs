@@ -5,6 +5,7 @@
 //! among many tests by [`sidak`], so that the whole suite keeps its promise. No test here clamps a
 //! sample or hides a difference behind an absolute threshold: scaling both images changes no verdict.
 
+pub mod adaptive;
 pub mod agreement;
 pub mod average;
 pub mod course;

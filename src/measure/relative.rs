@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::film::block::{Estimate, estimate, freedom, pull};
+use crate::film::block::{Estimate, estimate, pull};
 use crate::film::{Block, Film, Image, MomentFilm};
 
 /// The estimated relative error of a picture, and how sure the estimate is.
@@ -43,9 +43,8 @@ const FEWEST: f64 = 30.0;
 impl RelativeError {
     /// Of the picture so far. `None` where its samples tell no error, and for a black picture.
     pub fn of(film: &MomentFilm) -> Option<RelativeError> {
-        let (block, samples) = (film.total(), film.samples());
-        let freedom = freedom(block.spread(), samples);
-        let smoothed = Smoothed::new(&block, samples, film.spec().crop.size().x as usize);
+        let (block, freedom) = (film.total(), film.freedom());
+        let smoothed = Smoothed::new(&block, |i| film.spec().density.samples(i, film.samples()), film.spec().crop.size().x as usize);
         let floor = smoothed.floor().filter(|_| freedom > 0.0)?;
         let (mut sum, mut square) = (0.0, 0.0);
         for share in smoothed.shares(floor) {
@@ -120,9 +119,10 @@ const REACH: usize = 1;
 const AROUND: usize = (2 * REACH + 1) * (2 * REACH + 1);
 
 impl Smoothed {
-    fn new(block: &Block, samples: u64, width: usize) -> Smoothed {
-        let pixels: Vec<Estimate> = block.pixels().map(|pixel| estimate(block.spread(), pixel, samples)).collect();
-        let pull = block.pixels().map(|pixel| pull(block.spread(), pixel, samples)).collect();
+    /// - `samples`: of pixel i
+    fn new(block: &Block, samples: impl Fn(usize) -> u64, width: usize) -> Smoothed {
+        let pixels: Vec<Estimate> = block.pixels().enumerate().map(|(i, pixel)| estimate(block.spread(), pixel, samples(i))).collect();
+        let pull = block.pixels().enumerate().map(|(i, pixel)| pull(block.spread(), pixel, samples(i))).collect();
         let gray = pixels.iter().map(gray).collect();
         Smoothed { width, pixels, gray, pull }
     }

@@ -2,6 +2,7 @@
 
 mod absorption;
 mod accuracy;
+mod adaptive;
 mod agreement;
 mod analytic;
 mod answers;
