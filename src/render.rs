@@ -215,14 +215,7 @@ impl Render {
     /// What the layers of a pixel add up: its camera samples once more, after the picture is done with them.
     ///
     /// - `seconds`: that the picture's samples took
-    fn layers<'t>(
-        &self,
-        pixel: UVec2,
-        wave: Wave,
-        sequences: &mut [Box<dyn Sampler>],
-        seconds: f64,
-        terms: &'t mut Vec<f64>,
-    ) -> &'t [f64] {
+    fn layers<'t>(&self, pixel: UVec2, wave: Wave, sequences: &mut [Box<dyn Sampler>], seconds: f64, terms: &'t mut Vec<f64>) -> &'t [f64] {
         terms.clear();
         let (k, share) = (sequences.len() as u64, seconds / wave.samples() as f64);
         for i in wave.first..wave.first + wave.samples() {

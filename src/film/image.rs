@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use glam::UVec2;
 
+use super::FilmSpec;
 use super::block::{Block, Estimate, estimate, freedom};
 use super::layer::{self, Layer};
-use super::FilmSpec;
 
 /// Linear channels over the crop of a picture, rows from the top.
 #[derive(Clone, Debug, PartialEq)]

@@ -38,7 +38,11 @@ pub const MAX_CHANNELS: usize = 3;
 impl Layer {
     /// Each layer with the name by which it is asked for and one line about it.
     pub const ALL: &[(Layer, &str, &str)] = &[
-        (Layer::Albedo, "albedo", "Albedo.R/G/B: the share of light that the first surface scatters; what shines has the colour of its light."),
+        (
+            Layer::Albedo,
+            "albedo",
+            "Albedo.R/G/B: the share of light that the first surface scatters; what shines has the colour of its light.",
+        ),
         (Layer::Normal, "n", "N.X/Y/Z: geometric normal of the first surface, to its outside, in world space."),
         (Layer::ShadingNormal, "ns", "Ns.X/Y/Z: its shading normal, with smooth meshes, normal and bump maps."),
         (Layer::Position, "p", "P.X/Y/Z: where the first surface is, in world space (m), over the samples that meet one."),

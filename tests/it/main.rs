@@ -5,6 +5,7 @@ mod accuracy;
 mod agreement;
 mod analytic;
 mod answers;
+mod aovs;
 mod bad_input;
 mod bsdfs;
 mod cameras;
