@@ -331,6 +331,11 @@ fn layers_are_the_same_bits_however_they_are_divided() {
         let mut render = Render::new(shot.zoo.build(), &integrator, &shot.film, &Settings::new(sampler));
         [3, 5, 6, 13, 21].into_iter().for_each(|samples| render.advance(samples, &mut paused, &Silent));
         assert!(bits(&paused.image()) == wanted, "{k} with pauses");
+        // The sums themselves: a picture of f32 would hide their last bits.
+        let mut at_once = MomentFilm::new(shot.film.clone());
+        Render::new(shot.zoo.build(), &integrator, &shot.film, &Settings::new(sampler)).advance(21, &mut at_once, &Silent);
+        let sums = |film: &MomentFilm| film.total().layers().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert!(sums(&paused) == sums(&at_once), "{k}: sums with pauses");
         let crop = Crop { min: UVec2::new(7, 4), max: UVec2::new(16, 9) };
         let part = zoo::picture(shot.zoo.build(), &integrator, &Shot { film: FilmSpec { crop, ..shot.film.clone() }, ..shot });
         for ((name, part), (_, whole)) in bits(&part).iter().zip(&wanted) {
