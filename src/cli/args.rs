@@ -195,6 +195,8 @@ pub enum Family {
     Lights,
     Cameras,
     Filters,
+    /// Layers beside the picture.
+    Aovs,
     Metrics,
 }
 
@@ -262,6 +264,9 @@ pub struct Render {
     /// With --pilot: whose prices, such as path,nee. Default: the one that renders.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "pilot")]
     pub integrators: Vec<String>,
+    /// Layers beside the picture in .exr files, such as albedo,n,z, or `all`: see `pt list aovs`. The picture does not change.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', alias = "layers")]
+    pub aov: Vec<String>,
     /// Size of the picture, such as 640x480.
     #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,

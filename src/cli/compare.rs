@@ -100,7 +100,7 @@ fn measure(
     folder: &Path,
     tables: &[&[Entry]],
 ) -> Result<ExitCode> {
-    let spec = loaded.built.film.clone();
+    let spec = loaded.built.film.clone().without_layers();
     let judge = loaded.choose(tables, args.reference_integrator.as_deref().unwrap_or(integrator::DEFAULT))?;
     let sampler = SamplerSpec { kind: Kind::Sobol, seed: loaded.built.sampler.seed.wrapping_sub(1), spp: 0, scramblings: 8 };
     let stem = loaded.stem.clone();

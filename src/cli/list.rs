@@ -4,12 +4,13 @@ use super::args::Family;
 use super::say;
 use crate::describe;
 use crate::error::Result;
+use crate::film::Layer;
 use crate::integrator::Entry;
 use crate::measure::metric;
 use crate::sampler::Kind;
 
 pub fn list(what: Option<Family>, tables: &[&[Entry]]) -> Result<()> {
-    const ALL: [Family; 9] = [
+    const ALL: [Family; 10] = [
         Family::Integrators,
         Family::Samplers,
         Family::Shapes,
@@ -18,6 +19,7 @@ pub fn list(what: Option<Family>, tables: &[&[Entry]]) -> Result<()> {
         Family::Lights,
         Family::Cameras,
         Family::Filters,
+        Family::Aovs,
         Family::Metrics,
     ];
     let mut text = String::new();
@@ -45,6 +47,7 @@ fn rows(family: Family, tables: &[&[Entry]]) -> Vec<(String, String)> {
         Family::Lights => describe::members("Light"),
         Family::Cameras => describe::members("Camera"),
         Family::Filters => describe::members("Filter"),
+        Family::Aovs => Layer::ALL.iter().map(|(_, name, about)| pair(name, about)).collect(),
         Family::Metrics => metric::ALL.iter().map(|kind| (kind.name.into(), kind.about())).collect(),
     }
 }

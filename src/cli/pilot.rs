@@ -22,6 +22,7 @@ pub fn price_list(
     confidence: f64,
     watcher: &dyn Watcher,
 ) -> String {
+    let spec = &spec.clone().without_layers();
     let rows = who.iter().map(|(entry, integrator)| {
         let mut film = MomentFilm::new(spec.clone());
         let mut render = Render::new(scene.clone(), &**integrator, spec, settings);

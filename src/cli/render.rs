@@ -13,10 +13,11 @@ use super::stats::{Account, Counted};
 use super::{INCONCLUSIVE, args, check, note, pilot, say, signals};
 use crate::describe::Built;
 use crate::error::{Error, Fault, Result};
-use crate::film::{Crop, Film, FilmSpec, Image, MomentFilm};
+use crate::film::{Crop, Film, FilmSpec, Image, Layer, MomentFilm};
 use crate::integrator::{Entry, Integrator};
 use crate::measure::{self, Course, Outcome, Target, Until, adaptive, words};
-use crate::output::{self, Attributes, Tonemap};
+use crate::output::attributes::of_camera;
+use crate::output::{self, Attributes, Format, Tonemap, Value};
 use crate::render::{self, Render, Report, SampleId, Settings};
 use crate::sampler::Kind;
 use crate::scene::Scene;
@@ -37,6 +38,9 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
         return pool.install(|| pixel(args, loaded, x, y)).map(|()| ExitCode::SUCCESS);
     }
     let outputs = outputs(args, &loaded.stem)?;
+    if !args.quiet && !loaded.built.film.layers.is_empty() && !outputs.iter().any(|path| Format::of(path) == Some(Format::Exr)) {
+        note("warning: layers are written to .exr files, and none is asked for");
+    }
     let whom = pilot::whom(&loaded, &args.integrators, tables)?;
     signals::catch()?;
     let threads = pool.current_num_threads();
@@ -78,6 +82,18 @@ pub fn sampler_named(name: &str) -> Result<Kind> {
     found.ok_or_else(|| Error::Usage(crate::reader::unknown("sampler", name, &known)))
 }
 
+/// The layers of these names; `all` are those that do not depend on the clock.
+fn layers_named(names: &[String]) -> Result<Vec<&'static str>> {
+    const EVERY: &str = "all";
+    let known: Vec<&str> = Layer::ALL.iter().map(|row| row.1).chain([EVERY]).collect();
+    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        return Err(Error::Usage(format!("--aov: {}", crate::reader::unknown("layer", name, &known))));
+    }
+    let has = |name: &str| names.iter().any(|other| other == name);
+    let rows = Layer::ALL.iter().filter(|(layer, name, _)| has(name) || has(EVERY) && layer.is_reproducible());
+    Ok(rows.map(|row| row.1).collect())
+}
+
 /// Renders, reports and writes.
 fn picture(
     args: &args::Render,
@@ -92,6 +108,7 @@ fn picture(
     let settings = Settings::new(built.sampler);
     let mut until = until(args, &settings);
     let world: Arc<dyn Scene> = Arc::new(built.world);
+    let camera = of_camera(&*world, &built.film);
     let shown = if args.quiet && args.progress == args::Progress::Auto { args::Progress::None } else { args.progress };
     if let Some(time) = args.pilot {
         let progress = Progress::new(shown, &built.film, u32::MAX.into(), Some(time * whom.len() as u32));
@@ -120,7 +137,7 @@ fn picture(
 
     if report.samples > 0 {
         let image = film.image();
-        write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course, film))?;
+        write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course, film, camera))?;
         if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
             note("warning: the image is black");
         }
@@ -160,7 +177,7 @@ fn pixel(args: &args::Render, loaded: Loaded, x: u32, y: u32) -> Result<()> {
         return say(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n"));
     }
     let min = glam::UVec2::new(x, y);
-    let mut film = MomentFilm::new(FilmSpec { crop: Crop { min, max: min + 1 }, ..film });
+    let mut film = MomentFilm::new(FilmSpec { crop: Crop { min, max: min + 1 }, ..film.without_layers() });
     render::render(scene, &*loaded.integrator, &mut film, &Settings::new(sampler), &render::Silent);
     let image = film.image();
     let [r, g, b] = image.rgb(0, 0);
@@ -186,6 +203,10 @@ fn overrides(args: &args::Render) -> Result<Vec<Override>> {
     }
     if let Some(k) = args.scramblings {
         set(format!("--scramblings {k}"), "/sampler/scramblings", k.to_string());
+    }
+    if !args.aov.is_empty() {
+        let names = layers_named(&args.aov)?;
+        set(format!("--aov {}", args.aov.join(",")), "/film/layers", format!("{names:?}"));
     }
     if let Some(name) = &args.sampler {
         sampler_named(name)?;
@@ -218,7 +239,16 @@ fn write_all(args: &args::Render, outputs: &[PathBuf], image: &Image, attributes
 }
 
 /// What the file says about itself: functions of scene and settings alone.
-fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &Course, film: &MomentFilm) -> Attributes {
+///
+/// - `camera`: what the camera has to say
+fn attributes(
+    args: &args::Render,
+    entry: &Entry,
+    settings: &Settings,
+    course: &Course,
+    film: &MomentFilm,
+    camera: Attributes,
+) -> Attributes {
     let sampler = Kind::ALL.iter().find(|(kind, ..)| *kind == settings.sampler.kind).map_or("", |(_, name, _)| name);
     let mut pairs = vec![
         ("pt/version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -237,7 +267,9 @@ fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &
                 .map(|(k, v)| (k, v.to_string())),
         );
     }
-    pairs.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    let spp = Some(("samplesPerPixel".to_owned(), Value::Integer(film.mean_samples().round() as i32)));
+    let own = pairs.into_iter().map(|(name, value)| (name.to_owned(), value.into()));
+    own.chain(spp).chain(camera).collect()
 }
 
 fn summarise(film: &MomentFilm, entry: &Entry, report: &Report, course: &Course, confidence: f64, outputs: &[PathBuf]) {

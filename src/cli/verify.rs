@@ -46,6 +46,7 @@ pub fn verify(args: &args::Verify, tables: &[&[Entry]]) -> Result<ExitCode> {
 fn judge(args: &args::Verify, loaded: Loaded, tables: &[&[Entry]]) -> Result<ExitCode> {
     let methods = args.sides.iter().map(|name| side_named(name, &loaded, tables)).collect::<Result<Vec<_>>>()?;
     let Built { world, film, sampler, .. } = loaded.built;
+    let film = film.without_layers();
     let effects = world.effects();
     let scene: Arc<dyn Scene> = Arc::new(world);
     let mut sides = vec![];
@@ -94,7 +95,8 @@ fn pictured(path: &Path, film: &FilmSpec) -> Result<Side> {
     if broken > 0 {
         return Err(refused(format!("has {broken} values that are no numbers")));
     }
-    let freedom = attributes.iter().find(|(name, _)| name == "pt/standardErrorFreedom").and_then(|(_, value)| value.parse::<u64>().ok());
+    let freedom =
+        attributes.iter().find(|(name, _)| name == "pt/standardErrorFreedom").and_then(|(_, value)| value.to_string().parse::<u64>().ok());
     let freedom = freedom.ok_or_else(|| refused("does not say how sure its standard errors are (pt/standardErrorFreedom)".into()))?;
     Ok(Side { name: path.display().to_string(), established: is_established(&image), image, samples: freedom + 1 })
 }

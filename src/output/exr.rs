@@ -8,8 +8,8 @@ use exr::meta::header::Header;
 use exr::prelude::*;
 use glam::UVec2;
 
-use super::Attributes;
 use super::read::Refusal;
+use super::{Attributes, Value};
 use crate::error::{Error, Result as PtResult};
 use crate::film::{Channel, Image};
 
@@ -19,9 +19,7 @@ pub fn encode(image: &Image, attributes: &Attributes) -> PtResult<Vec<u8>> {
     let channels = AnyChannels::sort(image.channels.iter().map(channel).collect());
     let mut about = LayerAttributes { software_name: Some("pt".into()), ..LayerAttributes::default() };
     about.layer_position = Vec2(image.origin.x as i32, image.origin.y as i32);
-    for (name, value) in attributes {
-        about.other.insert(utf8(name), AttributeValue::Text(utf8(value)));
-    }
+    attributes.iter().for_each(|(name, value)| describe(&mut about, name, value));
     let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
     let layer = Layer::new((image.size.x as usize, image.size.y as usize), about, encoding, channels);
     let full = (image.full_size.x as usize, image.full_size.y as usize);
@@ -30,6 +28,48 @@ pub fn encode(image: &Image, attributes: &Attributes) -> PtResult<Vec<u8>> {
     let mut bytes = Cursor::new(vec![]);
     file.write().to_buffered(&mut bytes).map_err(|e| Error::Internal(format!("cannot encode EXR: {e}")))?;
     Ok(bytes.into_inner())
+}
+
+const TO_CAMERA: &str = "worldToCamera";
+const TO_NDC: &str = "worldToNDC";
+const SCREEN_WIDTH: &str = "screenWindowWidth";
+/// What every file must have, and what it says where nothing is known.
+const NO_SCREEN_WIDTH: f32 = 1.0;
+
+/// The crate keeps some of OpenEXR's own attributes apart.
+fn describe(about: &mut LayerAttributes, name: &str, value: &Value) {
+    let other = match (name, value) {
+        (TO_CAMERA, Value::Matrix(matrix)) => return about.world_to_camera = Some(*matrix),
+        (TO_NDC, Value::Matrix(matrix)) => return about.world_to_normalized_device = Some(*matrix),
+        (SCREEN_WIDTH, Value::Number(width)) => return about.screen_window_width = *width,
+        (_, Value::Text(text)) => AttributeValue::Text(utf8(text)),
+        (_, Value::Integer(number)) => AttributeValue::I32(*number),
+        (_, Value::Number(number)) => AttributeValue::F32(*number),
+        (_, Value::Matrix(matrix)) => AttributeValue::Matrix4x4(*matrix),
+    };
+    about.other.insert(utf8(name), other);
+}
+
+/// Those that [`describe`] could write, by name.
+fn described(about: &LayerAttributes) -> Attributes {
+    let other = about.other.iter().filter_map(|(name, value)| Some((from_utf8(name), known(value)?)));
+    let matrices = [(TO_CAMERA, about.world_to_camera), (TO_NDC, about.world_to_normalized_device)];
+    let matrices = matrices.into_iter().filter_map(|(name, matrix)| Some((name.to_owned(), Value::Matrix(matrix?))));
+    let width = Some(about.screen_window_width).filter(|width| *width != NO_SCREEN_WIDTH);
+    let width = width.map(|width| (SCREEN_WIDTH.to_owned(), Value::Number(width)));
+    let mut all: Attributes = other.chain(matrices).chain(width).collect();
+    all.sort_by(|a, b| a.0.cmp(&b.0));
+    all
+}
+
+fn known(value: &AttributeValue) -> Option<Value> {
+    match value {
+        AttributeValue::Text(text) => Some(Value::Text(from_utf8(text))),
+        AttributeValue::I32(number) => Some(Value::Integer(*number)),
+        AttributeValue::F32(number) => Some(Value::Number(*number)),
+        AttributeValue::Matrix4x4(matrix) => Some(Value::Matrix(*matrix)),
+        _ => None,
+    }
 }
 
 /// The bytes of EXR's text are of no declared encoding: here UTF-8.
@@ -41,7 +81,7 @@ fn from_utf8(text: &Text) -> String {
     String::from_utf8_lossy(text.bytes()).into_owned()
 }
 
-/// All channels of the first part as f32, and its text attributes.
+/// All channels of the first part as f32, and its attributes that are text, numbers or matrices, by name.
 ///
 /// # Errors
 /// As [`super::read()`].
@@ -57,10 +97,6 @@ pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
     let file = reader.from_buffered(Cursor::new(bytes)).map_err(broken)?;
     let (display, layer) = (file.attributes.display_window, file.layer_data);
     let channel = |c: &AnyChannel<FlatSamples>| Channel { name: from_utf8(&c.name), values: c.sample_data.values_as_f32().collect() };
-    let text = |(name, value): (&Text, &AttributeValue)| match value {
-        AttributeValue::Text(text) => Some((from_utf8(name), from_utf8(text))),
-        _ => None,
-    };
     let [x, y] = [|v: Vec2<i32>| v.x(), |v: Vec2<i32>| v.y()]
         .map(|of| i64::from(of(layer.attributes.layer_position)) - i64::from(of(display.position)));
     let [width, height] = [layer.size.x() as i64, layer.size.y() as i64];
@@ -74,9 +110,7 @@ pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
         size: UVec2::new(width as u32, height as u32),
         channels: layer.channel_data.list.iter().map(channel).collect(),
     };
-    let mut attributes: Attributes = layer.attributes.other.iter().filter_map(text).collect();
-    attributes.sort();
-    Ok((image, attributes))
+    Ok((image, described(&layer.attributes)))
 }
 
 /// Refuses before it is decoded what would not fit.
@@ -89,9 +123,9 @@ fn check_size(meta: &MetaData) -> PtResult<(), Refusal> {
 }
 
 /// How a file stores its picture, one fact a line: parts, compression, types of channels, and all attributes, with their values.
-pub(super) fn facts(bytes: &[u8]) -> Attributes {
+pub(super) fn facts(bytes: &[u8]) -> Vec<(String, String)> {
     let Ok(meta) = MetaData::read_from_buffered(bytes, false) else { return vec![] };
-    let mut facts: Attributes = vec![];
+    let mut facts = vec![];
     let mut fact = |name: &str, value: Option<String>| facts.extend(value.map(|value| (name.to_owned(), value)));
     fact("parts", (meta.headers.len() > 1).then(|| format!("{}, of which the first is read", meta.headers.len())));
     let Some(header) = meta.headers.first() else { return facts };
@@ -111,19 +145,15 @@ pub(super) fn facts(bytes: &[u8]) -> Attributes {
     ];
     texts.into_iter().for_each(|(name, text)| fact(name, text.as_ref().map(from_utf8)));
     fact("chromaticities", shared.chromaticities.map(|c| format!("{c:?}")));
-    let mut others: Vec<(String, String)> =
-        shared.other.iter().chain(&own.other).map(|(name, value)| (from_utf8(name), shown(value))).collect();
+    fact("pixelAspectRatio", (shared.pixel_aspect != 1.0).then(|| shared.pixel_aspect.to_string()));
+    let unknown = shared.other.iter().chain(own.other.iter().filter(|(_, value)| known(value).is_none()));
+    let mut others: Vec<(String, String)> = unknown.map(|(name, value)| (from_utf8(name), shown(value))).collect();
+    others.extend(described(own).into_iter().map(|(name, value)| (name, value.to_string())));
     others.sort();
     others.into_iter().for_each(|(name, value)| fact(&name, Some(value)));
     facts
 }
 
 fn shown(value: &AttributeValue) -> String {
-    match value {
-        AttributeValue::Text(text) => from_utf8(text),
-        AttributeValue::F64(x) => x.to_string(),
-        AttributeValue::F32(x) => x.to_string(),
-        AttributeValue::I32(x) => x.to_string(),
-        other => format!("{other:?}"),
-    }
+    known(value).map_or_else(|| format!("{value:?}"), |value| value.to_string())
 }

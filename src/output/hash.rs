@@ -4,7 +4,7 @@ use std::fmt;
 
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::film::Image;
+use crate::film::{Image, Layer};
 
 /// 128 bits, shown as 32 hexadecimal digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -17,7 +17,7 @@ impl fmt::Display for Hash {
 }
 
 /// The hash of a picture's window and decoded channels, bit by bit: compression, order of channels, attributes and, where nothing
-/// is lost, the type of the stored numbers have no say in it.
+/// is lost, the type of the stored numbers have no say in it. Neither has what a clock measured, [`Layer::Time`].
 ///
 /// XXH3 (128 bits) of: size of the whole picture, origin and size of the part, as u32; then of every channel, sorted by name, the
 /// length of its name (u32), its name, its values (f32); all little-endian.
@@ -25,7 +25,8 @@ pub fn hash(image: &Image) -> Hash {
     let mut hasher = Xxh3::new();
     let corners = [image.full_size, image.origin, image.size];
     corners.iter().flat_map(|v| v.to_array()).for_each(|n| hasher.update(&n.to_le_bytes()));
-    let mut channels: Vec<_> = image.channels.iter().collect();
+    let by_clock = |name: &str| Layer::ALL.iter().any(|(layer, ..)| !layer.is_reproducible() && layer.channels().contains(&name));
+    let mut channels: Vec<_> = image.channels.iter().filter(|channel| !by_clock(&channel.name)).collect();
     channels.sort_by(|a, b| a.name.cmp(&b.name));
     for channel in channels {
         hasher.update(&(channel.name.len() as u32).to_le_bytes());

@@ -13,13 +13,15 @@ pub enum Pick {
     /// `R`, `G`, `B`, or the only channel there is.
     #[default]
     Colour,
-    /// `StdErr` for `StdErr.R`, `StdErr.G`, `StdErr.B`; `N` for `N.X`, `N.Y`, `N.Z`; `SampleCount` for `SampleCount.Y`.
+    /// `StdErr` for `StdErr.R`, `StdErr.G`, `StdErr.B`; `N` for `N.X`, `N.Y`, `N.Z`; `uv` for `uv.U`, `uv.V` and a blue of 0;
+    /// `SampleCount` for `SampleCount.Y`; `Z` for `Z`.
     Layer(String),
     /// One channel by its full name.
     Channel(String),
 }
 
 const TRIPLES: [[&str; 3]; 4] = [["R", "G", "B"], ["r", "g", "b"], ["X", "Y", "Z"], ["x", "y", "z"]];
+const PAIRS: [[&str; 2]; 2] = [["U", "V"], ["u", "v"]];
 
 impl fmt::Display for Pick {
     /// `R, G, B`, `layer StdErr`, `channel Z`
@@ -39,33 +41,37 @@ impl Pick {
     /// A sentence that says what there is instead.
     pub fn of(&self, image: &Image) -> Result<Image, String> {
         let [r, g, b] = self.names(image)?;
-        let channel = |(name, from): (&str, &str)| image.channel(from).map(|values| Channel { name: name.into(), values: values.to_vec() });
-        let channels = [("R", r), ("G", g), ("B", b)].into_iter().filter_map(channel).collect();
-        Ok(Image { channels, ..*image })
+        let nothing = || vec![0.0; image.size.x as usize * image.size.y as usize];
+        let values = |from: Option<&str>| from.and_then(|name| image.channel(name)).map_or_else(nothing, <[f32]>::to_vec);
+        let channels = [("R", r), ("G", g), ("B", b)].map(|(name, from)| Channel { name: name.into(), values: values(from) });
+        Ok(Image { channels: channels.into(), ..*image })
     }
 
-    /// The channels that become red, green and blue.
-    fn names<'i>(&self, image: &'i Image) -> Result<[&'i str; 3], String> {
+    /// The channels that become red, green and blue; `None` for one that is 0.
+    fn names<'i>(&self, image: &'i Image) -> Result<[Option<&'i str>; 3], String> {
         let all: Vec<&str> = image.channels.iter().map(|c| c.name.as_str()).collect();
         let (layer, what) = match self {
             Pick::Colour => ("", "colours"),
             Pick::Layer(name) => (name.as_str(), "layer"),
             Pick::Channel(name) => {
                 let found = all.iter().find(|channel| *channel == name);
-                return found.map(|name| [*name; 3]).ok_or_else(|| unknown("channel", name, &all));
+                return found.map(|name| [Some(*name); 3]).ok_or_else(|| unknown("channel", name, &all));
             }
         };
         let within: Vec<(&str, &str)> =
             all.iter().map(|name| (*name, split(name))).filter(|(_, (l, _))| *l == layer).map(|(name, (_, c))| (name, c)).collect();
         let named = |component: &str| within.iter().find(|(_, c)| *c == component).map(|(name, _)| *name);
-        let triple = TRIPLES.iter().find_map(|[r, g, b]| Some([named(r)?, named(g)?, named(b)?]));
+        let triple = TRIPLES.iter().find_map(|[r, g, b]| Some([Some(named(r)?), Some(named(g)?), Some(named(b)?)]));
+        let pair = PAIRS.iter().find_map(|[u, v]| Some([Some(named(u)?), Some(named(v)?), None]));
         let single = match (within.as_slice(), layer) {
-            ([(only, _)], _) => Some([*only; 3]),
+            ([(only, _)], _) => Some([Some(*only); 3]),
             // The only channel of a picture may be called anything.
-            ([], "") if all.len() == 1 => Some([all[0]; 3]),
+            ([], "") if all.len() == 1 => Some([Some(all[0]); 3]),
+            // A layer of one channel may have its name alone, as Z has.
+            ([], _) => all.iter().find(|name| **name == layer).map(|name| [Some(*name); 3]),
             _ => None,
         };
-        triple.or(single).ok_or_else(|| match (self, within.is_empty()) {
+        triple.or(pair).or(single).ok_or_else(|| match (self, within.is_empty()) {
             (Pick::Layer(_), true) => {
                 let mut layers: Vec<&str> = all.iter().map(|name| split(name).0).filter(|layer| !layer.is_empty()).collect();
                 layers.dedup();

@@ -1,5 +1,6 @@
 //! Pictures to files, whole or not at all, and back.
 
+pub mod attributes;
 pub mod colormap;
 pub mod exr;
 pub mod hash;
@@ -19,6 +20,7 @@ use tempfile::NamedTempFile;
 use crate::error::{Error, Result};
 use crate::film::Image;
 
+pub use attributes::{Attributes, Value};
 pub use colormap::Colormap;
 pub use hash::{Hash, hash};
 pub use layer::{Pick, window};
@@ -51,9 +53,6 @@ impl Format {
         }
     }
 }
-
-/// Facts about a picture that its file carries: functions of scene and settings, never of clock or host.
-pub type Attributes = Vec<(String, String)>;
 
 /// Writes `image` in the format of the path's extension; an existing file is replaced when the new one is complete.
 ///

@@ -29,7 +29,7 @@ impl Refusal {
     }
 }
 
-/// Reads a picture, linear, and the text attributes that an EXR carries. The first bytes decide what it is, not its name.
+/// Reads a picture, linear, and the attributes that an EXR carries. The first bytes decide what it is, not its name.
 ///
 /// - PNG, JPEG and PPM are decoded from sRGB
 /// - of an EXR of several parts the first
@@ -44,7 +44,7 @@ pub fn read(path: &Path) -> Result<(Image, Attributes)> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn facts(path: &Path) -> Result<Attributes> {
+pub fn facts(path: &Path) -> Result<Vec<(String, String)>> {
     let bytes = bytes(path)?;
     let kind = Kind::of(&bytes).ok_or_else(|| unknown().of(path))?;
     let mut facts = vec![("file".to_owned(), format!("{}, {} bytes", kind.title(), bytes.len()))];

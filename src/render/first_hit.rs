@@ -66,7 +66,7 @@ fn albedo(surface: &Surface, camera: &CameraSample, sampler: &mut dyn Sampler) -
     let wo = -camera.ray.direction;
     let emitted = surface.emitted(wo);
     if !emitted.is_black() {
-        return emitted * (1.0 / emitted.max());
+        return emitted.map(|c| c / emitted.max());
     }
     sampler.at(dimension::vertex(0, Use::Bsdf));
     let (choice, u) = (sampler.next_1d(), sampler.next_2d());

@@ -11,6 +11,7 @@ use pt::integrator::{Integrator, choose};
 use pt::math::Spectrum;
 use pt::measure::adaptive::{allocate, explore};
 use pt::measure::{Distance, Mean, critical_z};
+use pt::reader::Node;
 use pt::render::{Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
@@ -99,7 +100,7 @@ impl Subject {
         Subject::of(describe::load(Path::new(&file)).expect("a scene"), &file, width, height)
     }
 
-    fn of(mut root: describe::Root, file: &str, width: u32, height: u32) -> Subject {
+    fn of(mut root: Node, file: &str, width: u32, height: u32) -> Subject {
         for (pointer, value) in [("/film/width", width), ("/film/height", height)] {
             root.set(pointer, &value.to_string()).expect("a key");
         }

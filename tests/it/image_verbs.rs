@@ -183,7 +183,7 @@ fn convert_keeps_what_the_format_has_room_for() {
     said(folder.path(), "convert all.exr -o copy.exr -o copy.pfm -o copy.png");
     let (copy, attributes) = output::read(&folder.path().join("copy.exr")).expect("readable");
     assert_eq!(output::hash(&copy), output::hash(&image));
-    assert_eq!(attributes, [("pt/seed".to_owned(), "7".to_owned())]);
+    assert_eq!(attributes, [("pt/seed".to_owned(), "7".into())]);
     assert_eq!(read(folder.path(), "copy.pfm").rgb(3, 2), image.rgb(3, 2));
     assert_eq!(
         fs::read(folder.path().join("copy.png")).expect("written"),
@@ -217,7 +217,7 @@ fn average_combines_attributes_and_warns_of_copies() {
     assert_eq!(stderr, "");
     let (mean, attributes) = output::read(&folder.path().join("mean.exr")).expect("readable");
     assert_eq!((mean.rgb(0, 0), mean.channel("StdErr.R").expect("there")[0]), ([2.5; 3], (0.5f64.sqrt() / 2.0) as f32));
-    let expected = [("pt/integrator", "nee"), ("pt/spp", "64")].map(|(name, value)| (name.to_owned(), value.to_owned()));
+    let expected = [("pt/integrator", "nee"), ("pt/spp", "64")].map(|(name, value)| (name.to_owned(), value.into()));
     assert_eq!(attributes, expected);
     let (code, _, stderr) = pt(folder.path(), "average one.exr two.exr again.exr -o mean.exr");
     assert_eq!(

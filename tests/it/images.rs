@@ -73,7 +73,7 @@ fn float_formats_keep_every_bit() {
     let colours = wild([7, 5], &["R", "G", "B"]);
     assert_same(&opened(&write(folder.path(), "a.pfm", &colours, &vec![])), &colours);
     let part = Image { full_size: UVec2::new(20, 10), origin: UVec2::new(3, 4), ..wild([7, 5], &["R", "G", "B", "StdErr.R", "Z"]) };
-    let attributes = vec![("pt/a".to_owned(), "1".to_owned()), ("pt/b".to_owned(), "zwei".to_owned())];
+    let attributes = vec![("pt/a".to_owned(), "1".into()), ("pt/b".to_owned(), "zwei".into())];
     let path = write(folder.path(), "a.exr", &part, &attributes);
     assert_same(&opened(&path), &part);
     assert_eq!(output::read(&path).expect("readable").1, attributes);

@@ -6,6 +6,7 @@ mod adaptive;
 mod agreement;
 mod analytic;
 mod answers;
+mod aovs;
 mod bad_input;
 mod bsdfs;
 mod cameras;

@@ -8,7 +8,7 @@ use crate::cli::outputs::check_outputs;
 use crate::error::Result;
 use crate::film::Image;
 use crate::measure::{self, metric::Named};
-use crate::output::{self, Attributes};
+use crate::output::{self, Attributes, Value};
 
 pub fn average(args: &Average) -> Result<()> {
     let inputs: Vec<&Path> = args.inputs.iter().map(PathBuf::as_path).collect();
@@ -32,7 +32,7 @@ fn warn_of_broken(picture: &Named) {
 
 /// The same random numbers twice are no second opinion.
 fn warn_of_copies(names: &[String], read: &[(Image, Attributes)]) {
-    let numbers = |attributes: &Attributes| ["pt/seed", "pt/sampler", "pt/integrator"].map(|name| value(attributes, name));
+    let numbers = |attributes: &Attributes| ["pt/seed", "pt/sampler", "pt/integrator"].map(|name| value(attributes, name).cloned());
     for (i, (_, later)) in read.iter().enumerate() {
         let copy = read[..i].iter().position(|(_, earlier)| numbers(later)[0].is_some() && numbers(earlier) == numbers(later));
         if let Some(k) = copy {
@@ -44,16 +44,23 @@ fn warn_of_copies(names: &[String], read: &[(Image, Attributes)]) {
     }
 }
 
-fn value(attributes: &Attributes, name: &str) -> Option<String> {
-    attributes.iter().find(|(other, _)| other == name).map(|(_, value)| value.clone())
+fn value<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a Value> {
+    attributes.iter().find(|(other, _)| other == name).map(|(_, value)| value)
 }
 
 /// What all pictures say alike; the samples per pixel add up.
 fn common(read: &[(Image, Attributes)]) -> Attributes {
-    const SPP: &str = "pt/spp";
-    let spp: Option<u64> = read.iter().map(|(_, attributes)| value(attributes, SPP)?.parse::<u64>().ok()).sum();
     let first = read.first().map(|(_, attributes)| attributes.as_slice()).unwrap_or_default();
-    let is_common = |name: &str, text: &String| read.iter().all(|(_, other)| value(other, name).as_ref() == Some(text));
-    let shared = first.iter().filter(|(name, text)| name != SPP && is_common(name, text)).cloned();
-    shared.chain(spp.map(|spp| (SPP.to_owned(), spp.to_string()))).collect()
+    let is_common = |name: &str, own: &Value| read.iter().all(|(_, other)| value(other, name) == Some(own));
+    let joined = |(name, own): &(String, Value)| match name.as_str() {
+        "pt/spp" => sum(read, name).map(|spp| spp.to_string().into()),
+        "samplesPerPixel" => sum(read, name).and_then(|spp| spp.try_into().ok()).map(Value::Integer),
+        _ => is_common(name, own).then(|| own.clone()),
+    };
+    first.iter().filter_map(|pair| Some((pair.0.clone(), joined(pair)?))).collect()
+}
+
+/// Of whole numbers; `None` unless all say it.
+fn sum(read: &[(Image, Attributes)], name: &str) -> Option<u64> {
+    read.iter().map(|(_, attributes)| value(attributes, name)?.to_string().parse::<u64>().ok()).sum()
 }

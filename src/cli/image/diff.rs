@@ -51,7 +51,7 @@ fn sentence(metric: &Metric) -> String {
 fn write(path: &Path, window: &Image, measured: &[(Metric, Measured)]) -> Result<String> {
     let values = |measured: &Measured| measured.map.iter().map(|&v| v as f32).collect::<Vec<f32>>();
     let (metric, first) = &measured[0];
-    let about = vec![("pt/metric".to_owned(), metric.formula())];
+    let about = vec![("pt/metric".to_owned(), metric.formula().into())];
     match Format::of(path) {
         Some(Format::Exr) => {
             // A single map is a single channel, which every viewer shows by itself.

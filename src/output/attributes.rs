@@ -1,0 +1,71 @@
+//! Facts about a picture that its file carries: functions of scene and settings, never of clock or host.
+
+use std::fmt;
+
+use glam::DMat4;
+
+use crate::film::FilmSpec;
+use crate::scene::Scene;
+
+/// By name: `pt/…` are pt's own, the others OpenEXR's or pbrt's.
+pub type Attributes = Vec<(String, Value)>;
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    Text(String),
+    Integer(i32),
+    Number(f32),
+    /// As OpenEXR has it: row after row, and points are rows that are multiplied from the left.
+    Matrix([f32; 16]),
+}
+
+impl Value {
+    /// Of a matrix by which columns are multiplied.
+    pub fn matrix(matrix: &DMat4) -> Value {
+        Value::Matrix(matrix.to_cols_array().map(|x| x as f32))
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Value {
+        Value::Text(text.into())
+    }
+}
+
+impl From<String> for Value {
+    fn from(text: String) -> Value {
+        Value::Text(text)
+    }
+}
+
+impl fmt::Display for Value {
+    /// A matrix as `1 0 0 0 | 0 1 0 0 | 0 0 1 0 | 0 0 -5 1`.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Value::Text(text) => f.write_str(text),
+            Value::Integer(number) => number.fmt(f),
+            Value::Number(number) => number.fmt(f),
+            Value::Matrix(numbers) => {
+                // −0 is 0 to a reader.
+                let row = |row: &[f32]| row.iter().map(|x| (x + 0.0).to_string()).collect::<Vec<_>>().join(" ");
+                f.write_str(&numbers.chunks(4).map(row).collect::<Vec<_>>().join(" | "))
+            }
+        }
+    }
+}
+
+/// How the picture shows the world, in OpenEXR's words.
+///
+/// - `worldToCamera`: to x right, y up, −z ahead (m)
+/// - `worldToNDC`: to the display window, x and y from 0 at the upper left to 1, to be divided by w; not of panoramas
+/// - `screenWindowWidth`: what a perspective shows of the plane 1 in front of it, from left to right
+///
+/// Source: OpenEXR, *Standard Optional Attributes*. Tests: matrices_find_the_pixel.
+pub fn of_camera(scene: &dyn Scene, film: &FilmSpec) -> Attributes {
+    let (camera, aspect) = (scene.camera(), f64::from(film.aspect()));
+    let to_camera = camera.world_to_camera() * DMat4::from_translation(-scene.origin());
+    let to_film = camera.to_film(aspect).map(|to_film| Value::matrix(&(to_film * to_camera)));
+    let width = camera.screen_width(aspect).map(|width| Value::Number(width as f32));
+    let all = [("worldToCamera", Some(Value::matrix(&to_camera))), ("worldToNDC", to_film), ("screenWindowWidth", width)];
+    all.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
+}
