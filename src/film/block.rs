@@ -33,7 +33,7 @@ impl Block {
     /// Of independent samples.
     pub fn of_samples(pixels: &[Moments]) -> Block {
         let mut block = Block::with_capacity(Spread::Samples, pixels.len());
-        pixels.iter().for_each(|moments| block.push(std::slice::from_ref(moments)));
+        pixels.iter().for_each(|moments| block.push(std::slice::from_ref(moments), moments.gray));
         block
     }
 
@@ -41,13 +41,25 @@ impl Block {
         self.spread
     }
 
+    /// From the numbers of another block of this spread, which may have been in a file; `None` for a share of a pixel.
+    pub fn from_numbers(spread: Spread, sums: Vec<f64>) -> Option<Block> {
+        sums.len().is_multiple_of(slots(spread)).then_some(Block { spread, sums })
+    }
+
+    /// All of them, pixel after pixel.
+    pub fn numbers(&self) -> &[f64] {
+        &self.sums
+    }
+
     /// The samples of the next pixel, sequence by sequence.
-    pub fn push(&mut self, sequences: &[Moments]) {
+    ///
+    /// - `gray`: Σy² and Σy³ of all of them in their own order, in which any split joins them again
+    pub fn push(&mut self, sequences: &[Moments], gray: [f64; GRAY]) {
         sequences.iter().for_each(|moments| self.sums.extend(moments.sum));
         if self.spread == Spread::Samples {
             sequences.iter().for_each(|moments| self.sums.extend(moments.square));
         }
-        self.sums.extend(sequences.iter().fold([0.0; 2], |sum, moments| [sum[0] + moments.gray[0], sum[1] + moments.gray[1]]));
+        self.sums.extend(gray);
     }
 
     pub fn len(&self) -> usize {
@@ -69,8 +81,9 @@ impl Block {
     }
 
     /// Both must have the same pixels and the same spread.
-    pub fn join(&self, other: &Block) -> Block {
-        Block { spread: self.spread, sums: self.sums.iter().zip(&other.sums).map(|(a, b)| a + b).collect() }
+    pub fn join(mut self, other: &Block) -> Block {
+        self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a += b);
+        self
     }
 
     /// A row of `from` becomes pixels `start`… of this block.
@@ -84,7 +97,7 @@ impl Block {
 const GRAY: usize = 2;
 
 /// Numbers per pixel.
-fn slots(spread: Spread) -> usize {
+pub fn slots(spread: Spread) -> usize {
     match spread {
         Spread::Samples => 6 + GRAY,
         Spread::Scramblings(k) => 3 * k as usize + GRAY,

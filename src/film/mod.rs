@@ -67,10 +67,9 @@ impl Wave {
         1 << self.level
     }
 
-    /// Which samples of sequence r of k lie in the wave: sample i of the pixel is sample i div k of sequence i mod k.
-    pub fn dealt(&self, r: u64, k: u64) -> Range<u64> {
-        let before = |end: u64| (end + k - 1 - r) / k;
-        before(self.first)..before(self.first + self.samples())
+    /// The indices of its samples.
+    pub fn range(&self) -> Range<u64> {
+        self.first..self.first + self.samples()
     }
 
     /// The largest aligned wave after `done` samples that ends by `total`, at most 2^`max_level` long.
@@ -92,25 +91,36 @@ pub trait Film: Send {
 }
 
 /// The film of production use: sums over the dyadic tree of sample indices.
+///
+/// It may hold a part of a picture's samples: those from the first wave on that it is given.
 pub struct MomentFilm {
     spec: FilmSpec,
-    samples: u64,
     tree: Tree<Block>,
 }
 
 impl MomentFilm {
     pub fn new(spec: FilmSpec) -> MomentFilm {
-        MomentFilm { spec, samples: 0, tree: Tree::default() }
+        MomentFilm { spec, tree: Tree::default() }
     }
 
     /// Samples per pixel so far.
     pub fn samples(&self) -> u64 {
-        self.samples
+        self.range().end - self.range().start
+    }
+
+    /// Which ones.
+    pub fn range(&self) -> Range<u64> {
+        self.tree.values()
+    }
+
+    /// What they add up to, block by block: added to another film in this order they are the same film again.
+    pub fn blocks(&self) -> impl ExactSizeIterator<Item = (Wave, &Block)> {
+        self.tree.blocks()
     }
 
     /// ν, the degrees of freedom of the standard errors; 0 where there are none.
     pub fn freedom(&self) -> f64 {
-        self.tree.any().map_or(0.0, |block| block::freedom(block.spread(), self.samples))
+        self.blocks().next().map_or(0.0, |(_, block)| block::freedom(block.spread(), self.samples()))
     }
 
     /// All that was added so far; black before the first wave.
@@ -121,7 +131,7 @@ impl MomentFilm {
 
     /// The picture so far.
     pub fn image(&self) -> Image {
-        Image::from_block(&self.spec, &self.total(), self.samples)
+        Image::from_block(&self.spec, &self.total(), self.samples())
     }
 }
 
@@ -131,7 +141,9 @@ impl Film for MomentFilm {
     }
 
     fn add(&mut self, wave: Wave, block: Block) {
+        if self.samples() == 0 {
+            self.tree = Tree::starting_at(wave.first);
+        }
         self.tree.push(wave.level, block, Block::join);
-        self.samples = wave.first + wave.samples();
     }
 }

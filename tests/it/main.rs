@@ -32,6 +32,7 @@ mod microfacets;
 mod offsets;
 mod oracle;
 mod overrides;
+mod parts;
 mod patterns;
 mod pictures;
 mod proof;
