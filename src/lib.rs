@@ -18,6 +18,7 @@ pub mod light;
 pub mod math;
 pub mod measure;
 pub mod output;
+pub mod part;
 pub mod primitive;
 pub mod proof;
 pub mod reader;

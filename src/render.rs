@@ -65,6 +65,14 @@ pub struct Report {
     pub elapsed: Duration,
 }
 
+impl Report {
+    /// Without what an earlier report of the same render had told.
+    pub fn since(&self, earlier: &Report) -> Report {
+        let elapsed = self.elapsed.saturating_sub(earlier.elapsed);
+        Report { samples: self.samples - earlier.samples, invalid: self.invalid - earlier.invalid, elapsed, ..self.clone() }
+    }
+}
+
 /// Which sample: with the seed enough to compute it again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SampleId {
@@ -74,7 +82,8 @@ pub struct SampleId {
 
 /// Waves are at most about 2^6 samples long, so that progress shows and an interrupt loses little.
 const MAX_WAVE_LEVEL: u32 = 6;
-const KEPT_INVALID: usize = 16;
+/// So many invalid samples are named.
+pub const KEPT_INVALID: usize = 16;
 
 /// Renders `scene` into `film`.
 ///
@@ -111,6 +120,8 @@ pub struct Render {
     sampler: SamplerSpec,
     has_lens: bool,
     tiles: Vec<Crop>,
+    /// Index of the sample that comes next.
+    next: u64,
     report: Report,
 }
 
@@ -128,7 +139,13 @@ impl Render {
         let estimator = integrator.prepare(scene.clone(), spec);
         let has_lens = scene.effects().contains(Effects::THIN_LENS);
         let tiles = tiles(spec.crop, settings.tile);
-        Render { scene, estimator, spec: spec.clone(), sampler: settings.sampler, has_lens, tiles, report: Report::default() }
+        let report = Report::default();
+        Render { scene, estimator, spec: spec.clone(), sampler: settings.sampler, has_lens, tiles, next: 0, report }
+    }
+
+    /// Goes on where another render stopped, before the sample of this index and with what it reported: to the same bits.
+    pub fn resumed(self, next: u64, report: Report) -> Render {
+        Render { next, report: Report { cancelled: false, ..report }, ..self }
     }
 
     /// Time that was spent on the picture before counts as its own.
@@ -142,33 +159,35 @@ impl Render {
         &self.report
     }
 
-    /// On to `samples` per pixel. Into the same film each time.
+    /// On until all samples below index `samples` are in. Into the same film each time.
     pub fn advance(&mut self, samples: u64, film: &mut dyn Film, observer: &dyn Observer) {
-        let level = self.max_wave_level();
-        self.advance_while(|done, _| Wave::next(done, samples, level), film, observer);
+        while self.step(samples, None, film, observer) {}
     }
 
-    /// As far as the time goes, counted with what was spent before, and at most to `samples` per pixel.
+    /// As far as the time goes, counted with what was spent before, and at most to sample index `samples`.
     pub fn advance_for(&mut self, time: Duration, samples: u64, film: &mut dyn Film, observer: &dyn Observer) {
-        let level = self.max_wave_level();
-        let next = |done: u64, elapsed: Duration| {
-            let affordable = done as f64 * time.saturating_sub(elapsed).as_secs_f64() / elapsed.as_secs_f64();
-            let total = if done == 0 { samples } else { samples.min(done.saturating_add(affordable as u64)) };
-            Wave::next(done, total, level)
-        };
-        self.advance_while(next, film, observer);
+        while self.step(samples, Some(time), film, observer) {}
+    }
+
+    /// One wave further; `false` where there is none: all samples are in, the time is up, or the render was cancelled.
+    pub fn step(&mut self, samples: u64, time: Option<Duration>, film: &mut dyn Film, observer: &dyn Observer) -> bool {
+        let (start, end) = (Instant::now(), time.map_or(samples, |time| samples.min(self.affordable(time))));
+        let next = Wave::next(self.next, end, self.max_wave_level());
+        let Some(wave) = next.filter(|_| !self.report.cancelled) else { return false };
+        self.wave(wave, film, observer);
+        self.report.elapsed += start.elapsed();
+        !self.report.cancelled
     }
 
     fn max_wave_level(&self) -> u32 {
         MAX_WAVE_LEVEL.saturating_sub(self.spec.density.mean().log2() as u32)
     }
 
-    fn advance_while(&mut self, next: impl Fn(u64, Duration) -> Option<Wave>, film: &mut dyn Film, observer: &dyn Observer) {
-        let (start, before) = (Instant::now(), self.report.elapsed);
-        while let Some(wave) = next(self.report.samples, self.report.elapsed).filter(|_| !self.report.cancelled) {
-            self.wave(wave, film, observer);
-            self.report.elapsed = before + start.elapsed();
-        }
+    /// The sample index that will be reached within the time, at the speed so far.
+    fn affordable(&self, time: Duration) -> u64 {
+        let Report { samples, elapsed, .. } = self.report;
+        let more = samples as f64 * time.saturating_sub(elapsed).as_secs_f64() / elapsed.as_secs_f64();
+        if samples == 0 { u64::MAX } else { self.next.saturating_add(more as u64) }
     }
 
     /// A wave is whole or not at all: only then is the picture a function of its sample count.
@@ -187,7 +206,10 @@ impl Render {
             let room = KEPT_INVALID - self.report.first_invalid.len();
             self.report.first_invalid.extend(part.invalid.iter().take(room));
         }
-        film.add(wave, self.assemble(&parts));
+        let block = self.assemble(&parts);
+        drop(parts);
+        film.add(wave, block);
+        self.next += wave.samples();
         self.report.samples += wave.samples();
         observer.wave_done(self.report.samples, film);
     }
@@ -195,30 +217,33 @@ impl Render {
     /// `None` where the render was cancelled meanwhile.
     fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<Part> {
         let mut sequences = self.sampler.sequences();
-        let (mut tree, mut moments) = (Tree::default(), vec![]);
-        let mut part = Part { block: Block::with_capacity(self.slots(), tile.pixel_count() as usize), samples: 0, invalid: vec![] };
         let k = sequences.len() as u64;
+        let (mut trees, mut gray, mut moments) = (vec![Tree::default(); sequences.len()], Tree::default(), vec![]);
+        let mut part = Part { block: Block::with_capacity(self.slots(), tile.pixel_count() as usize), samples: 0, invalid: vec![] };
         let (mut terms, is_timed) = (vec![], self.spec.layers.contains(&Layer::Time));
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             if observer.cancelled() {
                 return None;
             }
             let wave = wave.denser(self.spec.density.level(self.spec.crop.index(UVec2::new(x, y))));
-            moments.clear();
             let start = is_timed.then(Instant::now);
-            for (r, sequence) in (0..).zip(&mut sequences) {
-                tree.clear();
-                for index in wave.dealt(r, k) {
-                    let mut value = self.sample(UVec2::new(x, y), index, &mut **sequence);
-                    if !value.is_finite() {
-                        part.invalid.push(SampleId { pixel: (x, y), index: index * k + r });
-                        value = Spectrum::BLACK;
-                    }
-                    tree.push(0, Moments::of(value), Moments::join);
+            trees.iter_mut().for_each(Tree::clear);
+            gray.clear();
+            for index in wave.range() {
+                // Sample i of the pixel is sample i div K of sequence i mod K.
+                let r = (index % k) as usize;
+                let mut value = self.sample(UVec2::new(x, y), index / k, &mut *sequences[r]);
+                if !value.is_finite() {
+                    part.invalid.push(SampleId { pixel: (x, y), index });
+                    value = Spectrum::BLACK;
                 }
-                moments.push(tree.total(Moments::join).unwrap_or_default());
+                let sample = Moments::of(value);
+                gray.push(0, sample.gray, Moments::join_gray);
+                trees[r].push(0, sample, Moments::join);
             }
-            part.block.push(&moments);
+            moments.clear();
+            moments.extend(trees.iter().map(|tree| tree.total(Moments::join).unwrap_or_default()));
+            part.block.push(&moments, gray.total(Moments::join_gray).unwrap_or_default());
             part.samples += wave.samples();
             if !self.spec.layers.is_empty() {
                 let seconds = start.map_or(0.0, |start| start.elapsed().as_secs_f64());

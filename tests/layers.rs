@@ -18,7 +18,7 @@ const LAYERS: &[&[&[&str]]] = &[
     &[&["film"], &["integrator"], &["render"]],
     &[&["output"], &["describe"]],
     &[&["integrators"]],
-    &[&["measure"], &["proof"], &["compare"], &["cli"], &["main"]],
+    &[&["measure"], &["part"], &["proof"], &["compare"], &["cli"], &["main"]],
 ];
 
 /// Every module's rank: a row's modules share one, ranks grow upwards.

@@ -1,6 +1,7 @@
 //! What can be said on the command line.
 
 use std::fmt::Display;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Duration;
@@ -41,6 +42,8 @@ pub enum Command {
     Verify(Verify),
     /// What accuracy costs in time: several methods on one scene, measured at doubling checkpoints, told in a report.
     Compare(Compare),
+    /// Add parts of a render (.ptc), in any order, to the picture of the whole: the same bits as in one go.
+    Merge(Merge),
     /// Points of warps and samplers, and how a material scatters, as numbers and pictures. Without arguments: what there is.
     Sample(Sample),
     /// Compare, look into and convert pictures: .exr, .png, .ppm, .pfm, and .jpg to read.
@@ -177,6 +180,35 @@ pub struct Verify {
 }
 
 #[derive(clap::Args, Debug)]
+pub struct Merge {
+    /// Parts of one picture.
+    #[arg(value_name = "PART", required = true)]
+    pub parts: Vec<PathBuf>,
+    /// Where the sum goes: .exr, .png, .ppm, .pfm, or .ptc, which may lack samples. May be repeated.
+    #[arg(short, long, value_name = "FILE", required = true)]
+    pub output: Vec<PathBuf>,
+    /// How sure to be of errors.
+    #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
+    pub confidence: f64,
+    #[command(flatten)]
+    pub develop: Develop,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// From radiance to 8 bits.
+#[derive(clap::Args, Debug)]
+pub struct Develop {
+    /// Stops of exposure, for 8-bit files only.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
+    pub exposure: f32,
+    /// The curve from radiance to display, for 8-bit files only.
+    #[arg(long, value_enum, default_value_t = Curve::None)]
+    pub tonemap: Curve,
+}
+
+#[derive(clap::Args, Debug)]
 pub struct Check {
     #[command(flatten)]
     pub scene: Scene,
@@ -253,11 +285,24 @@ pub struct Render {
     pub target: Option<f64>,
     /// Samples go where they are worth most, as a short pilot tells: up to 64 times as many in noisy pixels as in calm ones.
     /// Unbiased, and with the right error bars.
-    #[arg(long, conflicts_with = "pixel")]
+    #[arg(long, conflicts_with_all = ["pixel", "shard", "samples", "checkpoint", "resume"])]
     pub adaptive: bool,
     /// How sure to be of errors and targets.
     #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
     pub confidence: f64,
+    /// Render part I of N of the samples, I from 1, into a .ptc file for `pt merge`: 3/8 in the third of eight jobs.
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["time", "target", "pixel", "pilot"], allow_hyphen_values = true)]
+    pub shard: Option<Shard>,
+    /// Render samples A to B - 1 of every pixel, A from 0, into a .ptc file for `pt merge`.
+    #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with_all = ["shard", "time", "target", "pixel", "pilot"], allow_hyphen_values = true)]
+    pub samples: Option<Range<u64>>,
+    /// Write the state of the render this often, on an interrupt and at the end: to the .ptc beside the first output.
+    #[arg(long, value_name = "DURATION", value_parser = duration, conflicts_with = "pixel", allow_negative_numbers = true)]
+    pub checkpoint: Option<Duration>,
+    /// Go on from a state, to the bits of a render that never paused: --resume takes the .ptc beside the first output, if it is
+    /// there; --resume=FILE takes that one. What it took so far counts for --time.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, conflicts_with = "pixel")]
+    pub resume: Option<Option<PathBuf>>,
     /// First find out for so long what 10 %, 3 %, 1 % and 0.3 % of error cost, for each of --integrators.
     #[arg(long, value_name = "DURATION", value_parser = duration, conflicts_with = "pixel")]
     pub pilot: Option<Duration>,
@@ -282,12 +327,8 @@ pub struct Render {
     /// Threads. Default: all cores. The picture does not depend on it.
     #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<u32>,
-    /// Stops of exposure, for 8-bit files only.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
-    pub exposure: f32,
-    /// The curve from radiance to display, for 8-bit files only.
-    #[arg(long, value_enum, default_value_t = Curve::None)]
-    pub tonemap: Curve,
+    #[command(flatten)]
+    pub develop: Develop,
     /// How progress shows on stderr; `auto` is a bar on a terminal and a line every few seconds elsewhere.
     #[arg(long, value_enum, default_value_t = Progress::Auto)]
     pub progress: Progress,
@@ -305,6 +346,13 @@ pub struct Render {
     pub verbose: bool,
 }
 
+/// Part `index` of `count`, from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    pub index: u32,
+    pub count: u32,
+}
+
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curve {
     /// Clip at 1.
@@ -315,6 +363,12 @@ pub enum Curve {
     Normalize,
     /// The curve of the postcard path tracer.
     Postcard,
+}
+
+impl Develop {
+    pub fn tonemap(&self) -> output::Tonemap {
+        output::Tonemap { exposure: self.exposure, curve: self.tonemap.into() }
+    }
 }
 
 impl From<Curve> for output::Curve {
@@ -425,6 +479,18 @@ fn share(text: &str) -> std::result::Result<f64, String> {
     let (number, unit) = text.trim().strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
     let parsed = number.trim().parse().ok().map(|x: f64| x * unit);
     parsed.filter(|x| *x > 0.0 && *x < 1.0).ok_or("expected a share such as 1% or 0.01, above 0 and below 1".to_owned())
+}
+
+fn shard(text: &str) -> std::result::Result<Shard, String> {
+    let parsed = text.split_once('/').and_then(|(index, count)| Some(Shard { index: index.parse().ok()?, count: count.parse().ok()? }));
+    let counted = parsed.filter(|shard| (1..=shard.count).contains(&shard.index));
+    counted.ok_or("expected a part and how many there are, such as 1/8; the last is 8/8".to_owned())
+}
+
+fn samples(text: &str) -> std::result::Result<Range<u64>, String> {
+    let parsed = text.split_once("..").and_then(|(start, end)| Some(start.parse().ok()?..end.parse().ok()?));
+    let some = parsed.filter(|samples: &Range<u64>| !samples.is_empty() && samples.end <= u32::MAX.into());
+    some.ok_or(format!("expected samples such as 64..128: from the first to before the last, at most {}", u32::MAX))
 }
 
 fn duration(text: &str) -> std::result::Result<Duration, String> {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::args;
-use crate::describe::{self, Built, Source};
+use crate::describe::{self, Built, Identity, Source};
 use crate::error::{Error, Result};
 use crate::integrator::{self, Entry, Integrator};
 use crate::reader::Node;
@@ -22,6 +22,14 @@ pub struct Loaded {
 }
 
 impl Loaded {
+    /// What decides the picture.
+    ///
+    /// # Errors
+    /// `Internal`.
+    pub fn identity(&self) -> Result<Identity> {
+        Identity::new(&self.description, &self.built.contents, &self.entry)
+    }
+
     /// Another integrator for the same scene.
     ///
     /// # Errors

@@ -2,15 +2,19 @@
 //!
 //! To add one: a file beside these, a variant in `args::Command`, an arm in `run`.
 
+mod account;
 mod args;
 mod check;
 mod compare;
 mod display;
 mod image;
+mod keep;
 mod list;
 mod load;
+mod merge;
 mod outputs;
 mod pilot;
+mod plan;
 mod progress;
 mod refusal;
 mod render;
@@ -59,6 +63,7 @@ fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Sample(args)) => return sample::sample(&args),
         Some(Command::Compare(args)) => return compare::compare(&args, tables),
         Some(Command::Image { verb }) => return image::image(&verb),
+        Some(Command::Merge(args)) => return merge::merge(&args),
         Some(Command::Verify(args)) => return verify::verify(&args, tables),
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::List { what }) => list::list(what, tables)?,

@@ -5,20 +5,47 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::output::{self, Format};
 
-/// Whether pictures can be written under these names.
+/// What can be written under a name.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Takes {
+    Pictures,
+    Parts,
+    Both,
+}
+
+impl Takes {
+    fn takes(self, path: &Path) -> bool {
+        self != Takes::Parts && Format::of(path).is_some() || self != Takes::Pictures && is_part(path)
+    }
+
+    fn names(self) -> String {
+        match self {
+            Takes::Pictures => Format::EXTENSIONS.into(),
+            Takes::Parts => ".ptc: some samples of each pixel are no picture yet".into(),
+            Takes::Both => format!("{}, or .ptc", Format::EXTENSIONS),
+        }
+    }
+}
+
+/// Whether a name is that of a part of a render.
+pub fn is_part(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ptc"))
+}
+
+/// Whether results can be written under these names.
 ///
 /// - `inputs`: what must not be overwritten, and `is_input` says what it is: `is the scene file`
 ///
 /// # Errors
 /// `Usage` for a name given twice, an unknown extension, a folder, an input; `Io` where the folder is missing or read-only.
-pub fn check_outputs(outputs: &[PathBuf], inputs: &[&Path], is_input: &str) -> Result<()> {
+pub fn check_outputs(outputs: &[PathBuf], takes: Takes, inputs: &[&Path], is_input: &str) -> Result<()> {
     for (i, path) in outputs.iter().enumerate() {
         let usage = |message: &str| Error::Usage(format!("{}: {message}", path.display()));
         if outputs[..i].iter().any(|other| is_same_file(other, path)) {
             return Err(usage("given twice as an output"));
         }
-        if Format::of(path).is_none() {
-            return Err(usage(&format!("expected a name that ends in {}", Format::EXTENSIONS)));
+        if !takes.takes(path) {
+            return Err(usage(&format!("expected a name that ends in {}", takes.names())));
         }
         if path.is_dir() {
             return Err(usage("is a folder, expected a file"));

@@ -11,7 +11,7 @@ use super::args;
 use super::{note, signals};
 use crate::film::{Film, FilmSpec};
 use crate::measure::{Course, Watcher};
-use crate::render::Observer;
+use crate::render::{Observer, Report};
 
 /// Shows progress and passes interrupts on to the render.
 pub struct Progress {
@@ -56,6 +56,12 @@ impl Progress {
             bar.set_length(1000);
         }
         progress
+    }
+
+    /// With what was done before.
+    pub fn resumed(self, before: &Report) -> Progress {
+        let start = self.start.checked_sub(before.elapsed).unwrap_or(self.start);
+        Progress { start, done: before.samples.saturating_mul(self.pixels).into(), ..self }
     }
 
     /// Clears the bar.

@@ -3,22 +3,23 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
+use super::account::{self, attributes, summarise};
 use super::display::Displayed;
+use super::keep::Keeper;
 use super::load::{Loaded, Override, load};
-use super::outputs::check_outputs;
+use super::plan::{self, Plan};
 use super::progress::Progress;
 use super::stats::{Account, Counted};
 use super::{INCONCLUSIVE, args, check, note, pilot, say, signals};
 use crate::describe::Built;
 use crate::error::{Error, Fault, Result};
-use crate::film::{Crop, Film, FilmSpec, Image, Layer, MomentFilm};
+use crate::film::{Crop, FilmSpec, Image, Layer, MomentFilm};
 use crate::integrator::{Entry, Integrator};
-use crate::measure::{self, Course, Outcome, Target, Until, adaptive, words};
-use crate::output::attributes::of_camera;
-use crate::output::{self, Attributes, Format, Tonemap, Value};
-use crate::render::{self, Render, Report, SampleId, Settings};
+use crate::measure::{self, Course, Outcome, Until, Watcher, adaptive, words};
+use crate::output::{self, Attributes, Format};
+use crate::render::{self, Render, SampleId, Settings};
 use crate::sampler::Kind;
 use crate::scene::Scene;
 
@@ -37,14 +38,14 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
     if let Some([x, y]) = args.pixel {
         return pool.install(|| pixel(args, loaded, x, y)).map(|()| ExitCode::SUCCESS);
     }
-    let outputs = outputs(args, &loaded.stem)?;
-    if !args.quiet && !loaded.built.film.layers.is_empty() && !outputs.iter().any(|path| Format::of(path) == Some(Format::Exr)) {
+    let plan = Plan::new(args, &loaded)?;
+    if !args.quiet && !loaded.built.film.layers.is_empty() && !plan.pictures.iter().any(|path| Format::of(path) == Some(Format::Exr)) {
         note("warning: layers are written to .exr files, and none is asked for");
     }
     let whom = pilot::whom(&loaded, &args.integrators, tables)?;
     signals::catch()?;
     let threads = pool.current_num_threads();
-    pool.install(|| picture(args, loaded, &whom, &outputs, load_seconds, threads))
+    pool.install(|| picture(args, loaded, &whom, &plan, load_seconds, threads))
 }
 
 /// What `--size` says.
@@ -99,55 +100,65 @@ fn picture(
     args: &args::Render,
     loaded: Loaded,
     whom: &[(Entry, Arc<dyn Integrator>)],
-    outputs: &[PathBuf],
+    plan: &Plan,
     load: f64,
     threads: usize,
 ) -> Result<ExitCode> {
-    let Loaded { built, entry, integrator, stem, .. } = loaded;
+    let Loaded { built, integrator, stem, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
-    let settings = Settings::new(built.sampler);
-    let mut until = until(args, &settings);
+    let (settings, mut until) = (Settings::new(built.sampler), plan.until(args));
+    let mut spec = built.film;
+    let mut start = plan.start(MomentFilm::new(spec.clone()), &until)?;
     let world: Arc<dyn Scene> = Arc::new(built.world);
-    let camera = of_camera(&*world, &built.film);
     let shown = if args.quiet && args.progress == args::Progress::Auto { args::Progress::None } else { args.progress };
     if let Some(time) = args.pilot {
-        let progress = Progress::new(shown, &built.film, u32::MAX.into(), Some(time * whom.len() as u32));
-        let list = pilot::price_list(&world, &built.film, &settings, whom, time, args.confidence, &progress);
+        let progress = Progress::new(shown, &spec, u32::MAX.into(), Some(time * whom.len() as u32));
+        let list = pilot::price_list(&world, &spec, &settings, whom, time, args.confidence, &progress);
         progress.finish();
         note(&list);
     }
     let counted = args.stats.map(|_| Arc::new(Counted::new(world.clone(), threads)));
     let scene = counted.clone().map_or(world, |counted| counted as Arc<dyn Scene>);
 
-    let mut spec = built.film;
-    let mut explored = Duration::ZERO;
     if args.adaptive {
         let progress = Progress::new(args::Progress::None, &spec, until.samples, None);
-        (spec.density, explored) = adaptive::explore(&scene, &*integrator, &spec, &settings, until.samples, &progress);
+        (spec.density, start.report.elapsed) = adaptive::explore(&scene, &*integrator, &spec, &settings, until.samples, &progress);
         until.samples = ((until.samples as f64 / spec.density.mean()).round() as u64).max(1);
+        start.film = MomentFilm::new(spec.clone());
     }
-    let progress = Progress::new(shown, &spec, until.samples, until.time);
-    let mut displayed = Displayed::new(MomentFilm::new(spec), args.display_server.as_deref(), &stem, args.quiet);
-    let mut render = Render::new(scene, &*integrator, displayed.spec(), &settings).after(explored);
-    let course = measure::follow(&mut render, &mut displayed, &until, &progress);
+    let before = start.report.clone();
+    let progress = Progress::new(shown, &spec, until.samples - plan.samples.start, until.time).resumed(&before);
+    let keeper = Keeper::new(&progress, plan, args.checkpoint);
+    let mut displayed = Displayed::new(start.film, args.display_server.as_deref(), &stem, args.quiet);
+    let mut render = Render::new(scene, &*integrator, &spec, &settings).resumed(start.next, start.report);
+    let course = match plan.is_part {
+        true => part(&mut render, &mut displayed, &until, &keeper),
+        false => measure::follow_on(start.course, &mut render, &mut displayed, &until, &keeper),
+    };
     let film = &displayed.film;
     progress.finish();
     let report = render.report();
     let outcome = until.target.map(|target| (target, target.outcome(&course)));
 
-    if report.samples > 0 {
+    // Parts and pictures: what cannot be written does not take the other with it.
+    let kept = if report.samples > 0 { plan.write_parts(film, report, &course) } else { Ok(()) };
+    if report.samples > 0 && !plan.is_part {
         let image = film.image();
-        write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course, film, camera))?;
+        let error = course.last().and_then(|last| last.error);
+        write_all(args, &plan.pictures, &image, &attributes(&plan.about, film, error, args.confidence))?;
         if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
             note("warning: the image is black");
         }
     }
+    kept?;
     if !args.quiet {
-        summarise(film, &entry, report, &course, args.confidence, outputs);
+        let samples = if plan.is_part { format!("samples {}", plan::ranges(&[film.range()])) } else { account::samples(film) };
+        summarise(&plan.about, &samples, report, &course, args.confidence, plan.written());
         outcome.iter().for_each(|(target, outcome)| note(&words::outcome(target, *outcome)));
     }
     if let (Some(format), Some(counted)) = (args.stats, counted) {
-        let account = Account { report, spp: film.mean_samples(), pixels, primitives, rays: counted.rays(), threads, load };
+        let account =
+            Account { report: &report.since(&before), spp: film.mean_samples(), pixels, primitives, rays: counted.rays(), threads, load };
         say(&account.print(format))?;
     }
     displayed.finish();
@@ -157,11 +168,12 @@ fn picture(
     Ok(if outcome.is_some_and(|(_, outcome)| outcome != Outcome::Met) { ExitCode::from(INCONCLUSIVE) } else { ExitCode::SUCCESS })
 }
 
-/// When a render ends: where only a time or an accuracy is asked for, the samples that the scene plans are no limit.
-fn until(args: &args::Render, settings: &Settings) -> Until {
-    let free = (args.time.is_some() || args.target.is_some()) && args.spp.is_none();
-    let samples = if free { u32::MAX.into() } else { settings.samples };
-    Until { samples, time: args.time, target: args.target.map(|error| Target { error, confidence: args.confidence }) }
+/// Some samples of each pixel: nothing is said of the error of a picture that they are not.
+fn part(render: &mut Render, displayed: &mut Displayed, until: &Until, keeper: &Keeper) -> Course {
+    while render.step(until.samples, None, displayed, keeper) {
+        keeper.stepped(render.report(), &displayed.film, &Course::default());
+    }
+    Course::default()
 }
 
 /// One pixel, or one sample of it, printed.
@@ -223,86 +235,9 @@ fn remark_missing_effects(loaded: &Loaded) {
     }
 }
 
-/// Where to write; refused now rather than after an hour of rendering.
-fn outputs(args: &args::Render, stem: &str) -> Result<Vec<PathBuf>> {
-    let default = || vec![PathBuf::from(format!("{stem}.exr")), PathBuf::from(format!("{stem}.png"))];
-    let outputs = if args.output.is_empty() { default() } else { args.output.clone() };
-    check_outputs(&outputs, &[args.scene.path()?], "is the scene file")?;
-    Ok(outputs)
-}
-
 fn write_all(args: &args::Render, outputs: &[PathBuf], image: &Image, attributes: &Attributes) -> Result<()> {
-    let tonemap = Tonemap { exposure: args.exposure, curve: args.tonemap.into() };
+    let tonemap = args.develop.tonemap();
     // All are tried, so that one that fails does not take the others with it.
     let results: Vec<Result<()>> = outputs.iter().map(|path| output::write(path, image, attributes, &tonemap)).collect();
     results.into_iter().collect()
-}
-
-/// What the file says about itself: functions of scene and settings alone.
-///
-/// - `camera`: what the camera has to say
-fn attributes(
-    args: &args::Render,
-    entry: &Entry,
-    settings: &Settings,
-    course: &Course,
-    film: &MomentFilm,
-    camera: Attributes,
-) -> Attributes {
-    let sampler = Kind::ALL.iter().find(|(kind, ..)| *kind == settings.sampler.kind).map_or("", |(_, name, _)| name);
-    let mut pairs = vec![
-        ("pt/version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("pt/integrator", entry.name.to_owned()),
-        ("pt/sampler", sampler.to_owned()),
-        ("pt/seed", settings.sampler.seed.to_string()),
-        ("pt/scramblings", settings.sampler.spread().sequences().to_string()),
-        ("pt/spp", film.mean_samples().to_string()),
-        ("pt/confidence", args.confidence.to_string()),
-        ("pt/standardErrorFreedom", film.freedom().to_string()),
-    ];
-    if let Some(error) = course.last().and_then(|last| last.error) {
-        let [low, high] = error.interval(args.confidence);
-        pairs.extend(
-            [("pt/relativeError", error.value), ("pt/relativeErrorLow", low), ("pt/relativeErrorHigh", high)]
-                .map(|(k, v)| (k, v.to_string())),
-        );
-    }
-    let spp = Some(("samplesPerPixel".to_owned(), Value::Integer(film.mean_samples().round() as i32)));
-    let own = pairs.into_iter().map(|(name, value)| (name.to_owned(), value.into()));
-    own.chain(spp).chain(camera).collect()
-}
-
-fn summarise(film: &MomentFilm, entry: &Entry, report: &Report, course: &Course, confidence: f64, outputs: &[PathBuf]) {
-    let size = film.spec().crop.size();
-    let files = outputs.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ");
-    let time = words::duration(report.elapsed.as_secs_f64());
-    let what = format!("{}×{} · {} · {} · {time}", size.x, size.y, entry.name, samples(film));
-    match (report.samples, report.cancelled) {
-        (0, _) => note(&format!("{what} · interrupted before the first sample: nothing written")),
-        (_, true) => note(&format!("{what} · interrupted{} · {files}", accuracy(course, confidence))),
-        (_, false) => note(&format!("{what}{} · {files}", accuracy(course, confidence))),
-    }
-    if let Some(first) = report.first_invalid.first() {
-        let (x, y) = first.pixel;
-        note(&format!("warning: {} invalid samples counted as black; the first: --pixel {x},{y} --sample {}", report.invalid, first.index));
-    }
-}
-
-/// `64 spp`, or `64.3 spp (8 to 512)`.
-fn samples(film: &MomentFilm) -> String {
-    let (mean, density) = (film.mean_samples(), &film.spec().density);
-    let [fewest, most] = density.range().map(|samples| samples * film.samples());
-    if density.is_even() { format!("{mean} spp") } else { format!("{mean:.1} spp ({fewest} to {most})") }
-}
-
-/// ` · relative error 2.1 % (95 %: 2.0–2.2) · 1 % would take about 14 s`, as far as it is known.
-fn accuracy(course: &Course, confidence: f64) -> String {
-    match course.last().and_then(|last| last.error) {
-        None => String::new(),
-        Some(error) if !error.is_established() => " · relative error cannot be established (heavy tail)".into(),
-        Some(error) => {
-            let price = words::next_price(course, confidence).map_or(String::new(), |price| format!(" · {price}"));
-            format!(" · relative error {}{price}", words::error(&error, confidence))
-        }
-    }
 }

@@ -35,7 +35,8 @@ impl Slots {
         }
     }
 
-    fn all(self) -> usize {
+    /// Numbers per pixel.
+    pub fn all(self) -> usize {
         self.colors() + self.layers
     }
 }
@@ -63,7 +64,7 @@ impl Block {
     /// Of independent samples.
     pub fn of_samples(pixels: &[Moments]) -> Block {
         let mut block = Block::with_capacity(Spread::Samples, pixels.len());
-        pixels.iter().for_each(|moments| block.push(std::slice::from_ref(moments)));
+        pixels.iter().for_each(|moments| block.push(std::slice::from_ref(moments), moments.gray));
         block
     }
 
@@ -75,13 +76,25 @@ impl Block {
         self.slots
     }
 
+    /// From the numbers of another block of these slots, which may have been in a file; `None` for a share of a pixel.
+    pub fn from_numbers(slots: Slots, sums: Vec<f64>) -> Option<Block> {
+        sums.len().is_multiple_of(slots.all()).then_some(Block { slots, sums })
+    }
+
+    /// All of them, pixel after pixel.
+    pub fn numbers(&self) -> &[f64] {
+        &self.sums
+    }
+
     /// The samples of the next pixel, sequence by sequence. Where there are layers, [`Block::push_layers`] completes it.
-    pub fn push(&mut self, sequences: &[Moments]) {
+    ///
+    /// - `gray`: Σy² and Σy³ of all of them in their own order, in which any split joins them again
+    pub fn push(&mut self, sequences: &[Moments], gray: [f64; GRAY]) {
         sequences.iter().for_each(|moments| self.sums.extend(moments.sum));
         if self.spread() == Spread::Samples {
             sequences.iter().for_each(|moments| self.sums.extend(moments.square));
         }
-        self.sums.extend(sequences.iter().fold([0.0; 2], |sum, moments| [sum[0] + moments.gray[0], sum[1] + moments.gray[1]]));
+        self.sums.extend(gray);
     }
 
     /// What the layers of the pixel just pushed add up.
@@ -114,8 +127,9 @@ impl Block {
     }
 
     /// Both must have the same pixels and the same slots.
-    pub fn join(&self, other: &Block) -> Block {
-        Block { slots: self.slots, sums: self.sums.iter().zip(&other.sums).map(|(a, b)| a + b).collect() }
+    pub fn join(mut self, other: &Block) -> Block {
+        self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a += b);
+        self
     }
 
     /// A row of `from` becomes pixels `start`… of this block.

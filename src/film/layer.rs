@@ -51,6 +51,11 @@ impl Layer {
         (Layer::Time, "time", "Time.Y: seconds that the picture's samples took. By the clock, so no part of `all` nor of hashes."),
     ];
 
+    /// Its name in [`Layer::ALL`].
+    pub fn name(self) -> &'static str {
+        Layer::ALL.iter().find(|row| row.0 == self).map_or("", |row| row.1)
+    }
+
     /// By the name in [`Layer::ALL`].
     pub fn named(name: &str) -> Option<Layer> {
         Layer::ALL.iter().find(|row| row.1 == name).map(|row| row.0)

@@ -99,10 +99,9 @@ impl Wave {
         1 << self.level
     }
 
-    /// Which samples of sequence r of k lie in the wave: sample i of the pixel is sample i div k of sequence i mod k.
-    pub fn dealt(&self, r: u64, k: u64) -> Range<u64> {
-        let before = |end: u64| (end + k - 1 - r) / k;
-        before(self.first)..before(self.first + self.samples())
+    /// The indices of its samples.
+    pub fn range(&self) -> Range<u64> {
+        self.first..self.first + self.samples()
     }
 
     /// The samples of a pixel that takes 2^level of them in each round, this wave being of rounds.
@@ -129,31 +128,42 @@ pub trait Film: Send {
 }
 
 /// The film of production use: sums over the dyadic tree of sample indices.
+///
+/// It may hold a part of a picture's samples: those from the first wave on that it is given.
 pub struct MomentFilm {
     spec: FilmSpec,
-    samples: u64,
     tree: Tree<Block>,
 }
 
 impl MomentFilm {
     pub fn new(spec: FilmSpec) -> MomentFilm {
-        MomentFilm { spec, samples: 0, tree: Tree::default() }
+        MomentFilm { spec, tree: Tree::default() }
     }
 
     /// Samples per pixel so far; rounds of samples where a [`Density`] tells pixels apart.
     pub fn samples(&self) -> u64 {
-        self.samples
+        self.range().end - self.range().start
+    }
+
+    /// Which ones.
+    pub fn range(&self) -> Range<u64> {
+        self.tree.values()
+    }
+
+    /// What they add up to, block by block: added to another film in this order they are the same film again.
+    pub fn blocks(&self) -> impl ExactSizeIterator<Item = (Wave, &Block)> {
+        self.tree.blocks()
     }
 
     /// Samples so far, the mean of all pixels.
     pub fn mean_samples(&self) -> f64 {
-        self.samples as f64 * self.spec.density.mean()
+        self.samples() as f64 * self.spec.density.mean()
     }
 
     /// ν, the degrees of freedom of the standard errors, of the pixel that has the fewest; 0 where there are none.
     pub fn freedom(&self) -> f64 {
         let [fewest, _] = self.spec.density.range();
-        self.tree.any().map_or(0.0, |block| block::freedom(block.spread(), fewest * self.samples))
+        self.blocks().next().map_or(0.0, |(_, block)| block::freedom(block.spread(), fewest * self.samples()))
     }
 
     /// All that was added so far; black before the first wave.
@@ -164,7 +174,7 @@ impl MomentFilm {
 
     /// The picture so far.
     pub fn image(&self) -> Image {
-        Image::from_block(&self.spec, &self.total(), self.samples)
+        Image::from_block(&self.spec, &self.total(), self.samples())
     }
 }
 
@@ -174,7 +184,9 @@ impl Film for MomentFilm {
     }
 
     fn add(&mut self, wave: Wave, block: Block) {
+        if self.samples() == 0 {
+            self.tree = Tree::starting_at(wave.first);
+        }
         self.tree.push(wave.level, block, Block::join);
-        self.samples = wave.first + wave.samples();
     }
 }

@@ -5,6 +5,7 @@ pub mod discrete;
 pub mod float;
 pub mod frame;
 pub mod fresnel;
+pub mod hash;
 pub mod measure;
 pub mod ray;
 pub mod spectrum;

@@ -30,8 +30,12 @@ pub struct Price {
 ///
 /// Planned ahead: whoever looks whenever it suits stops at a moment of luck.
 pub fn checkpoints(total: u64) -> impl Iterator<Item = u64> {
-    let planned = (0..).map(|k: u32| if k.is_multiple_of(2) { 2u64 << (k / 2) } else { 3u64 << (k / 2) });
-    planned.take_while(move |samples| *samples < total && *samples < 1 << 62).chain([total])
+    planned().take_while(move |samples| *samples < total).chain([total])
+}
+
+/// Whatever the total.
+fn planned() -> impl Iterator<Item = u64> {
+    (0..122).map(|k: u32| if k.is_multiple_of(2) { 2u64 << (k / 2) } else { 3u64 << (k / 2) })
 }
 
 /// Errors fall like 1/√n at least; beyond this speed-up a fit is noise.
@@ -40,6 +44,11 @@ const STEEPEST: f64 = 2.0;
 impl Course {
     pub fn last(&self) -> Option<&Checkpoint> {
         self.checkpoints.last()
+    }
+
+    /// The checkpoints that a render with more samples has too.
+    pub fn planned(&self) -> impl Iterator<Item = &Checkpoint> {
+        self.checkpoints.iter().filter(|checkpoint| planned().any(|samples| samples == checkpoint.samples))
     }
 
     /// −b in relMSE ~ n⁻ᵇ over the last checkpoints: 1 for independent samples, more where even samples pay.

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::{Checkpoint, Course, RelativeError, checkpoints};
 use crate::film::{Film, MomentFilm};
-use crate::render::{Observer, Render, Silent};
+use crate::render::{Observer, Render, Report, Silent};
 
 /// When to stop: at whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,18 +64,29 @@ impl Followed for MomentFilm {
 pub trait Watcher: Observer {
     /// The error was looked at; `expected` is how many samples per pixel the render will take, as far as one can tell.
     fn looked(&self, _course: &Course, _expected: u64) {}
+
+    /// Between two waves; outside of the render's time.
+    fn stepped(&self, _report: &Report, _film: &MomentFilm, _course: &Course) {}
 }
 
 impl Watcher for Silent {}
 
 /// Takes a render on until it may stop, noting the error at each checkpoint.
 pub fn follow(render: &mut Render, film: &mut impl Followed, until: &Until, watcher: &dyn Watcher) -> Course {
-    let mut course = Course::default();
+    follow_on(Course::default(), render, film, until, watcher)
+}
+
+/// As [`follow`], for a render that has been followed before: it looks and stops as if it had never paused.
+pub fn follow_on(mut course: Course, render: &mut Render, film: &mut impl Followed, until: &Until, watcher: &dyn Watcher) -> Course {
     let mut looks = Looks::default();
-    for samples in checkpoints(until.samples).filter(|samples| until.is_looked_at(*samples)) {
-        match until.time {
-            Some(time) => render.advance_for(time, samples, film, watcher),
-            None => render.advance(samples, film, watcher),
+    if until.target.is_some_and(|target| course.checkpoints.iter().any(|before| looks.meet(target, Some(before)))) {
+        return course;
+    }
+    let (seen, done) = (course.last().map_or(0, |last| last.samples), film.moments().samples());
+    let is_ahead = |samples: &u64| *samples > seen && *samples >= done;
+    for samples in checkpoints(until.samples).filter(|samples| is_ahead(samples) && until.is_looked_at(*samples)) {
+        while render.step(samples, until.time, film, watcher) {
+            watcher.stepped(render.report(), film.moments(), &course);
         }
         let reached = film.moments().samples();
         if reached > course.last().map_or(0, |last| last.samples) {

@@ -22,7 +22,7 @@ pub use agreement::{Agreement, Render, agreement};
 pub use average::average;
 pub use course::{Checkpoint, Course, Price, checkpoints};
 pub use distance::Distance;
-pub use follow::{Outcome, Target, Until, Watcher, follow};
+pub use follow::{Outcome, Target, Until, Watcher, follow, follow_on};
 pub use level::{critical_z, sidak};
 pub use mean::{Mean, Welch};
 pub use metric::Metric;

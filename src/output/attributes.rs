@@ -3,6 +3,7 @@
 use std::fmt;
 
 use glam::DMat4;
+use serde::{Deserialize, Serialize};
 
 use crate::film::FilmSpec;
 use crate::scene::Scene;
@@ -10,7 +11,7 @@ use crate::scene::Scene;
 /// By name: `pt/…` are pt's own, the others OpenEXR's or pbrt's.
 pub type Attributes = Vec<(String, Value)>;
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Value {
     Text(String),
     Integer(i32),

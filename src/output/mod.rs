@@ -20,11 +20,12 @@ use tempfile::NamedTempFile;
 use crate::error::{Error, Result};
 use crate::film::Image;
 
+pub use crate::math::hash::Hash;
 pub use attributes::{Attributes, Value};
 pub use colormap::Colormap;
-pub use hash::{Hash, hash};
+pub use hash::hash;
 pub use layer::{Pick, window};
-pub use read::{facts, read};
+pub use read::{facts, read, regular};
 pub use tonemap::{Curve, Tonemap};
 
 /// The file types that can be written, by extension; all of them can be read too, see [`read()`].
@@ -71,10 +72,15 @@ pub fn write(path: &Path, image: &Image, attributes: &Attributes, tonemap: &Tone
 
 /// The bytes appear under `path` at once, or the old file stays.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
+    replace_with(path, |file| file.write_all(bytes))
+}
+
+/// As [`replace`], for bytes that need not be there all at once.
+pub fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
     let put = || -> io::Result<()> {
         let mut file = beside(path)?;
         // The file itself: its wrapper would name the temporary path in errors.
-        file.as_file_mut().write_all(bytes)?;
+        write(file.as_file_mut())?;
         file.as_file().sync_all()?;
         file.persist(path)?;
         Ok(())

@@ -1,6 +1,7 @@
 //! Pictures from files: EXR, PNG, JPEG, PPM and PFM, by content.
 
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 use glam::UVec2;
@@ -97,22 +98,33 @@ impl Kind {
     }
 }
 
-/// The whole file; a pipe or a device would block or never end, so its kind is asked first.
+/// The whole file.
 pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
+    let mut file = regular(path)?;
+    let length = file.metadata().map_err(|e| Error::io(path, e))?.len();
+    if length > MOST_MEMORY {
+        return Err(Refusal::TooLarge.of(path));
+    }
+    let mut bytes = Vec::with_capacity(length as usize);
+    file.read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    Ok(bytes)
+}
+
+/// Opens a regular file; a pipe or a device would block or never end, so its kind is asked first.
+///
+/// # Errors
+/// `Invalid` for what is missing or no regular file, `Io` for what may not be read.
+pub fn regular(path: &Path) -> Result<File> {
     let invalid = |message: &str| Error::invalid(Fault::new(message).in_file(path));
     let refused = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound | ErrorKind::NotADirectory => invalid("no such file"),
         ErrorKind::InvalidInput | ErrorKind::InvalidFilename => invalid("not a file name"),
         _ => Error::io(path, error),
     };
-    let about = path.metadata().map_err(refused)?;
-    if !about.is_file() {
+    if !path.metadata().map_err(refused)?.is_file() {
         return Err(invalid("not a regular file"));
     }
-    if about.len() > MOST_MEMORY {
-        return Err(Refusal::TooLarge.of(path));
-    }
-    std::fs::read(path).map_err(refused)
+    File::open(path).map_err(refused)
 }
 
 /// A whole picture of `R`, `G`, `B`.

@@ -59,6 +59,10 @@ impl Pixels {
         self.size
     }
 
+    pub fn values(&self) -> &[[f32; 3]] {
+        &self.values
+    }
+
     fn get(&self, x: usize, y: usize) -> Spectrum {
         let [r, g, b] = self.values[y * self.size.x as usize + x];
         Spectrum::rgb(r, g, b)

@@ -34,12 +34,17 @@ impl Noise {
         for i in 0..EDGE * EDGE {
             let mut sample = |_| Moments::of(Spectrum::gray((truth(i) * (self.draw)(&mut random)) as f32));
             let mut sequence = |_| (0..self.samples / k).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample");
-            block.push(&(0..k).map(&mut sequence).collect::<Vec<_>>());
+            push(&mut block, &(0..k).map(&mut sequence).collect::<Vec<_>>());
         }
         let mut film = MomentFilm::new(FilmSpec::new(EDGE, EDGE));
         film.add(Wave { first: 0, level: self.samples.ilog2() }, block);
         film
     }
+}
+
+/// The next pixel; the order of its samples is of no matter here.
+fn push(block: &mut Block, sequences: &[Moments]) {
+    block.push(sequences, sequences.iter().fold([0.0; 2], |sum, moments| Moments::join_gray(sum, &moments.gray)));
 }
 
 fn exact() -> Image {
@@ -97,7 +102,7 @@ fn errors_do_not_depend_on_the_unit_of_light() {
         let mut block = Block::with_capacity(Spread::Samples, (EDGE * EDGE) as usize);
         for i in 0..EDGE * EDGE {
             let mut sample = |_| Moments::of(Spectrum::gray((truth(i) * exponential(&mut random)) as f32 * factor as f32));
-            block.push(&[(0..64).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample")]);
+            push(&mut block, &[(0..64).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample")]);
         }
         let mut film = MomentFilm::new(FilmSpec::new(EDGE, EDGE));
         film.add(Wave { first: 0, level: 6 }, block);
@@ -117,7 +122,7 @@ fn heavy_tails_are_not_established() {
         for i in 0..EDGE * EDGE {
             let lucky = i % 57 == 0 && i / 57 < bright;
             let mut sample = |k: u32| Moments::of(Spectrum::gray(if lucky && k == 0 { 1000.0 } else { exponential(&mut random) as f32 }));
-            block.push(&[(0..64).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample")]);
+            push(&mut block, &[(0..64).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample")]);
         }
         let mut film = MomentFilm::new(FilmSpec::new(EDGE, EDGE));
         film.add(Wave { first: 0, level: 6 }, block);

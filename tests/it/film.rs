@@ -224,35 +224,13 @@ fn dealt(k: u32, samples: &[f32], max_level: u32) -> Image {
     while let Some(wave) = Wave::next(film.samples(), samples.len() as u64, max_level) {
         let mut block = Block::with_capacity(Spread::Scramblings(k), 1);
         let sequence = |r: u64| {
-            let own = wave.dealt(r, k.into()).map(|i| Moments::of(Spectrum::gray(samples[(i * u64::from(k) + r) as usize])));
+            let own = wave.range().filter(|i| i % u64::from(k) == r).map(|i| Moments::of(Spectrum::gray(samples[i as usize])));
             own.reduce(|a, b| a.join(&b)).unwrap_or_default()
         };
-        block.push(&(0..k.into()).map(sequence).collect::<Vec<_>>());
+        block.push(&(0..k.into()).map(sequence).collect::<Vec<_>>(), [0.0; 2]);
         film.add(wave, block);
     }
     film.image()
-}
-
-proptest! {
-    /// Each sample of a wave belongs to one scrambling, and each scrambling's samples follow one another.
-    #[test]
-    fn waves_deal_every_sample_once(k in 0u32..7, total in 1u64..3000, max_level in 0u32..8) {
-        let k = 1u64 << k;
-        let mut next = vec![0; k as usize];
-        let mut done = 0;
-        while let Some(wave) = Wave::next(done, total, max_level) {
-            let mut count = 0;
-            for r in 0..k {
-                let own = wave.dealt(r, k);
-                prop_assert_eq!(own.start, next[r as usize]);
-                prop_assert!(own.clone().all(|i| (wave.first..wave.first + wave.samples()).contains(&(i * k + r))));
-                count += own.end - own.start;
-                next[r as usize] = own.end;
-            }
-            prop_assert_eq!(count, wave.samples());
-            done += wave.samples();
-        }
-    }
 }
 
 #[test]

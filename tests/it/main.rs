@@ -34,6 +34,7 @@ mod microfacets;
 mod offsets;
 mod oracle;
 mod overrides;
+mod parts;
 mod patterns;
 mod pictures;
 mod proof;

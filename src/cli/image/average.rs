@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::args::Average;
 use crate::cli::note;
-use crate::cli::outputs::check_outputs;
+use crate::cli::outputs::{Takes, check_outputs};
 use crate::error::Result;
 use crate::film::Image;
 use crate::measure::{self, metric::Named};
@@ -12,7 +12,7 @@ use crate::output::{self, Attributes, Value};
 
 pub fn average(args: &Average) -> Result<()> {
     let inputs: Vec<&Path> = args.inputs.iter().map(PathBuf::as_path).collect();
-    check_outputs(&args.output, &inputs, "is one of the inputs")?;
+    check_outputs(&args.output, Takes::Pictures, &inputs, "is one of the inputs")?;
     let read: Vec<(Image, Attributes)> = inputs.iter().map(|path| output::read(path)).collect::<Result<_>>()?;
     let names: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
     let named: Vec<Named> = names.iter().zip(&read).map(|(name, (image, _))| Named { name, image }).collect();

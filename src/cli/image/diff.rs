@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use super::args::Diff;
 use super::falsecolor::{Scale, painted};
 use super::{number, picked};
-use crate::cli::outputs::check_outputs;
+use crate::cli::outputs::{Takes, check_outputs};
 use crate::cli::say;
 use crate::error::Result;
 use crate::film::{Channel, Image};
@@ -17,7 +17,7 @@ use crate::output::{self, Colormap, Format, Tonemap};
 /// Every measure with its formula; 1 where one is larger than tolerated.
 pub fn diff(args: &Diff) -> Result<ExitCode> {
     let metrics: Vec<Metric> = args.metric.iter().map(|name| Metric::parse(name)).collect::<Result<_>>()?;
-    check_outputs(args.output.as_slice(), &[&args.first, &args.second], "is one of the pictures")?;
+    check_outputs(args.output.as_slice(), Takes::Pictures, &[&args.first, &args.second], "is one of the pictures")?;
     let pick = args.layer.pick();
     let (a, r) = (picked(&args.first, &pick)?, picked(&args.second, &pick)?);
     let names = [&args.first, &args.second].map(|path| path.display().to_string());

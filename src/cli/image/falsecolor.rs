@@ -4,7 +4,7 @@ use glam::UVec2;
 
 use super::args::Falsecolor;
 use super::{label, number, picked};
-use crate::cli::outputs::check_outputs;
+use crate::cli::outputs::{Takes, check_outputs};
 use crate::cli::say;
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
@@ -16,7 +16,7 @@ use crate::output::{self, Colormap, Tonemap};
 pub fn falsecolor(args: &Falsecolor) -> Result<()> {
     let metric = Metric::parse(&args.metric)?;
     let inputs: Vec<_> = [Some(&args.first), args.second.as_ref()].into_iter().flatten().map(|path| path.as_path()).collect();
-    check_outputs(std::slice::from_ref(&args.output), &inputs, "is one of the pictures")?;
+    check_outputs(std::slice::from_ref(&args.output), Takes::Pictures, &inputs, "is one of the pictures")?;
     if args.log && args.range.is_some_and(|[low, _]| low <= 0.0) {
         return Err(Error::Usage("--log: expected a --range above 0".into()));
     }

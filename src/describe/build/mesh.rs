@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2};
 
 use super::Builder;
-use crate::describe::{self, MaterialRef, Mesh};
+use crate::describe::{self, MaterialRef, Mesh, identity};
 use crate::effects::Effects;
 use crate::error::{Error, Result};
 use crate::reader::{escaped, unknown};
@@ -20,6 +20,7 @@ impl Builder<'_> {
         match loaded {
             Ok((data, warnings)) => {
                 self.warnings.extend(warnings);
+                self.contents.extend(mesh.file.clone().map(|file| (file, identity::of_mesh(&data))));
                 Ok(Some(data))
             }
             Err(Error::Invalid(faults)) => {

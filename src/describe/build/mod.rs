@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Color, Encoding, Scene, Shape, Size, files};
+use super::{Color, Contents, Encoding, Scene, Shape, Size, files};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::film::FilmSpec;
@@ -36,6 +36,8 @@ pub struct Built {
     pub warnings: Vec<String>,
     /// Which part of the scene calls for which effects.
     pub needs: Vec<(String, Effects)>,
+    /// What its files held.
+    pub contents: Contents,
 }
 
 /// Where the description came from, for messages and for the files that it names.
@@ -72,6 +74,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         textures: 0,
         parts: 0,
         pictures: BTreeMap::new(),
+        contents: Contents::new(),
         boxes: vec![],
         needs: vec![],
         warnings: vec![],
@@ -99,13 +102,14 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     let of_scene = |message| format!("{}: {message}", source.file);
     warnings.extend(builder.lost_detail().map(of_scene));
     needs.append(&mut builder.needs);
+    let contents = std::mem::take(&mut builder.contents);
     let place = |fault: Fault| if fault.file.is_empty() { locate(source.root, source.file, "/shapes", fault.message) } else { fault };
     let world = builder.world.build().map_err(|error| match error {
         Error::Invalid(faults) => Error::Invalid(faults.into_iter().map(place).collect()),
         other => other,
     })?;
     warnings.extend(why_black(&world).map(|why| of_scene(format!("{why}, the image will be black"))));
-    Ok(Built { world, film: camera::film(&scene.film), sampler: camera::sampler(&scene.sampler), warnings, needs })
+    Ok(Built { world, film: camera::film(&scene.film), sampler: camera::sampler(&scene.sampler), warnings, needs, contents })
 }
 
 /// What no camera and no integrator could make visible.
@@ -131,6 +135,7 @@ struct Builder<'a> {
     parts: usize,
     /// By file and encoding: each is read once; `None` where it could not be used.
     pictures: BTreeMap<(String, Encoding), Option<Arc<Pixels>>>,
+    contents: Contents,
     /// Around each shape, in the user's coordinates.
     boxes: Vec<(DVec3, DVec3)>,
     needs: Vec<(String, Effects)>,

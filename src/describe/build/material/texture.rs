@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use crate::describe::build::{Builder, rgb, spectrum};
-use crate::describe::{self, Encoding, Size, TextureSpace, Textured, Varying, VaryingPerChannel};
+use crate::describe::{self, Encoding, Size, TextureSpace, Textured, Varying, VaryingPerChannel, identity};
 use crate::error::Error;
 use crate::math::{Spectrum, Transform};
 use crate::reader::escaped;
@@ -132,6 +132,7 @@ impl Builder<'_> {
         match describe::picture::load(&self.source.folder.join(&described.file), &described.file, described.encoding) {
             Ok((pixels, warnings)) => {
                 self.warnings.extend(warnings);
+                self.contents.insert(described.file.clone(), identity::of_picture(&pixels));
                 return Some(Arc::new(pixels));
             }
             Err(Error::Invalid(faults)) => {

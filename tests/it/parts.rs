@@ -1,0 +1,49 @@
+//! Parts of a render: any split, in any order, paused anywhere, is the render in one go; what is not a part of it is refused.
+
+mod bits;
+mod files;
+mod identity;
+mod program;
+
+use std::path::Path;
+
+use pt::describe::Identity;
+use pt::film::{Film, FilmSpec, MomentFilm};
+use pt::measure::Course;
+use pt::part::{self, About, Part, Stored};
+use pt::render::Report;
+use pt::sampler::{SamplerSpec, Spread};
+use serde_json::json;
+
+/// Of a picture that these tests call by its sampler.
+fn about(film: &FilmSpec, sampler: &SamplerSpec) -> About {
+    About::new(Identity::from_facts(json!({ "sampler": format!("{sampler:?}") })), film, sampler.spread(), vec![])
+}
+
+/// Every number that a film holds, bit by bit, with its place.
+fn numbers(film: &MomentFilm) -> Vec<(u64, u32, Vec<u64>)> {
+    film.blocks().map(|(wave, block)| (wave.first, wave.level, block.numbers().iter().map(|x| x.to_bits()).collect())).collect()
+}
+
+fn stored(path: &Path) -> Stored {
+    Stored::open(path).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn write(path: &Path, about: &About, film: &MomentFilm, report: &Report, course: &Course) {
+    part::write(path, about, &[film], report, course).unwrap_or_else(|e| panic!("{e}"));
+}
+
+fn merged(parts: Vec<Stored>) -> Part {
+    part::merge(parts).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A small file of one block of 2^level samples, with numbers of all kinds.
+fn small(path: &Path, first: u64, level: u32) {
+    let film_spec = FilmSpec::new(2, 1);
+    let sampler = SamplerSpec { kind: pt::sampler::Kind::Independent, ..SamplerSpec::default() };
+    let mut film = MomentFilm::new(film_spec.clone());
+    let values = (0..16).map(|i| [0.0, -0.0, 1.0, f64::MIN_POSITIVE, 1e300, 0.1][i % 6]).collect();
+    let block = pt::film::Block::from_numbers(Spread::Samples.into(), values).expect("two pixels of eight numbers");
+    film.add(pt::film::Wave { first, level }, block);
+    write(path, &about(&film_spec, &sampler), &film, &Report::default(), &Course::default());
+}

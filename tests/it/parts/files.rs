@@ -1,0 +1,116 @@
+//! Files that are no part, or no longer one.
+
+use std::fs;
+
+use pt::part::{Stored, merge};
+
+use super::{numbers, small, stored};
+
+/// Each byte of a file turned over, and each of its bits: refused, and never a panic.
+#[test]
+fn every_flipped_bit_is_seen() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.ptc");
+    small(&path, 0, 0);
+    let right = fs::read(&path).expect("written");
+    for at in 0..right.len() {
+        for flip in (0..8).map(|bit| 1u8 << bit).chain([0xff]) {
+            let mut wrong = right.clone();
+            wrong[at] ^= flip;
+            fs::write(&path, &wrong).expect("write");
+            let refusal = Stored::open(&path).expect_err("it is damaged");
+            assert_eq!((refusal.exit_code(), refusal.to_string().lines().count()), (3, 1), "byte {at}: {refusal}");
+        }
+    }
+}
+
+#[test]
+fn every_truncation_is_seen() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.ptc");
+    small(&path, 0, 0);
+    let right = fs::read(&path).expect("written");
+    for length in 0..right.len() {
+        fs::write(&path, &right[..length]).expect("write");
+        let refusal = Stored::open(&path).expect_err("it is truncated").to_string();
+        let expected = if length < 20 { "expected a part of a render (.ptc)" } else { "truncated: " };
+        assert!(refusal.contains(expected), "{length}: {refusal}");
+    }
+    fs::write(&path, [&right[..], b"\n"].concat()).expect("write");
+    assert!(Stored::open(&path).expect_err("it is too long").to_string().contains("damaged"));
+}
+
+/// A checksum is soon made: what a header says is not believed for it.
+#[test]
+fn headers_that_make_no_sense_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.ptc");
+    small(&path, 0, 0);
+    let right = fs::read(&path).expect("written");
+    let header_length = u32::from_le_bytes(right[16..20].try_into().expect("four")) as usize;
+    let header: serde_json::Value = serde_json::from_slice(&right[20..20 + header_length]).expect("JSON");
+    let rewritten = |key: &str, value: serde_json::Value| {
+        let mut header = header.clone();
+        header[key] = value;
+        let header = serde_json::to_vec(&header).expect("JSON");
+        let numbers = &right[20 + header_length..right.len() - 16];
+        let length = (20 + header.len() + numbers.len() + 16) as u64;
+        let mut bytes = [&right[..8], &length.to_le_bytes(), &(header.len() as u32).to_le_bytes(), &header, numbers].concat();
+        let mut sum = pt::math::hash::Hasher::default();
+        sum.bytes(&bytes);
+        bytes.extend(sum.finish().0.to_le_bytes());
+        fs::write(&path, bytes).expect("write");
+        Stored::open(&path)
+    };
+    assert!(rewritten("invalid", 3.into()).is_ok(), "the file is put together rightly");
+    for (key, value) in [
+        ("blocks", "[]"),
+        ("blocks", "[[1, 1]]"),
+        ("blocks", "[[0, 64]]"),
+        ("blocks", "[[18446744073709551615, 0]]"),
+        ("blocks", "[[0, 0], [0, 0]]"),
+        ("blocks", "[[0, 0], [1, 0]]"),
+        ("size", "[4294967295, 4294967295]"),
+        ("size", "[1, 1]"),
+        ("crop", "[0, 0, 0, 1]"),
+        ("crop", "[2, 0, 0, 1]"),
+        ("crop", "[0, 1, 0, 1]"),
+        ("scramblings", "3"),
+        ("scramblings", "4294967295"),
+        ("scramblings", "4"),
+        ("numbers", "0"),
+        ("numbers", "18446744073709551615"),
+        ("seconds", "-1"),
+        ("seconds", "1e300"),
+        ("seconds", "null"),
+        ("scene", "\"0\""),
+        ("facts", "{}"),
+        ("course", r#"[{"samples": 1, "seconds": "x", "error": null}]"#),
+    ] {
+        let refusal = rewritten(key, serde_json::from_str(value).expect("JSON")).map(|_| ()).expect_err(value);
+        assert_eq!(refusal.exit_code(), 3, "{key} {value}: {refusal}");
+    }
+}
+
+#[test]
+fn numbers_come_back_bit_by_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.ptc");
+    small(&path, 8, 2);
+    let part = merge(vec![stored(&path)]).expect("a part");
+    let expected: Vec<u64> = (0..16).map(|i| [0.0, -0.0, 1.0, f64::MIN_POSITIVE, 1e300, 0.1][i % 6].to_bits()).collect();
+    assert_eq!(numbers(&part.films[0]), [(8, 2, expected)]);
+    assert_eq!(part.whole().err(), Some(0..8));
+}
+
+#[test]
+fn overlaps_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [a, b] = ["a.ptc", "b.ptc"].map(|name| folder.path().join(name));
+    small(&a, 0, 3);
+    small(&b, 4, 1);
+    let refusal = merge(vec![stored(&b), stored(&a)]).map(|_| ()).expect_err("they overlap").to_string();
+    assert_eq!(refusal, format!("{}: samples 4..6 are in {} too", b.display(), a.display()));
+    small(&b, 8, 1);
+    assert!(merge(vec![stored(&b), stored(&a)]).is_ok());
+}

@@ -1,0 +1,232 @@
+//! Parts on the command line.
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+
+use pt::output::{Attributes, exr, hash};
+use pt::part::Stored;
+use tempfile::TempDir;
+
+const SCENE: &str = r#"{
+  "pt": 1,
+  "camera": { "look_at": { "from": [0, 1, 4], "to": [0, 0, 0] } },
+  "film": { "width": 16, "height": 12 },
+  "sampler": { "spp": 20 },
+  "shapes": [{ "type": "sphere" }, { "type": "mesh", "file": "a.obj" }],
+  "lights": [{ "type": "point", "position": [0, 3, 1], "intensity": 9 }],
+  "background": { "radiance": 0.2 }
+}"#;
+
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("s.json"), SCENE).expect("write");
+    fs::write(folder.path().join("a.obj"), "v -2 -1 -2\nv 2 -1 -2\nv 0 -1 2\nf 1 3 2\n").expect("write");
+    folder
+}
+
+fn pt(folder: &Path, args: &str) -> Output {
+    let words = args.split_whitespace();
+    Command::new(assert_cmd::cargo::cargo_bin("pt")).current_dir(folder).args(words).output().expect("it runs")
+}
+
+#[track_caller]
+fn done(folder: &Path, args: &str) -> String {
+    let output = pt(folder, args);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{args}: {said}");
+    said
+}
+
+#[track_caller]
+fn refused(folder: &Path, args: &str, code: i32, phrase: &str) {
+    let before = names(folder);
+    let output = pt(folder, args);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{args}: {said}");
+    assert!(
+        said.lines().filter(|line| line.starts_with("error: ")).count() == 1 && said.contains(phrase),
+        "{args}: expected {phrase:?} in\n{said}"
+    );
+    assert_eq!(names(folder), before, "{args}");
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).expect("a folder").map(|e| e.expect("entry").file_name().to_string_lossy().into()).collect();
+    names.sort();
+    names
+}
+
+/// The hash of a picture, and what it says about itself.
+fn picture(folder: &Path, name: &str) -> (String, Attributes) {
+    let (image, attributes) = exr::read(&folder.join(name)).unwrap_or_else(|e| panic!("{e}"));
+    (hash(&image).to_string(), attributes)
+}
+
+#[test]
+fn shards_merge_to_the_picture_of_the_whole() {
+    let folder = folder();
+    let at = folder.path();
+    for sampler in ["independent", "stratified", "halton", "sobol"] {
+        done(at, &format!("s.json --sampler {sampler} -o whole.exr -t 1"));
+        for i in 1..=3 {
+            done(at, &format!("s.json --sampler {sampler} --shard {i}/3 -q -o {i}.ptc"));
+        }
+        let said = done(at, "merge 3.ptc 1.ptc 2.ptc -o sum.exr -o sum.png -o sum.ptc");
+        assert!(said.contains("16×12 · nee · 20 spp · ") && said.contains(" · relative error "), "{said}");
+        assert_eq!(picture(at, "sum.exr"), picture(at, "whole.exr"), "{sampler}");
+        done(at, "merge sum.ptc -o again.exr");
+        assert_eq!(picture(at, "again.exr"), picture(at, "whole.exr"), "{sampler}");
+    }
+    let said = done(at, "s.json --samples 3..5");
+    assert!(said.contains("· samples 3..5 ·") && at.join("s.3-5.ptc").exists(), "{said}");
+}
+
+/// A merged part of a picture, and a picture with more samples than were planned.
+#[test]
+fn a_render_goes_on_from_any_state() {
+    let folder = folder();
+    let at = folder.path();
+    done(at, "s.json --spp 50 -o whole.exr");
+    done(at, "s.json --shard 1/2 -o 1.ptc");
+    done(at, "s.json --shard 2/2 -o 2.ptc");
+    done(at, "merge 2.ptc 1.ptc -o sum.ptc");
+    done(at, "s.json --spp 50 --resume=sum.ptc -o more.exr");
+    assert_eq!(picture(at, "more.exr"), picture(at, "whole.exr"));
+    // A shard goes on too.
+    done(at, "s.json --samples 20..31 -o 3.ptc");
+    done(at, "s.json --samples 20..50 --resume -o 3.ptc");
+    done(at, "merge 3.ptc sum.ptc -o sum.exr");
+    assert_eq!(picture(at, "sum.exr"), picture(at, "whole.exr"));
+    // A render that has ended is written again; and where there is no state, it starts.
+    done(at, "s.json --checkpoint 1h -o x.exr");
+    done(at, "s.json --checkpoint 1h --resume -o x.exr");
+    let said = done(at, "s.json --resume -o y.exr");
+    assert!(said.contains("y.ptc: not there, so this starts at the beginning"), "{said}");
+    assert_eq!(picture(at, "x.exr"), picture(at, "y.exr"));
+}
+
+#[test]
+fn what_is_not_of_the_picture_is_refused() {
+    let folder = folder();
+    let at = folder.path();
+    done(at, "s.json --samples 0..4 -o a.ptc");
+    done(at, "s.json --samples 4..8 -o b.ptc");
+    done(at, "s.json --samples 12..16 -o d.ptc");
+    done(at, "merge a.ptc d.ptc -o gap.ptc");
+    let other = |flags: &str, what: &str| {
+        done(at, &format!("s.json --samples 4..8 -o other.ptc {flags}"));
+        refused(at, "merge a.ptc other.ptc -o x.exr", 3, &format!("error: other.ptc: not of the same picture as a.ptc: {what}"));
+        refused(
+            at,
+            &format!("s.json --resume=a.ptc -o x.exr {flags}"),
+            3,
+            &format!("error: a.ptc: not of this picture: {}", what.split(' ').next().expect("a word")),
+        );
+    };
+    other("--seed 7", "/sampler/seed is 7, not 0");
+    other("--size 12x16", "/film/crop/1 is 12, not 16");
+    other("--integrator path", "/integrator/type is \"path\", not \"nee\"");
+    other("--sampler halton", "/sampler/type is \"halton\", not \"sobol\"");
+    other("--scramblings 4", "/sampler/scramblings is 4, not 2");
+    other("-D /camera/fov=30", "/camera/fov is 30.0, not");
+    other("--crop 0,4,0,4", "/film/crop/1 is 4, not 16");
+    // The same scene file, another mesh.
+    fs::write(at.join("a.obj"), "v -2 -1 -2\nv 2 -1 -2\nv 0 -1 2.5\nf 1 3 2\n").expect("write");
+    refused(at, "s.json --resume=a.ptc -o x.exr", 3, "a.ptc: not of this picture: /files/a.obj is ");
+    fs::write(at.join("a.obj"), "v -2 -1 -2\nv 2 -1 -2\nv 0 -1 2\nf 1 3 2\n").expect("write");
+
+    refused(at, "merge a.ptc a.ptc -o x.exr", 3, "error: a.ptc: samples 0..4 are in a.ptc too");
+    refused(at, "merge a.ptc d.ptc -o x.exr", 3, "a.ptc, d.ptc: samples 4..12 are missing; -o FILE.ptc adds what there is");
+    refused(at, "merge b.ptc -o x.exr -o x.ptc", 3, "b.ptc: samples 0..4 are missing");
+    refused(at, "merge a.ptc b.ptc -o a.ptc", 2, "a.ptc: is one of the parts, which would be overwritten");
+    refused(at, "merge a.ptc s.json -o x.exr", 3, "s.json: expected a part of a render (.ptc)");
+    refused(at, "merge a.ptc no.ptc -o x.exr", 3, "no.ptc: no such file");
+    refused(at, "merge a.ptc", 2, "--output");
+    refused(at, "s.json --resume=gap.ptc -o x.exr", 3, "gap.ptc: has gaps: it holds samples 0..4, 12..16");
+    refused(at, "s.json --resume=b.ptc -o x.exr", 3, "b.ptc: begins at sample 4, expected 0");
+    refused(at, "s.json --spp 2 --resume=a.ptc -o x.exr", 2, "a.ptc holds 4 samples per pixel, more than the 2 that are asked for");
+    refused(at, "s.json --resume=no.ptc -o x.exr", 3, "no.ptc: no such file");
+    for shard in ["0/4", "5/4", "1", "1/0", "-1/4", "a/b", "1/2/3"] {
+        refused(at, &format!("s.json --shard {shard}"), 2, "expected a part and how many there are");
+    }
+    refused(at, "s.json --shard 1/21", 2, "--shard 1/21: there are only 20 samples per pixel to share out");
+    for samples in ["4..4", "8..4", "4", "-1..4", "..4", "0..5000000000"] {
+        refused(at, &format!("s.json --samples {samples}"), 2, "expected samples such as 64..128");
+    }
+    refused(at, "s.json --samples 0..21 --sampler stratified", 2, "stratified spreads 20 samples");
+    refused(at, "s.json --shard 1/2 -o x.exr", 2, "x.exr: expected a name that ends in .ptc");
+    refused(at, "s.json --shard 1/2 --time 3", 2, "cannot be used with");
+    refused(at, "s.json --checkpoint 0 -o x.exr", 2, "expected a duration");
+}
+
+/// Starts a render that lasts, and waits until it renders.
+fn started(folder: &Path, args: &str) -> Child {
+    let command = &mut Command::new(assert_cmd::cargo::cargo_bin("pt"));
+    let mut child =
+        command.current_dir(folder).args(args.split(' ')).args(["--progress", "json"]).stderr(Stdio::piped()).spawn().expect("it starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("a pipe")).lines();
+    lines.find(|line| line.as_ref().is_ok_and(|line| line.starts_with('{'))).expect("progress").expect("text");
+    // Read to the end, so that it is never stuck.
+    std::thread::spawn(move || lines.for_each(drop));
+    child
+}
+
+/// Ended by a signal it keeps its state, with --checkpoint however long until the next; resumed it is the render in one go.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_render_goes_on() {
+    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        let folder = folder();
+        let at = folder.path();
+        let mut child = started(at, "s.json --spp 100000000 --checkpoint 1h -o x.exr");
+        Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status().expect("kill");
+        assert_eq!(child.wait().expect("it ends").code(), Some(code), "{signal}");
+        let samples = Stored::open(&at.join("x.ptc")).unwrap_or_else(|e| panic!("{e}")).ranges()[0].end;
+        let total = samples + 37;
+        done(at, &format!("s.json --spp {total} --resume -o x.exr"));
+        done(at, &format!("s.json --spp {total} -o whole.exr"));
+        assert_eq!(picture(at, "x.exr"), picture(at, "whole.exr"), "{signal}: {samples} samples");
+    }
+}
+
+/// Killed at any moment, also while it writes: the state that is there is whole.
+#[cfg(unix)]
+#[test]
+fn a_killed_render_leaves_a_whole_state() {
+    let folder = folder();
+    let at = folder.path();
+    let mut last = 0;
+    for wait in [3, 7, 11, 19, 23, 31] {
+        let resume = if last == 0 { "" } else { " --resume" };
+        let mut child = started(at, &format!("s.json --spp 100000000 --checkpoint 0.001 -o x.exr{resume}"));
+        while !at.join("x.ptc").exists() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        std::thread::sleep(std::time::Duration::from_millis(wait));
+        child.kill().expect("killed");
+        child.wait().expect("it ends");
+        let samples = Stored::open(&at.join("x.ptc")).unwrap_or_else(|e| panic!("{e}")).ranges()[0].end;
+        assert!(samples >= last, "{samples} after {last}");
+        last = samples;
+    }
+    done(at, &format!("s.json --spp {} --resume -o x.exr", last + 5));
+    done(at, &format!("s.json --spp {} -o whole.exr", last + 5));
+    assert_eq!(picture(at, "x.exr"), picture(at, "whole.exr"));
+}
+
+/// A disk that takes no state is told of, and the picture is rendered all the same.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_state_that_cannot_be_written_is_told() {
+    let folder = folder();
+    let at = folder.path();
+    fs::create_dir(at.join("gone")).expect("folder");
+    let mut child = started(at, "s.json --spp 100000000 -o gone/x.ptc -o b.exr --checkpoint 1h");
+    fs::remove_dir(at.join("gone")).expect("it is empty");
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert_eq!(child.wait().expect("it ends").code(), Some(5));
+    assert!(at.join("b.exr").exists());
+}
