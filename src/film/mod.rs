@@ -3,6 +3,7 @@
 pub mod block;
 pub mod filter;
 pub mod image;
+pub mod memory;
 pub mod moments;
 
 use std::ops::Range;

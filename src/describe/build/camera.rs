@@ -40,7 +40,7 @@ pub(super) fn film(described: &describe::Film) -> FilmSpec {
     FilmSpec { size, crop: Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) }, filter }
 }
 
-pub(super) fn sampler(described: &describe::Sampler) -> SamplerSpec {
+pub(in crate::describe) fn sampler(described: &describe::Sampler) -> SamplerSpec {
     let kind = match described.kind {
         describe::SamplerKind::Independent => Kind::Independent,
         describe::SamplerKind::Stratified => Kind::Stratified,
