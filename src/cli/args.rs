@@ -44,6 +44,8 @@ pub enum Command {
     Compare(Compare),
     /// Add parts of a render (.ptc), in any order, to the picture of the whole: the same bits as in one go.
     Merge(Merge),
+    /// A picture to measure others by, its own error stated; kept by scene, and made better when more is asked.
+    Reference(Reference),
     /// Points of warps and samplers, and how a material scatters, as numbers and pictures. Without arguments: what there is.
     Sample(Sample),
     /// Compare, look into and convert pictures: .exr, .png, .ppm, .pfm, and .jpg to read.
@@ -126,6 +128,9 @@ pub struct Compare {
     /// The picture to measure against, an EXR of the same pixels. Default: one is computed.
     #[arg(long, value_name = "FILE")]
     pub reference: Option<PathBuf>,
+    /// Where `pt reference` keeps its references: one of this scene and size is used, and made better if it took less than --reference-time.
+    #[arg(long, value_name = "FOLDER", env = "PT_CACHE")]
+    pub cache: Option<PathBuf>,
     /// By which integrator a reference is computed. Default: nee.
     #[arg(long, value_name = "NAME", conflicts_with = "reference")]
     pub reference_integrator: Option<String>,
@@ -170,6 +175,42 @@ pub struct Verify {
     pub output: Option<PathBuf>,
     /// Size of the pictures.
     #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// Threads. Default: all cores.
+    #[arg(short, long, env = "PT_THREADS", value_parser = threads)]
+    pub threads: Option<u32>,
+    /// How progress shows on stderr.
+    #[arg(long, value_enum, default_value_t = Progress::Auto)]
+    pub progress: Progress,
+}
+
+#[derive(clap::Args, Debug)]
+pub struct Reference {
+    #[command(flatten)]
+    pub scene: Scene,
+    /// Until its relative error is at most this, such as 0.3%. Exit code 7 if it is not reached.
+    #[arg(long, value_name = "ERROR", value_parser = share)]
+    pub error: Option<f64>,
+    /// Samples per pixel.
+    #[arg(long, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
+    pub spp: Option<u32>,
+    /// For so long, with what was spent on it before. Default, without --error and --spp: 60s.
+    #[arg(long, value_name = "DURATION", value_parser = duration, allow_negative_numbers = true)]
+    pub time: Option<Duration>,
+    /// By which integrator. Default: nee.
+    #[arg(short, long, value_name = "NAME")]
+    pub integrator: Option<String>,
+    /// Where the picture goes besides: .exr, .png, .ppm, .pfm. May be repeated.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// Where references are kept. Default: pt in the user's folder for caches.
+    #[arg(long, value_name = "FOLDER", env = "PT_CACHE")]
+    pub cache: Option<PathBuf>,
+    /// How sure to be of errors.
+    #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
+    pub confidence: f64,
+    /// Size of the picture.
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Threads. Default: all cores.
     #[arg(short, long, env = "PT_THREADS", value_parser = threads)]

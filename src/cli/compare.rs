@@ -7,15 +7,15 @@ use std::time::Duration;
 
 use super::load::{Loaded, load};
 use super::progress::Progress;
+use super::reference::{self, Judge};
 use super::{args, note, render, say, signals};
 use crate::compare::{self, Comparison, Contestant, Effort, Reference, conclusions};
 use crate::error::{Error, Fault, Result};
-use crate::film::{FilmSpec, Image, MomentFilm};
-use crate::integrator::{self, Entry};
-use crate::measure::RelativeError;
+use crate::film::FilmSpec;
+use crate::integrator::Entry;
 use crate::measure::words::{duration, per_cent};
+use crate::measure::{RelativeError, Until};
 use crate::output::{self, exr};
-use crate::render::{Render, Settings};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::scene::Scene;
 
@@ -101,15 +101,18 @@ fn measure(
     tables: &[&[Entry]],
 ) -> Result<ExitCode> {
     let spec = loaded.built.film.clone().without_layers();
-    let judge = loaded.choose(tables, args.reference_integrator.as_deref().unwrap_or(integrator::DEFAULT))?;
-    let sampler = SamplerSpec { kind: Kind::Sobol, seed: loaded.built.sampler.seed.wrapping_sub(1), spp: 0, scramblings: 8 };
+    let judge = Judge::new(&loaded, args.reference_integrator.as_deref(), tables)?;
+    let kept = reference::cache(args.cache.as_deref()).ok().map(|cache| judge.path(&cache)).filter(|path| path.exists());
     let stem = loaded.stem.clone();
     let scene: Arc<dyn Scene> = Arc::new(loaded.built.world);
     let time = args.time.unwrap_or(TIME);
     let interrupted = || Error::Interrupted(signals::caught().unwrap_or_default());
     let reference = match given {
         Some(reference) => reference,
-        None => computed(&scene, &spec, &judge, &sampler, args.reference_time.unwrap_or(time)).ok_or_else(interrupted)?,
+        None => {
+            let time = args.reference_time.unwrap_or(time);
+            computed(&scene, &judge, kept, time)?.ok_or_else(interrupted)?
+        }
     };
     if reference.image.pixels().flatten().all(|value| value == 0.0) {
         return Err(Error::invalid(Fault::new(format!("{} is black: there is nothing to compare", reference.origin)).in_file(&stem)));
@@ -128,28 +131,41 @@ fn measure(
     let comparison = Comparison { scene: stem, reference, methods, confidence: args.confidence, conclusions };
     output::write(&folder.join("reference.exr"), &comparison.reference.image, &vec![], &output::Tonemap::default())?;
     compare::report::write(&comparison, folder, args.jeri)?;
+    remark_coarse_reference(&comparison);
     say(&summary(&comparison, folder))?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// By the most trusted method, for a time; with its own error told.
-fn computed(
-    scene: &Arc<dyn Scene>,
-    spec: &FilmSpec,
-    (entry, judge): &(Entry, Arc<dyn integrator::Integrator>),
-    sampler: &SamplerSpec,
-    time: Duration,
-) -> Option<Reference> {
-    let progress = Progress::new(args::Progress::None, &spec, u32::MAX.into(), Some(time));
-    let mut film = MomentFilm::new(spec.clone());
-    let mut render = Render::new(scene.clone(), &**judge, spec, &Settings::new(*sampler));
-    render.advance_for(time, u32::MAX.into(), &mut film, &progress);
-    if render.report().cancelled {
-        return None;
+/// By the most trusted method: one that is kept, taken on for as long as is asked for, or else one for a time.
+fn computed(scene: &Arc<dyn Scene>, judge: &Judge, kept: Option<PathBuf>, time: Duration) -> Result<Option<Reference>> {
+    let progress = Progress::new(args::Progress::None, &judge.spec, u32::MAX.into(), Some(time));
+    let before = kept.as_ref().and_then(|path| judge.kept(path));
+    let (known, origin) =
+        (before.as_ref().map_or(0, |kept| kept.report.samples), if before.is_some() { "the kept reference" } else { "a reference" });
+    let until = Until { samples: u32::MAX.into(), time: Some(time), target: None };
+    let made = judge.rendered(scene, before, &until, &progress);
+    if let Some(path) = kept.filter(|_| known > 0 && made.report.samples > known) {
+        judge.keep(&path, &made)?;
     }
-    let error = RelativeError::of(&film).map(|error| error.value);
-    let image: Image = film.image();
-    Some(Reference { image, origin: format!("a reference by {}, {} spp", entry.name, film.samples()), error })
+    if made.report.cancelled {
+        return Ok(None);
+    }
+    let error = RelativeError::of(&made.film).map(|error| error.value);
+    let origin = format!("{origin} by {}, {} spp", judge.entry.name, made.film.samples());
+    Ok(Some(Reference { image: made.film.image(), origin, error }))
+}
+
+/// A reference is good for what is compared where its variance is a tenth of theirs.
+fn remark_coarse_reference(comparison: &Comparison) {
+    let Some(own) = comparison.reference.error else { return };
+    let last = |method: &compare::Method| method.curve.last().map(|last| (last.relmse.0, method.name.clone()));
+    let best = comparison.methods.iter().filter_map(last).filter(|(relmse, _)| *relmse > 0.0).min_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((relmse, name)) = best.filter(|(relmse, _)| 10.0 * own * own > *relmse) {
+        let needed = per_cent((relmse / 10.0).sqrt());
+        let [width, height] = comparison.reference.image.size.to_array();
+        let wish = format!("pt reference --size {width}x{height} --error {needed}%");
+        note(&format!("note: the reference's variance is more than a tenth of that of {name}; {wish} makes one that is better"));
+    }
 }
 
 fn summary(comparison: &Comparison, folder: &Path) -> String {

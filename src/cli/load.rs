@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::args;
+use super::{args, memory};
 use crate::describe::{self, Built, Identity, Source};
 use crate::error::{Error, Result};
 use crate::integrator::{self, Entry, Integrator};
@@ -56,6 +56,7 @@ pub fn load(scene: &args::Scene, more: &[Override], integrator: Option<&str>, ta
     let (mut root, file) = (describe::load(path)?, describe::name(path));
     overridden(&mut root, scene, more).map_err(|refusal| deeper(refusal, &root, &file))?;
     let description = describe::read(&root, &file)?;
+    memory::check(&description, &root, &file)?;
     let (entry, integrator) = integrator::choose(tables, root.child("integrator"), integrator, &file)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let built = describe::build(&description, Source { root: &root, file: &file, folder, allow_outside: scene.allow_outside })?;

@@ -11,11 +11,13 @@ mod image;
 mod keep;
 mod list;
 mod load;
+mod memory;
 mod merge;
 mod outputs;
 mod pilot;
 mod plan;
 mod progress;
+mod reference;
 mod refusal;
 mod render;
 mod sample;
@@ -63,6 +65,7 @@ fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Sample(args)) => return sample::sample(&args),
         Some(Command::Compare(args)) => return compare::compare(&args, tables),
         Some(Command::Image { verb }) => return image::image(&verb),
+        Some(Command::Reference(args)) => return reference::reference(&args, tables),
         Some(Command::Merge(args)) => return merge::merge(&args),
         Some(Command::Verify(args)) => return verify::verify(&args, tables),
         Some(Command::Check(check)) => check::check(&check, tables)?,

@@ -39,6 +39,8 @@ fn stray(refusal: &clap::Error, words: &[String]) -> Option<String> {
     let misspelt = || words.iter().find_map(|typed| closest(typed, commands.iter().copied()).map(|near| (typed, near)));
     Some(if before.is_some_and(|flag| flag == "--stats") && Stats::from_str(word, false).is_ok() {
         format!("--stats {word}: expected --stats={word}")
+    } else if before.is_some_and(|flag| flag == "--resume") {
+        format!("--resume {word}: expected --resume={word}")
     } else if commands.contains(&word.as_str()) {
         format!("{word}: a command comes first, as in pt {word} scene.json; see pt --help")
     } else if let Some((typed, near)) = misspelt() {

@@ -126,29 +126,9 @@ impl Default for MitchellFilter {
     }
 }
 
-/// What the film needs for a pixel: 48 bytes of moments, in the block of this wave, in two that wait for
-/// their siblings, and in the total.
-const BYTES_PER_PIXEL: u128 = 4 * 48;
-/// The same for a layer: four numbers at most.
-const BYTES_PER_LAYER: u128 = 4 * 32;
-/// More than this is surely a slip of the keyboard.
-const MOST_BYTES: u128 = 16 << 30;
-
 impl Film {
     /// The part to render, `[x0, x1, y0, y1]`.
     pub fn bounds(&self) -> [u32; 4] {
         self.crop.unwrap_or([0, self.width.get(), 0, self.height.get()])
-    }
-
-    /// # Errors
-    /// In words: an image that no memory holds.
-    pub(super) fn check_memory(&self) -> Result<(), String> {
-        let [x0, x1, y0, y1] = self.bounds().map(u128::from);
-        let bytes = (x1 - x0) * (y1 - y0) * (BYTES_PER_PIXEL + BYTES_PER_LAYER * self.layers.len() as u128);
-        let gibibytes = |bytes: u128| bytes.div_ceil(1 << 30);
-        match bytes > MOST_BYTES {
-            true => Err(format!("the image needs {} GiB, the limit is {}", gibibytes(bytes), gibibytes(MOST_BYTES))),
-            false => Ok(()),
-        }
     }
 }

@@ -52,7 +52,13 @@ impl Identity {
 
     /// From the facts of another, which may have been in a file.
     pub fn from_facts(facts: Value) -> Identity {
-        Identity { facts }
+        Identity { facts: if facts.is_object() { facts } else { json!({}) } }
+    }
+
+    /// With another value for one of the scene's keys.
+    pub fn with(mut self, key: &str, value: Value) -> Identity {
+        self.facts[key] = value;
+        self
     }
 
     pub fn facts(&self) -> &Value {

@@ -12,7 +12,7 @@ use crate::{Error, Result};
 /// Reads a scene, whose file messages call `file`.
 ///
 /// # Errors
-/// `Invalid`: all that is wrong with it, at most [`MAX_FAULTS`](crate::MAX_FAULTS); `Limit`: an image that no memory holds.
+/// `Invalid`: all that is wrong with it, at most [`MAX_FAULTS`](crate::MAX_FAULTS).
 pub fn parse(bytes: &[u8], file: &str) -> Result<Scene> {
     read(&root(bytes, file)?, file)
 }
@@ -58,6 +58,5 @@ pub fn read(root: &Node, file: &str) -> Result<Scene> {
     }
     faults.into_result(file)?;
     let scene = scene.ok_or_else(|| Error::Internal(format!("{file}: no scene and no fault")))?;
-    scene.film.check_memory().map_err(|message| Error::Limit(reader::locate(root, file, "/film", message)))?;
     Ok(scene)
 }

@@ -15,6 +15,7 @@ use super::sampler::Sampler;
 use super::shape::Shape;
 use super::texture::Texture;
 use super::value::{Radiometric, Version};
+use crate::film::memory;
 use crate::reader::Node;
 
 /// A scene of pt.
@@ -52,6 +53,12 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Bytes that rendering its picture takes at most, what there is to see not counted.
+    pub fn film_memory(&self) -> u128 {
+        let (film, sampler) = (super::build::film(&self.film), super::build::sampler(&self.sampler));
+        memory::needed(film.crop.pixel_count(), film.slots(sampler.spread()), sampler.spp)
+    }
+
     /// `None` for a name that is not there.
     pub(super) fn material<'s>(&'s self, chosen: &'s MaterialRef) -> Option<&'s Material> {
         match chosen {

@@ -5,6 +5,7 @@ pub mod density;
 pub mod filter;
 pub mod image;
 pub mod layer;
+pub mod memory;
 pub mod moments;
 
 use std::ops::Range;

@@ -6,6 +6,7 @@
 
 mod bench;
 mod disk;
+mod memory;
 mod outside;
 
 use std::collections::BTreeSet;
@@ -361,8 +362,8 @@ const FILMS: &[Row] = &[
     ("B27", r#""film": {"width": ^1.5}"#, 3, "/film/width: expected a whole number, found 1.5"),
     ("B27", r#""film": {"height": ^65537}"#, 3, "/film/height: expected a whole number from 1 to 65536, found 65537"),
     ("B27", r#""film": {"height": ^4294967295}"#, 3, "/film/height: expected a whole number from 1 to 65536"),
-    // 65536² pixels of 192 bytes are 768 · 2³⁰ bytes.
-    ("B27", r#""film": ^{"width": 65536, "height": 65536}"#, 4, "/film: the image needs 768 GiB, the limit is 16"),
+    // 65536² pixels of 64 + 196 bytes are 1040 · 2³⁰ bytes.
+    ("B27", r#""film": ^{"width": 65536, "height": 65536}"#, 4, "/film: the picture needs 1040 GiB of memory, "),
     ("B28", r#""sampler": {"spp": ^0}"#, 3, "/sampler/spp: expected a whole number from 1 to 4294967295, found 0"),
     ("B28", r#""sampler": {"spp": ^4294967296}"#, 3, "/sampler/spp: expected a whole number from 1 to 4294967295"),
     ("B29", r#""film": {"crop": ^[0, 0, 0, 10]}"#, 3, "/film/crop: the crop [x0, x1, y0, y1] is empty"),
@@ -430,7 +431,7 @@ const CALLS: &[Row] = &[
     ("B27", "right.json --size 0x4", 2, "'0x4' for '--size <WxH>': expected a size from 1x1 to 65536x65536"),
     ("B27", "right.json --size 65537x1", 2, "expected a size from 1x1 to 65536x65536"),
     ("B27", "right.json --size -1x5", 2, "'-1x5' for '--size <WxH>': expected a size such as 640x480"),
-    ("B27", "right.json --size 65536x65536", 4, "GiB, the limit is 16"),
+    ("B27", "right.json --size 65536x65536", 4, "error: --size 65536x65536: /film/width: the picture needs 1040 GiB of memory, "),
     ("B29", "right.json --crop 5,2,0,1", 2, "error: --crop 5,2,0,1: /film/crop: the crop [x0, x1, y0, y1] is empty"),
     ("B29", "right.json --crop 0,9,0,1", 2, "error: --crop 0,9,0,1: /film/crop: the crop reaches to 9, 1, beyond the image of 8 × 6"),
     ("B29", "right.json --crop -1,9,0,1", 2, "'-1,9,0,1' for '--crop <X0,X1,Y0,Y1>': expected 4 whole numbers"),

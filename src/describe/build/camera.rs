@@ -30,7 +30,7 @@ pub(super) fn camera(described: &describe::Camera) -> Result<Camera, String> {
     })
 }
 
-pub(super) fn film(described: &describe::Film) -> FilmSpec {
+pub(in crate::describe) fn film(described: &describe::Film) -> FilmSpec {
     let [x0, x1, y0, y1] = described.bounds();
     let filter = match &described.filter {
         describe::Filter::Box(f) => Filter::pixel_box(f.radius.get() as f32),
@@ -55,7 +55,7 @@ fn layer(described: describe::Layer) -> Layer {
     }
 }
 
-pub(super) fn sampler(described: &describe::Sampler) -> SamplerSpec {
+pub(in crate::describe) fn sampler(described: &describe::Sampler) -> SamplerSpec {
     let kind = match described.kind {
         describe::SamplerKind::Independent => Kind::Independent,
         describe::SamplerKind::Stratified => Kind::Stratified,

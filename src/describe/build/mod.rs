@@ -25,6 +25,7 @@ use crate::shape::mesh_data::lost_detail;
 use crate::shape::{Disk, Geometry, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
 use crate::world::{MaterialId, World, WorldBuilder};
+pub(super) use camera::{film, sampler};
 use material::{MOST_PARTS, MOST_TEXTURES};
 
 /// A scene ready to render.

@@ -28,7 +28,7 @@ fn folder() -> TempDir {
 
 fn pt(folder: &Path, args: &str) -> Output {
     let words = args.split_whitespace();
-    Command::new(assert_cmd::cargo::cargo_bin("pt")).current_dir(folder).args(words).output().expect("it runs")
+    Command::new(assert_cmd::cargo::cargo_bin("pt")).current_dir(folder).args(words).env_remove("PT_CACHE").output().expect("it runs")
 }
 
 #[track_caller]
@@ -160,6 +160,43 @@ fn what_is_not_of_the_picture_is_refused() {
     refused(at, "s.json --shard 1/2 -o x.exr", 2, "x.exr: expected a name that ends in .ptc");
     refused(at, "s.json --shard 1/2 --time 3", 2, "cannot be used with");
     refused(at, "s.json --checkpoint 0 -o x.exr", 2, "expected a duration");
+}
+
+/// Kept by scene, taken on when more is asked, and used by `pt compare`; nothing else is written.
+#[test]
+fn references_are_kept() {
+    let folder = folder();
+    let at = folder.path();
+    let said = done(at, "reference s.json --spp 64 --cache kept -o 64.exr");
+    assert!(said.contains("16×12 · nee · 64 spp, 0 of them kept · ") && said.contains(" · relative error "), "{said}");
+    let kept = names(&at.join("kept"));
+    assert!(kept.len() == 1 && kept[0].ends_with(".ptc"), "{kept:?}");
+    let said = done(at, "reference s.json --spp 100 --cache kept -o more.exr");
+    assert!(said.contains("· 100 spp, 64 of them kept ·"), "{said}");
+    done(at, "reference s.json --spp 100 --cache other -o once.exr");
+    assert_eq!(picture(at, "more.exr"), picture(at, "once.exr"));
+    let said = done(at, "reference s.json --spp 8 --cache kept");
+    assert!(said.contains("· 100 spp, 100 of them kept ·"), "{said}");
+    assert_eq!(names(&at.join("kept")), kept);
+    // Of another scene there is another.
+    done(at, "reference s.json --spp 8 --cache kept -D /camera/fov=30");
+    assert_eq!(names(&at.join("kept")).len(), 2);
+
+    let output = pt(at, "compare s.json --integrators nee,whitted --spp 4 --time 0.05 --cache kept -o report --progress none");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        output.status.success() && said.starts_with("against the kept reference by nee, "),
+        "{said}{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let output = pt(at, "compare s.json --integrators nee,whitted --spp 4 --time 0.05 --cache none -o report --progress none");
+    assert!(String::from_utf8_lossy(&output.stdout).starts_with("against a reference by nee, "));
+    assert!(!at.join("none").exists());
+    // A damaged one is of no use, and made anew.
+    let path = at.join("kept").join(&kept[0]);
+    fs::write(&path, "no reference").expect("write");
+    let said = done(at, "reference s.json --spp 8 --cache kept");
+    assert!(said.contains("of no use") && said.contains("8 spp, 0 of them kept"), "{said}");
 }
 
 /// Starts a render that lasts, and waits until it renders.
