@@ -242,6 +242,9 @@ fn layers_are_picked_by_name() {
         "a.b.b",
         "uv.U",
         "uv.V",
+        "pair.A",
+        "pair.B",
+        "Z",
     ];
     let image = whole([1, 1], names.iter().enumerate().map(|(i, name)| channel(name, &[i as f32])).collect());
     let layer = |name: &str| Pick::Layer(name.into()).of(&image).map(|image| image.rgb(0, 0));
@@ -254,7 +257,9 @@ fn layers_are_picked_by_name() {
     assert_eq!(one("N.Y"), Ok([7.0; 3]));
     assert_eq!(layer("StdEr"), Err("unknown layer \"StdEr\", did you mean \"StdErr\"?".into()));
     assert_eq!(one("std"), Err(format!("unknown channel \"std\", expected one of {}", names.join(", "))));
-    assert!(layer("uv").expect_err("two channels").starts_with("expected R, G and B among the layer, found "));
+    assert_eq!(layer("uv"), Ok([13.0, 14.0, 0.0]), "no blue");
+    assert_eq!((layer("Z"), one("Z")), (Ok([17.0; 3]), Ok([17.0; 3])));
+    assert!(layer("pair").expect_err("two channels").starts_with("expected R, G and B among the layer, found "));
     let depth = whole([1, 1], vec![channel("depth.Z", &[7.0])]);
     assert_eq!(Pick::Colour.of(&depth).expect("the only one").rgb(0, 0), [7.0; 3]);
     let two = whole([1, 1], vec![channel("A", &[7.0]), channel("Z", &[8.0])]);
