@@ -9,9 +9,10 @@ use rayon::prelude::*;
 use crate::effects::Effects;
 use crate::film::{Block, Crop, Film, FilmSpec, Moments, Tree, Wave};
 use crate::integrator::{CameraSample, Context, Estimator, Integrator};
-use crate::math::Spectrum;
+use crate::math::{ExactSum, Spectrum};
 use crate::sampler::{Sampler, SamplerSpec, dimension};
 use crate::scene::Scene;
+use crate::witness::{Clamp, Witness};
 
 /// How a picture is to be sampled.
 #[derive(Clone, Debug)]
@@ -22,11 +23,13 @@ pub struct Settings {
     pub time: Option<Duration>,
     /// Edge of the square tiles that threads work on (pixels). Does not change the picture.
     pub tile: u32,
+    /// What a single piece of indirect light may be at most, see [`Clamp`]. A bias, and never chosen by itself.
+    pub clamp: Option<f32>,
 }
 
 impl Settings {
     pub fn new(sampler: SamplerSpec) -> Settings {
-        Settings { sampler, samples: sampler.spp, time: None, tile: 16 }
+        Settings { sampler, samples: sampler.spp, time: None, tile: 16, clamp: None }
     }
 }
 
@@ -59,6 +62,8 @@ pub struct Report {
     pub invalid: u64,
     /// The first few, for replay.
     pub first_invalid: Vec<SampleId>,
+    /// What clamping took, summed over colours, samples and pixels.
+    pub clamped: ExactSum,
     /// Preparation excluded.
     pub elapsed: Duration,
 }
@@ -93,14 +98,6 @@ pub fn render(
     render.report
 }
 
-/// One sample of one pixel, by itself: what `--pixel x,y --sample k` shows.
-pub fn sample(scene: Arc<dyn Scene>, integrator: &dyn Integrator, spec: &FilmSpec, sampler: &SamplerSpec, id: SampleId) -> Spectrum {
-    let render = Render::new(scene, integrator, spec, &Settings::new(*sampler));
-    let mut sequences = sampler.sequences();
-    let k = sequences.len() as u64;
-    render.sample(UVec2::new(id.pixel.0, id.pixel.1), id.index / k, &mut *sequences[(id.index % k) as usize])
-}
-
 /// A render that can be taken further, sample by sample.
 pub struct Render {
     scene: Arc<dyn Scene>,
@@ -109,6 +106,7 @@ pub struct Render {
     sampler: SamplerSpec,
     has_lens: bool,
     tiles: Vec<Crop>,
+    clamp: Option<f32>,
     report: Report,
 }
 
@@ -116,6 +114,7 @@ pub struct Render {
 struct Part {
     block: Block,
     invalid: Vec<SampleId>,
+    clamped: ExactSum,
 }
 
 impl Render {
@@ -124,12 +123,42 @@ impl Render {
         let estimator = integrator.prepare(scene.clone(), spec);
         let has_lens = scene.effects().contains(Effects::THIN_LENS);
         let tiles = tiles(spec.crop, settings.tile);
-        Render { scene, estimator, spec: spec.clone(), sampler: settings.sampler, has_lens, tiles, report: Report::default() }
+        Render {
+            scene,
+            estimator,
+            spec: spec.clone(),
+            sampler: settings.sampler,
+            has_lens,
+            tiles,
+            clamp: settings.clamp,
+            report: Report::default(),
+        }
     }
 
     /// Of all that was done so far.
     pub fn report(&self) -> &Report {
         &self.report
+    }
+
+    /// One sample by itself, as it counts in the picture: what `--pixel x,y --sample k` shows. Not finite where it is invalid.
+    ///
+    /// - `witness`: told of its paths
+    pub fn replay(&self, id: SampleId, witness: Option<&mut dyn Witness>) -> Spectrum {
+        let (mut sequence, pixel, index) = self.sequence(id);
+        self.sample(pixel, index, &mut *sequence, witness, &mut ExactSum::default())
+    }
+
+    /// What the camera hands to the estimator for one sample.
+    pub fn camera(&self, id: SampleId) -> CameraSample {
+        let (mut sequence, pixel, index) = self.sequence(id);
+        self.camera_sample(pixel, index, &mut *sequence)
+    }
+
+    /// Whose numbers a sample takes, and its pixel and place in the sequence.
+    fn sequence(&self, id: SampleId) -> (Box<dyn Sampler>, UVec2, u64) {
+        let mut sequences = self.sampler.sequences();
+        let k = sequences.len() as u64;
+        (sequences.swap_remove((id.index % k) as usize), UVec2::new(id.pixel.0, id.pixel.1), id.index / k)
     }
 
     /// On to `samples` per pixel. Into the same film each time.
@@ -170,6 +199,7 @@ impl Render {
             self.report.invalid += part.invalid.len() as u64;
             let room = KEPT_INVALID - self.report.first_invalid.len();
             self.report.first_invalid.extend(part.invalid.iter().take(room));
+            self.report.clamped = self.report.clamped.join(&part.clamped);
         }
         film.add(wave, self.assemble(&parts));
         self.report.samples += wave.samples();
@@ -180,7 +210,8 @@ impl Render {
     fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<Part> {
         let mut sequences = self.sampler.sequences();
         let (mut tree, mut moments) = (Tree::default(), vec![]);
-        let mut part = Part { block: Block::with_capacity(self.sampler.spread(), tile.pixel_count() as usize), invalid: vec![] };
+        let block = Block::with_capacity(self.sampler.spread(), tile.pixel_count() as usize);
+        let mut part = Part { block, invalid: vec![], clamped: ExactSum::default() };
         let k = sequences.len() as u64;
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             if observer.cancelled() {
@@ -190,7 +221,7 @@ impl Render {
             for (r, sequence) in (0..).zip(&mut sequences) {
                 tree.clear();
                 for index in wave.dealt(r, k) {
-                    let mut value = self.sample(UVec2::new(x, y), index, &mut **sequence);
+                    let mut value = self.sample(UVec2::new(x, y), index, &mut **sequence, None, &mut part.clamped);
                     if !value.is_finite() {
                         part.invalid.push(SampleId { pixel: (x, y), index: index * k + r });
                         value = Spectrum::BLACK;
@@ -207,10 +238,30 @@ impl Render {
     /// The filtered radiance; not finite where the estimate is invalid.
     ///
     /// - `index`: within the sequence
-    fn sample(&self, pixel: UVec2, index: u64, sequence: &mut dyn Sampler) -> Spectrum {
+    /// - `clamped`: takes what clamping takes
+    fn sample(
+        &self,
+        pixel: UVec2,
+        index: u64,
+        sequence: &mut dyn Sampler,
+        witness: Option<&mut dyn Witness>,
+        clamped: &mut ExactSum,
+    ) -> Spectrum {
         let camera = self.camera_sample(pixel, index, sequence);
-        let radiance = self.estimator.li(&camera, &mut Context { sampler: sequence });
-        if radiance.is_valid() { radiance * camera.weight } else { Spectrum::gray(f32::NAN) }
+        // For no longer than the sequence.
+        let witness = witness.map(|witness| witness as &mut dyn Witness);
+        let filtered = |radiance: Spectrum| if radiance.is_valid() { radiance * camera.weight } else { Spectrum::gray(f32::NAN) };
+        let Some(limit) = self.clamp else {
+            return filtered(self.estimator.li(&camera, &mut Context { sampler: sequence, witness }));
+        };
+        let mut clamp = Clamp::new(limit, witness);
+        let value = filtered(self.estimator.li(&camera, &mut Context { sampler: sequence, witness: Some(&mut clamp) }));
+        let free = filtered(clamp.free());
+        if clamp.acted() && value.is_finite() && free.is_finite() {
+            free.to_rgb().into_iter().for_each(|x| clamped.add(x));
+            value.to_rgb().into_iter().for_each(|x| clamped.add(-x));
+        }
+        value
     }
 
     fn camera_sample(&self, pixel: UVec2, index: u64, sampler: &mut dyn Sampler) -> CameraSample {

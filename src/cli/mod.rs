@@ -6,6 +6,7 @@ mod args;
 mod check;
 mod compare;
 mod display;
+mod forensics;
 mod image;
 mod list;
 mod load;
@@ -18,6 +19,7 @@ mod sample;
 mod schema;
 mod signals;
 mod stats;
+mod trace;
 mod verify;
 
 use std::io::Write;

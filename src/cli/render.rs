@@ -10,16 +10,18 @@ use super::load::{Loaded, Override, load};
 use super::outputs::check_outputs;
 use super::progress::Progress;
 use super::stats::{Account, Counted};
-use super::{INCONCLUSIVE, args, check, note, pilot, say, signals};
-use crate::describe::Built;
+use super::trace::Trace;
+use super::{INCONCLUSIVE, args, check, forensics, note, pilot, say, signals};
+use crate::describe::{Built, Names};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Crop, Film, FilmSpec, Image, MomentFilm};
 use crate::integrator::{Entry, Integrator};
-use crate::measure::{self, Course, Outcome, Target, Until, words};
+use crate::measure::{self, Course, Outcome, Removed, Target, Until, words, worst};
 use crate::output::{self, Attributes, Tonemap};
 use crate::render::{self, Render, Report, SampleId, Settings};
 use crate::sampler::Kind;
 use crate::scene::Scene;
+use crate::witness::Event;
 
 pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
     let start = Instant::now();
@@ -89,7 +91,7 @@ fn picture(
 ) -> Result<ExitCode> {
     let Loaded { built, entry, integrator, stem, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
-    let settings = Settings::new(built.sampler);
+    let settings = Settings { clamp: args.clamp, ..Settings::new(built.sampler) };
     let until = until(args, &settings);
     let world: Arc<dyn Scene> = Arc::new(built.world);
     let shown = if args.quiet && args.progress == args::Progress::Auto { args::Progress::None } else { args.progress };
@@ -100,7 +102,7 @@ fn picture(
         note(&list);
     }
     let counted = args.stats.map(|_| Arc::new(Counted::new(world.clone(), threads)));
-    let scene = counted.clone().map_or(world, |counted| counted as Arc<dyn Scene>);
+    let scene = counted.clone().map_or(world.clone(), |counted| counted as Arc<dyn Scene>);
 
     let progress = Progress::new(shown, pixels, until.samples, until.time);
     let mut displayed = Displayed::new(MomentFilm::new(built.film), args.display_server.as_deref(), &stem, args.quiet);
@@ -114,7 +116,8 @@ fn picture(
     if report.samples > 0 {
         let image = film.image();
         let freedom = film.freedom();
-        write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course, freedom))?;
+        let clamped = forensics::clamped(args, film, &render);
+        write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course, freedom, clamped.as_ref()))?;
         if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
             note("warning: the image is black");
         }
@@ -122,6 +125,18 @@ fn picture(
     if !args.quiet {
         summarise(film.spec(), &entry, report, &course, args.confidence, outputs);
         outcome.iter().for_each(|(target, outcome)| note(&words::outcome(target, *outcome)));
+    }
+    if report.samples > 0 && !report.cancelled && (!args.quiet || args.ledger) {
+        let biases = forensics::biases(args, &world, &*integrator, &settings, film, &render);
+        let matter = |removed: &&Removed| args.ledger || args.verbose || removed.samples == 0 || removed.share > 0.0;
+        biases.iter().filter(matter).for_each(|removed| note(&forensics::told(removed)));
+        let unknown = course.last().and_then(|last| last.error).is_some_and(|error| !error.is_established());
+        if unknown && args.worst.is_none() && !args.quiet {
+            forensics::culprit(args, &render, film)?.iter().for_each(|text| note(text));
+        }
+    }
+    if let Some(count) = args.worst.filter(|_| report.samples > 0) {
+        say(&forensics::worst_samples(args, &worst(&render, film, count as usize))?)?;
     }
     if let (Some(format), Some(counted)) = (args.stats, counted) {
         let account = Account { report, pixels, primitives, rays: counted.rays(), threads, load };
@@ -144,18 +159,27 @@ fn until(args: &args::Render, settings: &Settings) -> Until {
 /// One pixel, or one sample of it, printed.
 fn pixel(args: &args::Render, loaded: Loaded, x: u32, y: u32) -> Result<()> {
     let Built { world, film, sampler, .. } = loaded.built;
+    let settings = Settings { clamp: args.clamp, ..Settings::new(sampler) };
     if x >= film.size.x || y >= film.size.y {
         return Err(Error::Usage(format!("--pixel {x},{y}: the picture is {} × {}", film.size.x, film.size.y)));
     }
+    let origin = world.origin();
     let scene: Arc<dyn Scene> = Arc::new(world);
     if let Some(index) = args.sample {
-        let value = render::sample(scene, &*loaded.integrator, &film, &sampler, SampleId { pixel: (x, y), index });
-        let [r, g, b] = value.to_rgb();
-        return say(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n"));
+        let (id, render) = (SampleId { pixel: (x, y), index }, Render::new(scene.clone(), &*loaded.integrator, &film, &settings));
+        let mut events: Vec<Event> = vec![];
+        let value = render.replay(id, args.trace.is_some().then_some(&mut events));
+        let Some(form) = args.trace else {
+            let [r, g, b] = value.to_rgb();
+            return say(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n"));
+        };
+        let (camera, names, integrator) = (render.camera(id), Names::of(&loaded.description), loaded.entry.name);
+        let trace = Trace { integrator, id, camera, value, events: &events, names: &names, lights: scene.lights(), origin };
+        return say(&trace.print(form));
     }
     let min = glam::UVec2::new(x, y);
     let mut film = MomentFilm::new(FilmSpec { crop: Crop { min, max: min + 1 }, ..film });
-    render::render(scene, &*loaded.integrator, &mut film, &Settings::new(sampler), &render::Silent);
+    render::render(scene, &*loaded.integrator, &mut film, &settings, &render::Silent);
     let image = film.image();
     let [r, g, b] = image.rgb(0, 0);
     let error = image.channel("StdErr.R").map(|_| {
@@ -212,7 +236,14 @@ fn write_all(args: &args::Render, outputs: &[PathBuf], image: &Image, attributes
 }
 
 /// What the file says about itself: functions of scene and settings alone.
-fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &Course, freedom: f64) -> Attributes {
+fn attributes(
+    args: &args::Render,
+    entry: &Entry,
+    settings: &Settings,
+    course: &Course,
+    freedom: f64,
+    clamped: Option<&Removed>,
+) -> Attributes {
     let sampler = Kind::ALL.iter().find(|(kind, ..)| *kind == settings.sampler.kind).map_or("", |(_, name, _)| name);
     let samples = course.last().map_or(0, |last| last.samples);
     let mut pairs = vec![
@@ -231,6 +262,9 @@ fn attributes(args: &args::Render, entry: &Entry, settings: &Settings, course: &
             [("pt/relativeError", error.value), ("pt/relativeErrorLow", low), ("pt/relativeErrorHigh", high)]
                 .map(|(k, v)| (k, v.to_string())),
         );
+    }
+    if let Some(Removed { setting, share, .. }) = clamped {
+        pairs.extend([("pt/bias", setting.clone()), ("pt/biasRemoved", share.to_string())]);
     }
     pairs.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
