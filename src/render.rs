@@ -148,6 +148,10 @@ impl Render {
         self.sample(pixel, index, &mut *sequence, witness, &mut ExactSum::default())
     }
 
+    pub fn sampler(&self) -> &SamplerSpec {
+        &self.sampler
+    }
+
     /// What the camera hands to the estimator for one sample.
     pub fn camera(&self, id: SampleId) -> CameraSample {
         let (mut sequence, pixel, index) = self.sequence(id);

@@ -1,17 +1,17 @@
 //! What is told beside the picture: which samples are to blame for its noise, and what its biases took.
 
 use std::sync::Arc;
-use std::time::Duration;
 
-use super::args;
+use super::{args, note, say};
 use crate::error::Result;
 use crate::film::{Film, MomentFilm};
 use crate::integrator::Integrator;
-use crate::measure::ledger::{Budget, LOT};
+use crate::measure::ledger::{Budget, LOT, compare};
 use crate::measure::words::per_cent;
-use crate::measure::{Removed, Worst, ledger, worst};
-use crate::render::{Render, SampleId, Settings};
+use crate::measure::{Course, Removed, Worst, ledger, worst};
+use crate::render::{Render, Report, SampleId};
 use crate::scene::Scene;
+use crate::world::World;
 
 /// The command that shows the paths of a sample of this render.
 pub fn replay(args: &args::Render, id: SampleId) -> Result<String> {
@@ -39,8 +39,61 @@ fn quoted(word: &str) -> String {
     if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
+/// A picture that was taken.
+pub struct Taken<'a> {
+    pub args: &'a args::Render,
+    pub scene: &'a Arc<dyn Scene>,
+    pub integrator: &'a dyn Integrator,
+    pub render: &'a Render,
+    pub film: &'a MomentFilm,
+    pub course: &'a Course,
+}
+
+/// All that was asked for, and what one should know without asking.
+///
+/// - `facets`: the scene without smooth shadows, and how many meshes have them
+pub fn tell(taken: &Taken, facets: Option<(World, usize)>) -> Result<()> {
+    let Taken { args, render, film, course, .. } = *taken;
+    if !args.quiet || args.ledger {
+        let matters = |removed: &Removed| args.ledger || args.verbose || removed.samples == 0 || removed.share > 0.0;
+        taken.biases(facets).iter().filter(|removed| matters(removed)).for_each(|removed| note(&told(removed)));
+    }
+    let unknown = course.last().and_then(|last| last.error).is_some_and(|error| !error.is_established());
+    match args.worst {
+        Some(count) => say(&worst_samples(args, &worst(render, film, count as usize))?),
+        None if unknown && !args.quiet => taken.culprit().map(|line| line.iter().for_each(|line| note(line))),
+        None => Ok(()),
+    }
+}
+
+impl Taken<'_> {
+    /// Where the error cannot be established: who is to blame.
+    fn culprit(&self) -> Result<Option<String>> {
+        let Some(first) = worst(self.render, self.film, 1).samples.first().copied() else { return Ok(None) };
+        let share = per_cent(first.share);
+        Ok(Some(format!("one sample makes {share} % of the noise: {} (--worst 10 lists more)", replay(self.args, first.id)?)))
+    }
+
+    /// What clamping took, counted; then what is estimated by a few samples more.
+    fn biases(&self, facets: Option<(World, usize)>) -> Vec<Removed> {
+        let Taken { args, scene, integrator, render, film, .. } = *self;
+        let (spec, seed, mean) = (film.spec(), render.sampler().seed, mean(film));
+        let part = if args.ledger { 20 } else { 100 };
+        // Two walks a sample.
+        let samples = film.samples() * spec.crop.pixel_count() / (2 * part);
+        let budget = Budget { samples: samples.max(LOT), time: render.report().elapsed / part as u32 };
+        let mut removed: Vec<Removed> = clamped(args, film, render.report()).into_iter().collect();
+        removed.extend(ledger(scene, integrator, spec, seed, mean, budget));
+        if let Some((facets, count)) = facets {
+            let (facets, setting): (Arc<dyn Scene>, _) = (Arc::new(facets), format!("smooth_shadows of {count} meshes"));
+            removed.push(compare(setting, (scene, integrator), (&facets, integrator), spec, seed, mean, budget));
+        }
+        removed
+    }
+}
+
 /// `--worst N`: share of the noise, value, and the command that shows how it came about.
-pub fn worst_samples(args: &args::Render, found: &Worst) -> Result<String> {
+fn worst_samples(args: &args::Render, found: &Worst) -> Result<String> {
     let mut text = "the worst samples: share of the noise, value, how it came about\n".to_owned();
     for sample in &found.samples {
         let [r, g, b] = sample.value.to_rgb();
@@ -54,52 +107,33 @@ pub fn worst_samples(args: &args::Render, found: &Worst) -> Result<String> {
     Ok(text)
 }
 
-/// Where the error cannot be established: who is to blame.
-pub fn culprit(args: &args::Render, render: &Render, film: &MomentFilm) -> Result<Option<String>> {
-    let Some(first) = worst(render, film, 1).samples.first().copied() else { return Ok(None) };
-    let share = per_cent(first.share);
-    Ok(Some(format!("one sample makes {share} % of the noise: {} (--worst 10 lists more)", replay(args, first.id)?)))
-}
-
-/// What the biases of a render took out of its picture: what clamping took, counted, then what was estimated.
-pub fn biases(
-    args: &args::Render,
-    scene: &Arc<dyn Scene>,
-    integrator: &dyn Integrator,
-    settings: &Settings,
-    film: &MomentFilm,
-    render: &Render,
-) -> Vec<Removed> {
-    let mean = mean(film);
-    let (samples, elapsed) = (film.samples() * film.spec().crop.pixel_count(), render.report().elapsed);
-    let part = if args.ledger { 20 } else { 100 };
-    // Two walks a sample.
-    let budget = Budget { samples: (samples / (2 * part)).max(LOT), time: elapsed / part as u32 + Duration::from_millis(1) };
-    let clamped = clamped(args, film, render).into_iter();
-    clamped.chain(ledger(scene, integrator, film.spec(), settings.sampler.seed, mean, budget)).collect()
-}
-
 /// What `--clamp` took, exactly.
-pub fn clamped(args: &args::Render, film: &MomentFilm, render: &Render) -> Option<Removed> {
+pub fn clamped(args: &args::Render, film: &MomentFilm, report: &Report) -> Option<Removed> {
     let limit = args.clamp?;
-    let taken = render.report().clamped.get() / (3.0 * film.samples().max(1) as f64 * film.spec().crop.pixel_count() as f64);
+    let taken = report.clamped.get() / numbers(film);
     let total = mean(film) + taken;
     Some(Removed { setting: format!("clamp {limit}"), share: if total > 0.0 { taken / total } else { 0.0 }, error: 0.0, samples: 0 })
 }
 
 /// Of the picture, over its pixels and colours.
 fn mean(film: &MomentFilm) -> f64 {
-    let count = 3.0 * film.samples().max(1) as f64 * film.spec().crop.pixel_count() as f64;
-    film.total().sums().flatten().sum::<f64>() / count
+    film.total().sums().flatten().sum::<f64>() / numbers(film)
+}
+
+/// How many numbers were added up: a colour of a sample of a pixel is one.
+fn numbers(film: &MomentFilm) -> f64 {
+    3.0 * film.samples().max(1) as f64 * film.spec().crop.pixel_count() as f64
 }
 
 /// `bias: max_depth 3 removes 4.1 ± 0.2 % of the energy`
 pub fn told(removed: &Removed) -> String {
     let Removed { setting, share, error, samples } = removed;
+    let verb = if *share < 0.0 { "adds" } else { "removes" };
+    let energy = per_cent(share.abs());
     let what = match (*samples, *share != 0.0 || *error != 0.0) {
-        (0, true) => format!("removes {} % of the energy", per_cent(*share)),
+        (0, true) => format!("{verb} {energy} % of the energy"),
         (0, false) => "removes nothing".into(),
-        (_, true) => format!("removes {} ± {} % of the energy", per_cent(*share), per_cent(*error)),
+        (_, true) => format!("{verb} {energy} ± {} % of the energy", per_cent(*error)),
         (n, false) => format!("removes nothing that {n} camera samples would show"),
     };
     format!("bias: {setting} {what}")

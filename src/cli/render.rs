@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::display::Displayed;
+use super::forensics::Taken;
 use super::load::{Loaded, Override, load};
 use super::outputs::check_outputs;
 use super::progress::Progress;
@@ -16,7 +17,7 @@ use crate::describe::{Built, Names};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Crop, Film, FilmSpec, Image, MomentFilm};
 use crate::integrator::{Entry, Integrator};
-use crate::measure::{self, Course, Outcome, Removed, Target, Until, words, worst};
+use crate::measure::{self, Course, Outcome, Removed, Target, Until, words};
 use crate::output::{self, Attributes, Tonemap};
 use crate::render::{self, Render, Report, SampleId, Settings};
 use crate::sampler::Kind;
@@ -89,6 +90,7 @@ fn picture(
     load: f64,
     threads: usize,
 ) -> Result<ExitCode> {
+    let facets = if args.ledger { loaded.without_smooth_shadows()? } else { None };
     let Loaded { built, entry, integrator, stem, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
     let settings = Settings { clamp: args.clamp, ..Settings::new(built.sampler) };
@@ -116,7 +118,7 @@ fn picture(
     if report.samples > 0 {
         let image = film.image();
         let freedom = film.freedom();
-        let clamped = forensics::clamped(args, film, &render);
+        let clamped = forensics::clamped(args, film, report);
         write_all(args, outputs, &image, &attributes(args, &entry, &settings, &course, freedom, clamped.as_ref()))?;
         if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
             note("warning: the image is black");
@@ -126,17 +128,8 @@ fn picture(
         summarise(film.spec(), &entry, report, &course, args.confidence, outputs);
         outcome.iter().for_each(|(target, outcome)| note(&words::outcome(target, *outcome)));
     }
-    if report.samples > 0 && !report.cancelled && (!args.quiet || args.ledger) {
-        let biases = forensics::biases(args, &world, &*integrator, &settings, film, &render);
-        let matter = |removed: &&Removed| args.ledger || args.verbose || removed.samples == 0 || removed.share > 0.0;
-        biases.iter().filter(matter).for_each(|removed| note(&forensics::told(removed)));
-        let unknown = course.last().and_then(|last| last.error).is_some_and(|error| !error.is_established());
-        if unknown && args.worst.is_none() && !args.quiet {
-            forensics::culprit(args, &render, film)?.iter().for_each(|text| note(text));
-        }
-    }
-    if let Some(count) = args.worst.filter(|_| report.samples > 0) {
-        say(&forensics::worst_samples(args, &worst(&render, film, count as usize))?)?;
+    if report.samples > 0 && !report.cancelled {
+        forensics::tell(&Taken { args, scene: &world, integrator: &*integrator, render: &render, film, course: &course }, facets)?;
     }
     if let (Some(format), Some(counted)) = (args.stats, counted) {
         let account = Account { report, pixels, primitives, rays: counted.rays(), threads, load };

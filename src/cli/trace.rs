@@ -62,12 +62,16 @@ impl Trace<'_> {
         let ray = self.camera.ray;
         let mut text = format!("{head}, from {} towards {}\n", point(self.place(ray.origin)), direction(ray.direction));
         let mut branches = Branches::default();
+        let mut ns = Vec3::ZERO;
         for event in self.events {
             let indent = "    ".repeat(branches.indent(event));
             // (Writing to a string cannot fail.)
             let _ = match event {
-                Event::Vertex(vertex) => writeln!(text, "{indent}{}", self.vertex(vertex)),
-                Event::Light(contribution) => writeln!(text, "{indent}     + {}", self.contribution(contribution)),
+                Event::Vertex(vertex) => {
+                    ns = vertex.ns;
+                    writeln!(text, "{indent}{}", self.vertex(vertex))
+                }
+                Event::Light(contribution) => writeln!(text, "{indent}     + {}", self.contribution(contribution, ns)),
                 Event::Scattering(scattering) => writeln!(text, "{indent}     {}", scattered(scattering)),
                 Event::End { why, .. } => writeln!(text, "{indent}     end: {}", ended(*why)),
             };
@@ -96,14 +100,15 @@ impl Trace<'_> {
         format!("{depth:<4} {shape}{triangle}, {material}, at {at} after {distance} m, cos {cos}, throughput {}", color(*beta))
     }
 
-    fn contribution(&self, contribution: &Contribution) -> String {
+    /// - `ns`: where it was found
+    fn contribution(&self, contribution: &Contribution, ns: Vec3) -> String {
         let Contribution { value, whole, origin, depth } = contribution;
         let name = origin.light.map_or("?", |light| self.names.light(self.lights, light));
         let how = match origin.technique {
             Technique::Emission => "emission".to_owned(),
-            Technique::Light { density, .. } => format!("light sample, {}", dense(density)),
+            Technique::Light { wi, density } => format!("light sample, cos {}, {}", short(ns.dot(wi)), dense(density)),
         };
-        let weight = if origin.weight == 1.0 { String::new() } else { format!(", weight {}", short(origin.weight)) };
+        let weight = if origin.weight == 1.0 { String::new() } else { format!(", MIS weight {}", short(origin.weight)) };
         let clamped = if value == whole { String::new() } else { format!(", clamped from {}", exact(*whole)) };
         format!("{} from {name} ({how}{weight}; depth {depth}{clamped})", exact(*value))
     }

@@ -1,5 +1,8 @@
 //! What the parts of a scene are called, by the numbers that the built scene knows them by.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use super::{Light, MaterialRef, Scene, Shape};
 use crate::light;
 use crate::light::Lights;
@@ -57,5 +60,19 @@ impl Names {
             _ => self.lights.get(index as usize),
         };
         name.map_or("?", String::as_str)
+    }
+
+    /// The names of lights, each once, and which of them each light has: a mesh that shines is many lights of one name.
+    pub fn groups(&self, lights: &Lights) -> (Vec<&str>, Arc<[u32]>) {
+        let (mut known, mut names) = (HashMap::new(), vec![]);
+        let mut group = |index: usize| {
+            let name = self.light(lights, index as u32);
+            *known.entry(name).or_insert_with(|| {
+                names.push(name);
+                names.len() as u32 - 1
+            })
+        };
+        let groups = (0..lights.len()).map(&mut group).collect();
+        (names, groups)
     }
 }

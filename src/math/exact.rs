@@ -57,3 +57,40 @@ impl ExactSum {
         carried.digits.iter().enumerate().rev().map(value).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::hash::mix;
+
+    fn sum(numbers: impl IntoIterator<Item = f32>) -> ExactSum {
+        let mut sum = ExactSum::default();
+        numbers.into_iter().for_each(|x| sum.add(x));
+        sum
+    }
+
+    /// Numbers of all sizes: in any order and any division the same digits; with their negatives nothing at all.
+    #[test]
+    fn exact_sums_have_no_order() {
+        let numbers: Vec<f32> = (0..2000).map(|i| f32::from_bits(mix(i) as u32)).collect();
+        let whole = sum(numbers.iter().copied()).join(&ExactSum::default());
+        let halves = sum(numbers[700..].iter().rev().copied()).join(&sum(numbers[..700].iter().copied()));
+        assert_eq!(halves, whole);
+        let nothing = whole.join(&sum(numbers.iter().map(|x| -x)));
+        assert_eq!((nothing.get(), nothing), (0.0, ExactSum::default()));
+    }
+
+    /// Against whole numbers of 128 bits, of which f32 numbers from 2⁻⁶⁰ to 2⁴⁰ are multiples of 2⁻⁸⁴ at least.
+    #[test]
+    fn exact_sums_are_exact() {
+        let number = |i: u64| ((mix(i) as f64 / 2f64.powi(64) - 0.3) * 2f64.powi((mix(!i) % 100) as i32 - 60)) as f32;
+        let unit = 2f64.powi(84);
+        let exact: i128 = (0..5000).map(|i| (f64::from(number(i)) * unit) as i128).sum();
+        assert_eq!(sum((0..5000).map(number)).get(), exact as f64 / unit);
+        for x in [f32::MAX, f32::MIN_POSITIVE, 1e-45, -1.5] {
+            assert_eq!(sum([x]).get(), f64::from(x));
+            assert_eq!(sum([x, -x]).get(), 0.0);
+        }
+        assert_eq!(sum([f32::NAN, f32::INFINITY]).get(), 0.0);
+    }
+}

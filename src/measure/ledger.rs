@@ -33,7 +33,7 @@ pub struct Budget {
 }
 
 /// Camera samples between two looks at the clock; at least one lot is taken.
-pub const LOT: u64 = 256;
+pub const LOT: u64 = 32;
 
 /// What each bias of an integrator removes, estimated without bias after a render.
 ///
@@ -45,36 +45,45 @@ pub const LOT: u64 = 256;
 /// the picture's: they differ by nothing but the bias, so that a small share is seen well. The error is that of D; P is known much
 /// better.
 ///
-/// - `mean`: P, over the pixels of the crop and the colours
+/// - `seed`: the picture's; `mean`: P, over the pixels of the crop and the colours
 ///
 /// Tests: `the_depth_limit_removes_what_the_series_says`.
 pub fn ledger(scene: &Arc<dyn Scene>, integrator: &dyn Integrator, spec: &FilmSpec, seed: u64, mean: f64, budget: Budget) -> Vec<Removed> {
-    let biases = integrator.biases();
-    let deadline = Instant::now() + budget.time;
-    let share = |Bias { setting, without }: Bias| {
-        let settings =
-            Settings::new(SamplerSpec { kind: Kind::Independent, seed: hash::dimension_key(!seed, APART), ..SamplerSpec::default() });
-        let [with, without] = [integrator, &*without].map(|method| Render::new(scene.clone(), method, spec, &settings));
-        let (mut sum, mut square, mut samples) = (0.0, 0.0, 0);
-        while samples < budget.samples && (samples == 0 || Instant::now() < deadline) {
-            let lot = (samples..samples + LOT).into_par_iter().map(|i| difference(&with, &without, spec, seed, i)).collect::<Vec<_>>();
-            lot.into_iter().for_each(|d| (sum, square) = (sum + d, square + d * d));
-            samples += LOT;
-        }
-        let removed = Mean::from_sums(sum, square, samples);
-        let part = |x: f64| if mean + removed.value > 0.0 { x / (mean + removed.value) } else { 0.0 };
-        Removed { setting, share: part(removed.value), error: part(removed.standard_error()) * part(mean), samples }
-    };
-    biases.into_iter().map(share).collect()
+    let removed = |Bias { setting, without }: Bias| compare(setting, (scene, integrator), (scene, &*without), spec, seed, mean, budget);
+    integrator.biases().into_iter().map(removed).collect()
 }
+
+/// What one of two methods lacks that differ by a bias, or the same method on two scenes that do.
+///
+/// Negative where the bias adds light.
+///
+/// - as for [`ledger`]; `with` and `without` the bias
+pub fn compare(setting: String, with: Method, without: Method, spec: &FilmSpec, seed: u64, mean: f64, budget: Budget) -> Removed {
+    let own = hash::dimension_key(!seed, APART);
+    let settings = Settings::new(SamplerSpec { kind: Kind::Independent, seed: own, ..SamplerSpec::default() });
+    let [with, without] = [with, without].map(|(scene, integrator)| Render::new(scene.clone(), integrator, spec, &settings));
+    let (mut sum, mut square, mut samples) = (0.0, 0.0, 0);
+    let start = Instant::now();
+    while samples < budget.samples && (samples == 0 || start.elapsed() < budget.time) {
+        let lot = (samples..samples + LOT).into_par_iter().map(|i| difference(&with, &without, spec, own, i)).collect::<Vec<_>>();
+        lot.into_iter().for_each(|d| (sum, square) = (sum + d, square + d * d));
+        samples += LOT;
+    }
+    let removed = Mean::from_sums(sum, square, samples);
+    let part = |x: f64| if mean + removed.value > 0.0 { x / (mean + removed.value) } else { 0.0 };
+    Removed { setting, share: part(removed.value), error: part(removed.standard_error()) * part(mean), samples }
+}
+
+/// An integrator and what it renders.
+pub type Method<'a> = (&'a Arc<dyn Scene>, &'a dyn Integrator);
 
 /// No scrambling of a picture's pixel has this number.
 const APART: u32 = u32::MAX;
 
 /// What sample i of a ledger lacks: the mean of the colours. An invalid one lacks nothing here: the render counts those.
-fn difference(with: &Render, without: &Render, spec: &FilmSpec, seed: u64, i: u64) -> f64 {
+fn difference(with: &Render, without: &Render, spec: &FilmSpec, key: u64, i: u64) -> f64 {
     let crop = spec.crop;
-    let place = hash::dimension_key(hash::dimension_key(!seed, APART), i as u32) % crop.pixel_count();
+    let place = hash::dimension_key(key, i as u32) % crop.pixel_count();
     let width = u64::from(crop.size().x);
     let (x, y) = ((place % width) as u32, (place / width) as u32);
     let id = SampleId { pixel: (crop.min.x + x, crop.min.y + y), index: i };
