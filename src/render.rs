@@ -268,6 +268,8 @@ impl Render {
         value
     }
 
+    // (Into the loop, whoever else asks.)
+    #[inline(always)]
     fn camera_sample(&self, pixel: UVec2, index: u64, sampler: &mut dyn Sampler) -> CameraSample {
         sampler.start(pixel, index);
         sampler.at(dimension::FILM);

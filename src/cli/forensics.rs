@@ -85,7 +85,7 @@ impl Taken<'_> {
         let mut removed: Vec<Removed> = clamped(args, film, render.report()).into_iter().collect();
         removed.extend(ledger(scene, integrator, spec, seed, mean, budget));
         if let Some((facets, count)) = facets {
-            let (facets, setting): (Arc<dyn Scene>, _) = (Arc::new(facets), format!("smooth_shadows of {count} meshes"));
+            let (facets, setting): (Arc<dyn Scene>, _) = (Arc::new(facets), format!("smooth_shadows (meshes: {count})"));
             removed.push(compare(setting, (scene, integrator), (&facets, integrator), spec, seed, mean, budget));
         }
         removed

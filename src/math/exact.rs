@@ -46,7 +46,7 @@ impl ExactSum {
         self
     }
 
-    /// Rounded.
+    /// Rounded, to within 2⁻⁵² of itself.
     pub fn get(&self) -> f64 {
         // Digits of a negative number are those of a complement, whose rounding would show.
         let carried = self.clone().carried();
@@ -80,13 +80,14 @@ mod tests {
         assert_eq!((nothing.get(), nothing), (0.0, ExactSum::default()));
     }
 
-    /// Against whole numbers of 128 bits, of which f32 numbers from 2⁻⁶⁰ to 2⁴⁰ are multiples of 2⁻⁸⁴ at least.
+    /// Against whole numbers of 128 bits: ±m·2^e with m < 2²⁴, in units of 2⁻⁶⁰.
     #[test]
     fn exact_sums_are_exact() {
-        let number = |i: u64| ((mix(i) as f64 / 2f64.powi(64) - 0.3) * 2f64.powi((mix(!i) % 100) as i32 - 60)) as f32;
-        let unit = 2f64.powi(84);
-        let exact: i128 = (0..5000).map(|i| (f64::from(number(i)) * unit) as i128).sum();
-        assert_eq!(sum((0..5000).map(number)).get(), exact as f64 / unit);
+        let parts = |i: u64| (((mix(i) >> 39) as i64 - (1 << 23)) as f64, (mix(!i) % 60) as i32);
+        let exact: i128 = (0..5000).map(parts).map(|(m, e)| (m as i128) << e).sum();
+        let found = sum((0..5000).map(parts).map(|(m, e)| (m * 2f64.powi(e - 60)) as f32)).get();
+        let expected = exact as f64 * 2f64.powi(-60);
+        assert!((found - expected).abs() <= f64::EPSILON * expected.abs(), "{found} {expected}");
         for x in [f32::MAX, f32::MIN_POSITIVE, 1e-45, -1.5] {
             assert_eq!(sum([x]).get(), f64::from(x));
             assert_eq!(sum([x, -x]).get(), 0.0);

@@ -1,5 +1,6 @@
 //! The samples that make most of a picture's noise.
 
+use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
 use super::EPSILON;
@@ -145,8 +146,8 @@ const ROUNDING: f64 = 1e-12;
 fn median_square(means: &[f64], width: usize, p: usize) -> f64 {
     let (x, y, height) = (p % width, p / width, means.len() / width);
     let span = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
-    let mut around: arrayvec::ArrayVec<f64, 9> =
+    let mut around: ArrayVec<f64, 9> =
         span(y, height).flat_map(|y| span(x, width).map(move |x| y * width + x)).map(|q| means[q] * means[q]).collect();
-    let middle = around.len() / 2;
-    *around.select_nth_unstable_by(middle, f64::total_cmp).1
+    around.sort_unstable_by(|a, b| a.total_cmp(b));
+    around[around.len() / 2]
 }

@@ -192,6 +192,13 @@ impl Event {
         Event::Scattering(Scattering { depth, wi: *wi, cos, lobe, density, value, weight, survival })
     }
 
+    /// Into a single direction.
+    pub fn delta(depth: u32, surface: &Surface, wo: Vec3, &(wi, weight): &(Vec3, Spectrum)) -> Event {
+        let (ng, cos) = (surface.point.ng, surface.point.ns.dot(wi));
+        let lobe = if ng.dot(wo) * ng.dot(wi) > 0.0 { Lobe::Reflection } else { Lobe::Transmission };
+        Event::Scattering(Scattering { depth, wi, cos, lobe, density: Density::Delta, value: Spectrum::BLACK, weight, survival: 1.0 })
+    }
+
     pub fn end(depth: u32, why: End) -> Event {
         Event::End { depth, why }
     }

@@ -143,6 +143,10 @@ fn biases_are_told() {
     assert!(told(&["--ledger"]).contains("bias: max_depth 64 removes nothing that "));
     let short = told(&["--ledger", "--spp", "512", "-D", "/integrator={\"type\":\"nee\",\"max_depth\":1}"]);
     assert!(short.contains("bias: max_depth 1 removes ") && short.contains(" % of the energy") && short.contains(" ± "), "{short}");
+    let smooth = r#"/shapes/1={"type": "mesh", "positions": [[-4, 0, 4], [4, 0, 4], [0, 1, -4]], "triangles": [[0, 1, 2]],
+        "normals": [[-0.6, 0.8, 0], [0.6, 0.8, 0], [0, 0.8, -0.6]], "smooth_shadows": true}"#;
+    let facets = told(&["--ledger", "-D", smooth]);
+    assert!(facets.contains("bias: smooth_shadows (meshes: 1) ") && facets.contains(" % of the energy"), "{facets}");
     let clamped = told(&["--clamp", "0.01"]);
     assert!(clamped.contains("bias: clamp 0.01 removes ") && clamped.contains(" % of the energy"), "{clamped}");
     let attributes = || pt::output::exr::read(&folder.path().join("x.exr")).expect("a picture").1;
