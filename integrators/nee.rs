@@ -4,10 +4,13 @@ use std::sync::Arc;
 
 use pt::bsdf::TransportMode;
 use pt::film::FilmSpec;
-use pt::integrator::{CameraSample, Context, Estimator, Integrator, Roulette, sample_light};
+use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, MAX_DEPTH, Roulette, sample_light};
+use pt::light::LightSample;
 use pt::math::{Density, Ray, Spectrum, Vec3, power_heuristic};
+use pt::sampler::Sampler;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::{Scene, Surface};
+use pt::witness::{Account, End, Event, Nobody, Origin};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +45,12 @@ impl Integrator for Nee {
     fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
         Box::new(Walk { scene, max_depth: self.max_depth, roulette: Roulette { from_depth: self.roulette_depth } })
     }
+
+    /// Without a limit Russian roulette ends the paths; up to the limit they are the same paths.
+    fn biases(&self) -> Vec<Bias> {
+        let without = Nee { max_depth: MAX_DEPTH, roulette_depth: self.roulette_depth.min(self.max_depth) };
+        vec![Bias { setting: format!("max_depth {}", self.max_depth), without: Box::new(without) }]
+    }
 }
 
 struct Walk {
@@ -59,6 +68,16 @@ struct Arrival {
 
 impl Estimator for Walk {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
+        match cx.witness.take() {
+            None => self.walk(camera, cx.sampler, &mut Nobody),
+            Some(witness) => self.walk(camera, cx.sampler, witness),
+        }
+    }
+}
+
+// What both walks call is compiled into both: out of line it would cost 2 % of a render.
+impl Walk {
+    fn walk<A: Account + ?Sized>(&self, camera: &CameraSample, sampler: &mut dyn Sampler, account: &mut A) -> Spectrum {
         let mut ray = camera.ray;
         let mut beta = Spectrum::ONE;
         let mut radiance = Spectrum::BLACK;
@@ -67,58 +86,88 @@ impl Estimator for Walk {
         let mut arrival = Arrival { from: ray.origin, density: Density::Delta };
         for depth in 0.. {
             let Some(hit) = self.scene.intersect(&ray) else {
-                radiance += beta * self.background(&ray, arrival);
+                let (light, weight) = self.background(&ray, arrival);
+                radiance += account.light(beta * light, depth, || Origin::background(self.scene.lights(), weight));
+                account.tell(|| Event::end(depth, End::Escaped));
                 break;
             };
             let surface = self.scene.surface(&ray, &hit);
             let wo = -ray.direction;
-            radiance += beta * self.emission(&surface, wo, arrival);
+            account.tell(|| Event::vertex(depth, &hit, &surface, wo, beta));
+            let (emitted, weight) = self.emission(&surface, wo, arrival);
+            radiance += account.light(beta * emitted, depth, || Origin::emission(&surface, weight));
             if depth == self.max_depth {
+                account.tell(|| Event::end(depth, End::DepthLimit));
                 break;
             }
-            radiance += beta * self.direct(&surface, wo, depth, ray.time, cx);
+            if let Some((direct, light, weight)) = self.direct(&surface, wo, depth, ray.time, sampler) {
+                radiance += account.light(beta * direct, depth + 1, || Origin::light(&light, weight));
+            }
 
-            cx.sampler.at(dimension::vertex(depth, Use::Bsdf));
-            let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
-            let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else { break };
+            sampler.at(dimension::vertex(depth, Use::Bsdf));
+            let (choice, u) = (sampler.next_1d(), sampler.next_2d());
+            let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else {
+                account.tell(|| Event::end(depth, End::Absorbed));
+                break;
+            };
             beta *= sample.weight;
             compression *= sample.eta * sample.eta;
-            let Some(survivors) = self.roulette.survive(depth, beta * compression, cx.sampler) else { break };
+            let carried = beta * compression;
+            account.tell(|| Event::scattering(depth, &surface, wo, &(wi, sample), self.roulette.chance(depth, carried)));
+            let Some(survivors) = self.roulette.survive(depth, carried, sampler) else {
+                account.tell(|| Event::end(depth, End::Roulette));
+                break;
+            };
             beta *= survivors;
             arrival = Arrival { from: surface.lit, density: sample.density };
             ray = surface.spawn(wi, ray.time);
         }
         radiance
     }
-}
 
-impl Walk {
-    /// Emission of the surface that BSDF sampling found, weighed against light sampling.
-    fn emission(&self, surface: &Surface, wo: Vec3, arrival: Arrival) -> Spectrum {
+    /// Emission of the surface that BSDF sampling found, weighed against light sampling; and the weight.
+    #[inline(always)]
+    fn emission(&self, surface: &Surface, wo: Vec3, arrival: Arrival) -> (Spectrum, f32) {
         let emitted = surface.emitted(wo);
         match arrival.density {
             Density::Smooth(pdf) if !emitted.is_black() => {
-                emitted * power_heuristic(pdf, self.scene.lights().pdf(surface.light, arrival.from, &surface.point))
+                let weight = power_heuristic(pdf, self.scene.lights().pdf(surface.light, arrival.from, &surface.point));
+                (emitted * weight, weight)
             }
-            _ => emitted,
+            _ => (emitted, 1.0),
         }
     }
 
     /// The same for what comes from infinitely far away.
-    fn background(&self, ray: &Ray, arrival: Arrival) -> Spectrum {
+    #[inline(always)]
+    fn background(&self, ray: &Ray, arrival: Arrival) -> (Spectrum, f32) {
         let background = self.scene.lights().background(ray);
         match arrival.density {
-            Density::Smooth(pdf) => background * power_heuristic(pdf, self.scene.lights().background_pdf(ray.direction)),
-            Density::Delta => background,
+            Density::Smooth(pdf) => {
+                let weight = power_heuristic(pdf, self.scene.lights().background_pdf(ray.direction));
+                (background * weight, weight)
+            }
+            Density::Delta => (background, 1.0),
         }
     }
 
-    /// Light that one light sample brings to the surface, weighed against BSDF sampling.
-    fn direct(&self, surface: &Surface, wo: Vec3, depth: u32, time: f32, cx: &mut Context) -> Spectrum {
-        let Some((direct, light)) = sample_light(&*self.scene, surface, wo, depth, time, cx) else { return Spectrum::BLACK };
+    /// Light that one light sample brings to the surface, weighed against BSDF sampling; the sample, and the weight.
+    #[inline(always)]
+    fn direct(
+        &self,
+        surface: &Surface,
+        wo: Vec3,
+        depth: u32,
+        time: f32,
+        sampler: &mut dyn Sampler,
+    ) -> Option<(Spectrum, LightSample, f32)> {
+        let (direct, light) = sample_light(&*self.scene, surface, wo, depth, time, sampler)?;
         match light.density {
-            Density::Smooth(pdf) => direct * power_heuristic(pdf, surface.pdf(wo, light.wi)),
-            Density::Delta => direct,
+            Density::Smooth(pdf) => {
+                let weight = power_heuristic(pdf, surface.pdf(wo, light.wi));
+                Some((direct * weight, light, weight))
+            }
+            Density::Delta => Some((direct, light, 1.0)),
         }
     }
 }

@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use pt::bsdf::TransportMode;
 use pt::film::FilmSpec;
-use pt::integrator::{CameraSample, Context, Estimator, Integrator, Roulette};
+use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, MAX_DEPTH, Roulette};
 use pt::math::Spectrum;
+use pt::sampler::Sampler;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::Scene;
+use pt::witness::{Account, End, Event, Nobody, Origin};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -43,6 +45,12 @@ impl Integrator for Path {
     fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
         Box::new(Walk { scene, max_depth: self.max_depth, roulette: Roulette { from_depth: self.roulette_depth } })
     }
+
+    /// Without a limit Russian roulette ends the paths; up to the limit they are the same paths.
+    fn biases(&self) -> Vec<Bias> {
+        let without = Path { max_depth: MAX_DEPTH, roulette_depth: self.roulette_depth.min(self.max_depth) };
+        vec![Bias { setting: format!("max_depth {}", self.max_depth), without: Box::new(without) }]
+    }
 }
 
 struct Walk {
@@ -53,6 +61,15 @@ struct Walk {
 
 impl Estimator for Walk {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
+        match cx.witness.take() {
+            None => self.walk(camera, cx.sampler, &mut Nobody),
+            Some(witness) => self.walk(camera, cx.sampler, witness),
+        }
+    }
+}
+
+impl Walk {
+    fn walk<A: Account + ?Sized>(&self, camera: &CameraSample, sampler: &mut dyn Sampler, account: &mut A) -> Spectrum {
         let mut ray = camera.ray;
         let mut beta = Spectrum::ONE;
         let mut radiance = Spectrum::BLACK;
@@ -60,21 +77,33 @@ impl Estimator for Walk {
         let mut compression = 1.0;
         for depth in 0.. {
             let Some(hit) = self.scene.intersect(&ray) else {
-                radiance += beta * self.scene.lights().background(&ray);
+                let lights = self.scene.lights();
+                radiance += account.light(beta * lights.background(&ray), depth, || Origin::background(lights, 1.0));
+                account.tell(|| Event::end(depth, End::Escaped));
                 break;
             };
             let surface = self.scene.surface(&ray, &hit);
             let wo = -ray.direction;
-            radiance += beta * surface.emitted(wo);
+            account.tell(|| Event::vertex(depth, &hit, &surface, wo, beta));
+            radiance += account.light(beta * surface.emitted(wo), depth, || Origin::emission(&surface, 1.0));
             if depth == self.max_depth {
+                account.tell(|| Event::end(depth, End::DepthLimit));
                 break;
             }
-            cx.sampler.at(dimension::vertex(depth, Use::Bsdf));
-            let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
-            let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else { break };
+            sampler.at(dimension::vertex(depth, Use::Bsdf));
+            let (choice, u) = (sampler.next_1d(), sampler.next_2d());
+            let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else {
+                account.tell(|| Event::end(depth, End::Absorbed));
+                break;
+            };
             beta *= sample.weight;
             compression *= sample.eta * sample.eta;
-            let Some(survivors) = self.roulette.survive(depth, beta * compression, cx.sampler) else { break };
+            let carried = beta * compression;
+            account.tell(|| Event::scattering(depth, &surface, wo, &(wi, sample), self.roulette.chance(depth, carried)));
+            let Some(survivors) = self.roulette.survive(depth, carried, sampler) else {
+                account.tell(|| Event::end(depth, End::Roulette));
+                break;
+            };
             beta *= survivors;
             ray = surface.spawn(wi, ray.time);
         }

@@ -21,11 +21,25 @@ use crate::reader::{self, Faults, Node, UnknownKeys};
 use crate::sampler::Sampler;
 use crate::sampler::dimension::{self, Use};
 use crate::scene::{Scene, Surface};
+use crate::witness::Witness;
 
 /// A method of light transport: settings only.
 pub trait Integrator: Send + Sync {
     /// Everything that this scene needs and that can be done once.
     fn prepare(&self, scene: Arc<dyn Scene>, film: &FilmSpec) -> Box<dyn Estimator>;
+
+    /// What its settings leave out of the picture, on purpose.
+    fn biases(&self) -> Vec<Bias> {
+        vec![]
+    }
+}
+
+/// A setting that leaves something out.
+pub struct Bias {
+    /// As one would write it: `max_depth 7`.
+    pub setting: String,
+    /// The same method without it. On the same random numbers the two differ by what is left out, and by nothing else.
+    pub without: Box<dyn Integrator>,
 }
 
 /// A method at work on one scene.
@@ -48,6 +62,8 @@ pub struct CameraSample {
 /// What an estimator may use while it works on one sample.
 pub struct Context<'a> {
     pub sampler: &'a mut dyn Sampler,
+    /// Who wants to know, if anyone does: see [`crate::witness`]. Who tells nothing may leave it alone.
+    pub witness: Option<&'a mut dyn Witness>,
 }
 
 /// Russian roulette: paths that carry little end early, the survivors stand for them.
@@ -67,6 +83,11 @@ pub struct Roulette {
 }
 
 impl Roulette {
+    /// The probability that a path lives on.
+    pub fn chance(&self, depth: u32, beta: Spectrum) -> f32 {
+        if depth < self.from_depth { 1.0 } else { beta.max().min(1.0) }
+    }
+
     /// What the throughput of a path that lives on is multiplied by; `None` for one that ends here.
     ///
     /// - `beta`: throughput, with the compression by refraction taken out
@@ -74,7 +95,7 @@ impl Roulette {
         if depth < self.from_depth {
             return Some(1.0);
         }
-        let q = beta.max().min(1.0);
+        let q = self.chance(depth, beta);
         sampler.at(dimension::vertex(depth, Use::Roulette));
         (sampler.next_1d() < q).then(|| 1.0 / q)
     }
@@ -89,13 +110,13 @@ pub fn sample_light(
     wo: Vec3,
     depth: u32,
     time: f32,
-    cx: &mut Context,
+    sampler: &mut dyn Sampler,
 ) -> Option<(Spectrum, LightSample)> {
     if !surface.bsdf.has_smooth_lobe() {
         return None;
     }
-    cx.sampler.at(dimension::vertex(depth, Use::Light));
-    let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
+    sampler.at(dimension::vertex(depth, Use::Light));
+    let (choice, u) = (sampler.next_1d(), sampler.next_2d());
     let light = scene.lights().sample(surface.lit, choice, u)?;
     let f = surface.eval(wo, light.wi, TransportMode::Radiance);
     let reached = !f.is_black() && !scene.occluded(&surface.shadow_ray(light.wi, &light.target, time));

@@ -27,6 +27,7 @@ pub mod sampler;
 pub mod scene;
 pub mod shape;
 pub mod texture;
+pub mod witness;
 pub mod world;
 
 pub use error::{Error, Fault, MAX_FAULTS, Result};

@@ -11,9 +11,10 @@ use rayon::prelude::*;
 use crate::effects::Effects;
 use crate::film::{Block, Crop, Film, FilmSpec, Layer, Moments, Slots, Tree, Wave};
 use crate::integrator::{CameraSample, Context, Estimator, Integrator};
-use crate::math::Spectrum;
+use crate::math::{ExactSum, Spectrum};
 use crate::sampler::{Sampler, SamplerSpec, dimension};
 use crate::scene::Scene;
+use crate::witness::{Clamp, Witness};
 
 /// How a picture is to be sampled.
 #[derive(Clone, Debug)]
@@ -24,11 +25,13 @@ pub struct Settings {
     pub time: Option<Duration>,
     /// Edge of the square tiles that threads work on (pixels). Does not change the picture.
     pub tile: u32,
+    /// What a single piece of indirect light may be at most, see [`Clamp`]. A bias, and never chosen by itself.
+    pub clamp: Option<f32>,
 }
 
 impl Settings {
     pub fn new(sampler: SamplerSpec) -> Settings {
-        Settings { sampler, samples: sampler.spp, time: None, tile: 16 }
+        Settings { sampler, samples: sampler.spp, time: None, tile: 16, clamp: None }
     }
 }
 
@@ -61,6 +64,8 @@ pub struct Report {
     pub invalid: u64,
     /// The first few, for replay.
     pub first_invalid: Vec<SampleId>,
+    /// What clamping took, summed over colours, samples and pixels.
+    pub clamped: ExactSum,
     /// Preparation excluded.
     pub elapsed: Duration,
 }
@@ -104,14 +109,6 @@ pub fn render(
     render.report
 }
 
-/// One sample of one pixel, by itself: what `--pixel x,y --sample k` shows.
-pub fn sample(scene: Arc<dyn Scene>, integrator: &dyn Integrator, spec: &FilmSpec, sampler: &SamplerSpec, id: SampleId) -> Spectrum {
-    let render = Render::new(scene, integrator, spec, &Settings::new(*sampler));
-    let mut sequences = sampler.sequences();
-    let k = sequences.len() as u64;
-    render.sample(UVec2::new(id.pixel.0, id.pixel.1), id.index / k, &mut *sequences[(id.index % k) as usize])
-}
-
 /// A render that can be taken further, sample by sample.
 pub struct Render {
     scene: Arc<dyn Scene>,
@@ -122,6 +119,7 @@ pub struct Render {
     tiles: Vec<Crop>,
     /// Index of the sample that comes next.
     next: u64,
+    clamp: Option<f32>,
     report: Report,
 }
 
@@ -131,6 +129,7 @@ struct Part {
     /// Of all its pixels.
     samples: u64,
     invalid: Vec<SampleId>,
+    clamped: ExactSum,
 }
 
 impl Render {
@@ -139,8 +138,17 @@ impl Render {
         let estimator = integrator.prepare(scene.clone(), spec);
         let has_lens = scene.effects().contains(Effects::THIN_LENS);
         let tiles = tiles(spec.crop, settings.tile);
-        let report = Report::default();
-        Render { scene, estimator, spec: spec.clone(), sampler: settings.sampler, has_lens, tiles, next: 0, report }
+        Render {
+            scene,
+            estimator,
+            spec: spec.clone(),
+            sampler: settings.sampler,
+            has_lens,
+            tiles,
+            next: 0,
+            clamp: settings.clamp,
+            report: Report::default(),
+        }
     }
 
     /// Goes on where another render stopped, before the sample of this index and with what it reported: to the same bits.
@@ -148,15 +156,34 @@ impl Render {
         Render { next, report: Report { cancelled: false, ..report }, ..self }
     }
 
-    /// Time that was spent on the picture before counts as its own.
-    pub fn after(mut self, spent: Duration) -> Render {
-        self.report.elapsed = spent;
-        self
-    }
-
     /// Of all that was done so far.
     pub fn report(&self) -> &Report {
         &self.report
+    }
+
+    /// One sample by itself, as it counts in the picture: what `--pixel x,y --sample k` shows. Not finite where it is invalid.
+    ///
+    /// - `witness`: told of its paths
+    pub fn replay(&self, id: SampleId, witness: Option<&mut dyn Witness>) -> Spectrum {
+        let (mut sequence, pixel, index) = self.sequence(id);
+        self.sample(pixel, index, &mut *sequence, witness, &mut ExactSum::default())
+    }
+
+    pub fn sampler(&self) -> &SamplerSpec {
+        &self.sampler
+    }
+
+    /// What the camera hands to the estimator for one sample.
+    pub fn camera(&self, id: SampleId) -> CameraSample {
+        let (mut sequence, pixel, index) = self.sequence(id);
+        self.camera_sample(pixel, index, &mut *sequence)
+    }
+
+    /// Whose numbers a sample takes, and its pixel and place in the sequence.
+    fn sequence(&self, id: SampleId) -> (Box<dyn Sampler>, UVec2, u64) {
+        let mut sequences = self.sampler.sequences();
+        let k = sequences.len() as u64;
+        (sequences.swap_remove((id.index % k) as usize), UVec2::new(id.pixel.0, id.pixel.1), id.index / k)
     }
 
     /// On until all samples below index `samples` are in. Into the same film each time.
@@ -205,6 +232,7 @@ impl Render {
             self.report.invalid += part.invalid.len() as u64;
             let room = KEPT_INVALID - self.report.first_invalid.len();
             self.report.first_invalid.extend(part.invalid.iter().take(room));
+            self.report.clamped = self.report.clamped.join(&part.clamped);
         }
         let block = self.assemble(&parts);
         drop(parts);
@@ -219,7 +247,8 @@ impl Render {
         let mut sequences = self.sampler.sequences();
         let k = sequences.len() as u64;
         let (mut trees, mut gray, mut moments) = (vec![Tree::default(); sequences.len()], Tree::default(), vec![]);
-        let mut part = Part { block: Block::with_capacity(self.slots(), tile.pixel_count() as usize), samples: 0, invalid: vec![] };
+        let block = Block::with_capacity(self.slots(), tile.pixel_count() as usize);
+        let mut part = Part { block, samples: 0, invalid: vec![], clamped: ExactSum::default() };
         let (mut terms, is_timed) = (vec![], self.spec.layers.contains(&Layer::Time));
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             if observer.cancelled() {
@@ -232,7 +261,7 @@ impl Render {
             for index in wave.range() {
                 // Sample i of the pixel is sample i div K of sequence i mod K.
                 let r = (index % k) as usize;
-                let mut value = self.sample(UVec2::new(x, y), index / k, &mut *sequences[r]);
+                let mut value = self.sample(UVec2::new(x, y), index / k, &mut *sequences[r], None, &mut part.clamped);
                 if !value.is_finite() {
                     part.invalid.push(SampleId { pixel: (x, y), index });
                     value = Spectrum::BLACK;
@@ -274,12 +303,34 @@ impl Render {
     /// The filtered radiance; not finite where the estimate is invalid.
     ///
     /// - `index`: within the sequence
-    fn sample(&self, pixel: UVec2, index: u64, sequence: &mut dyn Sampler) -> Spectrum {
+    /// - `clamped`: takes what clamping takes
+    fn sample(
+        &self,
+        pixel: UVec2,
+        index: u64,
+        sequence: &mut dyn Sampler,
+        witness: Option<&mut dyn Witness>,
+        clamped: &mut ExactSum,
+    ) -> Spectrum {
         let camera = self.camera_sample(pixel, index, sequence);
-        let radiance = self.estimator.li(&camera, &mut Context { sampler: sequence });
-        if radiance.is_valid() { radiance * camera.weight } else { Spectrum::gray(f32::NAN) }
+        // For no longer than the sequence.
+        let witness = witness.map(|witness| witness as &mut dyn Witness);
+        let filtered = |radiance: Spectrum| if radiance.is_valid() { radiance * camera.weight } else { Spectrum::gray(f32::NAN) };
+        let Some(limit) = self.clamp else {
+            return filtered(self.estimator.li(&camera, &mut Context { sampler: sequence, witness }));
+        };
+        let mut clamp = Clamp::new(limit, witness);
+        let value = filtered(self.estimator.li(&camera, &mut Context { sampler: sequence, witness: Some(&mut clamp) }));
+        let free = filtered(clamp.free());
+        if clamp.acted() && value.is_finite() && free.is_finite() {
+            free.to_rgb().into_iter().for_each(|x| clamped.add(x));
+            value.to_rgb().into_iter().for_each(|x| clamped.add(-x));
+        }
+        value
     }
 
+    // (Into the loop, whoever else asks.)
+    #[inline(always)]
     fn camera_sample(&self, pixel: UVec2, index: u64, sampler: &mut dyn Sampler) -> CameraSample {
         sampler.start(pixel, index);
         sampler.at(dimension::FILM);

@@ -80,6 +80,8 @@ impl<'a> Surface<'a> {
     }
 
     /// f(wo, wi)·|cos θi| [sr⁻¹]; 0 for delta lobes.
+    // (Else the rare callers take it out of line for the frequent one, [`crate::integrator::sample_light`].)
+    #[inline(always)]
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Spectrum {
         let (lo, li) = (self.frame.to_local(wo), self.frame.to_local(wi));
         if !self.agrees(wo, lo, wi, li) {

@@ -15,7 +15,7 @@ const LAYERS: &[&[&[&str]]] = &[
     // Families that meet: a texture is looked up at a shape's point, a light may be a shape.
     &[&["shape"], &["texture"], &["bsdf"], &["light"], &["camera"]],
     &[&["primitive"], &["accel"], &["scene"], &["world"]],
-    &[&["film"], &["integrator"], &["render"]],
+    &[&["film"], &["witness"], &["integrator"], &["render"]],
     &[&["output"], &["describe"]],
     &[&["integrators"]],
     &[&["measure"], &["part"], &["proof"], &["compare"], &["cli"], &["main"]],

@@ -213,6 +213,25 @@ impl<'a> Bsdf<'a> {
         }
     }
 
+    /// What materials of this model are called in scene files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Bsdf::Diffuse(_) => "diffuse",
+            Bsdf::Mirror(_) => "mirror",
+            Bsdf::Conductor(_) | Bsdf::RoughConductor(_) => "conductor",
+            Bsdf::Dielectric(_) | Bsdf::RoughDielectric(_) => "dielectric",
+            Bsdf::MatteCone(_) => "matte_cone",
+            Bsdf::OrenNayar(_) => "oren_nayar",
+            Bsdf::Phong(_) => "phong",
+            Bsdf::BlinnPhong(_) => "blinn_phong",
+            Bsdf::Metal(_) => "metal",
+            Bsdf::Plastic(_) => "plastic",
+            Bsdf::DiffuseTransmission(_) => "diffuse_transmission",
+            Bsdf::ThinDielectric(_) => "thin_dielectric",
+            Bsdf::Compound(met) => met.compound.name(),
+        }
+    }
+
     /// Whether there is anything that [`Bsdf::eval`] sees.
     pub fn has_smooth_lobe(&self) -> bool {
         match self {

@@ -30,6 +30,7 @@ impl Camera {
     ///
     /// - `film`: [0, 1)², from the upper left; `aspect`: width / height of the film
     /// - `lens`: [0, 1)², used where there is a lens
+    #[inline(always)]
     pub fn ray(&self, film: Vec2, aspect: f32, lens: Vec2) -> Ray {
         match self {
             Camera::Perspective(camera) => camera.ray(film, aspect, lens),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::film::{Film, MomentFilm};
-use crate::measure::{Course, RelativeError, words};
+use crate::measure::{Course, RelativeError, Removed, words};
 use crate::output::{Attributes, Value};
 use crate::part::About;
 use crate::render::Report;
@@ -11,7 +11,15 @@ use crate::render::Report;
 use super::note;
 
 /// Functions of scene and settings alone.
-pub fn attributes(about: &About, film: &MomentFilm, error: Option<RelativeError>, confidence: f64) -> Attributes {
+///
+/// - `clamped`: what that took
+pub fn attributes(
+    about: &About,
+    film: &MomentFilm,
+    error: Option<RelativeError>,
+    confidence: f64,
+    clamped: Option<&Removed>,
+) -> Attributes {
     let fact = |pointer: &str| about.identity.fact(pointer).unwrap_or_default();
     let mut pairs = vec![
         ("pt/version", fact("/version")),
@@ -30,6 +38,9 @@ pub fn attributes(about: &About, film: &MomentFilm, error: Option<RelativeError>
             [("pt/relativeError", error.value), ("pt/relativeErrorLow", low), ("pt/relativeErrorHigh", high)]
                 .map(|(k, v)| (k, v.to_string())),
         );
+    }
+    if let Some(Removed { setting, share, .. }) = clamped {
+        pairs.extend([("pt/bias", setting.clone()), ("pt/biasRemoved", share.to_string())]);
     }
     let samples = ("samplesPerPixel".to_owned(), Value::Integer(film.mean_samples().round() as i32));
     let own = pairs.into_iter().map(|(name, value)| (name.to_owned(), value.into()));

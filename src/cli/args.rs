@@ -326,7 +326,7 @@ pub struct Render {
     pub target: Option<f64>,
     /// Samples go where they are worth most, as a short pilot tells: up to 64 times as many in noisy pixels as in calm ones.
     /// Unbiased, and with the right error bars.
-    #[arg(long, conflicts_with_all = ["pixel", "shard", "samples", "checkpoint", "resume"])]
+    #[arg(long, conflicts_with_all = ["pixel", "clamp", "shard", "samples", "checkpoint", "resume"])]
     pub adaptive: bool,
     /// How sure to be of errors and targets.
     #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
@@ -365,6 +365,21 @@ pub struct Render {
     /// With --pixel: this sample alone.
     #[arg(long, value_name = "K", requires = "pixel", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     pub sample: Option<u64>,
+    /// With --sample: its paths, vertex by vertex: where, what was sampled, which light counted by how much, why the path ended. As
+    /// text, or with =json as JSON.
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "text", value_name = "FORMAT", requires = "sample")]
+    pub trace: Option<Form>,
+    /// After the render: the N samples that add most to the noise, each with the command that shows its paths.
+    #[arg(long, value_name = "N", conflicts_with = "pixel", value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
+    pub worst: Option<u32>,
+    /// After the render: what each limit of the method takes out of the picture. May take 5 % as long as the render; without it
+    /// 1 % is spent, and only what is found to be missing is told.
+    #[arg(long, conflicts_with = "pixel")]
+    pub ledger: bool,
+    /// Hold back what a single piece of indirect light exceeds this radiance by. Less noise, and a bias: what it takes is counted
+    /// and told.
+    #[arg(long, conflicts_with_all = ["shard", "samples", "checkpoint", "resume"], value_name = "RADIANCE", value_parser = above_zero, allow_negative_numbers = true)]
+    pub clamp: Option<f32>,
     /// Threads. Default: all cores. The picture does not depend on it.
     #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<u32>,
@@ -378,7 +393,7 @@ pub struct Render {
     pub display_server: Option<String>,
     /// Print what the render took: as text, or with =json as JSON.
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "text", value_name = "FORMAT")]
-    pub stats: Option<Stats>,
+    pub stats: Option<Form>,
     /// Say nothing but errors.
     #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
@@ -433,7 +448,7 @@ pub enum Progress {
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stats {
+pub enum Form {
     Text,
     Json,
 }
@@ -513,6 +528,10 @@ fn angles(text: &str) -> std::result::Result<[f64; 2], String> {
 
 pub(super) fn finite(text: &str) -> std::result::Result<f32, String> {
     text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or("expected a number".to_owned())
+}
+
+fn above_zero(text: &str) -> std::result::Result<f32, String> {
+    text.parse().ok().filter(|x: &f32| x.is_finite() && *x > 0.0).ok_or("expected a number above 0".to_owned())
 }
 
 /// Above 0 and below 1, in per cent or not.

@@ -1,13 +1,14 @@
 //! From the command line to a scene that can be rendered.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{args, memory};
-use crate::describe::{self, Built, Identity, Source};
+use crate::describe::{self, Built, Identity, Shape, Source};
 use crate::error::{Error, Result};
 use crate::integrator::{self, Entry, Integrator};
 use crate::reader::Node;
+use crate::world::World;
 
 /// A scene, and how it is to be rendered.
 pub struct Loaded {
@@ -19,6 +20,8 @@ pub struct Loaded {
     pub stem: String,
     root: Node,
     file: String,
+    folder: PathBuf,
+    allow_outside: bool,
 }
 
 impl Loaded {
@@ -37,6 +40,14 @@ impl Loaded {
     pub fn choose(&self, tables: &[&[Entry]], name: &str) -> Result<(Entry, Arc<dyn Integrator>)> {
         let (entry, integrator) = integrator::choose(tables, self.root.child("integrator"), Some(name), &self.file)?;
         Ok((entry, integrator.into()))
+    }
+
+    /// The scene as its facets have it, and how many meshes are different then; `None` where none is.
+    pub fn without_smooth_shadows(&self) -> Result<Option<(World, usize)>> {
+        let mut description = self.description.clone();
+        let count = take_smooth_shadows(&mut description.shapes);
+        let source = Source { root: &self.root, file: &self.file, folder: &self.folder, allow_outside: self.allow_outside };
+        Ok(if count > 0 { Some((describe::build(&description, source)?.world, count)) } else { None })
     }
 }
 
@@ -61,7 +72,26 @@ pub fn load(scene: &args::Scene, more: &[Override], integrator: Option<&str>, ta
     let folder = path.parent().unwrap_or(Path::new(""));
     let built = describe::build(&description, Source { root: &root, file: &file, folder, allow_outside: scene.allow_outside })?;
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
-    Ok(Loaded { built, entry, integrator: integrator.into(), description, stem, root, file })
+    Ok(Loaded {
+        built,
+        entry,
+        integrator: integrator.into(),
+        description,
+        stem,
+        root,
+        file,
+        folder: folder.to_owned(),
+        allow_outside: scene.allow_outside,
+    })
+}
+
+fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
+    let take = |shape: &mut Shape| match shape {
+        Shape::Mesh(mesh) => usize::from(std::mem::take(&mut mesh.smooth_shadows)),
+        Shape::Group(group) => take_smooth_shadows(&mut group.shapes),
+        _ => 0,
+    };
+    shapes.iter_mut().map(take).sum()
 }
 
 fn overridden(root: &mut Node, scene: &args::Scene, more: &[Override]) -> Result<()> {

@@ -37,7 +37,7 @@ pub fn merge(args: &args::Merge) -> Result<ExitCode> {
 /// Writes the pictures; returns what is known of their error.
 fn develop(args: &args::Merge, pictures: &[&PathBuf], sum: &Part, film: &MomentFilm) -> Result<Course> {
     let course = course(film, sum);
-    let attributes = attributes(&sum.about, film, course.last().and_then(|last| last.error), args.confidence);
+    let attributes = attributes(&sum.about, film, course.last().and_then(|last| last.error), args.confidence, None);
     let image = film.image();
     pictures.iter().try_for_each(|path| output::write(path, &image, &attributes, &args.develop.tonemap()))?;
     if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {

@@ -7,6 +7,7 @@ mod args;
 mod check;
 mod compare;
 mod display;
+mod forensics;
 mod image;
 mod keep;
 mod list;
@@ -24,6 +25,7 @@ mod sample;
 mod schema;
 mod signals;
 mod stats;
+mod trace;
 mod verify;
 
 use std::io::Write;

@@ -63,8 +63,11 @@ impl Plan {
             Some(given) => Some(given.clone().unwrap_or_else(state)),
             None => None,
         };
-        if let Some(path) = parts_of(&outputs).next().filter(|_| args.adaptive) {
-            return Err(Error::Usage(format!("--adaptive: {} would not know how many samples each pixel has", path.display())));
+        if let Some(path) = outputs.iter().find(|path| self::is_part(path)) {
+            let lost = if args.adaptive { Some("how many samples each pixel has") } else { args.clamp.map(|_| "what clamping took") };
+            if let Some(lost) = lost {
+                return Err(Error::Usage(format!("{}: a part does not keep {lost}", path.display())));
+            }
         }
         let built = &loaded.built;
         let about = About::new(loaded.identity()?, &built.film, built.sampler.spread(), of_camera(&built.world, &built.film));
@@ -121,10 +124,6 @@ impl Plan {
     pub fn written(&self) -> impl Iterator<Item = &Path> {
         self.pictures.iter().chain(&self.parts).map(PathBuf::as_path)
     }
-}
-
-fn parts_of(outputs: &[PathBuf]) -> impl Iterator<Item = &PathBuf> {
-    outputs.iter().filter(|path| is_part(path))
 }
 
 /// `0..16, 32..64`

@@ -142,7 +142,7 @@ fn made(args: &args::Reference, loaded: Loaded, judge: &Judge, path: &Path) -> R
         judge.keep(path, &kept)?;
     }
     let error = kept.course.last().and_then(|last| last.error);
-    let attributes = attributes(&judge.about, &kept.film, error, args.confidence);
+    let attributes = attributes(&judge.about, &kept.film, error, args.confidence, None);
     if kept.report.samples > 0 {
         let image = kept.film.image();
         args.output.iter().try_for_each(|path| output::write(path, &image, &attributes, &Tonemap::default()))?;

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, ValueEnum};
 
-use super::args::{Args, Stats};
+use super::args::{Args, Form};
 use super::{finish, printed};
 use crate::error::Error;
 use crate::reader::closest;
@@ -37,10 +37,10 @@ fn stray(refusal: &clap::Error, words: &[String]) -> Option<String> {
     let commands: Vec<&str> = parser.get_subcommands().map(|command| command.get_name()).collect();
     let before = words.iter().position(|other| other == word).and_then(|at| words[..at].last());
     let misspelt = || words.iter().find_map(|typed| closest(typed, commands.iter().copied()).map(|near| (typed, near)));
-    Some(if before.is_some_and(|flag| flag == "--stats") && Stats::from_str(word, false).is_ok() {
-        format!("--stats {word}: expected --stats={word}")
-    } else if before.is_some_and(|flag| flag == "--resume") {
-        format!("--resume {word}: expected --resume={word}")
+    let formed = before.filter(|flag| ["--stats", "--trace"].contains(&flag.as_str()) && Form::from_str(word, false).is_ok());
+    let file = before.filter(|flag| *flag == "--resume");
+    Some(if let Some(flag) = formed.or(file) {
+        format!("{flag} {word}: expected {flag}={word}")
     } else if commands.contains(&word.as_str()) {
         format!("{word}: a command comes first, as in pt {word} scene.json; see pt --help")
     } else if let Some((typed, near)) = misspelt() {

@@ -7,13 +7,15 @@ use std::time::Instant;
 
 use super::account::{self, attributes, summarise};
 use super::display::Displayed;
+use super::forensics::Taken;
 use super::keep::Keeper;
 use super::load::{Loaded, Override, load};
 use super::plan::{self, Plan};
 use super::progress::Progress;
 use super::stats::{Account, Counted};
-use super::{INCONCLUSIVE, args, check, note, pilot, say, signals};
-use crate::describe::Built;
+use super::trace::Trace;
+use super::{INCONCLUSIVE, args, check, forensics, note, pilot, say, signals};
+use crate::describe::{Built, Names};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Crop, FilmSpec, Image, Layer, MomentFilm};
 use crate::integrator::{Entry, Integrator};
@@ -22,6 +24,7 @@ use crate::output::{self, Attributes, Format};
 use crate::render::{self, Render, SampleId, Settings};
 use crate::sampler::Kind;
 use crate::scene::Scene;
+use crate::witness::Event;
 
 pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
     let start = Instant::now();
@@ -104,9 +107,11 @@ fn picture(
     load: f64,
     threads: usize,
 ) -> Result<ExitCode> {
+    let facets = if args.ledger { loaded.without_smooth_shadows()? } else { None };
     let Loaded { built, integrator, stem, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
-    let (settings, mut until) = (Settings::new(built.sampler), plan.until(args));
+    let settings = Settings { clamp: args.clamp, ..Settings::new(built.sampler) };
+    let mut until = plan.until(args);
     let mut spec = built.film;
     let mut start = plan.start(MomentFilm::new(spec.clone()), &until)?;
     let world: Arc<dyn Scene> = Arc::new(built.world);
@@ -118,7 +123,7 @@ fn picture(
         note(&list);
     }
     let counted = args.stats.map(|_| Arc::new(Counted::new(world.clone(), threads)));
-    let scene = counted.clone().map_or(world, |counted| counted as Arc<dyn Scene>);
+    let scene = counted.clone().map_or(world.clone(), |counted| counted as Arc<dyn Scene>);
 
     if args.adaptive {
         let progress = Progress::new(args::Progress::None, &spec, until.samples, None);
@@ -145,7 +150,9 @@ fn picture(
     if report.samples > 0 && !plan.is_part {
         let image = film.image();
         let error = course.last().and_then(|last| last.error);
-        write_all(args, &plan.pictures, &image, &attributes(&plan.about, film, error, args.confidence))?;
+        let clamped = forensics::clamped(args, film, report);
+        let attributes = attributes(&plan.about, film, error, args.confidence, clamped.as_ref());
+        write_all(args, &plan.pictures, &image, &attributes)?;
         if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
             note("warning: the image is black");
         }
@@ -155,6 +162,9 @@ fn picture(
         let samples = if plan.is_part { format!("samples {}", plan::ranges(&[film.range()])) } else { account::samples(film) };
         summarise(&plan.about, &samples, report, &course, args.confidence, plan.written());
         outcome.iter().for_each(|(target, outcome)| note(&words::outcome(target, *outcome)));
+    }
+    if report.samples > 0 && !report.cancelled && !plan.is_part {
+        forensics::tell(&Taken { args, scene: &world, integrator: &*integrator, render: &render, film, course: &course }, facets)?;
     }
     if let (Some(format), Some(counted)) = (args.stats, counted) {
         let account =
@@ -179,18 +189,27 @@ fn part(render: &mut Render, displayed: &mut Displayed, until: &Until, keeper: &
 /// One pixel, or one sample of it, printed.
 fn pixel(args: &args::Render, loaded: Loaded, x: u32, y: u32) -> Result<()> {
     let Built { world, film, sampler, .. } = loaded.built;
+    let settings = Settings { clamp: args.clamp, ..Settings::new(sampler) };
     if x >= film.size.x || y >= film.size.y {
         return Err(Error::Usage(format!("--pixel {x},{y}: the picture is {} × {}", film.size.x, film.size.y)));
     }
+    let origin = world.origin();
     let scene: Arc<dyn Scene> = Arc::new(world);
     if let Some(index) = args.sample {
-        let value = render::sample(scene, &*loaded.integrator, &film, &sampler, SampleId { pixel: (x, y), index });
-        let [r, g, b] = value.to_rgb();
-        return say(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n"));
+        let (id, render) = (SampleId { pixel: (x, y), index }, Render::new(scene.clone(), &*loaded.integrator, &film, &settings));
+        let mut events: Vec<Event> = vec![];
+        let value = render.replay(id, args.trace.is_some().then_some(&mut events));
+        let Some(form) = args.trace else {
+            let [r, g, b] = value.to_rgb();
+            return say(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n"));
+        };
+        let (camera, names, integrator) = (render.camera(id), Names::of(&loaded.description), loaded.entry.name);
+        let trace = Trace { integrator, id, camera, value, events: &events, names: &names, lights: scene.lights(), origin };
+        return say(&trace.print(form));
     }
     let min = glam::UVec2::new(x, y);
     let mut film = MomentFilm::new(FilmSpec { crop: Crop { min, max: min + 1 }, ..film.without_layers() });
-    render::render(scene, &*loaded.integrator, &mut film, &Settings::new(sampler), &render::Silent);
+    render::render(scene, &*loaded.integrator, &mut film, &settings, &render::Silent);
     let image = film.image();
     let [r, g, b] = image.rgb(0, 0);
     let error = image.channel("StdErr.R").map(|_| {

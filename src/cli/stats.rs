@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use serde_json::json;
 
-use super::args::Stats;
+use super::args::Form;
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::Lights;
@@ -92,12 +92,12 @@ pub struct Account<'a> {
 }
 
 impl Account<'_> {
-    pub fn print(&self, format: Stats) -> String {
+    pub fn print(&self, format: Form) -> String {
         let seconds = self.report.elapsed.as_secs_f64();
         let samples = (self.spp * self.pixels as f64).round() as u64;
         let rays = self.rays.0 + self.rays.1;
         match format {
-            Stats::Json => {
+            Form::Json => {
                 let object = json!({
                     "version": env!("CARGO_PKG_VERSION"), "build": env!("PT_BUILD_ID"), "threads": self.threads,
                     "load_seconds": self.load, "render_seconds": seconds, "spp": self.spp.round() as u64, "camera_samples": samples,
@@ -107,7 +107,7 @@ impl Account<'_> {
                 });
                 format!("{object}\n")
             }
-            Stats::Text => {
+            Form::Text => {
                 let memory = peak_memory().map_or(String::new(), |bytes| format!("memory      {:.0} MB at most\n", bytes as f64 * 1e-6));
                 format!(
                     "load        {:.2} s, {} primitives\nrender      {seconds:.2} s on {} threads\nsamples     {samples} ({:.2} M/s)\n\

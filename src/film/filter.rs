@@ -66,6 +66,14 @@ impl Filter {
         Filter { kind: Kind::Table(Table::new(radius, f)) }
     }
 
+    /// Whether it is nowhere negative.
+    pub fn is_positive(&self) -> bool {
+        match &self.kind {
+            Kind::Box { .. } | Kind::Tent { .. } => true,
+            Kind::Table(table) => table.value.iter().all(|value| *value >= 0.0),
+        }
+    }
+
     /// An offset from the pixel's middle (pixels), and the weight of what is found there.
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
         match &self.kind {

@@ -156,6 +156,11 @@ impl MomentFilm {
         self.tree.blocks()
     }
 
+    /// Of pixel i of the crop.
+    pub fn samples_of(&self, pixel: usize) -> u64 {
+        self.spec.density.samples(pixel, self.samples())
+    }
+
     /// Samples so far, the mean of all pixels.
     pub fn mean_samples(&self) -> f64 {
         self.samples() as f64 * self.spec.density.mean()

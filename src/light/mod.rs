@@ -45,6 +45,8 @@ pub struct LightSample {
     pub density: Density,
     /// Where the shadow ray must reach.
     pub target: Target,
+    /// Its index among the lights.
+    pub light: u32,
 }
 
 /// The far end of a shadow ray.
@@ -116,7 +118,7 @@ impl Lights {
             Density::Delta => (offer.li / probability, Density::Delta),
             Density::Smooth(pdf) => (offer.li / (pdf * probability).get(), Density::Smooth(pdf * probability)),
         };
-        Some(LightSample { wi: offer.wi, weight, density, target: offer.target })
+        Some(LightSample { wi: offer.wi, weight, density, target: offer.target, light: index as u32 })
     }
 
     /// The density with which [`Lights::sample`] at `from` finds `point`, a point of the area light `index`.
@@ -125,6 +127,11 @@ impl Lights {
             Light::Area(area) => self.shapes[area.shape as usize].pdf_from(area.primitive, from, point) * self.probability(index),
             _ => SolidAnglePdf::ZERO,
         }
+    }
+
+    /// The index of the background, where it is a light.
+    pub fn environment(&self) -> Option<u32> {
+        self.environment
     }
 
     /// What comes from infinitely far away along `ray`.

@@ -2,6 +2,7 @@
 
 pub mod bounds;
 pub mod discrete;
+pub mod exact;
 pub mod float;
 pub mod frame;
 pub mod fresnel;
@@ -16,6 +17,7 @@ pub mod warp;
 
 pub use bounds::Aabb;
 pub use discrete::Discrete;
+pub use exact::ExactSum;
 pub use frame::{Frame, Local};
 pub use glam::{UVec2, Vec2, Vec3};
 pub use measure::{AreaPdf, Density, SolidAnglePdf, power_heuristic};

@@ -44,7 +44,7 @@ impl RelativeError {
     /// Of the picture so far. `None` where its samples tell no error, and for a black picture.
     pub fn of(film: &MomentFilm) -> Option<RelativeError> {
         let (block, freedom) = (film.total(), film.freedom());
-        let smoothed = Smoothed::new(&block, |i| film.spec().density.samples(i, film.samples()), film.spec().crop.size().x as usize);
+        let smoothed = Smoothed::new(&block, |i| film.samples_of(i), film.spec().crop.size().x as usize);
         let floor = smoothed.floor().filter(|_| freedom > 0.0)?;
         let (mut sum, mut square) = (0.0, 0.0);
         for share in smoothed.shares(floor) {

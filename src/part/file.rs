@@ -268,7 +268,7 @@ impl Header {
         Some(Stored {
             path: path.to_owned(),
             about,
-            report: Report { samples, cancelled: false, invalid: self.invalid, first_invalid, elapsed: seconds },
+            report: Report { samples, invalid: self.invalid, first_invalid, elapsed: seconds, ..Report::default() },
             course: Course { checkpoints: self.course.into_iter().map(|look| look.checkpoint()).collect::<Option<_>>()? },
             waves,
             start,

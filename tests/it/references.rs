@@ -96,7 +96,8 @@ impl Estimator for Walk {
             if sees_lights {
                 radiance += beta * surface.emitted(wo);
             }
-            radiance += beta * sample_light(&*self.scene, &surface, wo, depth, 0.0, cx).map_or(Spectrum::BLACK, |(direct, _)| direct);
+            radiance +=
+                beta * sample_light(&*self.scene, &surface, wo, depth, 0.0, cx.sampler).map_or(Spectrum::BLACK, |(direct, _)| direct);
             cx.sampler.at(dimension::vertex(depth, Use::Bsdf));
             let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
             let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else { break };

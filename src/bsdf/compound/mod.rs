@@ -150,6 +150,15 @@ impl Met<'_> {
 }
 
 impl Compound {
+    pub fn name(&self) -> &'static str {
+        match self {
+            Compound::Mix(_) => "mix",
+            Compound::Coated(_) => "coated",
+            Compound::Sheen(_) => "sheen",
+            Compound::Sides(_) => "two_sided",
+        }
+    }
+
     /// The compound at a place; where only one of two is there, that one.
     pub fn met(&self, at: &Place) -> Bsdf<'_> {
         if let Compound::Mix(mix) = self
