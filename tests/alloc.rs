@@ -3,7 +3,7 @@
 //! The law: a render allocates while it is prepared, and a few times per wave and tile (the tile's
 //! result and sums, its sampler), nothing more. Doubling the samples makes one wave more of twice the
 //! length: however many samples there are, each doubling adds no more than one wave's share, which is
-//! at most four allocations for each tile and four for the film. The length of paths has no say.
+//! at most nine allocations for each tile and eight for the film. The length of paths has no say.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -76,8 +76,9 @@ fn samples_allocate_nothing() {
         let (_, integrator) = choose(&[&[*entry]], None, Some(entry.name), "").expect("defaults are valid");
         let counts = [1, 2, 4, 8, 16, 32].map(|spp| allocations(&*integrator, *kind, spp));
         for (few, many) in counts.iter().zip(&counts[1..]) {
-            // A wave more: for each tile a sampler for each sequence, and the lists of samplers, sums, moments and joins.
-            assert!(many - few <= 7 * TILES + 4, "{} {kind:?}: {counts:?}", entry.name);
+            // A wave more: for each tile a sampler and a tree for each of two sequences, and the lists of samplers, trees,
+            // third powers, moments and sums.
+            assert!(many - few <= 9 * TILES + 8, "{} {kind:?}: {counts:?}", entry.name);
         }
     }
     let [shallow, deep] = [2, 16].map(|max_depth| allocations(&Nee { max_depth, ..Nee::default() }, Kind::Independent, 8));

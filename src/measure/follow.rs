@@ -79,10 +79,13 @@ pub fn follow(render: &mut Render, film: &mut impl Followed, until: &Until, watc
 /// As [`follow`], for a render that has been followed before: it looks and stops as if it had never paused.
 pub fn follow_on(mut course: Course, render: &mut Render, film: &mut impl Followed, until: &Until, watcher: &dyn Watcher) -> Course {
     let mut looks = Looks::default();
-    if until.target.is_some_and(|target| course.checkpoints.iter().any(|before| looks.meet(target, Some(before)))) {
+    let is_met = until.target.is_some_and(|target| course.checkpoints.iter().any(|before| looks.meet(target, Some(before))));
+    let (seen, done) = (course.last().map_or(0, |last| last.samples), film.moments().samples());
+    if is_met {
+        // By an earlier look; what is told of the picture is told of all its samples.
+        course.checkpoints.extend((done > seen).then(|| look(render, film)));
         return course;
     }
-    let (seen, done) = (course.last().map_or(0, |last| last.samples), film.moments().samples());
     let is_ahead = |samples: &u64| *samples > seen && *samples >= done;
     for samples in checkpoints(until.samples).filter(|samples| is_ahead(samples) && until.is_looked_at(*samples)) {
         while render.step(samples, until.time, film, watcher) {
@@ -90,8 +93,7 @@ pub fn follow_on(mut course: Course, render: &mut Render, film: &mut impl Follow
         }
         let reached = film.moments().samples();
         if reached > course.last().map_or(0, |last| last.samples) {
-            let error = RelativeError::of(film.moments());
-            course.checkpoints.push(Checkpoint { samples: reached, seconds: render.report().elapsed.as_secs_f64(), error });
+            course.checkpoints.push(look(render, film));
             watcher.looked(&course, until.expected(&course));
         }
         // Cancelled, or out of time: an unplanned moment, at which nothing is decided.
@@ -100,6 +102,11 @@ pub fn follow_on(mut course: Course, render: &mut Render, film: &mut impl Follow
         }
     }
     course
+}
+
+fn look(render: &Render, film: &impl Followed) -> Checkpoint {
+    let (film, seconds) = (film.moments(), render.report().elapsed.as_secs_f64());
+    Checkpoint { samples: film.samples(), seconds, error: RelativeError::of(film) }
 }
 
 /// Looks at an error that stop a render: each has a share of the risk, so that all together keep it.

@@ -22,7 +22,7 @@ type Row = (&'static str, &'static str, i32, &'static str);
 
 /// Rows of the table that concern what pt can do so far.
 const ROWS: &str = "B1 B2 B3 B4 B5 B6 B7 B8 B9 B10 B11 B12 B13 B14 B15 B17 B18 B19 B20 B21 B24 B25 B26 B27 B28 B29 B33 B34 B35 B37 \
-                    B39 B40 B41 B42 B43 B44 B52 B53 B54 B16";
+                    B39 B40 B41 B42 B43 B44 B52 B53 B54 B55 B16";
 
 /// Whole scene files.
 const TEXTS: &[Row] = &[
@@ -432,6 +432,14 @@ const CALLS: &[Row] = &[
     ("B27", "right.json --size 65537x1", 2, "expected a size from 1x1 to 65536x65536"),
     ("B27", "right.json --size -1x5", 2, "'-1x5' for '--size <WxH>': expected a size such as 640x480"),
     ("B27", "right.json --size 65536x65536", 4, "error: --size 65536x65536: /film/width: the picture needs 1040 GiB of memory, "),
+    ("B55", "right.json --resume=scene.exr -o x.exr", 3, "error: scene.exr: expected a part of a render (.ptc)"),
+    ("B55", "right.json --resume=none.ptc -o x.exr", 3, "error: none.ptc: no such file"),
+    ("B55", "right.json --resume=folder -o x.exr", 3, "error: folder: not a regular file"),
+    ("B55", "right.json --resume none.ptc -o x.exr", 2, "--resume none.ptc: expected --resume=none.ptc"),
+    ("B55", "merge right.json -o x.exr", 3, "error: right.json: expected a part of a render (.ptc)"),
+    ("B55", "merge pipe -o x.exr", 3, "error: pipe: not a regular file"),
+    ("B55", "merge -o x.exr", 2, "<PART>"),
+    ("B55", "right.json --shard 2/2 -o x.ptc", 2, "--shard 2/2: there are only 1 samples per pixel to share out"),
     ("B29", "right.json --crop 5,2,0,1", 2, "error: --crop 5,2,0,1: /film/crop: the crop [x0, x1, y0, y1] is empty"),
     ("B29", "right.json --crop 0,9,0,1", 2, "error: --crop 0,9,0,1: /film/crop: the crop reaches to 9, 1, beyond the image of 8 × 6"),
     ("B29", "right.json --crop -1,9,0,1", 2, "'-1,9,0,1' for '--crop <X0,X1,Y0,Y1>': expected 4 whole numbers"),
