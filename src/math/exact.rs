@@ -80,10 +80,10 @@ mod tests {
         assert_eq!((nothing.get(), nothing), (0.0, ExactSum::default()));
     }
 
-    /// Against whole numbers of 128 bits: ±m·2^e with m < 2²⁴, in units of 2⁻⁶⁰.
+    /// Against whole numbers of 128 bits: ±m·2^e with m ≤ 2²³, in units of 2⁻⁶⁰.
     #[test]
     fn exact_sums_are_exact() {
-        let parts = |i: u64| (((mix(i) >> 39) as i64 - (1 << 23)) as f64, (mix(!i) % 60) as i32);
+        let parts = |i: u64| (((mix(i) >> 40) as i64 - (1 << 23)) as f64, (mix(!i) % 60) as i32);
         let exact: i128 = (0..5000).map(parts).map(|(m, e)| (m as i128) << e).sum();
         let found = sum((0..5000).map(parts).map(|(m, e)| (m * 2f64.powi(e - 60)) as f32)).get();
         let expected = exact as f64 * 2f64.powi(-60);
