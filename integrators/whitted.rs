@@ -138,8 +138,6 @@ impl Walk {
     }
 
     /// All delta lobes where branching is allowed, else one of them: direction and weight.
-    // (Compiled into both walks: out of line it would cost 1 % of a render.)
-    #[inline(always)]
     fn lobes(&self, surface: &Surface, wo: Vec3, depth: u32, sampler: &mut dyn Sampler) -> [Option<(Vec3, Spectrum)>; 2] {
         let mut lobes = surface.delta_lobes(wo, TransportMode::Radiance).map(|(wi, sample)| (wi, sample.weight));
         let (first, second) = (lobes.next(), lobes.next());

@@ -31,6 +31,7 @@ impl Perspective {
         self.lens_radius > 0.0
     }
 
+    #[inline(always)]
     pub(super) fn ray(&self, film: Vec2, aspect: f32, lens: Vec2) -> Ray {
         let x = (2.0 * film.x - 1.0) * self.tan_half_fov * aspect;
         let y = (1.0 - 2.0 * film.y) * self.tan_half_fov;

@@ -80,7 +80,7 @@ mod tests {
         assert_eq!((nothing.get(), nothing), (0.0, ExactSum::default()));
     }
 
-    /// Against whole numbers of 128 bits: ±m·2^e with m < 2²⁴, in units of 2⁻⁶⁰.
+    /// Against whole numbers of 128 bits: ±m·2^e with m ≤ 2²³, in units of 2⁻⁶⁰.
     #[test]
     fn exact_sums_are_exact() {
         let parts = |i: u64| (((mix(i) >> 40) as i64 - (1 << 23)) as f64, (mix(!i) % 60) as i32);
