@@ -536,8 +536,8 @@ fn above_zero(text: &str) -> std::result::Result<f32, String> {
 
 /// Above 0 and below 1, in per cent or not.
 fn share(text: &str) -> std::result::Result<f64, String> {
-    let (number, unit) = text.trim().strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
-    let parsed = number.trim().parse().ok().map(|x: f64| x * unit);
+    let (number, unit) = text.trim().strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
+    let parsed = number.trim().parse().ok().map(|x: f64| x / unit);
     parsed.filter(|x| *x > 0.0 && *x < 1.0).ok_or("expected a share such as 1% or 0.01, above 0 and below 1".to_owned())
 }
 

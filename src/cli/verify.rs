@@ -13,7 +13,7 @@ use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Entry;
 use crate::measure::relative::is_established;
 use crate::measure::words::{duration, per_cent};
-use crate::measure::{Agreement, Until, agreement, follow};
+use crate::measure::{Agreement, RelativeError, Until, agreement, follow};
 use crate::output::{self, Attributes, Tonemap, exr};
 use crate::render::{Render, Settings};
 use crate::sampler::SamplerSpec;
@@ -120,7 +120,8 @@ fn rendered(
         return Err(Error::Interrupted(signal));
     }
     let error = course.last().and_then(|last| last.error);
-    let told = error.map_or(String::new(), |error| format!(", relative error {} %", per_cent(error.value)));
+    let known = error.filter(RelativeError::is_established);
+    let told = known.map_or(String::new(), |error| format!(", relative error {} %", per_cent(error.value)));
     note(&format!("{}: {} spp in {}{told}", entry.name, moments.samples(), duration(render.report().elapsed.as_secs_f64())));
     let freedom = moments.freedom();
     if freedom == 0.0 {

@@ -43,6 +43,35 @@ fn a_target_is_met_or_missed() {
     assert!(render(2, &["--target", "0"]).contains("above 0 and below 1"));
 }
 
+/// A few bright dots hold all the noise: no error, no verdict, but the path that made the brightest.
+#[test]
+fn what_is_hardly_found_is_not_established() {
+    let (folder, caustic) = (folder(), CORNELL.replace("cornell-box", "caustic"));
+    for seed in ["1", "2", "3", "4"] {
+        let args = [&caustic, "--size", "160x120", "--spp", "64", "--seed", seed, "-o", "dots.exr"];
+        let text = said(folder.path(), 0, &args);
+        assert!(text.contains("relative error cannot be established (heavy tail)") && text.contains("--trace"), "{text}");
+    }
+    let text = said(folder.path(), 7, &[&caustic, "--size", "96x72", "--target", "5%", "--spp", "64", "-o", "dots.exr"]);
+    assert!(text.contains("target 5 %: cannot be established"), "{text}");
+    let text = said(folder.path(), 7, &["verify", &caustic, "nee", "path", "--size", "96x72", "--spp", "64"]);
+    assert!(text.contains("inconclusive") && text.contains("nee: 64 spp in ") && !text.contains("relative error "), "{text}");
+}
+
+/// The line says how many samples pixels have; what a part cannot keep is refused.
+#[test]
+fn adaptive_renders_say_so() {
+    let folder = folder();
+    let adaptive = |code: i32, more: &[&str]| said(folder.path(), code, &[&[CORNELL, "--size", "32x32", "--adaptive"], more].concat());
+    let text = adaptive(0, &["--spp", "64", "-o", "box.exr"]);
+    assert!(text.contains(" spp (8 to "), "{text}");
+    let (image, _) = exr::read(&folder.path().join("box.exr")).expect("a picture");
+    let counts = image.channel("SampleCount.Y").expect("counts");
+    assert!(counts.iter().any(|n| *n != counts[0]) && counts.iter().all(|n| n.log2().fract() == 0.0));
+    assert!(adaptive(2, &["-o", "box.ptc"]).contains("a part does not keep how many samples"));
+    assert!(adaptive(2, &["--shard", "1/2"]).contains("cannot be used with"));
+}
+
 #[test]
 fn a_pilot_tells_the_prices_of_each_integrator() {
     let folder = folder();
