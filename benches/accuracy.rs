@@ -125,9 +125,9 @@ fn adaptive(seeds: u64) -> pt::Result<()> {
             errors[0] += relmse(&film);
             seconds[0] += course.last().map_or(0.0, |last| last.seconds);
             let settings = Settings::new(SamplerSpec { kind: Kind::Sobol, seed, spp: SAMPLES, scramblings: 2 });
-            let (density, explored) = explore(&subject.scene, &*subject.integrator, &even, &settings, SAMPLES, &Silent);
-            subject.spec.density = density;
-            let samples = ((SAMPLES as f64 / subject.spec.density.mean()).round() as u64).max(1);
+            let (allocation, explored) = explore(&subject.scene, &*subject.integrator, &even, &settings, SAMPLES, &Silent);
+            subject.spec.allocation = allocation;
+            let samples = ((SAMPLES as f64 / subject.spec.allocation.mean()).round() as u64).max(1);
             let (film, course) = subject.taken(Kind::Sobol, 2, seed, &Until { samples, ..SHORT });
             errors[1] += relmse(&film);
             seconds[1] += course.last().map_or(0.0, |last| last.seconds) + explored.as_secs_f64();

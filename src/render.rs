@@ -57,7 +57,7 @@ impl Observer for Silent {}
 /// What happened beside the picture.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// Per pixel; rounds of samples where the film's density tells pixels apart.
+    /// Per pixel; rounds of samples where the film's allocation tells pixels apart.
     pub samples: u64,
     pub cancelled: bool,
     /// Samples that were not finite or negative; they count as zero. A healthy scene has none.
@@ -207,7 +207,7 @@ impl Render {
     }
 
     fn max_wave_level(&self) -> u32 {
-        MAX_WAVE_LEVEL.saturating_sub(self.spec.density.mean().log2() as u32)
+        MAX_WAVE_LEVEL.saturating_sub(self.spec.allocation.mean().log2() as u32)
     }
 
     /// The sample index that will be reached within the time, at the speed so far.
@@ -254,7 +254,7 @@ impl Render {
             if observer.cancelled() {
                 return None;
             }
-            let wave = wave.denser(self.spec.density.level(self.spec.crop.index(UVec2::new(x, y))));
+            let wave = wave.denser(self.spec.allocation.level(self.spec.crop.index(UVec2::new(x, y))));
             let start = is_timed.then(Instant::now);
             trees.iter_mut().for_each(Tree::clear);
             gray.clear();

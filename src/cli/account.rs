@@ -77,9 +77,9 @@ pub fn summarise<'p>(
 
 /// `64 spp`, or `64.3 spp (8 to 512)`.
 pub fn samples(film: &MomentFilm) -> String {
-    let (mean, density) = (film.mean_samples(), &film.spec().density);
-    let [fewest, most] = density.range().map(|samples| samples * film.samples());
-    if density.is_even() { format!("{mean} spp") } else { format!("{mean:.1} spp ({fewest} to {most})") }
+    let (mean, allocation) = (film.mean_samples(), &film.spec().allocation);
+    let [fewest, most] = allocation.range().map(|samples| samples * film.samples());
+    if allocation.is_even() { format!("{mean} spp") } else { format!("{mean:.1} spp ({fewest} to {most})") }
 }
 
 /// ` · relative error 2.1 % (95 %: 2.0–2.2) · 1 % would take about 14 s`, as far as it is known.

@@ -38,7 +38,7 @@ enum Style {
 }
 
 impl Progress {
-    /// - `rounds`: that the picture is expected to take, a sample per pixel each where its density says no more
+    /// - `rounds`: that the picture is expected to take, a sample per pixel each where its allocation says no more
     pub fn new(choice: args::Progress, film: &FilmSpec, rounds: u64, limit: Option<Duration>) -> Progress {
         let style = match choice {
             args::Progress::Auto if std::io::stderr().is_terminal() => Style::Bar(bar()),
@@ -48,7 +48,7 @@ impl Progress {
             args::Progress::None => Style::Silent,
         };
         let pixels = film.crop.pixel_count();
-        let round = (film.density.mean() * pixels as f64).round() as u64;
+        let round = (film.allocation.mean() * pixels as f64).round() as u64;
         let (start, total) = (Instant::now(), round.saturating_mul(rounds));
         let progress =
             Progress { style, start, total: total.into(), limit, done: 0.into(), whole: 0.into(), pixels, round, last: Mutex::new(start) };

@@ -42,14 +42,14 @@ impl Image {
     /// The mean, its standard error where the samples' [`Spread`](crate::sampler::Spread) tells one, how many samples
     /// there are, and the layers of the film.
     pub fn from_block(spec: &FilmSpec, block: &Block, samples: u64) -> Image {
-        let taken = |i: usize| spec.density.samples(i, samples);
+        let taken = |i: usize| spec.allocation.samples(i, samples);
         let estimates: Vec<Estimate> = block.pixels().enumerate().map(|(i, pixel)| estimate(block.spread(), pixel, taken(i))).collect();
         let channel = |name: String, value: &dyn Fn(&Estimate) -> f64| Channel {
             name,
             values: estimates.iter().map(|pixel| value(pixel) as f32).collect(),
         };
         let mut channels: Vec<Channel> = (0..3).map(|c| channel(RGB[c].into(), &|pixel| pixel[c].0)).collect();
-        if freedom(block.spread(), spec.density.range()[0] * samples) > 0.0 {
+        if freedom(block.spread(), spec.allocation.range()[0] * samples) > 0.0 {
             channels.extend((0..3).map(|c| channel(format!("StdErr.{}", RGB[c]), &|pixel| pixel[c].1.sqrt())));
         }
         channels.push(Channel { name: "SampleCount.Y".into(), values: (0..estimates.len()).map(|i| taken(i) as f32).collect() });

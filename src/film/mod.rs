@@ -1,7 +1,8 @@
 //! Where samples end, and what is kept of them.
 
+pub mod allocation;
 pub mod block;
-pub mod density;
+
 pub mod filter;
 pub mod image;
 pub mod layer;
@@ -14,8 +15,8 @@ use glam::UVec2;
 
 use crate::sampler::Spread;
 
+pub use allocation::Allocation;
 pub use block::{Block, Slots};
-pub use density::Density;
 pub use filter::Filter;
 pub use image::{Channel, Image};
 pub use layer::Layer;
@@ -32,7 +33,7 @@ pub struct FilmSpec {
     /// What is kept beside the picture; changes no bit of it.
     pub layers: Vec<Layer>,
     /// How many samples each pixel of the crop takes beside the others.
-    pub density: Density,
+    pub allocation: Allocation,
 }
 
 impl FilmSpec {
@@ -44,7 +45,7 @@ impl FilmSpec {
             crop: Crop { min: UVec2::ZERO, max: size },
             filter: Filter::default(),
             layers: vec![],
-            density: Density::default(),
+            allocation: Allocation::default(),
         }
     }
 
@@ -88,7 +89,7 @@ impl Crop {
 
 /// The samples `first` … `first + 2^level − 1` of every pixel; `first` is a multiple of 2^level.
 ///
-/// Where a [`Density`] tells pixels apart, rounds of samples stand in the place of samples.
+/// Where a [`Allocation`] tells pixels apart, rounds of samples stand in the place of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wave {
     pub first: u64,
@@ -141,7 +142,7 @@ impl MomentFilm {
         MomentFilm { spec, tree: Tree::default() }
     }
 
-    /// Samples per pixel so far; rounds of samples where a [`Density`] tells pixels apart.
+    /// Samples per pixel so far; rounds of samples where a [`Allocation`] tells pixels apart.
     pub fn samples(&self) -> u64 {
         self.range().end - self.range().start
     }
@@ -158,17 +159,17 @@ impl MomentFilm {
 
     /// Of pixel i of the crop.
     pub fn samples_of(&self, pixel: usize) -> u64 {
-        self.spec.density.samples(pixel, self.samples())
+        self.spec.allocation.samples(pixel, self.samples())
     }
 
     /// Samples so far, the mean of all pixels.
     pub fn mean_samples(&self) -> f64 {
-        self.samples() as f64 * self.spec.density.mean()
+        self.samples() as f64 * self.spec.allocation.mean()
     }
 
     /// ν, the degrees of freedom of the standard errors, of the pixel that has the fewest; 0 where there are none.
     pub fn freedom(&self) -> f64 {
-        let [fewest, _] = self.spec.density.range();
+        let [fewest, _] = self.spec.allocation.range();
         self.blocks().next().map_or(0.0, |(_, block)| block::freedom(block.spread(), fewest * self.samples()))
     }
 

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! s is told by a short pilot. A pixel whose own samples decided how many it gets would be biased: one that saw no light
-//! would stop looking. So the pixels are divided like a chess board, and the density of each follows from pixels of the
-//! other colour alone, of which its own samples are independent: its mean is unbiased and its error bar right, as if the density
+//! would stop looking. So the pixels are divided like a chess board, and the allocation of each follows from pixels of the
+//! other colour alone, of which its own samples are independent: its mean is unbiased and its error bar right, as if the allocation
 //! had been given.
 //!
 //! Source of the allocation: Neyman, *On the Two Different Aspects of the Representative Method* (1934).
@@ -17,7 +17,7 @@ use std::time::Duration;
 
 use super::{EPSILON, Watcher};
 use crate::film::block::estimate;
-use crate::film::{Density, Film, FilmSpec, MomentFilm};
+use crate::film::{Allocation, Film, FilmSpec, MomentFilm};
 use crate::integrator::Integrator;
 use crate::render::{Render, Settings};
 use crate::scene::Scene;
@@ -34,7 +34,7 @@ const MEAN: f64 = 8.0;
 /// The pixels whose noise counts lie this far away at most.
 const REACH: usize = 2;
 
-/// Renders a pilot and throws its picture away; returns the density it suggests, and the seconds it took.
+/// Renders a pilot and throws its picture away; returns the allocation it suggests, and the seconds it took.
 ///
 /// - `samples`: per pixel, that the picture will have
 pub fn explore(
@@ -44,7 +44,7 @@ pub fn explore(
     settings: &Settings,
     samples: u64,
     watcher: &dyn Watcher,
-) -> (Density, Duration) {
+) -> (Allocation, Duration) {
     let spec = spec.clone().without_layers();
     let fewest = u64::from(2 * settings.sampler.spread().sequences());
     let samples = (samples / PILOT).clamp(fewest, LONGEST_PILOT.max(fewest)).next_power_of_two();
@@ -54,24 +54,24 @@ pub fn explore(
     (allocate(&film), render.report().elapsed)
 }
 
-/// The density that a film's noise suggests.
-pub fn allocate(film: &MomentFilm) -> Density {
+/// The allocation that a film's noise suggests.
+pub fn allocate(film: &MomentFilm) -> Allocation {
     let size = film.spec().crop.size();
     let noise = Noise::of(film, size.x as usize);
     let mut levels = vec![0; noise.pixels.len()];
     for color in [0, 1] {
         let own: Vec<usize> = (0..levels.len()).filter(|&i| noise.color(i) == color).collect();
-        let Some(floor) = noise.floor(1 - color) else { return Density::default() };
+        let Some(floor) = noise.floor(1 - color) else { return Allocation::default() };
         let worth: Vec<f64> = own.iter().map(|&i| noise.around(i, floor)).collect();
         let scale = scale(&worth);
         own.iter().zip(&worth).for_each(|(&i, worth)| levels[i] = level(scale * worth));
     }
-    Density::new(levels)
+    Allocation::new(levels)
 }
 
 /// The nearest power of two.
 fn level(samples: f64) -> u8 {
-    samples.log2().round().clamp(0.0, Density::MAX_LEVEL.into()) as u8
+    samples.log2().round().clamp(0.0, Allocation::MAX_LEVEL.into()) as u8
 }
 
 /// By what to multiply these, so that as many samples as are near them average [`MEAN`].

@@ -56,8 +56,9 @@ impl RelativeError {
         // Σ c² (2 + 2/ν), where the squares of the estimates are (1 + 2/ν) times too large.
         let effective = if square > 0.0 { sum * sum / square } else { count };
         let chance = (2.0 * (freedom + 1.0) / (freedom + 2.0) / effective).sqrt();
-        // What the denominators were corrected by may be as wrong as it is large.
-        let corrected = if sum > 0.0 { (sum / smoothed.uncorrected(floor)).ln() } else { 0.0 };
+        // What the denominators were corrected by is right to first order: anything from nothing to twice as much may be
+        // due, all alike as far as is known. The standard deviation of ±c is c/√3.
+        let corrected = if sum > 0.0 { (sum / smoothed.uncorrected(floor)).ln() / 3f64.sqrt() } else { 0.0 };
         Some(RelativeError { value: (sum / count).sqrt(), spread: 0.5 * chance.hypot(corrected), effective_pixels: effective })
     }
 

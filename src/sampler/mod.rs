@@ -99,8 +99,12 @@ impl SamplerSpec {
 }
 
 /// The seed of scrambling r; the first keeps the pixel's own.
+///
+/// Mixed before r comes in: neighbouring seeds would share their scramblings, in another order.
+///
+/// Tests: seeds_share_no_scrambling.
 fn scrambled(seed: u64, r: u32) -> u64 {
-    if r == 0 { seed } else { hash::dimension_key(!seed, r) }
+    if r == 0 { seed } else { hash::dimension_key(hash::mix(!seed), r) }
 }
 
 /// The samplers there are.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::UVec2;
 use proptest::prelude::*;
 use pt::describe::{self, Source};
-use pt::film::{Block, Crop, Density, Film, FilmSpec, MomentFilm, Moments, Wave};
+use pt::film::{Allocation, Block, Crop, Film, FilmSpec, MomentFilm, Moments, Wave};
 use pt::integrator::{Integrator, choose};
 use pt::math::Spectrum;
 use pt::measure::adaptive::{allocate, explore};
@@ -35,7 +35,7 @@ fn is_white(i: usize) -> bool {
 }
 
 proptest! {
-    /// The density of a pixel, and of all pixels on squares of its colour, does not depend on its own samples.
+    /// The samples that a pixel is given, and those of all pixels on squares of its colour, do not depend on its own samples.
     #[test]
     fn own_samples_have_no_say(
         mut values in prop::collection::vec(prop::collection::vec(0.0f32..2.0, 4), PIXELS),
@@ -65,27 +65,27 @@ fn noisy_pixels_take_more() {
     // ±noise about 1; s = noise/√1.01 on both sides, and 10.67 : 1.33 = 8 : 1 with a mean of 6, so that 8 : 8 · 8 is out of
     // question: powers of two with that mean are 16 : 2 or 8 : 1 or both, pixel by pixel.
     let left = |i: usize| i % (WIDTH as usize) < WIDTH as usize / 2;
-    let density = allocate(&film(|i| {
+    let allocation = allocate(&film(|i| {
         let noise = if left(i) { 0.5 } else { 0.0625 };
         [1.0 - noise, 1.0 + noise, 1.0 - noise, 1.0 + noise].to_vec()
     }));
     // Two pixels beside the border see across it.
     let far = |i: &usize| (i % WIDTH as usize).abs_diff(WIDTH as usize / 2) > 2;
     let mean = |side: bool| {
-        let counts: Vec<f64> = (0..PIXELS).filter(far).filter(|&i| left(i) == side).map(|i| density.samples(i, 1) as f64).collect();
+        let counts: Vec<f64> = (0..PIXELS).filter(far).filter(|&i| left(i) == side).map(|i| allocation.samples(i, 1) as f64).collect();
         counts.iter().sum::<f64>() / counts.len() as f64
     };
     let ratio = mean(true) / mean(false);
     assert!((8.0 / 2f64.sqrt()..=8.0 * 2f64.sqrt()).contains(&ratio), "{} and {} samples per round", mean(true), mean(false));
-    assert!((density.mean() / 8.0).log2().abs() < 0.5, "{} samples per round", density.mean());
+    assert!((allocation.mean() / 8.0).log2().abs() < 0.5, "{} samples per round", allocation.mean());
 }
 
 /// Nothing to tell pixels apart: all alike, and the picture that of so many samples each.
 #[test]
 fn even_noise_is_sampled_evenly() {
-    let density = allocate(&film(|_| vec![0.5, 1.5, 0.5, 1.5]));
-    assert_eq!(density.range(), [8, 8]);
-    assert_eq!(allocate(&film(|_| vec![0.0; 4])), Density::default());
+    let allocation = allocate(&film(|_| vec![0.5, 1.5, 0.5, 1.5]));
+    assert_eq!(allocation.range(), [8, 8]);
+    assert_eq!(allocate(&film(|_| vec![0.0; 4])), Allocation::default());
 }
 
 struct Subject {
@@ -122,20 +122,20 @@ impl Subject {
 
     /// With so many samples per pixel on average.
     fn adapted(&self, settings: &Settings) -> MomentFilm {
-        let (density, _) = explore(&self.scene, &*self.integrator, &self.spec, settings, settings.samples, &Silent);
-        let samples = (settings.samples as f64 / density.mean()).round() as u64;
-        self.rendered(&FilmSpec { density, ..self.spec.clone() }, &Settings { samples, ..settings.clone() })
+        let (allocation, _) = explore(&self.scene, &*self.integrator, &self.spec, settings, settings.samples, &Silent);
+        let samples = (settings.samples as f64 / allocation.mean()).round() as u64;
+        self.rendered(&FilmSpec { allocation, ..self.spec.clone() }, &Settings { samples, ..settings.clone() })
     }
 }
 
-/// After n rounds a pixel is, bit for bit, what n·2^l samples make of it in a picture without densities.
+/// After n rounds a pixel is, bit for bit, what n·2^l samples make of it in a picture that is sampled evenly.
 #[test]
 fn rounds_are_samples() {
     let subject = Subject::load("cornell-box", 20, 15);
     let crop = Crop { min: UVec2::new(3, 2), max: UVec2::new(13, 11) };
     let plain = FilmSpec { crop, ..subject.spec.clone() };
     let levels = (0..crop.pixel_count()).map(|i| (i * 7 % 5) as u8).collect();
-    let dense = FilmSpec { density: Density::new(levels), ..plain.clone() };
+    let dense = FilmSpec { allocation: Allocation::new(levels), ..plain.clone() };
     for kind in [Kind::Independent, Kind::Sobol] {
         for rounds in [4, 5, 7] {
             let settings = Settings { tile: 4, ..subject.settings(kind, rounds, 1) };

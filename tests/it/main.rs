@@ -57,6 +57,7 @@ mod tev;
 mod textures;
 mod transforms;
 mod varying;
+mod verdicts;
 mod warps;
 mod witness;
 mod worst;

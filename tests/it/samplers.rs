@@ -418,3 +418,19 @@ fn integration_gains_what_stratification_promises() {
     assert!(deviation(Kind::Halton, 16 * 81) < jittered(16.0 * 81.0) / 2.0);
     assert!(deviation(Kind::Sobol, 1024) < deviation(Kind::Sobol, 256) / 5.0);
 }
+
+/// Pictures of neighbouring seeds are independent: not one of their scramblings is the same.
+#[test]
+fn seeds_share_no_scrambling() {
+    for kind in [Kind::Stratified, Kind::Halton, Kind::Sobol] {
+        let mut seen = std::collections::HashSet::new();
+        for seed in (0..64).chain((0..32).map(|bit| 1 << (bit + 32))) {
+            let spec = SamplerSpec { kind, seed, spp: 64, scramblings: 16 };
+            for (r, mut sequence) in spec.sequences().into_iter().enumerate() {
+                let numbers: Vec<u32> =
+                    [0, 1].iter().flat_map(|&i| point(&mut *sequence, PIXEL, i, dimension::FILM).to_array().map(f32::to_bits)).collect();
+                assert!(seen.insert(numbers), "{kind:?}: scrambling {r} of seed {seed} has been there");
+            }
+        }
+    }
+}

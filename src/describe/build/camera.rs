@@ -7,7 +7,7 @@ use glam::UVec2;
 use super::transform;
 use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use crate::describe;
-use crate::film::{Crop, Density, FilmSpec, Filter, Layer};
+use crate::film::{Allocation, Crop, FilmSpec, Filter, Layer};
 use crate::math::Transform;
 use crate::sampler::{Kind, SamplerSpec};
 
@@ -40,7 +40,7 @@ pub(in crate::describe) fn film(described: &describe::Film) -> FilmSpec {
     };
     let size = UVec2::new(described.width.get(), described.height.get());
     let layers = described.layers.iter().copied().map(layer).collect::<BTreeSet<_>>().into_iter().collect();
-    FilmSpec { size, crop: Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) }, filter, layers, density: Density::default() }
+    FilmSpec { size, crop: Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) }, filter, layers, allocation: Allocation::default() }
 }
 
 fn layer(described: describe::Layer) -> Layer {

@@ -8,16 +8,16 @@ use std::sync::Arc;
 /// aligned block of its own indices, so that what [`Wave`](super::Wave) and [`Tree`](super::Tree) say of samples holds of
 /// rounds: any split into aligned waves gives the same bits, and a power of two of rounds is one of samples.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Density {
+pub struct Allocation {
     /// lᵢ, row by row over the crop; `None` where all are 0.
     levels: Option<Arc<[u8]>>,
 }
 
-impl Density {
-    /// - `levels`: lᵢ ≤ [`Density::MAX_LEVEL`] of every pixel of the crop
-    pub fn new(levels: Vec<u8>) -> Density {
-        debug_assert!(levels.iter().all(|&level| level <= Density::MAX_LEVEL));
-        Density { levels: Some(levels.into()) }
+impl Allocation {
+    /// - `levels`: lᵢ ≤ [`Allocation::MAX_LEVEL`] of every pixel of the crop
+    pub fn new(levels: Vec<u8>) -> Allocation {
+        debug_assert!(levels.iter().all(|&level| level <= Allocation::MAX_LEVEL));
+        Allocation { levels: Some(levels.into()) }
     }
 
     /// Sixty-four samples beside one.

@@ -1,0 +1,113 @@
+//! `pt verify`'s question on real renders: planted faults are found, healthy pairs pass.
+//!
+//! `cargo test --release --test it verdicts -- --include-ignored` asks the full number of times.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use pt::describe::{self, Source};
+use pt::film::{FilmSpec, Image, MomentFilm};
+use pt::integrator::choose;
+use pt::measure::relative::is_established;
+use pt::measure::{Agreement, Render, agreement};
+use pt::render::{Settings, Silent, render};
+use pt::sampler::SamplerSpec;
+use pt::scene::Scene;
+use statrs::distribution::{Binomial, DiscreteCDF};
+
+/// As the command has it: sixteen scramblings, and one wrong answer in a hundred.
+const SCRAMBLINGS: u32 = 16;
+const ALPHA: f64 = 0.01;
+
+struct Subject {
+    built: Arc<dyn Scene>,
+    spec: FilmSpec,
+    sampler: SamplerSpec,
+    root: pt::reader::Node,
+}
+
+impl Subject {
+    fn cornell(edge: u32) -> Subject {
+        let file = "scenes/cornell-box.json";
+        let mut root = describe::load(Path::new(file)).expect("a scene");
+        for pointer in ["/film/width", "/film/height"] {
+            root.set(pointer, &edge.to_string()).expect("a key");
+        }
+        let source = Source { root: &root, file, folder: Path::new("scenes"), allow_outside: false };
+        let built = describe::build(&describe::read(&root, file).expect("a description"), source).expect("a scene");
+        Subject { built: Arc::new(built.world), spec: built.film, sampler: built.sampler, root }
+    }
+
+    fn side(&self, integrator: &str, spp: u64, seed: u64) -> Image {
+        let (_, integrator) = choose(&[pt::integrators::ALL], self.root.child("integrator"), Some(integrator), "").expect("known");
+        let settings = Settings::new(SamplerSpec { spp, seed, scramblings: SCRAMBLINGS, ..self.sampler });
+        let mut film = MomentFilm::new(self.spec.clone());
+        render(self.built.clone(), &*integrator, &mut film, &settings, &Silent);
+        film.image()
+    }
+}
+
+fn verdict(a: &Image, b: &Image) -> Agreement {
+    let side = |image| Render { image, samples: SCRAMBLINGS.into() };
+    agreement(side(a), side(b), ALPHA).expect("two sides")
+}
+
+/// A picture with its errors, brighter by a factor that depends on the place.
+fn planted(image: &Image, factor: impl Fn(u32, u32) -> f32) -> Image {
+    let mut image = image.clone();
+    let width = image.size.x;
+    for channel in image.channels.iter_mut().filter(|channel| channel.name != "SampleCount.Y") {
+        let values = channel.values.iter_mut().zip(0..);
+        values.for_each(|(value, i): (&mut f32, u32)| *value *= factor(i % width, i / width));
+    }
+    image
+}
+
+/// Pairs that are the same, of which no more are called different than α and chance allow: one suite in a thousand.
+fn healthy(seeds: u64) {
+    let subject = Subject::cornell(24);
+    let mut alarms = 0;
+    for seed in 0..seeds {
+        let (a, b) = (subject.side("nee", 64, 2 * seed), subject.side("path", 256, 2 * seed + 1));
+        alarms += u64::from(is_established(&a) && is_established(&b) && !verdict(&a, &b).accepts());
+    }
+    let allowed = Binomial::new(ALPHA, seeds).expect("a distribution").inverse_cdf(0.999);
+    assert!(alarms <= allowed, "{alarms} of {seeds} healthy pairs are called different, {allowed} allowed");
+}
+
+#[test]
+fn healthy_pairs_pass() {
+    healthy(20);
+}
+
+#[test]
+#[ignore = "the full number: half a minute in release"]
+fn two_hundred_healthy_pairs_pass() {
+    healthy(200);
+}
+
+/// As much more light everywhere, and a fifth more in one pixel of a hundred, a spot in a corner of the picture.
+fn found(edge: u32, spp: u64, biases: &[f32]) {
+    let subject = Subject::cornell(edge);
+    let (a, b) = (subject.side("nee", spp, 1), subject.side("nee", spp, 2));
+    assert!(verdict(&a, &b).accepts(), "nothing planted: {}", verdict(&a, &b));
+    for bias in biases {
+        let found = verdict(&a, &planted(&b, |_, _| 1.0 + bias));
+        assert!(!found.accepts(), "{bias} everywhere: {found}");
+    }
+    let (corner, spot) = (edge * 5 / 8, edge / 10);
+    let inside = move |x: u32| (corner..corner + spot).contains(&x);
+    let found = verdict(&a, &planted(&b, |x, y| if inside(x) && inside(y) { 1.2 } else { 1.0 }));
+    assert!(!found.accepts(), "a spot: {found}");
+}
+
+#[test]
+fn planted_biases_are_found() {
+    found(48, 512, &[0.01, 0.03, -0.01]);
+}
+
+#[test]
+#[ignore = "3 per mille take 40 million samples: a minute in release"]
+fn small_planted_biases_are_found() {
+    found(96, 2048, &[0.003, 0.01, 0.03, -0.003]);
+}
