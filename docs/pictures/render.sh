@@ -23,6 +23,7 @@ picture compounds       compounds       --size 288x180 --spp 512
 picture statue            statue          --size 270x360 --spp 256
 picture pawns             pawns           --size 280x210 --spp 256
 picture triangle-stacks   triangle-stacks --size 240x320 --spp 256
+picture caustic           caustic         --size 280x210 --spp 256
 picture glass-panel       glass-panel     --size 320x320 --spp 1024
 # The same number of samples per pixel, so that the two can be compared.
 picture mis-plates        mis-plates      --size 360x270 --spp 256
