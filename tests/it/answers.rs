@@ -47,8 +47,8 @@ fn a_target_is_met_or_missed() {
 #[test]
 fn what_is_hardly_found_is_not_established() {
     let (folder, caustic) = (folder(), CORNELL.replace("cornell-box", "caustic"));
-    for seed in ["1", "2", "3", "4"] {
-        let args = [&caustic, "--size", "160x120", "--spp", "64", "--seed", seed, "-o", "dots.exr"];
+    for seed in ["1", "2"] {
+        let args = [&caustic, "--size", "240x180", "--spp", "128", "--seed", seed, "-o", "dots.exr"];
         let text = said(folder.path(), 0, &args);
         assert!(text.contains("relative error cannot be established (heavy tail)") && text.contains("--trace"), "{text}");
     }
@@ -64,7 +64,7 @@ fn adaptive_renders_say_so() {
     let folder = folder();
     let adaptive = |code: i32, more: &[&str]| said(folder.path(), code, &[&[CORNELL, "--size", "32x32", "--adaptive"], more].concat());
     let text = adaptive(0, &["--spp", "64", "-o", "box.exr"]);
-    assert!(text.contains(" spp (8 to "), "{text}");
+    assert!(text.contains(" spp (") && text.contains(" to 128)"), "{text}");
     let (image, _) = exr::read(&folder.path().join("box.exr")).expect("a picture");
     let counts = image.channel("SampleCount.Y").expect("counts");
     assert!(counts.iter().any(|n| *n != counts[0]) && counts.iter().all(|n| n.log2().fract() == 0.0));

@@ -114,7 +114,7 @@ fn who_tells_nothing_is_said_to() {
 #[test]
 fn the_worst_samples_can_be_replayed() {
     let folder = folder();
-    let flags = ["--integrator", "path", "--seed", "8", "--size", "20x14", "--sampler", "sobol", "--spp", "32", "-D", "/camera/fov=50"];
+    let flags = ["--integrator", "path", "--seed", "8", "--size", "20x14", "--sampler", "sobol", "--spp", "128", "-D", "/camera/fov=50"];
     let args = [&["my scene.json", "-o", "x.exr", "--worst", "4"][..], &flags].concat();
     let (text, stderr) = pt(folder.path(), &args);
     let listed: Vec<&str> = text.lines().skip(1).filter(|line| line.contains("pt 'my scene.json'")).collect();
