@@ -127,7 +127,7 @@ fn picture(
 
     if args.adaptive {
         let progress = Progress::new(args::Progress::None, &spec, until.samples, None);
-        (spec.allocation, start.report.elapsed) = adaptive::explore(&scene, &*integrator, &spec, &settings, until.samples, &progress);
+        (spec.allocation, start.report.elapsed) = adaptive::explore(&world, &*integrator, &spec, &settings, until.samples, &progress);
         until.samples = ((until.samples as f64 / spec.allocation.mean()).round() as u64).max(1);
         start.film = MomentFilm::new(spec.clone());
     }

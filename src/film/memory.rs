@@ -7,13 +7,14 @@ use super::Slots;
 /// ```text
 /// 8 s · blocks of the tree + the larger of
 ///   2 · 8 s          a wave's block, and the tiles that it is put together from
-///   8 s + 132        at the end: their sum; means and errors (48), seven channels (28), and twice that for the file
+///   8 s + 132        at the end: their sum; means and errors (48), seven channels (28), and twice that for the file;
+///                    a channel at most, thrice too, for each number of a layer (12)
 /// ```
 ///
 /// for each pixel, with s its numbers in a block.
 pub fn needed(pixels: u64, slots: Slots, samples: u64) -> u128 {
     let block = 8 * slots.all() as u128;
-    u128::from(pixels) * (block * u128::from(blocks(samples)) + (2 * block).max(block + 132))
+    u128::from(pixels) * (block * u128::from(blocks(samples)) + (2 * block).max(block + 132 + 12 * slots.layers as u128))
 }
 
 /// Blocks that the tree of so many samples holds at most.

@@ -2,7 +2,6 @@
 
 pub mod allocation;
 pub mod block;
-
 pub mod filter;
 pub mod image;
 pub mod layer;
@@ -89,7 +88,7 @@ impl Crop {
 
 /// The samples `first` … `first + 2^level − 1` of every pixel; `first` is a multiple of 2^level.
 ///
-/// Where a [`Allocation`] tells pixels apart, rounds of samples stand in the place of samples.
+/// Where an [`Allocation`] tells pixels apart, rounds of samples stand in the place of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wave {
     pub first: u64,
@@ -142,7 +141,7 @@ impl MomentFilm {
         MomentFilm { spec, tree: Tree::default() }
     }
 
-    /// Samples per pixel so far; rounds of samples where a [`Allocation`] tells pixels apart.
+    /// Samples per pixel so far; rounds of samples where an [`Allocation`] tells pixels apart.
     pub fn samples(&self) -> u64 {
         self.range().end - self.range().start
     }

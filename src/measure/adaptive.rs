@@ -15,7 +15,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::{EPSILON, Watcher};
+use super::Watcher;
+use super::around::around;
+use super::relative::floor_at;
 use crate::film::block::estimate;
 use crate::film::{Allocation, Film, FilmSpec, MomentFilm};
 use crate::integrator::Integrator;
@@ -116,16 +118,12 @@ impl Noise {
     fn floor(&self, color: usize) -> Option<f64> {
         let values = (0..self.pixels.len()).filter(|&i| self.color(i) == color).flat_map(|i| self.pixels[i].map(|(x, _)| x));
         let (sum, count) = values.fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
-        let mean = sum / f64::from(count);
-        Some(EPSILON * mean * mean).filter(|floor| floor.is_normal())
+        floor_at(sum / f64::from(count))
     }
 
     /// s of pixel i, as its neighbours on squares of the other colour tell it.
     fn around(&self, i: usize, floor: f64) -> f64 {
-        let (width, height) = (self.width, self.pixels.len() / self.width);
-        let span = |at: usize, end: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(end);
-        let (across, down) = (span(i % width, width), span(i / width, height));
-        let others = down.flat_map(|y| across.clone().map(move |x| y * width + x)).filter(|&q| self.color(q) != self.color(i));
+        let others = around(i, REACH, self.width, self.pixels.len()).filter(|&q| self.color(q) != self.color(i));
         let squares = others.flat_map(|q| self.pixels[q].map(|(x, v)| v / (x * x + floor)));
         let (sum, count) = squares.fold((0.0, 0), |(sum, count), s| (sum + s, count + 1));
         (sum / f64::from(count.max(1))).sqrt()

@@ -7,6 +7,7 @@
 
 pub mod adaptive;
 pub mod agreement;
+mod around;
 pub mod average;
 pub mod course;
 pub mod distance;

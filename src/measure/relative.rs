@@ -4,6 +4,7 @@ use arrayvec::ArrayVec;
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use super::around::around;
 use crate::film::block::{Estimate, estimate, pull};
 use crate::film::{Block, Film, Image, MomentFilm};
 
@@ -92,6 +93,11 @@ pub fn is_established(image: &Image) -> bool {
 /// ε of a reference, above 0.
 pub fn floor(image: &Image) -> Option<f64> {
     let mean = image.pixels().flatten().map(f64::from).sum::<f64>() / (3.0 * image.pixels().count() as f64);
+    floor_at(mean)
+}
+
+/// ε of a picture of this mean, above 0.
+pub(super) fn floor_at(mean: f64) -> Option<f64> {
     Some(EPSILON * mean * mean).filter(|floor| floor.is_normal())
 }
 
@@ -131,15 +137,12 @@ impl Smoothed {
     /// ε, above 0.
     fn floor(&self) -> Option<f64> {
         let mean = self.gray.iter().map(|(x, _)| x).sum::<f64>() / self.gray.len() as f64;
-        Some(EPSILON * mean * mean).filter(|floor| floor.is_normal())
+        floor_at(mean)
     }
 
     /// The pixels within reach of pixel i.
     fn around(&self, i: usize) -> impl Iterator<Item = usize> {
-        let (width, height) = (self.width, self.pixels.len() / self.width.max(1));
-        let span = |at: usize, end: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(end);
-        let (across, down) = (span(i % width, width), span(i / width, height));
-        down.flat_map(move |y| across.clone().map(move |x| y * width + x)).filter(move |q| *q != i)
+        around(i, REACH, self.width, self.pixels.len()).filter(move |q| *q != i)
     }
 
     /// What each pixel adds to relMSE, the mean of its colours.

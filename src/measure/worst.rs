@@ -4,6 +4,7 @@ use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
 use super::EPSILON;
+use super::around::around;
 use crate::film::{Film, MomentFilm};
 use crate::math::Spectrum;
 use crate::render::{Render, SampleId};
@@ -145,10 +146,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// The median of m² over a pixel and those around it.
 fn median_square(means: &[f64], width: usize, p: usize) -> f64 {
-    let (x, y, height) = (p % width, p / width, means.len() / width);
-    let span = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
-    let mut around: ArrayVec<f64, 9> =
-        span(y, height).flat_map(|y| span(x, width).map(move |x| y * width + x)).map(|q| means[q] * means[q]).collect();
-    around.sort_unstable_by(|a, b| a.total_cmp(b));
-    around[around.len() / 2]
+    let mut squares: ArrayVec<f64, 9> = around(p, 1, width, means.len()).map(|q| means[q] * means[q]).collect();
+    squares.sort_unstable_by(f64::total_cmp);
+    squares[squares.len() / 2]
 }
