@@ -5,6 +5,7 @@ use std::f32::consts::TAU;
 use glam::Vec2;
 
 use super::BsdfSample;
+use crate::math::float::ROUNDING;
 use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel, warp};
 
 /// The mirror direction m, plus r times a point on the unit sphere.
@@ -18,7 +19,7 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel, warp};
 /// What falls below the surface is absorbed. Not reciprocal.
 ///
 /// - on both sides of the surface; zero when the directions lie on opposite sides
-/// - sampling: as defined, so that weight = ρ
+/// - sampling: as defined, so that weight = ρ; the density is that of the rounded direction
 ///
 /// Source: the "metal" of ray-tracing courses; the density is derived here. Tests: matter, proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,8 +44,16 @@ impl Metal {
         let mirror = fresnel::reflect(wo.0);
         // By the sine: 1 − b² would lose narrow cones.
         let (b, q2) = (mirror.dot(wi.0), self.roughness * self.roughness - mirror.cross(wi.0).length_squared());
-        let inside = !self.is_mirror() && wo.same_side(wi) && b > 0.0 && q2 > 0.0;
-        if inside { self.density(b, q2.sqrt()) } else { SolidAnglePdf::ZERO }
+        let inside = !self.is_mirror() && wo.same_side(wi) && b > 0.0 && q2 > -self.rim();
+        if inside { self.density(b, q2.max(self.rim()).sqrt()) } else { SolidAnglePdf::ZERO }
+    }
+
+    /// By what rounding may move q²: |2 sin δ| with sin = r and δ the error of the sine, four times 2⁻²⁴ at most.
+    ///
+    /// Within so much of the rim p is what it is there: what this takes from inside the rim it adds outside, and every
+    /// direction that is drawn has a density.
+    fn rim(&self) -> f32 {
+        8.0 * ROUNDING * self.roughness
     }
 
     pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
@@ -53,10 +62,8 @@ impl Metal {
         }
         let (mirror, shift) = (fresnel::reflect(wo.0), warp::uniform_sphere(u));
         let wi = (mirror + self.roughness * shift).try_normalize()?;
-        // Of the point drawn, not of the direction: at the rim that would be mostly rounding.
-        let (b, q) = (mirror.dot(wi), self.roughness * shift.dot(wi).abs());
-        let found = wo.same_side(Local(wi)) && b > 0.0 && q > 0.0;
-        found.then(|| BsdfSample::of_lobe(Local(wi), self.color, self.density(b, q))).flatten()
+        let pdf = self.pdf(wo, Local(wi));
+        (pdf.get() > 0.0).then(|| BsdfSample::of_lobe(Local(wi), self.color, pdf)).flatten()
     }
 
     fn density(&self, b: f32, q: f32) -> SolidAnglePdf {
