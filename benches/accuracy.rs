@@ -12,7 +12,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use pt::describe::{self, Source};
+use pt::describe::{self, Files, Source};
 use pt::film::{FilmSpec, MomentFilm};
 use pt::integrator::{Integrator, choose};
 use pt::measure::adaptive::explore;
@@ -41,7 +41,7 @@ impl Subject {
             root.set(pointer, value)?;
         }
         let described = describe::read(&root, &file)?;
-        let built = describe::build(&described, Source { root: &root, file: &file, folder: Path::new("scenes"), allow_outside: false })?;
+        let built = describe::build(&described, Source { root: &root, file: &file, files: &Files::within("scenes") })?;
         let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some("nee"), &file)?;
         Ok(Subject { scene: Arc::new(built.world), integrator, spec: built.film })
     }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use cpu_time::ProcessTime;
-use pt::describe::{self, Source};
+use pt::describe::{self, Files, Source};
 use pt::film::MomentFilm;
 use pt::integrator::choose;
 use pt::render::{Settings, Silent, render};
@@ -20,7 +20,7 @@ fn main() -> pt::Result<()> {
     let bytes = std::fs::read(file).map_err(|e| pt::Error::io(file, e))?;
     let root = describe::root(&bytes, file)?;
     let built =
-        describe::build(&describe::read(&root, file)?, Source { root: &root, file, folder: Path::new("scenes"), allow_outside: false })?;
+        describe::build(&describe::read(&root, file)?, Source { root: &root, file, files: &Files::within("scenes") })?;
     let scene: Arc<dyn Scene> = Arc::new(built.world);
     let cpu_seconds = |name: &str, kind: Kind, threads: usize| -> pt::Result<f64> {
         let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some(name), file)?;

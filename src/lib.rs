@@ -11,6 +11,7 @@ pub mod describe;
 pub mod effects;
 mod error;
 pub mod film;
+pub mod import;
 pub mod integrator;
 #[path = "../integrators/mod.rs"]
 pub mod integrators;

@@ -16,7 +16,7 @@ const LAYERS: &[&[&[&str]]] = &[
     &[&["shape"], &["texture"], &["bsdf"], &["light"], &["camera"]],
     &[&["primitive"], &["accel"], &["scene"], &["world"]],
     &[&["film"], &["witness"], &["integrator"], &["render"]],
-    &[&["output"], &["describe"]],
+    &[&["output"], &["describe"], &["import"]],
     &[&["integrators"]],
     &[&["measure"], &["part"], &["proof"], &["compare"], &["cli"], &["main"]],
 ];

@@ -36,6 +36,8 @@ pub enum Command {
         /// Only these.
         what: Option<Family>,
     },
+    /// Write a scene of another program, or one with -D, in pt's own format; what is changed or left out is said.
+    Convert(Convert),
     /// The JSON Schema of the scene format, on stdout.
     Schema(Schema),
     /// Whether two integrators, or an integrator and a picture, converge to the same picture: exit code 0 yes, 1 no, 7 no telling.
@@ -53,6 +55,15 @@ pub enum Command {
         #[command(subcommand)]
         verb: Verb,
     },
+}
+
+#[derive(clap::Args, Debug)]
+pub struct Convert {
+    #[command(flatten)]
+    pub scene: Scene,
+    /// Where the scene goes: .json. Files that came with it go into a folder beside it, others stay where they are.
+    #[arg(value_name = "OUT", required = true)]
+    pub output: PathBuf,
 }
 
 #[derive(clap::Args, Debug)]
@@ -271,6 +282,8 @@ pub enum Family {
     /// Layers beside the picture.
     Aovs,
     Metrics,
+    /// Scene files that can be read.
+    Dialects,
 }
 
 #[derive(clap::Args, Debug)]

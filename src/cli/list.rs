@@ -5,12 +5,13 @@ use super::say;
 use crate::describe;
 use crate::error::Result;
 use crate::film::Layer;
+use crate::import;
 use crate::integrator::Entry;
 use crate::measure::metric;
 use crate::sampler::Kind;
 
 pub fn list(what: Option<Family>, tables: &[&[Entry]]) -> Result<()> {
-    const ALL: [Family; 10] = [
+    const ALL: [Family; 11] = [
         Family::Integrators,
         Family::Samplers,
         Family::Shapes,
@@ -21,6 +22,7 @@ pub fn list(what: Option<Family>, tables: &[&[Entry]]) -> Result<()> {
         Family::Filters,
         Family::Aovs,
         Family::Metrics,
+        Family::Dialects,
     ];
     let mut text = String::new();
     for family in ALL.into_iter().filter(|family| what.is_none_or(|w| w == *family)) {
@@ -47,6 +49,7 @@ fn rows(family: Family, tables: &[&[Entry]]) -> Vec<(String, String)> {
         Family::Lights => describe::members("Light"),
         Family::Cameras => describe::members("Camera"),
         Family::Filters => describe::members("Filter"),
+        Family::Dialects => import::ALL.iter().map(|dialect| pair(dialect.name, dialect.about)).collect(),
         Family::Aovs => Layer::ALL.iter().map(|(_, name, about)| pair(name, about)).collect(),
         Family::Metrics => metric::ALL.iter().map(|kind| (kind.name.into(), kind.about())).collect(),
     }

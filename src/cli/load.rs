@@ -1,11 +1,12 @@
 //! From the command line to a scene that can be rendered.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::{args, memory};
-use crate::describe::{self, Built, Identity, Shape, Source};
-use crate::error::{Error, Result};
+use crate::describe::{self, Built, Files, Identity, Shape, Source};
+use crate::error::{Error, Fault, Result};
+use crate::import::{Imported, import};
 use crate::integrator::{self, Entry, Integrator};
 use crate::reader::Node;
 use crate::world::World;
@@ -18,10 +19,10 @@ pub struct Loaded {
     pub description: describe::Scene,
     /// Of the scene file, without its folder and extension.
     pub stem: String,
-    root: Node,
+    /// In pt's own format, overridden.
+    pub root: Node,
     file: String,
-    folder: PathBuf,
-    allow_outside: bool,
+    pub files: Files,
 }
 
 impl Loaded {
@@ -46,7 +47,7 @@ impl Loaded {
     pub fn without_smooth_shadows(&self) -> Result<Option<(World, usize)>> {
         let mut description = self.description.clone();
         let count = take_smooth_shadows(&mut description.shapes);
-        let source = Source { root: &self.root, file: &self.file, folder: &self.folder, allow_outside: self.allow_outside };
+        let source = Source { root: &self.root, file: &self.file, files: &self.files };
         Ok(if count > 0 { Some((describe::build(&description, source)?.world, count)) } else { None })
     }
 }
@@ -63,26 +64,14 @@ pub struct Override {
 ///
 /// - `more`: overrides that have flags of their own, after those of `-D`
 pub fn load(scene: &args::Scene, more: &[Override], integrator: Option<&str>, tables: &[&[Entry]]) -> Result<Loaded> {
-    let path = scene.path()?;
-    let (mut root, file) = (describe::load(path)?, describe::name(path));
-    overridden(&mut root, scene, more).map_err(|refusal| deeper(refusal, &root, &file))?;
+    let Imported { root, file, files, notes, .. } = imported(scene, more)?;
     let description = describe::read(&root, &file)?;
     memory::check(&description, &root, &file)?;
     let (entry, integrator) = integrator::choose(tables, root.child("integrator"), integrator, &file)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let built = describe::build(&description, Source { root: &root, file: &file, folder, allow_outside: scene.allow_outside })?;
+    let mut built = describe::build(&description, Source { root: &root, file: &file, files: &files })?;
+    built.warnings.splice(..0, notes.iter().map(Fault::to_string));
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
-    Ok(Loaded {
-        built,
-        entry,
-        integrator: integrator.into(),
-        description,
-        stem,
-        root,
-        file,
-        folder: folder.to_owned(),
-        allow_outside: scene.allow_outside,
-    })
+    Ok(Loaded { built, entry, integrator: integrator.into(), description, stem, root, file, files })
 }
 
 fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
@@ -92,6 +81,16 @@ fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
         _ => 0,
     };
     shapes.iter_mut().map(take).sum()
+}
+
+/// The scene's tree, overridden.
+///
+/// # Errors
+/// As [`import`]; `Usage` for overrides without a place.
+pub fn imported(scene: &args::Scene, more: &[Override]) -> Result<Imported> {
+    let mut imported = import(scene.path()?, scene.allow_outside)?;
+    overridden(&mut imported.root, scene, more).map_err(|refusal| deeper(refusal, &imported.root, &imported.file))?;
+    Ok(imported)
 }
 
 fn overridden(root: &mut Node, scene: &args::Scene, more: &[Override]) -> Result<()> {

@@ -6,6 +6,7 @@ mod account;
 mod args;
 mod check;
 mod compare;
+mod convert;
 mod display;
 mod forensics;
 mod image;
@@ -71,6 +72,7 @@ fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Merge(args)) => return merge::merge(&args),
         Some(Command::Verify(args)) => return verify::verify(&args, tables),
         Some(Command::Check(check)) => check::check(&check, tables)?,
+        Some(Command::Convert(args)) => convert::convert(&args, tables)?,
         Some(Command::List { what }) => list::list(what, tables)?,
         Some(Command::Schema(args)) => schema::schema(&args, tables)?,
         None => return render::render(&args.render, tables),

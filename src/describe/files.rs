@@ -3,28 +3,85 @@
 //! A scene comes from anywhere; what it may read goes into a picture or a message. Paths are therefore relative and stay within the
 //! scene file's folder, unless whoever starts pt allows more.
 
-use std::path::Path;
+use std::collections::BTreeMap;
+use std::io::{BufReader, Cursor};
+use std::path::{Path, PathBuf};
 
+use super::file::open;
 use super::material::{Material, MaterialRef};
+use super::mesh;
+use super::picture;
 use super::scene::Scene;
 use super::shape::Shape;
-use super::texture::{Texture, Textured};
+use super::texture::{Encoding, Texture, Textured};
+use crate::Result;
 use crate::reader::escaped;
+use crate::shape::MeshData;
+use crate::texture::image::Pixels;
 
 /// Bytes of a path: no system takes more.
 const LONGEST: usize = 4096;
 
-/// JSON pointers to what is no file name, or leads out of `folder` and may not; with what is wrong with each.
-///
-/// Where a path leads is asked of its text first, so that nothing is said about what exists elsewhere; then of the disk, since links
-/// lead out as well.
-pub(super) fn refused(scene: &Scene, folder: &Path, allow_outside: bool) -> Vec<(String, String)> {
-    let mut files = Files(vec![]);
+/// Where a scene's files are.
+#[derive(Clone, Debug, Default)]
+pub struct Files {
+    /// Relative paths start here.
+    pub folder: PathBuf,
+    /// Whether the scene may name files that lie elsewhere.
+    pub allow_outside: bool,
+    /// By name: files that lie nowhere, but came with the scene. They are found before those of the folder.
+    pub made: BTreeMap<String, Vec<u8>>,
+}
+
+impl Files {
+    /// Those in a folder; the scene may name no others.
+    pub fn within(folder: impl Into<PathBuf>) -> Files {
+        Files { folder: folder.into(), ..Files::default() }
+    }
+
+    /// The mesh of that name, as [`mesh::load`].
+    ///
+    /// # Errors
+    /// As [`mesh::load`].
+    pub fn mesh(&self, name: &str) -> Result<(MeshData, Vec<String>)> {
+        match self.made.get(name) {
+            Some(bytes) => mesh::read(Cursor::new(bytes), name),
+            None => mesh::load(&self.folder.join(name), name),
+        }
+    }
+
+    /// The picture of that name, as [`picture::load`].
+    ///
+    /// # Errors
+    /// As [`picture::load`].
+    pub fn picture(&self, name: &str, encoding: Encoding) -> Result<(Pixels, Vec<String>)> {
+        match self.made.get(name) {
+            Some(bytes) => picture::read(Cursor::new(bytes), name, encoding),
+            None => picture::read(BufReader::new(open(&self.folder.join(name), name)?), name, encoding),
+        }
+    }
+
+    /// What is wrong with this name of a file, if anything is.
+    ///
+    /// Where a path leads is asked of its text first, so that nothing is said about what exists elsewhere; then of the disk, since
+    /// links lead out as well.
+    pub fn why_not(&self, name: &str) -> Option<String> {
+        no_name(name).or_else(|| if self.allow_outside { None } else { outside(name, &self.folder) })
+    }
+
+    /// JSON pointers to what is no file name, or leads out of the folder and may not; with what is wrong with each.
+    pub(super) fn refused(&self, scene: &Scene) -> Vec<(String, String)> {
+        files_of(scene).into_iter().filter_map(|(pointer, file)| Some((pointer, self.why_not(file)?))).collect()
+    }
+}
+
+/// The files that a scene names, each with its JSON pointer.
+pub fn files_of(scene: &Scene) -> Vec<(String, &str)> {
+    let mut files = Named(vec![]);
     scene.textures.iter().for_each(|(name, texture)| files.texture(&format!("/textures{}", escaped(name)), texture));
     scene.materials.iter().for_each(|(name, material)| files.material(&format!("/materials{}", escaped(name)), material));
     files.shapes("/shapes", &scene.shapes);
-    let why_not = |file: &str| no_name(file).or_else(|| if allow_outside { None } else { outside(file, folder) });
-    files.0.into_iter().filter_map(|(pointer, file)| Some((pointer, why_not(file)?))).collect()
+    files.0
 }
 
 /// Names that a message could not show.
@@ -76,9 +133,9 @@ fn is_linked_out(file: &str, folder: &Path) -> bool {
 }
 
 /// With their JSON pointers.
-struct Files<'s>(Vec<(String, &'s str)>);
+struct Named<'s>(Vec<(String, &'s str)>);
 
-impl<'s> Files<'s> {
+impl<'s> Named<'s> {
     fn shapes(&mut self, pointer: &str, shapes: &'s [Shape]) {
         for (i, shape) in shapes.iter().enumerate() {
             let pointer = format!("{pointer}/{i}");

@@ -36,6 +36,7 @@ mod varying;
 pub use build::{Built, Source, build};
 pub use camera::*;
 pub use color::*;
+pub use files::{Files, files_of};
 pub use film::*;
 pub use identity::{Contents, Identity};
 pub use light::*;

@@ -1,6 +1,6 @@
 //! Picture files to textures: PNG, JPEG and OpenEXR, by content.
 
-use std::io::BufReader;
+use std::io::{BufRead, BufReader, Seek};
 use std::path::Path;
 
 use glam::UVec2;
@@ -23,12 +23,16 @@ const MOST_MEMORY: u64 = 4 << 30;
 /// `Invalid` where the file is missing, no regular file, of another format, malformed, or holds anything but shares of
 /// light from 0 to 1; `Limit` where it would take more than 4 GiB; `Io` where it cannot be read.
 pub fn load(path: &Path, name: &str, encoding: Encoding) -> Result<(Pixels, Vec<String>)> {
-    let file = BufReader::new(open(path, name)?);
-    let mut reader = ImageReader::new(file).with_guessed_format().map_err(|e| Error::io(name, e))?;
+    read(BufReader::new(open(path, name)?), name, encoding)
+}
+
+/// As [`load`], from any source (bytes in memory: `io::Cursor`).
+pub fn read(source: impl BufRead + Seek, name: &str, encoding: Encoding) -> Result<(Pixels, Vec<String>)> {
+    let mut reader = ImageReader::new(source).with_guessed_format().map_err(|e| Error::io(name, e))?;
     let known = |format: &ImageFormat| matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::OpenExr);
     let format = reader.format().filter(known).ok_or_else(|| invalid(name, "unknown picture format: expected PNG, JPEG or OpenEXR"))?;
     let mut warnings = vec![];
-    if ImageFormat::from_path(path).ok() != Some(format) {
+    if ImageFormat::from_path(name).ok() != Some(format) {
         warnings.push(format!("{name}: read as {}, which its first bytes say it is", title(format)));
     }
     let mut limits = Limits::default();

@@ -17,11 +17,19 @@ pub fn parse(bytes: &[u8], file: &str) -> Result<Scene> {
     read(&root(bytes, file)?, file)
 }
 
-/// The tree of the scene file at `path`, or of standard input if that is `-`, for [`Node::set`] before [`read`].
+/// The tree of the scene file at `path`, for [`Node::set`] before [`read`].
 ///
 /// # Errors
-/// As [`root`]; `Io`; `Invalid` for what is missing or not a regular file: a pipe could block for ever, a device never end.
+/// As [`bytes`] and [`root`].
 pub fn load(path: &Path) -> Result<Node> {
+    root(&bytes(path)?, &name(path))
+}
+
+/// What the file at `path` holds, or what comes on standard input if that is `-`.
+///
+/// # Errors
+/// `Io`; `Invalid` for what is missing or not a regular file: a pipe could block for ever, a device never end.
+pub fn bytes(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = vec![];
     if path == Path::new("-") {
         std::io::stdin().read_to_end(&mut bytes).map_err(|e| Error::io(name(path), e))?;
@@ -29,7 +37,7 @@ pub fn load(path: &Path) -> Result<Node> {
         let mut file = open(path, &name(path))?;
         file.read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
     }
-    root(&bytes, &name(path))
+    Ok(bytes)
 }
 
 /// What messages call the scene file at `path`.

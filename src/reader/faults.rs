@@ -103,6 +103,7 @@ pub fn locate(root: &Node, file: &str, pointer: &str, message: impl Into<String>
 fn placed(fault: Fault, place: &Place, file: &str) -> Fault {
     match place {
         Place::Text { line, column } => fault.in_file(file).at(*line as usize, *column as usize),
+        Place::Foreign { line, column, pointer } => fault.pointing(&**pointer).in_file(file).at(*line as usize, *column as usize),
         Place::Override(words) => fault.in_file(&**words),
     }
 }

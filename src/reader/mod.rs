@@ -21,6 +21,7 @@ mod parse;
 mod placeholder;
 mod set;
 mod suggest;
+mod write;
 
 pub use cursor::{UnknownKeys, read, read_options};
 pub use faults::{Faults, locate};

@@ -40,6 +40,8 @@ pub struct Member {
 pub enum Place {
     /// From 1; columns in characters.
     Text { line: u32, column: u32 },
+    /// What was read from a file of another format, and what it is called there: a JSON pointer.
+    Foreign { line: u32, column: u32, pointer: Arc<str> },
     /// On the command line, as the user typed it: `-D /camera/fov=60`.
     Override(Arc<str>),
 }
@@ -84,7 +86,7 @@ impl Node {
     }
 
     /// The value in the words of a fault: `expected …, found ⟨this⟩`.
-    pub(super) fn found(&self) -> String {
+    pub(crate) fn found(&self) -> String {
         match &self.value {
             Value::Null => "null".into(),
             Value::Bool(b) => b.to_string(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::UVec2;
 use proptest::prelude::*;
-use pt::describe::{self, Source};
+use pt::describe::{self, Files, Source};
 use pt::film::{Allocation, Block, Crop, Film, FilmSpec, MomentFilm, Moments, Wave};
 use pt::integrator::{Integrator, choose};
 use pt::math::Spectrum;
@@ -104,7 +104,7 @@ impl Subject {
         for (pointer, value) in [("/film/width", width), ("/film/height", height)] {
             root.set(pointer, &value.to_string()).expect("a key");
         }
-        let source = Source { root: &root, file, folder: Path::new("scenes"), allow_outside: false };
+        let source = Source { root: &root, file, files: &Files::within("scenes") };
         let built = describe::build(&describe::read(&root, file).expect("a description"), source).expect("a scene");
         let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some("nee"), file).expect("nee");
         Subject { scene: Arc::new(built.world), integrator, spec: built.film }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use pt::describe::{self, Built, Source};
+use pt::describe::{self, Built, Files, Source};
 use pt::film::{Image, MomentFilm};
 use pt::integrator::{Entry, Integrator, choose};
 use pt::integrators::ALL;
@@ -30,7 +30,7 @@ impl Demo {
             root.set(side, "16").expect(side);
         }
         let scene = describe::read(&root, &file).unwrap_or_else(|e| panic!("{e}"));
-        let source = Source { root: &root, file: &file, folder: Path::new("scenes"), allow_outside: false };
+        let source = Source { root: &root, file: &file, files: &Files::within("scenes") };
         let built = describe::build(&scene, source).unwrap_or_else(|e| panic!("{e}"));
         Demo { built, root, file }
     }

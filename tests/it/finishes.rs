@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 use pt::bsdf::{Bsdf, TransportMode};
-use pt::describe::{self, Built, Source};
+use pt::describe::{self, Built, Files, Source};
 use pt::math::{Local, Ray};
 use pt::scene::Scene;
 
@@ -22,7 +22,7 @@ pub fn square(material: &str) -> Built {
 fn built(scene: &str) -> Built {
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
-    let source = Source { root: &root, file: "s.json", folder: Path::new(""), allow_outside: false };
+    let source = Source { root: &root, file: "s.json", files: &Files::within("") };
     describe::build(&described, source).unwrap_or_else(|e| panic!("{e}"))
 }
 

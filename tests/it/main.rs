@@ -24,6 +24,7 @@ mod glass;
 mod identity;
 mod image_verbs;
 mod images;
+mod import;
 mod intersection;
 mod ledger;
 mod light_choice;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::Bsdf;
-use pt::describe::{self, Source};
+use pt::describe::{self, Files, Source};
 use pt::math::{Ray, Spectrum};
 use pt::scene::Scene;
 use pt::shape::SurfacePoint;
@@ -22,7 +22,7 @@ fn sphere(texture: &str) -> World {
     );
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
-    let source = Source { root: &root, file: "s.json", folder: Path::new(""), allow_outside: false };
+    let source = Source { root: &root, file: "s.json", files: &Files::within("") };
     describe::build(&described, source).unwrap_or_else(|e| panic!("{e}")).world
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgb32FImage, Rgba};
 use pt::Error;
-use pt::describe::{self, Encoding, Source, picture};
+use pt::describe::{self, Encoding, Files, Source, picture};
 use pt::math::Spectrum;
 use pt::shape::SurfacePoint;
 use pt::texture::image::{Filter, Pixels, Wrap};
@@ -185,8 +185,7 @@ fn missing_pictures_are_located() {
         { "type": "sphere", "material": { "type": "mirror", "color": "t" } } ] }"#;
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").expect("a scene");
-    let Err(Error::Invalid(faults)) =
-        describe::build(&described, Source { root: &root, file: "s.json", folder: Path::new("nowhere"), allow_outside: false })
+    let Err(Error::Invalid(faults)) = describe::build(&described, Source { root: &root, file: "s.json", files: &Files::within("nowhere") })
     else {
         panic!("it is built without its pictures")
     };

@@ -199,3 +199,15 @@ fn mutated_scenes_never_panic() {
     }
     assert!(survivors > 100, "some mutations leave a scene, else only the parser is tested: {survivors}");
 }
+
+/// Escapes, numbers as they are written, empty and nested lists.
+#[test]
+fn a_tree_reads_back_from_its_text() {
+    let scenes = [EVERYTHING, r#"{"a": [], "b": {}, "c": [[1.50, -2e-300], [], ["\u0007\"\\é"]], "d": null, "e": [true, {}]}"#];
+    for scene in scenes {
+        let tree = pt::reader::parse(scene.as_bytes()).expect("JSON");
+        let again = pt::reader::parse(tree.to_string().as_bytes()).unwrap_or_else(|e| panic!("{e}\nin\n{tree}"));
+        assert_eq!(tree, again, "{tree}");
+    }
+    assert_eq!(pt::reader::parse(b"[{\"a\": 1.50}]").expect("JSON").to_string(), "[\n  {\n    \"a\": 1.50\n  }\n]");
+}

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use pt::describe::{self, Source};
+use pt::describe::{self, Files, Source};
 
 use crate::marked::{assert_fault, assert_fault_in_scene, read, scene};
 
 fn build(text: &str) -> pt::Result<()> {
     let root = describe::root(text.as_bytes(), "scene.json")?;
-    let source = Source { root: &root, file: "scene.json", folder: Path::new(""), allow_outside: false };
+    let source = Source { root: &root, file: "scene.json", files: &Files::within("") };
     describe::build(&describe::read(&root, "scene.json")?, source).map(drop)
 }
 

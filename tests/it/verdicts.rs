@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pt::describe::{self, Source};
+use pt::describe::{self, Files, Source};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::choose;
 use pt::measure::relative::is_established;
@@ -33,7 +33,7 @@ impl Subject {
         for pointer in ["/film/width", "/film/height"] {
             root.set(pointer, &edge.to_string()).expect("a key");
         }
-        let source = Source { root: &root, file, folder: Path::new("scenes"), allow_outside: false };
+        let source = Source { root: &root, file, files: &Files::within("scenes") };
         let built = describe::build(&describe::read(&root, file).expect("a description"), source).expect("a scene");
         Subject { built: Arc::new(built.world), spec: built.film, sampler: built.sampler, root }
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use pt::describe::{self, Built, Source};
+use pt::describe::{self, Built, Files, Source};
 use pt::integrator::choose;
 use pt::integrators::ALL;
 use pt::math::{Density, Spectrum, Vec3};
@@ -30,7 +30,7 @@ pub fn load(path: &Path, [width, height]: [u32; 2]) -> Built {
         root.set(side, &length.to_string()).expect(side);
     }
     let scene = describe::read(&root, &file).unwrap_or_else(|e| panic!("{e}"));
-    let source = Source { root: &root, file: &file, folder: Path::new("scenes"), allow_outside: false };
+    let source = Source { root: &root, file: &file, files: &Files::within("scenes") };
     describe::build(&scene, source).unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -10,6 +10,7 @@ use crate::cli::{args, say};
 use crate::describe::{self, Source};
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
+use crate::import::{Imported, import};
 use crate::math::Ray;
 use crate::output::{self, Tonemap, png};
 use crate::primitive::Hit;
@@ -38,7 +39,7 @@ pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
 
 /// A world of one sphere that is made of the material of that name.
 fn sphere_of(path: &Path, name: &str, allow_outside: bool) -> Result<World> {
-    let (mut root, file) = (describe::load(path)?, describe::name(path));
+    let Imported { mut root, file, files, .. } = import(path, allow_outside)?;
     let described = describe::read(&root, &file)?;
     if !described.materials.contains_key(name) {
         let known: Vec<&str> = described.materials.keys().map(String::as_str).collect();
@@ -48,8 +49,7 @@ fn sphere_of(path: &Path, name: &str, allow_outside: bool) -> Result<World> {
     for (pointer, value) in [("/shapes", sphere.to_string()), ("/lights", "[]".into())] {
         root.set(pointer, &value)?;
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let source = Source { root: &root, file: &file, folder, allow_outside };
+    let source = Source { root: &root, file: &file, files: &files };
     Ok(describe::build(&describe::read(&root, &file)?, source)?.world)
 }
 

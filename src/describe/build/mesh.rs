@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2};
 
 use super::Builder;
-use crate::describe::{self, MaterialRef, Mesh, identity};
+use crate::describe::{MaterialRef, Mesh, identity};
 use crate::effects::Effects;
 use crate::error::{Error, Result};
 use crate::reader::{escaped, unknown};
@@ -14,7 +14,7 @@ impl Builder<'_> {
     /// Read from its file, or as given; `None` with a fault noted.
     pub(super) fn mesh(&mut self, pointer: &str, mesh: &Mesh) -> Result<Option<MeshData>> {
         let loaded = match &mesh.file {
-            Some(file) => describe::mesh::load(&self.source.folder.join(file), file),
+            Some(file) => self.source.files.mesh(file),
             None => inline(mesh, pointer),
         };
         match loaded {

@@ -7,12 +7,11 @@ mod mesh;
 mod transform;
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Color, Contents, Encoding, Scene, Shape, Size, files};
+use super::{Color, Contents, Encoding, Files, Scene, Shape, Size};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::film::FilmSpec;
@@ -47,10 +46,7 @@ pub struct Source<'a> {
     pub root: &'a Node,
     /// The scene file, as the user named it.
     pub file: &'a str,
-    /// Relative paths start here.
-    pub folder: &'a Path,
-    /// Whether the scene may name files that lie elsewhere.
-    pub allow_outside: bool,
+    pub files: &'a Files,
 }
 
 /// Builds the world that `scene` describes.
@@ -60,7 +56,7 @@ pub struct Source<'a> {
 pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     let misplaced = |message| Error::invalid(locate(source.root, source.file, "/camera/transform", message));
     let camera = camera::camera(&scene.camera).map_err(misplaced)?;
-    let refused = files::refused(scene, source.folder, source.allow_outside).into_iter().take(crate::MAX_FAULTS);
+    let refused = source.files.refused(scene).into_iter().take(crate::MAX_FAULTS);
     let refused: Vec<Fault> = refused.map(|(pointer, message)| locate(source.root, source.file, &pointer, message)).collect();
     if !refused.is_empty() {
         return Err(Error::Invalid(refused));

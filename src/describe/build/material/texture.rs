@@ -129,7 +129,7 @@ impl Builder<'_> {
     }
 
     fn picture(&mut self, pointer: &str, described: &describe::Image) -> Option<Arc<Pixels>> {
-        match describe::picture::load(&self.source.folder.join(&described.file), &described.file, described.encoding) {
+        match self.source.files.picture(&described.file, described.encoding) {
             Ok((pixels, warnings)) => {
                 self.warnings.extend(warnings);
                 self.contents.insert(described.file.clone(), identity::of_picture(&pixels));

@@ -1,0 +1,3 @@
+//! Scenes of other programs: each becomes a scene of pt, and says what became of it.
+
+mod convert;
