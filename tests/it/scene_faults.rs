@@ -1,6 +1,5 @@
 //! What each part of the scene format refuses, and in which words; more of it in the table of `bad_input`.
 
-use std::path::Path;
 
 use pt::describe::{self, Files, Source};
 

@@ -1,7 +1,6 @@
 //! Coarse meshes with smooth normals, lit as the surfaces for which they stand (reliability N22).
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
-use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
