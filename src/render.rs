@@ -1,6 +1,7 @@
 //! The one loop: waves of samples over tiles of pixels, in parallel.
 
 mod first_hit;
+mod paths;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -15,6 +16,8 @@ use crate::math::{ExactSum, Spectrum};
 use crate::sampler::{Sampler, SamplerSpec, dimension};
 use crate::scene::Scene;
 use crate::witness::{Clamp, Witness};
+use first_hit::Known;
+use paths::Told;
 
 /// How a picture is to be sampled.
 #[derive(Clone, Debug)]
@@ -250,6 +253,7 @@ impl Render {
         let block = Block::with_capacity(self.slots(), tile.pixel_count() as usize);
         let mut part = Part { block, samples: 0, invalid: vec![], clamped: ExactSum::default() };
         let (mut terms, is_timed) = (vec![], self.spec.layers.contains(&Layer::Time));
+        let mut told = Told::new(&self.spec.layers, &self.spec.lights.of);
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             if observer.cancelled() {
                 return None;
@@ -258,10 +262,13 @@ impl Render {
             let start = is_timed.then(Instant::now);
             trees.iter_mut().for_each(Tree::clear);
             gray.clear();
+            told.iter_mut().for_each(Told::clear);
             for index in wave.range() {
                 // Sample i of the pixel is sample i div K of sequence i mod K.
                 let r = (index % k) as usize;
-                let mut value = self.sample(UVec2::new(x, y), index / k, &mut *sequences[r], None, &mut part.clamped);
+                let witness = told.as_mut().map(Told::witness);
+                let mut value = self.sample(UVec2::new(x, y), index / k, &mut *sequences[r], witness, &mut part.clamped);
+                told.iter_mut().for_each(|told| told.keep(value.is_finite()));
                 if !value.is_finite() {
                     part.invalid.push(SampleId { pixel: (x, y), index });
                     value = Spectrum::BLACK;
@@ -276,7 +283,7 @@ impl Render {
             part.samples += wave.samples();
             if !self.spec.layers.is_empty() {
                 let seconds = start.map_or(0.0, |start| start.elapsed().as_secs_f64());
-                part.block.push_layers(self.layers(UVec2::new(x, y), wave, &mut sequences, seconds, &mut terms));
+                part.block.push_layers(self.layers(UVec2::new(x, y), wave, &mut sequences, told.as_ref(), seconds, &mut terms));
             }
         }
         Some(part)
@@ -284,14 +291,23 @@ impl Render {
 
     /// What the layers of a pixel add up: its camera samples once more, after the picture is done with them.
     ///
-    /// - `seconds`: that the picture's samples took
-    fn layers<'t>(&self, pixel: UVec2, wave: Wave, sequences: &mut [Box<dyn Sampler>], seconds: f64, terms: &'t mut Vec<f64>) -> &'t [f64] {
+    /// - `told`: what the picture's samples told; `seconds`: that they took
+    fn layers<'t>(
+        &self,
+        pixel: UVec2,
+        wave: Wave,
+        sequences: &mut [Box<dyn Sampler>],
+        told: Option<&Told>,
+        seconds: f64,
+        terms: &'t mut Vec<f64>,
+    ) -> &'t [f64] {
         terms.clear();
-        let (k, share) = (sequences.len() as u64, seconds / wave.samples() as f64);
-        for i in wave.first..wave.first + wave.samples() {
+        let (k, seconds) = (sequences.len() as u64, seconds / wave.samples() as f64);
+        for (nth, i) in wave.range().enumerate() {
             let sequence = &mut *sequences[(i % k) as usize];
             let camera = self.camera_sample(pixel, i / k, sequence);
-            first_hit::add_terms(&*self.scene, &self.spec.layers, &camera, sequence, share, terms);
+            let light = told.map_or(&[][..], |told| told.sample(nth));
+            first_hit::add_terms(&*self.scene, &self.spec.layers, &camera, sequence, Known { seconds, light }, terms);
         }
         first_hit::joined(terms, self.slots().layers)
     }

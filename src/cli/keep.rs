@@ -1,13 +1,14 @@
-//! `--checkpoint`: the state of a render, written from time to time.
+//! What is done for the user while a render goes on: its state is kept from time to time, a long one tells what accuracy will cost.
 
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::note;
+use super::pilot;
 use super::plan::Plan;
 use super::progress::Progress;
 use crate::film::{Film, MomentFilm};
-use crate::measure::{Course, Watcher};
+use crate::measure::{Checkpoint, Course, RelativeError, Watcher};
 use crate::part;
 use crate::render::{Observer, Report};
 
@@ -18,11 +19,51 @@ pub struct Keeper<'a> {
     /// How often, and when last.
     every: Option<Duration>,
     last: Mutex<Instant>,
+    prices: Option<Prices<'a>>,
 }
+
+/// What is told of a long render, once.
+struct Prices<'a> {
+    integrator: &'a str,
+    confidence: f64,
+    told: AtomicBool,
+}
+
+/// When a render has gone on for so long that its own samples are a pilot,
+const PILOT: Duration = Duration::from_secs(5);
+/// and there is so much to come that one would rather know what for.
+const LONG: Duration = Duration::from_secs(60);
 
 impl<'a> Keeper<'a> {
     pub fn new(progress: &'a Progress, plan: &'a Plan, every: Option<Duration>) -> Keeper<'a> {
-        Keeper { progress, plan, every, last: Mutex::new(Instant::now()) }
+        Keeper { progress, plan, every, last: Mutex::new(Instant::now()), prices: None }
+    }
+
+    /// Tells the price list of a long render, as its first seconds have it.
+    pub fn with_prices(self, integrator: &'a str, confidence: f64) -> Keeper<'a> {
+        Keeper { prices: Some(Prices { integrator, confidence, told: false.into() }), ..self }
+    }
+
+    fn tell_prices(&self, report: &Report, film: &MomentFilm, course: &Course) {
+        let Some(prices) = &self.prices else { return };
+        let is_long = report.elapsed >= PILOT && self.progress.remaining().is_some_and(|seconds| seconds >= LONG.as_secs_f64());
+        if is_long && !prices.told.swap(true, Ordering::Relaxed) {
+            let now = Checkpoint { samples: film.samples(), seconds: report.elapsed.as_secs_f64(), error: RelativeError::of(film) };
+            let checkpoints = course.checkpoints.iter().copied().chain([now]).collect();
+            self.progress.tell(&pilot::print(&[(prices.integrator, Course { checkpoints })], prices.confidence));
+        }
+    }
+
+    fn keep(&self, report: &Report, film: &MomentFilm, course: &Course) {
+        let (Some(every), Some(path), Ok(mut last)) = (self.every, &self.plan.checkpoint, self.last.lock()) else { return };
+        if last.elapsed() < every {
+            return;
+        }
+        // The render is worth more than its checkpoint: the next may succeed, and the last is told of.
+        if let Err(error) = part::write(path, &self.plan.about, &[film], report, course) {
+            self.progress.tell(&format!("warning: no checkpoint: {error}"));
+        }
+        *last = Instant::now();
     }
 }
 
@@ -46,14 +87,7 @@ impl Watcher for Keeper<'_> {
     }
 
     fn stepped(&self, report: &Report, film: &MomentFilm, course: &Course) {
-        let (Some(every), Some(path), Ok(mut last)) = (self.every, &self.plan.checkpoint, self.last.lock()) else { return };
-        if last.elapsed() < every {
-            return;
-        }
-        // The render is worth more than its checkpoint: the next may succeed, and the last is told of.
-        if let Err(error) = part::write(path, &self.plan.about, &[film], report, course) {
-            note(&format!("warning: no checkpoint: {error}"));
-        }
-        *last = Instant::now();
+        self.tell_prices(report, film, course);
+        self.keep(report, film, course);
     }
 }

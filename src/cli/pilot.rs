@@ -32,7 +32,8 @@ pub fn price_list(
     print(&rows.collect::<Vec<_>>(), confidence)
 }
 
-fn print(rows: &[(&str, Course)], confidence: f64) -> String {
+/// The list, of each integrator by its course so far.
+pub fn print(rows: &[(&str, Course)], confidence: f64) -> String {
     let cell = |course: &Course, target: f64| course.price(target, confidence).map_or("–".into(), |price| words::price(&price));
     let mut table =
         vec![["".to_owned()].into_iter().chain(words::TARGETS.map(|t| format!("{} %", words::per_cent(t)))).collect::<Vec<_>>()];

@@ -73,6 +73,14 @@ impl Progress {
         }
     }
 
+    /// One line on stderr, or more, above the bar.
+    pub fn tell(&self, text: &str) {
+        match &self.style {
+            Style::Bar(bar) => bar.suspend(|| note(text)),
+            Style::Lines(_) | Style::Json(_) | Style::Silent => note(text),
+        }
+    }
+
     /// The share that is done, by samples or by time.
     fn share(&self) -> f64 {
         let by_samples = self.done.load(Ordering::Relaxed) as f64 / self.total.load(Ordering::Relaxed).max(1) as f64;
@@ -80,7 +88,8 @@ impl Progress {
         by_samples.max(by_time).min(1.0)
     }
 
-    fn remaining(&self) -> Option<f64> {
+    /// Seconds to come, as far as one can tell.
+    pub fn remaining(&self) -> Option<f64> {
         let share = self.share();
         (share > 0.0).then(|| self.start.elapsed().as_secs_f64() * (1.0 - share) / share)
     }

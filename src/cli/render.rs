@@ -108,7 +108,7 @@ fn picture(
     threads: usize,
 ) -> Result<ExitCode> {
     let facets = if args.ledger { loaded.without_smooth_shadows()? } else { None };
-    let Loaded { built, integrator, stem, .. } = loaded;
+    let Loaded { built, entry, integrator, stem, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
     let settings = Settings { clamp: args.clamp, ..Settings::new(built.sampler) };
     let mut until = plan.until(args);
@@ -134,6 +134,7 @@ fn picture(
     let before = start.report.clone();
     let progress = Progress::new(shown, &spec, until.samples - plan.samples.start, until.time).resumed(&before);
     let keeper = Keeper::new(&progress, plan, args.checkpoint);
+    let keeper = if args.quiet || args.pilot.is_some() || plan.is_part { keeper } else { keeper.with_prices(entry.name, args.confidence) };
     let mut displayed = Displayed::new(start.film, args.display_server.as_deref(), &stem, args.quiet);
     let mut render = Render::new(scene, &*integrator, &spec, &settings).resumed(start.next, start.report);
     let course = match plan.is_part {
@@ -153,8 +154,8 @@ fn picture(
         let clamped = forensics::clamped(args, film, report);
         let attributes = attributes(&plan.about, film, error, args.confidence, clamped.as_ref());
         write_all(args, &plan.pictures, &image, &attributes)?;
-        if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
-            note("warning: the image is black");
+        if !args.quiet {
+            remark_darkness(&image, entry.name);
         }
     }
     kept?;
@@ -252,6 +253,21 @@ fn remark_missing_effects(loaded: &Loaded) {
     if !missing.is_empty() {
         note(&format!("note: {} does not simulate what this scene calls for: {missing}", loaded.entry.name));
     }
+}
+
+/// Where light is missing: in the picture, or in its layers of light.
+fn remark_darkness(image: &Image, integrator: &str) {
+    let is_black = |names: &[&str]| names.iter().filter_map(|name| image.channel(name)).flatten().all(|value| *value == 0.0);
+    let told: Vec<&str> = image.channels.iter().map(|c| c.name.as_str()).filter(|name| is_of_light(name)).collect();
+    if is_black(&["R", "G", "B"]) {
+        note("warning: the image is black");
+    } else if !told.is_empty() && is_black(&told) {
+        note(&format!("warning: {integrator} tells nothing of its light, or there is none in the layers asked for: they are black"));
+    }
+}
+
+fn is_of_light(channel: &str) -> bool {
+    ["Emission.", "Direct.", "Indirect.", "Light."].iter().any(|layer| channel.starts_with(layer))
 }
 
 fn write_all(args: &args::Render, outputs: &[PathBuf], image: &Image, attributes: &Attributes) -> Result<()> {

@@ -20,8 +20,8 @@ pub struct Film {
     pub crop: Option<[u32; 4]>,
     /// The pixel filter.
     pub filter: Filter,
-    /// What is kept beside the picture, in EXR files: means over each pixel of what the camera meets first. The picture itself does
-    /// not change.
+    /// What is kept beside the picture, in EXR files: means over each pixel of what the camera meets first, or of the light by the way
+    /// it came. The picture itself does not change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub layers: Vec<Layer>,
 }
@@ -42,6 +42,14 @@ pub enum Layer {
     Z,
     /// Its texture coordinates: `uv.U`, `uv.V`.
     Uv,
+    /// The light that the camera sees at its source: `Emission.R`, `.G`, `.B`.
+    Emission,
+    /// The light that was scattered once: `Direct.R`, `.G`, `.B`.
+    Direct,
+    /// The light that was scattered more often: `Indirect.R`, `.G`, `.B`. The three add up to the picture.
+    Indirect,
+    /// The light of each light, however it came: `Light.NAME.R`, `.G`, `.B`. All of them add up to the picture.
+    Lights,
     /// Seconds that the pixel took: `Time.Y`. The only layer that is another one each time.
     Time,
 }

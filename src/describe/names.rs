@@ -1,9 +1,9 @@
 //! What the parts of a scene are called, by the numbers that the built scene knows them by.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use super::{Light, MaterialRef, Scene, Shape};
+use crate::film::LightNames;
 use crate::light;
 use crate::light::Lights;
 
@@ -62,17 +62,17 @@ impl Names {
         name.map_or("?", String::as_str)
     }
 
-    /// The names of lights, each once, and which of them each light has: a mesh that shines is many lights of one name.
-    pub fn groups(&self, lights: &Lights) -> (Vec<&str>, Arc<[u32]>) {
+    /// The names of lights, each once, and which of them each light has.
+    pub fn lights(&self, lights: &Lights) -> LightNames {
         let (mut known, mut names) = (HashMap::new(), vec![]);
         let mut group = |index: usize| {
             let name = self.light(lights, index as u32);
             *known.entry(name).or_insert_with(|| {
-                names.push(name);
+                names.push(name.to_owned());
                 names.len() as u32 - 1
             })
         };
-        let groups = (0..lights.len()).map(&mut group).collect();
-        (names, groups)
+        let of = (0..lights.len()).map(&mut group).collect();
+        LightNames { names, of }
     }
 }

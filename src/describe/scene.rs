@@ -15,6 +15,7 @@ use super::sampler::Sampler;
 use super::shape::Shape;
 use super::texture::Texture;
 use super::value::{Radiometric, Version};
+use crate::film::layer::with_lights;
 use crate::film::memory;
 use crate::reader::Node;
 
@@ -55,7 +56,8 @@ pub struct Scene {
 impl Scene {
     /// Bytes that rendering its picture takes at most, what there is to see not counted.
     pub fn film_memory(&self) -> u128 {
-        let (film, sampler) = (super::build::film(&self.film), super::build::sampler(&self.sampler));
+        let (mut film, sampler) = (super::build::film(&self.film), super::build::sampler(&self.sampler));
+        film.layers = with_lights(&film.layers, emitters(&self.shapes) + self.lights.len() + 1);
         memory::needed(film.crop.pixel_count(), film.slots(sampler.spread()), sampler.spp)
     }
 
@@ -66,6 +68,15 @@ impl Scene {
             MaterialRef::Named(name) => self.materials.get(name),
         }
     }
+}
+
+/// How many names the shapes that shine have at most.
+fn emitters(shapes: &[Shape]) -> usize {
+    let shine = |shape: &Shape| match shape {
+        Shape::Group(group) => emitters(&group.shapes),
+        other => usize::from(other.emission().is_some()),
+    };
+    shapes.iter().map(shine).sum()
 }
 
 /// Light from infinitely far, from all directions.

@@ -29,9 +29,15 @@ pub struct Channel {
 
 /// - `place`: of its numbers among those of a pixel's layers
 /// - `taken`: samples of pixel i
-fn layer_channels(block: &Block, layer: Layer, place: Range<usize>, taken: &dyn Fn(usize) -> u64) -> impl Iterator<Item = Channel> {
-    layer.channels().iter().enumerate().map(move |(c, name)| Channel {
-        name: (*name).into(),
+fn layer_channels(
+    spec: &FilmSpec,
+    block: &Block,
+    layer: Layer,
+    place: Range<usize>,
+    taken: &dyn Fn(usize) -> u64,
+) -> impl Iterator<Item = Channel> {
+    layer.channels(&spec.lights).into_iter().enumerate().map(move |(c, name)| Channel {
+        name,
         values: block.layers().enumerate().map(|(i, sums)| layer.value(&sums[place.clone()], c, taken(i)) as f32).collect(),
     })
 }
@@ -53,7 +59,7 @@ impl Image {
             channels.extend((0..3).map(|c| channel(format!("StdErr.{}", RGB[c]), &|pixel| pixel[c].1.sqrt())));
         }
         channels.push(Channel { name: "SampleCount.Y".into(), values: (0..estimates.len()).map(|i| taken(i) as f32).collect() });
-        channels.extend(layer::places(&spec.layers).flat_map(|(layer, place)| layer_channels(block, layer, place, &taken)));
+        channels.extend(layer::places(&spec.layers).flat_map(|(layer, place)| layer_channels(spec, block, layer, place, &taken)));
         Image { full_size: spec.size, origin: spec.crop.min, size: spec.crop.size(), channels }
     }
 

@@ -10,7 +10,9 @@
 //! in where things are, and a mean of places lies among them.
 //!
 //! To add one: a variant here, its row in [`Layer::ALL`], its arms, and where its numbers come from: for what the first
-//! surface tells, an arm in `render::first_hit`.
+//! surface tells, an arm in `render::first_hit`, for what paths tell in `render::paths`.
+
+use std::sync::Arc;
 
 /// What there is beside the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -21,7 +23,24 @@ pub enum Layer {
     Position,
     Depth,
     Uv,
+    /// Seen by the camera itself.
+    Emission,
+    /// Scattered once.
+    Direct,
+    /// Scattered more than once.
+    Indirect,
+    /// However it came, of the lights of one name: see [`LightNames`].
+    Light(u32),
     Time,
+}
+
+/// The names of a scene's lights.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LightNames {
+    /// Each once: a mesh that shines is many lights of one name.
+    pub names: Vec<String>,
+    /// Which of them each light has.
+    pub of: Arc<[u32]>,
 }
 
 /// How the samples of a pixel become one number.
@@ -48,12 +67,20 @@ impl Layer {
         (Layer::Position, "p", "P.X/Y/Z: where the first surface is, in world space (m), over the samples that meet one."),
         (Layer::Depth, "z", "Z: how far it is along the camera's axis (m), for panoramas from the camera; over the samples that meet one."),
         (Layer::Uv, "uv", "uv.U/V: its texture coordinates, over the samples that meet one."),
+        (Layer::Emission, "emission", "Emission.R/G/B: the light that the camera sees at its source."),
+        (Layer::Direct, "direct", "Direct.R/G/B: the light that was scattered once on its way."),
+        (Layer::Indirect, "indirect", "Indirect.R/G/B: the light that was scattered more often. The three add up to the picture."),
+        (Layer::Light(0), "lights", "Light.NAME.R/G/B: the light of each light, however it came. All of them add up to the picture."),
         (Layer::Time, "time", "Time.Y: seconds that the picture's samples took. By the clock, so no part of `all` nor of hashes."),
     ];
 
     /// Its name in [`Layer::ALL`].
     pub fn name(self) -> &'static str {
-        Layer::ALL.iter().find(|row| row.0 == self).map_or("", |row| row.1)
+        let row = match self {
+            Layer::Light(_) => Layer::Light(0),
+            other => other,
+        };
+        Layer::ALL.iter().find(|(layer, ..)| *layer == row).map_or("", |row| row.1)
     }
 
     /// By the name in [`Layer::ALL`].
@@ -61,22 +88,43 @@ impl Layer {
         Layer::ALL.iter().find(|row| row.1 == name).map(|row| row.0)
     }
 
-    /// Their full names in a picture.
-    pub fn channels(self) -> &'static [&'static str] {
+    /// The full names of its channels in a picture.
+    pub fn channels(self, lights: &LightNames) -> Vec<String> {
+        let name = match self {
+            Layer::Albedo => "Albedo",
+            Layer::Normal => "N",
+            Layer::ShadingNormal => "Ns",
+            Layer::Position => "P",
+            Layer::Depth => return vec!["Z".into()],
+            Layer::Uv => "uv",
+            Layer::Emission => "Emission",
+            Layer::Direct => "Direct",
+            Layer::Indirect => "Indirect",
+            Layer::Light(i) => &format!("Light.{}", lights.names.get(i as usize).map_or("?", String::as_str)),
+            Layer::Time => "Time",
+        };
+        self.components().iter().map(|component| format!("{name}.{component}")).collect()
+    }
+
+    fn components(self) -> &'static [&'static str] {
         match self {
-            Layer::Albedo => &["Albedo.R", "Albedo.G", "Albedo.B"],
-            Layer::Normal => &["N.X", "N.Y", "N.Z"],
-            Layer::ShadingNormal => &["Ns.X", "Ns.Y", "Ns.Z"],
-            Layer::Position => &["P.X", "P.Y", "P.Z"],
+            Layer::Albedo | Layer::Emission | Layer::Direct | Layer::Indirect | Layer::Light(_) => &["R", "G", "B"],
+            Layer::Normal | Layer::ShadingNormal | Layer::Position => &["X", "Y", "Z"],
+            Layer::Uv => &["U", "V"],
             Layer::Depth => &["Z"],
-            Layer::Uv => &["uv.U", "uv.V"],
-            Layer::Time => &["Time.Y"],
+            Layer::Time => &["Y"],
         }
+    }
+
+    /// Whether the picture's own paths tell its numbers.
+    pub fn is_light(self) -> bool {
+        matches!(self, Layer::Emission | Layer::Direct | Layer::Indirect | Layer::Light(_))
     }
 
     pub fn rule(self) -> Rule {
         match self {
             Layer::Albedo | Layer::Normal | Layer::ShadingNormal => Rule::Samples,
+            Layer::Emission | Layer::Direct | Layer::Indirect | Layer::Light(_) => Rule::Samples,
             Layer::Position | Layer::Depth | Layer::Uv => Rule::Hits,
             Layer::Time => Rule::Sum,
         }
@@ -89,7 +137,7 @@ impl Layer {
 
     /// How many numbers of a pixel it adds up.
     pub fn slots(self) -> usize {
-        self.channels().len() + usize::from(self.rule() == Rule::Hits)
+        self.components().len() + usize::from(self.rule() == Rule::Hits)
     }
 
     /// Appends what one sample adds to them.
@@ -119,6 +167,15 @@ impl Layer {
             },
         }
     }
+}
+
+/// The layers, with one for each of `count` lights in the place of the one for all of them.
+pub fn with_lights(layers: &[Layer], count: usize) -> Vec<Layer> {
+    let each = |layer: &Layer| match layer {
+        Layer::Light(_) => (0..count as u32).map(Layer::Light).collect(),
+        other => vec![*other],
+    };
+    layers.iter().flat_map(each).collect()
 }
 
 /// Where the numbers of each layer lie among those of a pixel.

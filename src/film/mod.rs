@@ -18,7 +18,7 @@ pub use allocation::Allocation;
 pub use block::{Block, Slots};
 pub use filter::Filter;
 pub use image::{Channel, Image};
-pub use layer::Layer;
+pub use layer::{Layer, LightNames};
 pub use moments::{Moments, Tree};
 
 /// The picture to be taken.
@@ -31,6 +31,8 @@ pub struct FilmSpec {
     pub filter: Filter,
     /// What is kept beside the picture; changes no bit of it.
     pub layers: Vec<Layer>,
+    /// Whose light goes into which [`Layer::Light`].
+    pub lights: LightNames,
     /// How many samples each pixel of the crop takes beside the others.
     pub allocation: Allocation,
 }
@@ -44,6 +46,7 @@ impl FilmSpec {
             crop: Crop { min: UVec2::ZERO, max: size },
             filter: Filter::default(),
             layers: vec![],
+            lights: LightNames::default(),
             allocation: Allocation::default(),
         }
     }

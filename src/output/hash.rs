@@ -1,6 +1,6 @@
 //! A name for what a picture shows: the same for the same pixels, however they are stored.
 
-use crate::film::{Image, Layer};
+use crate::film::{Image, Layer, LightNames};
 use crate::math::hash::{Hash, Hasher};
 
 /// The hash of a picture's window and decoded channels, bit by bit: compression, order of channels, attributes and, where nothing
@@ -11,8 +11,9 @@ use crate::math::hash::{Hash, Hasher};
 pub fn hash(image: &Image) -> Hash {
     let mut hasher = Hasher::default();
     hasher.whole([image.full_size, image.origin, image.size].iter().flat_map(|v| v.to_array()));
-    let by_clock = |name: &str| Layer::ALL.iter().any(|(layer, ..)| !layer.is_reproducible() && layer.channels().contains(&name));
-    let mut channels: Vec<_> = image.channels.iter().filter(|channel| !by_clock(&channel.name)).collect();
+    let clocks: Vec<Layer> = Layer::ALL.iter().map(|row| row.0).filter(|layer| !layer.is_reproducible()).collect();
+    let by_clock: Vec<String> = clocks.into_iter().flat_map(|layer| layer.channels(&LightNames::default())).collect();
+    let mut channels: Vec<_> = image.channels.iter().filter(|channel| !by_clock.contains(&channel.name)).collect();
     channels.sort_by(|a, b| a.name.cmp(&b.name));
     for channel in channels {
         hasher.text(&channel.name);

@@ -24,6 +24,7 @@ use serde_json::Value;
 use super::About;
 use crate::describe::Identity;
 use crate::error::{Error, Fault, Result};
+use crate::film::layer::with_lights;
 use crate::film::{Block, Crop, Layer, MomentFilm, Wave};
 use crate::math::hash::Hasher;
 use crate::measure::{Checkpoint, Course, RelativeError};
@@ -50,8 +51,9 @@ struct Header {
     crop: [u32; 4],
     /// How many; `null` where each sample is independent of all others.
     scramblings: Option<u32>,
-    /// Names of the layers.
+    /// Names of the layers, that of the lights once.
     layers: Vec<String>,
+    lights: Vec<String>,
     view: Attributes,
     /// Of each pixel of a block.
     numbers: usize,
@@ -62,6 +64,12 @@ struct Header {
     invalid: u64,
     first_invalid: Vec<((u32, u32), u64)>,
     course: Vec<Look>,
+}
+
+fn names(layers: &[Layer]) -> Vec<String> {
+    let mut names: Vec<String> = layers.iter().map(|layer| layer.name().to_owned()).collect();
+    names.dedup();
+    names
 }
 
 /// A checkpoint; its numbers as text, which keeps all their digits, and infinities.
@@ -92,7 +100,8 @@ pub fn write(path: &Path, about: &About, films: &[&MomentFilm], report: &Report,
             Spread::Samples => None,
             Spread::Scramblings(k) => Some(k),
         },
-        layers: about.layers.iter().map(|layer| layer.name().to_owned()).collect(),
+        layers: names(&about.layers),
+        lights: about.lights.clone(),
         view: about.view.clone(),
         numbers: about.slots().all(),
         blocks: blocks().map(|(wave, _)| (wave.first, wave.level)).collect(),
@@ -249,6 +258,7 @@ impl Header {
         let spread = self.scramblings.map_or(Spread::Samples, Spread::Scramblings);
         let is_spread = self.scramblings.is_none_or(|k| k.is_power_of_two() && k <= 64);
         let layers = self.layers.iter().map(|name| Layer::named(name)).collect::<Option<Vec<Layer>>>()?;
+        let layers = with_lights(&layers, self.lights.len());
         let crop = Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) };
         let waves: Vec<Wave> = self.blocks.iter().map(|(first, level)| Wave { first: *first, level: *level }).collect();
         let is_wave = |wave: &Wave| wave.level < 63 && wave.first < 1 << 62 && wave.first.is_multiple_of(wave.samples());
@@ -256,7 +266,7 @@ impl Header {
         let are_waves = !waves.is_empty() && waves.iter().all(is_wave) && waves.windows(2).all(in_order);
         let identity = Identity::from_facts(self.facts);
         let size = UVec2::new(width, height);
-        let about = About { identity, build: self.build, size, crop, spread, layers, view: self.view };
+        let about = About { identity, build: self.build, size, crop, spread, layers, lights: self.lights, view: self.view };
         let is_complete = is_crop && is_spread && are_waves && self.numbers == about.slots().all();
         if !is_complete || about.identity.hash().to_string() != self.scene {
             return None;

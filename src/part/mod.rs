@@ -13,7 +13,7 @@ use std::ops::Range;
 use glam::UVec2;
 
 use crate::describe::Identity;
-use crate::film::{Crop, FilmSpec, Layer, MomentFilm, Slots, layer};
+use crate::film::{Crop, FilmSpec, Layer, LightNames, MomentFilm, Slots, layer};
 use crate::measure::Course;
 use crate::output::Attributes;
 use crate::render::Report;
@@ -32,6 +32,8 @@ pub struct About {
     pub crop: Crop,
     pub spread: Spread,
     pub layers: Vec<Layer>,
+    /// Of the lights that have layers.
+    pub lights: Vec<String>,
     /// How the picture shows the world.
     pub view: Attributes,
 }
@@ -42,7 +44,16 @@ pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_
 impl About {
     /// What this pt renders of a scene.
     pub fn new(identity: Identity, film: &FilmSpec, spread: Spread, view: Attributes) -> About {
-        About { identity, build: BUILD.into(), size: film.size, crop: film.crop, spread, layers: film.layers.clone(), view }
+        About {
+            identity,
+            build: BUILD.into(),
+            size: film.size,
+            crop: film.crop,
+            spread,
+            layers: film.layers.clone(),
+            lights: film.lights.names.clone(),
+            view,
+        }
     }
 
     /// In what another differs: `/sampler/seed is 7, not 0`; `None` where both are of one picture.
@@ -53,13 +64,15 @@ impl About {
         if self.build != other.build {
             return Some(format!("it was rendered by pt {}, not {}", self.build, other.build));
         }
-        let is_same = (self.size, self.crop, self.spread, &self.layers) == (other.size, other.crop, other.spread, &other.layers);
+        let pixels = |about: &About| (about.size, about.crop, about.spread, about.layers.clone(), about.lights.clone());
+        let is_same = pixels(self) == pixels(other);
         (!is_same).then(|| "it has other pixels or layers".into())
     }
 
     /// A film that takes its blocks; the filter has had its say when the samples were taken.
     pub fn film(&self) -> MomentFilm {
-        MomentFilm::new(FilmSpec { crop: self.crop, layers: self.layers.clone(), ..FilmSpec::new(self.size.x, self.size.y) })
+        let lights = LightNames { names: self.lights.clone(), ..LightNames::default() };
+        MomentFilm::new(FilmSpec { crop: self.crop, layers: self.layers.clone(), lights, ..FilmSpec::new(self.size.x, self.size.y) })
     }
 
     /// Which numbers a pixel has.

@@ -24,23 +24,32 @@ use crate::scene::{Scene, Surface};
 /// Numbers of one layer, one per channel.
 type Values = ArrayVec<f64, MAX_CHANNELS>;
 
+/// What is known of a sample from when it was taken for the picture.
+pub struct Known<'a> {
+    /// That it took.
+    pub seconds: f64,
+    /// Red, green and blue for each of the layers of light.
+    pub light: &'a [f64],
+}
+
 /// Appends what one sample adds to the layers, in their order.
 ///
 /// - `sampler`: of the sample, after the camera's numbers; nothing that the picture's own sample draws changes by it
-/// - `seconds`: that the sample took
 pub fn add_terms(
     scene: &dyn Scene,
     layers: &[Layer],
     camera: &CameraSample,
     sampler: &mut dyn Sampler,
-    seconds: f64,
+    known: Known,
     terms: &mut Vec<f64>,
 ) {
     let hit = scene.intersect(&camera.ray);
     let surface = hit.map(|hit| scene.surface(&camera.ray, &hit));
+    let mut light = known.light.chunks_exact(3);
     for layer in layers {
         let values = match (layer, &surface) {
-            (Layer::Time, _) => Some([seconds].into_iter().collect()),
+            (Layer::Time, _) => Some([known.seconds].into_iter().collect()),
+            (layer, _) if layer.is_light() => light.next().map(|rgb| rgb.iter().copied().collect()),
             (_, None) => None,
             (_, Some(surface)) => Some(values(scene, *layer, camera, surface, sampler)),
         };
@@ -58,7 +67,7 @@ fn values(scene: &dyn Scene, layer: Layer, camera: &CameraSample, surface: &Surf
         Layer::Position => vector(point.p.as_dvec3() + scene.origin()),
         Layer::Depth => [scene.camera().depth(point.p.as_dvec3())].into_iter().collect(),
         Layer::Uv => point.uv.to_array().map(f64::from).into_iter().collect(),
-        Layer::Time => Values::new(),
+        Layer::Time | Layer::Emission | Layer::Direct | Layer::Indirect | Layer::Light(_) => Values::new(),
     }
 }
 

@@ -28,7 +28,7 @@ pub struct Sorted {
 }
 
 impl Sorted {
-    /// - `group_of`: the group of each light, as `describe::Names::groups` has them
+    /// - `group_of`: the group of each light, as [`LightNames`](crate::film::LightNames) has it
     pub fn new(group_of: Arc<[u32]>) -> Sorted {
         let count = group_of.iter().max().map_or(0, |last| *last as usize + 1);
         Sorted {

@@ -82,6 +82,24 @@ fn a_pilot_tells_the_prices_of_each_integrator() {
     assert!(said(folder.path(), 2, &[CORNELL, "--pilot", "1s", "--integrators", "nea"]).contains("did you mean \"nee\""));
 }
 
+/// After five seconds, if there is more than a minute to come; without being asked.
+#[test]
+fn a_long_render_tells_its_prices_by_itself() {
+    let folder = folder();
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("pt"))
+        .current_dir(folder.path())
+        .args([CORNELL, "--size", "32x32", "--time", "10m", "--progress", "none"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let stderr = std::io::BufReader::new(child.stderr.take().expect("a pipe"));
+    let lines: Vec<String> = std::io::BufRead::lines(stderr).take(3).collect::<Result<_, _>>().expect("lines");
+    child.kill().expect("killed");
+    child.wait().expect("it ends");
+    assert!(lines[0].starts_with("what a relative error costs in time (95 % intervals)"), "{lines:?}");
+    assert!(lines[2].starts_with("nee ") && lines[2].matches('(').count() == 4, "{lines:?}");
+}
+
 /// Every sampler's picture carries error bars and what they are worth; one scrambling alone tells none.
 #[test]
 fn pictures_carry_their_errors() {

@@ -8,7 +8,7 @@ use assert_cmd::Command;
 use glam::{DMat4, DVec3, DVec4, UVec2, Vec3};
 use pt::bsdf::Material;
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
-use pt::film::{Crop, FilmSpec, Filter, Image, Layer, MomentFilm};
+use pt::film::{Crop, FilmSpec, Filter, Image, Layer, LightNames, MomentFilm};
 use pt::integrator::choose;
 use pt::integrators::ALL;
 use pt::integrators::path::Path as ByChance;
@@ -54,7 +54,11 @@ fn built(world: WorldBuilder) -> Arc<World> {
 
 /// The numbers of a layer in pixel i, as many as it has.
 fn numbers(image: &Image, layer: Layer, i: usize) -> Vec<f64> {
-    layer.channels().iter().map(|name| f64::from(image.channel(name).unwrap_or_else(|| panic!("no {name}"))[i])).collect()
+    layer
+        .channels(&LightNames::default())
+        .iter()
+        .map(|name| f64::from(image.channel(name).unwrap_or_else(|| panic!("no {name}"))[i]))
+        .collect()
 }
 
 fn vector(image: &Image, layer: Layer, i: usize) -> DVec3 {
@@ -376,8 +380,10 @@ fn layers_are_asked_for_by_name() {
     pt(folder.path(), "scene.json -q -o plain.exr").success();
     pt(folder.path(), "scene.json -q -o all.exr --aov all").success();
     let (plain, every) = (read("plain.exr"), read("all.exr"));
+    let lights = LightNames { names: vec!["background".into()], ..LightNames::default() };
+    let layers: Vec<String> = all().iter().flat_map(|layer| layer.channels(&lights)).collect();
     let mut expected: Vec<&str> = names(&plain);
-    expected.extend(all().iter().flat_map(|layer| layer.channels()));
+    expected.extend(layers.iter().map(String::as_str));
     expected.sort_unstable();
     assert_eq!(names(&every), expected);
     assert!(plain.channels.iter().all(|c| every.channel(&c.name) == Some(&c.values)));

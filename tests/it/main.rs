@@ -28,6 +28,7 @@ mod import;
 mod intersection;
 mod ledger;
 mod light_choice;
+mod light_layers;
 mod lights;
 mod marked;
 mod matter;

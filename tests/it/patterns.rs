@@ -1,6 +1,5 @@
 //! Patterns as scenes describe them, by their formulas.
 
-
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::Bsdf;
 use pt::describe::{self, Files, Source};

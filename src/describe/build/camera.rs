@@ -7,7 +7,7 @@ use glam::UVec2;
 use super::transform;
 use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use crate::describe;
-use crate::film::{Allocation, Crop, FilmSpec, Filter, Layer};
+use crate::film::{Allocation, Crop, FilmSpec, Filter, Layer, LightNames};
 use crate::math::Transform;
 use crate::sampler::{Kind, SamplerSpec};
 
@@ -40,7 +40,8 @@ pub(in crate::describe) fn film(described: &describe::Film) -> FilmSpec {
     };
     let size = UVec2::new(described.width.get(), described.height.get());
     let layers = described.layers.iter().copied().map(layer).collect::<BTreeSet<_>>().into_iter().collect();
-    FilmSpec { size, crop: Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) }, filter, layers, allocation: Allocation::default() }
+    let crop = Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) };
+    FilmSpec { size, crop, filter, layers, lights: LightNames::default(), allocation: Allocation::default() }
 }
 
 fn layer(described: describe::Layer) -> Layer {
@@ -51,6 +52,10 @@ fn layer(described: describe::Layer) -> Layer {
         describe::Layer::P => Layer::Position,
         describe::Layer::Z => Layer::Depth,
         describe::Layer::Uv => Layer::Uv,
+        describe::Layer::Emission => Layer::Emission,
+        describe::Layer::Direct => Layer::Direct,
+        describe::Layer::Indirect => Layer::Indirect,
+        describe::Layer::Lights => Layer::Light(0),
         describe::Layer::Time => Layer::Time,
     }
 }

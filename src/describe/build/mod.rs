@@ -11,10 +11,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Color, Contents, Encoding, Files, Scene, Shape, Size};
+use super::{Color, Contents, Encoding, Files, Names, Scene, Shape, Size};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
-use crate::film::FilmSpec;
+use crate::film::layer::with_lights;
+use crate::film::{FilmSpec, Layer};
 use crate::light::{Emission, Light};
 use crate::math::{Spectrum, Transform};
 use crate::reader::{Node, locate};
@@ -106,7 +107,12 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         other => other,
     })?;
     warnings.extend(why_black(&world).map(|why| of_scene(format!("{why}, the image will be black"))));
-    Ok(Built { world, film: camera::film(&scene.film), sampler: camera::sampler(&scene.sampler), warnings, needs, contents })
+    let mut film = camera::film(&scene.film);
+    if film.layers.contains(&Layer::Light(0)) {
+        film.lights = Names::of(scene).lights(world.lights());
+        film.layers = with_lights(&film.layers, film.lights.names.len());
+    }
+    Ok(Built { world, film, sampler: camera::sampler(&scene.sampler), warnings, needs, contents })
 }
 
 /// What no camera and no integrator could make visible.
