@@ -154,6 +154,9 @@ pub struct Compare {
     /// How sure to be of intervals.
     #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
     pub confidence: f64,
+    /// Also this error measure: see `pt list metrics`. May be repeated.
+    #[arg(short, long, value_name = "NAME")]
+    pub metric: Vec<String>,
     /// Also the data that the viewer JERI reads.
     #[arg(long)]
     pub jeri: bool,

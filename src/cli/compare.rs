@@ -14,7 +14,7 @@ use crate::error::{Error, Fault, Result};
 use crate::film::FilmSpec;
 use crate::integrator::Entry;
 use crate::measure::words::{duration, per_cent};
-use crate::measure::{RelativeError, Until};
+use crate::measure::{Metric, RelativeError, Until};
 use crate::output::{self, exr};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::scene::Scene;
@@ -26,6 +26,7 @@ const TIME: Duration = Duration::from_secs(8);
 pub fn compare(args: &args::Compare, tables: &[&[Entry]]) -> Result<ExitCode> {
     let loaded = sized(args, tables)?;
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    args.metric.iter().try_for_each(|name| Metric::parse(name).map(drop))?;
     let contestants = contestants(args, &loaded, tables)?;
     let given = args.reference.as_deref().map(|path| given(path, &loaded.built.film)).transpose()?;
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}-report", loaded.stem)));
@@ -122,13 +123,14 @@ fn measure(
         samples: args.spp.map_or(1 << 30, u64::from),
         // With samples alone the clock has no say.
         time: if args.spp.is_some() && args.time.is_none() { None } else { Some(time) },
+        metrics: args.metric.iter().map(|name| Metric::parse(name)).collect::<Result<_>>()?,
     };
     let count = contestants.len() as u32;
     let progress = Progress::new(args.progress, &spec, u32::MAX.into(), Some(effort.time.unwrap_or(time) * count));
     let methods = compare::run(&scene, &spec, contestants, &effort, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
     progress.finish();
     let conclusions = conclusions(&methods);
-    let comparison = Comparison { scene: stem, reference, methods, confidence: args.confidence, conclusions };
+    let comparison = Comparison { scene: stem, reference, methods, metrics: effort.metrics, confidence: args.confidence, conclusions };
     output::write(&folder.join("reference.exr"), &comparison.reference.image, &vec![], &output::Tonemap::default())?;
     compare::report::write(&comparison, folder, args.jeri)?;
     remark_coarse_reference(&comparison);

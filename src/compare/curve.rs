@@ -44,11 +44,19 @@ fn points(measurements: &[Measurement]) -> Vec<Point> {
     samples.dedup();
     let point = |samples: u64| {
         let all: Vec<&Measurement> = measurements.iter().filter(|m| m.samples == samples).collect();
-        let over = |value: fn(&Measurement) -> f64| {
+        let over = |value: &dyn Fn(&Measurement) -> f64| {
             let spread = Replicates::new(&all.iter().map(|m| value(m)).collect::<Vec<_>>());
             (spread.mean, spread.error)
         };
-        Point { samples, seconds: over(|m| m.seconds).0, mse: over(|m| m.mse), relmse: over(|m| m.relmse), trimmed: over(|m| m.trimmed) }
+        let metrics = all.first().map_or(0, |m| m.others.len());
+        Point {
+            samples,
+            seconds: over(&|m| m.seconds).0,
+            mse: over(&|m| m.mse),
+            relmse: over(&|m| m.relmse),
+            trimmed: over(&|m| m.trimmed),
+            others: (0..metrics).map(|i| over(&|m| m.others[i])).collect(),
+        }
     };
     samples.into_iter().map(point).collect()
 }

@@ -9,6 +9,7 @@ pub mod report;
 pub mod run;
 
 use crate::film::Image;
+use crate::measure::Metric;
 
 pub use crate::measure::words::TARGETS;
 pub use conclude::conclusions;
@@ -21,6 +22,8 @@ pub struct Comparison {
     pub scene: String,
     pub reference: Reference,
     pub methods: Vec<Method>,
+    /// What else was measured.
+    pub metrics: Vec<Metric>,
     /// Of all intervals.
     pub confidence: f64,
     /// What it comes to, a sentence each.
@@ -74,7 +77,7 @@ pub struct Cost {
 }
 
 /// One picture at one checkpoint.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
     pub replicate: u32,
     /// Per pixel.
@@ -87,10 +90,12 @@ pub struct Measurement {
     pub relmse: f64,
     /// relMSE without the worst 0.1 % of the pixels.
     pub trimmed: f64,
+    /// By each of [`Comparison::metrics`]; the reference counts as the truth.
+    pub others: Vec<f64>,
 }
 
 /// All replicates of a method at one checkpoint.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     pub samples: u64,
     /// Mean of the replicates.
@@ -99,4 +104,5 @@ pub struct Point {
     pub mse: (f64, f64),
     pub relmse: (f64, f64),
     pub trimmed: (f64, f64),
+    pub others: Vec<(f64, f64)>,
 }

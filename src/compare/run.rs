@@ -7,7 +7,9 @@ use super::curve;
 use super::{Measurement, Method, Reference};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Integrator;
-use crate::measure::Distance;
+use crate::measure::metric::{Named, Pair};
+use crate::measure::{Distance, Metric};
+use crate::output::Tonemap;
 use crate::render::{Observer, Render, Settings};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene;
@@ -22,8 +24,8 @@ pub struct Contestant {
     pub lacks: String,
 }
 
-/// How much is rendered.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How much is rendered, and what is measured.
+#[derive(Clone, Debug)]
 pub struct Effort {
     /// Independent renders of each method; at least two, so that their spread is seen.
     pub replicates: u32,
@@ -31,6 +33,8 @@ pub struct Effort {
     pub samples: u64,
     /// Render time of each method, its replicates together.
     pub time: Option<Duration>,
+    /// Beside mse and relMSE.
+    pub metrics: Vec<Metric>,
 }
 
 /// One replicate of a method on its way.
@@ -75,9 +79,11 @@ pub fn run(
                 if render.report().cancelled {
                     return None;
                 }
-                let Distance { mse, relmse, trimmed } = Distance::between(&film.image(), &reference.image)?;
+                let (image, replicate) = (film.image(), replicate as u32);
+                let Distance { mse, relmse, trimmed } = Distance::between(&image, &reference.image)?;
+                let others = others(&effort.metrics, &contestants[method].name, &image, reference)?;
                 let seconds = render.report().elapsed.as_secs_f64();
-                measured[method].push(Measurement { replicate: replicate as u32, samples, seconds, mse, relmse, trimmed });
+                measured[method].push(Measurement { replicate, samples, seconds, mse, relmse, trimmed, others });
             }
         }
         if !advanced {
@@ -89,6 +95,16 @@ pub fn run(
         curve::method(contestant, &pictures, measurements, reference, confidence)
     });
     Some(methods.collect())
+}
+
+/// `None` for pictures that cannot be compared.
+fn others(metrics: &[Metric], name: &str, image: &Image, reference: &Reference) -> Option<Vec<f64>> {
+    if metrics.is_empty() {
+        return Some(vec![]);
+    }
+    let named = |name, image| Named { name, image };
+    let pair = Pair::new(named(name, image), named(&reference.origin, &reference.image), Tonemap::default()).ok()?;
+    Some(metrics.iter().map(|metric| metric.measure(&pair).value).collect())
 }
 
 /// 1, 2, 4, … up to `most`.

@@ -10,6 +10,15 @@ pub fn per_cent(share: f64) -> String {
     two_digits(100.0 * share)
 }
 
+/// With so many digits: `0.0123450`, `12.5000`, `1.50000e9`.
+pub fn number(x: f64, digits: i32) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return x.to_string();
+    }
+    let (exponent, decimals) = (x.abs().log10().floor() as i32, digits - 1);
+    if (-4..digits).contains(&exponent) { format!("{x:.*}", (decimals - exponent) as usize) } else { format!("{x:.*e}", decimals as usize) }
+}
+
 /// `2.1 % (95 %: 2.0–2.2)`
 pub fn error(error: &RelativeError, confidence: f64) -> String {
     let [low, high] = error.interval(confidence).map(per_cent);
@@ -109,5 +118,14 @@ mod tests {
         ] {
             assert_eq!(duration(seconds), text, "{seconds}");
         }
+    }
+
+    #[test]
+    fn numbers_have_so_many_digits() {
+        let table = [(0.0, "0"), (1.0, "1.00000"), (-12.5, "-12.5000"), (1e-5, "1.00000e-5"), (123_456.7, "123457"), (1.5e9, "1.50000e9")];
+        for (x, text) in table {
+            assert_eq!(number(x, 6), text);
+        }
+        assert_eq!((number(0.012_345, 2), number(f64::INFINITY, 6), number(f64::NAN, 6)), ("0.012".into(), "inf".into(), "NaN".into()));
     }
 }

@@ -148,12 +148,19 @@ fn verify_finds_planted_bias() {
 #[test]
 fn compare_writes_a_report_and_says_which_is_cheapest() {
     let folder = folder();
-    let text = said(folder.path(), 0, &["compare", CORNELL, "--size", "32x32", "--time", "0.5s", "-o", "report"]);
+    let text = said(
+        folder.path(),
+        0,
+        &["compare", CORNELL, "--size", "32x32", "--time", "0.5s", "-o", "report", "-m", "flip", "-m", "mse:robust"],
+    );
     assert!(text.contains("nee is the cheapest") && text.contains("that is bias"), "{text}");
     assert!(text.contains("whitted does not simulate diffuse interreflection"), "{text}");
     for file in ["index.html", "convergence.csv", "convergence.json", "reference.exr"] {
         assert!(folder.path().join("report").join(file).is_file(), "{file}");
     }
+    let csv = std::fs::read_to_string(folder.path().join("report/convergence.csv")).expect("a table");
+    assert!(csv.contains("trimmed,flip,mse:robust,mse_stderr") && csv.contains("# flip = "), "{csv}");
+    assert!(said(folder.path(), 2, &["compare", CORNELL, "--metric", "flop"]).contains("did you mean \"flip\""));
     let again = ["compare", CORNELL, "--size", "24x24", "--time", "0.5s", "--reference", "report/reference.exr"];
     assert!(said(folder.path(), 3, &again).contains("expected 24 × 24 pixels"));
 }

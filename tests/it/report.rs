@@ -56,6 +56,12 @@ fn csv_holds_what_was_measured() {
     let mut rows = csv.lines().skip_while(|line| line.starts_with('#')).map(|line| line.split(',').collect::<Vec<_>>());
     let header = rows.next().expect("a header");
     assert_eq!(header[..7], ["method", "replicate", "spp", "seconds", "mse", "relmse", "trimmed"]);
+    // A name with a comma stands in quotes.
+    assert_eq!(
+        header[7..].join(","),
+        "\"mape:eps=0.5,robust\",flip,mse_stderr,relmse_stderr,trimmed_stderr,\"mape:eps=0.5,robust_stderr\",flip_stderr"
+    );
+    assert!(csv.contains("# flip = mean over all pixels of LDR-FLIP"), "the formula of what was asked for");
     let rows: Vec<Vec<&str>> = rows.collect();
     let number = |cell: &str| cell.parse::<f64>().unwrap_or_else(|e| panic!("{cell}: {e}"));
     for method in &comparison.methods {
@@ -63,13 +69,16 @@ fn csv_holds_what_was_measured() {
         for m in &method.measurements {
             let row = own.next().expect("a row for each measurement");
             assert_eq!(row[1..3], [m.replicate.to_string(), m.samples.to_string()]);
-            assert_eq!([3, 4, 5, 6].map(|i| number(row[i])), [m.seconds, m.mse, m.relmse, m.trimmed]);
-            assert_eq!(row[7..], ["", "", ""]);
+            let wanted = [m.seconds, m.mse, m.relmse, m.trimmed, m.others[0], m.others[1]];
+            assert_eq!([3, 4, 5, 6, 7, 8].map(|i| number(row[i])), wanted);
+            assert_eq!(row[9..], ["", "", "", "", ""]);
         }
         for p in &method.curve {
             let row = own.next().expect("a row for each point");
             assert_eq!(row[1..3], ["mean", &p.samples.to_string()]);
-            assert_eq!([4, 5, 6, 7, 8, 9].map(|i| number(row[i])), [p.mse.0, p.relmse.0, p.trimmed.0, p.mse.1, p.relmse.1, p.trimmed.1]);
+            let all = [p.mse, p.relmse, p.trimmed, p.others[0], p.others[1]];
+            assert_eq!([4, 5, 6, 7, 8].map(|i| number(row[i])), all.map(|value| value.0));
+            assert_eq!([9, 10, 11, 12, 13].map(|i| number(row[i])), all.map(|value| value.1));
         }
         assert!(own.next().is_none(), "{} has rows that nobody measured", method.name);
     }
@@ -92,6 +101,8 @@ fn json_holds_what_was_measured() {
         };
         same(&found["measurements"][5]["relmse"], Some(method.measurements[5].relmse));
         same(&found["points"][3]["relmse"]["stderr"], Some(method.curve[3].relmse.1));
+        same(&found["measurements"][5]["flip"], Some(method.measurements[5].others[1]));
+        same(&found["points"][3]["mape:eps=0.5,robust"]["stderr"], Some(method.curve[3].others[0].1));
         for (i, target) in TARGETS.into_iter().enumerate() {
             assert_eq!(found["prices"][i]["error"], target);
             same(&found["prices"][i]["seconds"], method.prices[i].map(|cost| cost.seconds));

@@ -14,6 +14,7 @@ use std::process::ExitCode;
 
 use crate::error::{Error, Fault, Result};
 use crate::film::Image;
+use crate::measure::words;
 use crate::output::{self, Pick};
 use args::Verb;
 
@@ -40,23 +41,5 @@ fn only(pick: &Pick, image: &Image, path: &Path) -> Result<Image> {
 
 /// Six digits that count.
 fn number(x: f64) -> String {
-    if x == 0.0 || !x.is_finite() {
-        return x.to_string();
-    }
-    let exponent = x.abs().log10().floor() as i32;
-    if (-4..6).contains(&exponent) { format!("{x:.*}", (5 - exponent) as usize) } else { format!("{x:.5e}") }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::number;
-
-    #[test]
-    fn numbers_have_six_digits() {
-        let table = [(0.0, "0"), (1.0, "1.00000"), (-12.5, "-12.5000"), (1e-5, "1.00000e-5"), (123_456.7, "123457"), (1.5e9, "1.50000e9")];
-        for (x, text) in table {
-            assert_eq!(number(x), text);
-        }
-        assert_eq!((number(f64::INFINITY).as_str(), number(f64::NAN).as_str()), ("inf", "NaN"));
-    }
+    words::number(x, 6)
 }

@@ -9,6 +9,7 @@ use super::plot::{self, course};
 use crate::compare::{Comparison, Method, TARGETS};
 use crate::error::{Error, Result};
 use crate::film::Image;
+use crate::measure::Metric;
 use crate::measure::relative::EPSILON;
 use crate::measure::words;
 
@@ -25,6 +26,7 @@ pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
         "confidence" => words::per_cent(comparison.confidence),
         "targets" => TARGETS.iter().map(|t| format!("<th scope=\"col\">{} %</th>\n", words::per_cent(*t))).collect(),
         "methods" => (0..comparison.methods.len()).map(|place| row(comparison, place)).collect(),
+        "measures" => measures(comparison),
         "plots" => plot::elements(comparison).iter().map(figure).collect(),
         "epsilon" => EPSILON.to_string(),
         "pictures" => script(&pictures),
@@ -87,6 +89,29 @@ fn row(comparison: &Comparison, place: usize) -> String {
     cells += &cell("lacks", "Leaves out", lacks);
     let swatch = format!("<i class=\"swatch f-m{}\"></i>", place % 6);
     format!("<tr><th scope=\"row\">{swatch}{}</th>\n{cells}</tr>\n", xml(&method.name))
+}
+
+/// The other measures, after the last checkpoint; nothing where there are none.
+fn measures(comparison: &Comparison) -> String {
+    if comparison.metrics.is_empty() {
+        return String::new();
+    }
+    let names: String = comparison.metrics.iter().map(|metric| format!("<th scope=\"col\">{}</th>", xml(&metric.name()))).collect();
+    let cell = |(metric, (value, error)): (&Metric, &(f64, f64))| {
+        let label = xml(&metric.name());
+        format!("<td data-label=\"{label}\"><span>{} <small>± {}</small></span></td>", words::number(*value, 4), words::number(*error, 2))
+    };
+    let row = |(place, method): (usize, &Method)| {
+        let others = method.curve.last().map_or(&[][..], |last| &last.others);
+        let cells: String = comparison.metrics.iter().zip(others).map(cell).collect();
+        format!("<tr><th scope=\"row\"><i class=\"swatch f-m{}\"></i>{}</th>{cells}</tr>\n", place % 6, xml(&method.name))
+    };
+    let rows: String = comparison.methods.iter().enumerate().map(row).collect();
+    let formulas: String = comparison.metrics.iter().map(|m| format!("<li>{}: {}</li>\n", xml(&m.name()), xml(&m.formula()))).collect();
+    format!(
+        "<section aria-labelledby=\"measures-title\">\n<h2 id=\"measures-title\">Other measures, at the end</h2>\n<table class=\"measures\">\n\
+         <thead><tr><th scope=\"col\">Method</th>{names}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n<ul class=\"facts\">\n{formulas}</ul>\n</section>\n"
+    )
 }
 
 /// Error, its interval, and what it took.

@@ -1,5 +1,6 @@
 //! The numbers: `convergence.csv` for tables, `convergence.json` for programs.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::Serialize;
@@ -7,6 +8,7 @@ use serde::Serialize;
 use super::escape;
 use crate::compare::{Comparison, Cost, Measurement, Method, Point, TARGETS};
 use crate::error::{Error, Result};
+use crate::measure::Metric;
 use crate::measure::relative::EPSILON;
 
 /// What the columns mean.
@@ -51,19 +53,32 @@ pub fn csv(comparison: &Comparison) -> Vec<u8> {
     for line in formulas().lines() {
         text.push_str(&format!("# {line}\n"));
     }
-    text.push_str("method,replicate,spp,seconds,mse,relmse,trimmed,mse_stderr,relmse_stderr,trimmed_stderr\n");
+    for metric in &comparison.metrics {
+        text.push_str(&format!("# {} = {}\n", metric.name(), metric.formula()));
+    }
+    let own = ["mse", "relmse", "trimmed"].map(str::to_owned).into_iter();
+    let columns: Vec<String> = own.chain(comparison.metrics.iter().map(Metric::name)).collect();
+    let joined = |suffix: &str| columns.iter().map(|name| escape::csv(&format!("{name}{suffix}"))).collect::<Vec<_>>().join(",");
+    text.push_str(&format!("method,replicate,spp,seconds,{},{}\n", joined(""), joined("_stderr")));
     for method in &comparison.methods {
         let name = escape::csv(&method.name);
-        for Measurement { replicate, samples, seconds, mse, relmse, trimmed } in &method.measurements {
+        for Measurement { replicate, samples, seconds, mse, relmse, trimmed, others } in &method.measurements {
+            let values = row([*mse, *relmse, *trimmed].into_iter().chain(others.iter().copied()));
+            let no_errors = ",".repeat(columns.len());
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{name},{replicate},{samples},{seconds},{mse},{relmse},{trimmed},,,");
+            let _ = writeln!(text, "{name},{replicate},{samples},{seconds},{values}{no_errors}");
         }
-        for Point { samples, seconds, mse, relmse, trimmed } in &method.curve {
-            let values = format!("{},{},{},{},{},{}", mse.0, relmse.0, trimmed.0, mse.1, relmse.1, trimmed.1);
-            let _ = writeln!(text, "{name},mean,{samples},{seconds},{values}");
+        for Point { samples, seconds, mse, relmse, trimmed, others } in &method.curve {
+            let values = || [*mse, *relmse, *trimmed].into_iter().chain(others.iter().copied());
+            let (means, errors) = (row(values().map(|value| value.0)), row(values().map(|value| value.1)));
+            let _ = writeln!(text, "{name},mean,{samples},{seconds},{means},{errors}");
         }
     }
     text.into_bytes()
+}
+
+fn row(values: impl Iterator<Item = f64>) -> String {
+    values.map(|value| value.to_string()).collect::<Vec<_>>().join(",")
 }
 
 #[derive(Serialize)]
@@ -72,6 +87,8 @@ struct Document<'a> {
     reference: ReferenceRow<'a>,
     confidence: f64,
     formulas: Formulas,
+    /// By name, with their formulas.
+    metrics: BTreeMap<String, String>,
     conclusions: &'a [String],
     methods: Vec<MethodRow<'a>>,
 }
@@ -125,6 +142,8 @@ struct MeasurementRow {
     mse: f64,
     relmse: f64,
     trimmed: f64,
+    #[serde(flatten)]
+    others: BTreeMap<String, f64>,
 }
 
 #[derive(Serialize)]
@@ -134,6 +153,8 @@ struct PointRow {
     mse: Estimate,
     relmse: Estimate,
     trimmed: Estimate,
+    #[serde(flatten)]
+    others: BTreeMap<String, Estimate>,
 }
 
 /// All of a comparison but its pictures. A value that is no number is `null`.
@@ -143,15 +164,16 @@ pub fn json(comparison: &Comparison) -> Result<Vec<u8>> {
         reference: ReferenceRow { origin: &comparison.reference.origin, error: comparison.reference.error },
         confidence: comparison.confidence,
         formulas: formulas(),
+        metrics: comparison.metrics.iter().map(|metric| (metric.name(), metric.formula())).collect(),
         conclusions: &comparison.conclusions,
-        methods: comparison.methods.iter().map(method).collect(),
+        methods: comparison.methods.iter().map(|one| method(one, &comparison.metrics)).collect(),
     };
     let mut bytes = serde_json::to_vec_pretty(&document).map_err(|e| Error::Internal(format!("cannot write JSON: {e}")))?;
     bytes.push(b'\n');
     Ok(bytes)
 }
 
-fn method(method: &Method) -> MethodRow<'_> {
+fn method<'m>(method: &'m Method, metrics: &[Metric]) -> MethodRow<'m> {
     let price = |(error, cost): (f64, Option<Cost>)| PriceRow {
         error,
         seconds: cost.map(|c| c.seconds),
@@ -166,9 +188,16 @@ fn method(method: &Method) -> MethodRow<'_> {
         mse: m.mse,
         relmse: m.relmse,
         trimmed: m.trimmed,
+        others: metrics.iter().map(Metric::name).zip(m.others.iter().copied()).collect(),
     };
-    let point =
-        |p: &Point| PointRow { spp: p.samples, seconds: p.seconds, mse: p.mse.into(), relmse: p.relmse.into(), trimmed: p.trimmed.into() };
+    let point = |p: &Point| PointRow {
+        spp: p.samples,
+        seconds: p.seconds,
+        mse: p.mse.into(),
+        relmse: p.relmse.into(),
+        trimmed: p.trimmed.into(),
+        others: metrics.iter().map(Metric::name).zip(p.others.iter().copied().map(Estimate::from)).collect(),
+    };
     MethodRow {
         name: &method.name,
         integrator: &method.integrator,
