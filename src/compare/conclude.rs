@@ -77,3 +77,61 @@ fn crossings(methods: &[Method]) -> Vec<String> {
 fn two(x: f64) -> String {
     per_cent(x / 100.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::UVec2;
+
+    use super::*;
+    use crate::compare::Cost;
+    use crate::film::Image;
+
+    /// - `prices`: seconds of each target, sure to a factor 1.1; `None` where it never gets there
+    fn method(name: &str, prices: [Option<f64>; 4]) -> Method {
+        let cost = |seconds: f64| Cost { seconds, low: seconds / 1.1, high: seconds * 1.1, extrapolated: false };
+        let image = Image { full_size: UVec2::ZERO, origin: UVec2::ZERO, size: UVec2::ZERO, channels: vec![] };
+        Method {
+            name: name.into(),
+            integrator: name.into(),
+            sampler: "sobol".into(),
+            measurements: vec![],
+            curve: vec![],
+            image: image.clone(),
+            sample: image,
+            slope: None,
+            bias: None,
+            prices: prices.map(|price| price.map(cost)).into(),
+            lacks: String::new(),
+        }
+    }
+
+    #[test]
+    fn the_cheapest_is_named_and_how_much_longer_others_take() {
+        let methods = [method("a", [Some(1.0), Some(10.0), Some(100.0), Some(1000.0)]), method("b", [Some(4.0), Some(10.5), None, None])];
+        let said = conclusions(&methods);
+        // 4 times; the logarithms' reaches add as squares: e^(√2 ln 1.1) = 1.144.
+        assert_eq!(said[0], "For 10 %, a is the cheapest with 1 s; b takes 4 (3.5–4.6) times as long.");
+        assert_eq!(said[1], "For 3 %, a is the cheapest with 10 s; b takes about as long (1.1 times, 0.92–1.2).");
+        assert_eq!(said[2], "For 1 %, a is the cheapest with 100 s; b never gets there.");
+        assert_eq!(said.len(), 3, "{said:?}");
+    }
+
+    #[test]
+    fn methods_cross_where_the_cheaper_is_another() {
+        let methods =
+            [method("a", [Some(1.0), Some(10.0), Some(300.0), None]), method("b", [Some(3.0), Some(11.0), Some(50.0), Some(90.0)])];
+        assert_eq!(conclusions(&methods).last().map(String::as_str), Some("a and b cross between 10 % and 1 %."));
+    }
+
+    #[test]
+    fn bias_and_what_is_left_out_are_told() {
+        let prices = [Some(1.0), None, None, None];
+        let biased = Method { bias: Some((0.05, 0.002)), lacks: "glass".into(), ..method("a", prices) };
+        let said = conclusions(&[biased]);
+        assert!(
+            said.contains(&"a settles 5 ± 0.2 % away from the reference: that is bias, which no time removes.".to_owned()),
+            "{said:?}"
+        );
+        assert!(said.contains(&"a does not simulate glass, which the scene calls for.".to_owned()), "{said:?}");
+    }
+}

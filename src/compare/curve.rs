@@ -201,3 +201,105 @@ impl Replicates {
         StudentsT::new(0.0, 1.0, (self.count - 1.0).max(1.0)).map_or(0.0, |t| t.inverse_cdf(p))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+    use glam::UVec2;
+
+    use super::*;
+
+    /// relMSE = v t⁻ᵇ at 1, 2, 4, … seconds.
+    fn course(replicate: u32, v: f64, b: f64, checkpoints: u32) -> Vec<Measurement> {
+        let at = |k: u32| {
+            let seconds = f64::from(1u32 << k);
+            let relmse = v * seconds.powf(-b);
+            Measurement { replicate, samples: 1 << k, seconds, mse: relmse, relmse, trimmed: relmse, others: vec![] }
+        };
+        (0..checkpoints).map(at).collect()
+    }
+
+    fn all(courses: &[Vec<Measurement>]) -> Vec<Measurement> {
+        courses.concat()
+    }
+
+    #[test]
+    fn a_power_law_has_its_power() {
+        let courses = [course(0, 0.04, 0.9, 6), course(1, 0.05, 1.1, 6)];
+        let slopes = Replicates::of(&all(&courses), slope).expect("slopes");
+        // Of 0.9 and 1.1: the mean, and 0.2/2 as its standard error.
+        assert_relative_eq!(slopes.mean, 1.0, max_relative = 1e-12);
+        assert_relative_eq!(slopes.error, 0.1, max_relative = 1e-12);
+        assert!(Replicates::of(&course(0, 0.04, 1.0, 2), slope).is_none(), "two checkpoints tell no slope");
+    }
+
+    /// √relMSE = target at t = (v / target²)^(1/b), between checkpoints as beyond them by 1/t.
+    #[test]
+    fn prices_are_where_the_law_says() {
+        let courses = all(&[course(0, 0.04, 1.0, 6), course(1, 0.04, 1.0, 6)]);
+        for (target, seconds, extrapolated) in [(0.1, 4.0, false), (0.05, 16.0, false), (0.01, 400.0, true), (0.4, 0.25, true)] {
+            let cost = price(&courses, target, None, 0.95).expect("a price");
+            assert_relative_eq!(cost.seconds, seconds, max_relative = 1e-9);
+            assert_eq!(cost.extrapolated, extrapolated, "{target}");
+            assert_relative_eq!(cost.high / cost.low, 1.0, max_relative = 1e-9);
+        }
+        // Replicates a factor e apart: ln t = ln 4 ± ½, with one degree of freedom t₀.₉₇₅ = 12.706.
+        let apart = all(&[course(0, 0.04 * 0.5f64.exp(), 1.0, 8), course(1, 0.04 * (-0.5f64).exp(), 1.0, 8)]);
+        let cost = price(&apart, 0.1, None, 0.95).expect("a price");
+        assert_relative_eq!(cost.seconds, 4.0, max_relative = 1e-9);
+        assert_relative_eq!((cost.high / cost.low).ln(), 2.0 * 12.7062 * 0.5, max_relative = 1e-4);
+        assert!(price(&courses, 0.1, Some((0.1, 0.01)), 0.95).is_none(), "never below its bias");
+    }
+
+    /// Of R equal numbers x̄ ± s/√R; `others` come along.
+    #[test]
+    fn points_are_means_of_replicates() {
+        let one = |replicate: u32, relmse: f64, other: f64| Measurement {
+            replicate,
+            samples: 8,
+            seconds: 2.0,
+            mse: 1.0,
+            relmse,
+            trimmed: 0.0,
+            others: vec![other],
+        };
+        let points = points(&[one(0, 1.0, 5.0), one(1, 3.0, 5.0), one(2, 2.0, 8.0)]);
+        assert_eq!(points.len(), 1);
+        assert_relative_eq!(points[0].relmse.0, 2.0);
+        assert_relative_eq!(points[0].relmse.1, (1.0f64 / 3.0).sqrt(), max_relative = 1e-12);
+        assert_relative_eq!(points[0].others[0].0, 6.0);
+        assert_relative_eq!(points[0].others[0].1, 1.0, max_relative = 1e-12);
+    }
+
+    fn image(value: impl Fn(usize) -> f32, error: f32) -> Image {
+        let size = UVec2::new(32, 32);
+        let channel = |name: &str, values: Vec<f32>| Channel { name: name.into(), values };
+        let colors = ["R", "G", "B"].map(|name| channel(name, (0..1024).map(&value).collect()));
+        let errors = ["StdErr.R", "StdErr.G", "StdErr.B"].map(|name| channel(name, vec![error; 1024]));
+        Image { full_size: size, origin: UVec2::ZERO, size, channels: colors.into_iter().chain(errors).collect() }
+    }
+
+    /// A fifth too bright, with noise of a tenth: b² = 0.2²/(1 + ε). Noise alone is no bias.
+    #[test]
+    fn bias_is_what_noise_does_not_explain() {
+        // ±0.1, as often this as that.
+        let noise = |i: usize| if (i * 7919) % 1024 < 512 { 0.1 } else { -0.1 };
+        let reference = image(|_| 1.0, 0.0);
+        let (found, error) = bias(&image(|i| 1.2 + noise(i), 0.1), &reference).expect("a bias");
+        let wanted = 0.2 / 1.01f64.sqrt();
+        assert!((found - wanted).abs() < 4.0 * error && error < 0.05 * wanted, "{found} ± {error}, wanted {wanted}");
+        assert!(bias(&image(|i| 1.0 + noise(i), 0.1), &reference).is_none());
+        // The reference's own errors count as noise too.
+        assert!(bias(&image(|i| 1.0 + noise(i), 0.0), &image(|_| 1.0, 0.1)).is_none());
+    }
+
+    #[test]
+    fn the_mean_of_pictures_and_its_errors() {
+        let pictures = [1.0, 2.0, 6.0].map(|value| image(|_| value, 0.0));
+        let mean = mean(&pictures);
+        assert_eq!(mean.rgb(3, 3), [3.0; 3]);
+        // s² = (4 + 1 + 9)/2 = 7, of the mean 7/3.
+        assert_relative_eq!(f64::from(mean.channel("StdErr.G").expect("errors")[5]), (7.0f64 / 3.0).sqrt(), max_relative = 1e-6);
+        assert_relative_eq!(f64::from(one(&pictures, &mean).channel("StdErr.G").expect("errors")[5]), 7.0f64.sqrt(), max_relative = 1e-6);
+    }
+}
