@@ -123,7 +123,8 @@ fn last(comparison: &Comparison, method: &Method) -> String {
 
 fn price(method: &Method, i: usize, target: f64) -> String {
     let Some(cost) = method.prices.get(i).copied().flatten() else { return format!("<small>{}</small>", plot::unpriced(method, target)) };
-    let [seconds, low, high] = [cost.seconds, cost.low, cost.high].map(words::duration);
+    // A line may end between two times, not within one.
+    let [seconds, low, high] = [cost.seconds, cost.low, cost.high].map(|time| words::duration(time).replace(' ', "\u{a0}"));
     if cost.extrapolated {
         format!("<span title=\"foretold\">≈ {seconds}</span> <small>{low}–{high}</small>")
     } else {
