@@ -7,6 +7,9 @@ use super::bits;
 use super::build::{Wide, wide};
 use super::node::{Child, Node, STACK, Slabs, WIDEN, padding};
 use super::packet::{LANES, Packet};
+#[cfg(target_arch = "x86_64")]
+use super::simd::Whole;
+use super::simd::{Halves, Lanes, Set};
 use super::{Item, Shapes};
 use crate::math::{Aabb, Ray};
 use crate::primitive::{Hit, Primitive};
@@ -22,6 +25,7 @@ pub struct Bvh {
     /// Item numbers of what is not flat.
     curved: Vec<u32>,
     root: Option<Child>,
+    set: Set,
 }
 
 /// Ranges of packets and of curved items.
@@ -50,6 +54,7 @@ impl Bvh {
             packets: vec![],
             curved: vec![],
             root: None,
+            set: Set::found(),
             shapes: shapes.clone(),
         };
         let mut boxes = bvh.list_items(&shapes);
@@ -143,9 +148,43 @@ impl Primitive for Bvh {
         self.bounds
     }
 
-    /// Front to back: the nearest child first, the others wait on the stack in order.
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let slabs = Slabs::new(ray);
+        match self.set {
+            Set::Plain => self.nearest::<Halves>(ray),
+            // Sound: the set is what this machine was found to have.
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => unsafe { self.nearest_avx2(ray) },
+        }
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        match self.set {
+            Set::Plain => self.any::<Halves>(ray),
+            // Sound: as above.
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2 => unsafe { self.any_avx2(ray) },
+        }
+    }
+}
+
+/// The walks, compiled once for each set of instructions.
+impl Bvh {
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn nearest_avx2(&self, ray: &Ray) -> Option<Hit> {
+        self.nearest::<Whole>(ray)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn any_avx2(&self, ray: &Ray) -> bool {
+        self.any::<Whole>(ray)
+    }
+
+    /// Front to back: the nearest child first, the others wait on the stack in order.
+    #[inline(always)]
+    fn nearest<L: Lanes>(&self, ray: &Ray) -> Option<Hit> {
+        let slabs = Slabs::<L>::new(ray);
         let mut nearest = Nearest { hit: ShapeHit { t: ray.t_max, uv: Vec2::ZERO }, item: u32::MAX, t_max: ray.t_max };
         let mut stack = ArrayVec::<(f32, Child), STACK>::new();
         let mut next = Some((0.0, self.root?));
@@ -163,9 +202,10 @@ impl Primitive for Bvh {
     }
 
     /// In any order: the first hit ends it.
-    fn occluded(&self, ray: &Ray) -> bool {
+    #[inline(always)]
+    fn any<L: Lanes>(&self, ray: &Ray) -> bool {
         let Some(root) = self.root else { return false };
-        let slabs = Slabs::new(ray);
+        let slabs = Slabs::<L>::new(ray);
         let mut stack = ArrayVec::<Child, STACK>::new();
         stack.push(root);
         while let Some(child) = stack.pop() {

@@ -6,6 +6,7 @@ mod cut;
 mod list;
 mod node;
 mod packet;
+mod simd;
 
 use std::sync::Arc;
 

@@ -1,9 +1,10 @@
 //! Eight boxes side by side.
 
 use arrayvec::ArrayVec;
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A};
 
 use super::bits;
+use super::simd::Lanes;
 use crate::math::{Aabb, Ray};
 
 pub const WIDTH: usize = 8;
@@ -19,8 +20,8 @@ pub const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
 #[repr(align(64))]
 #[derive(Clone)]
 pub struct Node {
-    /// The lower faces along x, y, z, then the upper ones; half; a lane for each child.
-    faces: [[Vec4; 2]; 6],
+    /// The lower faces along x, y, z, then the upper ones; a lane for each child.
+    faces: [[f32; WIDTH]; 6],
     pub child: [Child; WIDTH],
 }
 
@@ -47,27 +48,28 @@ impl Child {
 }
 
 /// What the box tests need to know of a ray, per axis.
-pub struct Slabs {
-    origin: [Vec4; 3],
-    inverse: [Vec4; 3],
+pub struct Slabs<L> {
+    origin: [L; 3],
+    inverse: [L; 3],
     /// Larger by [`WIDEN`].
-    widened: [Vec4; 3],
+    widened: [L; 3],
     /// Of the faces by which the ray enters and leaves.
     enter: [usize; 3],
     leave: [usize; 3],
 }
 
-impl Slabs {
-    pub fn new(ray: &Ray) -> Slabs {
-        let (origin, direction) = (ray.origin.to_array().map(Vec4::splat), ray.direction.to_array());
+impl<L: Lanes> Slabs<L> {
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Slabs<L> {
+        let direction = ray.direction.to_array();
         // Finite, so that a ray that starts in the plane of a face and runs along it gives 0, not 0·∞.
-        let bound = Vec4::splat(f32::MAX / 2.0);
-        let inverse = direction.map(|d| (1.0 / Vec4::splat(d)).max(-bound).min(bound));
+        const BOUND: f32 = f32::MAX / 2.0;
+        let inverse = (1.0 / Vec3A::from(ray.direction)).max(Vec3A::splat(-BOUND)).min(Vec3A::splat(BOUND)).to_array();
         let upper = direction.map(|d| if d.is_sign_negative() { 3 } else { 0 });
         Slabs {
-            origin,
-            inverse,
-            widened: inverse.map(|i| i * WIDEN),
+            origin: ray.origin.to_array().map(L::splat),
+            inverse: inverse.map(L::splat),
+            widened: inverse.map(|i| L::splat(i * WIDEN)),
             enter: std::array::from_fn(|axis| axis + upper[axis]),
             leave: std::array::from_fn(|axis| axis + 3 - upper[axis]),
         }
@@ -82,12 +84,12 @@ pub const WIDEN: f32 = 1.0 + 2.0 * (3.0 * 0.5 * f32::EPSILON) + f32::EPSILON;
 
 impl Node {
     pub fn new(children: &[(Aabb, Child)]) -> Node {
-        let (low, high) = ([Vec4::INFINITY; 2], [Vec4::NEG_INFINITY; 2]);
+        let (low, high) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
         let mut node = Node { faces: [low, low, low, high, high, high], child: [Child(LEAF); WIDTH] };
         for (slot, (bounds, child)) in children.iter().enumerate() {
             for axis in 0..3 {
-                node.faces[axis][slot / 4][slot % 4] = bounds.min[axis];
-                node.faces[axis + 3][slot / 4][slot % 4] = bounds.max[axis];
+                node.faces[axis][slot] = bounds.min[axis];
+                node.faces[axis + 3][slot] = bounds.max[axis];
             }
             node.child[slot] = *child;
         }
@@ -96,29 +98,21 @@ impl Node {
 
     /// The distance at which the ray enters each box, and a bit for each that it meets before `t_max`.
     #[inline(always)]
-    pub fn meet(&self, slabs: &Slabs, t_max: f32) -> ([f32; WIDTH], u32) {
-        let (low, high) = (self.meet_half(0, slabs, t_max), self.meet_half(1, slabs, t_max));
-        let mut near = [0.0; WIDTH];
-        near[..4].copy_from_slice(&low.0.to_array());
-        near[4..].copy_from_slice(&high.0.to_array());
-        (near, low.1 | high.1 << 4)
-    }
-
-    #[inline(always)]
-    fn meet_half(&self, half: usize, slabs: &Slabs, t_max: f32) -> (Vec4, u32) {
-        let (mut near, mut far) = (Vec4::ZERO, Vec4::splat(t_max * WIDEN));
+    pub fn meet<L: Lanes>(&self, slabs: &Slabs<L>, t_max: f32) -> (L, u32) {
+        let (mut near, mut far) = (L::splat(0.0), L::splat(t_max * WIDEN));
         for axis in 0..3 {
-            let (enter, leave) = (self.faces[slabs.enter[axis]][half], self.faces[slabs.leave[axis]][half]);
-            near = ((enter - slabs.origin[axis]) * slabs.inverse[axis]).max(near);
-            far = ((leave - slabs.origin[axis]) * slabs.widened[axis]).min(far);
+            let (enter, leave) = (L::load(&self.faces[slabs.enter[axis]]), L::load(&self.faces[slabs.leave[axis]]));
+            near = enter.minus(slabs.origin[axis]).times(slabs.inverse[axis]).larger(near);
+            far = leave.minus(slabs.origin[axis]).times(slabs.widened[axis]).smaller(far);
         }
-        (near, near.cmple(far).bitmask())
+        (near, near.at_most(far))
     }
 
     /// Pushes the children that the ray meets before `t_max` with their distances, the nearest last.
     #[inline(always)]
-    pub fn push_met(&self, slabs: &Slabs, t_max: f32, stack: &mut ArrayVec<(f32, Child), STACK>) {
+    pub fn push_met<L: Lanes>(&self, slabs: &Slabs<L>, t_max: f32, stack: &mut ArrayVec<(f32, Child), STACK>) {
         let (near, met) = self.meet(slabs, t_max);
+        let near = near.to_array();
         let first = stack.len();
         for i in bits(met) {
             let entry = (near[i], self.child[i]);

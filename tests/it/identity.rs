@@ -2,6 +2,7 @@
 
 mod division;
 mod effects;
+mod instructions;
 mod scaling;
 pub mod zoo;
 

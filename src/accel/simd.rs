@@ -1,0 +1,155 @@
+//! Eight numbers side by side, as the processor has them.
+//!
+//! Every set of instructions does the same operations in the same order and rounding (none fuses a product into a sum), so that
+//! the choice changes no bit of any picture. It is made once, for each hierarchy; `PT_SIMD=sse2` asks for the plainest.
+//!
+//! Tests: instruction_sets_agree.
+
+use glam::Vec4;
+
+/// Eight f32.
+pub trait Lanes: Copy {
+    fn splat(x: f32) -> Self;
+    fn load(from: &[f32; 8]) -> Self;
+    fn minus(self, other: Self) -> Self;
+    fn times(self, other: Self) -> Self;
+    /// `other` where either is NaN.
+    fn larger(self, other: Self) -> Self;
+    /// `other` where either is NaN.
+    fn smaller(self, other: Self) -> Self;
+    /// A bit for each lane that is at most the other's.
+    fn at_most(self, other: Self) -> u32;
+    fn to_array(self) -> [f32; 8];
+}
+
+/// Two halves: what every x86-64 has, and every other machine that glam knows.
+#[derive(Clone, Copy)]
+pub struct Halves([Vec4; 2]);
+
+impl Halves {
+    #[inline(always)]
+    fn both(self, other: Halves, f: impl Fn(Vec4, Vec4) -> Vec4) -> Halves {
+        Halves([f(self.0[0], other.0[0]), f(self.0[1], other.0[1])])
+    }
+}
+
+impl Lanes for Halves {
+    #[inline(always)]
+    fn splat(x: f32) -> Halves {
+        Halves([Vec4::splat(x); 2])
+    }
+
+    #[inline(always)]
+    fn load(from: &[f32; 8]) -> Halves {
+        Halves([Vec4::from_slice(&from[..4]), Vec4::from_slice(&from[4..])])
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Halves) -> Halves {
+        self.both(other, |a, b| a - b)
+    }
+
+    #[inline(always)]
+    fn times(self, other: Halves) -> Halves {
+        self.both(other, |a, b| a * b)
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Halves) -> Halves {
+        self.both(other, Vec4::max)
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Halves) -> Halves {
+        self.both(other, Vec4::min)
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Halves) -> u32 {
+        self.0[0].cmple(other.0[0]).bitmask() | self.0[1].cmple(other.0[1]).bitmask() << 4
+    }
+
+    #[inline(always)]
+    fn to_array(self) -> [f32; 8] {
+        let [low, high] = self.0.map(|half| half.to_array());
+        [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub use avx::Whole;
+
+#[cfg(target_arch = "x86_64")]
+mod avx {
+    use std::arch::x86_64::*;
+
+    use super::Lanes;
+
+    /// One register. Made and used only where AVX2 was found: [`super::Set::Avx2`].
+    #[derive(Clone, Copy)]
+    pub struct Whole(__m256);
+
+    // Sound: whoever has a `Whole`, or makes one, is compiled for AVX2 and runs on a machine that has it (see `bvh`).
+    impl Lanes for Whole {
+        #[inline(always)]
+        fn splat(x: f32) -> Whole {
+            Whole(unsafe { _mm256_set1_ps(x) })
+        }
+
+        #[inline(always)]
+        fn load(from: &[f32; 8]) -> Whole {
+            Whole(unsafe { _mm256_loadu_ps(from.as_ptr()) })
+        }
+
+        #[inline(always)]
+        fn minus(self, other: Whole) -> Whole {
+            Whole(unsafe { _mm256_sub_ps(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn times(self, other: Whole) -> Whole {
+            Whole(unsafe { _mm256_mul_ps(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn larger(self, other: Whole) -> Whole {
+            Whole(unsafe { _mm256_max_ps(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn smaller(self, other: Whole) -> Whole {
+            Whole(unsafe { _mm256_min_ps(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn at_most(self, other: Whole) -> u32 {
+            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
+        }
+
+        #[inline(always)]
+        fn to_array(self) -> [f32; 8] {
+            let mut array = [0.0; 8];
+            unsafe { _mm256_storeu_ps(array.as_mut_ptr(), self.0) };
+            array
+        }
+    }
+}
+
+/// A set of instructions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Set {
+    Plain,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+}
+
+impl Set {
+    /// The widest that this machine has, unless the environment asks for less.
+    pub fn found() -> Set {
+        #[cfg(target_arch = "x86_64")]
+        if std::env::var_os("PT_SIMD").is_none_or(|set| set != "sse2") && std::arch::is_x86_feature_detected!("avx2") {
+            return Set::Avx2;
+        }
+        Set::Plain
+    }
+}

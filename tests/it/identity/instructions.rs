@@ -1,0 +1,22 @@
+//! Whatever the processor can do.
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+
+/// `PT_SIMD=sse2` asks for the plainest instructions; no bit of any scene's picture is another.
+#[test]
+fn instruction_sets_agree() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = |scene: &Path, set: &str| {
+        let mut pt = Command::cargo_bin("pt").expect("the binary");
+        let run = pt.env("PT_SIMD", set).args(["--size", "32x24", "--spp", "4", "-q", "--progress", "none", "-o"]);
+        run.arg(folder.path().join("picture.pfm")).arg(scene).assert().success();
+        fs::read(folder.path().join("picture.pfm")).expect("a picture")
+    };
+    let scenes = fs::read_dir("scenes").expect("scenes").map(|entry| entry.expect("an entry").path());
+    for scene in scenes.filter(|path| path.extension().is_some_and(|extension| extension == "json")) {
+        assert!(picture(&scene, "sse2") == picture(&scene, ""), "{}", scene.display());
+    }
+}
