@@ -104,10 +104,10 @@ impl Bvh {
 
     /// Every hit of the leaf that is nearer than the nearest so far, or as near and of a lower item, in turn.
     #[inline(always)]
-    fn leaf(&self, leaf: usize, ray: &Ray, nearest: &mut Nearest) {
+    fn leaf<L: Lanes>(&self, leaf: usize, ray: &Ray, nearest: &mut Nearest) {
         let leaf = self.leaves[leaf];
         for packet in &self.packets[leaf.packets.0 as usize..leaf.packets.1 as usize] {
-            for lane in bits(packet.candidates(ray, nearest.t_max)) {
+            for lane in bits(packet.candidates::<L>(ray, nearest.t_max)) {
                 if let Some(hit) = packet.intersect(lane, ray, nearest.t_max) {
                     nearest.offer(hit, packet.item[lane]);
                 }
@@ -122,11 +122,11 @@ impl Bvh {
     }
 
     #[inline(always)]
-    fn leaf_occludes(&self, leaf: usize, ray: &Ray) -> bool {
+    fn leaf_occludes<L: Lanes>(&self, leaf: usize, ray: &Ray) -> bool {
         let leaf = self.leaves[leaf];
         let flat = self.packets[leaf.packets.0 as usize..leaf.packets.1 as usize]
             .iter()
-            .any(|packet| bits(packet.candidates(ray, ray.t_max)).any(|lane| packet.intersect(lane, ray, ray.t_max).is_some()));
+            .any(|packet| bits(packet.candidates::<L>(ray, ray.t_max)).any(|lane| packet.intersect(lane, ray, ray.t_max).is_some()));
         flat || self.curved[leaf.curved.0 as usize..leaf.curved.1 as usize].iter().any(|&number| {
             let item = self.items[number as usize];
             self.shapes[item.shape as usize].intersect(item.primitive, ray).is_some()
@@ -191,7 +191,7 @@ impl Bvh {
         while let Some((entry, child)) = next {
             if entry <= nearest.hit.t * WIDEN {
                 match child.get() {
-                    Err(leaf) => self.leaf(leaf, ray, &mut nearest),
+                    Err(leaf) => self.leaf::<L>(leaf, ray, &mut nearest),
                     Ok(node) => self.nodes[node].push_met(&slabs, nearest.t_max, &mut stack),
                 }
             }
@@ -210,7 +210,7 @@ impl Bvh {
         stack.push(root);
         while let Some(child) = stack.pop() {
             match child.get() {
-                Err(leaf) if self.leaf_occludes(leaf, ray) => return true,
+                Err(leaf) if self.leaf_occludes::<L>(leaf, ray) => return true,
                 Err(_) => {}
                 Ok(node) => {
                     let (_, met) = self.nodes[node].meet(&slabs, ray.t_max);

@@ -2,7 +2,7 @@
 //!
 //! A ray that meets the whole meets a part of it with the probability A, the ratio of their surfaces. So
 //!
-//!   cost(n, 1) = min( A(n) · PACKET · ⌈triangles/4⌉,  A(n) · NODE + split(n, 8) )      a leaf, or a node of its own
+//!   cost(n, 1) = min( A(n) · PACKET · ⌈triangles/8⌉,  A(n) · NODE + split(n, 8) )      a leaf, or a node of its own
 //!   cost(n, r) = min( split(n, r),  cost(n, r − 1) )
 //!   split(n, r) = min over 0 < k < r of  cost(left, k) + cost(right, r − k)
 //!
@@ -17,12 +17,12 @@ use super::node::WIDTH;
 use super::packet::LANES;
 use crate::math::Aabb;
 
-/// Testing eight boxes, and testing four triangles: taken as alike, both are some sixty instructions of four lanes.
+/// Testing eight boxes, and testing eight triangles: taken as one to two.
 const NODE: f32 = 1.0;
-const PACKET: f32 = 1.0;
+const PACKET: f32 = 2.0;
 
 /// No leaf is made of more triangles, but for those that share one box.
-const MAX_LEAF: u32 = 2 * LANES as u32;
+const MAX_LEAF: u32 = LANES as u32;
 
 /// A binary hierarchy, and what its cuts cost.
 pub struct Cuts<'a> {

@@ -1,29 +1,30 @@
-//! Four triangles side by side, and a quick test that rejects most of them.
+//! Eight triangles side by side, and a quick test that rejects most of them.
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
+use super::simd::Lanes;
 use crate::math::Ray;
 use crate::math::float::ROUNDING;
 use crate::shape::ShapeHit;
 use crate::shape::triangle;
 
-pub const LANES: usize = 4;
+pub const LANES: usize = 8;
 
-/// Up to four triangles; unused lanes reject every ray.
-#[repr(align(16))]
+/// Up to eight triangles; unused lanes reject every ray.
+#[repr(align(64))]
 #[derive(Clone)]
 pub struct Packet {
     /// Corner, axis, lane.
     corner: [[[f32; LANES]; 3]; 3],
     /// The largest |coordinate| of the edges from corner 0; NaN in unused lanes, which fails every comparison.
-    edge: Vec4,
+    edge: [f32; LANES],
     pub item: [u32; LANES],
 }
 
 impl Packet {
     /// At most [`LANES`] triangles.
     pub fn new(triangles: &[(u32, [Vec3; 3])]) -> Packet {
-        let mut packet = Packet { corner: [[[0.0; LANES]; 3]; 3], edge: Vec4::NAN, item: [u32::MAX; LANES] };
+        let mut packet = Packet { corner: [[[0.0; LANES]; 3]; 3], edge: [f32::NAN; LANES], item: [u32::MAX; LANES] };
         for (lane, (item, corners)) in triangles.iter().enumerate() {
             for (k, corner) in corners.iter().enumerate() {
                 for axis in 0..3 {
@@ -47,21 +48,23 @@ impl Packet {
     /// Source of the products: Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection* (1997).
     /// Tests: watertight, hierarchy_is_the_list.
     #[inline(always)]
-    pub fn candidates(&self, ray: &Ray, t_max: f32) -> u32 {
-        let o = ray.origin.to_array().map(Vec4::splat);
-        let d = ray.direction.to_array().map(Vec4::splat);
-        let [a, b, c] = self.corner.map(|corner| corner.map(Vec4::from_array));
-        let (e1, e2, s) = (minus(b, a), minus(c, a), minus(o, a));
+    pub fn candidates<L: Lanes>(&self, ray: &Ray, t_max: f32) -> u32 {
+        let (o, d) = (ray.origin.to_array().map(L::splat), ray.direction.to_array().map(L::splat));
+        let corner = |k: usize| [L::load(&self.corner[k][0]), L::load(&self.corner[k][1]), L::load(&self.corner[k][2])];
+        let (a, edge) = (corner(0), L::load(&self.edge));
+        let (e1, e2, s) = (minus(corner(1), a), minus(corner(2), a), minus(o, a));
         let (p, q) = (cross(d, e2), cross(s, e1));
-        let (det, u, v, t) = (dot(e1, p), dot(s, p), dot(d, q), dot(e2, q));
-        let sign = Vec4::ONE.copysign(det);
-        let (det, u, v, t) = (det * sign, u * sign, v * sign, t * sign);
-        let far = s[0].abs().max(s[1].abs()).max(s[2].abs());
-        let slack = 128.0 * ROUNDING * (far + self.edge) * self.edge;
-        let inside = u.cmpge(-slack) & v.cmpge(-slack) & (u + v).cmple(det + slack);
+        let det = dot(e1, p);
+        let [u, v, t] = [dot(s, p), dot(d, q), dot(e2, q)].map(|x| x.signed_by(det));
+        let det = det.signed_by(det);
+        let far = s[0].size().larger(s[1].size()).larger(s[2].size());
+        let slack = L::splat(128.0 * ROUNDING).times(far.plus(edge)).times(edge);
+        let below = L::splat(0.0).minus(slack);
+        let inside = below.at_most(u) & below.at_most(v) & u.plus(v).at_most(det.plus(slack));
         // t may overflow where the others do not: what is NaN is neither behind nor beyond.
-        let elsewhere = t.cmplt(-slack * self.edge) | t.cmpgt((det + slack) * t_max + slack * self.edge);
-        ((inside & !elsewhere) | det.cmplt(slack)).bitmask()
+        let beyond = det.plus(slack).times(L::splat(t_max)).plus(slack.times(edge)).below(t);
+        let elsewhere = t.below(below.times(edge)) | beyond;
+        (inside & !elsewhere) | det.below(slack)
     }
 
     /// The exact test of one lane.
@@ -73,16 +76,17 @@ impl Packet {
 }
 
 #[inline(always)]
-fn minus(a: [Vec4; 3], b: [Vec4; 3]) -> [Vec4; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+fn minus<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+    [a[0].minus(b[0]), a[1].minus(b[1]), a[2].minus(b[2])]
 }
 
 #[inline(always)]
-fn cross(a: [Vec4; 3], b: [Vec4; 3]) -> [Vec4; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+fn cross<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+    let minor = |i: usize, j: usize| a[i].times(b[j]).minus(a[j].times(b[i]));
+    [minor(1, 2), minor(2, 0), minor(0, 1)]
 }
 
 #[inline(always)]
-fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
+    a[0].times(b[0]).plus(a[1].times(b[1])).plus(a[2].times(b[2]))
 }

@@ -11,6 +11,7 @@ use glam::Vec4;
 pub trait Lanes: Copy {
     fn splat(x: f32) -> Self;
     fn load(from: &[f32; 8]) -> Self;
+    fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
     fn times(self, other: Self) -> Self;
     /// `other` where either is NaN.
@@ -19,6 +20,12 @@ pub trait Lanes: Copy {
     fn smaller(self, other: Self) -> Self;
     /// A bit for each lane that is at most the other's.
     fn at_most(self, other: Self) -> u32;
+    /// A bit for each lane that is less than the other's.
+    fn below(self, other: Self) -> u32;
+    /// |x|
+    fn size(self) -> Self;
+    /// Negated where the other is negative: x · sign(other).
+    fn signed_by(self, other: Self) -> Self;
     fn to_array(self) -> [f32; 8];
 }
 
@@ -45,6 +52,11 @@ impl Lanes for Halves {
     }
 
     #[inline(always)]
+    fn plus(self, other: Halves) -> Halves {
+        self.both(other, |a, b| a + b)
+    }
+
+    #[inline(always)]
     fn minus(self, other: Halves) -> Halves {
         self.both(other, |a, b| a - b)
     }
@@ -67,6 +79,21 @@ impl Lanes for Halves {
     #[inline(always)]
     fn at_most(self, other: Halves) -> u32 {
         self.0[0].cmple(other.0[0]).bitmask() | self.0[1].cmple(other.0[1]).bitmask() << 4
+    }
+
+    #[inline(always)]
+    fn below(self, other: Halves) -> u32 {
+        self.0[0].cmplt(other.0[0]).bitmask() | self.0[1].cmplt(other.0[1]).bitmask() << 4
+    }
+
+    #[inline(always)]
+    fn size(self) -> Halves {
+        Halves(self.0.map(Vec4::abs))
+    }
+
+    #[inline(always)]
+    fn signed_by(self, other: Halves) -> Halves {
+        self.both(other, |x, sign| x * Vec4::ONE.copysign(sign))
     }
 
     #[inline(always)]
@@ -102,6 +129,11 @@ mod avx {
         }
 
         #[inline(always)]
+        fn plus(self, other: Whole) -> Whole {
+            Whole(unsafe { _mm256_add_ps(self.0, other.0) })
+        }
+
+        #[inline(always)]
         fn minus(self, other: Whole) -> Whole {
             Whole(unsafe { _mm256_sub_ps(self.0, other.0) })
         }
@@ -124,6 +156,21 @@ mod avx {
         #[inline(always)]
         fn at_most(self, other: Whole) -> u32 {
             unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
+        }
+
+        #[inline(always)]
+        fn below(self, other: Whole) -> u32 {
+            unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
+        }
+
+        #[inline(always)]
+        fn size(self) -> Whole {
+            Whole(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+        }
+
+        #[inline(always)]
+        fn signed_by(self, other: Whole) -> Whole {
+            Whole(unsafe { _mm256_xor_ps(self.0, _mm256_and_ps(_mm256_set1_ps(-0.0), other.0)) })
         }
 
         #[inline(always)]
