@@ -1,6 +1,5 @@
 //! How rough a surface is, as scenes describe it: by a texture, and too little to matter.
 
-
 use glam::Vec3;
 use pt::bsdf::{Bsdf, TransportMode};
 use pt::describe::{self, Built, Files, Source};

@@ -1,6 +1,5 @@
 //! What each part of the scene format refuses, and in which words; more of it in the table of `bad_input`.
 
-
 use pt::describe::{self, Files, Source};
 
 use crate::marked::{assert_fault, assert_fault_in_scene, read, scene};
