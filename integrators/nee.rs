@@ -6,7 +6,7 @@ use pt::bsdf::TransportMode;
 use pt::film::FilmSpec;
 use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, MAX_DEPTH, Roulette, sample_light};
 use pt::light::LightSample;
-use pt::math::{Density, Ray, Spectrum, Vec3, power_heuristic};
+use pt::math::{Density, Ray, SolidAnglePdf, Spectrum, Vec3, balance_heuristic, power_heuristic};
 use pt::sampler::Sampler;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::{Scene, Surface};
@@ -14,9 +14,9 @@ use pt::witness::{Account, End, Event, Nobody, Origin};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// At every vertex a light is sampled as well as the BSDF; the power heuristic weighs the two.
+/// At every vertex a light is sampled as well as the BSDF; `weights` says how the two share the light.
 ///
-/// L = Σ_k β_k [ w_light f·|cos| Le / p_light  +  w_bsdf Le(next vertex) ],  w_a = p_a² / (p_a² + p_b²)
+/// L = Σ_k β_k [ w_light f·|cos| Le / p_light  +  w_bsdf Le(next vertex) ],  w_light + w_bsdf = 1
 ///
 /// Delta lights and delta lobes have but one technique, of weight 1.
 ///
@@ -33,22 +33,61 @@ pub struct Nee {
     #[serde(deserialize_with = "pt::integrator::depth")]
     #[schemars(range(max = 65535))]
     pub roulette_depth: u32,
+    /// How a light sample and a sample of the material share the light that both could find.
+    pub weights: Weights,
+}
+
+/// w_a of the technique whose density is p_a, where the other's is p_b.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub enum Weights {
+    /// p_a² / (p_a² + p_b²): the least noise.
+    #[default]
+    Power,
+    /// p_a / (p_a + p_b).
+    Balance,
+    /// 1 for lights wherever they can be sampled, else 1 for the material: no multiple importance sampling. Noisy where
+    /// highlights show a lamp.
+    Light,
+}
+
+impl Weights {
+    #[inline(always)]
+    fn of_light(self, light: SolidAnglePdf, bsdf: impl FnOnce() -> SolidAnglePdf) -> f32 {
+        match self {
+            Weights::Power => power_heuristic(light, bsdf()),
+            Weights::Balance => balance_heuristic(light, bsdf()),
+            Weights::Light => 1.0,
+        }
+    }
+
+    #[inline(always)]
+    fn of_bsdf(self, bsdf: SolidAnglePdf, light: impl FnOnce() -> SolidAnglePdf) -> f32 {
+        match self {
+            Weights::Power => power_heuristic(bsdf, light()),
+            Weights::Balance => balance_heuristic(bsdf, light()),
+            Weights::Light if light().get() > 0.0 => 0.0,
+            Weights::Light => 1.0,
+        }
+    }
 }
 
 impl Default for Nee {
     fn default() -> Nee {
-        Nee { max_depth: 64, roulette_depth: 4 }
+        Nee { max_depth: 64, roulette_depth: 4, weights: Weights::Power }
     }
 }
 
 impl Integrator for Nee {
     fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
-        Box::new(Walk { scene, max_depth: self.max_depth, roulette: Roulette { from_depth: self.roulette_depth } })
+        let roulette = Roulette { from_depth: self.roulette_depth };
+        Box::new(Walk { scene, max_depth: self.max_depth, roulette, weights: self.weights })
     }
 
     /// Without a limit Russian roulette ends the paths; up to the limit they are the same paths.
     fn biases(&self) -> Vec<Bias> {
-        let without = Nee { max_depth: MAX_DEPTH, roulette_depth: self.roulette_depth.min(self.max_depth) };
+        let without = Nee { max_depth: MAX_DEPTH, roulette_depth: self.roulette_depth.min(self.max_depth), ..self.clone() };
         vec![Bias { setting: format!("max_depth {}", self.max_depth), without: Box::new(without) }]
     }
 }
@@ -57,6 +96,7 @@ struct Walk {
     scene: Arc<dyn Scene>,
     max_depth: u32,
     roulette: Roulette,
+    weights: Weights,
 }
 
 /// How the path got to where it is: what the emission found there must be weighed against.
@@ -131,7 +171,8 @@ impl Walk {
         let emitted = surface.emitted(wo);
         match arrival.density {
             Density::Smooth(pdf) if !emitted.is_black() => {
-                let weight = power_heuristic(pdf, self.scene.lights().pdf(surface.light, arrival.from, &surface.point));
+                let by_light = || self.scene.lights().pdf(surface.light, arrival.from, &surface.point);
+                let weight = self.weights.of_bsdf(pdf, by_light);
                 (emitted * weight, weight)
             }
             _ => (emitted, 1.0),
@@ -144,7 +185,7 @@ impl Walk {
         let background = self.scene.lights().background(ray);
         match arrival.density {
             Density::Smooth(pdf) => {
-                let weight = power_heuristic(pdf, self.scene.lights().background_pdf(ray.direction));
+                let weight = self.weights.of_bsdf(pdf, || self.scene.lights().background_pdf(ray.direction));
                 (background * weight, weight)
             }
             Density::Delta => (background, 1.0),
@@ -164,7 +205,7 @@ impl Walk {
         let (direct, light) = sample_light(&*self.scene, surface, wo, depth, time, sampler)?;
         match light.density {
             Density::Smooth(pdf) => {
-                let weight = power_heuristic(pdf, surface.pdf(wo, light.wi));
+                let weight = self.weights.of_light(pdf, || surface.pdf(wo, light.wi));
                 Some((direct * weight, light, weight))
             }
             Density::Delta => Some((direct, light, 1.0)),

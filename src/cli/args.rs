@@ -68,7 +68,7 @@ pub struct Convert {
 
 #[derive(clap::Args, Debug)]
 pub struct Sample {
-    /// A warp or a sampler, or `material`.
+    /// A warp or a sampler, or `material`, or a file of tests (.json) as the courses of dirt and darts have them.
     #[arg(value_name = "WARP")]
     pub what: Option<String>,
     /// With `material`: which.
@@ -77,7 +77,8 @@ pub struct Sample {
     /// How many points.
     #[arg(short = 'n', long, default_value_t = 1000, value_parser = whole(1_u32, 10_000_000), allow_negative_numbers = true)]
     pub count: u32,
-    /// Where the points go: .csv, .png or .svg; default: CSV to stdout. With `material` what its three pictures' names begin with.
+    /// Where the points go: .csv, .png or .svg; default: CSV to stdout. With `material` what its three pictures' names begin with,
+    /// with tests what goes before the names of theirs.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Where the random numbers of a warp come from: see `pt list samplers`.
@@ -106,7 +107,7 @@ pub struct Sample {
     /// Instead of points: whether the directions of a warp follow the density that they should have. Exit code 1 if they do not.
     #[arg(long, conflicts_with = "output")]
     pub chi2: bool,
-    /// With `material`: let the scene name meshes and pictures that lie outside of its own folder.
+    /// With `material` or tests: let the scene name meshes and pictures that lie outside of its own folder.
     #[arg(long)]
     pub allow_outside: bool,
     /// With `material` or --chi2: how many directions are drawn.

@@ -9,7 +9,7 @@ use super::light::{Light, SpotLight};
 use super::material::{Conductor, Finish, Material, MaterialRef};
 use super::scene::Scene;
 use super::shape::{Mesh, Shape};
-use super::texture::{Texture, Textured};
+use super::texture::{Texture, TextureSpace, Textured};
 use super::transform::{LookAt, Transform};
 use crate::reader::{Faults, Node, escaped, unknown};
 
@@ -77,6 +77,12 @@ impl Checker<'_> {
     fn texture(&self, pointer: &str, texture: &Texture) {
         for (key, part) in texture.parts() {
             self.textured(&format!("{pointer}/{key}"), part);
+        }
+        if let Some((on, transform)) = texture.space() {
+            self.transform(&format!("{pointer}/transform"), transform);
+            if on == TextureSpace::Uv && !transform.is_identity() {
+                self.fault(&format!("{pointer}/transform"), "only what varies over the \"position\" can be placed in the world");
+            }
         }
     }
 

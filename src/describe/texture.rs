@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::color::{Color, Srgb};
 use super::shape::Size;
+use super::transform::Transform;
 use super::value::{Fraction, Octaves, Positive};
 use crate::reader::{by_kind, by_type};
 
@@ -45,6 +46,18 @@ impl Texture {
     }
 }
 
+impl Texture {
+    /// The coordinates that it varies over, and how it is placed in them; `None` where there is no choice.
+    pub(super) fn space(&self) -> Option<(TextureSpace, &Transform)> {
+        match self {
+            Texture::Checker(t) => Some((t.on, &t.transform)),
+            Texture::Noise(t) => Some((t.on, &t.transform)),
+            Texture::Marble(t) => Some((t.on, &t.transform)),
+            Texture::Constant(_) | Texture::Image(_) | Texture::Mix(_) | Texture::Product(_) => None,
+        }
+    }
+}
+
 /// The same colour everywhere; gives a colour a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -68,6 +81,9 @@ pub struct Checker {
     pub scale: CheckerScale,
     #[serde(default)]
     pub on: TextureSpace,
+    /// With `position`: places the cubes in the world, steps applied in listed order.
+    #[serde(default, skip_serializing_if = "Transform::is_identity")]
+    pub transform: Transform,
 }
 
 /// Cells per unit: one number, or as waves, `{"radians": r}`.
@@ -139,6 +155,9 @@ pub struct Noise {
     /// What it varies over.
     #[serde(default = "in_position")]
     pub on: TextureSpace,
+    /// With `position`: places it in the world, steps applied in listed order.
+    #[serde(default, skip_serializing_if = "Transform::is_identity")]
+    pub transform: Transform,
 }
 
 /// Stone: layers across z, stirred.
@@ -157,6 +176,9 @@ pub struct Marble {
     /// What it varies over.
     #[serde(default = "in_position")]
     pub on: TextureSpace,
+    /// With `position`: places it in the world, steps applied in listed order.
+    #[serde(default, skip_serializing_if = "Transform::is_identity")]
+    pub transform: Transform,
 }
 
 /// Two textures, one shining through the other: (1 − share) · a + share · b.

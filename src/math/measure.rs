@@ -81,3 +81,12 @@ pub fn power_heuristic(this: SolidAnglePdf, other: SolidAnglePdf) -> f32 {
     let ratio = other.0 / this.0;
     1.0 / (1.0 + ratio * ratio)
 }
+
+/// The weight of a sample of density `this` where `other` could have found it too: p / (p + q)
+///
+/// 0 where `this` is 0.
+///
+/// Source: Veach and Guibas, *Optimally Combining Sampling Techniques* (1995), β = 1.
+pub fn balance_heuristic(this: SolidAnglePdf, other: SolidAnglePdf) -> f32 {
+    if this.0 <= 0.0 { 0.0 } else { 1.0 / (1.0 + other.0 / this.0) }
+}

@@ -20,7 +20,7 @@ pub use discrete::Discrete;
 pub use exact::ExactSum;
 pub use frame::{Frame, Local};
 pub use glam::{UVec2, Vec2, Vec3};
-pub use measure::{AreaPdf, Density, SolidAnglePdf, power_heuristic};
+pub use measure::{AreaPdf, Density, SolidAnglePdf, balance_heuristic, power_heuristic};
 pub use ray::Ray;
 pub use spectrum::Spectrum;
 pub use spherical_rectangle::SphericalRectangle;

@@ -218,7 +218,7 @@ impl Estimator for Twice {
 }
 
 fn nee() -> Nee {
-    Nee { max_depth: DEPTH.max, roulette_depth: DEPTH.roulette }
+    Nee { max_depth: DEPTH.max, roulette_depth: DEPTH.roulette, ..Nee::default() }
 }
 
 #[test]

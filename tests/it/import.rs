@@ -1,3 +1,4 @@
 //! Scenes of other programs: each becomes a scene of pt, and says what became of it.
 
 mod convert;
+mod darts;

@@ -51,8 +51,10 @@ fn the_depth_limit_removes_what_the_series_says() {
     for albedo in [0.3, 0.6, 0.9] {
         let scene = glowing(albedo);
         for depth in [0, 2, 5] {
-            let methods: [Box<dyn Integrator>; 2] =
-                [Box::new(Path { max_depth: depth, roulette_depth: 4 }), Box::new(Nee { max_depth: depth, roulette_depth: 4 })];
+            let methods: [Box<dyn Integrator>; 2] = [
+                Box::new(Path { max_depth: depth, roulette_depth: 4 }),
+                Box::new(Nee { max_depth: depth, roulette_depth: 4, ..Nee::default() }),
+            ];
             for method in methods {
                 let removed = only(&scene, &*method, terms(albedo, depth), 4096);
                 assert_eq!(removed.setting, format!("max_depth {depth}"));

@@ -57,6 +57,36 @@ fn a_checker_in_radians_has_the_sign_of_three_sines() {
     }
 }
 
+/// A transform places the pattern in the world: what is seen at p is what lies at T⁻¹ p without it.
+#[test]
+fn patterns_are_placed_by_their_transforms() {
+    let mut random = Random::new(85);
+    let steps = r#"[{"scale": [0.5, 1, 2]}, {"rotate": {"axis": [0, 0, 1], "degrees": 90}}, {"translate": [0.1, 0.2, 0.3]}]"#;
+    let back = |p: DVec3| {
+        let moved = p - DVec3::new(0.1, 0.2, 0.3);
+        let turned = DVec3::new(moved.y, -moved.x, moved.z);
+        turned / DVec3::new(0.5, 1.0, 2.0)
+    };
+    let described = |texture: &str| sphere(&texture.replace("STEPS", steps));
+    let checker = described(r#"{"type": "checker", "even": 0.75, "odd": 0.25, "scale": 5, "on": "position", "transform": STEPS}"#);
+    let marble = described(r#"{"type": "marble", "base": 0, "veins": 1, "scale": 4, "transform": STEPS}"#);
+    for _ in 0..1000 {
+        let from = random.direction();
+        let (p, found) = seen(&checker, from);
+        let cells = 5.0 * back(p);
+        // Farther from a wall than f32 places the point.
+        if (cells - cells.round()).abs().min_element() > 1e-5 {
+            let odd = cells.floor().element_sum().rem_euclid(2.0) == 1.0;
+            assert_eq!(found, if odd { 0.25 } else { 0.75 }, "at {p}");
+        }
+        let (p, found) = seen(&marble, from);
+        let q = back(p);
+        let share = 0.5 * (1.0 + (4.0 * q.z + 10.0 * turbulence(q, 7)).sin());
+        // As in the next test but one, with what is squeezed to a half twice as steep.
+        assert!((f64::from(found) - share).abs() < 2e-5, "at {p}: {found}, expected {share}");
+    }
+}
+
 /// Its cells are π/r wide: the two ways to say a scale agree.
 #[test]
 fn radians_are_cells_by_pi() {

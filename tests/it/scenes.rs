@@ -90,7 +90,7 @@ impl Depth {
 pub fn integrator(entry: &Entry, depth: Depth) -> Option<Box<dyn Integrator>> {
     match entry.name {
         "path" => Some(Box::new(Path { max_depth: depth.max, roulette_depth: depth.roulette })),
-        "nee" => Some(Box::new(Nee { max_depth: depth.max, roulette_depth: depth.roulette })),
+        "nee" => Some(Box::new(Nee { max_depth: depth.max, roulette_depth: depth.roulette, ..Nee::default() })),
         "whitted" => Some(Box::new(Whitted { max_depth: depth.max, ..Whitted::default() })),
         _ => None,
     }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use glam::{UVec2, Vec3};
 
 use super::directions::{figures, tests};
+use crate::bsdf::Bsdf;
 use crate::cli::{args, say};
 use crate::describe::{self, Source};
 use crate::error::{Error, Result};
@@ -23,11 +24,7 @@ pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
     let usage = || Error::Usage(format!("{scene}: expected a scene and a material of it, such as scene.json#glass"));
     let (path, name) = scene.rsplit_once('#').ok_or_else(usage)?;
     let world = sphere_of(Path::new(path), name, args.allow_outside)?;
-    let ray = Ray::new(Vec3::new(0.3, 0.2, 3.0) - world.origin().as_vec3(), Vec3::NEG_Z);
-    // The shape is asked, not the world: of a surface with holes it is what is there that scatters.
-    let met = world.shapes()[0].intersect(0, &ray).ok_or_else(|| Error::Internal("a ray missed the unit sphere".into()))?;
-    let hit = Hit { shape: 0, primitive: 0, uv: met.uv, t: met.t };
-    let bsdf = world.surface(&ray, &hit).bsdf;
+    let bsdf = of_sphere(&world)?;
     let [theta, phi] = args.wo.map(f64::to_radians);
     let options = Options { samples: args.samples, seed: args.seed, incidences: vec![at(theta.cos(), phi)], ..Options::default() };
     let case = Case::new(&bsdf, &options);
@@ -51,6 +48,14 @@ fn sphere_of(path: &Path, name: &str, allow_outside: bool) -> Result<World> {
     }
     let source = Source { root: &root, file: &file, files: &files };
     Ok(describe::build(&describe::read(&root, &file)?, source)?.world)
+}
+
+/// The material at a point of a world that is one unit sphere.
+pub fn of_sphere(world: &World) -> Result<Bsdf<'_>> {
+    let ray = Ray::new(Vec3::new(0.3, 0.2, 3.0) - world.origin().as_vec3(), Vec3::NEG_Z);
+    // The shape is asked, not the world: of a surface with holes it is what is there that scatters.
+    let met = world.shapes()[0].intersect(0, &ray).ok_or_else(|| Error::Internal("a ray missed the unit sphere".into()))?;
+    Ok(world.surface(&ray, &Hit { shape: 0, primitive: 0, uv: met.uv, t: met.t }).bsdf)
 }
 
 /// The figures that one looks for first.

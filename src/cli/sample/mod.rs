@@ -1,6 +1,8 @@
-//! `pt sample`: points of every warp and sampler, and how a material scatters, as numbers and as pictures.
+//! `pt sample`: points of every warp and sampler, and how a material scatters, as numbers and as pictures; and the tests of courses.
 
+mod course;
 mod directions;
+mod globe;
 mod marks;
 mod material;
 mod points;
@@ -23,9 +25,15 @@ pub fn sample(args: &args::Sample) -> Result<ExitCode> {
         (None, _) => say(&list()).map(|()| ExitCode::SUCCESS),
         (Some("material"), Some(scene)) => material::material(scene, args),
         (Some("material"), None) => Err(Error::Usage("expected a scene and a material of it, such as scene.json#glass".into())),
+        (Some(file), None) if is_file(file) => course::tests(Path::new(file), args),
         (Some(name), None) => draw(name, args),
         (Some(_), Some(more)) => Err(Error::Usage(format!("unexpected {more:?}: only `pt sample material` takes a scene"))),
     }
+}
+
+/// Rather than a name.
+fn is_file(what: &str) -> bool {
+    extension(Path::new(what)) == Some("json") || what.contains(['/', '\\'])
 }
 
 fn list() -> String {
@@ -37,7 +45,7 @@ fn list() -> String {
     for (_, name, about) in Kind::ALL {
         text += &format!("  {name:<19} {about}\n");
     }
-    text + "\n  pt sample WARP [-n 1000] [-o points.csv|.png|.svg]\n  pt sample WARP --chi2\n  pt sample material scene.json#NAME --wo 60,0\n"
+    text + "\n  pt sample WARP [-n 1000] [-o points.csv|.png|.svg]\n  pt sample WARP --chi2\n  pt sample material scene.json#NAME --wo 60,0\n  pt sample tests.json [-o PREFIX]\n"
 }
 
 /// Points of a warp or sampler, or with `--chi2` a judgement of them: CSV to stdout, or to a file by its extension.

@@ -10,7 +10,7 @@ use crate::math::Transform;
 ///
 /// # Errors
 /// In words: steps of which each can be undone, but not all together.
-pub(super) fn placed(steps: &describe::Transform, outer: &Transform) -> Result<Transform, String> {
+pub(in crate::describe::build) fn placed(steps: &describe::Transform, outer: &Transform) -> Result<Transform, String> {
     let step = |total: Transform, step| Some(total.then(&step_of(step)?));
     let total = steps.0.iter().try_fold(Transform::IDENTITY, step).map(|total| total.then(outer));
     let total = total.filter(|total| total.matrix().is_finite() && total.inverse().matrix().is_finite());

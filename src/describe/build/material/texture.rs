@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
+use crate::describe::build::transform::placed;
 use crate::describe::build::{Builder, rgb, spectrum};
 use crate::describe::{self, Encoding, Size, TextureSpace, Textured, Varying, VaryingPerChannel, identity};
 use crate::error::Error;
@@ -72,6 +73,7 @@ impl Builder<'_> {
         if let T::Image(t) = described {
             return self.image(pointer, t);
         }
+        let space = self.space(pointer, described);
         let mut part = |key: &str, described: &Textured| self.textured(&format!("{pointer}/{key}"), described);
         match described {
             T::Constant(t) => Texture::Constant(spectrum(&t.color)),
@@ -79,20 +81,20 @@ impl Builder<'_> {
                 even: part("even", &t.even),
                 odd: part("odd", &t.odd),
                 scale: Vec3::splat(t.scale.get() as f32),
-                space: space(t.on),
+                space,
             })),
             T::Noise(t) => Texture::Noise(Box::new(Noise {
                 low: part("low", &t.low),
                 high: part("high", &t.high),
                 scale: t.scale.get(),
                 octaves: t.octaves.get(),
-                space: space(t.on),
+                space,
             })),
             T::Marble(t) => Texture::Marble(Box::new(Marble {
                 base: part("base", &t.base),
                 veins: part("veins", &t.veins),
                 scale: t.scale.get(),
-                space: space(t.on),
+                space,
             })),
             T::Mix(t) => Texture::Mix(Box::new(Mix { a: part("a", &t.a), b: part("b", &t.b), share: part("share", &t.share) })),
             T::Product(t) => Texture::Product(Box::new(Product { a: part("a", &t.a), b: part("b", &t.b) })),
@@ -144,11 +146,18 @@ impl Builder<'_> {
         }
         None
     }
-}
 
-fn space(on: TextureSpace) -> Space {
-    match on {
-        TextureSpace::Uv => Space::Uv,
-        TextureSpace::Position => Space::World(Transform::IDENTITY),
+    /// Where it varies; a fault is noted where it cannot be placed there.
+    fn space(&mut self, pointer: &str, described: &describe::Texture) -> Space {
+        match described.space() {
+            Some((TextureSpace::Position, steps)) => match placed(steps, &Transform::IDENTITY) {
+                Ok(to_world) => Space::World(to_world.inverse()),
+                Err(message) => {
+                    self.fault(&format!("{pointer}/transform"), &message);
+                    Space::Uv
+                }
+            },
+            _ => Space::Uv,
+        }
     }
 }

@@ -1,0 +1,143 @@
+//! Surfaces.
+
+use super::Reader;
+use super::material::{Dress, is_light};
+use super::spelling::word;
+use super::value::{scalar, vector};
+use super::{refuse_media, transform};
+use crate::import::view::View;
+use crate::reader::{Node, unknown};
+
+const TYPES: &[&str] = &["sphere", "quad", "triangle", "mesh", "group"];
+const COMMON: &[&str] = &["type", "name", "transform", "material", "medium_interface"];
+
+impl<'a> Reader<'a> {
+    /// pt's shape.
+    pub fn surface(&self, view: &View<'a>) -> Option<Node> {
+        refuse_media(view, "medium_interface");
+        let kind = view.need(&["type"])?;
+        let own = match word(kind.text()?).as_str() {
+            "sphere" => self.sphere(view),
+            "quad" => self.quad(view),
+            "triangle" => self.triangle(view),
+            "mesh" => self.mesh(view),
+            "group" => self.group(view),
+            _ => {
+                kind.fault(unknown("surface", kind.text()?, TYPES));
+                None
+            }
+        };
+        let mut members = vec![];
+        if let Some(name) = view.get(&["name"]) {
+            name.text()?;
+            members.push(("name", name.same()));
+        }
+        if let Some(placed) = view.get(&["transform"]) {
+            members.push(("transform", transform::steps(&placed)?));
+        }
+        Some(view.make_object(own?.into_iter().chain(members)))
+    }
+
+    fn sphere(&self, view: &View<'a>) -> Option<Members> {
+        known(view, &["radius"]);
+        let mut members = self.dressed(view, "sphere")?;
+        if let Some(radius) = view.get(&["radius"]) {
+            members.push(("radius", scalar(&radius)?));
+        }
+        Some(members)
+    }
+
+    fn quad(&self, view: &View<'a>) -> Option<Members> {
+        known(view, &["size"]);
+        let mut members = self.dressed(view, "quad")?;
+        if let Some(size) = view.get(&["size"]) {
+            members.push(("size", vector(&size, 2)?));
+        }
+        Some(members)
+    }
+
+    /// A mesh of one triangle.
+    fn triangle(&self, view: &View<'a>) -> Option<Members> {
+        known(view, &["positions", "normals", "uvs"]);
+        let mut members = self.dressed(view, "mesh")?;
+        members.push(("positions", corners(&view.need(&["positions"])?, 3)?));
+        members.push(("triangles", view.make_array([view.make_array([0, 1, 2].map(|corner| view.make_whole(corner)))])));
+        for (key, length) in [("normals", 3), ("uvs", 2)] {
+            if let Some(given) = view.get(&[key]) {
+                members.push((key, corners(&given, length)?));
+            }
+        }
+        Some(members)
+    }
+
+    fn mesh(&self, view: &View<'a>) -> Option<Members> {
+        known(view, &["filename"]);
+        let mut members = self.dressed(view, "mesh")?;
+        let file = view.need(&["filename"])?;
+        let names = self.named_in(&file)?;
+        members.push(("file", file.same()));
+        if !names.is_empty() {
+            members.push(("materials", file.make_object(names.into_iter().map(|name| (name.clone(), file.make_text(name))))));
+        }
+        Some(members)
+    }
+
+    /// The scene's materials that a mesh file asks for: they go before the mesh's own.
+    ///
+    /// What is wrong with the file itself is told when it is read as a mesh.
+    fn named_in(&self, file: &View<'a>) -> Option<Vec<String>> {
+        let (name, files) = (file.text()?, &file.foreign().files);
+        if self.materials.is_empty() || files.why_not(name).is_some() {
+            return Some(vec![]);
+        }
+        let text = std::fs::read(files.folder.join(name)).unwrap_or_default();
+        let mut names: Vec<String> = text
+            .split(|byte| *byte == b'\n')
+            .filter_map(|line| std::str::from_utf8(line).ok()?.trim().strip_prefix("usemtl")?.trim().to_owned().into())
+            .filter(|name| self.materials.contains_key(name.as_str()))
+            .collect();
+        names.sort_unstable();
+        names.dedup();
+        if let Some(light) = names.iter().find(|name| self.materials.get(name.as_str()).is_some_and(is_light)) {
+            file.fault(format!("its part {light:?} is a light: parts of a mesh that shine are not supported, the whole mesh may"));
+            return None;
+        }
+        Some(names)
+    }
+
+    fn group(&self, view: &View<'a>) -> Option<Members> {
+        view.leave_out_others(&["type", "name", "transform", "children", "medium_interface"]);
+        let children = view.need(&["children"])?;
+        let shapes = self.surfaces(&children)?;
+        Some(vec![("type", view.make_text("group")), ("shapes", shapes)])
+    }
+
+    pub fn surfaces(&self, list: &View<'a>) -> Option<Node> {
+        let made: Vec<Option<Node>> = list.items()?.iter().map(|view| self.surface(view)).collect();
+        Some(list.make_array(made.into_iter().collect::<Option<Vec<_>>>()?))
+    }
+
+    fn dressed(&self, view: &View<'a>, kind: &str) -> Option<Members> {
+        let Dress { material, emission } = self.dress(view)?;
+        let mut members = vec![("type", view.make_text(kind)), ("material", material)];
+        members.extend(emission.map(|emission| ("emission", emission)));
+        Some(members)
+    }
+}
+
+type Members = Vec<(&'static str, Node)>;
+
+fn known(view: &View, own: &[&str]) {
+    view.leave_out_others(&[COMMON, own].concat());
+}
+
+/// One vector for each corner of a triangle.
+fn corners(view: &View, length: usize) -> Option<Node> {
+    let items = view.items()?;
+    if items.len() != 3 {
+        view.expected("an array of 3, one for each corner");
+        return None;
+    }
+    let vectors: Option<Vec<Node>> = items.iter().map(|item| vector(item, length)).collect();
+    Some(view.make_array(vectors?))
+}

@@ -1,0 +1,176 @@
+//! Scenes of dirt and darts.
+
+mod commands;
+mod course;
+mod shared_scenes;
+mod table;
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use pt::describe::{self, Source};
+use pt::film::{Image, MomentFilm};
+use pt::import::{Imported, import};
+use pt::integrator::choose;
+use pt::measure::{Render, agreement, sidak};
+use pt::render::{Settings, Silent, render};
+use pt::sampler::SamplerSpec;
+
+use super::convert::{same_bits, succeeds};
+
+const DIALECTS: [(&str, &str, &str); 3] = [
+    ("dirt", "dirt.json", include_str!("darts/dirt.json")),
+    ("darts 2021", "darts-2021.json", include_str!("darts/darts-2021.json")),
+    ("darts", "darts.json", include_str!("darts/darts.json")),
+];
+
+const PYRAMID: &str = "v -0.5 0 -0.5\nv 0.5 0 -0.5\nv 0.5 0 0.5\nv -0.5 0 0.5\nv 0 1 0\n\
+    usemtl red\nf 1 5 2\nf 2 5 3\nusemtl none\nf -3 -1 -2\nf 4 5 1\nf 4 3 2 1\n";
+
+/// A folder with the three of them, and the mesh that they name.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("pyramid.obj"), PYRAMID).expect("a mesh");
+    for (_, file, scene) in DIALECTS {
+        fs::write(folder.path().join(file), scene).expect("a scene");
+    }
+    folder
+}
+
+fn imported(folder: &Path, file: &str) -> Imported {
+    import(&folder.join(file), false).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn each_is_recognised_by_its_spellings() {
+    let folder = folder();
+    for (name, file, _) in DIALECTS {
+        let found = imported(folder.path(), file);
+        assert_eq!(found.dialect.name, name);
+        assert!(found.notes.is_empty(), "{file}: {:?}", found.notes);
+    }
+}
+
+#[test]
+fn the_same_scene_in_three_dialects_has_the_same_bits() {
+    let folder = folder();
+    same_bits(folder.path(), "dirt.json", "darts-2021.json");
+    same_bits(folder.path(), "dirt.json", "darts.json");
+    let picture = fs::read(folder.path().join("picture.pfm")).expect("a picture");
+    assert!(picture.iter().skip(20).any(|byte| *byte != picture[20]), "there is something to see");
+}
+
+#[test]
+fn what_is_converted_has_the_same_bits() {
+    let folder = folder();
+    succeeds(folder.path(), &["convert", "darts.json", "converted.json"]);
+    same_bits(folder.path(), "darts.json", "converted.json");
+}
+
+/// The faces under a name that the scene knows wear what it names, the others the mesh's own.
+#[test]
+fn names_in_a_mesh_file_go_before_its_material() {
+    let folder = folder();
+    let root = imported(folder.path(), "dirt.json").root;
+    let mesh = root.get("/shapes/4").expect("a mesh");
+    assert_eq!(mesh.child("materials").expect("names").to_string(), "{\n  \"red\": \"red\"\n}");
+    assert_eq!(mesh.child("material").expect("its own").as_str(), Some("lacquer"));
+}
+
+/// A picture of the box by one of the dialect's integrators, with sixteen scramblings as errors want them.
+fn by(method: &str, bounces: u32, seed: u64) -> Image {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = include_str!("darts/box.json")
+        .replace("path tracer mis", method)
+        .replace("\"max bounces\": 5", &format!("\"max bounces\": {bounces}"));
+    fs::write(folder.path().join("box.json"), scene).expect("a scene");
+    let Imported { root, file, files, .. } = imported(folder.path(), "box.json");
+    let source = Source { root: &root, file: &file, files: &files };
+    let built = describe::build(&describe::read(&root, &file).expect("a description"), source).expect("a scene");
+    let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), None, &file).expect("known");
+    let mut film = MomentFilm::new(built.film);
+    let sampler = SamplerSpec { spp: SAMPLES, seed, ..built.sampler };
+    let report = render(Arc::new(built.world), &*integrator, &mut film, &Settings::new(sampler), &Silent);
+    assert_eq!(report.invalid, 0);
+    film.image()
+}
+
+const SAMPLES: u64 = 512;
+
+/// What differs is how light is found, and all find the same.
+#[test]
+fn its_integrators_agree_within_their_error_bars() {
+    let methods = ["path tracer mats", "path tracer nee", "path tracer mis", "path tracer mixture", "path tracer simple"];
+    let images: Vec<Image> = methods.iter().zip(1..).map(|(method, seed)| by(method, 5, seed)).collect();
+    let pairs = methods.len() - 1;
+    for (method, image) in methods.iter().zip(&images).filter(|(method, _)| **method != "path tracer mis") {
+        let side = |image| Render { image, samples: SAMPLES };
+        let found = agreement(side(image), side(&images[2]), sidak(0.01, pairs)).expect("two sides");
+        assert!(found.accepts(), "{method}: {found}");
+    }
+    // And the question has an answer: less light by one bounce is seen.
+    let short = by("path tracer nee", 4, 9);
+    let side = |image| Render { image, samples: SAMPLES };
+    assert!(!agreement(side(&short), side(&images[2]), 0.01).expect("two sides").accepts());
+}
+
+/// Numbers that are only to be scattered: Knuth's MMIX constants.
+struct Noise(u64);
+
+impl Noise {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 33) as usize % n.max(1)
+    }
+}
+
+#[test]
+fn mutated_scenes_never_panic() {
+    const WORDS: [&str; 20] = [
+        "",
+        "{",
+        "}",
+        "[",
+        "]",
+        ",",
+        ":",
+        "\"",
+        "0",
+        "-1",
+        "1e39",
+        "null",
+        "\"type\"",
+        "\"transform\"",
+        "\"matrix\"",
+        "[1]",
+        "{}",
+        "\"name\"",
+        "\"material\"",
+        "\u{1f431}",
+    ];
+    let folder = folder();
+    let mutant = folder.path().join("mutant.json");
+    let mut noise = Noise(1);
+    let mut survivors = 0;
+    for round in 0..6000 {
+        let mut bytes = DIALECTS[round % 3].2.as_bytes().to_vec();
+        for _ in 0..1 + noise.below(3) {
+            let (start, other) = (noise.below(bytes.len()), noise.below(bytes.len()));
+            let removed = noise.below(8).min(bytes.len() - start);
+            let inserted = match noise.below(3) {
+                0 => WORDS[noise.below(WORDS.len())].as_bytes().to_vec(),
+                1 => bytes[other..(other + noise.below(30)).min(bytes.len())].to_vec(),
+                _ => vec![noise.below(256) as u8],
+            };
+            bytes.splice(start..start + removed, inserted);
+        }
+        fs::write(&mutant, &bytes).expect("a scene");
+        let read = import(&mutant, false).and_then(|found| describe::read(&found.root, &found.file));
+        match read {
+            Ok(_) => survivors += 1,
+            Err(error) => assert!(matches!(error.exit_code(), 3 | 4) && !error.to_string().is_empty(), "{error:?}"),
+        }
+    }
+    assert!(survivors > 100, "some mutations leave a scene, else only the parser is tested: {survivors}");
+}
