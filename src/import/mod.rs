@@ -9,6 +9,7 @@
 //!
 //! To add a dialect: a file beside these and a row in [`ALL`].
 
+mod aalto;
 mod foreign;
 mod native;
 mod view;
@@ -34,7 +35,7 @@ pub struct Dialect {
 }
 
 /// In the order in which they are asked; pt's own format is whatever no other claims.
-pub const ALL: &[Dialect] = &[native::DIALECT];
+pub const ALL: &[Dialect] = &[aalto::DIALECT, native::DIALECT];
 
 /// A scene file of any dialect, read.
 pub struct Imported {

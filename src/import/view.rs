@@ -64,6 +64,23 @@ impl<'a> View<'a> {
         }
     }
 
+    /// Notes that the keys of an object that are none of these are left out; those that are there twice are faults.
+    pub fn leave_out_others(&self, keys: &[&str]) {
+        let Value::Object(members) = &self.node.value else { return self.expected("an object") };
+        for (i, member) in members.iter().enumerate() {
+            let pointer = format!("{}{}", self.pointer, escaped(&member.key));
+            if members[..i].iter().any(|before| before.key == member.key) {
+                self.foreign.faults.add(&member.key_place, pointer, format!("repeated key {:?}", member.key));
+            } else if !keys.contains(&member.key.as_str()) {
+                let message = format!("left out: {}", unknown("key", &member.key, keys));
+                let placed = locate(self.node, self.foreign.file, "", message);
+                let place =
+                    if let Place::Text { line, column } = member.key_place { placed.at(line as usize, column as usize) } else { placed };
+                self.foreign.note(place.pointing(pointer));
+            }
+        }
+    }
+
     /// An object's keys and values.
     pub fn members(&self) -> Option<Vec<(&'a str, View<'a>)>> {
         match &self.node.value {
@@ -178,6 +195,10 @@ impl View<'_> {
     /// The shortest decimal that reads back as the same number.
     pub fn make_number(&self, number: f64) -> Node {
         self.made(Value::Number(format!("{number:?}").into()))
+    }
+
+    pub fn make_whole(&self, number: u64) -> Node {
+        self.made(Value::Number(number.to_string().into()))
     }
 
     pub fn make_flag(&self, flag: bool) -> Node {

@@ -1,3 +1,5 @@
 //! Scenes of other programs: each becomes a scene of pt, and says what became of it.
 
+mod aalto;
 mod convert;
+mod dialect;
