@@ -67,9 +67,9 @@ impl Camera {
     pub fn to_film(&self, aspect: f64) -> Option<DMat4> {
         let [x, y, z, w] = [DVec4::X, DVec4::Y, DVec4::Z, DVec4::W];
         let rows = match self {
-            Camera::Perspective(_) => {
-                let width = self.screen_width(aspect)?;
-                [x / width - 0.5 * z, -y * (aspect / width) - 0.5 * z, w, -z]
+            Camera::Perspective(camera) => {
+                let (width, height) = (self.screen_width(aspect)?, 2.0 * f64::from(camera.tan_half_fov));
+                [x / width - 0.5 * z, -y / height - 0.5 * z, w, -z]
             }
             Camera::Orthographic(camera) => {
                 let height = f64::from(camera.height);
@@ -83,8 +83,16 @@ impl Camera {
     /// How much of the plane a metre in front of a perspective camera the film shows, from left to right (m).
     pub fn screen_width(&self, aspect: f64) -> Option<f64> {
         match self {
-            Camera::Perspective(camera) => Some(2.0 * f64::from(camera.tan_half_fov) * aspect),
+            Camera::Perspective(camera) => Some(2.0 * f64::from(camera.tan_half_fov) * f64::from(camera.aspect(aspect as f32))),
             _ => None,
+        }
+    }
+
+    /// The width of a pixel over its height, as seen.
+    pub fn pixel_aspect(&self, aspect: f32) -> f32 {
+        match self {
+            Camera::Perspective(camera) => camera.aspect(aspect) / aspect,
+            _ => 1.0,
         }
     }
 

@@ -8,12 +8,15 @@ use crate::math::{Ray, float, warp};
 /// A perspective camera with a thin lens.
 ///
 /// The film point (x, y), from −1 to 1, is focused on (x·a·τ, y·τ, −1)·focus_distance, with τ = tan(fov/2)
-/// and the aspect ratio a; rays to it start on the lens, a disk around the eye.
+/// and the aspect ratio a: that of the film, so that pixels are square, or one of its own; rays to it start on the lens, a disk
+/// around the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Perspective {
     pub pose: Pose,
     /// τ, half the vertical field of view.
     pub(super) tan_half_fov: f32,
+    /// a, where it is not the film's.
+    aspect: Option<f32>,
     /// (m); 0 for a pinhole.
     lens_radius: f32,
     /// Along the axis (m).
@@ -24,7 +27,18 @@ impl Perspective {
     /// - `fov`: full vertical angle (degrees)
     /// - `lens_radius`, `focus_distance`: (m)
     pub fn new(pose: Pose, fov: f64, lens_radius: f32, focus_distance: f32) -> Perspective {
-        Perspective { pose, tan_half_fov: tan_half(fov), lens_radius, focus_distance }
+        Perspective { pose, tan_half_fov: tan_half(fov) as f32, aspect: None, lens_radius, focus_distance }
+    }
+
+    /// The same with a full horizontal angle of its own (degrees), whatever the shape of the film.
+    pub fn across(self, fov: f64, horizontal_fov: f64) -> Perspective {
+        Perspective { aspect: Some((tan_half(horizontal_fov) / tan_half(fov)) as f32), ..self }
+    }
+
+    /// a, on a film of this aspect ratio.
+    #[inline(always)]
+    pub(super) fn aspect(&self, film: f32) -> f32 {
+        self.aspect.unwrap_or(film)
     }
 
     pub fn has_lens(&self) -> bool {
@@ -33,7 +47,7 @@ impl Perspective {
 
     #[inline(always)]
     pub(super) fn ray(&self, film: Vec2, aspect: f32, lens: Vec2) -> Ray {
-        let x = (2.0 * film.x - 1.0) * self.tan_half_fov * aspect;
+        let x = (2.0 * film.x - 1.0) * self.tan_half_fov * self.aspect(aspect);
         let y = (1.0 - 2.0 * film.y) * self.tan_half_fov;
         let towards = Vec3::new(x, y, -1.0);
         if !self.has_lens() {
@@ -46,7 +60,7 @@ impl Perspective {
 }
 
 /// tan(θ/2), with θ in degrees; our own sine and cosine, for the same bits everywhere.
-fn tan_half(degrees: f64) -> f32 {
+fn tan_half(degrees: f64) -> f64 {
     let (sin, cos) = float::sin_cos_degrees(0.5 * degrees);
-    (sin / cos) as f32
+    sin / cos
 }

@@ -316,15 +316,21 @@ pub struct Scene {
 pub struct Render {
     #[command(flatten)]
     pub scene: Scene,
+    /// Samples per pixel, as --spp says them.
+    #[arg(value_name = "SPP", value_parser = whole(1, u32::MAX), conflicts_with = "spp", allow_negative_numbers = true)]
+    count: Option<u32>,
     /// How light transport is computed: see `pt list integrators`. Default: the scene's, else nee.
     #[arg(short, long, value_name = "NAME")]
     pub integrator: Option<String>,
     /// Where the picture goes: .exr (linear, float), .png, .ppm, .pfm. May be repeated. Default: SCENE.exr and SCENE.png here.
     #[arg(short, long, value_name = "FILE", alias = "outfile")]
     pub output: Vec<PathBuf>,
+    /// Name the picture by the clock when it is begun, YY_MM_DD-hh_mm_ss.exr and .png.
+    #[arg(long, conflicts_with_all = ["output", "shard", "samples", "pixel"])]
+    pub clock_name: bool,
     /// Samples per pixel.
     #[arg(long, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
-    pub spp: Option<u32>,
+    spp: Option<u32>,
     /// Render until this long has passed, however many samples that is (or until --spp): `30s`, `1h30m`, a bare number
     /// of seconds. Reading and building do not count; the first sample of every pixel is always finished.
     #[arg(long, value_name = "DURATION", value_parser = duration, allow_negative_numbers = true, alias = "timeout")]
@@ -436,6 +442,13 @@ pub enum Curve {
     Normalize,
     /// The curve of the postcard path tracer.
     Postcard,
+}
+
+impl Render {
+    /// Samples per pixel, however they were asked for.
+    pub fn spp(&self) -> Option<u32> {
+        self.spp.or(self.count)
+    }
 }
 
 impl Develop {

@@ -20,7 +20,7 @@ pub fn replay(args: &args::Render, id: SampleId) -> Result<String> {
     args.scene.overrides.iter().for_each(|text| flag("-D", Some(text.clone())));
     flag("--integrator", args.integrator.clone());
     flag("--size", args.size.map(|[width, height]| format!("{width}x{height}")));
-    flag("--spp", args.spp.map(|spp| spp.to_string()));
+    flag("--spp", args.spp().map(|spp| spp.to_string()));
     flag("--seed", args.seed.map(|seed| seed.to_string()));
     flag("--sampler", args.sampler.clone());
     flag("--scramblings", args.scramblings.map(|k| k.to_string()));

@@ -45,7 +45,10 @@ impl Plan {
         let is_part = args.shard.is_some() || args.samples.is_some();
         let outputs = match (&args.output[..], is_part) {
             ([], true) => vec![format!("{}.{}-{}.ptc", loaded.stem, samples.start, samples.end).into()],
-            ([], false) => vec![format!("{}.exr", loaded.stem).into(), format!("{}.png", loaded.stem).into()],
+            ([], false) => {
+                let stem = if args.clock_name { by_the_clock() } else { loaded.stem.clone() };
+                vec![format!("{stem}.exr").into(), format!("{stem}.png").into()]
+            }
             (given, _) => given.to_vec(),
         };
         let takes = if is_part { Takes::Parts } else { Takes::Both };
@@ -77,7 +80,7 @@ impl Plan {
 
     /// When the render ends: where only a time or an accuracy is asked for, the samples that the scene plans are no limit.
     pub fn until(&self, args: &args::Render) -> Until {
-        let free = (args.time.is_some() || args.target.is_some()) && args.spp.is_none();
+        let free = (args.time.is_some() || args.target.is_some()) && args.spp().is_none();
         let samples = if free { u32::MAX.into() } else { self.samples.end };
         Until { samples, time: args.time, target: args.target.map(|error| Target { error, confidence: args.confidence }) }
     }
@@ -124,6 +127,11 @@ impl Plan {
     pub fn written(&self) -> impl Iterator<Item = &Path> {
         self.pictures.iter().chain(&self.parts).map(PathBuf::as_path)
     }
+}
+
+/// As the clock on the wall shows it: `26_11_21-09_05_00`.
+fn by_the_clock() -> String {
+    jiff::Zoned::now().strftime("%y_%m_%d-%H_%M_%S").to_string()
 }
 
 /// `0..16, 32..64`

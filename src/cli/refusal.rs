@@ -27,11 +27,23 @@ pub fn answer(refusal: &clap::Error) -> ExitCode {
     ExitCode::from(refusal.exit_code() as u8)
 }
 
-/// A word after the scene: to clap it is a command that "cannot be used with" the scene, whatever was meant by it.
+/// What clap calls the samples per pixel after the scene.
+const SPP: &str = "[SPP]";
+
+/// A word after the scene: to clap it is a command that "cannot be used with" the scene, or no number of samples, whatever was meant
+/// by it.
 fn stray(refusal: &clap::Error, words: &[String]) -> Option<String> {
-    let (ErrorKind::ArgumentConflict, Some(ContextValue::String(word))) = (refusal.kind(), refusal.get(ContextKind::InvalidSubcommand))
-    else {
-        return None;
+    let told = |kind| match refusal.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    let word = match refusal.kind() {
+        ErrorKind::ArgumentConflict => told(ContextKind::InvalidSubcommand)?,
+        // What is no number was not meant as one.
+        ErrorKind::ValueValidation if told(ContextKind::InvalidArg) == Some(SPP) => {
+            told(ContextKind::InvalidValue).filter(|word| word.parse::<f64>().is_err())?
+        }
+        _ => return None,
     };
     let parser = Args::command();
     let commands: Vec<&str> = parser.get_subcommands().map(|command| command.get_name()).collect();
@@ -41,7 +53,7 @@ fn stray(refusal: &clap::Error, words: &[String]) -> Option<String> {
     let file = before.filter(|flag| *flag == "--resume");
     Some(if let Some(flag) = formed.or(file) {
         format!("{flag} {word}: expected {flag}={word}")
-    } else if commands.contains(&word.as_str()) {
+    } else if commands.contains(&word) {
         format!("{word}: a command comes first, as in pt {word} scene.json; see pt --help")
     } else if let Some((typed, near)) = misspelt() {
         format!("unknown command {typed:?}, did you mean {near:?}? See pt --help")

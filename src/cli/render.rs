@@ -227,7 +227,7 @@ fn overrides(args: &args::Render) -> Result<Vec<Override>> {
     if let Some([x0, x1, y0, y1]) = args.crop {
         set(format!("--crop {x0},{x1},{y0},{y1}"), "/film/crop", format!("{:?}", [x0, x1, y0, y1]));
     }
-    if let Some(spp) = args.spp {
+    if let Some(spp) = args.spp() {
         set(format!("--spp {spp}"), "/sampler/spp", spp.to_string());
     }
     if let Some(seed) = args.seed {

@@ -25,6 +25,9 @@ by_type!(Camera { Perspective(Perspective), Orthographic(Orthographic), Spherica
 pub struct Perspective {
     /// Vertical full angle of the view, in degrees.
     pub fov: FieldOfView,
+    /// Horizontal full angle of the view, in degrees: with it pixels need not be square. Default: what makes them square.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub horizontal_fov: Option<FieldOfView>,
     /// Radius (not diameter) of the lens, in metres. 0 is a pinhole: everything is sharp.
     pub lens_radius: NonNegative,
     /// Distance of the plane that is sharp, along the view direction, in metres.
@@ -66,7 +69,7 @@ pub struct Spherical {
 impl Default for Perspective {
     fn default() -> Perspective {
         let (fov, focus_distance) = (FieldOfView::known(40.0), Positive::known(1.0));
-        Perspective { fov, lens_radius: NonNegative::known(0.0), focus_distance, look_at: None, transform: None }
+        Perspective { fov, horizontal_fov: None, lens_radius: NonNegative::known(0.0), focus_distance, look_at: None, transform: None }
     }
 }
 

@@ -9,6 +9,7 @@
 //!
 //! To add a dialect: a file beside these and a row in [`ALL`].
 
+mod aalto;
 pub mod darts;
 mod foreign;
 mod native;
@@ -35,7 +36,7 @@ pub struct Dialect {
 }
 
 /// In the order in which they are asked; pt's own format is whatever no other claims.
-pub const ALL: &[Dialect] = &[darts::DIRT, darts::DARTS_2021, darts::DARTS, native::DIALECT];
+pub const ALL: &[Dialect] = &[aalto::DIALECT, darts::DIRT, darts::DARTS_2021, darts::DARTS, native::DIALECT];
 
 /// A scene file of any dialect, read.
 pub struct Imported {

@@ -60,6 +60,7 @@ impl fmt::Display for Value {
 /// - `worldToCamera`: to x right, y up, −z ahead (m)
 /// - `worldToNDC`: to the display window, x and y from 0 at the upper left to 1, to be divided by w; not of panoramas
 /// - `screenWindowWidth`: what a perspective shows of the plane 1 in front of it, from left to right
+/// - `pixelAspectRatio`: the width of a pixel over its height, where they are not square
 ///
 /// Source: OpenEXR, *Standard Optional Attributes*. Tests: matrices_find_the_pixel.
 pub fn of_camera(scene: &dyn Scene, film: &FilmSpec) -> Attributes {
@@ -67,6 +68,8 @@ pub fn of_camera(scene: &dyn Scene, film: &FilmSpec) -> Attributes {
     let to_camera = camera.world_to_camera() * DMat4::from_translation(-scene.origin());
     let to_film = camera.to_film(aspect).map(|to_film| Value::matrix(&(to_film * to_camera)));
     let width = camera.screen_width(aspect).map(|width| Value::Number(width as f32));
-    let all = [("worldToCamera", Some(Value::matrix(&to_camera))), ("worldToNDC", to_film), ("screenWindowWidth", width)];
+    let pixel = Some(camera.pixel_aspect(film.aspect())).filter(|pixel| *pixel != 1.0).map(Value::Number);
+    let to_camera = Some(Value::matrix(&to_camera));
+    let all = [("worldToCamera", to_camera), ("worldToNDC", to_film), ("screenWindowWidth", width), ("pixelAspectRatio", pixel)];
     all.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
 }

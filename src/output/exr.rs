@@ -19,12 +19,12 @@ pub fn encode(image: &Image, attributes: &Attributes) -> PtResult<Vec<u8>> {
     let channels = AnyChannels::sort(image.channels.iter().map(channel).collect());
     let mut about = LayerAttributes { software_name: Some("pt".into()), ..LayerAttributes::default() };
     about.layer_position = Vec2(image.origin.x as i32, image.origin.y as i32);
-    attributes.iter().for_each(|(name, value)| describe(&mut about, name, value));
+    let full = (image.full_size.x as usize, image.full_size.y as usize);
+    let mut shared = ImageAttributes::new(IntegerBounds::new((0, 0), full));
+    attributes.iter().for_each(|(name, value)| describe(&mut about, &mut shared, name, value));
     let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::SMALL_LOSSLESS };
     let layer = Layer::new((image.size.x as usize, image.size.y as usize), about, encoding, channels);
-    let full = (image.full_size.x as usize, image.full_size.y as usize);
-    let display = IntegerBounds::new((0, 0), full);
-    let file = exr::image::Image::empty(ImageAttributes::new(display)).with_layer(layer);
+    let file = exr::image::Image::empty(shared).with_layer(layer);
     let mut bytes = Cursor::new(vec![]);
     file.write().to_buffered(&mut bytes).map_err(|e| Error::Internal(format!("cannot encode EXR: {e}")))?;
     Ok(bytes.into_inner())
@@ -35,13 +35,16 @@ const TO_NDC: &str = "worldToNDC";
 const SCREEN_WIDTH: &str = "screenWindowWidth";
 /// What every file must have, and what it says where nothing is known.
 const NO_SCREEN_WIDTH: f32 = 1.0;
+const PIXEL_ASPECT: &str = "pixelAspectRatio";
+const SQUARE: f32 = 1.0;
 
 /// The crate keeps some of OpenEXR's own attributes apart.
-fn describe(about: &mut LayerAttributes, name: &str, value: &Value) {
+fn describe(about: &mut LayerAttributes, shared: &mut ImageAttributes, name: &str, value: &Value) {
     let other = match (name, value) {
         (TO_CAMERA, Value::Matrix(matrix)) => return about.world_to_camera = Some(*matrix),
         (TO_NDC, Value::Matrix(matrix)) => return about.world_to_normalized_device = Some(*matrix),
         (SCREEN_WIDTH, Value::Number(width)) => return about.screen_window_width = *width,
+        (PIXEL_ASPECT, Value::Number(ratio)) => return shared.pixel_aspect = *ratio,
         (_, Value::Text(text)) => AttributeValue::Text(utf8(text)),
         (_, Value::Integer(number)) => AttributeValue::I32(*number),
         (_, Value::Number(number)) => AttributeValue::F32(*number),
@@ -51,13 +54,15 @@ fn describe(about: &mut LayerAttributes, name: &str, value: &Value) {
 }
 
 /// Those that [`describe`] could write, by name.
-fn described(about: &LayerAttributes) -> Attributes {
+fn described(about: &LayerAttributes, shared: &ImageAttributes) -> Attributes {
     let other = about.other.iter().filter_map(|(name, value)| Some((from_utf8(name), known(value)?)));
     let matrices = [(TO_CAMERA, about.world_to_camera), (TO_NDC, about.world_to_normalized_device)];
     let matrices = matrices.into_iter().filter_map(|(name, matrix)| Some((name.to_owned(), Value::Matrix(matrix?))));
     let width = Some(about.screen_window_width).filter(|width| *width != NO_SCREEN_WIDTH);
     let width = width.map(|width| (SCREEN_WIDTH.to_owned(), Value::Number(width)));
-    let mut all: Attributes = other.chain(matrices).chain(width).collect();
+    let ratio = Some(shared.pixel_aspect).filter(|ratio| *ratio != SQUARE);
+    let ratio = ratio.map(|ratio| (PIXEL_ASPECT.to_owned(), Value::Number(ratio)));
+    let mut all: Attributes = other.chain(matrices).chain(width).chain(ratio).collect();
     all.sort_by(|a, b| a.0.cmp(&b.0));
     all
 }
@@ -95,7 +100,8 @@ pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
     check_size(&MetaData::read_from_buffered(bytes, false).map_err(broken)?)?;
     let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
     let file = reader.from_buffered(Cursor::new(bytes)).map_err(broken)?;
-    let (display, layer) = (file.attributes.display_window, file.layer_data);
+    let (shared, layer) = (file.attributes, file.layer_data);
+    let display = shared.display_window;
     let channel = |c: &AnyChannel<FlatSamples>| Channel { name: from_utf8(&c.name), values: c.sample_data.values_as_f32().collect() };
     let [x, y] = [|v: Vec2<i32>| v.x(), |v: Vec2<i32>| v.y()]
         .map(|of| i64::from(of(layer.attributes.layer_position)) - i64::from(of(display.position)));
@@ -110,7 +116,7 @@ pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
         size: UVec2::new(width as u32, height as u32),
         channels: layer.channel_data.list.iter().map(channel).collect(),
     };
-    Ok((image, described(&layer.attributes)))
+    Ok((image, described(&layer.attributes, &shared)))
 }
 
 /// Refuses before it is decoded what would not fit.
@@ -145,10 +151,9 @@ pub(super) fn facts(bytes: &[u8]) -> Vec<(String, String)> {
     ];
     texts.into_iter().for_each(|(name, text)| fact(name, text.as_ref().map(from_utf8)));
     fact("chromaticities", shared.chromaticities.map(|c| format!("{c:?}")));
-    fact("pixelAspectRatio", (shared.pixel_aspect != 1.0).then(|| shared.pixel_aspect.to_string()));
     let unknown = shared.other.iter().chain(own.other.iter().filter(|(_, value)| known(value).is_none()));
     let mut others: Vec<(String, String)> = unknown.map(|(name, value)| (from_utf8(name), shown(value))).collect();
-    others.extend(described(own).into_iter().map(|(name, value)| (name, value.to_string())));
+    others.extend(described(own, shared).into_iter().map(|(name, value)| (name, value.to_string())));
     others.sort();
     others.into_iter().for_each(|(name, value)| fact(&name, Some(value)));
     facts

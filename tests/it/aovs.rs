@@ -270,8 +270,13 @@ fn the_depth_of_a_panorama_is_the_distance() {
 fn matrices_find_the_pixel() {
     let (eye, target) = (DVec3::new(3.0, 4.0, 9.0), DVec3::new(5.0, 1.0, 2.0));
     let pose = Pose::new(&Transform::look_at(eye, target, DVec3::new(0.1, 1.0, 0.2)).expect("a pose"));
-    let perspective = Camera::Perspective(Perspective::new(pose, 50.0, 0.0, 1.0));
-    for (camera, is_perspective) in [(perspective, true), (Camera::Orthographic(Orthographic { pose, height: 3.0 }), false)] {
+    let perspective = Perspective::new(pose, 50.0, 0.0, 1.0);
+    let tan = |angle: f64| (0.5 * angle).to_radians().tan();
+    for (camera, seen, pixel) in [
+        (Camera::Perspective(perspective), Some(2.0 * tan(50.0) * 1.5), None),
+        (Camera::Perspective(perspective.across(50.0, 40.0)), Some(2.0 * tan(40.0)), Some(tan(40.0) / tan(50.0) / 1.5)),
+        (Camera::Orthographic(Orthographic { pose, height: 3.0 }), None, None),
+    ] {
         let mut world = World::builder(camera);
         let matte = world.material(Material::diffuse(gray(0.5)));
         world.shape(Quad { size: [90.0, 90.0] }, facing(target, DVec3::new(0.3, 0.5, 1.0)), matte, None);
@@ -295,10 +300,11 @@ fn matrices_find_the_pixel() {
             near(x, f64::from(2 + i as u32 % 10) + 0.5, 1e-3, "column");
             near(y, f64::from(3 + i as u32 / 10) + 0.5, 1e-3, "row");
         }
-        let width = attributes.iter().find(|row| row.0 == "screenWindowWidth").map(|row| row.1.clone());
-        match width {
-            Some(Value::Number(width)) if is_perspective => near(width.into(), 2.0 * 25_f64.to_radians().tan() * 1.5, 1e-6, "width"),
-            other => assert!(other.is_none() && !is_perspective, "{other:?}"),
+        for (name, expected) in [("screenWindowWidth", seen), ("pixelAspectRatio", pixel)] {
+            match (attributes.iter().find(|row| row.0 == name), expected) {
+                (Some((_, Value::Number(number))), Some(expected)) => near((*number).into(), expected, 1e-6, name),
+                (found, expected) => assert!(found.is_none() && expected.is_none(), "{name}: {found:?}"),
+            }
         }
     }
 }

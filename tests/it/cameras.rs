@@ -65,6 +65,29 @@ proptest! {
         prop_assert!((found - expected).length() < FEW_ROUNDINGS, "{} is not {}", found, expected);
     }
 
+    /// Angles that do not depend on each other: ω = (x tan(θx/2), y tan(θy/2), −1)/|…|, whatever the film's shape.
+    #[test]
+    fn a_horizontal_angle_of_its_own(film in shares(), aspect in 0.25f32..4.0, fov in 1.0f64..150.0, across in 1.0f64..150.0) {
+        let camera = Camera::Perspective(Perspective::new(identity(), fov, 0.0, 1.0).across(fov, across));
+        let [tan_x, tan_y] = [across, fov].map(|angle| (angle / 2.0).to_radians().tan());
+        let (x, y) = (2.0 * f64::from(film[0]) - 1.0, 1.0 - 2.0 * f64::from(film[1]));
+        let expected = DVec3::new(x * tan_x, y * tan_y, -1.0).normalize();
+        let found = direction(&camera, film, aspect);
+        prop_assert!((found - expected).length() < FEW_ROUNDINGS, "{} is not {}", found, expected);
+        let pixel = f64::from(camera.pixel_aspect(aspect));
+        prop_assert!((pixel * f64::from(aspect) / (tan_x / tan_y) - 1.0).abs() < FEW_ROUNDINGS, "{}", pixel);
+    }
+
+    /// A mirroring transform swaps left and right and nothing else.
+    #[test]
+    fn a_mirrored_camera_mirrors_the_picture([x, y] in shares(), [from, to, up] in views()) {
+        let mirror = Transform::scale(DVec3::new(-1.0, 1.0, 1.0)).expect("invertible");
+        let view = Transform::look_at(from, to, up).expect("not degenerate");
+        let [plain, mirrored] = [view, mirror.then(&view)].map(|to_world| pinhole(Pose::new(&to_world), 50.0));
+        let [found, expected] = [direction(&mirrored, [x, y], 1.5), direction(&plain, [1.0 - x, y], 1.5)];
+        prop_assert!((found - expected).length() < FEW_ROUNDINGS, "{} is not {}", found, expected);
+    }
+
     /// Parallel; the origins lie on the film, `height` metres high.
     #[test]
     fn orthographic_is_its_formula(film in shares(), aspect in 0.25f32..4.0, height in 0.1f32..100.0, [from, to, up] in views()) {

@@ -91,6 +91,54 @@ fn flags_override_the_scene() {
     }
 }
 
+/// `pt scene.json 3` is `pt scene.json --spp 3`.
+#[test]
+fn a_number_after_the_scene_is_samples_per_pixel() {
+    let folder = folder();
+    pt(folder.path(), &["scene.json", "3", "-o", "a.pfm"]).success();
+    pt(folder.path(), &["scene.json", "--spp", "3", "-o", "b.pfm"]).success();
+    pt(folder.path(), &["-o", "c.pfm", "scene.json"]).success();
+    let [a, b, c] = ["a.pfm", "b.pfm", "c.pfm"].map(|name| fs::read(folder.path().join(name)).expect("a picture"));
+    assert!(a == b && a != c, "3 samples, and the scene's own 2");
+    for (args, phrase) in [
+        (&["scene.json", "0"][..], "expected a whole number from 1 to 4294967295"),
+        (&["scene.json", "-4"], "expected a whole number from 1"),
+        (&["scene.json", "1.5"], "expected a whole number from 1"),
+        (&["scene.json", "3", "--spp", "4"], "cannot be used with"),
+        (&["scene.json", "3", "4"], "unexpected"),
+        (&["scene.json", "three"], "unexpected \"three\": one scene at a time"),
+    ] {
+        refused(folder.path(), args, 2, phrase);
+    }
+}
+
+/// YY_MM_DD-hh_mm_ss of the clock on the wall: here three hours ahead of UTC.
+#[test]
+fn a_picture_named_by_the_clock() {
+    let folder = folder();
+    let now = || std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).expect("after 1970").as_secs() + 3 * 3600;
+    let before = now();
+    let mut command = Command::cargo_bin("pt").expect("the binary");
+    command.current_dir(folder.path()).env("TZ", "AHEAD-3").args(["scene.json", "--clock-name"]).assert().success();
+    let expected: Vec<String> = (before..=now()).map(by_the_clock).collect();
+    let mut found: Vec<String> = files(folder.path()).into_iter().filter(|name| name != "scene.json").collect();
+    found.sort();
+    assert!(expected.iter().any(|name| found == [format!("{name}.exr"), format!("{name}.png")]), "{found:?}, expected {expected:?}");
+    refused(folder.path(), &["scene.json", "--clock-name", "-o", "a.png"], 2, "cannot be used with");
+}
+
+/// Source: Hinnant, *chrono-Compatible Low-Level Date Algorithms* (2014), civil_from_days.
+fn by_the_clock(seconds: u64) -> String {
+    let (days, rest) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    let (era, of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let from_march = (5 * of_year + 2) / 153;
+    let (day, month) = (of_year - (153 * from_march + 2) / 5 + 1, (from_march + 2) % 12 + 1);
+    let year = year_of_era + 400 * era + u64::from(month <= 2);
+    format!("{:02}_{month:02}_{day:02}-{:02}_{:02}_{:02}", year % 100, rest / 3600, rest / 60 % 60, rest % 60)
+}
+
 #[test]
 fn a_sample_by_itself_is_the_sample_of_the_picture() {
     let folder = folder();

@@ -1,4 +1,6 @@
 //! Scenes of other programs: each becomes a scene of pt, and says what became of it.
 
+mod aalto;
 mod convert;
 mod darts;
+mod dialect;

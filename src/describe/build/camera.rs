@@ -23,7 +23,8 @@ pub(super) fn camera(described: &describe::Camera) -> Result<Camera, String> {
     Ok(match described {
         describe::Camera::Perspective(c) => {
             let (lens, focus) = (c.lens_radius.get() as f32, c.focus_distance.get() as f32);
-            Camera::Perspective(Perspective::new(pose, c.fov.get(), lens, focus))
+            let camera = Perspective::new(pose, c.fov.get(), lens, focus);
+            Camera::Perspective(c.horizontal_fov.map_or(camera, |across| camera.across(c.fov.get(), across.get())))
         }
         describe::Camera::Orthographic(c) => Camera::Orthographic(Orthographic { pose, height: c.height.get() as f32 }),
         describe::Camera::Spherical(_) => Camera::Spherical(Spherical { pose }),

@@ -19,7 +19,9 @@ impl Builder<'_> {
         };
         match loaded {
             Ok((data, warnings)) => {
-                self.warnings.extend(warnings);
+                // Once for each file, however many shapes are made of it.
+                let new = warnings.into_iter().filter(|warning| !self.warnings.contains(warning)).collect::<Vec<_>>();
+                self.warnings.extend(new);
                 self.contents.extend(mesh.file.clone().map(|file| (file, identity::of_mesh(&data))));
                 Ok(Some(data))
             }

@@ -1,0 +1,88 @@
+//! The mistake that made a glass panel magnify, as an integrator: docs/glass-panel.md tells its story.
+//!
+//! ```sh
+//! cargo run --release --example magnifying_panel -- --integrator magnifying scenes/glass-panel.json
+//! ```
+
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use pt::bsdf::{Lobe, TransportMode};
+use pt::effects::Effects;
+use pt::film::FilmSpec;
+use pt::integrator::{CameraSample, Context, Entry, Estimator, Integrator, sample_light};
+use pt::math::{Density, Spectrum};
+use pt::sampler::Sampler;
+use pt::sampler::dimension::{self, Use};
+use pt::scene::Scene;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A path tracer that samples lights, and leaves glass with a normal that points the wrong way.
+///
+/// t = ηd + (η cos θ − cos θt) n holds where n opposes d. On leaving, η is inverted and |cos θ| taken, but n still points along d: the
+/// direction has the wrong length, which normalising hides, and a small angle θ' within leaves at θ'·n/(2n − 1).
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(deny_unknown_fields)]
+struct Magnifying {
+    /// The most scattering events on a path.
+    max_depth: u32,
+}
+
+impl Default for Magnifying {
+    fn default() -> Magnifying {
+        Magnifying { max_depth: 24 }
+    }
+}
+
+impl Integrator for Magnifying {
+    fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
+        Box::new(Walk { scene, max_depth: self.max_depth })
+    }
+}
+
+struct Walk {
+    scene: Arc<dyn Scene>,
+    max_depth: u32,
+}
+
+impl Estimator for Walk {
+    fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
+        let (mut ray, mut beta, mut radiance, mut sees_lights) = (camera.ray, Spectrum::ONE, Spectrum::BLACK, true);
+        for depth in 0..self.max_depth {
+            let Some(hit) = self.scene.intersect(&ray) else { break };
+            let surface = self.scene.surface(&ray, &hit);
+            let wo = -ray.direction;
+            // Light that was sampled at the last vertex is not counted again.
+            if sees_lights {
+                radiance += beta * surface.emitted(wo);
+            }
+            let direct = sample_light(&*self.scene, &surface, wo, depth, 0.0, cx.sampler);
+            radiance += beta * direct.map_or(Spectrum::BLACK, |(direct, _)| direct);
+            cx.sampler.at(dimension::vertex(depth, Use::Bsdf));
+            let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
+            let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else { break };
+            beta *= sample.weight;
+            sees_lights = sample.density == Density::Delta;
+            let (d, n, eta) = (ray.direction, surface.point.ng, 1.0 / sample.eta);
+            let leaves_glass = sample.lobe == Lobe::Transmission && n.dot(d) > 0.0;
+            let bent = if leaves_glass {
+                let cos = n.dot(d).abs();
+                let cos_t = (1.0 - eta * eta * (1.0 - cos * cos)).max(0.0).sqrt();
+                (eta * d + (eta * cos - cos_t) * n).normalize()
+            } else {
+                wi
+            };
+            ray = surface.spawn(bent, ray.time);
+        }
+        radiance
+    }
+}
+
+const MAGNIFYING: Entry =
+    Entry::of::<Magnifying>("magnifying", "a path tracer that forgets to turn a normal on leaving glass", Effects::ALL.without(Effects::ENVIRONMENT));
+
+fn main() -> ExitCode {
+    pt::cli::main_with(&[pt::integrators::ALL, &[MAGNIFYING]])
+}
