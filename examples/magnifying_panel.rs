@@ -12,7 +12,6 @@ use pt::effects::Effects;
 use pt::film::FilmSpec;
 use pt::integrator::{CameraSample, Context, Entry, Estimator, Integrator, sample_light};
 use pt::math::{Density, Spectrum};
-use pt::sampler::Sampler;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::Scene;
 use schemars::JsonSchema;
@@ -80,8 +79,11 @@ impl Estimator for Walk {
     }
 }
 
-const MAGNIFYING: Entry =
-    Entry::of::<Magnifying>("magnifying", "a path tracer that forgets to turn a normal on leaving glass", Effects::ALL.without(Effects::ENVIRONMENT));
+const MAGNIFYING: Entry = Entry::of::<Magnifying>(
+    "magnifying",
+    "a path tracer that forgets to turn a normal on leaving glass",
+    Effects::ALL.without(Effects::ENVIRONMENT),
+);
 
 fn main() -> ExitCode {
     pt::cli::main_with(&[pt::integrators::ALL, &[MAGNIFYING]])

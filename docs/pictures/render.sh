@@ -26,11 +26,11 @@ picture triangle-stacks   triangle-stacks --size 240x320 --spp 256
 picture caustic           caustic         --size 280x210 --spp 256
 picture glass-panel       glass-panel     --size 320x320 --spp 1024
 # The story of docs/glass-panel.md: without the mistake, and with it.
-picture panel             glass-panel     --size 256x256 --spp 512
+picture panel             glass-panel     --size 200x200 --spp 256
 case $wanted in
 "  " | *" panel-magnifies "*)
     cargo run --release --quiet --example magnifying_panel -- --integrator magnifying scenes/glass-panel.json \
-        --size 256x256 --spp 512 -o docs/pictures/panel-magnifies.png --progress none ;;
+        --size 200x200 --spp 256 -o docs/pictures/panel-magnifies.png --progress none ;;
 esac
 # The same number of samples per pixel, so that the two can be compared.
 picture mis-plates        mis-plates      --size 360x270 --spp 256

@@ -202,11 +202,9 @@ fn surface(view: &View, i: usize, name: String) -> Option<Surface> {
 
 /// Keys of older files that change nothing; it is told where they say something else than what holds.
 fn remark_old_keys(view: &View, i: usize) {
-    let old = view.get(&["colorRem"]).map(|old| (old.same().to_string(), old));
-    if let (Some((text, old)), Some(color)) = (old, view.get(&["color"])) {
-        if text != color.same().to_string() {
-            old.note("left out: the colour of a surface is \"color\"");
-        }
+    let color = view.get(&["color"]).map(|color| color.same().to_string());
+    if let Some(old) = view.get(&["colorRem"]).filter(|old| color.is_some_and(|color| color != old.same().to_string())) {
+        old.note("left out: the colour of a surface is \"color\"");
     }
     if let Some(index) = view.get(&["index"]).filter(|index| index.same().to_string() != i.to_string()) {
         index.note("left out: materials are counted in their order, from 0");
