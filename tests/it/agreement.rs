@@ -7,7 +7,7 @@ use pt::bsdf::{Material, TransportMode};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::{FilmSpec, Image};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
-use pt::integrators::nee::Nee;
+use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::{ALL, path::Path};
 use pt::light::{Emission, Environment, Light};
 use pt::math::{Spectrum, Transform, Vec3};
@@ -155,6 +155,20 @@ fn methods_agree_among_matte_things() {
 #[test]
 fn methods_agree_among_mirrors_and_glass() {
     (0..CLEAR).for_each(|scene| agree(scene, false));
+}
+
+/// However light and material share what both find, it is the same light: on scenes with and without a sky.
+#[test]
+fn weights_share_the_same_light() {
+    for scene in 0..3 {
+        let world = generated(scene, true);
+        let power = image(&world, &nee(), 1);
+        for (weights, seed) in [(Weights::Balance, 2), (Weights::Light, 3)] {
+            if let Some(found) = refusal(&power, &image(&world, &Nee { weights, ..nee() }, seed)) {
+                panic!("scene {scene}, {weights:?}: {found}");
+            }
+        }
+    }
 }
 
 /// All its radiance times a factor.

@@ -1,10 +1,13 @@
 //! Surfaces.
 
+use std::path::Path;
+
 use super::Reader;
 use super::material::{Dress, is_light};
 use super::spelling::word;
 use super::value::{scalar, vector};
 use super::{refuse_media, transform};
+use crate::describe;
 use crate::import::view::View;
 use crate::reader::{Node, unknown};
 
@@ -90,7 +93,8 @@ impl<'a> Reader<'a> {
         if self.materials.is_empty() || files.why_not(name).is_some() {
             return Some(vec![]);
         }
-        let text = std::fs::read(files.folder.join(name)).unwrap_or_default();
+        // From the current folder, so that no name is that of standard input.
+        let text = describe::bytes(&Path::new(".").join(&files.folder).join(name)).unwrap_or_default();
         let mut names: Vec<String> = text
             .split(|byte| *byte == b'\n')
             .filter_map(|line| std::str::from_utf8(line).ok()?.trim().strip_prefix("usemtl")?.trim().to_owned().into())
