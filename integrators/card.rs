@@ -1,9 +1,10 @@
 //! Path tracing the way short programs do it.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use pt::bsdf::{BsdfSample, Lobe, TransportMode};
-use pt::describe::{Color, Direction, Positive, Radiometric};
+use pt::describe::{Direction, Positive, Radiometric};
 use pt::film::FilmSpec;
 use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, MAX_DEPTH, Roulette};
 use pt::math::{Density, Local, Ray, SolidAnglePdf, Spectrum, Vec3, float};
@@ -24,7 +25,8 @@ use serde::{Deserialize, Serialize};
 /// With its defaults it is `path`, bit for bit. `step_off` starts rays at a fixed length off a surface, in place of the
 /// error bound of the point: right for one size of scene.
 ///
-/// Source: Kensler, *Decyphering the Business Card Raytracer*'s successor, a postcard (2018). Tests: card::*.
+/// Source: Andrew Kensler's postcard path tracer. Tests: card_is_path_to_the_bit, the_sun_shines_through_windows,
+/// only_the_cosine_is_right, the_picture_is_the_originals.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
@@ -45,26 +47,20 @@ pub struct Card {
     /// error bound of the point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_off: Option<Positive>,
-    /// Light from far away that comes in through whatever emits.
+    /// Light from far away that comes in through whatever emits: what a white matte surface shines with that faces it, linear
+    /// `[red, green, blue]` (W·m⁻²·sr⁻¹), its irradiance / π. Default: no sun.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sun: Option<Sun>,
+    pub sun_radiance: Option<[Radiometric; 3]>,
+    /// Where the sun stands.
+    pub sun_direction: Direction,
     /// How matte surfaces choose the next direction.
     pub hemisphere: Hemisphere,
-}
-
-/// Parallel light behind windows.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Sun {
-    /// Where it stands.
-    pub direction: Direction,
-    /// What a white matte surface shines with that faces it (W·m⁻²·sr⁻¹): its irradiance / π.
-    pub radiance: Color<Radiometric>,
 }
 
 /// Directions above a matte surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(inline)]
 pub enum Hemisphere {
     /// With a density proportional to the cosine: right.
     #[default]
@@ -75,7 +71,15 @@ pub enum Hemisphere {
 
 impl Default for Card {
     fn default() -> Card {
-        Card { max_depth: 64, roulette_depth: 4, emission_depth: MAX_DEPTH, step_off: None, sun: None, hemisphere: Hemisphere::Cosine }
+        Card {
+            max_depth: 64,
+            roulette_depth: 4,
+            emission_depth: MAX_DEPTH,
+            step_off: None,
+            sun_radiance: None,
+            sun_direction: Direction([0.0, 1.0, 0.0]),
+            hemisphere: Hemisphere::Cosine,
+        }
     }
 }
 
@@ -85,11 +89,11 @@ impl Integrator for Card {
         Box::new(Walk {
             scene,
             max_depth: self.max_depth,
-            last: if self.sun.is_some() { met.max(self.max_depth.saturating_sub(1)) } else { met },
+            last: if self.sun_radiance.is_some() { met.max(self.max_depth.saturating_sub(1)) } else { met },
             emission_depth: met,
             roulette: Roulette { from_depth: self.roulette_depth },
             step_off: self.step_off.map(|length| length.get() as f32),
-            sun: self.sun.as_ref().map(Beam::new),
+            sun: self.sun_radiance.map(|radiance| Beam::new(self.sun_direction, radiance)),
             hemisphere: self.hemisphere,
         })
     }
@@ -132,11 +136,12 @@ struct Beam {
 }
 
 impl Beam {
-    fn new(sun: &Sun) -> Beam {
-        let [x, y, z] = sun.direction.0;
-        let length = (x * x + y * y + z * z).sqrt();
-        let [r, g, b] = sun.radiance.linear().map(|v| (v * std::f64::consts::PI) as f32);
-        Beam { wi: Vec3::new((x / length) as f32, (y / length) as f32, (z / length) as f32), irradiance: Spectrum::rgb(r, g, b) }
+    fn new(Direction([x, y, z]): Direction, radiance: [Radiometric; 3]) -> Beam {
+        let largest = x.abs().max(y.abs()).max(z.abs());
+        let to = [x, y, z].map(|v| v / largest);
+        let length = (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
+        let [r, g, b] = radiance.map(|v| (v.get() * PI) as f32);
+        Beam { wi: Vec3::from(to.map(|v| (v / length) as f32)), irradiance: Spectrum::rgb(r, g, b) }
     }
 }
 

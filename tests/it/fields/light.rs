@@ -5,11 +5,11 @@ use std::sync::Arc;
 use glam::DVec3;
 use pt::bsdf::Material;
 use pt::camera::{Camera, Perspective, Pose};
-use pt::describe::{Color, Direction, Positive, Radiometric};
+use pt::describe::{Direction, Positive, Radiometric};
 use pt::effects::Effects;
 use pt::film::FilmSpec;
 use pt::integrator::Integrator;
-use pt::integrators::card::{Card, Hemisphere, Sun};
+use pt::integrators::card::{Card, Hemisphere};
 use pt::integrators::path::Path;
 use pt::light::{Environment, Light};
 use pt::math::{Spectrum, Transform};
@@ -112,8 +112,8 @@ fn card_is_path_to_the_bit() {
 /// light below half of it, ρ Le sin²θ; and nothing of the sun where the window is not in its way.
 #[test]
 fn the_sun_shines_through_windows() {
-    let towards = DVec3::new(0.0, 1.0, 3f64.sqrt());
-    let sun = Sun { direction: Direction(towards.to_array()), radiance: Color::Gray(Radiometric::new(6.0).expect("in range")) };
+    let sun_radiance = Some([6.0; 3].map(|v| Radiometric::new(v).expect("in range")));
+    let sun_direction = Direction([0.0, 1.0, 3f64.sqrt()]);
     for (window, seen) in [(DVec3::new(0.0, 1.0, 3f64.sqrt()), 1.0), (DVec3::new(0.0, 1.0, -3f64.sqrt()), 0.0)] {
         let mut world = World::builder(probe(DVec3::new(1.0, 0.5, 0.0), DVec3::ZERO));
         let (matte, dark) = (world.material(Material::diffuse(gray(0.5))), world.material(black()));
@@ -122,7 +122,7 @@ fn the_sun_shines_through_windows() {
         let scene = Arc::new(world.build().expect("a world"));
         for step_off in [None, Positive::new(0.01)] {
             // What the window itself shines with is left out.
-            let card = Card { max_depth: 1, emission_depth: 0, sun: Some(sun), step_off, ..Card::default() };
+            let card = Card { max_depth: 1, emission_depth: 0, sun_radiance, sun_direction, step_off, ..Card::default() };
             let found = measure(scene.clone(), &card, 1024, 1);
             assert!((found.value - seen * 0.5 * 6.0 * 0.5).abs() < 1e-5, "{} with {step_off:?}", found.value);
         }

@@ -108,7 +108,7 @@ fn repeated(random: &mut Random, copies: [f64; 2]) -> Field {
 fn extruded(random: &mut Random, log_power: u32) -> Field {
     let line = Field::Capsule(Capsule::new(random.in_cube().with_z(0.0), random.in_cube().with_z(0.0) + DVec3::X * 0.1, 0.0));
     let arc = Field::Ring(Ring { center: DVec3::ZERO, tube: 0.0, ..ring(random, true) });
-    let of = if random.below(2) == 0 { Field::Union(Union::new(vec![line, arc])) } else { sharp_box(random) };
+    let of = if random.below(2) == 0 { Field::Union(Union::new(vec![line, arc])) } else { centred(0.6, random) };
     Field::Extruded(Extruded { of: of.into(), half_thickness: random.range(0.1, 0.4), log_power })
 }
 
