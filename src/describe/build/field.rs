@@ -74,7 +74,7 @@ impl Builder<'_> {
             }),
             Of::Complement(f) => Field::Complement(Complement { of: self.field(&of, &f.of)?.into() }),
             Of::Place(f) => match transform::placed(&f.transform, &Transform::IDENTITY) {
-                Ok(to_world) => Field::Placed(Placed::new(self.field(&of, &f.of)?, to_world)),
+                Ok(to_world) => Field::Placed(Placed::new(self.field(&of, &f.of)?, to_world).into()),
                 Err(message) => {
                     self.fault(&format!("{pointer}/transform"), &message);
                     return None;

@@ -70,16 +70,16 @@ impl Sdf {
             if side * d <= floor
                 && let Some(ahead) = self.ahead(line, t, side, floor / speed)
             {
-                return Some(root(&value, side, t, ahead));
+                return Some(root(value, side, t, ahead));
             }
             let next = t + (side * d).max(shortest) / speed;
             if next.is_nan() || next > line.to {
                 // The end itself may lie beyond the surface.
-                return (side * value(line.to) < 0.0).then(|| root(&value, side, t, line.to));
+                return (side * value(line.to) < 0.0).then(|| root(value, side, t, line.to));
             }
             d = value(next);
             if side * d <= 0.0 {
-                return Some(root(&value, side, t, next));
+                return Some(root(value, side, t, next));
             }
             t = next;
         }

@@ -6,7 +6,7 @@
 //! {d ≤ grow}, which is what operations need of their parts.
 //!
 //! To add a node: a struct with `distance` and `bounds` in one of these files (its formula on top), a variant and its
-//! arms here, a struct in `describe::field`, an arm in its builder, a row in `tests/it/sdf/zoo.rs`.
+//! arms here, a struct in `describe::field`, an arm in its builder, a row in `tests/it/fields/zoo.rs`.
 
 mod combine;
 mod dual;
@@ -43,7 +43,7 @@ pub enum Field {
     Difference(Difference),
     Complement(Complement),
     SmoothUnion(SmoothUnion),
-    Placed(Placed),
+    Placed(Box<Placed>),
     Mirrored(Mirrored),
     Repeated(Repeated),
     Extruded(Extruded),
