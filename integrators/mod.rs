@@ -4,6 +4,7 @@
 //! the tests take it from there.
 
 pub mod ao;
+pub mod card;
 pub mod nee;
 pub mod normals;
 pub mod path;
@@ -22,7 +23,12 @@ pub const ALL: &[Entry] = &[
     Entry::of::<whitted::Whitted>(
         "whitted",
         "Whitted's ray tracing: direct light, and branches at mirrors and glass",
-        Effects::ALL.without(Effects::INTERREFLECTION),
+        Effects::ALL.without(Effects::INTERREFLECTION.union(Effects::FOUND_LIGHT)),
+    ),
+    Entry::of::<card::Card>(
+        "card",
+        "path tracing as short programs have it: fixed steps off surfaces, a sun behind windows; else the same as path",
+        Effects::ALL.without(Effects::POINT_LIGHT),
     ),
     Entry::of::<normals::Normals>("normals", "the shading normal of what the camera sees, as a colour", Effects::NONE),
     Entry::of::<ao::AmbientOcclusion>("ao", "ambient occlusion: the share of scattered directions that is free", Effects::NONE),

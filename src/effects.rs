@@ -36,6 +36,8 @@ impl Effects {
     pub const TEXTURES: Effects = Effects(1 << 8);
     /// Surfaces with holes.
     pub const CUT_OUTS: Effects = Effects(1 << 9);
+    /// Surfaces that emit and on which no point can be drawn: paths meet them by chance.
+    pub const FOUND_LIGHT: Effects = Effects(1 << 10);
 
     /// Everything pt knows.
     pub const ALL: Effects = Effects((1 << KNOWN.len()) - 1);
@@ -102,7 +104,7 @@ impl Sub for Effects {
     }
 }
 
-const KNOWN: [Known; 10] = [
+const KNOWN: [Known; 11] = [
     Known { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
     Known { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
     Known { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
@@ -113,4 +115,5 @@ const KNOWN: [Known; 10] = [
     Known { bit: Effects::SHADING_NORMALS, name: "shading normals", cost: "one interpolation per hit" },
     Known { bit: Effects::TEXTURES, name: "textures", cost: "one lookup per parameter and hit" },
     Known { bit: Effects::CUT_OUTS, name: "cut-outs", cost: "one lookup per surface that a ray meets, shadow rays too" },
+    Known { bit: Effects::FOUND_LIGHT, name: "lights met by chance", cost: "noise: no shadow ray looks for them" },
 ];

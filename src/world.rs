@@ -14,7 +14,7 @@ use crate::math::{Ray, Transform, float};
 use crate::primitive::{Hit, Primitive};
 use crate::sampler::hash;
 use crate::scene::{Scene, Surface, beside};
-use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint};
+use crate::shape::{Geometry, Sdf, Shape, ShapeHit, SurfacePoint};
 
 /// The one scene of production use.
 pub struct World {
@@ -48,11 +48,17 @@ impl Worn {
 /// What a shape wears.
 struct Dress {
     /// One per part.
-    materials: Vec<MaterialId>,
-    emission: Option<Emission>,
+    parts: Vec<Wear>,
     /// Of its first primitive; the others follow.
     first_light: u32,
     has_lift: bool,
+}
+
+/// What a part of a shape wears: its material, and what it emits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wear {
+    pub material: MaterialId,
+    pub emission: Option<Emission>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,8 +75,7 @@ pub struct WorldBuilder {
 struct Object {
     geometry: Box<dyn Geometry>,
     to_world: Transform,
-    materials: Vec<MaterialId>,
-    emission: Option<Emission>,
+    parts: Vec<Wear>,
 }
 
 /// Coordinates beyond this are refused: their squares and cubes would leave f32 behind.
@@ -116,7 +121,13 @@ impl WorldBuilder {
         materials: Vec<MaterialId>,
         emission: Option<Emission>,
     ) {
-        self.objects.push(Object { geometry: Box::new(geometry), to_world, materials, emission });
+        let parts = materials.into_iter().map(|material| Wear { material, emission }).collect();
+        self.objects.push(Object { geometry: Box::new(geometry), to_world, parts });
+    }
+
+    /// A solid, each part of which may emit something else; one for each part.
+    pub fn solid(&mut self, sdf: Sdf, to_world: Transform, parts: Vec<Wear>) {
+        self.objects.push(Object { geometry: Box::new(sdf), to_world, parts });
     }
 
     /// A light that no ray can hit, or the environment.
@@ -138,17 +149,20 @@ impl WorldBuilder {
         let mut lights: Vec<Light> = self.lights.into_iter().map(|light| light.recentred(origin)).collect();
         let dress = |(k, object): (usize, Object)| {
             let first_light = lights.len() as u32;
-            if let Some(emission) = object.emission {
+            // What emits differently from part to part is not sampled; the brightest stands for all.
+            let brightness = |emission: &Emission| emission.radiance.average();
+            let brightest = |a: &Emission, b: &Emission| brightness(a).total_cmp(&brightness(b));
+            if let Some(emission) = object.parts.iter().filter_map(|part| part.emission).max_by(brightest) {
                 let light = |primitive| Light::Area(Area { shape: k as u32, primitive, emission });
                 lights.extend((0..shapes[k].count()).map(light));
             }
-            Dress { materials: object.materials, emission: object.emission, first_light, has_lift: shapes[k].has_lift() }
+            Dress { parts: object.parts, first_light, has_lift: shapes[k].has_lift() }
         };
         let dresses: Vec<Dress> = self.objects.into_iter().enumerate().map(dress).collect();
         let lights = Lights::new(lights, shapes.clone(), hierarchy.bounds().radius());
         let skins: Vec<Worn> = self.skins.into_iter().map(|skin| Worn::new(skin.recentred(origin))).collect();
 
-        let worn = dresses.iter().flat_map(|d| &d.materials).map(|m| skins[m.0 as usize].skin.effects());
+        let worn = dresses.iter().flat_map(|d| &d.parts).map(|part| skins[part.material.0 as usize].skin.effects());
         let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
         let effects = worn.chain(normals).fold(lights.effects() | self.camera.effects(), Effects::union);
         let camera = self.camera.recentred(origin);
@@ -175,10 +189,15 @@ impl World {
     }
 
     #[inline]
-    fn worn(&self, hit: &Hit) -> &Worn {
+    fn wear(&self, hit: &Hit) -> &Wear {
         let dress = &self.dresses[hit.shape as usize];
-        let part = if dress.materials.len() > 1 { self.shapes[hit.shape as usize].part(hit.primitive) as usize } else { 0 };
-        &self.skins[dress.materials[part].0 as usize]
+        let part = if dress.parts.len() > 1 { self.shapes[hit.shape as usize].part(hit.primitive, hit.uv) as usize } else { 0 };
+        &dress.parts[part]
+    }
+
+    #[inline]
+    fn worn(&self, hit: &Hit) -> &Worn {
+        &self.skins[self.wear(hit).material.0 as usize]
     }
 
     /// On the smooth surface that it stands for, along its axes, and with its relief.
@@ -242,9 +261,9 @@ impl Scene for World {
     }
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
-        let (point, worn) = (self.point(ray, hit), self.worn(hit));
-        let dress = &self.dresses[hit.shape as usize];
-        let emission = dress.emission.map(|e| (e, dress.first_light + hit.primitive));
+        let (point, wear) = (self.point(ray, hit), self.wear(hit));
+        let (dress, worn) = (&self.dresses[hit.shape as usize], &self.skins[wear.material.0 as usize]);
+        let emission = wear.emission.map(|e| (e, dress.first_light + hit.primitive));
         if let (Some(bsdf), false) = (worn.uniform, dress.has_lift) {
             return Surface::new(point, bsdf, emission);
         }

@@ -38,6 +38,9 @@ picture mis-plates-path   mis-plates      --size 264x198 --spp 256 --integrator 
 # One stop darker, so that too much light would show as well as too little; and what is there.
 picture furnace           furnace         --size 320x200 --spp 256 --exposure -1
 picture furnace-normals   furnace         --size 320x200 --spp 64 --integrator normals
+# In the tones of the program that it comes from; and with directions of an even angle, for docs/hemisphere.md.
+picture postcard-cosine   postcard        --size 240x135 --spp 128 --tonemap postcard
+picture postcard-angle    postcard        --size 240x135 --spp 128 --tonemap postcard -D /integrator/hemisphere=angle
 
 # points  warp
 points() {

@@ -128,10 +128,7 @@ mod tests {
         let prices = [Some(1.0), None, None, None];
         let biased = Method { bias: Some((0.05, 0.002)), lacks: "glass".into(), ..method("a", prices) };
         let said = conclusions(&[biased]);
-        assert!(
-            said.contains(&"a settles 5 ± 0.2 % away from the reference: that is bias, which no time removes.".to_owned()),
-            "{said:?}"
-        );
+        assert!(said.contains(&"a settles 5 ± 0.2 % away from the reference: that is bias, which no time removes.".to_owned()), "{said:?}");
         assert!(said.contains(&"a does not simulate glass, which the scene calls for.".to_owned()), "{said:?}");
     }
 }

@@ -4,11 +4,12 @@
 
 use super::camera::Camera;
 use super::cycles;
+use super::field_check;
 use super::film::Film;
 use super::light::{Light, SpotLight};
 use super::material::{Conductor, Finish, Material, MaterialRef};
 use super::scene::Scene;
-use super::shape::{Mesh, Shape};
+use super::shape::{Mesh, Sdf, Shape};
 use super::texture::{Texture, TextureSpace, Textured};
 use super::transform::{LookAt, Transform};
 use crate::reader::{Faults, Node, escaped, unknown};
@@ -198,8 +199,18 @@ impl Checker<'_> {
         match shape {
             Shape::Mesh(mesh) => self.mesh(pointer, shape, mesh),
             Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes),
+            Shape::Sdf(sdf) => self.sdf(pointer, sdf),
             Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) => {}
         }
+    }
+
+    fn sdf(&self, pointer: &str, sdf: &Sdf) {
+        for (i, part) in sdf.parts.iter().flatten().enumerate() {
+            if let Some(material) = &part.material {
+                self.material_ref(&format!("{pointer}/parts/{i}/material"), material);
+            }
+        }
+        field_check::check(pointer, sdf).into_iter().for_each(|(pointer, message)| self.fault(&pointer, message));
     }
 
     /// Lights are sampled as if they had no holes.

@@ -150,6 +150,13 @@ impl<'s> Named<'s> {
                         self.material_ref(&format!("{pointer}/materials{}", escaped(name)), material);
                     }
                 }
+                Shape::Sdf(sdf) => {
+                    for (i, part) in sdf.parts.iter().flatten().enumerate() {
+                        if let Some(material) = &part.material {
+                            self.material_ref(&format!("{pointer}/parts/{i}/material"), material);
+                        }
+                    }
+                }
                 Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) => {}
             }
         }

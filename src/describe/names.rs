@@ -47,7 +47,11 @@ impl Names {
                 MaterialRef::Inline(_) => None,
             });
             // Whose parts have materials of their own has no name for all.
-            let parted = matches!(shape, Shape::Mesh(mesh) if !mesh.materials.is_empty());
+            let parted = match shape {
+                Shape::Mesh(mesh) => !mesh.materials.is_empty(),
+                Shape::Sdf(sdf) => sdf.parts.is_some(),
+                _ => false,
+            };
             self.shapes.push(shape.name().map_or(pointer, str::to_owned));
             self.materials.push(material.filter(|_| !parted));
         }

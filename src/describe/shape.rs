@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::color::Color;
+use super::field::{Bounds, Field, FixedMarch, SdfPart};
 use super::material::MaterialRef;
 use super::transform::Transform;
 use super::value::{Point, Positive, Radiometric, Real, Vector};
@@ -19,10 +20,11 @@ pub enum Shape {
     Sphere(Sphere),
     Quad(Quad),
     Disk(Disk),
+    Sdf(Sdf),
     Group(Group),
 }
 
-by_type!(Shape { Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Group(Group) });
+by_type!(Shape { Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Sdf(Sdf), Group(Group) });
 
 /// Defines a struct whose last keys are those that all shapes but groups share. (serde's `flatten` would lose the positions.)
 macro_rules! surface {
@@ -105,6 +107,25 @@ surface! {
         /// Metres.
         #[serde(default = "one")]
         pub radius: Positive,
+    }
+}
+
+surface! {
+    /// A solid given by its signed distance (negative inside): one `field`, or `parts` that differ in what they are made of.
+    /// It has no texture coordinates, and no points can be drawn on it: where it emits, paths meet its light by chance.
+    pub struct Sdf {
+        /// The solid.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub field: Option<Field>,
+        /// Several solids with materials of their own; where they meet, the nearest counts, of equals the first.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub parts: Option<Vec<SdfPart>>,
+        /// What lies outside is cut away; a cut shows no surface. Needed where a field has no end.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub bounds: Option<Bounds>,
+        /// Looks for the surface in steps that end before it, instead of on it: for scenes made that way.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub march: Option<FixedMarch>,
     }
 }
 
@@ -196,6 +217,7 @@ impl Shape {
             Shape::Sphere(s) => s.name.as_deref(),
             Shape::Quad(s) => s.name.as_deref(),
             Shape::Disk(s) => s.name.as_deref(),
+            Shape::Sdf(s) => s.name.as_deref(),
             Shape::Group(s) => s.name.as_deref(),
         }
     }
@@ -206,6 +228,7 @@ impl Shape {
             Shape::Sphere(s) => &s.transform,
             Shape::Quad(s) => &s.transform,
             Shape::Disk(s) => &s.transform,
+            Shape::Sdf(s) => &s.transform,
             Shape::Group(s) => &s.transform,
         }
     }
@@ -217,6 +240,7 @@ impl Shape {
             Shape::Sphere(s) => s.material.as_ref(),
             Shape::Quad(s) => s.material.as_ref(),
             Shape::Disk(s) => s.material.as_ref(),
+            Shape::Sdf(s) => s.material.as_ref(),
             Shape::Group(_) => None,
         }
     }
@@ -228,6 +252,7 @@ impl Shape {
             Shape::Sphere(s) => s.emission.as_ref(),
             Shape::Quad(s) => s.emission.as_ref(),
             Shape::Disk(s) => s.emission.as_ref(),
+            Shape::Sdf(s) => s.emission.as_ref(),
             Shape::Group(_) => None,
         }
     }

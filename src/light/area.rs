@@ -43,6 +43,11 @@ impl Area {
         (!li.is_black()).then_some(Offer { wi, li, density: Density::Smooth(pdf), target: Target::Surface(point) })
     }
 
+    /// Whether it emits and cannot be sampled: paths meet it by chance.
+    pub(super) fn is_found(&self, shapes: &[Box<dyn Shape>]) -> bool {
+        !shapes[self.shape as usize].is_sampled() && !self.emission.radiance.is_black()
+    }
+
     /// Φ = π A L, on each side that emits.
     pub(super) fn power(&self, shapes: &[Box<dyn Shape>]) -> f64 {
         let sides = if self.emission.two_sided { 2.0 } else { 1.0 };

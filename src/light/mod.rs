@@ -77,6 +77,8 @@ pub struct Lights {
     choice: Option<Discrete>,
     /// The index of the environment among the lights.
     environment: Option<u32>,
+    /// Whether some emit that cannot be sampled.
+    found: bool,
 }
 
 impl Lights {
@@ -84,7 +86,8 @@ impl Lights {
     pub fn new(lights: Vec<Light>, shapes: Arc<[Box<dyn Shape>]>, radius: f32) -> Lights {
         let power: Vec<f64> = lights.iter().map(|light| light.power(&shapes, radius.into())).collect();
         let environment = lights.iter().position(|l| matches!(l, Light::Environment(_))).map(|i| i as u32);
-        Lights { shapes, choice: Discrete::new(&shares(&power)), environment, lights }
+        let found = lights.iter().any(|light| matches!(light, Light::Area(area) if area.is_found(&shapes)));
+        Lights { shapes, choice: Discrete::new(&shares(&power)), environment, lights, found }
     }
 
     pub fn len(&self) -> usize {
@@ -97,7 +100,7 @@ impl Lights {
 
     /// Whether any of them has power.
     pub fn shine(&self) -> bool {
-        self.choice.is_some()
+        self.choice.is_some() || self.found
     }
 
     pub fn iter(&self) -> impl Iterator<Item = &Light> {
@@ -105,7 +108,8 @@ impl Lights {
     }
 
     pub fn effects(&self) -> Effects {
-        self.lights.iter().map(Light::effects).fold(Effects::NONE, Effects::union)
+        let found = if self.found { Effects::FOUND_LIGHT } else { Effects::NONE };
+        self.lights.iter().map(Light::effects).fold(found, Effects::union)
     }
 
     /// A direction towards some light, chosen by power with `choice`, on it with `u`.

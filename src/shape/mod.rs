@@ -7,6 +7,7 @@
 pub mod disk;
 pub mod mesh_data;
 pub mod quad;
+pub mod sdf;
 pub mod sphere;
 pub mod triangle;
 pub mod triangle_mesh;
@@ -19,6 +20,7 @@ use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
 pub use disk::Disk;
 pub use mesh_data::{MeshData, Part};
 pub use quad::Quad;
+pub use sdf::Sdf;
 pub use sphere::Sphere;
 pub use triangle_mesh::TriangleMesh;
 
@@ -74,9 +76,20 @@ pub trait Shape: Send + Sync {
         seen_from(point, AreaPdf::new(1.0 / self.area(i)), from).unwrap_or(SolidAnglePdf::ZERO)
     }
 
-    /// Which of the shape's materials primitive `i` has.
-    fn part(&self, _i: u32) -> u32 {
+    /// Which of the shape's materials primitive `i` has, where the hit's own coordinates are `uv`.
+    fn part(&self, _i: u32, _uv: Vec2) -> u32 {
         0
+    }
+
+    /// How far `p` is at least from the surface, negative inside (m), and of which part it is the distance; where the
+    /// family knows it.
+    fn distance(&self, _p: DVec3) -> Option<(f64, u32)> {
+        None
+    }
+
+    /// Whether points on it can be drawn. Else its area counts as 0, and its light is found by chance.
+    fn is_sampled(&self) -> bool {
+        true
     }
 
     /// Whether normals are interpolated.

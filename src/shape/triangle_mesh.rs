@@ -154,7 +154,7 @@ impl Shape for BakedMesh {
         (area != 0.0).then(|| [(ab * pr.y - ac * pq.y) / area, (ac * pq.x - ab * pr.x) / area].map(|x| x.as_vec3()))
     }
 
-    fn part(&self, i: u32) -> u32 {
+    fn part(&self, i: u32, _: Vec2) -> u32 {
         self.part_ends.partition_point(|&end| end <= i) as u32
     }
 

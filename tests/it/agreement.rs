@@ -86,7 +86,7 @@ fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId)
 }
 
 /// A box open towards the camera, with a lamp and three things; every third scene stands under an open sky too.
-fn generated(scene: u64, matte: bool) -> Arc<World> {
+pub fn generated(scene: u64, matte: bool) -> Arc<World> {
     let mut dice = Dice::new(if matte { scene } else { 1000 + scene });
     let pose = Pose::new(&Transform::look_at(DVec3::new(0.1, 0.1, 3.4), DVec3::ZERO, DVec3::Y).unwrap());
     let mut world = World::builder(Camera::Perspective(Perspective::new(pose, 40.0, 0.02, 3.0)));

@@ -14,6 +14,7 @@ mod cli;
 mod compounds;
 mod demo_scenes;
 mod discrete;
+mod fields;
 mod film;
 mod finishes;
 mod float;

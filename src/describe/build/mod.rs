@@ -1,6 +1,7 @@
 //! From the description to the world: files are read, names resolved, transforms composed.
 
 mod camera;
+mod field;
 mod light;
 mod material;
 mod mesh;
@@ -24,7 +25,7 @@ use crate::scene::Scene as _;
 use crate::shape::mesh_data::lost_detail;
 use crate::shape::{Disk, Geometry, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
-use crate::world::{MaterialId, World, WorldBuilder};
+use crate::world::{MaterialId, Wear, World, WorldBuilder};
 pub(super) use camera::{film, sampler};
 use material::{MOST_PARTS, MOST_TEXTURES};
 
@@ -194,6 +195,15 @@ impl Builder<'_> {
                 effects |= if data.normals.is_empty() { Effects::NONE } else { Effects::SHADING_NORMALS };
                 let mesh = TriangleMesh { smooth_shadows: s.smooth_shadows, ..TriangleMesh::new(data) };
                 self.place(mesh, *to_world, parts, emission);
+            }
+            Shape::Sdf(s) => {
+                let Some((solid, parts, more)) = self.sdf(pointer, s, Wear { material: own, emission }) else { return Ok(()) };
+                effects |= more;
+                if parts.iter().any(|part| part.emission.is_some()) {
+                    effects |= Effects::AREA_LIGHT | Effects::FOUND_LIGHT;
+                }
+                self.boxes.push(solid.bounds(to_world));
+                self.world.solid(solid, *to_world, parts);
             }
             Shape::Group(_) => {}
         }

@@ -31,7 +31,7 @@ fn brightness_is_exact() {
             continue;
         }
         let dim = taken(Zoo { lights, ..Zoo::default() }, entry);
-        assert!(dim.pixels().flatten().any(|v| v > 0.0) || entry.name == "path", "{} {lights:?} is black", entry.name);
+        assert!(dim.pixels().flatten().any(|v| v > 0.0) || ["path", "card"].contains(&entry.name), "{} {lights:?} is black", entry.name);
         for k in [-20, 7, 20] {
             let factor = 2f32.powi(k);
             let bright = taken(Zoo { lights, emission: factor, ..Zoo::default() }, entry);

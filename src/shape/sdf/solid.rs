@@ -1,0 +1,161 @@
+//! A distance field in the world.
+
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+
+use super::march::{Fixed, Line, March};
+use super::space::{around, greatest_stretch};
+use super::{Dual, Sdf};
+use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
+use crate::shape::{Facet, Shape, ShapeHit, SurfacePoint, offset_bound};
+
+/// Rays are taken into the field's own space, in f64, and keep the world's t: whatever the transform, |d| there is no
+/// more than the way to the surface there.
+///
+/// The `uv` of a hit is (part, 0).
+pub struct Solid {
+    sdf: Sdf,
+    to_world: Transform,
+    to_object: DAffine3,
+    /// The box that is marched through, in the field's space.
+    extent: [DVec3; 2],
+    bounds: Aabb,
+    /// Half an ulp of the largest coordinate: what f32 leaves of a point (m), in the world and in the field's space.
+    rounding: f64,
+    floor: f64,
+}
+
+impl Solid {
+    /// `sdf` has an end along every axis.
+    pub fn new(sdf: Sdf, to_world: &Transform) -> Solid {
+        let extent = sdf.extent();
+        let [low, high] = around(extent, to_world);
+        let rounding = 0.5 * f64::from(f32::EPSILON) * low.abs().max(high.abs()).max_element();
+        let bounds = Aabb { min: (low - 4.0 * rounding).as_vec3(), max: (high + 4.0 * rounding).as_vec3() };
+        let floor = rounding / greatest_stretch(to_world.matrix().matrix3);
+        Solid { sdf, to_world: *to_world, to_object: to_world.inverse().matrix(), extent, bounds, rounding, floor }
+    }
+
+    /// The part of a ray within the box.
+    fn line(&self, ray: &Ray) -> Option<Line> {
+        let origin = self.to_object.transform_point3(ray.origin.as_dvec3());
+        let direction = self.to_object.transform_vector3(ray.direction.as_dvec3());
+        let [low, high] = self.extent;
+        let (mut from, mut to) = (0f64, f64::from(ray.t_max));
+        for axis in 0..3 {
+            let (a, b) = ((low[axis] - origin[axis]) / direction[axis], (high[axis] - origin[axis]) / direction[axis]);
+            if direction[axis] == 0.0 {
+                let beside = origin[axis] < low[axis] || origin[axis] > high[axis];
+                to = if beside { f64::NEG_INFINITY } else { to };
+            } else {
+                // A little more: a surface may lie in a side of the box.
+                let slack = self.floor / direction[axis].abs();
+                (from, to) = (from.max(a.min(b) - slack), to.min(a.max(b) + slack));
+            }
+        }
+        (from <= to && to.is_finite() && origin.is_finite() && direction.is_finite()).then_some(Line { origin, direction, from, to })
+    }
+
+    /// Onto the surface along the gradient; with the distance that is left, and the gradient there.
+    fn settled(&self, mut p: DVec3) -> (DVec3, Dual) {
+        let mut here = self.sdf.distance(Dual::coordinates(p));
+        for _ in 0..2 {
+            let square = here.gradient.length_squared();
+            if here.value == 0.0 || square == 0.0 {
+                break;
+            }
+            p -= here.gradient * (here.value / square);
+            here = self.sdf.distance(Dual::coordinates(p));
+        }
+        (p, here)
+    }
+
+    /// - `apart`: how far from the surface `p` may be, beyond its rounding (m)
+    fn surface(&self, p: DVec3, gradient: DVec3, apart: f64, ray: &Ray) -> SurfacePoint {
+        let normal = self.to_world.normal(gradient).as_vec3();
+        // A field may have no slope at a point: at the tip of a cone, or between equals.
+        let ng = if normal == Vec3::ZERO { -ray.direction } else { normal };
+        let offset = offset_bound(ng, self.bounds.magnitude()) + (4.0 * self.rounding + apart) as f32;
+        SurfacePoint { p: self.to_world.point(p).as_vec3(), offset, ng, ns: ng, uv: Vec2::ZERO }
+    }
+
+    /// (d(p + hx) − d, d(p + hy) − d, d(p + hz) − d), in the direction of the gradient.
+    fn forward_difference(&self, p: DVec3, h: f64) -> DVec3 {
+        let d = |p: DVec3| self.sdf.distance(p.to_array());
+        DVec3::new(d(p + DVec3::X * h), d(p + DVec3::Y * h), d(p + DVec3::Z * h)) - d(p)
+    }
+}
+
+impl Shape for Solid {
+    fn count(&self) -> u32 {
+        1
+    }
+
+    fn bounds(&self, _: u32) -> Aabb {
+        self.bounds
+    }
+
+    /// Not known.
+    fn area(&self, _: u32) -> f32 {
+        0.0
+    }
+
+    fn facet(&self, _: u32) -> Facet {
+        Facet::Curved
+    }
+
+    fn intersect(&self, _: u32, ray: &Ray) -> Option<ShapeHit> {
+        let line = self.line(ray)?;
+        let t = match &self.sdf.march {
+            March::Exact => self.sdf.crossing(&line, self.floor)?,
+            March::Fixed(fixed) => self.sdf.stop(&line, fixed)?,
+        };
+        let (_, part) = self.sdf.nearest(line.at(t));
+        // Rays start off the surface; what is met at once is met a little later.
+        let hit = ShapeHit { t: (t as f32).max(f32::MIN_POSITIVE), uv: Vec2::new(part as f32, 0.0) };
+        (hit.t < ray.t_max).then_some(hit)
+    }
+
+    fn point(&self, _: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        let p = ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(hit.t);
+        let p = self.to_object.transform_point3(p);
+        match self.sdf.march {
+            March::Exact => {
+                let (p, left) = self.settled(p);
+                let apart = left.value.abs() * self.rounding / self.floor;
+                self.surface(p, left.gradient, apart, ray)
+            }
+            March::Fixed(Fixed { stop, normal_step, .. }) => {
+                // Twice what the march stops at, so that a ray that leaves is not stopped at once.
+                let apart = 2.0 * stop * self.rounding / self.floor;
+                self.surface(p, self.forward_difference(p, normal_step), apart, ray)
+            }
+        }
+    }
+
+    fn part(&self, _: u32, uv: Vec2) -> u32 {
+        uv.x as u32
+    }
+
+    fn distance(&self, p: DVec3) -> Option<(f64, u32)> {
+        let (distance, part) = self.sdf.nearest(self.to_object.transform_point3(p));
+        Some((distance / greatest_stretch(self.to_object.matrix3), part as u32))
+    }
+
+    fn is_sampled(&self) -> bool {
+        false
+    }
+
+    /// Never asked for: no light is chosen that cannot be sampled.
+    fn sample_area(&self, _: u32, _: Vec2) -> (SurfacePoint, AreaPdf) {
+        let point = SurfacePoint { p: self.bounds.center(), offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
+        (point, AreaPdf::new(0.0))
+    }
+
+    fn sample_from(&self, _: u32, _: Vec3, _: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
+        None
+    }
+
+    fn pdf_from(&self, _: u32, _: Vec3, _: &SurfacePoint) -> SolidAnglePdf {
+        SolidAnglePdf::ZERO
+    }
+}
