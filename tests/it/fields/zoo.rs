@@ -97,7 +97,8 @@ fn plane(random: &mut Random) -> Field {
 }
 
 fn repeated(random: &mut Random, copies: [f64; 2]) -> Field {
-    let of = if random.below(2) == 0 { sharp_box(random) } else { torus(random) };
+    // The half ring is not where the middle of its box is: the copy next door may be nearer.
+    let of = if random.below(2) == 0 { sharp_box(random) } else { half_ring(random) };
     let axis = random.below(3);
     let [low, high] = of.bounds(0.0);
     let period = (high[axis] - low[axis]) * random.range(1.0, 1.5);
