@@ -1,46 +1,16 @@
 //! The courses' own scenes, where they are at hand.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use pt::output::read;
 
 use crate::shared::shared;
 
-fn scenes(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).expect("list").map(|entry| entry.expect("entry").path()) {
-        if entry.is_dir() {
-            scenes(&entry, found);
-        } else if entry.extension().is_some_and(|extension| extension == "json") && !entry.ends_with("test_materials.json") {
-            found.push(entry);
-        }
-    }
-}
-
 fn pt(args: &[&str]) -> (Option<i32>, String) {
     let output =
         Command::new(env!("CARGO_BIN_EXE_pt")).args(args).args(["--progress", "none", "--allow-outside"]).output().expect("pt runs");
     (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
-}
-
-/// All but those whose mesh is not there, which say so.
-#[test]
-fn every_scene_whose_files_exist_renders() {
-    let mut found = vec![];
-    for folder in ["dirt", "darts"].map(shared).into_iter().flatten() {
-        scenes(&folder, &mut found);
-    }
-    let folder = tempfile::tempdir().expect("a folder");
-    let picture = folder.path().join("picture.pfm");
-    for scene in found {
-        let args = [scene.to_str().expect("text"), "-D", "/film/width=32", "-D", "/film/height=32", "--spp", "1"];
-        let (code, said) = pt(&[&args[..], &["-o", picture.to_str().expect("text")]].concat());
-        let lacks_mesh = fs::read_to_string(&scene).expect("text").contains("ajax.obj");
-        let expected = if lacks_mesh { Some(3) } else { Some(0) };
-        assert_eq!(code, expected, "{}: {said}", scene.display());
-        assert!(!lacks_mesh || said.contains("/filename: ") && said.contains("ajax.obj: no such file"), "{said}");
-    }
 }
 
 /// Means over blocks of an eighth of the picture's height.
@@ -65,8 +35,8 @@ fn blocks(path: &Path) -> Vec<[f64; 3]> {
 fn the_pictures_are_the_courses_pictures() {
     let Some(darts) = shared("darts") else { return };
     let from = darts.join("2025/assignment4");
-    // The walls at x = ±650 are left aside. The original's rays start at t = 1e-4, where a rounding of 650 is 6e-5: many meet their own
-    // wall again, which then is too dark, by a third at its foot.
+    // The walls at x = ±650 are left aside: they are darker there, by up to a third at their feet, where path and nee agree here. Probably
+    // the original's rays, which start at t = 1e-4 where a rounding of 650 is 6e-5, meet their own wall again.
     for (scene, reference, size, columns) in [
         ("odyssey_mats", "odyssey_mats", [256, 144], 0..14),
         ("phong", "phong", [180, 80], 3..15),
@@ -95,7 +65,7 @@ fn the_pictures_are_the_courses_pictures() {
         let seen = (0..ours.len()).filter(|i| columns.contains(&(i % wide)));
         let worst = seen.flat_map(|i| (0..3).map(move |c| (i, c))).map(|(i, c)| (ours[i][c] - theirs[i][c]).abs()).fold(0.0, f64::max);
         println!("{scene}: {worst:.4}");
-        // Noise is a tenth of that. The rest is the same loss at the floor and the back wall, where coordinates are half as large.
+        // Noise is a tenth of that. The rest looks like the same loss at the floor and the back wall, where coordinates are half as large.
         assert!(worst < 0.03, "{scene}: a block is {worst} off");
     }
 }
