@@ -161,12 +161,8 @@ pub struct Compare {
     /// Also the data that the viewer JERI reads.
     #[arg(long)]
     pub jeri: bool,
-    /// Threads. Default: all cores.
-    #[arg(short, long, env = "PT_THREADS", value_parser = threads)]
-    pub threads: Option<u32>,
-    /// How progress shows on stderr.
-    #[arg(long, value_enum, default_value_t = Progress::Auto)]
-    pub progress: Progress,
+    #[command(flatten)]
+    pub work: Work,
 }
 
 #[derive(clap::Args, Debug)]
@@ -191,12 +187,8 @@ pub struct Verify {
     /// Size of the pictures.
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,
-    /// Threads. Default: all cores.
-    #[arg(short, long, env = "PT_THREADS", value_parser = threads)]
-    pub threads: Option<u32>,
-    /// How progress shows on stderr.
-    #[arg(long, value_enum, default_value_t = Progress::Auto)]
-    pub progress: Progress,
+    #[command(flatten)]
+    pub work: Work,
 }
 
 #[derive(clap::Args, Debug)]
@@ -227,12 +219,8 @@ pub struct Reference {
     /// Size of the picture.
     #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
-    /// Threads. Default: all cores.
-    #[arg(short, long, env = "PT_THREADS", value_parser = threads)]
-    pub threads: Option<u32>,
-    /// How progress shows on stderr.
-    #[arg(long, value_enum, default_value_t = Progress::Auto)]
-    pub progress: Progress,
+    #[command(flatten)]
+    pub work: Work,
 }
 
 #[derive(clap::Args, Debug)]
@@ -309,6 +297,17 @@ pub struct Scene {
     /// Let the scene name meshes and pictures that lie outside of its own folder.
     #[arg(long)]
     pub allow_outside: bool,
+}
+
+/// How the work is done, and shown.
+#[derive(clap::Args, Debug)]
+pub struct Work {
+    /// Threads. Default: all cores. The picture does not depend on it.
+    #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = threads, allow_negative_numbers = true)]
+    pub threads: Option<u32>,
+    /// How progress shows on stderr; `auto` is a bar on a terminal and a line every few seconds elsewhere.
+    #[arg(long, value_enum, default_value_t = Progress::Auto)]
+    pub progress: Progress,
 }
 
 /// Render SCENE.
@@ -403,14 +402,10 @@ pub struct Render {
     /// and told.
     #[arg(long, conflicts_with_all = ["shard", "samples", "checkpoint", "resume"], value_name = "RADIANCE", value_parser = above_zero, allow_negative_numbers = true)]
     pub clamp: Option<f32>,
-    /// Threads. Default: all cores. The picture does not depend on it.
-    #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = threads, allow_negative_numbers = true)]
-    pub threads: Option<u32>,
+    #[command(flatten)]
+    pub work: Work,
     #[command(flatten)]
     pub develop: Develop,
-    /// How progress shows on stderr; `auto` is a bar on a terminal and a line every few seconds elsewhere.
-    #[arg(long, value_enum, default_value_t = Progress::Auto)]
-    pub progress: Progress,
     /// Show the picture in tev while it is rendered. tev listens at 127.0.0.1:14158 unless it is told otherwise.
     #[arg(long, value_name = "HOST:PORT", alias = "tev", conflicts_with = "pixel")]
     pub display_server: Option<String>,

@@ -32,7 +32,7 @@ pub fn compare(args: &args::Compare, tables: &[&[Entry]]) -> Result<ExitCode> {
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}-report", loaded.stem)));
     std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
     signals::catch()?;
-    render::pool(args.threads)?.install(|| measure(args, loaded, contestants, given, &folder, tables))
+    render::pool(args.work.threads)?.install(|| measure(args, loaded, contestants, given, &folder, tables))
 }
 
 /// The scene, made smaller where no size is asked for: how errors fall does not depend on how many pixels show it.
@@ -126,7 +126,7 @@ fn measure(
         metrics: args.metric.iter().map(|name| Metric::parse(name)).collect::<Result<_>>()?,
     };
     let count = contestants.len() as u32;
-    let progress = Progress::new(args.progress, &spec, u32::MAX.into(), Some(effort.time.unwrap_or(time) * count));
+    let progress = Progress::new(args.work.progress, &spec, u32::MAX.into(), Some(effort.time.unwrap_or(time) * count));
     let methods = compare::run(&scene, &spec, contestants, &effort, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
     progress.finish();
     let conclusions = conclusions(&methods);

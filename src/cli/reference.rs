@@ -122,7 +122,7 @@ pub fn reference(args: &args::Reference, tables: &[&[Entry]]) -> Result<ExitCode
     let judge = Judge::new(&loaded, args.integrator.as_deref(), tables)?;
     let path = judge.path(&cache(args.cache.as_deref())?);
     signals::catch()?;
-    render::pool(args.threads)?.install(|| made(args, loaded, &judge, &path))
+    render::pool(args.work.threads)?.install(|| made(args, loaded, &judge, &path))
 }
 
 fn made(args: &args::Reference, loaded: Loaded, judge: &Judge, path: &Path) -> Result<ExitCode> {
@@ -135,7 +135,7 @@ fn made(args: &args::Reference, loaded: Loaded, judge: &Judge, path: &Path) -> R
     // A reference is never made worse than it is.
     let samples = args.spp.map_or(u32::MAX.into(), u64::from).max(before.samples);
     let until = Until { samples, time, target };
-    let progress = Progress::new(args.progress, &judge.spec, samples, time).resumed(&before);
+    let progress = Progress::new(args.work.progress, &judge.spec, samples, time).resumed(&before);
     let kept = judge.rendered(&scene, kept, &until, &progress);
     progress.finish();
     if kept.report.samples > before.samples {

@@ -37,7 +37,7 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
     if args.verbose {
         note(&check::contents(&loaded));
     }
-    let pool = pool(args.threads)?;
+    let pool = pool(args.work.threads)?;
     if let Some([x, y]) = args.pixel {
         return pool.install(|| pixel(args, loaded, x, y)).map(|()| ExitCode::SUCCESS);
     }
@@ -115,7 +115,7 @@ fn picture(
     let mut spec = built.film;
     let mut start = plan.start(MomentFilm::new(spec.clone()), &until)?;
     let world: Arc<dyn Scene> = Arc::new(built.world);
-    let shown = if args.quiet && args.progress == args::Progress::Auto { args::Progress::None } else { args.progress };
+    let shown = if args.quiet && args.work.progress == args::Progress::Auto { args::Progress::None } else { args.work.progress };
     if let Some(time) = args.pilot {
         let progress = Progress::new(shown, &spec, u32::MAX.into(), Some(time * whom.len() as u32));
         let list = pilot::price_list(&world, &spec, &settings, whom, time, args.confidence, &progress);

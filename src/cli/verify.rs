@@ -40,7 +40,7 @@ pub fn verify(args: &args::Verify, tables: &[&[Entry]]) -> Result<ExitCode> {
         output::check_folder(path)?;
     }
     signals::catch()?;
-    render::pool(args.threads)?.install(|| judge(args, loaded, tables))
+    render::pool(args.work.threads)?.install(|| judge(args, loaded, tables))
 }
 
 fn judge(args: &args::Verify, loaded: Loaded, tables: &[&[Entry]]) -> Result<ExitCode> {
@@ -113,7 +113,7 @@ fn rendered(
     let until = Until { samples, time: args.time, target: None };
     let mut moments = MomentFilm::new(film.clone());
     let mut render = Render::new(scene.clone(), integrator, film, &Settings::new(SamplerSpec { spp: samples, ..sampler }));
-    let progress = Progress::new(args.progress, film, samples, args.time);
+    let progress = Progress::new(args.work.progress, film, samples, args.time);
     let course = follow(&mut render, &mut moments, &until, &progress);
     progress.finish();
     if let Some(signal) = signals::caught() {

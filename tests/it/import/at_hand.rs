@@ -10,7 +10,8 @@ use crate::shared::shared;
 fn scenes(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<PathBuf> = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
     entries.sort();
-    let is_scene = |path: &Path| path.extension().is_some_and(|extension| ["json", "obj", "gltf", "glb"].map(Into::into).contains(&extension));
+    let is_scene =
+        |path: &Path| path.extension().is_some_and(|extension| ["json", "obj", "gltf", "glb"].map(Into::into).contains(&extension));
     let within = |path: PathBuf| if path.is_dir() { scenes(&path) } else { Vec::from_iter(Some(path).filter(|path| is_scene(path))) };
     entries.into_iter().flat_map(within).collect()
 }
@@ -25,7 +26,11 @@ fn every_scene_at_hand_renders() {
         for scene in scenes(&folder) {
             let is_tests = scene.ends_with("test_materials.json");
             let mut pt = Command::new(env!("CARGO_BIN_EXE_pt"));
-            let pt = if is_tests { pt.arg("sample").arg(&scene).arg("-o").arg(target.path().join("t")) } else { pt.arg(&scene).arg("-o").arg(&picture) };
+            let pt = if is_tests {
+                pt.arg("sample").arg(&scene).arg("-o").arg(target.path().join("t"))
+            } else {
+                pt.arg(&scene).arg("-o").arg(&picture)
+            };
             let size = ["--size", "32x24", "--spp", "1", "--progress", "none", "--allow-outside"];
             let output = if is_tests { pt.output() } else { pt.args(size).output() }.expect("pt runs");
             let said = String::from_utf8_lossy(&output.stderr);
