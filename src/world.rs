@@ -9,7 +9,7 @@ use crate::bsdf::{Bsdf, Skin};
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
-use crate::light::{Area, Emission, Light, Lights};
+use crate::light::{Area, Emission, Emitter, Light, Lights};
 use crate::math::{Ray, Transform, float};
 use crate::primitive::{Hit, Primitive};
 use crate::sampler::hash;
@@ -49,7 +49,7 @@ impl Worn {
 struct Dress {
     /// One per part.
     materials: Vec<MaterialId>,
-    emission: Option<Emission>,
+    emitter: Option<Emitter>,
     /// Of its first primitive; the others follow.
     first_light: u32,
     has_lift: bool,
@@ -70,7 +70,7 @@ struct Object {
     geometry: Box<dyn Geometry>,
     to_world: Transform,
     materials: Vec<MaterialId>,
-    emission: Option<Emission>,
+    emitter: Option<Emitter>,
 }
 
 /// Coordinates beyond this are refused: their squares and cubes would leave f32 behind.
@@ -105,18 +105,12 @@ impl WorldBuilder {
 
     /// A shape of one material; emitting where `emission` says so.
     pub fn shape(&mut self, geometry: impl Geometry + 'static, to_world: Transform, material: MaterialId, emission: Option<Emission>) {
-        self.parts(geometry, to_world, vec![material], emission);
+        self.parts(geometry, to_world, vec![material], emission.map(Emitter::from));
     }
 
     /// A shape with one material per part; at least one.
-    pub fn parts(
-        &mut self,
-        geometry: impl Geometry + 'static,
-        to_world: Transform,
-        materials: Vec<MaterialId>,
-        emission: Option<Emission>,
-    ) {
-        self.objects.push(Object { geometry: Box::new(geometry), to_world, materials, emission });
+    pub fn parts(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
+        self.objects.push(Object { geometry: Box::new(geometry), to_world, materials, emitter });
     }
 
     /// A light that no ray can hit, or the environment.
@@ -138,11 +132,12 @@ impl WorldBuilder {
         let mut lights: Vec<Light> = self.lights.into_iter().map(|light| light.recentred(origin)).collect();
         let dress = |(k, object): (usize, Object)| {
             let first_light = lights.len() as u32;
-            if let Some(emission) = object.emission {
-                let light = |primitive| Light::Area(Area { shape: k as u32, primitive, emission });
+            let emitter = object.emitter.map(|emitter| emitter.recentred(origin));
+            if let Some(emitter) = &emitter {
+                let light = |primitive| Light::Area(Area { shape: k as u32, primitive, emitter: emitter.clone() });
                 lights.extend((0..shapes[k].count()).map(light));
             }
-            Dress { materials: object.materials, emission: object.emission, first_light, has_lift: shapes[k].has_lift() }
+            Dress { materials: object.materials, emitter, first_light, has_lift: shapes[k].has_lift() }
         };
         let dresses: Vec<Dress> = self.objects.into_iter().enumerate().map(dress).collect();
         let lights = Lights::new(lights, shapes.clone(), hierarchy.bounds().radius());
@@ -244,7 +239,7 @@ impl Scene for World {
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         let (point, worn) = (self.point(ray, hit), self.worn(hit));
         let dress = &self.dresses[hit.shape as usize];
-        let emission = dress.emission.map(|e| (e, dress.first_light + hit.primitive));
+        let emission = dress.emitter.as_ref().map(|e| (e.at(&point), dress.first_light + hit.primitive));
         if let (Some(bsdf), false) = (worn.uniform, dress.has_lift) {
             return Surface::new(point, bsdf, emission);
         }

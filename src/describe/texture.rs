@@ -19,6 +19,7 @@ pub enum Texture {
     Marble(Marble),
     Mix(Mix),
     Product(Product),
+    Threshold(Threshold),
 }
 
 by_type!(Texture {
@@ -29,6 +30,7 @@ by_type!(Texture {
     Marble(Marble),
     Mix(Mix),
     Product(Product),
+    Threshold(Threshold),
 });
 
 impl Texture {
@@ -41,6 +43,7 @@ impl Texture {
             Texture::Marble(t) => vec![("base", &t.base), ("veins", &t.veins)],
             Texture::Mix(t) => vec![("a", &t.a), ("b", &t.b), ("share", &t.share)],
             Texture::Product(t) => vec![("a", &t.a), ("b", &t.b)],
+            Texture::Threshold(t) => vec![("by", &t.by)],
         }
     }
 }
@@ -109,6 +112,9 @@ pub struct Image {
     /// What its numbers mean.
     #[serde(default)]
     pub encoding: Encoding,
+    /// One channel of it, as a grey. Default: its colours.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
     /// What lies beyond it.
     #[serde(default)]
     pub wrap: Wrap,
@@ -181,6 +187,21 @@ pub struct Product {
     pub b: Textured,
 }
 
+/// White where a texture is at least so bright, black elsewhere: of each channel by itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Threshold {
+    /// The texture.
+    pub by: Textured,
+    /// How bright.
+    #[serde(default = "half")]
+    pub at: Fraction,
+}
+
+fn half() -> Fraction {
+    Fraction::known(0.5)
+}
+
 fn one() -> Positive {
     Positive::known(1.0)
 }
@@ -225,6 +246,21 @@ pub enum Encoding {
     Srgb,
     /// Shares of light as they are: roughness, masks.
     Linear,
+}
+
+/// A channel of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub enum Channel {
+    /// Red.
+    R,
+    /// Green.
+    G,
+    /// Blue.
+    B,
+    /// Opacity, never encoded; 1 where the picture has none.
+    A,
 }
 
 /// What lies beyond a picture.
@@ -320,6 +356,7 @@ impl From<TexturedForm> for Textured {
             TexturedForm::Object(TextureOrSrgb::Marble(texture)) => Textured::Texture(Box::new(Texture::Marble(texture))),
             TexturedForm::Object(TextureOrSrgb::Mix(texture)) => Textured::Texture(Box::new(Texture::Mix(texture))),
             TexturedForm::Object(TextureOrSrgb::Product(texture)) => Textured::Texture(Box::new(Texture::Product(texture))),
+            TexturedForm::Object(TextureOrSrgb::Threshold(texture)) => Textured::Texture(Box::new(Texture::Threshold(texture))),
         }
     }
 }
@@ -333,6 +370,7 @@ enum TextureOrSrgb {
     Marble(Marble),
     Mix(Mix),
     Product(Product),
+    Threshold(Threshold),
     Srgb(Srgb),
 }
 
@@ -344,4 +382,5 @@ by_type!(TextureOrSrgb {
     Marble(Marble),
     Mix(Mix),
     Product(Product),
+    Threshold(Threshold),
 } or Srgb(Srgb));

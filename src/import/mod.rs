@@ -10,7 +10,10 @@
 //! To add a dialect: a file beside these and a row in [`ALL`].
 
 mod foreign;
+mod framing;
+mod gltf;
 mod native;
+mod obj;
 mod view;
 
 use std::path::Path;
@@ -34,7 +37,7 @@ pub struct Dialect {
 }
 
 /// In the order in which they are asked; pt's own format is whatever no other claims.
-pub const ALL: &[Dialect] = &[native::DIALECT];
+pub const ALL: &[Dialect] = &[gltf::DIALECT, obj::DIALECT, native::DIALECT];
 
 /// A scene file of any dialect, read.
 pub struct Imported {

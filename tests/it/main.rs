@@ -52,6 +52,7 @@ mod scene_faults;
 mod scene_format;
 mod scenes;
 mod shapes;
+mod shared;
 mod spherical;
 mod statistics;
 mod terminator;
