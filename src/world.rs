@@ -9,7 +9,7 @@ use crate::bsdf::{Bsdf, Skin};
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
-use crate::light::{Area, Emission, Light, Lights};
+use crate::light::{Area, Emission, Emitter, Light, Lights};
 use crate::math::{Ray, Transform, float};
 use crate::primitive::{Hit, Primitive};
 use crate::sampler::hash;
@@ -55,10 +55,10 @@ struct Dress {
 }
 
 /// What a part of a shape wears: its material, and what it emits.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Wear {
     pub material: MaterialId,
-    pub emission: Option<Emission>,
+    pub emitter: Option<Emitter>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,18 +110,12 @@ impl WorldBuilder {
 
     /// A shape of one material; emitting where `emission` says so.
     pub fn shape(&mut self, geometry: impl Geometry + 'static, to_world: Transform, material: MaterialId, emission: Option<Emission>) {
-        self.parts(geometry, to_world, vec![material], emission);
+        self.parts(geometry, to_world, vec![material], emission.map(Emitter::from));
     }
 
     /// A shape with one material per part; at least one.
-    pub fn parts(
-        &mut self,
-        geometry: impl Geometry + 'static,
-        to_world: Transform,
-        materials: Vec<MaterialId>,
-        emission: Option<Emission>,
-    ) {
-        let parts = materials.into_iter().map(|material| Wear { material, emission }).collect();
+    pub fn parts(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
+        let parts = materials.into_iter().map(|material| Wear { material, emitter: emitter.clone() }).collect();
         self.objects.push(Object { geometry: Box::new(geometry), to_world, parts });
     }
 
@@ -149,14 +143,16 @@ impl WorldBuilder {
         let mut lights: Vec<Light> = self.lights.into_iter().map(|light| light.recentred(origin)).collect();
         let dress = |(k, object): (usize, Object)| {
             let first_light = lights.len() as u32;
+            let recentred = |wear: Wear| Wear { emitter: wear.emitter.map(|emitter| emitter.recentred(origin)), ..wear };
+            let parts: Vec<Wear> = object.parts.into_iter().map(recentred).collect();
             // What emits differently from part to part is not sampled; the brightest stands for all.
-            let brightness = |emission: &Emission| emission.radiance.average();
-            let brightest = |a: &Emission, b: &Emission| brightness(a).total_cmp(&brightness(b));
-            if let Some(emission) = object.parts.iter().filter_map(|part| part.emission).max_by(brightest) {
-                let light = |primitive| Light::Area(Area { shape: k as u32, primitive, emission });
+            let brightness = |emitter: &Emitter| emitter.emission.radiance.average();
+            let brightest = |a: &&Emitter, b: &&Emitter| brightness(a).total_cmp(&brightness(b));
+            if let Some(emitter) = parts.iter().filter_map(|part| part.emitter.as_ref()).max_by(brightest) {
+                let light = |primitive| Light::Area(Area { shape: k as u32, primitive, emitter: emitter.clone() });
                 lights.extend((0..shapes[k].count()).map(light));
             }
-            Dress { parts: object.parts, first_light, has_lift: shapes[k].has_lift() }
+            Dress { parts, first_light, has_lift: shapes[k].has_lift() }
         };
         let dresses: Vec<Dress> = self.objects.into_iter().enumerate().map(dress).collect();
         let lights = Lights::new(lights, shapes.clone(), hierarchy.bounds().radius());
@@ -263,7 +259,7 @@ impl Scene for World {
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         let (point, wear) = (self.point(ray, hit), self.wear(hit));
         let (dress, worn) = (&self.dresses[hit.shape as usize], &self.skins[wear.material.0 as usize]);
-        let emission = wear.emission.map(|e| (e, dress.first_light + hit.primitive));
+        let emission = wear.emitter.as_ref().map(|e| (e.at(&point), dress.first_light + hit.primitive));
         if let (Some(bsdf), false) = (worn.uniform, dress.has_lift) {
             return Surface::new(point, bsdf, emission);
         }

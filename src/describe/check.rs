@@ -196,6 +196,9 @@ impl Checker<'_> {
             self.material_ref(&format!("{pointer}/material"), material);
             self.whole_light(&format!("{pointer}/material"), shape, material);
         }
+        if let Some(texture) = shape.emission().and_then(|emission| emission.texture.as_ref()) {
+            self.textured(&format!("{pointer}/emission/texture"), texture);
+        }
         match shape {
             Shape::Mesh(mesh) => self.mesh(pointer, shape, mesh),
             Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes),

@@ -4,7 +4,7 @@
 //! scene file's folder, unless whoever starts pt allows more.
 
 use std::collections::BTreeMap;
-use std::io::{BufReader, Cursor};
+use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use super::file::open;
@@ -13,11 +13,11 @@ use super::mesh;
 use super::picture;
 use super::scene::Scene;
 use super::shape::Shape;
-use super::texture::{Encoding, Texture, Textured};
-use crate::Result;
+use super::texture::{Channel, Encoding, Texture, Textured};
 use crate::reader::escaped;
 use crate::shape::MeshData;
 use crate::texture::image::Pixels;
+use crate::{Error, Fault, Result};
 
 /// Bytes of a path: no system takes more.
 const LONGEST: usize = 4096;
@@ -50,14 +50,30 @@ impl Files {
         }
     }
 
+    /// Any other file, whole.
+    ///
+    /// # Errors
+    /// `Invalid` where it is missing or no regular file, or [where it may not be named](Files::why_not); `Io` where it cannot be read.
+    pub fn bytes(&self, name: &str) -> Result<Vec<u8>> {
+        if let Some(bytes) = self.made.get(name) {
+            return Ok(bytes.clone());
+        }
+        if let Some(why) = self.why_not(name) {
+            return Err(Error::invalid(Fault::new(why)));
+        }
+        let mut bytes = vec![];
+        open(&self.folder.join(name), name)?.read_to_end(&mut bytes).map_err(|e| Error::io(name, e))?;
+        Ok(bytes)
+    }
+
     /// The picture of that name, as [`picture::load`].
     ///
     /// # Errors
     /// As [`picture::load`].
-    pub fn picture(&self, name: &str, encoding: Encoding) -> Result<(Pixels, Vec<String>)> {
+    pub fn picture(&self, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
         match self.made.get(name) {
-            Some(bytes) => picture::read(Cursor::new(bytes), name, encoding),
-            None => picture::read(BufReader::new(open(&self.folder.join(name), name)?), name, encoding),
+            Some(bytes) => picture::read(Cursor::new(bytes), name, encoding, channel),
+            None => picture::read(BufReader::new(open(&self.folder.join(name), name)?), name, encoding, channel),
         }
     }
 
@@ -142,6 +158,9 @@ impl<'s> Named<'s> {
             if let Some(material) = shape.material() {
                 self.material_ref(&format!("{pointer}/material"), material);
             }
+            if let Some(texture) = shape.emission().and_then(|emission| emission.texture.as_ref()) {
+                self.textured(&format!("{pointer}/emission/texture"), texture);
+            }
             match shape {
                 Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes),
                 Shape::Mesh(mesh) => {
@@ -154,6 +173,9 @@ impl<'s> Named<'s> {
                     for (i, part) in sdf.parts.iter().flatten().enumerate() {
                         if let Some(material) = &part.material {
                             self.material_ref(&format!("{pointer}/parts/{i}/material"), material);
+                        }
+                        if let Some(texture) = part.emission.as_ref().and_then(|emission| emission.texture.as_ref()) {
+                            self.textured(&format!("{pointer}/parts/{i}/emission/texture"), texture);
                         }
                     }
                 }

@@ -82,6 +82,8 @@ pub enum Falloff {
     Smooth,
     /// x, linear in the angle.
     Linear,
+    /// x² with x linear in the cosine of the angle.
+    Squared,
 }
 
 fn inner() -> ConeAngle {

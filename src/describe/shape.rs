@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::color::Color;
 use super::field::{Bounds, Field, FixedMarch, SdfPart};
 use super::material::MaterialRef;
+use super::texture::Textured;
 use super::transform::Transform;
 use super::value::{Point, Positive, Radiometric, Real, Vector};
 use crate::reader::{by_kind, by_type};
@@ -167,11 +168,14 @@ pub enum Size {
 by_kind!(Size { Number => Square(Positive), Array => Sides([Positive; 2]) });
 
 /// What a surface emits: its radiance, or an object with more to say.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "EmissionForm")]
 pub struct Emission {
     /// W·m⁻²·sr⁻¹, the same in every direction.
     pub radiance: Color<Radiometric>,
+    /// What the radiance is multiplied by, place by place. Default: nothing, it is the same all over.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub texture: Option<Textured>,
     /// Whether the back shines too; else only the side to which the normal points.
     pub two_sided: bool,
 }
@@ -194,6 +198,9 @@ enum EmissionForm {
 struct EmissionKeys {
     /// W·m⁻²·sr⁻¹, the same in every direction.
     radiance: Color<Radiometric>,
+    /// What the radiance is multiplied by, place by place. Default: nothing, it is the same all over.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    texture: Option<Textured>,
     /// Whether the back shines too; else only the side to which the normal points.
     #[serde(default)]
     two_sided: bool,
@@ -201,11 +208,11 @@ struct EmissionKeys {
 
 impl From<EmissionForm> for Emission {
     fn from(form: EmissionForm) -> Emission {
-        let front = |radiance| Emission { radiance, two_sided: false };
+        let front = |radiance| Emission { radiance, texture: None, two_sided: false };
         match form {
             EmissionForm::Number(gray) => front(Color::Gray(gray)),
             EmissionForm::Array(rgb) => front(Color::Rgb(rgb)),
-            EmissionForm::Object(EmissionKeys { radiance, two_sided }) => Emission { radiance, two_sided },
+            EmissionForm::Object(EmissionKeys { radiance, texture, two_sided }) => Emission { radiance, texture, two_sided },
         }
     }
 }

@@ -20,6 +20,7 @@ pub enum Texture {
     Marble(Marble),
     Mix(Mix),
     Product(Product),
+    Threshold(Threshold),
 }
 
 by_type!(Texture {
@@ -30,6 +31,7 @@ by_type!(Texture {
     Marble(Marble),
     Mix(Mix),
     Product(Product),
+    Threshold(Threshold),
 });
 
 impl Texture {
@@ -42,6 +44,7 @@ impl Texture {
             Texture::Marble(t) => vec![("base", &t.base), ("veins", &t.veins)],
             Texture::Mix(t) => vec![("a", &t.a), ("b", &t.b), ("share", &t.share)],
             Texture::Product(t) => vec![("a", &t.a), ("b", &t.b)],
+            Texture::Threshold(t) => vec![("by", &t.by)],
         }
     }
 }
@@ -53,7 +56,7 @@ impl Texture {
             Texture::Checker(t) => Some((t.on, &t.transform)),
             Texture::Noise(t) => Some((t.on, &t.transform)),
             Texture::Marble(t) => Some((t.on, &t.transform)),
-            Texture::Constant(_) | Texture::Image(_) | Texture::Mix(_) | Texture::Product(_) => None,
+            Texture::Constant(_) | Texture::Image(_) | Texture::Mix(_) | Texture::Product(_) | Texture::Threshold(_) => None,
         }
     }
 }
@@ -125,6 +128,9 @@ pub struct Image {
     /// What its numbers mean.
     #[serde(default)]
     pub encoding: Encoding,
+    /// One channel of it, as a grey. Default: its colours.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
     /// What lies beyond it.
     #[serde(default)]
     pub wrap: Wrap,
@@ -203,6 +209,21 @@ pub struct Product {
     pub b: Textured,
 }
 
+/// White where a texture is at least so bright, black elsewhere: of each channel by itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Threshold {
+    /// The texture.
+    pub by: Textured,
+    /// How bright.
+    #[serde(default = "half")]
+    pub at: Fraction,
+}
+
+fn half() -> Fraction {
+    Fraction::known(0.5)
+}
+
 fn one() -> Positive {
     Positive::known(1.0)
 }
@@ -247,6 +268,21 @@ pub enum Encoding {
     Srgb,
     /// Shares of light as they are: roughness, masks.
     Linear,
+}
+
+/// A channel of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub enum Channel {
+    /// Red.
+    R,
+    /// Green.
+    G,
+    /// Blue.
+    B,
+    /// Opacity, never encoded; 1 where the picture has none.
+    A,
 }
 
 /// What lies beyond a picture.
@@ -342,6 +378,7 @@ impl From<TexturedForm> for Textured {
             TexturedForm::Object(TextureOrSrgb::Marble(texture)) => Textured::Texture(Box::new(Texture::Marble(texture))),
             TexturedForm::Object(TextureOrSrgb::Mix(texture)) => Textured::Texture(Box::new(Texture::Mix(texture))),
             TexturedForm::Object(TextureOrSrgb::Product(texture)) => Textured::Texture(Box::new(Texture::Product(texture))),
+            TexturedForm::Object(TextureOrSrgb::Threshold(texture)) => Textured::Texture(Box::new(Texture::Threshold(texture))),
         }
     }
 }
@@ -355,6 +392,7 @@ enum TextureOrSrgb {
     Marble(Marble),
     Mix(Mix),
     Product(Product),
+    Threshold(Threshold),
     Srgb(Srgb),
 }
 
@@ -366,4 +404,5 @@ by_type!(TextureOrSrgb {
     Marble(Marble),
     Mix(Mix),
     Product(Product),
+    Threshold(Threshold),
 } or Srgb(Srgb));

@@ -12,7 +12,10 @@
 mod aalto;
 pub mod darts;
 mod foreign;
+mod framing;
+mod gltf;
 mod native;
+mod obj;
 mod view;
 
 use std::path::Path;
@@ -36,7 +39,7 @@ pub struct Dialect {
 }
 
 /// In the order in which they are asked; pt's own format is whatever no other claims.
-pub const ALL: &[Dialect] = &[aalto::DIALECT, darts::DIRT, darts::DARTS_2021, darts::DARTS, native::DIALECT];
+pub const ALL: &[Dialect] = &[gltf::DIALECT, obj::DIALECT, aalto::DIALECT, darts::DIRT, darts::DARTS_2021, darts::DARTS, native::DIALECT];
 
 /// A scene file of any dialect, read.
 pub struct Imported {

@@ -17,7 +17,7 @@ use crate::effects::Effects;
 use crate::math::{Density, Discrete, Ray, SolidAnglePdf, Spectrum};
 use crate::shape::{Shape, SurfacePoint};
 
-pub use area::{Area, Emission};
+pub use area::{Area, Emission, Emitter};
 pub use directional::Directional;
 pub use environment::Environment;
 pub use point::Point;

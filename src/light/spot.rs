@@ -31,6 +31,8 @@ pub enum Falloff {
     Smooth,
     /// Linear in the angle.
     Linear,
+    /// s², with s linear in the cosine, as glTF recommends.
+    Squared,
 }
 
 impl Spot {
@@ -49,11 +51,10 @@ impl Spot {
         if cos <= self.cos_outer {
             return 0.0;
         }
+        let s = (cos - self.cos_outer) / (self.cos_inner - self.cos_outer);
         match self.falloff {
-            Falloff::Smooth => {
-                let s = (cos - self.cos_outer) / (self.cos_inner - self.cos_outer);
-                (s * s * (3.0 - 2.0 * s)) as f32
-            }
+            Falloff::Smooth => (s * s * (3.0 - 2.0 * s)) as f32,
+            Falloff::Squared => (s * s) as f32,
             Falloff::Linear => {
                 let [inner, here, outer] = [self.cos_inner, cos, self.cos_outer].map(float::acos_f64);
                 ((outer - here) / (outer - inner)) as f32

@@ -104,6 +104,7 @@ fn placed(fault: Fault, place: &Place, file: &str) -> Fault {
     match place {
         Place::Text { line, column } => fault.in_file(file).at(*line as usize, *column as usize),
         Place::Foreign { line, column, pointer } => fault.pointing(&**pointer).in_file(file).at(*line as usize, *column as usize),
+        Place::Whole(pointer) => fault.pointing(&**pointer).in_file(file),
         Place::Override(words) => fault.in_file(&**words),
     }
 }

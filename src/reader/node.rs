@@ -42,6 +42,8 @@ pub enum Place {
     Text { line: u32, column: u32 },
     /// What was read from a file of another format, and what it is called there: a JSON pointer.
     Foreign { line: u32, column: u32, pointer: Arc<str> },
+    /// What was read from a file without lines, or stands for all of a file: a JSON pointer, or nothing.
+    Whole(Arc<str>),
     /// On the command line, as the user typed it: `-D /camera/fov=60`.
     Override(Arc<str>),
 }

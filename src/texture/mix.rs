@@ -22,6 +22,24 @@ pub struct Product {
     pub b: Texture,
 }
 
+/// 1 where a ≥ t, 0 elsewhere, coefficient by coefficient.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Threshold {
+    pub by: Texture,
+    /// t: [0, 1].
+    pub at: f32,
+}
+
+impl Threshold {
+    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+        self.by.at(point).map(|a| if a >= self.at { 1.0 } else { 0.0 })
+    }
+
+    pub(super) fn recentred(self, origin: DVec3) -> Threshold {
+        Threshold { by: self.by.recentred(origin), ..self }
+    }
+}
+
 impl Mix {
     pub fn at(&self, point: &SurfacePoint) -> Spectrum {
         let share = self.share.at(point);

@@ -18,7 +18,7 @@ use crate::shape::SurfacePoint;
 pub use checker::Checker;
 pub use image::Image;
 pub use marble::Marble;
-pub use mix::{Mix, Product};
+pub use mix::{Mix, Product, Threshold};
 pub use noise::Noise;
 pub use number::Number;
 pub use space::Space;
@@ -32,6 +32,7 @@ pub enum Texture {
     Marble(Box<Marble>),
     Mix(Box<Mix>),
     Product(Box<Product>),
+    Threshold(Box<Threshold>),
 }
 
 impl Texture {
@@ -44,6 +45,7 @@ impl Texture {
             Texture::Marble(marble) => marble.at(point),
             Texture::Mix(mix) => mix.at(point),
             Texture::Product(product) => product.at(point),
+            Texture::Threshold(threshold) => threshold.at(point),
         }
     }
 
@@ -61,6 +63,7 @@ impl Texture {
             Texture::Marble(marble) => Texture::Marble(Box::new(marble.recentred(origin))),
             Texture::Mix(mix) => Texture::Mix(Box::new(mix.recentred(origin))),
             Texture::Product(product) => Texture::Product(Box::new(product.recentred(origin))),
+            Texture::Threshold(threshold) => Texture::Threshold(Box::new(threshold.recentred(origin))),
         }
     }
 

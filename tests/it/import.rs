@@ -5,3 +5,7 @@ mod at_hand;
 mod convert;
 mod darts;
 mod dialect;
+mod gltf;
+mod obj;
+mod read;
+mod table;

@@ -18,7 +18,7 @@ use crate::random::Random;
 fn lit(geometry: &dyn Geometry, to_world: &Transform, two_sided: bool) -> Lights {
     let shape = geometry.bake(to_world).expect("the shape can be hit");
     let emission = Emission { radiance: Spectrum::ONE, two_sided };
-    let lights = (0..shape.count()).map(|primitive| Light::Area(Area { shape: 0, primitive, emission })).collect();
+    let lights = (0..shape.count()).map(|primitive| Light::Area(Area { shape: 0, primitive, emitter: emission.into() })).collect();
     Lights::new(lights, vec![shape].into(), 1.0)
 }
 
@@ -189,7 +189,7 @@ fn share(light: Light, shapes: Vec<Box<dyn Shape>>, radius: f32, power: f64) -> 
 #[test]
 fn lights_are_chosen_by_power() {
     let gray = Spectrum::rgb(1.0, 2.0, 6.0); // 3 in the mean
-    let area = |two_sided| Light::Area(Area { shape: 0, primitive: 0, emission: Emission { radiance: gray, two_sided } });
+    let area = |two_sided| Light::Area(Area { shape: 0, primitive: 0, emitter: Emission { radiance: gray, two_sided }.into() });
     let spot = Spot {
         position: DVec3::new(0.0, 0.0, 2.0),
         axis: Vec3::NEG_Z,
@@ -249,4 +249,44 @@ fn narrow_cones_fall_off_in_the_angle() {
         assert_near(f64::from(found), expected, 1e-3, &format!("at {degrees}°"));
     }
     assert!(lights.sample(Vec3::new(f64::to_radians(0.051).tan() as f32, 0.0, -1.0), 0.5, Vec2::splat(0.5)).is_none(), "beyond");
+}
+
+/// s², with s linear in the cosine: half way between the cosines a quarter is left.
+#[test]
+fn cones_fall_off_with_the_square() {
+    let (cos_inner, cos_outer) = (0.9, 0.5);
+    let spot = Spot { position: DVec3::ZERO, axis: Vec3::NEG_Z, intensity: Spectrum::ONE, cos_inner, cos_outer, falloff: Falloff::Squared };
+    let lights = Lights::new(vec![Light::Spot(spot)], Vec::new().into(), 1.0);
+    for (cos, expected) in [(0.95f64, 1.0), (0.8, 0.5625), (0.7, 0.25), (0.6, 0.0625)] {
+        let point = Vec3::new((1.0 - cos * cos).sqrt() as f32, 0.0, -cos as f32);
+        let found = lights.sample(point, 0.5, Vec2::splat(0.5)).expect("within the cone").weight.to_rgb()[0];
+        assert_near(f64::from(found), expected, 1e-5, &format!("at a cosine of {cos}"));
+    }
+}
+
+/// A lamp of two halves, one white and one black, lights as half a lamp does; and so it does where the chance to see light is a guess.
+#[test]
+fn textured_lamps_light_as_their_bright_part_does() {
+    use pt::light::Emitter;
+    use pt::texture::image::{Filter, Image, Pixels, Wrap};
+    let pixels = Pixels::new(glam::UVec2::new(2, 1), vec![[1.0; 3], [0.0; 3]]).expect("two pixels");
+    let image = Image { pixels: pixels.into(), scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Nearest };
+    let emission = Emission::new(Spectrum::gray(3.0));
+    let textured = Emitter { emission, texture: Some(std::sync::Arc::new(pt::texture::Texture::Image(image))) };
+    let down = |x: f64| Transform::look_at(DVec3::new(x, 0.0, 1.0), DVec3::new(x, 0.0, 2.0), DVec3::Y).expect("a place");
+    let irradiance = |size: [f64; 2], x: f64, emitter: Emitter| {
+        let shape = Quad { size }.bake(&down(x)).expect("a quad");
+        let lights = Lights::new(vec![Light::Area(Area { shape: 0, primitive: 0, emitter })], vec![shape].into(), 1.0);
+        const N: u32 = 256;
+        let middle = |k: u32| (k as f32 + 0.5) / N as f32;
+        let each = (0..N * N).filter_map(|k| lights.sample(Vec3::new(0.3, 0.2, 0.0), 0.5, Vec2::new(middle(k % N), middle(k / N))));
+        each.map(|sample| f64::from(sample.weight.to_rgb()[0] * sample.wi.z.max(0.0))).sum::<f64>() / f64::from(N * N)
+    };
+    let whole = irradiance([2.0, 2.0], 0.0, textured);
+    // The lamp looks down, so that its u runs along −x or x: one of both halves is it.
+    let halves = [-0.5, 0.5].map(|x| irradiance([1.0, 2.0], x, emission.into()));
+    let nearest = halves.iter().map(|half| (whole / half - 1.0).abs()).fold(f64::INFINITY, f64::min);
+    // Of the grid a column may fall on either side of the edge: 1/256 of the light.
+    assert!(nearest < 0.01, "{whole}, expected one of {halves:?}");
+    assert!((halves[0] / halves[1] - 1.0).abs() > 0.1, "the halves are told apart");
 }

@@ -12,7 +12,7 @@ use pt::math::Spectrum;
 use pt::shape::SurfacePoint;
 use pt::texture::image::{Filter, Pixels, Wrap};
 use pt::texture::noise::{fbm, perlin, turbulence};
-use pt::texture::{Image, Mix, Product, Texture};
+use pt::texture::{Image, Mix, Product, Texture, Threshold};
 use tempfile::TempDir;
 
 use crate::random::Random;
@@ -86,7 +86,8 @@ impl Folder {
 }
 
 fn shown(path: &Path, encoding: Encoding) -> [f32; 3] {
-    let (pixels, warnings) = picture::load(path, "p", encoding).unwrap_or_else(|e| panic!("{e}"));
+    let name = path.file_name().and_then(|name| name.to_str()).expect("a name");
+    let (pixels, warnings) = picture::load(path, name, encoding, None).unwrap_or_else(|e| panic!("{e}"));
     assert!(warnings.is_empty(), "{warnings:?}");
     at(&texture(&Arc::new(pixels), Wrap::Clamp, Filter::Nearest), 0.5, 0.5).to_rgb()
 }
@@ -126,7 +127,7 @@ fn formats_agree() {
 }
 
 fn refusal(path: &Path) -> (u8, String) {
-    match picture::load(path, "p", Encoding::Auto) {
+    match picture::load(path, "p", Encoding::Auto, None) {
         Ok(_) => panic!("{} is accepted", path.display()),
         Err(error) => (error.exit_code(), error.to_string()),
     }
@@ -173,7 +174,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 fn content_goes_before_the_name() {
     let folder = Folder::new();
     let path = folder.with("p.jpg", ImageBuffer::from_pixel(2, 2, Rgb([9u8; 3])), ImageFormat::Png);
-    let (_, warnings) = picture::load(&path, "p.jpg", Encoding::Auto).expect("a PNG");
+    let (_, warnings) = picture::load(&path, "p.jpg", Encoding::Auto, None).expect("a PNG");
     assert_eq!(warnings, ["p.jpg: read as PNG, which its first bytes say it is"]);
 }
 
@@ -229,4 +230,34 @@ fn noise_is_smooth_and_centred() {
     }
     // Its standard deviation is near 1/4: five standard errors.
     assert!(mean.abs() < 5.0 * 0.25 / (N as f64).sqrt(), "{mean}");
+}
+
+/// Red, green, blue and opacity by themselves; opacity is a share whatever the encoding, and all of it where there is none.
+#[test]
+fn channels_of_pictures() {
+    let folder = Folder::new();
+    let rgba = ImageBuffer::from_pixel(1, 1, Rgba([0u8, 51, 102, 153]));
+    let with_alpha = folder.with("a.png", DynamicImage::ImageRgba8(rgba), ImageFormat::Png);
+    let without = folder.with("b.png", DynamicImage::ImageRgb8(ImageBuffer::from_pixel(1, 1, Rgb([0u8, 51, 102]))), ImageFormat::Png);
+    use describe::Channel::{A, B, G, R};
+    for (path, channel, expected) in
+        [(&with_alpha, R, 0.0), (&with_alpha, G, 0.2), (&with_alpha, B, 0.4), (&with_alpha, A, 0.6), (&without, A, 1.0)]
+    {
+        for encoding in [Encoding::Linear, Encoding::Srgb] {
+            let (pixels, _) = picture::load(path, "p", encoding, Some(channel)).expect("a picture");
+            let expected = if encoding == Encoding::Srgb && channel != A { pt::output::tonemap::linear(expected) } else { expected };
+            let [r, g, b] = pixels.values()[0];
+            assert!((f64::from(r) - expected).abs() < 1e-7 && r == g && g == b, "{channel:?}: {r}, expected {expected}");
+        }
+    }
+}
+
+/// 1 from the threshold on, of each channel by itself.
+#[test]
+fn thresholds_are_black_and_white() {
+    let by = |level| Texture::Constant(Spectrum::rgb(level, 0.5, 0.25));
+    for (level, expected) in [(0.0, 0.0), (0.375f32.next_down(), 0.0), (0.375, 1.0), (1.0, 1.0)] {
+        let threshold = Texture::Threshold(Box::new(Threshold { by: by(level), at: 0.375 }));
+        assert_eq!(at(&threshold, 0.5, 0.5), Spectrum::rgb(expected, 1.0, 0.0), "{level}");
+    }
 }

@@ -2,10 +2,9 @@
 
 use glam::DVec3;
 
-use super::{Builder, spectrum, transform};
+use super::{Builder, transform};
 use crate::describe::{self, Axis, FixedMarch, Point};
 use crate::effects::Effects;
-use crate::light::Emission;
 use crate::math::Transform;
 use crate::math::transform::unit;
 use crate::shape::Sdf;
@@ -18,14 +17,14 @@ impl Builder<'_> {
         let (mut fields, mut wears, mut effects) = (vec![], vec![], Effects::NONE);
         if let Some(field) = &sdf.field {
             fields.push(self.field(&format!("{pointer}/field"), field)?);
-            wears.push(own);
+            wears.push(own.clone());
         }
         for (i, part) in sdf.parts.iter().flatten().enumerate() {
             let pointer = format!("{pointer}/parts/{i}");
             let (material, more) = self.part_material(&pointer, part, own.material);
             effects |= more;
-            let emission = part.emission.as_ref().map(|e| Emission { radiance: spectrum(&e.radiance), two_sided: e.two_sided });
-            wears.push(Wear { material, emission: emission.or(own.emission) });
+            let emitter = part.emission.as_ref().map(|described| self.emitter(&format!("{pointer}/emission"), described));
+            wears.push(Wear { material, emitter: emitter.or_else(|| own.emitter.clone()) });
             fields.push(self.field(&format!("{pointer}/field"), &part.field)?);
         }
         let within = sdf.bounds.map_or([DVec3::NEG_INFINITY, DVec3::INFINITY], |b| [at(&b.low), at(&b.high)]);

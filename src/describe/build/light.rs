@@ -40,6 +40,7 @@ fn light_of(described: &describe::Light) -> (Light, Option<&String>) {
             let falloff = match l.falloff {
                 describe::Falloff::Smooth => Falloff::Smooth,
                 describe::Falloff::Linear => Falloff::Linear,
+                describe::Falloff::Squared => Falloff::Squared,
             };
             let spot = Spot {
                 position,

@@ -12,12 +12,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Color, Contents, Encoding, Files, Names, Scene, Shape, Size};
+use super::{Channel, Color, Contents, Encoding, Files, Names, Scene, Shape, Size};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
 use crate::film::{FilmSpec, Layer};
-use crate::light::{Emission, Light};
+use crate::light::{Emission, Emitter, Light};
 use crate::math::{Spectrum, Transform};
 use crate::reader::{Node, locate};
 use crate::sampler::SamplerSpec;
@@ -137,8 +137,8 @@ struct Builder<'a> {
     textures: usize,
     /// Materials within materials, made so far.
     parts: usize,
-    /// By file and encoding: each is read once; `None` where it could not be used.
-    pictures: BTreeMap<(String, Encoding), Option<Arc<Pixels>>>,
+    /// Each is read once; `None` where it could not be used.
+    pictures: BTreeMap<(String, Encoding, Option<Channel>), Option<Arc<Pixels>>>,
     contents: Contents,
     /// Around each shape, in the user's coordinates.
     boxes: Vec<(DVec3, DVec3)>,
@@ -162,18 +162,18 @@ impl Builder<'_> {
     }
 
     fn shape(&mut self, pointer: &str, shape: &Shape, to_world: &Transform) -> Result<()> {
-        let emission = shape.emission().map(|e| Emission { radiance: spectrum(&e.radiance), two_sided: e.two_sided });
+        let emitter = shape.emission().map(|described| self.emitter(&format!("{pointer}/emission"), described));
         if let Shape::Group(group) = shape {
             return self.shapes(&format!("{pointer}/shapes"), &group.shapes, to_world);
         }
         let (kind, own) = self.material(&format!("{pointer}/material"), shape.material());
         let mut effects = own.1;
-        effects |= emission.map_or(Effects::NONE, |_| Effects::AREA_LIGHT);
+        effects |= emitter.as_ref().map_or(Effects::NONE, |_| Effects::AREA_LIGHT);
         let own = own.0;
         match shape {
             Shape::Sphere(s) => match Transform::translate(DVec3::from(s.center.0)) {
                 Some(to_center) => {
-                    self.place(Sphere { radius: s.radius.get() }, to_center.then(to_world), vec![own], emission);
+                    self.place(Sphere { radius: s.radius.get() }, to_center.then(to_world), vec![own], emitter);
                 }
                 None => self.fault(&format!("{pointer}/center"), "too far away"),
             },
@@ -182,9 +182,9 @@ impl Builder<'_> {
                     Size::Square(side) => [side.get(); 2],
                     Size::Sides(sides) => sides.map(|side| side.get()),
                 };
-                self.place(Quad { size }, *to_world, vec![own], emission);
+                self.place(Quad { size }, *to_world, vec![own], emitter);
             }
-            Shape::Disk(s) => self.place(Disk { radius: s.radius.get() }, *to_world, vec![own], emission),
+            Shape::Disk(s) => self.place(Disk { radius: s.radius.get() }, *to_world, vec![own], emitter),
             Shape::Mesh(s) => {
                 let Some(data) = self.mesh(pointer, s)? else { return Ok(()) };
                 let (parts, more) = self.part_materials(pointer, s, &data, own);
@@ -194,12 +194,12 @@ impl Builder<'_> {
                 }
                 effects |= if data.normals.is_empty() { Effects::NONE } else { Effects::SHADING_NORMALS };
                 let mesh = TriangleMesh { smooth_shadows: s.smooth_shadows, ..TriangleMesh::new(data) };
-                self.place(mesh, *to_world, parts, emission);
+                self.place(mesh, *to_world, parts, emitter);
             }
             Shape::Sdf(s) => {
-                let Some((solid, parts, more)) = self.sdf(pointer, s, Wear { material: own, emission }) else { return Ok(()) };
+                let Some((solid, parts, more)) = self.sdf(pointer, s, Wear { material: own, emitter }) else { return Ok(()) };
                 effects |= more;
-                if parts.iter().any(|part| part.emission.is_some()) {
+                if parts.iter().any(|part| part.emitter.is_some()) {
                     effects |= Effects::AREA_LIGHT | Effects::FOUND_LIGHT;
                 }
                 self.boxes.push(solid.bounds(to_world));
@@ -212,9 +212,14 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn place(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emission: Option<Emission>) {
+    fn emitter(&mut self, pointer: &str, described: &super::Emission) -> Emitter {
+        let texture = described.texture.as_ref().map(|texture| Arc::new(self.textured(&format!("{pointer}/texture"), texture)));
+        Emitter { emission: Emission { radiance: spectrum(&described.radiance), two_sided: described.two_sided }, texture }
+    }
+
+    fn place(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
         self.boxes.push(geometry.bounds(&to_world));
-        self.world.parts(geometry, to_world, materials, emission);
+        self.world.parts(geometry, to_world, materials, emitter);
     }
 
     /// Says so where the scene is so large that f32 loses its smallest shape.

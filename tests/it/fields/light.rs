@@ -11,7 +11,7 @@ use pt::film::FilmSpec;
 use pt::integrator::Integrator;
 use pt::integrators::card::{Card, Hemisphere};
 use pt::integrators::path::Path;
-use pt::light::{Environment, Light};
+use pt::light::{Emitter, Environment, Light};
 use pt::math::{Spectrum, Transform};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
@@ -41,7 +41,7 @@ fn glass_vanishes_in_a_furnace() {
         let place = Transform::look_at(DVec3::new(0.4, 0.3, 3.0), DVec3::new(0.1, 0.2, 0.0), DVec3::Y).expect("a view");
         let mut world = World::builder(Camera::Perspective(Perspective::new(Pose::new(&place), 50.0, 0.0, 1.0)));
         let glass = world.material(Material::glass(1.5));
-        world.solid(Sdf::new(field.clone()), Transform::IDENTITY, vec![Wear { material: glass, emission: None }]);
+        world.solid(Sdf::new(field.clone()), Transform::IDENTITY, vec![Wear { material: glass, emitter: None }]);
         world.light(Light::Environment(Environment { radiance: Spectrum::ONE }));
         let path = Path { max_depth: 1000, roulette_depth: 1000 };
         let image = picture(Arc::new(world.build().expect("a world")), &path, FilmSpec::new(16, 16), sampler(16));
@@ -56,7 +56,7 @@ fn lamp(radius: f64, height: f64) -> WorldBuilder {
     let (matte, dark) = (world.material(Material::diffuse(gray(0.5))), world.material(black()));
     world.shape(Quad { size: [20.0; 2] }, facing(DVec3::ZERO, DVec3::Y), matte, None);
     let lamp = Sdf { parts: Union::new(vec![ball(radius), ball(0.5 * radius)]), ..Sdf::new(ball(radius)) };
-    let parts = vec![Wear { material: dark, emission: glow(4.0) }, Wear { material: dark, emission: None }];
+    let parts = vec![Wear { material: dark, emitter: glow(4.0).map(Emitter::from) }, Wear { material: dark, emitter: None }];
     world.solid(lamp, Transform::translate(DVec3::Y * height).expect("finite"), parts);
     world
 }

@@ -10,8 +10,7 @@ use crate::shared::shared;
 fn scenes(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<PathBuf> = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
     entries.sort();
-    let is_scene =
-        |path: &Path| path.extension().is_some_and(|extension| ["json", "obj", "gltf", "glb"].map(Into::into).contains(&extension));
+    let is_scene = |path: &Path| path.extension().is_some_and(|e| ["json", "obj", "gltf", "glb"].iter().any(|known| e == *known));
     let within = |path: PathBuf| if path.is_dir() { scenes(&path) } else { Vec::from_iter(Some(path).filter(|path| is_scene(path))) };
     entries.into_iter().flat_map(within).collect()
 }

@@ -11,13 +11,13 @@ use crate::error::Error;
 use crate::math::{Spectrum, Transform};
 use crate::reader::escaped;
 use crate::texture::image::{Filter, Pixels, Wrap};
-use crate::texture::{Checker, Image, Marble, Mix, Noise, Number, Product, Space, Texture};
+use crate::texture::{Checker, Image, Marble, Mix, Noise, Number, Product, Space, Texture, Threshold};
 
 /// Textures within textures are copied where they are used: checkers of checkers of … grow as 2ⁿ.
 pub(in crate::describe::build) const MOST_TEXTURES: usize = 1 << 16;
 
 impl Builder<'_> {
-    pub(super) fn textured(&mut self, pointer: &str, described: &Textured) -> Texture {
+    pub(in crate::describe::build) fn textured(&mut self, pointer: &str, described: &Textured) -> Texture {
         match described {
             Textured::Color(color) => Texture::Constant(spectrum(color)),
             Textured::Texture(inline) => self.texture(pointer, inline),
@@ -98,13 +98,14 @@ impl Builder<'_> {
             })),
             T::Mix(t) => Texture::Mix(Box::new(Mix { a: part("a", &t.a), b: part("b", &t.b), share: part("share", &t.share) })),
             T::Product(t) => Texture::Product(Box::new(Product { a: part("a", &t.a), b: part("b", &t.b) })),
+            T::Threshold(t) => Texture::Threshold(Box::new(Threshold { by: part("by", &t.by), at: t.at.get() as f32 })),
             T::Image(_) => Spectrum::BLACK.into(),
         }
     }
 
-    /// Read once for every encoding that it is used in; black with a fault noted.
+    /// Read once for every encoding and channel that it is used in; black with a fault noted.
     fn image(&mut self, pointer: &str, described: &describe::Image) -> Texture {
-        let key = (described.file.clone(), described.encoding);
+        let key = (described.file.clone(), described.encoding, described.channel);
         let pixels = match self.pictures.get(&key) {
             Some(known) => known.clone(),
             None => {
@@ -131,10 +132,11 @@ impl Builder<'_> {
     }
 
     fn picture(&mut self, pointer: &str, described: &describe::Image) -> Option<Arc<Pixels>> {
-        match self.source.files.picture(&described.file, described.encoding) {
+        match self.source.files.picture(&described.file, described.encoding, described.channel) {
             Ok((pixels, warnings)) => {
                 self.warnings.extend(warnings);
-                self.contents.insert(described.file.clone(), identity::of_picture(&pixels));
+                let name = described.channel.map_or_else(|| described.file.clone(), |channel| format!("{}, {channel:?}", described.file));
+                self.contents.insert(name, identity::of_picture(&pixels));
                 return Some(Arc::new(pixels));
             }
             Err(Error::Invalid(faults)) => {

@@ -1,0 +1,107 @@
+//! Bytes: in the container, in files beside the scene, or written into the JSON (`data:`).
+
+use base64::Engine;
+use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
+
+use crate::error::{Error, Result};
+use crate::import::view::View;
+
+/// The bytes of each buffer.
+pub struct Buffers(Vec<Vec<u8>>);
+
+impl Buffers {
+    /// `None` where one is missing or too short, which is noted.
+    ///
+    /// # Errors
+    /// `Io`: a file that cannot be read.
+    pub fn read(gltf: &gltf::Document, binary: Option<&[u8]>, root: &View) -> Result<Option<Buffers>> {
+        let mut all = vec![];
+        for buffer in gltf.buffers() {
+            let Some(at) = root.get(&["buffers"]).and_then(|list| list.get(&[&buffer.index().to_string()])) else { continue };
+            let bytes = match at.get(&["uri"]) {
+                Some(uri) => of_uri(&uri)?,
+                None if buffer.index() == 0 => binary.map(<[u8]>::to_vec).or_else(|| {
+                    at.fault("expected a uri, or a .glb with a binary chunk");
+                    None
+                }),
+                None => {
+                    at.fault("expected a uri: only the first buffer can lie in a .glb");
+                    None
+                }
+            };
+            if let Some(bytes) = bytes.as_ref().filter(|bytes| bytes.len() < buffer.length()) {
+                at.fault(format!("{} bytes are promised, found {}", buffer.length(), bytes.len()));
+            }
+            all.extend(bytes.filter(|bytes| bytes.len() >= buffer.length()));
+        }
+        Ok((all.len() == gltf.buffers().len()).then_some(Buffers(all)))
+    }
+
+    /// Those of a view; `None` where it reaches beyond its buffer.
+    pub fn view(&self, view: &gltf::buffer::View) -> Option<&[u8]> {
+        let end = view.offset().checked_add(view.length())?;
+        self.0.get(view.buffer().index())?.get(view.offset()..end)
+    }
+}
+
+/// The bytes that a uri gives or names; `None` with a fault noted.
+fn of_uri(uri: &View) -> Result<Option<Vec<u8>>> {
+    let Some(text) = uri.text() else { return Ok(None) };
+    if text.starts_with("data:") {
+        return Ok(of_data(uri, text));
+    }
+    let Some(name) = file_name(uri, text) else { return Ok(None) };
+    match uri.foreign().files.bytes(&name) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(Error::Invalid(faults)) => {
+            faults.iter().for_each(|fault| {
+                uri.fault(if fault.message.starts_with(&name) { fault.message.clone() } else { format!("{name}: {}", fault.message) })
+            });
+            Ok(None)
+        }
+        Err(other) => Err(other),
+    }
+}
+
+/// `data:…;base64,…`; `None` with a fault noted.
+pub fn of_data(uri: &View, text: &str) -> Option<Vec<u8>> {
+    let Some(coded) = text.split_once(";base64,").map(|(_, coded)| coded.as_bytes()) else {
+        uri.fault("expected a data uri in base64");
+        return None;
+    };
+    STANDARD.decode(coded).or_else(|_| STANDARD_NO_PAD.decode(coded)).map_err(|error| uri.fault(format!("no base64: {error}"))).ok()
+}
+
+/// A relative uri as a file name, with what `%` stands for; `None` with a fault noted.
+pub fn file_name(uri: &View, text: &str) -> Option<String> {
+    let name = percent_decoded(text);
+    if text.contains("://") {
+        uri.fault("expected the name of a file beside the scene, found an address");
+        return None;
+    }
+    if let Some(why) = uri.foreign().files.why_not(&name) {
+        uri.fault(why);
+        return None;
+    }
+    Some(name)
+}
+
+/// Source: RFC 3986, §2.1. What is no code stays.
+fn percent_decoded(text: &str) -> String {
+    let mut bytes = vec![];
+    let mut rest = text.as_bytes();
+    while let [first, after @ ..] = rest {
+        let code = after.get(..2).and_then(|two| str::from_utf8(two).ok()).filter(|two| two.bytes().all(|b| b.is_ascii_hexdigit()));
+        match code.and_then(|two| u8::from_str_radix(two, 16).ok()).filter(|_| *first == b'%') {
+            Some(byte) => {
+                bytes.push(byte);
+                rest = &after[2..];
+            }
+            None => {
+                bytes.push(*first);
+                rest = after;
+            }
+        }
+    }
+    String::from_utf8(bytes).unwrap_or_else(|_| text.to_owned())
+}

@@ -1,0 +1,44 @@
+//! Cameras. They look down −z of their node, as pt's do.
+
+use glam::{DMat4, DVec3};
+use gltf::json::camera::Type;
+use gltf::json::validation::Checked;
+
+use super::document::Document;
+use crate::import::framing::ASPECT;
+use crate::reader::Node;
+
+impl Document<'_> {
+    /// The camera, and width over height of its picture; `None` with a fault noted.
+    pub fn camera(&self, camera: &gltf::Camera, node: &gltf::Node, to_world: &DMat4) -> Option<(Node, f64)> {
+        let at = self.item("cameras", camera.index());
+        let place = self.item("nodes", node.index());
+        let from = to_world.transform_point3(DVec3::ZERO);
+        // A camera has no size: of the node's scale only the directions count.
+        let towards = |axis: DVec3| to_world.transform_vector3(axis).normalize_or(axis);
+        let look_at = [
+            ("from", place.make_numbers(from.to_array())),
+            ("to", place.make_numbers((from + towards(DVec3::NEG_Z)).to_array())),
+            ("up", place.make_numbers(towards(DVec3::Y).to_array())),
+        ];
+        let look_at = ("look_at", place.make_object(look_at));
+        let json = self.gltf.as_json().cameras.get(camera.index())?;
+        let is_orthographic = matches!(json.type_, Checked::Valid(Type::Orthographic));
+        let lens_at = at.need(&[if is_orthographic { "orthographic" } else { "perspective" }])?;
+        let (members, aspect) = if is_orthographic {
+            let lens = json.orthographic.as_ref()?;
+            let height = lens_at.make_number(2.0 * f64::from(lens.ymag));
+            let kind = lens_at.make_text("orthographic");
+            (vec![("type", kind), ("height", height), look_at], f64::from(lens.xmag) / f64::from(lens.ymag))
+        } else {
+            let lens = json.perspective.as_ref()?;
+            let fov = lens_at.make_number(f64::from(lens.yfov).to_degrees());
+            (vec![("fov", fov), look_at], lens.aspect_ratio.map_or(ASPECT, f64::from))
+        };
+        if !(aspect > 0.0 && aspect.is_finite()) {
+            lens_at.fault("a picture without width or height");
+            return None;
+        }
+        Some((place.make_object(members), aspect))
+    }
+}

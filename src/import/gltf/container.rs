@@ -1,0 +1,80 @@
+//! The file itself: JSON, or a container of JSON and a binary buffer.
+
+use std::borrow::Cow;
+
+use gltf::binary::Glb;
+
+use crate::error::{Error, Fault, Result};
+use crate::import::{Content, Foreign};
+use crate::reader::{self, Member, Node, Place, Value, escaped};
+
+/// The first bytes of a `.glb`.
+const MAGIC: &[u8] = b"glTF";
+
+/// Of a container: magic, version and length (bytes).
+const HEADER: usize = 12;
+
+/// A container, or an object whose `asset` has a version and which is no scene of pt.
+pub fn is(content: &Content) -> bool {
+    let says_so = |tree: &Node| tree.get("/asset/version").is_some() && tree.child("pt").is_none();
+    content.bytes.starts_with(MAGIC) || content.tree().is_some_and(says_so)
+}
+
+/// What a file holds.
+pub struct Opened<'c> {
+    pub json: Cow<'c, [u8]>,
+    /// The same, with its places.
+    pub tree: Cow<'c, Node>,
+    pub binary: Option<Vec<u8>>,
+}
+
+/// # Errors
+/// `Invalid`: no container of version 2, or no JSON in it.
+pub fn open<'c>(content: &'c Content, foreign: &Foreign) -> Result<Opened<'c>> {
+    if !content.bytes.starts_with(MAGIC) {
+        let json = content.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&content.bytes);
+        return Ok(Opened { json: json.into(), tree: Cow::Borrowed(content.json(foreign)?), binary: None });
+    }
+    let invalid = |message: String| Error::invalid(Fault::new(message).in_file(foreign.file));
+    let length = content.bytes.get(8..HEADER).and_then(|bytes| bytes.try_into().ok()).map_or(0, u32::from_le_bytes);
+    if (length as usize) < HEADER {
+        return Err(invalid("the .glb ends within its header".to_owned()));
+    }
+    let Glb { json, bin, .. } = Glb::from_slice(&content.bytes).map_err(|error| invalid(explained(&error)))?;
+    let tree = reader::parse(&json).map_err(|fault| invalid(format!("the JSON of the .glb: {}", fault.message)))?;
+    Ok(Opened { json, tree: Cow::Owned(without_lines(tree, "")), binary: bin.map(Cow::into_owned) })
+}
+
+fn explained(error: &gltf::Error) -> String {
+    use gltf::binary::Error as Binary;
+    match error {
+        gltf::Error::Binary(Binary::Version(version)) => format!("a .glb of version {version}, expected version 2"),
+        gltf::Error::Binary(Binary::Length { length, length_read }) => {
+            format!("the .glb promises {length} bytes after its header, found {length_read}")
+        }
+        gltf::Error::Binary(Binary::ChunkLength { length, length_read, .. }) => {
+            format!("a chunk of the .glb promises {length} bytes, found {length_read}")
+        }
+        gltf::Error::Binary(Binary::Io(_)) => "the .glb ends within the header of a chunk".to_owned(),
+        gltf::Error::Binary(_) => "the chunks of the .glb are not JSON and, after it, BIN".to_owned(),
+        _ => "not a .glb".to_owned(),
+    }
+}
+
+/// Lines within a chunk of a binary file help nobody: each value is found by its pointer.
+fn without_lines(node: Node, pointer: &str) -> Node {
+    let below = |key: &str| format!("{pointer}{}", escaped(key));
+    let value = match node.value {
+        Value::Array(items) => {
+            Value::Array(items.into_iter().enumerate().map(|(i, item)| without_lines(item, &below(&i.to_string()))).collect())
+        }
+        Value::Object(members) => Value::Object(members.into_iter().map(|member| without_line(member, &below)).collect()),
+        plain => plain,
+    };
+    Node { value, place: Place::Whole(pointer.into()) }
+}
+
+fn without_line(member: Member, below: impl Fn(&str) -> String) -> Member {
+    let pointer = below(&member.key);
+    Member { key_place: Place::Whole((&*pointer).into()), node: without_lines(member.node, &pointer), key: member.key }
+}

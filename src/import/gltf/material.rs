@@ -1,0 +1,295 @@
+//! Materials: metallic-roughness and its extensions as `principled`, `dielectric` and `thin_dielectric`.
+//!
+//! pt's `principled` was made for these parameters: roughness is perceptual in both (alpha = roughness²), and every factor multiplies
+//! its texture. What light goes through is told apart by its thickness: without KHR_materials_volume a surface is a pane.
+
+use super::document::Document;
+use super::texture::{Kind, Mapping, numbers};
+use crate::import::view::View;
+use crate::reader::Node;
+
+/// Extensions that pt has nothing for.
+const LEFT_OUT: &[(&str, &str)] = &[
+    ("KHR_materials_diffuse_transmission", "light that goes through a thin matte sheet is left out"),
+    ("KHR_materials_dispersion", "dispersion is left out"),
+    ("KHR_materials_iridescence", "iridescence is left out"),
+    ("KHR_materials_pbrSpecularGlossiness", "specular and glossiness are left out: the material is read without them"),
+    ("KHR_materials_unlit", "an unlit material is lit like any other"),
+];
+
+/// A material, and what a shape needs to know of it.
+pub struct Worn {
+    pub node: Node,
+    pub emission: Option<Node>,
+    /// Whether it is to light others: emission beyond the range of pictures.
+    pub is_lamp: bool,
+    /// For the texture coordinates of whoever wears it.
+    pub mapping: Mapping,
+}
+
+impl<'a> Document<'a> {
+    /// A material by index, or the one of what has none.
+    pub fn material(&self, index: Option<usize>) -> Worn {
+        let at = index.map_or_else(|| self.root.clone(), |i| self.item("materials", i));
+        let reader =
+            Reader { document: self, pbr: index.and_then(|_| at.get(&["pbrMetallicRoughness"])), own: index.map(|_| at.clone()), at };
+        for (extension, sentence) in LEFT_OUT.iter().filter(|(name, _)| reader.extension(name).is_some()) {
+            self.note(&reader.extension(extension).unwrap_or(reader.at.clone()), *sentence);
+        }
+        reader.note_textures();
+        let (emission, is_lamp) = reader.emission();
+        let node = reader.masked(reader.bumped(reader.surface()), emission.is_some());
+        Worn { node, emission, is_lamp, mapping: reader.mapping() }
+    }
+}
+
+struct Reader<'d, 'a> {
+    document: &'d Document<'a>,
+    /// The material; the file where there is none.
+    at: View<'a>,
+    /// The material, where there is one.
+    own: Option<View<'a>>,
+    pbr: Option<View<'a>>,
+}
+
+impl<'a> Reader<'_, 'a> {
+    fn extension(&self, name: &str) -> Option<View<'a>> {
+        self.own.as_ref()?.get(&["extensions"])?.get(&[name])
+    }
+
+    /// A texture times a factor, each where it is there.
+    fn textured(&self, of: Option<&View<'a>>, texture: &str, kind: Kind, factor: Node, is_one: bool) -> Node {
+        let image = of.and_then(|of| of.get(&[texture])).and_then(|info| Some((self.document.texture(&info, kind)?, info)));
+        match image {
+            None => factor,
+            Some((image, _)) if is_one => image,
+            Some((image, info)) => info.make_object([("type", info.make_text("product")), ("a", image), ("b", factor)]),
+        }
+    }
+
+    /// A share times a channel of a texture.
+    fn share(&self, of: Option<&View<'a>>, key: &str, default: f64, [texture, channel]: [&'static str; 2]) -> Node {
+        let (factor, at) = self.number(of, key, default);
+        self.textured(of, texture, Kind::Share(channel), at.make_number(factor), factor == 1.0)
+    }
+
+    fn color(&self, of: Option<&View<'a>>, key: &str, default: [f64; 3], texture: &str) -> Node {
+        let at = of.and_then(|of| of.get(&[key]));
+        let factor = at.as_ref().and_then(numbers).unwrap_or(default);
+        let place = at.unwrap_or(self.at.clone());
+        self.textured(of, texture, Kind::Color, place.make_numbers(factor), factor == [1.0; 3])
+    }
+
+    /// A number, and where it stands.
+    fn number(&self, of: Option<&View<'a>>, key: &str, default: f64) -> (f64, View<'a>) {
+        let at = of.and_then(|of| of.get(&[key]));
+        (at.as_ref().and_then(View::number).unwrap_or(default), at.or_else(|| of.cloned()).unwrap_or_else(|| self.at.clone()))
+    }
+
+    /// Red, green, blue and opacity.
+    fn base_factor(&self) -> ([f64; 4], View<'a>) {
+        let at = self.pbr.as_ref().and_then(|pbr| pbr.get(&["baseColorFactor"]));
+        (at.as_ref().and_then(numbers).unwrap_or([1.0; 4]), at.unwrap_or_else(|| self.at.clone()))
+    }
+
+    fn base_color(&self) -> Node {
+        let ([r, g, b, _], at) = self.base_factor();
+        self.textured(self.pbr.as_ref(), "baseColorTexture", Kind::Color, at.make_numbers([r, g, b]), [r, g, b] == [1.0; 3])
+    }
+
+    /// What light meets, without relief and holes.
+    fn surface(&self) -> Node {
+        let glass = self.extension("KHR_materials_transmission");
+        let volume = self.extension("KHR_materials_volume");
+        let share = glass.as_ref().map(|glass| self.share(Some(glass), "transmissionFactor", 0.0, ["transmissionTexture", "r"]));
+        let is_solid = volume.as_ref().is_some_and(|volume| self.number(Some(volume), "thicknessFactor", 0.0).0 > 0.0);
+        let factor = self.number(glass.as_ref(), "transmissionFactor", 0.0).0;
+        match (share, glass) {
+            (Some(share), Some(glass)) if factor > 0.0 => {
+                let all_of_it = factor == 1.0 && !glass.has("transmissionTexture") && self.metallic().0 == 0.0;
+                match (is_solid, all_of_it) {
+                    (true, true) => self.body(volume),
+                    (true, false) => self.principled(Some((share, volume))),
+                    (false, _) => self.pane(&glass, share),
+                }
+            }
+            _ => self.principled(None),
+        }
+    }
+
+    fn metallic(&self) -> (f64, View<'a>) {
+        self.number(self.pbr.as_ref(), "metallicFactor", 1.0)
+    }
+
+    fn roughness(&self) -> Node {
+        self.share(self.pbr.as_ref(), "roughnessFactor", 1.0, ["metallicRoughnessTexture", "g"])
+    }
+
+    fn eta(&self) -> Node {
+        let ior = self.extension("KHR_materials_ior");
+        let (eta, at) = self.number(ior.as_ref(), "ior", 1.5);
+        if eta != 0.0 {
+            return at.make_number(eta);
+        }
+        self.document.note(&at, "an index of refraction of 0, which reflects all light, is taken as 100");
+        at.make_number(100.0)
+    }
+
+    /// - `glass`: its share, and the volume behind it
+    fn principled(&self, glass: Option<(Node, Option<View<'a>>)>) -> Node {
+        let at = &self.at;
+        let pbr = self.pbr.as_ref();
+        let mut members = vec![
+            ("type", at.make_text("principled")),
+            ("base_color", self.base_color()),
+            ("metallic", self.share(pbr, "metallicFactor", 1.0, ["metallicRoughnessTexture", "b"])),
+            ("roughness", self.roughness()),
+            ("eta", self.eta()),
+        ];
+        if let Some((share, volume)) = glass {
+            members.push(("transmission", share));
+            if let Some(color) = volume.and_then(|volume| volume.get(&["attenuationColor"])) {
+                self.document.note(&color, "what a body that is glass only in part takes of the light is left out");
+            }
+        }
+        if let Some(coat) = self.extension("KHR_materials_clearcoat") {
+            members.push(("coat", self.share(Some(&coat), "clearcoatFactor", 0.0, ["clearcoatTexture", "r"])));
+            members.push(("coat_roughness", self.share(Some(&coat), "clearcoatRoughnessFactor", 0.0, ["clearcoatRoughnessTexture", "g"])));
+            if let Some(relief) = coat.get(&["clearcoatNormalTexture"]) {
+                self.document.note(&relief, "the coat has the relief of what it coats: its own normal map is left out");
+            }
+        }
+        if let Some(sheen) = self.extension("KHR_materials_sheen") {
+            members.push(("sheen_color", self.color(Some(&sheen), "sheenColorFactor", [0.0; 3], "sheenColorTexture")));
+            members.push(("sheen_roughness", self.share(Some(&sheen), "sheenRoughnessFactor", 0.0, ["sheenRoughnessTexture", "a"])));
+        }
+        if let Some(specular) = self.extension("KHR_materials_specular") {
+            members.push(("specular", self.share(Some(&specular), "specularFactor", 1.0, ["specularTexture", "a"])));
+            let tint = specular.get(&["specularColorFactor"]).filter(|tint| numbers(tint) != Some([1.0; 3]));
+            if let Some(tint) = tint.or_else(|| specular.get(&["specularColorTexture"])) {
+                self.document.note(&tint, "the colour of plastic's reflection is left out: it is white");
+            }
+        }
+        if let Some(brushed) = self.extension("KHR_materials_anisotropy") {
+            let (strength, place) = self.number(Some(&brushed), "anisotropyStrength", 0.0);
+            members.push(("anisotropy", place.make_number(strength)));
+            self.document.note(&brushed, "anisotropy runs along u, with pt's own widths; its rotation and texture are left out");
+        }
+        at.make_object(members)
+    }
+
+    /// Glass through and through; colour / distance as KHR_materials_volume and pt alike have them.
+    fn body(&self, volume: Option<View<'a>>) -> Node {
+        let at = &self.at;
+        let mut members =
+            vec![("type", at.make_text("dielectric")), ("color", self.base_color()), ("roughness", self.roughness()), ("eta", self.eta())];
+        let distance = volume.as_ref().and_then(|volume| volume.get(&["attenuationDistance"]));
+        if let Some((volume, distance)) = volume.zip(distance) {
+            let color = self.color(Some(&volume), "attenuationColor", [1.0; 3], "");
+            members.push(("absorption", volume.make_object([("color", color), ("distance", distance.same())])));
+        }
+        self.note_layers("glass");
+        at.make_object(members)
+    }
+
+    /// A pane without thickness, or a surface that is one in part.
+    fn pane(&self, glass: &View<'a>, share: Node) -> Node {
+        let at = &self.at;
+        let kind = |kind: &str| ("type", at.make_text(kind));
+        let has_texture = self.pbr.as_ref().is_some_and(|pbr| pbr.has("metallicRoughnessTexture"));
+        if has_texture || self.number(self.pbr.as_ref(), "roughnessFactor", 1.0).0 > 0.0 {
+            self.document.note(glass, "a thin pane is clear: its roughness is left out");
+        }
+        let pane = at.make_object([kind("thin_dielectric"), ("color", self.base_color()), ("eta", self.eta())]);
+        if glass.get(&["transmissionFactor"]).and_then(|at| at.number()) == Some(1.0)
+            && !glass.has("transmissionTexture")
+            && self.metallic().0 == 0.0
+        {
+            self.note_layers("a pane");
+            return pane;
+        }
+        at.make_object([kind("mix"), ("a", self.principled(None)), ("b", pane), ("share", share)])
+    }
+
+    fn note_layers(&self, what: &str) {
+        for name in ["KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_anisotropy"] {
+            if let Some(layer) = self.extension(name) {
+                self.document.note(&layer, format!("{name} on {what} is left out"));
+            }
+        }
+    }
+
+    fn bumped(&self, surface: Node) -> Node {
+        let info = self.own.as_ref().and_then(|own| own.get(&["normalTexture"]));
+        let Some((map, info)) = info.and_then(|info| Some((self.document.texture(&info, Kind::Normal)?, info))) else { return surface };
+        let (scale, at) = self.number(Some(&info), "scale", 1.0);
+        info.make_object([("type", info.make_text("bumped")), ("surface", surface), ("normal_map", map), ("scale", at.make_number(scale))])
+    }
+
+    fn masked(&self, surface: Node, emits: bool) -> Node {
+        let Some(mode) = self.own.as_ref().and_then(|own| own.get(&["alphaMode"])) else { return surface };
+        let word = mode.text().unwrap_or_default();
+        if word == "OPAQUE" {
+            return surface;
+        }
+        let ([.., alpha], at) = self.base_factor();
+        let has_texture = self.pbr.as_ref().is_some_and(|pbr| pbr.has("baseColorTexture"));
+        let opacity = self.textured(self.pbr.as_ref(), "baseColorTexture", Kind::Share("a"), at.make_number(alpha), alpha == 1.0);
+        let opacity = if word == "MASK" {
+            let (cutoff, place) = self.number(self.own.as_ref(), "alphaCutoff", 0.5);
+            let at = place.make_number(cutoff);
+            place.make_object([("type", place.make_text("threshold")), ("by", opacity), ("at", at)])
+        } else {
+            self.document.note(&mode, "what is blended covers its share of the rays, in no order");
+            opacity
+        };
+        if !has_texture && alpha == 1.0 {
+            return surface;
+        }
+        if emits {
+            self.document.note(&mode, "what shines has no holes: its opacity is left out");
+            return surface;
+        }
+        mode.make_object([("type", mode.make_text("masked")), ("surface", surface), ("opacity", opacity)])
+    }
+
+    /// What it emits, and whether that is more than a picture can show.
+    fn emission(&self) -> (Option<Node>, bool) {
+        let Some(own) = &self.own else { return (None, false) };
+        let strength = self.extension("KHR_materials_emissive_strength");
+        let (strength, _) = self.number(strength.as_ref(), "emissiveStrength", 1.0);
+        let Some(at) = own.get(&["emissiveFactor"]) else { return (None, false) };
+        let Some(factor) = numbers::<3>(&at).filter(|factor| *factor != [0.0; 3]) else { return (None, false) };
+        let two_sided = own.get(&["doubleSided"]).and_then(|flag| flag.flag()).unwrap_or(false);
+        let radiance = factor.map(|c| c * strength);
+        let mut members = vec![("radiance", at.make_numbers(radiance)), ("two_sided", at.make_flag(two_sided))];
+        let texture = own.get(&["emissiveTexture"]).and_then(|info| self.document.texture(&info, Kind::Color));
+        members.extend(texture.map(|texture| ("texture", texture)));
+        (Some(at.make_object(members)), radiance.iter().any(|c| *c > 1.0))
+    }
+
+    /// All references to textures, the most telling first.
+    fn references(&self) -> Vec<View<'a>> {
+        let base = self.pbr.iter().flat_map(|pbr| [pbr.get(&["baseColorTexture"]), pbr.get(&["metallicRoughnessTexture"])]);
+        let own = self.own.iter().flat_map(|own| [own.get(&["normalTexture"]), own.get(&["emissiveTexture"])]);
+        let extensions = self.own.iter().filter_map(|own| own.get(&["extensions"])?.members()).flatten();
+        let of_extensions = extensions.filter(|(_, view)| view.is_object()).filter_map(|(_, view)| view.members()).flatten();
+        let infos = of_extensions.filter(|(key, view)| key.ends_with("Texture") && view.is_object()).map(|(_, view)| Some(view));
+        base.chain(own).chain(infos).flatten().collect()
+    }
+
+    fn mapping(&self) -> Mapping {
+        self.references().first().map(Mapping::of).unwrap_or_default()
+    }
+
+    /// A mesh of pt has one set of texture coordinates.
+    fn note_textures(&self) {
+        let mapping = self.mapping();
+        for other in self.references().iter().filter(|info| Mapping::of(info) != mapping) {
+            self.document.note(other, "a texture lies as the material's first one does: its own coordinates are left out");
+        }
+        if let Some(occlusion) = self.own.as_ref().and_then(|own| own.get(&["occlusionTexture"])) {
+            self.document.note(&occlusion, "baked occlusion is left out: light finds its way by itself");
+        }
+    }
+}

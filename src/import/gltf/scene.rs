@@ -1,0 +1,191 @@
+//! The scene that the file shows: its nodes, from the roots down.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::{DMat4, Vec3};
+
+use super::document::Document;
+use super::material::Worn;
+use super::pose::Pose;
+use crate::import::framing::{self, Bounds};
+use crate::reader::Node;
+
+/// pt's tree of the file's scene; `None` with a fault noted.
+pub fn scene(document: &Document) -> Option<Node> {
+    let pose = Pose::new(document)?;
+    let mut found = Found {
+        document,
+        pose: &pose,
+        meshes: BTreeMap::new(),
+        materials: BTreeMap::new(),
+        names: vec![],
+        shapes: vec![],
+        lights: vec![],
+        cameras: vec![],
+        lit: false,
+        bounds: Bounds::EMPTY,
+    };
+    for node in shown(document) {
+        found.node(&node);
+    }
+    Some(found.root())
+}
+
+/// The nodes of the default scene, or of the first, or all; parents before their children, in the order of the file.
+fn shown<'a>(document: &Document<'a>) -> Vec<gltf::Node<'a>> {
+    let gltf = document.gltf;
+    let Some(scene) = gltf.default_scene().or_else(|| gltf.scenes().next()) else { return gltf.nodes().collect() };
+    if gltf.scenes().len() > 1 {
+        let index = scene.index();
+        document.note(&document.at(&["scenes"]), format!("of {} scenes number {index} is shown, counted from 0", gltf.scenes().len()));
+    }
+    let mut nodes = vec![];
+    let mut open: Vec<_> = scene.nodes().collect();
+    open.reverse();
+    while let Some(node) = open.pop() {
+        let children: Vec<_> = node.children().collect();
+        open.extend(children.into_iter().rev());
+        nodes.push(node);
+    }
+    nodes
+}
+
+/// A primitive's mesh file.
+#[derive(Clone)]
+struct Made {
+    file: String,
+    positions: Arc<[Vec3]>,
+    is_posed: bool,
+}
+
+/// What has been found so far.
+struct Found<'d, 'a> {
+    document: &'d Document<'a>,
+    pose: &'d Pose,
+    /// By mesh, primitive, and the node where its pose is its own.
+    meshes: BTreeMap<(usize, usize, Option<usize>), Option<Made>>,
+    /// By index: what shapes call it.
+    materials: BTreeMap<Option<usize>, (String, Worn)>,
+    /// Of the materials.
+    names: Vec<String>,
+    shapes: Vec<Node>,
+    lights: Vec<Node>,
+    /// With width over height.
+    cameras: Vec<(Node, f64, usize)>,
+    /// Whether anything lights the scene.
+    lit: bool,
+    bounds: Bounds,
+}
+
+impl Found<'_, '_> {
+    fn node(&mut self, node: &gltf::Node) {
+        let to_world = self.pose.of(node);
+        if let Some(mesh) = node.mesh() {
+            mesh.primitives().for_each(|primitive| self.primitive(node, &mesh, &primitive));
+        }
+        if let Some(camera) = node.camera() {
+            let described = self.document.camera(&camera, node, &to_world);
+            self.cameras.extend(described.map(|(described, aspect)| (described, aspect, camera.index())));
+        }
+        if let Some(light) = self.document.light(node, &to_world) {
+            self.lights.push(light);
+        }
+    }
+
+    fn primitive(&mut self, node: &gltf::Node, mesh: &gltf::Mesh, primitive: &gltf::Primitive) {
+        let index = primitive.material().index();
+        self.dress(index);
+        let Some((name, worn)) = self.materials.get(&index) else { return };
+        let own_pose = (node.skin().is_some() || node.weights().is_some()).then_some(node.index());
+        let key = (mesh.index(), primitive.index(), own_pose);
+        let made = match self.meshes.get(&key) {
+            Some(known) => known.clone(),
+            None => {
+                let made = self.made(node, mesh, primitive, worn, own_pose);
+                self.meshes.insert(key, made.clone());
+                made
+            }
+        };
+        let Some(made) = made else { return };
+        let to_world = if made.is_posed { DMat4::IDENTITY } else { self.pose.of(node) };
+        let at = self.document.item("nodes", node.index());
+        if to_world.determinant() == 0.0 {
+            self.document.note(&at, "what is scaled to nothing is left out");
+            return;
+        }
+        let mut members = vec![("type", at.make_text("mesh"))];
+        members.extend(node.name().or(mesh.name()).map(|name| ("name", at.make_text(name))));
+        members.extend([("file", at.make_text(made.file)), ("material", at.make_text(&**name))]);
+        members.extend(worn.emission.clone().map(|emission| ("emission", emission)));
+        if to_world != DMat4::IDENTITY {
+            // Row by row.
+            let matrix = at.make_numbers(to_world.transpose().to_cols_array());
+            members.push(("transform", at.make_array([at.make_object([("matrix", matrix)])])));
+        }
+        self.shapes.push(at.make_object(members));
+        self.lit |= worn.is_lamp;
+        made.positions.iter().for_each(|p| self.bounds.add(to_world.transform_point3(p.as_dvec3())));
+    }
+
+    /// Reads the material, once.
+    fn dress(&mut self, index: Option<usize>) {
+        if self.materials.contains_key(&index) {
+            return;
+        }
+        let given = index.and_then(|i| self.document.gltf.materials().nth(i)).and_then(|material| material.name().map(str::to_owned));
+        let otherwise = index.map_or("default".to_owned(), |i| format!("material {i}"));
+        let name = given.filter(|name| !name.is_empty() && !self.names.contains(name)).unwrap_or(otherwise);
+        let name = if self.names.contains(&name) { format!("{name} ({})", self.names.len()) } else { name };
+        self.names.push(name.clone());
+        self.materials.insert(index, (name, self.document.material(index)));
+    }
+
+    /// The triangles as a file; `None` where there are none.
+    fn made(
+        &self,
+        node: &gltf::Node,
+        mesh: &gltf::Mesh,
+        primitive: &gltf::Primitive,
+        worn: &Worn,
+        own_pose: Option<usize>,
+    ) -> Option<Made> {
+        let geometry = self.document.geometry(node, mesh, primitive, &worn.mapping, self.pose)?;
+        let of_node = own_pose.map_or(String::new(), |node| format!("-node-{node}"));
+        let file = self.document.made_name(&format!("mesh-{}-{}{of_node}", mesh.index(), primitive.index()), "ply");
+        let mut bytes = vec![];
+        geometry.mesh.write_ply_binary(&mut bytes).ok()?;
+        self.document.root.foreign().make(&*file, bytes);
+        Some(Made { file, positions: geometry.mesh.positions.into(), is_posed: geometry.is_posed })
+    }
+
+    fn root(mut self) -> Node {
+        let at = self.document.root.clone();
+        let bounds = self.bounds.or_unit();
+        let (camera, aspect) = self.camera(&bounds);
+        let mut root = vec![("pt", at.make_number(1.0)), ("camera", camera), ("film", framing::film(&at, aspect))];
+        if self.lights.is_empty() && !self.lit {
+            let [sky, key] = framing::light(&at, &bounds);
+            root.push(("background", sky));
+            self.shapes.push(key);
+        }
+        let materials: Vec<(String, Node)> = self.materials.into_values().map(|(name, worn)| (name, worn.node)).collect();
+        root.push(("materials", at.make_object(materials)));
+        root.push(("lights", at.make_array(self.lights)));
+        root.push(("shapes", at.make_array(self.shapes)));
+        at.make_object(root)
+    }
+
+    /// The first, or one that sees everything.
+    fn camera(&mut self, bounds: &Bounds) -> (Node, f64) {
+        if self.cameras.len() > 1 {
+            let others: Vec<String> = self.cameras[1..].iter().take(8).map(|(.., index)| index.to_string()).collect();
+            let message = format!("the first camera of the scene is used, not {}", others.join(", "));
+            self.document.note(&self.document.at(&["cameras"]), message);
+        }
+        match self.cameras.first() {
+            Some((camera, aspect, _)) => (camera.clone(), *aspect),
+            None => (framing::camera(&self.document.root, bounds), framing::ASPECT),
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Textures: pictures by index, a channel of them, and the coordinates they lie on.
+
+use glam::Vec2;
+
+use super::buffer::{file_name, of_data};
+use super::document::Document;
+use crate::import::view::View;
+use crate::reader::Node;
+
+/// From the texture coordinates of the file to those of pt.
+///
+/// (u′, v′) = offset + R scale (u, v), and then v upwards: 1 − v′. R (u, v) = (c u + s v, c v − s u): counter-clockwise as one sees a
+/// picture whose v runs down.
+///
+/// Source: Khronos, *KHR_texture_transform*.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mapping {
+    /// TEXCOORD_⟨set⟩.
+    pub set: u32,
+    offset: [f64; 2],
+    rotation: f64,
+    scale: [f64; 2],
+}
+
+impl Default for Mapping {
+    fn default() -> Mapping {
+        Mapping { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2] }
+    }
+}
+
+impl Mapping {
+    /// What a reference to a texture says.
+    pub fn of(info: &View) -> Mapping {
+        let transform = info.get(&["extensions"]).and_then(|all| all.get(&["KHR_texture_transform"]));
+        let set = |of: &View| of.get(&["texCoord"]).and_then(|set| set.whole()).and_then(|set| u32::try_from(set).ok());
+        let pair = |key, default| transform.as_ref().and_then(|t| t.get(&[key])).and_then(|at| numbers(&at)).unwrap_or(default);
+        Mapping {
+            set: transform.as_ref().and_then(set).or_else(|| set(info)).unwrap_or(0),
+            offset: pair("offset", [0.0; 2]),
+            rotation: transform.as_ref().and_then(|t| t.get(&["rotation"])).and_then(|at| at.number()).unwrap_or(0.0),
+            scale: pair("scale", [1.0; 2]),
+        }
+    }
+
+    /// The coordinates of pt.
+    pub fn upwards(&self, uv: Vec2) -> Vec2 {
+        let (s, c) = self.rotation.sin_cos();
+        let [u, v] = [f64::from(uv.x) * self.scale[0], f64::from(uv.y) * self.scale[1]];
+        let [u, v] = [self.offset[0] + c * u + s * v, self.offset[1] + c * v - s * u];
+        Vec2::new(u as f32, (1.0 - v) as f32)
+    }
+}
+
+/// `N` numbers in a list; `None` with a fault noted.
+pub fn numbers<const N: usize>(at: &View) -> Option<[f64; N]> {
+    let items = at.items()?;
+    let numbers: Option<Vec<f64>> = items.iter().map(View::number).collect();
+    let numbers = numbers?.try_into().ok();
+    if numbers.is_none() {
+        at.fault(format!("expected {N} numbers, found {}", items.len()));
+    }
+    numbers
+}
+
+/// What the numbers of a picture mean, and which of them count.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Kind {
+    Color,
+    Normal,
+    /// One channel: "r", "g", "b" or "a".
+    Share(&'static str),
+}
+
+impl<'a> Document<'a> {
+    /// The texture that `info` refers to, as pt's; `None` where there is none, with a note or a fault.
+    pub fn texture(&self, info: &View<'a>, kind: Kind) -> Option<Node> {
+        let index = info.need(&["index"])?;
+        let number = index.whole()?;
+        let Some(texture) = self.gltf.textures().nth(usize::try_from(number).ok()?) else {
+            index.fault(format!("texture {number}, but there are {}", self.gltf.textures().len()));
+            return None;
+        };
+        let at = self.item("textures", texture.index());
+        if !at.has("source") {
+            self.note(&at, "a texture without a PNG or JPEG picture is left out");
+            return None;
+        }
+        let source = self.gltf.as_json().textures.get(texture.index())?.source.value();
+        let file = self.picture(source)?;
+        let mut members = vec![("type", info.make_text("image")), ("file", info.make_text(file))];
+        match kind {
+            Kind::Color => {}
+            Kind::Normal => members.push(("encoding", info.make_text("linear"))),
+            Kind::Share(channel) => members.extend([("encoding", info.make_text("linear")), ("channel", info.make_text(channel))]),
+        }
+        members.extend(self.sampler(&at, &texture, info));
+        Some(info.make_object(members))
+    }
+
+    fn sampler(&self, at: &View<'a>, texture: &gltf::Texture, info: &View) -> Vec<(&'static str, Node)> {
+        use gltf::texture::{MagFilter, WrappingMode};
+        let sampler = texture.sampler();
+        if sampler.wrap_s() != sampler.wrap_t() {
+            self.note(at, "the picture goes on along v as it does along u");
+        }
+        let wrap = match sampler.wrap_s() {
+            WrappingMode::Repeat => None,
+            WrappingMode::MirroredRepeat => Some("mirror"),
+            WrappingMode::ClampToEdge => Some("clamp"),
+        };
+        let filter = (sampler.mag_filter() == Some(MagFilter::Nearest)).then_some("nearest");
+        let wrap = wrap.map(|wrap| ("wrap", info.make_text(wrap)));
+        wrap.into_iter().chain(filter.map(|filter| ("filter", info.make_text(filter)))).collect()
+    }
+
+    /// The file of a picture: its own, or one that comes with the scene; `None` with a fault noted.
+    fn picture(&self, index: usize) -> Option<String> {
+        if let Some(known) = self.pictures.borrow().get(&index) {
+            return known.clone();
+        }
+        let file = self.find_picture(index);
+        self.pictures.borrow_mut().insert(index, file.clone());
+        file
+    }
+
+    fn find_picture(&self, index: usize) -> Option<String> {
+        let at = self.item("images", index);
+        let Some(image) = self.gltf.as_json().images.get(index) else {
+            self.root.fault(format!("picture {index}, but there are {}", self.gltf.images().len()));
+            return None;
+        };
+        let view = image.buffer_view.and_then(|view| self.gltf.views().nth(view.value()));
+        let bytes = match (&image.uri, view) {
+            (Some(uri), _) => {
+                let place = at.get(&["uri"])?;
+                if !uri.starts_with("data:") {
+                    return file_name(&place, uri);
+                }
+                of_data(&place, uri)?
+            }
+            (None, Some(view)) => match self.buffers.view(&view) {
+                Some(bytes) => bytes.to_vec(),
+                None => {
+                    at.fault(format!("bufferView {} reaches beyond its buffer", view.index()));
+                    return None;
+                }
+            },
+            (None, None) => {
+                at.fault("a picture needs a uri or a bufferView");
+                return None;
+            }
+        };
+        let extension = if bytes.starts_with(b"\xFF\xD8") { "jpg" } else { "png" };
+        let file = self.made_name(&format!("picture-{index}"), extension);
+        self.root.foreign().make(&*file, bytes);
+        Some(file)
+    }
+
+    /// A name for a file that comes with the scene, and that no picture beside it has.
+    pub fn made_name(&self, stem: &str, extension: &str) -> String {
+        let mut name = format!("{stem}.{extension}");
+        let is_taken = |name: &str| self.gltf.as_json().images.iter().any(|image| image.uri.as_deref() == Some(name));
+        while is_taken(&name) {
+            name.insert(0, '_');
+        }
+        name
+    }
+}

@@ -1,0 +1,167 @@
+//! A model by itself: Wavefront OBJ and its library of materials (MTL), with a camera and light chosen for it.
+
+mod library;
+mod material;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::framing::{self, Bounds};
+use super::view::View;
+use super::{Content, Dialect, Foreign};
+use crate::error::{Error, Fault, Result};
+use crate::reader::{Node, Place, Value};
+use crate::shape::MeshData;
+use crate::shape::mesh_data::Part;
+use library::Entry;
+
+pub const DIALECT: Dialect = Dialect { name: "obj", about: "Wavefront OBJ with its MTL: a model by itself", is, read };
+
+/// What an OBJ's first statement may be.
+const KEYWORDS: &[&str] = &["v", "vn", "vt", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl"];
+
+/// So much of a file is looked at to recognise it (bytes).
+const LOOK: usize = 1 << 16;
+
+/// Whether the first line that is no comment is a statement of an OBJ.
+fn is(content: &Content) -> bool {
+    let start = &content.bytes[..content.bytes.len().min(LOOK)];
+    let mut words = start.split(|&b| b == b'\n').filter_map(|line| {
+        let line = line.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(line);
+        line.split(u8::is_ascii_whitespace).find(|word| !word.is_empty())
+    });
+    words.find(|word| !word.starts_with(b"#")).is_some_and(|word| KEYWORDS.iter().any(|keyword| keyword.as_bytes() == word))
+}
+
+fn read(content: &Content, foreign: &Foreign) -> Result<Option<Node>> {
+    let whole = Node { value: Value::Object(vec![]), place: Place::Whole("".into()) };
+    let at = View::root(&whole, foreign);
+    let name = file_name(content, foreign);
+    let (mesh, _) = crate::describe::mesh::read(std::io::Cursor::new(&content.bytes), foreign.file)?;
+    let library = libraries(content, foreign)?;
+    let used: BTreeMap<&str, &Entry> =
+        parts_of(&mesh).into_iter().filter_map(|name| library.get_key_value(name)).map(|(k, e)| (&**k, e)).collect();
+    let unknown: Vec<&str> = parts_of(&mesh).into_iter().filter(|name| !library.contains_key(*name)).collect();
+    if !unknown.is_empty() {
+        at.note(format!("materials that no library has, taken as matte, albedo 0.8: {}", listed(&unknown)));
+    }
+    let mut bounds = Bounds::EMPTY;
+    mesh.positions.iter().for_each(|p| bounds.add(p.as_dvec3()));
+    let lamps: Vec<&str> = used.iter().filter(|(_, entry)| entry.emits()).map(|(name, _)| *name).collect();
+    let mut shapes = shapes(&at, &mesh, &name, &used, &lamps)?;
+    let mut root = vec![
+        ("pt", at.make_number(1.0)),
+        ("camera", framing::camera(&at, &bounds)),
+        ("film", framing::film(&at, framing::ASPECT)),
+        ("materials", at.make_object(used.iter().map(|(name, entry)| (*name, material::material(&at, name, entry))))),
+    ];
+    if lamps.is_empty() {
+        let [sky, key] = framing::light(&at, &bounds);
+        root.push(("background", sky));
+        shapes.push(key);
+    }
+    root.push(("shapes", at.make_array(shapes)));
+    Ok(Some(at.make_object(root)))
+}
+
+/// The file itself, as the scene that shows it calls it; what lies in no folder comes with the scene.
+fn file_name(content: &Content, foreign: &Foreign) -> String {
+    match content.path.file_name().and_then(|name| name.to_str()).filter(|_| content.path != Path::new("-")) {
+        Some(name) if has_extension(name) => name.to_owned(),
+        _ => {
+            foreign.make("model.obj", content.bytes.clone());
+            "model.obj".to_owned()
+        }
+    }
+}
+
+/// As the reader of meshes asks for it.
+fn has_extension(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"))
+}
+
+/// The entries of all libraries that the file names; a library that is not there is noted.
+fn libraries(content: &Content, foreign: &Foreign) -> Result<BTreeMap<String, Entry>> {
+    let text = String::from_utf8_lossy(&content.bytes);
+    let mut entries = BTreeMap::new();
+    for (i, line) in text.lines().enumerate() {
+        let Some(files) = line.trim().strip_prefix("mtllib").filter(|rest| rest.starts_with(char::is_whitespace)) else { continue };
+        let place = |message: String| Fault::new(message).in_file(foreign.file).at_line(i + 1);
+        for file in named(files.trim(), foreign) {
+            if let Some(why) = foreign.files.why_not(&file) {
+                return Err(Error::invalid(place(why)));
+            }
+            match foreign.files.bytes(&file) {
+                Ok(bytes) => entries.extend(library::read(&bytes, &file, foreign)?),
+                // The reader of meshes says so.
+                Err(Error::Invalid(_)) => {}
+                Err(other) => return Err(other),
+            }
+        }
+    }
+    Ok(entries)
+}
+
+/// One file whose name may contain spaces, or several between spaces.
+fn named(files: &str, foreign: &Foreign) -> Vec<String> {
+    let is_one = !files.contains(char::is_whitespace) || (foreign.files.why_not(files).is_none() && foreign.files.bytes(files).is_ok());
+    if is_one { vec![files.to_owned()] } else { files.split_whitespace().map(str::to_owned).collect() }
+}
+
+/// The names of materials that its faces have.
+fn parts_of(mesh: &MeshData) -> Vec<&str> {
+    let mut names: Vec<&str> = mesh.parts.iter().filter_map(|part| part.material.as_deref()).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
+/// The file as it is, where nothing of it shines; else each lamp by itself, and all else.
+fn shapes(at: &View, mesh: &MeshData, name: &str, used: &BTreeMap<&str, &Entry>, lamps: &[&str]) -> Result<Vec<Node>> {
+    let mesh_shape = |file: &str| vec![("type", at.make_text("mesh")), ("file", at.make_text(file))];
+    let white = at.make_object([("type", at.make_text("diffuse")), ("albedo", at.make_number(material::DIFFUSE))]);
+    let all = |file: &str| {
+        let plain = used.keys().filter(|name| !lamps.contains(name)).map(|name| (*name, at.make_text(*name)));
+        at.make_object([mesh_shape(file), vec![("material", white.clone()), ("materials", at.make_object(plain))]].concat())
+    };
+    if lamps.is_empty() {
+        return Ok(vec![all(name)]);
+    }
+    let mut shapes = vec![];
+    let is_lamp = |part: &Part| part.material.as_deref().is_some_and(|name| lamps.contains(&name));
+    if let Some(bytes) = written(mesh, |part| !is_lamp(part))? {
+        at.foreign().make("rest.obj", bytes);
+        shapes.push(all("rest.obj"));
+    }
+    for (i, lamp) in lamps.iter().enumerate() {
+        let Some(bytes) = written(mesh, |part| part.material.as_deref() == Some(lamp))? else { continue };
+        let file = format!("lamp-{i}.obj");
+        at.foreign().make(&*file, bytes);
+        let emission = [("radiance", at.make_numbers(used[lamp].emission)), ("two_sided", at.make_flag(true))];
+        let more = vec![("name", at.make_text(*lamp)), ("material", at.make_text(*lamp)), ("emission", at.make_object(emission))];
+        shapes.push(at.make_object([mesh_shape(&file), more].concat()));
+    }
+    Ok(shapes)
+}
+
+/// The parts of a mesh as an OBJ file; `None` where there are none.
+fn written(mesh: &MeshData, wanted: impl Fn(&Part) -> bool) -> Result<Option<Vec<u8>>> {
+    let mut chosen = MeshData { triangles: vec![], parts: vec![], ..mesh.clone() };
+    for part in mesh.parts.iter().filter(|part| wanted(part)) {
+        let start = chosen.triangles.len() as u32;
+        chosen.triangles.extend(&mesh.triangles[part.triangles.start as usize..part.triangles.end as usize]);
+        chosen.parts.push(Part { triangles: start..chosen.triangles.len() as u32, ..part.clone() });
+    }
+    let (chosen, _) = chosen.clean();
+    let mut bytes = vec![];
+    chosen.write_obj(&mut bytes).map_err(|e| Error::io("memory", e))?;
+    Ok(if chosen.triangles.is_empty() { None } else { Some(bytes) })
+}
+
+fn listed(names: &[&str]) -> String {
+    const SHOWN: usize = 5;
+    let more = names.len().saturating_sub(SHOWN);
+    let shown: Vec<String> = names.iter().take(SHOWN).map(|name| format!("{name:?}")).collect();
+    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+    shown.join(", ") + &rest
+}

@@ -1,0 +1,188 @@
+//! Materials and textures: by the numbers of pt's description, and by what a ray meets.
+
+use pt::texture::image::Pixels;
+use serde_json::{Value, json};
+
+use super::model::{Model, picture};
+use crate::import::read::{Read, assert_near, met, read, reflected};
+
+fn read_model(model: &Model) -> Read {
+    let folder = tempfile::tempdir().expect("a folder");
+    model.write(folder.path(), "scene.gltf");
+    read(&folder.path().join("scene.gltf"))
+}
+
+fn material(extensions: Value) -> Read {
+    read_model(&Model::square(json!({ "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": extensions })))
+}
+
+/// The inverse of the sRGB curve (IEC 61966-2-1).
+fn linear(level: u8) -> f64 {
+    let x = f64::from(level) / 255.0;
+    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Each quarter of the square shows its pixel times the factor: the first row is the upper one.
+#[test]
+fn base_colours_are_where_they_belong() {
+    let pixels = [[[250, 10, 128, 255], [0, 255, 0, 255]], [[64, 64, 64, 255], [255, 255, 200, 255]]];
+    let factor = [0.5, 1.0, 0.25];
+    let mut model = Model::square(json!({}));
+    let texture = model.texture(picture(pixels), json!({ "magFilter": 9728 }));
+    let pbr = json!({ "baseColorFactor": [0.5, 1.0, 0.25, 1.0], "baseColorTexture": { "index": texture }, "metallicFactor": 1, "roughnessFactor": 0 });
+    model.doc["materials"][0] = json!({ "pbrMetallicRoughness": pbr });
+    let built = read_model(&model).built();
+    for (row, y) in [(0, 0.75), (1, 0.25)] {
+        for (column, x) in [(0, 0.25), (1, 0.75)] {
+            let expected: Vec<f64> = (0..3).map(|k| linear(pixels[row][column][k]) * factor[k]).collect();
+            let found = met(&built, [x, y, 2.0], [0.0, 0.0, -1.0], |surface, _| reflected(surface).to_rgb().map(f64::from));
+            // Straight on, a mirror of metal has its base colour; f32.
+            assert_near(&found, &expected, 1e-5, &format!("row {row}, column {column}"));
+        }
+    }
+}
+
+/// (u′, v′) = (0.5 + 2 (c u + s v), 0.25 + 3 (c v − s u)) for 90°, v down: baked into the mesh, v upwards.
+#[test]
+fn texture_transforms_are_in_the_coordinates() {
+    let mut model = Model::square(json!({}));
+    let texture = model.texture(picture([[[255; 4]]]), json!({}));
+    let transform = json!({ "offset": [0.5, 0.25], "scale": [2, 3], "rotation": std::f64::consts::FRAC_PI_2 });
+    model.doc["extensionsUsed"] = json!(["KHR_texture_transform"]);
+    let info = json!({ "index": texture, "extensions": { "KHR_texture_transform": transform } });
+    model.doc["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": info });
+    let mesh = read_model(&model).mesh(0);
+    // Of the file: (0, 1), (1, 1), (1, 0), (0, 0). c = 0, s = 1.
+    let expected = [[0, 1], [1, 1], [1, 0], [0, 0]].map(|[u, v]| [0.5 + 3.0 * f64::from(v), 1.0 - (0.25 - 2.0 * f64::from(u))]);
+    for (uv, expected) in mesh.uvs.iter().zip(expected) {
+        assert_near(&uv.as_dvec2().to_array(), &expected, 1e-6, "texture coordinates");
+    }
+}
+
+/// Roughness is green, metalness blue; both are linear, and times their factors.
+#[test]
+fn metallic_and_roughness_are_channels() {
+    let mut model = Model::square(json!({}));
+    let texture = model.texture(picture([[[0, 102, 204, 255]]]), json!({ "wrapS": 33071, "wrapT": 33071 }));
+    let pbr = json!({ "metallicRoughnessTexture": { "index": texture }, "roughnessFactor": 0.5 });
+    model.doc["materials"][0] = json!({ "pbrMetallicRoughness": pbr });
+    let scene = read_model(&model);
+    let metallic = json!({ "type": "image", "file": "picture-0.png", "encoding": "linear", "channel": "b", "wrap": "clamp" });
+    assert_eq!(scene.at("/materials/material 0/metallic"), &metallic);
+    assert_eq!(scene.at("/materials/material 0/roughness/a/channel"), "g");
+    assert_near(&scene.numbers("/materials/material 0/base_color"), &[1.0; 3], 0.0, "base colour");
+    assert_eq!(scene.number("/materials/material 0/roughness/b"), 0.5);
+    let values = |channel| -> Vec<[f32; 3]> {
+        let (pixels, _) = scene.files.picture("picture-0.png", pt::describe::Encoding::Linear, channel).expect("a picture");
+        Pixels::values(&pixels).to_vec()
+    };
+    use pt::describe::Channel;
+    assert_eq!(values(Some(Channel::R)), [[0.0; 3]]);
+    assert_eq!(values(Some(Channel::G)), [[0.4; 3]]);
+    assert_eq!(values(Some(Channel::B)), [[0.8; 3]]);
+    assert_eq!(values(Some(Channel::A)), [[1.0; 3]]);
+}
+
+/// n = normalize((2 r − 1) s, (2 g − 1) s, 2 b − 1) along u, along v upwards, and out.
+#[test]
+fn normal_maps_turn_normals() {
+    for scale in [1.0, 0.5] {
+        let mut model = Model::square(json!({}));
+        let texture = model.texture(picture([[[204, 153, 230, 255]]]), json!({}));
+        model.doc["materials"][0] = json!({ "normalTexture": { "index": texture, "scale": scale } });
+        let share = |level: u8| 2.0 * f64::from(level) / 255.0 - 1.0;
+        let expected = glam::DVec3::new(share(204) * scale, share(153) * scale, share(230)).normalize();
+        let found = met(&read_model(&model).built(), [0.3, 0.6, 2.0], [0.0, 0.0, -1.0], |surface, _| surface.point.ns.as_dvec3());
+        assert_near(&found.to_array(), &expected.to_array(), 1e-5, &format!("scale {scale}"));
+    }
+}
+
+/// Red is above and green below where the alpha is at least the cutoff; through the rest a ray goes on.
+#[test]
+fn alpha_masks_have_holes() {
+    // Alpha 127 · 0.9 / 255 = 0.448, 128 · 0.9 / 255 = 0.4518.
+    let pixels = [[[255, 0, 0, 127], [0, 255, 0, 128]]];
+    let masked = |alpha_mode: &str| {
+        let mut model = Model::square(json!({}));
+        let texture = model.texture(picture(pixels), json!({ "magFilter": 9728 }));
+        let pbr = json!({ "baseColorFactor": [1, 1, 1, 0.9], "baseColorTexture": { "index": texture } });
+        model.doc["materials"][0] = json!({ "pbrMetallicRoughness": pbr, "alphaMode": alpha_mode, "alphaCutoff": 0.45 });
+        // What is behind.
+        let behind = model.square_mesh(json!(1));
+        model.add("materials", json!({}));
+        model.node(json!({ "mesh": behind, "translation": [0, 0, -1] }));
+        read_model(&model)
+    };
+    let depth = |scene: &Read, x: f64| met(&scene.built(), [x, 0.5, 2.0], [0.0, 0.0, -1.0], |_, p| p.z.round());
+    let mask = masked("MASK");
+    assert_eq!([depth(&mask, 0.25), depth(&mask, 0.75)], [-1.0, 0.0]);
+    assert_eq!([depth(&masked("OPAQUE"), 0.25), depth(&masked("OPAQUE"), 0.75)], [0.0, 0.0]);
+    let blend = masked("BLEND");
+    assert_eq!(blend.at("/materials/material 0/type"), "masked");
+    assert_eq!(blend.number("/materials/material 0/opacity/b"), 0.9);
+    assert!(blend.notes_say("/materials/0/alphaMode: what is blended covers its share of the rays"), "{:?}", blend.notes);
+}
+
+/// A texture of emission: what leaves each half.
+#[test]
+fn emission_follows_its_texture() {
+    let mut model = Model::square(json!({}));
+    let texture = model.texture(picture([[[255, 255, 255, 255], [128, 0, 0, 255]]]), json!({ "magFilter": 9728 }));
+    model.doc["materials"][0] = json!({ "emissiveFactor": [1, 1, 0.5], "emissiveTexture": { "index": texture } });
+    let built = read_model(&model).built();
+    for (x, expected) in [(0.25, [1.0, 1.0, 0.5]), (0.75, [linear(128), 0.0, 0.0])] {
+        let out = |surface: &pt::scene::Surface, _| surface.emitted(glam::Vec3::Z).to_rgb().map(f64::from);
+        assert_near(&met(&built, [x, 0.5, 2.0], [0.0, 0.0, -1.0], out), &expected, 1e-6, "radiance");
+    }
+}
+
+#[test]
+fn extensions_become_parameters() {
+    let coat = material(json!({ "KHR_materials_clearcoat": { "clearcoatFactor": 0.75, "clearcoatRoughnessFactor": 0.25 } }));
+    assert_eq!((coat.number("/materials/material 0/coat"), coat.number("/materials/material 0/coat_roughness")), (0.75, 0.25));
+    let sheen = material(json!({ "KHR_materials_sheen": { "sheenColorFactor": [0.5, 0.25, 1], "sheenRoughnessFactor": 0.75 } }));
+    assert_eq!(sheen.numbers("/materials/material 0/sheen_color"), [0.5, 0.25, 1.0]);
+    assert_eq!(sheen.number("/materials/material 0/sheen_roughness"), 0.75);
+    let specular = material(json!({ "KHR_materials_specular": { "specularFactor": 0.5 }, "KHR_materials_ior": { "ior": 1.25 } }));
+    assert_eq!((specular.number("/materials/material 0/specular"), specular.number("/materials/material 0/eta")), (0.5, 1.25));
+}
+
+/// With a thickness it is a body of glass, without a pane; in part, a part of it.
+#[test]
+fn transmission_knows_bodies_and_panes() {
+    let volume = json!({ "thicknessFactor": 1, "attenuationColor": [0.5, 0.25, 1], "attenuationDistance": 2 });
+    let glass = |share: f64, volume: Option<&Value>| {
+        let mut extensions = json!({ "KHR_materials_transmission": { "transmissionFactor": share }, "KHR_materials_ior": { "ior": 1.25 } });
+        extensions["KHR_materials_volume"] = volume.cloned().unwrap_or(json!({}));
+        let pbr = json!({ "baseColorFactor": [0.5, 1, 1, 1], "metallicFactor": 0, "roughnessFactor": 0.25 });
+        read_model(&Model::square(json!({ "pbrMetallicRoughness": pbr, "extensions": extensions })))
+    };
+    let body = glass(1.0, Some(&volume));
+    let expected = json!({ "type": "dielectric", "color": [0.5, 1.0, 1.0], "roughness": 0.25, "eta": 1.25,
+        "absorption": { "color": [0.5, 0.25, 1.0], "distance": 2 } });
+    assert_eq!(body.at("/materials/material 0"), &expected);
+    let part = glass(0.5, Some(&volume));
+    assert_eq!((part.at("/materials/material 0/type"), part.number("/materials/material 0/transmission")), (&json!("principled"), 0.5));
+    assert!(part.notes_say("what a body that is glass only in part takes of the light is left out"));
+    let pane = glass(1.0, None);
+    assert_eq!(pane.at("/materials/material 0"), &json!({ "type": "thin_dielectric", "color": [0.5, 1.0, 1.0], "eta": 1.25 }));
+    assert!(pane.notes_say("a thin pane is clear"));
+    let half = glass(0.5, None);
+    assert_eq!((half.at("/materials/material 0/type"), half.number("/materials/material 0/share")), (&json!("mix"), 0.5));
+    assert_eq!(half.at("/materials/material 0/b/type"), "thin_dielectric");
+}
+
+/// Pictures beside the file stay there, by their names without `%`.
+#[test]
+fn pictures_beside_the_file_stay_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut model = Model::square(json!({}));
+    model.add("images", json!({ "uri": "my%20wood.png" }));
+    model.add("textures", json!({ "source": 0 }));
+    model.doc["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
+    model.write(folder.path(), "scene.gltf");
+    std::fs::write(folder.path().join("my wood.png"), super::model::png(picture([[[255; 4]]]))).expect("a file");
+    let scene = read(&folder.path().join("scene.gltf"));
+    assert_eq!(scene.at("/materials/material 0/base_color"), &json!({ "type": "image", "file": "my wood.png" }));
+    scene.built();
+}
