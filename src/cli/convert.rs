@@ -19,7 +19,7 @@ pub fn convert(args: &args::Convert, tables: &[&[Entry]]) -> Result<()> {
     let loaded = load(&args.scene, &[], None, tables)?;
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     let usage = |message: &str| Error::Usage(format!("{}: {message}", to.display()));
-    if !to.extension().is_some_and(|extension| extension == "json") {
+    if to.extension().is_none_or(|extension| extension != "json") {
         return Err(usage("expected a name that ends in .json"));
     }
     if is_same_file(to, args.scene.path()?) {
@@ -61,7 +61,7 @@ impl Folder {
             true => self.files.join(name),
             false => {
                 let real = |path: &Path| path.canonicalize().map_err(|e| Error::io(path, e));
-                let [from, to] = [real(&output::folder(&loaded.files.folder.join("scene")).to_owned())?, real(&self.path)?];
+                let [from, to] = [real(output::folder(&loaded.files.folder.join("scene")))?, real(&self.path)?];
                 if from == to { name.into() } else { pathdiff::diff_paths(from.join(name), to).unwrap_or_else(|| from.join(name)) }
             }
         };
