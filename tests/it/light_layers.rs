@@ -42,7 +42,7 @@ fn picture(scene: &str, name: &str, options: &str, filter: Filter) -> Image {
 }
 
 /// Red, green and blue of a layer.
-fn layer<'i>(image: &'i Image, name: &str) -> Vec<[f32; 3]> {
+fn layer(image: &Image, name: &str) -> Vec<[f32; 3]> {
     let [r, g, b] = ["R", "G", "B"].map(|c| image.channel(&format!("{name}.{c}")).unwrap_or_else(|| panic!("no {name}.{c}")));
     r.iter().zip(g).zip(b).map(|((r, g), b)| [*r, *g, *b]).collect()
 }
