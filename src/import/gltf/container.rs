@@ -68,7 +68,7 @@ fn without_lines(node: Node, pointer: &str) -> Node {
         Value::Array(items) => {
             Value::Array(items.into_iter().enumerate().map(|(i, item)| without_lines(item, &below(&i.to_string()))).collect())
         }
-        Value::Object(members) => Value::Object(members.into_iter().map(|member| without_line(member, &below)).collect()),
+        Value::Object(members) => Value::Object(members.into_iter().map(|member| without_line(member, below)).collect()),
         plain => plain,
     };
     Node { value, place: Place::Whole(pointer.into()) }
