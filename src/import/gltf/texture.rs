@@ -12,7 +12,8 @@ use crate::reader::Node;
 /// (u′, v′) = offset + R scale (u, v), and then v upwards: 1 − v′. R (u, v) = (c u + s v, c v − s u): counter-clockwise as one sees a
 /// picture whose v runs down.
 ///
-/// Source: Khronos, *KHR_texture_transform*.
+/// Source: Khronos, *KHR_texture_transform*, by its text; its listing turns the other way, which is a known mistake of it
+/// (KhronosGroup/glTF, issue 1563).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mapping {
     /// TEXCOORD_⟨set⟩.
