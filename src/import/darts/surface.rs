@@ -1,13 +1,10 @@
 //! Surfaces.
 
-use std::path::Path;
-
 use super::Reader;
 use super::material::{Dress, is_light};
 use super::spelling::word;
 use super::value::{scalar, vector};
 use super::{refuse_media, transform};
-use crate::describe;
 use crate::import::view::View;
 use crate::reader::{Node, unknown};
 
@@ -90,11 +87,10 @@ impl<'a> Reader<'a> {
     /// What is wrong with the file itself is told when it is read as a mesh.
     fn named_in(&self, file: &View<'a>) -> Option<Vec<String>> {
         let (name, files) = (file.text()?, &file.foreign().files);
-        if self.materials.is_empty() || files.why_not(name).is_some() {
+        if self.materials.is_empty() {
             return Some(vec![]);
         }
-        // From the current folder, so that no name is that of standard input.
-        let text = describe::bytes(&Path::new(".").join(&files.folder).join(name)).unwrap_or_default();
+        let text = files.bytes(name).unwrap_or_default();
         let mut names: Vec<String> = text
             .split(|byte| *byte == b'\n')
             .filter_map(|line| std::str::from_utf8(line).ok()?.trim().strip_prefix("usemtl")?.trim().to_owned().into())
