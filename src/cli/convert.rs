@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::load::{Loaded, load};
 use super::{args, note};
-use crate::describe::files_of;
+use crate::describe::{Files, files_of};
 use crate::error::{Error, Result};
 use crate::integrator::Entry;
 use crate::output::{self, check_folder, replace};
@@ -28,12 +28,18 @@ pub fn convert(args: &args::Convert, tables: &[&[Entry]]) -> Result<()> {
     check_folder(to)?;
     let folder = Folder::beside(to);
     let mut root = loaded.root.clone();
+    let mut is_outside = false;
     for (pointer, name) in files_of(&loaded.description) {
         let name = folder.name_of(name, &loaded)?;
+        is_outside |= Files::within(&folder.path).why_not(&name).is_some();
         root.set(&pointer, &serde_json::json!(name).to_string())?;
     }
     folder.fill(&loaded)?;
-    replace(to, format!("{root}\n").as_bytes())
+    replace(to, format!("{root}\n").as_bytes())?;
+    if is_outside {
+        note(&format!("note: {} names files outside of its folder: it is rendered with --allow-outside", to.display()));
+    }
+    Ok(())
 }
 
 fn is_same_file(a: &Path, b: &Path) -> bool {
