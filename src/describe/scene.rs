@@ -74,6 +74,7 @@ impl Scene {
 fn emitters(shapes: &[Shape]) -> usize {
     let shine = |shape: &Shape| match shape {
         Shape::Group(group) => emitters(&group.shapes),
+        Shape::Sdf(sdf) => usize::from(sdf.emission.is_some() || sdf.parts.iter().flatten().any(|part| part.emission.is_some())),
         other => usize::from(other.emission().is_some()),
     };
     shapes.iter().map(shine).sum()
