@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use pt::describe::{self, Files, Source};
-use pt::film::{FilmSpec, MomentFilm};
+use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::{Integrator, choose};
 use pt::measure::adaptive::explore;
 use pt::measure::{Course, Distance, RelativeError, Until, follow};
@@ -22,10 +22,16 @@ use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
 
 const SCENES: [&str; 6] = ["cornell-box", "mirror-balls", "mis-plates", "statue", "triangle-stacks", "matter"];
+/// Samples of the picture that stands for the truth.
+const REFERENCE: u64 = 1 << 14;
 const SAMPLERS: [Kind; 3] = [Kind::Independent, Kind::Halton, Kind::Sobol];
-const SAMPLES: u64 = 64;
+/// Per pixel: as they are when one looks for the first time, and when one stays.
+const SAMPLES: [u64; 2] = [64, 256];
 
-const SHORT: Until = Until { samples: SAMPLES, time: None, target: None };
+/// Without a clock and a target.
+const fn after(samples: u64) -> Until {
+    Until { samples, time: None, target: None }
+}
 
 struct Subject {
     scene: Arc<dyn Scene>,
@@ -72,41 +78,91 @@ fn main() -> pt::Result<()> {
 }
 
 fn coverage(seeds: u64) -> pt::Result<()> {
+    let mut total = Count::default();
     println!(
-        "| scene | sampler | error | stated / true | not established | interval holds | relMSE of 2 scramblings / 1 |\n|---|---|---|---|---|---|---|"
+        "| scene | spp | sampler | error | stated / true | not established | interval holds | relMSE of 2 scramblings / 1 |\n|---|---|---|---|---|---|---|---|"
     );
     for name in SCENES {
         let subject = Subject::load(name)?;
-        let (reference, _) = subject.taken(Kind::Sobol, 8, u64::MAX, &Until { samples: 128 * SAMPLES, ..SHORT });
+        let (reference, _) = subject.taken(Kind::Sobol, 8, u64::MAX, &after(REFERENCE));
         let reference = reference.image();
-        let relmse = |film: &MomentFilm| Distance::between(&film.image(), &reference).expect("a reference").relmse.max(0.0);
-        for kind in SAMPLERS {
-            let (mut established, mut held) = (0_u32, 0_u32);
-            let (mut stated_square, mut true_square, mut square, mut plain_square) = (0.0, 0.0, 0.0, 0.0);
-            for seed in 0..seeds {
-                let (film, _) = subject.taken(kind, 2, seed, &SHORT);
-                let stated = RelativeError::of(&film).expect("error bars");
-                let truth = relmse(&film);
-                square += truth;
-                if stated.is_established() {
-                    let [low, high] = stated.interval(0.95);
-                    held += u32::from((low..=high).contains(&truth.sqrt()));
-                    established += 1;
-                    stated_square += stated.value * stated.value;
-                    true_square += truth;
-                }
-                if kind != Kind::Independent {
-                    plain_square += relmse(&subject.taken(kind, 1, seed, &SHORT).0);
-                }
+        for samples in SAMPLES {
+            for kind in SAMPLERS {
+                let count = counted(&subject, kind, samples, &reference, seeds);
+                println!("| {name} | {samples} | {kind:?} | {} |", count.row(seeds));
+                total.add(&count);
             }
-            let cost = if plain_square > 0.0 { format!("{:.2}", square / plain_square) } else { "–".into() };
-            let error = 100.0 * (square / seeds as f64).sqrt();
-            let ratio = (stated_square / true_square).sqrt();
-            let share = 100.0 * f64::from(held) / f64::from(established);
-            println!("| {name} | {kind:?} | {error:.1} % | {ratio:.3} | {} | {share:.0} % | {cost} |", seeds - u64::from(established));
         }
     }
+    let [low, high] = total.share_between();
+    println!("\nThe interval holds in {} of {} cases: {:.1} % (95 %: {low:.1}-{high:.1}).", total.held, total.established, total.share());
     Ok(())
+}
+
+fn counted(subject: &Subject, kind: Kind, samples: u64, reference: &Image, seeds: u64) -> Count {
+    let relmse = |film: &MomentFilm| Distance::between(&film.image(), reference).expect("a reference").relmse.max(0.0);
+    let mut count = Count::default();
+    for seed in 0..seeds {
+        let (film, _) = subject.taken(kind, 2, seed, &after(samples));
+        let stated = RelativeError::of(&film).expect("error bars");
+        count.take(&stated, relmse(&film));
+        if kind != Kind::Independent {
+            count.plain_square += relmse(&subject.taken(kind, 1, seed, &after(samples)).0);
+        }
+    }
+    count
+}
+
+/// What was stated and what was true, over some seeds.
+#[derive(Default)]
+struct Count {
+    established: u32,
+    held: u32,
+    stated_square: f64,
+    /// Of the established ones.
+    true_square: f64,
+    square: f64,
+    /// Of pictures without error bars.
+    plain_square: f64,
+}
+
+impl Count {
+    fn take(&mut self, stated: &RelativeError, truth: f64) {
+        self.square += truth;
+        if stated.is_established() {
+            let [low, high] = stated.interval(0.95);
+            self.held += u32::from((low..=high).contains(&truth.sqrt()));
+            self.established += 1;
+            self.stated_square += stated.value * stated.value;
+            self.true_square += truth;
+        }
+    }
+
+    fn add(&mut self, other: &Count) {
+        self.established += other.established;
+        self.held += other.held;
+    }
+
+    /// How often the interval holds (%).
+    fn share(&self) -> f64 {
+        100.0 * f64::from(self.held) / f64::from(self.established)
+    }
+
+    /// What that share would be for infinitely many seeds, with 95 % confidence (%): Wilson's interval.
+    fn share_between(&self) -> [f64; 2] {
+        let (n, p, z) = (f64::from(self.established), self.share() / 100.0, 1.96);
+        let middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
+        let reach = z / (1.0 + z * z / n) * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
+        [middle - reach, middle + reach].map(|share| 100.0 * share)
+    }
+
+    fn row(&self, seeds: u64) -> String {
+        let cost = if self.plain_square > 0.0 { format!("{:.2}", self.square / self.plain_square) } else { "–".into() };
+        let error = 100.0 * (self.square / seeds as f64).sqrt();
+        let ratio = (self.stated_square / self.true_square).sqrt();
+        let unknown = seeds - u64::from(self.established);
+        format!("{error:.1} % | {ratio:.3} | {unknown} | {:.0} % | {cost}", self.share())
+    }
 }
 
 fn adaptive(seeds: u64) -> pt::Result<()> {
@@ -115,20 +171,20 @@ fn adaptive(seeds: u64) -> pt::Result<()> {
     for name in SCENES {
         let mut subject = Subject::load(name)?;
         let even = subject.spec.clone();
-        let (reference, _) = subject.taken(Kind::Sobol, 8, u64::MAX, &Until { samples: 64 * SAMPLES, ..SHORT });
+        let (reference, _) = subject.taken(Kind::Sobol, 8, u64::MAX, &after(64 * SAMPLES));
         let reference = reference.image();
         let relmse = |film: &MomentFilm| Distance::between(&film.image(), &reference).expect("a reference").relmse.max(0.0);
         let (mut errors, mut seconds, mut held, mut established) = ([0.0; 2], [0.0; 2], 0_u32, 0_u32);
         for seed in 0..seeds {
             subject.spec = even.clone();
-            let (film, course) = subject.taken(Kind::Sobol, 2, seed, &Until { samples: SAMPLES, ..SHORT });
+            let (film, course) = subject.taken(Kind::Sobol, 2, seed, &after(SAMPLES));
             errors[0] += relmse(&film);
             seconds[0] += course.last().map_or(0.0, |last| last.seconds);
             let settings = Settings::new(SamplerSpec { kind: Kind::Sobol, seed, spp: SAMPLES, scramblings: 2 });
             let (allocation, explored) = explore(&subject.scene, &*subject.integrator, &even, &settings, SAMPLES, &Silent);
             subject.spec.allocation = allocation;
             let samples = ((SAMPLES as f64 / subject.spec.allocation.mean()).round() as u64).max(1);
-            let (film, course) = subject.taken(Kind::Sobol, 2, seed, &Until { samples, ..SHORT });
+            let (film, course) = subject.taken(Kind::Sobol, 2, seed, &after(samples));
             errors[1] += relmse(&film);
             seconds[1] += course.last().map_or(0.0, |last| last.seconds) + explored.as_secs_f64();
             if let Some(stated) = RelativeError::of(&film).filter(RelativeError::is_established) {

@@ -170,22 +170,29 @@ pub fn estimate(spread: Spread, pixel: &[f64], n: u64) -> Estimate {
     })
 }
 
-/// The third cumulant of a pixel's mean over its variance, both of the mean of the colours.
-///
-/// ```text
-/// κ₃/v = μ₃ / (n σ²)
-/// ```
-///
-/// of independent samples; scramblings, which take out noise that is even, leave this ratio about as it is.
-/// 0 where there is no noise.
-pub fn pull(spread: Spread, pixel: &[f64], n: u64) -> f64 {
-    let n = n.max(1) as f64;
-    let mean = total(spread, pixel).iter().sum::<f64>() / (3.0 * n);
-    let &[.., square, cube] = pixel else { return 0.0 };
-    let variance = square / n - mean * mean;
-    let third = cube / n - mean * (3.0 * square / n - 2.0 * mean * mean);
-    // What rounding leaves of equal samples is not noise.
-    if variance > 1e-12 * mean * mean { third / (n * variance) } else { 0.0 }
+/// How the mean of a pixel's colours would spread if its samples were independent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Skew {
+    /// v = σ²/n, of the mean of the samples.
+    pub variance: f64,
+    /// κ₃/v = μ₃/(n σ²), its third cumulant over its variance: by how much brighter it is where it looks noisier. 0 where there is no noise.
+    pub pull: f64,
+}
+
+impl Skew {
+    /// - `pixel`: numbers of [`Block::pixels`]; `n`: its samples
+    pub fn of(spread: Spread, pixel: &[f64], n: u64) -> Skew {
+        let n = n.max(1) as f64;
+        let mean = total(spread, pixel).iter().sum::<f64>() / (3.0 * n);
+        let &[.., square, cube] = pixel else { return Skew { variance: 0.0, pull: 0.0 } };
+        let variance = square / n - mean * mean;
+        // What rounding leaves of equal samples is not noise.
+        if variance <= 1e-12 * mean * mean {
+            return Skew { variance: 0.0, pull: 0.0 };
+        }
+        let third = cube / n - mean * (3.0 * square / n - 2.0 * mean * mean);
+        Skew { variance: variance / (n - 1.0).max(1.0), pull: third / (n * variance) }
+    }
 }
 
 /// How many of n samples belong to scrambling r of k.
