@@ -8,18 +8,16 @@
 //! - prices: the time foretold for 1 % by a short pilot, over the time that 1 % then takes
 //! - adaptive: relMSE, and time × relMSE, of 256 samples where they are worth most over those of 256 samples everywhere
 
-use std::path::Path;
-use std::sync::Arc;
+mod subject;
+
 use std::time::Duration;
 
-use pt::describe::{self, Files, Source};
-use pt::film::{FilmSpec, Image, MomentFilm};
-use pt::integrator::{Integrator, choose};
+use pt::film::{Image, MomentFilm};
 use pt::measure::adaptive::explore;
 use pt::measure::{Course, Distance, RelativeError, Until, follow};
 use pt::render::{Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
-use pt::scene::Scene;
+use subject::Subject;
 
 const SCENES: [&str; 6] = ["cornell-box", "mirror-balls", "mis-plates", "statue", "triangle-stacks", "matter"];
 /// Samples of the picture that stands for the truth.
@@ -33,32 +31,16 @@ const fn after(samples: u64) -> Until {
     Until { samples, time: None, target: None }
 }
 
-struct Subject {
-    scene: Arc<dyn Scene>,
-    integrator: Box<dyn Integrator>,
-    spec: FilmSpec,
+fn small(name: &str) -> pt::Result<Subject> {
+    Subject::load(name, &[("/film/width", "48"), ("/film/height", "36")])
 }
 
-impl Subject {
-    fn load(name: &str) -> pt::Result<Subject> {
-        let file = format!("scenes/{name}.json");
-        let mut root = describe::load(Path::new(&file))?;
-        for (pointer, value) in [("/film/width", "48"), ("/film/height", "36")] {
-            root.set(pointer, value)?;
-        }
-        let described = describe::read(&root, &file)?;
-        let built = describe::build(&described, Source { root: &root, file: &file, files: &Files::within("scenes") })?;
-        let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some("nee"), &file)?;
-        Ok(Subject { scene: Arc::new(built.world), integrator, spec: built.film })
-    }
-
-    fn taken(&self, kind: Kind, scramblings: u32, seed: u64, until: &Until) -> (MomentFilm, Course) {
-        let settings = Settings::new(SamplerSpec { kind, seed, spp: until.samples, scramblings });
-        let mut film = MomentFilm::new(self.spec.clone());
-        let mut render = Render::new(self.scene.clone(), &*self.integrator, &self.spec, &settings);
-        let course = follow(&mut render, &mut film, until, &Silent);
-        (film, course)
-    }
+fn taken(subject: &Subject, kind: Kind, scramblings: u32, seed: u64, until: &Until) -> (MomentFilm, Course) {
+    let settings = Settings::new(SamplerSpec { kind, seed, spp: until.samples, scramblings });
+    let mut film = MomentFilm::new(subject.spec.clone());
+    let mut render = Render::new(subject.scene.clone(), &*subject.integrator, &subject.spec, &settings);
+    let course = follow(&mut render, &mut film, until, &Silent);
+    (film, course)
 }
 
 fn main() -> pt::Result<()> {
@@ -83,8 +65,8 @@ fn coverage(seeds: u64) -> pt::Result<()> {
         "| scene | spp | sampler | error | stated / true | not established | interval holds | relMSE of 2 scramblings / 1 |\n|---|---|---|---|---|---|---|---|"
     );
     for name in SCENES {
-        let subject = Subject::load(name)?;
-        let (reference, _) = subject.taken(Kind::Sobol, 8, u64::MAX, &after(REFERENCE));
+        let subject = small(name)?;
+        let (reference, _) = taken(&subject, Kind::Sobol, 8, u64::MAX, &after(REFERENCE));
         let reference = reference.image();
         for samples in SAMPLES {
             for kind in SAMPLERS {
@@ -103,11 +85,11 @@ fn counted(subject: &Subject, kind: Kind, samples: u64, reference: &Image, seeds
     let relmse = |film: &MomentFilm| Distance::between(&film.image(), reference).expect("a reference").relmse.max(0.0);
     let mut count = Count::default();
     for seed in 0..seeds {
-        let (film, _) = subject.taken(kind, 2, seed, &after(samples));
+        let (film, _) = taken(subject, kind, 2, seed, &after(samples));
         let stated = RelativeError::of(&film).expect("error bars");
         count.take(&stated, relmse(&film));
         if kind != Kind::Independent {
-            count.plain_square += relmse(&subject.taken(kind, 1, seed, &after(samples)).0);
+            count.plain_square += relmse(&taken(subject, kind, 1, seed, &after(samples)).0);
         }
     }
     count
@@ -169,22 +151,22 @@ fn adaptive(seeds: u64) -> pt::Result<()> {
     const SAMPLES: u64 = 256;
     println!("| scene | relMSE adaptive / even | time × relMSE adaptive / even | interval holds, adaptive |\n|---|---|---|---|");
     for name in SCENES {
-        let mut subject = Subject::load(name)?;
+        let mut subject = small(name)?;
         let even = subject.spec.clone();
-        let (reference, _) = subject.taken(Kind::Sobol, 8, u64::MAX, &after(64 * SAMPLES));
+        let (reference, _) = taken(&subject, Kind::Sobol, 8, u64::MAX, &after(64 * SAMPLES));
         let reference = reference.image();
         let relmse = |film: &MomentFilm| Distance::between(&film.image(), &reference).expect("a reference").relmse.max(0.0);
         let (mut errors, mut seconds, mut held, mut established) = ([0.0; 2], [0.0; 2], 0_u32, 0_u32);
         for seed in 0..seeds {
             subject.spec = even.clone();
-            let (film, course) = subject.taken(Kind::Sobol, 2, seed, &after(SAMPLES));
+            let (film, course) = taken(&subject, Kind::Sobol, 2, seed, &after(SAMPLES));
             errors[0] += relmse(&film);
             seconds[0] += course.last().map_or(0.0, |last| last.seconds);
             let settings = Settings::new(SamplerSpec { kind: Kind::Sobol, seed, spp: SAMPLES, scramblings: 2 });
             let (allocation, explored) = explore(&subject.scene, &*subject.integrator, &even, &settings, SAMPLES, &Silent);
             subject.spec.allocation = allocation;
             let samples = ((SAMPLES as f64 / subject.spec.allocation.mean()).round() as u64).max(1);
-            let (film, course) = subject.taken(Kind::Sobol, 2, seed, &after(samples));
+            let (film, course) = taken(&subject, Kind::Sobol, 2, seed, &after(samples));
             errors[1] += relmse(&film);
             seconds[1] += course.last().map_or(0.0, |last| last.seconds) + explored.as_secs_f64();
             if let Some(stated) = RelativeError::of(&film).filter(RelativeError::is_established) {
@@ -202,7 +184,7 @@ fn adaptive(seeds: u64) -> pt::Result<()> {
 fn prices() -> pt::Result<()> {
     println!("| scene | sampler | seconds for 1 %: foretold | taken | ratio |\n|---|---|---|---|---|");
     for name in SCENES {
-        let subject = Subject::load(name)?;
+        let subject = small(name)?;
         for kind in SAMPLERS {
             println!("| {name} | {kind:?} | {} |", price(&subject, kind));
         }
@@ -214,11 +196,11 @@ fn prices() -> pt::Result<()> {
 fn price(subject: &Subject, kind: Kind) -> String {
     const TARGET: f64 = 0.01;
     let pilot = Until { samples: u32::MAX.into(), time: Some(Duration::from_secs(2)), target: None };
-    let (_, course) = subject.taken(kind, 2, 1, &pilot);
+    let (_, course) = taken(subject, kind, 2, 1, &pilot);
     let Some(price) = course.price(TARGET, 0.95) else { return "cannot be established | – | –".into() };
     // As long as foretold and half as long again, then where the course crosses the target.
     let long = Until { time: Some(Duration::from_secs_f64(1.5 * price.seconds)), ..pilot };
-    let (_, course) = subject.taken(kind, 2, 2, &long);
+    let (_, course) = taken(subject, kind, 2, 2, &long);
     let taken = course.price(TARGET, 0.95).map(|_| crossing(&course, TARGET));
     let ratio = |taken: f64| format!("{taken:.1} | {:.2}", price.seconds / taken);
     format!("{:.1} | {}", price.seconds, taken.flatten().map_or("not reached | –".into(), ratio))

@@ -1,0 +1,30 @@
+//! What is measured: a scene of `scenes/`, by `nee`.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use pt::describe::{self, Files, Source};
+use pt::film::FilmSpec;
+use pt::integrator::{Integrator, choose};
+use pt::scene::Scene;
+
+pub struct Subject {
+    pub scene: Arc<dyn Scene>,
+    pub integrator: Box<dyn Integrator>,
+    pub spec: FilmSpec,
+}
+
+impl Subject {
+    /// - `changes`: pointers into the file, and the values that stand there instead
+    pub fn load(name: &str, changes: &[(&str, &str)]) -> pt::Result<Subject> {
+        let file = format!("scenes/{name}.json");
+        let mut root = describe::load(Path::new(&file))?;
+        for (pointer, value) in changes {
+            root.set(pointer, value)?;
+        }
+        let described = describe::read(&root, &file)?;
+        let built = describe::build(&described, Source { root: &root, file: &file, files: &Files::within("scenes") })?;
+        let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some("nee"), &file)?;
+        Ok(Subject { scene: Arc::new(built.world), integrator, spec: built.film })
+    }
+}
