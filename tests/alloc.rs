@@ -77,8 +77,8 @@ fn samples_allocate_nothing() {
         let counts = [1, 2, 4, 8, 16, 32].map(|spp| allocations(&*integrator, *kind, spp));
         for (few, many) in counts.iter().zip(&counts[1..]) {
             // A wave more: for each tile a sampler and a tree for each of two sequences, and the lists of samplers, trees,
-            // third powers, moments and sums.
-            assert!(many - few <= 9 * TILES + 8, "{} {kind:?}: {counts:?}", entry.name);
+            // third powers, moments and sums; now and then a block of the thread pool's own queue.
+            assert!(many - few <= 9 * TILES + 8 + 2, "{} {kind:?}: {counts:?}", entry.name);
         }
     }
     let [shallow, deep] = [2, 16].map(|max_depth| allocations(&Nee { max_depth, ..Nee::default() }, Kind::Independent, 8));

@@ -93,7 +93,9 @@ pub fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>
 /// # Errors
 /// `Io` where the folder is missing or read-only.
 pub fn check_folder(path: &Path) -> Result<()> {
-    beside(path).map(drop).map_err(|e| Error::io(path, e))
+    let missing = || io::Error::new(io::ErrorKind::NotFound, format!("there is no folder {}", folder(path).display()));
+    let named = |e: io::Error| if e.kind() == io::ErrorKind::NotFound { missing() } else { e };
+    beside(path).map(drop).map_err(|e| Error::io(path, named(e)))
 }
 
 /// A temporary file in the folder of `path`, with the usual permissions: a picture is not a secret.

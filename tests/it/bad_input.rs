@@ -65,6 +65,7 @@ const TEXTS: &[Row] = &[
 const DARK: &[Row] = &[
     ("B39", r#""shapes": [{"type": "sphere"}]"#, 0, "warning: scene.json: no light, the image will be black\n"),
     ("B39", r#""shapes": [{"type": "sphere", "emission": 0}]"#, 0, "warning: scene.json: no light, the image will be black\n"),
+    ("B39", r#""background": {"radiance": 1}"#, 0, "warning: scene.json: no shapes, the image will show the background alone\n"),
     ("B39", r#""background": {"radiance": 0}"#, 0, "warning: scene.json: no light, the image will be black\n"),
     (
         "B39",
@@ -449,7 +450,7 @@ const CALLS: &[Row] = &[
         2,
         "error: --crop 0,8,0,6: /film/crop: the crop reaches to 8, 6, beyond the image of 4 × 4",
     ),
-    ("B37", "right.json -o no/such/x.exr", 5, "error: no/such/x.exr: No such file or directory (os error 2)\n"),
+    ("B37", "right.json -o no/such/x.exr", 5, "error: no/such/x.exr: there is no folder no/such\n"),
     ("B37", "right.json -o right.json/x.exr", 5, "error: right.json/x.exr: Not a directory (os error 20)\n"),
     ("B37", "scene.exr -o scene.exr", 2, "error: scene.exr: is the scene file, which would be overwritten"),
     ("B37", "right.json -o folder.exr", 2, "error: folder.exr: is a folder, expected a file"),

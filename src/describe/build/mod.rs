@@ -98,8 +98,8 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         return Err(Error::Invalid(builder.faults));
     }
     let mut warnings = std::mem::take(&mut builder.warnings);
-    let of_scene = |message| format!("{}: {message}", source.file);
-    warnings.extend(builder.lost_detail().map(of_scene));
+    let of_scene = |message: &str| format!("{}: {message}", source.file);
+    warnings.extend(builder.lost_detail().map(|message| of_scene(&message)));
     needs.append(&mut builder.needs);
     let contents = std::mem::take(&mut builder.contents);
     let place = |fault: Fault| if fault.file.is_empty() { locate(source.root, source.file, "/shapes", fault.message) } else { fault };
@@ -107,7 +107,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         Error::Invalid(faults) => Error::Invalid(faults.into_iter().map(place).collect()),
         other => other,
     })?;
-    warnings.extend(why_black(&world).map(|why| of_scene(format!("{why}, the image will be black"))));
+    warnings.extend(missing(&world).map(of_scene));
     let mut film = camera::film(&scene.film);
     if film.layers.contains(&Layer::Light(0)) {
         film.lights = Names::of(scene).lights(world.lights());
@@ -116,14 +116,15 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     Ok(Built { world, film, sampler: camera::sampler(&scene.sampler), warnings, needs, contents })
 }
 
-/// What no camera and no integrator could make visible.
-fn why_black(world: &World) -> Option<&'static str> {
+/// What will not be in the picture, though one might expect it.
+fn missing(world: &World) -> Option<&'static str> {
     let lights = world.lights();
-    let empty = world.shapes().is_empty() && !lights.iter().any(|light| matches!(light, Light::Environment(_)));
-    match (lights.shine(), empty) {
-        (false, _) => Some("no light"),
-        (true, true) => Some("no shapes and no background"),
-        (true, false) => None,
+    let has_background = lights.iter().any(|light| matches!(light, Light::Environment(sky) if !sky.radiance.is_black()));
+    match (world.shapes().is_empty(), has_background, lights.shine()) {
+        (true, true, _) => Some("no shapes, the image will show the background alone"),
+        (_, _, false) => Some("no light, the image will be black"),
+        (true, false, true) => Some("no shapes and no background, the image will be black"),
+        (false, _, true) => None,
     }
 }
 
