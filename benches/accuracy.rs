@@ -1,7 +1,7 @@
 //! Do error bars and prices keep their word? The tables of docs/accuracy.md.
 //!
-//! `cargo bench --bench accuracy [-- coverage|prices|adaptive] [SEEDS]`: all tables, 100 seeds, unless told otherwise. Six scenes,
-//! three samplers each:
+//! `cargo bench --bench accuracy [-- coverage|prices|adaptive] [SEEDS] [SCENES]`: all tables, 100 seeds, six scenes, unless told
+//! otherwise; three samplers each:
 //!
 //! - coverage: how often the interval of 95 % that a render states holds its true relative error, and
 //!   relMSE with two scramblings over relMSE with one, which is the ratio of time × relMSE: a sample takes as long
@@ -17,6 +17,7 @@ use pt::measure::adaptive::explore;
 use pt::measure::{Course, Distance, RelativeError, Until, follow};
 use pt::render::{Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
+use rayon::prelude::*;
 use subject::Subject;
 
 const SCENES: [&str; 6] = ["cornell-box", "mirror-balls", "mis-plates", "statue", "triangle-stacks", "matter"];
@@ -45,26 +46,29 @@ fn taken(subject: &Subject, kind: Kind, scramblings: u32, seed: u64, until: &Unt
 
 fn main() -> pt::Result<()> {
     let words: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with('-')).collect();
-    let asked = |name: &str| words.iter().any(|word| word == name) || !words.iter().any(|word| word.parse::<u64>().is_err());
+    let tables = ["coverage", "prices", "adaptive"];
+    let asked = |name: &str| words.iter().any(|word| word == name) || !words.iter().any(|word| tables.contains(&word.as_str()));
+    let scenes: Vec<&str> = SCENES.into_iter().filter(|scene| words.iter().any(|word| word == scene)).collect();
+    let scenes = if scenes.is_empty() { &SCENES[..] } else { &scenes };
     let seeds: u64 = words.iter().filter_map(|word| word.parse().ok()).next().unwrap_or(100);
     if asked("coverage") {
-        coverage(seeds)?;
+        coverage(scenes, seeds)?;
     }
     if asked("prices") {
-        prices()?;
+        prices(scenes)?;
     }
     if asked("adaptive") {
-        adaptive(seeds.min(16))?;
+        adaptive(scenes, seeds.min(16))?;
     }
     Ok(())
 }
 
-fn coverage(seeds: u64) -> pt::Result<()> {
+fn coverage(scenes: &[&str], seeds: u64) -> pt::Result<()> {
     let mut total = Count::default();
     println!(
         "| scene | spp | sampler | error | stated / true | not established | interval holds | relMSE of 2 scramblings / 1 |\n|---|---|---|---|---|---|---|---|"
     );
-    for name in SCENES {
+    for name in scenes {
         let subject = small(name)?;
         let (reference, _) = taken(&subject, Kind::Sobol, 8, u64::MAX, &after(REFERENCE));
         let reference = reference.image();
@@ -83,14 +87,16 @@ fn coverage(seeds: u64) -> pt::Result<()> {
 
 fn counted(subject: &Subject, kind: Kind, samples: u64, reference: &Image, seeds: u64) -> Count {
     let relmse = |film: &MomentFilm| Distance::between(&film.image(), reference).expect("a reference").relmse.max(0.0);
-    let mut count = Count::default();
-    for seed in 0..seeds {
+    let look = |seed: u64| {
         let (film, _) = taken(subject, kind, 2, seed, &after(samples));
-        let stated = RelativeError::of(&film).expect("error bars");
-        count.take(&stated, relmse(&film));
-        if kind != Kind::Independent {
-            count.plain_square += relmse(&taken(subject, kind, 1, seed, &after(samples)).0);
-        }
+        let plain = if kind == Kind::Independent { 0.0 } else { relmse(&taken(subject, kind, 1, seed, &after(samples)).0) };
+        (RelativeError::of(&film).expect("error bars"), relmse(&film), plain)
+    };
+    let looks: Vec<_> = (0..seeds).into_par_iter().map(look).collect();
+    let mut count = Count::default();
+    for (stated, truth, plain) in looks {
+        count.take(&stated, truth);
+        count.plain_square += plain;
     }
     count
 }
@@ -147,10 +153,10 @@ impl Count {
     }
 }
 
-fn adaptive(seeds: u64) -> pt::Result<()> {
+fn adaptive(scenes: &[&str], seeds: u64) -> pt::Result<()> {
     const SAMPLES: u64 = 256;
     println!("| scene | relMSE adaptive / even | time × relMSE adaptive / even | interval holds, adaptive |\n|---|---|---|---|");
-    for name in SCENES {
+    for name in scenes {
         let mut subject = small(name)?;
         let even = subject.spec.clone();
         let (reference, _) = taken(&subject, Kind::Sobol, 8, u64::MAX, &after(64 * SAMPLES));
@@ -181,9 +187,9 @@ fn adaptive(seeds: u64) -> pt::Result<()> {
     Ok(())
 }
 
-fn prices() -> pt::Result<()> {
+fn prices(scenes: &[&str]) -> pt::Result<()> {
     println!("| scene | sampler | seconds for 1 %: foretold | taken | ratio |\n|---|---|---|---|---|");
-    for name in SCENES {
+    for name in scenes {
         let subject = small(name)?;
         for kind in SAMPLERS {
             println!("| {name} | {kind:?} | {} |", price(&subject, kind));
