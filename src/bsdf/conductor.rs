@@ -16,10 +16,10 @@ pub enum Reflectance {
 
 impl Reflectance {
     /// - `cos`: of the angle to the normal, its sign does not matter
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, cos: f32) -> Spectrum {
         match self {
-            Reflectance::Index { eta, k } => eta.zip(*k, |eta, k| fresnel::conductor(cos, eta, k)),
+            Reflectance::Index { eta, k } => eta.zip_all(*k, |eta, k| fresnel::conductor(cos, eta, k)),
             Reflectance::Schlick { normal } => {
                 let rest = 1.0 - cos.abs().min(1.0);
                 normal.map(|f0| f0 + (1.0 - f0) * ((rest * rest) * (rest * rest) * rest))

@@ -4,8 +4,8 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec2;
 
-use super::{BsdfSample, Lobe};
-use crate::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
+use super::BsdfSample;
+use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 
 /// Lambertian reflection: equal radiance in every direction.
 ///
@@ -31,12 +31,7 @@ impl Diffuse {
     }
 
     pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
-        let up = warp::cosine_hemisphere(u);
-        let wi = Local(up * 1f32.copysign(wo.cos()));
-        if self.albedo.is_black() || !wo.same_side(wi) {
-            return None;
-        }
-        let density = Density::Smooth(self.pdf(wo, wi));
-        Some(BsdfSample { wi, weight: self.albedo, density, lobe: Lobe::Reflection, eta: 1.0 })
+        let wi = Local(warp::cosine_hemisphere(u) * 1f32.copysign(wo.cos()));
+        BsdfSample::of_lobe(wi, self.albedo, self.pdf(wo, wi))
     }
 }

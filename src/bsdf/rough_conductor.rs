@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec2;
 
 use super::microfacet::albedo::{Domain, Key, Shelf};
-use super::microfacet::{Albedo, Distribution, Microfacets, Pair, half, mirrored, upward};
+use super::microfacet::{Albedo, Distribution, Microfacets, Pair, above, cos_to_half, upward};
 use super::{BsdfSample, Lobe, Reflectance};
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
 
@@ -60,47 +60,58 @@ pub fn losses(domain: Domain, distribution: Distribution) -> &'static Albedo {
 
 /// G₂/G₁ of the mirror direction that `u` chooses; 0 where it leads into the surface.
 fn returned(facets: &Microfacets, wo: Local, u: Vec2) -> f32 {
-    let wi = mirrored(wo, facets.sample_visible(wo, u));
-    half(wo, wi).map_or(0.0, |(h, _)| Pair::new(facets, wo, wi, h).unmasked())
+    let (wi, _) = facets.mirror_visible(wo, u);
+    if wi.cos() > 0.0 { Pair::new(facets, wo, wi).unmasked() } else { 0.0 }
 }
 
 impl RoughConductor {
     pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
-        self.both(wo, wi).map_or(Spectrum::BLACK, |(f, _)| f)
+        above(wo, wi).map_or(Spectrum::BLACK, |[wo, wi]| self.both(wo, wi, cos_to_half(wo, wi), self.lost(wo)).0)
     }
 
     pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
-        let Some((h, _)) = half(wo, wi) else { return SolidAnglePdf::ZERO };
-        self.density(wo, wi, Pair::new(&self.facets, wo, wi, h).density)
+        let density = |[wo, wi]: [Local; 2]| density(Pair::new(&self.facets, wo, wi), wi, self.lost(wo));
+        above(wo, wi).map_or(SolidAnglePdf::ZERO, density)
     }
 
     pub fn sample(&self, wo: Local, choice: f32, u: Vec2) -> Option<BsdfSample> {
         let up = upward(wo);
-        let wi = if choice < self.lost(wo) { Local(warp::cosine_hemisphere(u)) } else { mirrored(up, self.facets.sample_visible(up, u)) };
-        let wi = Local(wi.0.with_z(wi.cos() * 1f32.copysign(wo.cos())));
-        let (f, pdf) = self.both(wo, wi).filter(|(_, pdf)| pdf.get() > 0.0)?;
-        Some(BsdfSample { wi, weight: f / pdf.get(), density: Density::Smooth(pdf), lobe: Lobe::Reflection, eta: 1.0 })
+        let lost = self.lost(up);
+        let (wi, cos) = if choice < lost {
+            let wi = Local(warp::cosine_hemisphere(u));
+            (wi, cos_to_half(up, wi))
+        } else {
+            self.facets.mirror_visible(up, u)
+        };
+        let [up, above] = above(up, wi)?;
+        let (f, pdf) = self.both(up, above, cos, lost);
+        // Its inverse, while Fresnel is still at work.
+        let weight = f * (1.0 / pdf.get());
+        let wi = wi.on_the_side_of(wo);
+        (pdf.get() > 0.0).then_some(BsdfSample { wi, weight, density: Density::Smooth(pdf), lobe: Lobe::Reflection, eta: 1.0 })
     }
 
-    /// f·|cos θi| and the density of `wi`.
-    fn both(&self, wo: Local, wi: Local) -> Option<(Spectrum, SolidAnglePdf)> {
-        let (h, cos) = half(wo, wi)?;
-        let pair = Pair::new(&self.facets, wo, wi, h);
+    /// f·|cos θi| and the density of `wi`, for directions above the surface.
+    ///
+    /// - `cos`: to the normal half way between them
+    /// - `lost`: see [`RoughConductor::lost`]
+    #[inline(always)]
+    fn both(&self, wo: Local, wi: Local, cos: f32, lost: f32) -> (Spectrum, SolidAnglePdf) {
+        let pair = Pair::new(&self.facets, wo, wi);
         let once = self.reflectance.at(cos) * pair.scattered;
-        let more = self.more.map_or(Spectrum::BLACK, |m| {
-            let alpha = self.facets.alpha;
-            m.strength * (m.losses.loss(wo, alpha) * m.losses.loss(wi, alpha) * wi.abs_cos())
-        });
-        Some((once + more, self.density(wo, wi, pair.density)))
+        let f = self.more.map_or(once, |m| once + m.strength * (lost * m.losses.loss(wi, self.facets.alpha) * wi.cos()));
+        (f, density(pair, wi, lost))
     }
 
-    fn density(&self, wo: Local, wi: Local, once: f32) -> SolidAnglePdf {
-        let lost = self.lost(wo);
-        SolidAnglePdf::new((1.0 - lost) * once + lost * FRAC_1_PI * wi.abs_cos())
-    }
-
-    /// The chance that the lobe of later reflections is sampled.
+    /// The chance that the lobe of later reflections is sampled: 1 − E(wo).
+    #[inline]
     fn lost(&self, wo: Local) -> f32 {
         self.more.map_or(0.0, |m| m.losses.loss(wo, self.facets.alpha))
     }
+}
+
+/// Of `wi`, by a facet in sight or by the lobe of later reflections.
+#[inline]
+fn density(pair: Pair, wi: Local, lost: f32) -> SolidAnglePdf {
+    SolidAnglePdf::new((1.0 - lost) * pair.density + lost * FRAC_1_PI * wi.cos())
 }

@@ -67,7 +67,8 @@ pub fn sin_cos_octant(x: f32) -> (f32, f32) {
 #[inline]
 fn series(r: f64) -> (f64, f64) {
     let square = r * r;
-    (r * horner(square, SIN_12), horner(square, COS_12))
+    let [sin, cos] = horner_pair(square, SIN_COS_14);
+    (r + r * square * sin, 1.0 + square * cos)
 }
 
 /// Sine of an angle in radians; see [`sin_cos`].
@@ -348,6 +349,16 @@ fn horner<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     sum
 }
 
+/// Two polynomials side by side: processors have lanes for both.
+#[inline]
+fn horner_pair<const N: usize>(x: f64, coefficients: [[f64; 2]; N]) -> [f64; 2] {
+    let mut sum = coefficients[N - 1];
+    for i in (0..N - 1).rev() {
+        sum = [sum[0] * x + coefficients[i][0], sum[1] * x + coefficients[i][1]];
+    }
+    sum
+}
+
 /// π/2 in two parts: the upper one has 39 bits, so that its product with a small integer is exact.
 const FRAC_PI_2_HIGH: f64 = f64::from_bits(FRAC_PI_2.to_bits() & !0x3fff);
 /// The rest, with the part of π/2 that an `f64` does not hold.
@@ -359,9 +370,8 @@ const LN_2_LOW: f64 = (LN_2 - LN_2_HIGH) + 2.319_046_813_846_299_6e-17;
 const TWO_OVER_PI: [u128; 2] = [0xa2f9_836e_4e44_1529_fc27_57d1_f534_ddc0, 0xdb62_9599_3c43_9041_fe51_63ab_debb_c561];
 
 /// Taylor coefficients, named by the power of the first term left out. On their intervals the rest is, relative to the sum:
-/// sin 7·10⁻¹², cos 10⁻¹⁰ and 5·10⁻¹⁷ (f32, f64), exp 7·10⁻¹², atanh 3·10⁻¹⁴, atan 3·10⁻¹².
-const SIN_12: [f64; 6] = alternating_inverse_factorials(1);
-const COS_12: [f64; 7] = alternating_inverse_factorials(0);
+/// sin and cos 6·10⁻¹³ (for f32) and 5·10⁻¹⁷ (for f64), exp 7·10⁻¹², atanh 3·10⁻¹⁴, atan 3·10⁻¹².
+const SIN_COS_14: [[f64; 2]; 6] = beyond_the_first(alternating_inverse_factorials(1), alternating_inverse_factorials(0));
 const SIN_16: [f64; 9] = alternating_inverse_factorials(1);
 const COS_18: [f64; 10] = alternating_inverse_factorials(0);
 const EXP_M1_10: [f64; 9] = inverse_factorials();
@@ -409,6 +419,17 @@ const fn alternating_inverse_factorials<const N: usize>(first: usize) -> [f64; N
         i += 1;
     }
     c
+}
+
+/// Two series side by side, without their first terms.
+const fn beyond_the_first(a: [f64; 7], b: [f64; 7]) -> [[f64; 2]; 6] {
+    let mut pairs = [[0.0; 2]; 6];
+    let mut i = 0;
+    while i < 6 {
+        pairs[i] = [a[i + 1], b[i + 1]];
+        i += 1;
+    }
+    pairs
 }
 
 /// 1 / (i + 1)!

@@ -30,6 +30,11 @@ impl Local {
         self.0.z.abs()
     }
 
+    /// The same direction, or its mirror image on the side of the surface where `other` is.
+    pub fn on_the_side_of(self, other: Local) -> Local {
+        Local(self.0.with_z(self.0.z.copysign(other.0.z)))
+    }
+
     /// Both on the same side of the surface; a direction in the surface is on neither.
     pub fn same_side(self, other: Local) -> bool {
         // Not the sign of the product, which may underflow to 0.

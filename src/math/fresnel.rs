@@ -115,27 +115,30 @@ const MOST_LINEAR: f64 = 1e-4;
 /// R_p = R_s (m c² − 2ac sin²θ + sin⁴θ) / (m c² + 2ac sin²θ + sin⁴θ)
 ///
 /// - `cos_o`: its sign does not matter, a conductor has no inside
-/// - `eta`, `k`: complex refractive index eta + ik over the outside's
-/// - returns a value in [0, 1]; exactly 0 for eta = 1, k = 0
+/// - `eta`, `k`: complex refractive index eta + ik over the outside's, of each colour
+/// - returns values in [0, 1]; exactly 0 for eta = 1, k = 0
 ///
 /// Source: Born and Wolf, *Principles of Optics*, §14.2. Tests: handbook values, k = 0 is the dielectric.
 #[inline]
-pub fn conductor(cos_o: f32, eta: f32, k: f32) -> f32 {
-    if eta == 1.0 && k == 0.0 {
-        return 0.0;
-    }
-    let (n, k) = (f64::from(eta), f64::from(k));
+pub fn conductor<const N: usize>(cos_o: f32, eta: [f32; N], k: [f32; N]) -> [f32; N] {
     let c = f64::from(cos_o.abs()).min(1.0);
     let (c2, s2) = (c * c, 1.0 - c * c);
-    // n² − sin²θ as (n − 1)(n + 1) + cos²θ, which does not cancel near n = 1.
-    let t = (n - 1.0) * (n + 1.0) + c2 - k * k;
-    let m = (t * t + 4.0 * n * n * k * k).sqrt();
-    let a = (0.5 * (m + t)).max(0.0).sqrt();
-    // R_s (1 + R_p/R_s)/2 over one denominator; where that is 0, at the edge of total reflection, so is what is lost.
-    let (s, p, both) = (m + c2, m * c2 + s2 * s2, 2.0 * a * c);
-    let denominator = (s + both) * (p + both * s2);
-    let reflectance = if denominator == 0.0 { 1.0 } else { (s - both) * p / denominator };
-    reflectance.clamp(0.0, 1.0) as f32
+    // Without a branch, so that processors can take several colours at once.
+    let mut reflectance = [0.0; N];
+    for i in 0..N {
+        let (n, k) = (f64::from(eta[i]), f64::from(k[i]));
+        // n² − sin²θ as (n − 1)(n + 1) + cos²θ, which does not cancel near n = 1.
+        let t = (n - 1.0) * (n + 1.0) + c2 - k * k;
+        let m = (t * t + 4.0 * (n * n) * (k * k)).sqrt();
+        // Rounded as well, m ≥ |t|.
+        let a = (0.5 * (m + t)).sqrt();
+        // R_s (1 + R_p/R_s)/2 over one denominator.
+        let (s, p, both) = (m + c2, m * c2 + s2 * s2, 2.0 * a * c);
+        let r = (s - both) * p / ((s + both) * (p + both * s2));
+        // Never above 1; not below 0, nor 0/0, where there is no boundary.
+        reflectance[i] = if r > 0.0 { r } else { 0.0 };
+    }
+    reflectance.map(|r| r as f32)
 }
 
 /// The index beyond the boundary over the index on the side of a direction with this cosine.

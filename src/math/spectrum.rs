@@ -69,7 +69,13 @@ impl Spectrum {
 
     /// f(self, other), coefficient by coefficient.
     pub fn zip(self, other: Spectrum, f: impl Fn(f32, f32) -> f32) -> Spectrum {
-        Spectrum(Vec3::new(f(self.0.x, other.0.x), f(self.0.y, other.0.y), f(self.0.z, other.0.z)))
+        self.zip_all(other, |a, b| std::array::from_fn(|i| f(a[i], b[i])))
+    }
+
+    /// The same by a function that takes all coefficients at once.
+    #[inline(always)]
+    pub fn zip_all(self, other: Spectrum, f: impl Fn([f32; 3], [f32; 3]) -> [f32; 3]) -> Spectrum {
+        Spectrum(f(self.0.to_array(), other.0.to_array()).into())
     }
 }
 

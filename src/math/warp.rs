@@ -180,7 +180,7 @@ pub fn cos_power_hemisphere(u: Vec2, n: f32) -> Vec3 {
     let r = f64::from(r);
     let h = -exp_m1_f64(ln_f64((1.0 - r) * (1.0 + r)) / (f64::from(n) + 1.0));
     let sin = (h * (2.0 - h)).sqrt() as f32;
-    (sin.copysign(r as f32) * direction).extend((1.0 - h) as f32)
+    (sin * direction).extend((1.0 - h) as f32)
 }
 
 /// (n + 1)/(2π) zⁿ above the horizon, 0 below.
@@ -204,19 +204,21 @@ fn ln_cosine(w: Vec3) -> f64 {
     if sin2 < 0.5 { 0.5 * ln_f64(1.0 - sin2) } else { ln_f64(f64::from(w.z)) }
 }
 
-/// The concentric map in polar form: a signed radius in (−1, 1), and a unit direction within 45° of +x or of +y.
+/// The concentric map in polar form: a radius in [0, 1), and a unit direction.
 #[inline]
 pub(crate) fn polar(u: Vec2) -> (f32, Vec2) {
     // Uniform numbers are the lower ends of cells of width 2⁻²⁴; taking the cells' centres is
     // exact in f32, symmetric, and keeps the radius below 1, where a cosine would be 0.
-    let Vec2 { x: a, y: b } = (2.0 * u - 1.0) + ROUNDING;
-    // Selected, not branched: which of the two it is cannot be foretold.
-    let steep = a.abs() <= b.abs();
-    let (r, small) = (select_unpredictable(steep, b, a), select_unpredictable(steep, a, b));
-    let ratio = if r == 0.0 { 0.0 } else { small / r };
-    // The complement of a steep angle: its sine and cosine trade places.
+    let signed = (2.0 * u - 1.0) + ROUNDING;
+    let side = signed.abs();
+    let r = side.max_element();
+    // At the centre 0/0 is to be 0.
+    let ratio = side.min_element() / r.max(f32::MIN_POSITIVE);
     let (sin, cos) = sin_cos_octant(FRAC_PI_4 * ratio);
-    (r, Vec2::new(select_unpredictable(steep, sin, cos), select_unpredictable(steep, cos, sin)))
+    // The complement of a steep angle: its sine and cosine trade places. Selected, not branched: which it is cannot be foretold.
+    let steep = side.x <= side.y;
+    let direction = Vec2::new(select_unpredictable(steep, sin, cos), select_unpredictable(steep, cos, sin));
+    (r, direction.copysign(signed))
 }
 
 /// Rounding may carry an inverse just past an edge of [0, 1)².

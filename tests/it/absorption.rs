@@ -59,7 +59,7 @@ fn metals_have_the_colour_of_their_spectrum() {
             ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k)
         };
         let (eta, k) = metal.index();
-        let found = eta.zip(k, |eta, k| conductor(1.0, eta, k)).to_rgb();
+        let found = eta.zip_all(k, |eta, k| conductor(1.0, eta, k)).to_rgb();
         let greatest = (380..=700).map(|w| reflectance(f64::from(w))).fold(0.0, f64::max);
         for (c, row) in RGB.iter().enumerate() {
             let (mut sum, mut white) = (0.0, 0.0);

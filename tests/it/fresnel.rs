@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use pt::math::fresnel::{conductor, dielectric, reflect, refract};
+use pt::math::fresnel::{self, dielectric, reflect, refract};
 
 use crate::random::{Random, cases};
 
@@ -18,6 +18,10 @@ fn slope_error(reflectance: impl Fn(f64) -> f64, cos: f64) -> f64 {
     let step = 1e-7 * cos.max(1e-3);
     let (above, below) = (reflectance((cos + step).min(1.0)), reflectance(cos - step));
     ROUNDING + 6e-8 * cos * (above - below).abs() / step
+}
+
+fn conductor(cos: f32, eta: f32, k: f32) -> f32 {
+    fresnel::conductor(cos, [eta], [k])[0]
 }
 
 /// Textbook: r_s = (cos i − n cos t)/(cos i + n cos t), r_p = (n cos i − cos t)/(n cos i + cos t).

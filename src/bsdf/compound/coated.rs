@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2};
 
 use super::{Place, Scatter, choose};
 use crate::bsdf::microfacet::albedo::{Domain, Key, Shelf};
-use crate::bsdf::microfacet::{Albedo, Between, Distribution, Finish, Ladder, Microfacets, Pair, Scale, half, mirrored, upward};
+use crate::bsdf::microfacet::{Albedo, Between, Distribution, Finish, Ladder, Microfacets, Pair, Scale, above, cos_to_half, upward};
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Diffuse, Lobe, Material, OrenNayar, TransportMode};
 use crate::effects::Effects;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, fresnel};
@@ -113,8 +113,8 @@ fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Albe
     static SHELF: Shelf<Key, Albedo> = Shelf::new();
     SHELF.get((distribution, domain.bits(), eta.to_bits()), || {
         Albedo::tabulate(domain, distribution, |facets, wo, u| {
-            let wi = mirrored(wo, facets.sample_visible(wo, u));
-            let rough = half(wo, wi).map_or(0.0, |(h, cos)| fresnel::dielectric(cos, eta) * Pair::new(facets, wo, wi, h).unmasked());
+            let (wi, cos) = facets.mirror_visible(wo, u);
+            let rough = if wi.cos() > 0.0 { fresnel::dielectric(cos, eta) * Pair::new(facets, wo, wi).unmasked() } else { 0.0 };
             0.5 + 0.5 * (rough - fresnel::dielectric(wo.cos(), eta))
         })
     })
@@ -157,9 +157,9 @@ impl Layer {
     /// f_coat·|cos θi| and the density of `wi`.
     fn reflection(&self, wo: Local, wi: Local) -> Option<(f32, f32)> {
         let (facets, _) = self.facets.as_ref()?;
-        let (h, cos) = half(wo, wi)?;
-        let pair = Pair::new(facets, wo, wi, h);
-        Some((fresnel::dielectric(cos, self.eta) * pair.scattered, pair.density))
+        let [wo, wi] = above(wo, wi)?;
+        let pair = Pair::new(facets, wo, wi);
+        Some((fresnel::dielectric(cos_to_half(wo, wi), self.eta) * pair.scattered, pair.density))
     }
 
     /// Of coat and ground to be sampled: their shares in what comes back, neither as the rest of the other.
@@ -217,7 +217,7 @@ impl Scatter for Coated {
             return self.of_part(at, wo, reflected, chance, |_| Spectrum::ONE, mode);
         };
         let up = upward(wo);
-        let wi = mirrored(up, facets.sample_visible(up, u));
+        let (wi, _) = facets.mirror_visible(up, u);
         let wi = Local(wi.0.with_z(wi.cos() * 1f32.copysign(wo.cos())));
         let pdf = Density::Smooth(SolidAnglePdf::ZERO);
         let sample = BsdfSample { wi, weight: Spectrum::ONE, density: pdf, lobe: Lobe::Reflection, eta: 1.0 };

@@ -4,6 +4,8 @@
 //!
 //! S(w) = cos θ erf(a) + s e^(−a²)/√π,    a = cos θ / s,    s = √((αx wx)² + (αy wy)²)
 //!
+//! Exponentials take their time, and a call does not add to it: out of line, they leave the registers to GGX.
+//!
 //! Source: Beckmann and Spizzichino (1963); Walter et al., *Microfacet Models for Refraction* (2007).
 
 use glam::{Vec2, Vec3};
@@ -13,14 +15,16 @@ use crate::math::float::{erf_inverse, erfc_and_gaussian, exp, ln_f64};
 /// The square root of π.
 const SQRT_PI: f64 = 1.772_453_850_905_516;
 
-/// D(h) / D(normal), from (hx/αx)² + (hy/αy)² and hz².
-pub(super) fn profile(slope2: f32, cos2: f32) -> f32 {
-    let tan2 = slope2 / cos2;
+/// D(h) / D(normal), from (hx/αx)² + (hy/αy)², hz² and |h|².
+#[inline(never)]
+pub(super) fn profile(slope2: f32, cos2: f32, length2: f32) -> f32 {
+    let (tan2, root) = (slope2 / cos2, length2 / cos2);
     // Beyond there is nothing that f32 could tell from 0; hz = 0 included.
-    if tan2 < 80.0 { exp(-tan2) / (cos2 * cos2) } else { 0.0 }
+    if tan2 < 80.0 { exp(-tan2) * (root * root) } else { 0.0 }
 }
 
 /// S(w), from cos θ and (αx wx)² + (αy wy)².
+#[inline(never)]
 pub(super) fn across(cos: f32, sine2: f32) -> f32 {
     let (cos, sine) = (f64::from(cos), f64::from(sine2).sqrt());
     let (erfc, gaussian) = erfc_and_gaussian(cos / sine);
@@ -36,6 +40,7 @@ pub(super) fn across(cos: f32, sine2: f32) -> f32 {
 /// whose integral from x upwards, N(x) = cos θ (√π/2) erfc x + (sin θ/2) e^(−x²), is inverted by Newton's method.
 ///
 /// Source: Heitz and d'Eon, *Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals* (2014).
+#[inline(never)]
 pub(super) fn sample_visible(wo: Vec3, u: Vec2) -> Vec3 {
     let sine = wo.truncate().length();
     let side = if sine > 0.0 { wo.truncate() / sine } else { Vec2::X };

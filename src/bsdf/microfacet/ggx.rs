@@ -10,13 +10,16 @@ use glam::{Vec2, Vec3};
 
 use crate::math::warp;
 
-/// D(h) / D(normal), from (hx/αx)² + (hy/αy)² and hz².
-pub(super) fn profile(slope2: f32, cos2: f32) -> f32 {
+/// D(h) / D(normal), from (hx/αx)² + (hy/αy)², hz² and |h|²; 0 for no direction at all.
+#[inline]
+pub(super) fn profile(slope2: f32, cos2: f32, length2: f32) -> f32 {
     let sum = slope2 + cos2;
-    1.0 / (sum * sum)
+    let root = length2 / sum;
+    if sum > 0.0 { root * root } else { 0.0 }
 }
 
 /// S(w), from cos θ and (αx wx)² + (αy wy)².
+#[inline]
 pub(super) fn across(cos: f32, sine2: f32) -> f32 {
     (cos * cos + sine2).sqrt()
 }
@@ -27,6 +30,7 @@ pub(super) fn across(cos: f32, sine2: f32) -> f32 {
 /// make the normal half way between them.
 ///
 /// Source: Dupuy and Benyoub, *Sampling Visible GGX Normals with Spherical Caps* (2023).
+#[inline]
 pub(super) fn sample_visible(wo: Vec3, u: Vec2) -> Vec3 {
     let (r, direction) = warp::polar(u);
     let height = 1.0 + wo.z;

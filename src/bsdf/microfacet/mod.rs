@@ -53,15 +53,19 @@ impl Microfacets {
     ///
     /// ∫ D(h) cos θh dh = 1
     ///
+    /// - `h`: along the normal, of any length
+    ///
     /// Tests: distribution_of_normals (reliability M6), projected_area_is_one.
+    #[inline]
     pub fn density(&self, h: Local) -> f32 {
         // sin² by the coordinates themselves: 1 − cos² would have no digits left of a small alpha.
-        let (x, y) = (h.0.x / self.alpha.x, h.0.y / self.alpha.y);
-        let peak = 1.0 / (std::f32::consts::PI * self.alpha.x * self.alpha.y);
-        peak * match self.distribution {
-            Distribution::Ggx => ggx::profile(x * x + y * y, h.cos() * h.cos()),
-            Distribution::Beckmann => beckmann::profile(x * x + y * y, h.cos() * h.cos()),
-        }
+        let (slope2, cos2) = ((h.0.truncate() / self.alpha).length_squared(), h.cos() * h.cos());
+        let length2 = h.0.length_squared();
+        let profile = match self.distribution {
+            Distribution::Ggx => ggx::profile(slope2, cos2, length2),
+            Distribution::Beckmann => beckmann::profile(slope2, cos2, length2),
+        };
+        profile / (std::f32::consts::PI * self.alpha.x * self.alpha.y)
     }
 
     /// S(w) = cos θ (1 + 2 Λ(w)): the area of facets, front and back, that lies across w, per area of the surface.
@@ -74,6 +78,7 @@ impl Microfacets {
     /// - G₂(a, b) = 1/(1 + Λ(a) + Λ(b)) = 2 cos a cos b / (cos a S(b) + cos b S(a)), facets at equal heights being hidden together
     ///
     /// Source: Smith (1967); Heitz, *Understanding the Masking-Shadowing Function* (2014). Tests: weak furnace (M1).
+    #[inline]
     pub fn across(&self, w: Local) -> f32 {
         let sine2 = (self.alpha * w.0.truncate()).length_squared();
         match self.distribution {
@@ -86,30 +91,45 @@ impl Microfacets {
     ///
     /// In the space where the surface is stretched to roughness 1, w ∝ (αx x, αy y, z); normals go back the same way.
     pub fn sample_visible(&self, wo: Local, u: Vec2) -> Local {
+        Local(self.along_visible(wo, u).normalize())
+    }
+
+    /// The same, of any length.
+    #[inline(always)]
+    fn along_visible(&self, wo: Local, u: Vec2) -> Vec3 {
         let stretched = (wo.0 * self.alpha.extend(1.0)).normalize();
         let normal = match self.distribution {
             Distribution::Ggx => ggx::sample_visible(stretched, u),
             Distribution::Beckmann => beckmann::sample_visible(stretched, u),
         };
-        Local((normal * self.alpha.extend(1.0)).normalize())
+        normal * self.alpha.extend(1.0)
+    }
+
+    /// `wo` mirrored at a facet in sight, and the cosine of either to its normal.
+    #[inline(always)]
+    pub(super) fn mirror_visible(&self, wo: Local, u: Vec2) -> (Local, f32) {
+        let along = self.along_visible(wo, u);
+        let (cos, length2) = (wo.0.dot(along), along.length_squared());
+        let w = along * (2.0 * cos / length2) - wo.0;
+        // As near to 1 as its length is, a step of Newton's for 1/√x is as good as a root and a division.
+        (Local(w * (1.5 - 0.5 * w.length_squared())), (cos / length2.sqrt()).min(1.0))
     }
 }
 
-/// What two directions make of facets that mirror one into the other, or refract one into the other.
+/// What two directions above the surface make of facets that mirror one into the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
-    /// |cos θi| G₂ D / (4 |cos θo| |cos θi|), without Fresnel's factor [sr⁻¹].
+    /// cos θi G₂ D / (4 cos θo cos θi), without Fresnel's factor [sr⁻¹].
     pub scattered: f32,
-    /// G₁(wo) D / (4 |cos θo|), the density of mirroring `wo` at a facet in sight [sr⁻¹].
+    /// G₁(wo) D / (4 cos θo), the density of mirroring `wo` at a facet in sight [sr⁻¹].
     pub density: f32,
 }
 
 impl Pair {
-    /// - `h`: the normal of the facets that do it
-    pub fn new(facets: &Microfacets, wo: Local, wi: Local, h: Local) -> Pair {
-        let d = facets.density(h);
-        let (o, i) = (wo.abs_cos(), wi.abs_cos());
-        let (across_o, across_i) = (facets.across(upward(wo)), facets.across(upward(wi)));
+    #[inline(always)]
+    pub fn new(facets: &Microfacets, wo: Local, wi: Local) -> Pair {
+        let d = facets.density(Local(wo.0 + wi.0));
+        let (o, i, across_o, across_i) = (wo.cos(), wi.cos(), facets.across(wo), facets.across(wi));
         // S(i)/cos i first: products of two cosines may underflow.
         Pair { scattered: 0.5 * d / (o * (across_i / i) + across_o), density: 0.5 * d / (o + across_o) }
     }
@@ -120,17 +140,17 @@ impl Pair {
     }
 }
 
-/// The normal half way between two directions on one side, and the cosine of either to it.
-pub(super) fn half(wo: Local, wi: Local) -> Option<(Local, f32)> {
+/// The cosine of either of two directions to the normal half way between them.
+#[inline]
+pub(super) fn cos_to_half(wo: Local, wi: Local) -> f32 {
     // |wo + wi| = 2 wo·h = 2 wi·h: the same from both ends.
-    upward_normal(wo.0 + wi.0).filter(|_| wo.same_side(wi)).map(|(h, length)| (h, (0.5 * length).min(1.0)))
+    (0.5 * (wo.0 + wi.0).length()).min(1.0)
 }
 
-/// `wo` mirrored at a facet.
-pub(super) fn mirrored(wo: Local, h: Local) -> Local {
-    // As near to 1 as it is, a step of Newton's for 1/√x is as good as a root and a division.
-    let w = 2.0 * wo.0.dot(h.0) * h.0 - wo.0;
-    Local(w * (1.5 - 0.5 * w.length_squared()))
+/// Two directions on one side of the surface, or their mirror images above it.
+#[inline]
+pub(super) fn above(wo: Local, wi: Local) -> Option<[Local; 2]> {
+    wo.same_side(wi).then(|| [upward(wo), upward(wi)])
 }
 
 /// The same direction, or its mirror image above the surface.
