@@ -145,11 +145,13 @@ impl Count {
     }
 
     fn row(&self, seeds: u64) -> String {
-        let cost = if self.plain_square > 0.0 { format!("{:.2}", self.square / self.plain_square) } else { "–".into() };
         let error = 100.0 * (self.square / seeds as f64).sqrt();
-        let ratio = (self.stated_square / self.true_square).sqrt();
         let unknown = seeds - u64::from(self.established);
-        format!("{error:.1} % | {ratio:.3} | {unknown} | {:.0} % | {cost}", self.share())
+        let known = |text: String| if self.established > 0 { text } else { "–".into() };
+        let ratio = known(format!("{:.3}", (self.stated_square / self.true_square).sqrt()));
+        let share = known(format!("{:.0} %", self.share()));
+        let cost = if self.plain_square > 0.0 { format!("{:.2}", self.square / self.plain_square) } else { "–".into() };
+        format!("{error:.1} % | {ratio} | {unknown} | {share} | {cost}")
     }
 }
 

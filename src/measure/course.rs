@@ -53,26 +53,26 @@ impl Course {
 
     /// −b in relMSE ~ n⁻ᵇ over the last checkpoints: 1 for independent samples, more where even samples pay.
     ///
-    /// Least squares of ln relMSE over ln n, over the last factor of 16 in n, drawn towards 1 as one observation of
-    /// the standard deviation 0.2. A slope below 1 is that of an error whose bright rare parts have not come
-    /// yet: no promise is made of it.
+    /// Least squares of ln relMSE over ln n, each weighted by how sure it is, over the last factor of 16 in n, drawn towards 1
+    /// as one observation of the standard deviation 0.2. A slope below 1 is that of an error whose bright rare parts
+    /// have not come yet: no promise is made of it.
     pub fn slope(&self) -> f64 {
         let Some(last) = self.last() else { return 1.0 };
         let recent = self.checkpoints.iter().filter(|c| c.samples * 16 >= last.samples);
-        let points: Vec<(f64, f64, f64)> = recent
-            .filter_map(|c| {
-                c.error.filter(|e| e.value > 0.0).map(|e| ((c.samples as f64).ln(), -2.0 * e.value.ln(), (2.0 * e.spread).powi(2)))
-            })
-            .collect();
-        let count = points.len() as f64;
-        let (x, y) = (points.iter().map(|p| p.0).sum::<f64>() / count, points.iter().map(|p| p.1).sum::<f64>() / count);
-        let variance = points.iter().map(|p| p.2).sum::<f64>() / count;
-        let xx = points.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
-        let xy = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum::<f64>();
+        // x = ln n, y = −ln relMSE, w = 1/(variance of y)
+        let point = |c: &Checkpoint| {
+            let error = c.error.filter(|error| error.value > 0.0)?;
+            Some(((c.samples as f64).ln(), -2.0 * error.value.ln(), (2.0 * error.spread.max(f64::EPSILON)).powi(-2)))
+        };
+        let points: Vec<(f64, f64, f64)> = recent.filter_map(point).collect();
+        let all: f64 = points.iter().map(|p| p.2).sum();
+        let mean = |f: fn(&(f64, f64, f64)) -> f64| points.iter().map(|p| p.2 / all * f(p)).sum::<f64>();
+        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
         // Without two checkpoints xx is 0 and only the prior speaks.
-        let precision = if xx > 0.0 { xx / variance.max(f64::MIN_POSITIVE) } else { 0.0 };
+        let xx = points.iter().map(|p| p.2 * (p.0 - x).powi(2)).sum::<f64>();
+        let xy = points.iter().map(|p| p.2 * (p.0 - x) * (p.1 - y)).sum::<f64>();
+        let (precision, fitted) = if xx > 0.0 { (xx, xy / xx) } else { (0.0, 1.0) };
         let prior = PRIOR.powi(-2);
-        let fitted = if xx > 0.0 { xy / xx } else { 1.0 };
         ((fitted * precision + prior) / (precision + prior)).clamp(1.0, STEEPEST)
     }
 

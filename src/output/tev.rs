@@ -134,11 +134,12 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What took so long is not to be done again before it was a small share of the time.
+    /// What took so long is not to be done again before it was a small share of the time; pauses for several things add up.
     fn postpone(&self, took: Duration) {
-        let due = Instant::now() + REFRESH.max(took.div_f64(SHARE));
+        let now = Instant::now();
         let mut state = self.lock();
-        state.due = state.due.max(Some(due));
+        let due = state.due.map_or(now, |due| due.max(now)) + took.div_f64(SHARE);
+        state.due = Some(due.max(now + REFRESH));
     }
 
     /// The next picture, or none after `patience`; and whether it was the last.
