@@ -16,7 +16,7 @@ use pt::sampler::{Kind, SamplerSpec};
 use pt::shape::SurfacePoint;
 
 const COUNT: usize = 1 << 14;
-const ROUNDS: usize = 50;
+const ROUNDS: usize = 400;
 
 fn main() {
     let gray = || Spectrum::gray(0.5);

@@ -39,6 +39,7 @@ impl BlinnPhong {
         SolidAnglePdf::new(if density.is_finite() { density } else { 0.0 })
     }
 
+    #[inline(never)]
     pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
         let h = warp::cos_power_hemisphere(u, self.exponent) * 1f32.copysign(wo.cos());
         let facing = wo.0.dot(h);

@@ -20,10 +20,16 @@ impl Reflectance {
     pub fn at(&self, cos: f32) -> Spectrum {
         match self {
             Reflectance::Index { eta, k } => eta.zip_all(*k, |eta, k| fresnel::conductor(cos, eta, k)),
-            Reflectance::Schlick { normal } => {
-                let rest = 1.0 - cos.abs().min(1.0);
-                normal.map(|f0| f0 + (1.0 - f0) * ((rest * rest) * (rest * rest) * rest))
-            }
+            Reflectance::Schlick { normal } => schlick(*normal, cos.abs()),
+        }
+    }
+
+    /// The same by the square of the cosine.
+    #[inline(always)]
+    pub fn at_square(&self, cos2: f32) -> Spectrum {
+        match self {
+            Reflectance::Index { eta, k } => eta.zip_all(*k, |eta, k| fresnel::conductor_of_square(cos2, eta, k)),
+            Reflectance::Schlick { normal } => schlick(*normal, cos2.sqrt()),
         }
     }
 
@@ -36,6 +42,12 @@ impl Reflectance {
             Reflectance::Schlick { normal } => normal.map(|f0| f0 + (1.0 - f0) / 21.0),
         }
     }
+}
+
+#[inline(always)]
+fn schlick(normal: Spectrum, cos: f32) -> Spectrum {
+    let rest = 1.0 - cos.min(1.0);
+    normal.map(|f0| f0 + (1.0 - f0) * ((rest * rest) * (rest * rest) * rest))
 }
 
 /// Reflection at a smooth metal surface.

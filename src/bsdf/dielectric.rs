@@ -24,6 +24,7 @@ pub struct Dielectric {
 }
 
 impl Dielectric {
+    #[inline(never)]
     pub fn sample(&self, wo: Local, choice: f32, mode: TransportMode) -> Option<BsdfSample> {
         if wo.cos() == 0.0 || self.color.is_black() {
             return None;

@@ -31,7 +31,8 @@ impl Diffuse {
     }
 
     pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
-        let wi = Local(warp::cosine_hemisphere(u) * 1f32.copysign(wo.cos()));
-        BsdfSample::of_lobe(wi, self.albedo, self.pdf(wo, wi))
+        // Along the surface there is no side to sample.
+        let up = (wo.cos() != 0.0).then(|| warp::cosine_hemisphere(u))?;
+        BsdfSample::of_lobe(Local(up).on_the_side_of(wo), self.albedo, SolidAnglePdf::new(warp::cosine_hemisphere_pdf(up)))
     }
 }

@@ -35,6 +35,7 @@ impl DiffuseTransmission {
         SolidAnglePdf::new(side * FRAC_1_PI * wi.abs_cos())
     }
 
+    #[inline(never)]
     pub fn sample(&self, wo: Local, choice: f32, u: Vec2) -> Option<BsdfSample> {
         let [reflected, transmitted] = self.probabilities();
         let (share, probability, lobe, side) = match choice < reflected {

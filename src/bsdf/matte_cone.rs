@@ -47,6 +47,7 @@ impl MatteCone {
         SolidAnglePdf::new(ways as f32 / (TAU * self.one_minus_cos()))
     }
 
+    #[inline(never)]
     pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
         if self.is_mirror() {
             return self.delta_lobe(wo);

@@ -56,6 +56,7 @@ impl Metal {
         8.0 * ROUNDING * self.roughness
     }
 
+    #[inline(never)]
     pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
         if self.is_mirror() {
             return self.delta_lobe(wo);

@@ -168,6 +168,7 @@ impl<'a> Bsdf<'a> {
     ///
     /// `None` where nothing is scattered.
     pub fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+        // What is long is out of line: in here it would cost the short models stack and saved registers.
         match self {
             Bsdf::Diffuse(b) => b.sample(wo, u),
             Bsdf::MatteCone(b) => b.sample(wo, u),

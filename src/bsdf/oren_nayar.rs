@@ -54,6 +54,7 @@ impl OrenNayar {
         SolidAnglePdf::new(if wo.same_side(wi) { FRAC_1_PI * wi.abs_cos() } else { 0.0 })
     }
 
+    #[inline(never)]
     pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
         let wi = Local(warp::cosine_hemisphere(u) * 1f32.copysign(wo.cos()));
         let pdf = self.pdf(wo, wi);

@@ -37,6 +37,7 @@ impl Phong {
         SolidAnglePdf::new(warp::cos_power_hemisphere_pdf(in_lobe, self.exponent))
     }
 
+    #[inline(never)]
     pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
         let in_lobe = Local(warp::cos_power_hemisphere(u, self.exponent));
         let wi = Local(Frame::around(fresnel::reflect(wo.0)).to_world(in_lobe));

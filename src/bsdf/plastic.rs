@@ -47,6 +47,7 @@ impl Plastic {
         SolidAnglePdf::new(if wo.same_side(wi) { density } else { 0.0 })
     }
 
+    #[inline(never)]
     pub fn sample(&self, wo: Local, choice: f32, u: Vec2) -> Option<BsdfSample> {
         let [surface, _] = self.probabilities(wo);
         if choice < surface {

@@ -5,9 +5,9 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::Vec2;
 
 use super::microfacet::albedo::{Domain, Key, Shelf};
-use super::microfacet::{Albedo, Distribution, Microfacets, Pair, above, cos_to_half, upward};
-use super::{BsdfSample, Lobe, Reflectance};
-use crate::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
+use super::microfacet::{Albedo, Distribution, Microfacets, Pair, above, cos2_to_half, upward};
+use super::{BsdfSample, Reflectance};
+use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 
 /// Reflection at a metal whose facets are tiny mirrors.
 ///
@@ -66,7 +66,10 @@ fn returned(facets: &Microfacets, wo: Local, u: Vec2) -> f32 {
 
 impl RoughConductor {
     pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
-        above(wo, wi).map_or(Spectrum::BLACK, |[wo, wi]| self.both(wo, wi, cos_to_half(wo, wi), self.lost(wo)).0)
+        above(wo, wi).map_or(Spectrum::BLACK, |[wo, wi]| {
+            let once = self.reflectance.at_square(cos2_to_half(wo, wi)) * Pair::new(&self.facets, wo, wi).scattered();
+            self.more.map_or(once, |more| once + self.further(more, wi, self.lost(wo)))
+        })
     }
 
     pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
@@ -74,33 +77,51 @@ impl RoughConductor {
         above(wo, wi).map_or(SolidAnglePdf::ZERO, density)
     }
 
+    #[inline(never)]
     pub fn sample(&self, wo: Local, choice: f32, u: Vec2) -> Option<BsdfSample> {
         let up = upward(wo);
-        let lost = self.lost(up);
-        let (wi, cos) = if choice < lost {
-            let wi = Local(warp::cosine_hemisphere(u));
-            (wi, cos_to_half(up, wi))
-        } else {
-            self.facets.mirror_visible(up, u)
-        };
-        let [up, above] = above(up, wi)?;
-        let (f, pdf) = self.both(up, above, cos, lost);
-        // Its inverse, while Fresnel is still at work.
-        let weight = f * (1.0 / pdf.get());
-        let wi = wi.on_the_side_of(wo);
-        (pdf.get() > 0.0).then_some(BsdfSample { wi, weight, density: Density::Smooth(pdf), lobe: Lobe::Reflection, eta: 1.0 })
+        let (wi, weight, pdf) = match self.more {
+            // By itself for each distribution: one leaves registers to the other.
+            None => match self.facets.distribution {
+                Distribution::Ggx => self.sample_once(Microfacets { distribution: Distribution::Ggx, ..self.facets }, up, u),
+                Distribution::Beckmann => self.sample_once(Microfacets { distribution: Distribution::Beckmann, ..self.facets }, up, u),
+            },
+            Some(more) => self.sample_all(more, up, choice, u),
+        }?;
+        BsdfSample::of_lobe(wi.on_the_side_of(wo), weight, pdf)
     }
 
-    /// f·|cos θi| and the density of `wi`, for directions above the surface.
-    ///
-    /// - `cos`: to the normal half way between them
-    /// - `lost`: see [`RoughConductor::lost`]
+    /// A direction by a facet in sight, its weight F G₂/G₁ and its density; both directions above the surface.
     #[inline(always)]
-    fn both(&self, wo: Local, wi: Local, cos: f32, lost: f32) -> (Spectrum, SolidAnglePdf) {
+    fn sample_once(&self, facets: Microfacets, wo: Local, u: Vec2) -> Option<(Local, Spectrum, SolidAnglePdf)> {
+        let (wi, cos2) = facets.mirror_visible(wo, u);
+        above(wo, wi)?;
+        let pair = Pair::new(&facets, wo, wi);
+        Some((wi, self.reflectance.at_square(cos2) * pair.unmasked(), SolidAnglePdf::new(pair.density())))
+    }
+
+    /// The same by a facet or by the lobe of later reflections, and of both together.
+    fn sample_all(&self, more: MoreReflections, wo: Local, choice: f32, u: Vec2) -> Option<(Local, Spectrum, SolidAnglePdf)> {
+        let lost = self.lost(wo);
+        let (wi, cos2) = if choice < lost {
+            let wi = Local(warp::cosine_hemisphere(u));
+            (wi, cos2_to_half(wo, wi))
+        } else {
+            self.facets.mirror_visible(wo, u)
+        };
+        above(wo, wi)?;
         let pair = Pair::new(&self.facets, wo, wi);
-        let once = self.reflectance.at(cos) * pair.scattered;
-        let f = self.more.map_or(once, |m| once + m.strength * (lost * m.losses.loss(wi, self.facets.alpha) * wi.cos()));
-        (f, density(pair, wi, lost))
+        let pdf = density(pair, wi, lost);
+        let f = self.reflectance.at_square(cos2) * pair.scattered() + self.further(more, wi, lost);
+        Some((wi, f / pdf.get(), pdf))
+    }
+
+    /// f₂ |cos θi|.
+    ///
+    /// - `lost`: see [`RoughConductor::lost`]
+    #[inline]
+    fn further(&self, more: MoreReflections, wi: Local, lost: f32) -> Spectrum {
+        more.strength * (lost * more.losses.loss(wi, self.facets.alpha) * wi.cos())
     }
 
     /// The chance that the lobe of later reflections is sampled: 1 − E(wo).
@@ -113,5 +134,5 @@ impl RoughConductor {
 /// Of `wi`, by a facet in sight or by the lobe of later reflections.
 #[inline]
 fn density(pair: Pair, wi: Local, lost: f32) -> SolidAnglePdf {
-    SolidAnglePdf::new((1.0 - lost) * pair.density + lost * FRAC_1_PI * wi.cos())
+    SolidAnglePdf::new((1.0 - lost) * pair.density() + lost * FRAC_1_PI * wi.cos())
 }

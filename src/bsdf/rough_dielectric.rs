@@ -125,6 +125,7 @@ impl RoughDielectric {
         self.both(wo, wi, TransportMode::Importance).map_or(SolidAnglePdf::ZERO, |(_, pdf)| pdf)
     }
 
+    #[inline(never)]
     pub fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         if wo.cos() == 0.0 || self.color.is_black() {
             return None;

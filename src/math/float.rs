@@ -9,6 +9,8 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, LN_2, LOG2_E, PI};
 
+use super::pair::Pair;
+
 /// The largest `f32` below 1: the greatest value of a uniform number.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - 1.0 / 16_777_216.0;
 
@@ -67,7 +69,7 @@ pub fn sin_cos_octant(x: f32) -> (f32, f32) {
 #[inline]
 fn series(r: f64) -> (f64, f64) {
     let square = r * r;
-    let [sin, cos] = horner_pair(square, SIN_COS_14);
+    let [sin, cos] = polynomial_pair(square, SIN_COS_14);
     (r + r * square * sin, 1.0 + square * cos)
 }
 
@@ -349,14 +351,15 @@ fn horner<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     sum
 }
 
-/// Two polynomials side by side: processors have lanes for both.
-#[inline]
-fn horner_pair<const N: usize>(x: f64, coefficients: [[f64; 2]; N]) -> [f64; 2] {
-    let mut sum = coefficients[N - 1];
-    for i in (0..N - 1).rev() {
-        sum = [sum[0] * x + coefficients[i][0], sum[1] * x + coefficients[i][1]];
-    }
-    sum
+/// Two polynomials side by side, with terms two by two, which wait for each other half as often as Horner's.
+///
+/// (c₀ + c₁ x) + x² ((c₂ + c₃ x) + x² (c₄ + c₅ x))
+#[inline(always)]
+fn polynomial_pair(x: f64, c: [[f64; 2]; 6]) -> [f64; 2] {
+    let c = c.map(Pair::from);
+    let (square, x) = (Pair::splat(x * x), Pair::splat(x));
+    let two = |i: usize| c[i] + c[i + 1] * x;
+    (two(0) + square * (two(2) + square * two(4))).into()
 }
 
 /// π/2 in two parts: the upper one has 39 bits, so that its product with a small integer is exact.

@@ -8,6 +8,7 @@ pub mod frame;
 pub mod fresnel;
 pub mod hash;
 pub mod measure;
+mod pair;
 pub mod ray;
 pub mod spectrum;
 pub mod spherical_rectangle;

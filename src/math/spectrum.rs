@@ -3,7 +3,7 @@
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 /// A spectral quantity: radiance, reflectance, throughput.
 ///
@@ -33,7 +33,9 @@ impl Spectrum {
     }
 
     pub fn is_black(self) -> bool {
-        self.0 == Vec3::ZERO
+        // All bits but the signs are 0: one test for all coefficients.
+        let bits = self.0.to_array().map(f32::to_bits);
+        (bits[0] | bits[1] | bits[2]) << 1 == 0
     }
 
     /// Finite and nowhere negative: what radiance must be.
@@ -69,13 +71,13 @@ impl Spectrum {
 
     /// f(self, other), coefficient by coefficient.
     pub fn zip(self, other: Spectrum, f: impl Fn(f32, f32) -> f32) -> Spectrum {
-        self.zip_all(other, |a, b| std::array::from_fn(|i| f(a[i], b[i])))
+        Spectrum(Vec3::new(f(self.0.x, other.0.x), f(self.0.y, other.0.y), f(self.0.z, other.0.z)))
     }
 
     /// The same by a function that takes all coefficients at once.
     #[inline(always)]
-    pub fn zip_all(self, other: Spectrum, f: impl Fn([f32; 3], [f32; 3]) -> [f32; 3]) -> Spectrum {
-        Spectrum(f(self.0.to_array(), other.0.to_array()).into())
+    pub fn zip_all(self, other: Spectrum, f: impl Fn(Vec3A, Vec3A) -> Vec3A) -> Spectrum {
+        Spectrum(f(self.0.into(), other.0.into()).into())
     }
 }
 

@@ -5,11 +5,10 @@
 //! with 0 and 1 − 2⁻²⁴, gives a finite result inside the domain.
 
 use std::f32::consts::FRAC_PI_4;
-use std::hint::select_unpredictable;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 
-use super::float::{ONE_MINUS_EPSILON, ROUNDING, atan2, exp_f64, exp_m1_f64, ln_f64, sin_cos_octant};
+use super::float::{ONE_MINUS_EPSILON, atan2, exp_f64, exp_m1_f64, ln_f64, sin_cos_octant};
 
 const INV_PI: f32 = std::f32::consts::FRAC_1_PI;
 const INV_2PI: f32 = INV_PI / 2.0;
@@ -208,17 +207,18 @@ fn ln_cosine(w: Vec3) -> f64 {
 #[inline]
 pub(crate) fn polar(u: Vec2) -> (f32, Vec2) {
     // Uniform numbers are the lower ends of cells of width 2⁻²⁴; taking the cells' centres is
-    // exact in f32, symmetric, and keeps the radius below 1, where a cosine would be 0.
-    let signed = (2.0 * u - 1.0) + ROUNDING;
+    // exact in f32, symmetric, and keeps the radius below 1, where a cosine would be 0: 2u − 1 + 2⁻²⁴.
+    let signed = 2.0 * u - ONE_MINUS_EPSILON;
     let side = signed.abs();
     let r = side.max_element();
     // At the centre 0/0 is to be 0.
     let ratio = side.min_element() / r.max(f32::MIN_POSITIVE);
     let (sin, cos) = sin_cos_octant(FRAC_PI_4 * ratio);
     // The complement of a steep angle: its sine and cosine trade places. Selected, not branched: which it is cannot be foretold.
-    let steep = side.x <= side.y;
-    let direction = Vec2::new(select_unpredictable(steep, sin, cos), select_unpredictable(steep, cos, sin));
-    (r, direction.copysign(signed))
+    let flat = Vec4::new(cos, sin, 0.0, 0.0);
+    let steep = Vec4::splat(side.x).cmple(Vec4::splat(side.y));
+    let direction = Vec4::select(steep, flat.yxzw(), flat).copysign(Vec4::new(signed.x, signed.y, 0.0, 0.0));
+    (r, direction.xy())
 }
 
 /// Rounding may carry an inverse just past an edge of [0, 1)².

@@ -113,8 +113,8 @@ fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Albe
     static SHELF: Shelf<Key, Albedo> = Shelf::new();
     SHELF.get((distribution, domain.bits(), eta.to_bits()), || {
         Albedo::tabulate(domain, distribution, |facets, wo, u| {
-            let (wi, cos) = facets.mirror_visible(wo, u);
-            let rough = if wi.cos() > 0.0 { fresnel::dielectric(cos, eta) * Pair::new(facets, wo, wi).unmasked() } else { 0.0 };
+            let (wi, cos2) = facets.mirror_visible(wo, u);
+            let rough = if wi.cos() > 0.0 { fresnel::dielectric(cos2.sqrt(), eta) * Pair::new(facets, wo, wi).unmasked() } else { 0.0 };
             0.5 + 0.5 * (rough - fresnel::dielectric(wo.cos(), eta))
         })
     })
@@ -159,7 +159,7 @@ impl Layer {
         let (facets, _) = self.facets.as_ref()?;
         let [wo, wi] = above(wo, wi)?;
         let pair = Pair::new(facets, wo, wi);
-        Some((fresnel::dielectric(cos_to_half(wo, wi), self.eta) * pair.scattered, pair.density))
+        Some((fresnel::dielectric(cos_to_half(wo, wi), self.eta) * pair.scattered(), pair.density()))
     }
 
     /// Of coat and ground to be sampled: their shares in what comes back, neither as the rest of the other.

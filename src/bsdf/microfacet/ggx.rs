@@ -24,7 +24,7 @@ pub(super) fn across(cos: f32, sine2: f32) -> f32 {
     (cos * cos + sine2).sqrt()
 }
 
-/// A normal in sight from `wo`, not normalized; all at roughness 1, where the facets are those of a hemisphere.
+/// A normal in sight from `wo`, neither of them normalized; all at roughness 1, where the facets are those of a hemisphere.
 ///
 /// Mirroring maps the visible normals of a hemisphere to the cap z > −cos θo of the sphere, evenly: a point of the cap and `wo`
 /// make the normal half way between them.
@@ -33,9 +33,11 @@ pub(super) fn across(cos: f32, sine2: f32) -> f32 {
 #[inline]
 pub(super) fn sample_visible(wo: Vec3, u: Vec2) -> Vec3 {
     let (r, direction) = warp::polar(u);
-    let height = 1.0 + wo.z;
-    // With z = 1 − r² height the point on the cap: z + cos θo and 1 − z² = r² height (1 + z), neither by cancellation.
+    // On the sphere through wo, so that nothing is divided by its length l.
+    let l = wo.length();
+    let height = l + wo.z;
+    // With z = l − r² height the point on the cap: z + wo.z and l² − z² = r² height (l + z), neither by cancellation.
     let z_and_cos = height * ((1.0 - r) * (1.0 + r));
-    let sine = r * (height * ((1.0 - wo.z) + z_and_cos)).sqrt();
+    let sine = r * (height * ((l - wo.z) + z_and_cos)).sqrt();
     Vec3::new(sine * direction.x + wo.x, sine * direction.y + wo.y, z_and_cos)
 }

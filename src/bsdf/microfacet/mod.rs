@@ -15,7 +15,9 @@ pub mod albedo;
 pub mod finish;
 pub mod ladder;
 
-use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+
+use glam::{Vec2, Vec2Swizzles, Vec3};
 
 use crate::math::Local;
 
@@ -59,13 +61,16 @@ impl Microfacets {
     #[inline]
     pub fn density(&self, h: Local) -> f32 {
         // sin² by the coordinates themselves: 1 − cos² would have no digits left of a small alpha.
-        let (slope2, cos2) = ((h.0.truncate() / self.alpha).length_squared(), h.cos() * h.cos());
+        let per_area = 1.0 / (self.alpha.x * self.alpha.y);
+        // h/α by one division, which waits for no direction.
+        let slopes = h.0.truncate() * (self.alpha.yx() * per_area);
+        let (slope2, cos2) = (slopes.length_squared(), h.cos() * h.cos());
         let length2 = h.0.length_squared();
         let profile = match self.distribution {
             Distribution::Ggx => ggx::profile(slope2, cos2, length2),
             Distribution::Beckmann => beckmann::profile(slope2, cos2, length2),
         };
-        profile / (std::f32::consts::PI * self.alpha.x * self.alpha.y)
+        profile * (FRAC_1_PI * per_area)
     }
 
     /// S(w) = cos θ (1 + 2 Λ(w)): the area of facets, front and back, that lies across w, per area of the surface.
@@ -97,54 +102,76 @@ impl Microfacets {
     /// The same, of any length.
     #[inline(always)]
     fn along_visible(&self, wo: Local, u: Vec2) -> Vec3 {
-        let stretched = (wo.0 * self.alpha.extend(1.0)).normalize();
+        let stretched = wo.0 * self.alpha.extend(1.0);
         let normal = match self.distribution {
             Distribution::Ggx => ggx::sample_visible(stretched, u),
-            Distribution::Beckmann => beckmann::sample_visible(stretched, u),
+            Distribution::Beckmann => beckmann::sample_visible(stretched.normalize(), u),
         };
         normal * self.alpha.extend(1.0)
     }
 
-    /// `wo` mirrored at a facet in sight, and the cosine of either to its normal.
+    /// `wo` mirrored at a facet in sight, and the square of the cosine of either to its normal.
     #[inline(always)]
     pub(super) fn mirror_visible(&self, wo: Local, u: Vec2) -> (Local, f32) {
         let along = self.along_visible(wo, u);
-        let (cos, length2) = (wo.0.dot(along), along.length_squared());
-        let w = along * (2.0 * cos / length2) - wo.0;
+        let cos = wo.0.dot(along);
+        let part = cos / along.length_squared();
+        let w = along * (2.0 * part) - wo.0;
         // As near to 1 as its length is, a step of Newton's for 1/√x is as good as a root and a division.
-        (Local(w * (1.5 - 0.5 * w.length_squared())), (cos / length2.sqrt()).min(1.0))
+        (Local(w * (1.5 - 0.5 * w.length_squared())), cos * part)
     }
 }
 
 /// What two directions above the surface make of facets that mirror one into the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair {
-    /// cos θi G₂ D / (4 cos θo cos θi), without Fresnel's factor [sr⁻¹].
-    pub scattered: f32,
-    /// G₁(wo) D / (4 cos θo), the density of mirroring `wo` at a facet in sight [sr⁻¹].
-    pub density: f32,
+    /// D/2 of their normal [sr⁻¹].
+    half_density: f32,
+    /// cos θo + S(wo) = 2 cos θo / G₁
+    one_way: f32,
+    /// cos θo S(wi)/cos θi + S(wo) = 2 cos θo / G₂
+    both_ways: f32,
 }
 
 impl Pair {
     #[inline(always)]
     pub fn new(facets: &Microfacets, wo: Local, wi: Local) -> Pair {
-        let d = facets.density(Local(wo.0 + wi.0));
         let (o, i, across_o, across_i) = (wo.cos(), wi.cos(), facets.across(wo), facets.across(wi));
-        // S(i)/cos i first: products of two cosines may underflow.
-        Pair { scattered: 0.5 * d / (o * (across_i / i) + across_o), density: 0.5 * d / (o + across_o) }
+        Pair {
+            half_density: 0.5 * facets.density(Local(wo.0 + wi.0)),
+            one_way: o + across_o,
+            // S(i)/cos i first: products of two cosines may underflow.
+            both_ways: o * (across_i / i) + across_o,
+        }
     }
 
-    /// G₂/G₁: what is not masked on its way out; 0 where nothing goes that way.
+    /// cos θi G₂ D / (4 cos θo cos θi), without Fresnel's factor [sr⁻¹].
+    pub fn scattered(&self) -> f32 {
+        self.half_density / self.both_ways
+    }
+
+    /// G₁(wo) D / (4 cos θo), the density of mirroring `wo` at a facet in sight [sr⁻¹].
+    pub fn density(&self) -> f32 {
+        self.half_density / self.one_way
+    }
+
+    /// G₂/G₁: what is not masked on its way out.
     pub fn unmasked(&self) -> f32 {
-        if self.density > 0.0 { self.scattered / self.density } else { 0.0 }
+        self.one_way / self.both_ways
     }
 }
 
 /// The cosine of either of two directions to the normal half way between them.
 #[inline]
 pub(super) fn cos_to_half(wo: Local, wi: Local) -> f32 {
+    cos2_to_half(wo, wi).sqrt().min(1.0)
+}
+
+/// Its square.
+#[inline]
+pub(super) fn cos2_to_half(wo: Local, wi: Local) -> f32 {
     // |wo + wi| = 2 wo·h = 2 wi·h: the same from both ends.
-    (0.5 * (wo.0 + wi.0).length()).min(1.0)
+    0.25 * (wo.0 + wi.0).length_squared()
 }
 
 /// Two directions on one side of the surface, or their mirror images above it.
