@@ -15,6 +15,19 @@ fn near(a: Spectrum, b: Spectrum, relative: f32) -> bool {
     a.zip(b, |a, b| if (a - b).abs() <= relative * a.abs().max(b.abs()) { 0.0 } else { 1.0 }).is_black()
 }
 
+/// Each coefficient counts, down to the smallest number; its sign does not.
+#[test]
+fn black_has_no_coefficient_left() {
+    assert!(Spectrum::BLACK.is_black() && Spectrum::rgb(-0.0, 0.0, -0.0).is_black());
+    let least = f32::from_bits(1);
+    for coefficient in [least, -least, 1.0, f32::INFINITY, f32::NAN] {
+        for place in 0..3 {
+            let [r, g, b] = std::array::from_fn(|i| if i == place { coefficient } else { 0.0 });
+            assert!(!Spectrum::rgb(r, g, b).is_black(), "{r} {g} {b}");
+        }
+    }
+}
+
 /// What a model reflects at most, per coefficient.
 fn bound(model: &Bsdf) -> Spectrum {
     match model {
