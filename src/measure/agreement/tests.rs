@@ -1,8 +1,10 @@
 //! Images of known noise, with and without planted faults.
 
+use approx::assert_relative_eq;
 use glam::UVec2;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
+use statrs::distribution::{DiscreteCDF, Poisson};
 
 use super::*;
 use crate::film::Channel;
@@ -48,6 +50,78 @@ fn refusals(planted: impl Fn(usize, usize) -> f64) -> [usize; 5] {
 #[test]
 fn equal_pictures_agree() {
     assert!(refusals(|_, _| 1.0)[4] <= 1);
+}
+
+/// What 16 scramblings found of a light of mean `mean` that `hits` of a pixel's samples meet, on average.
+fn rare(seed: u64, hits: f64, mean: impl Fn(usize, usize) -> f64) -> Image {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut uniform = move || -> f64 { (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64 };
+    let mut image = noise(seed, |_, _| 1.0);
+    let chance = hits / 16.0;
+    for (pixel, x, y) in (0..SIZE * SIZE).map(|pixel| (pixel, pixel % SIZE, pixel / SIZE)) {
+        let met = (0..16).filter(|_| uniform() < chance).count() as f64;
+        let each = mean(x, y) / chance;
+        let found = Mean::from_sums(met * each, met * each * each, 16);
+        for channel in &mut image.channels {
+            channel.values[pixel] = if channel.name.starts_with("StdErr") { found.standard_error() } else { found.value } as f32;
+        }
+    }
+    image
+}
+
+/// A picture of rare samples against one that is known to 9 %.
+fn against_noise(rare: &Image, run: u64) -> Agreement {
+    let sure = noise(run + 1000, |_, _| 1.0);
+    agreement(Render { image: rare, samples: 16 }, Render { image: &sure, samples: SAMPLES }, ALPHA).unwrap()
+}
+
+/// Squares of 8×8 pixels with some fifteen samples that found light, or three: too few for the normal law, and some have found next to
+/// nothing.
+#[test]
+fn light_that_is_rarely_found_is_no_difference() {
+    for hits in [0.25, 0.05] {
+        let found = |run| against_noise(&rare(run, hits, |_, _| 1.0), run);
+        let alarms: Vec<_> = (0..RUNS).map(found).filter(|found| !found.accepts()).collect();
+        assert!(alarms.len() <= 1, "{} alarms, {}", alarms.len(), alarms[0]);
+    }
+}
+
+/// A corner of the picture, a quarter of it, half as bright again.
+#[test]
+fn light_that_is_rarely_found_can_be_wrong() {
+    let corner = |x, y| if x < SIZE / 2 && y < SIZE / 2 { 1.5 } else { 1.0 };
+    for run in 0..RUNS {
+        let found = against_noise(&rare(run, 0.25, corner), run);
+        assert!(!found.accepts(), "{found}");
+    }
+}
+
+/// An edge, where each pixel sees the lamp with half of its samples: its few pixels are known by hundreds of samples each.
+#[test]
+fn few_noisy_pixels_are_a_block_of_their_own() {
+    let (mean, count) = (8.0, 512.0);
+    let edge = Mean { value: mean, variance: mean * mean / count, samples: count };
+    let wall = Mean { value: 0.5, variance: 0.0, samples: count };
+    let pixels: Vec<Mean> = (0..64).map(|i| if i < 3 { edge } else { wall }).collect();
+    let sum = Sum::of(&pixels);
+    // h = ((8 - 0.5)/8)² 512 = 450 samples in each of three pixels
+    assert_relative_eq!(sum.samples(), 3.0 * 450.0, max_relative = 1e-12);
+    assert_relative_eq!(sum.third, 3.0 * edge.variance.powf(1.5) / 450f64.sqrt(), max_relative = 1e-12);
+}
+
+/// k hits where 60 were to be expected: no surer than the law of Poisson, that is here known to the last, but surer than its root.
+#[test]
+fn too_few_hits_are_as_improbable_as_poisson_has_it() {
+    let expected = 60.0;
+    let poisson = Poisson::new(expected).unwrap();
+    for k in 20..45 {
+        let hits = k as f64;
+        let found = Mean { value: hits, variance: hits, samples: 1e6 };
+        let known = Mean { value: expected, variance: 0.0, samples: 1e6 };
+        let p = Tested { means: [found, known], third: [hits, 0.0] }.p();
+        let exact = poisson.cdf(k);
+        assert!(exact <= p && p <= 2.0 * exact.sqrt(), "{k}: {p:e}, {exact:e}");
+    }
 }
 
 /// 1 % of bias hides in every pixel, but not in the sum: σ of the difference of the sums is 0.1 %.
