@@ -9,9 +9,9 @@
 //!
 //! Heavy tails: where the rare bright paths have not come yet, a mean is too dark and looks surer than it is. So
 //!
-//! - a block has at least 8×8 pixels, and as many more as it takes for its noise to be that of [`SHARED`] samples ([`Pair::blocks`]);
+//! - a block has at least 8×8 pixels, and as many more as it takes for its noise to be that of fifty samples;
 //! - a pixel's variance counts as at least the mean of its block, and of its 8×8 neighbours;
-//! - the side that is darker may be so by what it lacks: its statistic is taken back by that ([`Tested::p`]);
+//! - the side that is darker may be so by what it lacks: its statistic is taken back by that (Hall);
 //! - Σz² is formed of blocks so large that the skewness of a sum is lost in what chance does to Σz².
 
 use std::fmt;
