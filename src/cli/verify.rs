@@ -11,7 +11,6 @@ use crate::describe::Built;
 use crate::error::{Error, Fault, Result};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Entry;
-use crate::measure::relative::is_established;
 use crate::measure::words::{duration, per_cent};
 use crate::measure::{Agreement, RelativeError, Until, agreement, follow};
 use crate::output::{self, Attributes, Tonemap, exr};
@@ -28,8 +27,6 @@ struct Side {
     image: Image,
     /// n of a mean with n − 1 degrees of freedom.
     samples: u64,
-    /// Whether enough pixels share the noise for the tests to mean something.
-    established: bool,
 }
 
 pub fn verify(args: &args::Verify, tables: &[&[Entry]]) -> Result<ExitCode> {
@@ -98,7 +95,7 @@ fn pictured(path: &Path, film: &FilmSpec) -> Result<Side> {
     let freedom =
         attributes.iter().find(|(name, _)| name == "pt/standardErrorFreedom").and_then(|(_, value)| value.to_string().parse::<u64>().ok());
     let freedom = freedom.ok_or_else(|| refused("does not say how sure its standard errors are (pt/standardErrorFreedom)".into()))?;
-    Ok(Side { name: path.display().to_string(), established: is_established(&image), image, samples: freedom + 1 })
+    Ok(Side { name: path.display().to_string(), image, samples: freedom + 1 })
 }
 
 fn rendered(
@@ -131,12 +128,7 @@ fn rendered(
             moments.samples()
         )));
     }
-    Ok(Side {
-        name: entry.name.into(),
-        image: moments.image(),
-        samples: freedom as u64 + 1,
-        established: error.is_some_and(|error| error.is_established()),
-    })
+    Ok(Side { name: entry.name.into(), image: moments.image(), samples: freedom as u64 + 1 })
 }
 
 impl Side {
@@ -154,7 +146,8 @@ fn report(args: &args::Verify, a: &Side, b: &Side, agreement: &Agreement) -> Res
     let tests = agreement.to_string().split("; ").map(|line| format!("  {line}\n")).collect::<String>();
     let seen = crate::measure::agreement::smallest_bias(a.as_render(), b.as_render(), args.alpha)?;
     let power = format!("a difference of {} % of the whole picture's light would have shown\n", per_cent(seen));
-    let unsure: Vec<&str> = [a, b].into_iter().filter(|side| !side.established).map(|side| side.name.as_str()).collect();
+    let unsure: Vec<&str> =
+        [a, b].into_iter().zip(agreement.heavy).filter(|(_, heavy)| *heavy).map(|(side, _)| side.name.as_str()).collect();
     let (word, code) = match (agreement.accepts(), unsure.is_empty()) {
         (_, false) => ("inconclusive", ExitCode::from(INCONCLUSIVE)),
         (true, true) => ("the same picture, as far as one can tell", ExitCode::SUCCESS),
@@ -162,7 +155,7 @@ fn report(args: &args::Verify, a: &Side, b: &Side, agreement: &Agreement) -> Res
     };
     let why = match unsure.is_empty() {
         true => String::new(),
-        false => format!("heavy tail: a few pixels hold all the noise of {}\n", unsure.join(" and ")),
+        false => format!("heavy tail: a few samples hold all the noise of {}\n", unsure.join(" and ")),
     };
     say(&format!("{} and {}: {word}\n{tests}{why}{power}", a.name, b.name))?;
     Ok(code)

@@ -12,12 +12,17 @@
 //! - a block has at least 8×8 pixels, and as many more as it takes for its noise to be that of fifty samples;
 //! - a pixel's variance counts as at least the mean of its block, and of its 8×8 neighbours;
 //! - the side that is darker may be so by what it lacks: its statistic is taken back by that (Hall);
-//! - Σz² is formed of blocks so large that the skewness of a sum is lost in what chance does to Σz².
+//! - Σz² is formed of blocks so large that the skewness of a sum is lost in what chance does to Σz²;
+//! - a picture whose noise is that of fewer than fifty samples in all concludes nothing ([`Agreement::heavy`]).
+
+mod block;
 
 use std::fmt;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use self::block::{Block, add, samples, with_surroundings};
+use super::relative::EPSILON;
 use super::{Mean, Verdict, Welch, critical_z, sidak};
 use crate::film::{Channel, Image};
 use crate::{Error, Fault, Result};
@@ -37,6 +42,9 @@ pub struct Agreement {
     pub block: Verdict,
     pub global: Verdict,
     pub spread: Verdict,
+    /// Of each image, whether a few samples hold all its noise (relative to its light), or it shows nothing at all: what more of them
+    /// would bring is unknown, and so the tests conclude nothing.
+    pub heavy: [bool; 2],
 }
 
 impl Agreement {
@@ -73,14 +81,16 @@ const CHANNELS: [&str; 3] = ["R", "G", "B"];
 /// for Assessing Monte Carlo Estimators* (2007), widened. Tests: false alarms, bias, a local fault, too small errors.
 pub fn agreement(a: Render, b: Render, alpha: f64) -> Result<Agreement> {
     let level = sidak(alpha, 4 * CHANNELS.len());
-    let colors: Vec<[Verdict; 4]> = CHANNELS.into_iter().map(|c| Pair::new(a, b, c).map(|pair| pair.test(level))).collect::<Result<_>>()?;
+    let pairs: Vec<Pair> = CHANNELS.into_iter().map(|channel| Pair::new(a, b, channel)).collect::<Result<_>>()?;
+    let colors: Vec<[Verdict; 4]> = pairs.iter().map(|pair| pair.test(level)).collect();
+    let heavy = [0, 1].map(|k| pairs.iter().any(|pair| pair.is_heavy(k)) || pairs.iter().all(|pair| pair.is_black(k)));
     let worst = |k: usize| {
         let all = colors.iter().map(|verdicts| verdicts[k]);
         let tests = all.clone().map(|v| v.tests).sum();
         let worst = all.fold(None, |worst: Option<Verdict>, v| worst.filter(|w| w.p / w.level <= v.p / v.level).or(Some(v)));
         Verdict { tests, ..worst.unwrap_or(Verdict { p: 1.0, level, tests }) }
     };
-    Ok(Agreement { pixel: worst(0), block: worst(1), global: worst(2), spread: worst(3) })
+    Ok(Agreement { pixel: worst(0), block: worst(1), global: worst(2), spread: worst(3), heavy })
 }
 
 /// The probability of so large a difference by chance, of each pixel and colour: near 0 where the images differ.
@@ -133,17 +143,40 @@ impl Pair {
     /// Pixel, block, global, spread.
     fn test(&self, level: f64) -> [Verdict; 4] {
         let blocks = self.blocks(SHARED);
-        let pixels = blocks.iter().flat_map(|block| &block.pixels).map(|&means| Tested { means, third: [0.0; 2] });
+        let pixels = blocks.iter().flat_map(|block| &block.pixels).map(Tested::pixel);
         let whole = Block::joined(self.blocks(0.0));
         // E(z²) of a sum that n samples make exceeds 1 by 2/n; of N blocks chance makes the mean ±√(2/N).
         let smallest = self.width.div_ceil(BLOCK) * self.height().div_ceil(BLOCK);
         let coarse = self.blocks(SHARED.max(2.5 * (smallest as f64).sqrt()));
         [
             many(pixels, level),
-            many(blocks.iter().map(Block::skewed), level),
-            many([whole.skewed()].into_iter(), level),
+            many(blocks.iter().map(Tested::sum), level),
+            many([Tested::sum(&whole)].into_iter(), level),
             spread(&coarse, level),
         ]
+    }
+
+    /// Whether fewer samples make the relative error √(Σ v/(s² + ε)), with s the surroundings as an outlier would hide behind its own light.
+    fn is_heavy(&self, side: usize) -> bool {
+        let mean = self.pixels.iter().map(|pixel| pixel[side].value).sum::<f64>() / self.pixels.len() as f64;
+        let floor = EPSILON * mean * mean;
+        let tiles = (0..self.height()).step_by(BLOCK).flat_map(|y| (0..self.width).step_by(BLOCK).map(move |x| (x, y)));
+        let noise = tiles.flat_map(|(x, y)| with_surroundings(self.tile(x, y).map(|pixel| pixel[side])));
+        let (sum, fourth) = noise.fold((0.0, 0.0), |(sum, fourth), (mean, around)| {
+            let share = mean.variance / (around * around + floor);
+            (sum + share, fourth + share * share / samples(mean, around))
+        });
+        sum * sum < SHARED * fourth
+    }
+
+    fn is_black(&self, side: usize) -> bool {
+        self.pixels.iter().all(|pixel| pixel[side].value == 0.0)
+    }
+
+    /// The pixels of a square of 8×8, fewer at the far edges.
+    fn tile(&self, x: usize, y: usize) -> impl Iterator<Item = [Mean; 2]> {
+        let rows = y..(y + BLOCK).min(self.height());
+        rows.flat_map(move |row| &self.pixels[row * self.width + x..row * self.width + (x + BLOCK).min(self.width)]).copied()
     }
 
     fn height(&self) -> usize {
@@ -163,9 +196,7 @@ impl Pair {
             return vec![];
         }
         if edge == BLOCK {
-            let rows = y..(y + BLOCK).min(self.height());
-            let row = |row: usize| &self.pixels[row * self.width + x..row * self.width + (x + BLOCK).min(self.width)];
-            return vec![Block::of(rows.flat_map(row).copied().collect())];
+            return vec![Block::of(self.tile(x, y).collect())];
         }
         let half = edge / 2;
         let corners = [(0, 0), (half, 0), (0, half), (half, half)];
@@ -177,85 +208,22 @@ impl Pair {
     }
 }
 
-/// Neighbouring pixels and their sums.
-struct Block {
-    /// None surer than the block, or one of the parts it was joined of, is in the mean.
-    pixels: Vec<[Mean; 2]>,
-    sums: [Sum; 2],
-}
-
-/// A sum of means, and what its noise is made of.
-///
-/// Of a pixel's light above its surroundings, m, and variance v, the samples that make the noise are at least h = m²/v, and at least
-/// one: h equal samples that come by chance (Poisson) have the cumulants κₙ = h xⁿ, so m = h x and v = h x².
-#[derive(Clone, Copy, Default)]
-struct Sum {
-    mean: Mean,
-    /// κ₃ = v^1.5 / h^0.5
-    third: f64,
-    /// κ₄ = v² / h
-    fourth: f64,
-}
-
 /// What a test is made of: two means, and the third cumulants of their noise.
 struct Tested {
     means: [Mean; 2],
     third: [f64; 2],
 }
 
-impl Sum {
-    fn of(means: &[Mean]) -> Sum {
-        let mut values: Vec<f64> = means.iter().map(|mean| mean.value).collect();
-        let middle = values.len() / 2;
-        let surroundings = *values.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let sum = |of: &dyn Fn(&Mean) -> f64| -> f64 { means.iter().map(of).sum() };
-        let samples = |mean: &Mean| ((mean.value - surroundings).powi(2) / mean.variance).max(1.0);
-        Sum {
-            mean: means.iter().fold(Mean::default(), add),
-            third: sum(&|mean| mean.variance.powf(1.5) / samples(mean).sqrt()),
-            fourth: sum(&|mean| mean.variance.powi(2) / samples(mean)),
-        }
-    }
-
-    fn add(self, next: Sum) -> Sum {
-        Sum { mean: add(self.mean, &next.mean), third: self.third + next.third, fourth: self.fourth + next.fourth }
-    }
-
-    /// v² / κ₄: how many equal samples would make this noise. NaN without noise.
-    fn samples(&self) -> f64 {
-        self.mean.variance.powi(2) / self.fourth
-    }
-}
-
-impl Block {
-    fn of(pixels: Vec<[Mean; 2]>) -> Block {
-        let sums = [0, 1].map(|k| Sum::of(&pixels.iter().map(|pixel| pixel[k]).collect::<Vec<_>>()));
-        Block::cautious(pixels, sums)
-    }
-
-    fn joined(parts: Vec<Block>) -> Block {
-        let sums = [0, 1].map(|k| parts.iter().map(|part| part.sums[k]).fold(Sum::default(), Sum::add));
-        Block::cautious(parts.into_iter().flat_map(|part| part.pixels).collect(), sums)
-    }
-
-    /// Makes no pixel surer than the block is in the mean.
-    fn cautious(pixels: Vec<[Mean; 2]>, sums: [Sum; 2]) -> Block {
-        let floor = sums.map(|sum| sum.mean.variance / pixels.len() as f64);
-        let sure = |mean: Mean, k: usize| Mean { variance: mean.variance.max(floor[k]), ..mean };
-        Block { pixels: pixels.into_iter().map(|[a, b]| [sure(a, 0), sure(b, 1)]).collect(), sums }
-    }
-
-    /// Whether at least so many samples make the noise of both sides, where there is noise.
-    fn is_shared(&self, among: f64) -> bool {
-        !self.sums.iter().any(|sum| sum.samples() < among)
-    }
-
-    fn skewed(&self) -> Tested {
-        Tested { means: self.sums.map(|sum| sum.mean), third: self.sums.map(|sum| sum.third) }
-    }
-}
-
 impl Tested {
+    /// A pixel's skewness is not known.
+    fn pixel(means: &[Mean; 2]) -> Tested {
+        Tested { means: *means, third: [0.0; 2] }
+    }
+
+    fn sum(block: &Block) -> Tested {
+        Tested { means: block.sums.map(|sum| sum.mean), third: block.sums.map(|sum| sum.third) }
+    }
+
     /// Welch's test, with the statistic of skewed sums taken back where the darker side may lack its brightest samples.
     ///
     /// t' = t + γ t²/3 + γ² t³/27 + γ/6,    γ = κ₃ / (v₁ + v₂)^1.5 of the darker side, t below 0
@@ -284,11 +252,6 @@ fn means(render: Render, channel: &str) -> Result<(usize, Vec<Mean>)> {
     let mean =
         |(&value, &error): (&f32, &f32)| Mean { value: value as f64, variance: (error as f64).powi(2), samples: render.samples as f64 };
     Ok((render.image.size.x as usize, values.iter().zip(errors).map(mean).collect()))
-}
-
-/// Sums of independent estimates: values and variances add, and so do samples.
-fn add(sum: Mean, next: &Mean) -> Mean {
-    Mean { value: sum.value + next.value, variance: sum.variance + next.variance, samples: sum.samples + next.samples }
 }
 
 /// (2⁻²⁰·value)²: what the rounding of f32 images and of the light's own arithmetic may add to a variance.

@@ -80,16 +80,6 @@ impl RelativeError {
     }
 }
 
-/// Whether enough pixels of a picture from a file share its noise, as its channels `StdErr` tell; yes for a picture without noise.
-pub fn is_established(image: &Image) -> bool {
-    let (Some(floor), Some(errors)) = (floor(image), errors(image)) else { return false };
-    let share =
-        |(i, x): (usize, [f32; 3])| -> f64 { (0..3).map(|c| f64::from(errors[c][i]).powi(2) / (f64::from(x[c]).powi(2) + floor)).sum() };
-    let add = |(sum, square): (f64, f64), share: f64| (sum + share, square + share * share);
-    let (sum, square) = image.pixels().enumerate().map(share).fold((0.0, 0.0), add);
-    sum * sum >= FEWEST * square
-}
-
 /// ε of a reference, above 0.
 pub fn floor(image: &Image) -> Option<f64> {
     let mean = image.pixels().flatten().map(f64::from).sum::<f64>() / (3.0 * image.pixels().count() as f64);

@@ -8,7 +8,6 @@ use std::sync::Arc;
 use pt::describe::{self, Files, Source};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::choose;
-use pt::measure::relative::is_established;
 use pt::measure::{Agreement, Render, agreement};
 use pt::render::{Settings, Silent, render};
 use pt::sampler::SamplerSpec;
@@ -69,7 +68,8 @@ fn healthy(seeds: u64) {
     let mut alarms = 0;
     for seed in 0..seeds {
         let (a, b) = (subject.side("nee", 64, 2 * seed), subject.side("path", 256, 2 * seed + 1));
-        alarms += u64::from(is_established(&a) && is_established(&b) && !verdict(&a, &b).accepts());
+        let verdict = verdict(&a, &b);
+        alarms += u64::from(verdict.heavy == [false; 2] && !verdict.accepts());
     }
     let allowed = Binomial::new(ALPHA, seeds).expect("a distribution").inverse_cdf(0.999);
     assert!(alarms <= allowed, "{alarms} of {seeds} healthy pairs are called different, {allowed} allowed");

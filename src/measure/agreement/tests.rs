@@ -6,6 +6,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use statrs::distribution::{DiscreteCDF, Poisson};
 
+use super::block::Sum;
 use super::*;
 use crate::film::Channel;
 
@@ -96,17 +97,42 @@ fn light_that_is_rarely_found_can_be_wrong() {
     }
 }
 
-/// An edge, where each pixel sees the lamp with half of its samples: its few pixels are known by hundreds of samples each.
+/// A pixel that sees the lamp with half of its 512 samples.
+const EDGE: Mean = Mean { value: 8.0, variance: 8.0 * 8.0 / 512.0, samples: 512.0 };
+
+/// Its few pixels are known by hundreds of samples each.
 #[test]
-fn few_noisy_pixels_are_a_block_of_their_own() {
-    let (mean, count) = (8.0, 512.0);
-    let edge = Mean { value: mean, variance: mean * mean / count, samples: count };
-    let wall = Mean { value: 0.5, variance: 0.0, samples: count };
-    let pixels: Vec<Mean> = (0..64).map(|i| if i < 3 { edge } else { wall }).collect();
-    let sum = Sum::of(&pixels);
+fn the_edge_of_a_lamp_is_a_block_of_its_own() {
+    let wall = Mean { value: 0.5, variance: 0.0, samples: 512.0 };
+    let sum = Sum::of((0..64).map(|i| if i < 3 { EDGE } else { wall }));
     // h = ((8 - 0.5)/8)² 512 = 450 samples in each of three pixels
     assert_relative_eq!(sum.samples(), 3.0 * 450.0, max_relative = 1e-12);
-    assert_relative_eq!(sum.third, 3.0 * edge.variance.powf(1.5) / 450f64.sqrt(), max_relative = 1e-12);
+    assert_relative_eq!(sum.third, 3.0 * EDGE.variance.powf(1.5) / 450f64.sqrt(), max_relative = 1e-12);
+}
+
+/// All the noise in one pixel: of a lamp's edge there is much to know, of one sample that met the lamp there is not, and of nothing at
+/// all even less.
+#[test]
+fn noise_of_a_few_samples_is_a_heavy_tail() {
+    let flat = |value: f32| {
+        let mut image = noise(1, |_, _| 0.5);
+        for channel in &mut image.channels {
+            channel.values.fill(if channel.name.starts_with("StdErr") { 0.0 } else { value });
+        }
+        image
+    };
+    let with_pixel = |value: f64, error: f64| {
+        let mut image = flat(0.5);
+        for channel in &mut image.channels {
+            channel.values[SIZE * SIZE / 2] = if channel.name.starts_with("StdErr") { error } else { value } as f32;
+        }
+        image
+    };
+    let heavy = |image: &Image| compare(image, &noise(1, |_, _| 0.5)).heavy;
+    assert_eq!(heavy(&with_pixel(8.0, EDGE.standard_error())), [false; 2]);
+    assert_eq!(heavy(&with_pixel(0.5 + 8.0, 8.0)), [true, false]);
+    assert_eq!(heavy(&flat(0.5)), [false; 2]);
+    assert_eq!(heavy(&flat(0.0)), [true, false]);
 }
 
 /// k hits where 60 were to be expected: no surer than the law of Poisson, that is here known to the last, but surer than its root.
