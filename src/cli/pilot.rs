@@ -48,9 +48,13 @@ pub fn print(rows: &[(&str, Course)], confidence: f64) -> String {
     let mut text = format!("what a relative error costs in time ({} % intervals):\n", words::per_cent(confidence));
     text.extend(table.iter().map(|row| line(row) + "\n"));
     for (name, course) in rows {
-        if course.last().and_then(|last| last.error).is_some_and(|error| !error.is_established()) {
-            text += &format!("{name}: cannot be established (heavy tail: a few pixels hold all the noise)\n");
-        }
+        text += &match course.last().and_then(|last| last.error) {
+            Some(error) if !error.is_established() => {
+                format!("{name}: cannot be established (heavy tail: a few pixels hold all the noise)\n")
+            }
+            Some(error) if error.is_vague() => format!("{name}: still too noisy to tell: a longer pilot may (--pilot)\n"),
+            _ => String::new(),
+        };
     }
     text.trim_end().to_owned()
 }

@@ -80,10 +80,10 @@ impl Course {
     ///
     /// T* = T (relMSE / target²)^(1/b)
     ///
-    /// `None` before the first error, and where the error is not established.
+    /// `None` before the first error, and where the error is not established or vague.
     pub fn price(&self, target: f64, confidence: f64) -> Option<Price> {
         let last = self.last()?;
-        let error = last.error.filter(RelativeError::is_established)?;
+        let error = last.error.filter(|error| error.is_established() && !error.is_vague())?;
         let exponent = 2.0 / self.slope();
         let at = |error: f64| last.seconds * (error / target).powf(exponent);
         let [low, high] = error.interval(confidence);

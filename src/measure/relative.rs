@@ -42,6 +42,9 @@ const UNSURE: f64 = 0.25;
 /// still means something.
 const FEWEST: f64 = 30.0;
 
+/// ln 10 / 1.96: an interval of 95 % that reaches from a tenth to ten times the error.
+const VAGUE: f64 = 1.175;
+
 impl RelativeError {
     /// Of the picture so far. `None` where its samples tell no error, and for a black picture.
     pub fn of(film: &MomentFilm) -> Option<RelativeError> {
@@ -77,6 +80,11 @@ impl RelativeError {
     /// Whether enough pixels share the noise: where a few bright ones make it all, the next one changes it all.
     pub fn is_established(&self) -> bool {
         self.effective_pixels >= FEWEST
+    }
+
+    /// Whether not even its order of magnitude is known: where the noise drowns the picture, no denominator is.
+    pub fn is_vague(&self) -> bool {
+        self.spread > VAGUE
     }
 }
 

@@ -21,6 +21,9 @@ pub fn number(x: f64, digits: i32) -> String {
 
 /// `2.1 % (95 %: 2.0–2.2)`
 pub fn error(error: &RelativeError, confidence: f64) -> String {
+    if error.is_vague() {
+        return format!("about {} % (still too noisy to say how sure)", per_cent(error.value));
+    }
     let [low, high] = error.interval(confidence).map(per_cent);
     format!("{} % ({} %: {low}–{high})", per_cent(error.value), per_cent(confidence))
 }
@@ -100,6 +103,15 @@ mod tests {
         ] {
             assert_eq!(per_cent(share), text, "{share}");
         }
+    }
+
+    /// The spread of an interval from a tenth to ten times the error is ln 10 / 1.96 = 1.175.
+    #[test]
+    fn an_error_has_an_interval_where_that_says_something() {
+        let told = |value, spread| error(&RelativeError { value, spread, effective_pixels: 1e4 }, 0.95);
+        assert_eq!(told(0.021, 0.025), "2.1 % (95 %: 2–2.2)");
+        assert_eq!(told(2.0, 1.17), "200 % (95 %: 20–1981)");
+        assert_eq!(told(2.67, 1.18), "about 267 % (still too noisy to say how sure)");
     }
 
     #[test]
