@@ -145,7 +145,8 @@ impl Pair {
         let blocks = self.blocks(SHARED);
         let pixels = blocks.iter().flat_map(|block| &block.pixels).map(Tested::pixel);
         let whole = Block::joined(self.blocks(0.0));
-        // E(z²) of a sum that n samples make exceeds 1 by 2/n; of N blocks chance makes the mean ±√(2/N).
+        // E(z²) of a sum that n samples make exceeds 1 by 2/n; of N blocks chance makes the mean ±√(2/N), and n = 2.5 √N keeps the one
+        // at half of the other.
         let smallest = self.width.div_ceil(BLOCK) * self.height().div_ceil(BLOCK);
         let coarse = self.blocks(SHARED.max(2.5 * (smallest as f64).sqrt()));
         [
@@ -156,7 +157,8 @@ impl Pair {
         ]
     }
 
-    /// Whether fewer samples make the relative error √(Σ v/(s² + ε)), with s the surroundings as an outlier would hide behind its own light.
+    /// Whether fewer than [`SHARED`] samples make the relative error √(Σ v/(s² + ε)), with s the surroundings: behind its own light an
+    /// outlier would hide.
     fn is_heavy(&self, side: usize) -> bool {
         let mean = self.pixels.iter().map(|pixel| pixel[side].value).sum::<f64>() / self.pixels.len() as f64;
         let floor = EPSILON * mean * mean;

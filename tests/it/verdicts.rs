@@ -86,6 +86,22 @@ fn two_hundred_healthy_pairs_pass() {
     healthy(200);
 }
 
+/// Of 64 paths few meet the lamp, and in a dark corner none: light that has not come yet is no difference.
+#[test]
+fn paths_that_rarely_meet_the_lamp_agree() {
+    let subject = Subject::cornell(256);
+    let verdict = verdict(&subject.side("nee", 64, 1), &subject.side("path", 64, 2));
+    assert!(verdict.heavy == [false; 2] && verdict.accepts(), "{verdict}");
+}
+
+/// Few pixels hold the noise of `whitted`, those on the edge of the lamp; each is known by many samples, and what is missing is no noise.
+#[test]
+fn what_a_method_leaves_out_is_a_difference() {
+    let subject = Subject::cornell(128);
+    let verdict = verdict(&subject.side("nee", 64, 1), &subject.side("whitted", 64, 2));
+    assert!(verdict.heavy == [false; 2] && !verdict.accepts(), "{verdict}");
+}
+
 /// As much more light everywhere, and a fifth more in one pixel of a hundred, a spot in a corner of the picture.
 fn found(edge: u32, spp: u64, biases: &[f32]) {
     let subject = Subject::cornell(edge);

@@ -15,10 +15,15 @@ const SAMPLES: u64 = 128;
 const ALPHA: f64 = 0.01;
 const RUNS: u64 = 20;
 
+/// Uniform numbers in [0, 1).
+fn uniform(seed: u64) -> impl FnMut() -> f64 {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+    move || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
 /// 128×128 pixels of mean `mean(x, y)` and σ = mean per sample, as a render with 128 samples would leave them.
 fn noise(seed: u64, mean: impl Fn(usize, usize) -> f64) -> Image {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let mut uniform = move || -> f64 { (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64 };
+    let mut uniform = uniform(seed);
     let mut channels: Vec<Channel> = ["R", "G", "B"].map(|c| Channel { name: c.into(), values: vec![] }).into();
     channels.extend(["R", "G", "B"].map(|c| Channel { name: format!("StdErr.{c}"), values: vec![] }));
     for (x, y, c) in (0..SIZE).flat_map(|y| (0..SIZE).flat_map(move |x| (0..3).map(move |c| (x, y, c)))) {
@@ -53,19 +58,23 @@ fn equal_pictures_agree() {
     assert!(refusals(|_, _| 1.0)[4] <= 1);
 }
 
+/// Gives a pixel this value and standard error in all colours.
+fn put(image: &mut Image, pixel: usize, value: f64, error: f64) {
+    for channel in &mut image.channels {
+        channel.values[pixel] = if channel.name.starts_with("StdErr") { error } else { value } as f32;
+    }
+}
+
 /// What 16 scramblings found of a light of mean `mean` that `hits` of a pixel's samples meet, on average.
 fn rare(seed: u64, hits: f64, mean: impl Fn(usize, usize) -> f64) -> Image {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let mut uniform = move || -> f64 { (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64 };
+    let mut uniform = uniform(seed);
     let mut image = noise(seed, |_, _| 1.0);
     let chance = hits / 16.0;
     for (pixel, x, y) in (0..SIZE * SIZE).map(|pixel| (pixel, pixel % SIZE, pixel / SIZE)) {
         let met = (0..16).filter(|_| uniform() < chance).count() as f64;
         let each = mean(x, y) / chance;
         let found = Mean::from_sums(met * each, met * each * each, 16);
-        for channel in &mut image.channels {
-            channel.values[pixel] = if channel.name.starts_with("StdErr") { found.standard_error() } else { found.value } as f32;
-        }
+        put(&mut image, pixel, found.value, found.standard_error());
     }
     image
 }
@@ -114,18 +123,14 @@ fn the_edge_of_a_lamp_is_a_block_of_its_own() {
 /// all even less.
 #[test]
 fn noise_of_a_few_samples_is_a_heavy_tail() {
-    let flat = |value: f32| {
+    let flat = |value: f64| {
         let mut image = noise(1, |_, _| 0.5);
-        for channel in &mut image.channels {
-            channel.values.fill(if channel.name.starts_with("StdErr") { 0.0 } else { value });
-        }
+        (0..SIZE * SIZE).for_each(|pixel| put(&mut image, pixel, value, 0.0));
         image
     };
     let with_pixel = |value: f64, error: f64| {
         let mut image = flat(0.5);
-        for channel in &mut image.channels {
-            channel.values[SIZE * SIZE / 2] = if channel.name.starts_with("StdErr") { error } else { value } as f32;
-        }
+        put(&mut image, SIZE * SIZE / 2, value, error);
         image
     };
     let heavy = |image: &Image| compare(image, &noise(1, |_, _| 0.5)).heavy;
