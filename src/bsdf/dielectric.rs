@@ -15,7 +15,7 @@ use crate::math::{Density, Local, Spectrum, fresnel};
 /// - sampling: reflection with probability F, else refraction, so that weight = colour (· s)
 ///
 /// Source: Walter et al., *Microfacet Models for Refraction* (2007), §2; Veach, thesis (1997), §5.2.
-/// Tests: slab_is_parallel, magnification, sphere_in_uniform_field, furnace.
+/// Tests: slab_is_parallel, magnification, glass_in_a_uniform_field, furnace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
     pub eta: f32,

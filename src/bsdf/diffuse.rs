@@ -14,7 +14,7 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: cosine-weighted, so that weight = ρ exactly and no variance remains
 ///
-/// Source: Lambert, *Photometria* (1760). Tests: furnace, reciprocity, sample_eval_pdf_agree.
+/// Source: Lambert, *Photometria* (1760). Tests: furnace, reciprocity, own_models_are_proved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Diffuse {
     /// ρ, the share of light that is reflected: [0, 1].

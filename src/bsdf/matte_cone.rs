@@ -18,7 +18,7 @@ use crate::math::{Density, Frame, Local, SolidAnglePdf, Spectrum, float, fresnel
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: uniform in the cone, so that weight = ρ
 ///
-/// Source: a student path tracer's "mattness". Tests: furnace, sample_eval_pdf_agree, cone_is_not_reciprocal.
+/// Source: a student path tracer's "mattness". Tests: furnace, own_models_are_proved, cone_is_not_reciprocal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MatteCone {
     /// ρ: [0, 1].

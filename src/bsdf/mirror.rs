@@ -10,7 +10,7 @@ use crate::math::{Local, Spectrum, fresnel};
 /// - on both sides of the surface
 /// - sampling: the one direction, weight = ρ
 ///
-/// Tests: furnace, mirror_is_delta.
+/// Tests: furnace, own_models_are_proved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mirror {
     /// ρ, the share of light that is reflected: [0, 1].

@@ -28,7 +28,7 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 ///   with probability 1 − E(wo) the cosine on either side, for f₂
 ///
 /// Source: Walter et al., *Microfacet Models for Refraction through Rough Surfaces* (2007); Kulla and Conty (2017).
-/// Tests: tables M5, M7–M9, radiance_is_compressed.
+/// Tests: tables M5, M7–M9, radiance_is_compressed_and_restored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
     pub eta: f32,

@@ -59,7 +59,7 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
 
 /// Sine and cosine of an angle within ±π/4; see [`sin_cos`], whose bits it gives.
 ///
-/// Tests: sin_cos_within_an_octant.
+/// Tests: sin_cos_are_rounded_once_over_all_finite_numbers.
 #[inline]
 pub fn sin_cos_octant(x: f32) -> (f32, f32) {
     let (sin, cos) = series(f64::from(x));

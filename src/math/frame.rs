@@ -55,7 +55,7 @@ impl Frame {
     /// A basis around the unit vector `z`, for every `z` and without a branch.
     ///
     /// Source: Duff et al., *Building an Orthonormal Basis, Revisited*, JCGT 6(1), 2017.
-    /// Tests: frame_is_orthonormal.
+    /// Tests: frames_are_orthonormal.
     pub fn around(z: Vec3) -> Frame {
         let sign = 1f32.copysign(z.z);
         let a = -1.0 / (sign + z.z);

@@ -21,7 +21,7 @@ use crate::math::Ray;
 /// - returns t and the weights of b and c; `None` for edge-on and degenerate triangles
 ///
 /// Source: Shevtsov, Soupikov, Kapustin, *Ray-Triangle Intersection Algorithm for Modern CPU
-/// Architectures* (2007). Tests: watertight, triangle_matches_exact.
+/// Architectures* (2007). Tests: watertight, distances_and_weights_match_integers.
 #[inline(always)]
 pub fn intersect(ray: &Ray, t_max: f32, corners: [Vec3; 3]) -> Option<ShapeHit> {
     let o = ray.origin.as_dvec3();

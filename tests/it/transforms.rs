@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
 use pt::math::transform::{Transform, unit};
+use pt::math::{Frame, Local, Vec3};
 
 use crate::random::Random;
 
@@ -193,5 +194,27 @@ fn singular_is_relative_so_tiny_and_flat_objects_are_allowed() {
         let t = Transform::from_matrix(DMat4::from_scale(DVec3::splat(s))).unwrap();
         assert!(inverse_error(&t) < 4.0 * f64::EPSILON);
         assert!(Transform::from_matrix(DMat4::from_scale(DVec3::new(1.0, 1.0, s))).is_some());
+    }
+}
+
+/// Bases around directions everywhere, the poles and their neighbours included, are orthonormal and right-handed, and take vectors
+/// there and back: within four roundings of numbers up to 1, over the sine of the angle to the given x axis, whose part along z is
+/// taken away.
+#[test]
+fn frames_are_orthonormal() {
+    let given = Vec3::new(0.6, -0.48, 0.64);
+    let mut random = Random::new(3);
+    let near_poles = [0.0f32, -0.0, 1e-30, 1e-8, 1e-4].into_iter().flat_map(|x| [1f32, -1.0].map(|z| Vec3::new(x, -x, z).normalize()));
+    let anywhere = (0..100_000).map(|_| random.direction().as_vec3().normalize());
+    for z in near_poles.chain(anywhere.collect::<Vec<_>>()) {
+        for (frame, sine) in [(Some(Frame::around(z)), 1.0), (Frame::along(z, given), given.cross(z).length())] {
+            let (Some(frame), few) = (frame, 4.0 * f32::EPSILON / sine) else { continue };
+            let Frame { x, y, z } = frame;
+            assert!([x, y, z].iter().all(|v| (v.length() - 1.0).abs() < few), "{frame:?}");
+            assert!(x.dot(y).abs() < few && y.dot(z).abs() < few && z.dot(x).abs() < few, "{frame:?}");
+            assert!((x.cross(y) - z).length() < few, "{frame:?}");
+            let w = Vec3::new(0.36, 0.48, -0.8);
+            assert!((frame.to_local(frame.to_world(Local(w))).0 - w).length() < few, "{frame:?}");
+        }
     }
 }

@@ -57,7 +57,7 @@ impl Microfacets {
     ///
     /// - `h`: along the normal, of any length
     ///
-    /// Tests: distribution_of_normals (reliability M6), projected_area_is_one.
+    /// Tests: distribution_of_normals, weak_furnace.
     #[inline]
     pub fn density(&self, h: Local) -> f32 {
         // sin² by the coordinates themselves: 1 − cos² would have no digits left of a small alpha.
