@@ -224,6 +224,29 @@ fn lamp_from_within() -> Vec<Law> {
     table.map(law).into()
 }
 
+/// A pane of index 1.7 whose faces multiply all light by c = .8, seen at 52° against a lamp on one side of it.
+///
+/// With F of one face: T = c² (1 − F)² / (1 − c² F²) with the lamp behind, R = c F (1 + T) with the lamp in front.
+fn colored_pane() -> Vec<Law> {
+    const COLOR: f64 = 0.8;
+    let (theta, once) = (52f64.to_radians(), reflectance(52.0, 1.7));
+    let transmitted = (COLOR * (1.0 - once)).powi(2) / (1.0 - (COLOR * once).powi(2));
+    let law = |(lamp, radiance): (f64, f64)| {
+        let mut world = World::builder(probe(DVec3::new(-theta.sin(), 0.0, theta.cos()) * 2.0, DVec3::ZERO));
+        let dark = world.material(black());
+        world.shape(Quad { size: [4000.0; 2] }, facing(DVec3::Z * lamp, -DVec3::Z * lamp), dark, glow(1.0));
+        let glass = world.material(Material::Dielectric { eta: 1.7.into(), color: gray(COLOR).into() });
+        pane(&mut world, glass, DVec3::ZERO, [-0.001, 0.001], 100.0);
+        Law::new(format!("lamp at {lamp} m"), world, radiance, DEFAULT).resolution(1e-3, 3e-3)
+    };
+    vec![law((-4.0, transmitted)), law((4.0, COLOR * once * (1.0 + transmitted)))]
+}
+
+#[test]
+fn the_color_of_glass_dims_reflections_too() {
+    confirm(colored_pane(), Effort::Quick);
+}
+
 #[test]
 fn panes_transmit() {
     confirm(transmittance(), Effort::Quick);

@@ -23,7 +23,7 @@ pub struct Dielectric {
     /// A body whose index varies over its surface has no index inside: light that goes in by one index and out by another is
     /// brighter or darker by the square of their ratio.
     pub eta: Varying<Index>,
-    /// Light is multiplied by this at every passage through the surface.
+    /// Light is multiplied by this every time it meets the surface: what is reflected there as well as what passes.
     pub color: Textured,
     /// 0 is clear, 1 frosted. The width of highlights, alpha, is its square, so that equal steps look equal. Below 0.001 a
     /// surface is as good as smooth. (Of a colour, the mean.)
