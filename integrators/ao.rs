@@ -6,7 +6,7 @@ use pt::bsdf::TransportMode;
 use pt::describe::Positive;
 use pt::film::FilmSpec;
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
-use pt::math::{Ray, Spectrum};
+use pt::math::Spectrum;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::Scene;
 use schemars::JsonSchema;
@@ -42,7 +42,7 @@ impl Estimator for View {
         cx.sampler.at(dimension::vertex(0, Use::Bsdf));
         let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
         let Some((wi, _)) = surface.sample(-camera.ray.direction, choice, u, TransportMode::Radiance) else { return Spectrum::BLACK };
-        let probe = Ray { t_max: self.max_distance, ..surface.spawn(wi, camera.ray.time) };
+        let probe = surface.spawn(wi, camera.ray.time).within(self.max_distance);
         if self.scene.occluded(&probe) { Spectrum::BLACK } else { Spectrum::ONE }
     }
 }

@@ -170,7 +170,7 @@ impl Walk {
             };
             let surface = self.scene.surface(&ray, &hit);
             let wo = -ray.direction;
-            account.tell(|| Event::vertex(depth, &hit, &surface, wo, beta));
+            account.tell(|| Event::vertex(depth, &ray, &hit, &surface, beta));
             if depth <= self.emission_depth {
                 radiance += account.light(beta * surface.emitted(wo), depth, || Origin::emission(&surface, 1.0));
             }

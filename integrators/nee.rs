@@ -133,7 +133,7 @@ impl Walk {
             };
             let surface = self.scene.surface(&ray, &hit);
             let wo = -ray.direction;
-            account.tell(|| Event::vertex(depth, &hit, &surface, wo, beta));
+            account.tell(|| Event::vertex(depth, &ray, &hit, &surface, beta));
             let (emitted, weight) = self.emission(&surface, wo, arrival);
             radiance += account.light(beta * emitted, depth, || Origin::emission(&surface, weight));
             if depth == self.max_depth {

@@ -117,7 +117,7 @@ impl Walk {
         };
         let surface = self.scene.surface(&ray, &hit);
         let wo = -ray.direction;
-        account.tell(|| Event::vertex(depth, &hit, &surface, wo, beta));
+        account.tell(|| Event::vertex(depth, &ray, &hit, &surface, beta));
         *radiance += account.light(beta * surface.emitted(wo), depth, || Origin::emission(&surface, 1.0));
         if depth == self.max_depth {
             account.tell(|| Event::end(depth, End::DepthLimit));

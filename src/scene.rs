@@ -153,20 +153,21 @@ impl<'a> Surface<'a> {
         self.lit != self.point.p && self.point.ns.dot(w) > 0.0
     }
 
-    /// Where the ray into `w` starts: off the surface, on the side that `w` leads to.
-    fn start(&self, w: Vec3) -> Vec3 {
-        let point = &self.point;
-        if point.ng.dot(w) < 0.0 && !self.rises(w) { point.p - point.ng * point.offset } else { self.lit + point.ng * point.offset }
+    /// The point that a ray into `w` leaves, and where it starts: off the surface, on the side that `w` leads to.
+    fn start(&self, w: Vec3) -> [Vec3; 2] {
+        let off = self.point.ng * self.point.offset;
+        if self.point.ng.dot(w) < 0.0 && !self.rises(w) { [self.point.p, self.point.p - off] } else { [self.lit, self.lit + off] }
     }
 
     /// The ray that leaves into `wi`, starting beside the surface.
     pub fn spawn(&self, wi: Vec3, time: f32) -> Ray {
-        Ray { time, ..Ray::new(self.start(wi), wi) }
+        let [from, origin] = self.start(wi);
+        Ray { origin, from, direction: wi, t_max: f32::INFINITY, time }
     }
 
     /// The ray whose occlusion is the shadow of `target`, in the direction `wi`.
     pub fn shadow_ray(&self, wi: Vec3, target: &Target, time: f32) -> Ray {
-        let origin = self.start(wi);
+        let [from, origin] = self.start(wi);
         let end = match target {
             Target::Infinity => return self.spawn(wi, time),
             Target::Free(end) => *end,
@@ -182,7 +183,7 @@ impl<'a> Surface<'a> {
         let distance = line.length();
         // t of a hit is rounded a few times: stop that much short of the end.
         let t_max = distance * (1.0 - SHORTEN);
-        Ray { origin, direction: line / distance, t_max, time }
+        Ray { origin, from, direction: line / distance, t_max, time }
     }
 }
 

@@ -1,5 +1,7 @@
 //! A scene, built: shapes placed, materials assigned, the hierarchy over them ready.
 
+mod origin;
+
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -61,7 +63,7 @@ pub struct Wear {
     pub emitter: Option<Emitter>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MaterialId(u32);
 
 /// A scene in the making: coordinates are the user's, f64 where it matters.
@@ -92,6 +94,12 @@ impl World {
 
     pub fn shapes(&self) -> Arc<[Box<dyn Shape>]> {
         self.shapes.clone()
+    }
+
+    /// The first material of a shape that light goes into, if it has one.
+    pub fn inside(&self, shape: usize) -> Option<MaterialId> {
+        let materials = self.dresses.get(shape)?.parts.iter().map(|part| part.material);
+        materials.into_iter().find(|id| self.skins[id.0 as usize].skin.material.has_inside())
     }
 
     /// The same scene, met through another structure: for tests of the hierarchy.
@@ -129,12 +137,12 @@ impl WorldBuilder {
         self.lights.push(light);
     }
 
-    /// Everything in world space, around the middle of the scene, with the hierarchy over it.
+    /// Everything in world space, around the place where the scene is finest, with the hierarchy over it.
     ///
     /// # Errors
     /// `Invalid` for shapes that nothing can hit and coordinates beyond [`MAX_EXTENT`].
     pub fn build(self) -> Result<World> {
-        let origin = self.middle()?;
+        let origin = self.origin()?;
         let recentre = Transform::translate(-origin).unwrap_or(Transform::IDENTITY);
         let bake = |object: &Object| object.geometry.bake(&object.to_world.then(&recentre));
         let shapes: Arc<[Box<dyn Shape>]> = self.objects.iter().map(bake).collect::<Result<Vec<_>>>()?.into();
@@ -166,15 +174,17 @@ impl WorldBuilder {
         Ok(World { shapes, dresses, skins, has_holes, hierarchy, lights, camera, effects, origin })
     }
 
-    /// The middle of the box around all shapes.
-    fn middle(&self) -> Result<DVec3> {
+    /// The point around which coordinates are stored: [`origin`].
+    ///
+    /// # Errors
+    /// `Invalid` for coordinates beyond [`MAX_EXTENT`].
+    fn origin(&self) -> Result<DVec3> {
         let boxes = self.objects.iter().map(|o| o.geometry.bounds(&o.to_world));
-        let Some((min, max)) = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return Ok(DVec3::ZERO) };
-        let extent = min.abs().max(max.abs()).max_element();
-        if extent <= MAX_EXTENT {
-            return Ok(0.5 * min + 0.5 * max);
+        let extent = boxes.map(|(min, max)| min.abs().max(max.abs()).max_element()).fold(0.0, f64::max);
+        if extent > MAX_EXTENT || extent.is_nan() {
+            return Err(Error::invalid(Fault::new(format!("the scene's extent {extent:.3e} exceeds {MAX_EXTENT:e}"))));
         }
-        Err(Error::invalid(Fault::new(format!("the scene's extent {extent:.3e} exceeds {MAX_EXTENT:e}"))))
+        Ok(origin::of(self.objects.iter().map(|o| o.geometry.detail(&o.to_world)), self.camera.eye()))
     }
 }
 
@@ -224,11 +234,16 @@ impl World {
             if chance(ray, passed) < opacity.scalar(&point) {
                 break;
             }
-            way += hit.t;
-            onward = Ray { origin: beside(&point, ray.direction), t_max: ray.t_max - way, ..*ray };
+            // Beside the surface, and so beside the ray itself, from which lengths count.
+            let origin = beside(&point, ray.direction);
+            way = (origin - ray.origin).dot(ray.direction);
+            onward = Ray { origin, from: ray.at(way), t_max: ray.t_max - way, ..*ray };
             hit = self.hierarchy.intersect(&onward)?;
         }
-        Some(Hit { t: way + hit.t, ..hit })
+        if way == 0.0 {
+            return Some(hit);
+        }
+        Some(Hit { t: way + onward.length(hit.t, self.point(&onward, &hit).ng), ..hit })
     }
 }
 
@@ -264,7 +279,7 @@ impl Scene for World {
             return Surface::new(point, bsdf, emission);
         }
         // A ray that meets a surface from inside has been inside since it last met one: exact for a body without others in it.
-        let inside = if ray.direction.dot(point.ng) > 0.0 { hit.t } else { 0.0 };
+        let inside = if ray.direction.dot(point.ng) > 0.0 { ray.length(hit.t, point.ng) } else { 0.0 };
         let bsdf = worn.skin.material.met(&point, inside);
         if dress.has_lift || worn.needs_tangents {
             return self.dressed(Surface::new(point, bsdf, emission), ray, hit);

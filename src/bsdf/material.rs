@@ -223,6 +223,15 @@ impl Material {
         }
     }
 
+    /// Whether light is refracted into a body behind the surface.
+    pub fn has_inside(&self) -> bool {
+        match self {
+            Material::Dielectric { .. } | Material::RoughDielectric { .. } | Material::Filled { .. } => true,
+            Material::Compound(compound) => compound.parts().into_iter().any(Material::has_inside),
+            _ => false,
+        }
+    }
+
     /// A bound on [`Bsdf::delta_lobes`]: the mirror direction, which all share, and that of each kind of glass.
     pub fn most_delta_lobes(&self) -> usize {
         1 + self.glasses()

@@ -96,6 +96,11 @@ impl Camera {
         }
     }
 
+    /// Where it stands.
+    pub fn eye(&self) -> DVec3 {
+        self.pose().eye
+    }
+
     fn pose(&self) -> &Pose {
         match self {
             Camera::Perspective(camera) => &camera.pose,

@@ -89,14 +89,14 @@ impl Trace<'_> {
     }
 
     fn vertex(&self, vertex: &Vertex) -> String {
-        let Vertex { depth, hit, point: p, ns, wo, model, beta, .. } = vertex;
+        let Vertex { depth, distance, hit, point: p, ns, wo, model, beta, .. } = vertex;
         let shape = self.names.shapes.get(hit.shape as usize).map_or("?", String::as_str);
         let material = match self.names.materials.get(hit.shape as usize) {
             Some(Some(name)) => format!("{name} ({model})"),
             _ => (*model).to_owned(),
         };
         let triangle = if hit.primitive > 0 { format!(" #{}", hit.primitive) } else { String::new() };
-        let (at, cos, distance) = (point(self.place(*p)), short(ns.dot(*wo)), short(hit.t));
+        let (at, cos, distance) = (point(self.place(*p)), short(ns.dot(*wo)), short(*distance));
         format!("{depth:<4} {shape}{triangle}, {material}, at {at} after {distance} m, cos {cos}, throughput {}", color(*beta))
     }
 
@@ -128,7 +128,7 @@ impl Trace<'_> {
             Event::Vertex(v) => json!({
                 "event": "vertex", "depth": v.depth, "shape": self.names.shapes.get(v.hit.shape as usize), "primitive": v.hit.primitive,
                 "material": self.names.materials.get(v.hit.shape as usize), "model": v.model, "point": self.place(v.point),
-                "distance": v.hit.t, "ng": v.ng.to_array(), "ns": v.ns.to_array(), "wo": v.wo.to_array(), "throughput": v.beta.to_rgb(),
+                "distance": v.distance, "ng": v.ng.to_array(), "ns": v.ns.to_array(), "wo": v.wo.to_array(), "throughput": v.beta.to_rgb(),
             }),
             Event::Light(c) => {
                 let (technique, wi, density) = match c.origin.technique {

@@ -29,11 +29,26 @@ pub trait Geometry {
     /// The box around the placed surface, f64, world space.
     fn bounds(&self, to_world: &Transform) -> (DVec3, DVec3);
 
+    /// Where the placed surface has its detail, and how much, for the choice of the scene's origin. Here: in the middle of its box.
+    fn detail(&self, to_world: &Transform) -> Detail {
+        let (min, max) = self.bounds(to_world);
+        Detail { middle: 0.5 * min + 0.5 * max, density: 1.0 / (max - min).max_element() }
+    }
+
     /// The same surface in world space, f32.
     ///
     /// # Errors
     /// Where the transform leaves nothing that could be hit.
     fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>>;
+}
+
+/// Where a surface has its detail, and how much of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detail {
+    /// World space.
+    pub middle: DVec3,
+    /// The number of primitives over the size of one (1/m).
+    pub density: f64,
 }
 
 /// A family of primitives in world space, addressed by index.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::{Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, bent, offset_bound, triangle};
+use super::{Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, bent, offset_bound, triangle};
 use crate::error::{Error, Fault, Result};
 use crate::math::{Aabb, AreaPdf, Ray, Transform, warp};
 
@@ -30,6 +30,17 @@ impl Geometry for TriangleMesh {
         corners.fold(empty, |(min, max), p| (min.min(p), max.max(p)))
     }
 
+    /// In the median of the vertices, which a few far away do not move; n triangles over the extent e are about e/√n large.
+    fn detail(&self, to_world: &Transform) -> Detail {
+        let (min, max) = self.bounds(to_world);
+        let mut places: Vec<DVec3> = self.data.positions.iter().map(|p| to_world.point(p.as_dvec3())).collect();
+        let count = self.data.triangles.len() as f64;
+        Detail {
+            middle: DVec3::from_array([0, 1, 2].map(|axis| median(&mut places, axis))),
+            density: count * count.sqrt() / (max - min).max_element(),
+        }
+    }
+
     fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>> {
         let mesh = &*self.data;
         let positions: Vec<Vec3> = mesh.positions.iter().map(|p| to_world.point(p.as_dvec3()).as_vec3()).collect();
@@ -44,6 +55,18 @@ impl Geometry for TriangleMesh {
         let smooth_shadows = self.smooth_shadows && !normals.is_empty();
         Ok(Box::new(BakedMesh { positions, normals, uvs: mesh.uvs.clone(), triangles, part_ends, smooth_shadows }))
     }
+}
+
+/// The median coordinate of some points along an axis; 0 of none. The points are put into another order.
+fn median(places: &mut [DVec3], axis: usize) -> f64 {
+    let half = places.len() / 2;
+    if half == places.len() {
+        return 0.0;
+    }
+    let is_even = places.len() % 2 == 0;
+    let (below, middle, _) = places.select_nth_unstable_by(half, |a, b| a[axis].total_cmp(&b[axis]));
+    let below = below.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
+    if is_even { 0.5 * below + 0.5 * middle[axis] } else { middle[axis] }
 }
 
 /// The triangle wound so that its geometric normal points to the outside.

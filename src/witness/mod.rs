@@ -21,9 +21,10 @@ use glam::Vec3;
 
 use crate::bsdf::{BsdfSample, Lobe, TransportMode};
 use crate::light::{LightSample, Lights};
-use crate::math::{Density, Spectrum};
+use crate::math::{Density, Ray, Spectrum};
 use crate::primitive::Hit;
 use crate::scene::Surface;
+use crate::shape::SurfacePoint;
 
 pub use clamp::Clamp;
 pub use sorted::Sorted;
@@ -60,7 +61,8 @@ pub enum Event {
 pub struct Vertex {
     /// Scattering events before.
     pub depth: u32,
-    /// `hit.t` is the distance to the vertex before (m).
+    /// From the vertex before, or from the camera (m).
+    pub distance: f32,
     pub hit: Hit,
     pub point: Vec3,
     pub ng: Vec3,
@@ -179,9 +181,10 @@ impl Witness for Vec<Event> {
 }
 
 impl Event {
-    pub fn vertex(depth: u32, hit: &Hit, surface: &Surface, wo: Vec3, beta: Spectrum) -> Event {
-        let point = &surface.point;
-        Event::Vertex(Vertex { depth, hit: *hit, point: point.p, ng: point.ng, ns: point.ns, wo, model: surface.bsdf.name(), beta })
+    pub fn vertex(depth: u32, ray: &Ray, hit: &Hit, surface: &Surface, beta: Spectrum) -> Event {
+        let SurfacePoint { p: point, ng, ns, .. } = surface.point;
+        let (distance, wo) = (ray.length(hit.t, ng), -ray.direction);
+        Event::Vertex(Vertex { depth, distance, hit: *hit, point, ng, ns, wo, model: surface.bsdf.name(), beta })
     }
 
     /// - `survival`: the chance that Russian roulette lets the path live

@@ -93,12 +93,21 @@ const SCENES: &[Row] = &[
         3,
         "/shapes/0: extent 3e38 exceeds 1e18",
     ),
-    // Rays are 2²⁴ steps from the middle to the edge: at 5·10⁸ m a step is 2⁵ m.
+    // The origin is at the sphere next to the camera: at 10⁹ m a step of f32 is 2⁶ m.
     (
         "B21",
         r#""shapes": [{"type": "sphere"}, {"type": "sphere", "center": [1e9, 0, 0]}]"#,
         0,
-        "scene.json: extent 1e9 is 5e8 times the smallest shape 2e0; f32 steps by 3.2e1 out there (one ulp)",
+        "scene.json: /shapes/1 is 2.0e0 m large, 1.0e9 m away from where the scene is finest: f32 steps by 6.4e1 m there",
+    ),
+    // Where coordinates are 16 m, rays start 2⁻¹⁹ · 16 m off a surface.
+    (
+        "B21",
+        r#""materials": {"g": {"type": "dielectric"}}, "shapes": [{"type": "quad", "size": 1e-5}, {"type": "quad", "size": 1e-5},
+        {"type": "quad", "material": "g", "name": "pane", "transform": [{"translate": [0, 0, 16]}]},
+        {"type": "quad", "material": "g", "transform": [{"translate": [0, 0, 16.000030517578125]}]}]"#,
+        0,
+        "scene.json: pane: this body is about 3.1e-5 m thick, and rays start 3.1e-5 m off its surface",
     ),
     (
         "B24",

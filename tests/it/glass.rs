@@ -1,6 +1,7 @@
 //! Glass: where light goes, how much of it, and how the ways to get it wrong would look.
 
 pub mod faults;
+mod lengths;
 mod ruler;
 mod touching;
 
@@ -70,7 +71,14 @@ fn no_camera() -> Camera {
 }
 
 /// The ray after passing straight through so many interfaces; it starts where it left the last one.
-fn through(scene: &World, mut ray: Ray, interfaces: usize) -> Ray {
+fn through(scene: &World, ray: Ray, interfaces: usize) -> Ray {
+    let origin = scene.origin().as_vec3();
+    let ray = passed(scene, Ray::new(ray.origin - origin, ray.direction), interfaces);
+    Ray::new(ray.origin + origin, ray.direction)
+}
+
+/// The ray of [`through`], in the coordinates of the built scene.
+fn passed(scene: &World, mut ray: Ray, interfaces: usize) -> Ray {
     for k in 0..interfaces {
         let hit = scene.intersect(&ray).unwrap_or_else(|| panic!("no interface {k}"));
         let surface = scene.surface(&ray, &hit);
@@ -341,6 +349,8 @@ fn index_of_one_is_invisible() {
         world.shape(Quad { size: [8.0; 2] }, facing(-DVec3::Y * 2.0, DVec3::Y), mirror, None);
         world.shape(Sphere { radius: 0.4 }, at(DVec3::new(0.8, 0.9, 0.2)), mirror, None);
         world.light(Light::Environment(Environment { radiance: gray(0.25) }));
+        // The finest thing, below the floor: both scenes have their origin here.
+        world.shape(Quad { size: [1e-3; 2] }, facing(-DVec3::Y * 3.0, DVec3::Y), dark, None);
         if with {
             world.shape(Sphere { radius: 1.0 }, at(DVec3::new(-0.5, 0.2, 1.0)), nothing, None);
             world.shape(TriangleMesh::new(block(Vec3::new(0.7, 0.5, 0.3))), at(DVec3::new(1.0, -0.6, 1.5)), nothing, None);

@@ -98,11 +98,11 @@ fn throughputs_follow_from_the_vertices() {
                         let beta = before.beta * scattering.weight * (1.0 / scattering.survival);
                         assert_eq!(vertex.beta, beta, "{name} {vertex:?}");
                         assert_eq!(vertex.depth, before.depth + 1, "{name}");
-                        let met = before.point + scattering.wi * vertex.hit.t;
+                        let met = before.point + scattering.wi * vertex.distance;
                         let size = vertex.point.abs().max_element().max(before.point.abs().max_element());
                         // A march that stops 0.01 m before a surface lets rays start up to five such steps off it, and a little.
                         let off = if name.contains("postcard") { 0.06 } else { 0.0 };
-                        assert!((met - vertex.point).length() < 1e-4 * size.max(vertex.hit.t) + off, "{name}: {met} {vertex:?}");
+                        assert!((met - vertex.point).length() < 1e-4 * size.max(vertex.distance) + off, "{name}: {met} {vertex:?}");
                         assert!((vertex.wo + scattering.wi).length() < 1e-6, "{name}");
                     } else {
                         assert_eq!((vertex.depth, vertex.beta), (0, Spectrum::ONE), "{name}");

@@ -5,6 +5,7 @@ mod field;
 mod light;
 mod material;
 mod mesh;
+mod precision;
 mod transform;
 
 use std::collections::BTreeMap;
@@ -22,7 +23,6 @@ use crate::math::{Spectrum, Transform};
 use crate::reader::{Node, locate};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
-use crate::shape::mesh_data::lost_detail;
 use crate::shape::{Disk, Geometry, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
 use crate::world::{MaterialId, Wear, World, WorldBuilder};
@@ -74,7 +74,6 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         parts: 0,
         pictures: BTreeMap::new(),
         contents: Contents::new(),
-        boxes: vec![],
         needs: vec![],
         warnings: vec![],
         faults: vec![],
@@ -99,7 +98,6 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     }
     let mut warnings = std::mem::take(&mut builder.warnings);
     let of_scene = |message: &str| format!("{}: {message}", source.file);
-    warnings.extend(builder.lost_detail().map(|message| of_scene(&message)));
     needs.append(&mut builder.needs);
     let contents = std::mem::take(&mut builder.contents);
     let place = |fault: Fault| if fault.file.is_empty() { locate(source.root, source.file, "/shapes", fault.message) } else { fault };
@@ -108,6 +106,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         other => other,
     })?;
     warnings.extend(missing(&world).map(of_scene));
+    warnings.extend(precision::warnings(&world, &Names::of(scene).shapes).iter().map(|message| of_scene(message)));
     let mut film = camera::film(&scene.film);
     if film.layers.contains(&Layer::Light(0)) {
         film.lights = Names::of(scene).lights(world.lights());
@@ -141,8 +140,6 @@ struct Builder<'a> {
     /// Each is read once; `None` where it could not be used.
     pictures: BTreeMap<(String, Encoding, Option<Channel>), Option<Arc<Pixels>>>,
     contents: Contents,
-    /// Around each shape, in the user's coordinates.
-    boxes: Vec<(DVec3, DVec3)>,
     needs: Vec<(String, Effects)>,
     warnings: Vec<String>,
     faults: Vec<Fault>,
@@ -203,7 +200,6 @@ impl Builder<'_> {
                 if parts.iter().any(|part| part.emitter.is_some()) {
                     effects |= Effects::AREA_LIGHT | Effects::FOUND_LIGHT;
                 }
-                self.boxes.push(solid.bounds(to_world));
                 self.world.solid(solid, *to_world, parts);
             }
             Shape::Group(_) => {}
@@ -219,17 +215,7 @@ impl Builder<'_> {
     }
 
     fn place(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
-        self.boxes.push(geometry.bounds(&to_world));
         self.world.parts(geometry, to_world, materials, emitter);
-    }
-
-    /// Says so where the scene is so large that f32 loses its smallest shape.
-    fn lost_detail(&self) -> Option<String> {
-        let side = |(low, high): (DVec3, DVec3)| (high - low).max_element();
-        let extent = side(self.boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?);
-        let smallest = self.boxes.iter().copied().map(side).fold(f64::INFINITY, f64::min);
-        // The world is moved to its middle before it is rounded.
-        lost_detail(extent, extent / 2.0, smallest, "smallest shape")
     }
 
     fn fault(&mut self, pointer: &str, message: &str) {

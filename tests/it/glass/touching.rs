@@ -20,7 +20,7 @@ fn met(scene: &World, mut ray: Ray) -> (Vec<u32>, Vec3) {
     ray.origin -= scene.origin().as_vec3();
     while let Some(hit) = scene.intersect(&ray) {
         shapes.push(hit.shape);
-        ray = through(scene, ray, 1);
+        ray = passed(scene, ray, 1);
     }
     (shapes, ray.direction)
 }

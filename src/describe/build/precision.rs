@@ -1,0 +1,118 @@
+//! Warnings about shapes that coordinates in f32 cannot hold where they are.
+
+use std::collections::BTreeMap;
+
+use glam::{DVec3, Vec3};
+
+use crate::math::Aabb;
+use crate::shape::{Facet, Shape, offset_bound, triangle};
+use crate::world::{MaterialId, World};
+
+/// A shape farther away than so many times its size begins to lose its form: f32 has 2²⁴ = 1.7·10⁷ steps.
+const MOST_SIZES_AWAY: f32 = 1e7;
+
+/// A body must be so many times as thick as the distance from its surface at which rays start.
+const LEAST_OFFSETS: f64 = 4.0;
+
+/// What is too small for its place, and what is too thin for it.
+///
+/// - `names`: of the world's shapes, in their order
+pub fn warnings(world: &World, names: &[String]) -> Vec<String> {
+    let shapes = world.shapes();
+    let name = |shape: usize| names.get(shape).map_or("?", String::as_str);
+    let bounds: Vec<Aabb> = shapes.iter().map(|shape| (0..shape.count()).fold(Aabb::EMPTY, |all, i| all.union(shape.bounds(i)))).collect();
+    let small = lost(&bounds).map(|(shape, text)| format!("{} {text}", name(shape)));
+    let thin =
+        bodies(world, &bounds).into_iter().filter(Body::is_too_thin).map(|body| format!("{}: {}", name(body.shape), body.complaint()));
+    small.into_iter().chain(thin).collect()
+}
+
+/// The shape that suffers most from its place, if any does, and how.
+fn lost(bounds: &[Aabb]) -> Option<(usize, String)> {
+    let sizes = bounds.iter().map(|b| (b.magnitude().max_element(), (b.max - b.min).max_element()));
+    let (shape, (reach, size)) = sizes.enumerate().max_by(|(_, a), (_, b)| (a.0 / a.1).total_cmp(&(b.0 / b.1)))?;
+    let text = format!(
+        "is {size:.1e} m large, {reach:.1e} m away from where the scene is finest: f32 steps by {:.1e} m there, and it loses its form",
+        reach.next_up() - reach
+    );
+    (reach / size > MOST_SIZES_AWAY).then_some((shape, text))
+}
+
+/// A closed shape with an inside, or all open ones around one material.
+#[derive(Default)]
+struct Body {
+    /// The first of its shapes.
+    shape: usize,
+    /// (m²)
+    area: f64,
+    /// (m³), of an open one as far as it is known
+    volume: f64,
+    /// The integral of the distance from the surface at which rays start (m³).
+    offset: f64,
+}
+
+impl Body {
+    /// 2 V / A: the thickness of a plate, two thirds of a ball's radius.
+    fn thickness(&self) -> f64 {
+        2.0 * self.volume.abs() / self.area
+    }
+
+    fn is_too_thin(&self) -> bool {
+        self.thickness() < LEAST_OFFSETS * self.offset / self.area
+    }
+
+    fn complaint(&self) -> String {
+        let (thickness, offset) = (self.thickness(), self.offset / self.area);
+        format!(
+            "this body is about {thickness:.1e} m thick, and rays start {offset:.1e} m off its surface: they miss its other side, and it \
+             refracts and absorbs wrongly. Move it towards the middle of the scene, or make it a thin_dielectric without an inside"
+        )
+    }
+}
+
+/// The bodies of the scene of which light sees the inside.
+fn bodies(world: &World, bounds: &[Aabb]) -> Vec<Body> {
+    let (mut closed, mut open) = (vec![], BTreeMap::<MaterialId, (DVec3, Body)>::new());
+    for (shape, baked) in world.shapes().iter().enumerate() {
+        let Some(material) = world.inside(shape) else { continue };
+        let center = open.get(&material).map_or(bounds[shape].center().as_dvec3(), |(center, _)| *center);
+        let (body, vector_area) = measured(&**baked, shape, center, bounds[shape]);
+        // The vector area of a closed surface is 0.
+        if vector_area.length() < 1e-3 * body.area {
+            closed.push(body);
+        } else {
+            let (_, all) = open.entry(material).or_insert_with(|| (center, Body { shape, ..Body::default() }));
+            all.area += body.area;
+            all.volume += body.volume;
+            all.offset += body.offset;
+        }
+    }
+    // (The sides of an open plate are missing, and with them two thirds of the integral that is its volume.)
+    let whole = |(_, body): (DVec3, Body)| Body { volume: 3.0 * body.volume, ..body };
+    closed.into_iter().chain(open.into_values().map(whole)).collect()
+}
+
+/// A shape's part of a body: V = ∫ (p − c)·n dA / 3; and the integral of n dA (m²). Curved shapes by the box around them.
+fn measured(baked: &dyn Shape, shape: usize, center: DVec3, bounds: Aabb) -> (Body, DVec3) {
+    let mut body = Body { shape, ..Body::default() };
+    let mut vector_area = DVec3::ZERO;
+    for i in 0..baked.count() {
+        if baked.facet(i) == Facet::Curved {
+            let size = bounds.max.as_dvec3() - bounds.min.as_dvec3();
+            let offset = f64::from(offset_bound(Vec3::splat(3f32.sqrt().recip()), bounds.magnitude()));
+            return (Body { shape, area: 1.0, volume: 0.5 * size.min_element(), offset }, DVec3::ZERO);
+        }
+        for (corners, _) in baked.facet(i).triangles() {
+            let [a, b, c] = corners.map(|p| p.as_dvec3());
+            let twice = (b - a).cross(c - a);
+            let Some(n) = triangle::normal(corners) else { continue };
+            let magnitude = corners.iter().fold(Vec3::ZERO, |most, p| most.max(p.abs()));
+            let area = 0.5 * twice.length();
+            body.area += area;
+            body.volume += 0.5 * twice.dot((a + b + c) / 3.0 - center) / 3.0;
+            body.offset += area * f64::from(offset_bound(n, magnitude));
+            vector_area += 0.5 * twice;
+        }
+    }
+    (body, vector_area)
+}
