@@ -53,27 +53,29 @@ impl Sdf {
     /// Newton's and as far again crosses it, if anything does there; what is between is found by its sign. So a hit is
     /// a change of sign between two places, never a small distance.
     ///
-    /// - `floor`: in the field's space (m); no step is shorter
+    /// - `floor`: in the field's space (m); no step is shorter, nor shorter than what f64 resolves of t
     ///
     /// A line that stays very near to the surface without meeting it would take steps for ever: after every 128 the
-    /// shortest step doubles, and with it what may be passed unseen. Few lines take more than a hundred.
+    /// shortest step doubles, and with it what may be passed unseen. Few lines take more than a hundred, and none more than
+    /// 128 · 53, whatever the scale: then the shortest step is the whole line.
     ///
     /// Source: Hart, *Sphere Tracing* (1996). Tests: hits_are_the_analytic_ones, hits_lie_on_the_surface.
     pub(super) fn crossing(&self, line: &Line, floor: f64) -> Option<f64> {
         let speed = line.direction.length();
+        let floor = floor.max(line.to * f64::EPSILON * speed);
         let value = |t: f64| self.distance(line.at(t).to_array());
         let mut t = line.from;
         let mut d = value(t);
         let side = if d == 0.0 { self.heading(line, t) } else { 1f64.copysign(d) };
         for n in 0.. {
-            let shortest = floor * f64::from(1u32 << (n / PATIENCE).min(31));
+            let shortest = floor * 2f64.powi(n / PATIENCE);
             if side * d <= floor
                 && let Some(ahead) = self.ahead(line, t, side, floor / speed)
             {
                 return Some(root(value, side, t, ahead));
             }
             let next = t + (side * d).max(shortest) / speed;
-            if next.is_nan() || next > line.to {
+            if !(next > t && next <= line.to) {
                 // The end itself may lie beyond the surface.
                 return (side * value(line.to) < 0.0).then(|| root(value, side, t, line.to));
             }
@@ -114,6 +116,10 @@ impl Sdf {
             if d < fixed.stop || step >= fixed.most_steps {
                 return Some(t);
             }
+            // Where t no longer changes, nothing does until the steps are used up.
+            if way + d == way {
+                return Some(t);
+            }
             way += d;
         }
         None
@@ -121,7 +127,7 @@ impl Sdf {
 }
 
 /// Steps after which the shortest one doubles.
-const PATIENCE: u32 = 128;
+const PATIENCE: i32 = 128;
 
 /// A zero between `a`, where the value has the sign `side`, and `b`, where it has not: regula falsi, where the end
 /// that stays counts half each time (Illinois), and bisection should that be slow.

@@ -1,6 +1,6 @@
 //! Hits are where formulas say, first ones, on the surface.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use pt::math::{Ray, Transform};
 use pt::shape::sdf::*;
 use pt::shape::{Geometry, Sdf};
@@ -192,6 +192,41 @@ fn scale_is_exact() {
             }
         }
     }
+}
+
+/// Axes of which one is 10⁻³⁰ or 10³⁰ of the others, near and far: every ray ends, and what it hits is within the bounds.
+///
+/// Without an end to its steps the first such ray would hold the test for ever; with one all of them take seconds.
+#[test]
+fn rays_end_at_every_scale() {
+    let (done, end) = std::sync::mpsc::channel();
+    let work = move || {
+        for (name, make) in zoo::solids() {
+            for (axis, factor) in (0..3).flat_map(|axis| [1e-30, 1e-20, 1e-8, 1e8, 1e20, 1e30].map(|factor| (axis, factor))) {
+                let mut random = Random::new(7);
+                let mut scale = DVec3::ONE;
+                scale[axis] = factor;
+                let shape = baked(make(&mut random), &Transform::scale(scale).expect("not zero"));
+                let bounds = shape.bounds(0);
+                for _ in 0..40 {
+                    // From near and far, at the box and along its sides.
+                    let target = bounds.min + (bounds.max - bounds.min) * random.in_cube().as_vec3();
+                    let away = random.direction().as_vec3() * 10f32.powi(random.below(9) as i32 - 4) * bounds.magnitude().max_element();
+                    let flat = if random.below(2) == 0 { Vec3::ONE } else { Vec3::ONE.with_z(1e-20) };
+                    let Some(direction) = (-away * flat).try_normalize() else { continue };
+                    let ray = Ray::new(target + away * flat, direction);
+                    if let Some(hit) = shape.intersect(0, &ray) {
+                        assert!(hit.t > 0.0 && hit.t.is_finite(), "{name}, {factor:e} along {axis}: {hit:?}, {ray:?}");
+                    }
+                }
+            }
+        }
+        done.send(()).expect("the test waits");
+    };
+    let worker = std::thread::spawn(work);
+    let late = end.recv_timeout(std::time::Duration::from_secs(300)) == Err(std::sync::mpsc::RecvTimeoutError::Timeout);
+    assert!(!late, "a ray has no end");
+    worker.join().expect("no panic");
 }
 
 /// An uneven stretch of the whole: hits lie on the stretched surface, found by going back.
