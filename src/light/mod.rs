@@ -98,9 +98,9 @@ impl Lights {
         self.lights.is_empty()
     }
 
-    /// Whether any of them has power.
+    /// Whether any of them is not black, however small it is.
     pub fn shine(&self) -> bool {
-        self.choice.is_some() || self.found
+        self.lights.iter().any(|light| !light.is_black())
     }
 
     pub fn iter(&self) -> impl Iterator<Item = &Light> {
@@ -181,6 +181,17 @@ impl Light {
             Light::Spot(spot) => spot.sample(from),
             Light::Directional(directional) => directional.sample(),
             Light::Environment(environment) => environment.sample(u),
+        }
+    }
+
+    /// Whether no light comes from it, wherever one looks from.
+    fn is_black(&self) -> bool {
+        match self {
+            Light::Area(area) => area.emitter.emission.radiance.is_black(),
+            Light::Point(point) => point.intensity.is_black(),
+            Light::Spot(spot) => spot.intensity.is_black(),
+            Light::Directional(directional) => directional.irradiance.is_black(),
+            Light::Environment(environment) => environment.radiance.is_black(),
         }
     }
 

@@ -333,3 +333,23 @@ fn a_quad_that_rounding_leaves_nothing_of_is_refused() {
     fs::write(folder.path().join("far.json"), floor_scene(&format!("{FLOOR}, {far}, {lamp}"), "")).expect("write");
     refused(folder.path(), &["far.json"], 3, "too small to be hit in a scene this large");
 }
+
+/// A lamp whose area f32 cannot hold shines all the same: what is said of the picture is what is in it.
+#[test]
+fn no_light_is_said_where_there_is_none() {
+    let folder = folder();
+    for (scale, emission) in [1.0, 1e-10, 1e-20, 1e-30].into_iter().flat_map(|scale| [(scale, 0), (scale, 1)]) {
+        let scene = format!(
+            r#"{{"pt": 1, "camera": {{"look_at": {{"from": [0, 0, {}], "to": [0, 0, 0]}}}}, "film": {{"width": 8, "height": 6}},
+                "shapes": [{{"type": "sphere", "radius": {scale}, "emission": {emission}}}]}}"#,
+            3.0 * scale
+        );
+        fs::write(folder.path().join("lamp.json"), scene).expect("write");
+        let output = pt(folder.path(), &["lamp.json", "--spp", "1", "-o", "x.exr"]).success().get_output().clone();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let (image, _) = pt::output::exr::read(&folder.path().join("x.exr")).expect("a readable picture");
+        let is_black = image.pixels().flatten().all(|x| x == 0.0);
+        assert_eq!(is_black, emission == 0, "{scale}");
+        assert_eq!(said.contains("will be black"), is_black, "{scale}: {said}");
+    }
+}
