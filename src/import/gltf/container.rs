@@ -14,6 +14,9 @@ const MAGIC: &[u8] = b"glTF";
 /// Of a container: magic, version and length (bytes).
 const HEADER: usize = 12;
 
+/// Begins what is said of a line and a column of a container: they are those of its JSON.
+pub const IN_CONTAINER: &str = "in the JSON of the .glb";
+
 /// A container, or an object whose `asset` has a version and which is no scene of pt.
 pub fn is(content: &Content) -> bool {
     let says_so = |tree: &Node| tree.get("/asset/version").is_some() && tree.child("pt").is_none();
@@ -41,7 +44,10 @@ pub fn open<'c>(content: &'c Content, foreign: &Foreign) -> Result<Opened<'c>> {
         return Err(invalid("the .glb ends within its header".to_owned()));
     }
     let Glb { json, bin, .. } = Glb::from_slice(&content.bytes).map_err(|error| invalid(explained(&error)))?;
-    let tree = reader::parse(&json).map_err(|fault| invalid(format!("the JSON of the .glb: {}", fault.message)))?;
+    let tree = reader::parse(&json).map_err(|fault| {
+        let message = format!("{IN_CONTAINER}: {}", fault.message);
+        Error::invalid(Fault { message, ..fault }.in_file(foreign.file))
+    })?;
     Ok(Opened { json, tree: Cow::Owned(without_lines(tree, "")), binary: bin.map(Cow::into_owned) })
 }
 

@@ -7,7 +7,7 @@ use gltf::json;
 use gltf::json::validation::{Error as Wrong, Validate};
 
 use super::buffer::Buffers;
-use super::container::Opened;
+use super::container::{IN_CONTAINER, Opened};
 use crate::error::{Error, Fault, Result};
 use crate::import::Foreign;
 use crate::import::view::View;
@@ -101,8 +101,9 @@ fn misfit(error: &json::Error, is_binary: bool, foreign: &Foreign) -> Error {
     let text = error.to_string();
     let sentence = text.rsplit_once(" at line ").map_or(&*text, |(sentence, _)| sentence);
     let sentence: String = sentence.chars().filter(|c| !c.is_control()).take(200).collect();
-    let fault = Fault::new(format!("no glTF: {sentence}")).in_file(foreign.file);
-    Error::invalid(if is_binary || error.line() == 0 { fault } else { fault.at(error.line(), error.column().max(1)) })
+    let place = if is_binary { format!("{IN_CONTAINER}: ") } else { String::new() };
+    let fault = Fault::new(format!("{place}no glTF: {sentence}")).in_file(foreign.file);
+    Error::invalid(if error.line() == 0 { fault } else { fault.at(error.line(), error.column().max(1)) })
 }
 
 /// `meshes[0].primitives[1].attributes["POSITION"] = "…"` is /meshes/0/primitives/1/attributes/POSITION.

@@ -141,7 +141,7 @@ fn containers_that_are_none() {
         (bytes[..bytes.len() - 8].to_vec(), "bytes after its header, found"),
         (changed(12, [0xff; 4]), "a chunk of the .glb promises 4294967295 bytes"),
         (changed(16, *b"BIN\0"), "the chunks of the .glb are not JSON"),
-        (changed(20, *b"[[[["), "the JSON of the .glb"),
+        (changed(20, *b"[[[["), "broken.glb:1:5: in the JSON of the .glb: "),
     ] {
         let found = said(folder.path(), "broken.glb", &bytes);
         assert!(found.contains(expected), "expected {expected}, found {found:?}");
