@@ -1,7 +1,11 @@
 //! What can go wrong, in one type: a sentence for the reader, an exit code for the caller.
 
+pub mod text;
+
 use std::fmt;
 use std::path::{Path, PathBuf};
+
+use text::{bounded, one_line};
 
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -21,7 +25,7 @@ pub enum Error {
     #[error("{0}")]
     Limit(Fault),
     /// The operating system said no.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", one_line(&path.to_string_lossy()))]
     Io { path: PathBuf, source: std::io::Error },
     /// A bug of ours.
     #[error("{0} (this is a bug in pt, please report it)")]
@@ -59,8 +63,8 @@ impl Error {
     /// The faults as a tool reads them: one entry per line that a person would see.
     pub fn faults(&self) -> Vec<Fault> {
         match self {
-            Error::Invalid(faults) => faults.clone(),
-            Error::Limit(fault) => vec![fault.clone()],
+            Error::Invalid(faults) => faults.iter().map(Fault::bounded).collect(),
+            Error::Limit(fault) => vec![fault.bounded()],
             other => other.to_string().lines().map(Fault::new).collect(),
         }
     }
@@ -108,20 +112,28 @@ impl Fault {
         self.pointer = pointer.into();
         self
     }
+
+    /// The fault, with no text so long that a reader would lose the place in it.
+    fn bounded(&self) -> Fault {
+        let [file, pointer, message] = [&self.file, &self.pointer, &self.message].map(|text| bounded(text).into_owned());
+        Fault { file, pointer, message, ..*self }
+    }
 }
 
+/// One line, whatever the file holds: see [`one_line`].
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let file = one_line(&self.file);
         let place =
-            [Some(self.file.clone()).filter(|s| !s.is_empty()), self.line.map(|n| n.to_string()), self.column.map(|n| n.to_string())];
+            [Some(file.into_owned()).filter(|s| !s.is_empty()), self.line.map(|n| n.to_string()), self.column.map(|n| n.to_string())];
         let place: Vec<String> = place.into_iter().flatten().collect();
         if !place.is_empty() {
             write!(f, "{}: ", place.join(":"))?;
         }
         if !self.pointer.is_empty() {
-            write!(f, "{}: ", self.pointer)?;
+            write!(f, "{}: ", one_line(&self.pointer))?;
         }
-        f.write_str(&self.message)
+        f.write_str(&one_line(&self.message))
     }
 }
 

@@ -5,6 +5,7 @@ use super::{args, say};
 use crate::describe;
 use crate::effects::Effects;
 use crate::error::Result;
+use crate::error::text::one_line;
 use crate::integrator::Entry;
 use crate::scene::Scene;
 
@@ -45,7 +46,7 @@ pub fn contents(loaded: &Loaded) -> String {
 fn line(effect: Effects, askers: &[&str], simulates: Effects) -> String {
     const SHOWN: usize = 4;
     let more = askers.len().saturating_sub(SHOWN);
-    let mut who = askers[..askers.len() - more].join("; ");
+    let mut who = askers[..askers.len() - more].iter().map(|name| one_line(name)).collect::<Vec<_>>().join("; ");
     if more > 0 {
         who += &format!("; and {more} more");
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::{args, memory};
 use crate::describe::{self, Built, Files, Identity, Shape, Source};
+use crate::error::text::one_line;
 use crate::error::{Error, Fault, Result};
 use crate::import::{Imported, import};
 use crate::integrator::{self, Entry, Integrator};
@@ -70,6 +71,8 @@ pub fn load(scene: &args::Scene, more: &[Override], integrator: Option<&str>, ta
     let (entry, integrator) = integrator::choose(tables, root.child("integrator"), integrator, &file)?;
     let mut built = describe::build(&description, Source { root: &root, file: &file, files: &files })?;
     built.warnings.splice(..0, notes.iter().map(Fault::to_string));
+    // Names from files are in them.
+    built.warnings.iter_mut().for_each(|warning| *warning = one_line(warning).into_owned());
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
     Ok(Loaded { built, entry, integrator: integrator.into(), description, stem, root, file, files })
 }

@@ -34,6 +34,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use crate::error::text::printable;
 use crate::error::{Error, Result};
 use crate::integrator::Entry;
 use args::{Args, Command};
@@ -56,7 +57,7 @@ fn finish(result: Result<ExitCode>, json: bool) -> ExitCode {
     match result {
         Ok(code) => code,
         Err(error) => {
-            report(&error, json);
+            note(&lines(&error, json));
             ExitCode::from(error.exit_code())
         }
     }
@@ -80,23 +81,18 @@ fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// One line per fault on stderr, or one JSON object.
-fn report(error: &Error, json: bool) {
-    let mut stderr = std::io::stderr().lock();
+/// What is told of an error: one line per fault, or one JSON object.
+fn lines(error: &Error, json: bool) -> String {
     if json {
-        let object = serde_json::json!({ "exit_code": error.exit_code(), "errors": error.faults() });
-        let _ = writeln!(stderr, "{object}");
-        return;
+        return serde_json::json!({ "exit_code": error.exit_code(), "errors": error.faults() }).to_string();
     }
-    for line in error.to_string().lines() {
-        let _ = writeln!(stderr, "error: {line}");
-    }
+    error.to_string().lines().map(|line| format!("error: {}", printable(line))).collect::<Vec<_>>().join("\n")
 }
 
-/// What goes to stdout; that nobody reads it to the end is no error.
+/// What goes to stdout; that nobody reads it to the end is no error. Nothing in it, such as names from files, moves a terminal.
 fn say(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
-    printed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
+    printed(stdout.write_all(printable(text).as_bytes()).and_then(|()| stdout.flush()))
 }
 
 fn printed(result: std::io::Result<()>) -> Result<()> {
@@ -106,7 +102,7 @@ fn printed(result: std::io::Result<()>) -> Result<()> {
     }
 }
 
-/// One line on stderr.
+/// One line on stderr, or more. Nothing in it moves a terminal.
 fn note(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(text));
 }

@@ -3,8 +3,12 @@
 /// The known word nearest to `word`, if a slip of the finger explains the difference.
 pub fn closest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
     // One slip in a short word, one more for every four letters.
-    let near = |(distance, k): &(usize, &str)| *distance <= 1 + k.chars().count() / 4;
-    known.into_iter().map(|k| (strsim::damerau_levenshtein(word, k), k)).filter(near).min().map(|(_, k)| k)
+    let slips = |k: &str| 1 + k.chars().count() / 4;
+    // There are no fewer slips than one word is longer; a name of megabytes would take minutes to compare.
+    let has_length = |k: &&str| word.len() / 4 <= k.chars().count() + slips(k);
+    let near = |(distance, k): &(usize, &str)| *distance <= slips(k);
+    let distances = known.into_iter().filter(has_length).map(|k| (strsim::damerau_levenshtein(word, k), k));
+    distances.filter(near).min().map(|(_, k)| k)
 }
 
 /// `unknown key "rougness", did you mean "roughness"?`

@@ -6,6 +6,7 @@
 
 mod bench;
 mod disk;
+mod hostile;
 mod memory;
 mod outside;
 

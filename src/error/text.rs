@@ -1,0 +1,87 @@
+//! Text from files and from users, made safe for a terminal.
+
+use std::borrow::Cow;
+
+/// The most characters of one piece of a message, such as a name, a pointer or a sentence.
+const LONGEST: usize = 600;
+
+/// The text on one line and of bounded length: characters that a terminal would obey are written as escapes, such as `\u001b`, and the
+/// middle of what is too long is left out.
+pub fn one_line(text: &str) -> Cow<'_, str> {
+    match bounded(text) {
+        Cow::Borrowed(text) => escaped(text, is_obeyed),
+        Cow::Owned(text) => Cow::Owned(escaped(&text, is_obeyed).into_owned()),
+    }
+}
+
+/// The text with its lines and tabs as they are: all other characters that a terminal would obey are written as escapes.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    escaped(text, |c| is_obeyed(c) && c != '\n' && c != '\t')
+}
+
+/// The text, of which the middle is left out where it is too long.
+pub fn bounded(text: &str) -> Cow<'_, str> {
+    if text.len() <= LONGEST {
+        return text.into();
+    }
+    let count = text.chars().count();
+    let Some(left_out) = count.checked_sub(LONGEST).filter(|n| *n > 0) else { return text.into() };
+    let at = |nth: usize| text.char_indices().nth(nth).map_or(text.len(), |(at, _)| at);
+    let (head, tail) = (&text[..at(LONGEST / 2)], &text[at(count - LONGEST / 2)..]);
+    format!("{head}… ({left_out} characters) …{tail}").into()
+}
+
+fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&is_escaped) {
+        return text.into();
+    }
+    let mut escaped = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        match c {
+            _ if !is_escaped(c) => escaped.push(c),
+            '\n' => escaped.push_str("\\n"),
+            '\r' => escaped.push_str("\\r"),
+            '\t' => escaped.push_str("\\t"),
+            // As JSON has it, which may be what this is.
+            _ => escaped += &format!("\\u{:04x}", u32::from(c)),
+        }
+    }
+    escaped.into()
+}
+
+/// Whether a terminal takes it for a command: control characters, and those that turn the direction of writing.
+fn is_obeyed(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// For each character that Unicode has.
+    #[test]
+    fn no_control_character_gets_through() {
+        let all: String = (char::MIN..=char::MAX).collect();
+        for text in all.chars().collect::<Vec<_>>().chunks(LONGEST) {
+            let text: String = text.iter().collect();
+            assert!(!one_line(&text).contains(char::is_control));
+            assert!(!printable(&text).contains(|c: char| c.is_control() && c != '\n' && c != '\t'));
+            assert!(!printable(&text).contains(['\u{202e}', '\u{2066}', '\u{2028}']));
+        }
+        assert_eq!(one_line("a\x1b[31m\nb\u{202e}é🫖"), "a\\u001b[31m\\nb\\u202eé🫖");
+        assert_eq!(printable("a\tb\nc\r"), "a\tb\nc\\r");
+    }
+
+    #[test]
+    fn what_is_short_stays_and_what_is_long_is_bounded() {
+        for length in [0, 1, LONGEST - 1, LONGEST] {
+            assert_eq!(one_line(&"é".repeat(length)), "é".repeat(length));
+        }
+        for length in [LONGEST + 1, 10 * LONGEST, 1_000_000] {
+            let text = format!("<{}>", "é".repeat(length - 2));
+            let found = one_line(&text).into_owned();
+            assert!(found.starts_with('<') && found.ends_with('>') && found.contains(&format!("({} characters)", length - LONGEST)));
+            assert!(found.chars().count() < LONGEST + 40);
+        }
+    }
+}
