@@ -1,5 +1,7 @@
 //! What can go wrong, in one type: a sentence for the reader, an exit code for the caller.
 
+pub mod memory;
+pub mod panic;
 pub mod text;
 
 use std::fmt;

@@ -31,4 +31,5 @@ pub mod texture;
 pub mod witness;
 pub mod world;
 
+pub use error::memory::Memory;
 pub use error::{Error, Fault, MAX_FAULTS, Result};

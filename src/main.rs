@@ -2,6 +2,9 @@
 
 use std::process::ExitCode;
 
+#[global_allocator]
+static MEMORY: pt::Memory = pt::Memory;
+
 fn main() -> ExitCode {
     pt::cli::main_with(&[pt::integrators::ALL])
 }

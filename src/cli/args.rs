@@ -478,6 +478,26 @@ pub enum Form {
     Json,
 }
 
+impl Args {
+    /// The files that the command is about, as messages call them.
+    pub fn file(&self) -> String {
+        let scene = |scene: &Scene| scene.path.iter().cloned().collect();
+        let files: Vec<PathBuf> = match &self.command {
+            None => scene(&self.render.scene),
+            Some(Command::Check(args)) => scene(&args.scene),
+            Some(Command::Compare(args)) => scene(&args.scene),
+            Some(Command::Convert(args)) => scene(&args.scene),
+            Some(Command::Reference(args)) => scene(&args.scene),
+            Some(Command::Verify(args)) => scene(&args.scene),
+            Some(Command::Merge(args)) => args.parts.clone(),
+            Some(Command::Image { verb }) => verb.files(),
+            Some(Command::Sample(args)) => args.scene.iter().chain(&args.what).take(1).map(PathBuf::from).collect(),
+            Some(_) => vec![],
+        };
+        files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ")
+    }
+}
+
 impl Scene {
     /// clap cannot require it: a subcommand has a scene of its own, or none.
     pub fn path(&self) -> Result<&Path> {

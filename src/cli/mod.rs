@@ -34,8 +34,9 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use crate::error::memory::set_message;
 use crate::error::text::printable;
-use crate::error::{Error, Result};
+use crate::error::{Error, Fault, Result, panic};
 use crate::integrator::Entry;
 use args::{Args, Command};
 
@@ -49,8 +50,10 @@ pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
         Ok(args) => args,
         Err(refusal) => return refusal::answer(&refusal),
     };
-    let json = args.json_errors;
-    finish(run(args, tables), json)
+    let (json, file) = (args.json_errors, args.file());
+    panic::silence();
+    set_message(lines(&Error::Limit(Fault::new("out of memory").in_file(&file)), json));
+    finish(panic::caught(&file, || run(args, tables)), json)
 }
 
 fn finish(result: Result<ExitCode>, json: bool) -> ExitCode {

@@ -4,16 +4,14 @@ use std::io::{BufRead, BufReader, Seek};
 use std::path::Path;
 
 use glam::UVec2;
-use image::{ColorType, DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageFormat, ImageReader};
 
 use super::color::decoded;
 use super::file::open;
 use super::texture::{Channel, Encoding};
+use crate::output::decode::{Undecoded, decode};
 use crate::texture::image::Pixels;
 use crate::{Error, Fault, Result};
-
-/// No picture may take more than this while it is read (bytes).
-const MOST_MEMORY: u64 = 4 << 30;
 
 /// Reads the picture in a file; returns it with warnings, sentences that begin with `name`.
 ///
@@ -30,20 +28,17 @@ pub fn load(path: &Path, name: &str, encoding: Encoding, channel: Option<Channel
 
 /// As [`load`], from any source (bytes in memory: `io::Cursor`).
 pub fn read(source: impl BufRead + Seek, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
-    let mut reader = ImageReader::new(source).with_guessed_format().map_err(|e| Error::io(name, e))?;
+    let reader = ImageReader::new(source).with_guessed_format().map_err(|e| Error::io(name, e))?;
     let known = |format: &ImageFormat| matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::OpenExr);
     let format = reader.format().filter(known).ok_or_else(|| invalid(name, "unknown picture format: expected PNG, JPEG or OpenEXR"))?;
     let mut warnings = vec![];
     if ImageFormat::from_path(name).ok() != Some(format) {
         warnings.push(format!("{name}: read as {}, which its first bytes say it is", title(format)));
     }
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(MOST_MEMORY);
-    reader.limits(limits);
-    let picture = reader.decode().map_err(|error| match error {
-        ImageError::Limits(_) => Error::Limit(Fault::new("the picture would take more than 4 GiB").in_file(name)),
-        ImageError::IoError(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => Error::io(name, error),
-        other => invalid(name, &format!("not a usable {} picture: {other}", title(format))),
+    let picture = decode(reader).map_err(|refusal| match refusal {
+        Undecoded::TooLarge => Error::Limit(Fault::new("the picture would take more than 4 GiB").in_file(name)),
+        Undecoded::Unread(error) => Error::io(name, error),
+        Undecoded::Invalid(why) => invalid(name, &format!("not a usable {} picture: {why}", title(format))),
     })?;
     Ok((pixels(picture, encoding, channel, name)?, warnings))
 }

@@ -1,6 +1,7 @@
 //! What a picture takes while it is rendered and written.
 
 use super::Slots;
+use crate::error::memory::fallible;
 
 /// Bytes that a render of so many pixels and samples takes at most, the scene itself not counted.
 ///
@@ -28,5 +29,5 @@ fn blocks(samples: u64) -> u32 {
 
 /// Whether so many bytes can be had.
 pub fn can_be_had(bytes: u128) -> bool {
-    usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok())
+    usize::try_from(bytes).is_ok_and(|bytes| fallible(|| Vec::<u8>::new().try_reserve_exact(bytes).is_ok()))
 }

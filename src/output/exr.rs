@@ -123,7 +123,7 @@ pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
 fn check_size(meta: &MetaData) -> PtResult<(), Refusal> {
     let bytes = |header: &Header| header.layer_size.x() as u128 * header.layer_size.y() as u128 * header.channels.list.len() as u128 * 4;
     match meta.headers.iter().map(bytes).max() {
-        Some(most) if most > super::read::MOST_MEMORY.into() => Err(Refusal::TooLarge),
+        Some(most) if most > super::decode::MOST_MEMORY.into() => Err(Refusal::TooLarge),
         _ => Ok(()),
     }
 }

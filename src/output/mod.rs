@@ -2,6 +2,7 @@
 
 pub mod attributes;
 pub mod colormap;
+pub(crate) mod decode;
 pub mod exr;
 pub mod hash;
 pub mod layer;

@@ -4,10 +4,11 @@ use std::io::Cursor;
 
 use glam::UVec2;
 use image::codecs::png::PngEncoder;
-use image::{ImageEncoder, ImageError, ImageFormat, ImageReader, Limits};
+use image::{ImageEncoder, ImageFormat, ImageReader};
 
 use super::Tonemap;
-use super::read::{MOST_MEMORY, Refusal, rgb_image};
+use super::decode::{self, Undecoded};
+use super::read::{Refusal, rgb_image};
 use super::tonemap::linear;
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
@@ -30,13 +31,11 @@ pub fn encode_ppm(image: &Image, tonemap: &Tonemap) -> Vec<u8> {
 
 /// What the bytes of a PNG, JPEG or PPM hold, made linear; a channel `A` where there is transparency.
 pub(super) fn decode(bytes: &[u8], format: ImageFormat) -> Result<Image, Refusal> {
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(MOST_MEMORY);
-    reader.limits(limits);
-    let picture = reader.decode().map_err(|error| match error {
-        ImageError::Limits(_) => Refusal::TooLarge,
-        other => Refusal::Invalid(format!("not a readable {} picture: {other}", format.extensions_str()[0].to_uppercase())),
+    let unreadable = |why: String| Refusal::Invalid(format!("not a readable {} picture: {why}", format.extensions_str()[0].to_uppercase()));
+    let picture = decode::decode(ImageReader::with_format(Cursor::new(bytes), format)).map_err(|refusal| match refusal {
+        Undecoded::TooLarge => Refusal::TooLarge,
+        Undecoded::Unread(error) => unreadable(error.to_string()),
+        Undecoded::Invalid(why) => unreadable(why),
     })?;
     let (size, has_alpha) = (UVec2::new(picture.width(), picture.height()), picture.color().has_alpha());
     let table: Vec<f32> = (0..=u16::MAX).map(|level| linear(f64::from(level) / 65535.0) as f32).collect();

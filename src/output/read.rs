@@ -7,12 +7,10 @@ use std::path::Path;
 use glam::UVec2;
 use image::ImageFormat;
 
+use super::decode::MOST_MEMORY;
 use super::{Attributes, exr, pfm, png};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Channel, Image};
-
-/// No picture may take more than this (bytes).
-pub(super) const MOST_MEMORY: u64 = 4 << 30;
 
 /// Why bytes are no picture; what their file is called is said by [`Refusal::of`].
 #[derive(Debug)]

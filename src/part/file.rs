@@ -23,6 +23,7 @@ use serde_json::Value;
 
 use super::About;
 use crate::describe::Identity;
+use crate::error::memory::fallible;
 use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
 use crate::film::{Block, Crop, Layer, MomentFilm, Wave};
@@ -207,7 +208,7 @@ impl Stored {
         let count = self.about.slots().all() * self.about.crop.pixel_count() as usize;
         let mut numbers: Vec<f64> = vec![];
         let full = |_| Error::Limit(Fault::new("its numbers do not fit into memory").in_file(&self.path));
-        numbers.try_reserve_exact(count).map_err(full)?;
+        fallible(|| numbers.try_reserve_exact(count)).map_err(full)?;
         let mut read = || -> io::Result<()> {
             let mut file = File::open(&self.path)?;
             file.seek(SeekFrom::Start(self.start + 8 * (index * count) as u64))?;

@@ -13,7 +13,7 @@ mod outside;
 use std::collections::BTreeSet;
 use std::fs;
 
-use crate::pictures::bomb;
+use crate::pictures::{bomb, promising, with_palette};
 use bench::{Bench, RIGHT, SQUARE, UNLIT, long_name};
 
 /// The row's name, what is given, the exit code, what is said.
@@ -565,11 +565,20 @@ fn generated(bench: &mut Bench) {
     for (row, bytes, code, phrase) in [
         ("B33", &png[..png.len() / 2], 3, "/shapes/0/material/albedo/file: p.jpg: not a usable PNG picture"),
         ("B33", &bomb(png.clone()), 4, "p.jpg: the picture would take more than 4 GiB"),
+        // 2.7 GB of bytes, and four times that as floats.
+        ("B33", &promising(png.clone(), 30000, 8), 4, "p.jpg: the picture would take more than 4 GiB"),
+        // A colour and a third.
+        ("B33", &with_palette(4), 3, "/shapes/0/material/albedo/file: p.jpg: not a usable PNG picture: "),
+        ("B33", &with_palette(3), 0, "warning: p.jpg: read as PNG"),
         ("B34", &png, 0, "warning: p.jpg: read as PNG, which its first bytes say it is\n"),
     ] {
         fs::write(bench.folder.path().join("p.jpg"), bytes).expect("write");
         let matte = r#""shapes": [{"type": "disk", "material": {"type": "diffuse", "albedo": {"type": "image", "file": "p.jpg"}}}]"#;
         bench.scene(row, &format!("{RIGHT},\n{matte}}}"), code, phrase);
+        if code != 0 {
+            let phrase = if code == 4 { phrase } else { "p.jpg: not a readable PNG picture: " };
+            bench.call(row, &["image", "info", "p.jpg"], code, phrase);
+        }
     }
     bench.bytes("B5", b"{\n \"\xFF\": 1}", 3, "scene.json:2:3: byte 4: not UTF-8");
     let utf16: Vec<u8> = "{\"pt\": 1}".encode_utf16().flat_map(u16::to_le_bytes).collect();

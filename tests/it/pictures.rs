@@ -156,11 +156,31 @@ fn what_is_no_usable_picture_is_refused() {
 }
 
 /// The PNG with a header that promises 65,535² pixels of 16 bits, and the checksum that belongs to it.
-pub fn bomb(mut png: Vec<u8>) -> Vec<u8> {
-    png[16..26].copy_from_slice(&[0, 0, 0xff, 0xff, 0, 0, 0xff, 0xff, 16, 6]);
+pub fn bomb(png: Vec<u8>) -> Vec<u8> {
+    promising(png, 65535, 16)
+}
+
+/// The PNG with a header that promises so many pixels a side, of so many bits a colour, and the checksum that belongs to it.
+pub fn promising(mut png: Vec<u8>, side: u32, bits: u8) -> Vec<u8> {
+    png[16..20].copy_from_slice(&side.to_be_bytes());
+    png[20..24].copy_from_slice(&side.to_be_bytes());
+    png[24..26].copy_from_slice(&[bits, if bits == 16 { 6 } else { 2 }]);
     let sum = crc32(&png[12..29]);
     png[29..33].copy_from_slice(&sum.to_be_bytes());
     png
+}
+
+/// A PNG of 4 × 4 pixels, all of the palette's first colour; the palette has so many bytes, of which three make a colour.
+pub fn with_palette(bytes: usize) -> Vec<u8> {
+    let chunk = |name: &[u8; 4], data: &[u8]| {
+        let named = [&name[..], data].concat();
+        [&(data.len() as u32).to_be_bytes()[..], &named, &crc32(&named).to_be_bytes()].concat()
+    };
+    // Four rows of a filter's number and four pixels, not compressed; Adler's sum of 20 zeros.
+    let rows = [&[0x78, 0x01, 0x01, 20, 0, !20, !0][..], &[0; 20], &[0, 20, 0, 1]].concat();
+    let header = [0, 0, 0, 4, 0, 0, 0, 4, 8, 3, 0, 0, 0];
+    let chunks = [chunk(b"IHDR", &header), chunk(b"PLTE", &vec![9; bytes]), chunk(b"IDAT", &rows), chunk(b"IEND", &[])];
+    [&b"\x89PNG\r\n\x1a\n"[..], &chunks.concat()].concat()
 }
 
 /// Of PNG's chunks, bit by bit. Source: ISO 3309.

@@ -29,6 +29,19 @@ pub enum Verb {
     Falsecolor(Falsecolor),
 }
 
+impl Verb {
+    /// The pictures that are read.
+    pub fn files(&self) -> Vec<PathBuf> {
+        match self {
+            Verb::Diff(args) => vec![args.first.clone(), args.second.clone()],
+            Verb::Info { files } | Verb::Hash { files } => files.clone(),
+            Verb::Convert(args) => vec![args.input.clone()],
+            Verb::Average(args) => args.inputs.clone(),
+            Verb::Falsecolor(args) => [&args.first].into_iter().chain(&args.second).cloned().collect(),
+        }
+    }
+}
+
 #[derive(Args, Debug)]
 pub struct Diff {
     /// The picture to be judged.

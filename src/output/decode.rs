@@ -1,0 +1,49 @@
+//! Pictures of common formats, as their decoders have them.
+
+use std::io::{BufRead, Seek};
+
+use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
+
+use crate::error::panic::unwound;
+
+/// No picture may take more than this (bytes), its values as floats included.
+pub const MOST_MEMORY: u64 = 4 << 30;
+
+/// What a pixel takes as floats (bytes).
+const FLOATS: u64 = 12;
+
+/// Why bytes are no picture.
+#[derive(Debug)]
+pub enum Undecoded {
+    TooLarge,
+    /// What the system says.
+    Unread(std::io::Error),
+    /// What is wrong with them.
+    Invalid(String),
+}
+
+/// Decodes a picture whose format is known.
+///
+/// Its size is asked before it is decoded; a decoder that panics has met bytes that are no picture.
+///
+/// # Errors
+/// See [`Undecoded`].
+pub fn decode<R: BufRead + Seek>(mut reader: ImageReader<R>) -> Result<DynamicImage, Undecoded> {
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MOST_MEMORY);
+    reader.limits(limits);
+    let decoded = || {
+        let decoder = reader.into_decoder()?;
+        let (width, height) = decoder.dimensions();
+        let floats = FLOATS * u64::from(width) * u64::from(height);
+        let fits = decoder.total_bytes().checked_add(floats).is_some_and(|bytes| bytes <= MOST_MEMORY);
+        if fits { DynamicImage::from_decoder(decoder).map(Some) } else { Ok(None) }
+    };
+    match unwound(decoded) {
+        Ok(Ok(Some(picture))) => Ok(picture),
+        Ok(Ok(None) | Err(ImageError::Limits(_))) => Err(Undecoded::TooLarge),
+        Ok(Err(ImageError::IoError(error))) if error.kind() != std::io::ErrorKind::UnexpectedEof => Err(Undecoded::Unread(error)),
+        Ok(Err(other)) => Err(Undecoded::Invalid(other.to_string())),
+        Err(panic) => Err(Undecoded::Invalid(format!("its decoder failed: {}", panic.said))),
+    }
+}
