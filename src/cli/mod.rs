@@ -52,6 +52,7 @@ pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
     };
     let (json, file) = (args.json_errors, args.file());
     panic::silence();
+    signals::let_writing_fail();
     set_message(lines(&Error::Limit(Fault::new("out of memory").in_file(&file)), json));
     finish(panic::caught(&file, || run(args, tables)), json)
 }

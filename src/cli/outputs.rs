@@ -61,6 +61,7 @@ pub fn check_outputs(outputs: &[PathBuf], takes: Takes, inputs: &[&Path], is_inp
 
 /// Whether two outputs, which need not exist yet, are one.
 fn is_same_file(a: &Path, b: &Path) -> bool {
+    let [a, b] = [a, b].map(|path| output::target(path).unwrap_or(path.to_owned()));
     let folder = |path: &Path| output::folder(path).canonicalize().ok();
-    a.file_name() == b.file_name() && folder(a) == folder(b)
+    a.file_name() == b.file_name() && folder(&a) == folder(&b)
 }

@@ -33,3 +33,9 @@ pub fn caught() -> Option<i32> {
     let number = CAUGHT.get()?.load(Ordering::Relaxed);
     (number != 0).then_some(number as i32)
 }
+
+/// Makes a file that outgrows the system's limit an error of writing, as a full disk is one, and not the end of the program.
+pub fn let_writing_fail() {
+    #[cfg(unix)]
+    let _ = register(signal_hook::consts::SIGXFSZ, Arc::default());
+}

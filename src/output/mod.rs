@@ -14,7 +14,7 @@ pub mod tonemap;
 
 use std::fs::File;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
@@ -77,26 +77,63 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
 }
 
 /// As [`replace`], for bytes that need not be there all at once.
+///
+/// Of a link the file that it leads to is replaced; a pipe or a device takes the bytes and stays.
 pub fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
     let put = || -> io::Result<()> {
-        let mut file = beside(path)?;
+        if is_special(path) {
+            return write(&mut File::options().write(true).open(path)?);
+        }
+        let target = target(path)?;
+        let mut file = beside(&target)?;
         // The file itself: its wrapper would name the temporary path in errors.
         write(file.as_file_mut())?;
         file.as_file().sync_all()?;
-        file.persist(path)?;
+        file.persist(target)?;
         Ok(())
     };
     put().map_err(|e| Error::io(path, e))
 }
 
-/// Whether a file could be made beside `path`.
+/// Whether `path` could be written.
 ///
 /// # Errors
-/// `Io` where the folder is missing or read-only.
+/// `Io` where its folder is missing or read-only.
 pub fn check_folder(path: &Path) -> Result<()> {
-    let missing = || io::Error::new(io::ErrorKind::NotFound, format!("there is no folder {}", folder(path).display()));
-    let named = |e: io::Error| if e.kind() == io::ErrorKind::NotFound { missing() } else { e };
-    beside(path).map(drop).map_err(|e| Error::io(path, named(e)))
+    let check = || -> io::Result<()> {
+        if is_special(path) {
+            return Ok(());
+        }
+        let target = target(path)?;
+        let missing = || io::Error::new(io::ErrorKind::NotFound, format!("there is no folder {}", folder(&target).display()));
+        let named = |e: io::Error| if e.kind() == io::ErrorKind::NotFound { missing() } else { e };
+        beside(&target).map(drop).map_err(named)
+    };
+    check().map_err(|e| Error::io(path, e))
+}
+
+/// Whether there is a pipe, a device or the like, which is written to and not replaced.
+fn is_special(path: &Path) -> bool {
+    path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
+/// More links than any system follows.
+const MOST_LINKS: usize = 64;
+
+/// The file that `path` leads to, which need not exist: `path` itself where it is no link.
+///
+/// # Errors
+/// Links that lead in a circle.
+pub fn target(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match target.read_link() {
+            // Relative to the folder of the link; an absolute one takes its place.
+            Ok(next) => target = folder(&target).join(next),
+            Err(_) => return Ok(target),
+        }
+    }
+    Err(io::Error::other("links that lead in a circle"))
 }
 
 /// A temporary file in the folder of `path`, with the usual permissions: a picture is not a secret.
