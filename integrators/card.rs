@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pt::bsdf::{BsdfSample, Lobe, TransportMode};
 use pt::describe::{Direction, Positive, Radiometric};
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, MAX_DEPTH, Roulette};
+use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, Interrupt, MAX_DEPTH, Roulette};
 use pt::math::{Density, Local, Ray, SolidAnglePdf, Spectrum, Vec3, float};
 use pt::sampler::Sampler;
 use pt::sampler::dimension::{self, Use};
@@ -148,19 +148,28 @@ impl Beam {
 impl Estimator for Walk {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
         match cx.witness.take() {
-            None => self.walk(camera, cx.sampler, &mut Nobody),
-            Some(witness) => self.walk(camera, cx.sampler, witness),
+            None => self.walk(camera, cx.sampler, &mut Nobody, cx.interrupt),
+            Some(witness) => self.walk(camera, cx.sampler, witness, cx.interrupt),
         }
     }
 }
 
 impl Walk {
-    fn walk<A: Account + ?Sized>(&self, camera: &CameraSample, sampler: &mut dyn Sampler, account: &mut A) -> Spectrum {
+    fn walk<A: Account + ?Sized>(
+        &self,
+        camera: &CameraSample,
+        sampler: &mut dyn Sampler,
+        account: &mut A,
+        interrupt: Interrupt,
+    ) -> Spectrum {
         let mut ray = camera.ray;
         let mut beta = Spectrum::ONE;
         let mut radiance = Spectrum::BLACK;
         let mut compression = 1.0;
         for depth in 0.. {
+            if interrupt.ends(depth) {
+                break;
+            }
             let Some(hit) = self.scene.intersect(&ray) else {
                 let lights = self.scene.lights();
                 let light = if depth > self.emission_depth { Spectrum::BLACK } else { lights.background(&ray) };

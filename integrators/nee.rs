@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pt::bsdf::TransportMode;
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, MAX_DEPTH, Roulette, sample_light};
+use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, Interrupt, MAX_DEPTH, Roulette, sample_light};
 use pt::light::LightSample;
 use pt::math::{Density, Ray, SolidAnglePdf, Spectrum, Vec3, balance_heuristic, power_heuristic};
 use pt::sampler::Sampler;
@@ -109,15 +109,21 @@ struct Arrival {
 impl Estimator for Walk {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
         match cx.witness.take() {
-            None => self.walk(camera, cx.sampler, &mut Nobody),
-            Some(witness) => self.walk(camera, cx.sampler, witness),
+            None => self.walk(camera, cx.sampler, &mut Nobody, cx.interrupt),
+            Some(witness) => self.walk(camera, cx.sampler, witness, cx.interrupt),
         }
     }
 }
 
 // What both walks call is compiled into both: out of line it would cost 2 % of a render.
 impl Walk {
-    fn walk<A: Account + ?Sized>(&self, camera: &CameraSample, sampler: &mut dyn Sampler, account: &mut A) -> Spectrum {
+    fn walk<A: Account + ?Sized>(
+        &self,
+        camera: &CameraSample,
+        sampler: &mut dyn Sampler,
+        account: &mut A,
+        interrupt: Interrupt,
+    ) -> Spectrum {
         let mut ray = camera.ray;
         let mut beta = Spectrum::ONE;
         let mut radiance = Spectrum::BLACK;
@@ -125,6 +131,9 @@ impl Walk {
         // No light sample could have found what the camera sees directly.
         let mut arrival = Arrival { from: ray.origin, density: Density::Delta };
         for depth in 0.. {
+            if interrupt.ends(depth) {
+                break;
+            }
             let Some(hit) = self.scene.intersect(&ray) else {
                 let (light, weight) = self.background(&ray, arrival);
                 radiance += account.light(beta * light, depth, || Origin::background(self.scene.lights(), weight));

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pt::bsdf::TransportMode;
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, MAX_DEPTH, Roulette};
+use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, Interrupt, MAX_DEPTH, Roulette};
 use pt::math::Spectrum;
 use pt::sampler::Sampler;
 use pt::sampler::dimension::{self, Use};
@@ -62,20 +62,29 @@ struct Walk {
 impl Estimator for Walk {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
         match cx.witness.take() {
-            None => self.walk(camera, cx.sampler, &mut Nobody),
-            Some(witness) => self.walk(camera, cx.sampler, witness),
+            None => self.walk(camera, cx.sampler, &mut Nobody, cx.interrupt),
+            Some(witness) => self.walk(camera, cx.sampler, witness, cx.interrupt),
         }
     }
 }
 
 impl Walk {
-    fn walk<A: Account + ?Sized>(&self, camera: &CameraSample, sampler: &mut dyn Sampler, account: &mut A) -> Spectrum {
+    fn walk<A: Account + ?Sized>(
+        &self,
+        camera: &CameraSample,
+        sampler: &mut dyn Sampler,
+        account: &mut A,
+        interrupt: Interrupt,
+    ) -> Spectrum {
         let mut ray = camera.ray;
         let mut beta = Spectrum::ONE;
         let mut radiance = Spectrum::BLACK;
         // η² accumulated along the path: radiance is compressed in glass, roulette must not mind.
         let mut compression = 1.0;
         for depth in 0.. {
+            if interrupt.ends(depth) {
+                break;
+            }
             let Some(hit) = self.scene.intersect(&ray) else {
                 let lights = self.scene.lights();
                 radiance += account.light(beta * lights.background(&ray), depth, || Origin::background(lights, 1.0));

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pt::bsdf::TransportMode;
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, MAX_DEPTH, sample_light};
+use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, Interrupt, MAX_DEPTH, sample_light};
 use pt::math::{Ray, Spectrum, Vec3};
 use pt::sampler::Sampler;
 use pt::sampler::dimension::{self, Use};
@@ -72,20 +72,30 @@ struct Branch {
 impl Estimator for Walk {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
         match cx.witness.take() {
-            None => self.walk(camera, cx.sampler, &mut Nobody),
-            Some(witness) => self.walk(camera, cx.sampler, witness),
+            None => self.walk(camera, cx.sampler, &mut Nobody, cx.interrupt),
+            Some(witness) => self.walk(camera, cx.sampler, witness, cx.interrupt),
         }
     }
 }
 
 impl Walk {
-    fn walk<A: Account + ?Sized>(&self, camera: &CameraSample, sampler: &mut dyn Sampler, account: &mut A) -> Spectrum {
+    fn walk<A: Account + ?Sized>(
+        &self,
+        camera: &CameraSample,
+        sampler: &mut dyn Sampler,
+        account: &mut A,
+        interrupt: Interrupt,
+    ) -> Spectrum {
         let mut radiance = Spectrum::BLACK;
         // Each branching leaves one ray waiting.
         let mut waiting: [Option<Branch>; MAX_BRANCH_DEPTH as usize + 1] = [None; _];
         let mut next = Some(Branch { ray: camera.ray, beta: Spectrum::ONE, depth: 0 });
-        let mut count = 0;
+        let (mut count, mut followed) = (0, 0);
         while let Some(branch) = next {
+            if interrupt.ends(followed) {
+                break;
+            }
+            followed = followed.wrapping_add(1);
             let [first, second] = self.follow(branch, &mut radiance, sampler, account);
             if let (Some(_), Some(_)) = (first, second) {
                 waiting[count] = second;

@@ -64,6 +64,35 @@ pub struct Context<'a> {
     pub sampler: &'a mut dyn Sampler,
     /// Who wants to know, if anyone does: see [`crate::witness`]. Who tells nothing may leave it alone.
     pub witness: Option<&'a mut dyn Witness>,
+    /// Tells whether the sample is still wanted. Whose samples are short may leave it alone.
+    pub interrupt: Interrupt<'a>,
+}
+
+/// Tells a sample that takes long whether the render was cancelled: what is returned then does not count, whatever it is.
+#[derive(Clone, Copy)]
+pub struct Interrupt<'a> {
+    is_cancelled: Option<&'a dyn Fn() -> bool>,
+}
+
+impl<'a> Interrupt<'a> {
+    /// The interrupt that never comes.
+    pub const NEVER: Interrupt<'static> = Interrupt { is_cancelled: None };
+
+    /// - `is_cancelled`: once it says so, it always does
+    pub fn new(is_cancelled: &'a dyn Fn() -> bool) -> Interrupt<'a> {
+        Interrupt { is_cancelled: Some(is_cancelled) }
+    }
+
+    /// Whether to give up the sample after so many of its vertices. It is looked at once in 256 of them, at no cost for short paths.
+    #[inline(always)]
+    pub fn ends(self, vertices: u32) -> bool {
+        vertices % 256 == 255 && self.comes()
+    }
+
+    #[cold]
+    fn comes(self) -> bool {
+        self.is_cancelled.is_some_and(|is_cancelled| is_cancelled())
+    }
 }
 
 /// Russian roulette: paths that carry little end early, the survivors stand for them.

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::effects::Effects;
 use crate::film::{Block, Crop, Film, FilmSpec, Layer, Moments, Slots, Tree, Wave};
-use crate::integrator::{CameraSample, Context, Estimator, Integrator};
+use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt};
 use crate::math::{ExactSum, Spectrum};
 use crate::sampler::{Sampler, SamplerSpec, dimension};
 use crate::scene::Scene;
@@ -30,11 +30,14 @@ pub struct Settings {
     pub tile: u32,
     /// What a single piece of indirect light may be at most, see [`Clamp`]. A bias, and never chosen by itself.
     pub clamp: Option<f32>,
+    /// How long a wave of samples should take at most, so that an interrupt loses little; but none is cut to less than an eighth of
+    /// what is done. Does not change the picture.
+    pub wave_time: Option<Duration>,
 }
 
 impl Settings {
     pub fn new(sampler: SamplerSpec) -> Settings {
-        Settings { sampler, samples: sampler.spp, time: None, tile: 16, clamp: None }
+        Settings { sampler, samples: sampler.spp, time: None, tile: 16, clamp: None, wave_time: None }
     }
 }
 
@@ -46,7 +49,7 @@ pub trait Observer: Sync {
     /// What the film holds is whole again: `samples` per pixel.
     fn wave_done(&self, _samples: u64, _film: &dyn Film) {}
 
-    /// Looked at before every pixel.
+    /// Looked at before every sample, and now and then during a long one; once it is true, it stays so.
     fn cancelled(&self) -> bool {
         false
     }
@@ -88,8 +91,10 @@ pub struct SampleId {
     pub index: u64,
 }
 
-/// Waves are at most about 2^6 samples long, so that progress shows and an interrupt loses little.
+/// Waves are at most about 2^6 samples long, so that progress shows.
 const MAX_WAVE_LEVEL: u32 = 6;
+/// The [`Settings::wave_time`] of a render that a user may interrupt.
+pub const SHORT_WAVE: Duration = Duration::from_secs(2);
 /// So many invalid samples are named.
 pub const KEPT_INVALID: usize = 16;
 
@@ -123,6 +128,7 @@ pub struct Render {
     /// Index of the sample that comes next.
     next: u64,
     clamp: Option<f32>,
+    wave_time: Option<Duration>,
     report: Report,
 }
 
@@ -150,6 +156,7 @@ impl Render {
             tiles,
             next: 0,
             clamp: settings.clamp,
+            wave_time: settings.wave_time,
             report: Report::default(),
         }
     }
@@ -169,7 +176,7 @@ impl Render {
     /// - `witness`: told of its paths
     pub fn replay(&self, id: SampleId, witness: Option<&mut dyn Witness>) -> Spectrum {
         let (mut sequence, pixel, index) = self.sequence(id);
-        self.sample(pixel, index, &mut *sequence, witness, &mut ExactSum::default())
+        self.sample(pixel, index, &mut *sequence, witness, Interrupt::NEVER, &mut ExactSum::default())
     }
 
     pub fn sampler(&self) -> &SamplerSpec {
@@ -209,8 +216,13 @@ impl Render {
         !self.report.cancelled
     }
 
+    /// Whatever it is, the picture has the same bits: blocks of samples join in the same way however they are cut.
     fn max_wave_level(&self) -> u32 {
-        MAX_WAVE_LEVEL.saturating_sub(self.spec.allocation.mean().log2() as u32)
+        let most = MAX_WAVE_LEVEL.saturating_sub(self.spec.allocation.mean().log2() as u32);
+        let Report { samples, elapsed, .. } = self.report;
+        let Some(time) = self.wave_time.filter(|_| samples > 0) else { return most };
+        let in_time = samples as f64 * time.as_secs_f64() / elapsed.as_secs_f64();
+        most.min((in_time.log2() as u32).max((samples / 8).checked_ilog2().unwrap_or(0)))
     }
 
     /// The sample index that will be reached within the time, at the speed so far.
@@ -254,20 +266,22 @@ impl Render {
         let mut part = Part { block, samples: 0, invalid: vec![], clamped: ExactSum::default() };
         let (mut terms, is_timed) = (vec![], self.spec.layers.contains(&Layer::Time));
         let mut told = Told::new(&self.spec.layers, &self.spec.lights.of);
+        let is_cancelled = || observer.cancelled();
+        let interrupt = Interrupt::new(&is_cancelled);
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
-            if observer.cancelled() {
-                return None;
-            }
             let wave = wave.denser(self.spec.allocation.level(self.spec.crop.index(UVec2::new(x, y))));
             let start = is_timed.then(Instant::now);
             trees.iter_mut().for_each(Tree::clear);
             gray.clear();
             told.iter_mut().for_each(Told::clear);
             for index in wave.range() {
+                if is_cancelled() {
+                    return None;
+                }
                 // Sample i of the pixel is sample i div K of sequence i mod K.
                 let r = (index % k) as usize;
                 let witness = told.as_mut().map(Told::witness);
-                let mut value = self.sample(UVec2::new(x, y), index / k, &mut *sequences[r], witness, &mut part.clamped);
+                let mut value = self.sample(UVec2::new(x, y), index / k, &mut *sequences[r], witness, interrupt, &mut part.clamped);
                 told.iter_mut().for_each(|told| told.keep(value.is_finite()));
                 if !value.is_finite() {
                     part.invalid.push(SampleId { pixel: (x, y), index });
@@ -286,7 +300,8 @@ impl Render {
                 part.block.push_layers(self.layers(UVec2::new(x, y), wave, &mut sequences, told.as_ref(), seconds, &mut terms));
             }
         }
-        Some(part)
+        // The last sample may have been given up.
+        (!is_cancelled()).then_some(part)
     }
 
     /// What the layers of a pixel add up: its camera samples once more, after the picture is done with them.
@@ -324,19 +339,20 @@ impl Render {
         &self,
         pixel: UVec2,
         index: u64,
-        sequence: &mut dyn Sampler,
+        sampler: &mut dyn Sampler,
         witness: Option<&mut dyn Witness>,
+        interrupt: Interrupt,
         clamped: &mut ExactSum,
     ) -> Spectrum {
-        let camera = self.camera_sample(pixel, index, sequence);
+        let camera = self.camera_sample(pixel, index, sampler);
         // For no longer than the sequence.
         let witness = witness.map(|witness| witness as &mut dyn Witness);
         let filtered = |radiance: Spectrum| if radiance.is_valid() { radiance * camera.weight } else { Spectrum::gray(f32::NAN) };
         let Some(limit) = self.clamp else {
-            return filtered(self.estimator.li(&camera, &mut Context { sampler: sequence, witness }));
+            return filtered(self.estimator.li(&camera, &mut Context { sampler, witness, interrupt }));
         };
         let mut clamp = Clamp::new(limit, witness);
-        let value = filtered(self.estimator.li(&camera, &mut Context { sampler: sequence, witness: Some(&mut clamp) }));
+        let value = filtered(self.estimator.li(&camera, &mut Context { sampler, witness: Some(&mut clamp), interrupt }));
         let free = filtered(clamp.free());
         if clamp.acted() && value.is_finite() && free.is_finite() {
             free.to_rgb().into_iter().for_each(|x| clamped.add(x));

@@ -8,7 +8,7 @@ use crate::output::{Attributes, Value};
 use crate::part::About;
 use crate::render::Report;
 
-use super::note;
+use super::{note, signals};
 
 /// Functions of scene and settings alone.
 ///
@@ -65,7 +65,10 @@ pub fn summarise<'p>(
     let integrator = about.identity.fact("/integrator/type").unwrap_or_default();
     let what = format!("{}×{} · {integrator} · {samples} · {time}", size.x, size.y);
     match (report.samples, report.cancelled) {
-        (0, _) => note(&format!("{what} · interrupted before the first sample: nothing written")),
+        (0, _) => {
+            let why = if signals::caught().is_some() { "interrupted" } else { "out of time" };
+            note(&format!("{what} · {why} before each pixel had a sample: nothing written"));
+        }
         (_, true) => note(&format!("{what} · interrupted{} · {files}", accuracy(course, confidence))),
         (_, false) => note(&format!("{what}{} · {files}", accuracy(course, confidence))),
     }

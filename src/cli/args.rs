@@ -331,7 +331,8 @@ pub struct Render {
     #[arg(long, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     spp: Option<u32>,
     /// Render until this long has passed, however many samples that is (or until --spp): `30s`, `1h30m`, a bare number
-    /// of seconds. Reading and building do not count; the first sample of every pixel is always finished.
+    /// of seconds. Reading and building do not count. The first sample of every pixel is finished, unless even that takes over
+    /// twice as long, and over 10 s: then nothing is written, exit code 7.
     #[arg(long, value_name = "DURATION", value_parser = duration, allow_negative_numbers = true, alias = "timeout")]
     pub time: Option<Duration>,
     /// Which random numbers: another seed, another independent picture.

@@ -19,6 +19,8 @@ pub struct Keeper<'a> {
     /// How often, and when last.
     every: Option<Duration>,
     last: Mutex<Instant>,
+    /// When it is given up where there is no picture at all by then.
+    deadline: Option<Instant>,
     prices: Option<Prices<'a>>,
 }
 
@@ -34,9 +36,16 @@ const PILOT: Duration = Duration::from_secs(5);
 /// and there is so much to come that one would rather know what for.
 const LONG: Duration = Duration::from_secs(60);
 
+/// The first sample of each pixel may take twice the time that is given to the render, and this at least.
+const PATIENCE: Duration = Duration::from_secs(10);
+
 impl<'a> Keeper<'a> {
-    pub fn new(progress: &'a Progress, plan: &'a Plan, every: Option<Duration>) -> Keeper<'a> {
-        Keeper { progress, plan, every, last: Mutex::new(Instant::now()), prices: None }
+    /// - `every`: how often the state is kept
+    /// - `time`: that is given to a render that begins
+    pub fn new(progress: &'a Progress, plan: &'a Plan, every: Option<Duration>, time: Option<Duration>) -> Keeper<'a> {
+        let now = Instant::now();
+        let deadline = time.and_then(|time| now.checked_add(time.saturating_mul(2).max(PATIENCE)));
+        Keeper { progress, plan, every, last: Mutex::new(now), deadline, prices: None }
     }
 
     /// Tells the price list of a long render, as its first seconds have it.
@@ -77,7 +86,7 @@ impl Observer for Keeper<'_> {
     }
 
     fn cancelled(&self) -> bool {
-        self.progress.cancelled()
+        self.progress.cancelled() || self.deadline.is_some_and(|deadline| !self.progress.shows() && Instant::now() >= deadline)
     }
 }
 

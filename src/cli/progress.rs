@@ -88,6 +88,11 @@ impl Progress {
         by_samples.max(by_time).min(1.0)
     }
 
+    /// Whether there is a picture: a sample of each pixel at least, of this run.
+    pub fn shows(&self) -> bool {
+        self.whole.load(Ordering::Relaxed) > 0
+    }
+
     /// Seconds to come, as far as one can tell.
     pub fn remaining(&self) -> Option<f64> {
         let share = self.share();

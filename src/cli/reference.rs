@@ -20,7 +20,7 @@ use crate::measure::{Course, Outcome, Target, Until, Watcher, follow_on, words};
 use crate::output::attributes::of_camera;
 use crate::output::{self, Tonemap};
 use crate::part::{self, About, Stored};
-use crate::render::{Render, Report, Settings};
+use crate::render::{Render, Report, SHORT_WAVE, Settings};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::scene::Scene;
 
@@ -88,7 +88,8 @@ impl Judge {
     pub fn rendered(&self, scene: &Arc<dyn Scene>, kept: Option<Kept>, until: &Until, watcher: &dyn Watcher) -> Kept {
         let nothing = || Kept { film: MomentFilm::new(self.spec.clone()), report: Report::default(), course: Course::default() };
         let Kept { mut film, report, course } = kept.unwrap_or_else(nothing);
-        let render = Render::new(scene.clone(), &*self.integrator, &self.spec, &Settings::new(self.sampler));
+        let settings = Settings { wave_time: Some(SHORT_WAVE), ..Settings::new(self.sampler) };
+        let render = Render::new(scene.clone(), &*self.integrator, &self.spec, &settings);
         let mut render = render.resumed(film.samples(), report);
         let course = follow_on(course, &mut render, &mut film, until, watcher);
         Kept { film, report: render.report().clone(), course }

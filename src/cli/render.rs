@@ -76,7 +76,7 @@ pub fn same_pixels(path: &Path, image: &Image, film: &FilmSpec) -> Result<()> {
 pub fn pool(threads: Option<u32>) -> Result<rayon::ThreadPool> {
     let threads = threads.map_or(0, |n| n as usize);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|e| Error::Internal(format!("cannot start {threads} threads: {e}")))
+    pool.map_err(|e| Error::Limit(Fault::new(format!("cannot start {threads} threads: {e}"))))
 }
 
 /// The sampler of this name.
@@ -110,7 +110,7 @@ fn picture(
     let facets = if args.ledger { loaded.without_smooth_shadows()? } else { None };
     let Loaded { built, entry, integrator, stem, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
-    let settings = Settings { clamp: args.clamp, ..Settings::new(built.sampler) };
+    let settings = Settings { clamp: args.clamp, wave_time: Some(render::SHORT_WAVE), ..Settings::new(built.sampler) };
     let mut until = plan.until(args);
     let mut spec = built.film;
     let mut start = plan.start(MomentFilm::new(spec.clone()), &until)?;
@@ -133,7 +133,7 @@ fn picture(
     }
     let before = start.report.clone();
     let progress = Progress::new(shown, &spec, until.samples - plan.samples.start, until.time).resumed(&before);
-    let keeper = Keeper::new(&progress, plan, args.checkpoint);
+    let keeper = Keeper::new(&progress, plan, args.checkpoint, until.time.filter(|_| before.samples == 0));
     let keeper = if args.quiet || args.pilot.is_some() || plan.is_part { keeper } else { keeper.with_prices(entry.name, args.confidence) };
     let mut displayed = Displayed::new(start.film, args.display_server.as_deref(), &stem, args.quiet);
     let mut render = Render::new(scene, &*integrator, &spec, &settings).resumed(start.next, start.report);
@@ -145,6 +145,7 @@ fn picture(
     progress.finish();
     let report = render.report();
     let outcome = until.target.map(|target| (target, target.outcome(&course)));
+    let is_late = report.samples == 0 && signals::caught().is_none();
 
     // Parts and pictures: what cannot be written does not take the other with it.
     let kept = if report.samples > 0 { plan.write_parts(film, report, &course) } else { Ok(()) };
@@ -159,7 +160,7 @@ fn picture(
         }
     }
     kept?;
-    if !args.quiet {
+    if !args.quiet || is_late {
         let samples = if plan.is_part { format!("samples {}", plan::ranges(&[film.range()])) } else { account::samples(film) };
         summarise(&plan.about, &samples, report, &course, args.confidence, plan.written());
         outcome.iter().for_each(|(target, outcome)| note(&words::outcome(target, *outcome)));
@@ -176,7 +177,11 @@ fn picture(
     if let Some(signal) = signals::caught() {
         return Err(Error::Interrupted(signal));
     }
-    Ok(if outcome.is_some_and(|(_, outcome)| outcome != Outcome::Met) { ExitCode::from(INCONCLUSIVE) } else { ExitCode::SUCCESS })
+    Ok(if is_late || outcome.is_some_and(|(_, outcome)| outcome != Outcome::Met) {
+        ExitCode::from(INCONCLUSIVE)
+    } else {
+        ExitCode::SUCCESS
+    })
 }
 
 /// Some samples of each pixel: nothing is said of the error of a picture that they are not.

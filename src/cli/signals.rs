@@ -1,31 +1,50 @@
-//! Interrupts: the first ends the render and keeps its picture, the second ends the program.
+//! Interrupts: the first ends the render and keeps its picture; one that comes more than a second later ends the program.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::thread;
+use std::time::Duration;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag::{register, register_conditional_shutdown, register_usize};
+#[cfg(unix)]
+use signal_hook::flag::register;
+use signal_hook::flag::{register_conditional_shutdown, register_usize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Fault, Result};
 
 /// The number of the signal that came; 0 for none.
 static CAUGHT: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
 
-/// From here on.
+/// Signals that come within this time of the first are that one again: `timeout` and terminals signal a process and its group.
+const ONE: Duration = Duration::from_secs(1);
+/// How often it is looked whether the first has come.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Catches the signals of users, systems, and terminals that close, from here on.
 ///
 /// # Errors
-/// `Internal` where the system does not let us.
+/// `Internal` where the system does not let us; `Limit` where it has no thread left.
 pub fn catch() -> Result<()> {
+    if CAUGHT.get().is_some() {
+        return Ok(());
+    }
     let caught = CAUGHT.get_or_init(Arc::default);
-    let again = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        // In this order: the first signal sets the flag that makes the second one final.
-        register_conditional_shutdown(signal, 128 + signal, again.clone())
-            .and_then(|_| register(signal, again.clone()))
+    let is_final = Arc::new(AtomicBool::new(false));
+    for signal in signals() {
+        // In this order: the signal that is caught first is not the one that ends the program.
+        register_conditional_shutdown(signal, 128 + signal, is_final.clone())
             .and_then(|_| register_usize(signal, caught.clone(), signal as usize))
             .map_err(|e| Error::Internal(format!("cannot catch signal {signal}: {e}")))?;
     }
-    Ok(())
+    let wait = move || {
+        while self::caught().is_none() {
+            thread::sleep(LOOK);
+        }
+        thread::sleep(ONE);
+        is_final.store(true, Ordering::Relaxed);
+    };
+    let started = thread::Builder::new().name("signals".into()).spawn(wait);
+    started.map(drop).map_err(|e| Error::Limit(Fault::new(format!("cannot start a thread: {e}"))))
 }
 
 /// The signal that came, if one did.
@@ -38,4 +57,21 @@ pub fn caught() -> Option<i32> {
 pub fn let_writing_fail() {
     #[cfg(unix)]
     let _ = register(signal_hook::consts::SIGXFSZ, Arc::default());
+}
+
+fn signals() -> impl Iterator<Item = i32> {
+    #[cfg(unix)]
+    let hangup = Some(signal_hook::consts::SIGHUP).filter(|signal| !is_ignored(*signal));
+    #[cfg(not(unix))]
+    let hangup = None;
+    [SIGINT, SIGTERM].into_iter().chain(hangup)
+}
+
+/// Whether pt was started with this signal ignored, as `nohup` does with SIGHUP; `false` where the system does not say.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    (mask >> (signal - 1)) & 1 == 1
 }

@@ -20,10 +20,10 @@ pub fn needed(pixels: u64, slots: Slots, samples: u64) -> u128 {
 
 /// Blocks that the tree of so many samples holds at most.
 ///
-/// Waves are 64 long and double what is there until then: one block up to 64, and beyond one for each binary digit that can
-/// be 1 at a time.
+/// One for each binary digit that can be 1 at a time. Waves are at most 64 long; shorter ones are an eighth of what is there, or
+/// longer: four digits.
 fn blocks(samples: u64) -> u32 {
-    let on_the_way = (samples / 64 + 1).ilog2();
+    let on_the_way = (samples / 64 + 1).ilog2().max((samples + 1).ilog2().min(4));
     samples.count_ones().max(on_the_way).max(1)
 }
 

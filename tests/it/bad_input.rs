@@ -374,7 +374,7 @@ const FILMS: &[Row] = &[
     ("B27", r#""film": {"height": ^65537}"#, 3, "/film/height: expected a whole number from 1 to 65536, found 65537"),
     ("B27", r#""film": {"height": ^4294967295}"#, 3, "/film/height: expected a whole number from 1 to 65536"),
     // 65536² pixels of 64 + 196 bytes are 1040 · 2³⁰ bytes.
-    ("B27", r#""film": ^{"width": 65536, "height": 65536}"#, 4, "/film: the picture needs 1040 GiB of memory, "),
+    ("B27", r#""film": ^{"width": 65536, "height": 65536}"#, 4, "/film: the picture needs 1808 GiB of memory, "),
     ("B28", r#""sampler": {"spp": ^0}"#, 3, "/sampler/spp: expected a whole number from 1 to 4294967295, found 0"),
     ("B28", r#""sampler": {"spp": ^4294967296}"#, 3, "/sampler/spp: expected a whole number from 1 to 4294967295"),
     ("B29", r#""film": {"crop": ^[0, 0, 0, 10]}"#, 3, "/film/crop: the crop [x0, x1, y0, y1] is empty"),

@@ -265,22 +265,77 @@ fn version_names_the_build() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_render_keeps_its_picture() {
-    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+    // Twice within a second is once: `timeout` signals a process and its group.
+    for (signals, code) in [(&["INT"][..], 130), (&["TERM"], 143), (&["HUP"], 129), (&["INT", "INT"], 130), (&["TERM"; 3], 143)] {
         let folder = folder();
-        let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("pt"))
-            .current_dir(folder.path())
-            .args(["scene.json", "-o", "x.exr", "--time", "60", "--progress", "json"])
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .expect("it starts");
-        // The first line of progress: it renders.
-        let mut first = String::new();
-        let stderr = child.stderr.take().expect("a pipe");
-        std::io::BufRead::read_line(&mut std::io::BufReader::new(stderr), &mut first).expect("a line");
-        std::process::Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status().expect("kill");
-        assert_eq!(child.wait().expect("it ends").code(), Some(code), "{signal}");
-        assert!(folder.path().join("x.exr").exists(), "{signal}");
+        let mut child = rendering(folder.path(), "x.exr");
+        let id = child.id().to_string();
+        let kills = signals.iter().map(|signal| format!("kill -{signal} {id}")).collect::<Vec<_>>().join("; ");
+        std::process::Command::new("sh").args(["-c", &kills]).status().expect("kill");
+        assert_eq!(child.wait().expect("it ends").code(), Some(code), "{signals:?}");
+        assert!(folder.path().join("x.exr").exists(), "{signals:?}");
     }
+}
+
+/// A render of a minute of `scene.json`, under way.
+#[cfg(unix)]
+fn rendering(folder: &Path, output: &str) -> std::process::Child {
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("pt"))
+        .current_dir(folder)
+        .args(["scene.json", "-o", output, "--time", "60", "--progress", "json"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    // The first line of progress: it renders.
+    let mut first = String::new();
+    let stderr = child.stderr.take().expect("a pipe");
+    std::io::BufRead::read_line(&mut std::io::BufReader::new(stderr), &mut first).expect("a line");
+    child
+}
+
+/// Into a pipe that nobody reads nothing can be written, so that the first signal alone does not end it.
+#[cfg(unix)]
+#[test]
+fn a_signal_more_than_a_second_after_the_first_ends_at_once() {
+    let folder = folder();
+    assert!(std::process::Command::new("mkfifo").arg(folder.path().join("x.exr")).status().expect("mkfifo runs").success());
+    let mut child = rendering(folder.path(), "x.exr");
+    let id = child.id().to_string();
+    let kill = || std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill");
+    kill();
+    let ended = loop {
+        std::thread::sleep(std::time::Duration::from_millis(600));
+        match child.try_wait().expect("it can be asked") {
+            Some(ended) => break ended,
+            None => kill(),
+        };
+    };
+    assert_eq!(ended.code(), Some(130));
+}
+
+/// As `nohup` has it: pt renders on when the terminal closes.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_hangup_that_is_ignored_stays_so() {
+    let folder = folder();
+    let pt = assert_cmd::cargo::cargo_bin("pt");
+    let script = format!("trap '' HUP; exec {} scene.json -o x.exr --time 60 --progress json", pt.display());
+    let mut child = std::process::Command::new("sh")
+        .args(["-c", &script])
+        .current_dir(folder.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    let id = child.id().to_string();
+    let kill = |signal: &str| std::process::Command::new("kill").args([signal, &id]).status().expect("kill");
+    let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().expect("a pipe"))).map(|line| line.expect("text"));
+    lines.next().expect("it renders");
+    kill("-HUP");
+    // A render that ends says one line of progress more.
+    assert!(lines.by_ref().take(4).all(|line| line.starts_with('{')), "it ended");
+    kill("-INT");
+    assert!(lines.last().is_some_and(|line| line == "error: interrupted"));
+    assert_eq!(child.wait().expect("it ended").code(), Some(130));
 }
 
 /// A light that is 10⁹ times mightier and far away takes no light from a near one.

@@ -26,6 +26,7 @@ mod identity;
 mod image_verbs;
 mod images;
 mod import;
+mod interrupts;
 mod intersection;
 mod ledger;
 mod light_choice;

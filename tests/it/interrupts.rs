@@ -1,0 +1,167 @@
+//! A render that is stopped: how soon it stops, and what is kept.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use glam::DVec3;
+use proptest::prelude::*;
+use pt::camera::Camera;
+use pt::describe::{self, Files, Source};
+use pt::effects::Effects;
+use pt::film::{Film, FilmSpec, MomentFilm, memory};
+use pt::integrators::ALL;
+use pt::light::Lights;
+use pt::math::Ray;
+use pt::primitive::Hit;
+use pt::render::{Observer, Render, Settings, Silent};
+use pt::sampler::{Kind, SamplerSpec};
+use pt::scene::{Scene, Surface};
+
+use crate::identity::zoo::{Zoo, bits};
+use crate::random::cases;
+
+/// A scene in which the render is cancelled after so many rays.
+struct Tripwire {
+    scene: Arc<dyn Scene>,
+    rays: AtomicU64,
+    at: u64,
+}
+
+impl Scene for Tripwire {
+    fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.rays.fetch_add(1, Ordering::Relaxed);
+        self.scene.intersect(ray)
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.scene.occluded(ray)
+    }
+
+    fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
+        self.scene.surface(ray, hit)
+    }
+
+    fn lights(&self) -> &Lights {
+        self.scene.lights()
+    }
+
+    fn camera(&self) -> &Camera {
+        self.scene.camera()
+    }
+
+    fn effects(&self) -> Effects {
+        self.scene.effects()
+    }
+
+    fn origin(&self) -> DVec3 {
+        self.scene.origin()
+    }
+}
+
+impl Observer for Tripwire {
+    fn cancelled(&self) -> bool {
+        self.rays.load(Ordering::Relaxed) >= self.at
+    }
+}
+
+fn built(text: &str) -> Arc<dyn Scene> {
+    let root = describe::root(text.as_bytes(), "s.json").expect("JSON");
+    let described = describe::read(&root, "s.json").expect("a scene");
+    let files = Files::within("");
+    Arc::new(describe::build(&described, Source { root: &root, file: "s.json", files: &files }).expect("a world").world)
+}
+
+/// Where one sample takes very many rays: in a ball that is a perfect mirror inside, and before 24 shells of glass.
+fn slow_scenes() -> [(Arc<dyn Scene>, &'static [&'static str]); 2] {
+    let mirror = r#"{"pt": 1, "camera": {"look_at": {"from": [0, 0, 0.3], "to": [0.2, 0.1, -1]}},
+        "shapes": [{"type": "sphere", "material": {"type": "mirror", "color": 1}}]}"#;
+    let shell = |i: u32| {
+        let radius = 1.0 - f64::from(i) / 100.0;
+        format!(r#"{{"type": "sphere", "radius": {radius}, "material": {{"type": "dielectric", "eta": 1.5}}}}"#)
+    };
+    let shells = (0..24).map(shell).collect::<Vec<_>>().join(",");
+    let shells = format!(
+        r#"{{"pt": 1, "camera": {{"look_at": {{"from": [0, 0, 4], "to": [0, 0, 0]}}, "fov": 10}}, "background": {{"radiance": 1}}, "shapes": [{shells}]}}"#
+    );
+    [(built(mirror), &["path", "nee", "card"]), (built(&shells), &["whitted"])]
+}
+
+/// Within 256 vertices, counted in rays and not in seconds; what the sample was then worth is not in the picture.
+#[test]
+fn a_long_sample_is_given_up_soon_after_the_render_is_cancelled() {
+    const RAYS: u64 = 1500;
+    for (scene, names) in slow_scenes() {
+        for name in names {
+            let options = format!(r#"{{"type": "{name}", "max_depth": 60000}}"#);
+            let options = if *name == "whitted" { options.replace('}', r#", "branch_depth": 12}"#) } else { options };
+            let options = pt::reader::parse(options.as_bytes()).expect("JSON");
+            let (_, integrator) = pt::integrator::choose(&[ALL], Some(&options), None, "").expect("an integrator");
+            let scene = Arc::new(Tripwire { scene: scene.clone(), rays: 0.into(), at: RAYS });
+            let spec = FilmSpec::new(1, 1);
+            let mut film = MomentFilm::new(spec.clone());
+            let sampler = SamplerSpec { kind: Kind::Independent, seed: 1, spp: 1, ..SamplerSpec::default() };
+            let mut render = Render::new(scene.clone(), &*integrator, &spec, &Settings::new(sampler));
+            render.advance(1, &mut film, &*scene);
+            let rays = scene.rays.load(Ordering::Relaxed);
+            assert!(rays >= RAYS, "{name}: a sample of {rays} rays is not long");
+            assert!(rays <= RAYS + 256, "{name}: {} rays after the end", rays - RAYS);
+            assert!(render.report().cancelled && film.samples() == 0, "{name}: the sample was counted");
+        }
+    }
+}
+
+/// Notes the waves of a render, and cancels it after so many camera samples of a wave that is not finished.
+#[derive(Default)]
+struct Waves {
+    ends: std::sync::Mutex<Vec<u64>>,
+    looks: AtomicU64,
+    patience: u64,
+}
+
+impl Observer for Waves {
+    fn wave_done(&self, samples: u64, _: &dyn Film) {
+        self.ends.lock().expect("no panic").push(samples);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.patience > 0 && self.looks.fetch_add(1, Ordering::Relaxed) >= self.patience
+    }
+}
+
+fn settings(kind: Kind, wave_time: Option<Duration>) -> Settings {
+    let sampler = SamplerSpec { kind, seed: 5, spp: 4096, scramblings: 2 };
+    Settings { wave_time, ..Settings::new(sampler) }
+}
+
+proptest! {
+    #![proptest_config(cases(24))]
+
+    /// Waves that all take too long are an eighth of what is done (or a single sample), so that an interrupt loses no more than one of
+    /// them; the picture of those that are done is that of as many samples, bit for bit; and they fit into the memory that is asked for.
+    #[test]
+    fn an_interrupt_loses_an_eighth_at_most(patience in 1u64..9000, kind in 0usize..4) {
+        let (scene, kind): (Arc<dyn Scene>, Kind) = (Zoo::default().build(), Kind::ALL[kind].0);
+        let spec = FilmSpec::new(3, 2);
+        let nee = || pt::integrator::choose(&[ALL], None, Some("nee"), "").expect("it is in the table").1;
+        let waves = Waves { patience, ..Waves::default() };
+        let mut film = MomentFilm::new(spec.clone());
+        let mut render = Render::new(scene.clone(), &*nee(), &spec, &settings(kind, Some(Duration::ZERO)));
+        while render.step(1500, None, &mut film, &waves) {
+            let slots = spec.slots(settings(kind, None).sampler.spread());
+            let held = (8 * slots.all() * film.blocks().len()) as u128;
+            prop_assert!(held + 16 * slots.all() as u128 <= memory::needed(1, slots, film.samples()), "{} samples", film.samples());
+        }
+        let ends = waves.ends.into_inner().expect("no panic");
+        for (done, end) in std::iter::once(&0).chain(&ends).zip(&ends) {
+            prop_assert!(end - done <= (done / 8).max(1), "a wave from {done} to {end}");
+        }
+        let done = film.samples();
+        prop_assert_eq!(ends.last().copied().unwrap_or(0), done);
+        // Looks come before each sample, and after each tile: at least six a sample.
+        prop_assert!(done + (done / 8).max(1) + 1 >= (patience / 7).min(1500), "{} samples of {}", done, patience / 7);
+        let mut whole = MomentFilm::new(spec.clone());
+        Render::new(scene, &*nee(), &spec, &settings(kind, None)).advance(done, &mut whole, &Silent);
+        prop_assert_eq!(bits(&film.image()), bits(&whole.image()));
+    }
+}
