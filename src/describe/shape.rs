@@ -82,7 +82,9 @@ surface! {
 }
 
 surface! {
-    /// A sphere; its normal points outwards.
+    /// A sphere; its normal points outwards. Texture coordinates: u is the angle about z, from +x towards +y, as a share of a full turn;
+    /// v is the angle from +z, as a share of half a turn: 0 at +z, 1 at −z. A picture's upper edge, v = 1, is therefore at −z. A first
+    /// step `{"scale": -1}` of the transform puts it at +z, with the picture's middle at +x, seen from outside as it was drawn.
     pub struct Sphere {
         /// Metres.
         #[serde(default = "one")]

@@ -179,12 +179,33 @@ pub struct Marble {
     /// Radians of the layers' sine per unit along z.
     #[serde(default = "one")]
     pub scale: Positive,
+    /// How seven octaves of noise n stir the layers: 10 times their turbulence is added to the phase. Default: `sum_of_absolutes`.
+    #[serde(default, skip_serializing_if = "Turbulence::is_default")]
+    pub turbulence: Turbulence,
     /// What it varies over.
     #[serde(default = "in_position")]
     pub on: TextureSpace,
     /// With `position`: places it in the world, steps applied in listed order.
     #[serde(default, skip_serializing_if = "Transform::is_identity")]
     pub transform: Transform,
+}
+
+/// How octaves of noise make up a turbulence.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
+pub enum Turbulence {
+    /// Perlin's: the sum of the absolute values of 2⁻ᵏ n(2ᵏ p), from 0 to 2.
+    #[default]
+    SumOfAbsolutes,
+    /// That of *Ray Tracing: The Next Week*: the absolute value of the sum of 2⁻ᵏ n(2ᵏ p) / √2, which is smaller and often nearly 0.
+    AbsoluteOfSum,
+}
+
+impl Turbulence {
+    fn is_default(&self) -> bool {
+        *self == Turbulence::default()
+    }
 }
 
 /// Two textures, one shining through the other: (1 − share) · a + share · b.

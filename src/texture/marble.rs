@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::noise::turbulence;
+use super::noise::Turbulence;
 use super::{Space, Texture};
 use crate::math::{Spectrum, float};
 use crate::shape::SurfacePoint;
@@ -16,6 +16,7 @@ pub struct Marble {
     pub veins: Texture,
     /// Radians per unit along z.
     pub scale: f64,
+    pub turbulence: Turbulence,
     pub space: Space,
 }
 
@@ -25,7 +26,7 @@ const OCTAVES: u32 = 7;
 impl Marble {
     pub fn at(&self, point: &SurfacePoint) -> Spectrum {
         let p = self.space.coordinates(point);
-        let phase = self.scale * p.z + 10.0 * turbulence(p, OCTAVES);
+        let phase = self.scale * p.z + 10.0 * self.turbulence.at(p, OCTAVES);
         self.base.at(point).mix(self.veins.at(point), 0.5 * (1.0 + float::sin(phase as f32)))
     }
 

@@ -1,5 +1,7 @@
 //! Noise: colours without a pattern, the same at every scale.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use glam::{DVec3, IVec3};
 
 use super::{Space, Texture};
@@ -63,6 +65,29 @@ pub fn fbm(p: DVec3, octaves: u32) -> f64 {
 /// - from 0 to 2
 pub fn turbulence(p: DVec3, octaves: u32) -> f64 {
     octave_sum(p, octaves, |p| perlin(p).abs())
+}
+
+/// How octaves of noise make up the turbulence that stirs a pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turbulence {
+    /// Σ 2⁻ᵏ |n(2ᵏ p)|: [`turbulence`].
+    SumOfAbsolutes,
+    /// |Σ 2⁻ᵏ n(2ᵏ p)| / √2, octaves on one lattice; the root makes the lattice's directions, which are √2 long, unit vectors.
+    ///
+    /// Source: Shirley, *Ray Tracing: The Next Week*.
+    AbsoluteOfSum,
+}
+
+impl Turbulence {
+    pub fn at(self, p: DVec3, octaves: u32) -> f64 {
+        match self {
+            Turbulence::SumOfAbsolutes => turbulence(p, octaves),
+            Turbulence::AbsoluteOfSum => {
+                let octave = |k: u32| perlin(p * f64::from(1u32 << k)) / f64::from(1u32 << k);
+                (0..octaves).map(octave).sum::<f64>().abs() * FRAC_1_SQRT_2
+            }
+        }
+    }
 }
 
 fn octave_sum(p: DVec3, octaves: u32, n: impl Fn(DVec3) -> f64) -> f64 {

@@ -6,7 +6,7 @@ use pt::describe::{self, Files, Source};
 use pt::math::{Ray, Spectrum};
 use pt::scene::Scene;
 use pt::shape::SurfacePoint;
-use pt::texture::noise::{perlin, turbulence};
+use pt::texture::noise::{Turbulence, perlin, turbulence};
 use pt::texture::{Marble, Space, Texture};
 use pt::world::World;
 
@@ -107,7 +107,13 @@ fn marble_is_a_sine_stirred_by_turbulence() {
         let [base, veins] = [Spectrum::rgb(0.25, 0.5, 0.0), Spectrum::rgb(0.75, 0.5, 1.0)];
         let to_texture = random.rotation();
         let space = Space::World(to_texture);
-        let marble = Texture::Marble(Box::new(Marble { base: base.into(), veins: veins.into(), scale, space }));
+        let marble = Texture::Marble(Box::new(Marble {
+            base: base.into(),
+            veins: veins.into(),
+            scale,
+            turbulence: Turbulence::SumOfAbsolutes,
+            space,
+        }));
         let world = sphere(&format!(r#"{{"type": "marble", "base": 0, "veins": 1, "scale": {scale}}}"#));
         // The phase is up to 20 + 10 · 2, its rounding 2⁻²⁰; the point's own is 2⁻²⁴ of 1, times the slope of the
         // turbulence, at most some 1.5 for each of seven octaves, times 10.
@@ -136,5 +142,20 @@ fn turbulence_is_the_sum_of_absolute_octaves() {
         let octave = |k: i32| perlin(p * 2f64.powi(k) + DVec3::splat(0.5 * f64::from(k))).abs() / 2f64.powi(k);
         let sum: f64 = (0..7).map(octave).sum();
         assert!((turbulence(p, 7) - sum).abs() < 1e-14, "{p}");
+    }
+}
+
+/// The turbulence of *Ray Tracing: The Next Week*, |Σ 2⁻ᵏ n(2ᵏ p)| of slopes of length 1, stirs a marble that asks for it.
+#[test]
+fn marble_may_be_stirred_by_the_absolute_sum() {
+    let mut random = Random::new(85);
+    let world = sphere(r#"{"type": "marble", "base": 0, "veins": 1, "scale": 3, "turbulence": "absolute_of_sum"}"#);
+    for _ in 0..1000 {
+        let (p, found) = seen(&world, random.direction());
+        let octave = |k: i32| perlin(p * 2f64.powi(k)) / 2f64.powi(k) / 2f64.sqrt();
+        let sum: f64 = (0..7).map(octave).sum();
+        let share = 0.5 * (1.0 + (3.0 * p.z + 10.0 * sum.abs()).sin());
+        // As above.
+        assert!((f64::from(found) - share).abs() < 1e-5, "at {p}: {found}, expected {share}");
     }
 }

@@ -37,8 +37,9 @@ impl Reader<'_> {
         let once = || view.make_whole(1);
         match named.as_str() {
             "normals" => {
-                let encoding = if self.course.0 == Course::Darts { "signed" } else { "absolute" };
-                if !self.course.1 {
+                let encoding = |course| if course == Course::Darts { "signed" } else { "absolute" };
+                let (encoding, is_sure) = self.spellings.says(encoding);
+                if !is_sure {
                     kind.note("nothing tells which of the dialects of dirt and darts this is: read as dirt's, |n|");
                 }
                 Some(view.make_object([("type", view.make_text("normals")), ("encoding", view.make_text(encoding))]))

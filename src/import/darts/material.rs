@@ -1,11 +1,12 @@
 //! Materials, by name or inline; and light, which is a material there and a property of shapes here.
 
+use std::collections::BTreeSet;
+
 use super::Reader;
 use super::spelling::word;
-use super::texture::textured;
 use super::value::{color, numbers, scalar};
 use crate::import::view::View;
-use crate::reader::{Node, unknown};
+use crate::reader::{Node, Value, unknown};
 
 const TYPES: &[&str] = &[
     "lambertian",
@@ -53,6 +54,24 @@ impl<'a> Reader<'a> {
         found
     }
 
+    /// Whether a material, or what it is made of, varies over texture coordinates.
+    pub fn varies_over_uv(&self, material: &View<'a>) -> bool {
+        let mut open = vec![material.node()];
+        let mut seen = BTreeSet::new();
+        while let Some(node) = open.pop() {
+            match &node.value {
+                Value::String(text) if text == "image" || text == "uv" => return true,
+                Value::String(name) if seen.insert(name) => {
+                    open.extend(self.materials.get(&**name).map(View::node));
+                }
+                Value::Array(items) => open.extend(items),
+                Value::Object(members) => open.extend(members.iter().filter(|member| member.key != "name").map(|member| &member.node)),
+                _ => {}
+            }
+        }
+        false
+    }
+
     /// A name or a material, where none may shine.
     fn reference(&self, view: &View<'a>) -> Option<Node> {
         if !view.is_text() {
@@ -77,15 +96,15 @@ impl<'a> Reader<'a> {
     pub fn material(&self, view: &View<'a>) -> Option<Node> {
         let kind = view.need(&["type"])?;
         match word(kind.text()?).as_str() {
-            "lambertian" | "diffuse" => of(view, "diffuse", &[Part::Color("albedo")], &[]),
-            "metal" => of(view, "metal", &[Part::Color("color"), Part::Textured("roughness", &["roughness"])], &["roughness"]),
-            "dielectric" => of(view, "dielectric", &[Part::Number("eta", &["ior"])], &["ior"]),
-            "phong" => of(view, "phong", &[Part::Color("color"), Part::Number("exponent", &["exponent"])], &["exponent"]),
+            "lambertian" | "diffuse" => self.of(view, "diffuse", &[Part::Color("albedo")], &[]),
+            "metal" => self.of(view, "metal", &[Part::Color("color"), Part::Textured("roughness", &["roughness"])], &["roughness"]),
+            "dielectric" => self.of(view, "dielectric", &[Part::Number("eta", &["ior"])], &["ior"]),
+            "phong" => self.of(view, "phong", &[Part::Color("color"), Part::Number("exponent", &["exponent"])], &["exponent"]),
             "blinnphong" | "blinn_phong" => {
-                of(view, "blinn_phong", &[Part::Color("color"), Part::Number("exponent", &["exponent"])], &["exponent"])
+                self.of(view, "blinn_phong", &[Part::Color("color"), Part::Number("exponent", &["exponent"])], &["exponent"])
             }
-            "oren_nayar" => oren_nayar(view),
-            "beckmann" => beckmann(view),
+            "oren_nayar" => self.oren_nayar(view),
+            "beckmann" => self.beckmann(view),
             "blend" | "mix" => self.mix(view),
             "fresnel_blend" => self.fresnel_blend(view),
             "diffuse_light" | "emission" => {
@@ -110,7 +129,7 @@ impl<'a> Reader<'a> {
                 factor.leave_out_others(&["type", "ior"]);
                 ("fresnel", scalar(&factor.need(&["ior"])?)?)
             }
-            Some(factor) => ("share", textured(&factor)?),
+            Some(factor) => ("share", self.textured(&factor)?),
         };
         Some(view.make_object([("type", view.make_text("mix")), ("a", a), ("b", b), share]))
     }
@@ -136,66 +155,68 @@ enum Part {
     Number(&'static str, &'static [&'static str]),
 }
 
-/// A material that pt has under another name; `more`: the keys that it knows besides a colour.
-fn of(view: &View, kind: &str, parts: &[Part], more: &[&str]) -> Option<Node> {
-    view.leave_out_others(&[&["type", "name", "albedo", "color"], more].concat());
-    let mut members = vec![("type", view.make_text(kind))];
-    for part in parts {
-        let made = match part {
-            Part::Color(key) => Some((*key, albedo(view))),
-            Part::Textured(key, from) => view.get(from).map(|view| (*key, textured(&view))),
-            Part::Number(key, from) => view.get(from).map(|view| (*key, scalar(&view))),
-        };
-        if let Some((key, node)) = made {
-            members.push((key, node?));
+impl Reader<'_> {
+    /// A material that pt has under another name; `more`: the keys that it knows besides a colour.
+    fn of(&self, view: &View, kind: &str, parts: &[Part], more: &[&str]) -> Option<Node> {
+        view.leave_out_others(&[&["type", "name", "albedo", "color"], more].concat());
+        let mut members = vec![("type", view.make_text(kind))];
+        for part in parts {
+            let made = match part {
+                Part::Color(key) => Some((*key, self.albedo(view))),
+                Part::Textured(key, from) => view.get(from).map(|view| (*key, self.textured(&view))),
+                Part::Number(key, from) => view.get(from).map(|view| (*key, scalar(&view))),
+            };
+            if let Some((key, node)) = made {
+                members.push((key, node?));
+            }
+        }
+        Some(view.make_object(members))
+    }
+
+    /// Its colour, or the one that it has where nothing is said.
+    fn albedo(&self, view: &View) -> Option<Node> {
+        match view.get(COLOR) {
+            Some(color) => self.textured(&color),
+            None => Some(view.make_number(ALBEDO)),
         }
     }
-    Some(view.make_object(members))
-}
 
-/// Its colour, or the one that it has where nothing is said.
-fn albedo(view: &View) -> Option<Node> {
-    match view.get(COLOR) {
-        Some(color) => textured(&color),
-        None => Some(view.make_number(ALBEDO)),
+    /// By the form of the model that loses no energy, with the same ratio of its two terms.
+    ///
+    /// The slopes' deviation σ gives f = ρ/π (A + B max(0, cos Δφ) sin α tan β), A = 1 − σ²/2 / (σ² + 0.33),
+    /// B = 0.45 σ² / (σ² + 0.09); pt's roughness is B/A.
+    fn oren_nayar(&self, view: &View) -> Option<Node> {
+        view.leave_out_others(&["type", "name", "albedo", "color", "sigma"]);
+        let sigma = view.get(&["sigma"]).map_or(Some([0.35]), |sigma| numbers::<1>(&sigma))?[0];
+        let square = sigma * sigma;
+        let (a, b) = (1.0 - 0.5 * square / (square + 0.33), 0.45 * square / (square + 0.09));
+        view.note("approximated by the form of Oren and Nayar's model that loses no energy");
+        let roughness = view.make_number((b / a).min(1.0));
+        Some(view.make_object([("type", view.make_text("oren_nayar")), ("albedo", self.albedo(view)?), ("roughness", roughness)]))
     }
-}
 
-/// By the form of the model that loses no energy, with the same ratio of its two terms.
-///
-/// The slopes' deviation σ gives f = ρ/π (A + B max(0, cos Δφ) sin α tan β), A = 1 − σ²/2 / (σ² + 0.33),
-/// B = 0.45 σ² / (σ² + 0.09); pt's roughness is B/A.
-fn oren_nayar(view: &View) -> Option<Node> {
-    view.leave_out_others(&["type", "name", "albedo", "color", "sigma"]);
-    let sigma = view.get(&["sigma"]).map_or(Some([0.35]), |sigma| numbers::<1>(&sigma))?[0];
-    let square = sigma * sigma;
-    let (a, b) = (1.0 - 0.5 * square / (square + 0.33), 0.45 * square / (square + 0.09));
-    view.note("approximated by the form of Oren and Nayar's model that loses no energy");
-    let roughness = view.make_number((b / a).min(1.0));
-    Some(view.make_object([("type", view.make_text("oren_nayar")), ("albedo", albedo(view)?), ("roughness", roughness)]))
-}
-
-/// A rough metal with facets of Beckmann's distribution, each reflecting once; its colour by what it is mixed with black.
-fn beckmann(view: &View) -> Option<Node> {
-    view.leave_out_others(&["type", "name", "albedo", "color", "ab", "ior", "ext"]);
-    let or = |key: &str, default: f64| view.get(&[key]).map_or(Some(view.make_number(default)), |view| color(&view));
-    let metal = view.make_object([
-        ("type", view.make_text("conductor")),
-        ("eta", or("ior", 0.05)?),
-        ("k", or("ext", 3.9)?),
-        ("alpha", view.get(&["ab"]).map_or(Some(view.make_number(0.5)), |ab| textured(&ab))?),
-        ("distribution", view.make_text("beckmann")),
-        ("multiscatter", view.make_flag(false)),
-    ]);
-    let Some(albedo) = view.get(COLOR) else { return Some(metal) };
-    if !albedo.is_object() {
-        let [r, g, b] = numbers::<3>(&albedo)?;
-        if r != g || g != b {
-            albedo.note("the colour of a beckmann material is approximated by its mean");
+    /// A rough metal with facets of Beckmann's distribution, each reflecting once; its colour by what it is mixed with black.
+    fn beckmann(&self, view: &View) -> Option<Node> {
+        view.leave_out_others(&["type", "name", "albedo", "color", "ab", "ior", "ext"]);
+        let or = |key: &str, default: f64| view.get(&[key]).map_or(Some(view.make_number(default)), |view| color(&view));
+        let metal = view.make_object([
+            ("type", view.make_text("conductor")),
+            ("eta", or("ior", 0.05)?),
+            ("k", or("ext", 3.9)?),
+            ("alpha", view.get(&["ab"]).map_or(Some(view.make_number(0.5)), |ab| self.textured(&ab))?),
+            ("distribution", view.make_text("beckmann")),
+            ("multiscatter", view.make_flag(false)),
+        ]);
+        let Some(albedo) = view.get(COLOR) else { return Some(metal) };
+        if !albedo.is_object() {
+            let [r, g, b] = numbers::<3>(&albedo)?;
+            if r != g || g != b {
+                albedo.note("the colour of a beckmann material is approximated by its mean");
+            }
         }
+        let share = self.textured(&albedo)?;
+        Some(view.make_object([("type", view.make_text("mix")), ("a", black(view)), ("b", metal), ("share", share)]))
     }
-    let share = textured(&albedo)?;
-    Some(view.make_object([("type", view.make_text("mix")), ("a", black(view)), ("b", metal), ("share", share)]))
 }
 
 /// Reflects nothing.

@@ -20,7 +20,7 @@ use super::foreign::{Content, Foreign};
 use super::view::View;
 use crate::error::Result;
 use crate::reader::{Node, unknown};
-use spelling::Course;
+use spelling::{Course, Evidence};
 
 pub const DIRT: Dialect = Dialect {
     name: "dirt",
@@ -39,7 +39,7 @@ const KEYS: &[&str] = &["camera", "surfaces", "materials", "background", "accele
 const NO_MEDIA: &str = "participating media are not supported";
 
 fn is(content: &Content, course: Course) -> bool {
-    content.tree().is_some_and(|root| spelling::is_of_the_course(root) && spelling::course(root).0 == course)
+    content.tree().is_some_and(|root| spelling::is_of_the_course(root) && Evidence::of(root).course() == course)
 }
 
 fn read(content: &Content, foreign: &Foreign) -> Result<Option<Node>> {
@@ -55,8 +55,8 @@ fn read(content: &Content, foreign: &Foreign) -> Result<Option<Node>> {
 
 /// What is known while a scene is read.
 struct Reader<'a> {
-    /// And whether the newest is told from the others.
-    course: (Course, bool),
+    /// By which its dialect is told.
+    spellings: Evidence,
     /// Those that have names.
     materials: BTreeMap<&'a str, View<'a>>,
 }
@@ -70,7 +70,7 @@ impl<'a> Reader<'a> {
                 before.note(format!("left out: {} is the material {:?} too, and the last is the one", name.pointer, name.text()?));
             }
         }
-        Some(Reader { course: spelling::course(root.node()), materials })
+        Some(Reader { spellings: Evidence::of(root.node()), materials })
     }
 
     /// pt's scene.
@@ -113,7 +113,7 @@ const BACKGROUND: f64 = 0.2;
 fn of_type(view: &View) -> Option<Node> {
     let kind = view.need(&["type"])?;
     match kind.text()? {
-        "constant" => {
+        "constant" | "background" => {
             view.leave_out_others(&["type", "color"]);
             value::color(&view.need(&["color"])?)
         }
@@ -122,7 +122,7 @@ fn of_type(view: &View) -> Option<Node> {
             None
         }
         other => {
-            kind.fault(unknown("background", other, &["constant", "image"]));
+            kind.fault(unknown("background", other, &["constant", "background", "image"]));
             None
         }
     }

@@ -64,18 +64,36 @@ const DARTS: &[&str] = &[
     "max bounces",
 ];
 
-/// What is found of each dialect's own.
+/// How many spellings of each dialect's own a scene has.
 #[derive(Default)]
-struct Evidence {
+pub struct Evidence {
     /// In the order of [`ALL`].
     found: [usize; 3],
 }
 
 impl Evidence {
-    fn of(node: &Node) -> Evidence {
+    pub fn of(node: &Node) -> Evidence {
         let mut evidence = Evidence::default();
         evidence.look(node, None);
         evidence
+    }
+
+    /// The dialect that most of a scene is written in, of several the first.
+    pub fn course(&self) -> Course {
+        self.likely().next().unwrap_or(Course::Dirt)
+    }
+
+    /// What holds of the scene's dialect; and whether that is sure: whether it holds of all dialects that are as likely.
+    pub fn says<T: PartialEq>(&self, of: impl Fn(Course) -> T) -> (T, bool) {
+        let answer = of(self.course());
+        let is_sure = self.likely().all(|course| of(course) == answer);
+        (answer, is_sure)
+    }
+
+    /// The dialects that most of a scene is written in.
+    fn likely(&self) -> impl Iterator<Item = Course> {
+        let most = self.found.iter().copied().max().unwrap_or(0);
+        ALL.into_iter().zip(self.found).filter(move |(_, count)| *count == most).map(|(course, _)| course)
     }
 
     fn look(&mut self, node: &Node, parent: Option<&str>) {
@@ -103,15 +121,6 @@ impl Evidence {
         let counts = [before + in_table(DIRT), before + in_table(DARTS_2021), in_table(DARTS)];
         self.found.iter_mut().zip(counts).for_each(|(found, more)| *found += more);
     }
-}
-
-/// The dialect that most of a scene is written in, of several the first; and whether the newest, in which normals look different, is
-/// told from the others.
-pub fn course(root: &Node) -> (Course, bool) {
-    let Evidence { found } = Evidence::of(root);
-    let most = found.iter().copied().max().unwrap_or(0);
-    let first = ALL.into_iter().zip(found).find(|(_, count)| *count == most);
-    (first.map_or(Course::Dirt, |(course, _)| course), found[2] != found[0].max(found[1]))
 }
 
 /// Whether it is a scene, or a file of tests, of any of them.

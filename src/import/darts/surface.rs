@@ -32,10 +32,21 @@ impl<'a> Reader<'a> {
             name.text()?;
             members.push(("name", name.same()));
         }
-        if let Some(placed) = view.get(&["transform"]) {
-            members.push(("transform", transform::steps(&placed)?));
+        let reflected = self.reflection(view);
+        match view.get(&["transform"]) {
+            Some(placed) => members.push(("transform", transform::steps_after(reflected, &placed)?)),
+            None => members.extend(reflected.map(|step| ("transform", view.make_array([step])))),
         }
         Some(view.make_object(own?.into_iter().chain(members)))
+    }
+
+    /// The reflection about its centre that gives a sphere their texture coordinates, where it wears what varies over them.
+    ///
+    /// Theirs are u = φ/2π + ½ and v = 1 − θ/π, pt's φ/2π and θ/π: those of the opposite point.
+    fn reflection(&self, view: &View<'a>) -> Option<Node> {
+        let is_sphere = view.node().child("type").and_then(Node::as_str) == Some("sphere");
+        let material = view.get(&["material"])?;
+        (is_sphere && self.varies_over_uv(&material)).then(|| view.make_object([("scale", view.make_number(-1.0))]))
     }
 
     fn sphere(&self, view: &View<'a>) -> Option<Members> {

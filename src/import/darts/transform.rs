@@ -27,8 +27,13 @@ const COMMANDS: &[Command] = &[
 
 /// A list of pt's steps.
 pub fn steps(view: &View) -> Option<Node> {
+    steps_after(None, view)
+}
+
+/// A list of pt's steps, after one that is not in the file.
+pub fn steps_after(first: Option<Node>, view: &View) -> Option<Node> {
     let steps: Option<Vec<Node>> = listed(view)?.iter().map(|view| (command(view)?.step)(view)).collect();
-    Some(view.make_array(steps?))
+    Some(view.make_array(first.into_iter().chain(steps?)))
 }
 
 /// All of them together; `None` where that is no invertible map.

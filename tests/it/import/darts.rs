@@ -4,6 +4,7 @@ mod commands;
 mod course;
 mod shared_scenes;
 mod table;
+mod textures;
 
 use std::fs;
 use std::path::Path;
@@ -35,6 +36,8 @@ fn folder() -> tempfile::TempDir {
     for (_, file, scene) in DIALECTS {
         fs::write(folder.path().join(file), scene).expect("a scene");
     }
+    let map = image::RgbImage::from_fn(8, 4, |x, y| image::Rgb([30 * x as u8, 60 * y as u8, 90]));
+    map.save(folder.path().join("map.png")).expect("a picture");
     folder
 }
 
@@ -48,7 +51,9 @@ fn each_is_recognised_by_its_spellings() {
     for (name, file, _) in DIALECTS {
         let found = imported(folder.path(), file);
         assert_eq!(found.dialect.name, name);
-        assert!(found.notes.is_empty(), "{file}: {:?}", found.notes);
+        // The veins of its marble lie elsewhere.
+        let others = found.notes.iter().filter(|note| !note.message.contains("veins are approximated"));
+        assert_eq!(others.count(), 0, "{file}: {:?}", found.notes);
     }
 }
 

@@ -11,6 +11,7 @@ use crate::error::Error;
 use crate::math::{Spectrum, Transform};
 use crate::reader::escaped;
 use crate::texture::image::{Filter, Pixels, Wrap};
+use crate::texture::noise::Turbulence;
 use crate::texture::{Checker, Image, Marble, Mix, Noise, Number, Product, Space, Texture, Threshold};
 
 /// Textures within textures are copied where they are used: checkers of checkers of … grow as 2ⁿ.
@@ -94,6 +95,10 @@ impl Builder<'_> {
                 base: part("base", &t.base),
                 veins: part("veins", &t.veins),
                 scale: t.scale.get(),
+                turbulence: match t.turbulence {
+                    describe::Turbulence::SumOfAbsolutes => Turbulence::SumOfAbsolutes,
+                    describe::Turbulence::AbsoluteOfSum => Turbulence::AbsoluteOfSum,
+                },
                 space,
             })),
             T::Mix(t) => Texture::Mix(Box::new(Mix { a: part("a", &t.a), b: part("b", &t.b), share: part("share", &t.share) })),

@@ -35,8 +35,8 @@ fn blocks(path: &Path) -> Vec<[f64; 3]> {
 fn the_pictures_are_the_courses_pictures() {
     let Some(darts) = shared("darts") else { return };
     let from = darts.join("2025/assignment4");
-    // The walls at x = ±650 are left aside: they are darker there, by up to a third at their feet, where path and nee agree here. Probably
-    // the original's rays, which start at t = 1e-4 where a rounding of 650 is 6e-5, meet their own wall again.
+    // The walls at x = ±650 are left aside: they are darker there, by up to a third at their feet, where path and nee agree here: the
+    // original's rays, which start at t = 1e-4 where a rounding of 650 is 6e-5, meet their own wall again (docs/import.md has the figures).
     for (scene, reference, size, columns) in [
         ("odyssey_mats", "odyssey_mats", [256, 144], 0..14),
         ("phong", "phong", [180, 80], 3..15),

@@ -54,6 +54,15 @@ fn samplers(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| scene("sampler", &format!(r#"{{ "type": "{name}", "samples": 2 }}"#))).collect()
 }
 
+/// A checker over these coordinates.
+fn over(vector: &str) -> String {
+    color(&format!(r#"{{ "type": "checker", "color1": 0, "color2": 1, "vector": {vector} }}"#))
+}
+
+fn mapping(more: &str) -> String {
+    format!(r#"{{ "type": "mapping", "transform": [{{ "scale": 2 }}], {more} }}"#)
+}
+
 /// A small file or some for each construct; none for one that is not known here.
 fn files(construct: &str) -> Vec<String> {
     let red = r#"{ "type": "lambertian", "name": "red", "albedo": [1, 0, 0] }"#;
@@ -96,7 +105,9 @@ fn files(construct: &str) -> Vec<String> {
             .map(|key| scene("integrator", &format!(r#"{{ "type": "path_tracer_mats", "{key}": 1 }}"#)))
             .into(),
         "`background`" => {
-            ["0.5", "[1]", "[0.1, 0.2, 0.3]", r#"{ "type": "constant", "color": 1 }"#, ""].map(|value| scene("background", value)).into()
+            ["0.5", "[1]", "[0.1, 0.2, 0.3]", r#"{ "type": "constant", "color": 1 }"#, r#"{ "type": "background", "color": 1 }"#, ""]
+                .map(|value| scene("background", value))
+                .into()
         }
         "`background` of type image" => vec![scene("background", r#"{ "type": "image", "filename": "sky.png" }"#)],
         "`media`, `medium`, `medium_interface`" => vec![
@@ -151,15 +162,28 @@ fn files(construct: &str) -> Vec<String> {
                 material(r#"{ "type": "fresnel_blend", "refr": { "type": "lambertian" }, "refl": { "type": "phong" }, "ior": 1.5 }"#),
             ]
         }
-        "colours as `constant`, `checker`, `marble`, `image`" => vec![
+        "colours as `constant`, `checker`, `image`" => vec![
             color(r#"{ "type": "constant", "color": 0.5 }"#),
             color(r#"{ "type": "checker", "even": { "type": "checker", "even": 0, "odd": 1, "scale": 9 }, "odd": 1, "scale": 3 }"#),
-            color(r#"{ "type": "marble", "base": 0.5, "veins": [0, 0, 1], "scale": 3 }"#),
             color(r#"{ "type": "image", "filename": "dot.png" }"#),
         ],
-        "`checker` with a transform" => vec![color(r#"{ "type": "checker", "even": 0, "odd": 1, "transform": { "scale": 2 } }"#)],
-        "`checker` over the texture coordinates" => vec![color(r#"{ "type": "checker", "color1": 0, "color2": 1, "vector": "uv" }"#)],
-        "`checker` over other vectors" => vec![color(r#"{ "type": "checker", "color1": 0, "color2": 1, "vector": "normal" }"#)],
+        "`checker` by `even` and `odd`" => {
+            let checker = color(r#"{ "type": "checker", "even": 0, "odd": 1, "scale": 3 }"#);
+            vec![checker.replace(r#""image_samples": 2"#, r#""sampler": { "type": "independent", "samples": 2 }"#), checker]
+        }
+        "`checker` by `even` and `odd` in a scene without a spelling that tells its dialect" => {
+            vec![color(r#"{ "type": "checker", "even": 0, "odd": 1, "scale": 3 }"#).replace(r#""image_samples": 2, "#, "")]
+        }
+        "`checker` by `color1` and `color2`" => vec![color(r#"{ "type": "checker", "color1": 0, "color2": 1, "scale": 3 }"#)],
+        "`marble`" => vec![color(r#"{ "type": "marble", "base": 0.5, "veins": [0, 0, 1], "scale": 3 }"#)],
+        "a texture with a transform" => vec![color(r#"{ "type": "checker", "even": 0, "odd": 1, "transform": { "scale": 2 } }"#)],
+        "a texture over the texture coordinates" => vec![over(r#""uv""#), over(r#"{ "type": "coord", "coordinate": "uv" }"#)],
+        "a texture over the position in the world" => vec![over(r#"{ "type": "coord", "coordinate": "world" }"#)],
+        "a texture over a `mapping`" => ["point", "texture"].map(|kind| over(&mapping(&format!(r#""vector type": "{kind}""#)))).into(),
+        "a `mapping` without a vector type" => vec![over(&mapping(r#""name": "it""#))],
+        "a `mapping` of texture coordinates" => vec![over(&mapping(r#""vector type": "point", "vector": "uv""#))],
+        "a texture over other vectors" => vec![over(r#""normal""#), over(r#"{ "type": "coord", "coordinate": "normal" }"#)],
+        "texture coordinates of a sphere" => vec![color(r#"{ "type": "image", "filename": "dot.png" }"#)],
         "transforms" => vec![
             placed(r#"{ "from": [0, 0, 1], "to": [0, 1, 0], "up": [0, 1, 0] }"#),
             placed(
