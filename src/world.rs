@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::accel;
-use crate::bsdf::{Bsdf, Skin};
+use crate::bsdf::{Bsdf, Material, Passage, Skin};
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
@@ -99,7 +99,17 @@ impl World {
     /// The first material of a shape that light goes into, if it has one.
     pub fn inside(&self, shape: usize) -> Option<MaterialId> {
         let materials = self.dresses.get(shape)?.parts.iter().map(|part| part.material);
-        materials.into_iter().find(|id| self.skins[id.0 as usize].skin.material.has_inside())
+        materials.into_iter().find(|id| self.skins[id.0 as usize].skin.material.passage() == Passage::Body)
+    }
+
+    /// The material that a ray met.
+    pub fn material(&self, hit: &Hit) -> &Material {
+        &self.worn(hit).skin.material
+    }
+
+    /// The materials of a shape's parts.
+    pub fn materials(&self, shape: u32) -> impl Iterator<Item = &Material> {
+        self.dresses[shape as usize].parts.iter().map(|part| &self.skins[part.material.0 as usize].skin.material)
     }
 
     /// The same scene, met through another structure: for tests of the hierarchy.

@@ -12,6 +12,17 @@ use crate::math::{Spectrum, float};
 use crate::shape::SurfacePoint;
 use crate::texture::{Number, Texture};
 
+/// What becomes of light that goes on behind a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Passage {
+    /// None does.
+    Blocked,
+    /// It is where it was: behind a pane, or a sheet of paper.
+    Sheet,
+    /// It is in a body of another index of refraction.
+    Body,
+}
+
 /// A model with textures for parameters; [`Material::at`] looks them up.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Material {
@@ -215,20 +226,16 @@ impl Material {
 
     /// Whether light goes through.
     pub fn transmits(&self) -> bool {
-        match self {
-            Material::Dielectric { .. } | Material::RoughDielectric { .. } | Material::ThinDielectric { .. } => true,
-            Material::DiffuseTransmission { .. } | Material::Filled { .. } => true,
-            Material::Compound(compound) => compound.parts().into_iter().any(Material::transmits),
-            _ => false,
-        }
+        self.passage() != Passage::Blocked
     }
 
-    /// Whether light is refracted into a body behind the surface.
-    pub fn has_inside(&self) -> bool {
+    /// What becomes of light that goes on behind the surface.
+    pub fn passage(&self) -> Passage {
         match self {
-            Material::Dielectric { .. } | Material::RoughDielectric { .. } | Material::Filled { .. } => true,
-            Material::Compound(compound) => compound.parts().into_iter().any(Material::has_inside),
-            _ => false,
+            Material::Dielectric { .. } | Material::RoughDielectric { .. } | Material::Filled { .. } => Passage::Body,
+            Material::ThinDielectric { .. } | Material::DiffuseTransmission { .. } => Passage::Sheet,
+            Material::Compound(compound) => compound.parts().into_iter().map(Material::passage).max().unwrap_or(Passage::Blocked),
+            _ => Passage::Blocked,
         }
     }
 

@@ -42,7 +42,7 @@ pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
 pub use element::Element;
-pub use material::{Material, Metallic};
+pub use material::{Material, Metallic, Passage};
 pub use matte_cone::MatteCone;
 pub use metal::Metal;
 pub use mirror::Mirror;

@@ -99,7 +99,7 @@ const SCENES: &[Row] = &[
         "B21",
         r#""shapes": [{"type": "sphere"}, {"type": "sphere", "center": [1e9, 0, 0]}]"#,
         0,
-        "scene.json: /shapes/1 is 2.0e0 m large, 1.0e9 m away from where the scene is finest: f32 steps by 6.4e1 m there",
+        "scene.json: /shapes/1, diffuse: 2.0e0 m large, 1.0e9 m away from where the scene is finest: f32 steps by 6.4e1 m there",
     ),
     // Where coordinates are 16 m, rays start 2⁻¹⁹ · 16 m off a surface.
     (
@@ -108,7 +108,7 @@ const SCENES: &[Row] = &[
         {"type": "quad", "material": "g", "name": "pane", "transform": [{"translate": [0, 0, 16]}]},
         {"type": "quad", "material": "g", "transform": [{"translate": [0, 0, 16.000030517578125]}]}]"#,
         0,
-        "scene.json: pane: this body is about 3.1e-5 m thick, and rays start 3.1e-5 m off its surface",
+        "scene.json: \"pane\", dielectric: this body is about 3.1e-5 m thick, and rays start 3.1e-5 m off its surface",
     ),
     (
         "B24",

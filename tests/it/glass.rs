@@ -2,6 +2,7 @@
 
 pub mod faults;
 mod lengths;
+mod open;
 mod ruler;
 mod touching;
 

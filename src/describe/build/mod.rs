@@ -2,6 +2,7 @@
 
 mod camera;
 mod field;
+mod glass;
 mod light;
 mod material;
 mod mesh;
@@ -106,7 +107,10 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         other => other,
     })?;
     warnings.extend(missing(&world).map(of_scene));
-    warnings.extend(precision::warnings(&world, &Names::of(scene).shapes).iter().map(|message| of_scene(message)));
+    // The camera is the first of what needs something; shapes follow.
+    let names: Vec<&str> = needs[1..].iter().map(|(name, _)| name.as_str()).collect();
+    warnings.extend(precision::warnings(&world, &names).iter().map(|message| of_scene(message)));
+    warnings.extend(glass::warnings(&world, &names).iter().map(|message| of_scene(message)));
     let mut film = camera::film(&scene.film);
     if film.layers.contains(&Layer::Light(0)) {
         film.lights = Names::of(scene).lights(world.lights());

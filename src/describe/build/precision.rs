@@ -17,11 +17,11 @@ const LEAST_OFFSETS: f64 = 4.0;
 /// What is too small for its place, and what is too thin for it.
 ///
 /// - `names`: of the world's shapes, in their order
-pub fn warnings(world: &World, names: &[String]) -> Vec<String> {
+pub(super) fn warnings(world: &World, names: &[&str]) -> Vec<String> {
     let shapes = world.shapes();
-    let name = |shape: usize| names.get(shape).map_or("?", String::as_str);
+    let name = |shape: usize| names.get(shape).copied().unwrap_or("?");
     let bounds: Vec<Aabb> = shapes.iter().map(|shape| (0..shape.count()).fold(Aabb::EMPTY, |all, i| all.union(shape.bounds(i)))).collect();
-    let small = lost(&bounds).map(|(shape, text)| format!("{} {text}", name(shape)));
+    let small = lost(&bounds).map(|(shape, text)| format!("{}: {text}", name(shape)));
     let thin =
         bodies(world, &bounds).into_iter().filter(Body::is_too_thin).map(|body| format!("{}: {}", name(body.shape), body.complaint()));
     small.into_iter().chain(thin).collect()
@@ -32,7 +32,7 @@ fn lost(bounds: &[Aabb]) -> Option<(usize, String)> {
     let sizes = bounds.iter().map(|b| (b.magnitude().max_element(), (b.max - b.min).max_element()));
     let (shape, (reach, size)) = sizes.enumerate().max_by(|(_, a), (_, b)| (a.0 / a.1).total_cmp(&(b.0 / b.1)))?;
     let text = format!(
-        "is {size:.1e} m large, {reach:.1e} m away from where the scene is finest: f32 steps by {:.1e} m there, and it loses its form",
+        "{size:.1e} m large, {reach:.1e} m away from where the scene is finest: f32 steps by {:.1e} m there, and it loses its form",
         reach.next_up() - reach
     );
     (reach / size > MOST_SIZES_AWAY).then_some((shape, text))

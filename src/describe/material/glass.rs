@@ -9,7 +9,11 @@ use super::super::value::{Fraction, Index, Positive};
 use super::super::varying::Varying;
 use super::finish::{Alpha, Distribution, Finish, finish_of};
 
-/// Glass, water, …: reflects and refracts, clear or frosted.
+/// Glass, water, …: the surface of a body, normals outwards, that reflects and refracts, clear or frosted.
+///
+/// Light that gets into a body and out of it without passing its surface, through an open side of its mesh or behind a single sheet, is wrong
+/// by the square of `eta`: `pt check` and every render name such shapes. A pane as one sheet is `thin_dielectric`; water in an opaque
+/// basin is closed by that.
 ///
 /// Of two faces in exactly one place (a glass box standing on a glass box) only the one listed first is met, and light
 /// goes on as if the other body had no surface there: wrong. Describe glued bodies as one mesh without the faces between
