@@ -50,7 +50,7 @@ struct Twin {
 ///
 /// No hierarchy can tell them apart, and clustering and reinsertion would take forever to try.
 ///
-/// Tests: coincident_triangles_build_fast.
+/// Tests: coincident_boxes_are_one_leaf.
 fn twins(boxes: &[Aabb]) -> Vec<Twin> {
     let hash = |(item, b): (usize, &Aabb)| {
         let mut hasher = DefaultHasher::new();
@@ -100,7 +100,7 @@ fn pairs(boxes: &[Aabb]) -> Bvh2 {
 /// join one pair per round, and its time grow with the square of their number. No hit depends on these boxes:
 /// the nodes get the true ones.
 ///
-/// Tests: hostile_boxes_build_fast_and_right.
+/// Tests: rows_take_few_rounds.
 fn uneven(item: usize, b: &Aabb) -> obvhs::aabb::Aabb {
     // Multiples of the golden ratio, modulo 1: far apart for neighbours.
     let share = unit_f32((item as u32).wrapping_mul(0x9e37_79b9));
@@ -137,5 +137,42 @@ impl Fold<'_> {
         items.sort_unstable();
         self.wide.leaves.push(items);
         Child::leaf(self.wide.leaves.len() - 1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use obvhs::bvh2::DEFAULT_MAX_STACK_DEPTH;
+
+    use super::*;
+
+    /// How many rounds of clustering these boxes take, as far as that is more than obvhs's least stack.
+    ///
+    /// Each round looks at all clusters that are left: few rounds are what makes a build fast.
+    fn rounds(boxes: &[Aabb]) -> usize {
+        pairs(boxes).max_depth
+    }
+
+    fn unit_box(corner: Vec3) -> Aabb {
+        Aabb { min: corner, max: corner + 1.0 }
+    }
+
+    /// Clustering and reinsertion never see them: they would take time with the square of their number.
+    #[test]
+    fn coincident_boxes_are_one_leaf() {
+        let built = wide(&[unit_box(Vec3::ZERO); 10_000]).expect("boxes");
+        assert_eq!((built.nodes.len(), built.leaves), (0, vec![(0..10_000).collect()]));
+    }
+
+    /// Where a round joins a share of all clusters, rounds grow with the logarithm of their number: log₂ 50,000 = 16, and if a round
+    /// joins no more than one in six, 86. A row whose boxes are all equally near takes a round per box.
+    #[test]
+    fn rows_take_few_rounds() {
+        for step in [1.0, 0.5, 1e-3] {
+            let row: Vec<Aabb> = (0..50_000).map(|k| unit_box(Vec3::X * (k as f32 * step))).collect();
+            let rounds = rounds(&row);
+            assert!(rounds <= DEFAULT_MAX_STACK_DEPTH, "{rounds} rounds for a row of boxes {step} apart");
+        }
     }
 }

@@ -31,9 +31,9 @@ struct Prices<'a> {
     told: AtomicBool,
 }
 
-/// When a render has gone on for so long that its own samples are a pilot,
+/// When a render has gone on for so long, and has so many samples that its error is known, its own samples are a pilot;
 const PILOT: Duration = Duration::from_secs(5);
-/// and there is so much to come that one would rather know what for.
+/// their prices are told where there is so much to come that one would rather know what for.
 const LONG: Duration = Duration::from_secs(60);
 
 /// The first sample of each pixel may take twice the time that is given to the render, and this at least.
@@ -54,13 +54,17 @@ impl<'a> Keeper<'a> {
     }
 
     fn tell_prices(&self, report: &Report, film: &MomentFilm, course: &Course) {
-        let Some(prices) = &self.prices else { return };
+        let Some(prices) = self.prices.as_ref().filter(|prices| !prices.told.load(Ordering::Relaxed)) else { return };
         let is_long = report.elapsed >= PILOT && self.progress.remaining().is_some_and(|seconds| seconds >= LONG.as_secs_f64());
-        if is_long && !prices.told.swap(true, Ordering::Relaxed) {
-            let now = Checkpoint { samples: film.samples(), seconds: report.elapsed.as_secs_f64(), error: RelativeError::of(film) };
-            let checkpoints = course.checkpoints.iter().copied().chain([now]).collect();
-            self.progress.tell(&pilot::print(&[(prices.integrator, Course { checkpoints })], prices.confidence));
+        let Some(error) = is_long.then(|| RelativeError::of(film)).flatten() else { return };
+        // However long it took, a pilot of few samples knows no price yet.
+        if error.is_established() && error.is_vague() {
+            return;
         }
+        prices.told.store(true, Ordering::Relaxed);
+        let now = Checkpoint { samples: film.samples(), seconds: report.elapsed.as_secs_f64(), error: Some(error) };
+        let checkpoints = course.checkpoints.iter().copied().chain([now]).collect();
+        self.progress.tell(&pilot::print(&[(prices.integrator, Course { checkpoints })], prices.confidence));
     }
 
     fn keep(&self, report: &Report, film: &MomentFilm, course: &Course) {

@@ -399,11 +399,14 @@ fn layers_are_asked_for_by_name() {
     pt(folder.path(), "scene.json -q -o timed.exr --aov time,z").success();
     pt(folder.path(), "scene.json -q -o again.exr -D /film/layers=[\"z\",\"time\",\"z\"]").success();
     let (timed, again) = (read("timed.exr"), read("again.exr"));
-    let seconds = |image: &Image| image.channel("Time.Y").expect("seconds").to_vec();
-    assert!(seconds(&timed).iter().all(|s| *s > 0.0 && *s < 60.0), "{:?}", seconds(&timed));
+    let seconds = timed.channel("Time.Y").expect("seconds");
+    assert!(seconds.iter().all(|s| s.is_finite() && *s >= 0.0) && seconds.iter().any(|s| *s > 0.0), "{seconds:?}");
     assert_eq!(names(&timed), names(&again));
-    assert!(seconds(&timed) != seconds(&again), "a clock is never twice the same");
     assert_eq!(output::hash(&timed), output::hash(&again));
+    // Whatever the clock says.
+    let mut slow = timed.clone();
+    slow.channels.iter_mut().filter(|c| c.name == "Time.Y").flat_map(|c| &mut c.values).for_each(|s| *s += 1.0);
+    assert_eq!(output::hash(&slow), output::hash(&timed));
 
     let list = pt(folder.path(), "list aovs").success().get_output().stdout.clone();
     let list = String::from_utf8(list).expect("text");

@@ -161,10 +161,11 @@ fn a_scene_from_stdin() {
 #[test]
 fn time_ends_a_render() {
     let folder = folder();
-    let start = std::time::Instant::now();
+    // It comes to an end at all: 2³² samples would take hours.
     pt(folder.path(), &["scene.json", "--time", "0.2"]).success();
-    // Generous, for a busy machine: without the limit 2³² samples would take hours.
-    assert!(start.elapsed().as_secs_f64() < 30.0);
+    let (image, _) = pt::output::exr::read(&folder.path().join("scene.exr")).expect("a readable picture");
+    let samples = image.channel("SampleCount.Y").expect("counts")[0];
+    assert!((1.0..4e9).contains(&samples), "{samples}");
 }
 
 #[test]
@@ -277,12 +278,12 @@ fn an_interrupted_render_keeps_its_picture() {
     }
 }
 
-/// A render of a minute of `scene.json`, under way.
+/// A render of `scene.json` that would take hours, under way.
 #[cfg(unix)]
 fn rendering(folder: &Path, output: &str) -> std::process::Child {
     let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("pt"))
         .current_dir(folder)
-        .args(["scene.json", "-o", output, "--time", "60", "--progress", "json"])
+        .args(["scene.json", "-o", output, "--spp", "4294967295", "--progress", "json"])
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("it starts");

@@ -5,7 +5,7 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use glam::UVec2;
 use pt::film::{Channel, Image};
@@ -333,19 +333,20 @@ fn a_viewer_that_comes_back_gets_it_all() {
     viewer.show(other.clone());
     viewer.finish();
     let screen = screen.join().expect("no violation");
-    assert!(screen.shows(&other) && screen.created == 1 && screen.tiles.len() == 6);
+    // All six tiles, and again six where an attempt came before the last picture.
+    assert!(screen.shows(&other) && screen.created == 1 && screen.tiles.len() >= 6);
     let heard = heard.lock().expect("unpoisoned").clone();
     assert!(heard.len() == 1 && heard[0].contains(" went away ("), "{heard:?}");
 }
 
-/// A picture that takes long to make is made the more rarely: here, a second one would be too early for seconds.
+/// A picture that takes long to make is made the more rarely: at most a hundredth of the time that has passed goes into it.
 #[test]
 fn offers_are_taken_rarely() {
     let (listener, address) = listener();
     let (screen, _) = screen(listener);
     let viewer = Viewer::start(&address, "offers", silent);
     let image = noise([30, 20], 6);
-    let mut made = 0;
+    let (start, mut made) = (Instant::now(), 0);
     for _ in 0..50 {
         viewer.offer(|| {
             made += 1;
@@ -353,7 +354,9 @@ fn offers_are_taken_rarely() {
             image.clone()
         });
     }
-    assert_eq!(made, 1);
+    // The first at once, each further one 100 · 0.1 s after the one before it.
+    let passed = start.elapsed().as_secs_f64();
+    assert!(made >= 1 && f64::from(made - 1) <= passed / 10.0, "{made} in {passed} s");
     let last = noise([30, 20], 7);
     viewer.show(last.clone());
     viewer.finish();

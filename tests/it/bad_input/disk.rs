@@ -30,7 +30,7 @@ fn one_output_that_fails_does_not_take_the_other_with_it() {
     fs::create_dir(at.join("gone")).expect("folder");
     let mut child = Command::new(assert_cmd::cargo::cargo_bin("pt"))
         .current_dir(at)
-        .args(["right.json", "-o", "gone/a.exr", "-o", "b.exr", "--time", "60", "--progress", "json"])
+        .args(["right.json", "-o", "gone/a.exr", "-o", "b.exr", "--spp", "4294967295", "--progress", "json"])
         .stderr(Stdio::piped())
         .spawn()
         .expect("it starts");
