@@ -203,7 +203,7 @@ impl Checker<'_> {
             Shape::Mesh(mesh) => self.mesh(pointer, shape, mesh),
             Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes),
             Shape::Sdf(sdf) => self.sdf(pointer, sdf),
-            Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) => {}
+            Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) | Shape::Box(_) => {}
         }
     }
 

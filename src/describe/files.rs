@@ -179,7 +179,7 @@ impl<'s> Named<'s> {
                         }
                     }
                 }
-                Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) => {}
+                Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) | Shape::Box(_) => {}
             }
         }
     }

@@ -21,11 +21,12 @@ pub enum Shape {
     Sphere(Sphere),
     Quad(Quad),
     Disk(Disk),
+    Box(Cuboid),
     Sdf(Sdf),
     Group(Group),
 }
 
-by_type!(Shape { Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Sdf(Sdf), Group(Group) });
+by_type!(Shape { Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Box(Cuboid), Sdf(Sdf), Group(Group) });
 
 /// Defines a struct whose last keys are those that all shapes but groups share. (serde's `flatten` would lose the positions.)
 macro_rules! surface {
@@ -114,6 +115,20 @@ surface! {
 }
 
 surface! {
+    /// A box about `center`, its sides along the axes; its normals point outwards. It is closed: glass may be made of it. Each face has
+    /// texture coordinates from 0 to 1, seen from outside: on the four sides u runs to the right and v along +y, on the top
+    /// (+y) u along +x and v along −z, at the bottom u along +x and v along +z.
+    pub struct Cuboid {
+        /// Full width, height and depth, in metres: one number, or `[x, y, z]`.
+        #[serde(default = "unit_cube")]
+        pub size: Sides,
+        /// Metres.
+        #[serde(default = "origin")]
+        pub center: Point,
+    }
+}
+
+surface! {
     /// A solid given by its signed distance (negative inside): one `field`, or `parts` that differ in what they are made of.
     /// It has no texture coordinates, and no points can be drawn on it: where it emits, paths meet its light by chance.
     pub struct Sdf {
@@ -168,6 +183,30 @@ pub enum Size {
 }
 
 by_kind!(Size { Number => Square(Positive), Array => Sides([Positive; 2]) });
+
+fn unit_cube() -> Sides {
+    Sides::Cube(one())
+}
+
+/// Full width, height and depth: one number, or `[x, y, z]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub enum Sides {
+    Cube(Positive),
+    Each([Positive; 3]),
+}
+
+by_kind!(Sides { Number => Cube(Positive), Array => Each([Positive; 3]) });
+
+impl Sides {
+    pub fn get(self) -> [f64; 3] {
+        match self {
+            Sides::Cube(side) => [side.get(); 3],
+            Sides::Each(sides) => sides.map(Positive::get),
+        }
+    }
+}
 
 /// What a surface emits: its radiance, or an object with more to say.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -226,6 +265,7 @@ impl Shape {
             Shape::Sphere(s) => s.name.as_deref(),
             Shape::Quad(s) => s.name.as_deref(),
             Shape::Disk(s) => s.name.as_deref(),
+            Shape::Box(s) => s.name.as_deref(),
             Shape::Sdf(s) => s.name.as_deref(),
             Shape::Group(s) => s.name.as_deref(),
         }
@@ -237,6 +277,7 @@ impl Shape {
             Shape::Sphere(s) => &s.transform,
             Shape::Quad(s) => &s.transform,
             Shape::Disk(s) => &s.transform,
+            Shape::Box(s) => &s.transform,
             Shape::Sdf(s) => &s.transform,
             Shape::Group(s) => &s.transform,
         }
@@ -249,6 +290,7 @@ impl Shape {
             Shape::Sphere(s) => s.material.as_ref(),
             Shape::Quad(s) => s.material.as_ref(),
             Shape::Disk(s) => s.material.as_ref(),
+            Shape::Box(s) => s.material.as_ref(),
             Shape::Sdf(s) => s.material.as_ref(),
             Shape::Group(_) => None,
         }
@@ -261,6 +303,7 @@ impl Shape {
             Shape::Sphere(s) => s.emission.as_ref(),
             Shape::Quad(s) => s.emission.as_ref(),
             Shape::Disk(s) => s.emission.as_ref(),
+            Shape::Box(s) => s.emission.as_ref(),
             Shape::Sdf(s) => s.emission.as_ref(),
             Shape::Group(_) => None,
         }

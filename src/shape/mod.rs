@@ -4,6 +4,7 @@
 //! its baked form (`impl Shape`: world space, f32), a variant in `describe::shape`, an arm in
 //! its builder.
 
+pub mod cuboid;
 pub mod disk;
 pub mod mesh_data;
 pub mod quad;
@@ -17,6 +18,7 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
 
+pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use mesh_data::{MeshData, Part};
 pub use quad::Quad;

@@ -27,20 +27,12 @@ impl Geometry for Quad {
     }
 
     fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>> {
-        let corners = self.corners(to_world).map(|c| c.as_vec3());
-        // Of the corners as they are hit: rounding may leave nothing of a small quad in a large scene.
-        let [a, b, _, d] = corners.map(|c| c.as_dvec3());
-        let cross = (b - a).cross(d - a);
-        let flat = || Error::invalid(Fault::new("a quad is too small to be hit in a scene this large"));
-        let normal = cross.try_normalize().ok_or_else(flat)?;
-        let ng = if to_world.flips_handedness() { -normal } else { normal }.as_vec3();
-        let area = cross.length() as f32;
-        Ok(Box::new(Parallelogram { corners, ng, area, offset: offset_bound(ng, Aabb::around(corners).magnitude()) }))
+        Ok(Box::new(Parallelogram::new("quad", self.corners(to_world), to_world.flips_handedness())?))
     }
 }
 
 /// Corners a, b, c, d in turn; u runs along ab, v along ad.
-struct Parallelogram {
+pub(super) struct Parallelogram {
     corners: [Vec3; 4],
     ng: Vec3,
     area: f32,
@@ -48,6 +40,24 @@ struct Parallelogram {
 }
 
 impl Parallelogram {
+    /// The normal is that of a counter-clockwise turn a, b, c, d, or its opposite where the corners were mirrored.
+    ///
+    /// - `what`: it is, or is a part of
+    ///
+    /// # Errors
+    /// `Invalid` where rounding leaves nothing of it.
+    pub(super) fn new(what: &str, corners: [DVec3; 4], is_mirrored: bool) -> Result<Parallelogram> {
+        let corners = corners.map(|c| c.as_vec3());
+        // Of the corners as they are hit: rounding may leave nothing of a small quad in a large scene.
+        let [a, b, _, d] = corners.map(|c| c.as_dvec3());
+        let cross = (b - a).cross(d - a);
+        let flat = || Error::invalid(Fault::new(format!("a {what} is too small to be hit in a scene this large")));
+        let normal = cross.try_normalize().ok_or_else(flat)?;
+        let ng = if is_mirrored { -normal } else { normal }.as_vec3();
+        let area = cross.length() as f32;
+        Ok(Parallelogram { corners, ng, area, offset: offset_bound(ng, Aabb::around(corners).magnitude()) })
+    }
+
     fn at(&self, uv: Vec2) -> SurfacePoint {
         let [a, b, _, d] = self.corners;
         SurfacePoint { p: a + (b - a) * uv.x + (d - a) * uv.y, offset: self.offset, ng: self.ng, ns: self.ng, uv }

@@ -8,6 +8,7 @@ mod analytic;
 mod answers;
 mod aovs;
 mod bad_input;
+mod boxes;
 mod bsdfs;
 mod cameras;
 mod cli;

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 use pt::math::{Ray, Transform};
-use pt::shape::{Disk, Geometry, MeshData, Quad, Shape, Sphere, TriangleMesh};
+use pt::shape::{Cuboid, Disk, Geometry, MeshData, Quad, Shape, Sphere, TriangleMesh};
 
 use crate::geometry::{icosphere, mesh};
 use crate::random::Random;
@@ -20,9 +20,10 @@ fn families() -> Vec<(&'static str, Box<dyn Geometry>, Transform)> {
     for scale in [[1.0, 1.0, 1.0], [2.0, 0.5, 1.3], [-1.0, 1.0, 1.0], [-0.7, -2.0, -1.1]] {
         let place = stretch(scale).then(&random.rotation()).then(&Transform::translate(random.in_cube()).expect("finite"));
         let triangle = TriangleMesh::new(mesh(vec![Vec3::ZERO, Vec3::X * 1.5, Vec3::new(0.3, 1.2, 0.0)], vec![[0, 1, 2]]));
-        let geometries: [(&str, Box<dyn Geometry>); 4] = [
+        let geometries: [(&str, Box<dyn Geometry>); 5] = [
             ("triangle", Box::new(triangle)),
             ("quad", Box::new(Quad { size: [1.5, 0.8] })),
+            ("box", Box::new(Cuboid { size: [1.5, 0.8, 1.1] })),
             ("disk", Box::new(Disk { radius: 0.7 })),
             ("sphere", Box::new(Sphere { radius: 0.6 })),
         ];

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Channel, Color, Contents, Encoding, Files, Names, Scene, Shape, Size};
+use super::{Channel, Color, Contents, Encoding, Files, Names, Point, Scene, Shape, Size};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
@@ -24,7 +24,7 @@ use crate::math::{Spectrum, Transform};
 use crate::reader::{Node, locate};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
-use crate::shape::{Disk, Geometry, Quad, Sphere, TriangleMesh};
+use crate::shape::{Cuboid, Disk, Geometry, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
 use crate::world::{MaterialId, Wear, World, WorldBuilder};
 pub(super) use camera::{film, sampler};
@@ -173,12 +173,8 @@ impl Builder<'_> {
         effects |= emitter.as_ref().map_or(Effects::NONE, |_| Effects::AREA_LIGHT);
         let own = own.0;
         match shape {
-            Shape::Sphere(s) => match Transform::translate(DVec3::from(s.center.0)) {
-                Some(to_center) => {
-                    self.place(Sphere { radius: s.radius.get() }, to_center.then(to_world), vec![own], emitter);
-                }
-                None => self.fault(&format!("{pointer}/center"), "too far away"),
-            },
+            Shape::Sphere(s) => self.place_at(pointer, s.center, Sphere { radius: s.radius.get() }, to_world, own, emitter),
+            Shape::Box(s) => self.place_at(pointer, s.center, Cuboid { size: s.size.get() }, to_world, own, emitter),
             Shape::Quad(s) => {
                 let size = match s.size {
                     Size::Square(side) => [side.get(); 2],
@@ -216,6 +212,22 @@ impl Builder<'_> {
     fn emitter(&mut self, pointer: &str, described: &super::Emission) -> Emitter {
         let texture = described.texture.as_ref().map(|texture| Arc::new(self.textured(&format!("{pointer}/texture"), texture)));
         Emitter { emission: Emission { radiance: spectrum(&described.radiance), two_sided: described.two_sided }, texture }
+    }
+
+    /// Places what stands about a point of its own space.
+    fn place_at(
+        &mut self,
+        pointer: &str,
+        center: Point,
+        geometry: impl Geometry + 'static,
+        to_world: &Transform,
+        material: MaterialId,
+        emitter: Option<Emitter>,
+    ) {
+        match Transform::translate(DVec3::from(center.0)) {
+            Some(to_center) => self.place(geometry, to_center.then(to_world), vec![material], emitter),
+            None => self.fault(&format!("{pointer}/center"), "too far away"),
+        }
     }
 
     fn place(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {

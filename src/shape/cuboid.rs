@@ -1,0 +1,86 @@
+//! Boxes: six rectangles that close a body, transformed.
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::quad::Parallelogram;
+use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint};
+use crate::error::Result;
+use crate::math::{Aabb, AreaPdf, Ray, Transform};
+
+/// The body |x| ≤ a/2, |y| ≤ b/2, |z| ≤ c/2; its normals point outwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cuboid {
+    /// Full sides a, b, c (m).
+    pub size: [f64; 3],
+}
+
+/// The outward normal of each face, and the directions in which its texture coordinates grow: a right-handed frame, u × v = n.
+const FACES: [[DVec3; 3]; 6] = [
+    [DVec3::X, DVec3::NEG_Z, DVec3::Y],
+    [DVec3::NEG_X, DVec3::Z, DVec3::Y],
+    [DVec3::Y, DVec3::X, DVec3::NEG_Z],
+    [DVec3::NEG_Y, DVec3::X, DVec3::Z],
+    [DVec3::Z, DVec3::X, DVec3::Y],
+    [DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y],
+];
+
+impl Cuboid {
+    /// The corners of each face in turn, from the origin of its texture coordinates. Faces share their corners bit for bit, so that
+    /// no ray slips through between them.
+    fn faces(&self, to_world: &Transform) -> [[DVec3; 4]; 6] {
+        let half = 0.5 * DVec3::from(self.size);
+        FACES.map(|[n, u, v]| [n - u - v, n + u - v, n + u + v, n - u + v].map(|corner| to_world.point(corner * half)))
+    }
+}
+
+impl Geometry for Cuboid {
+    fn bounds(&self, to_world: &Transform) -> (DVec3, DVec3) {
+        let corners = self.faces(to_world).into_iter().flatten();
+        corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)))
+    }
+
+    fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>> {
+        let flips = to_world.flips_handedness();
+        let faces = self.faces(to_world).into_iter().map(|corners| Parallelogram::new("box", corners, flips));
+        Ok(Box::new(Faces(faces.collect::<Result<_>>()?)))
+    }
+}
+
+/// The six faces, in the order of [`FACES`].
+struct Faces(Vec<Parallelogram>);
+
+impl Faces {
+    fn face(&self, i: u32) -> &Parallelogram {
+        &self.0[i as usize]
+    }
+}
+
+impl Shape for Faces {
+    fn count(&self) -> u32 {
+        self.0.len() as u32
+    }
+
+    fn bounds(&self, i: u32) -> Aabb {
+        self.face(i).bounds(0)
+    }
+
+    fn area(&self, i: u32) -> f32 {
+        self.face(i).area(0)
+    }
+
+    fn facet(&self, i: u32) -> Facet {
+        self.face(i).facet(0)
+    }
+
+    fn point(&self, i: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        self.face(i).point(0, ray, hit)
+    }
+
+    fn tangents(&self, i: u32, point: &SurfacePoint) -> Option<[Vec3; 2]> {
+        self.face(i).tangents(0, point)
+    }
+
+    fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
+        self.face(i).sample_area(0, u)
+    }
+}
