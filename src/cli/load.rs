@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{args, memory};
 use crate::describe::{self, Built, Files, Identity, Shape, Source};
 use crate::error::text::one_line;
-use crate::error::{Error, Fault, Result};
+use crate::error::{Error, Fault, MAX_FAULTS, Result};
 use crate::import::{Imported, import};
 use crate::integrator::{self, Entry, Integrator};
 use crate::reader::Node;
@@ -66,15 +66,31 @@ pub struct Override {
 /// - `more`: overrides that have flags of their own, after those of `-D`
 pub fn load(scene: &args::Scene, more: &[Override], integrator: Option<&str>, tables: &[&[Entry]]) -> Result<Loaded> {
     let Imported { root, file, files, notes, .. } = imported(scene, more)?;
-    let description = describe::read(&root, &file)?;
+    let chosen = integrator::choose(tables, root.child("integrator"), integrator, &file);
+    let (description, (entry, integrator)) = together(describe::read_with(&root, &file, &files), chosen)?;
     memory::check(&description, &root, &file)?;
-    let (entry, integrator) = integrator::choose(tables, root.child("integrator"), integrator, &file)?;
     let mut built = describe::build(&description, Source { root: &root, file: &file, files: &files })?;
     built.warnings.splice(..0, notes.iter().map(Fault::to_string));
     // Names from files are in them.
     built.warnings.iter_mut().for_each(|warning| *warning = one_line(warning).into_owned());
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
     Ok(Loaded { built, entry, integrator: integrator.into(), description, stem, root, file, files })
+}
+
+/// Both, or all that is wrong with either, in file order.
+fn together<A, B>(a: Result<A>, b: Result<B>) -> Result<(A, B)> {
+    match (a, b) {
+        (Ok(a), Ok(b)) => Ok((a, b)),
+        (Err(Error::Invalid(mut faults)), Err(Error::Invalid(more))) => {
+            let new = |fault: &Fault| !faults.iter().any(|known| known.pointer == fault.pointer);
+            let more: Vec<Fault> = more.into_iter().filter(new).collect();
+            faults.extend(more);
+            faults.sort_by_key(|fault| (fault.line, fault.column));
+            faults.truncate(MAX_FAULTS);
+            Err(Error::Invalid(faults))
+        }
+        (Err(error), _) | (_, Err(error)) => Err(error),
+    }
 }
 
 fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {

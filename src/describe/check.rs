@@ -3,6 +3,7 @@
 //! Each check names the JSON pointer it is about; [`Faults::add_at`] finds the line and column.
 
 use super::camera::Camera;
+use super::color::Hex;
 use super::cycles;
 use super::field_check;
 use super::film::Film;
@@ -90,10 +91,13 @@ impl Checker<'_> {
     fn textured(&self, pointer: &str, color: &Textured) {
         match color {
             Textured::Texture(texture) => self.texture(pointer, texture),
-            Textured::Named(name) if !self.scene.textures.contains_key(name) => {
-                self.unknown_name(pointer, "texture", name, self.scene.textures.keys());
+            Textured::Named(name) if self.scene.textures.contains_key(name) => {}
+            Textured::Named(name) if name.starts_with('#') => {
+                let example = if Hex::parse(name).is_some() { name } else { "#ff8000" };
+                self.fault(pointer, format!("unknown texture {name:?}; a colour is written {{\"srgb\": {example:?}}}"));
             }
-            Textured::Named(_) | Textured::Color(_) => {}
+            Textured::Named(name) => self.unknown_name(pointer, "texture", name, self.scene.textures.keys()),
+            Textured::Color(_) => {}
         }
     }
 

@@ -58,7 +58,8 @@ pub enum PerChannel<T> {
 by_kind!(PerChannel<T> { Number => Equal(T), Array => Each([T; 3]) });
 
 impl Hex {
-    fn parse(text: &str) -> Option<Hex> {
+    /// `None` for what is written in any other way.
+    pub(super) fn parse(text: &str) -> Option<Hex> {
         let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
         let byte = |i: usize| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).ok();
         Some(Hex([byte(0)?, byte(1)?, byte(2)?]))

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
+use crate::reader::closest;
 use crate::{Error, Fault, Result};
 
 /// Opens a regular file, which messages call `name`; a pipe or a device would block or never end, so its kind is asked first.
@@ -13,7 +14,7 @@ use crate::{Error, Fault, Result};
 pub(super) fn open(path: &Path, name: &str) -> Result<File> {
     let invalid = |message: &str| Error::invalid(Fault::new(message).in_file(name));
     let refused = |error: io::Error| match error.kind() {
-        ErrorKind::NotFound | ErrorKind::NotADirectory => invalid("no such file"),
+        ErrorKind::NotFound | ErrorKind::NotADirectory => invalid(&format!("no such file{}", neighbour(path, name))),
         ErrorKind::InvalidInput | ErrorKind::InvalidFilename => invalid("not a file name"),
         _ => Error::io(name, error),
     };
@@ -21,4 +22,63 @@ pub(super) fn open(path: &Path, name: &str) -> Result<File> {
         return Err(invalid("not a regular file"));
     }
     File::open(path).map_err(refused)
+}
+
+/// `, did you mean "scenes/cornell-box.json"?`, where a file of nearly this name lies in the same folder.
+///
+/// - `name`: what messages call the file, with the same last part as `path`
+fn neighbour(path: &Path, name: &str) -> String {
+    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let entries = folder.read_dir().into_iter().flatten().flatten().take(MOST_NEIGHBOURS);
+    let names: Vec<String> = entries.filter(|e| e.path().is_file()).filter_map(|e| e.file_name().into_string().ok()).collect();
+    let wanted = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let near = nearest(&wanted, &names).filter(|near| !near.contains(char::is_control));
+    let shown = |near: &str| name.strip_suffix(wanted.as_str()).map(|before| format!("{before}{near}"));
+    near.and_then(shown).map_or_else(String::new, |near| format!(", did you mean {near:?}?"))
+}
+
+/// Larger folders are not searched to their end.
+const MOST_NEIGHBOURS: usize = 10_000;
+
+/// The file that was meant, if a slip explains the difference: in the name before the extension, where both have the same or none was
+/// given; or if only the extension is another.
+fn nearest<'n>(wanted: &str, names: &'n [String]) -> Option<&'n str> {
+    let parts =
+        |name: &str| name.rsplit_once('.').map_or((name.to_lowercase(), String::new()), |(a, b)| (a.to_lowercase(), b.to_lowercase()));
+    let (stem, extension) = parts(wanted);
+    if stem.is_empty() {
+        return None;
+    }
+    let mut known: Vec<&str> = names.iter().map(String::as_str).collect();
+    // Of several with one name before the extension the scene first, which its pictures are named after.
+    known.sort_unstable_by_key(|name| (!name.ends_with(".json"), *name));
+    let alike = || known.iter().copied().filter(|name| extension.is_empty() || parts(name).1 == extension);
+    let stems: Vec<String> = alike().map(|name| parts(name).0).collect();
+    let by_stem = closest(&stem, stems.iter().map(String::as_str));
+    by_stem.and_then(|stem| alike().find(|name| parts(name).0 == stem)).or_else(|| known.iter().copied().find(|name| parts(name).0 == stem))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_in_a_name_finds_its_file() {
+        let names = ["cornell-box.json", "cornell-box.exr", "metals.json", "pawn.ply", "A.PNG"].map(str::to_owned);
+        for (wanted, expected) in [
+            ("cornel-box.json", Some("cornell-box.json")),
+            ("Cornell-Box.json", Some("cornell-box.json")),
+            ("cornell-box", Some("cornell-box.json")),
+            ("cornell-box.exr", Some("cornell-box.exr")),
+            ("metal.json", Some("metals.json")),
+            ("prawn.ply", Some("pawn.ply")),
+            ("a.png", Some("A.PNG")),
+            ("missing.json", None),
+            ("pawn.obj", Some("pawn.ply")),
+            ("link.ply", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest(wanted, &names), expected, "{wanted:?}");
+        }
+    }
 }

@@ -85,6 +85,23 @@ impl Files {
         no_name(name).or_else(|| if self.allow_outside { None } else { outside(name, &self.folder) })
     }
 
+    /// What is wrong with this name, or with what lies under it: nothing, or no regular file. What the file holds is not asked.
+    fn unusable(&self, name: &str) -> Option<String> {
+        self.why_not(name).or_else(|| {
+            let found = if self.made.contains_key(name) { Ok(()) } else { open(&self.folder.join(name), name).map(drop) };
+            match found {
+                Err(Error::Invalid(faults)) => faults.first().map(|fault| format!("{name}: {}", fault.message)),
+                // What the system refuses is told when the file is read.
+                _ => None,
+            }
+        })
+    }
+
+    /// JSON pointers to all names that are of no use, with what is wrong with each.
+    pub(super) fn all_unusable(&self, scene: &Scene) -> Vec<(String, String)> {
+        files_of(scene).into_iter().filter_map(|(pointer, file)| Some((pointer, self.unusable(file)?))).collect()
+    }
+
     /// JSON pointers to what is no file name, or leads out of the folder and may not; with what is wrong with each.
     pub(super) fn refused(&self, scene: &Scene) -> Vec<(String, String)> {
         files_of(scene).into_iter().filter_map(|(pointer, file)| Some((pointer, self.why_not(file)?))).collect()

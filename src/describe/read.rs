@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::check::check;
 use super::file::open;
+use super::files::Files;
 use super::scene::{Integrator, Scene};
 use crate::reader::{self, Faults, Node, UnknownKeys};
 use crate::{Error, Result};
@@ -53,16 +54,30 @@ pub fn root(bytes: &[u8], file: &str) -> Result<Node> {
     reader::parse(bytes).map_err(|fault| Error::invalid(fault.in_file(file)))
 }
 
-/// Reads a scene from its tree.
+/// Reads a scene from its tree; whether the files that it names are there is not asked.
 ///
 /// # Errors
 /// As [`parse`]; `Usage` where all faults lie in values given with `-D`.
 pub fn read(root: &Node, file: &str) -> Result<Scene> {
+    checked(root, file, None)
+}
+
+/// Reads a scene from its tree; that a file is missing which it names is a fault like any other.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with(root: &Node, file: &str, files: &Files) -> Result<Scene> {
+    checked(root, file, Some(files))
+}
+
+fn checked(root: &Node, file: &str, files: Option<&Files>) -> Result<Scene> {
     let faults = Faults::default();
     let mut scene: Option<Scene> = reader::read(root, "", UnknownKeys::Refuse, &faults);
     if let Some(scene) = &mut scene {
         scene.integrator = Integrator(root.child("integrator").cloned());
         check(scene, root, &faults);
+        let unusable = files.map_or_else(Vec::new, |files| files.all_unusable(scene));
+        unusable.into_iter().for_each(|(pointer, message)| faults.add_at(root, &pointer, message));
     }
     faults.into_result(file)?;
     let scene = scene.ok_or_else(|| Error::Internal(format!("{file}: no scene and no fault")))?;

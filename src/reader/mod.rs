@@ -21,6 +21,7 @@ mod parse;
 mod placeholder;
 mod set;
 mod suggest;
+mod synonyms;
 mod write;
 
 pub use cursor::{UnknownKeys, read, read_options};
@@ -30,3 +31,4 @@ pub(crate) use node::escaped;
 pub use node::{Member, Node, Place, Value};
 pub use parse::{MAX_DEPTH, parse};
 pub use suggest::{closest, unknown};
+pub use synonyms::SYNONYMS;

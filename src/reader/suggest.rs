@@ -1,4 +1,6 @@
-//! "did you mean": the nearest known word.
+//! "did you mean": the known word for the same thing, or the nearest.
+
+use super::synonyms::own_word;
 
 /// The known word nearest to `word`, if a slip of the finger explains the difference.
 pub fn closest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Option<&'k str> {
@@ -13,7 +15,7 @@ pub fn closest<'k>(word: &str, known: impl IntoIterator<Item = &'k str>) -> Opti
 
 /// `unknown key "rougness", did you mean "roughness"?`
 pub fn unknown(what: &str, word: &str, known: &[&str]) -> String {
-    match closest(word, known.iter().copied()) {
+    match own_word(word, known).or_else(|| closest(word, known.iter().copied())) {
         Some(near) => format!("unknown {what} {word:?}, did you mean {near:?}?"),
         None if known.is_empty() => format!("unknown {what} {word:?}, there are none"),
         None => format!("unknown {what} {word:?}, expected {}", choice(known)),

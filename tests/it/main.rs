@@ -4,6 +4,7 @@ mod absorption;
 mod accuracy;
 mod adaptive;
 mod agreement;
+mod all_at_once;
 mod analytic;
 mod answers;
 mod aovs;

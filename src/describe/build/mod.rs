@@ -57,13 +57,11 @@ pub struct Source<'a> {
 /// # Errors
 /// `Invalid`: files that lie outside of the scene's folder, mesh files that cannot be used, shapes that cannot be placed; all of them. `Io`: files that cannot be read.
 pub fn build(scene: &Scene, source: Source) -> Result<Built> {
-    let misplaced = |message| Error::invalid(locate(source.root, source.file, "/camera/transform", message));
-    let camera = camera::camera(&scene.camera).map_err(misplaced)?;
-    let refused = source.files.refused(scene).into_iter().take(crate::MAX_FAULTS);
+    let camera = camera::camera(&scene.camera);
+    let misplaced = camera.as_ref().err().map(|message| ("/camera/transform".to_owned(), message.clone()));
+    let refused = misplaced.into_iter().chain(source.files.refused(scene)).take(crate::MAX_FAULTS);
     let refused: Vec<Fault> = refused.map(|(pointer, message)| locate(source.root, source.file, &pointer, message)).collect();
-    if !refused.is_empty() {
-        return Err(Error::Invalid(refused));
-    }
+    let Some(camera) = camera.ok().filter(|_| refused.is_empty()) else { return Err(Error::Invalid(refused)) };
     let mut needs = vec![("camera".to_owned(), camera.effects())];
     let world = World::builder(camera);
     let mut builder = Builder {

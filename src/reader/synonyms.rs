@@ -1,0 +1,45 @@
+//! Words of other programs, and pt's for the same things.
+
+/// A word that others use, and the words of which pt knows one where that may stand.
+pub const SYNONYMS: &[(&str, &[&str])] = &[
+    ("origin", &["from", "look_at", "center"]),
+    ("eye", &["from", "look_at"]),
+    ("position", &["from", "look_at", "center"]),
+    ("target", &["to", "look_at"]),
+    ("lookat", &["look_at"]),
+    ("vfov", &["fov"]),
+    ("aperture", &["lens_radius"]),
+    ("focal_distance", &["focus_distance"]),
+    ("image", &["film"]),
+    ("resolution", &["width"]),
+    ("samples", &["spp"]),
+    ("objects", &["shapes"]),
+    ("surfaces", &["shapes"]),
+    ("primitives", &["shapes"]),
+    ("cube", &["box"]),
+    ("cuboid", &["box"]),
+    ("plane", &["quad"]),
+    ("rectangle", &["quad"]),
+    ("rect", &["quad"]),
+    ("triangle", &["mesh"]),
+    ("bsdf", &["material"]),
+    ("lambertian", &["diffuse"]),
+    ("lambert", &["diffuse"]),
+    ("matte", &["diffuse"]),
+    ("glass", &["dielectric"]),
+    ("color", &["albedo", "radiance", "intensity", "irradiance"]),
+    ("colour", &["albedo", "color"]),
+    ("reflectance", &["albedo", "color"]),
+    ("ior", &["eta"]),
+    ("refractive_index", &["eta"]),
+    ("emit", &["emission"]),
+    ("power", &["intensity"]),
+    ("sun", &["directional"]),
+    ("max_bounces", &["max_depth"]),
+];
+
+/// What pt calls it, if it is one of the words known here.
+pub fn own_word<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
+    let (_, own) = SYNONYMS.iter().find(|(other, _)| other.eq_ignore_ascii_case(word))?;
+    own.iter().find_map(|own| known.iter().copied().find(|known| known == own))
+}
