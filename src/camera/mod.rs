@@ -101,6 +101,16 @@ impl Camera {
         self.pose().eye
     }
 
+    /// Whether a ray of it may meet the side of the plane through `p` to which `n` points.
+    pub fn faces(&self, p: DVec3, n: DVec3) -> bool {
+        let pose = self.pose();
+        match self {
+            Camera::Orthographic(_) => pose.back.as_dvec3().dot(n) > 0.0,
+            Camera::Perspective(camera) => (pose.eye - p).dot(n) > -f64::from(camera.lens_radius),
+            Camera::Spherical(_) => (pose.eye - p).dot(n) > 0.0,
+        }
+    }
+
     fn pose(&self) -> &Pose {
         match self {
             Camera::Perspective(camera) => &camera.pose,

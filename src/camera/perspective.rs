@@ -18,7 +18,7 @@ pub struct Perspective {
     /// a, where it is not the film's.
     aspect: Option<f32>,
     /// (m); 0 for a pinhole.
-    lens_radius: f32,
+    pub(super) lens_radius: f32,
     /// Along the axis (m).
     focus_distance: f32,
 }

@@ -19,6 +19,7 @@ use crate::describe::{Built, Names};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Crop, FilmSpec, Image, Layer, MomentFilm};
 use crate::integrator::{Entry, Integrator};
+use crate::light::{Light, Lights};
 use crate::measure::{self, Course, Outcome, Until, Watcher, adaptive, words};
 use crate::output::{self, Attributes, Format};
 use crate::render::{self, Render, SampleId, Settings};
@@ -108,7 +109,7 @@ fn picture(
     threads: usize,
 ) -> Result<ExitCode> {
     let facets = if args.ledger { loaded.without_smooth_shadows()? } else { None };
-    let Loaded { built, entry, integrator, stem, .. } = loaded;
+    let Loaded { built, entry, integrator, stem, description, .. } = loaded;
     let (pixels, primitives) = (built.film.crop.pixel_count(), built.world.primitive_count());
     let settings = Settings { clamp: args.clamp, wave_time: Some(render::SHORT_WAVE), ..Settings::new(built.sampler) };
     let mut until = plan.until(args);
@@ -156,7 +157,7 @@ fn picture(
         let attributes = attributes(&plan.about, film, error, args.confidence, clamped.as_ref());
         write_all(args, &plan.pictures, &image, &attributes)?;
         if !args.quiet {
-            remark_darkness(&image, entry.name);
+            remark_darkness(&image, entry.name, || one_sided(&Names::of(&description), world.lights()));
         }
     }
     kept?;
@@ -261,14 +262,31 @@ fn remark_missing_effects(loaded: &Loaded) {
 }
 
 /// Where light is missing: in the picture, or in its layers of light.
-fn remark_darkness(image: &Image, integrator: &str) {
+///
+/// - `why`: what a black picture may come from, as far as one can tell
+fn remark_darkness(image: &Image, integrator: &str, why: impl FnOnce() -> Option<String>) {
     let is_black = |names: &[&str]| names.iter().filter_map(|name| image.channel(name)).flatten().all(|value| *value == 0.0);
     let told: Vec<&str> = image.channels.iter().map(|c| c.name.as_str()).filter(|name| is_of_light(name)).collect();
     if is_black(&["R", "G", "B"]) {
         note("warning: the image is black");
+        why().iter().for_each(|reason| note(&format!("note: {reason}")));
     } else if !told.is_empty() && is_black(&told) {
         note(&format!("warning: {integrator} tells nothing of its light, or there is none in the layers asked for: they are black"));
     }
+}
+
+/// The lamps that shine to one side only, which may be the wrong one.
+fn one_sided(names: &Names, lights: &Lights) -> Option<String> {
+    const NAMED: usize = 3;
+    let is_one_sided = |light: &Light| matches!(light, Light::Area(area) if !area.emitter.emission.two_sided);
+    let mut lamps: Vec<&str> =
+        (0..).zip(lights.iter()).filter(|(_, light)| is_one_sided(light)).map(|(i, _)| names.light(lights, i)).collect();
+    lamps.dedup();
+    let more = if lamps.len() > NAMED { format!(" and {} more", lamps.len() - NAMED) } else { String::new() };
+    let verb = if lamps.len() > 1 { "shine" } else { "shines" };
+    lamps.truncate(NAMED);
+    let named = lamps.join(", ");
+    (!lamps.is_empty()).then(|| format!("{named}{more} {verb} to one side only, that of the normal: turn it, or say \"two_sided\": true"))
 }
 
 fn is_of_light(channel: &str) -> bool {

@@ -30,6 +30,7 @@ mod images;
 mod import;
 mod interrupts;
 mod intersection;
+mod lamps;
 mod ledger;
 mod light_choice;
 mod light_layers;

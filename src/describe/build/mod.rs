@@ -3,6 +3,7 @@
 mod camera;
 mod field;
 mod glass;
+mod lamps;
 mod light;
 mod material;
 mod mesh;
@@ -28,6 +29,7 @@ use crate::shape::{Cuboid, Disk, Geometry, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
 use crate::world::{MaterialId, Wear, World, WorldBuilder};
 pub(super) use camera::{film, sampler};
+use lamps::Lamp;
 use material::{MOST_PARTS, MOST_TEXTURES};
 
 /// A scene ready to render.
@@ -73,6 +75,8 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         parts: 0,
         pictures: BTreeMap::new(),
         contents: Contents::new(),
+        boxes: vec![],
+        lamps: vec![],
         needs: vec![],
         warnings: vec![],
         faults: vec![],
@@ -97,6 +101,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     }
     let mut warnings = std::mem::take(&mut builder.warnings);
     let of_scene = |message: &str| format!("{}: {message}", source.file);
+    warnings.extend(builder.averted(&camera));
     needs.append(&mut builder.needs);
     let contents = std::mem::take(&mut builder.contents);
     let place = |fault: Fault| if fault.file.is_empty() { locate(source.root, source.file, "/shapes", fault.message) } else { fault };
@@ -142,6 +147,9 @@ struct Builder<'a> {
     /// Each is read once; `None` where it could not be used.
     pictures: BTreeMap<(String, Encoding, Option<Channel>), Option<Arc<Pixels>>>,
     contents: Contents,
+    /// Around each shape, in the user's coordinates.
+    boxes: Vec<(DVec3, DVec3)>,
+    lamps: Vec<Lamp>,
     needs: Vec<(String, Effects)>,
     warnings: Vec<String>,
     faults: Vec<Fault>,
@@ -170,6 +178,7 @@ impl Builder<'_> {
         let mut effects = own.1;
         effects |= emitter.as_ref().map_or(Effects::NONE, |_| Effects::AREA_LIGHT);
         let own = own.0;
+        self.note_lamp(pointer, shape, to_world);
         match shape {
             Shape::Sphere(s) => self.place_at(pointer, s.center, Sphere { radius: s.radius.get() }, to_world, own, emitter),
             Shape::Box(s) => self.place_at(pointer, s.center, Cuboid { size: s.size.get() }, to_world, own, emitter),
@@ -198,6 +207,7 @@ impl Builder<'_> {
                 if parts.iter().any(|part| part.emitter.is_some()) {
                     effects |= Effects::AREA_LIGHT | Effects::FOUND_LIGHT;
                 }
+                self.boxes.push(solid.bounds(to_world));
                 self.world.solid(solid, *to_world, parts);
             }
             Shape::Group(_) => {}
@@ -229,6 +239,7 @@ impl Builder<'_> {
     }
 
     fn place(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
+        self.boxes.push(geometry.bounds(&to_world));
         self.world.parts(geometry, to_world, materials, emitter);
     }
 
