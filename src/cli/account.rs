@@ -8,7 +8,7 @@ use crate::output::{Attributes, Value};
 use crate::part::About;
 use crate::render::Report;
 
-use super::{note, signals};
+use super::{insist, note, signals};
 
 /// Functions of scene and settings alone.
 ///
@@ -67,7 +67,7 @@ pub fn summarise<'p>(
     match (report.samples, report.cancelled) {
         (0, _) => {
             let why = if signals::caught().is_some() { "interrupted" } else { "out of time" };
-            note(&format!("{what} · {why} before each pixel had a sample: nothing written"));
+            insist(&format!("{what} · {why} before each pixel had a sample: nothing written"));
         }
         (_, true) => note(&format!("{what} · interrupted{} · {files}", accuracy(course, confidence))),
         (_, false) => note(&format!("{what}{} · {files}", accuracy(course, confidence))),

@@ -10,6 +10,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 
 use super::image::args::Verb;
 use crate::error::{Error, Result};
+use crate::film::Image;
 use crate::output;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
@@ -25,6 +26,9 @@ pub struct Args {
     /// Errors as one JSON object on stderr.
     #[arg(long, global = true)]
     pub json_errors: bool,
+    /// Say nothing but errors and what was asked for: no notes, no warnings, no progress.
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
 }
 
 #[derive(Subcommand, Debug)]
@@ -236,20 +240,23 @@ pub struct Merge {
     pub confidence: f64,
     #[command(flatten)]
     pub develop: Develop,
-    /// Say nothing but errors.
-    #[arg(short, long)]
-    pub quiet: bool,
 }
 
 /// From radiance to 8 bits.
 #[derive(clap::Args, Debug)]
 pub struct Develop {
-    /// Stops of exposure, for 8-bit files only.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
-    pub exposure: f32,
+    /// Stops of exposure, for 8-bit files only; `auto` chooses them so that 95 % of the lit pixels are below white.
+    #[arg(long, value_name = "STOPS", default_value = "0", allow_negative_numbers = true, value_parser = exposure)]
+    pub exposure: Exposure,
     /// The curve from radiance to display, for 8-bit files only.
     #[arg(long, value_enum, default_value_t = Curve::None)]
     pub tonemap: Curve,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Exposure {
+    Stops(f32),
+    Auto,
 }
 
 #[derive(clap::Args, Debug)]
@@ -413,11 +420,8 @@ pub struct Render {
     /// Print what the render took: as text, or with =json as JSON.
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "text", value_name = "FORMAT")]
     pub stats: Option<Form>,
-    /// Say nothing but errors.
-    #[arg(short, long, conflicts_with = "verbose")]
-    pub quiet: bool,
     /// Say more: before rendering what `pt check` says of the scene.
-    #[arg(short, long)]
+    #[arg(short, long, conflicts_with = "quiet")]
     pub verbose: bool,
 }
 
@@ -448,8 +452,13 @@ impl Render {
 }
 
 impl Develop {
-    pub fn tonemap(&self) -> output::Tonemap {
-        output::Tonemap { exposure: self.exposure, curve: self.tonemap.into() }
+    /// How a picture is developed.
+    pub fn tonemap(&self, image: &Image) -> output::Tonemap {
+        let exposure = match self.exposure {
+            Exposure::Stops(stops) => stops,
+            Exposure::Auto => output::exposure::automatic(image),
+        };
+        output::Tonemap { exposure, curve: self.tonemap.into() }
     }
 }
 
@@ -570,6 +579,11 @@ fn angles(text: &str) -> std::result::Result<[f64; 2], String> {
     let parsed = text.split_once(',').and_then(|(theta, phi)| Some([theta.trim().parse().ok()?, phi.trim().parse().ok()?]));
     let inside = |[theta, phi]: &[f64; 2]| (0.0..=180.0).contains(theta) && phi.is_finite();
     parsed.filter(inside).ok_or("expected two angles in degrees such as 60,0; the first from 0 to 180".to_owned())
+}
+
+fn exposure(text: &str) -> std::result::Result<Exposure, String> {
+    let stops = finite(text).map(Exposure::Stops);
+    if text == "auto" { Ok(Exposure::Auto) } else { stops.map_err(|_| "expected a number of stops, or auto".to_owned()) }
 }
 
 pub(super) fn finite(text: &str) -> std::result::Result<f32, String> {

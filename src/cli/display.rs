@@ -14,13 +14,8 @@ pub struct Displayed {
 impl Displayed {
     /// - `address`: of a viewer, where there is to be one
     /// - `name`: of the picture
-    /// - `quiet`: whether nothing is to be said of a viewer that is not there
-    pub fn new(film: MomentFilm, address: Option<&str>, name: &str, quiet: bool) -> Displayed {
-        let warn = move |text: &str| {
-            if !quiet {
-                note(&format!("warning: {text}"));
-            }
-        };
+    pub fn new(film: MomentFilm, address: Option<&str>, name: &str) -> Displayed {
+        let warn = |text: &str| note(&format!("warning: {text}"));
         Displayed { film, viewer: address.map(|address| Viewer::start(address, name, warn)) }
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{args, note, say};
+use super::{args, insist, is_quiet, note, say};
 use crate::error::Result;
 use crate::film::{Film, MomentFilm};
 use crate::integrator::Integrator;
@@ -54,14 +54,14 @@ pub struct Taken<'a> {
 /// - `facets`: the scene without smooth shadows, and how many meshes have them
 pub fn tell(taken: &Taken, facets: Option<(World, usize)>) -> Result<()> {
     let Taken { args, render, film, course, .. } = *taken;
-    if !args.quiet || args.ledger {
+    if !is_quiet() || args.ledger {
         let matters = |removed: &Removed| args.ledger || args.verbose || removed.samples == 0 || removed.share > 0.0;
-        taken.biases(facets).iter().filter(|removed| matters(removed)).for_each(|removed| note(&told(removed)));
+        taken.biases(facets).iter().filter(|removed| matters(removed)).for_each(|removed| insist(&told(removed)));
     }
     let unknown = course.last().and_then(|last| last.error).is_some_and(|error| !error.is_established());
     match args.worst {
         Some(count) => say(&worst_samples(args, &worst(render, film, count as usize))?),
-        None if unknown && !args.quiet => taken.culprit().map(|line| line.iter().for_each(|line| note(line))),
+        None if unknown && !is_quiet() => taken.culprit().map(|line| line.iter().for_each(|line| note(line))),
         None => Ok(()),
     }
 }
@@ -71,7 +71,10 @@ impl Taken<'_> {
     fn culprit(&self) -> Result<Option<String>> {
         let Some(first) = worst(self.render, self.film, 1).samples.first().copied() else { return Ok(None) };
         let share = per_cent(first.share);
-        Ok(Some(format!("one sample makes {share} % of the noise: {} (--worst 10 lists more)", replay(self.args, first.id)?)))
+        Ok(Some(format!(
+            "one sample makes {share} % of the noise (--worst 10 lists more); how it came about:\n  {}",
+            replay(self.args, first.id)?
+        )))
     }
 
     /// What clamping took, counted; then what is estimated by a few samples more.

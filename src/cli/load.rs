@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::voice::Loading;
 use super::{args, memory};
 use crate::describe::{self, Built, Files, Identity, Shape, Source};
 use crate::error::text::one_line;
@@ -65,6 +66,7 @@ pub struct Override {
 ///
 /// - `more`: overrides that have flags of their own, after those of `-D`
 pub fn load(scene: &args::Scene, more: &[Override], integrator: Option<&str>, tables: &[&[Entry]]) -> Result<Loaded> {
+    let _loading = Loading::start(&describe::name(scene.path()?));
     let Imported { root, file, files, notes, .. } = imported(scene, more)?;
     let chosen = integrator::choose(tables, root.child("integrator"), integrator, &file);
     let (description, (entry, integrator)) = together(describe::read_with(&root, &file, &files), chosen)?;

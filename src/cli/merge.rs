@@ -28,9 +28,7 @@ pub fn merge(args: &args::Merge) -> Result<ExitCode> {
     };
     let films: Vec<&MomentFilm> = sum.films.iter().collect();
     parts.iter().try_for_each(|path| part::write(path, &sum.about, &films, &sum.report, &sum.course))?;
-    if !args.quiet {
-        summarise(&sum.about, &samples, &sum.report, &course, args.confidence, args.output.iter().map(PathBuf::as_path));
-    }
+    summarise(&sum.about, &samples, &sum.report, &course, args.confidence, args.output.iter().map(PathBuf::as_path));
     Ok(ExitCode::SUCCESS)
 }
 
@@ -39,8 +37,8 @@ fn develop(args: &args::Merge, pictures: &[&PathBuf], sum: &Part, film: &MomentF
     let course = course(film, sum);
     let attributes = attributes(&sum.about, film, course.last().and_then(|last| last.error), args.confidence, None);
     let image = film.image();
-    pictures.iter().try_for_each(|path| output::write(path, &image, &attributes, &args.develop.tonemap()))?;
-    if !args.quiet && image.pixels().flatten().all(|value| value == 0.0) {
+    pictures.iter().try_for_each(|path| output::write(path, &image, &attributes, &args.develop.tonemap(&image)))?;
+    if image.pixels().flatten().all(|value| value == 0.0) {
         note("warning: the image is black");
     }
     Ok(course)

@@ -28,6 +28,7 @@ mod signals;
 mod stats;
 mod trace;
 mod verify;
+mod voice;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -39,6 +40,7 @@ use crate::error::text::printable;
 use crate::error::{Error, Fault, Result, panic};
 use crate::integrator::Entry;
 use args::{Args, Command};
+use voice::{insist, is_quiet, note};
 
 /// The exit code of a question that was not answered: a target not reached, a test without power.
 const INCONCLUSIVE: u8 = 7;
@@ -51,6 +53,7 @@ pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
         Err(refusal) => return refusal::answer(&refusal),
     };
     let (json, file) = (args.json_errors, args.file());
+    voice::follow(&args);
     panic::silence();
     signals::let_writing_fail();
     set_message(lines(&Error::Limit(Fault::new("out of memory").in_file(&file)), json));
@@ -61,7 +64,7 @@ fn finish(result: Result<ExitCode>, json: bool) -> ExitCode {
     match result {
         Ok(code) => code,
         Err(error) => {
-            note(&lines(&error, json));
+            insist(&lines(&error, json));
             ExitCode::from(error.exit_code())
         }
     }
@@ -104,9 +107,4 @@ fn printed(result: std::io::Result<()>) -> Result<()> {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::io("stdout", error)),
         _ => Ok(()),
     }
-}
-
-/// One line on stderr, or more. Nothing in it moves a terminal.
-fn note(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{}", printable(text));
 }

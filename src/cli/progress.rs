@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::args;
-use super::{note, signals};
+use super::{insist, is_quiet, note, signals};
 use crate::film::{Film, FilmSpec};
 use crate::measure::{Course, Watcher};
 use crate::render::{Observer, Report};
@@ -41,6 +41,7 @@ impl Progress {
     /// - `rounds`: that the picture is expected to take, a sample per pixel each where its allocation says no more
     pub fn new(choice: args::Progress, film: &FilmSpec, rounds: u64, limit: Option<Duration>) -> Progress {
         let style = match choice {
+            args::Progress::Auto if is_quiet() => Style::Silent,
             args::Progress::Auto if std::io::stderr().is_terminal() => Style::Bar(bar()),
             args::Progress::Auto => Style::Lines(Duration::from_secs(3)),
             args::Progress::Bar => Style::Bar(bar()),
@@ -68,7 +69,7 @@ impl Progress {
     pub fn finish(&self) {
         match &self.style {
             Style::Bar(bar) => bar.finish_and_clear(),
-            Style::Json(_) => note(&self.json()),
+            Style::Json(_) => insist(&self.json()),
             Style::Lines(_) | Style::Silent => {}
         }
     }
@@ -148,7 +149,7 @@ impl Observer for Progress {
                 bar.set_message(self.words());
             }
             Style::Lines(every) if self.due(*every) => note(&format!("{:3.0} %  {}", 100.0 * self.share(), self.words())),
-            Style::Json(every) if self.due(*every) => note(&self.json()),
+            Style::Json(every) if self.due(*every) => insist(&self.json()),
             _ => {}
         }
     }

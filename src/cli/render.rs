@@ -14,14 +14,14 @@ use super::plan::{self, Plan};
 use super::progress::Progress;
 use super::stats::{Account, Counted};
 use super::trace::Trace;
-use super::{INCONCLUSIVE, args, check, forensics, note, pilot, say, signals};
+use super::{INCONCLUSIVE, args, check, forensics, insist, is_quiet, note, pilot, say, signals};
 use crate::describe::{Built, Names};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Crop, FilmSpec, Image, Layer, MomentFilm};
 use crate::integrator::{Entry, Integrator};
 use crate::light::{Light, Lights};
 use crate::measure::{self, Course, Outcome, Until, Watcher, adaptive, words};
-use crate::output::{self, Attributes, Format};
+use crate::output::{self, Attributes, Curve, Format, Tonemap, exposure};
 use crate::render::{self, Render, SampleId, Settings};
 use crate::sampler::Kind;
 use crate::scene::Scene;
@@ -31,10 +31,8 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
     let start = Instant::now();
     let loaded = load(&args.scene, &overrides(args)?, args.integrator.as_deref(), tables)?;
     let load_seconds = start.elapsed().as_secs_f64();
-    if !args.quiet {
-        loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
-        remark_missing_effects(&loaded);
-    }
+    loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    remark_missing_effects(&loaded);
     if args.verbose {
         note(&check::contents(&loaded));
     }
@@ -43,7 +41,7 @@ pub fn render(args: &args::Render, tables: &[&[Entry]]) -> Result<ExitCode> {
         return pool.install(|| pixel(args, loaded, x, y)).map(|()| ExitCode::SUCCESS);
     }
     let plan = Plan::new(args, &loaded)?;
-    if !args.quiet && !loaded.built.film.layers.is_empty() && !plan.pictures.iter().any(|path| Format::of(path) == Some(Format::Exr)) {
+    if !loaded.built.film.layers.is_empty() && !plan.pictures.iter().any(|path| Format::of(path) == Some(Format::Exr)) {
         note("warning: layers are written to .exr files, and none is asked for");
     }
     let whom = pilot::whom(&loaded, &args.integrators, tables)?;
@@ -116,12 +114,12 @@ fn picture(
     let mut spec = built.film;
     let mut start = plan.start(MomentFilm::new(spec.clone()), &until)?;
     let world: Arc<dyn Scene> = Arc::new(built.world);
-    let shown = if args.quiet && args.work.progress == args::Progress::Auto { args::Progress::None } else { args.work.progress };
+    let shown = args.work.progress;
     if let Some(time) = args.pilot {
         let progress = Progress::new(shown, &spec, u32::MAX.into(), Some(time * whom.len() as u32));
         let list = pilot::price_list(&world, &spec, &settings, whom, time, args.confidence, &progress);
         progress.finish();
-        note(&list);
+        insist(&list);
     }
     let counted = args.stats.map(|_| Arc::new(Counted::new(world.clone(), threads)));
     let scene = counted.clone().map_or(world.clone(), |counted| counted as Arc<dyn Scene>);
@@ -135,8 +133,8 @@ fn picture(
     let before = start.report.clone();
     let progress = Progress::new(shown, &spec, until.samples - plan.samples.start, until.time).resumed(&before);
     let keeper = Keeper::new(&progress, plan, args.checkpoint, until.time.filter(|_| before.samples == 0));
-    let keeper = if args.quiet || args.pilot.is_some() || plan.is_part { keeper } else { keeper.with_prices(entry.name, args.confidence) };
-    let mut displayed = Displayed::new(start.film, args.display_server.as_deref(), &stem, args.quiet);
+    let keeper = if is_quiet() || args.pilot.is_some() || plan.is_part { keeper } else { keeper.with_prices(entry.name, args.confidence) };
+    let mut displayed = Displayed::new(start.film, args.display_server.as_deref(), &stem);
     let mut render = Render::new(scene, &*integrator, &spec, &settings).resumed(start.next, start.report);
     let course = match plan.is_part {
         true => part(&mut render, &mut displayed, &until, &keeper),
@@ -155,13 +153,15 @@ fn picture(
         let error = course.last().and_then(|last| last.error);
         let clamped = forensics::clamped(args, film, report);
         let attributes = attributes(&plan.about, film, error, args.confidence, clamped.as_ref());
-        write_all(args, &plan.pictures, &image, &attributes)?;
-        if !args.quiet {
+        let tonemap = args.develop.tonemap(&image);
+        write_all(&plan.pictures, &image, &attributes, &tonemap)?;
+        if !is_quiet() {
             remark_darkness(&image, entry.name, || one_sided(&Names::of(&description), world.lights()));
+            remark_exposure(args, &plan.pictures, &image, &tonemap);
         }
     }
     kept?;
-    if !args.quiet || is_late {
+    if !is_quiet() || is_late {
         let samples = if plan.is_part { format!("samples {}", plan::ranges(&[film.range()])) } else { account::samples(film) };
         summarise(&plan.about, &samples, report, &course, args.confidence, plan.written());
         outcome.iter().for_each(|(target, outcome)| note(&words::outcome(target, *outcome)));
@@ -293,9 +293,23 @@ fn is_of_light(channel: &str) -> bool {
     ["Emission.", "Direct.", "Indirect.", "Light."].iter().any(|layer| channel.starts_with(layer))
 }
 
-fn write_all(args: &args::Render, outputs: &[PathBuf], image: &Image, attributes: &Attributes) -> Result<()> {
-    let tonemap = args.develop.tonemap();
+/// Which exposure was chosen, or that another would show more, where a picture is developed.
+fn remark_exposure(args: &args::Render, outputs: &[PathBuf], image: &Image, tonemap: &Tonemap) {
+    let developed = outputs.iter().find(|path| matches!(Format::of(path), Some(Format::Png | Format::Ppm)));
+    let Some(developed) = developed.filter(|_| matches!(tonemap.curve, Curve::None | Curve::Filmic)) else { return };
+    if args.develop.exposure == args::Exposure::Auto {
+        note(&format!("note: developed with --exposure {}", tonemap.exposure));
+    } else if let Some(fault) = exposure::fault(image, tonemap) {
+        let raw = outputs.iter().find(|path| Format::of(path) == Some(Format::Exr));
+        let again = raw.map_or(String::new(), |raw| {
+            format!("; without a new render:\n  pt image convert {} -o {} --exposure auto", raw.display(), developed.display())
+        });
+        note(&format!("note: {} is {fault}: --exposure {}, or auto, shows it{again}", developed.display(), exposure::automatic(image)));
+    }
+}
+
+fn write_all(outputs: &[PathBuf], image: &Image, attributes: &Attributes, tonemap: &Tonemap) -> Result<()> {
     // All are tried, so that one that fails does not take the others with it.
-    let results: Vec<Result<()>> = outputs.iter().map(|path| output::write(path, image, attributes, &tonemap)).collect();
+    let results: Vec<Result<()>> = outputs.iter().map(|path| output::write(path, image, attributes, tonemap)).collect();
     results.into_iter().collect()
 }

@@ -196,9 +196,11 @@ impl View<'_> {
         self.made(Value::String(text.into()))
     }
 
-    /// The shortest decimal that reads back as the same number.
+    /// The shortest decimal that reads back as the same number: whole ones without a point.
     pub fn make_number(&self, number: f64) -> Node {
-        self.made(Value::Number(format!("{number:?}").into()))
+        let text = format!("{number:?}");
+        let whole = text.strip_suffix(".0").filter(|whole| *whole != "-0").map(str::to_owned);
+        self.made(Value::Number(whole.unwrap_or(text).into()))
     }
 
     pub fn make_whole(&self, number: u64) -> Node {

@@ -37,9 +37,19 @@ pub fn next_price(course: &Course, confidence: f64) -> Option<String> {
     Some(format!("{} % would take about {}", per_cent(target), duration(price.seconds)))
 }
 
-/// `38 s (35–41 s)`
+/// `38 s (35 s–41 s)`
 pub fn price(price: &Price) -> String {
-    format!("{} ({}–{})", duration(price.seconds), duration(price.low), duration(price.high))
+    format!("{} ({})", duration(price.seconds), between(price.low, price.high))
+}
+
+/// `35 s–41 s`; where both ends read the same, how far they are from their middle: `± 3 %`.
+pub fn between(low: f64, high: f64) -> String {
+    let [from, to] = [low, high].map(duration);
+    match from == to {
+        true if high.is_finite() => format!("± {} %", per_cent(((high - low) / (high + low)).max(0.0))),
+        true => from,
+        false => format!("{from}–{to}"),
+    }
 }
 
 /// What became of a target: `target 1 %: met (95 % sure)`.
@@ -129,6 +139,22 @@ mod tests {
             (f64::INFINITY, "for ever"),
         ] {
             assert_eq!(duration(seconds), text, "{seconds}");
+        }
+    }
+
+    #[test]
+    fn intervals_of_times_have_two_ends_or_a_width() {
+        let day = 86400.0;
+        for (low, high, text) in [
+            (35.0, 41.0, "35 s–41 s"),
+            (1.8 * day, 3.2 * day, "43 h 12 min–3 days"),
+            (2.1 * day, 2.3 * day, "± 4.5 %"),
+            (14.0, 14.2, "± 0.71 %"),
+            (5.0, 5.0, "± 0 %"),
+            (3.0 * day, f64::INFINITY, "3 days–for ever"),
+            (f64::INFINITY, f64::INFINITY, "for ever"),
+        ] {
+            assert_eq!(between(low, high), text, "{low} to {high}");
         }
     }
 

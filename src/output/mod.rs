@@ -3,6 +3,7 @@
 pub mod attributes;
 pub mod colormap;
 pub(crate) mod decode;
+pub mod exposure;
 pub mod exr;
 pub mod hash;
 pub mod layer;

@@ -130,7 +130,10 @@ fn the_worst_samples_can_be_replayed() {
     // Chance meets the lamp a few times only: who is to blame is said unasked.
     assert!(stderr.contains("cannot be established"), "{stderr}");
     let (_, stderr) = pt(folder.path(), &args.iter().copied().filter(|word| !["--worst", "4"].contains(word)).collect::<Vec<_>>());
-    assert!(stderr.contains("one sample makes ") && stderr.contains(" --trace (--worst 10 lists more)"), "{stderr}");
+    assert!(
+        stderr.contains("one sample makes ") && stderr.contains(" (--worst 10 lists more)") && stderr.contains(" --trace\n"),
+        "{stderr}"
+    );
 }
 
 #[test]

@@ -66,6 +66,7 @@ mod textures;
 mod transforms;
 mod varying;
 mod verdicts;
+mod voice;
 mod warps;
 mod witness;
 mod worst;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use crate::cli::args::{Curve, finite};
+use crate::cli::args::{Curve, Develop, finite};
 use crate::output::{Colormap, Pick, Tonemap};
 
 #[derive(Subcommand, Debug)]
@@ -76,7 +76,7 @@ pub struct Convert {
     #[command(flatten)]
     pub layer: Layer,
     #[command(flatten)]
-    pub tone: Tone,
+    pub develop: Develop,
 }
 
 #[derive(Args, Debug)]
@@ -88,7 +88,7 @@ pub struct Average {
     #[arg(short, long, value_name = "OUT", required = true)]
     pub output: Vec<PathBuf>,
     #[command(flatten)]
-    pub tone: Tone,
+    pub develop: Develop,
 }
 
 #[derive(Args, Debug)]

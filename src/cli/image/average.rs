@@ -20,7 +20,7 @@ pub fn average(args: &Average) -> Result<()> {
     named.iter().for_each(warn_of_broken);
     warn_of_copies(&names, &read);
     let attributes = common(&read);
-    args.output.iter().try_for_each(|path| output::write(path, &mean, &attributes, &args.tone.map()))
+    args.output.iter().try_for_each(|path| output::write(path, &mean, &attributes, &args.develop.tonemap(&mean)))
 }
 
 fn warn_of_broken(picture: &Named) {

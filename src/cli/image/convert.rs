@@ -14,7 +14,7 @@ pub fn convert(args: &Convert) -> Result<()> {
     for path in &args.output {
         let keeps_all = Format::of(path) == Some(Format::Exr) && pick == Pick::Colour;
         let image = if keeps_all { all.clone() } else { only(&pick, &all, &args.input)? };
-        output::write(path, &image, &attributes, &args.tone.map())?;
+        output::write(path, &image, &attributes, &args.develop.tonemap(&image))?;
     }
     Ok(())
 }

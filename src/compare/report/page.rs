@@ -124,11 +124,11 @@ fn last(comparison: &Comparison, method: &Method) -> String {
 fn price(method: &Method, i: usize, target: f64) -> String {
     let Some(cost) = method.prices.get(i).copied().flatten() else { return format!("<small>{}</small>", plot::unpriced(method, target)) };
     // A line may end between two times, not within one.
-    let [seconds, low, high] = [cost.seconds, cost.low, cost.high].map(|time| words::duration(time).replace(' ', "\u{a0}"));
+    let [seconds, interval] = [words::duration(cost.seconds), words::between(cost.low, cost.high)].map(|text| text.replace(' ', "\u{a0}"));
     if cost.extrapolated {
-        format!("<span title=\"foretold\">≈ {seconds}</span> <small>{low}–{high}</small>")
+        format!("<span title=\"foretold\">≈ {seconds}</span> <small>{interval}</small>")
     } else {
-        format!("{seconds} <small>{low}–{high}</small>")
+        format!("{seconds} <small>{interval}</small>")
     }
 }
 

@@ -87,7 +87,7 @@ fn lamps() {
     for scene in [SCENE, &lamp] {
         assert_eq!(became(scene, "/shapes/0/emission/two_sided"), "true");
         let green = became(scene, "/shapes/0/emission/radiance/1");
-        assert_eq!(green, if scene == SCENE { "0.75" } else { "1.0" });
+        assert_eq!(green, if scene == SCENE { "0.75" } else { "1" });
     }
     let (imported, _) = built(&files(&lamp).path().join("scene.json")).expect("a scene");
     let notes: Vec<String> = imported.notes.iter().map(ToString::to_string).collect();

@@ -94,7 +94,7 @@ fn key_lights_are_as_bright_as_they_are_said_to_be() {
 #[test]
 fn materials_by_their_library() {
     let one = |library: &str| model(library).at("/materials/one").clone();
-    assert_eq!(one("Kd 0.25 0.5 1\n"), json!({ "type": "diffuse", "albedo": [0.25, 0.5, 1.0] }));
+    assert_eq!(one("Kd 0.25 0.5 1\n"), json!({ "type": "diffuse", "albedo": [0.25, 0.5, 1] }));
     // Ns 6: α² = 2/8, roughness = √α.
     let glossy = json!({ "type": "principled", "base_color": [0.5, 0.5, 0.5], "roughness": 0.25f64.powf(0.25), "eta": 1.25 });
     assert_eq!(one("Kd 0.5\nKs 0.1\nNs 6\nNi 1.25\nillum 2\n"), glossy);
@@ -105,16 +105,13 @@ fn materials_by_their_library() {
     assert_eq!(one("Kd 1 0 0\nKs 1\nillum 1\n")["type"], "diffuse");
     assert_eq!(
         one("Ni 1.33\nTf 1 0.5 1\nd 0.1\nillum 7\n"),
-        json!({ "type": "dielectric", "color": [1.0, 0.5, 1.0], "roughness": 0.0, "eta": 1.33 })
+        json!({ "type": "dielectric", "color": [1, 0.5, 1], "roughness": 0, "eta": 1.33 })
     );
     assert_eq!(
         one("Kd 1\nPr 0.5\nPm 1\n"),
-        json!({ "type": "principled", "base_color": [1.0, 1.0, 1.0], "metallic": 1.0, "roughness": 0.5, "eta": 1.5 })
+        json!({ "type": "principled", "base_color": [1, 1, 1], "metallic": 1, "roughness": 0.5, "eta": 1.5 })
     );
-    assert_eq!(
-        one("Kd 1\nd 0.25\n"),
-        json!({ "type": "masked", "surface": { "type": "diffuse", "albedo": [1.0, 1.0, 1.0] }, "opacity": 0.25 })
-    );
+    assert_eq!(one("Kd 1\nd 0.25\n"), json!({ "type": "masked", "surface": { "type": "diffuse", "albedo": [1, 1, 1] }, "opacity": 0.25 }));
     assert_eq!(one("Kd 1\nTr 0.25\n")["opacity"], 0.75);
     let image = json!({ "type": "image", "file": "maps/wood.png" });
     assert_eq!(one("map_Kd -clamp on maps/wood.png\n")["albedo"], image);
@@ -133,7 +130,7 @@ fn lamps_of_the_library_light_the_scene() {
     fs::write(folder.path().join("room.obj"), faces).expect("a file");
     fs::write(folder.path().join("a.mtl"), "newmtl wall\nKd 0.5\nnewmtl lamp\nKe 4 2 1\n").expect("a file");
     let scene = read(&folder.path().join("room.obj"));
-    assert_eq!(scene.at("/shapes/1/emission"), &json!({ "radiance": [4.0, 2.0, 1.0], "two_sided": true }));
+    assert_eq!(scene.at("/shapes/1/emission"), &json!({ "radiance": [4, 2, 1], "two_sided": true }));
     assert_eq!((scene.mesh(0).triangles.len(), scene.mesh(1).triangles.len()), (2, 1));
     assert!(scene.tree.get("background").is_none() && !scene.notes_say("no light"));
     assert!(scene.notes_say("materials that no library has, taken as matte, albedo 0.8: \"none\""), "{:?}", scene.notes);

@@ -57,8 +57,8 @@ pub fn slope((b, deviation): (f64, f64)) -> String {
 
 /// `14 s (12 s–17 s)`, foretold ones with `≈`.
 pub fn price(cost: &Cost) -> String {
-    let [seconds, low, high] = [cost.seconds, cost.low, cost.high].map(words::duration);
-    format!("{}{seconds} ({low}–{high})", if cost.extrapolated { "≈ " } else { "" })
+    let (seconds, interval) = (words::duration(cost.seconds), words::between(cost.low, cost.high));
+    format!("{}{seconds} ({interval})", if cost.extrapolated { "≈ " } else { "" })
 }
 
 /// Why no time buys this error.

@@ -1,0 +1,89 @@
+//! How bright a picture is, and the exposure that shows it.
+
+use super::Tonemap;
+use crate::film::Image;
+use crate::math::float::ln_f64;
+
+/// The share of a picture's lit pixels that is no brighter than what [`automatic`] shows as nearly white.
+const SHOWN: f64 = 0.95;
+
+/// Where that brightness is put, of white.
+const NEARLY_WHITE: f64 = 0.8;
+
+/// Below this share of white the brightest parts of a picture are hardly seen.
+const NEARLY_BLACK: f64 = 0.03;
+
+/// Above this multiple of white half of a picture shows no detail.
+const BURNT_OUT: f64 = 2.0;
+
+/// The stops of exposure, to a tenth, that show 95 % of the pixels that are not black below white, the brightest of them at 80 %;
+/// 0 for a black picture.
+///
+/// Exact under scaling: a picture 2^k times as bright has k stops less.
+pub fn automatic(image: &Image) -> f32 {
+    quantile(image, SHOWN).map_or(0.0, |brightness| (10.0 * ln_f64(NEARLY_WHITE / brightness) / ln_f64(2.0)).round() / 10.0) as f32
+}
+
+/// What an exposure makes of a picture that one would not want, in words; nothing is said of a black one.
+pub fn fault(image: &Image, tonemap: &Tonemap) -> Option<&'static str> {
+    let gain = f64::from(tonemap.exposure).exp2();
+    let at = |share: f64| quantile(image, share).map(|brightness| gain * brightness);
+    match (at(SHOWN)?, at(0.5)?) {
+        (bright, _) if bright < NEARLY_BLACK => Some("nearly black"),
+        (_, middle) if middle > BURNT_OUT => Some("burnt out"),
+        _ => None,
+    }
+}
+
+/// The mean of the colours that this share of the lit pixels does not exceed; `None` where all are black.
+fn quantile(image: &Image, share: f64) -> Option<f64> {
+    let mean = |[r, g, b]: [f32; 3]| (f64::from(r) + f64::from(g) + f64::from(b)) / 3.0;
+    let mut lit: Vec<f64> = image.pixels().map(mean).filter(|value| value.is_finite() && *value > 0.0).collect();
+    let place = ((lit.len() as f64 * share).ceil() as usize).clamp(1, lit.len().max(1)) - 1;
+    (!lit.is_empty()).then(|| *lit.select_nth_unstable_by(place, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::UVec2;
+
+    use super::*;
+    use crate::film::Channel;
+    use crate::output::Curve;
+
+    /// 100 pixels: `dark` of them black, the others from 1 to `100 − dark`, times `scale`.
+    fn picture(dark: usize, scale: f32) -> Image {
+        let values: Vec<f32> = (0..100).map(|i| if i < dark { 0.0 } else { (i - dark + 1) as f32 * scale }).collect();
+        let channels = ["R", "G", "B"].map(|name| Channel { name: name.into(), values: values.clone() }).into();
+        let size = UVec2::new(10, 10);
+        Image { full_size: size, origin: UVec2::ZERO, size, channels }
+    }
+
+    fn at(exposure: f32) -> Tonemap {
+        Tonemap { exposure, curve: Curve::None }
+    }
+
+    /// 95 of 100 pixels are no brighter than 95: log₂(0.8/95) = −6.89; half of the pixels dark, 48 of 50: log₂(0.8/48) = −5.91.
+    #[test]
+    fn most_of_a_picture_is_shown_below_white() {
+        assert_eq!(automatic(&picture(0, 1.0)), -6.9);
+        assert_eq!(automatic(&picture(50, 1.0)), -5.9);
+        assert_eq!(automatic(&picture(100, 1.0)), 0.0);
+        for k in [-60, -7, 9, 60] {
+            let stops = automatic(&picture(0, 2f32.powi(k)));
+            // A tenth as f32 has it.
+            assert!((stops - (-6.9 - k as f32)).abs() < 1e-5, "2^{k}: {stops}");
+        }
+    }
+
+    /// The brightest parts below 3 % of white, 5.1 stops; half of all above twice white.
+    #[test]
+    fn pictures_too_dark_or_too_bright_are_told() {
+        let right = -6.9;
+        for (stops, told) in [(0.0, None), (-4.5, None), (-5.0, Some("nearly black")), (2.1, None), (2.3, Some("burnt out"))] {
+            assert_eq!(fault(&picture(0, 1.0), &at(right + stops)), told, "{stops}");
+            assert_eq!(fault(&picture(0, 0.125), &at(right + stops + 3.0)), told, "{stops}");
+        }
+        assert_eq!(fault(&picture(100, 1.0), &at(0.0)), None);
+    }
+}
