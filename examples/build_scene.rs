@@ -5,10 +5,10 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::DVec3;
 use pt::bsdf::Material;
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::{FilmSpec, MomentFilm};
+use pt::glam::DVec3;
 use pt::integrators::nee::Nee;
 use pt::light::Emission;
 use pt::math::{Spectrum, Transform};
@@ -36,7 +36,7 @@ fn main() -> pt::Result<()> {
 
 fn world() -> pt::Result<World> {
     // A camera looks along −z of its pose; the field of view is vertical, in degrees. No lens: everything is sharp.
-    let pose = Pose::new(&at(0.0, 1.0, 6.8));
+    let pose = Pose::look_at(DVec3::new(0.0, 1.0, 6.8), DVec3::new(0.0, 1.0, 0.0), DVec3::Y)?;
     let (fov, lens_radius, focus_distance) = (20.0, 0.0, 1.0);
     let mut world = World::builder(Camera::Perspective(Perspective::new(pose, fov, lens_radius, focus_distance)));
 
@@ -48,27 +48,27 @@ fn world() -> pt::Result<World> {
 
     // A quad lies about the origin and faces +z: it is turned into the room, then moved.
     let wall = Quad { size: [2.0, 2.0] };
-    world.shape(wall, at(0.0, 1.0, -1.0), white, None);
-    world.shape(wall, turned(DVec3::X, -90.0).then(&at(0.0, 0.0, 0.0)), white, None);
-    world.shape(wall, turned(DVec3::X, 90.0).then(&at(0.0, 2.0, 0.0)), white, None);
-    world.shape(wall, turned(DVec3::Y, 90.0).then(&at(-1.0, 1.0, 0.0)), red, None);
-    world.shape(wall, turned(DVec3::Y, -90.0).then(&at(1.0, 1.0, 0.0)), green, None);
+    world.shape(wall, at(0.0, 1.0, -1.0)?, white, None);
+    world.shape(wall, turned(DVec3::X, -90.0, at(0.0, 0.0, 0.0)?)?, white, None);
+    world.shape(wall, turned(DVec3::X, 90.0, at(0.0, 2.0, 0.0)?)?, white, None);
+    world.shape(wall, turned(DVec3::Y, 90.0, at(-1.0, 1.0, 0.0)?)?, red, None);
+    world.shape(wall, turned(DVec3::Y, -90.0, at(1.0, 1.0, 0.0)?)?, green, None);
 
-    world.shape(Sphere { radius: 0.35 }, at(-0.4, 0.35, -0.3), white, None);
-    world.shape(Sphere { radius: 0.35 }, at(0.4, 0.35, 0.3), glass, None);
+    world.shape(Sphere { radius: 0.35 }, at(-0.4, 0.35, -0.3)?, white, None);
+    world.shape(Sphere { radius: 0.35 }, at(0.4, 0.35, 0.3)?, glass, None);
 
     // What emits is a light; its radiance is in W·m⁻²·sr⁻¹.
     let lamp = Emission::new(Spectrum::rgb(17.0, 14.0, 10.0));
-    world.shape(Quad { size: [0.6, 0.6] }, turned(DVec3::X, 90.0).then(&at(0.0, 1.998, 0.0)), white, Some(lamp));
+    world.shape(Quad { size: [0.6, 0.6] }, turned(DVec3::X, 90.0, at(0.0, 1.998, 0.0)?)?, white, Some(lamp));
     world.build()
 }
 
-/// Metres; the same place for numbers too large to be one.
-fn at(x: f64, y: f64, z: f64) -> Transform {
-    Transform::translate(DVec3::new(x, y, z)).unwrap_or(Transform::IDENTITY)
+/// Metres. An error says which numbers are no place.
+fn at(x: f64, y: f64, z: f64) -> pt::Result<Transform> {
+    Transform::translate(DVec3::new(x, y, z))
 }
 
-/// Counter-clockwise about an axis that points at the viewer.
-fn turned(axis: DVec3, degrees: f64) -> Transform {
-    Transform::rotate(axis, degrees).unwrap_or(Transform::IDENTITY)
+/// Turned counter-clockwise about an axis that points at the viewer, then moved.
+fn turned(axis: DVec3, degrees: f64, to: Transform) -> pt::Result<Transform> {
+    Ok(Transform::rotate(axis, degrees)?.then(&to))
 }

@@ -1,5 +1,7 @@
 //! An integrator of one's own, with the whole command line of pt: `cargo run --release --example plug_in -- --help`.
 //!
+//! A crate of one's own depends on pt alone: `pt::serde`, `pt::schemars` and `pt::glam` are the versions that pt speaks.
+//!
 //! ```sh
 //! cargo run --release --example plug_in -- --integrator depth scenes/cornell-box.json
 //! cargo run --release --example plug_in -- --integrator depth -D /integrator/half_distance=3 scenes/cornell-box.json
@@ -14,8 +16,8 @@ use pt::film::FilmSpec;
 use pt::integrator::{CameraSample, Context, Entry, Estimator, Integrator};
 use pt::math::Spectrum;
 use pt::scene::Scene;
-use schemars::JsonSchema;
-use serde::Deserialize;
+use pt::schemars::JsonSchema;
+use pt::serde::Deserialize;
 
 /// How near things are, as grey.
 ///
@@ -23,8 +25,8 @@ use serde::Deserialize;
 ///
 /// The fields are the integrator's options in a scene file; their types say what is allowed there.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
-#[serde(default)]
-#[schemars(deny_unknown_fields)]
+#[serde(default, crate = "pt::serde")]
+#[schemars(deny_unknown_fields, crate = "pt::schemars")]
 struct Depth {
     /// The distance that is shown as ½ [m]. Default: 1.
     half_distance: Option<Positive>,

@@ -33,3 +33,6 @@ pub mod world;
 
 pub use error::memory::Memory;
 pub use error::{Error, Fault, MAX_FAULTS, Result};
+
+/// What a plug-in needs beside pt, in the versions that pt speaks: vectors, options from scene files, and their schema.
+pub use {glam, schemars, serde};

@@ -12,6 +12,7 @@ pub mod spherical;
 use glam::{DMat3, DMat4, DVec3, DVec4, Vec2, Vec3};
 
 use crate::effects::Effects;
+use crate::error::Result;
 use crate::math::{Ray, Transform};
 
 pub use orthographic::Orthographic;
@@ -145,6 +146,14 @@ impl Pose {
     pub fn new(to_world: &Transform) -> Pose {
         let axis = |v: DVec3| to_world.vector(v).normalize().as_vec3();
         Pose { eye: to_world.point(DVec3::ZERO), right: axis(DVec3::X), up: axis(DVec3::Y), back: axis(DVec3::Z) }
+    }
+
+    /// The pose at `from` that looks at `to`.
+    ///
+    /// # Errors
+    /// As [`Transform::look_at`].
+    pub fn look_at(from: DVec3, to: DVec3, up: DVec3) -> Result<Pose> {
+        Transform::look_at(from, to, up).map(|to_world| Pose::new(&to_world))
     }
 
     fn vector(&self, v: Vec3) -> Vec3 {

@@ -304,7 +304,7 @@ impl<'a> Place<'a> {
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
         let (mut rotation, mut steps) = (Transform::IDENTITY, vec![]);
         for (axis, (degrees, view)) in axes.into_iter().zip(&self.turns).filter(|(_, (degrees, _))| *degrees != 0.0) {
-            rotation = rotation.then(&Transform::rotate(axis, *degrees)?);
+            rotation = rotation.then(&Transform::rotate(axis, *degrees).ok()?);
             let turn = [("axis", view.make_numbers(axis.to_array())), ("degrees", view.make_number(*degrees))];
             steps.push(step(view, "rotate", view.make_object(turn)));
         }

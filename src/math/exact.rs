@@ -1,15 +1,24 @@
 //! Sums without rounding.
 
+use std::fmt;
+
 /// The exact sum of f32 numbers: the same in any order, however it is divided.
 ///
 /// A finite f32 is m·2^(e − 149) with |m| < 2²⁴ and 0 ≤ e ≤ 253. The sum is kept as an integer multiple of 2⁻¹⁴⁹, in digits
 /// of 32 bits, each in an i64: 2³¹ numbers fit in before digits must be carried.
 ///
 /// Source: Kulisch, *Arithmetic Operations in Floating-Point* (1971). Tests: `exact_sums_have_no_order`.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Default, PartialEq, Eq)]
 pub struct ExactSum {
     /// Lowest first.
     digits: [i64; DIGITS],
+}
+
+/// The sum, not its digits.
+impl fmt::Debug for ExactSum {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_tuple("ExactSum").field(&self.get()).finish()
+    }
 }
 
 /// 254 + 24 bits of numbers, 32 of room for sums.
@@ -93,5 +102,10 @@ mod tests {
             assert_eq!(sum([x, -x]).get(), 0.0);
         }
         assert_eq!(sum([f32::NAN, f32::INFINITY]).get(), 0.0);
+    }
+
+    #[test]
+    fn sums_are_shown_as_numbers() {
+        assert_eq!(format!("{:?}", sum([0.5, 0.25])), "ExactSum(0.75)");
     }
 }

@@ -3,13 +3,14 @@
 use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
 
 use super::float::sin_cos_degrees;
+use crate::error::{Error, Fault, Result};
 
 /// An invertible affine map of space, with its inverse.
 ///
 /// p ↦ M p + t
 ///
 /// Double precision, because a scene is baked once and seen often. Column vectors. Every
-/// constructor that takes a user's numbers returns `None` where they make no invertible map;
+/// constructor that takes a user's numbers returns an error where they make no invertible map;
 /// composition multiplies the known inverses, so that nothing can fail later.
 ///
 /// Tests: inverse round trips, normals stay perpendicular, handedness of mirrored mirrors.
@@ -29,26 +30,43 @@ impl Default for Transform {
 impl Transform {
     pub const IDENTITY: Transform = Transform { matrix: DAffine3::IDENTITY, inverse: DAffine3::IDENTITY, flips: false };
 
-    /// A translation; `None` unless finite.
-    pub fn translate(by: DVec3) -> Option<Transform> {
-        Transform::checked(DAffine3::from_translation(by), DAffine3::from_translation(-by), false)
+    /// A translation.
+    ///
+    /// # Errors
+    /// `Invalid` unless finite.
+    pub fn translate(by: DVec3) -> Result<Transform> {
+        let moved = Transform::checked(DAffine3::from_translation(by), DAffine3::from_translation(-by), false);
+        moved.ok_or_else(|| refused(format!("a translation by {by} leads nowhere")))
     }
 
-    /// A scale along each axis; `None` if a factor or its inverse is zero or not finite. Negative factors mirror.
-    pub fn scale(by: DVec3) -> Option<Transform> {
+    /// A scale along each axis. Negative factors mirror.
+    ///
+    /// # Errors
+    /// `Invalid` if a factor or its inverse is zero or not finite.
+    pub fn scale(by: DVec3) -> Result<Transform> {
         let flips = (by.x < 0.0) ^ (by.y < 0.0) ^ (by.z < 0.0);
-        Transform::checked(DAffine3::from_scale(by), DAffine3::from_scale(by.recip()), flips)
+        let scaled = Transform::checked(DAffine3::from_scale(by), DAffine3::from_scale(by.recip()), flips);
+        scaled.ok_or_else(|| refused(format!("a scale by {by} cannot be undone")))
     }
 
-    /// A rotation about an axis through the origin, counter-clockwise seen from the axis' tip; `None` for a zero axis.
+    /// A rotation about an axis through the origin, counter-clockwise seen from the axis' tip.
     ///
     /// R = cos θ·1 + sin θ·(a×) + (1 − cos θ)·a aᵀ
     ///
     /// Multiples of 90° about a coordinate axis are exact.
     ///
+    /// # Errors
+    /// `Invalid` for an axis that is zero, and for what is not finite.
+    ///
     /// Source: Rodrigues (1840). Tests: exact quarter turns, length and handedness kept.
-    pub fn rotate(axis: DVec3, degrees: f64) -> Option<Transform> {
-        let a = unit(axis)?;
+    pub fn rotate(axis: DVec3, degrees: f64) -> Result<Transform> {
+        unit(axis)
+            .and_then(|axis| Transform::turn(axis, degrees))
+            .ok_or_else(|| refused(format!("a rotation by {degrees}° about the axis {axis} is none")))
+    }
+
+    /// - `a`: unit
+    fn turn(a: DVec3, degrees: f64) -> Option<Transform> {
         let (sin, cos) = sin_cos_degrees(degrees);
         let cross = DMat3::from_cols(DVec3::new(0.0, a.z, -a.y), DVec3::new(-a.z, 0.0, a.x), DVec3::new(a.y, -a.x, 0.0));
         let outer = DMat3::from_cols(a * a.x, a * a.y, a * a.z);
@@ -58,10 +76,16 @@ impl Transform {
 
     /// The camera's frame in the world: it stands at `from` and looks along its −z to `to`, with x right and y up.
     ///
-    /// `None` when `from` is `to`, or `up` is zero or parallel to the line of sight.
+    /// # Errors
+    /// `Invalid` when `from` is `to`, or `up` is zero or parallel to the line of sight.
     ///
     /// Tests: orthonormal and right-handed, −z hits the target, degenerate input rejected.
-    pub fn look_at(from: DVec3, to: DVec3, up: DVec3) -> Option<Transform> {
+    pub fn look_at(from: DVec3, to: DVec3, up: DVec3) -> Result<Transform> {
+        let refused = || refused(format!("a view from {from} to {to} with {up} up has no direction, or up is along it"));
+        Transform::view(from, to, up).ok_or_else(refused)
+    }
+
+    fn view(from: DVec3, to: DVec3, up: DVec3) -> Option<Transform> {
         let z = unit(from - to)?;
         let up = unit(up)?;
         let x = up.cross(z);
@@ -77,13 +101,18 @@ impl Transform {
         Transform::checked(matrix, DAffine3::from_mat3_translation(back, -(back * from)), false)
     }
 
-    /// Any affine matrix; `None` if it is projective, not finite, or singular.
+    /// Any affine matrix.
     ///
-    /// Singular means: |det M| is within the rounding error of computing it,
+    /// # Errors
+    /// `Invalid` if it is projective, not finite, or singular. Singular means: |det M| is within the rounding error of computing it,
     /// |det M| ≤ 8 ε perm |M|. The bound scales with rows and columns, so small objects are not singular.
     ///
     /// Tests: singular, projective and non-finite input rejected; tiny and huge scales accepted.
-    pub fn from_matrix(m: DMat4) -> Option<Transform> {
+    pub fn from_matrix(m: DMat4) -> Result<Transform> {
+        Transform::affine(m).ok_or_else(|| refused("a matrix that cannot be undone, or is none of an affine map".into()))
+    }
+
+    fn affine(m: DMat4) -> Option<Transform> {
         if m.row(3) != DVec4::W {
             return None;
         }
@@ -146,6 +175,10 @@ impl Transform {
     fn checked(matrix: DAffine3, inverse: DAffine3, flips: bool) -> Option<Transform> {
         (matrix.is_finite() && inverse.is_finite()).then_some(Transform { matrix, inverse, flips })
     }
+}
+
+fn refused(why: String) -> Error {
+    Error::invalid(Fault::new(why))
 }
 
 /// The vector at unit length, however long or short it was; `None` for zero and for what is not finite.

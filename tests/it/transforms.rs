@@ -148,14 +148,14 @@ fn look_at_looks_down_minus_z_with_y_up() {
 #[test]
 fn look_at_refuses_what_has_no_frame() {
     let (o, ahead) = (DVec3::ZERO, DVec3::new(1.0, 2.0, -3.0));
-    assert!(Transform::look_at(o, o, DVec3::Y).is_none());
-    assert!(Transform::look_at(o, ahead, DVec3::ZERO).is_none());
-    assert!(Transform::look_at(o, DVec3::NAN, DVec3::Y).is_none());
-    assert!(Transform::look_at(o, DVec3::INFINITY, DVec3::Y).is_none());
+    assert!(Transform::look_at(o, o, DVec3::Y).is_err());
+    assert!(Transform::look_at(o, ahead, DVec3::ZERO).is_err());
+    assert!(Transform::look_at(o, DVec3::NAN, DVec3::Y).is_err());
+    assert!(Transform::look_at(o, DVec3::INFINITY, DVec3::Y).is_err());
     let mut random = Random::new(6);
     for _ in 0..10_000 {
         let (from, direction) = (random.direction(), random.direction() * random.magnitude(0.1, 10.0));
-        assert!(Transform::look_at(DVec3::ZERO, direction, direction * random.range(-3.0, 3.0)).is_none());
+        assert!(Transform::look_at(DVec3::ZERO, direction, direction * random.range(-3.0, 3.0)).is_err());
         // Nearly parallel is still a frame.
         let up = direction + 1e-6 * from;
         let frame = Transform::look_at(DVec3::ZERO, direction, up).unwrap();
@@ -165,17 +165,17 @@ fn look_at_refuses_what_has_no_frame() {
 
 #[test]
 fn matrices_that_are_no_affine_bijections_are_refused() {
-    let refused = |m: DMat4| Transform::from_matrix(m).is_none();
+    let refused = |m: DMat4| Transform::from_matrix(m).is_err();
     let zero_scale = DMat4::from_scale(DVec3::new(1.0, 0.0, 1.0));
     assert!(refused(DMat4::ZERO) && refused(zero_scale) && refused(DMat4::NAN));
     assert!(refused(DMat4::IDENTITY * f64::INFINITY) && refused(DMat4::from_translation(DVec3::INFINITY)));
     for projective in [DVec4::new(0.0, 0.0, -1.0, 0.0), DVec4::new(1e-9, 0.0, 0.0, 1.0), DVec4::new(0.0, 0.0, 0.0, 2.0)] {
         assert!(refused(DMat4::from_rows(DVec4::X, DVec4::Y, DVec4::Z, projective)));
     }
-    assert!(Transform::scale(DVec3::new(1.0, 0.0, 1.0)).is_none() && Transform::scale(DVec3::NAN).is_none());
-    assert!(Transform::scale(DVec3::splat(f64::INFINITY)).is_none());
-    assert!(Transform::rotate(DVec3::ZERO, 30.0).is_none() && Transform::rotate(DVec3::X, f64::NAN).is_none());
-    assert!(Transform::rotate(DVec3::X, f64::INFINITY).is_none() && Transform::translate(DVec3::NAN).is_none());
+    assert!(Transform::scale(DVec3::new(1.0, 0.0, 1.0)).is_err() && Transform::scale(DVec3::NAN).is_err());
+    assert!(Transform::scale(DVec3::splat(f64::INFINITY)).is_err());
+    assert!(Transform::rotate(DVec3::ZERO, 30.0).is_err() && Transform::rotate(DVec3::X, f64::NAN).is_err());
+    assert!(Transform::rotate(DVec3::X, f64::INFINITY).is_err() && Transform::translate(DVec3::NAN).is_err());
 
     let mut random = Random::new(7);
     for _ in 0..10_000 {
@@ -193,7 +193,7 @@ fn singular_is_relative_so_tiny_and_flat_objects_are_allowed() {
     for s in [1e-80, 1e-30, 1e-15, 1e15, 1e30, 1e80] {
         let t = Transform::from_matrix(DMat4::from_scale(DVec3::splat(s))).unwrap();
         assert!(inverse_error(&t) < 4.0 * f64::EPSILON);
-        assert!(Transform::from_matrix(DMat4::from_scale(DVec3::new(1.0, 1.0, s))).is_some());
+        assert!(Transform::from_matrix(DMat4::from_scale(DVec3::new(1.0, 1.0, s))).is_ok());
     }
 }
 
@@ -217,4 +217,18 @@ fn frames_are_orthonormal() {
             assert!((frame.to_local(frame.to_world(Local(w))).0 - w).length() < few, "{frame:?}");
         }
     }
+}
+
+/// What cannot be placed is said in words, and a pose is the transform that it is made of.
+#[test]
+fn refusals_name_what_was_given() {
+    let said = |result: pt::Result<Transform>| result.expect_err("no transform").to_string();
+    assert_eq!(said(Transform::translate(DVec3::new(f64::NAN, 0.0, 0.0))), "a translation by [NaN, 0, 0] leads nowhere");
+    assert_eq!(said(Transform::scale(DVec3::new(1.0, 0.0, 1.0))), "a scale by [1, 0, 1] cannot be undone");
+    assert_eq!(said(Transform::rotate(DVec3::ZERO, 30.0)), "a rotation by 30° about the axis [0, 0, 0] is none");
+    assert!(said(Transform::look_at(DVec3::X, DVec3::X, DVec3::Y)).starts_with("a view from [1, 0, 0] to [1, 0, 0]"));
+    let (from, to, up) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 0.5, 0.0), DVec3::Y);
+    let pose = pt::camera::Pose::look_at(from, to, up).expect("a view");
+    assert_eq!(pose, pt::camera::Pose::new(&Transform::look_at(from, to, up).expect("a view")));
+    assert!(pt::camera::Pose::look_at(from, from, up).is_err());
 }

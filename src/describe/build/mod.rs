@@ -233,8 +233,8 @@ impl Builder<'_> {
         emitter: Option<Emitter>,
     ) {
         match Transform::translate(DVec3::from(center.0)) {
-            Some(to_center) => self.place(geometry, to_center.then(to_world), vec![material], emitter),
-            None => self.fault(&format!("{pointer}/center"), "too far away"),
+            Ok(to_center) => self.place(geometry, to_center.then(to_world), vec![material], emitter),
+            Err(_) => self.fault(&format!("{pointer}/center"), "too far away"),
         }
     }
 

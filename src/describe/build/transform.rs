@@ -20,16 +20,17 @@ pub(in crate::describe::build) fn placed(steps: &describe::Transform, outer: &Tr
 }
 
 fn step_of(step: &Step) -> Option<Transform> {
-    match step {
+    let map = match step {
         Step::Translate(by) => Transform::translate(by.0.into()),
         Step::Scale(Scale::Uniform(by)) => Transform::scale(DVec3::splat(*by)),
         Step::Scale(Scale::PerAxis(by)) => Transform::scale((*by).into()),
         Step::Rotate(rotate) => Transform::rotate(rotate.axis.0.into(), rotate.degrees.get()),
-        Step::LookAt(look_at) => self::look_at(look_at),
+        Step::LookAt(at) => Transform::look_at(at.from.0.into(), at.to.0.into(), at.up.0.into()),
         Step::Matrix(rows) => Transform::from_matrix(DMat4::from_cols_array(&rows.map(|x| x.get())).transpose()),
-    }
+    };
+    map.ok()
 }
 
 pub(super) fn look_at(at: &LookAt) -> Option<Transform> {
-    Transform::look_at(at.from.0.into(), at.to.0.into(), at.up.0.into())
+    Transform::look_at(at.from.0.into(), at.to.0.into(), at.up.0.into()).ok()
 }

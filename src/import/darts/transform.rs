@@ -17,12 +17,16 @@ struct Command {
 
 const COMMANDS: &[Command] = &[
     Command { keys: &["from", "at", "to", "up"], step: look_at, map: |view| of_look_at(frame(view)?) },
-    Command { keys: &["o", "x", "y", "z"], step: columns, map: |view| Transform::from_matrix(axes(view)?) },
-    Command { keys: &["translate"], step: |view| step(view, "translate"), map: |view| Transform::translate(triple(view, "translate")?) },
-    Command { keys: &["scale"], step: |view| step(view, "scale"), map: |view| Transform::scale(triple(view, "scale")?) },
+    Command { keys: &["o", "x", "y", "z"], step: columns, map: |view| Transform::from_matrix(axes(view)?).ok() },
+    Command {
+        keys: &["translate"],
+        step: |view| step(view, "translate"),
+        map: |view| Transform::translate(triple(view, "translate")?).ok(),
+    },
+    Command { keys: &["scale"], step: |view| step(view, "scale"), map: |view| Transform::scale(triple(view, "scale")?).ok() },
     Command { keys: &["axis", "angle"], step: axis_angle, map: |view| turned(axis_and_angle(view)?) },
     Command { keys: &["rotate"], step: rotate, map: |view| turned(angle_and_axis(view)?) },
-    Command { keys: &["matrix"], step: matrix, map: |view| Transform::from_matrix(rows(view)?) },
+    Command { keys: &["matrix"], step: matrix, map: |view| Transform::from_matrix(rows(view)?).ok() },
 ];
 
 /// A list of pt's steps.
@@ -79,7 +83,7 @@ fn frame(view: &View) -> Option<[[f64; 3]; 3]> {
 }
 
 fn of_look_at([from, to, up]: [[f64; 3]; 3]) -> Option<Transform> {
-    Transform::look_at(from.into(), to.into(), up.into())
+    Transform::look_at(from.into(), to.into(), up.into()).ok()
 }
 
 fn look_at(view: &View) -> Option<Node> {
@@ -113,7 +117,7 @@ fn angle_and_axis(view: &View) -> Option<Turn> {
 }
 
 fn turned((axis, degrees): Turn) -> Option<Transform> {
-    Transform::rotate(axis.into(), degrees)
+    Transform::rotate(axis.into(), degrees).ok()
 }
 
 fn axis_angle(view: &View) -> Option<Node> {
