@@ -59,6 +59,13 @@ pub enum Command {
         #[command(subcommand)]
         verb: Verb,
     },
+    /// What a shell needs to complete commands and options, on stdout: `pt completions bash > ~/.local/share/bash-completion/completions/pt`.
+    Completions { shell: Shell },
+    /// The manual page, or that of a command, on stdout: `pt man | man -l -`.
+    Man {
+        /// Of this command, such as compare.
+        command: Option<String>,
+    },
 }
 
 #[derive(clap::Args, Debug)]
@@ -266,6 +273,23 @@ pub struct Check {
     /// The integrator to check the scene for; default: the scene's.
     #[arg(short, long, value_name = "NAME")]
     pub integrator: Option<String>,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shell {
+    Bash,
+    Zsh,
+    Fish,
+}
+
+impl From<Shell> for clap_complete::Shell {
+    fn from(shell: Shell) -> clap_complete::Shell {
+        match shell {
+            Shell::Bash => clap_complete::Shell::Bash,
+            Shell::Zsh => clap_complete::Shell::Zsh,
+            Shell::Fish => clap_complete::Shell::Fish,
+        }
+    }
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

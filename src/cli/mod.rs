@@ -6,6 +6,7 @@ mod account;
 mod args;
 mod check;
 mod compare;
+mod completions;
 mod convert;
 mod display;
 mod forensics;
@@ -13,6 +14,7 @@ mod image;
 mod keep;
 mod list;
 mod load;
+mod man;
 mod memory;
 mod merge;
 mod outputs;
@@ -83,6 +85,8 @@ fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Convert(args)) => convert::convert(&args, tables)?,
         Some(Command::List { what }) => list::list(what, tables)?,
         Some(Command::Schema(args)) => schema::schema(&args, tables)?,
+        Some(Command::Completions { shell }) => completions::completions(shell)?,
+        Some(Command::Man { command }) => man::man(command.as_deref())?,
         None => return render::render(&args.render, tables),
     }
     Ok(ExitCode::SUCCESS)

@@ -58,6 +58,7 @@ mod scene_format;
 mod scenes;
 mod shapes;
 mod shared;
+mod shell;
 mod spherical;
 mod statistics;
 mod terminator;
