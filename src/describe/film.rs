@@ -92,7 +92,8 @@ pub struct GaussianFilter {
     pub sigma: Positive,
 }
 
-/// The cubic of Mitchell and Netravali: sharp, with slight negative lobes.
+/// The cubic of Mitchell and Netravali: sharp, with slight negative lobes. Samples there count negatively, which is noise even in a
+/// picture of one colour; the other filters have none there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MitchellFilter {

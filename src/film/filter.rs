@@ -1,8 +1,9 @@
 //! Reconstruction filters, by importance sampling: a sample is moved, not spread.
 //!
 //! Instead of weighting samples around a pixel by f, one is drawn at a distance x from the pixel's
-//! middle with density |f|/∫|f| and counts with weight f/(p ∫f): each sample touches one pixel only,
-//! so that pixels are independent and error bars mean something.
+//! middle with density |f|/∫|f| and counts with weight ±∫|f|/∫f: each sample touches one pixel only,
+//! so that pixels are independent and error bars mean something. The weight of a filter without negative
+//! lobes is exactly 1, and a constant picture stays constant.
 //!
 //! Source: Ernst, Stamminger, Greiner, *Filter Importance Sampling* (2006).
 
@@ -20,7 +21,7 @@ pub struct Filter {
 enum Kind {
     Box { radius: f32 },
     Tent { radius: f32 },
-    Table(Table),
+    Curve(Curve),
 }
 
 impl Default for Filter {
@@ -46,10 +47,15 @@ impl Filter {
     pub fn gaussian(radius: f32, sigma: f32) -> Filter {
         let (radius_squared, twice_variance) = ((radius as f64).powi(2), 2.0 * (sigma as f64).powi(2));
         let f = move |x: f64| float::exp_f64(-x * x / twice_variance) * -float::exp_m1_f64((x * x - radius_squared) / twice_variance);
-        Filter { kind: Kind::Table(Table::new(radius, f)) }
+        // Beyond 9 σ lies 10⁻¹⁸ of it.
+        let end = (radius as f64).min(9.0 * sigma as f64);
+        let borders: Vec<f64> = (0..=GAUSSIAN_PIECES).map(|k| end * k as f64 / GAUSSIAN_PIECES as f64).collect();
+        Filter { kind: Kind::Curve(Curve::new(&borders, f)) }
     }
 
-    /// Mitchell and Netravali's cubic, stretched to the given radius; it has negative lobes.
+    /// Mitchell and Netravali's cubic, stretched to the given radius; it has negative lobes, except where c = 0.
+    ///
+    /// f = (2 − x)² (2b + 6c − (b + 6c) x)/6 for 1 ≤ x ≤ 2: it changes its sign at x = 1 + b/(b + 6c), and nowhere else.
     ///
     /// Source: *Reconstruction Filters in Computer Graphics* (1988).
     pub fn mitchell(radius: f32, b: f32, c: f32) -> Filter {
@@ -63,14 +69,15 @@ impl Filter {
                 (cubic + (-12.0 * b - 48.0 * c) * x + (8.0 * b + 24.0 * c)) / 6.0
             }
         };
-        Filter { kind: Kind::Table(Table::new(radius, f)) }
+        let root = if b > 0.0 { 1.0 + b / (b + 6.0 * c) } else { 1.0 };
+        Filter { kind: Kind::Curve(Curve::new(&[0.0, 1.0, root, 2.0].map(|x| 0.5 * radius as f64 * x), f)) }
     }
 
     /// Whether it is nowhere negative.
     pub fn is_positive(&self) -> bool {
         match &self.kind {
             Kind::Box { .. } | Kind::Tent { .. } => true,
-            Kind::Table(table) => table.value.iter().all(|value| *value >= 0.0),
+            Kind::Curve(curve) => curve.pieces.iter().all(|piece| piece.sign > 0.0),
         }
     }
 
@@ -79,8 +86,8 @@ impl Filter {
         match &self.kind {
             Kind::Box { radius } => ((2.0 * u - 1.0) * *radius, 1.0),
             Kind::Tent { radius } => (Vec2::new(tent(u.x), tent(u.y)) * *radius, 1.0),
-            Kind::Table(table) => {
-                let ((x, wx), (y, wy)) = (table.sample(u.x), table.sample(u.y));
+            Kind::Curve(curve) => {
+                let ((x, wx), (y, wy)) = (curve.sample(u.x), curve.sample(u.y));
                 (Vec2::new(x, y), wx * wy)
             }
         }
@@ -92,42 +99,93 @@ fn tent(u: f32) -> f32 {
     if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
 }
 
-const CELLS: usize = 128;
+/// A cubic through four values of the gaussian on each of so many intervals is the gaussian to 5·10⁻⁸ of its height, for any σ.
+const GAUSSIAN_PIECES: usize = 128;
 
-/// A piecewise constant density proportional to |f|, f kept beside it for the weight.
+/// A filter that is the same on both sides of 0, as cubics on intervals from 0 to its radius.
 #[derive(Clone, Debug, PartialEq)]
-struct Table {
-    radius: f32,
-    /// Cumulative, from 0 to 1 over the cells.
-    cdf: Vec<f64>,
-    /// f at the borders of the cells, over ∫f.
-    value: Vec<f64>,
+struct Curve {
+    pieces: Vec<Piece>,
+    /// ∫|f| / ∫f: exactly 1 where nothing is negative.
+    weight: f64,
 }
 
-impl Table {
-    fn new(radius: f32, f: impl Fn(f64) -> f64) -> Table {
-        let width = 2.0 * radius as f64 / CELLS as f64;
-        let at = |k: usize| f(k as f64 * width - radius as f64);
-        let value: Vec<f64> = (0..=CELLS).map(at).collect();
-        let cell = |k: usize| 0.5 * (value[k].abs() + value[k + 1].abs()) * width;
-        let absolute: f64 = (0..CELLS).map(cell).sum();
-        let signed: f64 = (0..CELLS).map(|k| 0.5 * (value[k] + value[k + 1]) * width).sum();
-        let mut cdf = vec![0.0];
-        for k in 0..CELLS {
-            cdf.push(cdf[k] + cell(k) / absolute);
+/// |f| on an interval where f keeps its sign.
+#[derive(Clone, Debug, PartialEq)]
+struct Piece {
+    start: f64,
+    width: f64,
+    /// |f| = c₀ + c₁ t + c₂ t² + c₃ t³ from t = 0 at the start to t = 1 at the end.
+    cubic: [f64; 4],
+    /// ∫|f| dt
+    size: f64,
+    /// The shares of ∫|f| nearer to 0 than this piece, and within it.
+    shares: [f64; 2],
+    sign: f64,
+}
+
+impl Curve {
+    /// - `borders`: of the intervals, from 0; f changes its sign nowhere between them
+    fn new(borders: &[f64], f: impl Fn(f64) -> f64) -> Curve {
+        let pieces = borders.windows(2).map(|ends| Piece::new(ends[0], ends[1], &f));
+        let mut pieces: Vec<Piece> = pieces.filter(|piece| piece.width * piece.size > 0.0).collect();
+        let size = |piece: &Piece| piece.width * piece.size;
+        let total: f64 = pieces.iter().map(size).sum();
+        let signed: f64 = pieces.iter().map(|piece| piece.sign * size(piece)).sum();
+        let mut nearer = 0.0;
+        for piece in &mut pieces {
+            piece.shares = [nearer / total, size(piece) / total];
+            nearer += size(piece);
         }
-        Table { radius, cdf, value: value.into_iter().map(|v| v / signed).collect() }
+        Curve { pieces, weight: total / signed }
     }
 
-    /// The filter itself is the broken line through the table, so that this sampling is exact for it.
+    /// A distance with density |f|/∫|f|, by the inverse of its distribution, and the weight of what is found there.
     fn sample(&self, u: f32) -> (f32, f32) {
-        let u = u as f64;
-        let k = self.cdf.partition_point(|&c| c <= u).clamp(1, CELLS) - 1;
-        let share = self.cdf[k + 1] - self.cdf[k];
-        let inside = ((u - self.cdf[k]) / share).clamp(0.0, float::ONE_MINUS_EPSILON as f64);
-        let width = 2.0 * self.radius as f64 / CELLS as f64;
-        let value = self.value[k] * (1.0 - inside) + self.value[k + 1] * inside;
-        let x = (k as f64 + inside) * width - self.radius as f64;
-        (x as f32, (value * width / share) as f32)
+        let signed = 2.0 * f64::from(u) - 1.0;
+        let k = self.pieces.partition_point(|piece| piece.shares[0] <= signed.abs()).max(1) - 1;
+        let piece = &self.pieces[k];
+        let t = piece.inverse((signed.abs() - piece.shares[0]) / piece.shares[1]);
+        ((piece.start + piece.width * t).copysign(signed) as f32, (piece.sign * self.weight) as f32)
     }
 }
+
+impl Piece {
+    /// The cubic that agrees with f at both ends and at the thirds between them; f itself, where that is a cubic.
+    fn new(start: f64, end: f64, f: impl Fn(f64) -> f64) -> Piece {
+        let width = end - start;
+        let [a, b, c, d] = [f(start), f(start + width / 3.0), f(start + width * (2.0 / 3.0)), f(end)];
+        let sign = 1f64.copysign(a + 3.0 * b + 3.0 * c + d);
+        let [a, b, c, d] = [a, b, c, d].map(|value| sign * value);
+        let linear = 0.5 * (-11.0 * a + 18.0 * b - 9.0 * c + 2.0 * d);
+        let cubic = [a, linear, 4.5 * (2.0 * a - 5.0 * b + 4.0 * c - d), 4.5 * (-a + 3.0 * b - 3.0 * c + d)];
+        Piece { start, width, cubic, size: (a + 3.0 * b + 3.0 * c + d) / 8.0, shares: [0.0; 2], sign }
+    }
+
+    /// The t below which lies the share `q` of the piece: Newton's method, that halves what is left where a step leads out of it.
+    fn inverse(&self, q: f64) -> f64 {
+        let [a, b, c, d] = self.cubic;
+        let (mut low, mut high, mut t) = (0.0, 1.0, q.clamp(0.0, 1.0));
+        for _ in 0..MOST_STEPS {
+            let excess = t * (a + t * (b / 2.0 + t * (c / 3.0 + t * (d / 4.0)))) - q * self.size;
+            if excess < 0.0 {
+                low = t
+            } else {
+                high = t
+            }
+            let next = t - excess / (a + t * (b + t * (c + t * d)));
+            let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
+            let is_there = (next - t).abs() <= PRECISION;
+            t = next;
+            if is_there {
+                break;
+            }
+        }
+        t
+    }
+}
+
+/// Of t: below the rounding of a distance.
+const PRECISION: f64 = 1e-9;
+/// Newton's method takes 2 to 5, and halving down to the precision 30.
+const MOST_STEPS: u32 = 32;
