@@ -23,6 +23,9 @@ pub enum Passage {
     Body,
 }
 
+/// A point for parameters that are the same at all of them.
+pub(super) const ANYWHERE: SurfacePoint = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
+
 /// A model with textures for parameters; [`Material::at`] looks them up.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Material {
@@ -274,7 +277,6 @@ impl Material {
 
     /// The model that a material is everywhere, if it is; to be looked up once.
     pub fn uniform(&self) -> Option<Bsdf<'static>> {
-        const ANYWHERE: SurfacePoint = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
         self.model(&ANYWHERE).filter(|_| !self.effects().contains(Effects::TEXTURES))
     }
 

@@ -64,7 +64,7 @@ impl Plastic {
     }
 
     /// F
-    fn surface(&self, w: Local) -> f32 {
+    pub(super) fn surface(&self, w: Local) -> f32 {
         fresnel::dielectric(w.abs_cos(), self.eta)
     }
 

@@ -67,6 +67,7 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
     let coated = |ground, coat: Coat| Material::from(Compound::Coated(Coated { ground, coat }));
     let clay = |albedo: Spectrum| Material::OrenNayar { albedo: albedo.into(), roughness: 0.7.into() };
     let copper = |finish| Material::metal(Element::Cu.index(), finish, true);
+    let glazed = || coated(Material::diffuse(Spectrum::ONE), Coat::new(1.6, Spectrum::ONE, None));
     let fresnel = |a, b| Material::from(Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: 1.5.into() } }));
     let glass = || Material::rough_glass(1.5, COLOR, round(0.3).unwrap(), true);
     let principled = Principled {
@@ -94,11 +95,22 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         sheen_color: 0.0.into(),
         ..principled.clone()
     };
+    let white = Principled {
+        base_color: 1.0.into(),
+        metallic: 0.0.into(),
+        transmission: 0.0.into(),
+        specular: 1.0.into(),
+        coat: 1.0.into(),
+        sheen_color: 1.0.into(),
+        ..principled.clone()
+    };
     let lossless = [
         Material::mix(Material::diffuse(Spectrum::ONE), Material::mirror(Spectrum::ONE), 0.3),
         coated(Material::diffuse(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, None)),
         coated(Material::diffuse(Spectrum::ONE), Coat::new(2.4, Spectrum::ONE, None).as_seen()),
         coated(Material::mirror(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, None)),
+        coated(glazed(), Coat::new(1.3, Spectrum::ONE, None)),
+        coated(Material::plastic(Spectrum::ONE, 1.5), Coat::new(1.5, Spectrum::ONE, None)),
         fresnel(Material::mirror(Spectrum::ONE), Material::mirror(Spectrum::ONE)),
     ];
     let others = [
@@ -116,8 +128,11 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         Compound::Sides(Sides { front: Some(copper(round(0.3))), back: Some(Material::diffuse(COLOR)) }).into(),
         Compound::Sides(Sides { front: None, back: Some(Material::mirror(COLOR)) }).into(),
         Material::metal(Texture::from(COLOR), round(0.3), true),
+        coated(Material::DiffuseTransmission { reflectance: COLOR.into(), transmittance: 0.0.into() }, Coat::new(1.5, COLOR, round(0.3))),
+        Compound::Sheen(Sheen::new(glazed(), Spectrum::ONE, 0.45)).into(),
         principled.into(),
         dense.into(),
+        white.into(),
     ];
     lossless.into_iter().map(|material| (met(material), true)).chain(others.into_iter().map(|material| (met(material), false))).collect()
 }

@@ -2,30 +2,34 @@
 
 use glam::{DVec3, Vec2};
 
-use super::{Place, Scatter, choose};
+use super::veil::{Cover, NODES, nodes};
+use super::{Place, Scatter, Veil, choose};
+use crate::bsdf::material::ANYWHERE;
 use crate::bsdf::microfacet::albedo::{Domain, Key, Shelf};
 use crate::bsdf::microfacet::{Albedo, Between, Distribution, Finish, Ladder, Microfacets, Pair, Scale, above, cos_to_half, upward};
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Diffuse, Lobe, Material, OrenNayar, TransportMode};
 use crate::effects::Effects;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, fresnel};
+use crate::shape::SurfacePoint;
 use crate::texture::{Number, Texture};
 
 /// A material under a clear coat, on both sides of it.
 ///
 /// f = f_coat + T(wo, wi) c · f_ground
 ///
-/// f_coat reflects at the coat's facets, the share E(w) of light from w in all. What the coat lets pass is, for a ground in
-/// general,
+/// f_coat reflects at the coat's facets, the share E(w) of light from w in all. What goes through the coat both ways is T by
+/// `Veil`, with p = 1 − E:
 ///
-/// T = 1 − max(E(wo), E(wi))
+/// T = 1 − max(E(wo), E(wi))                          for a ground in general,
 ///
-/// which is reciprocal, never gives more light back than came, and loses nothing over a mirror. Over a Lambertian ground light
-/// is thrown back and forth, the share K of what leaves the ground each time:
+/// T = (1 − E(wo)) (1 − E(wi)) / (1 − Ē)              for a Lambertian one, also for one that lies under layers of its own
 ///
-/// T = (1 − E(wo)) (1 − E(wi)) / (η² (1 − ρ K)),    K = 1 − (1 − Ē)/η²
+/// Over a Lambertian ground light is thrown back and forth, the share K of what leaves the ground each time, which makes colours
+/// deeper than they are without a coat: T is darker by (1 − K)/(1 − ρ K), with K = 1 − (1 − Ē)/η². So it is on Oren and Nayar's
+/// ground. On others the second passage is neglected.
 ///
-/// which loses nothing either, and makes colours deeper than they are without a coat. On Oren and Nayar's ground T is darker by
-/// (1 − K)/(1 − ρ K) alike. On others the second passage is neglected.
+/// No light is lost over white matte grounds and mirrors. Over lobes that are wide and not matte some is: up to 5 % over Oren and
+/// Nayar's ground, 6 % over rough metal, and 0.7 % of plastic under another coat, for its own highlight.
 ///
 /// c is the coat's own colour, over the ways down and up inside of it: c(wo, wi) = color^((1/cos θ'o + 1/cos θ'i)/2).
 ///
@@ -33,7 +37,7 @@ use crate::texture::{Number, Texture};
 ///
 /// Source: Wolff (1994) and Kelemen and Szirmay-Kalos (2001) for T over a matte ground; Estevez and Kulla, *Production Friendly
 /// Microfacet Sheen* (2017), §5, for T in general. Tests: coated_white_is_white, and along_the_surface,
-/// a_coat_over_matte_is_plastic, compounds_are_proved.
+/// layers_on_white_are_white, a_coat_over_matte_is_plastic, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coated {
     pub ground: Material,
@@ -53,16 +57,19 @@ pub struct Coat {
     smooth_mean: Option<f32>,
     /// Whether a matte ground's own colour is meant to be seen: without the deepening by light that is thrown back.
     as_seen: bool,
+    /// 1 − E at the nodes of means over layers, where it is the same everywhere.
+    passed_at_nodes: Option<[f32; NODES]>,
 }
 
 /// A coat at a point.
-struct Layer {
+struct Layer<'a> {
     eta: f32,
     color: Spectrum,
     facets: Option<(Microfacets, Between<Albedo>)>,
     /// 1 − Ē
     mean: f32,
     as_seen: bool,
+    passed_at_nodes: Option<&'a [f32; NODES]>,
 }
 
 impl Coat {
@@ -75,7 +82,15 @@ impl Coat {
             (finish, losses)
         };
         let finish = finish.map(tables);
-        Coat { color: color.into(), finish, smooth_mean: eta.constant().map(smooth_mean), as_seen: false, eta }
+        let smooth_mean = eta.constant().map(smooth_mean);
+        let coat = Coat { eta, color: color.into(), finish, smooth_mean, as_seen: false, passed_at_nodes: None };
+        Coat { passed_at_nodes: coat.is_uniform().then(|| coat.at(&ANYWHERE).passed_at_nodes()), ..coat }
+    }
+
+    /// Whether it reflects alike everywhere.
+    fn is_uniform(&self) -> bool {
+        let mut widths = self.finish.iter().flat_map(|(finish, _)| finish.textures());
+        self.eta.constant().is_some() && widths.all(Texture::is_constant)
     }
 
     /// A matte ground then shows its own colour: under other coats colours are deeper.
@@ -83,13 +98,14 @@ impl Coat {
         Coat { as_seen: true, ..self }
     }
 
-    fn at(&self, at: &Place) -> Layer {
-        let eta = self.eta.at(&at.point);
-        let facets = self.finish.as_ref().and_then(|(finish, losses)| Some((finish.at(&at.point)?, losses.at(eta))));
+    fn at(&self, at: &SurfacePoint) -> Layer<'_> {
+        let eta = self.eta.at(at);
+        let facets = self.finish.as_ref().and_then(|(finish, losses)| Some((finish.at(at)?, losses.at(eta))));
         let smooth_mean = self.smooth_mean.unwrap_or_else(|| smooth_mean(eta));
         let mean =
             facets.map_or(smooth_mean, |(facets, losses)| 2.0 * losses.value(|table| table.mean_loss(facets.alpha)) + smooth_mean - 1.0);
-        Layer { eta, color: self.color.at(&at.point), facets, mean, as_seen: self.as_seen }
+        let passed_at_nodes = self.passed_at_nodes.as_ref();
+        Layer { eta, color: self.color.at(at), facets, mean, as_seen: self.as_seen, passed_at_nodes }
     }
 
     fn textures(&self) -> impl Iterator<Item = &Texture> {
@@ -120,7 +136,7 @@ fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Albe
     })
 }
 
-impl Layer {
+impl Layer<'_> {
     /// E(w)
     fn reflected(&self, w: Local) -> f32 {
         let smooth = fresnel::dielectric(w.abs_cos(), self.eta);
@@ -130,18 +146,17 @@ impl Layer {
         })
     }
 
-    /// T c: what becomes of the ground's light.
-    fn through(&self, ground: &Bsdf, wo: Local, wi: Local) -> Spectrum {
-        let [o, i] = [wo, wi].map(|w| 1.0 - self.reflected(w));
+    /// T c, into a single direction.
+    fn through(&self, wo: Local, wi: Local) -> Spectrum {
+        self.dimmed(wo, wi) * Veil::new(self, None, wo, wi).glossy()
+    }
+
+    /// (1 − K)/(1 − ρ c K) of a matte ground.
+    fn deepened(&self, ground: &Bsdf) -> Spectrum {
+        let (Bsdf::Diffuse(Diffuse { albedo }) | Bsdf::OrenNayar(OrenNayar { albedo, .. })) = ground else { return Spectrum::ONE };
         let thrown_back = 1.0 - self.mean / (self.eta * self.eta);
-        let deepened = |albedo: Spectrum| (albedo * self.color).map(|rho| (1.0 - thrown_back) / (1.0 - rho * thrown_back));
-        let passed = match ground {
-            Bsdf::Diffuse(Diffuse { .. }) if self.as_seen => Spectrum::gray(o * i / self.mean),
-            Bsdf::Diffuse(Diffuse { albedo }) => deepened(*albedo) * (o * i / self.mean),
-            Bsdf::OrenNayar(OrenNayar { albedo, .. }) if !self.as_seen => deepened(*albedo) * o.min(i),
-            _ => Spectrum::gray(o.min(i)),
-        };
-        passed * self.dimmed(wo, wi)
+        let deepened = |rho: f32| (1.0 - thrown_back) / (1.0 - rho * thrown_back);
+        if self.as_seen { Spectrum::ONE } else { (*albedo * self.color).map(deepened) }
     }
 
     /// color^((1/cos θ'o + 1/cos θ'i)/2)
@@ -175,12 +190,26 @@ impl Layer {
     }
 }
 
+impl Cover for Layer<'_> {
+    fn passed(&self, w: Local) -> f32 {
+        1.0 - self.reflected(w)
+    }
+
+    fn mean(&self) -> f32 {
+        self.mean
+    }
+
+    fn passed_at_nodes(&self) -> [f32; NODES] {
+        self.passed_at_nodes.copied().unwrap_or_else(|| nodes().map(|w| self.passed(w)))
+    }
+}
+
 /// Where the coat is as thin as air (η = 1) light along it would go a long way; 1000 thicknesses are as good as all.
 const MIN_COS2: f32 = 1e-6;
 
 impl Coated {
-    fn at(&self, at: &Place) -> (Layer, Bsdf<'_>) {
-        (self.coat.at(at), at.met(&self.ground))
+    fn at(&self, at: &Place) -> (Layer<'_>, Bsdf<'_>) {
+        (self.coat.at(&at.point), at.met(&self.ground))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Coated {
@@ -189,11 +218,12 @@ impl Coated {
 }
 
 impl Scatter for Coated {
-    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
         let (layer, ground) = self.at(at);
-        let below = ground.eval(wo, wi, mode);
-        let below = if below.is_black() { below } else { below * layer.through(&ground, wo, wi) };
-        below + Spectrum::gray(layer.reflection(wo, wi).map_or(0.0, |(f, _)| f))
+        let below = ground.beneath(Some(&Veil::new(&layer, above, wo, wi)), wo, wi, mode);
+        let below = if below.is_black() { below } else { below * layer.deepened(&ground) * layer.dimmed(wo, wi) };
+        let reflected = layer.reflection(wo, wi).map_or(0.0, |(f, _)| f * above.map_or(1.0, Veil::glossy));
+        below + Spectrum::gray(reflected)
     }
 
     fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
@@ -209,7 +239,7 @@ impl Scatter for Coated {
         let (coat, choice) = choose(choice, chance);
         if !coat {
             let sample = ground.sample(wo, choice, u, mode)?;
-            return self.of_part(at, wo, sample, below, |wi| layer.through(&ground, wo, wi), mode);
+            return self.of_part(at, wo, sample, below, |wi| layer.through(wo, wi), mode);
         }
         let Some((facets, _)) = layer.facets else {
             let wi = Local(fresnel::reflect(wo.0));
@@ -232,7 +262,7 @@ impl Scatter for Coated {
             lobes.add(BsdfSample::reflected(Local(fresnel::reflect(wo.0)), Spectrum::gray(reflected)), Spectrum::ONE);
         }
         for lobe in ground.delta_lobes(wo, mode) {
-            lobes.add(lobe, layer.through(&ground, wo, lobe.wi));
+            lobes.add(lobe, layer.through(wo, lobe.wi));
         }
         lobes
     }

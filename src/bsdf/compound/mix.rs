@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2};
 
-use super::{Place, Scatter, choose};
+use super::{Place, Scatter, Veil, choose};
 use crate::bsdf::{BsdfSample, DeltaLobes, Material, TransportMode};
 use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel};
 use crate::texture::{Number, Texture};
@@ -81,9 +81,9 @@ impl Mix {
 }
 
 impl Scatter for Mix {
-    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
         let [a, b] = self.share_of(at, wo, wi);
-        at.met(&self.a).eval(wo, wi, mode) * a + at.met(&self.b).eval(wo, wi, mode) * b
+        at.met(&self.a).beneath(above, wo, wi, mode) * a + at.met(&self.b).beneath(above, wo, wi, mode) * b
     }
 
     fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {

@@ -9,6 +9,7 @@ pub mod coated;
 pub mod mix;
 pub mod sheen;
 pub mod sides;
+mod veil;
 
 use glam::{DVec3, Vec2};
 
@@ -23,6 +24,7 @@ pub use coated::{Coat, Coated};
 pub use mix::{Mix, Share};
 pub use sheen::Sheen;
 pub use sides::Sides;
+use veil::Veil;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Compound {
@@ -56,7 +58,8 @@ pub struct Met<'a> {
 
 /// What a compound does to light at a place; the conventions are those of [`Bsdf`].
 trait Scatter {
-    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode) -> Spectrum;
+    /// - `above`: the layers that its light goes through, both ways; what is seen of it is weakened by them
+    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum;
     fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf;
     fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample>;
     fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes;
@@ -100,7 +103,7 @@ trait Scatter {
             return (!weight.is_black()).then_some(BsdfSample { weight, ..sample });
         }
         let pdf = self.pdf(at, wo, sample.wi);
-        let weight = self.eval(at, wo, sample.wi, mode) / pdf.get();
+        let weight = self.eval(at, wo, sample.wi, mode, None) / pdf.get();
         (pdf.get() > 0.0).then_some(BsdfSample { weight, density: Density::Smooth(pdf), ..sample })
     }
 }
@@ -121,7 +124,13 @@ macro_rules! of_each {
 impl Met<'_> {
     #[inline(never)]
     pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
-        of_each!(self.compound, member => member.eval(&self.place, wo, wi, mode))
+        of_each!(self.compound, member => member.eval(&self.place, wo, wi, mode, None))
+    }
+
+    /// What the layers above it let pass of [`Met::eval`].
+    #[inline(never)]
+    fn beneath(&self, above: Option<&Veil>, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+        of_each!(self.compound, member => member.eval(&self.place, wo, wi, mode, above))
     }
 
     #[inline(never)]

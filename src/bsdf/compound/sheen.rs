@@ -4,7 +4,8 @@ use std::f32::consts::PI;
 
 use glam::{DVec3, Vec2};
 
-use super::{Place, Scatter, choose};
+use super::veil::{Cover, NODES as PASSAGES, nodes};
+use super::{Place, Scatter, Veil, choose};
 use crate::bsdf::microfacet::albedo::Shelf;
 use crate::bsdf::microfacet::{Between, Ladder, Scale, upward_normal};
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Lobe, Material, TransportMode};
@@ -14,7 +15,10 @@ use crate::texture::Texture;
 
 /// A layer of fibres, bright where one looks along the surface, over any material.
 ///
-/// f = color · s(wo, wi) + (1 − max(color) max(E(wo), E(wi))) f_ground                                      [sr⁻¹]
+/// f = color · s(wo, wi) + T f_ground                                                                       [sr⁻¹]
+///
+/// with T by `Veil`, p(w) = 1 − max(color) E(w). White fibres lose nothing over matte grounds and mirrors; coloured ones keep
+/// light of all colours from the ground as their brightest one does.
 ///
 /// s = D(h) / (4 (μo + μi − μo μi)) / max(1, R(wo), R(wi)),    D(h) = (2 + 1/α) sin^(1/α) θh / 2π
 ///
@@ -26,7 +30,7 @@ use crate::texture::Texture;
 /// - sampling: fibres by what they return of wo, evenly over the hemisphere, else the ground
 ///
 /// Source: Estevez and Kulla, *Production Friendly Microfacet Sheen* (2017); Neubelt and Pettineo for the denominator (2013).
-/// Tests: sheen_returns_what_it_says, compounds_are_proved.
+/// Tests: sheen_returns_what_it_says, layers_on_white_are_white, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheen {
     ground: Material,
@@ -41,6 +45,10 @@ struct Table {
     alpha: f32,
     raw: [f32; NODES],
     albedo: [f32; NODES],
+    /// 2 ∫₀¹ E μ dμ
+    mean: f32,
+    /// E at the nodes of means over layers.
+    at_nodes: [f32; PASSAGES],
 }
 
 /// The fibres at a point.
@@ -82,14 +90,23 @@ impl Fibres {
         if wo.same_side(wi) { self.color * self.tables.value(|table| table.tamed(wo, wi)) } else { Spectrum::BLACK }
     }
 
-    /// 1 − max(color) max(E(wo), E(wi))
-    fn through(&self, wo: Local, wi: Local) -> f32 {
-        1.0 - self.chance(wo).max(self.chance(wi))
-    }
-
     /// Of the fibres to be sampled: max(color) E(wo).
     fn chance(&self, wo: Local) -> f32 {
         self.color.max() * self.tables.value(|table| lookup(&table.albedo, wo))
+    }
+}
+
+impl Cover for Fibres {
+    fn passed(&self, w: Local) -> f32 {
+        1.0 - self.chance(w)
+    }
+
+    fn mean(&self) -> f32 {
+        1.0 - self.color.max() * self.tables.value(|table| table.mean)
+    }
+
+    fn passed_at_nodes(&self) -> [f32; PASSAGES] {
+        std::array::from_fn(|k| 1.0 - self.color.max() * self.tables.value(|table| table.at_nodes[k]))
     }
 }
 
@@ -108,10 +125,11 @@ fn alpha(roughness: f32) -> f32 {
 fn table(alpha: f32) -> &'static Table {
     static SHELF: Shelf<u32, Table> = Shelf::new();
     SHELF.get(alpha.to_bits(), || {
-        let table = Table { alpha, raw: std::array::from_fn(|node| returned(node, |wo, wi| raw(alpha, wo, wi))), albedo: [0.0; NODES] };
+        let raw = std::array::from_fn(|node| returned(node, |wo, wi| raw(alpha, wo, wi)));
+        let table = Table { alpha, raw, albedo: [0.0; NODES], mean: 0.0, at_nodes: [0.0; PASSAGES] };
         // What R between its nodes and the midpoint rule leave above 1 would be light taken from the ground that is not there.
         let albedo = std::array::from_fn(|node| returned(node, |wo, wi| table.tamed(wo, wi)).min(1.0));
-        Table { albedo, ..table }
+        Table { albedo, mean: mean(&albedo), at_nodes: nodes().map(|w| lookup(&albedo, w)), ..table }
     })
 }
 
@@ -137,6 +155,13 @@ fn returned(node: usize, f: impl Fn(Local, Local) -> f32) -> f32 {
     (sum * 2.0 * std::f64::consts::PI / (STEPS[0] * STEPS[1]) as f64) as f32
 }
 
+/// 2 ∫₀¹ E μ dμ of a table as it is looked up.
+fn mean(albedo: &[f32; NODES]) -> f32 {
+    const STEPS: usize = 1024;
+    let at = |k: usize| ((k as f32 + 0.5) / STEPS as f32).sqrt();
+    ((0..STEPS).map(|k| f64::from(lookup(albedo, direction(at(k), 0.0)))).sum::<f64>() / STEPS as f64) as f32
+}
+
 fn direction(cos: f32, degrees: f64) -> Local {
     let (sin_phi, cos_phi) = float::sin_cos_degrees(degrees);
     let sine = ((1.0 - cos) * (1.0 + cos)).sqrt();
@@ -150,9 +175,10 @@ fn lookup(table: &[f32; NODES], w: Local) -> f32 {
 }
 
 impl Scatter for Sheen {
-    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
         let (fibres, ground) = self.at(at);
-        fibres.eval(wo, wi) + ground.eval(wo, wi, mode) * fibres.through(wo, wi)
+        let veil = Veil::new(&fibres, above, wo, wi);
+        fibres.eval(wo, wi) * above.map_or(1.0, Veil::glossy) + ground.beneath(Some(&veil), wo, wi, mode)
     }
 
     fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
@@ -168,7 +194,7 @@ impl Scatter for Sheen {
         let (chosen, choice) = choose(choice, chance);
         if !chosen {
             let sample = ground.sample(wo, choice, u, mode)?;
-            return self.of_part(at, wo, sample, 1.0 - chance, |wi| Spectrum::gray(fibres.through(wo, wi)), mode);
+            return self.of_part(at, wo, sample, 1.0 - chance, |wi| Spectrum::gray(Veil::new(&fibres, None, wo, wi).glossy()), mode);
         }
         let wi = Local(warp::uniform_hemisphere(u) * 1f32.copysign(wo.cos()));
         let density = Density::Smooth(SolidAnglePdf::ZERO);
@@ -180,7 +206,7 @@ impl Scatter for Sheen {
         let (fibres, ground) = self.at(at);
         let mut lobes = DeltaLobes::default();
         for lobe in ground.delta_lobes(wo, mode) {
-            lobes.add(lobe, Spectrum::gray(fibres.through(wo, lobe.wi)));
+            lobes.add(lobe, Spectrum::gray(Veil::new(&fibres, None, wo, lobe.wi).glossy()));
         }
         lobes
     }

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2};
 
-use super::{Place, Scatter};
+use super::{Place, Scatter, Veil};
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Lobe, Material, TransportMode};
 use crate::math::{Local, SolidAnglePdf, Spectrum};
 use crate::texture::Texture;
@@ -37,9 +37,9 @@ impl Sides {
 }
 
 impl Scatter for Sides {
-    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
         let side = self.towards(at, wo).filter(|_| wo.same_side(wi));
-        side.map_or(Spectrum::BLACK, |side| side.eval(wo, wi, mode))
+        side.map_or(Spectrum::BLACK, |side| side.beneath(above, wo, wi, mode))
     }
 
     fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {

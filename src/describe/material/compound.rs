@@ -25,7 +25,9 @@ pub struct MaterialMix {
     pub fresnel: Option<Varying<Index>>,
 }
 
-/// Fibres that stand up from a material and catch the light where one looks along it: velvet, dust.
+/// Fibres that stand up from a material and catch the light where one looks along it: velvet, dust. White ones lose no energy over
+/// matte grounds and mirrors. Others that scatter widely lose some under them: white `oren_nayar` and metal of roughness 1 up to
+/// 13 %, white plastic up to 0.6 %. Coloured fibres keep light of all colours from the ground as their brightest one does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sheen {
