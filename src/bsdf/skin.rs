@@ -29,7 +29,7 @@ pub enum Relief {
 /// Texture coordinates are moved by this for the slope of heights: half a pixel of a picture of 1024.
 const STEP: f32 = 1.0 / 2048.0;
 
-/// Normals are not turned further away from the viewer than to this cosine.
+/// Normals are not turned further away from the surface's own, and from the viewer, than to this cosine.
 const LEAST_COS: f32 = 1.0 / 64.0;
 
 impl Relief {
@@ -37,13 +37,16 @@ impl Relief {
     ///
     /// - `tangents`: ∂p/∂u, ∂p/∂v (m)
     ///
-    /// What turns away from the viewer cannot be seen, and would be black: there the normal is bent back towards `wo`.
+    /// What turns below the surface, or away from the viewer, cannot be seen, and would be black: there the normal is bent back,
+    /// towards the surface's own and then towards `wo`. A bent normal lights the point as the map does not say.
+    ///
+    /// Tests: mapped_planes_are_lit_as_by_quadrature, turned_normals_are_seen.
     pub fn normal(&self, point: &SurfacePoint, tangents: [Vec3; 2], wo: Vec3) -> Vec3 {
         let turned = match self {
             Relief::Normals { map, strength } => mapped(map, strength.at(point), point, tangents),
             Relief::Heights { map, scale } => sloped(map, scale, point, tangents),
         };
-        let normal = turned.and_then(Vec3::try_normalize).filter(|n| n.dot(point.ng) > 0.0).unwrap_or(point.ns);
+        let normal = turned.and_then(Vec3::try_normalize).map_or(point.ns, |n| bent(n, point.ng, LEAST_COS));
         // Of the side that is looked at.
         let seen = if point.ng.dot(wo) < 0.0 { -wo } else { wo };
         bent(normal, seen, LEAST_COS)

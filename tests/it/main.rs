@@ -50,6 +50,7 @@ mod proof;
 mod random;
 mod reader;
 mod references;
+mod reliefs;
 mod report;
 mod sample;
 mod samplers;

@@ -8,8 +8,10 @@ use super::super::value::Real;
 use super::super::varying::Varying;
 use super::MaterialRef;
 
-/// A relief too fine for triangles: it turns normals, and moves no points. A slope that would face away is turned back until it is
-/// seen. Where texture coordinates span no area there is no relief. Not within other materials.
+/// A relief too fine for triangles: it turns normals, and moves no points. A normal that points below the surface, or away from the
+/// viewer, is bent back until its cosine to the surface's own normal, then to the viewer, is 1/64: what is seen of it along the
+/// surface is lit a little differently than the map says. Where texture coordinates span no area there is no relief. Not within
+/// other materials.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bumped {
