@@ -1,4 +1,4 @@
-//! Picture files to textures: PNG, JPEG and OpenEXR, by content.
+//! Picture files to textures: PNG, JPEG, WebP and OpenEXR, by content.
 
 use std::io::{BufRead, BufReader, Seek};
 use std::path::Path;
@@ -20,8 +20,8 @@ use crate::{Error, Fault, Result};
 /// - `channel`: all three values of each pixel are this one; of colours, transparency is left out
 ///
 /// # Errors
-/// `Invalid` where the file is missing, no regular file, of another format, malformed, or holds anything but shares of
-/// light from 0 to 1; `Limit` where it would take more than 4 GiB; `Io` where it cannot be read.
+/// `Invalid` where the file is missing, no regular file, of another format, malformed, or holds anything but finite amounts of
+/// light, from 0; `Limit` where it would take more than 4 GiB; `Io` where it cannot be read.
 pub fn load(path: &Path, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
     read(BufReader::new(open(path, name)?), name, encoding, channel)
 }
@@ -29,8 +29,10 @@ pub fn load(path: &Path, name: &str, encoding: Encoding, channel: Option<Channel
 /// As [`load`], from any source (bytes in memory: `io::Cursor`).
 pub fn read(source: impl BufRead + Seek, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
     let reader = ImageReader::new(source).with_guessed_format().map_err(|e| Error::io(name, e))?;
-    let known = |format: &ImageFormat| matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::OpenExr);
-    let format = reader.format().filter(known).ok_or_else(|| invalid(name, "unknown picture format: expected PNG, JPEG or OpenEXR"))?;
+    let format = reader.format().filter(is_read).ok_or_else(|| {
+        let found = reader.format().map_or("an unknown format".to_owned(), title);
+        invalid(name, &format!("expected a picture in {READ}, found {found}"))
+    })?;
     let mut warnings = vec![];
     if ImageFormat::from_path(name).ok() != Some(format) {
         warnings.push(format!("{name}: read as {}, which its first bytes say it is", title(format)));
@@ -47,11 +49,35 @@ fn invalid(name: &str, message: &str) -> Error {
     Error::invalid(Fault::new(message).in_file(name))
 }
 
-fn title(format: ImageFormat) -> &'static str {
+/// The formats that are read, for messages.
+pub const READ: &str = "PNG, JPEG, WebP or OpenEXR";
+
+fn is_read(format: &ImageFormat) -> bool {
+    matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP | ImageFormat::OpenExr)
+}
+
+/// The name of a format, for messages.
+fn title(format: ImageFormat) -> String {
     match format {
-        ImageFormat::Png => "PNG",
-        ImageFormat::Jpeg => "JPEG",
-        _ => "OpenEXR",
+        ImageFormat::WebP => "WebP".to_owned(),
+        ImageFormat::OpenExr => "OpenEXR".to_owned(),
+        ImageFormat::Jpeg => "JPEG".to_owned(),
+        other => other.extensions_str().first().map_or("an unknown format".to_owned(), |extension| extension.to_uppercase()),
+    }
+}
+
+/// The first bytes of textures that are compressed for graphics cards (Khronos, *KTX File Format*, 1 and 2; Basis Universal).
+const FOR_CARDS: [(&[u8], &str); 3] = [(b"\xABKTX 20\xBB", "KTX2"), (b"\xABKTX 11\xBB", "KTX"), (b"sB\x13\0", "Basis Universal")];
+
+/// The format of a picture that begins with these bytes, where it is none that pt reads.
+pub fn unread_format(start: &[u8]) -> Option<String> {
+    if let Some((_, name)) = FOR_CARDS.iter().find(|(magic, _)| start.starts_with(magic)) {
+        return Some((*name).to_owned());
+    }
+    match image::guess_format(start) {
+        Ok(format) if is_read(&format) => None,
+        Ok(other) => Some(title(other)),
+        Err(_) => Some("an unknown format".to_owned()),
     }
 }
 
@@ -83,11 +109,25 @@ fn pixels(picture: DynamicImage, encoding: Encoding, channel: Option<Channel>, n
         Some(Channel::G) => picked(values, 1),
         Some(Channel::B) => picked(values, 2),
     };
-    let is_share = |v: &f32| (0.0..=1.0).contains(v);
-    if let Some(wrong) = values.iter().position(|v| !v.iter().all(is_share)) {
-        let (x, y) = (wrong % size.x as usize, wrong / size.x as usize);
-        let found = values[wrong].map(|v| v.to_string()).join(", ");
-        return Err(invalid(name, &format!("pixel ({x}, {y}): expected shares of light from 0 to 1, found {found}")));
+    if let Some(wrong) = values.iter().position(|v| !v.iter().all(|x| x.is_finite() && *x >= 0.0)) {
+        return Err(invalid(name, &at_pixel(wrong, size, values[wrong], "finite amounts of light, from 0")));
     }
     Pixels::new(size, values).ok_or_else(|| invalid(name, "the picture is empty"))
+}
+
+const SHARES: &str = "shares of light from 0 to 1";
+
+/// What is wrong with a picture as the colour of something that reflects: it would return more light than it gets.
+pub fn beyond_shares(pixels: &Pixels) -> Option<String> {
+    let values = pixels.values();
+    if pixels.most() <= 1.0 {
+        return None;
+    }
+    let beyond = values.iter().position(|v| v.iter().any(|x| *x > 1.0))?;
+    Some(at_pixel(beyond, pixels.size(), values[beyond], SHARES))
+}
+
+fn at_pixel(i: usize, size: UVec2, found: [f32; 3], expected: &str) -> String {
+    let (x, y) = (i % size.x as usize, i / size.x as usize);
+    format!("pixel ({x}, {y}): expected {expected}, found {}", found.map(|v| v.to_string()).join(", "))
 }

@@ -55,7 +55,7 @@ macro_rules! surface {
 surface! {
     /// Triangles: from a file, or `positions` and `triangles` given here.
     pub struct Mesh {
-        /// An .obj or .ply file: a path from the scene file's folder, in which it lies (see `--allow-outside`).
+        /// An .obj, .ply or .stl file: a path from the scene file's folder, in which it lies (see `--allow-outside`).
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub file: Option<String>,
         /// The file's own material names (OBJ: `usemtl`) and the materials they stand for; other faces have `material`.
@@ -214,7 +214,8 @@ impl Sides {
 pub struct Emission {
     /// W·m⁻²·sr⁻¹, the same in every direction.
     pub radiance: Color<Radiometric>,
-    /// What the radiance is multiplied by, place by place. Default: nothing, it is the same all over.
+    /// What the radiance is multiplied by, place by place; its pictures may hold any finite amounts. Default: nothing, it is the
+    /// same all over.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub texture: Option<Textured>,
     /// Whether the back shines too; else only the side to which the normal points.
@@ -239,7 +240,8 @@ enum EmissionForm {
 struct EmissionKeys {
     /// W·m⁻²·sr⁻¹, the same in every direction.
     radiance: Color<Radiometric>,
-    /// What the radiance is multiplied by, place by place. Default: nothing, it is the same all over.
+    /// What the radiance is multiplied by, place by place; its pictures may hold any finite amounts. Default: nothing, it is the
+    /// same all over.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     texture: Option<Textured>,
     /// Whether the back shines too; else only the side to which the normal points.

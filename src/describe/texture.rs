@@ -119,7 +119,7 @@ impl CheckerScale {
     }
 }
 
-/// A picture: PNG, JPEG or OpenEXR, its lower left corner at the texture coordinates (0, 0), its upper right one at (1, 1).
+/// A picture: PNG, JPEG, WebP or OpenEXR, its lower left corner at the texture coordinates (0, 0), its upper right one at (1, 1).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Image {
@@ -282,7 +282,7 @@ pub enum TextureSpace {
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
 pub enum Encoding {
-    /// `srgb` for PNG and JPEG, `linear` for OpenEXR.
+    /// `srgb` for PNG, JPEG and WebP, `linear` for OpenEXR.
     #[default]
     Auto,
     /// Encoded with the sRGB curve: photographs, colours.

@@ -26,6 +26,7 @@ pub struct Image {
 pub struct Pixels {
     size: UVec2,
     values: Vec<[f32; 3]>,
+    most: f32,
 }
 
 /// What lies beyond the picture.
@@ -52,7 +53,13 @@ impl Pixels {
     /// `None` where there are not as many values as the size says, or none.
     pub fn new(size: UVec2, values: Vec<[f32; 3]>) -> Option<Pixels> {
         let count = size.x as usize * size.y as usize;
-        (count > 0 && values.len() == count).then_some(Pixels { size, values })
+        let most = values.as_flattened().iter().copied().fold(0.0, f32::max);
+        (count > 0 && values.len() == count).then_some(Pixels { size, values, most })
+    }
+
+    /// The largest value.
+    pub fn most(&self) -> f32 {
+        self.most
     }
 
     pub fn size(&self) -> UVec2 {

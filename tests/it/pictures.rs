@@ -9,6 +9,7 @@ use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgb32FImag
 use pt::Error;
 use pt::describe::{self, Encoding, Files, Source, picture};
 use pt::math::Spectrum;
+use pt::scene::Scene as _;
 use pt::shape::SurfacePoint;
 use pt::texture::image::{Filter, Pixels, Wrap};
 use pt::texture::noise::{fbm, perlin, turbulence};
@@ -97,7 +98,7 @@ fn iec_61966(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Every kind of PNG, a JPEG and an OpenEXR of one colour: the same colour, decoded where it is encoded.
+/// Every kind of PNG, a WebP, a JPEG and an OpenEXR of one colour: the same colour, decoded where it is encoded.
 #[test]
 fn formats_agree() {
     let folder = Folder::new();
@@ -119,6 +120,8 @@ fn formats_agree() {
             }
         }
     }
+    let webp = folder.with("p.webp", ImageBuffer::from_pixel(8, 8, Rgb([level; 3])), ImageFormat::WebP);
+    assert!(shown(&webp, Encoding::Auto).iter().all(|v| (*v as f64 - iec_61966(share)).abs() < 1e-7));
     let jpeg = folder.with("p.jpg", ImageBuffer::from_pixel(8, 8, Rgb([level; 3])), ImageFormat::Jpeg);
     // Its cosine transform may miss by a level.
     assert!(shown(&jpeg, Encoding::Linear).iter().all(|v| (*v as f64 - share).abs() <= 1.5 / 255.0));
@@ -136,12 +139,12 @@ fn refusal(path: &Path) -> (u8, String) {
 #[test]
 fn what_is_no_usable_picture_is_refused() {
     let folder = Folder::new();
-    for (wrong, said) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (-0.5, "-0.5"), (1.5, "1.5")] {
+    for (wrong, said) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (-0.5, "-0.5")] {
         let mut picture = Rgb32FImage::from_pixel(4, 3, Rgb([0.5; 3]));
         picture.put_pixel(2, 1, Rgb([0.5, wrong, 0.5]));
         let (code, message) = refusal(&folder.with("p.exr", picture, ImageFormat::OpenExr));
         assert_eq!(code, 3);
-        assert!(message.contains(&format!("pixel (2, 1): expected shares of light from 0 to 1, found 0.5, {said}, 0.5")), "{message}");
+        assert!(message.contains(&format!("pixel (2, 1): expected finite amounts of light, from 0, found 0.5, {said}, 0.5")), "{message}");
     }
     let right = folder.with("right.png", ImageBuffer::from_pixel(8, 8, Rgb([1u8; 3])), ImageFormat::Png);
     let bytes = std::fs::read(&right).expect("written");
@@ -150,9 +153,49 @@ fn what_is_no_usable_picture_is_refused() {
         assert!(code == 3 && message.contains("p: ") && !message.contains('\n'), "{code} {message} at {end}");
     }
     assert_eq!(refusal(&folder.write("bomb.png", &bomb(bytes))).0, 4);
-    assert_eq!(refusal(&folder.write("p.gif", b"GIF89a...")), (3, "p: unknown picture format: expected PNG, JPEG or OpenEXR".into()));
+    let expected = "p: expected a picture in PNG, JPEG, WebP or OpenEXR, found";
+    assert_eq!(refusal(&folder.write("p.gif", b"GIF89a...")), (3, format!("{expected} GIF")));
+    assert_eq!(refusal(&folder.write("p.png", b"no picture")), (3, format!("{expected} an unknown format")));
     assert_eq!(refusal(&folder.0.path().join("none.png")).0, 3);
     assert_eq!(refusal(folder.0.path()).0, 3);
+}
+
+/// What is emitted may be any finite amount, whichever way its picture is named; what is reflected is a share of what arrives.
+#[test]
+fn only_what_is_emitted_exceeds_one() {
+    let folder = Folder::new();
+    folder.with("p.exr", Rgb32FImage::from_pixel(1, 1, Rgb([13.5, 0.5, 2.0])), ImageFormat::OpenExr);
+    let picture = r#"{ "type": "image", "file": "p.exr" }"#;
+    let scene = |albedo: &str, emission: &str| {
+        format!(
+            r#"{{ "pt": 1, "camera": {{}}, "textures": {{ "t": {picture} }}, "shapes": [{{ "type": "quad",
+                "material": {{ "type": "diffuse", "albedo": {albedo} }}, "emission": {{ "radiance": 2, "texture": {emission} }} }}] }}"#
+        )
+    };
+    let product = format!(r#"{{ "type": "product", "a": 0.5, "b": {picture} }}"#);
+    for (emission, factor) in [(picture, 1.0), ("\"t\"", 1.0), (&product, 0.5)] {
+        let built = built(&scene("0.5", emission), &folder).unwrap_or_else(|e| panic!("{e}"));
+        let ray = pt::math::Ray::new(Vec3::Z, -Vec3::Z);
+        let hit = built.world.intersect(&ray).expect("the quad");
+        let emitted = built.world.surface(&ray, &hit).emitted(Vec3::Z).to_rgb();
+        assert_eq!(emitted, [27.0, 1.0, 4.0].map(|radiance| radiance * factor), "{emission}");
+    }
+    let mix = format!(r#"{{ "type": "mix", "a": 0, "b": 1, "share": {picture} }}"#);
+    for (scene, pointer) in [
+        (scene(picture, "1"), "/shapes/0/material/albedo/file"),
+        (scene("\"t\"", "1"), "/textures/t/file"),
+        (scene("0.5", &mix), "/shapes/0/emission/texture/share/file"),
+    ] {
+        let said = built(&scene, &folder).err().map(|error| error.to_string()).unwrap_or_default();
+        let expected = format!("{pointer}: p.exr: pixel (0, 0): expected shares of light from 0 to 1, found 13.5, 0.5, 2;");
+        assert!(said.contains(&expected), "{said}");
+    }
+}
+
+fn built(scene: &str, folder: &Folder) -> pt::Result<describe::Built> {
+    let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
+    let described = describe::read(&root, "s.json").expect("a scene");
+    describe::build(&described, Source { root: &root, file: "s.json", files: &Files::within(folder.0.path()) })
 }
 
 /// The PNG with a header that promises 65,535² pixels of 16 bits, and the checksum that belongs to it.

@@ -30,7 +30,7 @@ use crate::texture::image::Pixels;
 use crate::world::{MaterialId, Wear, World, WorldBuilder};
 pub(super) use camera::{film, sampler};
 use lamps::Lamp;
-use material::{MOST_PARTS, MOST_TEXTURES};
+use material::{MOST_PARTS, MOST_TEXTURES, Range};
 
 /// A scene ready to render.
 pub struct Built {
@@ -218,7 +218,8 @@ impl Builder<'_> {
     }
 
     fn emitter(&mut self, pointer: &str, described: &super::Emission) -> Emitter {
-        let texture = described.texture.as_ref().map(|texture| Arc::new(self.textured(&format!("{pointer}/texture"), texture)));
+        let texture =
+            described.texture.as_ref().map(|texture| Arc::new(self.ranged(&format!("{pointer}/texture"), texture, Range::Amounts)));
         Emitter { emission: Emission { radiance: spectrum(&described.radiance), two_sided: described.two_sided }, texture }
     }
 

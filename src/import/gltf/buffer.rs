@@ -3,6 +3,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
 
+use super::document::shown;
 use crate::error::{Error, Result};
 use crate::import::view::View;
 
@@ -20,14 +21,7 @@ impl Buffers {
             let Some(at) = root.get(&["buffers"]).and_then(|list| list.get(&[&buffer.index().to_string()])) else { continue };
             let bytes = match at.get(&["uri"]) {
                 Some(uri) => of_uri(&uri)?,
-                None if buffer.index() == 0 => binary.map(<[u8]>::to_vec).or_else(|| {
-                    at.fault("expected a uri, or a .glb with a binary chunk");
-                    None
-                }),
-                None => {
-                    at.fault("expected a uri: only the first buffer can lie in a .glb");
-                    None
-                }
+                None => own_bytes(&at, binary.filter(|_| buffer.index() == 0), buffer.index()),
             };
             if let Some(bytes) = bytes.as_ref().filter(|bytes| bytes.len() < buffer.length()) {
                 at.fault(format!("{} bytes are promised, found {}", buffer.length(), bytes.len()));
@@ -42,6 +36,30 @@ impl Buffers {
         let end = view.offset().checked_add(view.length())?;
         self.0.get(view.buffer().index())?.get(view.offset()..end)
     }
+}
+
+/// The bytes of a buffer without a uri, which are those of the container; `None` with a fault noted.
+fn own_bytes(at: &View, binary: Option<&[u8]>, index: usize) -> Option<Vec<u8>> {
+    if binary.is_none() && !is_compressed(at) {
+        let why = if index == 0 {
+            "expected a uri, or a .glb with a binary chunk"
+        } else {
+            "expected a uri: only the first buffer can lie in a .glb"
+        };
+        at.fault(why);
+    }
+    binary.map(<[u8]>::to_vec)
+}
+
+/// What to do about data that is compressed in a way that pt does not read.
+pub const UNPACK: &str = ": save the file without compression";
+
+/// Whether an extension holds what should be at this place compressed; that is noted as a fault.
+pub fn is_compressed(at: &View) -> bool {
+    let extensions = at.get(&["extensions"]).and_then(|all| all.members()).unwrap_or_default();
+    let Some((name, place)) = extensions.into_iter().find(|(name, _)| name.ends_with("_compression")) else { return false };
+    place.fault(format!("compressed by {}, which pt does not read{UNPACK}", shown(name)));
+    true
 }
 
 /// The bytes that a uri gives or names; `None` with a fault noted.

@@ -25,8 +25,7 @@ pub fn is(content: &Content) -> bool {
 
 /// What a file holds.
 pub struct Opened<'c> {
-    pub json: Cow<'c, [u8]>,
-    /// The same, with its places.
+    /// The JSON, with its places.
     pub tree: Cow<'c, Node>,
     pub binary: Option<Vec<u8>>,
 }
@@ -35,8 +34,7 @@ pub struct Opened<'c> {
 /// `Invalid`: no container of version 2, or no JSON in it.
 pub fn open<'c>(content: &'c Content, foreign: &Foreign) -> Result<Opened<'c>> {
     if !content.bytes.starts_with(MAGIC) {
-        let json = content.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&content.bytes);
-        return Ok(Opened { json: json.into(), tree: Cow::Borrowed(content.json(foreign)?), binary: None });
+        return Ok(Opened { tree: Cow::Borrowed(content.json(foreign)?), binary: None });
     }
     let invalid = |message: String| Error::invalid(Fault::new(message).in_file(foreign.file));
     let length = content.bytes.get(8..HEADER).and_then(|bytes| bytes.try_into().ok()).map_or(0, u32::from_le_bytes);
@@ -48,7 +46,7 @@ pub fn open<'c>(content: &'c Content, foreign: &Foreign) -> Result<Opened<'c>> {
         let message = format!("{IN_CONTAINER}: {}", fault.message);
         Error::invalid(Fault { message, ..fault }.in_file(foreign.file))
     })?;
-    Ok(Opened { json, tree: Cow::Owned(without_lines(tree, "")), binary: bin.map(Cow::into_owned) })
+    Ok(Opened { tree: Cow::Owned(without_lines(tree, "")), binary: bin.map(Cow::into_owned) })
 }
 
 fn explained(error: &gltf::Error) -> String {

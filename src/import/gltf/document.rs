@@ -6,12 +6,13 @@ use std::collections::BTreeMap;
 use gltf::json;
 use gltf::json::validation::{Error as Wrong, Validate};
 
-use super::buffer::Buffers;
-use super::container::{IN_CONTAINER, Opened};
-use crate::error::{Error, Fault, Result};
+use super::buffer::{Buffers, UNPACK};
+use super::container::Opened;
+use super::texture::Picture;
+use crate::error::Result;
 use crate::import::Foreign;
 use crate::import::view::View;
-use crate::reader::{Node, Place};
+use crate::reader::{self, Member, Node, Place, UnknownKeys, Value};
 
 /// Extensions that are read, wholly or so that each thing left out is noted where it stands.
 const READ: &[&str] = &[
@@ -36,6 +37,9 @@ const READ: &[&str] = &[
     "KHR_texture_transform",
 ];
 
+/// The attributes of vertices that glTF names; others belong to an application, or to an extension that is left out.
+const ATTRIBUTES: &[&str] = &["POSITION", "NORMAL", "TANGENT", "TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"];
+
 /// What a file holds, checked.
 pub struct Tree<'c> {
     places: std::borrow::Cow<'c, Node>,
@@ -43,26 +47,22 @@ pub struct Tree<'c> {
     binary: Option<Vec<u8>>,
 }
 
-/// `None` where something is wrong with it, which is noted.
-///
-/// # Errors
-/// `Invalid`: JSON that is no glTF.
-pub fn checked<'c>(opened: Opened<'c>, foreign: &Foreign) -> Result<Option<Tree<'c>>> {
-    let Opened { json, tree, binary } = opened;
-    let root = json::deserialize::from_slice::<json::Root>(&json).map_err(|error| misfit(&error, binary.is_some(), foreign))?;
+/// Returns the file, checked; `None` where something is wrong with it, which is noted.
+pub fn checked<'c>(opened: Opened<'c>, foreign: &Foreign) -> Option<Tree<'c>> {
+    let Opened { tree, binary } = opened;
     let refuse = |pointer: &str, message: String| match &tree.place {
         // Without lines, the pointer is the place, even of what is missing.
         Place::Whole(_) => foreign.faults.add(&Place::Whole(pointer.into()), pointer, message),
         _ => foreign.faults.add_at(&tree, pointer, message),
     };
-    let version = &root.asset.version;
+    let version = tree.get("/asset/version").and_then(Node::as_str).unwrap_or("2.");
     if !version.starts_with("2.") {
         refuse("/asset/version", format!("expected glTF of version 2, found {:?}", version.chars().take(40).collect::<String>()));
-        return Ok(None);
+        return None;
     }
+    let root: json::Root = reader::read(&readable(&tree, ""), "", UnknownKeys::Ignore, &foreign.faults)?;
     for (i, name) in root.extensions_required.iter().enumerate().filter(|(_, name)| !READ.contains(&name.as_str())) {
-        let name: String = name.chars().filter(|c| !c.is_control()).take(60).collect();
-        refuse(&format!("/extensionsRequired/{i}"), format!("the file needs the extension {name}, which pt does not read"));
+        refuse(&format!("/extensionsRequired/{i}"), needed(&shown(name)));
     }
     // The validation itself looks up the positions, and would panic.
     for (pointer, _) in attributes(&root).filter(|(_, accessor)| *accessor >= root.accessors.len()) {
@@ -77,10 +77,44 @@ pub fn checked<'c>(opened: Opened<'c>, foreign: &Foreign) -> Result<Option<Tree<
         });
     }
     if !foreign.faults.is_empty() {
-        return Ok(None);
+        return None;
     }
     let gltf = gltf::Document::from_json_without_validation(root);
-    Ok(Some(Tree { places: tree, gltf, binary }))
+    Some(Tree { places: tree, gltf, binary })
+}
+
+/// A copy of the part of a file that the crate is to check: what is left out anyway is no reason to refuse the file.
+///
+/// - `key`: of the object that the node is or belongs to; "" for the file as a whole
+fn readable(node: &Node, key: &str) -> Node {
+    let is_read = |member: &&Member| match member.key.as_str() {
+        // Extensions are read by their own readers.
+        "extras" | "extensions" => false,
+        "animations" => !key.is_empty(),
+        name if key == "attributes" => ATTRIBUTES.iter().any(|known| name.starts_with(known)),
+        _ => member.node.value != Value::Null,
+    };
+    let copy = |member: &Member| {
+        let Member { key, key_place, node } = member;
+        Member { key: key.clone(), key_place: key_place.clone(), node: readable(node, key) }
+    };
+    let value = match &node.value {
+        Value::Array(items) => Value::Array(items.iter().map(|item| readable(item, key)).collect()),
+        Value::Object(members) => Value::Object(members.iter().filter(is_read).map(copy).collect()),
+        plain => plain.clone(),
+    };
+    Node { value, place: node.place.clone() }
+}
+
+/// Why an extension that a file needs cannot be done without; Draco and meshopt hold triangles that stand nowhere else.
+fn needed(name: &str) -> String {
+    let advice = if name.ends_with("_compression") { UNPACK } else { "" };
+    format!("the file needs the extension {name}, which pt does not read{advice}")
+}
+
+/// A name of the file as a message shows it.
+pub fn shown(name: &str) -> String {
+    name.chars().filter(|c| !c.is_control()).take(60).collect()
 }
 
 /// Of all primitives: where each attribute stands, and its accessor.
@@ -97,15 +131,6 @@ fn attributes(root: &json::Root) -> impl Iterator<Item = (String, usize)> {
     root.meshes.iter().enumerate().flat_map(of_mesh)
 }
 
-fn misfit(error: &json::Error, is_binary: bool, foreign: &Foreign) -> Error {
-    let text = error.to_string();
-    let sentence = text.rsplit_once(" at line ").map_or(&*text, |(sentence, _)| sentence);
-    let sentence: String = sentence.chars().filter(|c| !c.is_control()).take(200).collect();
-    let place = if is_binary { format!("{IN_CONTAINER}: ") } else { String::new() };
-    let fault = Fault::new(format!("{place}no glTF: {sentence}")).in_file(foreign.file);
-    Error::invalid(if error.line() == 0 { fault } else { fault.at(error.line(), error.column().max(1)) })
-}
-
 /// `meshes[0].primitives[1].attributes["POSITION"] = "…"` is /meshes/0/primitives/1/attributes/POSITION.
 fn pointer(path: &str) -> String {
     let path = path.split(" = ").next().unwrap_or_default();
@@ -113,10 +138,10 @@ fn pointer(path: &str) -> String {
     steps.filter(|step| !step.is_empty()).map(crate::reader::escaped).collect()
 }
 
-/// What no reading depends on: bounds of accessors, extensions (ours is the list above), positions of what is then left out, and
-/// pictures of textures, which extensions may give.
+/// What no reading depends on: bounds of accessors, extensions (ours is the list above), positions of what is then left out,
+/// pictures of textures, which extensions may give, and the bytes of accessors, which are zeros where there are none.
 fn is_forgiven(pointer: &str, wrong: Wrong) -> bool {
-    let may_lack = ["/min", "/max", "/source", "/attributes/POSITION"].iter().any(|key| pointer.ends_with(key));
+    let may_lack = ["/min", "/max", "/source", "/attributes/POSITION", "/bufferView"].iter().any(|key| pointer.ends_with(key));
     wrong == Wrong::Unsupported || (wrong == Wrong::Missing && may_lack)
 }
 
@@ -137,8 +162,8 @@ pub struct Document<'a> {
     pub buffers: Buffers,
     /// Sentences, with where each holds first and how often.
     notes: RefCell<BTreeMap<String, (View<'a>, usize)>>,
-    /// By index: the names of pictures' files, `None` where there is none.
-    pub pictures: RefCell<BTreeMap<usize, Option<String>>>,
+    /// By index: the pictures, `None` where there is a fault.
+    pub pictures: RefCell<BTreeMap<usize, Option<Picture>>>,
 }
 
 impl<'a> Document<'a> {
@@ -180,11 +205,11 @@ impl<'a> Document<'a> {
     fn note_extensions(&self) {
         let used = self.gltf.as_json().extensions_used.iter().enumerate();
         for (i, name) in used.filter(|(_, name)| !READ.contains(&name.as_str())) {
-            let name: String = name.chars().filter(|c| !c.is_control()).take(60).collect();
-            self.note(&self.at(&["extensionsUsed", &i.to_string()]), format!("the extension {name} is left out"));
+            let message = format!("the extension {} is left out: what it adds does not show", shown(name));
+            self.note(&self.at(&["extensionsUsed", &i.to_string()]), message);
         }
-        if self.gltf.animations().len() > 0 {
-            self.note(&self.at(&["animations"]), "animations are left out: everything stands as its nodes say");
+        if let Some(animations) = self.root.get(&["animations"]) {
+            self.note(&animations, "animations are left out: everything stands as its nodes say");
         }
     }
 }

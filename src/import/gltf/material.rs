@@ -263,8 +263,11 @@ impl<'a> Reader<'_, 'a> {
         let two_sided = own.get(&["doubleSided"]).and_then(|flag| flag.flag()).unwrap_or(false);
         let radiance = factor.map(|c| c * strength);
         let mut members = vec![("radiance", at.make_numbers(radiance)), ("two_sided", at.make_flag(two_sided))];
-        let texture = own.get(&["emissiveTexture"]).and_then(|info| self.document.texture(&info, Kind::Color));
-        members.extend(texture.map(|texture| ("texture", texture)));
+        if let Some(info) = own.get(&["emissiveTexture"]) {
+            // Without its picture all of the surface would shine.
+            let Some(texture) = self.document.texture(&info, Kind::Emission) else { return (None, false) };
+            members.push(("texture", texture));
+        }
         (Some(at.make_object(members)), radiance.iter().any(|c| *c > 1.0))
     }
 

@@ -4,6 +4,7 @@ use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 use gltf::Semantic;
 use gltf::mesh::Mode;
 
+use super::buffer::is_compressed;
 use super::document::Document;
 use super::pose::Pose;
 use super::texture::Mapping;
@@ -31,10 +32,18 @@ impl<'a> Document<'a> {
         pose: &Pose,
     ) -> Option<Geometry> {
         let at = self.at(&["meshes", &mesh.index().to_string(), "primitives", &primitive.index().to_string()]);
+        if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            self.note(&at, "points and lines are left out: they do not show");
+            return None;
+        }
         let Some(positions) = primitive.get(&Semantic::Positions) else {
             self.note(&at, "a primitive without positions is left out");
             return None;
         };
+        let has_bytes = positions.view().is_some() || positions.sparse().is_some();
+        if !has_bytes && is_compressed(&at) {
+            return None;
+        }
         let mut positions = self.vectors(&positions)?;
         let mut normals = match primitive.get(&Semantic::Normals) {
             Some(accessor) => self.vectors(&accessor)?,
@@ -87,10 +96,7 @@ impl<'a> Document<'a> {
                 Some(corners.windows(3).enumerate().map(turned).collect())
             }
             Mode::TriangleFan => Some(corners.windows(2).skip(1).map(|w| [w[0], w[1], corners[0]]).collect()),
-            Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => {
-                self.note(at, "points and lines are left out");
-                None
-            }
+            Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => None,
         }
     }
 

@@ -29,7 +29,7 @@ pub const DIALECT: Dialect = Dialect { name: "gltf", about: "glTF 2.0, .gltf and
 
 fn read(content: &Content, foreign: &Foreign) -> Result<Option<Node>> {
     let opened = container::open(content, foreign)?;
-    let Some(tree) = document::checked(opened, foreign)? else { return Ok(None) };
+    let Some(tree) = document::checked(opened, foreign) else { return Ok(None) };
     let Some(document) = document::Document::new(&tree, foreign)? else { return Ok(None) };
     let root = scene::scene(&document);
     document.tell();

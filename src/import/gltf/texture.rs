@@ -4,6 +4,7 @@ use glam::Vec2;
 
 use super::buffer::{file_name, of_data};
 use super::document::Document;
+use crate::describe::picture::{READ, unread_format};
 use crate::import::view::View;
 use crate::reader::Node;
 
@@ -67,9 +68,31 @@ pub fn numbers<const N: usize>(at: &View) -> Option<[f64; N]> {
 #[derive(Clone, Copy, PartialEq)]
 pub enum Kind {
     Color,
+    Emission,
     Normal,
     /// One channel: "r", "g", "b" or "a".
     Share(&'static str),
+}
+
+impl Kind {
+    /// What shows where a picture of this kind is left out.
+    fn without(self) -> &'static str {
+        match self {
+            Kind::Color => "a plain colour shows in its place",
+            Kind::Emission => "what shines by it stays dark",
+            Kind::Normal => "the surface is smooth there",
+            Kind::Share(_) => "the same number holds all over",
+        }
+    }
+}
+
+/// What there is of a picture.
+#[derive(Clone)]
+pub enum Picture {
+    /// A file that pt reads: beside the scene, or made.
+    File(String),
+    /// Of this format, which pt does not read.
+    Unread(String),
 }
 
 impl<'a> Document<'a> {
@@ -82,15 +105,10 @@ impl<'a> Document<'a> {
             return None;
         };
         let at = self.item("textures", texture.index());
-        if !at.has("source") {
-            self.note(&at, "a texture without a PNG or JPEG picture is left out");
-            return None;
-        }
-        let source = self.gltf.as_json().textures.get(texture.index())?.source.value();
-        let file = self.picture(source)?;
+        let file = self.first_picture(&at, kind)?;
         let mut members = vec![("type", info.make_text("image")), ("file", info.make_text(file))];
         match kind {
-            Kind::Color => {}
+            Kind::Color | Kind::Emission => {}
             Kind::Normal => members.push(("encoding", info.make_text("linear"))),
             Kind::Share(channel) => members.extend([("encoding", info.make_text("linear")), ("channel", info.make_text(channel))]),
         }
@@ -114,17 +132,36 @@ impl<'a> Document<'a> {
         wrap.into_iter().chain(filter.map(|filter| ("filter", info.make_text(filter)))).collect()
     }
 
-    /// The file of a picture: its own, or one that comes with the scene; `None` with a fault noted.
-    fn picture(&self, index: usize) -> Option<String> {
+    /// The file of the first of a texture's pictures that pt can read: its own, then those of extensions. `None` where there is none,
+    /// with a fault, or a note that says what shows instead.
+    fn first_picture(&self, at: &View<'a>, kind: Kind) -> Option<String> {
+        let extensions = at.get(&["extensions"]).and_then(|all| all.members()).unwrap_or_default();
+        let sources = std::iter::once(at.clone()).chain(extensions.into_iter().map(|(_, extension)| extension));
+        let mut unread = None;
+        for source in sources.filter_map(|of| of.get(&["source"])) {
+            match self.picture(usize::try_from(source.whole()?).ok()?)? {
+                Picture::File(file) => return Some(file),
+                Picture::Unread(format) => unread = unread.or(Some(format)),
+            }
+        }
+        let what = unread.map_or("a texture without a picture is left out".to_owned(), |format| {
+            format!("a picture in {format} is left out, pt reads {READ}")
+        });
+        self.note(at, format!("{what}: {}", kind.without()));
+        None
+    }
+
+    /// What there is of a picture; `None` with a fault noted.
+    fn picture(&self, index: usize) -> Option<Picture> {
         if let Some(known) = self.pictures.borrow().get(&index) {
             return known.clone();
         }
-        let file = self.find_picture(index);
-        self.pictures.borrow_mut().insert(index, file.clone());
-        file
+        let picture = self.find_picture(index);
+        self.pictures.borrow_mut().insert(index, picture.clone());
+        picture
     }
 
-    fn find_picture(&self, index: usize) -> Option<String> {
+    fn find_picture(&self, index: usize) -> Option<Picture> {
         let at = self.item("images", index);
         let Some(image) = self.gltf.as_json().images.get(index) else {
             self.root.fault(format!("picture {index}, but there are {}", self.gltf.images().len()));
@@ -135,7 +172,7 @@ impl<'a> Document<'a> {
             (Some(uri), _) => {
                 let place = at.get(&["uri"])?;
                 if !uri.starts_with("data:") {
-                    return file_name(&place, uri);
+                    return Some(self.beside(file_name(&place, uri)?));
                 }
                 of_data(&place, uri)?
             }
@@ -151,10 +188,23 @@ impl<'a> Document<'a> {
                 return None;
             }
         };
-        let extension = if bytes.starts_with(b"\xFF\xD8") { "jpg" } else { "png" };
+        if let Some(format) = unread_format(&bytes) {
+            return Some(Picture::Unread(format));
+        }
+        let extension = match bytes.first() {
+            Some(0xFF) => "jpg",
+            Some(b'R') => "webp",
+            _ => "png",
+        };
         let file = self.made_name(&format!("picture-{index}"), extension);
         self.root.foreign().make(&*file, bytes);
-        Some(file)
+        Some(Picture::File(file))
+    }
+
+    /// A picture in a file beside the scene; what is wrong with the file is told by whoever reads it.
+    fn beside(&self, file: String) -> Picture {
+        let format = self.root.foreign().files.bytes(&file).ok().and_then(|bytes| unread_format(&bytes));
+        format.map_or(Picture::File(file), Picture::Unread)
     }
 
     /// A name for a file that comes with the scene, and that no picture beside it has.

@@ -12,7 +12,7 @@ use crate::reader::escaped;
 use crate::texture::{Product, Texture};
 use crate::world::MaterialId;
 
-pub(super) use texture::MOST_TEXTURES;
+pub(super) use texture::{MOST_TEXTURES, Range};
 
 /// Materials within materials are copied where they are used: mixes of mixes of … grow as 2ⁿ.
 pub(super) const MOST_PARTS: usize = 1 << 12;

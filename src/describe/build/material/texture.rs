@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use crate::describe::build::transform::placed;
 use crate::describe::build::{Builder, rgb, spectrum};
-use crate::describe::{self, Encoding, Size, TextureSpace, Textured, Varying, VaryingPerChannel, identity};
+use crate::describe::{self, Encoding, Size, TextureSpace, Textured, Varying, VaryingPerChannel, identity, picture};
 use crate::error::Error;
 use crate::math::{Spectrum, Transform};
 use crate::reader::escaped;
@@ -17,13 +17,28 @@ use crate::texture::{Checker, Image, Marble, Mix, Noise, Number, Product, Space,
 /// Textures within textures are copied where they are used: checkers of checkers of … grow as 2ⁿ.
 pub(in crate::describe::build) const MOST_TEXTURES: usize = 1 << 16;
 
+/// What the values of a picture may be.
+#[derive(Clone, Copy, PartialEq)]
+pub(in crate::describe::build) enum Range {
+    /// From 0 to 1: what is reflected, let through, or a number.
+    Shares,
+    /// From 0, finite: what is emitted.
+    Amounts,
+}
+
 impl Builder<'_> {
+    /// The texture of what reflects light, or stands for a number.
     pub(in crate::describe::build) fn textured(&mut self, pointer: &str, described: &Textured) -> Texture {
+        self.ranged(pointer, described, Range::Shares)
+    }
+
+    /// The texture whose pictures hold values of this range.
+    pub(in crate::describe::build) fn ranged(&mut self, pointer: &str, described: &Textured, range: Range) -> Texture {
         match described {
             Textured::Color(color) => Texture::Constant(spectrum(color)),
-            Textured::Texture(inline) => self.texture(pointer, inline),
+            Textured::Texture(inline) => self.texture(pointer, inline, range),
             Textured::Named(name) => match self.scene.textures.get(name) {
-                Some(texture) => self.texture(&format!("/textures{}", escaped(name)), texture),
+                Some(texture) => self.texture(&format!("/textures{}", escaped(name)), texture, range),
                 None => Spectrum::BLACK.into(),
             },
         }
@@ -59,23 +74,26 @@ impl Builder<'_> {
         };
         match picture {
             Some(describe::Texture::Image(picture)) if picture.encoding == Encoding::Auto => {
-                self.image(pointer, &describe::Image { encoding: Encoding::Linear, ..picture.clone() })
+                self.image(pointer, &describe::Image { encoding: Encoding::Linear, ..picture.clone() }, Range::Shares)
             }
             _ => self.textured(pointer, described),
         }
     }
 
-    fn texture(&mut self, pointer: &str, described: &describe::Texture) -> Texture {
+    fn texture(&mut self, pointer: &str, described: &describe::Texture, range: Range) -> Texture {
         use describe::Texture as T;
         self.textures += 1;
         if self.textures > MOST_TEXTURES {
             return Spectrum::BLACK.into();
         }
         if let T::Image(t) = described {
-            return self.image(pointer, t);
+            return self.image(pointer, t, range);
         }
         let space = self.space(pointer, described);
-        let mut part = |key: &str, described: &Textured| self.textured(&format!("{pointer}/{key}"), described);
+        let mut part = |key: &str, described: &Textured| {
+            let range = if key == "share" { Range::Shares } else { range };
+            self.ranged(&format!("{pointer}/{key}"), described, range)
+        };
         match described {
             T::Constant(t) => Texture::Constant(spectrum(&t.color)),
             T::Checker(t) => Texture::Checker(Box::new(Checker {
@@ -109,7 +127,7 @@ impl Builder<'_> {
     }
 
     /// Read once for every encoding and channel that it is used in; black with a fault noted.
-    fn image(&mut self, pointer: &str, described: &describe::Image) -> Texture {
+    fn image(&mut self, pointer: &str, described: &describe::Image, range: Range) -> Texture {
         let key = (described.file.clone(), described.encoding, described.channel);
         let pixels = match self.pictures.get(&key) {
             Some(known) => known.clone(),
@@ -120,6 +138,11 @@ impl Builder<'_> {
             }
         };
         let Some(pixels) = pixels else { return Spectrum::BLACK.into() };
+        if range == Range::Shares
+            && let Some(message) = picture::beyond_shares(&pixels)
+        {
+            self.fault(&format!("{pointer}/file"), &format!("{}: {message}; only what is emitted may be more", described.file));
+        }
         let wrap = match described.wrap {
             describe::Wrap::Repeat => Wrap::Repeat,
             describe::Wrap::Mirror => Wrap::Mirror,

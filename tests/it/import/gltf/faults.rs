@@ -29,7 +29,7 @@ const FAULTS: &[(Edit, &str)] = &[
     (|doc| doc["asset"]["version"] = json!("1.0"), "/asset/version: expected glTF of version 2, found \"1.0\""),
     (
         |doc| doc["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
-        "/extensionsRequired/0: the file needs the extension KHR_draco_mesh_compression, which pt does not read",
+        "/extensionsRequired/0: the file needs the extension KHR_draco_mesh_compression, which pt does not read: save the file without",
     ),
     (|doc| doc["scene"] = json!(7), "/scene: an index beyond the end of its list"),
     (
@@ -38,7 +38,7 @@ const FAULTS: &[(Edit, &str)] = &[
     ),
     (|doc| doc["meshes"][0]["primitives"][0]["material"] = json!(5), "/meshes/0/primitives/0/material: an index beyond"),
     (|doc| doc["meshes"][0]["primitives"][0]["mode"] = json!(9), "/meshes/0/primitives/0/mode: a value that glTF does not allow"),
-    (|doc| doc["meshes"][0]["primitives"] = json!(3), "no glTF: invalid type: integer `3`, expected a sequence"),
+    (|doc| doc["meshes"][0]["primitives"] = json!(3), "/meshes/0/primitives: expected an array, found 3"),
     (|doc| doc["accessors"][0]["count"] = json!(5000), "/accessors/0: 5000 rows of 12 bytes reach beyond bufferView 0"),
     (|doc| doc["accessors"][0]["count"] = json!(u64::MAX / 2), "/accessors/0: 9223372036854775807 rows of 12 bytes reach beyond"),
     (|doc| doc["accessors"][0]["byteOffset"] = json!(u64::MAX / 2), "/accessors/0: 4 rows of 12 bytes reach beyond"),
@@ -46,7 +46,27 @@ const FAULTS: &[(Edit, &str)] = &[
     (|doc| doc["accessors"][0]["componentType"] = json!(1), "/accessors/0/componentType: a value that glTF does not allow"),
     (|doc| doc["accessors"][1]["count"] = json!(3), "/meshes/0/primitives/0: 3 rows of NORMAL, but there are 4 positions"),
     (|doc| doc["accessors"][3]["componentType"] = json!(5126), "/accessors/3: expected whole numbers"),
-    (|doc| doc["accessors"][0] = json!({ "componentType": 5126, "type": "VEC3", "count": 3 }), "/accessors/0/bufferView: missing data"),
+    (
+        |doc| doc["accessors"][0] = json!({ "componentType": 5126, "type": "VEC3", "count": 3 }),
+        "/meshes/0/primitives/0: 4 rows of NORMAL, but there are 3 positions",
+    ),
+    (
+        |doc| {
+            // As a file that lists the extension in `extensionsUsed` alone: its accessors have no bytes.
+            drop(doc["accessors"][0].as_object_mut().and_then(|a| a.remove("bufferView")));
+            doc["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+            doc["meshes"][0]["primitives"][0]["extensions"] =
+                json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": {} } });
+        },
+        "/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression: compressed by KHR_draco_mesh_compression, which pt does not read",
+    ),
+    (
+        |doc| {
+            drop(doc["buffers"][0].as_object_mut().and_then(|b| b.remove("uri")));
+            doc["buffers"][0]["extensions"] = json!({ "EXT_meshopt_compression": { "fallback": true } });
+        },
+        "/buffers/0/extensions/EXT_meshopt_compression: compressed by EXT_meshopt_compression, which pt does not read",
+    ),
     (|doc| doc["bufferViews"][0]["byteLength"] = json!(u64::MAX), "/accessors/0: 4 rows of 12 bytes reach beyond bufferView 0"),
     (|doc| doc["bufferViews"][0]["byteStride"] = json!(4), "/accessors/0: rows of 12 bytes, 4 bytes apart"),
     (|doc| doc["bufferViews"][0]["buffer"] = json!(1), "/bufferViews/0/buffer: an index beyond"),
@@ -126,6 +146,52 @@ fn every_fault_has_its_place() {
             assert!(found.contains(expected), "in a container: expected {expected}, found {found:?}");
         }
     }
+}
+
+/// What is left out of the picture anyway is no reason to refuse the file, whatever is wrong with it.
+#[test]
+fn what_is_not_read_spoils_nothing() {
+    let edits: &[(Edit, &str)] = &[
+        (|doc| doc["animations"] = json!([{ "channels": [], "samplers": [{ "input": 99, "output": 0, "interpolation": 0 }] }]), ""),
+        (|doc| doc["animations"] = json!(7), ""),
+        (|doc| doc["extras"] = json!("text"), ""),
+        (|doc| doc["nodes"][0]["extras"] = json!([1, null, "text"]), ""),
+        (|doc| doc["extensionsUsed"] = json!(["ACME_a"]), "what it adds does not show"),
+        (|doc| doc["nodes"][0]["extensions"] = json!({ "ACME_a": 5 }), ""),
+        (|doc| doc["meshes"][0]["primitives"][0]["extensions"] = json!({ "ACME_a": [{}] }), ""),
+        (|doc| doc["meshes"][0]["primitives"][0]["attributes"]["_TEMPERATURE"] = json!(0), ""),
+        (|doc| doc["meshes"][0]["primitives"][0]["attributes"]["_FEATURE_ID_0"] = json!(99), ""),
+        (|doc| doc["meshes"][0]["primitives"][0]["attributes"]["TEMPERATURE"] = json!(0), ""),
+        (|doc| doc["meshes"][0]["name"] = Value::Null, ""),
+        (
+            // Lines may break off with an index that no vertex has.
+            |doc| {
+                let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": 1, "mode": 3 });
+                doc["meshes"][0]["primitives"].as_array_mut().expect("a list").push(primitive)
+            },
+            "points and lines are left out",
+        ),
+    ];
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("edited.gltf");
+    for (edit, note) in edits {
+        let mut doc: Value = serde_json::from_slice(&whole().gltf()).expect("JSON");
+        edit(&mut doc);
+        fs::write(&path, serde_json::to_vec_pretty(&doc).expect("JSON")).expect("a file");
+        let scene = try_read(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(1), "the square is there");
+        assert!(scene.notes_say(note), "{note}: {:?}", scene.notes);
+    }
+}
+
+/// Draco's extension beside triangles that are there as well, which are read.
+#[test]
+fn compressed_triangles_that_also_stand_plain_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut model = whole();
+    model.doc["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    model.doc["meshes"][0]["primitives"][0]["extensions"] = json!({ "KHR_draco_mesh_compression": { "bufferView": 0, "attributes": {} } });
+    assert_eq!(said(folder.path(), "both.gltf", &model.gltf()), "");
 }
 
 #[test]

@@ -131,6 +131,12 @@ pub fn png(picture: image::RgbaImage) -> Vec<u8> {
     bytes.into_inner()
 }
 
+pub fn webp(picture: image::RgbaImage) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(vec![]);
+    picture.write_to(&mut bytes, image::ImageFormat::WebP).expect("encodes");
+    bytes.into_inner()
+}
+
 /// Rows from the top.
 pub fn picture<const W: usize, const H: usize>(rows: [[[u8; 4]; W]; H]) -> image::RgbaImage {
     image::RgbaImage::from_fn(W as u32, H as u32, |x, y| image::Rgba(rows[y as usize][x as usize]))

@@ -3,7 +3,7 @@
 use pt::texture::image::Pixels;
 use serde_json::{Value, json};
 
-use super::model::{Model, picture};
+use super::model::{Model, picture, png, webp};
 use crate::import::read::{Read, assert_near, met, read, reflected};
 
 fn read_model(model: &Model) -> Read {
@@ -185,4 +185,61 @@ fn pictures_beside_the_file_stay_there() {
     let scene = read(&folder.path().join("scene.gltf"));
     assert_eq!(scene.at("/materials/material 0/base_color"), &json!({ "type": "image", "file": "my wood.png" }));
     scene.built();
+}
+
+/// WebP is read as PNG is; of a texture's pictures the first that is readable counts, whichever stands first.
+#[test]
+fn pictures_of_extensions_are_read() {
+    let texels = || picture([[[9, 200, 30, 255]]]);
+    let unread = b"\xABKTX 20\xBB\r\n\x1A\n".to_vec();
+    for (own, others) in [(None, vec![webp(texels())]), (Some(unread.clone()), vec![webp(texels())]), (Some(png(texels())), vec![unread])] {
+        let mut model = Model::square(json!({}));
+        let mut add = |bytes: &[u8]| {
+            let view = model.bytes(bytes);
+            model.add("images", json!({ "bufferView": view, "mimeType": "image/x" }))
+        };
+        let sources: Vec<usize> = others.iter().map(|bytes| add(bytes)).collect();
+        let own = own.map(|bytes| add(&bytes));
+        let mut texture = json!({ "extensions": { "EXT_texture_webp": { "source": sources[0] } } });
+        own.into_iter().for_each(|own| texture["source"] = json!(own));
+        model.add("textures", texture);
+        model.doc["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": { "index": 0 } });
+        let scene = read_model(&model);
+        let file = scene.at("/materials/material 0/base_color/file").as_str().expect("a file");
+        let (pixels, _) = scene.files.picture(file, pt::describe::Encoding::Linear, None).expect("a picture");
+        assert_eq!(pixels.values()[0], [9.0f32 / 255.0, 200.0 / 255.0, 30.0 / 255.0], "{file}");
+    }
+}
+
+/// A picture of a format that pt does not read spoils its texture, not the model: what shows instead is said; nothing shines all over
+/// for want of a mask.
+#[test]
+fn a_picture_that_is_not_read_is_left_out() {
+    for (bytes, format) in [(&b"\xABKTX 20\xBB\r\n\x1A\n"[..], "KTX2"), (b"GIF89a", "GIF"), (b"?", "an unknown format")] {
+        for (slot, sentence) in [
+            ("/pbrMetallicRoughness/baseColorTexture", "a plain colour shows in its place"),
+            ("/pbrMetallicRoughness/metallicRoughnessTexture", "the same number holds all over"),
+            ("/normalTexture", "the surface is smooth there"),
+            ("/emissiveTexture", "what shines by it stays dark"),
+        ] {
+            let mut model = Model::square(json!({ "pbrMetallicRoughness": { "baseColorTexture": null, "metallicRoughnessTexture": null },
+                "normalTexture": null, "emissiveTexture": null, "emissiveFactor": [1, 1, 1] }));
+            let view = model.bytes(bytes);
+            model.add("images", json!({ "bufferView": view, "mimeType": "image/png" }));
+            model.add("textures", json!({ "source": 0 }));
+            *model.doc["materials"][0].pointer_mut(slot).expect("a slot") = json!({ "index": 0 });
+            let scene = read_without_nulls(model);
+            assert!(scene.notes_say(&format!("a picture in {format} is left out")) && scene.notes_say(sentence), "{:?}", scene.notes);
+            assert_eq!(scene.at("/shapes/0").get("emission").is_some(), slot != "/emissiveTexture", "{slot}");
+            scene.built();
+        }
+    }
+}
+
+fn read_without_nulls(mut model: Model) -> Read {
+    let material = &mut model.doc["materials"][0];
+    for part in ["", "/pbrMetallicRoughness"] {
+        material.pointer_mut(part).and_then(|part| part.as_object_mut()).expect("an object").retain(|_, value| !value.is_null());
+    }
+    read_model(&model)
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
-use super::model::{Model, picture};
+use super::model::{Model, picture, webp};
 use crate::import::read::try_read;
 use crate::import::table::rows;
 
@@ -14,6 +14,11 @@ type Row = (&'static str, fn(&mut Model));
 fn textured(model: &mut Model, slot: &str, sampler: Value) {
     let texture = model.texture(picture([[[128, 128, 255, 128]]]), sampler);
     *model.doc["materials"][0].pointer_mut(slot).expect("a slot") = json!({ "index": texture });
+}
+
+fn picture_of(model: &mut Model, kind: &str, bytes: &[u8]) {
+    let view = model.bytes(bytes);
+    model.add("images", json!({ "bufferView": view, "mimeType": kind }));
 }
 
 fn extended(model: &mut Model, extension: &str, value: Value) {
@@ -45,7 +50,12 @@ const ROWS: &[Row] = &[
     ("`extensionsRequired` with an extension that is not in this table (Draco, meshopt, …)", |m| {
         m.doc["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])
     }),
-    ("`extensionsUsed` with one", |m| m.doc["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"])),
+    ("`extensionsUsed` with one", |m| m.doc["extensionsUsed"] = json!(["ACME_something"])),
+    ("`extras`, attributes of applications (`_TEMPERATURE`)", |m| attribute(m, "_TEMPERATURE")),
+    ("triangles or a buffer that only Draco or meshopt holds", |m| {
+        m.doc["accessors"][0].as_object_mut().expect("an object").remove("bufferView");
+        m.doc["meshes"][0]["primitives"][0]["extensions"] = json!({ "KHR_draco_mesh_compression": {} });
+    }),
     ("several `scenes`", |m| {
         m.add("scenes", json!({ "nodes": [] }));
     }),
@@ -109,8 +119,14 @@ const ROWS: &[Row] = &[
         textured(m, "/normalTexture", json!({}));
         m.doc["materials"][0]["normalTexture"]["texCoord"] = json!(1);
     }),
-    ("KHR_texture_basisu, EXT_texture_webp without another picture", |m| {
+    ("pictures in PNG, JPEG, and WebP (EXT_texture_webp)", |m| {
+        picture_of(m, "image/webp", &webp(picture([[[128, 128, 255, 128]]])));
         m.add("textures", json!({ "extensions": { "EXT_texture_webp": { "source": 0 } } }));
+        m.doc["materials"][0]["normalTexture"] = json!({ "index": 0 });
+    }),
+    ("pictures in KTX2 (KHR_texture_basisu) or any other format, where there is no other", |m| {
+        picture_of(m, "image/ktx2", b"\xABKTX 20\xBB\r\n\x1A\n");
+        m.add("textures", json!({ "extensions": { "KHR_texture_basisu": { "source": 0 } } }));
         m.doc["materials"][0]["normalTexture"] = json!({ "index": 0 });
     }),
     ("KHR_materials_transmission with KHR_materials_volume", |m| {
