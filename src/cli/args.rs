@@ -11,6 +11,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 use super::image::args::Verb;
 use crate::error::{Error, Result};
 use crate::film::Image;
+use crate::import::{Framing, Up, Viewpoint};
 use crate::output;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
@@ -328,6 +329,16 @@ pub struct Scene {
     /// Let the scene name meshes and pictures that lie outside of its own folder.
     #[arg(long)]
     pub allow_outside: bool,
+    /// Of a model (glTF, OBJ, PLY, STL): the side from which a camera looks that shows all of it. Default: the file's camera, else
+    /// three-quarter.
+    #[arg(long, value_name = "SIDE", value_parser = viewpoint)]
+    view: Option<Viewpoint>,
+    /// Of a model: the axis that points up, y or z. Default: y, for STL z.
+    #[arg(long, value_name = "AXIS", value_parser = up)]
+    up: Option<Up>,
+    /// Of a model: put a matte ground under it, which catches its shadow.
+    #[arg(long)]
+    ground: bool,
 }
 
 /// How the work is done, and shown.
@@ -538,10 +549,28 @@ impl Scene {
         self.path.as_deref().ok_or_else(|| Error::Usage("expected a scene file, such as scenes/cornell-box.json; see pt --help".into()))
     }
 
+    /// How a model is shown that says it not itself.
+    pub fn framing(&self) -> Framing {
+        Framing { up: self.up, view: self.view, ground: self.ground }
+    }
+
     /// The overrides, split at the first `=`.
     pub fn overrides(&self) -> Result<Vec<(&str, &str)>> {
         let split = |text: &String| format!("-D {text}: expected /POINTER=VALUE, such as -D /camera/fov=60");
         self.overrides.iter().map(|text| text.split_once('=').ok_or_else(|| Error::Usage(split(text)))).collect()
+    }
+}
+
+fn viewpoint(text: &str) -> std::result::Result<Viewpoint, String> {
+    let names = Viewpoint::ALL.map(|view| view.name).join(", ");
+    Viewpoint::ALL.into_iter().find(|view| view.name == text).ok_or_else(|| format!("expected one of {names}"))
+}
+
+fn up(text: &str) -> std::result::Result<Up, String> {
+    match text {
+        "y" => Ok(Up::Y),
+        "z" => Ok(Up::Z),
+        _ => Err("expected y or z".to_owned()),
     }
 }
 

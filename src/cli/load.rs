@@ -8,7 +8,7 @@ use super::{args, memory};
 use crate::describe::{self, Built, Files, Identity, Shape, Source};
 use crate::error::text::one_line;
 use crate::error::{Error, Fault, MAX_FAULTS, Result};
-use crate::import::{Imported, import};
+use crate::import::{Imported, import_with};
 use crate::integrator::{self, Entry, Integrator};
 use crate::reader::Node;
 use crate::world::World;
@@ -107,11 +107,11 @@ fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
 /// The scene's tree, overridden.
 ///
 /// # Errors
-/// As [`import`]; `Usage` for overrides without a place.
+/// As [`import_with`]; `Usage` for overrides without a place.
 pub fn imported(scene: &args::Scene, more: &[Override]) -> Result<Imported> {
-    let mut imported = import(scene.path()?, scene.allow_outside)?;
-    overridden(&mut imported.root, scene, more).map_err(|refusal| deeper(refusal, &imported.root, &imported.file))?;
-    Ok(imported)
+    import_with(scene.path()?, scene.allow_outside, scene.framing(), |root, file| {
+        overridden(root, scene, more).map_err(|refusal| deeper(refusal, root, file))
+    })
 }
 
 fn overridden(root: &mut Node, scene: &args::Scene, more: &[Override]) -> Result<()> {

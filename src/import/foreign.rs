@@ -4,9 +4,11 @@ use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use super::framing::{Framing, Lacking};
+use super::view::View;
 use crate::describe::Files;
 use crate::error::{Error, Fault, Result};
-use crate::reader::{self, Faults, Node};
+use crate::reader::{self, Faults, Node, Place, Value};
 
 /// What a scene file holds.
 pub struct Content<'a> {
@@ -47,14 +49,34 @@ pub struct Foreign<'a> {
     pub file: &'a str,
     /// Those of the scene's folder.
     pub files: Files,
+    /// How a first picture is framed.
+    pub framing: Framing,
     pub faults: Faults,
     notes: RefCell<Vec<Fault>>,
     made: RefCell<Assets>,
+    lacking: RefCell<Option<Lacking>>,
 }
 
 impl<'a> Foreign<'a> {
-    pub fn new(file: &'a str, files: Files) -> Foreign<'a> {
-        Foreign { file, files, faults: Faults::default(), notes: RefCell::default(), made: RefCell::default() }
+    pub fn new(file: &'a str, files: Files, framing: Framing) -> Foreign<'a> {
+        let (notes, made, lacking) = (RefCell::default(), RefCell::default(), RefCell::default());
+        Foreign { file, files, framing, faults: Faults::default(), notes, made, lacking }
+    }
+
+    /// What the scene lacks of a first picture.
+    pub fn lacks(&self, lacking: Lacking) {
+        self.lacking.replace(Some(lacking));
+    }
+
+    /// Adds what the scene lacks of a first picture, now that its camera is known.
+    pub fn complete(&self, root: &mut Node) {
+        let whole = Node { value: Value::Object(vec![]), place: Place::Whole("".into()) };
+        let at = View::root(&whole, self);
+        match self.lacking.take() {
+            Some(lacking) => lacking.complete(&at, root),
+            None if self.framing == Framing::default() => {}
+            None => at.note("--view, --up and --ground are for models (glTF, OBJ, PLY, STL): they change nothing here"),
+        }
     }
 
     /// What is left out or done in another way; once.

@@ -14,8 +14,10 @@ pub mod darts;
 mod foreign;
 mod framing;
 mod gltf;
+mod model;
 mod native;
 mod obj;
+mod unknown;
 mod view;
 
 use std::path::Path;
@@ -26,6 +28,7 @@ use crate::reader::Node;
 
 pub use foreign::Assets;
 use foreign::{Content, Foreign};
+pub use framing::{Framing, Up, Viewpoint};
 
 /// A kind of scene file that pt reads.
 pub struct Dialect {
@@ -39,7 +42,8 @@ pub struct Dialect {
 }
 
 /// In the order in which they are asked; pt's own format is whatever no other claims.
-pub const ALL: &[Dialect] = &[gltf::DIALECT, obj::DIALECT, aalto::DIALECT, darts::DIRT, darts::DARTS_2021, darts::DARTS, native::DIALECT];
+pub const ALL: &[Dialect] =
+    &[gltf::DIALECT, obj::DIALECT, model::PLY, model::STL, aalto::DIALECT, darts::DIRT, darts::DARTS_2021, darts::DARTS, native::DIALECT];
 
 /// A scene file of any dialect, read.
 pub struct Imported {
@@ -60,12 +64,29 @@ pub struct Imported {
 /// # Errors
 /// `Invalid`: all that is wrong with it, at most [`MAX_FAULTS`](crate::MAX_FAULTS), as far as the dialect tells; `Io`.
 pub fn import(path: &Path, allow_outside: bool) -> Result<Imported> {
+    import_with(path, allow_outside, Framing::default(), |_, _| Ok(()))
+}
+
+/// As [`import`], with `change` acting on the tree of the file of that name before it gets the light that it lacks.
+///
+/// # Errors
+/// As [`import`]; those of `change`.
+pub fn import_with(
+    path: &Path,
+    allow_outside: bool,
+    framing: Framing,
+    change: impl FnOnce(&mut Node, &str) -> Result<()>,
+) -> Result<Imported> {
     let file = describe::name(path);
     let content = Content::new(path, describe::bytes(path)?);
     let dialect = ALL.iter().find(|dialect| (dialect.is)(&content)).unwrap_or(&native::DIALECT);
     let files = Files { allow_outside, ..Files::within(path.parent().unwrap_or(Path::new(""))) };
-    let foreign = Foreign::new(&file, files);
-    let root = (dialect.read)(&content, &foreign)?;
+    let foreign = Foreign::new(&file, files, framing);
+    let mut root = (dialect.read)(&content, &foreign)?;
+    if let Some(root) = root.as_mut().filter(|_| foreign.faults.is_empty()) {
+        change(root, &file)?;
+        foreign.complete(root);
+    }
     let (files, notes) = foreign.finish()?;
     let root = root.ok_or_else(|| Error::Internal(format!("{file}: no scene and no fault")))?;
     Ok(Imported { root, file, files, dialect, notes })

@@ -407,8 +407,6 @@ const MESHES: &[Row] = &[
     ("B14", "f 1 2 \\\n3", 0, "8×6"),
     ("B15", "f 1 2 3\nf 1 2", 3, "mesh.obj:6: a face with 2 corners"),
     ("B15", "f 1 2 3\nv 1 2 3e", 3, "mesh.obj:6: z: expected a number, found 3e"),
-    // The scene gives materials: a library is not needed.
-    ("B16", "mtllib none.mtl\nf 1 2 3", 0, "mesh.obj:5: material library none.mtl not found"),
     ("B17", "vn 0 0 0\nvn 0 0 1\nf 1//1 2//2 3//2", 0, "mesh.obj: 1 normal without direction replaced by the face normal"),
     ("B17", "vn nan 0 1\nvn 0 0 1\nf 1//1 2//2 3//2", 0, "mesh.obj: 1 normal without direction replaced by the face normal"),
     ("B18", "f 1 1 2\nf 3 3 4", 3, "/shapes/0/file: mesh.obj: no usable triangles (all 2 are degenerate)"),

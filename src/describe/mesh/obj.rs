@@ -1,10 +1,9 @@
 //! Wavefront OBJ: the text goes through our check to tobj, which makes the triangles.
 //!
-//! Read: `v`, `vt`, `vn`, `f` (polygons as fans, right for convex ones), `g`, `o`, `usemtl`; `mtllib` is only looked
-//! for. Materials come from the scene, so that nothing of a library is used.
+//! Read: `v`, `vt`, `vn`, `f` (polygons as fans, right for convex ones), `g`, `o`, `usemtl`. Materials come from the scene, so that
+//! libraries (`mtllib`) are not looked for.
 
 use std::io::{BufRead, Seek};
-use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
@@ -13,11 +12,11 @@ use super::{Found, invalid};
 use crate::shape::mesh_data::MeshData;
 use crate::{Error, Result};
 
-/// Reads an OBJ file; `beside` is the folder in which its libraries lie.
+/// Reads an OBJ file.
 ///
 /// # Errors
 /// [`Error::Invalid`] with up to 20 faults, each with its line; [`Error::Io`].
-pub(super) fn read(mut source: impl BufRead + Seek, beside: Option<&Path>, name: &str) -> Result<Found> {
+pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found> {
     let mut text = Checked::new(&mut source, name, false);
     let mut mesh = triangles(&mut text, name)?;
     if text.is_mixed() {
@@ -35,17 +34,7 @@ pub(super) fn read(mut source: impl BufRead + Seek, beside: Option<&Path>, name:
     if !ignored.is_empty() {
         warnings.push(format!("{name}: ignored statements: {}", ignored.join(", ")));
     }
-    for (line, library) in text.libraries {
-        if beside.is_some_and(|folder| !is_there(folder, &library)) {
-            warnings.push(format!("{name}:{line}: material library {library} not found (not needed: the scene gives materials)"));
-        }
-    }
     Ok(Found { mesh: MeshData { parts: text.parts, ..mesh }, warnings, directionless: text.directionless })
-}
-
-/// `library` is one file whose name may contain spaces, or several between spaces.
-fn is_there(folder: &Path, library: &str) -> bool {
-    folder.join(library).exists() || library.split_whitespace().all(|file| folder.join(file).exists())
 }
 
 /// Lets tobj read the checked text: one model, since names and groups do not pass.

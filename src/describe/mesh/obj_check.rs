@@ -18,7 +18,7 @@ const MAX_STATEMENT: u64 = 1 << 28;
 /// So much text passes at once.
 const BLOCK: usize = 1 << 15;
 
-/// So many kinds of unknown statements are told apart, and libraries looked for.
+/// So many kinds of unknown statements are told apart.
 const MAX_NAMED: usize = 8;
 
 /// The kinds of indices in a corner `vertex/texture coordinate/normal`.
@@ -52,8 +52,6 @@ pub struct Checked<'a, R> {
     pub directionless: usize,
     /// Statements that draw no triangles, with how often they came.
     pub ignored: BTreeMap<String, usize>,
-    /// Libraries of materials, with their lines.
-    pub libraries: Vec<(usize, String)>,
 }
 
 impl<'a, R: BufRead> Checked<'a, R> {
@@ -79,7 +77,6 @@ impl<'a, R: BufRead> Checked<'a, R> {
             faces_with: [0; 2],
             directionless: 0,
             ignored: BTreeMap::new(),
-            libraries: Vec::new(),
         }
     }
 
@@ -143,7 +140,6 @@ impl<'a, R: BufRead> Checked<'a, R> {
             "f" => return self.face(numbers()),
             "g" | "o" => self.group = name(),
             "usemtl" => self.material = name(),
-            "mtllib" if self.libraries.len() < MAX_NAMED => self.libraries.extend(name().map(|file| (self.line, file))),
             // Smoothing groups: the normals of the file say it already.
             "" | "s" | "mtllib" => {}
             comment if comment.starts_with('#') => {}

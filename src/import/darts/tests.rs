@@ -11,6 +11,7 @@ use super::value::numbers;
 use crate::describe::{self, Files};
 use crate::error::{Error, Fault, Result};
 use crate::import::foreign::{Content, Foreign};
+use crate::import::framing::Framing;
 use crate::import::view::View;
 use crate::math::transform::unit;
 use crate::reader::{Node, unknown};
@@ -78,7 +79,7 @@ pub fn read(path: &Path, allow_outside: bool) -> Result<Tests> {
     let file = describe::name(path);
     let content = Content::new(path, describe::bytes(path)?);
     let files = Files { allow_outside, ..Files::within(path.parent().unwrap_or(Path::new(""))) };
-    let foreign = Foreign::new(&file, files);
+    let foreign = Foreign::new(&file, files, Framing::default());
     let node = content.json(&foreign)?;
     let root = View::root(node, &foreign);
     let tests = if spelling::is_tests(node) {

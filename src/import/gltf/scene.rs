@@ -8,7 +8,7 @@ use glam::{DMat4, Vec3};
 use super::document::Document;
 use super::material::Worn;
 use super::pose::Pose;
-use crate::import::framing::{self, Bounds};
+use crate::import::framing::{self, Bounds, Lacking};
 use crate::reader::Node;
 
 /// pt's tree of the file's scene; `None` with a fault noted.
@@ -24,7 +24,7 @@ pub fn scene(document: &Document) -> Option<Node> {
         lights: vec![],
         cameras: vec![],
         lit: false,
-        bounds: Bounds::EMPTY,
+        bounds: Bounds::empty(&document.root.foreign().framing),
     };
     for node in shown(document) {
         found.node(&node);
@@ -161,14 +161,16 @@ impl Found<'_, '_> {
 
     fn root(mut self) -> Node {
         let at = self.document.root.clone();
-        let bounds = self.bounds.or_unit();
-        let (camera, aspect) = self.camera(&bounds);
-        let mut root = vec![("pt", at.make_number(1.0)), ("camera", camera), ("film", framing::film(&at, aspect))];
-        if self.lights.is_empty() && !self.lit {
-            let [sky, key] = framing::light(&at, &bounds);
-            root.push(("background", sky));
-            self.shapes.push(key);
+        if self.shapes.is_empty() {
+            at.note("no triangles: the picture shows nothing of the model");
         }
+        let bounds = self.bounds.or_unit();
+        let own = self.camera();
+        let camera = own.as_ref().map_or_else(|| framing::camera(&at, &bounds), |(camera, _)| camera.clone());
+        let placed = camera.child("look_at").filter(|_| own.is_none()).cloned();
+        at.foreign().lacks(Lacking { bounds, placed, light: self.lights.is_empty() && !self.lit });
+        let film = framing::film(&at, own.map_or(framing::ASPECT, |(_, aspect)| aspect));
+        let mut root = vec![("pt", at.make_number(1.0)), ("camera", camera), ("film", film)];
         let materials: Vec<(String, Node)> = self.materials.into_values().map(|(name, worn)| (name, worn.node)).collect();
         root.push(("materials", at.make_object(materials)));
         root.push(("lights", at.make_array(self.lights)));
@@ -176,16 +178,17 @@ impl Found<'_, '_> {
         at.make_object(root)
     }
 
-    /// The first, or one that sees everything.
-    fn camera(&mut self, bounds: &Bounds) -> (Node, f64) {
+    /// The first camera, with width over height of its picture; `None` where there is none, or where another view is asked for.
+    fn camera(&mut self) -> Option<(Node, f64)> {
+        let at = self.document.at(&["cameras"]);
+        let framing = &self.document.root.foreign().framing;
+        if framing.view.is_some() || framing.up.is_some() {
+            return None;
+        }
         if self.cameras.len() > 1 {
             let others: Vec<String> = self.cameras[1..].iter().take(8).map(|(.., index)| index.to_string()).collect();
-            let message = format!("the first camera of the scene is used, not {}", others.join(", "));
-            self.document.note(&self.document.at(&["cameras"]), message);
+            self.document.note(&at, format!("the first camera of the scene is used, not {}", others.join(", ")));
         }
-        match self.cameras.first() {
-            Some((camera, aspect, _)) => (camera.clone(), *aspect),
-            None => (framing::camera(&self.document.root, bounds), framing::ASPECT),
-        }
+        self.cameras.first().map(|(camera, aspect, _)| (camera.clone(), *aspect))
     }
 }

@@ -3,11 +3,9 @@
 //! Phong's exponent n and a microfacet's width α fit at α² = 2/(n + 2) (Walter et al. 2007), and α = roughness².
 
 use super::library::Entry;
+use crate::import::model::DIFFUSE;
 use crate::import::view::View;
 use crate::reader::Node;
-
-/// Where `Kd` is not said, and where nothing is.
-pub const DIFFUSE: f64 = 0.8;
 
 /// Models of illumination that are glass: ray-traced refraction.
 const GLASS: [u32; 4] = [4, 6, 7, 9];

@@ -4,9 +4,9 @@ mod library;
 mod material;
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use super::framing::{self, Bounds};
+use super::framing::Up;
+use super::model;
 use super::view::View;
 use super::{Content, Dialect, Foreign};
 use crate::error::{Error, Fault, Result};
@@ -36,7 +36,7 @@ fn is(content: &Content) -> bool {
 fn read(content: &Content, foreign: &Foreign) -> Result<Option<Node>> {
     let whole = Node { value: Value::Object(vec![]), place: Place::Whole("".into()) };
     let at = View::root(&whole, foreign);
-    let name = file_name(content, foreign);
+    let name = model::file_name(content, foreign, "obj");
     let (mesh, _) = crate::describe::mesh::read(std::io::Cursor::new(&content.bytes), foreign.file)?;
     let library = libraries(content, foreign)?;
     let used: BTreeMap<&str, &Entry> =
@@ -45,39 +45,10 @@ fn read(content: &Content, foreign: &Foreign) -> Result<Option<Node>> {
     if !unknown.is_empty() {
         at.note(format!("materials that no library has, taken as matte, albedo 0.8: {}", listed(&unknown)));
     }
-    let mut bounds = Bounds::EMPTY;
-    mesh.positions.iter().for_each(|p| bounds.add(p.as_dvec3()));
     let lamps: Vec<&str> = used.iter().filter(|(_, entry)| entry.emits()).map(|(name, _)| *name).collect();
-    let mut shapes = shapes(&at, &mesh, &name, &used, &lamps)?;
-    let mut root = vec![
-        ("pt", at.make_number(1.0)),
-        ("camera", framing::camera(&at, &bounds)),
-        ("film", framing::film(&at, framing::ASPECT)),
-        ("materials", at.make_object(used.iter().map(|(name, entry)| (*name, material::material(&at, name, entry))))),
-    ];
-    if lamps.is_empty() {
-        let [sky, key] = framing::light(&at, &bounds);
-        root.push(("background", sky));
-        shapes.push(key);
-    }
-    root.push(("shapes", at.make_array(shapes)));
-    Ok(Some(at.make_object(root)))
-}
-
-/// The file itself, as the scene that shows it calls it; what lies in no folder comes with the scene.
-fn file_name(content: &Content, foreign: &Foreign) -> String {
-    match content.path.file_name().and_then(|name| name.to_str()).filter(|_| content.path != Path::new("-")) {
-        Some(name) if has_extension(name) => name.to_owned(),
-        _ => {
-            foreign.make("model.obj", content.bytes.clone());
-            "model.obj".to_owned()
-        }
-    }
-}
-
-/// As the reader of meshes asks for it.
-fn has_extension(name: &str) -> bool {
-    Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"))
+    let shapes = shapes(&at, &mesh, &name, &used, &lamps)?;
+    let materials = used.iter().map(|(name, entry)| (*name, material::material(&at, name, entry))).collect();
+    Ok(Some(model::scene(&at, model::bounds(&mesh, foreign, Up::Y), materials, shapes, !lamps.is_empty())))
 }
 
 /// The entries of all libraries that the file names; a library that is not there is noted.
@@ -93,8 +64,10 @@ fn libraries(content: &Content, foreign: &Foreign) -> Result<BTreeMap<String, En
             }
             match foreign.files.bytes(&file) {
                 Ok(bytes) => entries.extend(library::read(&bytes, &file, foreign)?),
-                // The reader of meshes says so.
-                Err(Error::Invalid(_)) => {}
+                Err(Error::Invalid(faults)) => {
+                    let why = faults.first().map(|fault| fault.message.clone()).unwrap_or_default();
+                    foreign.note(place(format!("material library {file}: {why}; its materials are left out")));
+                }
                 Err(other) => return Err(other),
             }
         }
@@ -119,7 +92,7 @@ fn parts_of(mesh: &MeshData) -> Vec<&str> {
 /// The file as it is, where nothing of it shines; else each lamp by itself, and all else.
 fn shapes(at: &View, mesh: &MeshData, name: &str, used: &BTreeMap<&str, &Entry>, lamps: &[&str]) -> Result<Vec<Node>> {
     let mesh_shape = |file: &str| vec![("type", at.make_text("mesh")), ("file", at.make_text(file))];
-    let white = at.make_object([("type", at.make_text("diffuse")), ("albedo", at.make_number(material::DIFFUSE))]);
+    let white = at.make_object([("type", at.make_text("diffuse")), ("albedo", at.make_number(model::DIFFUSE))]);
     let all = |file: &str| {
         let plain = used.keys().filter(|name| !lamps.contains(name)).map(|name| (*name, at.make_text(*name)));
         at.make_object([mesh_shape(file), vec![("material", white.clone()), ("materials", at.make_object(plain))]].concat())

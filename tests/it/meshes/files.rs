@@ -55,27 +55,13 @@ fn content_decides_the_format() {
     mesh_of(TRIANGLE).write_ply_binary(&mut ply).expect("memory takes it");
     for name in ["a.obj", "a.stl", "a"] {
         let (mesh, warnings) = load(&write_to(folder.path(), name, &ply)).expect("PLY by content");
-        assert_eq!((mesh.triangles.len(), &warnings[..]), (1, &["mesh: read as PLY, which its first line says it is".to_string()][..]));
+        assert_eq!((mesh.triangles.len(), &warnings[..]), (1, &["mesh: read as PLY, which its content says it is".to_string()][..]));
     }
     assert_eq!(load(&write_to(folder.path(), "a.PLY", &ply)).expect("PLY").1, [""; 0]);
-    let other = refusal(&write_to(folder.path(), "b.stl", "solid"));
+    let other = refusal(&write_to(folder.path(), "b.off", "solid"));
     assert!(other.0 == 3 && other.1.starts_with("mesh: unknown mesh format"), "{}", other.1);
     let no_magic = refusal(&write_to(folder.path(), "b.ply", TRIANGLE));
     assert_eq!(no_magic, (3, "mesh: not a PLY file: its first line is not \"ply\"".to_string()));
-}
-
-#[test]
-fn a_missing_library_is_one_warning() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    write_to(folder.path(), "there.mtl", "");
-    write_to(folder.path(), "with space.mtl", "");
-    for (line, missing) in
-        [("mtllib there.mtl", false), ("mtllib with space.mtl", false), ("mtllib there.mtl seinät.mtl", true), ("mtllib", false)]
-    {
-        let (_, warnings) = load(&write_to(folder.path(), "a.obj", format!("{line}\n{TRIANGLE}"))).expect("a library is optional");
-        assert_eq!(warnings.len(), usize::from(missing), "{line}: {warnings:?}");
-        assert!(warnings.iter().all(|w| w.starts_with("mesh:1: material library there.mtl seinät.mtl not found")), "{warnings:?}");
-    }
 }
 
 /// Meshes of other renderers, where they lie beside the project.

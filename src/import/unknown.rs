@@ -1,0 +1,120 @@
+//! What a file is that no dialect claims and that is no JSON: told by its first bytes, with what to do instead.
+
+use super::foreign::Content;
+
+/// The scene files that pt reads, for messages.
+const READ: &str = "pt reads its own JSON, glTF, OBJ, PLY and STL, and what `pt list dialects` names";
+
+/// Advice for programs that write glTF themselves.
+const EXPORT: &str = "export it as glTF (.glb)";
+
+/// So much of a file is looked at (bytes).
+const LOOK: usize = 1 << 16;
+
+/// Binary files by their first bytes: what they are, and what to do with them.
+const BINARY: &[(&[u8], &str, &str)] = &[
+    (b"BLENDER", "a Blender file", EXPORT),
+    (b"Kaydara FBX Binary", "an FBX model", EXPORT),
+    (b"PXR-USDC", "a USD scene", EXPORT),
+    (b"Ogawa", "an Alembic scene", EXPORT),
+    (b"PK\x03\x04", "a ZIP archive (.zip, .usdz, .3mf)", "unpack it, or export the scene as glTF (.glb)"),
+    (b"\x1F\x8B", "a gzip archive", "unpack it"),
+    (b"\x28\xB5\x2F\xFD", "a Zstandard archive (Blender compresses its files so)", EXPORT),
+    (b"\x89PTC", "a part of a render", "see pt merge --help"),
+];
+
+/// Texts by what their first line begins with.
+const TEXT: &[(&str, &str, &str)] = &[
+    ("#usda", "a USD scene", EXPORT),
+    ("; FBX", "an FBX model", EXPORT),
+    ("#VRML", "a VRML scene", EXPORT),
+    ("newmtl", "a library of materials (MTL)", "name the .obj file that it belongs to"),
+    ("OFF", "an OFF model", READ),
+];
+
+/// Elements that XML begins with.
+const XML: &[(&str, &str, &str)] = &[
+    ("<scene version", "a Mitsuba scene", READ),
+    ("<scene", "a Nori or Mitsuba scene", READ),
+    ("<COLLADA", "a COLLADA scene", EXPORT),
+    ("<X3D", "an X3D scene", EXPORT),
+    ("<svg", "an SVG drawing", READ),
+    ("<html", "a web page", READ),
+];
+
+/// The statements of pbrt's format that a file may begin with (*pbrt-v4 File Format*).
+const PBRT: &[&str] = &[
+    "Accelerator",
+    "AreaLightSource",
+    "AttributeBegin",
+    "Attribute",
+    "Camera",
+    "ColorSpace",
+    "ConcatTransform",
+    "CoordSysTransform",
+    "CoordinateSystem",
+    "Film",
+    "Identity",
+    "Import",
+    "Include",
+    "Integrator",
+    "LightSource",
+    "LookAt",
+    "MakeNamedMaterial",
+    "MakeNamedMedium",
+    "Material",
+    "MediumInterface",
+    "NamedMaterial",
+    "ObjectBegin",
+    "Option",
+    "PixelFilter",
+    "Renderer",
+    "ReverseOrientation",
+    "Rotate",
+    "Sampler",
+    "Scale",
+    "Shape",
+    "SurfaceIntegrator",
+    "Texture",
+    "Transform",
+    "TransformTimes",
+    "Translate",
+    "VolumeIntegrator",
+    "WorldBegin",
+];
+
+/// Returns what the file is and what to do about it; `None` for what may be JSON with a mistake.
+pub fn explained(content: &Content) -> Option<String> {
+    let start = &content.bytes[..content.bytes.len().min(LOOK)];
+    let (what, advice) = binary(start).or_else(|| text(&String::from_utf8_lossy(start)))?;
+    Some(format!("{what}, which pt does not render: {advice}"))
+}
+
+fn binary(start: &[u8]) -> Option<(&'static str, &'static str)> {
+    let magic = BINARY.iter().find(|(magic, ..)| start.starts_with(magic) && !start.is_ascii());
+    if let Some((_, what, advice)) = magic {
+        return Some((what, advice));
+    }
+    if image::guess_format(start).is_ok() {
+        return Some(("a picture", "see pt image --help"));
+    }
+    // UTF-16 is text, of which the parser tells.
+    let is_wide = start.starts_with(b"\xFF\xFE") || start.starts_with(b"\xFE\xFF") || start.iter().take(2).any(|b| *b == 0);
+    let is_control = |b: &u8| *b < 0x20 && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0C | 0x1B);
+    (!is_wide && start.iter().any(is_control)).then_some(("no text, and no file of a kind that pt knows", READ))
+}
+
+fn text(start: &str) -> Option<(&'static str, &'static str)> {
+    let start = start.trim_start_matches('\u{feff}').trim_start();
+    let named = TEXT.iter().find(|(first, ..)| start.starts_with(first));
+    if let Some((_, what, advice)) = named {
+        return Some((what, advice));
+    }
+    if start.starts_with('<') {
+        let element = XML.iter().find(|(element, ..)| start.contains(element));
+        return Some(element.map_or(("an XML file", READ), |(_, what, advice)| (what, advice)));
+    }
+    let mut statements = start.lines().map(str::trim_start).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let first = statements.next()?.split(|c: char| !c.is_ascii_alphabetic()).next()?;
+    PBRT.contains(&first).then_some(("a pbrt scene", READ))
+}
