@@ -46,7 +46,14 @@ fn main() {
     let inputs = inputs();
     println!("{:32}{:>12}{:>16}", "ns of CPU time", "sample", "eval + pdf");
     for (name, material) in models {
-        let model = material.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO });
+        let model = material.at(&SurfacePoint {
+            p: Vec3::ZERO,
+            offset: 0.0,
+            ng: Vec3::Z,
+            ns: Vec3::Z,
+            uv: Vec2::ZERO,
+            color: pt::shape::VertexColor::WHITE,
+        });
         let sample = fastest(|| sample_all(&model, &inputs));
         let evaluate = fastest(|| evaluate_all(&model, &inputs));
         println!("{name:32}{sample:12.1}{evaluate:16.1}");

@@ -9,7 +9,7 @@ use super::{
 use super::{Compound, Mix, Place, RoughConductor, RoughDielectric, Share, ThinDielectric, rough_conductor, rough_dielectric};
 use crate::effects::Effects;
 use crate::math::{Spectrum, float};
-use crate::shape::SurfacePoint;
+use crate::shape::{SurfacePoint, VertexColor};
 use crate::texture::{Number, Texture};
 
 /// What becomes of light that goes on behind a surface.
@@ -24,7 +24,8 @@ pub enum Passage {
 }
 
 /// A point for parameters that are the same at all of them.
-pub(super) const ANYWHERE: SurfacePoint = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
+pub(super) const ANYWHERE: SurfacePoint =
+    SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO, color: VertexColor::WHITE };
 
 /// A model with textures for parameters; [`Material::at`] looks them up.
 #[derive(Clone, Debug, PartialEq)]

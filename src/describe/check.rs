@@ -250,7 +250,7 @@ impl Checker<'_> {
     }
 
     fn nothing_inline(&self, pointer: &str, mesh: &Mesh) {
-        for (key, given) in [("normals", mesh.normals.is_some()), ("uvs", mesh.uvs.is_some())] {
+        for (key, given) in [("normals", mesh.normals.is_some()), ("uvs", mesh.uvs.is_some()), ("colors", mesh.colors.is_some())] {
             if given {
                 self.fault(&format!("{pointer}/{key}"), format!("a mesh from a file has its own {key}"));
             }
@@ -267,7 +267,8 @@ impl Checker<'_> {
                 self.fault(&format!("{pointer}/triangles/{i}/{k}"), message);
             }
         }
-        for (key, len) in [("normals", mesh.normals.as_ref().map(Vec::len)), ("uvs", mesh.uvs.as_ref().map(Vec::len))] {
+        let lens = [mesh.normals.as_ref().map(Vec::len), mesh.uvs.as_ref().map(Vec::len), mesh.colors.as_ref().map(Vec::len)];
+        for (key, len) in ["normals", "uvs", "colors"].into_iter().zip(lens) {
             if let Some(len) = len.filter(|len| *len != vertices) {
                 self.fault(&format!("{pointer}/{key}"), format!("expected one for each of {vertices} positions, found {len}"));
             }

@@ -165,6 +165,9 @@ pub(super) fn of_mesh(mesh: &MeshData) -> Hash {
     hasher.floats(mesh.positions.iter().chain(&mesh.normals).flat_map(|v| v.to_array()));
     hasher.floats(mesh.uvs.iter().flat_map(|v| v.to_array()));
     hasher.whole(mesh.triangles.iter().flatten().copied());
+    if !mesh.colors.is_empty() {
+        hasher.floats(mesh.colors.iter().flat_map(|v| v.to_array()));
+    }
     for part in &mesh.parts {
         hasher.text(part.material.as_deref().unwrap_or_default());
         hasher.whole([part.triangles.start, part.triangles.end]);

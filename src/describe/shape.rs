@@ -10,7 +10,7 @@ use super::field::{Bounds, Field, FixedMarch, SdfPart};
 use super::material::MaterialRef;
 use super::texture::Textured;
 use super::transform::Transform;
-use super::value::{Point, Positive, Radiometric, Real, Vector};
+use super::value::{Fraction, Point, Positive, Radiometric, Real, Vector};
 use crate::reader::{by_kind, by_type};
 
 /// What there is to see.
@@ -73,6 +73,9 @@ surface! {
         /// Texture coordinates for each vertex.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub uvs: Option<Vec<[Real; 2]>>,
+        /// A colour for each vertex, components from 0 to 1, for materials with a texture `vertex_color`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub colors: Option<Vec<Color<Fraction>>>,
         /// For coarse meshes with `normals`, whose facets show as dark steps where the surface turns away from a light: light
         /// then leaves the outside from the smooth surface of which the normals tell, and facets do not hide what that
         /// surface sees. It costs a few operations where a ray meets the mesh, and shadows right at it: nothing that comes

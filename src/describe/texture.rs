@@ -21,6 +21,7 @@ pub enum Texture {
     Mix(Mix),
     Product(Product),
     Threshold(Threshold),
+    VertexColor(VertexColor),
 }
 
 by_type!(Texture {
@@ -32,13 +33,14 @@ by_type!(Texture {
     Mix(Mix),
     Product(Product),
     Threshold(Threshold),
+    VertexColor(VertexColor),
 });
 
 impl Texture {
     /// The colours it is made of that may be textures themselves, with their keys.
     pub(super) fn parts(&self) -> Vec<(&'static str, &Textured)> {
         match self {
-            Texture::Constant(_) | Texture::Image(_) => vec![],
+            Texture::Constant(_) | Texture::Image(_) | Texture::VertexColor(_) => vec![],
             Texture::Checker(t) => vec![("even", &t.even), ("odd", &t.odd)],
             Texture::Noise(t) => vec![("low", &t.low), ("high", &t.high)],
             Texture::Marble(t) => vec![("base", &t.base), ("veins", &t.veins)],
@@ -56,7 +58,8 @@ impl Texture {
             Texture::Checker(t) => Some((t.on, &t.transform)),
             Texture::Noise(t) => Some((t.on, &t.transform)),
             Texture::Marble(t) => Some((t.on, &t.transform)),
-            Texture::Constant(_) | Texture::Image(_) | Texture::Mix(_) | Texture::Product(_) | Texture::Threshold(_) => None,
+            Texture::Constant(_) | Texture::Image(_) | Texture::VertexColor(_) => None,
+            Texture::Mix(_) | Texture::Product(_) | Texture::Threshold(_) => None,
         }
     }
 }
@@ -241,6 +244,15 @@ pub struct Threshold {
     pub at: Fraction,
 }
 
+/// The colours of a mesh's vertices (glTF, PLY), interpolated over its triangles; white on what has none.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VertexColor {
+    /// One channel of it, as a grey. Default: its colours.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
+}
+
 fn half() -> Fraction {
     Fraction::known(0.5)
 }
@@ -291,7 +303,7 @@ pub enum Encoding {
     Linear,
 }
 
-/// A channel of a picture.
+/// A channel of a picture, or of the colours of vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
@@ -400,6 +412,7 @@ impl From<TexturedForm> for Textured {
             TexturedForm::Object(TextureOrSrgb::Mix(texture)) => Textured::Texture(Box::new(Texture::Mix(texture))),
             TexturedForm::Object(TextureOrSrgb::Product(texture)) => Textured::Texture(Box::new(Texture::Product(texture))),
             TexturedForm::Object(TextureOrSrgb::Threshold(texture)) => Textured::Texture(Box::new(Texture::Threshold(texture))),
+            TexturedForm::Object(TextureOrSrgb::VertexColor(texture)) => Textured::Texture(Box::new(Texture::VertexColor(texture))),
         }
     }
 }
@@ -414,6 +427,7 @@ enum TextureOrSrgb {
     Mix(Mix),
     Product(Product),
     Threshold(Threshold),
+    VertexColor(VertexColor),
     Srgb(Srgb),
 }
 
@@ -426,4 +440,5 @@ by_type!(TextureOrSrgb {
     Mix(Mix),
     Product(Product),
     Threshold(Threshold),
+    VertexColor(VertexColor),
 } or Srgb(Srgb));

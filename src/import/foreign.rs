@@ -92,6 +92,14 @@ impl<'a> Foreign<'a> {
         self.made.borrow_mut().insert(name.into(), bytes);
     }
 
+    /// What a file holds that came with the scene, or lies beside it.
+    ///
+    /// # Errors
+    /// As [`Files::bytes`].
+    pub fn bytes(&self, name: &str) -> Result<Vec<u8>> {
+        self.made.borrow().get(name).cloned().map_or_else(|| self.files.bytes(name), Ok)
+    }
+
     /// The files, those that came with the scene among them, and the notes.
     ///
     /// # Errors

@@ -273,8 +273,9 @@ fn add(root: &mut Node, key: &str, node: Node) {
     }
 }
 
-/// Of the ground, and its distance below everything, in radii of the bounding sphere.
-const GROUND_RADIUS: f64 = 100.0;
+/// Of the ground, and its distance below everything, in radii of the bounding sphere. A larger ground would add noise: a sky counts as
+/// the brighter the larger the scene is, when lights are chosen.
+const GROUND_RADIUS: f64 = 10.0;
 const GROUND_GAP: f64 = 1e-3;
 
 const GROUND_ALBEDO: f64 = 0.5;

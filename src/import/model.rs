@@ -37,7 +37,9 @@ fn read(content: &Content, foreign: &Foreign, extension: &str, up: Up) -> Result
     let whole = Node { value: Value::Object(vec![]), place: Place::Whole("".into()) };
     let at = View::root(&whole, foreign);
     let (data, _) = mesh::read(std::io::Cursor::new(&content.bytes), foreign.file)?;
-    let material = at.make_object([("type", at.make_text("diffuse")), ("albedo", at.make_number(DIFFUSE))]);
+    let vertices = at.make_object([("type", at.make_text("vertex_color"))]);
+    let albedo = if data.colors.is_empty() { at.make_number(DIFFUSE) } else { vertices };
+    let material = at.make_object([("type", at.make_text("diffuse")), ("albedo", albedo)]);
     let file = at.make_text(file_name(content, foreign, extension));
     let shape = at.make_object([("type", at.make_text("mesh")), ("file", file), ("material", material)]);
     Ok(Some(scene(&at, bounds(&data, foreign, up), vec![], vec![shape], false)))

@@ -5,6 +5,9 @@ use super::foreign::Content;
 /// The scene files that pt reads, for messages.
 const READ: &str = "pt reads its own JSON, glTF, OBJ, PLY and STL, and what `pt list dialects` names";
 
+/// What is neither text nor begins as any format does.
+const NOISE: &str = "no text, and no file of a kind that pt knows";
+
 /// Advice for programs that write glTF themselves.
 const EXPORT: &str = "export it as glTF (.glb)";
 
@@ -87,7 +90,8 @@ const PBRT: &[&str] = &[
 pub fn explained(content: &Content) -> Option<String> {
     let start = &content.bytes[..content.bytes.len().min(LOOK)];
     let (what, advice) = binary(start).or_else(|| text(&String::from_utf8_lossy(start)))?;
-    Some(format!("{what}, which pt does not render: {advice}"))
+    let clause = if what == NOISE { "" } else { ", which pt does not render" };
+    Some(format!("{what}{clause}: {advice}"))
 }
 
 fn binary(start: &[u8]) -> Option<(&'static str, &'static str)> {
@@ -101,7 +105,7 @@ fn binary(start: &[u8]) -> Option<(&'static str, &'static str)> {
     // UTF-16 is text, of which the parser tells.
     let is_wide = start.starts_with(b"\xFF\xFE") || start.starts_with(b"\xFE\xFF") || start.iter().take(2).any(|b| *b == 0);
     let is_control = |b: &u8| *b < 0x20 && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0C | 0x1B);
-    (!is_wide && start.iter().any(is_control)).then_some(("no text, and no file of a kind that pt knows", READ))
+    (!is_wide && start.iter().any(is_control)).then_some((NOISE, READ))
 }
 
 fn text(start: &str) -> Option<(&'static str, &'static str)> {

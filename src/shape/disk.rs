@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, offset_bound};
+use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, offset_bound};
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Ray, Transform, warp};
 
@@ -49,7 +49,7 @@ impl Ellipse {
         let ng = self.normal.as_vec3();
         let p = (self.center + self.x * ab.x as f64 + self.y * ab.y as f64).as_vec3();
         let magnitude = (self.center.abs() + self.reach()).as_vec3();
-        SurfacePoint { p, offset: offset_bound(ng, magnitude), ng, ns: ng, uv: ab * 0.5 + 0.5 }
+        SurfacePoint { p, offset: offset_bound(ng, magnitude), ng, ns: ng, uv: ab * 0.5 + 0.5, color: VertexColor::WHITE }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::{Error, Fault, Result};
 
@@ -28,6 +28,8 @@ pub struct MeshData {
     pub normals: Vec<Vec3>,
     /// Empty or one per position.
     pub uvs: Vec<Vec2>,
+    /// Empty or one per position: linear red, green, blue and opacity, from 0 to 1.
+    pub colors: Vec<Vec4>,
     pub triangles: Vec<[u32; 3]>,
     /// Cover all triangles in order; none is empty.
     pub parts: Vec<Part>,

@@ -13,7 +13,7 @@ pub mod sphere;
 pub mod triangle;
 pub mod triangle_mesh;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
@@ -201,6 +201,26 @@ pub struct SurfacePoint {
     pub ns: Vec3,
     /// Texture coordinates.
     pub uv: Vec2,
+    /// The colour that a mesh has at its vertices, interpolated; white where there are none.
+    pub color: VertexColor,
+}
+
+/// A linear colour with opacity, each from 0 to 1 in steps of 1/65535: a point on a surface stays small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VertexColor([u16; 4]);
+
+impl VertexColor {
+    pub const WHITE: VertexColor = VertexColor([u16::MAX; 4]);
+
+    /// - `rgba`: from 0 to 1; what is beyond counts as the nearer of the two
+    pub fn new(rgba: Vec4) -> VertexColor {
+        VertexColor(rgba.to_array().map(|c| (c * f32::from(u16::MAX)).round() as u16))
+    }
+
+    /// Red, green, blue and opacity.
+    pub fn to_array(self) -> [f32; 4] {
+        self.0.map(|c| f32::from(c) / f32::from(u16::MAX))
+    }
 }
 
 /// `n`, bent towards the direction `w` where its cosine to it is below `least`: to that cosine, about.

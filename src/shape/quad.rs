@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, offset_bound};
+use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, offset_bound};
 use crate::error::{Error, Fault, Result};
 use crate::math::{Aabb, AreaPdf, Ray, Transform};
 
@@ -60,7 +60,14 @@ impl Parallelogram {
 
     fn at(&self, uv: Vec2) -> SurfacePoint {
         let [a, b, _, d] = self.corners;
-        SurfacePoint { p: a + (b - a) * uv.x + (d - a) * uv.y, offset: self.offset, ng: self.ng, ns: self.ng, uv }
+        SurfacePoint {
+            p: a + (b - a) * uv.x + (d - a) * uv.y,
+            offset: self.offset,
+            ng: self.ng,
+            ns: self.ng,
+            uv,
+            color: VertexColor::WHITE,
+        }
     }
 }
 

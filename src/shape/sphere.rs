@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
-use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, offset_bound, seen_from};
+use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, offset_bound, seen_from};
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Frame, Ray, SolidAnglePdf, Transform, float, warp};
 
@@ -96,7 +96,14 @@ impl Ellipsoid {
             let theta = float::acos((n.z as f32).clamp(-1.0, 1.0)) * std::f32::consts::FRAC_1_PI;
             Vec2::new(if phi < 0.0 { phi + 1.0 } else { phi }, theta)
         };
-        SurfacePoint { p, offset: offset_bound(ng, (self.center.abs() + self.reach).as_vec3()), ng, ns: ng, uv: uv() }
+        SurfacePoint {
+            p,
+            offset: offset_bound(ng, (self.center.abs() + self.reach).as_vec3()),
+            ng,
+            ns: ng,
+            uv: uv(),
+            color: VertexColor::WHITE,
+        }
     }
 
     /// The cone that the sphere fills, seen from `p` outside of it.

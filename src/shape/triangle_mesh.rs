@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::{Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, bent, offset_bound, triangle};
+use super::{Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, VertexColor, bent, offset_bound, triangle};
 use crate::error::{Error, Fault, Result};
 use crate::math::{Aabb, AreaPdf, Ray, Transform, warp};
 
@@ -53,7 +53,15 @@ impl Geometry for TriangleMesh {
         }
         let part_ends = mesh.parts.iter().map(|part| part.triangles.end).collect();
         let smooth_shadows = self.smooth_shadows && !normals.is_empty();
-        Ok(Box::new(BakedMesh { positions, normals, uvs: mesh.uvs.clone(), triangles, part_ends, smooth_shadows }))
+        Ok(Box::new(BakedMesh {
+            positions,
+            normals,
+            uvs: mesh.uvs.clone(),
+            colors: mesh.colors.clone(),
+            triangles,
+            part_ends,
+            smooth_shadows,
+        }))
     }
 }
 
@@ -86,6 +94,8 @@ struct BakedMesh {
     normals: Vec<Vec3>,
     /// Empty, or one per position.
     uvs: Vec<Vec2>,
+    /// Empty, or one per position.
+    colors: Vec<Vec4>,
     triangles: Vec<[u32; 3]>,
     /// One past the last triangle of each part.
     part_ends: Vec<u32>,
@@ -107,7 +117,8 @@ impl BakedMesh {
         let p = a * (1.0 - w.x - w.y) + b * w.x + c * w.y;
         let uv = if self.uvs.is_empty() { w } else { self.blend(&self.uvs, i, w) };
         let offset = offset_bound(ng, a.abs().max(b.abs()).max(c.abs()));
-        SurfacePoint { p, offset, ng, ns: self.shading_normal(i, w, ng), uv }
+        let color = if self.colors.is_empty() { VertexColor::WHITE } else { VertexColor::new(self.blend(&self.colors, i, w)) };
+        SurfacePoint { p, offset, ng, ns: self.shading_normal(i, w, ng), uv, color }
     }
 
     fn blend<T>(&self, values: &[T], i: u32, w: Vec2) -> T

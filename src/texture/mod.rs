@@ -9,6 +9,7 @@ pub mod mix;
 pub mod noise;
 pub mod number;
 pub mod space;
+pub mod vertex;
 
 use glam::DVec3;
 
@@ -22,6 +23,7 @@ pub use mix::{Mix, Product, Threshold};
 pub use noise::Noise;
 pub use number::Number;
 pub use space::Space;
+pub use vertex::Vertex;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
@@ -33,6 +35,7 @@ pub enum Texture {
     Mix(Box<Mix>),
     Product(Box<Product>),
     Threshold(Box<Threshold>),
+    Vertex(Vertex),
 }
 
 impl Texture {
@@ -46,6 +49,7 @@ impl Texture {
             Texture::Mix(mix) => mix.at(point),
             Texture::Product(product) => product.at(point),
             Texture::Threshold(threshold) => threshold.at(point),
+            Texture::Vertex(vertex) => vertex.at(point),
         }
     }
 
@@ -57,7 +61,7 @@ impl Texture {
     /// The same texture after the world has moved by −`origin`.
     pub fn recentred(self, origin: DVec3) -> Texture {
         match self {
-            Texture::Constant(_) | Texture::Image(_) => self,
+            Texture::Constant(_) | Texture::Image(_) | Texture::Vertex(_) => self,
             Texture::Checker(checker) => Texture::Checker(Box::new(checker.recentred(origin))),
             Texture::Noise(noise) => Texture::Noise(Box::new(noise.recentred(origin))),
             Texture::Marble(marble) => Texture::Marble(Box::new(marble.recentred(origin))),

@@ -200,8 +200,8 @@ fn roughness_is_the_root_of_alpha() {
     assert!((stretched.x / stretched.y - 10.0).abs() < 1e-4 && (stretched.x * stretched.y - 0.0625).abs() < 1e-6);
 }
 
-/// Plain data that is written at every hit: nine words. What is large stands behind a reference.
+/// Plain data that is written at every hit: ten words, one of them the colour of a mesh's vertices. What is large stands behind a reference.
 #[test]
 fn a_model_at_a_point_is_small() {
-    assert!(size_of::<Bsdf>() <= 72, "{}", size_of::<Bsdf>());
+    assert!(size_of::<Bsdf>() <= 80, "{}", size_of::<Bsdf>());
 }

@@ -18,7 +18,7 @@ use pt::math::{Local, Ray, Spectrum, Transform};
 use pt::proof::at;
 use pt::proof::strategies::{color, fraction, sphere};
 use pt::scene::{Scene, Surface};
-use pt::shape::{MeshData, Quad, Sphere, SurfacePoint, TriangleMesh};
+use pt::shape::{MeshData, Quad, Sphere, SurfacePoint, TriangleMesh, VertexColor};
 use pt::texture::image::{Filter, Pixels, Wrap};
 use pt::texture::{Checker, Image, Space, Texture};
 use pt::world::World;
@@ -33,7 +33,7 @@ fn eye() -> Camera {
 }
 
 fn point(uv: Vec2) -> SurfacePoint {
-    SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv }
+    SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv, color: VertexColor::WHITE }
 }
 
 fn center(material: &Material) -> Bsdf<'_> {

@@ -11,3 +11,5 @@ mod models;
 mod obj;
 mod read;
 mod table;
+
+pub use read::{met, reflected};

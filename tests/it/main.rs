@@ -68,6 +68,7 @@ mod textures;
 mod transforms;
 mod varying;
 mod verdicts;
+mod vertex_colors;
 mod voice;
 mod warps;
 mod witness;

@@ -7,7 +7,7 @@ use pt::bsdf::{Bsdf, Diffuse};
 use pt::light::Target;
 use pt::math::{Ray, Spectrum, Transform};
 use pt::scene::Surface;
-use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, SurfacePoint};
+use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, SurfacePoint, VertexColor};
 use rayon::prelude::*;
 
 use crate::geometry::{baked, mesh};
@@ -161,7 +161,7 @@ fn a_small_light_far_away_does_not_shadow_itself() {
         let across = random.direction().with_z(0.0).normalize() * (distance * (1.0 - cosine * cosine).sqrt());
         let p = place.point(across.with_z(distance * cosine)).as_vec3();
         let wi = (target.p - p).normalize();
-        let from = SurfacePoint { p, offset: 0.0, ng: wi, ns: wi, uv: target.uv };
+        let from = SurfacePoint { p, offset: 0.0, ng: wi, ns: wi, uv: target.uv, color: VertexColor::WHITE };
         let ray = surface(from).shadow_ray(wi, &Target::Surface(target), 0.0);
         assert_eq!(light.intersect(0, &ray), None, "seed {seed}: from {p} to {}", target.p);
     }

@@ -5,7 +5,7 @@ use pt::bsdf::Bsdf;
 use pt::describe::{self, Files, Source};
 use pt::math::{Ray, Spectrum};
 use pt::scene::Scene;
-use pt::shape::SurfacePoint;
+use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::noise::{Turbulence, perlin, turbulence};
 use pt::texture::{Marble, Space, Texture};
 use pt::world::World;
@@ -121,7 +121,7 @@ fn marble_is_a_sine_stirred_by_turbulence() {
         let share = |p: DVec3| 0.5 * (1.0 + (scale * p.z + 10.0 * turbulence(p, 7)).sin());
         for _ in 0..1000 {
             let p = random.in_cube().as_vec3();
-            let point = SurfacePoint { p, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
+            let point = SurfacePoint { p, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO, color: VertexColor::WHITE };
             let expected = base.mix(veins, share(to_texture.point(p.as_dvec3())) as f32);
             let found = marble.at(&point);
             for (found, expected) in found.to_rgb().into_iter().zip(expected.to_rgb()) {

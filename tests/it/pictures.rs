@@ -10,7 +10,7 @@ use pt::Error;
 use pt::describe::{self, Encoding, Files, Source, picture};
 use pt::math::Spectrum;
 use pt::scene::Scene as _;
-use pt::shape::SurfacePoint;
+use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::image::{Filter, Pixels, Wrap};
 use pt::texture::noise::{fbm, perlin, turbulence};
 use pt::texture::{Image, Mix, Product, Texture, Threshold};
@@ -19,7 +19,7 @@ use tempfile::TempDir;
 use crate::random::Random;
 
 fn at(texture: &Texture, u: f32, v: f32) -> Spectrum {
-    texture.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, v) })
+    texture.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, v), color: VertexColor::WHITE })
 }
 
 fn gray(levels: &[f32], width: u32) -> Arc<Pixels> {

@@ -13,7 +13,7 @@ use pt::bsdf::{
 use pt::math::Spectrum;
 use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
 use pt::proof::{Case, CounterExample, Furnace, Options, Verdict, at, chi2, incidences, inputs_at, prove, reciprocity_at, weight_at};
-use pt::shape::SurfacePoint;
+use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::Texture;
 
 use crate::random::{Random, cases};
@@ -57,7 +57,7 @@ fn models() -> Vec<(Bsdf<'static>, bool)> {
 
 /// A material at a point; kept for the life of the tests.
 fn met(material: Material) -> Bsdf<'static> {
-    let point = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
+    let point = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO, color: VertexColor::WHITE };
     Box::leak(Box::new(material)).at(&point)
 }
 

@@ -7,7 +7,7 @@ use pt::camera::{Camera, Orthographic, Pose};
 use pt::effects::Effects;
 use pt::math::{Spectrum, Transform};
 use pt::scene::Scene;
-use pt::shape::{Quad, Sphere, SurfacePoint};
+use pt::shape::{Quad, Sphere, SurfacePoint, VertexColor};
 use pt::texture::{Checker, Space, Texture};
 use pt::world::World;
 
@@ -25,7 +25,7 @@ fn world() -> Space {
 }
 
 fn point(p: Vec3, uv: Vec2) -> SurfacePoint {
-    SurfacePoint { p, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv }
+    SurfacePoint { p, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv, color: VertexColor::WHITE }
 }
 
 /// What a cell shows, by whole numbers alone.

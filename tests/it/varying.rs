@@ -9,7 +9,7 @@ use pt::math::fresnel::{dielectric, dielectric_mean};
 use pt::math::{Local, Spectrum};
 use pt::proof::at;
 use pt::scene::Scene;
-use pt::shape::SurfacePoint;
+use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::{Number, Texture};
 
 use crate::compounds::{albedo, ramp};
@@ -89,7 +89,8 @@ fn same(found: &Bsdf, expected: &Bsdf, random: &mut Random, what: &str) {
 /// From one end to the other, both exactly, whatever is greater; and a number that a constant texture gives is a constant.
 #[test]
 fn numbers_lie_between_their_ends() {
-    let place = |u: f32| SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, 0.5) };
+    let place =
+        |u: f32| SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, 0.5), color: VertexColor::WHITE };
     for (from, to) in [(1.1f32, 1.7f32), (1e8, 0.0), (-3.0, 5.0)] {
         let number = Number::between(from, to, ramp(0.0, 1.0));
         assert_eq!(number.range(), [from.min(to), from.max(to)]);
@@ -105,7 +106,7 @@ fn numbers_lie_between_their_ends() {
 
 /// What its place in a texture ramp makes of a material, at the middle.
 fn halfway(material: &Material) -> Bsdf<'_> {
-    material.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::splat(0.5) })
+    material.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::splat(0.5), color: VertexColor::WHITE })
 }
 
 fn finish(alpha: f32) -> Finish {

@@ -1,6 +1,6 @@
 //! Meshes: read or taken as given, and what each of their parts wears.
 
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::Builder;
 use crate::describe::{MaterialRef, Mesh, identity};
@@ -88,6 +88,7 @@ fn inline(mesh: &Mesh, name: &str) -> Result<(MeshData, Vec<String>)> {
         positions: mesh.positions.iter().flatten().map(|p| vec3(&p.0)).collect(),
         normals: mesh.normals.iter().flatten().map(|n| vec3(&n.0)).collect(),
         uvs: mesh.uvs.iter().flatten().map(|uv| Vec2::new(uv[0].get() as f32, uv[1].get() as f32)).collect(),
+        colors: mesh.colors.iter().flatten().map(|color| Vec3::from(color.linear().map(|c| c as f32)).extend(1.0)).collect(),
         triangles,
         parts: vec![whole],
     };

@@ -56,6 +56,7 @@ fn triangles(text: &mut Checked<impl BufRead>, name: &str) -> Result<MeshData> {
         positions: triples(&positions).map(Vec3::from).collect(),
         normals: triples(&normals).map(Vec3::from).collect(),
         uvs: texcoords.as_chunks().0.iter().copied().map(Vec2::from).collect(),
+        colors: Vec::new(),
         triangles: triples(&indices).collect(),
         parts: Vec::new(),
     };

@@ -1,16 +1,17 @@
 //! PLY: ascii and binary, of either byte order, through ply-rs-bw.
 //!
-//! Read: `vertex` with x y z, [nx ny nz], [u v | s t | texture_u texture_v]; `face` with a list `vertex_indices` or
+//! Read: `vertex` with x y z, [nx ny nz], [u v | s t | texture_u texture_v], [red green blue [alpha]]; `face` with a list `vertex_indices` or
 //! `vertex_index` (polygons as fans, right for convex ones). Elements are counted from 0, as their indices are.
 
 use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 
-use super::ply_row::{Row, is_indices, slots};
+use super::ply_row::{Row, full_channel, is_indices, slots};
 use super::{Found, invalid};
+use crate::describe::color::decoded;
 use crate::shape::mesh_data::Part;
 use crate::{Error, Fault, Result};
 
@@ -169,7 +170,8 @@ struct Body<'a, R> {
 impl<R: BufRead> Body<'_, R> {
     fn read_vertices(&mut self, element: &ElementDef, found: &mut Found) -> Result<()> {
         let has = slots(element);
-        let (has_normals, has_uvs) = (has[3..6] == [true; 3], has[6..] == [true; 2]);
+        let (has_normals, has_uvs, has_colors) = (has[3..6] == [true; 3], has[6..8] == [true; 2], has[8..11] == [true; 3]);
+        let (full, has_alpha) = (full_channel(element), has[11]);
         found.mesh.positions.reserve_exact(element.count);
         self.read_rows(element, |row| {
             let used = row.numbers.iter().zip(["x", "y", "z", "nx", "ny", "nz", "u", "v"]).enumerate();
@@ -181,6 +183,10 @@ impl<R: BufRead> Body<'_, R> {
             found.mesh.positions.push(Vec3::from(row.position()));
             if has_uvs {
                 found.mesh.uvs.push(Vec2::from(row.uv()));
+            }
+            if has_colors {
+                let [r, g, b, a] = row.color();
+                found.mesh.colors.push(linear_color([r, g, b, if has_alpha { a } else { full.unwrap_or(1.0) }], full));
             }
             if has_normals {
                 let normal = Vec3::from(row.normal());
@@ -265,6 +271,16 @@ impl<R: BufRead> Body<'_, R> {
         let rest = self.source.fill_buf()?;
         Ok(if self.encoding == Encoding::Ascii { !rest.trim_ascii().is_empty() } else { !rest.is_empty() })
     }
+}
+
+/// A colour of a file as linear shares; what lies beyond 0 to 1, or is no number, is taken as the nearest that does not.
+///
+/// - `full`: as [`full_channel`] says
+fn linear_color([r, g, b, a]: [f32; 4], full: Option<f32>) -> Vec4 {
+    let share = |x: f32| f64::from(x / full.unwrap_or(1.0)).clamp(0.0, 1.0);
+    let linear = |x: f32| if full.is_some() { decoded(share(x)) } else { share(x) };
+    let color = Vec4::from([linear(r), linear(g), linear(b), share(a)].map(|x| x as f32));
+    if color.is_nan() { Vec4::ZERO } else { color }
 }
 
 /// The first line of the parser's message, which may have several.

@@ -1,15 +1,28 @@
 //! One element of a PLY file: a vertex or a face, whichever the header describes.
 
-use ply_rs_bw::ply::{BeginList, ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType};
+use ply_rs_bw::ply::{BeginList, ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 
 /// The numbers that a vertex can have, with the names they go by.
-const SLOTS: [&[&str]; 8] = [&["x"], &["y"], &["z"], &["nx"], &["ny"], &["nz"], &["u", "s", "texture_u"], &["v", "t", "texture_v"]];
+const SLOTS: [&[&str]; 12] = [
+    &["x"],
+    &["y"],
+    &["z"],
+    &["nx"],
+    &["ny"],
+    &["nz"],
+    &["u", "s", "texture_u"],
+    &["v", "t", "texture_v"],
+    &["red", "r", "diffuse_red"],
+    &["green", "g", "diffuse_green"],
+    &["blue", "b", "diffuse_blue"],
+    &["alpha", "a"],
+];
 
-/// What a row keeps; everything else (colours, confidence) is read over.
+/// What a row keeps; everything else (confidence) is read over.
 #[derive(Default)]
 pub struct Row {
-    /// In the order of the slots: position, normal, texture coordinates.
-    pub numbers: [f32; 8],
+    /// In the order of the slots: position, normal, texture coordinates, colour and opacity.
+    pub numbers: [f32; 12],
     signed: Vec<i32>,
     unsigned: Vec<u32>,
 }
@@ -25,6 +38,11 @@ impl Row {
 
     pub fn uv(&self) -> [f32; 2] {
         [self.numbers[6], self.numbers[7]]
+    }
+
+    /// Red, green, blue and opacity, as they stand in the file.
+    pub fn color(&self) -> [f32; 4] {
+        [self.numbers[8], self.numbers[9], self.numbers[10], self.numbers[11]]
     }
 
     /// The corners of a face.
@@ -65,9 +83,23 @@ impl Row {
 }
 
 /// Which slots the element's properties fill.
-pub fn slots(element: &ElementDef) -> [bool; 8] {
+pub fn slots(element: &ElementDef) -> [bool; 12] {
     let has = |name: &&str| matches!(element.properties.get(*name).map(|p| &p.data_type), Some(PropertyType::Scalar(_)));
     SLOTS.map(|names| names.iter().any(has))
+}
+
+/// The number that stands for all of a colour's channel: whole numbers are encoded as pictures are (sRGB), floats are linear shares,
+/// for which there is `None`.
+pub fn full_channel(element: &ElementDef) -> Option<f32> {
+    let scalar = SLOTS[8].iter().find_map(|name| match &element.properties.get(*name)?.data_type {
+        PropertyType::Scalar(scalar) => Some(scalar),
+        PropertyType::List(..) => None,
+    })?;
+    match scalar {
+        ScalarType::Float | ScalarType::Double => None,
+        ScalarType::Short | ScalarType::UShort => Some(65535.0),
+        _ => Some(255.0),
+    }
 }
 
 pub fn is_indices(name: &str) -> bool {

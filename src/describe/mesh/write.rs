@@ -49,14 +49,18 @@ impl MeshData {
         if !self.uvs.is_empty() {
             names.extend(["u", "v"]);
         }
+        if !self.colors.is_empty() {
+            names.extend(["red", "green", "blue", "alpha"]);
+        }
         write!(out, "ply\nformat binary_little_endian 1.0\nelement vertex {}\n", self.positions.len())?;
         names.iter().try_for_each(|name| writeln!(out, "property float {name}"))?;
         writeln!(out, "element face {}\nproperty list uchar int vertex_indices\nend_header", self.triangles.len())?;
         for (i, position) in self.positions.iter().enumerate() {
             let normal = self.normals.get(i).map(Vec3::to_array);
             let uv = self.uvs.get(i).map(glam::Vec2::to_array);
+            let color = self.colors.get(i).map(glam::Vec4::to_array);
             let numbers = position.to_array().into_iter().chain(normal.into_iter().flatten()).chain(uv.into_iter().flatten());
-            numbers.map(f32::to_le_bytes).try_for_each(|bytes| out.write_all(&bytes))?;
+            numbers.chain(color.into_iter().flatten()).map(f32::to_le_bytes).try_for_each(|bytes| out.write_all(&bytes))?;
         }
         for triangle in &self.triangles {
             out.write_all(&[3])?;

@@ -16,6 +16,7 @@ use crate::reader::{self, Member, Node, Place, UnknownKeys, Value};
 
 /// Extensions that are read, wholly or so that each thing left out is noted where it stands.
 const READ: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",

@@ -10,29 +10,49 @@ use crate::reader::Node;
 
 /// Extensions that pt has nothing for.
 const LEFT_OUT: &[(&str, &str)] = &[
-    ("KHR_materials_diffuse_transmission", "light that goes through a thin matte sheet is left out"),
-    ("KHR_materials_dispersion", "dispersion is left out"),
-    ("KHR_materials_iridescence", "iridescence is left out"),
-    ("KHR_materials_pbrSpecularGlossiness", "specular and glossiness are left out: the material is read without them"),
-    ("KHR_materials_unlit", "an unlit material is lit like any other"),
+    ("KHR_materials_diffuse_transmission", "light that goes through a thin matte sheet is left out: its back stays dark"),
+    ("KHR_materials_dispersion", "dispersion is left out: glass bends all colours alike"),
+    ("KHR_materials_iridescence", "iridescence is left out: the surface shows no colours of thin films"),
+    ("KHR_materials_unlit", "an unlit material is lit like any other: it has shades and is as bright as its light"),
 ];
+
+/// The colours that vertices have, which multiply those of the material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Colors {
+    None,
+    Opaque,
+    /// With an opacity.
+    Blended,
+}
+
+impl Colors {
+    pub fn of(primitive: &gltf::Primitive) -> Colors {
+        match primitive.get(&gltf::Semantic::Colors(0)).map(|accessor| accessor.dimensions().multiplicity()) {
+            None => Colors::None,
+            Some(4) => Colors::Blended,
+            Some(_) => Colors::Opaque,
+        }
+    }
+}
 
 /// A material, and what a shape needs to know of it.
 pub struct Worn {
     pub node: Node,
     pub emission: Option<Node>,
-    /// Whether it is to light others: emission beyond the range of pictures.
+    /// Whether it is to light others.
     pub is_lamp: bool,
     /// For the texture coordinates of whoever wears it.
     pub mapping: Mapping,
 }
 
 impl<'a> Document<'a> {
-    /// A material by index, or the one of what has none.
-    pub fn material(&self, index: Option<usize>) -> Worn {
+    /// A material by index, or the one of what has none, on vertices with such colours.
+    pub fn material(&self, index: Option<usize>, colors: Colors) -> Worn {
         let at = index.map_or_else(|| self.root.clone(), |i| self.item("materials", i));
-        let reader =
-            Reader { document: self, pbr: index.and_then(|_| at.get(&["pbrMetallicRoughness"])), own: index.map(|_| at.clone()), at };
+        let pbr = index.and_then(|_| at.get(&["pbrMetallicRoughness"]));
+        let own = index.map(|_| at.clone());
+        let glossy = own.as_ref().and_then(|own| own.get(&["extensions"])?.get(&["KHR_materials_pbrSpecularGlossiness"]));
+        let reader = Reader { document: self, pbr, own, at, glossy, colors };
         for (extension, sentence) in LEFT_OUT.iter().filter(|(name, _)| reader.extension(name).is_some()) {
             self.note(&reader.extension(extension).unwrap_or(reader.at.clone()), *sentence);
         }
@@ -43,13 +63,16 @@ impl<'a> Document<'a> {
     }
 }
 
-struct Reader<'d, 'a> {
-    document: &'d Document<'a>,
+pub(super) struct Reader<'d, 'a> {
+    pub(super) document: &'d Document<'a>,
     /// The material; the file where there is none.
-    at: View<'a>,
+    pub(super) at: View<'a>,
     /// The material, where there is one.
     own: Option<View<'a>>,
     pbr: Option<View<'a>>,
+    /// What stands in the place of metalness and roughness, where the file has it.
+    pub(super) glossy: Option<View<'a>>,
+    colors: Colors,
 }
 
 impl<'a> Reader<'_, 'a> {
@@ -86,15 +109,41 @@ impl<'a> Reader<'_, 'a> {
         (at.as_ref().and_then(View::number).unwrap_or(default), at.or_else(|| of.cloned()).unwrap_or_else(|| self.at.clone()))
     }
 
+    /// Where the colour stands, and the keys of its texture and its factor.
+    fn base(&self) -> (Option<&View<'a>>, [&'static str; 2]) {
+        match &self.glossy {
+            Some(glossy) => (Some(glossy), ["diffuseTexture", "diffuseFactor"]),
+            None => (self.pbr.as_ref(), ["baseColorTexture", "baseColorFactor"]),
+        }
+    }
+
     /// Red, green, blue and opacity.
     fn base_factor(&self) -> ([f64; 4], View<'a>) {
-        let at = self.pbr.as_ref().and_then(|pbr| pbr.get(&["baseColorFactor"]));
+        let (of, [_, factor]) = self.base();
+        let at = of.and_then(|of| of.get(&[factor]));
         (at.as_ref().and_then(numbers).unwrap_or([1.0; 4]), at.unwrap_or_else(|| self.at.clone()))
     }
 
     fn base_color(&self) -> Node {
         let ([r, g, b, _], at) = self.base_factor();
-        self.textured(self.pbr.as_ref(), "baseColorTexture", Kind::Color, at.make_numbers([r, g, b]), [r, g, b] == [1.0; 3])
+        let (of, [texture, _]) = self.base();
+        let color = self.textured(of, texture, Kind::Color, at.make_numbers([r, g, b]), [r, g, b] == [1.0; 3]);
+        self.colored(color)
+    }
+
+    /// A colour times that of the vertices.
+    pub(super) fn colored(&self, color: Node) -> Node {
+        match self.colors {
+            Colors::None => color,
+            _ => self.times_vertices(color, None),
+        }
+    }
+
+    fn times_vertices(&self, factor: Node, channel: Option<&str>) -> Node {
+        let at = &self.at;
+        let channel = channel.map(|channel| ("channel", at.make_text(channel)));
+        let vertices = at.make_object([("type", at.make_text("vertex_color"))].into_iter().chain(channel));
+        at.make_object([("type", at.make_text("product")), ("a", vertices), ("b", factor)])
     }
 
     /// What light meets, without relief and holes.
@@ -139,11 +188,15 @@ impl<'a> Reader<'_, 'a> {
     fn principled(&self, glass: Option<(Node, Option<View<'a>>)>) -> Node {
         let at = &self.at;
         let pbr = self.pbr.as_ref();
+        let [base_color, metallic, roughness] = self.of_glossiness().unwrap_or_else(|| {
+            let metallic = self.share(pbr, "metallicFactor", 1.0, ["metallicRoughnessTexture", "b"]);
+            [self.base_color(), metallic, self.roughness()]
+        });
         let mut members = vec![
             ("type", at.make_text("principled")),
-            ("base_color", self.base_color()),
-            ("metallic", self.share(pbr, "metallicFactor", 1.0, ["metallicRoughnessTexture", "b"])),
-            ("roughness", self.roughness()),
+            ("base_color", base_color),
+            ("metallic", metallic),
+            ("roughness", roughness),
             ("eta", self.eta()),
         ];
         if let Some((share, volume)) = glass {
@@ -233,8 +286,10 @@ impl<'a> Reader<'_, 'a> {
             return surface;
         }
         let ([.., alpha], at) = self.base_factor();
-        let has_texture = self.pbr.as_ref().is_some_and(|pbr| pbr.has("baseColorTexture"));
-        let opacity = self.textured(self.pbr.as_ref(), "baseColorTexture", Kind::Share("a"), at.make_number(alpha), alpha == 1.0);
+        let (of, [texture, _]) = self.base();
+        let varies = of.is_some_and(|of| of.has(texture)) || self.colors == Colors::Blended;
+        let opacity = self.textured(of, texture, Kind::Share("a"), at.make_number(alpha), alpha == 1.0);
+        let opacity = if self.colors == Colors::Blended { self.times_vertices(opacity, Some("a")) } else { opacity };
         let opacity = if word == "MASK" {
             let (cutoff, place) = self.number(self.own.as_ref(), "alphaCutoff", 0.5);
             let at = place.make_number(cutoff);
@@ -243,7 +298,7 @@ impl<'a> Reader<'_, 'a> {
             self.document.note(&mode, "what is blended covers its share of the rays, in no order");
             opacity
         };
-        if !has_texture && alpha == 1.0 {
+        if !varies && alpha == 1.0 {
             return surface;
         }
         if emits {
@@ -253,11 +308,11 @@ impl<'a> Reader<'_, 'a> {
         mode.make_object([("type", mode.make_text("masked")), ("surface", surface), ("opacity", opacity)])
     }
 
-    /// What it emits, and whether that is more than a picture can show.
+    /// What it emits, and whether that is meant to light others: whoever gives a strength says so.
     fn emission(&self) -> (Option<Node>, bool) {
         let Some(own) = &self.own else { return (None, false) };
-        let strength = self.extension("KHR_materials_emissive_strength");
-        let (strength, _) = self.number(strength.as_ref(), "emissiveStrength", 1.0);
+        let extension = self.extension("KHR_materials_emissive_strength");
+        let (strength, _) = self.number(extension.as_ref(), "emissiveStrength", 1.0);
         let Some(at) = own.get(&["emissiveFactor"]) else { return (None, false) };
         let Some(factor) = numbers::<3>(&at).filter(|factor| *factor != [0.0; 3]) else { return (None, false) };
         let two_sided = own.get(&["doubleSided"]).and_then(|flag| flag.flag()).unwrap_or(false);
@@ -268,7 +323,7 @@ impl<'a> Reader<'_, 'a> {
             let Some(texture) = self.document.texture(&info, Kind::Emission) else { return (None, false) };
             members.push(("texture", texture));
         }
-        (Some(at.make_object(members)), radiance.iter().any(|c| *c > 1.0))
+        (Some(at.make_object(members)), extension.is_some() && radiance.iter().any(|c| *c > 0.0))
     }
 
     /// All references to textures, the most telling first.

@@ -1,6 +1,6 @@
 //! Triangles: attributes put together, in the pose that the file shows.
 
-use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3, Vec4};
 use gltf::Semantic;
 use gltf::mesh::Mode;
 
@@ -53,21 +53,22 @@ impl<'a> Document<'a> {
             Some(accessor) => self.rows(&accessor)?.into_iter().map(|uv| mapping.upwards(Vec2::from(uv))).collect(),
             None => vec![],
         };
+        let colors = match primitive.get(&Semantic::Colors(0)) {
+            Some(accessor) => self.colors(&accessor)?,
+            None => vec![],
+        };
         let count = positions.len();
-        for (name, found) in [("NORMAL", normals.len()), ("TEXCOORD", uvs.len())] {
+        for (name, found) in [("NORMAL", normals.len()), ("TEXCOORD", uvs.len()), ("COLOR_0", colors.len())] {
             if found != 0 && found != count {
                 at.fault(format!("{found} rows of {name}, but there are {count} positions"));
                 return None;
             }
         }
-        if primitive.get(&Semantic::Colors(0)).is_some() {
-            self.note(&at, "vertex colours are left out");
-        }
         let triangles = self.triangles(primitive, count, &at)?;
         self.morph(node, mesh, primitive, &mut positions, &mut normals, &at)?;
         let is_posed = self.bend(node, primitive, pose, &mut positions, &mut normals, &at)?;
         let whole = Part { triangles: 0..triangles.len() as u32, ..Part::default() };
-        let mesh = MeshData { positions, normals, uvs, triangles, parts: vec![whole] };
+        let mesh = MeshData { positions, normals, uvs, colors, triangles, parts: vec![whole] };
         if !mesh.triangles.iter().any(|&triangle| mesh.cross(triangle) != DVec3::ZERO) {
             self.note(&at, "a primitive without area is left out");
             return None;
@@ -77,6 +78,15 @@ impl<'a> Document<'a> {
 
     fn vectors(&self, accessor: &gltf::Accessor) -> Option<Vec<Vec3>> {
         Some(self.rows(accessor)?.into_iter().map(Vec3::from).collect())
+    }
+
+    /// Linear red, green, blue and, where there is one, opacity.
+    fn colors(&self, accessor: &gltf::Accessor) -> Option<Vec<Vec4>> {
+        let share = |color: Vec4| color.clamp(Vec4::ZERO, Vec4::ONE);
+        Some(match accessor.dimensions().multiplicity() {
+            3 => self.rows(accessor)?.into_iter().map(|rgb| share(Vec3::from(rgb).extend(1.0))).collect(),
+            _ => self.rows(accessor)?.into_iter().map(|rgba| share(Vec4::from(rgba))).collect(),
+        })
     }
 
     /// Source: glTF 2.0, §3.7.2.1: strips and fans turn every second triangle, so that all face alike.

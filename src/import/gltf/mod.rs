@@ -14,6 +14,8 @@ mod buffer;
 mod camera;
 mod container;
 mod document;
+mod glossiness;
+mod instances;
 mod light;
 mod material;
 mod mesh;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DMat4, Vec3};
 
 use super::document::Document;
-use super::material::Worn;
+use super::material::{Colors, Worn};
 use super::pose::Pose;
 use crate::import::framing::{self, Bounds, Lacking};
 use crate::reader::Node;
@@ -65,8 +65,8 @@ struct Found<'d, 'a> {
     pose: &'d Pose,
     /// By mesh, primitive, and the node where its pose is its own.
     meshes: BTreeMap<(usize, usize, Option<usize>), Option<Made>>,
-    /// By index: what shapes call it.
-    materials: BTreeMap<Option<usize>, (String, Worn)>,
+    /// By index, and what the vertices add to it: what shapes call it.
+    materials: BTreeMap<(Option<usize>, Colors), (String, Worn)>,
     /// Of the materials.
     names: Vec<String>,
     shapes: Vec<Node>,
@@ -94,9 +94,9 @@ impl Found<'_, '_> {
     }
 
     fn primitive(&mut self, node: &gltf::Node, mesh: &gltf::Mesh, primitive: &gltf::Primitive) {
-        let index = primitive.material().index();
-        self.dress(index);
-        let Some((name, worn)) = self.materials.get(&index) else { return };
+        let dress = (primitive.material().index(), Colors::of(primitive));
+        self.dress(dress);
+        let Some((name, worn)) = self.materials.get(&dress) else { return };
         let own_pose = (node.skin().is_some() || node.weights().is_some()).then_some(node.index());
         let key = (mesh.index(), primitive.index(), own_pose);
         let made = match self.meshes.get(&key) {
@@ -108,37 +108,49 @@ impl Found<'_, '_> {
             }
         };
         let Some(made) = made else { return };
-        let to_world = if made.is_posed { DMat4::IDENTITY } else { self.pose.of(node) };
+        let own = if made.is_posed { DMat4::IDENTITY } else { self.pose.of(node) };
+        self.lit |= worn.is_lamp;
+        for instance in self.document.instances(node).unwrap_or_default() {
+            let to_world = own * instance;
+            let shape = self.placed(node, mesh, &made, (name, worn), &to_world);
+            if shape.is_some() {
+                made.positions.iter().for_each(|p| self.bounds.add(to_world.transform_point3(p.as_dvec3())));
+            }
+            self.shapes.extend(shape);
+        }
+    }
+
+    /// The shape of a primitive at a place; `None` where it is scaled to nothing, with a note.
+    fn placed(&self, node: &gltf::Node, mesh: &gltf::Mesh, made: &Made, (name, worn): (&str, &Worn), to_world: &DMat4) -> Option<Node> {
         let at = self.document.item("nodes", node.index());
         if to_world.determinant() == 0.0 {
-            self.document.note(&at, "what is scaled to nothing is left out");
-            return;
+            self.document.note(&at, "what is scaled to nothing is left out: it does not show");
+            return None;
         }
         let mut members = vec![("type", at.make_text("mesh"))];
         members.extend(node.name().or(mesh.name()).map(|name| ("name", at.make_text(name))));
-        members.extend([("file", at.make_text(made.file)), ("material", at.make_text(&**name))]);
+        members.extend([("file", at.make_text(&*made.file)), ("material", at.make_text(name))]);
         members.extend(worn.emission.clone().map(|emission| ("emission", emission)));
-        if to_world != DMat4::IDENTITY {
+        if *to_world != DMat4::IDENTITY {
             // Row by row.
             let matrix = at.make_numbers(to_world.transpose().to_cols_array());
             members.push(("transform", at.make_array([at.make_object([("matrix", matrix)])])));
         }
-        self.shapes.push(at.make_object(members));
-        self.lit |= worn.is_lamp;
-        made.positions.iter().for_each(|p| self.bounds.add(to_world.transform_point3(p.as_dvec3())));
+        Some(at.make_object(members))
     }
 
     /// Reads the material, once.
-    fn dress(&mut self, index: Option<usize>) {
-        if self.materials.contains_key(&index) {
+    fn dress(&mut self, dress: (Option<usize>, Colors)) {
+        if self.materials.contains_key(&dress) {
             return;
         }
+        let (index, colors) = dress;
         let given = index.and_then(|i| self.document.gltf.materials().nth(i)).and_then(|material| material.name().map(str::to_owned));
         let otherwise = index.map_or("default".to_owned(), |i| format!("material {i}"));
         let name = given.filter(|name| !name.is_empty() && !self.names.contains(name)).unwrap_or(otherwise);
         let name = if self.names.contains(&name) { format!("{name} ({})", self.names.len()) } else { name };
         self.names.push(name.clone());
-        self.materials.insert(index, (name, self.document.material(index)));
+        self.materials.insert(dress, (name, self.document.material(index, colors)));
     }
 
     /// The triangles as a file; `None` where there are none.

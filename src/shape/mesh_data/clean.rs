@@ -141,6 +141,7 @@ fn drop_unused_vertices(mesh: &mut MeshData) {
     keep_used(&mut mesh.positions, &used);
     keep_used(&mut mesh.normals, &used);
     keep_used(&mut mesh.uvs, &used);
+    keep_used(&mut mesh.colors, &used);
 }
 
 fn keep_used<T>(values: &mut Vec<T>, used: &[bool]) {

@@ -6,7 +6,7 @@ use super::march::{Fixed, Line, March};
 use super::space::{around, greatest_stretch};
 use super::{Dual, Sdf};
 use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
-use crate::shape::{Facet, Shape, ShapeHit, SurfacePoint, offset_bound};
+use crate::shape::{Facet, Shape, ShapeHit, SurfacePoint, VertexColor, offset_bound};
 
 /// Rays are taken into the field's own space, in f64, and keep the world's t: whatever the transform, |d| there is no
 /// more than the way to the surface there.
@@ -75,7 +75,7 @@ impl Solid {
         // A field may have no slope at a point: at the tip of a cone, or between equals.
         let ng = if normal == Vec3::ZERO { -ray.direction } else { normal };
         let offset = offset_bound(ng, self.bounds.magnitude()) + (4.0 * self.rounding + apart) as f32;
-        SurfacePoint { p: self.to_world.point(p).as_vec3(), offset, ng, ns: ng, uv: Vec2::ZERO }
+        SurfacePoint { p: self.to_world.point(p).as_vec3(), offset, ng, ns: ng, uv: Vec2::ZERO, color: VertexColor::WHITE }
     }
 
     /// (d(p + hx) − d, d(p + hy) − d, d(p + hz) − d), in the direction of the gradient.
@@ -147,7 +147,8 @@ impl Shape for Solid {
 
     /// Never asked for: no light is chosen that cannot be sampled.
     fn sample_area(&self, _: u32, _: Vec2) -> (SurfacePoint, AreaPdf) {
-        let point = SurfacePoint { p: self.bounds.center(), offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO };
+        let point =
+            SurfacePoint { p: self.bounds.center(), offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO, color: VertexColor::WHITE };
         (point, AreaPdf::new(0.0))
     }
 

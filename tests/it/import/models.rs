@@ -185,10 +185,11 @@ fn files_that_are_no_scene_are_told_by_what_they_are() {
 /// For each row of the table of docs/import.md a file, and what becomes of it.
 #[test]
 fn the_table_of_ply_and_stl_is_true() {
-    let files: [(&str, Vec<u8>); 8] = [
+    let files: [(&str, Vec<u8>); 9] = [
         ("the triangles of a PLY, ASCII or binary; polygons as fans", ply().into_bytes()),
         ("its `nx`, `ny`, `nz`", ply_with("nx ny nz", " 0 0 1").into_bytes()),
         ("its texture coordinates `u`, `v` (or `s`, `t`; `texture_u`, `texture_v`)", ply_with("s t", " 0.5 1").into_bytes()),
+        ("its colours `red`, `green`, `blue`, `alpha`", ply_with("red green blue", " 0.5 1 0").into_bytes()),
         ("any other property of a PLY", ply_with("confidence", " 1").into_bytes()),
         ("the triangles of an STL, ASCII or binary", binary_stl(b"")),
         ("the normals and the two bytes of each triangle of an STL", ascii_stl("").into_bytes()),

@@ -22,6 +22,7 @@ fn meshes() -> impl Strategy<Value = MeshData> {
                 positions: vertices.iter().map(|v| v.0).collect(),
                 normals: vertices.iter().filter(|_| has_normals).map(|v| v.1).collect(),
                 uvs: vertices.iter().filter(|_| has_uvs).map(|v| v.2).collect(),
+                colors: vertices.iter().filter(|_| has_uvs).map(|v| (v.0.abs() / (1.0 + v.0.abs())).extend(0.5)).collect(),
                 triangles,
                 parts: [part(0..cut, name("järvi 1")), part(cut..end, None)].into_iter().filter(|p| !p.triangles.is_empty()).collect(),
             }

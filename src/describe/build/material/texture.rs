@@ -12,7 +12,7 @@ use crate::math::{Spectrum, Transform};
 use crate::reader::escaped;
 use crate::texture::image::{Filter, Pixels, Wrap};
 use crate::texture::noise::Turbulence;
-use crate::texture::{Checker, Image, Marble, Mix, Noise, Number, Product, Space, Texture, Threshold};
+use crate::texture::{Checker, Image, Marble, Mix, Noise, Number, Product, Space, Texture, Threshold, Vertex};
 
 /// Textures within textures are copied where they are used: checkers of checkers of … grow as 2ⁿ.
 pub(in crate::describe::build) const MOST_TEXTURES: usize = 1 << 16;
@@ -122,6 +122,7 @@ impl Builder<'_> {
             T::Mix(t) => Texture::Mix(Box::new(Mix { a: part("a", &t.a), b: part("b", &t.b), share: part("share", &t.share) })),
             T::Product(t) => Texture::Product(Box::new(Product { a: part("a", &t.a), b: part("b", &t.b) })),
             T::Threshold(t) => Texture::Threshold(Box::new(Threshold { by: part("by", &t.by), at: t.at.get() as f32 })),
+            T::VertexColor(t) => Texture::Vertex(Vertex { channel: t.channel.map(|channel| channel as usize) }),
             T::Image(_) => Spectrum::BLACK.into(),
         }
     }

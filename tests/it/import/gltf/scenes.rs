@@ -123,19 +123,56 @@ fn lights_are_told_in_watts() {
     assert!(scene.tree.get("background").is_none(), "a file with lights gets no sky");
 }
 
-/// What only glows is no light: it was made for rasterisers, to which emission lights nothing. What is brighter than white is one.
+/// What only glows is no light: it was made for rasterisers, to which emission lights nothing. Who gives a strength means a light,
+/// however weak.
 #[test]
-fn emission_that_is_brighter_than_white_is_a_light() {
+fn emission_with_a_strength_is_a_light() {
     let strong = |strength: f64| {
         json!({ "emissiveFactor": [1, 0.5, 0], "doubleSided": true,
             "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": strength } } })
     };
-    let dim = read_model(&Model::square(strong(1.0)));
-    assert!(dim.notes_say("no light") && dim.tree.get("background").is_some());
-    let bright = read_model(&Model::square(strong(8.0)));
-    assert!(!bright.notes_say("no light") && bright.tree.get("background").is_none());
-    assert_near(&bright.numbers("/shapes/0/emission/radiance"), &[8.0, 4.0, 0.0], 0.0, "radiance");
-    assert_eq!(bright.at("/shapes/0/emission/two_sided"), true);
+    for plain in [json!({ "emissiveFactor": [1, 0.5, 0] }), strong(0.0)] {
+        let dim = read_model(&Model::square(plain));
+        assert!(dim.notes_say("no light") && dim.tree.get("background").is_some());
+    }
+    for strength in [0.25, 1.0, 8.0] {
+        let lamp = read_model(&Model::square(strong(strength)));
+        assert!(!lamp.notes_say("no light") && lamp.tree.get("background").is_none());
+        assert_near(&lamp.numbers("/shapes/0/emission/radiance"), &[strength, 0.5 * strength, 0.0], 0.0, "radiance");
+        assert_eq!(lamp.at("/shapes/0/emission/two_sided"), true);
+    }
+}
+
+/// Each copy stands at node · T · R · S: the square's corner (1, 0, 0), turned a quarter about z and scaled, lies at t + s (0, 1, 0).
+#[test]
+fn copies_of_a_mesh_stand_where_they_are_put() {
+    let mut model = Model::square(json!({}));
+    let translations = model.floats(&[[0.0, 0.0, 0.0], [5.0, 0.0, 1.0], [0.0, 7.0, 2.0]]);
+    let turn = [0.0, 0.0, FRAC_1_SQRT_2 as f32, FRAC_1_SQRT_2 as f32];
+    let rotations = model.floats(&[turn; 3]);
+    let scales = model.floats(&[[1.0, 1.0, 1.0], [2.0, 2.0, 2.0], [3.0, 3.0, 3.0]]);
+    let attributes = json!({ "TRANSLATION": translations, "ROTATION": rotations, "SCALE": scales });
+    model.doc["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
+    model.doc["nodes"][0]["translation"] = json!([100, 0, 0]);
+    model.doc["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing"]);
+    let scene = read_model(&model);
+    assert_eq!(scene.notes.iter().filter(|note| !note.contains("no camera") && !note.contains("no light")).count(), 0, "{:?}", scene.notes);
+    let built = scene.built();
+    for (t, s) in [([0.0, 0.0, 0.0], 1.0), ([5.0, 0.0, 1.0], 2.0), ([0.0, 7.0, 2.0], 3.0)] {
+        // (x, y) of the square lies at t + s (−y, x): its middle at t + s (−½, ½).
+        let middle = [100.0 + t[0] - 0.45 * s, t[1] + 0.55 * s, t[2] + 0.5];
+        met(&built, middle, [0.0, 0.0, -1.0], |surface, p| {
+            assert_near(&p.to_array(), &[middle[0], middle[1], t[2]], 1e-4, "place");
+            assert_near(&surface.point.uv.as_dvec2().to_array(), &[0.55, 0.45], 1e-4, "which place of the square");
+        });
+    }
+    assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(4), "three copies and the key light");
+    // Counts that do not agree are refused.
+    model.doc["accessors"][scales]["count"] = json!(2);
+    let folder = tempfile::tempdir().expect("a folder");
+    model.write(folder.path(), "scene.gltf");
+    let said = crate::import::read::try_read(&folder.path().join("scene.gltf")).err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(said.contains("EXT_mesh_gpu_instancing/attributes: 3 translations, 3 rotations and 2 scales"), "{said}");
 }
 
 /// Files that are not ours, where they lie beside the package.

@@ -243,3 +243,98 @@ fn read_without_nulls(mut model: Model) -> Read {
     }
     read_model(&model)
 }
+
+/// COLOR_0 multiplies the base colour, in each form in which it may stand; what has none of the same material is as it was.
+#[test]
+fn vertex_colours_multiply_the_base_colour() {
+    use super::model::{F32, U8, U16};
+    let expected = [0.4 * 0.5, 0.6 * 1.0, 0.2 * 0.25];
+    for (component, kind, bytes) in [
+        (U8, "VEC3", [[102u8, 153, 51, 0]; 4].concat()),
+        (U8, "VEC4", [[102u8, 153, 51, 255]; 4].concat()),
+        (U16, "VEC4", [[26214u16, 39321, 13107, 65535]; 4].concat().iter().flat_map(|x| x.to_le_bytes()).collect()),
+        (F32, "VEC3", [[0.4f32, 0.6, 0.2]; 4].concat().iter().flat_map(|x| x.to_le_bytes()).collect()),
+    ] {
+        let mut model =
+            Model::square(json!({ "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1.0, 0.25, 1.0], "roughnessFactor": 0 } }));
+        let plain = model.square_mesh(json!(0));
+        model.node(json!({ "mesh": plain, "translation": [5, 0, 0] }));
+        let colors = model.accessor(&bytes, component, kind, 4);
+        model.doc["accessors"][colors]["normalized"] = json!(component != F32);
+        if (component, kind) == (U8, "VEC3") {
+            let view = model.doc["accessors"][colors]["bufferView"].as_u64().expect("an index") as usize;
+            model.doc["bufferViews"][view]["byteStride"] = json!(4);
+        }
+        model.doc["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colors);
+        let scene = read_model(&model);
+        assert_eq!(
+            scene.notes.iter().filter(|note| !note.contains("no camera") && !note.contains("no light")).count(),
+            0,
+            "{:?}",
+            scene.notes
+        );
+        let built = scene.built();
+        for (x, expected) in [(0.4, expected), (5.4, [0.5, 1.0, 0.25])] {
+            let found = met(&built, [x, 0.3, 2.0], [0.0, 0.0, -1.0], |surface, _| reflected(surface).to_rgb().map(f64::from));
+            assert_near(&found, &expected, 1e-5, &format!("{component} {kind} at {x}"));
+        }
+    }
+}
+
+/// The opacity of the vertices multiplies that of the material.
+#[test]
+fn vertex_opacity_blends() {
+    let mut model = Model::square(json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 0.5] } }));
+    let colors = model.floats(&[[1.0, 1.0, 1.0, 0.5]; 4]);
+    model.doc["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colors);
+    let vertices = json!({ "type": "vertex_color", "channel": "a" });
+    assert_eq!(read_model(&model).at("/materials/material 0/opacity"), &json!({ "type": "product", "a": vertices, "b": 0.5 }));
+}
+
+/// What reflects 4 % is plastic of that colour, what has no diffuse colour is a metal of its specular one, exactly; pictures give pixel
+/// by pixel what their factors would give.
+#[test]
+fn specular_and_glossiness_become_metalness_and_roughness() {
+    let gloss = |value: Value| read_model(&Model::square(json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": value } })));
+    let of = |scene: &Read| {
+        let base = scene.numbers("/materials/material 0/base_color");
+        (base, scene.number("/materials/material 0/metallic"), scene.number("/materials/material 0/roughness"))
+    };
+    let plastic = gloss(json!({ "diffuseFactor": [0.5, 0.25, 0.75, 1], "specularFactor": [0.04, 0.04, 0.04], "glossinessFactor": 0.25 }));
+    assert!(plastic.notes_say("specular and glossiness become metalness and roughness"), "{:?}", plastic.notes);
+    let (base, metallic, roughness) = of(&plastic);
+    assert_near(&base, &[0.5, 0.25, 0.75], 1e-6, "base colour");
+    assert_near(&[metallic, roughness], &[0.0, 0.75], 1e-6, "plastic");
+    for specular in [[1.0, 0.75, 0.25], [0.1, 0.3, 0.2], [0.5; 3]] {
+        let metal = gloss(json!({ "diffuseFactor": [0, 0, 0, 1], "specularFactor": specular, "glossinessFactor": 1 }));
+        let (base, metallic, roughness) = of(&metal);
+        assert_near(&base, &specular, 1e-6, "base colour");
+        assert_near(&[metallic, roughness], &[1.0, 0.0], 1e-6, "metal");
+    }
+    let texel = [200, 120, 40, 255];
+    let shiny = [60, 90, 120, 51];
+    let mut model = Model::square(json!({}));
+    let [diffuse, specular] = [texel, shiny].map(|texel| model.texture(picture([[texel, texel]]), json!({})));
+    model.doc["materials"][0]["extensions"] = json!({ "KHR_materials_pbrSpecularGlossiness":
+        { "diffuseTexture": { "index": diffuse }, "specularGlossinessTexture": { "index": specular } } });
+    let scene = read_model(&model);
+    let rgb = |texel: [u8; 4]| [0, 1, 2].map(|k| linear(texel[k]));
+    let [r, g, b] = rgb(texel);
+    let plain = of(&gloss(json!({ "diffuseFactor": [r, g, b, 1.0], "specularFactor": rgb(shiny), "glossinessFactor": 0.2 })));
+    let shown = |key: &str, channel| {
+        let file = scene.at(&format!("/materials/material 0/{key}/file")).as_str().expect("a file");
+        let (pixels, _) = scene.files.picture(file, pt::describe::Encoding::Auto, channel).expect("a picture");
+        pixels.values()[0].map(f64::from)
+    };
+    // Eight bits: half a step of the curve at its steepest, 1/255.
+    assert_near(&shown("base_color", None), &plain.0, 1.0 / 255.0, "base colour");
+    let shares = |key: &str| scene.at(&format!("/materials/material 0/{key}/channel")).as_str().map(str::to_owned);
+    assert_eq!((shares("metallic"), shares("roughness")), (Some("b".into()), Some("g".into())));
+    let linear_shares = |channel| {
+        let file = scene.at("/materials/material 0/metallic/file").as_str().expect("a file");
+        f64::from(scene.files.picture(file, pt::describe::Encoding::Linear, Some(channel)).expect("a picture").0.values()[0][0])
+    };
+    assert_near(&[linear_shares(pt::describe::Channel::B)], &[plain.1], 0.5 / 255.0 + 1e-6, "metalness");
+    assert_near(&[linear_shares(pt::describe::Channel::G)], &[plain.2], 0.5 / 255.0 + 1e-6, "roughness");
+    scene.built();
+}

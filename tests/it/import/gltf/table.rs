@@ -74,6 +74,11 @@ const ROWS: &[Row] = &[
     ("points and lines", |m| mode(m, 1)),
     ("`TANGENT`", |m| attribute(m, "TANGENT")),
     ("`COLOR_0`", |m| attribute(m, "COLOR_0")),
+    ("EXT_mesh_gpu_instancing", |m| {
+        let translations = m.floats(&[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
+        let attributes = json!({ "TRANSLATION": translations });
+        m.doc["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
+    }),
     ("an accessor that reaches beyond its buffer", |m| m.doc["accessors"][0]["count"] = json!(99)),
     ("the first camera", |m| {
         m.add("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }));
