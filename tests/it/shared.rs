@@ -1,14 +1,12 @@
-//! Scenes of other programs that are not shipped with pt: tests ask them where they lie beside the package.
+//! Files of other programs that are not shipped with pt: tests read them where the environment variable PT_SHARED_DATA says.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// The folder of `PT_SHARED_DATA`, or `../shared/data` beside the package; `None`, and a sentence, where there is none.
+/// The folder of that name within `PT_SHARED_DATA`; `None`, and a sentence about what is skipped, where there is none.
 pub fn shared(folder: &str) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let found = std::env::var_os("PT_SHARED_DATA").map_or_else(beside, PathBuf::from).join(folder);
-    if !found.is_dir() {
-        eprintln!("{}: no such folder, so that its scenes are not tested", found.display());
-        return None;
+    let found = std::env::var_os("PT_SHARED_DATA").map(|data| PathBuf::from(data).join(folder)).filter(|found| found.is_dir());
+    if found.is_none() {
+        eprintln!("skipped: what {folder:?} of PT_SHARED_DATA holds");
     }
-    Some(found)
+    found
 }

@@ -64,14 +64,10 @@ fn content_decides_the_format() {
     assert_eq!(no_magic, (3, "mesh: not a PLY file: its first line is not \"ply\"".to_string()));
 }
 
-/// Meshes of other renderers, where they lie beside the project.
+/// Meshes of other renderers, where there are some.
 #[test]
 fn meshes_found_in_the_wild_load() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    if !data.is_dir() {
-        println!("skipped: no folder {}", data.display());
-        return;
-    }
+    let Some(data) = crate::shared::shared("") else { return };
     let (mut folders, mut count) = (vec![data], 0);
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).expect("a readable folder").map(|e| e.expect("an entry").path()) {
