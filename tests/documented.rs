@@ -1,7 +1,7 @@
 //! The tests that documentation names exist.
 //!
-//! "Tests: a_law, another_law." in a comment promises that these laws are tested. A word of lower-case letters with an underscore
-//! in such a list is taken for the name of a test; what is said in plain words is not checked.
+//! A comment that lists names after the word "Tests" and a colon promises that these laws are tested. A word of lower-case letters
+//! with an underscore in such a list is taken for the name of a test; what is said in plain words is not checked.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

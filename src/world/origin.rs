@@ -63,7 +63,7 @@ mod tests {
         let home = [detail(1.0, 0.01), detail(1.5, 0.02), detail(1.25, 0.01)];
         let at_home = x(&home);
         assert!((1.0..=1.5).contains(&at_home));
-        for far in [1e-3, 10.0, 1e3, 1e9, 1e18] {
+        for far in [10.0, 1e3, 1e9, 1e18] {
             let with = |more: &[Detail]| x(&[&home[..], more].concat());
             assert_eq!(with(&[detail(far, 1.0)]), at_home, "one object at {far} m");
             assert_eq!(with(&[detail(-far, 1.0)]), at_home, "one object at -{far} m");

@@ -105,7 +105,7 @@ const SCENES: &[Row] = &[
     (
         "B21",
         r#""materials": {"g": {"type": "dielectric"}}, "shapes": [{"type": "quad", "size": 1e-5}, {"type": "quad", "size": 1e-5},
-        {"type": "quad", "material": "g", "name": "pane", "transform": [{"translate": [0, 0, 16]}]},
+        {"type": "quad", "material": "g", "name": "pane", "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": 180}}, {"translate": [0, 0, 16]}]},
         {"type": "quad", "material": "g", "transform": [{"translate": [0, 0, 16.000030517578125]}]}]"#,
         0,
         "scene.json: \"pane\", dielectric: this body is about 3.1e-5 m thick, and rays start 3.1e-5 m off its surface",

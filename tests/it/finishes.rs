@@ -82,7 +82,9 @@ fn a_roughness_as_good_as_0_is_said() {
     ];
     for (kind, key) in kinds {
         for (roughness, is_said) in [("0", false), ("1e-6", true), ("9.99e-4", true), ("1.001e-3", false), ("0.5", false)] {
-            let warnings = square(&format!(r#"{{{kind}, "{key}": {roughness}}}"#)).warnings;
+            let mut warnings = square(&format!(r#"{{{kind}, "{key}": {roughness}}}"#)).warnings;
+            // A square of glass is no body, which is said too.
+            warnings.retain(|warning| !warning.contains("open or inconsistently wound glass"));
             let said = warnings.iter().any(|warning| {
                 let value: f32 = roughness.parse().expect("a number");
                 *warning == format!("s.json: /materials/m/{key}: {value} is as good as 0, the surface is smooth")

@@ -36,7 +36,7 @@ use crate::texture::{Number, Texture};
 /// - sampling: the coat by what it reflects of wo, else the ground
 ///
 /// Source: Wolff (1994) and Kelemen and Szirmay-Kalos (2001) for T over a matte ground; Estevez and Kulla, *Production Friendly
-/// Microfacet Sheen* (2017), §5, for T in general. Tests: coated_white_is_white, and along_the_surface,
+/// Microfacet Sheen* (2017), §5, for T in general. Tests: coated_white_is_white_along_the_surface,
 /// layers_on_white_are_white, a_coat_over_matte_is_plastic, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coated {

@@ -38,20 +38,26 @@ fn lost(bounds: &[Aabb]) -> Option<(usize, String)> {
     (reach / size > MOST_SIZES_AWAY).then_some((shape, text))
 }
 
-/// A closed shape with an inside, or all open ones around one material.
+/// A closed shape with an inside, or the shapes of one material that close it together.
 #[derive(Default)]
 struct Body {
     /// The first of its shapes.
     shape: usize,
     /// (m²)
     area: f64,
-    /// (m³), of an open one as far as it is known
+    /// The integral of the normal, 0 for a closed surface and for two faces of a plate without rims (m²).
+    vector_area: DVec3,
+    /// (m³), of a plate without rims a third
     volume: f64,
     /// The integral of the distance from the surface at which rays start (m³).
     offset: f64,
 }
 
 impl Body {
+    fn is_closed(&self) -> bool {
+        self.vector_area.length() < 1e-3 * self.area
+    }
+
     /// 2 V / A: the thickness of a plate, two thirds of a ball's radius.
     fn thickness(&self) -> f64 {
         2.0 * self.volume.abs() / self.area
@@ -70,49 +76,46 @@ impl Body {
     }
 }
 
-/// The bodies of the scene of which light sees the inside.
+/// The bodies of the scene of which light sees the inside. What is open is told elsewhere.
 fn bodies(world: &World, bounds: &[Aabb]) -> Vec<Body> {
     let (mut closed, mut open) = (vec![], BTreeMap::<MaterialId, (DVec3, Body)>::new());
     for (shape, baked) in world.shapes().iter().enumerate() {
         let Some(material) = world.inside(shape) else { continue };
         let center = open.get(&material).map_or(bounds[shape].center().as_dvec3(), |(center, _)| *center);
-        let (body, vector_area) = measured(&**baked, shape, center, bounds[shape]);
-        // The vector area of a closed surface is 0.
-        if vector_area.length() < 1e-3 * body.area {
+        let body = measured(&**baked, shape, center, bounds[shape]);
+        if body.is_closed() {
             closed.push(body);
         } else {
             let (_, all) = open.entry(material).or_insert_with(|| (center, Body { shape, ..Body::default() }));
             all.area += body.area;
+            all.vector_area += body.vector_area;
             all.volume += body.volume;
             all.offset += body.offset;
         }
     }
-    // (The sides of an open plate are missing, and with them two thirds of the integral that is its volume.)
     let whole = |(_, body): (DVec3, Body)| Body { volume: 3.0 * body.volume, ..body };
-    closed.into_iter().chain(open.into_values().map(whole)).collect()
+    closed.into_iter().chain(open.into_values().map(whole).filter(Body::is_closed)).collect()
 }
 
-/// A shape's part of a body: V = ∫ (p − c)·n dA / 3; and the integral of n dA (m²). Curved shapes by the box around them.
-fn measured(baked: &dyn Shape, shape: usize, center: DVec3, bounds: Aabb) -> (Body, DVec3) {
+/// A shape's part of a body: V = ∫ (p − c)·n dA / 3. Curved shapes by the box around them.
+fn measured(baked: &dyn Shape, shape: usize, center: DVec3, bounds: Aabb) -> Body {
     let mut body = Body { shape, ..Body::default() };
-    let mut vector_area = DVec3::ZERO;
     for i in 0..baked.count() {
         if baked.facet(i) == Facet::Curved {
             let size = bounds.max.as_dvec3() - bounds.min.as_dvec3();
             let offset = f64::from(offset_bound(Vec3::splat(3f32.sqrt().recip()), bounds.magnitude()));
-            return (Body { shape, area: 1.0, volume: 0.5 * size.min_element(), offset }, DVec3::ZERO);
+            return Body { shape, area: 1.0, volume: 0.5 * size.min_element(), offset, ..Body::default() };
         }
         for (corners, _) in baked.facet(i).triangles() {
             let [a, b, c] = corners.map(|p| p.as_dvec3());
-            let twice = (b - a).cross(c - a);
+            let vector_area = 0.5 * (b - a).cross(c - a);
             let Some(n) = triangle::normal(corners) else { continue };
             let magnitude = corners.iter().fold(Vec3::ZERO, |most, p| most.max(p.abs()));
-            let area = 0.5 * twice.length();
-            body.area += area;
-            body.volume += 0.5 * twice.dot((a + b + c) / 3.0 - center) / 3.0;
-            body.offset += area * f64::from(offset_bound(n, magnitude));
-            vector_area += 0.5 * twice;
+            body.area += vector_area.length();
+            body.vector_area += vector_area;
+            body.volume += vector_area.dot((a + b + c) / 3.0 - center) / 3.0;
+            body.offset += vector_area.length() * f64::from(offset_bound(n, magnitude));
         }
     }
-    (body, vector_area)
+    body
 }
