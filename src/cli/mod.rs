@@ -32,6 +32,7 @@ mod trace;
 mod verify;
 mod voice;
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -50,7 +51,7 @@ const INCONCLUSIVE: u8 = 7;
 /// The whole program, for these tables of integrators: an outside integrator gets every command
 /// with `main_with(&[pt::integrators::ALL, &[MINE]])`.
 pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
-    let args = match Args::try_parse() {
+    let args = match Args::try_parse_from(command_first(std::env::args_os().collect())) {
         Ok(args) => args,
         Err(refusal) => return refusal::answer(&refusal),
     };
@@ -60,6 +61,16 @@ pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
     signals::let_writing_fail();
     set_message(lines(&Error::Limit(Fault::new("out of memory").in_file(&file)), json));
     finish(panic::caught(&file, || run(args, tables)), json)
+}
+
+/// The words of a command line with those options after the command that all commands share: `pt -q check` is `pt check -q`.
+fn command_first(mut words: Vec<OsString>) -> Vec<OsString> {
+    let is_shared = |word: &&OsString| ["-q", "--quiet", "--json-errors"].iter().any(|shared| *word == *shared);
+    let shared = words.iter().skip(1).take_while(is_shared).count();
+    if let Some(moved) = words.get_mut(1..shared + 2) {
+        moved.rotate_right(1);
+    }
+    words
 }
 
 fn finish(result: Result<ExitCode>, json: bool) -> ExitCode {

@@ -31,6 +31,20 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
+/// The options that all commands share may stand before the command too.
+#[test]
+fn shared_options_may_come_first() {
+    let folder = folder();
+    let after = pt(folder.path(), "check s.json -q --json-errors");
+    assert!(after.status.success() && after.stderr.is_empty());
+    for before in ["-q --json-errors check s.json", "--json-errors check -q s.json", "--quiet check s.json"] {
+        let output = pt(folder.path(), before);
+        assert_eq!((output.status, &output.stdout, &output.stderr), (after.status, &after.stdout, &after.stderr), "{before}");
+    }
+    let scene = pt(folder.path(), "-q s.json --spp 1 -o x.pfm");
+    assert!(scene.status.success() && scene.stderr.is_empty() && folder.path().join("x.pfm").is_file());
+}
+
 /// Every command takes -q and then says nothing on stderr; without it most of these have something to say.
 #[test]
 fn quiet_is_heard_by_all() {
