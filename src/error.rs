@@ -122,7 +122,7 @@ impl Fault {
     }
 }
 
-/// One line, whatever the file holds: see [`one_line`].
+/// One line, whatever the file holds: control characters are written as escapes.
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let file = one_line(&self.file);

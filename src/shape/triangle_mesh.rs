@@ -71,7 +71,7 @@ fn median(places: &mut [DVec3], axis: usize) -> f64 {
     if half == places.len() {
         return 0.0;
     }
-    let is_even = places.len() % 2 == 0;
+    let is_even = places.len().is_multiple_of(2);
     let (below, middle, _) = places.select_nth_unstable_by(half, |a, b| a[axis].total_cmp(&b[axis]));
     let below = below.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
     if is_even { 0.5 * below + 0.5 * middle[axis] } else { middle[axis] }

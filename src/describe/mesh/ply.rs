@@ -1,6 +1,6 @@
 //! PLY: ascii and binary, of either byte order, through ply-rs-bw.
 //!
-//! Read: `vertex` with x y z, [nx ny nz], [u v | s t | texture_u texture_v], [red green blue [alpha]]; `face` with a list `vertex_indices` or
+//! Read: `vertex` with x y z, [nx ny nz], [u v | s t | texture_u texture_v], `[red green blue [alpha]]`; `face` with a list `vertex_indices` or
 //! `vertex_index` (polygons as fans, right for convex ones). Elements are counted from 0, as their indices are.
 
 use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};

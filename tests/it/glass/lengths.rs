@@ -97,11 +97,14 @@ fn absorption_in_a_ball_knows_no_offset() {
     }
 }
 
+/// Adds shapes of a material to a scene.
+type Add<'a> = &'a dyn Fn(&mut WorldBuilder, MaterialId);
+
 /// What a closed body absorbs does not depend on a large ground, a far lamp or a pair of far balls: in a closed room not a bit of
 /// the picture changes, with glass that absorbs, holes and every integrator.
 #[test]
 fn far_objects_change_no_bit() {
-    let far: [&dyn Fn(&mut WorldBuilder, MaterialId); 4] = [
+    let far: [Add; 4] = [
         &|world, dark| {
             for x in [-1e5, 1e5] {
                 world.shape(Sphere { radius: 1.0 }, at(DVec3::X * x), dark, None);
@@ -111,7 +114,7 @@ fn far_objects_change_no_bit() {
         &|world, dark| world.shape(Quad { size: [2000.0; 2] }, facing(DVec3::new(900.0, -3.0, 0.0), DVec3::Y), dark, None),
         &|world, dark| world.shape(TriangleMesh::new(block(Vec3::splat(50.0))), at(DVec3::Y * 4000.0), dark, None),
     ];
-    let scene = |more: Option<&dyn Fn(&mut WorldBuilder, MaterialId)>| {
+    let scene = |more: Option<Add>| {
         let mut world = World::builder(probe(DVec3::new(0.1, 0.2, 0.9), DVec3::new(0.0, 0.0, -0.9)));
         let (white, dark) = (world.material(Material::diffuse(gray(0.7))), world.material(black()));
         let body = world.material(Material::Filled { surface: Box::new(Material::glass(1.5)), absorption: gray(3.0) });
