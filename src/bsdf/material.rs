@@ -15,11 +15,11 @@ use crate::texture::{Number, Texture};
 /// What becomes of light that goes on behind a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Passage {
-    /// None does.
+    /// No light goes on: the surface is opaque.
     Blocked,
-    /// It is where it was: behind a pane, or a sheet of paper.
+    /// The light is in the same medium as before: behind a pane, or a sheet of paper.
     Sheet,
-    /// It is in a body of another index of refraction.
+    /// The light is inside a body of another index of refraction.
     Body,
 }
 

@@ -151,7 +151,7 @@ impl Pose {
     /// The pose at `from` that looks at `to`.
     ///
     /// # Errors
-    /// As [`Transform::look_at`].
+    /// The errors of [`Transform::look_at`].
     pub fn look_at(from: DVec3, to: DVec3, up: DVec3) -> Result<Pose> {
         Transform::look_at(from, to, up).map(|to_world| Pose::new(&to_world))
     }

@@ -64,7 +64,7 @@ pub enum Command {
     Completions { shell: Shell },
     /// The manual page, or that of a command, on stdout: `pt man | man -l -`.
     Man {
-        /// Of this command, such as compare.
+        /// The command whose page is shown, such as compare.
         command: Option<String>,
     },
 }
@@ -329,14 +329,14 @@ pub struct Scene {
     /// Let the scene name meshes and pictures that lie outside of its own folder.
     #[arg(long)]
     pub allow_outside: bool,
-    /// Of a model (glTF, OBJ, PLY, STL): the side from which a camera looks that shows all of it. Default: the file's camera, else
+    /// The side from which a model (glTF, OBJ, PLY, STL) is seen, by a camera that shows all of it. Default: the file's camera, else
     /// three-quarter.
     #[arg(long, value_name = "SIDE", value_parser = viewpoint)]
     view: Option<Viewpoint>,
-    /// Of a model: the axis that points up, y or z. Default: y, for STL z.
+    /// The axis of a model that points up, y or z. Default: y, for STL z.
     #[arg(long, value_name = "AXIS", value_parser = up)]
     up: Option<Up>,
-    /// Of a model: put a matte ground under it, which catches its shadow.
+    /// Put a matte ground under a model, which catches its shadow.
     #[arg(long)]
     ground: bool,
 }

@@ -107,7 +107,7 @@ fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
 /// The scene's tree, overridden.
 ///
 /// # Errors
-/// As [`import_with`]; `Usage` for overrides without a place.
+/// The errors of [`import_with`], and `Usage` for overrides without a place.
 pub fn imported(scene: &args::Scene, more: &[Override]) -> Result<Imported> {
     import_with(scene.path()?, scene.allow_outside, scene.framing(), |root, file| {
         overridden(root, scene, more).map_err(|refusal| deeper(refusal, root, file))

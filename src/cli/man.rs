@@ -13,7 +13,7 @@ use crate::reader::unknown;
 /// `Usage` for an unknown command; `Io` where nobody takes the text.
 pub fn man(command: Option<&str>) -> Result<()> {
     let mut pt = Args::command();
-    // So that commands know their full names.
+    // Building the parser tells the commands their full names.
     pt.build();
     let page = match command {
         None => pt,

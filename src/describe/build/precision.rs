@@ -58,7 +58,7 @@ impl Body {
         self.vector_area.length() < 1e-3 * self.area
     }
 
-    /// 2 V / A: the thickness of a plate, two thirds of a ball's radius.
+    /// Returns 2 V / A, the thickness of a plate (m); of a curved shape it is the least side of the box around it.
     fn thickness(&self) -> f64 {
         2.0 * self.volume.abs() / self.area
     }
