@@ -11,6 +11,7 @@ pub mod describe;
 pub mod effects;
 mod error;
 pub mod film;
+pub mod format;
 pub mod import;
 pub mod integrator;
 #[path = "../integrators/mod.rs"]

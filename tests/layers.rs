@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// no two can import each other; modules of one row know nothing of one another.
 const LAYERS: &[&[&[&str]]] = &[
     &[&["error"], &["reader"]],
-    &[&["math"], &["effects"]],
+    &[&["math"], &["effects"], &["format"]],
     &[&["sampler"]],
     // Families that meet: a texture is looked up at a shape's point, a light may be a shape.
     &[&["shape"], &["texture"], &["bsdf"], &["light"], &["camera"]],

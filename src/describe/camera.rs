@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::transform::{LookAt, Transform};
-use super::value::{FieldOfView, NonNegative, Positive};
+use crate::format::{FieldOfView, LookAt, NonNegative, Positive, Transform};
 use crate::reader::{by_type, first_needs_no_type};
 
 /// The camera. It stands at the origin, looks down −z, and +y is up; `look_at` or `transform` (not both) moves it.

@@ -3,7 +3,6 @@
 //! Each check names the JSON pointer it is about; [`Faults::add_at`] finds the line and column.
 
 use super::camera::Camera;
-use super::color::Hex;
 use super::cycles;
 use super::field_check;
 use super::film::Film;
@@ -11,8 +10,7 @@ use super::light::{Light, SpotLight};
 use super::material::{Conductor, Finish, Material, MaterialRef};
 use super::scene::Scene;
 use super::shape::{Mesh, Sdf, Shape};
-use super::texture::{Texture, TextureSpace, Textured};
-use super::transform::{LookAt, Transform};
+use crate::format::{Hex, LookAt, Texture, TextureSpace, Textured, Transform};
 use crate::reader::{Faults, Node, escaped, unknown};
 
 /// Adds to `faults` what is wrong with `scene`, which was read from `root`.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::slice;
 
 use super::material::{Material, MaterialRef};
-use super::texture::{Texture, Textured};
+use crate::format::{Texture, Textured};
 use crate::reader::escaped;
 
 /// What may refer to others of its kind by name.

@@ -6,8 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::material::MaterialRef;
 use super::shape::Emission;
-use super::transform::Transform;
-use super::value::{Direction, NonNegative, Point, Positive};
+use crate::format::{Direction, NonNegative, Point, Positive, Transform};
 use crate::reader::by_type;
 
 /// A distance field: a primitive, or an operation on fields. Metres; negative inside.

@@ -2,7 +2,7 @@
 
 use super::field::*;
 use super::shape::Sdf;
-use super::transform::Transform;
+use crate::format::Transform;
 
 /// Each with its JSON pointer.
 pub(super) fn check(pointer: &str, sdf: &Sdf) -> Vec<(String, String)> {

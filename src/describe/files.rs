@@ -13,7 +13,7 @@ use super::mesh;
 use super::picture;
 use super::scene::Scene;
 use super::shape::Shape;
-use super::texture::{Channel, Encoding, Texture, Textured};
+use crate::format::{Channel, Encoding, Texture, Textured};
 use crate::reader::escaped;
 use crate::shape::MeshData;
 use crate::texture::image::Pixels;

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::value::{Fraction, Positive, Side};
+use crate::format::{Fraction, Positive, Side};
 use crate::reader::by_type;
 
 /// The image.

@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::color::Color;
-use super::value::{ConeAngle, Direction, Point, Radiometric};
+use crate::format::{Color, ConeAngle, Direction, Point, Radiometric};
 use crate::reader::by_type;
 
 /// A light without a surface: rays never meet it by chance.

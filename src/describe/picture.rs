@@ -6,9 +6,8 @@ use std::path::Path;
 use glam::UVec2;
 use image::{ColorType, DynamicImage, ImageFormat, ImageReader};
 
-use super::color::decoded;
 use super::file::open;
-use super::texture::{Channel, Encoding};
+use crate::format::{Channel, Encoding, decoded};
 use crate::output::decode::{Undecoded, decode};
 use crate::texture::image::Pixels;
 use crate::{Error, Fault, Result};

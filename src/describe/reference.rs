@@ -7,7 +7,7 @@ use std::ops::Bound::{Excluded, Included, Unbounded};
 use serde_json::{Map, Value};
 
 use super::schema::schema;
-use super::value::Range;
+use crate::format::Range;
 use crate::integrator::Entry;
 
 type Object = Map<String, Value>;

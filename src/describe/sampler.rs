@@ -6,7 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::value::SamplesPerPixel;
+use crate::format::SamplesPerPixel;
 
 /// The sampler and how much it samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

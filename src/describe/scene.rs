@@ -7,16 +7,14 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::camera::Camera;
-use super::color::Color;
 use super::film::Film;
 use super::light::Light;
 use super::material::{Material, MaterialRef};
 use super::sampler::Sampler;
 use super::shape::Shape;
-use super::texture::Texture;
-use super::value::{Radiometric, Version};
 use crate::film::layer::with_lights;
 use crate::film::memory;
+use crate::format::{Color, Radiometric, Texture, Version};
 use crate::reader::Node;
 
 /// A scene of pt.

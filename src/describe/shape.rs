@@ -5,12 +5,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::color::Color;
 use super::field::{Bounds, Field, FixedMarch, SdfPart};
 use super::material::MaterialRef;
-use super::texture::Textured;
-use super::transform::Transform;
-use super::value::{Fraction, Point, Positive, Radiometric, Real, Vector};
+use crate::format::{Color, Fraction, Point, Positive, Radiometric, Real, Size, Textured, Transform, Vector};
 use crate::reader::{by_kind, by_type};
 
 /// What there is to see.
@@ -175,17 +172,6 @@ fn origin() -> Point {
 fn unit_square() -> Size {
     Size::Square(one())
 }
-
-/// Full width and height: one number, or `[x, y]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
-#[serde(untagged)]
-#[schemars(inline)]
-pub enum Size {
-    Square(Positive),
-    Sides([Positive; 2]),
-}
-
-by_kind!(Size { Number => Square(Positive), Array => Sides([Positive; 2]) });
 
 fn unit_cube() -> Sides {
     Sides::Cube(one())

@@ -2,8 +2,8 @@
 
 use glam::{DMat4, DVec3};
 
-use crate::describe::transform::check_volume;
 use crate::describe::{self, LookAt, Scale, Step};
+use crate::format::check_volume;
 use crate::math::Transform;
 
 /// All steps, the first acting first, then `outer`, that of the groups around.

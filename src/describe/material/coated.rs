@@ -3,11 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::texture::Textured;
-use super::super::value::CoatIndex;
-use super::super::varying::Varying;
 use super::MaterialRef;
 use super::finish::{Alpha, Distribution, Finish, finish_of};
+use crate::format::{CoatIndex, Textured, Varying};
 
 /// A matte ground under a clear coat that reflects, refracts, and throws light back on the ground.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,10 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::texture::Textured;
-use super::super::value::Index;
-use super::super::varying::Varying;
 use super::MaterialRef;
+use crate::format::{Index, Textured, Varying};
 
 /// Two materials side by side, too fine to be told apart.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::texture::{Texture, Textured};
-use super::super::value::Fraction;
+use crate::format::{Fraction, Texture, Textured};
 use crate::reader::by_kind;
 
 /// The width of highlights, from 0 to 1: a number or a texture, or `[along u, along v]`, each a number or a texture.

@@ -3,11 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::color::Color;
-use super::super::texture::Textured;
-use super::super::value::{Fraction, Index, Positive};
-use super::super::varying::Varying;
 use super::finish::{Alpha, Distribution, Finish, finish_of};
+use crate::format::{Color, Fraction, Index, Positive, Textured, Varying};
 
 /// Glass, water, …: the surface of a body, normals outwards, that reflects and refracts, clear or frosted.
 ///

@@ -3,9 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::texture::Textured;
-use super::super::value::Exponent;
-use super::super::varying::Varying;
+use crate::format::{Exponent, Textured, Varying};
 
 /// Reflects like a perfect mirror.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

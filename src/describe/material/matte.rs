@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::texture::Textured;
+use crate::format::Textured;
 
 /// Reflects equal radiance in every direction (Lambert).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

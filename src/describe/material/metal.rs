@@ -3,10 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::texture::Textured;
-use super::super::value::{Extinction, Index};
-use super::super::varying::VaryingPerChannel;
 use super::finish::{Alpha, Distribution, Finish, finish_of};
+use crate::format::{Extinction, Index, Textured, VaryingPerChannel};
 
 /// Metal: a polished mirror, or rough. By its name, by its index of refraction eta − i·k, or by its colour.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -13,8 +13,7 @@ mod skin;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::texture::Textured;
-use super::varying::{Varying, VaryingPerChannel};
+use crate::format::{Textured, Varying, VaryingPerChannel};
 use crate::reader::{by_kind, by_type};
 
 pub use coated::*;

@@ -3,9 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::texture::Textured;
-use super::super::value::CoatIndex;
-use super::super::varying::Varying;
+use crate::format::{CoatIndex, Textured, Varying};
 
 /// Metal, plastic, glass, lacquer and velvet by a base colour and some shares, as in glTF and painting programs. White plastic loses
 /// up to 0.7 % of the light under a coat, 0.6 % under white sheen of the default roughness, 2.6 % under both; rough metal up to 6

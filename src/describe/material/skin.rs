@@ -3,10 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::texture::Textured;
-use super::super::value::Real;
-use super::super::varying::Varying;
 use super::MaterialRef;
+use crate::format::{Real, Textured, Varying};
 
 /// A relief too fine for triangles: it turns normals, and moves no points. A normal that points below the surface, or away from the
 /// viewer, is bent back until its cosine to the surface's own normal, then to the viewer, is 1/64: what is seen of it along the

@@ -11,7 +11,7 @@ use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 
 use super::ply_row::{Row, full_channel, is_indices, slots};
 use super::{Found, invalid};
-use crate::describe::color::decoded;
+use crate::format::decoded;
 use crate::shape::mesh_data::Part;
 use crate::{Error, Fault, Result};
 

@@ -80,7 +80,7 @@ macro_rules! ranged {
 
             #[allow(dead_code, reason = "not every range has a default")]
             /// A value known to lie in range: our own defaults.
-            pub(super) const fn known(x: $repr) -> $name {
+            pub(crate) const fn known(x: $repr) -> $name {
                 $name(x)
             }
 

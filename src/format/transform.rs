@@ -117,7 +117,7 @@ impl Step {
 
     /// # Errors
     /// In words: a step that cannot be undone, or is none of an affine transform.
-    pub(super) fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         match self {
             Step::Translate(_) | Step::Rotate(_) => Ok(()),
             Step::LookAt(look_at) => look_at.check(),
@@ -131,7 +131,7 @@ impl Step {
 impl LookAt {
     /// # Errors
     /// In words: no view direction, or an `up` that does not say which way is up.
-    pub(super) fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let [from, to] = [self.from.0, self.to.0];
         let direction = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
         if length(direction) == 0.0 {
@@ -170,7 +170,7 @@ fn invertible(rows: [[f64; 3]; 3]) -> Result<(), String> {
 
 /// # Errors
 /// In words: a determinant, by which volumes grow, beyond 32-bit floats.
-pub(super) fn check_volume(det: f64) -> Result<(), String> {
+pub(crate) fn check_volume(det: f64) -> Result<(), String> {
     let holdable = f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX);
     if !holdable.contains(&det.abs()) {
         return Err(format!("the transform's det {det:.1e} is more or less than a 32-bit float holds"));

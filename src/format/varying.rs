@@ -60,7 +60,7 @@ pub struct BetweenPerChannel<T> {
 }
 
 impl<T> Varying<T> {
-    pub(super) fn by(&self) -> Option<&Textured> {
+    pub(crate) fn by(&self) -> Option<&Textured> {
         match self {
             Varying::Same(_) => None,
             Varying::Between(between) => Some(&between.by),
@@ -69,7 +69,7 @@ impl<T> Varying<T> {
 }
 
 impl<T> VaryingPerChannel<T> {
-    pub(super) fn by(&self) -> Option<&Textured> {
+    pub(crate) fn by(&self) -> Option<&Textured> {
         match self {
             VaryingPerChannel::Equal(_) | VaryingPerChannel::Each(_) => None,
             VaryingPerChannel::Between(between) => Some(&between.by),

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::color::{Color, Srgb};
-use super::shape::Size;
+use super::size::Size;
 use super::transform::Transform;
 use super::value::{Fraction, Octaves, Positive};
 use crate::reader::{by_kind, by_type};
@@ -38,7 +38,7 @@ by_type!(Texture {
 
 impl Texture {
     /// The colours it is made of that may be textures themselves, with their keys.
-    pub(super) fn parts(&self) -> Vec<(&'static str, &Textured)> {
+    pub(crate) fn parts(&self) -> Vec<(&'static str, &Textured)> {
         match self {
             Texture::Constant(_) | Texture::Image(_) | Texture::VertexColor(_) => vec![],
             Texture::Checker(t) => vec![("even", &t.even), ("odd", &t.odd)],
@@ -53,7 +53,7 @@ impl Texture {
 
 impl Texture {
     /// The coordinates that it varies over, and how it is placed in them; `None` where there is no choice.
-    pub(super) fn space(&self) -> Option<(TextureSpace, &Transform)> {
+    pub(crate) fn space(&self) -> Option<(TextureSpace, &Transform)> {
         match self {
             Texture::Checker(t) => Some((t.on, &t.transform)),
             Texture::Noise(t) => Some((t.on, &t.transform)),
@@ -360,11 +360,11 @@ impl Textured {
         Textured::Color(Color::Gray(Fraction::known(value)))
     }
 
-    pub(super) fn white() -> Textured {
+    pub(crate) fn white() -> Textured {
         Textured::gray(1.0)
     }
 
-    pub(super) fn black() -> Textured {
+    pub(crate) fn black() -> Textured {
         Textured::gray(0.0)
     }
 }

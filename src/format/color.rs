@@ -59,7 +59,7 @@ by_kind!(PerChannel<T> { Number => Equal(T), Array => Each([T; 3]) });
 
 impl Hex {
     /// `None` for what is written in any other way.
-    pub(super) fn parse(text: &str) -> Option<Hex> {
+    pub(crate) fn parse(text: &str) -> Option<Hex> {
         let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
         let byte = |i: usize| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).ok();
         Some(Hex([byte(0)?, byte(1)?, byte(2)?]))
@@ -123,6 +123,6 @@ impl<T: Copy + Into<f64>> PerChannel<T> {
 /// By pt's own functions, whose error f32 does not see: colours are the same bits on every platform.
 ///
 /// Source: IEC 61966-2-1 (1999).
-pub(super) fn decoded(c: f64) -> f64 {
+pub(crate) fn decoded(c: f64) -> f64 {
     if c <= 0.04045 { c / 12.92 } else { exp_f64(2.4 * ln_f64((c + 0.055) / 1.055)) }
 }

@@ -1,0 +1,18 @@
+//! The size of a rectangle, or of a repeated picture.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::value::Positive;
+use crate::reader::by_kind;
+
+/// Full width and height: one number, or `[x, y]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub enum Size {
+    Square(Positive),
+    Sides([Positive; 2]),
+}
+
+by_kind!(Size { Number => Square(Positive), Array => Sides([Positive; 2]) });
