@@ -10,7 +10,7 @@ use cpu_time::ProcessTime;
 use glam::{Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish};
-use pt::bsdf::{Bsdf, Element, Material, TransportMode};
+use pt::bsdf::{Bsdf, Element, HitContext, Material, TransportMode, textured};
 use pt::math::{Local, Spectrum, warp};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::shape::SurfacePoint;
@@ -25,7 +25,7 @@ fn main() {
     let round = || finish(Vec2::splat(0.3), Distribution::Ggx);
     let models = [
         ("diffuse", Material::diffuse(gray())),
-        ("oren_nayar", Material::OrenNayar { albedo: gray().into(), roughness: 0.5.into() }),
+        ("oren_nayar", Material::OrenNayar(textured::OrenNayar { albedo: gray().into(), roughness: 0.5.into() })),
         ("mirror", Material::mirror(gray())),
         ("conductor", Material::metal((eta, k), None, true)),
         ("conductor, GGX", Material::metal((eta, k), Some(round()), false)),
@@ -35,25 +35,28 @@ fn main() {
         ("dielectric", Material::glass(1.5)),
         ("dielectric, GGX", Material::rough_glass(1.5, Spectrum::ONE, round(), false)),
         ("dielectric, GGX, multiscatter", Material::rough_glass(1.5, Spectrum::ONE, round(), true)),
-        ("thin_dielectric", Material::ThinDielectric { eta: 1.5.into(), color: Spectrum::ONE.into() }),
-        ("matte_cone", Material::MatteCone { color: gray().into(), mattness: 0.3.into() }),
-        ("phong", Material::Phong { color: gray().into(), exponent: 30.0.into() }),
-        ("blinn_phong", Material::BlinnPhong { color: gray().into(), exponent: 30.0.into() }),
-        ("metal", Material::Metal { color: gray().into(), roughness: 0.3.into() }),
+        ("thin_dielectric", Material::ThinDielectric(textured::ThinDielectric { eta: 1.5.into(), color: Spectrum::ONE.into() })),
+        ("matte_cone", Material::MatteCone(textured::MatteCone { color: gray().into(), mattness: 0.3.into() })),
+        ("phong", Material::Phong(textured::Phong { color: gray().into(), exponent: 30.0.into() })),
+        ("blinn_phong", Material::BlinnPhong(textured::BlinnPhong { color: gray().into(), exponent: 30.0.into() })),
+        ("metal", Material::Metal(textured::Metal { color: gray().into(), roughness: 0.3.into() })),
         ("plastic", Material::plastic(gray(), 1.5)),
-        ("diffuse_transmission", Material::DiffuseTransmission { reflectance: gray().into(), transmittance: gray().into() }),
+        (
+            "diffuse_transmission",
+            Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: gray().into(), transmittance: gray().into() }),
+        ),
     ];
     let inputs = inputs();
     println!("{:32}{:>12}{:>16}", "ns of CPU time", "sample", "eval + pdf");
     for (name, material) in models {
-        let model = material.at(&SurfacePoint {
+        let model = material.bsdf_at(&HitContext::from_outside(SurfacePoint {
             p: Vec3::ZERO,
             offset: 0.0,
             ng: Vec3::Z,
             ns: Vec3::Z,
             uv: Vec2::ZERO,
             color: pt::shape::VertexColor::WHITE,
-        });
+        }));
         let sample = fastest(|| sample_all(&model, &inputs));
         let evaluate = fastest(|| evaluate_all(&model, &inputs));
         println!("{name:32}{sample:12.1}{evaluate:16.1}");

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::accel;
-use crate::bsdf::{Bsdf, Material, Passage, Skin};
+use crate::bsdf::{Bsdf, HitContext, Material, Passage, SurfaceMaterial};
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
@@ -34,14 +34,14 @@ pub struct World {
 
 /// A skin, and what is known of it beforehand.
 struct Worn {
-    skin: Skin,
+    skin: SurfaceMaterial,
     /// The model that it is everywhere, if it is, and if it needs no more than the shading normal.
     uniform: Option<Bsdf<'static>>,
     needs_tangents: bool,
 }
 
 impl Worn {
-    fn new(skin: Skin) -> Worn {
+    fn new(skin: SurfaceMaterial) -> Worn {
         let needs_tangents = skin.needs_tangents();
         Worn { uniform: skin.material.uniform().filter(|_| !needs_tangents), needs_tangents, skin }
     }
@@ -69,7 +69,7 @@ pub struct MaterialId(u32);
 /// A scene in the making: coordinates are the user's, f64 where it matters.
 pub struct WorldBuilder {
     camera: Camera,
-    skins: Vec<Skin>,
+    skins: Vec<SurfaceMaterial>,
     objects: Vec<Object>,
     lights: Vec<Light>,
 }
@@ -121,7 +121,7 @@ impl World {
 
 impl WorldBuilder {
     /// A material, or a material with a relief and holes.
-    pub fn material(&mut self, skin: impl Into<Skin>) -> MaterialId {
+    pub fn material(&mut self, skin: impl Into<SurfaceMaterial>) -> MaterialId {
         self.skins.push(skin.into());
         MaterialId(self.skins.len() as u32 - 1)
     }
@@ -290,7 +290,7 @@ impl Scene for World {
         }
         // A ray that meets a surface from inside has been inside since it last met one: exact for a body without others in it.
         let inside = if ray.direction.dot(point.ng) > 0.0 { ray.length(hit.t, point.ng) } else { 0.0 };
-        let bsdf = worn.skin.material.met(&point, inside);
+        let bsdf = worn.skin.material.bsdf_at(&HitContext { point, inside });
         if dress.has_lift || worn.needs_tangents {
             return self.dressed(Surface::new(point, bsdf, emission), ray, hit);
         }

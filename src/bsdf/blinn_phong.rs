@@ -2,7 +2,10 @@
 
 use glam::Vec2;
 
-use super::BsdfSample;
+use super::parameter::parameters;
+use super::{BsdfSample, ScatteringModel, TransportMode};
+use crate::effects::Effects;
+use crate::format::{Exponent, Textured, Varying};
 use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 
 /// Blinn's lobe: mirrors whose normals h are scattered about the surface's, each reflecting all it sees.
@@ -24,12 +27,14 @@ pub struct BlinnPhong {
     pub exponent: f32,
 }
 
-impl BlinnPhong {
-    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+impl ScatteringModel for BlinnPhong {
+    #[inline]
+    fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
         self.color * self.pdf(wo, wi).get()
     }
 
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+    #[inline]
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         let half = (wo.0 + wi.0).try_normalize().filter(|_| wo.same_side(wi));
         let density = half.map_or(0.0, |h| {
             let on_top = h * 1f32.copysign(wo.cos());
@@ -40,11 +45,29 @@ impl BlinnPhong {
     }
 
     #[inline(never)]
-    pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Local, _choice: f32, u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
         let h = warp::cos_power_hemisphere(u, self.exponent) * 1f32.copysign(wo.cos());
         let facing = wo.0.dot(h);
         let wi = Local((2.0 * facing * h - wo.0).normalize());
         // A mirror seen from behind reflects nothing.
         BsdfSample::of_lobe(wi, self.color, self.pdf(wo, wi)).filter(|_| facing > 0.0)
+    }
+
+    fn reciprocal(&self) -> bool {
+        false
+    }
+}
+
+parameters! {
+    /// A glossy lobe of half vectors (Blinn and Phong), normalised. What falls below the surface is lost. Not reciprocal.
+    BlinnPhong {
+        /// The share of light that is reflected, at most.
+        color: Color = Textured::white(),
+        /// Half vectors are spread as the cosine to this power: the larger, the sharper.
+        exponent: Number<Exponent> = Varying::Same(Exponent::known(10.0)),
+    }
+
+    fn effects(&self) -> Effects {
+        Effects::INTERREFLECTION
     }
 }

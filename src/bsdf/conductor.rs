@@ -1,7 +1,16 @@
 //! Polished metal.
 
-use super::BsdfSample;
+use glam::{DVec3, Vec2};
+
+use super::description::{Description, Prepare, given};
+use super::microfacet::{Albedo, Finish, RoughnessKeys, roughness_keys};
+use super::{
+    Bsdf, BsdfSample, HitContext, Lookup, Material, RoughConductor, ScatteringModel, TexturedModel, TransportMode, rough_conductor,
+};
+use crate::effects::Effects;
+use crate::format::{Textured, VaryingPerChannel};
 use crate::math::{Local, Spectrum, fresnel};
+use crate::texture::Texture;
 
 /// What metal reflects of light at an angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,9 +71,250 @@ pub struct Conductor {
     pub reflectance: Reflectance,
 }
 
-impl Conductor {
-    pub fn sample(&self, wo: Local) -> Option<BsdfSample> {
+impl ScatteringModel for Conductor {
+    #[inline]
+    fn sample(&self, wo: Local, _choice: f32, _u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
         let reflectance = self.reflectance.at(wo.abs_cos());
         (!reflectance.is_black()).then(|| BsdfSample::reflected(Local(fresnel::reflect(wo.0)), reflectance))
+    }
+
+    #[inline]
+    fn delta_lobes(&self, wo: Local, mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        [self.sample(wo, 0.0, Vec2::ZERO, mode), None]
+    }
+
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        false
+    }
+}
+
+/// As a scene file says it.
+pub mod described {
+    use schemars::JsonSchema;
+    use serde::{Deserialize, Serialize};
+
+    pub use crate::bsdf::element::Element;
+    use crate::bsdf::microfacet::{AlphaKey, Distribution};
+    use crate::format::{Extinction, Index, Textured, VaryingPerChannel};
+
+    /// Metal: a polished mirror, or rough. By its name, by its index of refraction eta − i·k, or by its colour.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct Conductor {
+        /// A chemical element: its published index, reduced to red, green and blue. Seen straight on it has the colour in daylight of
+        /// its published spectrum; but for gold, whose red of 1.04 no red, green and blue can show: it is 0.97.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub metal: Option<Element>,
+        /// Real part of the index of refraction, relative to the outside.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub eta: Option<VaryingPerChannel<Index>>,
+        /// Extinction coefficient.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub k: Option<VaryingPerChannel<Extinction>>,
+        /// The colour that is seen straight on; it fades to white along the surface (Schlick).
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub color: Option<Textured>,
+        /// 0 is a mirror, 1 nearly matte. The width of highlights, alpha, is its square, so that equal steps look equal. Below
+        /// 0.001 a surface is as good as smooth. (Of a colour, the mean.)
+        pub roughness: Textured,
+        /// From round highlights to highlights ten times as long as wide, along the first texture coordinate. (Of a colour, the mean.)
+        pub anisotropy: Textured,
+        /// In place of `roughness` and `anisotropy`, the width itself; `[along u, along v]` for each of them.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub alpha: Option<AlphaKey>,
+        /// How the facets of a rough surface lean.
+        pub distribution: Distribution,
+        /// Follow light that is reflected more than once among the facets. Without, rough metals are too dark: white ones of
+        /// roughness 0.7 lose 30 % of the light, of roughness 1 60 %. It costs tables (30 ms once for each metal with GGX, six
+        /// times that with Beckmann, twenty to thirty times where the roughness is a texture or anisotropic, a hundred times where the
+        /// anisotropy is a texture or both; those are known to 1 %) and a fifth of the time of a reflection; where `eta` or `k` vary, two microseconds more.
+        pub multiscatter: bool,
+    }
+
+    impl Default for Conductor {
+        fn default() -> Conductor {
+            Conductor {
+                metal: None,
+                eta: None,
+                k: None,
+                color: None,
+                roughness: Textured::black(),
+                anisotropy: Textured::black(),
+                alpha: None,
+                distribution: Distribution::Ggx,
+                multiscatter: true,
+            }
+        }
+    }
+}
+
+impl Description for described::Conductor {
+    fn textures(&self) -> Vec<(String, &Textured)> {
+        let own = [
+            ("color", self.color.as_ref()),
+            ("eta/by", self.eta.as_ref().and_then(VaryingPerChannel::by)),
+            ("k/by", self.k.as_ref().and_then(VaryingPerChannel::by)),
+        ];
+        own.into_iter().filter_map(given).chain(roughness_keys!(self).textures()).collect()
+    }
+
+    fn roughness_keys(&self) -> Option<RoughnessKeys<'_>> {
+        Some(roughness_keys!(self))
+    }
+
+    /// A metal is given by its name, by its index, or by its colour.
+    fn faults(&self) -> Vec<(&'static str, &'static str)> {
+        let fault = match (self.metal.is_some(), self.eta.is_some(), self.k.is_some(), self.color.is_some()) {
+            (true, false, false, false) | (false, true, true, false) | (false, false, false, true) => return vec![],
+            (true, true, _, _) => ("/eta", "give metal, or eta and k, not both"),
+            (true, _, true, _) => ("/k", "give metal, or eta and k, not both"),
+            (true, _, _, true) => ("/color", "give metal or color, not both"),
+            (_, _, _, true) => ("/color", "give eta and k, or color, not both"),
+            (false, true, false, _) => ("", "missing key \"k\""),
+            (false, false, true, _) => ("", "missing key \"eta\""),
+            (false, false, false, false) => ("", "a conductor needs \"metal\", or \"eta\" and \"k\", or \"color\""),
+        };
+        vec![fault]
+    }
+
+    fn prepare(&self, builder: &mut dyn Prepare) -> Material {
+        let finish = roughness_keys!(self).prepare(builder);
+        let reflectance = match (&self.color, self.metal) {
+            (Some(color), _) => builder.texture("color", color).into(),
+            (None, Some(metal)) => metal.index().into(),
+            (None, None) => {
+                let eta = self.eta.as_ref().map_or(Spectrum::BLACK.into(), |eta| builder.channels("eta", eta));
+                let k = self.k.as_ref().map_or(Spectrum::BLACK.into(), |k| builder.channels("k", k));
+                Metallic::from((eta, k))
+            }
+        };
+        Material::metal(reflectance, finish, self.multiscatter)
+    }
+}
+
+/// With its pictures read.
+pub mod textured {
+    use super::{Albedo, Finish, Metallic};
+
+    /// The model with textures for parameters: smooth, rough, or one of them from point to point.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Conductor {
+        pub(super) reflectance: Metallic,
+        pub(super) finish: Option<Finish>,
+        /// The table for light that is reflected more than once among the facets.
+        pub(super) losses: Option<&'static Albedo>,
+    }
+}
+
+impl textured::Conductor {
+    /// - `finish`: `None` for polished metal
+    /// - `multiscatter`: whether to follow light that facets reflect more than once
+    pub fn new(reflectance: impl Into<Metallic>, finish: Option<Finish>, multiscatter: bool) -> textured::Conductor {
+        let rough = finish.as_ref().filter(|_| multiscatter);
+        let losses = rough.map(|finish| rough_conductor::losses(finish.domain(), finish.distribution));
+        textured::Conductor { reflectance: reflectance.into(), finish, losses }
+    }
+}
+
+impl Lookup for textured::Conductor {
+    type Model = Bsdf<'static>;
+
+    fn at(&self, at: &HitContext) -> Bsdf<'static> {
+        let reflectance = self.reflectance.at(at);
+        let Some(facets) = self.finish.as_ref().and_then(|finish| finish.at(&at.point)) else {
+            return Bsdf::Conductor(Conductor { reflectance });
+        };
+        let mean = |losses| rough_conductor::MoreReflections::new(losses, facets.alpha, self.reflectance.mean(&reflectance));
+        Bsdf::RoughConductor(RoughConductor { reflectance, facets, more: self.losses.and_then(mean) })
+    }
+
+    fn textures(&self) -> Vec<&Texture> {
+        self.reflectance.textures().chain(self.finish.iter().flat_map(Finish::textures)).collect()
+    }
+
+    fn recentred(self, origin: DVec3) -> textured::Conductor {
+        let finish = self.finish.map(|finish| finish.recentred(origin));
+        textured::Conductor { reflectance: self.reflectance.recentred(origin), finish, ..self }
+    }
+}
+
+impl TexturedModel for textured::Conductor {
+    fn effects(&self) -> Effects {
+        self.finish.as_ref().map_or(Effects::SPECULAR_REFLECTION, |finish| finish.effects(Effects::SPECULAR_REFLECTION))
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.finish.as_ref().is_some_and(Finish::is_anisotropic)
+    }
+}
+
+/// What metal reflects, from point to point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Metallic {
+    /// By its index of refraction; with the mean over the hemisphere.
+    Index { reflectance: Reflectance, mean: Spectrum },
+    /// By an index of refraction that varies.
+    Indices { eta: Texture, k: Texture },
+    /// By its colour, seen straight on.
+    Color(Texture),
+}
+
+impl Metallic {
+    fn at(&self, at: &HitContext) -> Reflectance {
+        match self {
+            Metallic::Index { reflectance, .. } => *reflectance,
+            Metallic::Indices { eta, k } => Reflectance::Index { eta: eta.at(&at.point), k: k.at(&at.point) },
+            Metallic::Color(color) => Reflectance::Schlick { normal: color.at(&at.point) },
+        }
+    }
+
+    /// The mean over the hemisphere of what it reflects at a point.
+    fn mean(&self, reflectance: &Reflectance) -> Spectrum {
+        match self {
+            Metallic::Index { mean, .. } => *mean,
+            Metallic::Indices { .. } | Metallic::Color(_) => reflectance.mean(),
+        }
+    }
+
+    fn textures(&self) -> impl Iterator<Item = &Texture> {
+        let [first, second] = match self {
+            Metallic::Index { .. } => [None, None],
+            Metallic::Indices { eta, k } => [Some(eta), Some(k)],
+            Metallic::Color(color) => [Some(color), None],
+        };
+        first.into_iter().chain(second)
+    }
+
+    fn recentred(self, origin: DVec3) -> Metallic {
+        match self {
+            Metallic::Index { .. } => self,
+            Metallic::Indices { eta, k } => Metallic::Indices { eta: eta.recentred(origin), k: k.recentred(origin) },
+            Metallic::Color(color) => Metallic::Color(color.recentred(origin)),
+        }
+    }
+}
+
+impl From<Texture> for Metallic {
+    fn from(color: Texture) -> Metallic {
+        Metallic::Color(color)
+    }
+}
+
+/// eta and k.
+impl From<(Spectrum, Spectrum)> for Metallic {
+    fn from((eta, k): (Spectrum, Spectrum)) -> Metallic {
+        let reflectance = Reflectance::Index { eta, k };
+        Metallic::Index { reflectance, mean: reflectance.mean() }
+    }
+}
+
+/// eta and k.
+impl From<(Texture, Texture)> for Metallic {
+    fn from(index: (Texture, Texture)) -> Metallic {
+        match index {
+            (Texture::Constant(eta), Texture::Constant(k)) => (eta, k).into(),
+            (eta, k) => Metallic::Indices { eta, k },
+        }
     }
 }

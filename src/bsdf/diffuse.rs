@@ -4,7 +4,10 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec2;
 
-use super::BsdfSample;
+use super::parameter::parameters;
+use super::{BsdfSample, ScatteringModel, TransportMode};
+use crate::effects::Effects;
+use crate::format::Textured;
 use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 
 /// Lambertian reflection: equal radiance in every direction.
@@ -21,18 +24,33 @@ pub struct Diffuse {
     pub albedo: Spectrum,
 }
 
-impl Diffuse {
-    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+impl ScatteringModel for Diffuse {
+    #[inline]
+    fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
         if wo.same_side(wi) { self.albedo * (FRAC_1_PI * wi.abs_cos()) } else { Spectrum::BLACK }
     }
 
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+    #[inline]
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         SolidAnglePdf::new(if wo.same_side(wi) { FRAC_1_PI * wi.abs_cos() } else { 0.0 })
     }
 
-    pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
+    #[inline]
+    fn sample(&self, wo: Local, _choice: f32, u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
         // Along the surface there is no side to sample.
         let up = (wo.cos() != 0.0).then(|| warp::cosine_hemisphere(u))?;
         BsdfSample::of_lobe(Local(up).on_the_side_of(wo), self.albedo, SolidAnglePdf::new(warp::cosine_hemisphere_pdf(up)))
+    }
+}
+
+parameters! {
+    /// Reflects equal radiance in every direction (Lambert).
+    Diffuse {
+        /// The share of light that is reflected.
+        albedo: Color = Textured::gray(0.5),
+    }
+
+    fn effects(&self) -> Effects {
+        Effects::INTERREFLECTION
     }
 }

@@ -4,7 +4,10 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec2;
 
-use super::{BsdfSample, Lobe};
+use super::parameter::parameters;
+use super::{BsdfSample, Lobe, Passage, ScatteringModel, TransportMode};
+use crate::effects::Effects;
+use crate::format::Textured;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
 
 /// A thin matte sheet: equal radiance in every direction, on both sides.
@@ -23,20 +26,22 @@ pub struct DiffuseTransmission {
     pub transmittance: Spectrum,
 }
 
-impl DiffuseTransmission {
-    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+impl ScatteringModel for DiffuseTransmission {
+    #[inline]
+    fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
         let share = if wo.same_side(wi) { self.reflectance } else { self.transmittance };
         share * (FRAC_1_PI * wi.abs_cos())
     }
 
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+    #[inline]
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         let [reflected, transmitted] = self.probabilities();
         let side = if wo.same_side(wi) { reflected } else { transmitted };
         SolidAnglePdf::new(side * FRAC_1_PI * wi.abs_cos())
     }
 
     #[inline(never)]
-    pub fn sample(&self, wo: Local, choice: f32, u: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Local, choice: f32, u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
         let [reflected, transmitted] = self.probabilities();
         let (share, probability, lobe, side) = match choice < reflected {
             true => (self.reflectance, reflected, Lobe::Reflection, wo.cos()),
@@ -47,9 +52,36 @@ impl DiffuseTransmission {
         found.then(|| BsdfSample { wi, weight: share / probability, density: Density::Smooth(self.pdf(wo, wi)), lobe, eta: 1.0 })
     }
 
-    /// Of reflection and of transmission; neither as the rest of the other, which would be 0 before the light is.
+    /// Scales both down where they add up to more than 1.
+    fn energy_conserving(self) -> DiffuseTransmission {
+        let scale = (self.reflectance + self.transmittance).max().max(1.0).recip();
+        DiffuseTransmission { reflectance: self.reflectance * scale, transmittance: self.transmittance * scale }
+    }
+}
+
+impl DiffuseTransmission {
+    /// The probabilities of reflection and of transmission. Each is computed by itself: one minus the other would round to 0 while
+    /// there still is light.
     fn probabilities(&self) -> [f32; 2] {
         let (r, t) = (self.reflectance.max(), self.transmittance.max());
         if r + t > 0.0 { [r / (r + t), t / (r + t)] } else { [1.0, 0.0] }
+    }
+}
+
+parameters! {
+    /// A thin matte sheet, the same from both sides: paper, a leaf, a lampshade.
+    DiffuseTransmission {
+        /// The share of light that is reflected. Where it and `transmittance` add up to more than 1 both are scaled down.
+        reflectance: Color = Textured::gray(0.25),
+        /// The share of light that goes through.
+        transmittance: Color = Textured::gray(0.25),
+    }
+
+    fn effects(&self) -> Effects {
+        Effects::INTERREFLECTION
+    }
+
+    fn passage(&self) -> Passage {
+        Passage::Sheet
     }
 }

@@ -16,19 +16,32 @@
 //! properties of crystalline tungsten*, Phys. Rev. B 12 (1975). Room temperature, clean surfaces.
 //! Observer and illuminant: CIE 15 (2004). Tests: metals_have_the_colour_of_their_spectrum.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::math::Spectrum;
 
-/// A chemical element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A metal, by its chemical symbol.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[schemars(inline)]
 pub enum Element {
+    /// Silver.
     Ag,
+    /// Aluminium.
     Al,
+    /// Gold.
     Au,
+    /// Chromium.
     Cr,
+    /// Copper.
     Cu,
+    /// Iron.
     Fe,
+    /// Nickel.
     Ni,
+    /// Titanium.
     Ti,
+    /// Tungsten.
     W,
 }
 

@@ -4,7 +4,9 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 
 use glam::Vec2;
 
-use super::{BsdfSample, Lobe};
+use super::parameter::parameters;
+use super::{BsdfSample, Lobe, ScatteringModel, TransportMode, lobe_effects};
+use crate::effects::Effects;
 use crate::math::{Density, Frame, Local, SolidAnglePdf, Spectrum, float, fresnel, warp};
 
 /// Reflection spread evenly over a cone around the mirror direction.
@@ -27,17 +29,14 @@ pub struct MatteCone {
     pub mattness: f32,
 }
 
-impl MatteCone {
-    /// Narrower than f32 can tell unit vectors apart: α < 2⁻²³ or so.
-    pub fn is_mirror(&self) -> bool {
-        self.one_minus_cos() < 0.5 * f32::EPSILON * f32::EPSILON
-    }
-
-    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+impl ScatteringModel for MatteCone {
+    #[inline]
+    fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
         self.color * self.pdf(wo, wi).get()
     }
 
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+    #[inline]
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         if self.is_mirror() || !wo.same_side(wi) {
             return SolidAnglePdf::ZERO;
         }
@@ -48,7 +47,7 @@ impl MatteCone {
     }
 
     #[inline(never)]
-    pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Local, _choice: f32, u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
         if self.is_mirror() {
             return self.delta_lobe(wo);
         }
@@ -61,7 +60,28 @@ impl MatteCone {
         found.then_some(BsdfSample { wi, weight: self.color, density: Density::Smooth(density), lobe: Lobe::Reflection, eta: 1.0 })
     }
 
-    pub fn delta_lobe(&self, wo: Local) -> Option<BsdfSample> {
+    #[inline]
+    fn delta_lobes(&self, wo: Local, _mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        [self.delta_lobe(wo), None]
+    }
+
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        !self.is_mirror()
+    }
+
+    fn reciprocal(&self) -> bool {
+        self.is_mirror()
+    }
+}
+
+impl MatteCone {
+    /// Narrower than f32 can tell unit vectors apart: α < 2⁻²³ or so.
+    pub fn is_mirror(&self) -> bool {
+        self.one_minus_cos() < 0.5 * f32::EPSILON * f32::EPSILON
+    }
+
+    fn delta_lobe(&self, wo: Local) -> Option<BsdfSample> {
         let found = self.is_mirror() && !self.color.is_black();
         found.then(|| BsdfSample::reflected(Local(fresnel::reflect(wo.0)), self.color))
     }
@@ -75,5 +95,19 @@ impl MatteCone {
     /// 1 − cos ∠(axis, w) = |axis − w|²/2 for unit vectors, which keeps narrow cones.
     fn in_cone(&self, Local(axis): Local, Local(w): Local) -> bool {
         0.5 * (axis - w).length_squared() <= self.one_minus_cos()
+    }
+}
+
+parameters! {
+    /// Reflects evenly into the cone of half angle 90° · mattness about the mirror direction. Not reciprocal.
+    MatteCone {
+        /// The share of light that is reflected.
+        color: Color,
+        /// 0 is a mirror. 1 is a hemisphere about the mirror direction, which is not the same as diffuse.
+        mattness: Share,
+    }
+
+    fn effects(&self) -> Effects {
+        lobe_effects(&self.mattness)
     }
 }

@@ -4,7 +4,10 @@ use std::f32::consts::TAU;
 
 use glam::Vec2;
 
-use super::BsdfSample;
+use super::parameter::parameters;
+use super::{BsdfSample, ScatteringModel, TransportMode, lobe_effects};
+use crate::effects::Effects;
+use crate::format::Textured;
 use crate::math::float::ROUNDING;
 use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel, warp};
 
@@ -30,22 +33,51 @@ pub struct Metal {
     pub roughness: f32,
 }
 
-impl Metal {
-    /// Narrower than f32 can tell unit vectors apart.
-    pub fn is_mirror(&self) -> bool {
-        self.roughness < f32::EPSILON
-    }
-
-    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+impl ScatteringModel for Metal {
+    #[inline]
+    fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
         self.color * self.pdf(wo, wi).get()
     }
 
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+    #[inline]
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         let mirror = fresnel::reflect(wo.0);
         // By the sine: 1 − b² would lose narrow cones.
         let (b, q2) = (mirror.dot(wi.0), self.roughness * self.roughness - mirror.cross(wi.0).length_squared());
         let inside = !self.is_mirror() && wo.same_side(wi) && b > 0.0 && q2 > -self.rim();
         if inside { self.density(b, q2.max(self.rim()).sqrt()) } else { SolidAnglePdf::ZERO }
+    }
+
+    #[inline(never)]
+    fn sample(&self, wo: Local, _choice: f32, u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
+        if self.is_mirror() {
+            return self.delta_lobe(wo);
+        }
+        let (mirror, shift) = (fresnel::reflect(wo.0), warp::uniform_sphere(u));
+        let wi = (mirror + self.roughness * shift).try_normalize()?;
+        let pdf = self.pdf(wo, Local(wi));
+        (pdf.get() > 0.0).then(|| BsdfSample::of_lobe(Local(wi), self.color, pdf)).flatten()
+    }
+
+    #[inline]
+    fn delta_lobes(&self, wo: Local, _mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        [self.delta_lobe(wo), None]
+    }
+
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        !self.is_mirror()
+    }
+
+    fn reciprocal(&self) -> bool {
+        self.is_mirror()
+    }
+}
+
+impl Metal {
+    /// Narrower than f32 can tell unit vectors apart.
+    pub fn is_mirror(&self) -> bool {
+        self.roughness < f32::EPSILON
     }
 
     /// By what rounding may move q²: |2 sin δ| with sin = r and δ the error of the sine, four times 2⁻²⁴ at most.
@@ -56,23 +88,27 @@ impl Metal {
         8.0 * ROUNDING * self.roughness
     }
 
-    #[inline(never)]
-    pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
-        if self.is_mirror() {
-            return self.delta_lobe(wo);
-        }
-        let (mirror, shift) = (fresnel::reflect(wo.0), warp::uniform_sphere(u));
-        let wi = (mirror + self.roughness * shift).try_normalize()?;
-        let pdf = self.pdf(wo, Local(wi));
-        (pdf.get() > 0.0).then(|| BsdfSample::of_lobe(Local(wi), self.color, pdf)).flatten()
-    }
-
     fn density(&self, b: f32, q: f32) -> SolidAnglePdf {
         SolidAnglePdf::new((b * b + q * q) / (TAU * self.roughness * q))
     }
 
-    pub fn delta_lobe(&self, wo: Local) -> Option<BsdfSample> {
+    fn delta_lobe(&self, wo: Local) -> Option<BsdfSample> {
         let found = self.is_mirror() && !self.color.is_black();
         found.then(|| BsdfSample::reflected(Local(fresnel::reflect(wo.0)), self.color))
+    }
+}
+
+parameters! {
+    /// A mirror with shaken reflections: the mirror direction plus `roughness` times a point on the unit sphere. What falls
+    /// below the surface is lost. Not reciprocal. For measured metals see `conductor`.
+    Metal {
+        /// The share of light that is reflected, at most.
+        color: Color = Textured::white(),
+        /// 0 is a mirror.
+        roughness: Share = Textured::black(),
+    }
+
+    fn effects(&self) -> Effects {
+        lobe_effects(&self.roughness)
     }
 }

@@ -1,6 +1,11 @@
 //! A perfect mirror of any colour.
 
-use super::BsdfSample;
+use glam::Vec2;
+
+use super::parameter::parameters;
+use super::{BsdfSample, ScatteringModel, TransportMode};
+use crate::effects::Effects;
+use crate::format::Textured;
 use crate::math::{Local, Spectrum, fresnel};
 
 /// Reflection into the mirror direction, the same share at every angle.
@@ -17,8 +22,31 @@ pub struct Mirror {
     pub color: Spectrum,
 }
 
-impl Mirror {
-    pub fn sample(&self, wo: Local) -> Option<BsdfSample> {
+impl ScatteringModel for Mirror {
+    #[inline]
+    fn sample(&self, wo: Local, _choice: f32, _u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
         (!self.color.is_black()).then(|| BsdfSample::reflected(Local(fresnel::reflect(wo.0)), self.color))
+    }
+
+    #[inline]
+    fn delta_lobes(&self, wo: Local, mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        [self.sample(wo, 0.0, Vec2::ZERO, mode), None]
+    }
+
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        false
+    }
+}
+
+parameters! {
+    /// Reflects like a perfect mirror.
+    Mirror {
+        /// The share of light that is reflected.
+        color: Color = Textured::white(),
+    }
+
+    fn effects(&self) -> Effects {
+        Effects::SPECULAR_REFLECTION
     }
 }

@@ -6,12 +6,13 @@
 //! - `sample` returns weight = f·|cos θi| / pdf, for the `wi` it chose
 //! - a delta lobe is seen by `sample` and `delta_lobes` only: `eval` and `pdf` are 0 for it
 //!
-//! To add a model: a file beside these, a variant in [`Bsdf`] and an arm in each `match` below,
-//! a variant in [`Material`].
+//! To add a plain model: a file beside these with its formulas ([`ScatteringModel`]) and its parameters (`parameters!`), and a row
+//! in `table.rs`.
 
 pub mod blinn_phong;
 pub mod compound;
 pub mod conductor;
+pub mod description;
 pub mod dielectric;
 pub mod diffuse;
 pub mod diffuse_transmission;
@@ -22,58 +23,44 @@ pub mod metal;
 pub mod microfacet;
 pub mod mirror;
 pub mod oren_nayar;
+pub mod parameter;
 pub mod phong;
 pub mod plastic;
 pub mod principled;
 pub mod rough_conductor;
 pub mod rough_dielectric;
-pub mod skin;
+pub mod surface_material;
+mod table;
 pub mod thin_dielectric;
 
 use arrayvec::ArrayVec;
 use glam::Vec2;
 
+use crate::effects::Effects;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
+use crate::texture::Texture;
 
 pub use blinn_phong::BlinnPhong;
-pub use compound::{Coat, Coated, Compound, Met, Mix, Place, Share, Sheen, Sides};
-pub use conductor::{Conductor, Reflectance};
+pub use compound::{Coat, Coated, Compound, CompoundAt, Mix, Share, Sheen, Sides};
+pub use conductor::{Conductor, Metallic, Reflectance};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
 pub use element::Element;
-pub use material::{Material, Metallic, Passage};
+pub use material::{HitContext, Passage};
 pub use matte_cone::MatteCone;
 pub use metal::Metal;
 pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
+pub use parameter::Lookup;
 pub use phong::Phong;
 pub use plastic::Plastic;
 pub use principled::Principled;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
-pub use skin::{Relief, Skin};
+pub use surface_material::{NormalModifier, SurfaceMaterial};
+pub use table::{Bsdf, Material, described, textured};
 pub use thin_dielectric::ThinDielectric;
-
-/// A scattering model at one point, its parameters looked up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bsdf<'a> {
-    Diffuse(Diffuse),
-    Mirror(Mirror),
-    Conductor(Conductor),
-    Dielectric(Dielectric),
-    MatteCone(MatteCone),
-    OrenNayar(OrenNayar),
-    Phong(Phong),
-    BlinnPhong(BlinnPhong),
-    Metal(Metal),
-    Plastic(Plastic),
-    DiffuseTransmission(DiffuseTransmission),
-    RoughConductor(RoughConductor),
-    RoughDielectric(RoughDielectric),
-    ThinDielectric(ThinDielectric),
-    Compound(Met<'a>),
-}
 
 /// What is transported: radiance (from the camera) is compressed by refraction, importance (from a light) is not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,135 +114,79 @@ impl<const N: usize> From<[Option<BsdfSample>; N]> for DeltaLobes {
     }
 }
 
-impl<'a> Bsdf<'a> {
-    /// f(wo, wi)·|cos θi|; 0 for delta lobes.
-    pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
-        match self {
-            Bsdf::Diffuse(b) => b.eval(wo, wi),
-            Bsdf::MatteCone(b) => b.eval(wo, wi),
-            Bsdf::OrenNayar(b) => b.eval(wo, wi),
-            Bsdf::Phong(b) => b.eval(wo, wi),
-            Bsdf::BlinnPhong(b) => b.eval(wo, wi),
-            Bsdf::Metal(b) => b.eval(wo, wi),
-            Bsdf::Plastic(b) => b.eval(wo, wi),
-            Bsdf::DiffuseTransmission(b) => b.eval(wo, wi),
-            Bsdf::RoughConductor(b) => b.eval(wo, wi),
-            Bsdf::RoughDielectric(b) => b.eval(wo, wi, mode),
-            Bsdf::Compound(b) => b.eval(wo, wi, mode),
-            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => Spectrum::BLACK,
-        }
+/// A scattering model at a point: plain numbers and formulas.
+///
+/// What a model leaves alone holds for most: a smooth lobe, no delta lobes, reciprocity. Models write their formulas here.
+pub trait ScatteringModel {
+    /// f(wo, wi)·|cos θi| [sr⁻¹]; 0 for delta lobes.
+    fn eval(&self, _wo: Local, _wi: Local, _mode: TransportMode) -> Spectrum {
+        Spectrum::BLACK
     }
 
-    /// The density with which [`Bsdf::sample`] returns `wi`; 0 for delta lobes.
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
-        match self {
-            Bsdf::Diffuse(b) => b.pdf(wo, wi),
-            Bsdf::MatteCone(b) => b.pdf(wo, wi),
-            Bsdf::OrenNayar(b) => b.pdf(wo, wi),
-            Bsdf::Phong(b) => b.pdf(wo, wi),
-            Bsdf::BlinnPhong(b) => b.pdf(wo, wi),
-            Bsdf::Metal(b) => b.pdf(wo, wi),
-            Bsdf::Plastic(b) => b.pdf(wo, wi),
-            Bsdf::DiffuseTransmission(b) => b.pdf(wo, wi),
-            Bsdf::RoughConductor(b) => b.pdf(wo, wi),
-            Bsdf::RoughDielectric(b) => b.pdf(wo, wi),
-            Bsdf::Compound(b) => b.pdf(wo, wi),
-            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => SolidAnglePdf::ZERO,
-        }
+    /// The density with which `sample` returns `wi` [sr⁻¹]; 0 for delta lobes.
+    fn pdf(&self, _wo: Local, _wi: Local) -> SolidAnglePdf {
+        SolidAnglePdf::ZERO
     }
 
-    /// A direction for `wo`, from the uniform numbers `choice` (which lobe) and `u` (where in it).
-    ///
-    /// `None` where nothing is scattered.
-    pub fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        // What is long is out of line: in here it would cost the short models stack and saved registers.
-        match self {
-            Bsdf::Diffuse(b) => b.sample(wo, u),
-            Bsdf::MatteCone(b) => b.sample(wo, u),
-            Bsdf::Mirror(b) => b.sample(wo),
-            Bsdf::Conductor(b) => b.sample(wo),
-            Bsdf::Dielectric(b) => b.sample(wo, choice, mode),
-            Bsdf::OrenNayar(b) => b.sample(wo, u),
-            Bsdf::Phong(b) => b.sample(wo, u),
-            Bsdf::BlinnPhong(b) => b.sample(wo, u),
-            Bsdf::Metal(b) => b.sample(wo, u),
-            Bsdf::Plastic(b) => b.sample(wo, choice, u),
-            Bsdf::DiffuseTransmission(b) => b.sample(wo, choice, u),
-            Bsdf::RoughConductor(b) => b.sample(wo, choice, u),
-            Bsdf::RoughDielectric(b) => b.sample(wo, choice, u, mode),
-            Bsdf::ThinDielectric(b) => b.sample(wo, choice),
-            Bsdf::Compound(b) => b.sample(wo, choice, u, mode),
-        }
-    }
+    /// A direction for `wo`, from uniform numbers: `choice` chooses a lobe, `u` a direction in it.
+    fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample>;
 
     /// The single directions into which a share of the light goes, with that share as weight.
-    pub fn delta_lobes(&self, wo: Local, mode: TransportMode) -> impl Iterator<Item = BsdfSample> + use<> {
-        let lobes = match self {
-            Bsdf::MatteCone(b) => [b.delta_lobe(wo), None],
-            Bsdf::Metal(b) => [b.delta_lobe(wo), None],
-            Bsdf::Plastic(b) => [b.delta_lobe(wo), None],
-            Bsdf::Mirror(b) => [b.sample(wo), None],
-            Bsdf::Conductor(b) => [b.sample(wo), None],
-            Bsdf::Dielectric(b) => b.delta_lobes(wo, mode),
-            Bsdf::ThinDielectric(b) => b.delta_lobes(wo),
-            Bsdf::Diffuse(_) | Bsdf::OrenNayar(_) | Bsdf::Phong(_) | Bsdf::BlinnPhong(_) | Bsdf::DiffuseTransmission(_) => [None, None],
-            Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) => [None, None],
-            Bsdf::Compound(b) => return b.delta_lobes(wo, mode).0.into_iter(),
-        };
-        DeltaLobes::from(lobes).0.into_iter()
+    fn delta_lobes(&self, _wo: Local, _mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        [None, None]
     }
 
-    /// The same surface of a body that took light on the way to it; a metal has no inside.
-    fn dimmed(self, left: Spectrum) -> Bsdf<'a> {
-        match self {
-            Bsdf::Dielectric(b) => Bsdf::Dielectric(Dielectric { color: b.color * left, ..b }),
-            Bsdf::RoughDielectric(b) => Bsdf::RoughDielectric(RoughDielectric { color: b.color * left, ..b }),
-            other => other,
-        }
+    /// Whether there is anything that `eval` sees.
+    fn has_smooth_lobe(&self) -> bool {
+        true
     }
 
-    /// What materials of this model are called in scene files.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Bsdf::Diffuse(_) => "diffuse",
-            Bsdf::Mirror(_) => "mirror",
-            Bsdf::Conductor(_) | Bsdf::RoughConductor(_) => "conductor",
-            Bsdf::Dielectric(_) | Bsdf::RoughDielectric(_) => "dielectric",
-            Bsdf::MatteCone(_) => "matte_cone",
-            Bsdf::OrenNayar(_) => "oren_nayar",
-            Bsdf::Phong(_) => "phong",
-            Bsdf::BlinnPhong(_) => "blinn_phong",
-            Bsdf::Metal(_) => "metal",
-            Bsdf::Plastic(_) => "plastic",
-            Bsdf::DiffuseTransmission(_) => "diffuse_transmission",
-            Bsdf::ThinDielectric(_) => "thin_dielectric",
-            Bsdf::Compound(met) => met.compound.name(),
-        }
+    /// Whether f(wo, wi) = f(wi, wo), for transmission up to η².
+    fn reciprocal(&self) -> bool {
+        true
     }
 
-    /// Whether there is anything that [`Bsdf::eval`] sees.
-    pub fn has_smooth_lobe(&self) -> bool {
-        match self {
-            Bsdf::Diffuse(_) | Bsdf::OrenNayar(_) | Bsdf::Phong(_) | Bsdf::BlinnPhong(_) => true,
-            Bsdf::Plastic(_) | Bsdf::DiffuseTransmission(_) | Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) => true,
-            Bsdf::MatteCone(b) => !b.is_mirror(),
-            Bsdf::Metal(b) => !b.is_mirror(),
-            Bsdf::Compound(b) => b.has_smooth_lobe(),
-            Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => false,
-        }
+    /// The model for parameters as textures have them, which may ask for more light than there is.
+    fn energy_conserving(self) -> Self
+    where
+        Self: Sized,
+    {
+        self
+    }
+}
+
+/// The effects of a lobe by its width, which makes a mirror where it is 0.
+fn lobe_effects(width: &Texture) -> Effects {
+    match width {
+        Texture::Constant(none) if none.is_black() => Effects::SPECULAR_REFLECTION,
+        Texture::Constant(_) => Effects::INTERREFLECTION,
+        _ => Effects::SPECULAR_REFLECTION | Effects::INTERREFLECTION,
+    }
+}
+
+/// A model with textures for parameters, beyond the lookup of these.
+pub trait TexturedModel: Lookup {
+    /// What simulating it takes, textures apart.
+    fn effects(&self) -> Effects;
+
+    /// What becomes of light that goes on behind the surface.
+    fn passage(&self) -> Passage {
+        Passage::Blocked
     }
 
-    /// Whether f(wo, wi) = f(wi, wo) (transmission: up to η²); `false` is a fact of the model, stated, not a bug.
-    pub fn reciprocal(&self) -> bool {
-        match self {
-            Bsdf::Diffuse(_) | Bsdf::Mirror(_) | Bsdf::Conductor(_) | Bsdf::Dielectric(_) => true,
-            Bsdf::OrenNayar(_) | Bsdf::Plastic(_) | Bsdf::DiffuseTransmission(_) => true,
-            Bsdf::RoughConductor(_) | Bsdf::RoughDielectric(_) | Bsdf::ThinDielectric(_) => true,
-            Bsdf::MatteCone(b) => b.is_mirror(),
-            Bsdf::Metal(b) => b.is_mirror(),
-            Bsdf::Phong(_) | Bsdf::BlinnPhong(_) => false,
-            Bsdf::Compound(b) => b.reciprocal(),
-        }
+    /// Whether it matters where the axes of the surface point.
+    fn is_anisotropic(&self) -> bool {
+        false
+    }
+
+    /// Whether the model is the same at every hit.
+    fn is_uniform(&self) -> bool {
+        self.textures().into_iter().all(Texture::is_constant)
+    }
+
+    /// The effect of its textures.
+    fn texture_effects(&self) -> Effects {
+        if self.textures().into_iter().all(Texture::is_constant) { Effects::NONE } else { Effects::TEXTURES }
     }
 }
 

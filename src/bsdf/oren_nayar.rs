@@ -4,7 +4,10 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec2;
 
-use super::BsdfSample;
+use super::parameter::parameters;
+use super::{BsdfSample, ScatteringModel, TransportMode};
+use crate::effects::Effects;
+use crate::format::Textured;
 use crate::math::{Local, SolidAnglePdf, Spectrum, float, warp};
 
 /// Oren and Nayar's rough diffuse reflection, in the form that loses no energy.
@@ -35,8 +38,9 @@ const C1: f32 = 0.5 - 2.0 / (3.0 * PI);
 /// 2/3 − 28/(15π)
 const C2: f32 = 2.0 / 3.0 - 28.0 / (15.0 * PI);
 
-impl OrenNayar {
-    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+impl ScatteringModel for OrenNayar {
+    #[inline]
+    fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
         if !wo.same_side(wi) {
             return Spectrum::BLACK;
         }
@@ -50,17 +54,20 @@ impl OrenNayar {
         f * (FRAC_1_PI * mu_i)
     }
 
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+    #[inline]
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         SolidAnglePdf::new(if wo.same_side(wi) { FRAC_1_PI * wi.abs_cos() } else { 0.0 })
     }
 
     #[inline(never)]
-    pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Local, _choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let wi = Local(warp::cosine_hemisphere(u) * 1f32.copysign(wo.cos()));
         let pdf = self.pdf(wo, wi);
-        BsdfSample::of_lobe(wi, self.eval(wo, wi) / pdf.get(), pdf)
+        BsdfSample::of_lobe(wi, self.eval(wo, wi, mode) / pdf.get(), pdf)
     }
+}
 
+impl OrenNayar {
     fn a(&self) -> f32 {
         1.0 / (1.0 + C1 * self.roughness)
     }
@@ -68,6 +75,20 @@ impl OrenNayar {
     /// ∫ E(μ) 2μ dμ
     fn mean(&self) -> f32 {
         self.a() * (1.0 + C2 * self.roughness)
+    }
+}
+
+parameters! {
+    /// A rough matte surface (Oren and Nayar): flatter than `diffuse`, and brighter at its edges. No energy is lost.
+    OrenNayar {
+        /// The share of light that is reflected, about.
+        albedo: Color = Textured::gray(0.5),
+        /// 0 is `diffuse`, 1 the roughest.
+        roughness: Share = Textured::gray(0.5),
+    }
+
+    fn effects(&self) -> Effects {
+        Effects::INTERREFLECTION
     }
 }
 

@@ -2,7 +2,10 @@
 
 use glam::Vec2;
 
-use super::BsdfSample;
+use super::parameter::parameters;
+use super::{BsdfSample, ScatteringModel, TransportMode};
+use crate::effects::Effects;
+use crate::format::{Exponent, Textured, Varying};
 use crate::math::{Frame, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 
 /// Phong's lobe, normalised.
@@ -24,12 +27,14 @@ pub struct Phong {
     pub exponent: f32,
 }
 
-impl Phong {
-    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+impl ScatteringModel for Phong {
+    #[inline]
+    fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
         self.color * self.pdf(wo, wi).get()
     }
 
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+    #[inline]
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         if !wo.same_side(wi) {
             return SolidAnglePdf::ZERO;
         }
@@ -38,9 +43,27 @@ impl Phong {
     }
 
     #[inline(never)]
-    pub fn sample(&self, wo: Local, u: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Local, _choice: f32, u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
         let in_lobe = Local(warp::cos_power_hemisphere(u, self.exponent));
         let wi = Local(Frame::around(fresnel::reflect(wo.0)).to_world(in_lobe));
         BsdfSample::of_lobe(wi, self.color, self.pdf(wo, wi))
+    }
+
+    fn reciprocal(&self) -> bool {
+        false
+    }
+}
+
+parameters! {
+    /// A glossy lobe around the mirror direction (Phong), normalised. What falls below the surface is lost. Not reciprocal.
+    Phong {
+        /// The share of light that is reflected, at most.
+        color: Color = Textured::white(),
+        /// The lobe is the cosine to this power: the larger, the sharper.
+        exponent: Number<Exponent> = Varying::Same(Exponent::known(10.0)),
+    }
+
+    fn effects(&self) -> Effects {
+        Effects::INTERREFLECTION
     }
 }

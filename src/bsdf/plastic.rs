@@ -2,10 +2,15 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 
-use super::BsdfSample;
+use super::description::{Description, Prepare, given};
+use super::microfacet::{RoughnessKeys, roughness_keys};
+use super::{Bsdf, BsdfSample, Coat, Coated, Compound, HitContext, Lookup, Material, ScatteringModel, TexturedModel, TransportMode};
+use crate::effects::Effects;
+use crate::format::Textured;
 use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel, warp};
+use crate::texture::{Number, Texture};
 
 /// A Lambertian ground below a smooth dielectric surface.
 ///
@@ -28,13 +33,9 @@ pub struct Plastic {
     pub internal: f32,
 }
 
-impl Plastic {
-    /// F̄ᵢ for the index `eta`.
-    pub fn internal(eta: f32) -> f32 {
-        1.0 - (1.0 - fresnel::dielectric_mean(eta)) / (eta * eta)
-    }
-
-    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+impl ScatteringModel for Plastic {
+    #[inline]
+    fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
         if !wo.same_side(wi) {
             return Spectrum::BLACK;
         }
@@ -42,23 +43,36 @@ impl Plastic {
         self.ground() * (through * FRAC_1_PI * wi.abs_cos())
     }
 
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+    #[inline]
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         let density = self.probabilities(wo)[1] * FRAC_1_PI * wi.abs_cos();
         SolidAnglePdf::new(if wo.same_side(wi) { density } else { 0.0 })
     }
 
     #[inline(never)]
-    pub fn sample(&self, wo: Local, choice: f32, u: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let [surface, _] = self.probabilities(wo);
         if choice < surface {
             return self.delta_lobe(wo).map(|lobe| BsdfSample { weight: lobe.weight / surface, ..lobe });
         }
         let wi = Local(warp::cosine_hemisphere(u) * 1f32.copysign(wo.cos()));
         let pdf = self.pdf(wo, wi);
-        BsdfSample::of_lobe(wi, self.eval(wo, wi) / pdf.get(), pdf)
+        BsdfSample::of_lobe(wi, self.eval(wo, wi, mode) / pdf.get(), pdf)
     }
 
-    pub fn delta_lobe(&self, wo: Local) -> Option<BsdfSample> {
+    #[inline]
+    fn delta_lobes(&self, wo: Local, _mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        [self.delta_lobe(wo), None]
+    }
+}
+
+impl Plastic {
+    /// F̄ᵢ for the index `eta`.
+    pub fn internal(eta: f32) -> f32 {
+        1.0 - (1.0 - fresnel::dielectric_mean(eta)) / (eta * eta)
+    }
+
+    fn delta_lobe(&self, wo: Local) -> Option<BsdfSample> {
         let reflected = self.surface(wo);
         (reflected > 0.0).then(|| BsdfSample::reflected(Local(fresnel::reflect(wo.0)), Spectrum::gray(reflected)))
     }
@@ -73,11 +87,118 @@ impl Plastic {
         self.albedo.map(|rho| rho / (1.0 - rho * self.internal))
     }
 
-    /// Of surface and ground: their shares in what comes back, neither as the rest of the other.
+    /// The probabilities of surface and base: their shares in what comes back, each computed by itself.
     fn probabilities(&self, wo: Local) -> [f32; 2] {
         let surface = self.surface(wo);
         let ground = (1.0 - surface) * self.ground().max() * (1.0 - self.internal);
         let sum = surface + ground;
         if sum > 0.0 { [surface / sum, ground / sum] } else { [1.0, 0.0] }
+    }
+}
+
+/// As a scene file says it.
+pub mod described {
+    use schemars::JsonSchema;
+    use serde::{Deserialize, Serialize};
+
+    use crate::bsdf::microfacet::{AlphaKey, Distribution};
+    use crate::format::{CoatIndex, Textured, Varying};
+
+    /// A matte ground under a clear coat that reflects, refracts, and throws light back on the ground.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct Plastic {
+        /// The share of light that the ground reflects.
+        pub albedo: Textured,
+        /// Index of refraction of the coat over that outside.
+        pub eta: Varying<CoatIndex>,
+        /// 0 is smooth, 1 the roughest. The width of highlights, alpha, is its square, so that equal steps look equal. Below 0.001 a
+        /// surface is as good as smooth. (Of a colour, the mean.)
+        pub roughness: Textured,
+        /// From round highlights to highlights ten times as long as wide, along the first texture coordinate. (Of a colour, the mean.)
+        pub anisotropy: Textured,
+        /// In place of `roughness` and `anisotropy`, the width itself; `[along u, along v]` for each of them.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub alpha: Option<AlphaKey>,
+        /// How the facets of a rough surface lean.
+        pub distribution: Distribution,
+    }
+
+    impl Default for Plastic {
+        fn default() -> Plastic {
+            Plastic {
+                albedo: Textured::gray(0.5),
+                eta: Varying::Same(CoatIndex::known(1.5)),
+                roughness: Textured::black(),
+                anisotropy: Textured::black(),
+                alpha: None,
+                distribution: Distribution::Ggx,
+            }
+        }
+    }
+}
+
+impl Description for described::Plastic {
+    fn textures(&self) -> Vec<(String, &Textured)> {
+        let own = [("eta/by", self.eta.by()), ("albedo", Some(&self.albedo))];
+        own.into_iter().filter_map(given).chain(roughness_keys!(self).textures()).collect()
+    }
+
+    fn roughness_keys(&self) -> Option<RoughnessKeys<'_>> {
+        Some(roughness_keys!(self))
+    }
+
+    fn prepare(&self, builder: &mut dyn Prepare) -> Material {
+        let (albedo, eta) = (builder.texture("albedo", &self.albedo), builder.number("eta", &self.eta));
+        match roughness_keys!(self).prepare(builder) {
+            None => textured::Plastic::new(albedo, eta).into(),
+            finish => Compound::Coated(Coated { ground: Material::diffuse(albedo), coat: Coat::new(eta, Spectrum::ONE, finish) }).into(),
+        }
+    }
+}
+
+/// With its pictures read.
+pub mod textured {
+    use super::{Number, Texture};
+
+    /// The model with textures for parameters.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Plastic {
+        pub(super) albedo: Texture,
+        pub(super) eta: Number,
+        /// [`Plastic::internal`](super::Plastic::internal), where it is the same everywhere.
+        pub(super) internal: Option<f32>,
+    }
+}
+
+impl textured::Plastic {
+    /// - `eta`: at least 1
+    pub fn new(albedo: impl Into<Texture>, eta: impl Into<Number>) -> textured::Plastic {
+        let eta = eta.into();
+        textured::Plastic { albedo: albedo.into(), internal: eta.constant().map(Plastic::internal), eta }
+    }
+}
+
+impl Lookup for textured::Plastic {
+    type Model = Bsdf<'static>;
+
+    fn at(&self, at: &HitContext) -> Bsdf<'static> {
+        let eta = self.eta.at(&at.point);
+        let internal = self.internal.unwrap_or_else(|| Plastic::internal(eta));
+        Bsdf::Plastic(Plastic { albedo: self.albedo.at(&at.point), eta, internal })
+    }
+
+    fn textures(&self) -> Vec<&Texture> {
+        self.eta.texture().into_iter().chain([&self.albedo]).collect()
+    }
+
+    fn recentred(self, origin: DVec3) -> textured::Plastic {
+        textured::Plastic { albedo: self.albedo.recentred(origin), eta: self.eta.recentred(origin), ..self }
+    }
+}
+
+impl TexturedModel for textured::Plastic {
+    fn effects(&self) -> Effects {
+        Effects::INTERREFLECTION | Effects::SPECULAR_REFLECTION
     }
 }

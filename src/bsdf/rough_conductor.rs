@@ -6,7 +6,7 @@ use glam::Vec2;
 
 use super::microfacet::albedo::{Domain, Key, Shelf};
 use super::microfacet::{Albedo, Distribution, Microfacets, Pair, above, cos2_to_half, upward};
-use super::{BsdfSample, Reflectance};
+use super::{BsdfSample, Reflectance, ScatteringModel, TransportMode};
 use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 
 /// Reflection at a metal whose facets are tiny mirrors.
@@ -64,21 +64,23 @@ fn returned(facets: &Microfacets, wo: Local, u: Vec2) -> f32 {
     if wi.cos() > 0.0 { Pair::new(facets, wo, wi).unmasked() } else { 0.0 }
 }
 
-impl RoughConductor {
-    pub fn eval(&self, wo: Local, wi: Local) -> Spectrum {
+impl ScatteringModel for RoughConductor {
+    #[inline]
+    fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
         above(wo, wi).map_or(Spectrum::BLACK, |[wo, wi]| {
             let once = self.reflectance.at_square(cos2_to_half(wo, wi)) * Pair::new(&self.facets, wo, wi).scattered();
             self.more.map_or(once, |more| once + self.further(more, wi, self.lost(wo)))
         })
     }
 
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+    #[inline]
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         let density = |[wo, wi]: [Local; 2]| density(Pair::new(&self.facets, wo, wi), wi, self.lost(wo));
         above(wo, wi).map_or(SolidAnglePdf::ZERO, density)
     }
 
     #[inline(never)]
-    pub fn sample(&self, wo: Local, choice: f32, u: Vec2) -> Option<BsdfSample> {
+    fn sample(&self, wo: Local, choice: f32, u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
         let up = upward(wo);
         let (wi, weight, pdf) = match self.more {
             // By itself for each distribution: one leaves registers to the other.
@@ -90,7 +92,9 @@ impl RoughConductor {
         }?;
         BsdfSample::of_lobe(wi.on_the_side_of(wo), weight, pdf)
     }
+}
 
+impl RoughConductor {
     /// A direction by a facet in sight, its weight F G₂/G₁ and its density; both directions above the surface.
     #[inline(always)]
     fn sample_once(&self, facets: Microfacets, wo: Local, u: Vec2) -> Option<(Local, Spectrum, SolidAnglePdf)> {

@@ -6,7 +6,7 @@ use glam::Vec2;
 
 use super::microfacet::albedo::{Domain, Key, Shelf};
 use super::microfacet::{Albedo, Between, Distribution, Microfacets, upward, upward_normal};
-use super::{BsdfSample, Lobe, TransportMode};
+use super::{BsdfSample, Lobe, ScatteringModel, TransportMode};
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 
 /// A rough interface between two clear media, whose facets reflect and refract.
@@ -109,24 +109,19 @@ struct Meeting {
     jacobian: f32,
 }
 
-impl RoughDielectric {
-    /// `None` for an interface that bends light by less than f32 can tell: it is as good as smooth.
-    ///
-    /// Slopes of α turn the light that passes by about α |η − 1|.
-    pub fn is_rough(eta: f32, alpha: Vec2) -> bool {
-        alpha.max_element() * (eta - 1.0).abs() >= super::microfacet::MIN_ALPHA
-    }
-
-    pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+impl ScatteringModel for RoughDielectric {
+    #[inline]
+    fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
         self.both(wo, wi, mode).map_or(Spectrum::BLACK, |(f, _)| self.color * f)
     }
 
-    pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+    #[inline]
+    fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         self.both(wo, wi, TransportMode::Importance).map_or(SolidAnglePdf::ZERO, |(_, pdf)| pdf)
     }
 
     #[inline(never)]
-    pub fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         if wo.cos() == 0.0 || self.color.is_black() {
             return None;
         }
@@ -141,6 +136,15 @@ impl RoughDielectric {
         let (f, pdf) = self.both(wo, wi, mode).filter(|(_, pdf)| pdf.get() > 0.0)?;
         let (lobe, eta) = if wo.same_side(wi) { (Lobe::Reflection, 1.0) } else { (Lobe::Transmission, self.relative_index(wo)) };
         Some(BsdfSample { wi, weight: self.color * (f / pdf.get()), density: Density::Smooth(pdf), lobe, eta })
+    }
+}
+
+impl RoughDielectric {
+    /// `None` for an interface that bends light by less than f32 can tell: it is as good as smooth.
+    ///
+    /// Slopes of α turn the light that passes by about α |η − 1|.
+    pub fn is_rough(eta: f32, alpha: Vec2) -> bool {
+        alpha.max_element() * (eta - 1.0).abs() >= super::microfacet::MIN_ALPHA
     }
 
     /// Mirrored or refracted at a facet in sight; `None` where that leads to the wrong side of the surface.

@@ -1,6 +1,11 @@
 //! A pane of glass, a soap film: both faces at once.
 
-use super::{BsdfSample, Lobe};
+use glam::Vec2;
+
+use super::parameter::parameters;
+use super::{BsdfSample, Lobe, Passage, ScatteringModel, TransportMode};
+use crate::effects::Effects;
+use crate::format::{Index, Textured, Varying};
 use crate::math::{Density, Local, Spectrum, fresnel};
 
 /// A plate so thin that its two faces are one surface, with all reflections between them.
@@ -22,17 +27,26 @@ pub struct ThinDielectric {
     pub color: Spectrum,
 }
 
-impl ThinDielectric {
-    pub fn sample(&self, wo: Local, choice: f32) -> Option<BsdfSample> {
+impl ScatteringModel for ThinDielectric {
+    #[inline]
+    fn sample(&self, wo: Local, choice: f32, _u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
         let reflectance = self.reflectance(wo)?;
         Some(if choice < reflectance { self.reflect(wo, 1.0) } else { self.pass(wo, 1.0) })
     }
 
-    pub fn delta_lobes(&self, wo: Local) -> [Option<BsdfSample>; 2] {
+    #[inline]
+    fn delta_lobes(&self, wo: Local, _mode: TransportMode) -> [Option<BsdfSample>; 2] {
         let Some(reflectance) = self.reflectance(wo) else { return [None, None] };
         [(reflectance > 0.0).then(|| self.reflect(wo, reflectance)), (reflectance < 1.0).then(|| self.pass(wo, 1.0 - reflectance))]
     }
 
+    #[inline]
+    fn has_smooth_lobe(&self) -> bool {
+        false
+    }
+}
+
+impl ThinDielectric {
     /// R'; `None` where nothing is scattered.
     fn reflectance(&self, wo: Local) -> Option<f32> {
         let once = fresnel::dielectric(wo.abs_cos(), self.eta);
@@ -45,5 +59,24 @@ impl ThinDielectric {
 
     fn pass(&self, wo: Local, share: f32) -> BsdfSample {
         BsdfSample { wi: Local(-wo.0), weight: self.color * share, density: Density::Delta, lobe: Lobe::Transmission, eta: 1.0 }
+    }
+}
+
+parameters! {
+    /// A pane or a bubble as one surface without thickness: both faces and all reflections between them. Light passes straight.
+    ThinDielectric {
+        /// Index of refraction of the pane divided by that around it.
+        eta: Number<Index> = Varying::Same(Index::known(1.5)),
+        /// Light that passes or is reflected is multiplied by this once.
+        color: Color = Textured::white(),
+    }
+
+    /// Light passes unbent, and yet the index of refraction matters.
+    fn effects(&self) -> Effects {
+        Effects::REFRACTION | Effects::SPECULAR_REFLECTION
+    }
+
+    fn passage(&self) -> Passage {
+        Passage::Sheet
     }
 }

@@ -7,9 +7,10 @@ use super::cycles;
 use super::field_check;
 use super::film::Film;
 use super::light::{Light, SpotLight};
-use super::material::{Conductor, Finish, Material, MaterialRef};
 use super::scene::Scene;
 use super::shape::{Mesh, Sdf, Shape};
+use super::{Material, MaterialRef};
+use crate::bsdf::microfacet::RoughnessKeys;
 use crate::format::{Hex, LookAt, Texture, TextureSpace, Textured, Transform};
 use crate::reader::{Faults, Node, escaped, unknown};
 
@@ -108,28 +109,18 @@ impl Checker<'_> {
     }
 
     fn material(&self, pointer: &str, material: &Material) {
-        for (key, color) in material.textures() {
+        for (key, color) in material.description().textures() {
             self.textured(&format!("{pointer}/{key}"), color);
         }
-        for (key, part) in material.parts() {
+        for (key, part) in material.description().parts() {
             self.material_ref(&format!("{pointer}/{key}"), part);
             self.within(&format!("{pointer}/{key}"), material, part);
         }
-        if let Some(finish) = material.finish() {
-            self.one_width(pointer, finish);
+        if let Some(keys) = material.description().roughness_keys() {
+            self.one_width(pointer, keys);
         }
-        match material {
-            Material::Conductor(m) => self.index(pointer, m),
-            Material::Mix(m) if m.share.is_some() == m.fresnel.is_some() => {
-                self.fault(pointer, "a mix needs either \"share\" or \"fresnel\"");
-            }
-            Material::TwoSided(m) if m.front.is_none() && m.back.is_none() => {
-                self.fault(pointer, "a two-sided material needs \"front\", or \"back\", or both");
-            }
-            Material::Bumped(m) if m.normal_map.is_some() == m.bump_map.is_some() => {
-                self.fault(pointer, "a bumped material needs either \"normal_map\" or \"bump_map\"");
-            }
-            _ => {}
+        for (key, message) in material.description().faults() {
+            self.fault(&format!("{pointer}{key}"), message);
         }
     }
 
@@ -157,22 +148,7 @@ impl Checker<'_> {
         }
     }
 
-    /// By name, by number, or by colour.
-    fn index(&self, pointer: &str, metal: &Conductor) {
-        let fault = |key: &str, message: &str| self.fault(&format!("{pointer}{key}"), message);
-        match (metal.metal.is_some(), metal.eta.is_some(), metal.k.is_some(), metal.color.is_some()) {
-            (true, false, false, false) | (false, true, true, false) | (false, false, false, true) => {}
-            (true, true, _, _) => fault("/eta", "give metal, or eta and k, not both"),
-            (true, _, true, _) => fault("/k", "give metal, or eta and k, not both"),
-            (true, _, _, true) => fault("/color", "give metal or color, not both"),
-            (_, _, _, true) => fault("/color", "give eta and k, or color, not both"),
-            (false, true, false, _) => fault("", "missing key \"k\""),
-            (false, false, true, _) => fault("", "missing key \"eta\""),
-            (false, false, false, false) => fault("", "a conductor needs \"metal\", or \"eta\" and \"k\", or \"color\""),
-        }
-    }
-
-    fn one_width(&self, pointer: &str, Finish { alpha, roughness, anisotropy, .. }: Finish) {
+    fn one_width(&self, pointer: &str, RoughnessKeys { alpha, roughness, anisotropy, .. }: RoughnessKeys) {
         if alpha.is_some() && (*roughness != Textured::black() || *anisotropy != Textured::black()) {
             self.fault(&format!("{pointer}/alpha"), "give alpha, or roughness and anisotropy, not both");
         }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::slice;
 
-use super::material::{Material, MaterialRef};
+use super::{Material, MaterialRef};
 use crate::format::{Texture, Textured};
 use crate::reader::escaped;
 
@@ -119,7 +119,7 @@ fn of_texture<'s>(pointer: String, texture: &'s Texture, found: &mut Vec<Mention
 
 /// The same of materials.
 fn of_material<'s>(pointer: String, material: &'s Material, found: &mut Vec<Mention<'s>>) {
-    for (key, part) in material.parts() {
+    for (key, part) in material.description().parts() {
         match part {
             MaterialRef::Named(name) => found.push(Mention { pointer: format!("{pointer}/{key}"), name }),
             MaterialRef::Inline(inner) => of_material(format!("{pointer}/{key}"), inner, found),

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::material::MaterialRef;
+use super::MaterialRef;
 use super::shape::Emission;
 use crate::format::{Direction, NonNegative, Point, Positive, Transform};
 use crate::reader::by_type;

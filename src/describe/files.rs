@@ -8,11 +8,11 @@ use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use super::file::open;
-use super::material::{Material, MaterialRef};
 use super::mesh;
 use super::picture;
 use super::scene::Scene;
 use super::shape::Shape;
+use super::{Material, MaterialRef};
 use crate::format::{Channel, Encoding, Texture, Textured};
 use crate::reader::escaped;
 use crate::shape::MeshData;
@@ -208,8 +208,8 @@ impl<'s> Named<'s> {
     }
 
     fn material(&mut self, pointer: &str, material: &'s Material) {
-        material.textures().into_iter().for_each(|(key, texture)| self.textured(&format!("{pointer}/{key}"), texture));
-        material.parts().into_iter().for_each(|(key, part)| self.material_ref(&format!("{pointer}/{key}"), part));
+        material.description().textures().into_iter().for_each(|(key, texture)| self.textured(&format!("{pointer}/{key}"), texture));
+        material.description().parts().into_iter().for_each(|(key, part)| self.material_ref(&format!("{pointer}/{key}"), part));
     }
 
     fn textured(&mut self, pointer: &str, color: &'s Textured) {

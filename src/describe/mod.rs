@@ -4,8 +4,8 @@
 //! definition; its doc comments are the reference in `docs/scene-format.md`. Values keep the
 //! numbers of the file; nothing here knows how they are rendered.
 //!
-//! To add a shape (a light, a texture, a material): a struct in its family's file, a variant in
-//! the family's enum and in its `by_type!`, then
+//! Materials describe themselves where their formulas are, in [`bsdf`](crate::bsdf). To add a shape (a light, a texture): a struct in
+//! its family's file, a variant in the family's enum and in its `by_type!`, then
 //! `PT_BLESS=1 cargo test --test it scene_format` for the page, and an example in `tests/it/everything.json`.
 
 mod build;
@@ -19,7 +19,6 @@ mod files;
 mod film;
 mod identity;
 mod light;
-mod material;
 pub mod mesh;
 mod names;
 pub mod picture;
@@ -30,6 +29,7 @@ mod scene;
 mod schema;
 mod shape;
 
+pub use crate::bsdf::description::*;
 pub use crate::format::*;
 pub use build::{Built, Source, build};
 pub use camera::*;
@@ -38,7 +38,6 @@ pub use files::{Files, files_of};
 pub use film::*;
 pub use identity::{Contents, Identity};
 pub use light::*;
-pub use material::*;
 pub use names::Names;
 pub use read::*;
 pub use reference::reference;

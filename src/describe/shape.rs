@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::MaterialRef;
 use super::field::{Bounds, Field, FixedMarch, SdfPart};
-use super::material::MaterialRef;
 use crate::format::{Color, Fraction, Point, Positive, Radiometric, Real, Size, Textured, Transform, Vector};
 use crate::reader::{by_kind, by_type};
 

@@ -27,6 +27,12 @@ impl Spectrum {
         Spectrum(Vec3::new(r, g, b))
     }
 
+    /// From linear RGB (Rec. 709) in f64, rounded.
+    pub fn from_f64(rgb: [f64; 3]) -> Spectrum {
+        let [r, g, b] = rgb.map(|c| c as f32);
+        Spectrum::rgb(r, g, b)
+    }
+
     /// To linear RGB (Rec. 709): for the film.
     pub fn to_rgb(self) -> [f32; 3] {
         self.0.to_array()

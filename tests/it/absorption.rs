@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish, alpha};
-use pt::bsdf::{Bsdf, Element, Lobe, Material, ThinDielectric, TransportMode};
+use pt::bsdf::{Bsdf, Element, Lobe, Material, ThinDielectric, TransportMode, textured};
 use pt::light::{Environment, Light};
 use pt::math::fresnel::{conductor, dielectric};
 use pt::math::{Local, Ray, Spectrum, Transform};
@@ -114,7 +114,7 @@ fn in_white_light(name: String, material: Material, radiance: f64) -> Law {
 fn glass_absorbs_by_the_way() {
     let row = |(eta, left): (f32, f64)| {
         let absorption = gray(-left.ln() / 2.0);
-        let body = Material::Filled { surface: Box::new(Material::glass(eta)), absorption };
+        let body = Material::from(textured::Dielectric::smooth(eta, Spectrum::ONE).absorbing(absorption));
         let r = f64::from(dielectric(1.0, eta));
         let exact = r + (1.0 - r) * (1.0 - r) * left / (1.0 - r * left);
         in_white_light(format!("glass {eta} that leaves {left}"), body, exact).resolution(1e-3, 2e-3)

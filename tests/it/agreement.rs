@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, UVec2};
-use pt::bsdf::{Material, TransportMode};
+use pt::bsdf::{Material, TransportMode, textured};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::{FilmSpec, Image};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
@@ -65,7 +65,9 @@ fn substance(kind: u32, dice: &mut Dice) -> Material {
         0 => Material::glass(dice.within(1.1, 2.4) as f32),
         1 => Material::mirror(dice.color(0.6, 1.0)),
         2 => Material::metal((dice.color(0.1, 2.0), dice.color(2.0, 5.0)), None, true),
-        3 => Material::MatteCone { color: dice.color(0.3, 0.9).into(), mattness: (dice.within(0.1, 1.0) as f32).into() },
+        3 => {
+            Material::MatteCone(textured::MatteCone { color: dice.color(0.3, 0.9).into(), mattness: (dice.within(0.1, 1.0) as f32).into() })
+        }
         _ => Material::diffuse(dice.color(0.2, 0.8)),
     }
 }

@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish};
 use pt::bsdf::{
-    Bsdf, BsdfSample, Coat, Coated, Compound, Diffuse, Element, Material, Mirror, Mix, Plastic, Principled, Relief, Share, Sheen, Sides,
-    Skin, TransportMode,
+    Bsdf, BsdfSample, Coat, Coated, Compound, Diffuse, Element, HitContext, Material, Mirror, Mix, NormalModifier, Plastic, Principled,
+    Share, Sheen, Sides, SurfaceMaterial, TransportMode, textured,
 };
 use pt::camera::Camera;
 use pt::light::Emission;
@@ -37,7 +37,7 @@ fn point(uv: Vec2) -> SurfacePoint {
 }
 
 fn center(material: &Material) -> Bsdf<'_> {
-    material.at(&point(Vec2::ZERO))
+    material.bsdf_at(&HitContext::from_outside(point(Vec2::ZERO)))
 }
 
 fn round(alpha: f32) -> Finish {
@@ -88,7 +88,7 @@ proptest! {
     fn mixed_lobes_are_sums(a in color(), b in color(), t in fraction(), wo in sphere()) {
         // As a texture says it, up to rounding: of 1 − t there may be little.
         let t = Spectrum::gray(t).average();
-        let (first, second) = (Material::Dielectric { eta: 1.5.into(), color: a.into() }, Material::mirror(b));
+        let (first, second) = (Material::from(textured::Dielectric::smooth(1.5, a)), Material::mirror(b));
         let mix = Material::from(Compound::Mix(Mix { a: first.clone(), b: second.clone(), share: Share::Texture(t.into()) }));
         let lobes = |material: &Material| center(material).delta_lobes(wo, MODE).collect::<Vec<_>>();
         let parts = [(lobes(&first), 1.0 - t), (lobes(&second), t)];
@@ -232,10 +232,10 @@ fn layers_on_white_are_white() {
     const TABLES: f32 = 2e-3;
     let matte = || Material::diffuse(Spectrum::ONE);
     let mirror = || Material::mirror(Spectrum::ONE);
-    let clay = || Material::OrenNayar { albedo: 1.0.into(), roughness: 1.0.into() };
+    let clay = || Material::OrenNayar(textured::OrenNayar { albedo: 1.0.into(), roughness: 1.0.into() });
     let metal = |alpha: f32| Material::metal(Texture::from(Spectrum::ONE), Some(round(alpha)), true);
     let coat = |eta: f32, alpha: f32| Coat::new(eta, Spectrum::ONE, (alpha > 0.0).then(|| round(alpha)));
-    let paper = || Material::DiffuseTransmission { reflectance: 1.0.into(), transmittance: 0.0.into() };
+    let paper = || Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: 1.0.into(), transmittance: 0.0.into() });
     let with_coat = || Principled { coat: 1.0.into(), ..white(0.25) };
     let rough_coat = || Principled { coat_finish: Some(round(0.3)), ..with_coat() };
     let with_both = Principled { sheen_color: 1.0.into(), ..with_coat() };
@@ -343,7 +343,7 @@ fn principled_is_what_it_names() {
         (Principled { multiscatter: false, ..metallic }, metal(false)),
         (clear.clone(), glass(true)),
         (Principled { multiscatter: false, ..clear.clone() }, glass(false)),
-        (Principled { finish: None, ..clear }, Material::Dielectric { eta: 1.4.into(), color: base.into() }),
+        (Principled { finish: None, ..clear }, Material::from(textured::Dielectric::smooth(1.4, base))),
         (Principled { metallic: 0.3.into(), transmission: 0.4.into(), specular: 0.7.into(), ..principled() }, blend),
         (Principled { sheen_color: tint.into(), ..principled() }, velvet(plastic())),
         (
@@ -370,8 +370,8 @@ fn a_texture_mixes() {
     let squares = Checker { even: 0.0.into(), odd: 1.0.into(), scale: Vec3::ONE, space: Space::Uv };
     let share = Texture::Checker(Box::new(squares));
     let material = Material::mix(Material::diffuse(Spectrum::ONE), Material::mirror(Spectrum::ONE), share);
-    assert_eq!(material.at(&point(Vec2::new(0.5, 0.5))), Bsdf::Diffuse(Diffuse { albedo: Spectrum::ONE }));
-    assert_eq!(material.at(&point(Vec2::new(1.5, 0.5))), Bsdf::Mirror(Mirror { color: Spectrum::ONE }));
+    assert_eq!(material.bsdf_at(&HitContext::from_outside(point(Vec2::new(0.5, 0.5)))), Bsdf::Diffuse(Diffuse { albedo: Spectrum::ONE }));
+    assert_eq!(material.bsdf_at(&HitContext::from_outside(point(Vec2::new(1.5, 0.5)))), Bsdf::Mirror(Mirror { color: Spectrum::ONE }));
 }
 
 /// A picture whose bilinear interpolation is `low` + (`high` − `low`) · u near the middle, the same for all v.
@@ -382,7 +382,7 @@ pub fn ramp(low: f32, high: f32) -> Texture {
 }
 
 /// A quad in the plane z = 0 with corners ±1, seen from above.
-fn quad(skin: impl Into<Skin>, to_world: Transform) -> World {
+fn quad(skin: impl Into<SurfaceMaterial>, to_world: Transform) -> World {
     let mut world = World::builder(eye());
     let skin = world.material(skin);
     world.shape(Quad { size: [2.0; 2] }, to_world, skin, None);
@@ -400,8 +400,8 @@ fn seen(world: &World, direction: Vec3) -> Vec3 {
 fn heights_lean_as_planes() {
     // Twice the slope between the pixels of the ramp: from 0 to 1 over half of the two metres.
     for scale in [0.1f32, -0.3, 1.0] {
-        let relief = Relief::Heights { map: ramp(0.0, 1.0), scale: scale.into() };
-        let world = quad(Skin { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
+        let relief = NormalModifier::Heights { map: ramp(0.0, 1.0), scale: scale.into() };
+        let world = quad(SurfaceMaterial { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
         let normal = seen(&world, Vec3::NEG_Z);
         let expected = Vec3::new(-scale, 0.0, 1.0).normalize();
         assert!((normal - expected).length() < 1e-3, "{normal} {expected}");
@@ -412,8 +412,8 @@ fn heights_lean_as_planes() {
 #[test]
 fn no_slope_is_too_steep() {
     for scale in [1e4f32, 1e18, 1e30, 3e38, -1e30] {
-        let relief = Relief::Heights { map: ramp(0.0, 1.0), scale: scale.into() };
-        let world = quad(Skin { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
+        let relief = NormalModifier::Heights { map: ramp(0.0, 1.0), scale: scale.into() };
+        let world = quad(SurfaceMaterial { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
         let normal = seen(&world, Vec3::NEG_Z);
         assert!((normal - Vec3::new(-scale.signum(), 0.0, 0.0)).length() < 0.02, "{scale}: {normal}");
     }
@@ -427,8 +427,8 @@ fn normal_maps_turn_normals() {
         let [r, g, b] = (0.5 * n + 0.5).to_array();
         Texture::Constant(Spectrum::rgb(r, g, b))
     };
-    let skin = |n: Vec3| Skin {
-        relief: Some(Relief::Normals { map: constant(n), strength: 1.0.into() }),
+    let skin = |n: Vec3| SurfaceMaterial {
+        relief: Some(NormalModifier::Normals { map: constant(n), strength: 1.0.into() }),
         ..Material::diffuse(Spectrum::ONE).into()
     };
     let turned = seen(&quad(skin(n), Transform::IDENTITY), Vec3::NEG_Z);
@@ -450,7 +450,7 @@ fn turned_normals_are_seen() {
     for _ in 0..10_000 {
         let [x, y] = [random.range(-1.0, 1.0), random.range(-1.0, 1.0)].map(|x| x as f32);
         let map = Texture::Constant(Spectrum::rgb(0.5 + 0.5 * x, 0.5 + 0.5 * y, random.range(0.5, 1.0) as f32));
-        let relief = Relief::Normals { map, strength: 3.0.into() };
+        let relief = NormalModifier::Normals { map, strength: 3.0.into() };
         let wo = at(random.range(1e-3, 1.0), random.range(0.0, 6.3)).0;
         for wo in [wo, -wo] {
             let n = relief.normal(&point(Vec2::ZERO), [Vec3::X, Vec3::Y], wo);
@@ -468,7 +468,7 @@ fn holes_let_light_through() {
     let world = |opacity: Texture| {
         let mut world = World::builder(eye());
         let wall = world.material(Material::diffuse(Spectrum::ONE));
-        let lace = world.material(Skin { opacity: Some(opacity), ..Material::diffuse(Spectrum::ONE).into() });
+        let lace = world.material(SurfaceMaterial { opacity: Some(opacity), ..Material::diffuse(Spectrum::ONE).into() });
         for z in [1.0, 2.0, 3.0] {
             let up = Transform::translate(DVec3::new(0.0, 0.0, z)).expect("near");
             world.shape(Quad { size: [2.0; 2] }, up, lace, None);
@@ -510,7 +510,7 @@ fn holes_let_light_through() {
 fn a_veiled_ball_is_met_twice() {
     const RAYS: u32 = 100_000;
     let mut world = World::builder(eye());
-    let veil = world.material(Skin { opacity: Some(0.3.into()), ..Material::diffuse(Spectrum::ONE).into() });
+    let veil = world.material(SurfaceMaterial { opacity: Some(0.3.into()), ..Material::diffuse(Spectrum::ONE).into() });
     world.shape(Sphere { radius: 1.0 }, Transform::IDENTITY, veil, None);
     let world = world.build().expect("a ball");
     let mut random = Random::new(5);

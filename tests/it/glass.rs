@@ -9,7 +9,7 @@ mod touching;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use pt::bsdf::{Lobe, Material, TransportMode};
+use pt::bsdf::{Lobe, Material, TransportMode, textured};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::FilmSpec;
 use pt::integrators::ALL;
@@ -244,7 +244,7 @@ fn colored_pane() -> Vec<Law> {
         let mut world = World::builder(probe(DVec3::new(-theta.sin(), 0.0, theta.cos()) * 2.0, DVec3::ZERO));
         let dark = world.material(black());
         world.shape(Quad { size: [4000.0; 2] }, facing(DVec3::Z * lamp, -DVec3::Z * lamp), dark, glow(1.0));
-        let glass = world.material(Material::Dielectric { eta: 1.7.into(), color: gray(COLOR).into() });
+        let glass = world.material(Material::from(textured::Dielectric::smooth(1.7, gray(COLOR))));
         pane(&mut world, glass, DVec3::ZERO, [-0.001, 0.001], 100.0);
         Law::new(format!("lamp at {lamp} m"), world, radiance, DEFAULT).resolution(1e-3, 3e-3)
     };

@@ -7,8 +7,8 @@ use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish};
 use pt::bsdf::{
-    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, Material, MatteCone, Metal,
-    Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen, Sides, ThinDielectric,
+    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, HitContext, Material,
+    MatteCone, Metal, Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen, Sides, ThinDielectric, textured,
 };
 use pt::math::Spectrum;
 use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
@@ -58,14 +58,14 @@ fn models() -> Vec<(Bsdf<'static>, bool)> {
 /// A material at a point; kept for the life of the tests.
 fn met(material: Material) -> Bsdf<'static> {
     let point = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO, color: VertexColor::WHITE };
-    Box::leak(Box::new(material)).at(&point)
+    Box::leak(Box::new(material)).bsdf_at(&HitContext::from_outside(point))
 }
 
 /// Materials of materials; whether they give all light back.
 fn compounds() -> Vec<(Bsdf<'static>, bool)> {
     let round = |alpha: f32| Some(Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
     let coated = |ground, coat: Coat| Material::from(Compound::Coated(Coated { ground, coat }));
-    let clay = |albedo: Spectrum| Material::OrenNayar { albedo: albedo.into(), roughness: 0.7.into() };
+    let clay = |albedo: Spectrum| Material::OrenNayar(textured::OrenNayar { albedo: albedo.into(), roughness: 0.7.into() });
     let copper = |finish| Material::metal(Element::Cu.index(), finish, true);
     let glazed = || coated(Material::diffuse(Spectrum::ONE), Coat::new(1.6, Spectrum::ONE, None));
     let fresnel = |a, b| Material::from(Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: 1.5.into() } }));
@@ -128,7 +128,10 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         Compound::Sides(Sides { front: Some(copper(round(0.3))), back: Some(Material::diffuse(COLOR)) }).into(),
         Compound::Sides(Sides { front: None, back: Some(Material::mirror(COLOR)) }).into(),
         Material::metal(Texture::from(COLOR), round(0.3), true),
-        coated(Material::DiffuseTransmission { reflectance: COLOR.into(), transmittance: 0.0.into() }, Coat::new(1.5, COLOR, round(0.3))),
+        coated(
+            Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: COLOR.into(), transmittance: 0.0.into() }),
+            Coat::new(1.5, COLOR, round(0.3)),
+        ),
         Compound::Sheen(Sheen::new(glazed(), Spectrum::ONE, 0.45)).into(),
         principled.into(),
         dense.into(),

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3, UVec2, Vec2};
-use pt::bsdf::{Material, Relief, Skin, TransportMode};
+use pt::bsdf::{Material, NormalModifier, SurfaceMaterial, TransportMode};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::light::{Directional, Environment, Light};
 use pt::math::{Ray, Transform};
@@ -123,8 +123,8 @@ fn plane(pixels: &[DVec3], lit: Lit) -> WorldBuilder {
     let pixels = Pixels::new(UVec2::splat(TEXELS as u32), values).expect("as many as the size says");
     let scale = Vec2::splat(REPEATS as f32);
     let map = Texture::Image(Image { pixels: Arc::new(pixels), scale, wrap: Wrap::Repeat, filter: Filter::Bilinear });
-    let relief = Some(Relief::Normals { map, strength: 1.0.into() });
-    let skin = world.material(Skin { relief, ..Material::diffuse(gray(ALBEDO)).into() });
+    let relief = Some(NormalModifier::Normals { map, strength: 1.0.into() });
+    let skin = world.material(SurfaceMaterial { relief, ..Material::diffuse(gray(ALBEDO)).into() });
     world.shape(Quad { size: [SIDE; 2] }, Transform::IDENTITY, skin, None);
     lit.add_to(&mut world);
     world

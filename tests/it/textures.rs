@@ -2,7 +2,7 @@
 
 use glam::{DVec3, IVec3, Vec2, Vec3};
 use proptest::prelude::*;
-use pt::bsdf::{Bsdf, Material};
+use pt::bsdf::{Bsdf, HitContext, Material, textured};
 use pt::camera::{Camera, Orthographic, Pose};
 use pt::effects::Effects;
 use pt::math::{Spectrum, Transform};
@@ -130,18 +130,18 @@ fn materials_look_their_textures_up() {
     let materials = [
         Material::diffuse(texture()),
         Material::mirror(texture()),
-        Material::Dielectric { eta: 1.5.into(), color: texture() },
-        Material::MatteCone { color: texture(), mattness: 0.5.into() },
-        Material::OrenNayar { albedo: texture(), roughness: 0.5.into() },
-        Material::Phong { color: texture(), exponent: 2.0.into() },
-        Material::BlinnPhong { color: texture(), exponent: 2.0.into() },
-        Material::Metal { color: texture(), roughness: 0.5.into() },
+        Material::from(textured::Dielectric::smooth(1.5, texture())),
+        Material::MatteCone(textured::MatteCone { color: texture(), mattness: 0.5.into() }),
+        Material::OrenNayar(textured::OrenNayar { albedo: texture(), roughness: 0.5.into() }),
+        Material::Phong(textured::Phong { color: texture(), exponent: 2.0.into() }),
+        Material::BlinnPhong(textured::BlinnPhong { color: texture(), exponent: 2.0.into() }),
+        Material::Metal(textured::Metal { color: texture(), roughness: 0.5.into() }),
         Material::plastic(texture(), 1.5),
-        Material::DiffuseTransmission { reflectance: Spectrum::BLACK.into(), transmittance: texture() },
+        Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: Spectrum::BLACK.into(), transmittance: texture() }),
     ];
     for material in materials {
         for (u, expected) in [(0.5, EVEN), (1.5, ODD), (-0.5, ODD)] {
-            let found = match material.at(&point(Vec3::splat(7.5), Vec2::new(u, 0.5))) {
+            let found = match material.bsdf_at(&HitContext::from_outside(point(Vec3::splat(7.5), Vec2::new(u, 0.5)))) {
                 Bsdf::Diffuse(b) => b.albedo,
                 Bsdf::Mirror(b) => b.color,
                 Bsdf::Dielectric(b) => b.color,
@@ -167,8 +167,8 @@ fn only_what_varies_is_textured() {
         let materials = [
             Material::diffuse(texture.clone()),
             Material::mirror(texture.clone()),
-            Material::Dielectric { eta: 1.5.into(), color: texture.clone() },
-            Material::MatteCone { color: texture.clone(), mattness: 0.5.into() },
+            Material::from(textured::Dielectric::smooth(1.5, texture.clone())),
+            Material::MatteCone(textured::MatteCone { color: texture.clone(), mattness: 0.5.into() }),
         ];
         for material in materials {
             assert_eq!(material.effects().contains(Effects::TEXTURES), is_textured, "{material:?}");

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use pt::bsdf::microfacet::finish::{Alpha, Finish};
 use pt::bsdf::microfacet::{self, Distribution};
-use pt::bsdf::{Bsdf, Coat, Coated, Compound, Material, Plastic, Sheen, TransportMode};
+use pt::bsdf::{Bsdf, Coat, Coated, Compound, HitContext, Material, Plastic, Sheen, TransportMode};
 use pt::effects::Effects;
 use pt::math::fresnel::{dielectric, dielectric_mean};
 use pt::math::{Local, Spectrum};
@@ -106,7 +106,14 @@ fn numbers_lie_between_their_ends() {
 
 /// What its place in a texture ramp makes of a material, at the middle.
 fn halfway(material: &Material) -> Bsdf<'_> {
-    material.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::splat(0.5), color: VertexColor::WHITE })
+    material.bsdf_at(&HitContext::from_outside(SurfacePoint {
+        p: Vec3::ZERO,
+        offset: 0.0,
+        ng: Vec3::Z,
+        ns: Vec3::Z,
+        uv: Vec2::splat(0.5),
+        color: VertexColor::WHITE,
+    }))
 }
 
 fn finish(alpha: f32) -> Finish {

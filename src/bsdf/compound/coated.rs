@@ -3,12 +3,15 @@
 use glam::{DVec3, Vec2};
 
 use super::veil::{Cover, NODES, nodes};
-use super::{Place, Scatter, Veil, choose};
-use crate::bsdf::material::ANYWHERE;
+use super::{Compound, Scatter, Veil, choose};
+use crate::bsdf::description::{Description, MaterialRef, Prepare, given};
 use crate::bsdf::microfacet::albedo::{Domain, Key, Shelf};
-use crate::bsdf::microfacet::{Albedo, Between, Distribution, Finish, Ladder, Microfacets, Pair, Scale, above, cos_to_half, upward};
-use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Diffuse, Lobe, Material, OrenNayar, TransportMode};
+use crate::bsdf::microfacet::{
+    Albedo, Between, Distribution, Finish, Ladder, Microfacets, Pair, RoughnessKeys, Scale, above, cos_to_half, roughness_keys, upward,
+};
+use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Diffuse, HitContext, Lobe, Material, OrenNayar, TransportMode};
 use crate::effects::Effects;
+use crate::format::Textured;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, fresnel};
 use crate::shape::SurfacePoint;
 use crate::texture::{Number, Texture};
@@ -84,7 +87,7 @@ impl Coat {
         let finish = finish.map(tables);
         let smooth_mean = eta.constant().map(smooth_mean);
         let coat = Coat { eta, color: color.into(), finish, smooth_mean, as_seen: false, passed_at_nodes: None };
-        Coat { passed_at_nodes: coat.is_uniform().then(|| coat.at(&ANYWHERE).passed_at_nodes()), ..coat }
+        Coat { passed_at_nodes: coat.is_uniform().then(|| coat.at(&HitContext::ANYWHERE.point).passed_at_nodes()), ..coat }
     }
 
     /// Whether it reflects alike everywhere.
@@ -208,8 +211,8 @@ impl Cover for Layer<'_> {
 const MIN_COS2: f32 = 1e-6;
 
 impl Coated {
-    fn at(&self, at: &Place) -> (Layer<'_>, Bsdf<'_>) {
-        (self.coat.at(&at.point), at.met(&self.ground))
+    fn at(&self, at: &HitContext) -> (Layer<'_>, Bsdf<'_>) {
+        (self.coat.at(&at.point), at.bsdf_of(&self.ground))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Coated {
@@ -218,7 +221,7 @@ impl Coated {
 }
 
 impl Scatter for Coated {
-    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
+    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
         let (layer, ground) = self.at(at);
         let below = ground.beneath(Some(&Veil::new(&layer, above, wo, wi)), wo, wi, mode);
         let below = if below.is_black() { below } else { below * layer.deepened(&ground) * layer.dimmed(wo, wi) };
@@ -226,14 +229,14 @@ impl Scatter for Coated {
         below + Spectrum::gray(reflected)
     }
 
-    fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
+    fn pdf(&self, at: &HitContext, wo: Local, wi: Local) -> SolidAnglePdf {
         let (layer, ground) = self.at(at);
         let [coat, below] = layer.chances(&ground, wo);
         let reflected = layer.reflection(wo, wi).map_or(0.0, |(_, pdf)| pdf);
         SolidAnglePdf::new(coat * reflected + below * ground.pdf(wo, wi).get())
     }
 
-    fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    fn sample(&self, at: &HitContext, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let (layer, ground) = self.at(at);
         let [chance, below] = layer.chances(&ground, wo);
         let (coat, choice) = choose(choice, chance);
@@ -254,7 +257,7 @@ impl Scatter for Coated {
         self.of_part(at, wo, sample, chance, |_| Spectrum::ONE, mode).filter(|_| wo.same_side(wi))
     }
 
-    fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes {
+    fn delta_lobes(&self, at: &HitContext, wo: Local, mode: TransportMode) -> DeltaLobes {
         let (layer, ground) = self.at(at);
         let mut lobes = DeltaLobes::default();
         let reflected = layer.reflected(wo);
@@ -267,13 +270,13 @@ impl Scatter for Coated {
         lobes
     }
 
-    fn has_smooth_lobe(&self, at: &Place) -> bool {
+    fn has_smooth_lobe(&self, at: &HitContext) -> bool {
         let (layer, ground) = self.at(at);
         layer.facets.is_some() || ground.has_smooth_lobe()
     }
 
-    fn reciprocal(&self, at: &Place) -> bool {
-        at.met(&self.ground).reciprocal()
+    fn reciprocal(&self, at: &HitContext) -> bool {
+        at.bsdf_of(&self.ground).reciprocal()
     }
 
     fn parts(&self) -> Vec<&Material> {
@@ -290,5 +293,69 @@ impl Scatter for Coated {
 
     fn is_anisotropic(&self) -> bool {
         self.ground.is_anisotropic() || self.coat.finish.as_ref().is_some_and(|(finish, _)| finish.is_anisotropic())
+    }
+}
+
+/// As a scene file says it.
+pub mod described {
+    use schemars::JsonSchema;
+    use serde::{Deserialize, Serialize};
+
+    use crate::bsdf::description::MaterialRef;
+    use crate::bsdf::microfacet::{AlphaKey, Distribution};
+    use crate::format::{CoatIndex, Textured, Varying};
+
+    /// A clear coat on any material: varnish, glaze, lacquer. No energy is lost over matte grounds and mirrors, nor where there are
+    /// other coats in between. Over others that scatter widely some is: over white `oren_nayar` up to 5 %, over white metal that is
+    /// rough up to 6 %.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields)]
+    pub struct Coated {
+        /// What lies under the coat. The colours of a matte one look deeper, as light is thrown back on it from within.
+        pub ground: MaterialRef,
+        /// Index of refraction of the coat over that outside.
+        #[serde(default = "glassy")]
+        pub eta: Varying<CoatIndex>,
+        /// What the coat leaves of light that goes straight down through it and up again.
+        #[serde(default = "Textured::white")]
+        pub color: Textured,
+        /// 0 is smooth, 1 the roughest. The width of highlights, alpha, is its square, so that equal steps look equal. Below 0.001 a
+        /// surface is as good as smooth. (Of a colour, the mean.)
+        #[serde(default = "Textured::black")]
+        pub roughness: Textured,
+        /// From round highlights to highlights ten times as long as wide, along the first texture coordinate. (Of a colour, the mean.)
+        #[serde(default = "Textured::black")]
+        pub anisotropy: Textured,
+        /// In place of `roughness` and `anisotropy`, the width itself; `[along u, along v]` for each of them.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub alpha: Option<AlphaKey>,
+        /// How the facets of a rough surface lean.
+        #[serde(default)]
+        pub distribution: Distribution,
+    }
+
+    fn glassy() -> Varying<CoatIndex> {
+        Varying::Same(CoatIndex::known(1.5))
+    }
+}
+
+impl Description for described::Coated {
+    fn textures(&self) -> Vec<(String, &Textured)> {
+        let own = [("eta/by", self.eta.by()), ("color", Some(&self.color))];
+        own.into_iter().filter_map(given).chain(roughness_keys!(self).textures()).collect()
+    }
+
+    fn parts(&self) -> Vec<(&'static str, &MaterialRef)> {
+        vec![("ground", &self.ground)]
+    }
+
+    fn roughness_keys(&self) -> Option<RoughnessKeys<'_>> {
+        Some(roughness_keys!(self))
+    }
+
+    fn prepare(&self, builder: &mut dyn Prepare) -> Material {
+        let color = builder.texture("color", &self.color);
+        let coat = Coat::new(builder.number("eta", &self.eta), color, roughness_keys!(self).prepare(builder));
+        Compound::Coated(Coated { ground: builder.part("ground", &self.ground), coat }).into()
     }
 }

@@ -2,8 +2,10 @@
 
 use glam::{DVec3, Vec2};
 
-use super::{Place, Scatter, Veil, choose};
-use crate::bsdf::{BsdfSample, DeltaLobes, Material, TransportMode};
+use super::{Compound, Scatter, Veil, choose};
+use crate::bsdf::description::{Description, MaterialRef, Prepare, given};
+use crate::bsdf::{BsdfSample, DeltaLobes, HitContext, Material, TransportMode};
+use crate::format::{Textured, Varying};
 use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel};
 use crate::texture::{Number, Texture};
 
@@ -36,7 +38,7 @@ pub enum Share {
 
 impl Mix {
     /// The one that is alone at a place.
-    pub(super) fn only(&self, at: &Place) -> Option<&Material> {
+    pub(super) fn only(&self, at: &HitContext) -> Option<&Material> {
         match self.constant(at)? {
             0.0 => Some(&self.a),
             1.0 => Some(&self.b),
@@ -45,7 +47,7 @@ impl Mix {
     }
 
     /// t, where it is the same for all directions.
-    fn constant(&self, at: &Place) -> Option<f32> {
+    fn constant(&self, at: &HitContext) -> Option<f32> {
         match &self.share {
             Share::Texture(texture) => Some(texture.at(&at.point).average().clamp(0.0, 1.0)),
             Share::Fresnel { .. } => None,
@@ -53,11 +55,11 @@ impl Mix {
     }
 
     /// Of the second to be sampled.
-    fn chance(&self, at: &Place, wo: Local) -> f32 {
+    fn chance(&self, at: &HitContext, wo: Local) -> f32 {
         self.share_of(at, wo, wo)[1]
     }
 
-    fn share_of(&self, at: &Place, wo: Local, wi: Local) -> [f32; 2] {
+    fn share_of(&self, at: &HitContext, wo: Local, wi: Local) -> [f32; 2] {
         match &self.share {
             Share::Fresnel { eta } => {
                 let eta = eta.at(&at.point);
@@ -81,40 +83,40 @@ impl Mix {
 }
 
 impl Scatter for Mix {
-    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
+    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
         let [a, b] = self.share_of(at, wo, wi);
-        at.met(&self.a).beneath(above, wo, wi, mode) * a + at.met(&self.b).beneath(above, wo, wi, mode) * b
+        at.bsdf_of(&self.a).beneath(above, wo, wi, mode) * a + at.bsdf_of(&self.b).beneath(above, wo, wi, mode) * b
     }
 
-    fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
+    fn pdf(&self, at: &HitContext, wo: Local, wi: Local) -> SolidAnglePdf {
         let chance = self.chance(at, wo);
-        SolidAnglePdf::new(at.met(&self.a).pdf(wo, wi).get() * (1.0 - chance) + at.met(&self.b).pdf(wo, wi).get() * chance)
+        SolidAnglePdf::new(at.bsdf_of(&self.a).pdf(wo, wi).get() * (1.0 - chance) + at.bsdf_of(&self.b).pdf(wo, wi).get() * chance)
     }
 
-    fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    fn sample(&self, at: &HitContext, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let chance = self.chance(at, wo);
         let (second, choice) = choose(choice, chance);
         let (part, chance) = if second { (&self.b, chance) } else { (&self.a, 1.0 - chance) };
-        let sample = at.met(part).sample(wo, choice, u, mode)?;
+        let sample = at.bsdf_of(part).sample(wo, choice, u, mode)?;
         self.of_part(at, wo, sample, chance, |wi| Spectrum::gray(self.share_of(at, wo, wi)[usize::from(second)]), mode)
     }
 
-    fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes {
+    fn delta_lobes(&self, at: &HitContext, wo: Local, mode: TransportMode) -> DeltaLobes {
         let mut lobes = DeltaLobes::default();
         for (k, part) in [&self.a, &self.b].into_iter().enumerate() {
-            for lobe in at.met(part).delta_lobes(wo, mode) {
+            for lobe in at.bsdf_of(part).delta_lobes(wo, mode) {
                 lobes.add(lobe, Spectrum::gray(self.share_of(at, wo, lobe.wi)[k]));
             }
         }
         lobes
     }
 
-    fn has_smooth_lobe(&self, at: &Place) -> bool {
-        at.met(&self.a).has_smooth_lobe() || at.met(&self.b).has_smooth_lobe()
+    fn has_smooth_lobe(&self, at: &HitContext) -> bool {
+        at.bsdf_of(&self.a).has_smooth_lobe() || at.bsdf_of(&self.b).has_smooth_lobe()
     }
 
-    fn reciprocal(&self, at: &Place) -> bool {
-        at.met(&self.a).reciprocal() && at.met(&self.b).reciprocal()
+    fn reciprocal(&self, at: &HitContext) -> bool {
+        at.bsdf_of(&self.a).reciprocal() && at.bsdf_of(&self.b).reciprocal()
     }
 
     fn parts(&self) -> Vec<&Material> {
@@ -125,6 +127,58 @@ impl Scatter for Mix {
         match &self.share {
             Share::Texture(texture) => vec![texture],
             Share::Fresnel { eta } => eta.texture().into_iter().collect(),
+        }
+    }
+}
+
+/// As a scene file says it.
+pub mod described {
+    use schemars::JsonSchema;
+    use serde::{Deserialize, Serialize};
+
+    use crate::bsdf::description::MaterialRef;
+    use crate::format::{Index, Textured, Varying};
+
+    /// Two materials side by side, too fine to be told apart.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields)]
+    pub struct MaterialMix {
+        /// The first.
+        pub a: MaterialRef,
+        /// The second.
+        pub b: MaterialRef,
+        /// How much of `b`: 0 is all `a`. (Of a colour, the mean.)
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub share: Option<Textured>,
+        /// In place of `share`: `b` shows where a surface with this index of refraction reflects, along the surface above all. A little
+        /// energy is lost unless `b` is a mirror.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub fresnel: Option<Varying<Index>>,
+    }
+}
+
+impl Description for described::MaterialMix {
+    fn textures(&self) -> Vec<(String, &Textured)> {
+        let all = [("share", self.share.as_ref()), ("fresnel/by", self.fresnel.as_ref().and_then(Varying::by))];
+        all.into_iter().filter_map(given).collect()
+    }
+
+    fn parts(&self) -> Vec<(&'static str, &MaterialRef)> {
+        vec![("a", &self.a), ("b", &self.b)]
+    }
+
+    fn faults(&self) -> Vec<(&'static str, &'static str)> {
+        if self.share.is_some() == self.fresnel.is_some() { vec![("", "a mix needs either \"share\" or \"fresnel\"")] } else { vec![] }
+    }
+
+    fn prepare(&self, builder: &mut dyn Prepare) -> Material {
+        let (a, b) = (builder.part("a", &self.a), builder.part("b", &self.b));
+        match &self.fresnel {
+            Some(eta) => Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: builder.number("fresnel", eta) } }).into(),
+            None => {
+                let share = self.share.as_ref().map(|share| builder.texture("share", share));
+                Material::mix(a, b, share.unwrap_or(Spectrum::BLACK.into()))
+            }
         }
     }
 }

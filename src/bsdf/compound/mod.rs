@@ -13,11 +13,10 @@ mod veil;
 
 use glam::{DVec3, Vec2};
 
-use super::{Bsdf, BsdfSample, DeltaLobes, Material, TransportMode};
+use super::{Bsdf, BsdfSample, DeltaLobes, HitContext, Material, Passage, TransportMode};
 use crate::effects::Effects;
 use crate::math::float::ONE_MINUS_EPSILON;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
-use crate::shape::SurfacePoint;
 use crate::texture::Texture;
 
 pub use coated::{Coat, Coated};
@@ -34,37 +33,22 @@ pub enum Compound {
     Sides(Sides),
 }
 
-/// Where light meets a material.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
-    pub point: SurfacePoint,
-    /// How far it came through the body behind the surface (m); 0 for light from outside.
-    pub inside: f32,
-}
-
-impl Place {
-    /// A material here.
-    fn met<'m>(&self, material: &'m Material) -> Bsdf<'m> {
-        material.met(&self.point, self.inside)
-    }
-}
-
 /// A compound at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Met<'a> {
+pub struct CompoundAt<'a> {
     pub compound: &'a Compound,
-    pub place: Place,
+    pub hit: HitContext,
 }
 
 /// What a compound does to light at a place; the conventions are those of [`Bsdf`].
 trait Scatter {
     /// - `above`: the layers that its light goes through, both ways; what is seen of it is weakened by them
-    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum;
-    fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf;
-    fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample>;
-    fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes;
-    fn has_smooth_lobe(&self, at: &Place) -> bool;
-    fn reciprocal(&self, at: &Place) -> bool;
+    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum;
+    fn pdf(&self, at: &HitContext, wo: Local, wi: Local) -> SolidAnglePdf;
+    fn sample(&self, at: &HitContext, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample>;
+    fn delta_lobes(&self, at: &HitContext, wo: Local, mode: TransportMode) -> DeltaLobes;
+    fn has_smooth_lobe(&self, at: &HitContext) -> bool;
+    fn reciprocal(&self, at: &HitContext) -> bool;
 
     /// The materials it is made of.
     fn parts(&self) -> Vec<&Material>;
@@ -88,7 +72,7 @@ trait Scatter {
     /// Into a single direction the part leads alone; elsewhere all of the whole counts.
     fn of_part(
         &self,
-        at: &Place,
+        at: &HitContext,
         wo: Local,
         sample: BsdfSample,
         chance: f32,
@@ -121,40 +105,40 @@ macro_rules! of_each {
 }
 
 // Out of line, so that plain materials do not pay for the recursion.
-impl Met<'_> {
+impl CompoundAt<'_> {
     #[inline(never)]
     pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
-        of_each!(self.compound, member => member.eval(&self.place, wo, wi, mode, None))
+        of_each!(self.compound, member => member.eval(&self.hit, wo, wi, mode, None))
     }
 
-    /// What the layers above it let pass of [`Met::eval`].
+    /// What the layers above it let pass of [`CompoundAt::eval`].
     #[inline(never)]
     fn beneath(&self, above: Option<&Veil>, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
-        of_each!(self.compound, member => member.eval(&self.place, wo, wi, mode, above))
+        of_each!(self.compound, member => member.eval(&self.hit, wo, wi, mode, above))
     }
 
     #[inline(never)]
     pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
-        of_each!(self.compound, member => member.pdf(&self.place, wo, wi))
+        of_each!(self.compound, member => member.pdf(&self.hit, wo, wi))
     }
 
     #[inline(never)]
     pub fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        of_each!(self.compound, member => member.sample(&self.place, wo, choice, u, mode))
+        of_each!(self.compound, member => member.sample(&self.hit, wo, choice, u, mode))
     }
 
     #[inline(never)]
     pub(in crate::bsdf) fn delta_lobes(&self, wo: Local, mode: TransportMode) -> DeltaLobes {
-        of_each!(self.compound, member => member.delta_lobes(&self.place, wo, mode))
+        of_each!(self.compound, member => member.delta_lobes(&self.hit, wo, mode))
     }
 
     #[inline(never)]
     pub fn has_smooth_lobe(&self) -> bool {
-        of_each!(self.compound, member => member.has_smooth_lobe(&self.place))
+        of_each!(self.compound, member => member.has_smooth_lobe(&self.hit))
     }
 
     pub fn reciprocal(&self) -> bool {
-        of_each!(self.compound, member => member.reciprocal(&self.place))
+        of_each!(self.compound, member => member.reciprocal(&self.hit))
     }
 }
 
@@ -169,13 +153,13 @@ impl Compound {
     }
 
     /// The compound at a place; where only one of two is there, that one.
-    pub fn met(&self, at: &Place) -> Bsdf<'_> {
+    pub fn bsdf_at(&self, at: &HitContext) -> Bsdf<'_> {
         if let Compound::Mix(mix) = self
             && let Some(only) = mix.only(at)
         {
-            return at.met(only);
+            return at.bsdf_of(only);
         }
-        Bsdf::Compound(Met { compound: self, place: *at })
+        Bsdf::Compound(CompoundAt { compound: self, hit: *at })
     }
 
     pub fn is_anisotropic(&self) -> bool {
@@ -187,6 +171,11 @@ impl Compound {
         let (own, textures) = of_each!(self, member => (member.own_effects(), member.textures()));
         let textured = textures.into_iter().any(|texture| !texture.is_constant());
         parts | own | if textured { Effects::TEXTURES } else { Effects::NONE }
+    }
+
+    /// What becomes of light that goes on behind the surface: what becomes of it behind any of the parts.
+    pub fn passage(&self) -> Passage {
+        self.parts().into_iter().map(Material::passage).max().unwrap_or(Passage::Blocked)
     }
 
     /// The materials it is made of.

@@ -5,11 +5,13 @@ use std::f32::consts::PI;
 use glam::{DVec3, Vec2};
 
 use super::veil::{Cover, NODES as PASSAGES, nodes};
-use super::{Place, Scatter, Veil, choose};
+use super::{Compound, Scatter, Veil, choose};
+use crate::bsdf::description::{Description, MaterialRef, Prepare};
 use crate::bsdf::microfacet::albedo::Shelf;
 use crate::bsdf::microfacet::{Between, Ladder, Scale, upward_normal};
-use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Lobe, Material, TransportMode};
+use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, HitContext, Lobe, Material, TransportMode};
 use crate::effects::Effects;
+use crate::format::Textured;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, warp};
 use crate::texture::Texture;
 
@@ -73,9 +75,9 @@ impl Sheen {
         Sheen { ground, color: color.into(), roughness, tables: Ladder::new(range, Scale::Ratio, table) }
     }
 
-    fn at(&self, at: &Place) -> (Fibres, Bsdf<'_>) {
+    fn at(&self, at: &HitContext) -> (Fibres, Bsdf<'_>) {
         let tables = self.tables.at(alpha(self.roughness.scalar(&at.point)));
-        (Fibres { color: self.color.at(&at.point), tables }, at.met(&self.ground))
+        (Fibres { color: self.color.at(&at.point), tables }, at.bsdf_of(&self.ground))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Sheen {
@@ -175,20 +177,20 @@ fn lookup(table: &[f32; NODES], w: Local) -> f32 {
 }
 
 impl Scatter for Sheen {
-    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
+    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
         let (fibres, ground) = self.at(at);
         let veil = Veil::new(&fibres, above, wo, wi);
         fibres.eval(wo, wi) * above.map_or(1.0, Veil::glossy) + ground.beneath(Some(&veil), wo, wi, mode)
     }
 
-    fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
+    fn pdf(&self, at: &HitContext, wo: Local, wi: Local) -> SolidAnglePdf {
         let (fibres, ground) = self.at(at);
         let chance = fibres.chance(wo);
         let fibres = if wo.same_side(wi) { 0.5 / PI } else { 0.0 };
         SolidAnglePdf::new(fibres * chance + ground.pdf(wo, wi).get() * (1.0 - chance))
     }
 
-    fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    fn sample(&self, at: &HitContext, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         let (fibres, ground) = self.at(at);
         let chance = fibres.chance(wo);
         let (chosen, choice) = choose(choice, chance);
@@ -202,7 +204,7 @@ impl Scatter for Sheen {
         self.of_part(at, wo, sample, chance, |_| Spectrum::ONE, mode)
     }
 
-    fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes {
+    fn delta_lobes(&self, at: &HitContext, wo: Local, mode: TransportMode) -> DeltaLobes {
         let (fibres, ground) = self.at(at);
         let mut lobes = DeltaLobes::default();
         for lobe in ground.delta_lobes(wo, mode) {
@@ -211,13 +213,13 @@ impl Scatter for Sheen {
         lobes
     }
 
-    fn has_smooth_lobe(&self, at: &Place) -> bool {
+    fn has_smooth_lobe(&self, at: &HitContext) -> bool {
         let (fibres, ground) = self.at(at);
         !fibres.color.is_black() || ground.has_smooth_lobe()
     }
 
-    fn reciprocal(&self, at: &Place) -> bool {
-        at.met(&self.ground).reciprocal()
+    fn reciprocal(&self, at: &HitContext) -> bool {
+        at.bsdf_of(&self.ground).reciprocal()
     }
 
     fn parts(&self) -> Vec<&Material> {
@@ -230,5 +232,49 @@ impl Scatter for Sheen {
 
     fn own_effects(&self) -> Effects {
         Effects::INTERREFLECTION
+    }
+}
+
+/// As a scene file says it.
+pub mod described {
+    use schemars::JsonSchema;
+    use serde::{Deserialize, Serialize};
+
+    use crate::bsdf::description::MaterialRef;
+    use crate::format::Textured;
+
+    /// Fibres that stand up from a material and catch the light where one looks along it: velvet, dust. White ones lose no energy over
+    /// matte grounds and mirrors. Others that scatter widely lose some under them: white `oren_nayar` and metal of roughness 1 up to
+    /// 13 %, white plastic up to 0.6 %. Coloured fibres keep light of all colours from the ground as their brightest one does.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields)]
+    pub struct Sheen {
+        /// What the fibres stand on.
+        pub ground: MaterialRef,
+        /// Of the fibres.
+        #[serde(default = "Textured::white")]
+        pub color: Textured,
+        /// 0.1 (and below) are fibres that stand straight, 1 lie all ways. (Of a colour, the mean.)
+        #[serde(default = "half")]
+        pub roughness: Textured,
+    }
+
+    fn half() -> Textured {
+        Textured::gray(0.5)
+    }
+}
+
+impl Description for described::Sheen {
+    fn textures(&self) -> Vec<(String, &Textured)> {
+        vec![("color".into(), &self.color), ("roughness".into(), &self.roughness)]
+    }
+
+    fn parts(&self) -> Vec<(&'static str, &MaterialRef)> {
+        vec![("ground", &self.ground)]
+    }
+
+    fn prepare(&self, builder: &mut dyn Prepare) -> Material {
+        let (color, roughness) = (builder.texture("color", &self.color), builder.texture("roughness", &self.roughness));
+        Compound::Sheen(Sheen::new(builder.part("ground", &self.ground), color, roughness)).into()
     }
 }

@@ -2,8 +2,10 @@
 
 use glam::{DVec3, Vec2};
 
-use super::{Place, Scatter, Veil};
-use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Lobe, Material, TransportMode};
+use super::{Compound, Scatter, Veil};
+use crate::bsdf::description::{Description, MaterialRef, Prepare};
+use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, HitContext, Lobe, Material, TransportMode};
+use crate::format::Textured;
 use crate::math::{Local, SolidAnglePdf, Spectrum};
 use crate::texture::Texture;
 
@@ -21,9 +23,9 @@ pub struct Sides {
 }
 
 impl Sides {
-    fn towards(&self, at: &Place, w: Local) -> Option<Bsdf<'_>> {
+    fn towards(&self, at: &HitContext, w: Local) -> Option<Bsdf<'_>> {
         let side = if w.cos() > 0.0 { &self.front } else { &self.back };
-        side.as_ref().map(|material| at.met(material))
+        side.as_ref().map(|material| at.bsdf_of(material))
     }
 
     fn each(&self) -> impl Iterator<Item = &Material> {
@@ -37,21 +39,21 @@ impl Sides {
 }
 
 impl Scatter for Sides {
-    fn eval(&self, at: &Place, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
+    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
         let side = self.towards(at, wo).filter(|_| wo.same_side(wi));
         side.map_or(Spectrum::BLACK, |side| side.beneath(above, wo, wi, mode))
     }
 
-    fn pdf(&self, at: &Place, wo: Local, wi: Local) -> SolidAnglePdf {
+    fn pdf(&self, at: &HitContext, wo: Local, wi: Local) -> SolidAnglePdf {
         let side = self.towards(at, wo).filter(|_| wo.same_side(wi));
         side.map_or(SolidAnglePdf::ZERO, |side| side.pdf(wo, wi))
     }
 
-    fn sample(&self, at: &Place, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+    fn sample(&self, at: &HitContext, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         self.towards(at, wo)?.sample(wo, choice, u, mode).filter(|sample| sample.lobe == Lobe::Reflection)
     }
 
-    fn delta_lobes(&self, at: &Place, wo: Local, mode: TransportMode) -> DeltaLobes {
+    fn delta_lobes(&self, at: &HitContext, wo: Local, mode: TransportMode) -> DeltaLobes {
         let mut lobes = DeltaLobes::default();
         for lobe in self.towards(at, wo).into_iter().flat_map(|side| side.delta_lobes(wo, mode)) {
             if lobe.lobe == Lobe::Reflection {
@@ -61,12 +63,12 @@ impl Scatter for Sides {
         lobes
     }
 
-    fn has_smooth_lobe(&self, at: &Place) -> bool {
-        self.each().any(|side| at.met(side).has_smooth_lobe())
+    fn has_smooth_lobe(&self, at: &HitContext) -> bool {
+        self.each().any(|side| at.bsdf_of(side).has_smooth_lobe())
     }
 
-    fn reciprocal(&self, at: &Place) -> bool {
-        self.each().all(|side| at.met(side).reciprocal())
+    fn reciprocal(&self, at: &HitContext) -> bool {
+        self.each().all(|side| at.bsdf_of(side).reciprocal())
     }
 
     fn parts(&self) -> Vec<&Material> {
@@ -75,5 +77,52 @@ impl Scatter for Sides {
 
     fn textures(&self) -> Vec<&Texture> {
         vec![]
+    }
+}
+
+/// As a scene file says it.
+pub mod described {
+    use schemars::JsonSchema;
+    use serde::{Deserialize, Serialize};
+
+    use crate::bsdf::description::MaterialRef;
+
+    /// A sheet with two faces. Nothing goes through; a side that is left out is black.
+    #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct TwoSided {
+        /// Where the normal points.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub front: Option<MaterialRef>,
+        /// On the other side.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub back: Option<MaterialRef>,
+    }
+}
+
+impl Description for described::TwoSided {
+    fn textures(&self) -> Vec<(String, &Textured)> {
+        vec![]
+    }
+
+    fn parts(&self) -> Vec<(&'static str, &MaterialRef)> {
+        self.front.iter().map(|side| ("front", side)).chain(self.back.iter().map(|side| ("back", side))).collect()
+    }
+
+    fn faults(&self) -> Vec<(&'static str, &'static str)> {
+        let none = self.front.is_none() && self.back.is_none();
+        if none { vec![("", "a two-sided material needs \"front\", or \"back\", or both")] } else { vec![] }
+    }
+
+    fn prepare(&self, builder: &mut dyn Prepare) -> Material {
+        let mut side = |key: &str, chosen: &Option<MaterialRef>| {
+            let material = builder.part(key, chosen.as_ref()?);
+            if material.transmits() {
+                builder.fault(key, "lets light through, and a two-sided material does not: use it without");
+            }
+            Some(material)
+        };
+        let (front, back) = (side("front", &self.front), side("back", &self.back));
+        Compound::Sides(Sides { front, back }).into()
     }
 }

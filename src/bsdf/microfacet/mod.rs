@@ -13,24 +13,33 @@ mod ggx;
 
 pub mod albedo;
 pub mod finish;
+pub mod keys;
 pub mod ladder;
 
 use std::f32::consts::FRAC_1_PI;
 
 use glam::{Vec2, Vec2Swizzles, Vec3};
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::math::Local;
 
 pub use albedo::Albedo;
 pub use finish::Finish;
+pub(super) use keys::roughness_keys;
+pub use keys::{AlphaKey, RoughnessKeys, roughened};
 pub use ladder::{Between, Ladder, Scale};
 
-/// How the normals of facets spread about the surface's own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+/// How the facets of a rough surface lean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(inline)]
 pub enum Distribution {
-    /// Trowbridge and Reitz's: long tails, as measured surfaces have.
+    /// Trowbridge and Reitz's: highlights with long tails, as measured ones have.
+    #[default]
     Ggx,
-    /// Gaussian slopes: a sharp fall-off.
+    /// Gaussian slopes: highlights that end soon.
     Beckmann,
 }
 

@@ -250,10 +250,5 @@ impl Builder<'_> {
 }
 
 fn spectrum<T: Copy + Into<f64>>(color: &Color<T>) -> Spectrum {
-    rgb(color.linear())
-}
-
-fn rgb(values: [f64; 3]) -> Spectrum {
-    let [r, g, b] = values.map(|v| v as f32);
-    Spectrum::rgb(r, g, b)
+    Spectrum::from_f64(color.linear())
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::finish::{Alpha, Finish};
-use pt::bsdf::{Element, Material, Principled, Relief, Skin};
+use pt::bsdf::{Element, Material, NormalModifier, Principled, SurfaceMaterial, textured};
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::Integrator;
@@ -71,13 +71,16 @@ impl Zoo {
         let glass = world.material(Material::glass(1.5));
         let finish = |alpha: Vec2, distribution| Finish { alpha: Alpha::Constant(alpha), distribution };
         let brushed = world.material(Material::metal(Element::Cu.index(), Some(finish(Vec2::new(0.3, 0.06), Distribution::Ggx)), true));
-        let frosted = Material::rough_glass(1.5, Spectrum::ONE, finish(Vec2::splat(0.2), Distribution::Beckmann), true);
+        let frosted = textured::Dielectric::new(1.5, Spectrum::ONE, Some(finish(Vec2::splat(0.2), Distribution::Beckmann)), true);
         let absorption = Spectrum::rgb(0.3, 1.0, 2.0) * (1.0 / self.scale) as f32;
-        let bottle = world.material(Material::Filled { surface: Box::new(frosted), absorption });
-        let bubble = world.material(Material::ThinDielectric { eta: 1.33.into(), color: Spectrum::ONE.into() });
-        let satin = world.material(Material::MatteCone { color: Spectrum::gray(0.7).into(), mattness: 0.2.into() });
+        let bottle = world.material(Material::from(frosted.absorbing(absorption)));
+        let bubble = world.material(Material::ThinDielectric(textured::ThinDielectric { eta: 1.33.into(), color: Spectrum::ONE.into() }));
+        let satin = world.material(Material::MatteCone(textured::MatteCone { color: Spectrum::gray(0.7).into(), mattness: 0.2.into() }));
         let paint = world.material(self.paint(checker(Space::Uv)));
-        let veil = Skin { opacity: Some(0.6.into()), ..Material::mix(Material::mirror(Spectrum::ONE), Material::glass(1.2), 0.5).into() };
+        let veil = SurfaceMaterial {
+            opacity: Some(0.6.into()),
+            ..Material::mix(Material::mirror(Spectrum::ONE), Material::glass(1.2), 0.5).into()
+        };
         let veil = world.material(veil);
         let at = |x, y, z| Transform::translate(DVec3::new(x, y, z)).expect("finite");
         let flat = Transform::rotate(DVec3::X, -90.0).expect("an axis");
@@ -99,7 +102,7 @@ impl Zoo {
     }
 
     /// Materials within materials, on a surface with a relief.
-    fn paint(&self, color: Texture) -> Skin {
+    fn paint(&self, color: Texture) -> SurfaceMaterial {
         let finish = |alpha: f32| Some(Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
         let paint = Principled {
             base_color: color.clone(),
@@ -116,8 +119,8 @@ impl Zoo {
             sheen_roughness: 0.45.into(),
             multiscatter: true,
         };
-        let relief = Relief::Heights { map: color, scale: ((1e-3 * self.scale) as f32).into() };
-        Skin { relief: Some(relief), ..Material::from(paint).into() }
+        let relief = NormalModifier::Heights { map: color, scale: ((1e-3 * self.scale) as f32).into() };
+        SurfaceMaterial { relief: Some(relief), ..Material::from(paint).into() }
     }
 
     fn add_lights(

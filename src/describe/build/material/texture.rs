@@ -5,14 +5,14 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use crate::describe::build::transform::placed;
-use crate::describe::build::{Builder, rgb, spectrum};
-use crate::describe::{self, Encoding, Size, TextureSpace, Textured, Varying, VaryingPerChannel, identity, picture};
+use crate::describe::build::{Builder, spectrum};
+use crate::describe::{self, Encoding, Size, TextureSpace, Textured, identity, picture};
 use crate::error::Error;
 use crate::math::{Spectrum, Transform};
 use crate::reader::escaped;
 use crate::texture::image::{Filter, Pixels, Wrap};
 use crate::texture::noise::Turbulence;
-use crate::texture::{Checker, Image, Marble, Mix, Noise, Number, Product, Space, Texture, Threshold, Vertex};
+use crate::texture::{Checker, Image, Marble, Mix, Noise, Product, Space, Texture, Threshold, Vertex};
 
 /// Textures within textures are copied where they are used: checkers of checkers of … grow as 2ⁿ.
 pub(in crate::describe::build) const MOST_TEXTURES: usize = 1 << 16;
@@ -41,27 +41,6 @@ impl Builder<'_> {
                 Some(texture) => self.texture(&format!("/textures{}", escaped(name)), texture, range),
                 None => Spectrum::BLACK.into(),
             },
-        }
-    }
-
-    /// A number that may vary from one end to another.
-    pub(super) fn number<T: Copy + Into<f64>>(&mut self, pointer: &str, key: &str, described: &Varying<T>) -> Number {
-        let single = |value: T| value.into() as f32;
-        match described {
-            Varying::Same(value) => Number::Constant(single(*value)),
-            Varying::Between(b) => Number::between(single(b.from), single(b.to), self.textured(&format!("{pointer}/{key}/by"), &b.by)),
-        }
-    }
-
-    /// Three of them, for red, green and blue.
-    pub(super) fn channels<T: Copy + Into<f64>>(&mut self, pointer: &str, key: &str, described: &VaryingPerChannel<T>) -> Texture {
-        match described {
-            VaryingPerChannel::Equal(value) => Texture::Constant(Spectrum::gray((*value).into() as f32)),
-            VaryingPerChannel::Each(values) => Texture::Constant(rgb(values.map(Into::into))),
-            VaryingPerChannel::Between(b) => {
-                let by = self.textured(&format!("{pointer}/{key}/by"), &b.by);
-                Texture::between(rgb(b.from.each()), rgb(b.to.each()), by)
-            }
         }
     }
 

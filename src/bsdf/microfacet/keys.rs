@@ -1,0 +1,98 @@
+//! The keys of scene files that say how rough a surface is, shared by all rough materials.
+
+use glam::Vec2;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::finish::{Alpha, Finish, alpha};
+use super::{Distribution, Microfacets};
+use crate::bsdf::description::Prepare;
+use crate::format::{self, Fraction, Textured};
+use crate::math::Spectrum;
+use crate::reader::by_kind;
+use crate::texture::Texture;
+
+/// The width of highlights, from 0 to 1: a number or a texture, or `[along u, along v]`, each a number or a texture.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub enum AlphaKey {
+    Round(Textured),
+    Along([Textured; 2]),
+}
+
+by_kind!(AlphaKey {
+    Number => Round(Fraction),
+    Array => Along([Textured; 2]),
+    String => Round(String),
+    Object => Round(Box<format::Texture>),
+});
+
+/// The keys `roughness`, `anisotropy`, `alpha` and `distribution` of a material.
+#[derive(Debug, Clone, Copy)]
+pub struct RoughnessKeys<'m> {
+    pub roughness: &'m Textured,
+    pub anisotropy: &'m Textured,
+    pub alpha: Option<&'m AlphaKey>,
+    pub distribution: Distribution,
+}
+
+/// The [`RoughnessKeys`] of a struct that has these four fields.
+macro_rules! roughness_keys {
+    ($material:expr) => {
+        RoughnessKeys {
+            roughness: &$material.roughness,
+            anisotropy: &$material.anisotropy,
+            alpha: $material.alpha.as_ref(),
+            distribution: $material.distribution,
+        }
+    };
+}
+
+pub(in crate::bsdf) use roughness_keys;
+
+impl<'m> RoughnessKeys<'m> {
+    /// Their numbers and textures, by key.
+    pub fn textures(self) -> impl Iterator<Item = (String, &'m Textured)> {
+        let [first, second] = match self.alpha {
+            None => [None, None],
+            Some(AlphaKey::Round(width)) => [Some(("alpha", width)), None],
+            Some(AlphaKey::Along([u, v])) => [Some(("alpha/0", u)), Some(("alpha/1", v))],
+        };
+        let all = [("roughness", self.roughness), ("anisotropy", self.anisotropy)].into_iter().chain(first).chain(second);
+        all.map(|(key, texture)| (key.to_owned(), texture))
+    }
+
+    /// The roughness that they say; `None` for a surface that is smooth everywhere.
+    pub fn prepare(self, builder: &mut dyn Prepare) -> Option<Finish> {
+        let widths = match self.alpha {
+            None => return roughened(builder, ["roughness", "anisotropy"], [self.roughness, self.anisotropy], self.distribution),
+            Some(AlphaKey::Round(width)) => [builder.texture("alpha", width), builder.texture("alpha", width)],
+            Some(AlphaKey::Along([u, v])) => [builder.texture("alpha/0", u), builder.texture("alpha/1", v)],
+        };
+        let alpha = match widths {
+            [Texture::Constant(x), Texture::Constant(y)] => Alpha::Constant(Vec2::new(x.average(), y.average())),
+            widths => Alpha::Widths(widths),
+        };
+        rough(alpha, self.distribution)
+    }
+}
+
+/// The roughness by a roughness and an anisotropy; `None` for a surface that is smooth everywhere.
+///
+/// - `keys`: of roughness and anisotropy, which come next
+pub fn roughened(builder: &mut dyn Prepare, keys: [&str; 2], described: [&Textured; 2], distribution: Distribution) -> Option<Finish> {
+    let [roughness, anisotropy] = [0, 1].map(|k| builder.texture(keys[k], described[k]));
+    let alpha = match (roughness, anisotropy) {
+        (Texture::Constant(roughness), Texture::Constant(anisotropy)) => Alpha::Constant(alpha(roughness.average(), anisotropy.average())),
+        (Texture::Constant(smooth), _) if smooth == Spectrum::BLACK => Alpha::Constant(Vec2::ZERO),
+        (roughness, anisotropy) => Alpha::Textured { roughness, anisotropy },
+    };
+    rough(alpha, distribution)
+}
+
+/// `None` for a surface that is smooth everywhere.
+fn rough(alpha: Alpha, distribution: Distribution) -> Option<Finish> {
+    let smooth = matches!(alpha, Alpha::Constant(alpha) if Microfacets::new(alpha, distribution).is_none());
+    (!smooth).then_some(Finish { alpha, distribution })
+}

@@ -1,0 +1,252 @@
+//! The kinds of parameters that materials have, each in three stages.
+//!
+//! ```text
+//!              described (scene file)   textured (built once)   value (at a hit)
+//! Color        Textured                 Texture                 Spectrum
+//! Share        Textured                 Texture                 f32, the mean of the colours
+//! Number<T>    Varying<T>               texture::Number         f32
+//! ```
+
+use std::marker::PhantomData;
+
+use glam::DVec3;
+
+use super::HitContext;
+use super::description::Prepare;
+use crate::format::{Textured, Varying};
+use crate::math::Spectrum;
+use crate::texture::{self, Texture};
+
+/// A kind of parameter.
+pub trait Parameter {
+    /// What a scene file says.
+    type Described;
+    /// The parameter with its pictures read.
+    type Textured;
+    /// The parameter at a point.
+    type Value;
+
+    /// Reads what the description names.
+    fn prepare(described: &Self::Described, key: &str, builder: &mut dyn Prepare) -> Self::Textured;
+
+    /// Looks the value up.
+    fn at(textured: &Self::Textured, at: &HitContext) -> Self::Value;
+
+    /// The same parameter after the world has moved by −`origin`.
+    fn recentred(textured: Self::Textured, origin: DVec3) -> Self::Textured;
+
+    /// The colour or texture in a description and its key, where there is one.
+    fn described_texture<'d>(described: &'d Self::Described, key: &str) -> Option<(String, &'d Textured)>;
+
+    /// The texture, where there is one.
+    fn texture(textured: &Self::Textured) -> Option<&Texture>;
+}
+
+/// A reflected or transmitted colour.
+pub struct Color;
+
+/// A number from 0 to 1; of a colour, the mean.
+pub struct Share;
+
+/// A number in the range of `T`.
+pub struct Number<T>(PhantomData<T>);
+
+impl Parameter for Color {
+    type Described = Textured;
+    type Textured = Texture;
+    type Value = Spectrum;
+
+    fn prepare(described: &Textured, key: &str, builder: &mut dyn Prepare) -> Texture {
+        builder.texture(key, described)
+    }
+
+    #[inline]
+    fn at(textured: &Texture, at: &HitContext) -> Spectrum {
+        textured.at(&at.point)
+    }
+
+    fn recentred(textured: Texture, origin: DVec3) -> Texture {
+        textured.recentred(origin)
+    }
+
+    fn described_texture<'d>(described: &'d Textured, key: &str) -> Option<(String, &'d Textured)> {
+        Some((key.to_owned(), described))
+    }
+
+    fn texture(textured: &Texture) -> Option<&Texture> {
+        Some(textured)
+    }
+}
+
+impl Parameter for Share {
+    type Described = Textured;
+    type Textured = Texture;
+    type Value = f32;
+
+    fn prepare(described: &Textured, key: &str, builder: &mut dyn Prepare) -> Texture {
+        builder.texture(key, described)
+    }
+
+    #[inline]
+    fn at(textured: &Texture, at: &HitContext) -> f32 {
+        textured.scalar(&at.point)
+    }
+
+    fn recentred(textured: Texture, origin: DVec3) -> Texture {
+        textured.recentred(origin)
+    }
+
+    fn described_texture<'d>(described: &'d Textured, key: &str) -> Option<(String, &'d Textured)> {
+        Some((key.to_owned(), described))
+    }
+
+    fn texture(textured: &Texture) -> Option<&Texture> {
+        Some(textured)
+    }
+}
+
+impl<T: Copy + Into<f64>> Parameter for Number<T> {
+    type Described = Varying<T>;
+    type Textured = texture::Number;
+    type Value = f32;
+
+    fn prepare(described: &Varying<T>, key: &str, builder: &mut dyn Prepare) -> texture::Number {
+        builder.number(key, described)
+    }
+
+    #[inline]
+    fn at(textured: &texture::Number, at: &HitContext) -> f32 {
+        textured.at(&at.point)
+    }
+
+    fn recentred(textured: texture::Number, origin: DVec3) -> texture::Number {
+        textured.recentred(origin)
+    }
+
+    fn described_texture<'d>(described: &'d Varying<T>, key: &str) -> Option<(String, &'d Textured)> {
+        described.by().map(|by| (format!("{key}/by"), by))
+    }
+
+    fn texture(textured: &texture::Number) -> Option<&Texture> {
+        textured.texture()
+    }
+}
+
+/// Describes a model whose parameters are looked up one by one.
+///
+/// From one list of parameters it makes `described::Model`, which scene files are read into, `textured::Model`, and the ways from
+/// one to the other and to the model itself. What follows the list are methods of [`TexturedModel`](super::TexturedModel):
+/// `effects` always, others where the model differs from most.
+///
+/// ```ignore
+/// parameters! {
+///     /// Reflects like a perfect mirror. (The text of the scene format.)
+///     Mirror {
+///         /// The share of light that is reflected.
+///         color: Color = Textured::white(),
+///     }
+///
+///     fn effects(&self) -> Effects {
+///         Effects::SPECULAR_REFLECTION
+///     }
+/// }
+/// ```
+///
+/// Either all parameters have a default or none.
+macro_rules! parameters {
+    ($(#[$meta:meta])* $model:ident {
+        $($(#[$doc:meta])* $field:ident: $kind:ident $(<$range:ident>)? = $default:expr,)+
+    } $($methods:tt)+) => {
+        parameters!(@stages [$(#[$meta])*] [default] $model { $($(#[$doc])* $field: $kind $(<$range>)?,)+ } $($methods)+);
+
+        impl Default for described::$model {
+            fn default() -> described::$model {
+                described::$model { $($field: $default,)+ }
+            }
+        }
+    };
+    ($(#[$meta:meta])* $model:ident { $($(#[$doc:meta])* $field:ident: $kind:ident $(<$range:ident>)?,)+ } $($methods:tt)+) => {
+        parameters!(@stages [$(#[$meta])*] [] $model { $($(#[$doc])* $field: $kind $(<$range>)?,)+ } $($methods)+);
+    };
+    (@stages [$($meta:tt)*] [$($default:ident)?] $model:ident { $($(#[$doc:meta])* $field:ident: $kind:ident $(<$range:ident>)?,)+ } $($methods:tt)+) => {
+        /// As a scene file says it.
+        pub mod described {
+            $($(use $crate::format::$range;)?)+
+            use $crate::bsdf::parameter::{self, Parameter};
+
+            $($meta)*
+            #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+            #[serde(deny_unknown_fields $(, $default)?)]
+            pub struct $model {
+                $($(#[$doc])* pub $field: <parameter::$kind $(<$range>)? as Parameter>::Described,)+
+            }
+
+            impl $crate::bsdf::description::Description for $model {
+                fn textures(&self) -> Vec<(String, &$crate::format::Textured)> {
+                    [$(<parameter::$kind $(<$range>)?>::described_texture(&self.$field, stringify!($field)),)+].into_iter().flatten().collect()
+                }
+
+                fn prepare(&self, builder: &mut dyn $crate::bsdf::description::Prepare) -> $crate::bsdf::Material {
+                    super::textured::$model {
+                        $($field: <parameter::$kind $(<$range>)?>::prepare(&self.$field, stringify!($field), builder),)+
+                    }.into()
+                }
+            }
+        }
+
+        /// With its pictures read.
+        pub mod textured {
+            $($(use $crate::format::$range;)?)+
+            use $crate::bsdf::parameter::{self, Parameter};
+
+            /// The model with textures for parameters.
+            #[derive(Clone, Debug, PartialEq)]
+            #[allow(missing_docs, reason = "the parameters are explained where the model and its description are")]
+            pub struct $model {
+                $(pub $field: <parameter::$kind $(<$range>)? as Parameter>::Textured,)+
+            }
+        }
+
+        impl $crate::bsdf::parameter::Lookup for textured::$model {
+            type Model = $model;
+
+            #[inline]
+            fn at(&self, at: &$crate::bsdf::HitContext) -> $model {
+                use $crate::bsdf::ScatteringModel as _;
+                use $crate::bsdf::parameter::{self, Parameter};
+                $model { $($field: <parameter::$kind $(<$range>)?>::at(&self.$field, at),)+ }.energy_conserving()
+            }
+
+            fn textures(&self) -> Vec<&$crate::texture::Texture> {
+                use $crate::bsdf::parameter::{self, Parameter};
+                [$(<parameter::$kind $(<$range>)?>::texture(&self.$field),)+].into_iter().flatten().collect()
+            }
+
+            fn recentred(self, origin: glam::DVec3) -> Self {
+                use $crate::bsdf::parameter::{self, Parameter};
+                textured::$model { $($field: <parameter::$kind $(<$range>)?>::recentred(self.$field, origin),)+ }
+            }
+        }
+
+        impl $crate::bsdf::TexturedModel for textured::$model {
+            $($methods)+
+        }
+    };
+}
+
+pub(super) use parameters;
+
+/// The way from a model's textures to the model at a point.
+pub trait Lookup: Sized {
+    /// What there is at a point: a model, or one of several.
+    type Model;
+
+    /// Looks the parameters up.
+    fn at(&self, at: &HitContext) -> Self::Model;
+
+    /// The textures and constant colours.
+    fn textures(&self) -> Vec<&Texture>;
+
+    /// The same model after the world has moved by −`origin`.
+    fn recentred(self, origin: DVec3) -> Self;
+}

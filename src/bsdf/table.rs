@@ -1,0 +1,272 @@
+//! The table of materials: from one row for each come the types that scene files are read into, that worlds hold, and that scatter.
+
+use super::description::Description;
+use super::parameter::Lookup;
+use super::*;
+
+/// Makes three enums of the rows `Model = file`.
+///
+/// - `plain`: models that [`parameters!`](super::parameter) describes; the name of the file is the `type` in scene files
+/// - `prepared`: models that prepare tables, or choose among several at a point; they describe themselves
+/// - `chosen`: the further models that these choose, with the name that they go by
+/// - `compound`: materials made of others, and what lies around all others; they are descriptions alone
+macro_rules! materials {
+    (
+        plain { $($plain:ident = $plain_file:ident,)+ }
+        prepared { $($own:ident = $own_file:ident,)+ }
+        chosen { $($chosen:ident = $chosen_file:ident as $chosen_name:literal,)+ }
+        compound { $($compound:ident($content:ident) = $($compound_file:ident)::+ as $compound_name:literal,)+ }
+    ) => {
+        /// Materials as scene files describe them.
+        pub mod described {
+            use schemars::JsonSchema;
+            use serde::Serialize;
+
+            use crate::reader::by_type;
+            $(pub use crate::bsdf::$plain_file::described::*;)+
+            $(pub use crate::bsdf::$own_file::described::*;)+
+            // (One file describes two of them.)
+            $(#[allow(unused_imports)] pub use crate::bsdf::$($compound_file)::+::described::*;)+
+
+            /// How a surface reflects and transmits light.
+            #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+            #[serde(tag = "type", rename_all = "snake_case")]
+            pub enum Material {
+                $($plain($plain),)+
+                $($own($own),)+
+                $($compound($content),)+
+            }
+
+            by_type!(Material {
+                $($plain($plain),)+
+                $($own($own),)+
+                $($compound($content),)+
+            });
+        }
+
+        impl described::Material {
+            /// The description itself.
+            pub fn description(&self) -> &dyn Description {
+                match self {
+                    $(described::Material::$plain(m) => m,)+
+                    $(described::Material::$own(m) => m,)+
+                    $(described::Material::$compound(m) => m,)+
+                }
+            }
+
+            /// The `type` that scene files call it by.
+            pub fn kind(&self) -> &'static str {
+                match self {
+                    $(described::Material::$plain(_) => stringify!($plain_file),)+
+                    $(described::Material::$own(_) => stringify!($own_file),)+
+                    $(described::Material::$compound(_) => $compound_name,)+
+                }
+            }
+        }
+
+        /// Models with their textures.
+        pub mod textured {
+            $(pub use crate::bsdf::$plain_file::textured::*;)+
+            $(pub use crate::bsdf::$own_file::textured::*;)+
+        }
+
+        /// A model with textures for parameters, or a compound of such; [`Material::bsdf_at`] looks them up.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Material {
+            $($plain(textured::$plain),)+
+            $($own(textured::$own),)+
+            /// Made of other materials.
+            Compound(Box<Compound>),
+        }
+
+        $(impl From<textured::$plain> for Material {
+            fn from(model: textured::$plain) -> Material {
+                Material::$plain(model)
+            }
+        })+
+        $(impl From<textured::$own> for Material {
+            fn from(model: textured::$own) -> Material {
+                Material::$own(model)
+            }
+        })+
+
+        impl Material {
+            /// The model at a point.
+            #[inline]
+            pub fn bsdf_at(&self, at: &HitContext) -> Bsdf<'_> {
+                match self {
+                    $(Material::$plain(m) => Bsdf::$plain(m.at(at)),)+
+                    $(Material::$own(m) => m.at(at),)+
+                    Material::Compound(compound) => compound.bsdf_at(at),
+                }
+            }
+
+            /// The model that a material is everywhere, if it is; to be looked up once.
+            pub fn uniform(&self) -> Option<Bsdf<'static>> {
+                match self {
+                    $(Material::$plain(m) => m.is_uniform().then(|| Bsdf::$plain(m.at(&HitContext::ANYWHERE))),)+
+                    $(Material::$own(m) => m.is_uniform().then(|| m.at(&HitContext::ANYWHERE)),)+
+                    Material::Compound(_) => None,
+                }
+            }
+
+            /// The same material after the world has moved by −`origin`.
+            pub fn recentred(self, origin: glam::DVec3) -> Material {
+                match self {
+                    $(Material::$plain(m) => m.recentred(origin).into(),)+
+                    $(Material::$own(m) => m.recentred(origin).into(),)+
+                    Material::Compound(compound) => compound.recentred(origin).into(),
+                }
+            }
+
+            /// Whether it matters where the axes of the surface point.
+            pub fn is_anisotropic(&self) -> bool {
+                match self {
+                    $(Material::$plain(m) => m.is_anisotropic(),)+
+                    $(Material::$own(m) => m.is_anisotropic(),)+
+                    Material::Compound(compound) => compound.is_anisotropic(),
+                }
+            }
+
+            /// What becomes of light that goes on behind the surface.
+            pub fn passage(&self) -> Passage {
+                match self {
+                    $(Material::$plain(m) => m.passage(),)+
+                    $(Material::$own(m) => m.passage(),)+
+                    Material::Compound(compound) => compound.passage(),
+                }
+            }
+
+            /// What simulating this material takes.
+            pub fn effects(&self) -> Effects {
+                match self {
+                    $(Material::$plain(m) => m.effects() | m.texture_effects(),)+
+                    $(Material::$own(m) => m.effects() | m.texture_effects(),)+
+                    Material::Compound(compound) => compound.effects(),
+                }
+            }
+        }
+
+        /// A scattering model at one point, its parameters looked up.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum Bsdf<'a> {
+            $($plain($plain),)+
+            $($own($own),)+
+            $($chosen($chosen),)+
+            Compound(CompoundAt<'a>),
+        }
+
+        // What is long is out of line in the models: in here it would cost the short models stack and saved registers.
+        impl Bsdf<'_> {
+            /// f(wo, wi)·|cos θi|; 0 for delta lobes.
+            #[inline]
+            pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+                match self {
+                    $(Bsdf::$plain(b) => b.eval(wo, wi, mode),)+
+                    $(Bsdf::$own(b) => b.eval(wo, wi, mode),)+
+                    $(Bsdf::$chosen(b) => b.eval(wo, wi, mode),)+
+                    Bsdf::Compound(b) => b.eval(wo, wi, mode),
+                }
+            }
+
+            /// The density with which [`Bsdf::sample`] returns `wi`; 0 for delta lobes.
+            #[inline]
+            pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
+                match self {
+                    $(Bsdf::$plain(b) => b.pdf(wo, wi),)+
+                    $(Bsdf::$own(b) => b.pdf(wo, wi),)+
+                    $(Bsdf::$chosen(b) => b.pdf(wo, wi),)+
+                    Bsdf::Compound(b) => b.pdf(wo, wi),
+                }
+            }
+
+            /// A direction for `wo`, from the uniform numbers `choice` (which lobe) and `u` (where in it).
+            ///
+            /// `None` where nothing is scattered.
+            #[inline]
+            pub fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
+                match self {
+                    $(Bsdf::$plain(b) => b.sample(wo, choice, u, mode),)+
+                    $(Bsdf::$own(b) => b.sample(wo, choice, u, mode),)+
+                    $(Bsdf::$chosen(b) => b.sample(wo, choice, u, mode),)+
+                    Bsdf::Compound(b) => b.sample(wo, choice, u, mode),
+                }
+            }
+
+            /// The single directions into which a share of the light goes, with that share as weight.
+            #[inline]
+            pub fn delta_lobes(&self, wo: Local, mode: TransportMode) -> impl Iterator<Item = BsdfSample> + use<> {
+                let lobes = match self {
+                    $(Bsdf::$plain(b) => b.delta_lobes(wo, mode),)+
+                    $(Bsdf::$own(b) => b.delta_lobes(wo, mode),)+
+                    $(Bsdf::$chosen(b) => b.delta_lobes(wo, mode),)+
+                    Bsdf::Compound(b) => return b.delta_lobes(wo, mode).0.into_iter(),
+                };
+                DeltaLobes::from(lobes).0.into_iter()
+            }
+
+            /// Whether there is anything that [`Bsdf::eval`] sees.
+            #[inline]
+            pub fn has_smooth_lobe(&self) -> bool {
+                match self {
+                    $(Bsdf::$plain(b) => b.has_smooth_lobe(),)+
+                    $(Bsdf::$own(b) => b.has_smooth_lobe(),)+
+                    $(Bsdf::$chosen(b) => b.has_smooth_lobe(),)+
+                    Bsdf::Compound(b) => b.has_smooth_lobe(),
+                }
+            }
+
+            /// Whether f(wo, wi) = f(wi, wo) (transmission: up to η²); `false` is a fact of the model, stated, not a bug.
+            pub fn reciprocal(&self) -> bool {
+                match self {
+                    $(Bsdf::$plain(b) => b.reciprocal(),)+
+                    $(Bsdf::$own(b) => b.reciprocal(),)+
+                    $(Bsdf::$chosen(b) => b.reciprocal(),)+
+                    Bsdf::Compound(b) => b.reciprocal(),
+                }
+            }
+
+            /// What materials of this model are called in scene files.
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $(Bsdf::$plain(_) => stringify!($plain_file),)+
+                    $(Bsdf::$own(_) => stringify!($own_file),)+
+                    $(Bsdf::$chosen(_) => $chosen_name,)+
+                    Bsdf::Compound(b) => b.compound.name(),
+                }
+            }
+        }
+    };
+}
+
+materials! {
+    plain {
+        Diffuse = diffuse,
+        Mirror = mirror,
+        MatteCone = matte_cone,
+        OrenNayar = oren_nayar,
+        Phong = phong,
+        BlinnPhong = blinn_phong,
+        Metal = metal,
+        DiffuseTransmission = diffuse_transmission,
+        ThinDielectric = thin_dielectric,
+    }
+    prepared {
+        Conductor = conductor,
+        Dielectric = dielectric,
+        Plastic = plastic,
+    }
+    chosen {
+        RoughConductor = rough_conductor as "conductor",
+        RoughDielectric = rough_dielectric as "dielectric",
+    }
+    compound {
+        Coated(Coated) = compound::coated as "coated",
+        Mix(MaterialMix) = compound::mix as "mix",
+        Sheen(Sheen) = compound::sheen as "sheen",
+        TwoSided(TwoSided) = compound::sides as "two_sided",
+        Principled(Principled) = principled as "principled",
+        Bumped(Bumped) = surface_material as "bumped",
+        Masked(Masked) = surface_material as "masked",
+    }
+}
