@@ -13,8 +13,8 @@ mod subject;
 use std::time::Duration;
 
 use pt::film::{Image, MomentFilm};
-use pt::measure::adaptive::explore;
-use pt::measure::{Course, Distance, RelativeError, Until, follow};
+use pt::measure::adaptive::pilot_allocation;
+use pt::measure::{Distance, ErrorHistory, RelativeError, StopCondition, render_until};
 use pt::render::{Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 use rayon::prelude::*;
@@ -28,20 +28,20 @@ const SAMPLERS: [Kind; 3] = [Kind::Independent, Kind::Halton, Kind::Sobol];
 const SAMPLES: [u64; 2] = [64, 256];
 
 /// Without a clock and a target.
-const fn after(samples: u64) -> Until {
-    Until { samples, time: None, target: None }
+const fn after(samples: u64) -> StopCondition {
+    StopCondition { samples, time: None, target: None }
 }
 
 fn small(name: &str) -> pt::Result<Subject> {
     Subject::load(name, &[("/film/width", "48"), ("/film/height", "36")])
 }
 
-fn taken(subject: &Subject, kind: Kind, scramblings: u32, seed: u64, until: &Until) -> (MomentFilm, Course) {
+fn taken(subject: &Subject, kind: Kind, scramblings: u32, seed: u64, until: &StopCondition) -> (MomentFilm, ErrorHistory) {
     let settings = Settings::new(SamplerSpec { kind, seed, spp: until.samples, scramblings });
     let mut film = MomentFilm::new(subject.spec.clone());
     let mut render = Render::new(subject.scene.clone(), &*subject.integrator, &subject.spec, &settings);
-    let course = follow(&mut render, &mut film, until, &Silent);
-    (film, course)
+    let history = render_until(&mut render, &mut film, until, &Silent);
+    (film, history)
 }
 
 fn main() -> pt::Result<()> {
@@ -167,16 +167,16 @@ fn adaptive(scenes: &[&str], seeds: u64) -> pt::Result<()> {
         let (mut errors, mut seconds, mut held, mut established) = ([0.0; 2], [0.0; 2], 0_u32, 0_u32);
         for seed in 0..seeds {
             subject.spec = even.clone();
-            let (film, course) = taken(&subject, Kind::Sobol, 2, seed, &after(SAMPLES));
+            let (film, history) = taken(&subject, Kind::Sobol, 2, seed, &after(SAMPLES));
             errors[0] += relmse(&film);
-            seconds[0] += course.last().map_or(0.0, |last| last.seconds);
+            seconds[0] += history.last().map_or(0.0, |last| last.seconds);
             let settings = Settings::new(SamplerSpec { kind: Kind::Sobol, seed, spp: SAMPLES, scramblings: 2 });
-            let (allocation, explored) = explore(&subject.scene, &*subject.integrator, &even, &settings, SAMPLES, &Silent);
+            let (allocation, explored) = pilot_allocation(&subject.scene, &*subject.integrator, &even, &settings, SAMPLES, &Silent);
             subject.spec.allocation = allocation;
             let samples = ((SAMPLES as f64 / subject.spec.allocation.mean()).round() as u64).max(1);
-            let (film, course) = taken(&subject, Kind::Sobol, 2, seed, &after(samples));
+            let (film, history) = taken(&subject, Kind::Sobol, 2, seed, &after(samples));
             errors[1] += relmse(&film);
-            seconds[1] += course.last().map_or(0.0, |last| last.seconds) + explored.as_secs_f64();
+            seconds[1] += history.last().map_or(0.0, |last| last.seconds) + explored.as_secs_f64();
             if let Some(stated) = RelativeError::of(&film).filter(RelativeError::is_established) {
                 let [low, high] = stated.interval(0.95);
                 held += u32::from((low..=high).contains(&relmse(&film).sqrt()));
@@ -203,20 +203,20 @@ fn prices(scenes: &[&str]) -> pt::Result<()> {
 /// Foretold by a pilot of two seconds, what it takes, and the ratio.
 fn price(subject: &Subject, kind: Kind) -> String {
     const TARGET: f64 = 0.01;
-    let pilot = Until { samples: u32::MAX.into(), time: Some(Duration::from_secs(2)), target: None };
-    let (_, course) = taken(subject, kind, 2, 1, &pilot);
-    let Some(price) = course.price(TARGET, 0.95) else { return "cannot be established | – | –".into() };
+    let pilot = StopCondition { samples: u32::MAX.into(), time: Some(Duration::from_secs(2)), target: None };
+    let (_, history) = taken(subject, kind, 2, 1, &pilot);
+    let Some(price) = history.price(TARGET, 0.95) else { return "cannot be established | – | –".into() };
     // As long as foretold and half as long again, then where the course crosses the target.
-    let long = Until { time: Some(Duration::from_secs_f64(1.5 * price.seconds)), ..pilot };
-    let (_, course) = taken(subject, kind, 2, 2, &long);
-    let taken = course.price(TARGET, 0.95).map(|_| crossing(&course, TARGET));
+    let long = StopCondition { time: Some(Duration::from_secs_f64(1.5 * price.seconds)), ..pilot };
+    let (_, history) = taken(subject, kind, 2, 2, &long);
+    let taken = history.price(TARGET, 0.95).map(|_| crossing(&history, TARGET));
     let ratio = |taken: f64| format!("{taken:.1} | {:.2}", price.seconds / taken);
     format!("{:.1} | {}", price.seconds, taken.flatten().map_or("not reached | –".into(), ratio))
 }
 
 /// When the error fell below the target, between checkpoints by the power law that joins them.
-fn crossing(course: &Course, target: f64) -> Option<f64> {
-    let points: Vec<(f64, f64)> = course.checkpoints.iter().filter_map(|c| c.error.map(|e| (c.seconds.ln(), e.value.ln()))).collect();
+fn crossing(history: &ErrorHistory, target: f64) -> Option<f64> {
+    let points: Vec<(f64, f64)> = history.checkpoints.iter().filter_map(|c| c.error.map(|e| (c.seconds.ln(), e.value.ln()))).collect();
     let goal = target.ln();
     let pair = points.windows(2).find(|pair| pair[0].1 > goal && pair[1].1 <= goal)?;
     let share = (pair[0].1 - goal) / (pair[0].1 - pair[1].1);

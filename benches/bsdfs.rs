@@ -9,7 +9,7 @@ use std::hint::black_box;
 use cpu_time::ProcessTime;
 use glam::{Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
-use pt::bsdf::microfacet::finish::{Alpha, Finish};
+use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{Bsdf, Element, HitContext, Material, TransportMode, textured};
 use pt::math::{Local, Spectrum, warp};
 use pt::sampler::{Kind, SamplerSpec};
@@ -21,7 +21,7 @@ const ROUNDS: usize = 400;
 fn main() {
     let gray = || Spectrum::gray(0.5);
     let (eta, k) = Element::Au.index();
-    let finish = |alpha: Vec2, distribution| Finish { alpha: Alpha::Constant(alpha), distribution };
+    let finish = |alpha: Vec2, distribution| Roughness { alpha: Alpha::Constant(alpha), distribution };
     let round = || finish(Vec2::splat(0.3), Distribution::Ggx);
     let models = [
         ("diffuse", Material::diffuse(gray())),

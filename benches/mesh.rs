@@ -10,7 +10,7 @@ use pt::bsdf::Material;
 use pt::camera::{Camera, Pose, Spherical};
 use pt::describe::mesh;
 use pt::math::{Spectrum, Transform, float};
-use pt::shape::{MeshData, Part, TriangleMesh};
+use pt::shape::{MeshData, MeshPart, TriangleMesh};
 use pt::world::World;
 
 /// 708² cells of two triangles.
@@ -54,7 +54,7 @@ fn wavy() -> MeshData {
             [[a, b, c], [a, c, d]]
         })
         .collect();
-    let whole = Part { triangles: 0..triangles.len() as u32, ..Part::default() };
+    let whole = MeshPart { triangles: 0..triangles.len() as u32, ..MeshPart::default() };
     let positions = (0..=EDGE).flat_map(|i| (0..=EDGE).map(move |j| at(i, j))).collect();
     MeshData { positions, triangles, parts: vec![whole], ..MeshData::default() }
 }

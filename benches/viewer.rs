@@ -10,7 +10,7 @@ use std::net::TcpListener;
 use std::process::{Child, Command, Stdio};
 
 use cpu_time::ProcessTime;
-use pt::film::{Block, Film, FilmSpec, MomentFilm, Wave};
+use pt::film::{Film, FilmSpec, MomentFilm, PixelSums, Wave};
 use pt::output::tev::Viewer;
 use pt::render::{Settings, Silent, render};
 use pt::sampler::SamplerSpec;
@@ -84,7 +84,7 @@ impl Film for Watched {
         self.film.spec()
     }
 
-    fn add(&mut self, wave: Wave, block: Block) {
+    fn add(&mut self, wave: Wave, block: PixelSums) {
         self.film.add(wave, block);
         if let Some(viewer) = &self.viewer {
             viewer.offer(|| self.film.image());

@@ -1,4 +1,4 @@
-//! How open the surroundings are.
+//! Ambient occlusion.
 
 use std::sync::Arc;
 
@@ -12,14 +12,14 @@ use pt::scene::Scene;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The share of directions, drawn from the material at the first hit, in which nothing is near.
+/// Ambient occlusion: fraction of the directions sampled from the material at the first hit in which nothing is near.
 ///
-/// Black where the camera sees nothing, or a material that scatters nothing.
+/// The result is black where the camera ray hits nothing, or a material that scatters nothing.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct AmbientOcclusion {
-    /// What is farther away does not count (m). Without it everything counts.
+    /// Distance beyond which surfaces do not count (m). Default: no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_distance: Option<Positive>,
 }

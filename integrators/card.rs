@@ -1,4 +1,4 @@
-//! Path tracing the way short programs do it.
+//! Path tracing with the shortcuts of very short programs.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -6,24 +6,24 @@ use std::sync::Arc;
 use pt::bsdf::{BsdfSample, Lobe, TransportMode};
 use pt::describe::{Direction, Positive, Radiometric};
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, Interrupt, MAX_DEPTH, Roulette};
+use pt::integrator::{Bias, CameraSample, Estimator, Integrator, Interrupt, MAX_DEPTH, PathWalk, Roulette};
 use pt::math::{Density, Local, Ray, SolidAnglePdf, Spectrum, Vec3, float};
+use pt::recorder::{End, Event, Origin, Recorder, Technique};
 use pt::sampler::Sampler;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::{Scene, Surface};
-use pt::witness::{Account, End, Event, Nobody, Origin, Technique};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Paths that end where they meet light, as `path` follows them, with what postcard-sized programs add or leave out.
+/// Path tracing as in `path`, with options for what postcard-sized programs add or leave out.
 ///
 /// L = Σ_k β_k Le(x_k) + Σ_k β_k f·|cos| π S V(x_k, ω)
 ///
-/// - V: whether the first thing that a ray from x_k into the sun's direction ω meets is something that emits: a window
-/// - S: what a white matte surface that faces the sun would shine with
+/// - V: 1 if the first surface along a ray from x_k in the sun's direction ω emits light (a window), otherwise 0
+/// - S: radiance of a white matte surface that faces the sun
 ///
-/// With its defaults it is `path`, bit for bit. `step_off` starts rays at a fixed length off a surface, in place of the
-/// error bound of the point: right for one size of scene.
+/// With default settings the pictures are those of `path`, bit for bit. `step_off` starts rays at a fixed distance from a surface
+/// instead of the error bound of the point, which suits one size of scene only.
 ///
 /// Source: Andrew Kensler's postcard path tracer. Tests: card_is_path_to_the_bit, the_sun_shines_through_windows,
 /// only_the_cosine_is_right, the_picture_is_the_originals.
@@ -31,41 +31,41 @@ use serde::{Deserialize, Serialize};
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Card {
-    /// The most scattering events on a path: 0 shows emission only, 1 adds direct light.
+    /// Greatest number of scattering events on a path: 0 shows emission only, 1 adds direct light.
     #[serde(deserialize_with = "pt::integrator::depth")]
     #[schemars(range(max = 65535))]
     pub max_depth: u32,
-    /// Scattering events before Russian roulette may end a path.
+    /// Number of scattering events before Russian roulette may end a path.
     #[serde(deserialize_with = "pt::integrator::depth")]
     #[schemars(range(max = 65535))]
     pub roulette_depth: u32,
-    /// The most scattering events after which emission counts that a path meets; `max_depth` where that is less.
+    /// Greatest number of scattering events after which emission that a path hits still counts; `max_depth` where that is less.
     #[serde(deserialize_with = "pt::integrator::depth")]
     #[schemars(range(max = 65535))]
     pub emission_depth: u32,
-    /// How far from a surface rays start: along their direction, shadow rays along the normal (m). Default: beyond the
-    /// error bound of the point.
+    /// Distance from a surface at which rays start (m): along their direction, for shadow rays along the normal. Default: just
+    /// beyond the error bound of the point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step_off: Option<Positive>,
-    /// Light from far away that comes in through whatever emits: what a white matte surface shines with that faces it, linear
-    /// `[red, green, blue]` (W·m⁻²·sr⁻¹), its irradiance / π. Default: no sun.
+    /// Sunlight that comes in through emitting surfaces, as the radiance of a white matte surface that faces the sun: linear
+    /// `[red, green, blue]` (W·m⁻²·sr⁻¹), the sun's irradiance / π. Default: no sun.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sun_radiance: Option<[Radiometric; 3]>,
-    /// Where the sun stands.
+    /// Direction towards the sun.
     pub sun_direction: Direction,
-    /// How matte surfaces choose the next direction.
+    /// Distribution of sampled directions above matte surfaces.
     pub hemisphere: Hemisphere,
 }
 
-/// Directions above a matte surface.
+/// Distribution of sampled directions above a matte surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
 pub enum Hemisphere {
-    /// With a density proportional to the cosine: right.
+    /// Density proportional to the cosine, which is correct.
     #[default]
     Cosine,
-    /// With an even polar angle, weighed as if it were the cosine's density: a usual mistake, to be looked at.
+    /// Uniform polar angle, weighted as if the density were proportional to the cosine: a common mistake, offered for study.
     Angle,
 }
 
@@ -85,12 +85,15 @@ impl Default for Card {
 
 impl Integrator for Card {
     fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
-        let met = self.emission_depth.min(self.max_depth);
+        let emission_depth = self.emission_depth.min(self.max_depth);
         Box::new(Walk {
             scene,
             max_depth: self.max_depth,
-            last: if self.sun_radiance.is_some() { met.max(self.max_depth.saturating_sub(1)) } else { met },
-            emission_depth: met,
+            last_depth: match self.sun_radiance {
+                Some(_) => emission_depth.max(self.max_depth.saturating_sub(1)),
+                None => emission_depth,
+            },
+            emission_depth,
             roulette: Roulette { from_depth: self.roulette_depth },
             step_off: self.step_off.map(|length| length.get() as f32),
             sun: self.sun_radiance.map(|radiance| Beam::new(self.sun_direction, radiance)),
@@ -98,7 +101,7 @@ impl Integrator for Card {
         })
     }
 
-    /// Without a limit Russian roulette ends the paths; up to the limit they are the same paths.
+    /// Without the limit, Russian roulette ends the paths. Up to the limit the paths are the same.
     fn biases(&self) -> Vec<Bias> {
         let roulette_depth = self.roulette_depth.min(self.max_depth);
         let endless = Card { max_depth: MAX_DEPTH, emission_depth: MAX_DEPTH, roulette_depth, ..self.clone() };
@@ -119,19 +122,19 @@ struct Walk {
     scene: Arc<dyn Scene>,
     max_depth: u32,
     emission_depth: u32,
-    /// The last vertex at which there is light to find.
-    last: u32,
+    /// Depth of the last vertex at which light can be found.
+    last_depth: u32,
     roulette: Roulette,
     step_off: Option<f32>,
     sun: Option<Beam>,
     hemisphere: Hemisphere,
 }
 
-/// The sun as seen from anywhere.
+/// Parallel light of the sun.
 struct Beam {
-    /// To it, unit.
+    /// Unit direction towards the sun.
     wi: Vec3,
-    /// On a plane across the light [W·m⁻²].
+    /// Irradiance on a plane perpendicular to the light [W·m⁻²].
     irradiance: Spectrum,
 }
 
@@ -145,21 +148,12 @@ impl Beam {
     }
 }
 
-impl Estimator for Walk {
-    fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
-        match cx.witness.take() {
-            None => self.walk(camera, cx.sampler, &mut Nobody, cx.interrupt),
-            Some(witness) => self.walk(camera, cx.sampler, witness, cx.interrupt),
-        }
-    }
-}
-
-impl Walk {
-    fn walk<A: Account + ?Sized>(
+impl PathWalk for Walk {
+    fn walk<R: Recorder + ?Sized>(
         &self,
         camera: &CameraSample,
         sampler: &mut dyn Sampler,
-        account: &mut A,
+        recorder: &mut R,
         interrupt: Interrupt,
     ) -> Spectrum {
         let mut ray = camera.ray;
@@ -173,37 +167,37 @@ impl Walk {
             let Some(hit) = self.scene.intersect(&ray) else {
                 let lights = self.scene.lights();
                 let light = if depth > self.emission_depth { Spectrum::BLACK } else { lights.background(&ray) };
-                radiance += account.light(beta * light, depth, || Origin::background(lights, 1.0));
-                account.tell(|| Event::end(depth, End::Escaped));
+                radiance += recorder.light(beta * light, depth, || Origin::background(lights, 1.0));
+                recorder.record(|| Event::end(depth, End::Escaped));
                 break;
             };
             let surface = self.scene.surface(&ray, &hit);
             let wo = -ray.direction;
-            account.tell(|| Event::vertex(depth, &ray, &hit, &surface, beta));
+            recorder.record(|| Event::vertex(depth, &ray, &hit, &surface, beta));
             if depth <= self.emission_depth {
-                radiance += account.light(beta * surface.emitted(wo), depth, || Origin::emission(&surface, 1.0));
+                radiance += recorder.light(beta * surface.emitted(wo), depth, || Origin::emission(&surface, 1.0));
             }
             if let (Some(sun), true) = (&self.sun, depth < self.max_depth)
                 && let Some((direct, window)) = self.sunlight(sun, &surface, wo, ray.time)
             {
                 let technique = Technique::Light { wi: sun.wi, density: Density::Delta };
-                radiance += account.light(beta * direct, depth + 1, || Origin { light: Some(window), technique, weight: 1.0 });
+                radiance += recorder.light(beta * direct, depth + 1, || Origin { light: Some(window), technique, weight: 1.0 });
             }
-            if depth == self.last {
-                account.tell(|| Event::end(depth, End::DepthLimit));
+            if depth == self.last_depth {
+                recorder.record(|| Event::end(depth, End::DepthLimit));
                 break;
             }
             sampler.at(dimension::vertex(depth, Use::Bsdf));
             let Some((wi, sample)) = self.scatter(&surface, wo, sampler) else {
-                account.tell(|| Event::end(depth, End::Absorbed));
+                recorder.record(|| Event::end(depth, End::Absorbed));
                 break;
             };
             beta *= sample.weight;
             compression *= sample.eta * sample.eta;
             let carried = beta * compression;
-            account.tell(|| Event::scattering(depth, &surface, wo, &(wi, sample), self.roulette.chance(depth, carried)));
+            recorder.record(|| Event::scattering(depth, &surface, wo, &(wi, sample), self.roulette.chance(depth, carried)));
             let Some(survivors) = self.roulette.survive(depth, carried, sampler) else {
-                account.tell(|| Event::end(depth, End::Roulette));
+                recorder.record(|| Event::end(depth, End::Roulette));
                 break;
             };
             beta *= survivors;
@@ -214,8 +208,10 @@ impl Walk {
         }
         radiance
     }
+}
 
-    /// Light of the sun that the surface scatters into `wo`, where it comes in through a window; and that window's light.
+impl Walk {
+    /// Sunlight that the surface scatters into `wo` if it comes in through a window, and the index of that window's light.
     fn sunlight(&self, sun: &Beam, surface: &Surface, wo: Vec3, time: f32) -> Option<(Spectrum, u32)> {
         let f = surface.eval(wo, sun.wi, TransportMode::Radiance);
         if f.is_black() {
@@ -235,7 +231,7 @@ impl Walk {
         if self.hemisphere == Hemisphere::Cosine || !surface.bsdf.has_smooth_lobe() {
             return surface.sample(wo, choice, u, TransportMode::Radiance);
         }
-        // θ = u π/2, φ = 2π v; weighed by the density that these directions do not have.
+        // θ = u π/2, φ = 2π v, with a weight for the cosine's density, which these directions do not have.
         let (sin, cos) = float::sin_cos(u.x * std::f32::consts::FRAC_PI_2);
         let (sin_phi, cos_phi) = float::sin_cos(u.y * std::f32::consts::TAU);
         let up = 1f32.copysign(surface.frame.to_local(wo).cos());

@@ -1,7 +1,7 @@
-//! The integrators that come with pt: one file each, public names of `pt` only.
+//! Integrators that come with pt, one file each. They use public names of `pt` only.
 //!
-//! To add one: a file beside these and a row in [`ALL`]. The command line, its help, comparisons and
-//! the tests take it from there.
+//! A new integrator is a file in this folder and a row in [`ALL`], from which the command line, its help, comparisons and the tests
+//! take it.
 
 pub mod ao;
 pub mod card;
@@ -13,6 +13,7 @@ pub mod whitted;
 use pt::effects::Effects;
 use pt::integrator::Entry;
 
+/// Table of the integrators.
 pub const ALL: &[Entry] = &[
     Entry::of::<path::Path>(
         "path",
@@ -23,7 +24,7 @@ pub const ALL: &[Entry] = &[
     Entry::of::<whitted::Whitted>(
         "whitted",
         "Whitted's ray tracing: direct light, and branches at mirrors and glass",
-        Effects::ALL.without(Effects::INTERREFLECTION.union(Effects::FOUND_LIGHT)),
+        Effects::ALL.without(Effects::INTERREFLECTION.union(Effects::UNSAMPLED_EMITTER)),
     ),
     Entry::of::<card::Card>(
         "card",

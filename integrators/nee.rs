@@ -1,54 +1,54 @@
-//! Path tracing with next-event estimation.
+//! Path tracing with next-event estimation and multiple importance sampling.
 
 use std::sync::Arc;
 
 use pt::bsdf::TransportMode;
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, Interrupt, MAX_DEPTH, Roulette, sample_light};
+use pt::integrator::{Bias, CameraSample, Estimator, Integrator, Interrupt, MAX_DEPTH, PathWalk, Roulette, sample_light};
 use pt::light::LightSample;
 use pt::math::{Density, Ray, SolidAnglePdf, Spectrum, Vec3, balance_heuristic, power_heuristic};
+use pt::recorder::{End, Event, Origin, Recorder};
 use pt::sampler::Sampler;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::{Scene, Surface};
-use pt::witness::{Account, End, Event, Nobody, Origin};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// At every vertex a light is sampled as well as the BSDF; `weights` says how the two share the light.
+/// Path tracing that samples a light as well as the BSDF at every vertex. `weights` chooses how the two are combined.
 ///
 /// L = Σ_k β_k [ w_light f·|cos| Le / p_light  +  w_bsdf Le(next vertex) ],  w_light + w_bsdf = 1
 ///
-/// Delta lights and delta lobes have but one technique, of weight 1.
+/// Delta lights and delta lobes can be found by one technique only, which has weight 1.
 ///
 /// Source: Veach and Guibas, *Optimally Combining Sampling Techniques for Monte Carlo Rendering* (1995).
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Nee {
-    /// The most scattering events on a path: 0 shows emission only, 1 adds direct light.
+    /// Greatest number of scattering events on a path: 0 shows emission only, 1 adds direct light.
     #[serde(deserialize_with = "pt::integrator::depth")]
     #[schemars(range(max = 65535))]
     pub max_depth: u32,
-    /// Scattering events before Russian roulette may end a path.
+    /// Number of scattering events before Russian roulette may end a path.
     #[serde(deserialize_with = "pt::integrator::depth")]
     #[schemars(range(max = 65535))]
     pub roulette_depth: u32,
-    /// How a light sample and a sample of the material share the light that both could find.
+    /// Weights of light samples and of material samples for light that both could find.
     pub weights: Weights,
 }
 
-/// w_a of the technique whose density is p_a, where the other's is p_b.
+/// Weight w_a of a technique with density p_a for light that another technique finds with density p_b.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
 pub enum Weights {
-    /// p_a² / (p_a² + p_b²): the least noise.
+    /// Power heuristic p_a² / (p_a² + p_b²): the least noise.
     #[default]
     Power,
-    /// p_a / (p_a + p_b).
+    /// Balance heuristic p_a / (p_a + p_b).
     Balance,
-    /// 1 for lights wherever they can be sampled, else 1 for the material: no multiple importance sampling. Noisy where
-    /// highlights show a lamp.
+    /// No multiple importance sampling: weight 1 for light samples of lights that can be sampled, and weight 1 for material samples
+    /// of all other light. Noisy where highlights show a lamp.
     Light,
 }
 
@@ -85,7 +85,7 @@ impl Integrator for Nee {
         Box::new(Walk { scene, max_depth: self.max_depth, roulette, weights: self.weights })
     }
 
-    /// Without a limit Russian roulette ends the paths; up to the limit they are the same paths.
+    /// Without the limit, Russian roulette ends the paths. Up to the limit the paths are the same.
     fn biases(&self) -> Vec<Bias> {
         let without = Nee { max_depth: MAX_DEPTH, roulette_depth: self.roulette_depth.min(self.max_depth), ..self.clone() };
         vec![Bias { setting: format!("max_depth {}", self.max_depth), without: Box::new(without) }]
@@ -99,36 +99,26 @@ struct Walk {
     weights: Weights,
 }
 
-/// How the path got to where it is: what the emission found there must be weighed against.
+/// Start and density of the path's last step, which weight the emission found at its end against light sampling.
 #[derive(Clone, Copy)]
 struct Arrival {
     from: Vec3,
     density: Density,
 }
 
-impl Estimator for Walk {
-    fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
-        match cx.witness.take() {
-            None => self.walk(camera, cx.sampler, &mut Nobody, cx.interrupt),
-            Some(witness) => self.walk(camera, cx.sampler, witness, cx.interrupt),
-        }
-    }
-}
-
-// What both walks call is compiled into both: out of line it would cost 2 % of a render.
-impl Walk {
-    fn walk<A: Account + ?Sized>(
+impl PathWalk for Walk {
+    fn walk<R: Recorder + ?Sized>(
         &self,
         camera: &CameraSample,
         sampler: &mut dyn Sampler,
-        account: &mut A,
+        recorder: &mut R,
         interrupt: Interrupt,
     ) -> Spectrum {
         let mut ray = camera.ray;
         let mut beta = Spectrum::ONE;
         let mut radiance = Spectrum::BLACK;
         let mut compression = 1.0;
-        // No light sample could have found what the camera sees directly.
+        // Light sampling cannot find what the camera sees directly.
         let mut arrival = Arrival { from: ray.origin, density: Density::Delta };
         for depth in 0.. {
             if interrupt.ends(depth) {
@@ -136,45 +126,48 @@ impl Walk {
             }
             let Some(hit) = self.scene.intersect(&ray) else {
                 let (light, weight) = self.background(&ray, arrival);
-                radiance += account.light(beta * light, depth, || Origin::background(self.scene.lights(), weight));
-                account.tell(|| Event::end(depth, End::Escaped));
+                radiance += recorder.light(beta * light, depth, || Origin::background(self.scene.lights(), weight));
+                recorder.record(|| Event::end(depth, End::Escaped));
                 break;
             };
             let surface = self.scene.surface(&ray, &hit);
             let wo = -ray.direction;
-            account.tell(|| Event::vertex(depth, &ray, &hit, &surface, beta));
+            recorder.record(|| Event::vertex(depth, &ray, &hit, &surface, beta));
             let (emitted, weight) = self.emission(&surface, wo, arrival);
-            radiance += account.light(beta * emitted, depth, || Origin::emission(&surface, weight));
+            radiance += recorder.light(beta * emitted, depth, || Origin::emission(&surface, weight));
             if depth == self.max_depth {
-                account.tell(|| Event::end(depth, End::DepthLimit));
+                recorder.record(|| Event::end(depth, End::DepthLimit));
                 break;
             }
             if let Some((direct, light, weight)) = self.direct(&surface, wo, depth, ray.time, sampler) {
-                radiance += account.light(beta * direct, depth + 1, || Origin::light(&light, weight));
+                radiance += recorder.light(beta * direct, depth + 1, || Origin::light(&light, weight));
             }
 
             sampler.at(dimension::vertex(depth, Use::Bsdf));
             let (choice, u) = (sampler.next_1d(), sampler.next_2d());
             let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else {
-                account.tell(|| Event::end(depth, End::Absorbed));
+                recorder.record(|| Event::end(depth, End::Absorbed));
                 break;
             };
             beta *= sample.weight;
             compression *= sample.eta * sample.eta;
             let carried = beta * compression;
-            account.tell(|| Event::scattering(depth, &surface, wo, &(wi, sample), self.roulette.chance(depth, carried)));
+            recorder.record(|| Event::scattering(depth, &surface, wo, &(wi, sample), self.roulette.chance(depth, carried)));
             let Some(survivors) = self.roulette.survive(depth, carried, sampler) else {
-                account.tell(|| Event::end(depth, End::Roulette));
+                recorder.record(|| Event::end(depth, End::Roulette));
                 break;
             };
             beta *= survivors;
-            arrival = Arrival { from: surface.lit, density: sample.density };
+            arrival = Arrival { from: surface.shadow_origin, density: sample.density };
             ray = surface.spawn(wi, ray.time);
         }
         radiance
     }
+}
 
-    /// Emission of the surface that BSDF sampling found, weighed against light sampling; and the weight.
+// Inlined into both compiled walks, because calls would cost 2 % of a render.
+impl Walk {
+    /// Emission of a surface that BSDF sampling found, times its weight against light sampling, and the weight.
     #[inline(always)]
     fn emission(&self, surface: &Surface, wo: Vec3, arrival: Arrival) -> (Spectrum, f32) {
         let emitted = surface.emitted(wo);
@@ -188,7 +181,7 @@ impl Walk {
         }
     }
 
-    /// The same for what comes from infinitely far away.
+    /// Radiance of the background that BSDF sampling found, times its weight against light sampling, and the weight.
     #[inline(always)]
     fn background(&self, ray: &Ray, arrival: Arrival) -> (Spectrum, f32) {
         let background = self.scene.lights().background(ray);
@@ -201,7 +194,7 @@ impl Walk {
         }
     }
 
-    /// Light that one light sample brings to the surface, weighed against BSDF sampling; the sample, and the weight.
+    /// Direct light of one light sample, times its weight against BSDF sampling, with the sample and the weight.
     #[inline(always)]
     fn direct(
         &self,

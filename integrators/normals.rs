@@ -1,4 +1,4 @@
-//! What the camera sees, as directions.
+//! Shading normals as colours.
 
 use std::sync::Arc;
 
@@ -9,15 +9,16 @@ use pt::scene::Scene;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The shading normal at the first hit, as a colour; black where there is none.
+/// Shading normal at the first hit, as a colour; black where the camera ray hits nothing.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 pub struct Normals {
-    /// How coordinates from −1 to 1 become colours.
+    /// Mapping of coordinates from −1 to 1 to colours.
     pub encoding: Encoding,
 }
 
+/// Mapping of the coordinates of a normal n to colours.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]

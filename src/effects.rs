@@ -1,28 +1,29 @@
-//! What a scene calls for, as a set: the parts report, the scene takes the union once.
+//! Sets of light transport effects. Each part of a scene reports its effects, and the scene takes their union once.
 
 use std::fmt;
 use std::ops::{BitOr, BitOrAssign, Sub};
 
-/// A set of light-transport effects.
+/// Set of light transport effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Effects(u32);
 
-/// One effect: its bit, its name, and what it costs to simulate.
-struct Known {
+/// Bit and name of an effect, and the cost of simulating it.
+struct EffectInfo {
     bit: Effects,
     name: &'static str,
     cost: &'static str,
 }
 
 impl Effects {
+    /// The empty set.
     pub const NONE: Effects = Effects(0);
-    /// Surfaces that emit.
+    /// Emitting surfaces.
     pub const AREA_LIGHT: Effects = Effects(1 << 0);
     /// Lights that a ray cannot hit: point, spot, directional.
     pub const POINT_LIGHT: Effects = Effects(1 << 1);
     /// Light from infinitely far away, all around.
     pub const ENVIRONMENT: Effects = Effects(1 << 2);
-    /// Surfaces that scatter into a continuum of directions, so that they light each other.
+    /// Surfaces that scatter into a continuum of directions and so light each other.
     pub const INTERREFLECTION: Effects = Effects(1 << 3);
     /// Mirrors: reflection into a single direction.
     pub const SPECULAR_REFLECTION: Effects = Effects(1 << 4);
@@ -30,54 +31,59 @@ impl Effects {
     pub const REFRACTION: Effects = Effects(1 << 5);
     /// Depth of field.
     pub const THIN_LENS: Effects = Effects(1 << 6);
-    /// Normals that are not the surface's own: interpolated, or turned by a relief.
+    /// Shading normals that differ from the geometric normals: interpolated, or from a normal or bump map.
     pub const SHADING_NORMALS: Effects = Effects(1 << 7);
     /// Parameters that vary over a surface.
     pub const TEXTURES: Effects = Effects(1 << 8);
     /// Surfaces with holes.
     pub const CUT_OUTS: Effects = Effects(1 << 9);
-    /// Surfaces that emit and on which no point can be drawn: paths meet them by chance.
-    pub const FOUND_LIGHT: Effects = Effects(1 << 10);
+    /// Emitting surfaces on which no point can be sampled, so that paths hit them only by chance.
+    pub const UNSAMPLED_EMITTER: Effects = Effects(1 << 10);
 
-    /// Everything pt knows.
-    pub const ALL: Effects = Effects((1 << KNOWN.len()) - 1);
+    /// All effects.
+    pub const ALL: Effects = Effects((1 << TABLE.len()) - 1);
 
+    /// Effects in either set.
     pub const fn union(self, other: Effects) -> Effects {
         Effects(self.0 | other.0)
     }
 
+    /// Effects in this set and not in the other.
     pub const fn without(self, other: Effects) -> Effects {
         Effects(self.0 & !other.0)
     }
 
+    /// Whether the other set is a subset of this one.
     pub const fn contains(self, other: Effects) -> bool {
         self.0 & other.0 == other.0
     }
 
+    /// Whether the sets have a common effect.
     pub const fn intersects(self, other: Effects) -> bool {
         self.0 & other.0 != 0
     }
 
+    /// Whether the set is empty.
     pub const fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    /// The members, one by one.
+    /// Each effect of the set.
     pub fn iter(self) -> impl Iterator<Item = Effects> {
-        KNOWN.iter().map(|k| k.bit).filter(move |&bit| self.contains(bit))
+        TABLE.iter().map(|k| k.bit).filter(move |&bit| self.contains(bit))
     }
 
-    /// What simulating these costs, in words; empty for none.
+    /// Costs of simulating the effects, in words; empty for the empty set.
     pub fn cost(self) -> String {
         self.join(|k| k.cost)
     }
 
-    fn join(self, text: impl Fn(&Known) -> &'static str) -> String {
-        KNOWN.iter().filter(|k| self.contains(k.bit)).map(text).collect::<Vec<_>>().join(", ")
+    fn join(self, text: impl Fn(&EffectInfo) -> &'static str) -> String {
+        TABLE.iter().filter(|k| self.contains(k.bit)).map(text).collect::<Vec<_>>().join(", ")
     }
 }
 
-/// The names, separated by commas.
+/// Writes the names, separated by commas.
 impl fmt::Display for Effects {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(&self.join(|k| k.name))
@@ -104,16 +110,17 @@ impl Sub for Effects {
     }
 }
 
-const KNOWN: [Known; 11] = [
-    Known { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
-    Known { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
-    Known { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
-    Known { bit: Effects::INTERREFLECTION, name: "diffuse interreflection", cost: "one more ray per bounce" },
-    Known { bit: Effects::SPECULAR_REFLECTION, name: "mirror reflection", cost: "one more ray per bounce" },
-    Known { bit: Effects::REFRACTION, name: "refraction", cost: "one more ray per interface" },
-    Known { bit: Effects::THIN_LENS, name: "depth of field", cost: "two random numbers per camera ray" },
-    Known { bit: Effects::SHADING_NORMALS, name: "shading normals", cost: "one interpolation per hit" },
-    Known { bit: Effects::TEXTURES, name: "textures", cost: "one lookup per parameter and hit" },
-    Known { bit: Effects::CUT_OUTS, name: "cut-outs", cost: "one lookup per surface that a ray meets, shadow rays too" },
-    Known { bit: Effects::FOUND_LIGHT, name: "lights met by chance", cost: "noise: no shadow ray looks for them" },
+/// Table of all effects, in the order of their bits.
+const TABLE: [EffectInfo; 11] = [
+    EffectInfo { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
+    EffectInfo { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
+    EffectInfo { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
+    EffectInfo { bit: Effects::INTERREFLECTION, name: "diffuse interreflection", cost: "one more ray per bounce" },
+    EffectInfo { bit: Effects::SPECULAR_REFLECTION, name: "mirror reflection", cost: "one more ray per bounce" },
+    EffectInfo { bit: Effects::REFRACTION, name: "refraction", cost: "one more ray per interface" },
+    EffectInfo { bit: Effects::THIN_LENS, name: "depth of field", cost: "two random numbers per camera ray" },
+    EffectInfo { bit: Effects::SHADING_NORMALS, name: "shading normals", cost: "one interpolation per hit" },
+    EffectInfo { bit: Effects::TEXTURES, name: "textures", cost: "one lookup per parameter and hit" },
+    EffectInfo { bit: Effects::CUT_OUTS, name: "cut-outs", cost: "one lookup per surface that a ray meets, shadow rays too" },
+    EffectInfo { bit: Effects::UNSAMPLED_EMITTER, name: "lights met by chance", cost: "noise: no shadow ray looks for them" },
 ];

@@ -1,4 +1,4 @@
-//! What can go wrong, in one type: a sentence for the reader, an exit code for the caller.
+//! Errors: one type with a message for the user and an exit code.
 
 pub mod memory;
 pub mod panic;
@@ -9,27 +9,33 @@ use std::path::{Path, PathBuf};
 
 use text::{bounded, one_line};
 
+/// Result with [`Error`] as the default error.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Everything `pt` can fail with; each variant has its own exit code.
+/// Error of `pt`. Each variant has its own exit code.
 ///
-/// After a scene is built nothing can fail: rendering knows `Option`, not `Result`.
+/// Nothing can fail after a scene is built: rendering returns `Option`, never `Result`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The command line is wrong.
     #[error("{0}")]
     Usage(String),
-    /// A scene or an asset is wrong; all faults found, in file order, at most [`MAX_FAULTS`].
+    /// A scene or an asset has faults: all that were found, in file order, at most [`MAX_FAULTS`].
     #[error("{}", Lines(.0))]
     Invalid(Vec<Fault>),
-    /// The scene asks for more than this machine, or pt, can hold.
+    /// The scene exceeds a limit of this machine or of pt.
     #[error("{0}")]
     Limit(Fault),
-    /// The operating system said no.
+    /// An operation of the operating system failed.
     #[error("{}: {source}", one_line(&path.to_string_lossy()))]
-    Io { path: PathBuf, source: std::io::Error },
-    /// A bug of ours.
+    Io {
+        /// File that the operation was for.
+        path: PathBuf,
+        /// Error of the operating system.
+        source: std::io::Error,
+    },
+    /// A bug in pt.
     #[error("{0} (this is a bug in pt, please report it)")]
     Internal(String),
     /// A signal ended the run; the number is the signal's.
@@ -37,20 +43,21 @@ pub enum Error {
     Interrupted(i32),
 }
 
-/// How many faults of one file are listed at once.
+/// Greatest number of faults that are listed at once.
 pub const MAX_FAULTS: usize = 20;
 
 impl Error {
+    /// Error of an operation on a file.
     pub fn io(path: impl AsRef<Path>, source: std::io::Error) -> Error {
         Error::Io { path: path.as_ref().to_owned(), source }
     }
 
-    /// One fault of a scene or asset.
+    /// Error of a scene or asset with one fault.
     pub fn invalid(fault: Fault) -> Error {
         Error::Invalid(vec![fault])
     }
 
-    /// The process's exit code: 2 usage, 3 scene or asset, 4 limit, 5 I/O, 6 internal, 128 + signal.
+    /// Exit code of the process: 2 usage, 3 scene or asset, 4 limit, 5 I/O, 6 internal, 128 + signal.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Usage(_) => 2,
@@ -62,7 +69,7 @@ impl Error {
         }
     }
 
-    /// The faults as a tool reads them: one entry per line that a person would see.
+    /// Faults in a form for tools: one entry per line of the message.
     pub fn faults(&self) -> Vec<Fault> {
         match self {
             Error::Invalid(faults) => faults.iter().map(Fault::bounded).collect(),
@@ -72,57 +79,63 @@ impl Error {
     }
 }
 
-/// One thing that is wrong, and where: `cornell.json:41:17: /materials/glass/eta: expected …, found …`.
+/// One fault and its location: `cornell.json:41:17: /materials/glass/eta: expected …, found …`.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Fault {
-    /// The file as the user named it; empty where there is none.
+    /// File as the user named it; empty if there is none.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub file: String,
-    /// From 1.
+    /// Line, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub line: Option<usize>,
-    /// From 1, in characters.
+    /// Column in characters, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<usize>,
-    /// JSON pointer (RFC 6901); empty where there is none.
+    /// JSON pointer (RFC 6901) to the faulty value; empty if there is none.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub pointer: String,
+    /// Description of the fault.
     pub message: String,
 }
 
 impl Fault {
+    /// A fault without a location.
     pub fn new(message: impl Into<String>) -> Fault {
         Fault { message: message.into(), ..Fault::default() }
     }
 
+    /// The fault in a file.
     pub fn in_file(mut self, file: impl AsRef<Path>) -> Fault {
         self.file = file.as_ref().display().to_string();
         self
     }
 
+    /// The fault at a line and column.
     pub fn at(mut self, line: usize, column: usize) -> Fault {
         (self.line, self.column) = (Some(line), Some(column));
         self
     }
 
+    /// The fault at a line.
     pub fn at_line(mut self, line: usize) -> Fault {
         self.line = Some(line);
         self
     }
 
+    /// The fault with a JSON pointer to the faulty value.
     pub fn pointing(mut self, pointer: impl Into<String>) -> Fault {
         self.pointer = pointer.into();
         self
     }
 
-    /// The fault, with no text so long that a reader would lose the place in it.
+    /// The fault with overlong texts shortened.
     fn bounded(&self) -> Fault {
         let [file, pointer, message] = [&self.file, &self.pointer, &self.message].map(|text| bounded(text).into_owned());
         Fault { file, pointer, message, ..*self }
     }
 }
 
-/// One line, whatever the file holds: control characters are written as escapes.
+/// Writes the fault on one line, with control characters as escapes.
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let file = one_line(&self.file);

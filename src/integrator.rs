@@ -1,8 +1,11 @@
-//! The open seam: how light transport is computed.
+//! Interface of light transport methods.
 //!
-//! An [`Integrator`] holds settings. For one scene it prepares an [`Estimator`], which is asked for the
-//! radiance of one camera sample after the other, from any thread. To add one: a file with both, and an
-//! [`Entry`]; see `integrators/` and `examples/plug_in.rs`.
+//! An [`Integrator`] holds settings. For one scene it prepares an [`Estimator`], which computes the radiance of one camera sample
+//! at a time and is called from many threads. A new method is a file with both and an [`Entry`]; see `integrators/` and
+//! `examples/plug_in.rs`.
+
+mod interrupt;
+mod transport;
 
 use std::sync::Arc;
 
@@ -11,185 +14,129 @@ use schemars::JsonSchema;
 use serde::de::{DeserializeOwned, Error as _};
 use serde::{Deserialize, Deserializer};
 
-use crate::bsdf::TransportMode;
 use crate::effects::Effects;
 use crate::error::Error;
 use crate::film::FilmSpec;
-use crate::light::LightSample;
-use crate::math::{Ray, Spectrum, Vec3};
+use crate::math::{Ray, Spectrum};
 use crate::reader::{self, Faults, Node, UnknownKeys};
+use crate::recorder::{NoRecorder, PathRecorder, Recorder};
 use crate::sampler::Sampler;
-use crate::sampler::dimension::{self, Use};
-use crate::scene::{Scene, Surface};
-use crate::witness::Witness;
+use crate::scene::Scene;
 
-/// A method of light transport: settings only.
+pub use interrupt::Interrupt;
+pub use transport::{Roulette, sample_light};
+
+/// Settings of a light transport method.
 pub trait Integrator: Send + Sync {
-    /// Everything that this scene needs and that can be done once.
+    /// Does the work that is done once per scene, and returns the estimator for it.
     fn prepare(&self, scene: Arc<dyn Scene>, film: &FilmSpec) -> Box<dyn Estimator>;
 
-    /// What its settings leave out of the picture, on purpose.
+    /// Settings that leave out some light on purpose.
     fn biases(&self) -> Vec<Bias> {
         vec![]
     }
 }
 
-/// A setting that leaves something out.
+/// Setting that leaves out some light.
 pub struct Bias {
-    /// As one would write it: `max_depth 7`.
+    /// Key and value, such as `max_depth 7`.
     pub setting: String,
-    /// The same method without it. On the same random numbers the two differ by what is left out, and by nothing else.
+    /// The method without the setting. On the same random numbers, the two differ only by the light that is left out.
     pub without: Box<dyn Integrator>,
 }
 
-/// A method at work on one scene.
+/// Method prepared for one scene.
 pub trait Estimator: Send + Sync {
     /// An unbiased estimate of the radiance that arrives along the camera's ray [W·m⁻²·sr⁻¹].
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum;
 }
 
-/// What the camera hands to an estimator.
+/// Walk along the paths of a camera sample, generic over the recorder.
+///
+/// Every walk is an [`Estimator`]: the blanket implementation compiles it once without recording and once for a
+/// [`PathRecorder`], and chooses between the two by [`Context::recorder`].
+pub trait PathWalk: Send + Sync {
+    /// An unbiased estimate of the radiance that arrives along the camera's ray [W·m⁻²·sr⁻¹].
+    fn walk<R: Recorder + ?Sized>(
+        &self,
+        camera: &CameraSample,
+        sampler: &mut dyn Sampler,
+        recorder: &mut R,
+        interrupt: Interrupt,
+    ) -> Spectrum;
+}
+
+impl<W: PathWalk> Estimator for W {
+    fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
+        match cx.recorder.take() {
+            None => self.walk(camera, cx.sampler, &mut NoRecorder, cx.interrupt),
+            Some(recorder) => self.walk(camera, cx.sampler, recorder, cx.interrupt),
+        }
+    }
+}
+
+/// Camera ray of a sample and its place on the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraSample {
+    /// Ray from the camera into the scene.
     pub ray: Ray,
-    /// Of the reconstruction filter; applied by the render loop.
+    /// Weight of the reconstruction filter; applied by the render loop.
     pub weight: f32,
+    /// Pixel that the sample belongs to.
     pub pixel: UVec2,
-    /// Position on the film (pixels), from the upper left.
+    /// Position on the film (pixels), from the upper left corner.
     pub raster: Vec2,
 }
 
-/// What an estimator may use while it works on one sample.
+/// Resources of an estimator for one camera sample.
 pub struct Context<'a> {
+    /// Source of random numbers.
     pub sampler: &'a mut dyn Sampler,
-    /// Who wants to know, if anyone does: see [`crate::witness`]. Who tells nothing may leave it alone.
-    pub witness: Option<&'a mut dyn Witness>,
-    /// Tells whether the sample is still wanted. Whose samples are short may leave it alone.
+    /// Recorder of the sample's paths, if there is one: see [`crate::recorder`]. An estimator that records nothing may ignore it.
+    pub recorder: Option<&'a mut dyn PathRecorder>,
+    /// Query whether the render was cancelled. An estimator whose samples are short may ignore it.
     pub interrupt: Interrupt<'a>,
 }
 
-/// Tells a sample that takes long whether the render was cancelled: what is returned then does not count, whatever it is.
-#[derive(Clone, Copy)]
-pub struct Interrupt<'a> {
-    is_cancelled: Option<&'a dyn Fn() -> bool>,
-}
-
-impl<'a> Interrupt<'a> {
-    /// The interrupt that never comes.
-    pub const NEVER: Interrupt<'static> = Interrupt { is_cancelled: None };
-
-    /// - `is_cancelled`: once it says so, it always does
-    pub fn new(is_cancelled: &'a dyn Fn() -> bool) -> Interrupt<'a> {
-        Interrupt { is_cancelled: Some(is_cancelled) }
-    }
-
-    /// Whether to give up the sample after so many of its vertices. It is looked at once in 256 of them, at no cost for short paths.
-    #[inline(always)]
-    pub fn ends(self, vertices: u32) -> bool {
-        vertices % 256 == 255 && self.comes()
-    }
-
-    #[cold]
-    fn comes(self) -> bool {
-        self.is_cancelled.is_some_and(|is_cancelled| is_cancelled())
-    }
-}
-
-/// Russian roulette: paths that carry little end early, the survivors stand for them.
-///
-/// Survival probability q = min(1, max β·η²), with β the throughput and η² undoing the compression of
-/// radiance in glass. By throughput alone, never by radiance: emission ×2^k gives pixels ×2^k.
-///
-/// Where β falls by ρ at each bounce, survivors carry β/q = 1 again. A bound on q below 1 would let them
-/// grow instead, by ρ/q a bounce, and for ρ² > q without bound in the variance: a path among perfect
-/// mirrors is ended by its greatest depth, not here.
-///
-/// Source: Arvo and Kirk, *Particle Transport and Image Synthesis* (1990). Tests: roulette_keeps_the_mean.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Roulette {
-    /// The first vertex at which a path may end.
-    pub from_depth: u32,
-}
-
-impl Roulette {
-    /// The probability that a path lives on.
-    pub fn chance(&self, depth: u32, beta: Spectrum) -> f32 {
-        if depth < self.from_depth { 1.0 } else { beta.max().min(1.0) }
-    }
-
-    /// What the throughput of a path that lives on is multiplied by; `None` for one that ends here.
-    ///
-    /// - `beta`: throughput, with the compression by refraction taken out
-    pub fn survive(&self, depth: u32, beta: Spectrum, sampler: &mut dyn Sampler) -> Option<f32> {
-        if depth < self.from_depth {
-            return Some(1.0);
-        }
-        let q = self.chance(depth, beta);
-        sampler.at(dimension::vertex(depth, Use::Roulette));
-        (sampler.next_1d() < q).then(|| 1.0 / q)
-    }
-}
-
-/// One light sample of a surface that scatters it and that it reaches: f·|cos|·Li / pdf, and the sample.
-///
-/// Delta lobes see no light sample, what is in shadow gets none: `None`.
-pub fn sample_light(
-    scene: &dyn Scene,
-    surface: &Surface,
-    wo: Vec3,
-    depth: u32,
-    time: f32,
-    sampler: &mut dyn Sampler,
-) -> Option<(Spectrum, LightSample)> {
-    if !surface.bsdf.has_smooth_lobe() {
-        return None;
-    }
-    sampler.at(dimension::vertex(depth, Use::Light));
-    let (choice, u) = (sampler.next_1d(), sampler.next_2d());
-    let light = scene.lights().sample(surface.lit, choice, u)?;
-    let f = surface.eval(wo, light.wi, TransportMode::Radiance);
-    let reached = !f.is_black() && !scene.occluded(&surface.shadow_ray(light.wi, &light.target, time));
-    reached.then(|| (f * light.weight, light))
-}
-
-/// The greatest `max_depth` and `roulette_depth` that a scene may ask for: a path among perfect mirrors ends there.
+/// The greatest `max_depth` and `roulette_depth` of a scene. It ends paths between perfect mirrors.
 pub const MAX_DEPTH: u32 = 65535;
 
-/// Reads a depth: `#[serde(deserialize_with = "pt::integrator::depth")]`.
+/// Deserializes a depth: `#[serde(deserialize_with = "pt::integrator::depth")]`.
 ///
 /// # Errors
-/// Beyond [`MAX_DEPTH`].
+/// The number exceeds [`MAX_DEPTH`].
 pub fn depth<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
     at_most::<MAX_DEPTH, D>(deserializer)
 }
 
-/// Reads a number that has a bound of its own: `#[serde(deserialize_with = "pt::integrator::at_most::<12, _>")]`.
+/// Deserializes a whole number with an upper bound: `#[serde(deserialize_with = "pt::integrator::at_most::<12, _>")]`.
 ///
 /// # Errors
-/// Beyond `MOST`.
+/// The number exceeds `MOST`.
 pub fn at_most<'de, const MOST: u32, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
-    // Wider than what is wanted, so that its own bound is the one that is told.
+    // A type wider than needed, so that the fault names `MOST` and not the range of u32.
     let number = i128::deserialize(deserializer)?;
     let refused = || D::Error::custom(format!("expected a whole number from 0 to {MOST}, found {number}"));
     u32::try_from(number).ok().filter(|number| *number <= MOST).ok_or_else(refused)
 }
 
-/// A row of the table of integrators: it feeds the command line, its help, comparisons and the tests.
+/// Row of the table of integrators. The command line, its help, comparisons and the tests are made from the table.
 #[derive(Clone, Copy)]
 pub struct Entry {
+    /// Name on the command line and in scene files.
     pub name: &'static str,
-    /// One line.
+    /// Description in one line.
     pub about: &'static str,
-    /// What its pictures contain.
+    /// Effects that its pictures contain.
     pub simulates: Effects,
-    /// With the options that the scene has for it.
+    /// Makes the integrator from the options of a scene.
     pub new: fn(&Options) -> Box<dyn Integrator>,
-    /// Of the options.
+    /// JSON schema of the options.
     pub schema: fn() -> schemars::Schema,
 }
 
 impl Entry {
-    /// The integrator whose settings are the type `T`: they are its options, by name.
+    /// Entry of the integrator `T`, whose fields are its options.
     pub const fn of<T>(name: &'static str, about: &'static str, simulates: Effects) -> Entry
     where
         T: Integrator + Default + DeserializeOwned + JsonSchema + 'static,
@@ -198,32 +145,32 @@ impl Entry {
     }
 }
 
-/// The typed options of an integrator, as the scene has them; what is wrong with them is noted.
+/// Options of an integrator in a scene file. Faults found while reading them are collected.
 pub struct Options<'a> {
     node: Option<&'a Node>,
     unknown: UnknownKeys,
     faults: &'a Faults,
 }
 
-/// Where a scene keeps them.
+/// JSON pointer to the options in a scene file.
 const POINTER: &str = "/integrator";
 
 impl Options<'_> {
-    /// `T::default()` where the scene has none, or wrong ones.
+    /// Reads the options; `T::default()` where the scene has none or they have faults.
     pub fn read<T: Default + DeserializeOwned>(&self) -> T {
         self.node.and_then(|node| reader::read_options(node, POINTER, self.unknown, self.faults)).unwrap_or_default()
     }
 }
 
-/// What a scene is rendered with that names no integrator.
+/// Name of the integrator for scenes that choose none.
 pub const DEFAULT: &str = "nee";
 
-/// The integrator that `name` chooses, or else the scene, out of `tables`.
+/// Chooses an integrator from `tables`: by `name` if given, otherwise by the scene.
 ///
-/// - `scene`: the scene's own choice and options; where `name` chooses another, it takes the options that both know
+/// - `scene`: the scene's `integrator` node. If `name` chooses another integrator, that one takes the options which both know.
 ///
 /// # Errors
-/// `Usage` for an unknown `name`; `Invalid` (or `Usage`, for what `-D` gave) for the scene's own mistakes.
+/// `Usage` for an unknown `name`; `Invalid` (or `Usage`, for values given with `-D`) for faults in the scene.
 pub fn choose(tables: &[&[Entry]], scene: Option<&Node>, name: Option<&str>, file: &str) -> crate::Result<(Entry, Box<dyn Integrator>)> {
     let all = || tables.iter().copied().flatten();
     let find = |name: &str| all().find(|entry| entry.name == name).copied();
@@ -237,7 +184,7 @@ pub fn choose(tables: &[&[Entry]], scene: Option<&Node>, name: Option<&str>, fil
     };
     let Some(entry) = entry else {
         if let Some(node) = scene.and_then(|node| node.child("type")) {
-            faults.add(&node.place, format!("{POINTER}/type"), reader::unknown("integrator", own.unwrap_or_default(), &names));
+            faults.add(&node.location, format!("{POINTER}/type"), reader::unknown("integrator", own.unwrap_or_default(), &names));
         }
         faults.into_result(file)?;
         return Err(Error::Internal("the table of integrators lacks the default".into()));

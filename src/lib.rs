@@ -24,12 +24,12 @@ pub mod part;
 pub mod primitive;
 pub mod proof;
 pub mod reader;
+pub mod recorder;
 pub mod render;
 pub mod sampler;
 pub mod scene;
 pub mod shape;
 pub mod texture;
-pub mod witness;
 pub mod world;
 
 pub use error::memory::Memory;

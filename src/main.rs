@@ -1,4 +1,4 @@
-//! `pt`: see `pt --help`.
+//! The program `pt`: see `pt --help`.
 
 use std::process::ExitCode;
 

@@ -1,7 +1,7 @@
-//! The one loop: waves of samples over tiles of pixels, in parallel.
+//! Render loop: waves of samples over tiles of pixels, in parallel.
 
 mod first_hit;
-mod paths;
+mod light_aovs;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,105 +10,111 @@ use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
 use crate::effects::Effects;
-use crate::film::{Block, Crop, Film, FilmSpec, Layer, Moments, Slots, Tree, Wave};
+use crate::film::{Crop, Film, FilmSpec, Layer, Moments, PixelLayout, PixelSums, Tree, Wave};
 use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt};
 use crate::math::{ExactSum, Spectrum};
+use crate::recorder::{Clamp, PathRecorder};
 use crate::sampler::{Sampler, SamplerSpec, dimension};
 use crate::scene::Scene;
-use crate::witness::{Clamp, Witness};
-use first_hit::Known;
-use paths::Told;
+use first_hit::SampleRecord;
+use light_aovs::LightAovBuffer;
 
-/// How a picture is to be sampled.
+/// Settings of the sampling of a picture.
 #[derive(Clone, Debug)]
 pub struct Settings {
+    /// Sampler.
     pub sampler: SamplerSpec,
-    /// Samples per pixel, or fewer where the time is up.
+    /// Samples per pixel, or fewer if the time is up.
     pub samples: u64,
+    /// Limit of the time of rendering.
     pub time: Option<Duration>,
-    /// Edge of the square tiles that threads work on (pixels). Does not change the picture.
+    /// Edge length of the square tiles that threads work on (pixels). It does not change the picture.
     pub tile: u32,
-    /// What a single piece of indirect light may be at most, see [`Clamp`]. A bias, and never chosen by itself.
+    /// Greatest value of a single contribution of indirect light, see [`Clamp`]. This is a bias and never a default.
     pub clamp: Option<f32>,
-    /// How long a wave of samples should take at most, so that an interrupt loses little; but none is cut to less than an eighth of
-    /// what is done. Does not change the picture.
+    /// Desired greatest duration of a wave of samples, so that an interrupt loses little. Waves are not made shorter than an eighth
+    /// of the samples so far. It does not change the picture.
     pub wave_time: Option<Duration>,
 }
 
 impl Settings {
+    /// Settings for all planned samples of a sampler, without limits.
     pub fn new(sampler: SamplerSpec) -> Settings {
         Settings { sampler, samples: sampler.spp, time: None, tile: 16, clamp: None, wave_time: None }
     }
 }
 
-/// Told how far a render is; may end it.
+/// Observer of the progress of a render, which may cancel it.
 pub trait Observer: Sync {
-    /// Called from many threads.
+    /// A tile is done, after `_camera_samples` samples. Called from many threads.
     fn tile_done(&self, _camera_samples: u64) {}
 
-    /// What the film holds is whole again: `samples` per pixel.
+    /// A wave is done, and the film has `_samples` samples for each pixel.
     fn wave_done(&self, _samples: u64, _film: &dyn Film) {}
 
-    /// Looked at before every sample, and now and then during a long one; once it is true, it stays so.
+    /// Whether the render is cancelled. Called before every sample and from time to time during long ones; once `true`, it must stay so.
     fn cancelled(&self) -> bool {
         false
     }
 }
 
-/// Nobody looks.
+/// Observer that ignores everything.
 pub struct Silent;
 
 impl Observer for Silent {}
 
-/// What happened beside the picture.
+/// Statistics of a render.
 #[derive(Clone, Debug, Default)]
-pub struct Report {
-    /// Per pixel; rounds of samples where the film's allocation tells pixels apart.
+pub struct RenderReport {
+    /// Samples per pixel, or rounds of samples if the film's allocation is uneven.
     pub samples: u64,
+    /// Whether the render was cancelled.
     pub cancelled: bool,
-    /// Samples that were not finite or negative; they count as zero. A healthy scene has none.
+    /// Number of samples that were not finite or were negative. They count as zero; a sound scene has none.
     pub invalid: u64,
-    /// The first few, for replay.
+    /// First few of the invalid samples, for replay.
     pub first_invalid: Vec<SampleId>,
-    /// What clamping took, summed over colours, samples and pixels.
+    /// Radiance removed by clamping, summed over colours, samples and pixels.
     pub clamped: ExactSum,
-    /// Preparation excluded.
+    /// Time of rendering, without preparation.
     pub elapsed: Duration,
 }
 
-impl Report {
-    /// Without what an earlier report of the same render had told.
-    pub fn since(&self, earlier: &Report) -> Report {
+impl RenderReport {
+    /// Difference to an earlier report of the same render.
+    pub fn since(&self, earlier: &RenderReport) -> RenderReport {
         let elapsed = self.elapsed.saturating_sub(earlier.elapsed);
-        Report { samples: self.samples - earlier.samples, invalid: self.invalid - earlier.invalid, elapsed, ..self.clone() }
+        RenderReport { samples: self.samples - earlier.samples, invalid: self.invalid - earlier.invalid, elapsed, ..self.clone() }
     }
 }
 
-/// Which sample: with the seed enough to compute it again.
+/// Pixel and index of a sample. With the seed, they suffice to compute it again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SampleId {
+    /// Column and row of the pixel.
     pub pixel: (u32, u32),
+    /// Index of the sample within the pixel.
     pub index: u64,
 }
 
-/// Waves are at most about 2^6 samples long, so that progress shows.
+/// Binary logarithm of the greatest number of samples per wave, small enough to show progress.
 const MAX_WAVE_LEVEL: u32 = 6;
-/// The [`Settings::wave_time`] of a render that a user may interrupt.
+/// [`Settings::wave_time`] of a render that a user may interrupt.
 pub const SHORT_WAVE: Duration = Duration::from_secs(2);
-/// So many invalid samples are named.
+/// Number of invalid samples that are reported.
 pub const KEPT_INVALID: usize = 16;
 
 /// Renders `scene` into `film`.
 ///
-/// The picture is a pure function of scene, integrator, sampler and film: threads, tiles and the
-/// clock have no say in it (the clock only in how many samples there are).
+/// The picture is a pure function of scene, integrator, sampler and film. Threads and tiles do not change it, and the clock only
+/// changes the number of samples.
 pub fn render(
     scene: Arc<dyn Scene>,
     integrator: &dyn Integrator,
     film: &mut dyn Film,
     settings: &Settings,
     observer: &dyn Observer,
-) -> Report {
+) -> RenderReport {
     let mut render = Render::new(scene, integrator, film.spec(), settings);
     match settings.time {
         Some(time) => render.advance_for(time, settings.samples, film, observer),
@@ -117,7 +123,7 @@ pub fn render(
     render.report
 }
 
-/// A render that can be taken further, sample by sample.
+/// Render that can be continued sample by sample.
 pub struct Render {
     scene: Arc<dyn Scene>,
     estimator: Box<dyn Estimator>,
@@ -125,24 +131,25 @@ pub struct Render {
     sampler: SamplerSpec,
     has_lens: bool,
     tiles: Vec<Crop>,
-    /// Index of the sample that comes next.
+    /// Index of the next sample.
     next: u64,
     clamp: Option<f32>,
     wave_time: Option<Duration>,
-    report: Report,
+    report: RenderReport,
 }
 
-/// What a tile yields: the sums of its pixels, row by row.
-struct Part {
-    block: Block,
-    /// Of all its pixels.
+/// Result of a tile for one wave.
+struct TileResult {
+    /// Sums of the pixels, row by row.
+    sums: PixelSums,
+    /// Number of camera samples of all pixels.
     samples: u64,
     invalid: Vec<SampleId>,
     clamped: ExactSum,
 }
 
 impl Render {
-    /// Prepares the integrator; nothing is sampled yet.
+    /// Prepares the integrator. No sample is taken yet.
     pub fn new(scene: Arc<dyn Scene>, integrator: &dyn Integrator, spec: &FilmSpec, settings: &Settings) -> Render {
         let estimator = integrator.prepare(scene.clone(), spec);
         let has_lens = scene.effects().contains(Effects::THIN_LENS);
@@ -157,56 +164,58 @@ impl Render {
             next: 0,
             clamp: settings.clamp,
             wave_time: settings.wave_time,
-            report: Report::default(),
+            report: RenderReport::default(),
         }
     }
 
-    /// Goes on where another render stopped, before the sample of this index and with what it reported: to the same bits.
-    pub fn resumed(self, next: u64, report: Report) -> Render {
-        Render { next, report: Report { cancelled: false, ..report }, ..self }
+    /// Continues after another render, with the sample `next` and its report. The picture has the same bits as without the pause.
+    pub fn resumed(self, next: u64, report: RenderReport) -> Render {
+        Render { next, report: RenderReport { cancelled: false, ..report }, ..self }
     }
 
-    /// Of all that was done so far.
-    pub fn report(&self) -> &Report {
+    /// Statistics of all samples so far.
+    pub fn report(&self) -> &RenderReport {
         &self.report
     }
 
-    /// One sample by itself, as it counts in the picture: what `--pixel x,y --sample k` shows. Not finite where it is invalid.
+    /// Computes one sample as it counts in the picture, as for `--pixel x,y --sample k`. The result is not finite if the sample is
+    /// invalid.
     ///
-    /// - `witness`: told of its paths
-    pub fn replay(&self, id: SampleId, witness: Option<&mut dyn Witness>) -> Spectrum {
+    /// - `recorder`: receives the events of the paths
+    pub fn replay(&self, id: SampleId, recorder: Option<&mut dyn PathRecorder>) -> Spectrum {
         let (mut sequence, pixel, index) = self.sequence(id);
-        self.sample(pixel, index, &mut *sequence, witness, Interrupt::NEVER, &mut ExactSum::default())
+        self.sample(pixel, index, &mut *sequence, recorder, Interrupt::NEVER, &mut ExactSum::default())
     }
 
+    /// Settings of the sampler.
     pub fn sampler(&self) -> &SamplerSpec {
         &self.sampler
     }
 
-    /// What the camera hands to the estimator for one sample.
+    /// Camera ray of one sample.
     pub fn camera(&self, id: SampleId) -> CameraSample {
         let (mut sequence, pixel, index) = self.sequence(id);
         self.camera_sample(pixel, index, &mut *sequence)
     }
 
-    /// Whose numbers a sample takes, and its pixel and place in the sequence.
+    /// Sequence of a sample, its pixel, and its index in the sequence.
     fn sequence(&self, id: SampleId) -> (Box<dyn Sampler>, UVec2, u64) {
         let mut sequences = self.sampler.sequences();
         let k = sequences.len() as u64;
         (sequences.swap_remove((id.index % k) as usize), UVec2::new(id.pixel.0, id.pixel.1), id.index / k)
     }
 
-    /// On until all samples below index `samples` are in. Into the same film each time.
+    /// Renders all samples below the index `samples`. The film must be the same in each call.
     pub fn advance(&mut self, samples: u64, film: &mut dyn Film, observer: &dyn Observer) {
         while self.step(samples, None, film, observer) {}
     }
 
-    /// As far as the time goes, counted with what was spent before, and at most to sample index `samples`.
+    /// Renders for a total time, including the time spent before, and at most up to the sample index `samples`.
     pub fn advance_for(&mut self, time: Duration, samples: u64, film: &mut dyn Film, observer: &dyn Observer) {
         while self.step(samples, Some(time), film, observer) {}
     }
 
-    /// One wave further; `false` where there is none: all samples are in, the time is up, or the render was cancelled.
+    /// Renders one wave. Returns `false` if no wave is left because all samples are done, the time is up, or the render was cancelled.
     pub fn step(&mut self, samples: u64, time: Option<Duration>, film: &mut dyn Film, observer: &dyn Observer) -> bool {
         let (start, end) = (Instant::now(), time.map_or(samples, |time| samples.min(self.affordable(time))));
         let next = Wave::next(self.next, end, self.max_wave_level());
@@ -216,75 +225,76 @@ impl Render {
         !self.report.cancelled
     }
 
-    /// Whatever it is, the picture has the same bits: blocks of samples join in the same way however they are cut.
+    /// Binary logarithm of the greatest length of the next wave. It does not change the picture, because sums of any split join to the
+    /// same bits.
     fn max_wave_level(&self) -> u32 {
         let most = MAX_WAVE_LEVEL.saturating_sub(self.spec.allocation.mean().log2() as u32);
-        let Report { samples, elapsed, .. } = self.report;
+        let RenderReport { samples, elapsed, .. } = self.report;
         let Some(time) = self.wave_time.filter(|_| samples > 0) else { return most };
         let in_time = samples as f64 * time.as_secs_f64() / elapsed.as_secs_f64();
         most.min((in_time.log2() as u32).max((samples / 8).checked_ilog2().unwrap_or(0)))
     }
 
-    /// The sample index that will be reached within the time, at the speed so far.
+    /// Sample index that can be reached within the time at the speed so far.
     fn affordable(&self, time: Duration) -> u64 {
-        let Report { samples, elapsed, .. } = self.report;
+        let RenderReport { samples, elapsed, .. } = self.report;
         let more = samples as f64 * time.saturating_sub(elapsed).as_secs_f64() / elapsed.as_secs_f64();
         if samples == 0 { u64::MAX } else { self.next.saturating_add(more as u64) }
     }
 
-    /// A wave is whole or not at all: only then is the picture a function of its sample count.
+    /// Renders a wave completely or, if cancelled, not at all, so that the picture is a function of its sample count.
     fn wave(&mut self, wave: Wave, film: &mut dyn Film, observer: &dyn Observer) {
         let tile = |tile: &Crop| {
-            let part = self.tile(*tile, wave, observer);
-            observer.tile_done(part.as_ref().map_or(0, |part| part.samples));
-            part
+            let result = self.tile(*tile, wave, observer);
+            observer.tile_done(result.as_ref().map_or(0, |result| result.samples));
+            result
         };
-        let Some(parts) = self.tiles.par_iter().map(tile).collect::<Option<Vec<Part>>>() else {
+        let Some(results) = self.tiles.par_iter().map(tile).collect::<Option<Vec<TileResult>>>() else {
             self.report.cancelled = true;
             return;
         };
-        for part in &parts {
-            self.report.invalid += part.invalid.len() as u64;
+        for result in &results {
+            self.report.invalid += result.invalid.len() as u64;
             let room = KEPT_INVALID - self.report.first_invalid.len();
-            self.report.first_invalid.extend(part.invalid.iter().take(room));
-            self.report.clamped = self.report.clamped.join(&part.clamped);
+            self.report.first_invalid.extend(result.invalid.iter().take(room));
+            self.report.clamped = self.report.clamped.join(&result.clamped);
         }
-        let block = self.assemble(&parts);
-        drop(parts);
-        film.add(wave, block);
+        let sums = self.assemble(&results);
+        drop(results);
+        film.add(wave, sums);
         self.next += wave.samples();
         self.report.samples += wave.samples();
         observer.wave_done(self.report.samples, film);
     }
 
-    /// `None` where the render was cancelled meanwhile.
-    fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<Part> {
+    /// Renders the samples of a wave in a tile; `None` if the render was cancelled meanwhile.
+    fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<TileResult> {
         let mut sequences = self.sampler.sequences();
         let k = sequences.len() as u64;
         let (mut trees, mut gray, mut moments) = (vec![Tree::default(); sequences.len()], Tree::default(), vec![]);
-        let block = Block::with_capacity(self.slots(), tile.pixel_count() as usize);
-        let mut part = Part { block, samples: 0, invalid: vec![], clamped: ExactSum::default() };
+        let sums = PixelSums::with_capacity(self.layout(), tile.pixel_count() as usize);
+        let mut result = TileResult { sums, samples: 0, invalid: vec![], clamped: ExactSum::default() };
         let (mut terms, is_timed) = (vec![], self.spec.layers.contains(&Layer::Time));
-        let mut told = Told::new(&self.spec.layers, &self.spec.lights.of);
+        let mut light_aovs = LightAovBuffer::new(&self.spec.layers, &self.spec.lights.of);
         let is_cancelled = || observer.cancelled();
         let interrupt = Interrupt::new(&is_cancelled);
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
-            let wave = wave.denser(self.spec.allocation.level(self.spec.crop.index(UVec2::new(x, y))));
+            let wave = wave.scaled(self.spec.allocation.level(self.spec.crop.index(UVec2::new(x, y))));
             let start = is_timed.then(Instant::now);
             trees.iter_mut().for_each(Tree::clear);
             gray.clear();
-            told.iter_mut().for_each(Told::clear);
+            light_aovs.iter_mut().for_each(LightAovBuffer::clear);
             for index in wave.range() {
                 if is_cancelled() {
                     return None;
                 }
                 // Sample i of the pixel is sample i div K of sequence i mod K.
                 let r = (index % k) as usize;
-                let witness = told.as_mut().map(Told::witness);
-                let mut value = self.sample(UVec2::new(x, y), index / k, &mut *sequences[r], witness, interrupt, &mut part.clamped);
-                told.iter_mut().for_each(|told| told.keep(value.is_finite()));
+                let recorder = light_aovs.as_mut().map(LightAovBuffer::recorder);
+                let mut value = self.sample(UVec2::new(x, y), index / k, &mut *sequences[r], recorder, interrupt, &mut result.clamped);
+                light_aovs.iter_mut().for_each(|light_aovs| light_aovs.store_sample(value.is_finite()));
                 if !value.is_finite() {
-                    part.invalid.push(SampleId { pixel: (x, y), index });
+                    result.invalid.push(SampleId { pixel: (x, y), index });
                     value = Spectrum::BLACK;
                 }
                 let sample = Moments::of(value);
@@ -293,26 +303,27 @@ impl Render {
             }
             moments.clear();
             moments.extend(trees.iter().map(|tree| tree.total(Moments::join).unwrap_or_default()));
-            part.block.push(&moments, gray.total(Moments::join_gray).unwrap_or_default());
-            part.samples += wave.samples();
+            result.sums.push(&moments, gray.total(Moments::join_gray).unwrap_or_default());
+            result.samples += wave.samples();
             if !self.spec.layers.is_empty() {
                 let seconds = start.map_or(0.0, |start| start.elapsed().as_secs_f64());
-                part.block.push_layers(self.layers(UVec2::new(x, y), wave, &mut sequences, told.as_ref(), seconds, &mut terms));
+                result.sums.push_layers(self.layers(UVec2::new(x, y), wave, &mut sequences, light_aovs.as_ref(), seconds, &mut terms));
             }
         }
-        // The last sample may have been given up.
-        (!is_cancelled()).then_some(part)
+        // The last sample may have been given up midway.
+        (!is_cancelled()).then_some(result)
     }
 
-    /// What the layers of a pixel add up: its camera samples once more, after the picture is done with them.
+    /// Layer sums of a pixel. The camera rays of its samples are traced again, after the picture has used its random numbers.
     ///
-    /// - `told`: what the picture's samples told; `seconds`: that they took
+    /// - `light_aovs`: light recorded by the samples
+    /// - `seconds`: time that the samples took
     fn layers<'t>(
         &self,
         pixel: UVec2,
         wave: Wave,
         sequences: &mut [Box<dyn Sampler>],
-        told: Option<&Told>,
+        light_aovs: Option<&LightAovBuffer>,
         seconds: f64,
         terms: &'t mut Vec<f64>,
     ) -> &'t [f64] {
@@ -321,71 +332,73 @@ impl Render {
         for (nth, i) in wave.range().enumerate() {
             let sequence = &mut *sequences[(i % k) as usize];
             let camera = self.camera_sample(pixel, i / k, sequence);
-            let light = told.map_or(&[][..], |told| told.sample(nth));
-            first_hit::add_terms(&*self.scene, &self.spec.layers, &camera, sequence, Known { seconds, light }, terms);
+            let light = light_aovs.map_or(&[][..], |light_aovs| light_aovs.sample(nth));
+            first_hit::add_terms(&*self.scene, &self.spec.layers, &camera, sequence, SampleRecord { seconds, light }, terms);
         }
-        first_hit::joined(terms, self.slots().layers)
+        first_hit::joined(terms, self.layout().layers)
     }
 
-    fn slots(&self) -> Slots {
-        self.spec.slots(self.sampler.spread())
+    /// Layout of the sums of a pixel.
+    fn layout(&self) -> PixelLayout {
+        self.spec.layout(self.sampler.error_estimator())
     }
 
-    /// The filtered radiance; not finite where the estimate is invalid.
+    /// Radiance of a sample times its filter weight; not finite if the estimate is invalid.
     ///
-    /// - `index`: within the sequence
-    /// - `clamped`: takes what clamping takes
+    /// - `index`: index within the sequence
+    /// - `clamped`: sum to which the radiance removed by clamping is added
     fn sample(
         &self,
         pixel: UVec2,
         index: u64,
         sampler: &mut dyn Sampler,
-        witness: Option<&mut dyn Witness>,
+        recorder: Option<&mut dyn PathRecorder>,
         interrupt: Interrupt,
         clamped: &mut ExactSum,
     ) -> Spectrum {
         let camera = self.camera_sample(pixel, index, sampler);
-        // For no longer than the sequence.
-        let witness = witness.map(|witness| witness as &mut dyn Witness);
+        // Shortens the lifetime of the trait object to that of the sampler.
+        let recorder = recorder.map(|recorder| recorder as &mut dyn PathRecorder);
         let filtered = |radiance: Spectrum| if radiance.is_valid() { radiance * camera.weight } else { Spectrum::gray(f32::NAN) };
         let Some(limit) = self.clamp else {
-            return filtered(self.estimator.li(&camera, &mut Context { sampler, witness, interrupt }));
+            return filtered(self.estimator.li(&camera, &mut Context { sampler, recorder, interrupt }));
         };
-        let mut clamp = Clamp::new(limit, witness);
-        let value = filtered(self.estimator.li(&camera, &mut Context { sampler, witness: Some(&mut clamp), interrupt }));
-        let free = filtered(clamp.free());
-        if clamp.acted() && value.is_finite() && free.is_finite() {
-            free.to_rgb().into_iter().for_each(|x| clamped.add(x));
+        let mut clamp = Clamp::new(limit, recorder);
+        let value = filtered(self.estimator.li(&camera, &mut Context { sampler, recorder: Some(&mut clamp), interrupt }));
+        let unclamped = filtered(clamp.unclamped());
+        if clamp.acted() && value.is_finite() && unclamped.is_finite() {
+            unclamped.to_rgb().into_iter().for_each(|x| clamped.add(x));
             value.to_rgb().into_iter().for_each(|x| clamped.add(-x));
         }
         value
     }
 
-    // (Into the loop, whoever else asks.)
+    /// Camera ray of a sample, which the sampler is started for.
+    // Always inlined into the loop, although there are other callers.
     #[inline(always)]
     fn camera_sample(&self, pixel: UVec2, index: u64, sampler: &mut dyn Sampler) -> CameraSample {
         sampler.start(pixel, index);
         sampler.at(dimension::FILM);
         let (offset, weight) = self.spec.filter.sample(sampler.next_2d());
-        // Every effect owns its dimensions: not asking for a lens shifts no other number.
+        // Each effect owns its dimensions, so that drawing no lens point shifts no other number.
         let lens = if self.has_lens { draw_lens(sampler) } else { Vec2::ZERO };
         let raster = pixel.as_vec2() + 0.5 + offset;
         let ray = self.scene.camera().ray(raster / self.spec.size.as_vec2(), self.spec.aspect(), lens);
         CameraSample { ray, weight, pixel, raster }
     }
 
-    /// From tiles to rows of the crop.
-    fn assemble(&self, parts: &[Part]) -> Block {
+    /// Assembles the sums of all tiles into rows of the crop.
+    fn assemble(&self, results: &[TileResult]) -> PixelSums {
         let crop = self.spec.crop;
-        let mut block = Block::black(self.slots(), crop.pixel_count() as usize);
-        for (tile, part) in self.tiles.iter().zip(parts) {
+        let mut sums = PixelSums::black(self.layout(), crop.pixel_count() as usize);
+        for (tile, result) in self.tiles.iter().zip(results) {
             let width = tile.size().x as usize;
             for row in 0..tile.size().y as usize {
                 let start = crop.index(tile.min + UVec2::Y * row as u32);
-                block.put(start, &part.block, row * width..(row + 1) * width);
+                sums.put(start, &result.sums, row * width..(row + 1) * width);
             }
         }
-        block
+        sums
     }
 }
 
@@ -394,6 +407,7 @@ fn draw_lens(sampler: &mut dyn Sampler) -> Vec2 {
     sampler.next_2d()
 }
 
+/// Tiles of at most `edge` × `edge` pixels.
 fn tiles(crop: Crop, edge: u32) -> Vec<Crop> {
     let edge = edge.max(1);
     let starts = |from: u32, to: u32| (from..to).step_by(edge as usize);

@@ -1,90 +1,100 @@
-//! What light transport asks of the world.
+//! Interface between integrators and the scene.
 
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
 use crate::camera::Camera;
 use crate::effects::Effects;
-use crate::light::{Emission, Lights, Target};
+use crate::light::{Emission, Lights, ShadowTarget};
 use crate::math::{Frame, Local, Ray, SolidAnglePdf, Spectrum};
 use crate::primitive::Hit;
 use crate::shape::SurfacePoint;
 
-/// A scene, as integrators see it.
+/// Scene as integrators see it.
 pub trait Scene: Send + Sync {
-    /// The nearest hit with 0 < t < `ray.t_max`.
+    /// Nearest hit with 0 < t < `ray.t_max`.
     fn intersect(&self, ray: &Ray) -> Option<Hit>;
 
-    /// Whether anything is hit with 0 < t < `ray.t_max`.
+    /// Whether there is a hit with 0 < t < `ray.t_max`.
     fn occluded(&self, ray: &Ray) -> bool;
 
-    /// All about the point that `ray` hit.
+    /// Surface at the point that `ray` hit.
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_>;
 
+    /// Lights of the scene.
     fn lights(&self) -> &Lights;
 
+    /// Camera of the scene.
     fn camera(&self) -> &Camera;
 
-    /// What a picture of this scene calls for.
+    /// Effects that a picture of the scene requires.
     fn effects(&self) -> Effects;
 
-    /// What was subtracted from the user's coordinates, so that f32 is finest where the scene is (m).
+    /// Origin that was subtracted from the user's coordinates, chosen so that f32 is most precise where the scene has detail (m).
     fn origin(&self) -> DVec3;
 }
 
-/// A point on a surface and what happens to light there.
+/// Point on a surface with its BSDF and emission.
 ///
-/// Directions are in world space here and point away from the surface; the BSDF sees them in the
-/// frame of the shading normal. Where shading and geometric normal disagree on the side of a
-/// direction nothing is scattered: light does not leak through. Above a coarse mesh that stands for a smooth
-/// surface, [`Surface::lift`], the shading normal decides alone, and the ray itself finds what is in its way.
+/// Directions are in world space and point away from the surface; the BSDF uses the frame of the shading normal. If the shading
+/// normal and the geometric normal disagree on the side of a direction, nothing is scattered, so that light does not leak through.
+/// The exception is the outside of a coarse mesh that represents a smooth surface, see [`Surface::set_shadow_origin`]: there the
+/// shading normal alone decides, and the ray itself is tested against all facets.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
+    /// Position, normals and texture coordinates.
     pub point: SurfacePoint,
+    /// Frame of the shading normal.
     pub frame: Frame,
+    /// Scattering model.
     pub bsdf: Bsdf<'a>,
+    /// Emission of the surface.
     pub emission: Option<Emission>,
-    /// Its index among the lights; of meaning where it emits.
+    /// Index of the surface among the lights; valid only if `emission` is set.
     pub light: u32,
-    /// The point that light shines upon, and leaves outwards: `point.p`, or above it by [`Surface::lift`].
-    pub lit: Vec3,
+    /// Origin of rays that leave to the outside: `point.p`, or a point above it set by [`Surface::set_shadow_origin`].
+    pub shadow_origin: Vec3,
 }
 
 impl<'a> Surface<'a> {
+    /// A surface with the frame of the point's shading normal.
+    ///
+    /// - `emission`: emission and index of the light
     pub fn new(point: SurfacePoint, bsdf: Bsdf<'a>, emission: Option<(Emission, u32)>) -> Surface<'a> {
         let (emission, light) = (emission.map(|e| e.0), emission.map_or(u32::MAX, |e| e.1));
-        Surface { frame: Frame::around(point.ns), lit: point.p, point, bsdf, emission, light }
+        Surface { frame: Frame::around(point.ns), shadow_origin: point.p, point, bsdf, emission, light }
     }
 
-    /// As `ray` met it, where it stands for a smooth surface `lift` above it (m): [`Shape::lift`](crate::shape::Shape::lift).
+    /// Moves the origin of rays to the outside up to the smooth surface that a coarse mesh represents, `offset` above the point (m):
+    /// see [`Shape::shadow_terminator_offset`](crate::shape::Shape::shadow_terminator_offset).
     ///
-    /// What leaves outwards starts up there, and the shading normal alone says what does: a facet that faces away
-    /// from a light that the smooth surface sees is lit if the ray really passes all facets. Nothing changes where
-    /// `ray` comes from below, by either normal; nor for a lift within the error bound of the point, mere rounding.
-    pub fn lift(&mut self, lift: f32, ray: &Ray) {
+    /// The shading normal alone then decides about scattering to the outside: a facet that faces away from a light which the smooth
+    /// surface sees is lit if the shadow ray passes all facets. Nothing changes if `ray` comes from below, by either normal, or if the
+    /// offset is within the error bound of the point and so is mere rounding.
+    pub fn set_shadow_origin(&mut self, offset: f32, ray: &Ray) {
         let from_above = self.point.ng.dot(ray.direction) < 0.0 && self.point.ns.dot(ray.direction) < 0.0;
-        if from_above && lift > self.point.offset {
-            self.lit = self.point.p + self.point.ng * lift;
+        if from_above && offset > self.point.offset {
+            self.shadow_origin = self.point.p + self.point.ng * offset;
         }
     }
 
-    /// Gives it another shading normal, and lays the x axis of its frame along a tangent, where there is one.
-    pub fn turn(&mut self, ns: Vec3, tangent: Option<Vec3>) {
+    /// Sets the shading normal, and aligns the x axis of the frame with the tangent if there is one.
+    pub fn set_shading_frame(&mut self, ns: Vec3, tangent: Option<Vec3>) {
         self.frame = tangent.and_then(|x| Frame::along(ns, x)).unwrap_or_else(|| Frame::around(ns));
         self.point.ns = ns;
     }
 
-    /// Radiance that the surface itself sends into `w`.
+    /// Radiance that the surface emits in the direction `w`.
     pub fn emitted(&self, w: Vec3) -> Spectrum {
         self.emission.map_or(Spectrum::BLACK, |e| e.towards(self.point.ng, w))
     }
 
     /// f(wo, wi)·|cos θi| [sr⁻¹]; 0 for delta lobes.
-    // (Else the rare callers take it out of line for the frequent one, [`crate::integrator::sample_light`].)
+    // Always inlined: otherwise the compiler would keep it out of line in the hot caller, `integrator::sample_light`, too.
     #[inline(always)]
     pub fn eval(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> Spectrum {
         let (lo, li) = (self.frame.to_local(wo), self.frame.to_local(wi));
-        if !self.agrees(wo, lo, wi, li) {
+        if !self.normals_agree(wo, lo, wi, li) {
             return Spectrum::BLACK;
         }
         let f = self.bsdf.eval(lo, li, mode);
@@ -94,10 +104,10 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// |cos θo| |ng·wi| / (|ng·wo| |cos θi|): importance meets the surface by its geometric normal.
+    /// Correction |cos θo| |ng·wi| / (|ng·wo| |cos θi|) for the transport of importance with a shading normal.
     ///
-    /// A shading normal makes the cosines of f·|cos θi| those of another surface. For radiance that is the look that is wanted;
-    /// what lights send must then be scaled so that both find the same picture.
+    /// A shading normal changes the cosines in f·|cos θi|. For radiance this is the intended look. Light that is traced from lights
+    /// must be scaled by this factor so that it gives the same picture.
     ///
     /// Source: Veach, *Robust Monte Carlo Methods for Light Transport Simulation* (1997), §5.3. Tests: importance_is_adjoint.
     #[inline(never)]
@@ -107,12 +117,12 @@ impl<'a> Surface<'a> {
         if ratio.is_finite() { ratio } else { 0.0 }
     }
 
-    /// The density with which [`Surface::sample`] returns `wi`.
+    /// Density with which [`Surface::sample`] returns `wi`.
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> SolidAnglePdf {
         self.bsdf.pdf(self.frame.to_local(wo), self.frame.to_local(wi))
     }
 
-    /// A direction drawn from the BSDF, and the same in world space.
+    /// Samples the BSDF; returns the direction in world space and the sample.
     #[inline]
     pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2, mode: TransportMode) -> Option<(Vec3, BsdfSample)> {
         let lo = self.frame.to_local(wo);
@@ -120,19 +130,20 @@ impl<'a> Surface<'a> {
         self.in_world(wo, lo, sample, mode)
     }
 
-    /// The delta lobes, and their directions in world space.
+    /// Delta lobes with their directions in world space.
     pub fn delta_lobes(&self, wo: Vec3, mode: TransportMode) -> impl Iterator<Item = (Vec3, BsdfSample)> {
         let lo = self.frame.to_local(wo);
         self.bsdf.delta_lobes(lo, mode).filter_map(move |sample| self.in_world(wo, lo, sample, mode))
     }
 
+    /// Direction of a sample in world space, and the sample; `None` if the normals disagree on its side.
     #[inline]
     fn in_world(&self, wo: Vec3, lo: Local, sample: BsdfSample, mode: TransportMode) -> Option<(Vec3, BsdfSample)> {
-        // A path must not lengthen its directions bounce by bounce. This near to 1, a step of Newton's for 1/√x
-        // is as good as a root and a division, and does not make the next ray wait for them.
+        // Directions must not become longer from bounce to bounce. For lengths this close to 1, one Newton step for 1/√x is as precise
+        // as a root and a division, and has less latency.
         let w = self.frame.to_world(sample.wi);
         let wi = w * (1.5 - 0.5 * w.length_squared());
-        if !self.agrees(wo, lo, wi, sample.wi) {
+        if !self.normals_agree(wo, lo, wi, sample.wi) {
             return None;
         }
         match mode {
@@ -141,57 +152,61 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// Whether the geometric normal sees reflection and transmission as the shading normal does.
-    fn agrees(&self, wo: Vec3, lo: Local, wi: Vec3, li: Local) -> bool {
+    /// Whether the geometric normal agrees with the shading normal on reflection or transmission.
+    fn normals_agree(&self, wo: Vec3, lo: Local, wi: Vec3, li: Local) -> bool {
         let (out, on) = (self.point.ng.dot(wo), self.point.ng.dot(wi));
-        let same_side = out * on > 0.0 || (out > 0.0 && self.rises(wi));
+        let same_side = out * on > 0.0 || (out > 0.0 && self.is_above_smooth_surface(wi));
         same_side == lo.same_side(li)
     }
 
-    /// Whether `w` leaves the smooth surface above, if there is one, outwards.
-    fn rises(&self, w: Vec3) -> bool {
-        self.lit != self.point.p && self.point.ns.dot(w) > 0.0
+    /// Whether there is a smooth surface above the point and `w` leaves it to the outside.
+    fn is_above_smooth_surface(&self, w: Vec3) -> bool {
+        self.shadow_origin != self.point.p && self.point.ns.dot(w) > 0.0
     }
 
-    /// The point that a ray into `w` leaves, and where it starts: off the surface, on the side that `w` leads to.
-    fn start(&self, w: Vec3) -> [Vec3; 2] {
+    /// Surface point that a ray in the direction `w` leaves, and the origin of the ray: off the surface on the side of `w`.
+    fn ray_start(&self, w: Vec3) -> [Vec3; 2] {
         let off = self.point.ng * self.point.offset;
-        if self.point.ng.dot(w) < 0.0 && !self.rises(w) { [self.point.p, self.point.p - off] } else { [self.lit, self.lit + off] }
+        if self.point.ng.dot(w) < 0.0 && !self.is_above_smooth_surface(w) {
+            [self.point.p, self.point.p - off]
+        } else {
+            [self.shadow_origin, self.shadow_origin + off]
+        }
     }
 
-    /// The ray that leaves into `wi`, starting beside the surface.
+    /// Ray in the direction `wi`, starting off the surface.
     pub fn spawn(&self, wi: Vec3, time: f32) -> Ray {
-        let [from, origin] = self.start(wi);
+        let [from, origin] = self.ray_start(wi);
         Ray { origin, from, direction: wi, t_max: f32::INFINITY, time }
     }
 
-    /// The ray whose occlusion is the shadow of `target`, in the direction `wi`.
-    pub fn shadow_ray(&self, wi: Vec3, target: &Target, time: f32) -> Ray {
-        let [from, origin] = self.start(wi);
+    /// Shadow ray to `target` in the direction `wi`.
+    pub fn shadow_ray(&self, wi: Vec3, target: &ShadowTarget, time: f32) -> Ray {
+        let [from, origin] = self.ray_start(wi);
         let end = match target {
-            Target::Infinity => return self.spawn(wi, time),
-            Target::Free(end) => *end,
-            // Over its length the ray strays by the rounding of its direction: end that much farther off the
-            // light, whose own offset knows only how large its own coordinates are.
-            Target::Surface(point) => {
-                // (The sum of its coordinates bounds the length.)
-                let stray = SHORTEN * (point.p - origin).abs().element_sum();
-                beside(&SurfacePoint { offset: point.offset + stray, ..*point }, -wi)
+            ShadowTarget::Infinity => return self.spawn(wi, time),
+            ShadowTarget::Point(end) => *end,
+            // The rounding of the direction moves the far end of the ray: end that much farther off the light, whose own offset covers
+            // only the rounding of its own coordinates.
+            ShadowTarget::Surface(point) => {
+                // The sum of the coordinates is an upper bound of the length.
+                let deviation = ROUNDING * (point.p - origin).abs().element_sum();
+                offset_ray_origin(&SurfacePoint { offset: point.offset + deviation, ..*point }, -wi)
             }
         };
         let line = end - origin;
         let distance = line.length();
-        // t of a hit is rounded a few times: stop that much short of the end.
-        let t_max = distance * (1.0 - SHORTEN);
+        // t of a hit is rounded a few times: stop short of the end by that much.
+        let t_max = distance * (1.0 - ROUNDING);
         Ray { origin, from, direction: line / distance, t_max, time }
     }
 }
 
-/// Four roundings of a direction's coordinates, or of a distance, as a share of the length.
-const SHORTEN: f32 = 4.0 * f32::EPSILON;
+/// Four roundings of the coordinates of a direction or of a distance, relative to the length.
+const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
-/// The point moved off its surface, towards the side that `w` leads to.
-pub(crate) fn beside(point: &SurfacePoint, w: Vec3) -> Vec3 {
+/// Origin of a ray that leaves the surface in the direction `w`: the point moved off the surface on the side of `w`.
+pub(crate) fn offset_ray_origin(point: &SurfacePoint, w: Vec3) -> Vec3 {
     let side = if point.ng.dot(w) < 0.0 { -point.offset } else { point.offset };
     point.p + point.ng * side
 }

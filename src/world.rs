@@ -1,4 +1,4 @@
-//! A scene, built: shapes placed, materials assigned, the hierarchy over them ready.
+//! Built scene: shapes in world space with their materials, lights and the hierarchy over them.
 
 mod origin;
 
@@ -15,15 +15,16 @@ use crate::light::{Area, Emission, Emitter, Light, Lights};
 use crate::math::{Ray, Transform, float};
 use crate::primitive::{Hit, Primitive};
 use crate::sampler::hash;
-use crate::scene::{Scene, Surface, beside};
+use crate::scene::{Scene, Surface, offset_ray_origin};
 use crate::shape::{Geometry, Sdf, Shape, ShapeHit, SurfacePoint};
 
-/// The one scene of production use.
+/// Scene that is ready for rendering.
 pub struct World {
     shapes: Arc<[Box<dyn Shape>]>,
-    dresses: Vec<Dress>,
-    skins: Vec<Worn>,
-    /// Whether any of them lets rays through.
+    /// Appearance of each shape.
+    appearances: Vec<ShapeAppearance>,
+    materials: Vec<PreparedMaterial>,
+    /// Whether any material has holes.
     has_holes: bool,
     hierarchy: Box<dyn Primitive>,
     lights: Lights,
@@ -32,87 +33,94 @@ pub struct World {
     origin: DVec3,
 }
 
-/// A skin, and what is known of it beforehand.
-struct Worn {
-    skin: SurfaceMaterial,
-    /// The model that it is everywhere, if it is, and if it needs no more than the shading normal.
+/// Material with properties that are computed once.
+struct PreparedMaterial {
+    surface: SurfaceMaterial,
+    /// BSDF, if it is the same everywhere and needs no tangents.
     uniform: Option<Bsdf<'static>>,
     needs_tangents: bool,
 }
 
-impl Worn {
-    fn new(skin: SurfaceMaterial) -> Worn {
-        let needs_tangents = skin.needs_tangents();
-        Worn { uniform: skin.material.uniform().filter(|_| !needs_tangents), needs_tangents, skin }
+impl PreparedMaterial {
+    fn new(surface: SurfaceMaterial) -> PreparedMaterial {
+        let needs_tangents = surface.needs_tangents();
+        PreparedMaterial { uniform: surface.material.uniform().filter(|_| !needs_tangents), needs_tangents, surface }
     }
 }
 
-/// What a shape wears.
-struct Dress {
-    /// One per part.
-    parts: Vec<Wear>,
-    /// Of its first primitive; the others follow.
+/// Appearance of a shape.
+struct ShapeAppearance {
+    /// Appearance of each part.
+    parts: Vec<PartAppearance>,
+    /// Index of the light of the first primitive. The lights of the other primitives follow.
     first_light: u32,
-    has_lift: bool,
+    has_shadow_terminator_offset: bool,
 }
 
-/// What a part of a shape wears: its material, and what it emits.
+/// Material and emission of a part of a shape.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wear {
+pub struct PartAppearance {
+    /// Material.
     pub material: MaterialId,
+    /// Emission; `None` if the part does not emit.
     pub emitter: Option<Emitter>,
 }
 
+/// Index of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct MaterialId(u32);
 
-/// A scene in the making: coordinates are the user's, f64 where it matters.
+/// Builder of a [`World`]. Coordinates are those of the user, in f64 where precision matters.
 pub struct WorldBuilder {
     camera: Camera,
-    skins: Vec<SurfaceMaterial>,
+    materials: Vec<SurfaceMaterial>,
     objects: Vec<Object>,
     lights: Vec<Light>,
 }
 
+/// Shape with its transform and the appearance of its parts.
 struct Object {
     geometry: Box<dyn Geometry>,
     to_world: Transform,
-    parts: Vec<Wear>,
+    parts: Vec<PartAppearance>,
 }
 
-/// Coordinates beyond this are refused: their squares and cubes would leave f32 behind.
+/// Greatest coordinate of a scene (m). Squares and cubes of greater coordinates exceed the range of f32.
 pub const MAX_EXTENT: f64 = 1e18;
 
 impl World {
+    /// A builder of a scene with a camera and nothing else.
     pub fn builder(camera: Camera) -> WorldBuilder {
-        WorldBuilder { camera, skins: vec![], objects: vec![], lights: vec![] }
+        WorldBuilder { camera, materials: vec![], objects: vec![], lights: vec![] }
     }
 
+    /// Number of primitives of all shapes.
     pub fn primitive_count(&self) -> u64 {
         self.shapes.iter().map(|shape| shape.count() as u64).sum()
     }
 
+    /// Shapes in world space.
     pub fn shapes(&self) -> Arc<[Box<dyn Shape>]> {
         self.shapes.clone()
     }
 
-    /// The first material of a shape that light goes into, if it has one.
+    /// First material of a shape that has an inside, such as glass.
     pub fn inside(&self, shape: usize) -> Option<MaterialId> {
-        let materials = self.dresses.get(shape)?.parts.iter().map(|part| part.material);
-        materials.into_iter().find(|id| self.skins[id.0 as usize].skin.material.passage() == Passage::Body)
+        let materials = self.appearances.get(shape)?.parts.iter().map(|part| part.material);
+        materials.into_iter().find(|id| self.materials[id.0 as usize].surface.material.passage() == Passage::Body)
     }
 
-    /// The material that a ray met.
+    /// Material at a hit.
     pub fn material(&self, hit: &Hit) -> &Material {
-        &self.worn(hit).skin.material
+        &self.prepared_material(hit).surface.material
     }
 
-    /// The materials of a shape's parts.
+    /// Materials of a shape's parts.
     pub fn materials(&self, shape: u32) -> impl Iterator<Item = &Material> {
-        self.dresses[shape as usize].parts.iter().map(|part| &self.skins[part.material.0 as usize].skin.material)
+        self.appearances[shape as usize].parts.iter().map(|part| &self.materials[part.material.0 as usize].surface.material)
     }
 
-    /// The same scene, met through another structure: for tests of the hierarchy.
+    /// The scene with another acceleration structure, for tests of the hierarchy.
     pub fn with_primitives(mut self, build: impl FnOnce(Arc<[Box<dyn Shape>]>) -> Box<dyn Primitive>) -> World {
         self.hierarchy = build(self.shapes.clone());
         self
@@ -120,37 +128,37 @@ impl World {
 }
 
 impl WorldBuilder {
-    /// A material, or a material with a relief and holes.
-    pub fn material(&mut self, skin: impl Into<SurfaceMaterial>) -> MaterialId {
-        self.skins.push(skin.into());
-        MaterialId(self.skins.len() as u32 - 1)
+    /// Adds a material, optionally with a normal or bump map and holes.
+    pub fn material(&mut self, surface: impl Into<SurfaceMaterial>) -> MaterialId {
+        self.materials.push(surface.into());
+        MaterialId(self.materials.len() as u32 - 1)
     }
 
-    /// A shape of one material; emitting where `emission` says so.
+    /// Adds a shape with one material, which emits light if `emission` is set.
     pub fn shape(&mut self, geometry: impl Geometry + 'static, to_world: Transform, material: MaterialId, emission: Option<Emission>) {
         self.parts(geometry, to_world, vec![material], emission.map(Emitter::from));
     }
 
-    /// A shape with one material per part; at least one.
+    /// Adds a shape with one material per part; there must be at least one.
     pub fn parts(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
-        let parts = materials.into_iter().map(|material| Wear { material, emitter: emitter.clone() }).collect();
+        let parts = materials.into_iter().map(|material| PartAppearance { material, emitter: emitter.clone() }).collect();
         self.objects.push(Object { geometry: Box::new(geometry), to_world, parts });
     }
 
-    /// A solid, each part of which may emit something else; one for each part.
-    pub fn solid(&mut self, sdf: Sdf, to_world: Transform, parts: Vec<Wear>) {
+    /// Adds a solid whose parts may have different materials and emission.
+    pub fn solid(&mut self, sdf: Sdf, to_world: Transform, parts: Vec<PartAppearance>) {
         self.objects.push(Object { geometry: Box::new(sdf), to_world, parts });
     }
 
-    /// A light that no ray can hit, or the environment.
+    /// Adds a light that rays cannot hit, or the environment.
     pub fn light(&mut self, light: Light) {
         self.lights.push(light);
     }
 
-    /// Everything in world space, around the place where the scene is finest, with the hierarchy over it.
+    /// Builds the scene in coordinates around the region of its finest detail, with the hierarchy.
     ///
     /// # Errors
-    /// `Invalid` for shapes that nothing can hit and coordinates beyond [`MAX_EXTENT`].
+    /// `Invalid` for shapes that no ray can hit and for coordinates beyond [`MAX_EXTENT`].
     pub fn build(self) -> Result<World> {
         let origin = self.origin()?;
         let recentre = Transform::translate(-origin).unwrap_or(Transform::IDENTITY);
@@ -159,32 +167,34 @@ impl WorldBuilder {
         let hierarchy = accel::build(shapes.clone());
 
         let mut lights: Vec<Light> = self.lights.into_iter().map(|light| light.recentred(origin)).collect();
-        let dress = |(k, object): (usize, Object)| {
+        let appearance = |(k, object): (usize, Object)| {
             let first_light = lights.len() as u32;
-            let recentred = |wear: Wear| Wear { emitter: wear.emitter.map(|emitter| emitter.recentred(origin)), ..wear };
-            let parts: Vec<Wear> = object.parts.into_iter().map(recentred).collect();
-            // What emits differently from part to part is not sampled; the brightest stands for all.
+            let recentred =
+                |part: PartAppearance| PartAppearance { emitter: part.emitter.map(|emitter| emitter.recentred(origin)), ..part };
+            let parts: Vec<PartAppearance> = object.parts.into_iter().map(recentred).collect();
+            // A shape whose parts emit differently is not sampled. Its brightest emitter represents it among the lights.
             let brightness = |emitter: &Emitter| emitter.emission.radiance.average();
             let brightest = |a: &&Emitter, b: &&Emitter| brightness(a).total_cmp(&brightness(b));
             if let Some(emitter) = parts.iter().filter_map(|part| part.emitter.as_ref()).max_by(brightest) {
                 let light = |primitive| Light::Area(Area { shape: k as u32, primitive, emitter: emitter.clone() });
                 lights.extend((0..shapes[k].count()).map(light));
             }
-            Dress { parts, first_light, has_lift: shapes[k].has_lift() }
+            ShapeAppearance { parts, first_light, has_shadow_terminator_offset: shapes[k].has_shadow_terminator_offset() }
         };
-        let dresses: Vec<Dress> = self.objects.into_iter().enumerate().map(dress).collect();
+        let appearances: Vec<ShapeAppearance> = self.objects.into_iter().enumerate().map(appearance).collect();
         let lights = Lights::new(lights, shapes.clone(), hierarchy.bounds().radius());
-        let skins: Vec<Worn> = self.skins.into_iter().map(|skin| Worn::new(skin.recentred(origin))).collect();
+        let materials: Vec<PreparedMaterial> =
+            self.materials.into_iter().map(|surface| PreparedMaterial::new(surface.recentred(origin))).collect();
 
-        let worn = dresses.iter().flat_map(|d| &d.parts).map(|part| skins[part.material.0 as usize].skin.effects());
+        let prepared = appearances.iter().flat_map(|d| &d.parts).map(|part| materials[part.material.0 as usize].surface.effects());
         let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
-        let effects = worn.chain(normals).fold(lights.effects() | self.camera.effects(), Effects::union);
+        let effects = prepared.chain(normals).fold(lights.effects() | self.camera.effects(), Effects::union);
         let camera = self.camera.recentred(origin);
         let has_holes = effects.contains(Effects::CUT_OUTS);
-        Ok(World { shapes, dresses, skins, has_holes, hierarchy, lights, camera, effects, origin })
+        Ok(World { shapes, appearances, materials, has_holes, hierarchy, lights, camera, effects, origin })
     }
 
-    /// The point around which coordinates are stored: [`origin`].
+    /// Origin of the stored coordinates, see [`origin`].
     ///
     /// # Errors
     /// `Invalid` for coordinates beyond [`MAX_EXTENT`].
@@ -199,73 +209,76 @@ impl WorldBuilder {
 }
 
 impl World {
+    /// Surface point of a hit.
     #[inline]
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.shapes[hit.shape as usize].point(hit.primitive, ray, &ShapeHit { t: hit.t, uv: hit.uv })
     }
 
+    /// Appearance of the part that was hit.
     #[inline]
-    fn wear(&self, hit: &Hit) -> &Wear {
-        let dress = &self.dresses[hit.shape as usize];
-        let part = if dress.parts.len() > 1 { self.shapes[hit.shape as usize].part(hit.primitive, hit.uv) as usize } else { 0 };
-        &dress.parts[part]
+    fn part_appearance(&self, hit: &Hit) -> &PartAppearance {
+        let appearance = &self.appearances[hit.shape as usize];
+        let part = if appearance.parts.len() > 1 { self.shapes[hit.shape as usize].part(hit.primitive, hit.uv) as usize } else { 0 };
+        &appearance.parts[part]
     }
 
+    /// Material of the part that was hit.
     #[inline]
-    fn worn(&self, hit: &Hit) -> &Worn {
-        &self.skins[self.wear(hit).material.0 as usize]
+    fn prepared_material(&self, hit: &Hit) -> &PreparedMaterial {
+        &self.materials[self.part_appearance(hit).material.0 as usize]
     }
 
-    /// On the smooth surface that it stands for, along its axes, and with its relief.
+    /// The surface with its shadow terminator offset, its tangent frame, and its normal or bump map.
     #[inline(never)]
-    fn dressed<'a>(&self, mut surface: Surface<'a>, ray: &Ray, hit: &Hit) -> Surface<'a> {
-        let (shape, worn) = (&self.shapes[hit.shape as usize], self.worn(hit));
-        if self.dresses[hit.shape as usize].has_lift {
-            surface.lift(shape.lift(hit.primitive, hit.uv, &surface.point), ray);
+    fn with_shading_frame<'a>(&self, mut surface: Surface<'a>, ray: &Ray, hit: &Hit) -> Surface<'a> {
+        let (shape, prepared) = (&self.shapes[hit.shape as usize], self.prepared_material(hit));
+        if self.appearances[hit.shape as usize].has_shadow_terminator_offset {
+            surface.set_shadow_origin(shape.shadow_terminator_offset(hit.primitive, hit.uv, &surface.point), ray);
         }
-        if worn.needs_tangents {
+        if prepared.needs_tangents {
             let tangents = shape.tangents(hit.primitive, &surface.point);
-            let ns = match (&worn.skin.relief, tangents) {
-                (Some(relief), Some(tangents)) => relief.normal(&surface.point, tangents, -ray.direction),
+            let ns = match (&prepared.surface.normal_modifier, tangents) {
+                (Some(normal_modifier), Some(tangents)) => normal_modifier.normal(&surface.point, tangents, -ray.direction),
                 _ => surface.point.ns,
             };
-            surface.turn(ns, tangents.map(|[u, _]| u));
+            surface.set_shading_frame(ns, tangents.map(|[u, _]| u));
         }
         surface
     }
 
-    /// The first hit that is not a hole.
+    /// First hit that is not in a hole.
     #[inline(never)]
-    fn past_holes(&self, ray: &Ray) -> Option<Hit> {
-        let (mut onward, mut hit, mut way) = (*ray, self.hierarchy.intersect(ray)?, 0.0);
-        for passed in 0..MOST_HOLES {
-            let Some(opacity) = &self.worn(&hit).skin.opacity else { break };
+    fn intersect_past_holes(&self, ray: &Ray) -> Option<Hit> {
+        let (mut onward, mut hit, mut distance) = (*ray, self.hierarchy.intersect(ray)?, 0.0);
+        for passed in 0..MAX_HOLES {
+            let Some(opacity) = &self.prepared_material(&hit).surface.opacity else { break };
             let point = self.point(&onward, &hit);
-            if chance(ray, passed) < opacity.scalar(&point) {
+            if hole_number(ray, passed) < opacity.scalar(&point) {
                 break;
             }
-            // Beside the surface, and so beside the ray itself, from which lengths count.
-            let origin = beside(&point, ray.direction);
-            way = (origin - ray.origin).dot(ray.direction);
-            onward = Ray { origin, from: ray.at(way), t_max: ray.t_max - way, ..*ray };
+            // The origin is off the surface and so off the ray; lengths are measured along the ray.
+            let origin = offset_ray_origin(&point, ray.direction);
+            distance = (origin - ray.origin).dot(ray.direction);
+            onward = Ray { origin, from: ray.at(distance), t_max: ray.t_max - distance, ..*ray };
             hit = self.hierarchy.intersect(&onward)?;
         }
-        if way == 0.0 {
+        if distance == 0.0 {
             return Some(hit);
         }
-        Some(Hit { t: way + onward.length(hit.t, self.point(&onward, &hit).ng), ..hit })
+        Some(Hit { t: distance + onward.length(hit.t, self.point(&onward, &hit).ng), ..hit })
     }
 }
 
-/// A ray that passes more holes than this has met a surface.
-const MOST_HOLES: u32 = 4096;
+/// Greatest number of holes that a ray passes.
+const MAX_HOLES: u32 = 4096;
 
-/// A number in [0, 1) that belongs to a ray and the surface that it meets after it `passed` so many, for surfaces that are
-/// partly there.
+/// Pseudorandom number in [0, 1) for a ray and the surface that it hits after `passed` holes. It is compared with the opacity of the
+/// surface.
 ///
-/// No two rays are alike, so that it is as good as random; the same ray finds the same surfaces again. A surface that it meets
-/// twice, a sphere's, has two numbers. Exponents are left out: a scene of twice the size has the same holes.
-fn chance(ray: &Ray, passed: u32) -> f32 {
+/// The number is a hash of the ray, so that the same ray always passes the same holes. A surface that a ray hits twice, such as a
+/// sphere, has two numbers. Exponents are left out of the hash, so that a scene of twice the size has the same holes.
+fn hole_number(ray: &Ray, passed: u32) -> f32 {
     const EXPONENT: u32 = 0xff << 23;
     let line = ray.origin.to_array().into_iter().chain(ray.direction.to_array()).map(|x| x.to_bits() & !EXPONENT);
     let key = line.chain([passed]).fold(0, hash::absorb);
@@ -274,7 +287,7 @@ fn chance(ray: &Ray, passed: u32) -> f32 {
 
 impl Scene for World {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        if self.has_holes { self.past_holes(ray) } else { self.hierarchy.intersect(ray) }
+        if self.has_holes { self.intersect_past_holes(ray) } else { self.hierarchy.intersect(ray) }
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
@@ -282,17 +295,17 @@ impl Scene for World {
     }
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
-        let (point, wear) = (self.point(ray, hit), self.wear(hit));
-        let (dress, worn) = (&self.dresses[hit.shape as usize], &self.skins[wear.material.0 as usize]);
-        let emission = wear.emitter.as_ref().map(|e| (e.at(&point), dress.first_light + hit.primitive));
-        if let (Some(bsdf), false) = (worn.uniform, dress.has_lift) {
+        let (point, part) = (self.point(ray, hit), self.part_appearance(hit));
+        let (appearance, prepared) = (&self.appearances[hit.shape as usize], &self.materials[part.material.0 as usize]);
+        let emission = part.emitter.as_ref().map(|e| (e.at(&point), appearance.first_light + hit.primitive));
+        if let (Some(bsdf), false) = (prepared.uniform, appearance.has_shadow_terminator_offset) {
             return Surface::new(point, bsdf, emission);
         }
-        // A ray that meets a surface from inside has been inside since it last met one: exact for a body without others in it.
+        // A ray that hits a surface from inside has been inside since its last hit. This is exact for a body without others in it.
         let inside = if ray.direction.dot(point.ng) > 0.0 { ray.length(hit.t, point.ng) } else { 0.0 };
-        let bsdf = worn.skin.material.bsdf_at(&HitContext { point, inside });
-        if dress.has_lift || worn.needs_tangents {
-            return self.dressed(Surface::new(point, bsdf, emission), ray, hit);
+        let bsdf = prepared.surface.material.bsdf_at(&HitContext { point, inside });
+        if appearance.has_shadow_terminator_offset || prepared.needs_tangents {
+            return self.with_shading_frame(Surface::new(point, bsdf, emission), ray, hit);
         }
         Surface::new(point, bsdf, emission)
     }

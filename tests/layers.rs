@@ -15,7 +15,7 @@ const LAYERS: &[&[&[&str]]] = &[
     // Families that meet: a texture is looked up at a shape's point, a light may be a shape.
     &[&["shape"], &["texture"], &["bsdf"], &["light"], &["camera"]],
     &[&["primitive"], &["accel"], &["scene"], &["world"]],
-    &[&["film"], &["witness"], &["integrator"], &["render"]],
+    &[&["film"], &["recorder"], &["integrator"], &["render"]],
     &[&["output"], &["describe"], &["import"]],
     &[&["integrators"]],
     &[&["measure"], &["part"], &["proof"], &["compare"], &["cli"], &["main"]],

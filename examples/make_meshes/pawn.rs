@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use pt::math::float::sin_cos_degrees;
-use pt::shape::mesh_data::{MeshData, Part};
+use pt::shape::mesh_data::{MeshData, MeshPart};
 
 /// Facets around the axis.
 const SECTORS: u32 = 72;
@@ -27,7 +27,7 @@ pub fn pawn() -> MeshData {
             mesh.triangles.extend((ring + 1 < last).then_some([a, c, d]));
         }
     }
-    mesh.parts = vec![Part { triangles: 0..mesh.triangles.len() as u32, ..Part::default() }];
+    mesh.parts = vec![MeshPart { triangles: 0..mesh.triangles.len() as u32, ..MeshPart::default() }];
     mesh.clean().0
 }
 

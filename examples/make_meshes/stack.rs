@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use pt::math::float::sin_cos_degrees;
-use pt::shape::mesh_data::{MeshData, Part};
+use pt::shape::mesh_data::{MeshData, MeshPart};
 
 const COUNT: u32 = 10;
 
@@ -28,6 +28,6 @@ fn stacked(corners: &[DVec3], triangles: &[[u32; 3]]) -> MeshData {
         let turned = |p: &DVec3| DVec3::new(cos * p.x + sin * p.z, p.y + f64::from(i), cos * p.z - sin * p.x).as_vec3();
         mesh.positions.extend(corners.iter().map(turned));
     }
-    mesh.parts = vec![Part { triangles: 0..mesh.triangles.len() as u32, ..Part::default() }];
+    mesh.parts = vec![MeshPart { triangles: 0..mesh.triangles.len() as u32, ..MeshPart::default() }];
     mesh
 }

@@ -1,7 +1,7 @@
 //! From an implicit surface f(p) = 0 to a smooth mesh.
 
 use glam::{DVec3, IVec3};
-use pt::shape::mesh_data::{MeshData, Part};
+use pt::shape::mesh_data::{MeshData, MeshPart};
 
 /// The part of space that is divided into cubes, and the length of their edges.
 pub struct Grid {
@@ -67,7 +67,7 @@ pub fn mesh(grid: &Grid, f: &impl Fn(DVec3) -> f64) -> MeshData {
             found.triangles.extend(halves);
         }
     }
-    found.parts = vec![Part { triangles: 0..found.triangles.len() as u32, ..Part::default() }];
+    found.parts = vec![MeshPart { triangles: 0..found.triangles.len() as u32, ..MeshPart::default() }];
     found
 }
 

@@ -1,4 +1,4 @@
-//! From boxes to a wide hierarchy: obvhs joins them in pairs, we fold the pairs into eights.
+//! Construction of the hierarchy: obvhs builds a binary hierarchy, which is collapsed to eight children per node.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -12,46 +12,49 @@ use super::node::{Child, MAX_DEPTH, Node};
 use crate::math::Aabb;
 use crate::math::float::unit_f32;
 
-/// A hierarchy whose leaves are runs of item numbers.
+/// Wide hierarchy whose leaves are lists of item numbers.
 pub struct Wide {
+    /// Inner nodes.
     pub nodes: Vec<Node>,
+    /// Item numbers of each leaf.
     pub leaves: Vec<Vec<u32>>,
+    /// Root.
     pub root: Child,
 }
 
-/// Over the given boxes, in the order of item numbers; `None` for no boxes.
+/// Builds a hierarchy over boxes in the order of item numbers; `None` if there are no boxes.
 pub fn wide(boxes: &[Aabb]) -> Option<Wide> {
     if boxes.is_empty() {
         return None;
     }
-    let twins = twins(boxes);
-    let firsts = firsts(boxes.len(), &twins);
+    let duplicates = duplicates(boxes);
+    let firsts = firsts(boxes.len(), &duplicates);
     let boxes: Vec<Aabb> = firsts.iter().map(|&item| boxes[item as usize]).collect();
-    let copies: Vec<u32> = firsts.iter().map(|&item| 1 + later(&twins, item).count() as u32).collect();
-    let binary = pairs(&boxes);
-    let mut fold = Fold {
+    let copies: Vec<u32> = firsts.iter().map(|&item| 1 + later(&duplicates, item).count() as u32).collect();
+    let binary = binary_hierarchy(&boxes);
+    let mut collapse = CollapseState {
         cuts: Cuts::new(&binary, &boxes, &copies),
         firsts: &firsts,
-        twins: &twins,
+        duplicates: &duplicates,
         wide: Wide { nodes: vec![], leaves: vec![], root: Child::leaf(0) },
     };
-    fold.wide.root = fold.subtree(0, 0);
-    Some(fold.wide)
+    collapse.wide.root = collapse.subtree(0, 0);
+    Some(collapse.wide)
 }
 
-/// An item, and a later one with exactly the same box.
+/// Item and a later one with exactly the same box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Twin {
+struct Duplicate {
     first: u32,
     later: u32,
 }
 
-/// Items that share their box with an earlier one, in order; they join the leaf of that one.
+/// Items that have the same box as an earlier item, in order. They are put into the leaf of that item.
 ///
-/// No hierarchy can tell them apart, and clustering and reinsertion would take forever to try.
+/// A hierarchy cannot separate equal boxes, and clustering and reinsertion would take quadratic time on them.
 ///
 /// Tests: coincident_boxes_are_one_leaf.
-fn twins(boxes: &[Aabb]) -> Vec<Twin> {
+fn duplicates(boxes: &[Aabb]) -> Vec<Duplicate> {
     let hash = |(item, b): (usize, &Aabb)| {
         let mut hasher = DefaultHasher::new();
         [b.min, b.max].map(|corner| corner.to_array().map(f32::to_bits)).hash(&mut hasher);
@@ -59,33 +62,33 @@ fn twins(boxes: &[Aabb]) -> Vec<Twin> {
     };
     let mut hashed: Vec<(u64, u32)> = boxes.par_iter().enumerate().map(hash).collect();
     hashed.par_sort_unstable();
-    let mut twins = vec![];
+    let mut duplicates = vec![];
     for run in hashed.chunk_by(|a, b| a.0 == b.0) {
         let first = run[0].1;
-        // Boxes of equal hash that differ, should there ever be any, are left to the clustering.
+        // Different boxes with equal hashes are left to the clustering.
         let equal = run[1..].iter().filter(|(_, item)| boxes[*item as usize] == boxes[first as usize]);
-        twins.extend(equal.map(|&(_, later)| Twin { first, later }));
+        duplicates.extend(equal.map(|&(_, later)| Duplicate { first, later }));
     }
-    twins.sort_unstable();
-    twins
+    duplicates.sort_unstable();
+    duplicates
 }
 
-/// The later twins of `first`.
-fn later(twins: &[Twin], first: u32) -> impl Iterator<Item = u32> {
-    let start = twins.partition_point(|twin| twin.first < first);
-    twins[start..].iter().take_while(move |twin| twin.first == first).map(|twin| twin.later)
+/// Later duplicates of `first`.
+fn later(duplicates: &[Duplicate], first: u32) -> impl Iterator<Item = u32> {
+    let start = duplicates.partition_point(|duplicate| duplicate.first < first);
+    duplicates[start..].iter().take_while(move |duplicate| duplicate.first == first).map(|duplicate| duplicate.later)
 }
 
-/// All items but the later twins.
-fn firsts(count: usize, twins: &[Twin]) -> Vec<u32> {
+/// All items except the later duplicates.
+fn firsts(count: usize, duplicates: &[Duplicate]) -> Vec<u32> {
     let mut is_first = vec![true; count];
-    twins.iter().for_each(|twin| is_first[twin.later as usize] = false);
+    duplicates.iter().for_each(|duplicate| is_first[duplicate.later as usize] = false);
     (0..count as u32).filter(|&item| is_first[item as usize]).collect()
 }
 
-/// Agglomerative clustering, then reinsertion of the worst fifth: near the quality of a full
-/// sweep of the surface-area heuristic in a fraction of its time.
-fn pairs(boxes: &[Aabb]) -> Bvh2 {
+/// Binary hierarchy by agglomerative clustering and reinsertion of the worst fifth of the nodes. Its quality is near that of a full
+/// sweep of the surface area heuristic, in a fraction of the time.
+fn binary_hierarchy(boxes: &[Aabb]) -> Bvh2 {
     let boxes: Vec<obvhs::aabb::Aabb> = boxes.iter().enumerate().map(|(item, b)| uneven(item, b)).collect();
     let indices = (0..boxes.len() as u32).collect();
     let mut builder = PlocBuilder::with_capacity(boxes.len());
@@ -94,29 +97,29 @@ fn pairs(boxes: &[Aabb]) -> Bvh2 {
     binary
 }
 
-/// The box, grown by up to a thousandth, each item by another share.
+/// Box enlarged by up to a thousandth, by a different fraction for each item.
 ///
-/// Clustering joins nearest neighbours. In a row of equal boxes all are equally near; it would
-/// join one pair per round, and its time grow with the square of their number. No hit depends on these boxes:
-/// the nodes get the true ones.
+/// Clustering joins nearest neighbours. In a row of equal boxes all distances are equal, so that only one pair would be joined per
+/// round, and the time would grow quadratically. No hit depends on the enlarged boxes, because the nodes get the true ones.
 ///
 /// Tests: rows_take_few_rounds.
 fn uneven(item: usize, b: &Aabb) -> obvhs::aabb::Aabb {
-    // Multiples of the golden ratio, modulo 1: far apart for neighbours.
+    // Multiples of the golden ratio modulo 1 differ widely for neighbouring items.
     let share = unit_f32((item as u32).wrapping_mul(0x9e37_79b9));
     let by = (b.max - b.min) * (share / 1024.0);
     obvhs::aabb::Aabb::new(b.min.into(), (b.max + by).into())
 }
 
-struct Fold<'a> {
+/// State of collapsing the binary hierarchy to a wide one.
+struct CollapseState<'a> {
     cuts: Cuts<'a>,
-    /// The items that the binary hierarchy counts.
+    /// Items in the order of the binary hierarchy.
     firsts: &'a [u32],
-    twins: &'a [Twin],
+    duplicates: &'a [Duplicate],
     wide: Wide,
 }
 
-impl Fold<'_> {
+impl CollapseState<'_> {
     fn subtree(&mut self, index: usize, depth: usize) -> Child {
         let children = self.cuts.children(index);
         if children.is_empty() || depth == MAX_DEPTH {
@@ -132,7 +135,7 @@ impl Fold<'_> {
     fn leaf(&mut self, index: usize) -> Child {
         let mut items: Vec<u32> = self.cuts.items(index).into_iter().map(|i| self.firsts[i as usize]).collect();
         for first in items.clone() {
-            items.extend(later(self.twins, first));
+            items.extend(later(self.duplicates, first));
         }
         items.sort_unstable();
         self.wide.leaves.push(items);
@@ -147,26 +150,26 @@ mod tests {
 
     use super::*;
 
-    /// How many rounds of clustering these boxes take, as far as that is more than obvhs's least stack.
+    /// Number of rounds of clustering, if it exceeds the least stack depth of obvhs.
     ///
-    /// Each round looks at all clusters that are left: few rounds are what makes a build fast.
+    /// Each round visits all remaining clusters, so that a build is fast only if there are few rounds.
     fn rounds(boxes: &[Aabb]) -> usize {
-        pairs(boxes).max_depth
+        binary_hierarchy(boxes).max_depth
     }
 
     fn unit_box(corner: Vec3) -> Aabb {
         Aabb { min: corner, max: corner + 1.0 }
     }
 
-    /// Clustering and reinsertion never see them: they would take time with the square of their number.
+    /// Coincident boxes are not passed to clustering and reinsertion, which would take quadratic time.
     #[test]
     fn coincident_boxes_are_one_leaf() {
         let built = wide(&[unit_box(Vec3::ZERO); 10_000]).expect("boxes");
         assert_eq!((built.nodes.len(), built.leaves), (0, vec![(0..10_000).collect()]));
     }
 
-    /// Where a round joins a share of all clusters, rounds grow with the logarithm of their number: log₂ 50,000 = 16, and if a round
-    /// joins no more than one in six, 86. A row whose boxes are all equally near takes a round per box.
+    /// If each round joins a fixed fraction of the clusters, the number of rounds grows logarithmically: log₂ 50,000 = 16, or 86 if a
+    /// round joins only one cluster in six. A row of boxes with equal distances would take one round per box.
     #[test]
     fn rows_take_few_rounds() {
         for step in [1.0, 0.5, 1e-3] {

@@ -1,4 +1,4 @@
-//! The hierarchy and its two walks.
+//! Bounding volume hierarchy and its traversal.
 
 use arrayvec::ArrayVec;
 use glam::Vec2;
@@ -13,8 +13,9 @@ use super::simd::{Halves, Lanes, Set};
 use super::{Item, Shapes};
 use crate::math::{Aabb, Ray};
 use crate::primitive::{Hit, Primitive};
-use crate::shape::{Facet, Fold, ShapeHit};
+use crate::shape::{Facet, FacetUv, ShapeHit};
 
+/// Bounding volume hierarchy over the primitives of a scene.
 pub struct Bvh {
     shapes: Shapes,
     items: Vec<Item>,
@@ -22,29 +23,29 @@ pub struct Bvh {
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
     packets: Vec<Packet>,
-    /// Item numbers of what is not flat.
+    /// Item numbers of the curved primitives, leaf by leaf.
     curved: Vec<u32>,
     root: Option<Child>,
     set: Set,
 }
 
-/// Ranges of packets and of curved items.
+/// Leaf: ranges of packets and of curved items.
 #[derive(Clone, Copy)]
 struct Leaf {
     packets: (u32, u32),
     curved: (u32, u32),
 }
 
-/// The best hit so far.
+/// Nearest hit so far.
 struct Nearest {
     hit: ShapeHit,
     item: u32,
-    /// What the tests are asked for: they accept t < t_max only, and the next float above `hit.t` lets equally
-    /// near hits of lower items through.
+    /// Limit for the tests, which accept only t < t_max: the next float above `hit.t`, so that equally near hits of lower items are found.
     t_max: f32,
 }
 
 impl Bvh {
+    /// Builds the hierarchy.
     pub fn new(shapes: Shapes) -> Bvh {
         let mut bvh = Bvh {
             items: vec![],
@@ -54,7 +55,7 @@ impl Bvh {
             packets: vec![],
             curved: vec![],
             root: None,
-            set: Set::found(),
+            set: Set::detect(),
             shapes: shapes.clone(),
         };
         let mut boxes = bvh.list_items(&shapes);
@@ -68,32 +69,33 @@ impl Bvh {
         bvh
     }
 
-    /// One item per triangle or curved primitive; returns their boxes.
+    /// Lists one item per triangle or curved primitive, and returns their boxes.
     fn list_items(&mut self, shapes: &Shapes) -> Vec<Aabb> {
         let mut boxes = vec![];
         for (shape, family) in shapes.iter().enumerate() {
             for primitive in 0..family.count() {
-                let mut add = |bounds: Aabb, fold| {
+                let mut add = |bounds: Aabb, facet_uv| {
                     boxes.push(bounds);
-                    self.items.push(Item { shape: shape as u32, primitive, fold });
+                    self.items.push(Item { shape: shape as u32, primitive, facet_uv });
                 };
                 let facet = family.facet(primitive);
                 if facet == Facet::Curved {
-                    add(family.bounds(primitive), Fold::Plain);
+                    add(family.bounds(primitive), FacetUv::Triangle);
                 }
-                facet.triangles().for_each(|(corners, fold)| add(Aabb::around(corners), fold));
+                facet.triangles().for_each(|(corners, facet_uv)| add(Aabb::around(corners), facet_uv));
             }
         }
         boxes
     }
 
+    /// Makes a leaf of some items.
     fn pack(&mut self, items: &[u32]) -> Leaf {
         let (first_packet, first_curved) = (self.packets.len() as u32, self.curved.len() as u32);
         let mut triangles = vec![];
         for &number in items {
             let item = self.items[number as usize];
             let facet = self.shapes[item.shape as usize].facet(item.primitive);
-            match facet.triangles().find(|(_, fold)| *fold == item.fold) {
+            match facet.triangles().find(|(_, facet_uv)| *facet_uv == item.facet_uv) {
                 Some((corners, _)) => triangles.push((number, corners)),
                 None => self.curved.push(number),
             }
@@ -102,25 +104,26 @@ impl Bvh {
         Leaf { packets: (first_packet, self.packets.len() as u32), curved: (first_curved, self.curved.len() as u32) }
     }
 
-    /// Every hit of the leaf that is nearer than the nearest so far, or as near and of a lower item, in turn.
+    /// Updates the nearest hit with the hits in a leaf.
     #[inline(always)]
-    fn leaf<L: Lanes>(&self, leaf: usize, ray: &Ray, nearest: &mut Nearest) {
+    fn intersect_leaf<L: Lanes>(&self, leaf: usize, ray: &Ray, nearest: &mut Nearest) {
         let leaf = self.leaves[leaf];
         for packet in &self.packets[leaf.packets.0 as usize..leaf.packets.1 as usize] {
             for lane in bits(packet.candidates::<L>(ray, nearest.t_max)) {
                 if let Some(hit) = packet.intersect(lane, ray, nearest.t_max) {
-                    nearest.offer(hit, packet.item[lane]);
+                    nearest.update(hit, packet.item[lane]);
                 }
             }
         }
         for &number in &self.curved[leaf.curved.0 as usize..leaf.curved.1 as usize] {
             let item = self.items[number as usize];
             if let Some(hit) = self.shapes[item.shape as usize].intersect(item.primitive, &Ray { t_max: nearest.t_max, ..*ray }) {
-                nearest.offer(hit, number);
+                nearest.update(hit, number);
             }
         }
     }
 
+    /// Whether the ray hits anything in a leaf.
     #[inline(always)]
     fn leaf_occludes<L: Lanes>(&self, leaf: usize, ray: &Ray) -> bool {
         let leaf = self.leaves[leaf];
@@ -135,8 +138,9 @@ impl Bvh {
 }
 
 impl Nearest {
+    /// Replaces the hit by a nearer one, or by an equally near one of a lower item.
     #[inline(always)]
-    fn offer(&mut self, hit: ShapeHit, item: u32) {
+    fn update(&mut self, hit: ShapeHit, item: u32) {
         if hit.t < self.hit.t || (hit.t == self.hit.t && item < self.item) {
             *self = Nearest { hit, item, t_max: hit.t.next_up() };
         }
@@ -151,7 +155,7 @@ impl Primitive for Bvh {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
         match self.set {
             Set::Plain => self.nearest::<Halves>(ray),
-            // Sound: the set is what this machine was found to have.
+            // SAFETY: `set` is AVX2 only if this machine has it.
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => unsafe { self.nearest_avx2(ray) },
         }
@@ -160,14 +164,14 @@ impl Primitive for Bvh {
     fn occluded(&self, ray: &Ray) -> bool {
         match self.set {
             Set::Plain => self.any::<Halves>(ray),
-            // Sound: as above.
+            // SAFETY: `set` is AVX2 only if this machine has it.
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => unsafe { self.any_avx2(ray) },
         }
     }
 }
 
-/// The walks, compiled once for each set of instructions.
+/// Traversals, compiled once for each instruction set.
 impl Bvh {
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
@@ -181,7 +185,7 @@ impl Bvh {
         self.any::<Whole>(ray)
     }
 
-    /// Front to back: the nearest child first, the others wait on the stack in order.
+    /// Nearest hit, by front-to-back traversal: the nearest child first, the others in order on the stack.
     #[inline(always)]
     fn nearest<L: Lanes>(&self, ray: &Ray) -> Option<Hit> {
         let slabs = Slabs::<L>::new(ray);
@@ -191,17 +195,17 @@ impl Bvh {
         while let Some((entry, child)) = next {
             if entry <= nearest.hit.t * WIDEN {
                 match child.get() {
-                    Err(leaf) => self.leaf::<L>(leaf, ray, &mut nearest),
-                    Ok(node) => self.nodes[node].push_met(&slabs, nearest.t_max, &mut stack),
+                    Err(leaf) => self.intersect_leaf::<L>(leaf, ray, &mut nearest),
+                    Ok(node) => self.nodes[node].push_hits(&slabs, nearest.t_max, &mut stack),
                 }
             }
             next = stack.pop();
         }
         let item = self.items.get(nearest.item as usize)?;
-        Some(Hit { shape: item.shape, primitive: item.primitive, uv: item.fold.uv(nearest.hit.uv), t: nearest.hit.t })
+        Some(Hit { shape: item.shape, primitive: item.primitive, uv: item.facet_uv.uv(nearest.hit.uv), t: nearest.hit.t })
     }
 
-    /// In any order: the first hit ends it.
+    /// Whether there is any hit, by traversal in any order until the first hit.
     #[inline(always)]
     fn any<L: Lanes>(&self, ray: &Ray) -> bool {
         let Some(root) = self.root else { return false };
@@ -213,8 +217,8 @@ impl Bvh {
                 Err(leaf) if self.leaf_occludes::<L>(leaf, ray) => return true,
                 Err(_) => {}
                 Ok(node) => {
-                    let (_, met) = self.nodes[node].meet(&slabs, ray.t_max);
-                    stack.extend(bits(met).map(|i| self.nodes[node].child[i]));
+                    let (_, hits) = self.nodes[node].intersect(&slabs, ray.t_max);
+                    stack.extend(bits(hits).map(|i| self.nodes[node].child[i]));
                 }
             }
         }

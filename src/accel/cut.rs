@@ -1,12 +1,11 @@
-//! Where to cut a binary hierarchy into wide nodes: the cuts of least expected cost.
+//! Collapsing of a binary hierarchy into wide nodes with the least expected cost.
 //!
-//! A ray that meets the whole meets a part of it with the probability A, the ratio of their surfaces. So
+//! A ray that hits the whole box hits a part of it with the probability A, the ratio of their surface areas. The least cost of n as at
+//! most r children of the node above is
 //!
 //!   cost(n, 1) = min( A(n) · PACKET · ⌈triangles/8⌉,  A(n) · NODE + split(n, 8) )      a leaf, or a node of its own
 //!   cost(n, r) = min( split(n, r),  cost(n, r − 1) )
 //!   split(n, r) = min over 0 < k < r of  cost(left, k) + cost(right, r − k)
-//!
-//! is the least cost of n as at most r children of the node above.
 //!
 //! Source: Ylitie, Karras and Laine, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs* (2017),
 //! section 3. Tests: hierarchy_is_the_list.
@@ -17,26 +16,31 @@ use super::node::WIDTH;
 use super::packet::LANES;
 use crate::math::Aabb;
 
-/// Testing eight boxes, and testing eight triangles: taken as one to two.
+/// Cost of testing eight boxes, relative to [`PACKET`].
 const NODE: f32 = 1.0;
+/// Cost of testing eight triangles.
 const PACKET: f32 = 2.0;
 
-/// No leaf is made of more triangles, but for those that share one box.
+/// Greatest number of triangles in a leaf, except for triangles with equal boxes.
 const MAX_LEAF: u32 = LANES as u32;
 
-/// A binary hierarchy, and what its cuts cost.
+/// Binary hierarchy with the costs of its cuts.
 pub struct Cuts<'a> {
     binary: &'a Bvh2,
-    /// The box around each node, and how many triangles it holds.
+    /// Bounding box of each node.
     bounds: Vec<Aabb>,
+    /// Number of triangles below each node.
     counts: Vec<u32>,
     is_leaf: Vec<bool>,
-    /// cost(n, r) at r − 1.
+    /// cost(n, r), at the index r − 1.
     costs: Vec<[f32; WIDTH - 1]>,
 }
 
 impl<'a> Cuts<'a> {
-    /// - `boxes`: of the items, as `binary` numbers them; `copies`: how many triangles each of them stands for
+    /// Computes the costs of all cuts.
+    ///
+    /// - `boxes`: boxes of the items in the order of `binary`
+    /// - `copies`: number of triangles that each item represents
     pub fn new(binary: &'a Bvh2, boxes: &[Aabb], copies: &[u32]) -> Cuts<'a> {
         let n = binary.nodes.len();
         let (bounds, counts, is_leaf) = (vec![Aabb::EMPTY; n], vec![0; n], vec![true; n]);
@@ -47,16 +51,17 @@ impl<'a> Cuts<'a> {
         }
         let whole = cuts.bounds[0].area();
         for &index in order.iter().rev() {
-            cuts.weigh(index, whole);
+            cuts.compute_costs(index, whole);
         }
         cuts
     }
 
+    /// Bounding box of a node.
     pub fn bounds(&self, index: usize) -> Aabb {
         self.bounds[index]
     }
 
-    /// The nodes that become the children of `index`; none where it is a leaf.
+    /// Nodes that become the children of `index`; none if it is a leaf.
     pub fn children(&self, index: usize) -> Vec<usize> {
         let mut roots = vec![];
         if let Some([left, right]) = self.halves(index).filter(|_| !self.is_leaf[index]) {
@@ -67,7 +72,7 @@ impl<'a> Cuts<'a> {
         roots
     }
 
-    /// The items below `index`.
+    /// Items below `index`.
     pub fn items(&self, index: usize) -> Vec<u32> {
         let mut items = vec![];
         let mut open = vec![index];
@@ -80,7 +85,7 @@ impl<'a> Cuts<'a> {
         items
     }
 
-    /// Adds the roots of `index` as at most `r` children.
+    /// Appends the nodes that represent `index` as at most `r` children.
     fn gather(&self, index: usize, r: usize, roots: &mut Vec<usize>) {
         let costs = self.costs[index];
         let fewest = (1..r).find(|&fewer| costs[fewer - 1] == costs[r - 1]).unwrap_or(r);
@@ -94,6 +99,7 @@ impl<'a> Cuts<'a> {
         }
     }
 
+    /// Nodes in an order in which parents precede their children.
     fn parents_first(&self) -> Vec<usize> {
         let mut order = vec![0];
         for next in 0.. {
@@ -103,19 +109,21 @@ impl<'a> Cuts<'a> {
         order
     }
 
+    /// Children of a node of the binary hierarchy; `None` for a leaf.
     fn halves(&self, index: usize) -> Option<[usize; 2]> {
         let node = &self.binary.nodes[index];
         let first = node.first_index as usize;
         (!node.is_leaf()).then_some([first, first + 1])
     }
 
-    /// Of a leaf of the binary hierarchy.
+    /// Items of a leaf of the binary hierarchy.
     fn own_items(&self, index: usize) -> &'a [u32] {
         let node = &self.binary.nodes[index];
         let first = node.first_index as usize;
         &self.binary.primitive_indices[first..first + node.prim_count as usize]
     }
 
+    /// Computes the bounding box and the number of triangles of a node from its children.
     fn measure(&mut self, index: usize, boxes: &[Aabb], copies: &[u32]) {
         (self.bounds[index], self.counts[index]) = match self.halves(index) {
             Some([left, right]) => (self.bounds[left].union(self.bounds[right]), self.counts[left] + self.counts[right]),
@@ -127,8 +135,9 @@ impl<'a> Cuts<'a> {
         };
     }
 
-    fn weigh(&mut self, index: usize, whole: f64) {
-        // Where the whole has no surface, every ray that meets it meets all.
+    /// Computes the costs of a node from those of its children.
+    fn compute_costs(&mut self, index: usize, whole: f64) {
+        // If the whole box has no area, every ray that hits it hits all parts.
         let share = if whole > 0.0 { (self.bounds[index].area() / whole) as f32 } else { 1.0 };
         let leaf = share * PACKET * self.counts[index].div_ceil(LANES as u32) as f32;
         self.costs[index] = [leaf; WIDTH - 1];
@@ -141,7 +150,7 @@ impl<'a> Cuts<'a> {
         }
     }
 
-    /// The least cost of both halves as `r` children, and how many of them are the left half's.
+    /// Least cost of both halves as `r` children, and the number of children for the left half.
     fn split(&self, [left, right]: [usize; 2], r: usize) -> (f32, usize) {
         let cost = |k: usize| self.costs[left][k - 1] + self.costs[right][r - k - 1];
         (2..r).fold((cost(1), 1), |best, k| if cost(k) < best.0 { (cost(k), k) } else { best })

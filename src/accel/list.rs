@@ -1,15 +1,16 @@
-//! No hierarchy at all: every primitive is asked.
+//! Intersection by testing every primitive.
 
 use super::Shapes;
 use crate::math::{Aabb, Ray};
 use crate::primitive::{Hit, Primitive};
 
-/// The oracle of the hierarchy's tests, and a fair choice for a handful of primitives.
+/// List of shapes whose primitives are all tested. It is the reference in tests of the hierarchy.
 pub struct List {
     shapes: Shapes,
 }
 
 impl List {
+    /// A list of shapes.
     pub fn new(shapes: Shapes) -> List {
         List { shapes }
     }

@@ -1,4 +1,4 @@
-//! Finding the hit among millions: the only folder that knows how a hierarchy is built or walked.
+//! Acceleration structures for ray intersection.
 
 mod build;
 mod bvh;
@@ -11,27 +11,28 @@ mod simd;
 use std::sync::Arc;
 
 use crate::primitive::Primitive;
-use crate::shape::{Fold, Shape};
+use crate::shape::{FacetUv, Shape};
 
 pub use list::List;
 
+/// Shapes of a scene.
 pub(crate) type Shapes = Arc<[Box<dyn Shape>]>;
 
-/// A hierarchy over every primitive of the shapes.
+/// Builds a hierarchy over all primitives of the shapes.
 pub fn build(shapes: Shapes) -> Box<dyn Primitive> {
     Box::new(bvh::Bvh::new(shapes))
 }
 
-/// Which primitive an item of the hierarchy belongs to. Items count shapes, then primitives,
-/// so that the order of items is the order in which equally near hits are preferred.
+/// Item of the hierarchy: a triangle or a curved primitive. Items are ordered by shape, then by primitive, so that of equally near hits
+/// the one with the lowest item is preferred.
 #[derive(Clone, Copy, Debug)]
 struct Item {
     shape: u32,
     primitive: u32,
-    fold: Fold,
+    facet_uv: FacetUv,
 }
 
-/// The places of the ones, from the lowest.
+/// Positions of the bits that are 1, from the lowest.
 #[inline(always)]
 fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {

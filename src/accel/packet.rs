@@ -1,4 +1,4 @@
-//! Eight triangles side by side, and a quick test that rejects most of them.
+//! Packets of eight triangles, with a fast conservative test.
 
 use glam::Vec3;
 
@@ -8,21 +8,23 @@ use crate::math::float::ROUNDING;
 use crate::shape::ShapeHit;
 use crate::shape::triangle;
 
+/// Number of triangles in a packet.
 pub const LANES: usize = 8;
 
-/// Up to eight triangles; unused lanes reject every ray.
+/// Up to eight triangles. Unused lanes reject every ray.
 #[repr(align(64))]
 #[derive(Clone)]
 pub struct Packet {
-    /// Corner, axis, lane.
+    /// Coordinates by corner, axis and lane.
     corner: [[[f32; LANES]; 3]; 3],
-    /// The largest |coordinate| of the edges from corner 0; NaN in unused lanes, which fails every comparison.
+    /// Greatest |coordinate| of the edges from corner 0; NaN in unused lanes, for which every comparison is false.
     edge: [f32; LANES],
+    /// Item numbers.
     pub item: [u32; LANES],
 }
 
 impl Packet {
-    /// At most [`LANES`] triangles.
+    /// A packet of at most [`LANES`] triangles with their item numbers.
     pub fn new(triangles: &[(u32, [Vec3; 3])]) -> Packet {
         let mut packet = Packet { corner: [[[0.0; LANES]; 3]; 3], edge: [f32::NAN; LANES], item: [u32::MAX; LANES] };
         for (lane, (item, corners)) in triangles.iter().enumerate() {
@@ -38,14 +40,14 @@ impl Packet {
         packet
     }
 
-    /// A bit for each lane that the exact test might accept: all that it would, and few others.
+    /// Bit mask of the lanes that the exact test may accept. It contains all lanes that the test accepts, and few others.
     ///
-    /// Möller and Trumbore's products in f32, each compared with a slack that bounds its rounding:
-    /// with edges ≤ e, |origin − corner| ≤ s per axis and |d| ≤ 1, a triple product is a sum of six terms
-    /// ≤ s·e (or e²), each rounded at most seven times: its error is below 2⁻²⁴·6·7·s·e. Taken: 2⁻²⁴·128·(s + e)·e.
-    /// Where the determinant itself is within that slack, the lane is kept. The numerator of t has one edge more.
+    /// The test computes the products of Möller and Trumbore in f32 and compares each with a bound of its rounding error. With edges ≤ e,
+    /// |origin − corner| ≤ s per axis and |d| ≤ 1, a triple product is a sum of six terms ≤ s·e (or e²), each rounded at most seven times,
+    /// so that its error is below 2⁻²⁴·6·7·s·e. The bound used is 2⁻²⁴·128·(s + e)·e. A lane whose determinant is within this bound is
+    /// kept. The numerator of t has one more factor e.
     ///
-    /// Source of the products: Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection* (1997).
+    /// Source: Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection* (1997).
     /// Tests: watertight, hierarchy_is_the_list.
     #[inline(always)]
     pub fn candidates<L: Lanes>(&self, ray: &Ray, t_max: f32) -> u32 {
@@ -61,13 +63,13 @@ impl Packet {
         let slack = L::splat(128.0 * ROUNDING).times(far.plus(edge)).times(edge);
         let below = L::splat(0.0).minus(slack);
         let inside = below.at_most(u) & below.at_most(v) & u.plus(v).at_most(det.plus(slack));
-        // t may overflow where the others do not: what is NaN is neither behind nor beyond.
+        // t may overflow although the other products do not. NaN counts as neither behind nor beyond.
         let beyond = det.plus(slack).times(L::splat(t_max)).plus(slack.times(edge)).below(t);
         let elsewhere = t.below(below.times(edge)) | beyond;
         (inside & !elsewhere) | det.below(slack)
     }
 
-    /// The exact test of one lane.
+    /// Exact test of one lane.
     #[inline(always)]
     pub fn intersect(&self, lane: usize, ray: &Ray, t_max: f32) -> Option<ShapeHit> {
         let corner = |k: usize| Vec3::new(self.corner[k][0][lane], self.corner[k][1][lane], self.corner[k][2][lane]);

@@ -1,35 +1,41 @@
-//! Eight numbers side by side, as the processor has them.
+//! SIMD vectors of eight numbers.
 //!
-//! Every set of instructions does the same operations in the same order and rounding (none fuses a product into a sum), so that
-//! the choice changes no bit of any picture. It is made once, for each hierarchy; `PT_SIMD=sse2` asks for the plainest.
+//! All instruction sets do the same operations in the same order with the same rounding (without fused multiply-add), so that the choice
+//! changes no bit of any picture. It is made once for each hierarchy. `PT_SIMD=sse2` selects the plain one.
 //!
 //! Tests: instruction_sets_agree.
 
 use glam::Vec4;
 
-/// Eight f32.
+/// Vector of eight f32, with operations lane by lane.
 pub trait Lanes: Copy {
+    /// `x` in all lanes.
     fn splat(x: f32) -> Self;
+    /// Eight numbers.
     fn load(from: &[f32; 8]) -> Self;
+    /// Sum.
     fn plus(self, other: Self) -> Self;
+    /// Difference.
     fn minus(self, other: Self) -> Self;
+    /// Product.
     fn times(self, other: Self) -> Self;
-    /// `other` where either is NaN.
+    /// Maximum; `other` if either is NaN.
     fn larger(self, other: Self) -> Self;
-    /// `other` where either is NaN.
+    /// Minimum; `other` if either is NaN.
     fn smaller(self, other: Self) -> Self;
-    /// A bit for each lane that is at most the other's.
+    /// Bit mask of self ≤ other.
     fn at_most(self, other: Self) -> u32;
-    /// A bit for each lane that is less than the other's.
+    /// Bit mask of self < other.
     fn below(self, other: Self) -> u32;
-    /// |x|
+    /// Absolute value.
     fn size(self) -> Self;
-    /// Negated where the other is negative: x · sign(other).
+    /// Product self · sign(other).
     fn signed_by(self, other: Self) -> Self;
+    /// The eight numbers.
     fn to_array(self) -> [f32; 8];
 }
 
-/// Two halves: what every x86-64 has, and every other machine that glam knows.
+/// Two vectors of four, available on every x86-64 processor and every other machine that glam supports.
 #[derive(Clone, Copy)]
 pub struct Halves([Vec4; 2]);
 
@@ -112,11 +118,11 @@ mod avx {
 
     use super::Lanes;
 
-    /// One register. Made and used only where AVX2 was found: [`super::Set::Avx2`].
+    /// One AVX register. It is used only if AVX2 was detected: [`super::Set::Avx2`].
     #[derive(Clone, Copy)]
     pub struct Whole(__m256);
 
-    // Sound: whoever has a `Whole`, or makes one, is compiled for AVX2 and runs on a machine that has it (see `bvh`).
+    // SAFETY: all code that makes or uses a `Whole` is compiled for AVX2 and runs only on machines that have it (see `bvh`).
     impl Lanes for Whole {
         #[inline(always)]
         fn splat(x: f32) -> Whole {
@@ -182,17 +188,19 @@ mod avx {
     }
 }
 
-/// A set of instructions.
+/// Instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Set {
+    /// Vectors of four numbers.
     Plain,
+    /// AVX2.
     #[cfg(target_arch = "x86_64")]
     Avx2,
 }
 
 impl Set {
-    /// The widest that this machine has, unless the environment asks for less.
-    pub fn found() -> Set {
+    /// Best instruction set of this machine, unless the environment variable PT_SIMD selects another.
+    pub fn detect() -> Set {
         #[cfg(target_arch = "x86_64")]
         if std::env::var_os("PT_SIMD").is_none_or(|set| set != "sse2") && std::arch::is_x86_feature_detected!("avx2") {
             return Set::Avx2;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2};
 
 use super::description::{Description, Prepare, given};
-use super::microfacet::{Albedo, Finish, RoughnessKeys, roughness_keys};
+use super::microfacet::{EnergyLossTable, Roughness, RoughnessKeys, roughness_keys};
 use super::{
     Bsdf, BsdfSample, HitContext, Lookup, Material, RoughConductor, ScatteringModel, TexturedModel, TransportMode, rough_conductor,
 };
@@ -195,22 +195,22 @@ impl Description for described::Conductor {
 
 /// With its pictures read.
 pub mod textured {
-    use super::{Albedo, Finish, Metallic};
+    use super::{EnergyLossTable, Metallic, Roughness};
 
     /// The model with textures for parameters: smooth, rough, or one of them from point to point.
     #[derive(Clone, Debug, PartialEq)]
     pub struct Conductor {
         pub(super) reflectance: Metallic,
-        pub(super) finish: Option<Finish>,
+        pub(super) finish: Option<Roughness>,
         /// The table for light that is reflected more than once among the facets.
-        pub(super) losses: Option<&'static Albedo>,
+        pub(super) losses: Option<&'static EnergyLossTable>,
     }
 }
 
 impl textured::Conductor {
     /// - `finish`: `None` for polished metal
     /// - `multiscatter`: whether to follow light that facets reflect more than once
-    pub fn new(reflectance: impl Into<Metallic>, finish: Option<Finish>, multiscatter: bool) -> textured::Conductor {
+    pub fn new(reflectance: impl Into<Metallic>, finish: Option<Roughness>, multiscatter: bool) -> textured::Conductor {
         let rough = finish.as_ref().filter(|_| multiscatter);
         let losses = rough.map(|finish| rough_conductor::losses(finish.domain(), finish.distribution));
         textured::Conductor { reflectance: reflectance.into(), finish, losses }
@@ -225,12 +225,12 @@ impl Lookup for textured::Conductor {
         let Some(facets) = self.finish.as_ref().and_then(|finish| finish.at(&at.point)) else {
             return Bsdf::Conductor(Conductor { reflectance });
         };
-        let mean = |losses| rough_conductor::MoreReflections::new(losses, facets.alpha, self.reflectance.mean(&reflectance));
+        let mean = |losses| rough_conductor::MultiScatter::new(losses, facets.alpha, self.reflectance.mean(&reflectance));
         Bsdf::RoughConductor(RoughConductor { reflectance, facets, more: self.losses.and_then(mean) })
     }
 
     fn textures(&self) -> Vec<&Texture> {
-        self.reflectance.textures().chain(self.finish.iter().flat_map(Finish::textures)).collect()
+        self.reflectance.textures().chain(self.finish.iter().flat_map(Roughness::textures)).collect()
     }
 
     fn recentred(self, origin: DVec3) -> textured::Conductor {
@@ -245,7 +245,7 @@ impl TexturedModel for textured::Conductor {
     }
 
     fn is_anisotropic(&self) -> bool {
-        self.finish.as_ref().is_some_and(Finish::is_anisotropic)
+        self.finish.as_ref().is_some_and(Roughness::is_anisotropic)
     }
 }
 

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2};
 
 use super::description::{Description, Prepare, given};
-use super::microfacet::{Finish, Ladder, RoughnessKeys, Scale, roughness_keys};
+use super::microfacet::{Roughness, RoughnessKeys, Scale, TableRange, roughness_keys};
 use super::{
     Bsdf, BsdfSample, HitContext, Lobe, Lookup, Material, Passage, RoughDielectric, ScatteringModel, TexturedModel, TransportMode,
     rough_dielectric,
@@ -179,16 +179,16 @@ impl Description for described::Dielectric {
 
 /// With its pictures read.
 pub mod textured {
-    use super::{Finish, Ladder, Number, Spectrum, Texture, rough_dielectric};
+    use super::{Number, Roughness, Spectrum, TableRange, Texture, rough_dielectric};
 
     /// The model with textures for parameters: smooth, rough, or one of them from point to point.
     #[derive(Clone, Debug, PartialEq)]
     pub struct Dielectric {
         pub(super) eta: Number,
         pub(super) color: Texture,
-        pub(super) finish: Option<Finish>,
+        pub(super) finish: Option<Roughness>,
         /// The tables for light that meets more than one facet.
-        pub(super) losses: Option<Ladder<rough_dielectric::Losses>>,
+        pub(super) losses: Option<TableRange<rough_dielectric::Losses>>,
         /// σ of the body behind the surface: e^(−σ d) of the light passes the distance d inside (1/m).
         pub(super) absorption: Option<Spectrum>,
     }
@@ -202,11 +202,11 @@ impl textured::Dielectric {
 
     /// - `finish`: `None` for smooth glass
     /// - `multiscatter`: whether to follow light that meets more than one facet
-    pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, finish: Option<Finish>, multiscatter: bool) -> textured::Dielectric {
+    pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, finish: Option<Roughness>, multiscatter: bool) -> textured::Dielectric {
         let eta = eta.into();
         let rough = finish.as_ref().filter(|_| multiscatter);
-        let tables = |finish: &Finish| {
-            Ladder::new(eta.range(), Scale::Index, |eta| rough_dielectric::losses(eta, finish.domain(), finish.distribution))
+        let tables = |finish: &Roughness| {
+            TableRange::new(eta.range(), Scale::Index, |eta| rough_dielectric::losses(eta, finish.domain(), finish.distribution))
         };
         textured::Dielectric { losses: rough.map(tables), color: color.into(), finish, absorption: None, eta }
     }
@@ -238,12 +238,12 @@ impl Lookup for textured::Dielectric {
             return Bsdf::Dielectric(Dielectric { eta, color });
         };
         let losses = self.losses.as_ref().map(|losses| losses.at(eta));
-        let more = losses.and_then(|losses| rough_dielectric::MoreEncounters::new(losses, facets.alpha, eta));
+        let more = losses.and_then(|losses| rough_dielectric::MultiScatter::new(losses, facets.alpha, eta));
         Bsdf::RoughDielectric(RoughDielectric { eta, color, facets, more })
     }
 
     fn textures(&self) -> Vec<&Texture> {
-        self.finish.iter().flat_map(Finish::textures).chain(self.eta.texture()).chain([&self.color]).collect()
+        self.finish.iter().flat_map(Roughness::textures).chain(self.eta.texture()).chain([&self.color]).collect()
     }
 
     fn recentred(self, origin: DVec3) -> textured::Dielectric {
@@ -263,7 +263,7 @@ impl TexturedModel for textured::Dielectric {
     }
 
     fn is_anisotropic(&self) -> bool {
-        self.finish.as_ref().is_some_and(Finish::is_anisotropic)
+        self.finish.as_ref().is_some_and(Roughness::is_anisotropic)
     }
 
     /// Absorption depends on the way through the body.

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::microfacet::Finish;
+use super::microfacet::Roughness;
 use super::{Bsdf, Compound, Material, Metallic, Mix, Share, textured};
 use crate::math::Spectrum;
 use crate::shape::{SurfacePoint, VertexColor};
@@ -72,12 +72,12 @@ impl Material {
     }
 
     /// Metal: polished without a `finish`, else with facets; `multiscatter` follows light that they reflect more than once.
-    pub fn metal(reflectance: impl Into<Metallic>, finish: Option<Finish>, multiscatter: bool) -> Material {
+    pub fn metal(reflectance: impl Into<Metallic>, finish: Option<Roughness>, multiscatter: bool) -> Material {
         textured::Conductor::new(reflectance, finish, multiscatter).into()
     }
 
     /// Glass with facets; `multiscatter` follows light that meets more than one of them.
-    pub fn rough_glass(eta: impl Into<Number>, color: impl Into<Texture>, finish: Finish, multiscatter: bool) -> Material {
+    pub fn rough_glass(eta: impl Into<Number>, color: impl Into<Texture>, finish: Roughness, multiscatter: bool) -> Material {
         textured::Dielectric::new(eta, color, Some(finish), multiscatter).into()
     }
 

@@ -41,7 +41,7 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
 use crate::texture::Texture;
 
 pub use blinn_phong::BlinnPhong;
-pub use compound::{Coat, Coated, Compound, CompoundAt, Mix, Share, Sheen, Sides};
+pub use compound::{Coat, Coated, Compound, CompoundAt, Mix, Share, Sheen, TwoSided};
 pub use conductor::{Conductor, Metallic, Reflectance};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;

@@ -1,7 +1,7 @@
 //! The material of interchange formats and painting programs: a handful of sliders.
 
 use super::description::{Description, Prepare, given};
-use super::microfacet::{Distribution, Finish, roughened};
+use super::microfacet::{Distribution, Roughness, roughened};
 use super::{Coat, Coated, Compound, Material, Sheen, textured};
 use crate::format::Textured;
 use crate::math::Spectrum;
@@ -27,7 +27,7 @@ pub struct Principled {
     pub transmission: Texture,
     pub specular: Texture,
     /// Of metal, glass and plastic; `None` where they are smooth.
-    pub finish: Option<Finish>,
+    pub finish: Option<Roughness>,
     /// Index of refraction of glass and plastic: at least 1.
     pub eta: Number,
     /// How much of the surface is coated.
@@ -36,7 +36,7 @@ pub struct Principled {
     pub coat_eta: Number,
     pub coat_color: Texture,
     /// `None` where it is smooth.
-    pub coat_finish: Option<Finish>,
+    pub coat_finish: Option<Roughness>,
     pub sheen_color: Texture,
     /// How far its fibres spread, see [`Sheen`].
     pub sheen_roughness: Texture,
@@ -47,7 +47,7 @@ pub struct Principled {
 impl From<Principled> for Material {
     fn from(p: Principled) -> Material {
         let ground = || Material::diffuse(p.base_color.clone());
-        let glaze = || Coat::new(p.eta.clone(), Spectrum::ONE, p.finish.clone()).as_seen();
+        let glaze = || Coat::new(p.eta.clone(), Spectrum::ONE, p.finish.clone()).keep_base_color();
         let glazed = || Compound::Coated(Coated { ground: ground(), coat: glaze() }).into();
         let plastic = || Material::mixed(ground, glazed, p.specular.clone());
         let glass = || textured::Dielectric::new(p.eta.clone(), p.base_color.clone(), p.finish.clone(), p.multiscatter).into();

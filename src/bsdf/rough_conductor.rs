@@ -4,8 +4,8 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec2;
 
-use super::microfacet::albedo::{Domain, Key, Shelf};
-use super::microfacet::{Albedo, Distribution, Microfacets, Pair, above, cos2_to_half, upward};
+use super::microfacet::energy_loss::{Cache, Domain, Key};
+use super::microfacet::{Distribution, EnergyLossTable, HalfVectorTerms, Microfacets, above, cos2_to_half, upward};
 use super::{BsdfSample, Reflectance, ScatteringModel, TransportMode};
 use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 
@@ -14,7 +14,7 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 /// f(wo, wi) = F(wo·h) D(h) G₂(wo, wi) / (4 |cos θo| |cos θi|)  +  f₂(wo, wi)      [sr⁻¹],    h half way between wo and wi
 ///
 /// with Fresnel's F, and f₂ for light that facets reflect more than once (see
-/// [`albedo`](super::microfacet::albedo)), darker by
+/// [`albedo`](super::microfacet::energy_loss)), darker by
 ///
 /// F₂ = F̄² Ē / (1 − F̄ (1 − Ē)),    F̄ = 2 ∫ F μ dμ,    Ē = 1 − m
 ///
@@ -30,52 +30,52 @@ pub struct RoughConductor {
     pub reflectance: Reflectance,
     pub facets: Microfacets,
     /// Later reflections; `None` follows the first alone.
-    pub more: Option<MoreReflections>,
+    pub more: Option<MultiScatter>,
 }
 
 /// The lobe of light that was reflected more than once.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MoreReflections {
-    losses: &'static Albedo,
+pub struct MultiScatter {
+    losses: &'static EnergyLossTable,
     /// F₂ / (π m)
     strength: Spectrum,
 }
 
-impl MoreReflections {
+impl MultiScatter {
     /// - `mean_fresnel`: F̄, see [`Reflectance::mean`]
     ///
     /// `None` for facets so smooth that nothing is lost.
-    pub fn new(losses: &'static Albedo, alpha: Vec2, mean_fresnel: Spectrum) -> Option<MoreReflections> {
+    pub fn new(losses: &'static EnergyLossTable, alpha: Vec2, mean_fresnel: Spectrum) -> Option<MultiScatter> {
         let lost = losses.mean_loss(alpha);
         let strength = mean_fresnel.map(|f| f * f * (1.0 - lost) / ((1.0 - f * lost) * PI * lost));
-        strength.is_finite().then_some(MoreReflections { losses, strength })
+        strength.is_finite().then_some(MultiScatter { losses, strength })
     }
 }
 
 /// The table of white metal.
-pub fn losses(domain: Domain, distribution: Distribution) -> &'static Albedo {
-    static SHELF: Shelf<Key, Albedo> = Shelf::new();
-    SHELF.get((distribution, domain.bits(), 0), || Albedo::tabulate(domain, distribution, returned))
+pub fn losses(domain: Domain, distribution: Distribution) -> &'static EnergyLossTable {
+    static CACHE: Cache<Key, EnergyLossTable> = Cache::new();
+    CACHE.get((distribution, domain.bits(), 0), || EnergyLossTable::tabulate(domain, distribution, returned))
 }
 
 /// G₂/G₁ of the mirror direction that `u` chooses; 0 where it leads into the surface.
 fn returned(facets: &Microfacets, wo: Local, u: Vec2) -> f32 {
     let (wi, _) = facets.mirror_visible(wo, u);
-    if wi.cos() > 0.0 { Pair::new(facets, wo, wi).unmasked() } else { 0.0 }
+    if wi.cos() > 0.0 { HalfVectorTerms::new(facets, wo, wi).unmasked() } else { 0.0 }
 }
 
 impl ScatteringModel for RoughConductor {
     #[inline]
     fn eval(&self, wo: Local, wi: Local, _mode: TransportMode) -> Spectrum {
         above(wo, wi).map_or(Spectrum::BLACK, |[wo, wi]| {
-            let once = self.reflectance.at_square(cos2_to_half(wo, wi)) * Pair::new(&self.facets, wo, wi).scattered();
+            let once = self.reflectance.at_square(cos2_to_half(wo, wi)) * HalfVectorTerms::new(&self.facets, wo, wi).scattered();
             self.more.map_or(once, |more| once + self.further(more, wi, self.lost(wo)))
         })
     }
 
     #[inline]
     fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
-        let density = |[wo, wi]: [Local; 2]| density(Pair::new(&self.facets, wo, wi), wi, self.lost(wo));
+        let density = |[wo, wi]: [Local; 2]| density(HalfVectorTerms::new(&self.facets, wo, wi), wi, self.lost(wo));
         above(wo, wi).map_or(SolidAnglePdf::ZERO, density)
     }
 
@@ -100,12 +100,12 @@ impl RoughConductor {
     fn sample_once(&self, facets: Microfacets, wo: Local, u: Vec2) -> Option<(Local, Spectrum, SolidAnglePdf)> {
         let (wi, cos2) = facets.mirror_visible(wo, u);
         above(wo, wi)?;
-        let pair = Pair::new(&facets, wo, wi);
+        let pair = HalfVectorTerms::new(&facets, wo, wi);
         Some((wi, self.reflectance.at_square(cos2) * pair.unmasked(), SolidAnglePdf::new(pair.density())))
     }
 
     /// The same by a facet or by the lobe of later reflections, and of both together.
-    fn sample_all(&self, more: MoreReflections, wo: Local, choice: f32, u: Vec2) -> Option<(Local, Spectrum, SolidAnglePdf)> {
+    fn sample_all(&self, more: MultiScatter, wo: Local, choice: f32, u: Vec2) -> Option<(Local, Spectrum, SolidAnglePdf)> {
         let lost = self.lost(wo);
         let (wi, cos2) = if choice < lost {
             let wi = Local(warp::cosine_hemisphere(u));
@@ -114,7 +114,7 @@ impl RoughConductor {
             self.facets.mirror_visible(wo, u)
         };
         above(wo, wi)?;
-        let pair = Pair::new(&self.facets, wo, wi);
+        let pair = HalfVectorTerms::new(&self.facets, wo, wi);
         let pdf = density(pair, wi, lost);
         let f = self.reflectance.at_square(cos2) * pair.scattered() + self.further(more, wi, lost);
         Some((wi, f / pdf.get(), pdf))
@@ -124,7 +124,7 @@ impl RoughConductor {
     ///
     /// - `lost`: see [`RoughConductor::lost`]
     #[inline]
-    fn further(&self, more: MoreReflections, wi: Local, lost: f32) -> Spectrum {
+    fn further(&self, more: MultiScatter, wi: Local, lost: f32) -> Spectrum {
         more.strength * (lost * more.losses.loss(wi, self.facets.alpha) * wi.cos())
     }
 
@@ -137,6 +137,6 @@ impl RoughConductor {
 
 /// Of `wi`, by a facet in sight or by the lobe of later reflections.
 #[inline]
-fn density(pair: Pair, wi: Local, lost: f32) -> SolidAnglePdf {
+fn density(pair: HalfVectorTerms, wi: Local, lost: f32) -> SolidAnglePdf {
     SolidAnglePdf::new((1.0 - lost) * pair.density() + lost * FRAC_1_PI * wi.cos())
 }

@@ -4,8 +4,8 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec2;
 
-use super::microfacet::albedo::{Domain, Key, Shelf};
-use super::microfacet::{Albedo, Between, Distribution, Microfacets, upward, upward_normal};
+use super::microfacet::energy_loss::{Cache, Domain, Key};
+use super::microfacet::{Distribution, EnergyLossTable, LerpedTable, Microfacets, upward, upward_normal};
 use super::{BsdfSample, Lobe, ScatteringModel, TransportMode};
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 
@@ -17,7 +17,7 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 ///
 /// with η' the index on the side of wi over that on the side of wo. The last factors are the Jacobian |dh/dwi| with what
 /// belongs to it; s = 1/η'² for radiance, which is spread over a wider or narrower cone behind the interface, and s = 1 for
-/// importance. To both comes f₂, light that met more than one facet (see [`albedo`](super::microfacet::albedo)):
+/// importance. To both comes f₂, light that met more than one facet (see [`albedo`](super::microfacet::energy_loss)):
 ///
 /// f₂ = (1 − x) (1 − E(wo)) (1 − E(wi)) / (π m)  back,    s x (1 − E(wo)) (1 − E'(wi)) / (π m')  through
 ///
@@ -36,13 +36,13 @@ pub struct RoughDielectric {
     pub color: Spectrum,
     pub facets: Microfacets,
     /// Later encounters; `None` follows the first alone.
-    pub more: Option<MoreEncounters>,
+    pub more: Option<MultiScatter>,
 }
 
 /// The lobes of light that met more than one facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MoreEncounters {
-    losses: Between<Losses>,
+pub struct MultiScatter {
+    losses: LerpedTable<Losses>,
     /// m outside and inside.
     mean: [f32; 2],
     /// x from outside and from inside.
@@ -52,15 +52,15 @@ pub struct MoreEncounters {
 /// The tables of 1 − E for light from outside and from inside, and F̄ from the rarer side.
 #[derive(Debug, PartialEq)]
 pub struct Losses {
-    sides: [Albedo; 2],
+    sides: [EnergyLossTable; 2],
     mean_fresnel: f32,
 }
 
 /// The tables of clear glass.
 pub fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Losses {
-    static SHELF: Shelf<Key, Losses> = Shelf::new();
-    SHELF.get((distribution, domain.bits(), eta.to_bits()), || {
-        let side = |eta| Albedo::tabulate(domain, distribution, |facets, wo, u| returned(facets, eta, wo, u));
+    static CACHE: Cache<Key, Losses> = Cache::new();
+    CACHE.get((distribution, domain.bits(), eta.to_bits()), || {
+        let side = |eta| EnergyLossTable::tabulate(domain, distribution, |facets, wo, u| returned(facets, eta, wo, u));
         Losses { sides: [side(eta), side(1.0 / eta)], mean_fresnel: mean_reflectance(eta.max(1.0 / eta)) }
     })
 }
@@ -86,7 +86,7 @@ fn returned(facets: &Microfacets, eta: f32, wo: Local, u: Vec2) -> f32 {
 /// G₂/G₁
 fn unmasked(facets: &Microfacets, wo: Local, wi: Local) -> f32 {
     let (o, i) = (wo.abs_cos(), wi.abs_cos());
-    let (across_o, across_i) = (facets.across(upward(wo)), facets.across(upward(wi)));
+    let (across_o, across_i) = (facets.projected_area(upward(wo)), facets.projected_area(upward(wi)));
     (o + across_o) / (o * (across_i / i) + across_o)
 }
 
@@ -205,7 +205,7 @@ impl RoughDielectric {
     /// f·|cos θi| for importance and the density of `wi`, at the facets with normal h.
     fn by(&self, wo: Local, wi: Local, at: Meeting, reflects: bool) -> (f32, f32) {
         let share = if reflects { at.reflectance } else { 1.0 - at.reflectance };
-        let (o, across) = (wo.abs_cos(), self.facets.across(upward(wo)));
+        let (o, across) = (wo.abs_cos(), self.facets.projected_area(upward(wo)));
         // G₁/|cos θo| = 2/(|cos θo| + S)
         let pdf = 2.0 / (o + across) * self.facets.density(at.h) * at.jacobian * share;
         (pdf * unmasked(&self.facets, wo, wi), pdf)
@@ -222,16 +222,16 @@ impl RoughDielectric {
     }
 }
 
-impl MoreEncounters {
+impl MultiScatter {
     /// `None` for facets so smooth that nothing is lost.
-    pub fn new(losses: Between<Losses>, alpha: Vec2, eta: f32) -> Option<MoreEncounters> {
+    pub fn new(losses: LerpedTable<Losses>, alpha: Vec2, eta: f32) -> Option<MultiScatter> {
         let mean = [0, 1].map(|side: usize| losses.value(|table| table.sides[side].mean_loss(alpha)));
         let mean_fresnel = losses.value(|table| table.mean_fresnel);
         let (rare, dense, n2) = if eta > 1.0 { (0, 1, eta * eta) } else { (1, 0, 1.0 / (eta * eta)) };
         let mut through = [0.0; 2];
         through[rare] = (1.0 - mean_fresnel).min(mean[dense] * n2 / mean[rare]);
         through[dense] = through[rare] * mean[rare] / (mean[dense] * n2);
-        (mean.iter().chain(&through).all(|x| x.is_finite() && *x > 0.0)).then_some(MoreEncounters { losses, mean, through })
+        (mean.iter().chain(&through).all(|x| x.is_finite() && *x > 0.0)).then_some(MultiScatter { losses, mean, through })
     }
 
     /// 1 − E(w), for light from a side.

@@ -14,7 +14,7 @@ use crate::texture::{Number, Product, Texture};
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceMaterial {
     pub material: Material,
-    pub relief: Option<NormalModifier>,
+    pub normal_modifier: Option<NormalModifier>,
     /// The share of rays that meet the surface, from 0 to 1; the others go on as if it were not there.
     pub opacity: Option<Texture>,
 }
@@ -23,9 +23,9 @@ pub struct SurfaceMaterial {
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalModifier {
     /// n ∝ s (2 r − 1) t + s (2 g − 1) b + (2 b − 1) n₀, of a picture's red, green and blue, along the texture coordinates.
-    Normals { map: Texture, strength: Number },
+    NormalMap { map: Texture, strength: Number },
     /// n ∝ n₀ − ∇ₛ h, of heights h = scale · texture (m) above the surface.
-    Heights { map: Texture, scale: Number },
+    BumpMap { map: Texture, scale: Number },
 }
 
 /// Texture coordinates are moved by this for the slope of heights: half a pixel of a picture of 1024.
@@ -45,8 +45,8 @@ impl NormalModifier {
     /// Tests: mapped_planes_are_lit_as_by_quadrature, turned_normals_are_seen.
     pub fn normal(&self, point: &SurfacePoint, tangents: [Vec3; 2], wo: Vec3) -> Vec3 {
         let turned = match self {
-            NormalModifier::Normals { map, strength } => mapped(map, strength.at(point), point, tangents),
-            NormalModifier::Heights { map, scale } => sloped(map, scale, point, tangents),
+            NormalModifier::NormalMap { map, strength } => mapped(map, strength.at(point), point, tangents),
+            NormalModifier::BumpMap { map, scale } => sloped(map, scale, point, tangents),
         };
         let normal = turned.and_then(Vec3::try_normalize).map_or(point.ns, |n| bent(n, point.ng, LEAST_COS));
         // Of the side that is looked at.
@@ -55,17 +55,17 @@ impl NormalModifier {
     }
 
     fn textures(&self) -> impl Iterator<Item = &Texture> {
-        let (NormalModifier::Normals { map, strength: scale } | NormalModifier::Heights { map, scale }) = self;
+        let (NormalModifier::NormalMap { map, strength: scale } | NormalModifier::BumpMap { map, scale }) = self;
         scale.texture().into_iter().chain([map])
     }
 
     fn recentred(self, origin: DVec3) -> NormalModifier {
         match self {
-            NormalModifier::Normals { map, strength } => {
-                NormalModifier::Normals { map: map.recentred(origin), strength: strength.recentred(origin) }
+            NormalModifier::NormalMap { map, strength } => {
+                NormalModifier::NormalMap { map: map.recentred(origin), strength: strength.recentred(origin) }
             }
-            NormalModifier::Heights { map, scale } => {
-                NormalModifier::Heights { map: map.recentred(origin), scale: scale.recentred(origin) }
+            NormalModifier::BumpMap { map, scale } => {
+                NormalModifier::BumpMap { map: map.recentred(origin), scale: scale.recentred(origin) }
             }
         }
     }
@@ -99,31 +99,30 @@ fn sloped(map: &Texture, scale: &Number, point: &SurfacePoint, [du, dv]: [Vec3; 
 impl SurfaceMaterial {
     /// Whether it matters where the axes of the surface point.
     pub fn needs_tangents(&self) -> bool {
-        self.relief.is_some() || self.material.is_anisotropic()
+        self.normal_modifier.is_some() || self.material.is_anisotropic()
     }
 
     /// What simulating it takes.
     pub fn effects(&self) -> Effects {
         let textured = |texture: &Texture| if texture.is_constant() { Effects::NONE } else { Effects::TEXTURES };
-        let relief = self
-            .relief
-            .as_ref()
-            .map_or(Effects::NONE, |relief| relief.textures().map(textured).fold(Effects::SHADING_NORMALS, Effects::union));
+        let normal_modifier = self.normal_modifier.as_ref().map_or(Effects::NONE, |normal_modifier| {
+            normal_modifier.textures().map(textured).fold(Effects::SHADING_NORMALS, Effects::union)
+        });
         let opacity = self.opacity.as_ref().map_or(Effects::NONE, |o| Effects::CUT_OUTS | textured(o));
-        self.material.effects() | relief | opacity
+        self.material.effects() | normal_modifier | opacity
     }
 
     /// The same skin after the world has moved by −`origin`.
     pub fn recentred(self, origin: DVec3) -> SurfaceMaterial {
-        let relief = self.relief.map(|relief| relief.recentred(origin));
+        let normal_modifier = self.normal_modifier.map(|normal_modifier| normal_modifier.recentred(origin));
         let opacity = self.opacity.map(|opacity| opacity.recentred(origin));
-        SurfaceMaterial { material: self.material.recentred(origin), relief, opacity }
+        SurfaceMaterial { material: self.material.recentred(origin), normal_modifier, opacity }
     }
 }
 
 impl From<Material> for SurfaceMaterial {
     fn from(material: Material) -> SurfaceMaterial {
-        SurfaceMaterial { material, relief: None, opacity: None }
+        SurfaceMaterial { material, normal_modifier: None, opacity: None }
     }
 }
 
@@ -196,9 +195,9 @@ impl Description for described::Bumped {
         let scale = builder.number("scale", &self.scale);
         let normals = self.normal_map.as_ref().map(|map| builder.normal_map("normal_map", map));
         let heights = self.bump_map.as_ref().map(|map| builder.texture("bump_map", map));
-        let normals = normals.map(|map| NormalModifier::Normals { map, strength: scale.clone() });
-        let relief = normals.or(heights.map(|map| NormalModifier::Heights { map, scale }));
-        SurfaceMaterial { relief, ..builder.surface("surface", &self.surface) }
+        let normals = normals.map(|map| NormalModifier::NormalMap { map, strength: scale.clone() });
+        let normal_modifier = normals.or(heights.map(|map| NormalModifier::BumpMap { map, scale }));
+        SurfaceMaterial { normal_modifier, ..builder.surface("surface", &self.surface) }
     }
 }
 

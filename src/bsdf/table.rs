@@ -264,7 +264,7 @@ materials! {
         Coated(Coated) = compound::coated as "coated",
         Mix(MaterialMix) = compound::mix as "mix",
         Sheen(Sheen) = compound::sheen as "sheen",
-        TwoSided(TwoSided) = compound::sides as "two_sided",
+        TwoSided(TwoSided) = compound::two_sided as "two_sided",
         Principled(Principled) = principled as "principled",
         Bumped(Bumped) = surface_material as "bumped",
         Masked(Masked) = surface_material as "masked",

@@ -1,9 +1,9 @@
-//! Where pictures are taken from.
+//! Cameras.
 //!
-//! A camera looks down −z of its frame, x to the right, y up. It knows nothing of pixels:
-//! positions on the film are shares of its width and height, from the upper left.
+//! A camera looks along −z of its frame, with x to the right and y up. It does not depend on pixels: positions on the film are
+//! fractions of its width and height, from the upper left corner.
 //!
-//! To add one: a file beside these, a variant and an arm here, a variant in `describe::camera`.
+//! A new camera is a file in this folder, a variant and its arms here, and a variant in `describe::camera`.
 
 pub mod orthographic;
 pub mod perspective;
@@ -19,18 +19,22 @@ pub use orthographic::Orthographic;
 pub use perspective::Perspective;
 pub use spherical::Spherical;
 
+/// Camera of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Camera {
+    /// Perspective projection, optionally with a thin lens.
     Perspective(Perspective),
+    /// Parallel projection.
     Orthographic(Orthographic),
+    /// Panorama of all directions.
     Spherical(Spherical),
 }
 
 impl Camera {
-    /// The ray through a point of the film.
+    /// Ray through a point of the film.
     ///
-    /// - `film`: [0, 1)², from the upper left; `aspect`: width / height of the film
-    /// - `lens`: [0, 1)², used where there is a lens
+    /// - `film`: position in [0, 1)², from the upper left corner; `aspect`: width / height of the film
+    /// - `lens`: uniform numbers in [0, 1)², used only by cameras with a lens
     #[inline(always)]
     pub fn ray(&self, film: Vec2, aspect: f32, lens: Vec2) -> Ray {
         match self {
@@ -40,6 +44,7 @@ impl Camera {
         }
     }
 
+    /// Effects that simulating the camera requires.
     pub fn effects(&self) -> Effects {
         match self {
             Camera::Perspective(camera) if camera.has_lens() => Effects::THIN_LENS,
@@ -47,7 +52,7 @@ impl Camera {
         }
     }
 
-    /// How far a point is in front of it: along its axis, for panoramas from the eye (m).
+    /// Depth of a point (m): along the axis of the camera, for panoramas the distance from the eye.
     pub fn depth(&self, p: DVec3) -> f64 {
         let pose = self.pose();
         match self {
@@ -56,15 +61,15 @@ impl Camera {
         }
     }
 
-    /// From the world to the camera's space: x right, y up, −z ahead (m).
+    /// Matrix from world space to camera space, with x right, y up and −z ahead (m).
     pub fn world_to_camera(&self) -> DMat4 {
         let Pose { eye, right, up, back } = *self.pose();
         let turn = DMat3::from_cols(right.as_dvec3(), up.as_dvec3(), back.as_dvec3()).transpose();
         DMat4::from_mat3_translation(turn, -(turn * eye))
     }
 
-    /// From the camera's space to its film, in homogeneous coordinates: x and y in [0, 1]², from the upper left; z is 1/depth of a
-    /// perspective, else the depth. `None` for panoramas, which no matrix makes.
+    /// Homogeneous matrix from camera space to the film, with x and y in [0, 1]² from the upper left corner. z is 1/depth for a
+    /// perspective and the depth for a parallel projection. `None` for panoramas, whose mapping is not projective.
     pub fn to_film(&self, aspect: f64) -> Option<DMat4> {
         let [x, y, z, w] = [DVec4::X, DVec4::Y, DVec4::Z, DVec4::W];
         let rows = match self {
@@ -81,7 +86,7 @@ impl Camera {
         Some(DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose())
     }
 
-    /// How much of the plane a metre in front of a perspective camera the film shows, from left to right (m).
+    /// Width that the film of a perspective camera shows of the plane one metre in front of it (m).
     pub fn screen_width(&self, aspect: f64) -> Option<f64> {
         match self {
             Camera::Perspective(camera) => Some(2.0 * f64::from(camera.tan_half_fov) * f64::from(camera.aspect(aspect as f32))),
@@ -89,7 +94,7 @@ impl Camera {
         }
     }
 
-    /// The width of a pixel over its height, as seen.
+    /// Width of a pixel divided by its height, as angles of view.
     pub fn pixel_aspect(&self, aspect: f32) -> f32 {
         match self {
             Camera::Perspective(camera) => camera.aspect(aspect) / aspect,
@@ -97,12 +102,12 @@ impl Camera {
         }
     }
 
-    /// Where it stands.
+    /// Position of the camera (m).
     pub fn eye(&self) -> DVec3 {
         self.pose().eye
     }
 
-    /// Whether a ray of it may meet the side of the plane through `p` to which `n` points.
+    /// Whether a ray of the camera can hit the side to which `n` points of the plane through `p`.
     pub fn faces(&self, p: DVec3, n: DVec3) -> bool {
         let pose = self.pose();
         match self {
@@ -120,7 +125,7 @@ impl Camera {
         }
     }
 
-    /// The same camera after the world has moved by −`origin`.
+    /// The camera in coordinates shifted by −`origin`.
     pub fn recentred(mut self, origin: DVec3) -> Camera {
         let pose = match &mut self {
             Camera::Perspective(camera) => &mut camera.pose,
@@ -132,9 +137,10 @@ impl Camera {
     }
 }
 
-/// Position and orientation. Distances are the world's: a scaled transform does not scale the picture.
+/// Position and orientation of a camera. The scale of a transform is ignored: distances are those of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
+    /// Position (m).
     pub eye: DVec3,
     right: Vec3,
     up: Vec3,
@@ -142,13 +148,13 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// From the camera's space to the world's.
+    /// Pose given by the transform from camera space to world space.
     pub fn new(to_world: &Transform) -> Pose {
         let axis = |v: DVec3| to_world.vector(v).normalize().as_vec3();
         Pose { eye: to_world.point(DVec3::ZERO), right: axis(DVec3::X), up: axis(DVec3::Y), back: axis(DVec3::Z) }
     }
 
-    /// The pose at `from` that looks at `to`.
+    /// Pose at `from` that looks at `to`.
     ///
     /// # Errors
     /// The errors of [`Transform::look_at`].

@@ -5,11 +5,12 @@ use glam::{Vec2, Vec3};
 use super::Pose;
 use crate::math::Ray;
 
-/// All rays run along −z; the film shows `height` metres of the plane z = 0 from top to bottom.
+/// Parallel projection along −z. The film shows `height` metres of the plane z = 0 from top to bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orthographic {
+    /// Position and orientation.
     pub pose: Pose,
-    /// (m)
+    /// Height of the visible part of the plane z = 0 (m).
     pub height: f32,
 }
 

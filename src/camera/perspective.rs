@@ -1,46 +1,50 @@
-//! A pinhole, or a thin lens.
+//! Perspective projection with a pinhole or a thin lens.
 
 use glam::{Vec2, Vec3};
 
 use super::Pose;
 use crate::math::{Ray, float, warp};
 
-/// A perspective camera with a thin lens.
+/// Perspective camera with a thin lens.
 ///
-/// The film point (x, y), from −1 to 1, is focused on (x·a·τ, y·τ, −1)·focus_distance, with τ = tan(fov/2)
-/// and the aspect ratio a: that of the film, so that pixels are square, or one of its own; rays to it start on the lens, a disk
-/// around the eye.
+/// The film point (x, y), with coordinates from −1 to 1, is focused on (x·a·τ, y·τ, −1)·focus_distance. Here τ = tan(fov/2), and a
+/// is the aspect ratio: that of the film, so that pixels are square, or one set by [`Perspective::across`]. The rays of a film point
+/// start on the lens, a disk around the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Perspective {
+    /// Position and orientation.
     pub pose: Pose,
-    /// τ, half the vertical field of view.
+    /// τ, the tangent of half the vertical field of view.
     pub(super) tan_half_fov: f32,
-    /// a, where it is not the film's.
+    /// Aspect ratio a if it is not that of the film.
     aspect: Option<f32>,
-    /// (m); 0 for a pinhole.
+    /// Radius of the lens (m); 0 for a pinhole.
     pub(super) lens_radius: f32,
-    /// Along the axis (m).
+    /// Distance along the axis to the plane in focus (m).
     focus_distance: f32,
 }
 
 impl Perspective {
-    /// - `fov`: full vertical angle (degrees)
-    /// - `lens_radius`, `focus_distance`: (m)
+    /// A perspective camera with the aspect ratio of the film.
+    ///
+    /// - `fov`: full vertical field of view (degrees)
+    /// - `lens_radius`, `focus_distance`: in metres
     pub fn new(pose: Pose, fov: f64, lens_radius: f32, focus_distance: f32) -> Perspective {
         Perspective { pose, tan_half_fov: tan_half(fov) as f32, aspect: None, lens_radius, focus_distance }
     }
 
-    /// The same with a full horizontal angle of its own (degrees), whatever the shape of the film.
+    /// The camera with a full horizontal field of view (degrees) that does not depend on the shape of the film.
     pub fn across(self, fov: f64, horizontal_fov: f64) -> Perspective {
         Perspective { aspect: Some((tan_half(horizontal_fov) / tan_half(fov)) as f32), ..self }
     }
 
-    /// a, on a film of this aspect ratio.
+    /// Aspect ratio a on a film with the aspect ratio `film`.
     #[inline(always)]
     pub(super) fn aspect(&self, film: f32) -> f32 {
         self.aspect.unwrap_or(film)
     }
 
+    /// Whether the lens has a radius above 0.
     pub fn has_lens(&self) -> bool {
         self.lens_radius > 0.0
     }
@@ -59,7 +63,7 @@ impl Perspective {
     }
 }
 
-/// tan(θ/2), with θ in degrees; our own sine and cosine, for the same bits everywhere.
+/// tan(θ/2), with θ in degrees. It uses pt's own sine and cosine, which have the same bits on all machines.
 fn tan_half(degrees: f64) -> f64 {
     let (sin, cos) = float::sin_cos_degrees(0.5 * degrees);
     sin / cos

@@ -1,4 +1,4 @@
-//! A full panorama.
+//! Panoramas of all directions.
 
 use std::f32::consts::{PI, TAU};
 
@@ -7,10 +7,10 @@ use glam::{Vec2, Vec3};
 use super::Pose;
 use crate::math::{Ray, float};
 
-/// Latitude and longitude: the middle of the film looks down −z, its left and right edge meet at +z,
-/// its top edge is +y.
+/// Latitude-longitude panorama. The centre of the film looks along −z, the left and right edges meet at +z, and the top edge is +y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spherical {
+    /// Position and orientation.
     pub pose: Pose,
 }
 

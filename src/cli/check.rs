@@ -1,7 +1,8 @@
-//! `pt check SCENE`: is it right, what is in it, what does it call for?
+//! `pt check SCENE`: validates a scene, and lists its content and the effects it needs.
 
+use super::load::SceneArgs;
 use super::load::{Loaded, load};
-use super::{args, say};
+use super::say;
 use crate::describe;
 use crate::effects::Effects;
 use crate::error::Result;
@@ -9,7 +10,17 @@ use crate::error::text::one_line;
 use crate::integrator::Entry;
 use crate::scene::Scene;
 
-pub fn check(args: &args::Check, tables: &[&[Entry]]) -> Result<()> {
+#[derive(clap::Args, Debug)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The integrator to check the scene for; default: the scene's.
+    #[arg(short, long, value_name = "NAME")]
+    pub integrator: Option<String>,
+}
+
+/// Runs the command.
+pub fn check(args: &CheckArgs, tables: &[&[Entry]]) -> Result<()> {
     let loaded = load(&args.scene, &[], args.integrator.as_deref(), tables)?;
     let mut text = format!("{}: valid\n\n{}", describe::name(args.scene.path()?), contents(&loaded));
     for warning in &loaded.built.warnings {
@@ -18,7 +29,7 @@ pub fn check(args: &args::Check, tables: &[&[Entry]]) -> Result<()> {
     say(&text)
 }
 
-/// What is in the scene, which effects it calls for and who asks for them; also what `--verbose` tells before it renders.
+/// Returns what is in the scene, which effects it needs and which parts need them. `--verbose` prints it too.
 pub fn contents(loaded: &Loaded) -> String {
     let built = &loaded.built;
     let size = built.film.size;
@@ -42,7 +53,7 @@ pub fn contents(loaded: &Loaded) -> String {
     text + &format!("\nnot called for, and off\n  {}\n", Effects::ALL - effects)
 }
 
-/// Effect, who needs it, what it costs, and whether the integrator has it.
+/// Line of an effect: the parts that need it, its cost, and whether the integrator simulates it.
 fn line(effect: Effects, askers: &[&str], simulates: Effects) -> String {
     const SHOWN: usize = 4;
     let more = askers.len().saturating_sub(SHOWN);

@@ -1,42 +1,97 @@
-//! `pt compare SCENE`: what accuracy costs in time, method against method.
+//! `pt compare SCENE`: measures what accuracy costs in time, for several methods.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::load::SceneArgs;
 use super::load::{Loaded, load};
+use super::parse::{duration as parse_duration, share, size};
 use super::progress::Progress;
-use super::reference::{self, Judge};
-use super::{args, note, render, say, signals};
-use crate::compare::{self, Comparison, Contestant, Effort, Reference, conclusions};
+use super::progress::{ProgressForm, WorkArgs};
+use super::reference::{self, ReferenceRenderer};
+use super::{note, render, say, signals};
+use crate::compare::{self, Budget, Comparison, MethodConfig, Reference, conclusions};
 use crate::error::{Error, Fault, Result};
 use crate::film::FilmSpec;
 use crate::integrator::Entry;
-use crate::measure::words::{duration, per_cent};
-use crate::measure::{Metric, RelativeError, Until};
+use crate::measure::format::{duration, per_cent};
+use crate::measure::{Metric, RelativeError, StopCondition};
 use crate::output::{self, exr};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::scene::Scene;
 
-/// Where nothing else is asked for: so many pixels, and so long for each method and for the reference.
+#[derive(clap::Args, Debug)]
+pub struct CompareArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Integrators to compare.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "path,nee,whitted")]
+    pub integrators: Vec<String>,
+    /// Samplers to compare. Default: the scene's.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub samplers: Vec<String>,
+    /// Folder of the report. Default: SCENE-report here.
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// Samples per pixel of each replicate, at most; without --time exactly.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Render time of each method, and of a reference that is computed. Default: 8s.
+    #[arg(long, value_name = "DURATION", value_parser = parse_duration)]
+    pub time: Option<Duration>,
+    /// Number of independent renders of each method.
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(2..=256))]
+    pub replicates: u32,
+    /// Reference picture, an EXR of the same pixels. Default: one is computed.
+    #[arg(long, value_name = "FILE")]
+    pub reference: Option<PathBuf>,
+    /// Folder in which `pt reference` caches references: one of this scene and size is used, and improved if it took less than
+    /// --reference-time.
+    #[arg(long, value_name = "FOLDER", env = "PT_CACHE")]
+    pub cache: Option<PathBuf>,
+    /// Integrator of a reference that is computed. Default: nee.
+    #[arg(long, value_name = "NAME", conflicts_with = "reference")]
+    pub reference_integrator: Option<String>,
+    /// Render time of a reference that is computed. Default: as long as each method.
+    #[arg(long, value_name = "DURATION", value_parser = parse_duration, conflicts_with = "reference")]
+    pub reference_time: Option<Duration>,
+    /// Size of the pictures. Default: the scene's, at most 65536 pixels.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// Confidence of intervals.
+    #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
+    pub confidence: f64,
+    /// Additional error measure: see `pt list metrics`. May be repeated.
+    #[arg(short, long, value_name = "NAME")]
+    pub metric: Vec<String>,
+    /// Write data for the JERI viewer too.
+    #[arg(long)]
+    pub jeri: bool,
+    #[command(flatten)]
+    pub work: WorkArgs,
+}
+
+/// Default number of pixels, and default time of each method and of the reference.
 const PIXELS: u32 = 1 << 16;
 const TIME: Duration = Duration::from_secs(8);
 
-pub fn compare(args: &args::Compare, tables: &[&[Entry]]) -> Result<ExitCode> {
+/// Runs the command.
+pub fn compare(args: &CompareArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
     let loaded = sized(args, tables)?;
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     args.metric.iter().try_for_each(|name| Metric::parse(name).map(drop))?;
-    let contestants = contestants(args, &loaded, tables)?;
+    let configs = configs(args, &loaded, tables)?;
     let given = args.reference.as_deref().map(|path| given(path, &loaded.built.film)).transpose()?;
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}-report", loaded.stem)));
     std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
     signals::catch()?;
-    render::pool(args.work.threads)?.install(|| measure(args, loaded, contestants, given, &folder, tables))
+    render::pool(args.work.threads)?.install(|| measure(args, loaded, configs, given, &folder, tables))
 }
 
-/// The scene, made smaller where no size is asked for: how errors fall does not depend on how many pixels show it.
-fn sized(args: &args::Compare, tables: &[&[Entry]]) -> Result<Loaded> {
+/// Loads the scene, in a smaller size unless one is requested: the decrease of the error does not depend on the size.
+fn sized(args: &CompareArgs, tables: &[&[Entry]]) -> Result<Loaded> {
     if let Some(size) = args.size {
         return load(&args.scene, &render::resized(size), None, tables);
     }
@@ -52,7 +107,7 @@ fn sized(args: &args::Compare, tables: &[&[Entry]]) -> Result<Loaded> {
 }
 
 /// Every integrator with every sampler.
-fn contestants(args: &args::Compare, loaded: &Loaded, tables: &[&[Entry]]) -> Result<Vec<Contestant>> {
+fn configs(args: &CompareArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<Vec<MethodConfig>> {
     let effects = loaded.built.world.effects();
     let samplers: Vec<Kind> = match &args.samplers[..] {
         [] => vec![loaded.built.sampler.kind],
@@ -65,7 +120,7 @@ fn contestants(args: &args::Compare, loaded: &Loaded, tables: &[&[Entry]]) -> Re
             let sampler_name = Kind::ALL.iter().find(|row| row.0 == *kind).map_or("", |row| row.1);
             let name = if samplers.len() > 1 { format!("{} · {sampler_name}", entry.name) } else { entry.name.to_owned() };
             let lacks = effects - entry.simulates;
-            all.push(Contestant {
+            all.push(MethodConfig {
                 name,
                 integrator_name: entry.name.into(),
                 sampler_name: sampler_name.into(),
@@ -78,7 +133,7 @@ fn contestants(args: &args::Compare, loaded: &Loaded, tables: &[&[Entry]]) -> Re
     Ok(all)
 }
 
-/// A reference from a file: the same pixels, all of them numbers.
+/// Reads a reference: it must have the same pixels and only finite values.
 fn given(path: &Path, film: &FilmSpec) -> Result<Reference> {
     let (image, _) = exr::read(path)?;
     let refused = |text: String| Error::invalid(Fault::new(text).in_file(path));
@@ -94,16 +149,16 @@ fn given(path: &Path, film: &FilmSpec) -> Result<Reference> {
 }
 
 fn measure(
-    args: &args::Compare,
+    args: &CompareArgs,
     loaded: Loaded,
-    contestants: Vec<Contestant>,
+    configs: Vec<MethodConfig>,
     given: Option<Reference>,
     folder: &Path,
     tables: &[&[Entry]],
 ) -> Result<ExitCode> {
     let spec = loaded.built.film.clone().without_layers();
-    let judge = Judge::new(&loaded, args.reference_integrator.as_deref(), tables)?;
-    let kept = reference::cache(args.cache.as_deref()).ok().map(|cache| judge.path(&cache)).filter(|path| path.exists());
+    let renderer = ReferenceRenderer::new(&loaded, args.reference_integrator.as_deref(), tables)?;
+    let cached = reference::cache(args.cache.as_deref()).ok().map(|cache| renderer.path(&cache)).filter(|path| path.exists());
     let stem = loaded.stem.clone();
     let scene: Arc<dyn Scene> = Arc::new(loaded.built.world);
     let time = args.time.unwrap_or(TIME);
@@ -112,25 +167,25 @@ fn measure(
         Some(reference) => reference,
         None => {
             let time = args.reference_time.unwrap_or(time);
-            computed(&scene, &judge, kept, time)?.ok_or_else(interrupted)?
+            computed(&scene, &renderer, cached, time)?.ok_or_else(interrupted)?
         }
     };
     if reference.image.pixels().flatten().all(|value| value == 0.0) {
         return Err(Error::invalid(Fault::new(format!("{} is black: there is nothing to compare", reference.origin)).in_file(&stem)));
     }
-    let effort = Effort {
+    let budget = Budget {
         replicates: args.replicates,
         samples: args.spp.map_or(1 << 30, u64::from),
-        // With samples alone the clock has no say.
+        // With a limit of samples alone, time is not limited.
         time: if args.spp.is_some() && args.time.is_none() { None } else { Some(time) },
         metrics: args.metric.iter().map(|name| Metric::parse(name)).collect::<Result<_>>()?,
     };
-    let count = contestants.len() as u32;
-    let progress = Progress::new(args.work.progress, &spec, u32::MAX.into(), Some(effort.time.unwrap_or(time) * count));
-    let methods = compare::run(&scene, &spec, contestants, &effort, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
+    let count = configs.len() as u32;
+    let progress = Progress::new(args.work.progress, &spec, u32::MAX.into(), Some(budget.time.unwrap_or(time) * count));
+    let methods = compare::run(&scene, &spec, configs, &budget, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
     progress.finish();
     let conclusions = conclusions(&methods);
-    let comparison = Comparison { scene: stem, reference, methods, metrics: effort.metrics, confidence: args.confidence, conclusions };
+    let comparison = Comparison { scene: stem, reference, methods, metrics: budget.metrics, confidence: args.confidence, conclusions };
     output::write(&folder.join("reference.exr"), &comparison.reference.image, &vec![], &output::Tonemap::default())?;
     compare::report::write(&comparison, folder, args.jeri)?;
     remark_coarse_reference(&comparison);
@@ -138,26 +193,26 @@ fn measure(
     Ok(ExitCode::SUCCESS)
 }
 
-/// By the most trusted method: one that is kept, taken on for as long as is asked for, or else one for a time.
-fn computed(scene: &Arc<dyn Scene>, judge: &Judge, kept: Option<PathBuf>, time: Duration) -> Result<Option<Reference>> {
-    let progress = Progress::new(args::Progress::None, &judge.spec, u32::MAX.into(), Some(time));
-    let before = kept.as_ref().and_then(|path| judge.kept(path));
+/// Computes a reference: from the cached one if it exists, which is improved, and by rendering otherwise.
+fn computed(scene: &Arc<dyn Scene>, renderer: &ReferenceRenderer, cached: Option<PathBuf>, time: Duration) -> Result<Option<Reference>> {
+    let progress = Progress::new(ProgressForm::None, &renderer.spec, u32::MAX.into(), Some(time));
+    let before = cached.as_ref().and_then(|path| renderer.cached(path));
     let (known, origin) =
-        (before.as_ref().map_or(0, |kept| kept.report.samples), if before.is_some() { "the kept reference" } else { "a reference" });
-    let until = Until { samples: u32::MAX.into(), time: Some(time), target: None };
-    let made = judge.rendered(scene, before, &until, &progress);
-    if let Some(path) = kept.filter(|_| known > 0 && made.report.samples > known) {
-        judge.keep(&path, &made)?;
+        (before.as_ref().map_or(0, |cached| cached.report.samples), if before.is_some() { "the kept reference" } else { "a reference" });
+    let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None };
+    let made = renderer.rendered(scene, before, &until, &progress);
+    if let Some(path) = cached.filter(|_| known > 0 && made.report.samples > known) {
+        renderer.keep(&path, &made)?;
     }
     if made.report.cancelled {
         return Ok(None);
     }
     let error = RelativeError::of(&made.film).map(|error| error.value);
-    let origin = format!("{origin} by {}, {} spp", judge.entry.name, made.film.samples());
+    let origin = format!("{origin} by {}, {} spp", renderer.entry.name, made.film.samples());
     Ok(Some(Reference { image: made.film.image(), origin, error }))
 }
 
-/// A reference is good for what is compared where its variance is a tenth of theirs.
+/// Notes if the reference is too coarse: its variance should be at most a tenth of that of the best method.
 fn remark_coarse_reference(comparison: &Comparison) {
     let Some(own) = comparison.reference.error else { return };
     let last = |method: &compare::Method| method.curve.last().map(|last| (last.relmse.0, method.name.clone()));

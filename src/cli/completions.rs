@@ -1,15 +1,35 @@
-//! `pt completions SHELL`: what a shell needs to complete pt's commands and options.
+//! `pt completions SHELL`: prints completions for a shell.
 
 use clap::CommandFactory;
 
-use super::args::{Args, Shell};
+use super::CommandLine;
 use super::say;
 use crate::error::{Error, Result};
+use clap::ValueEnum;
 
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shell {
+    Bash,
+    Zsh,
+    Fish,
+}
+
+impl From<Shell> for clap_complete::Shell {
+    fn from(shell: Shell) -> clap_complete::Shell {
+        match shell {
+            Shell::Bash => clap_complete::Shell::Bash,
+            Shell::Zsh => clap_complete::Shell::Zsh,
+            Shell::Fish => clap_complete::Shell::Fish,
+        }
+    }
+}
+
+/// Runs the command.
+///
 /// # Errors
-/// `Io` where nobody takes the text.
+/// `Io` if stdout cannot be written.
 pub fn completions(shell: Shell) -> Result<()> {
     let mut script = vec![];
-    clap_complete::generate(clap_complete::Shell::from(shell), &mut Args::command(), "pt", &mut script);
+    clap_complete::generate(clap_complete::Shell::from(shell), &mut CommandLine::command(), "pt", &mut script);
     say(&String::from_utf8(script).map_err(|e| Error::Internal(format!("completions are no text: {e}")))?)
 }

@@ -1,20 +1,30 @@
-//! `pt convert IN OUT`: a scene of any dialect in pt's own format; its picture has the same bits.
+//! `pt convert IN OUT`: writes a scene of any dialect in pt's own format; its picture has the same bits.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use super::load::SceneArgs;
 use super::load::{Loaded, load};
-use super::{args, note};
+use super::note;
 use crate::describe::{Files, files_of};
 use crate::error::{Error, Result};
 use crate::integrator::Entry;
 use crate::output::{self, check_folder, replace};
 
-/// Writes the scene, and into a folder beside it the files that came with it.
+#[derive(clap::Args, Debug)]
+pub struct ConvertArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Output file: .json. Files that came with the scene go into a folder beside it, others stay where they are.
+    #[arg(value_name = "OUT", required = true)]
+    pub output: PathBuf,
+}
+
+/// Writes the scene, and the files that came with it into a folder beside it.
 ///
 /// # Errors
-/// As [`load`]: what cannot be rendered is not written. `Usage` where a scene would be overwritten; `Io`.
-pub fn convert(args: &args::Convert, tables: &[&[Entry]]) -> Result<()> {
+/// As [`load`]: a scene that cannot be rendered is not written. `Usage` if a scene would be overwritten; `Io`.
+pub fn convert(args: &ConvertArgs, tables: &[&[Entry]]) -> Result<()> {
     let to = &args.output;
     let loaded = load(&args.scene, &[], None, tables)?;
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
@@ -46,11 +56,11 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
-/// Where the written scene lies, and the files that came with it.
+/// Folder of the written scene, and of the files that came with it.
 struct Folder {
-    /// Of the scene.
+    /// Folder of the scene.
     path: PathBuf,
-    /// Of the files, within it.
+    /// Folder of the files, relative to that of the scene.
     files: PathBuf,
 }
 
@@ -61,7 +71,7 @@ impl Folder {
         Folder { path: output::folder(scene).to_owned(), files: files.into() }
     }
 
-    /// What the written scene calls the file that the read one calls `name`.
+    /// Name in the written scene for the file that the original scene calls `name`.
     fn name_of(&self, name: &str, loaded: &Loaded) -> Result<String> {
         let path = match loaded.files.made.contains_key(name) {
             true => self.files.join(name),
@@ -71,7 +81,7 @@ impl Folder {
                 if from == to { name.into() } else { pathdiff::diff_paths(from.join(name), to).unwrap_or_else(|| from.join(name)) }
             }
         };
-        // As every system reads it.
+        // Slashes are understood by every system.
         Ok(path.to_string_lossy().replace('\\', "/"))
     }
 

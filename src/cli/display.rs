@@ -1,19 +1,22 @@
-//! `--display-server`: a film that a viewer looks at.
+//! Film for `--display-server`, which shows the picture in a viewer.
 
 use super::note;
-use crate::film::{Block, Film, FilmSpec, MomentFilm, Wave};
-use crate::measure::follow::Followed;
+use crate::film::{Film, FilmSpec, MomentFilm, PixelSums, Wave};
+use crate::measure::render_until::HasMoments;
 use crate::output::tev::Viewer;
 
-/// Keeps what the film keeps, and offers the picture so far to the viewer after every wave.
+/// Film that offers the picture to the viewer after every wave.
 pub struct Displayed {
+    /// The film.
     pub film: MomentFilm,
     viewer: Option<Viewer>,
 }
 
 impl Displayed {
-    /// - `address`: of a viewer, where there is to be one
-    /// - `name`: of the picture
+    /// Connects a film to a viewer.
+    ///
+    /// - `address`: address of a viewer, if there is one
+    /// - `name`: name of the picture
     pub fn new(film: MomentFilm, address: Option<&str>, name: &str) -> Displayed {
         let warn = |text: &str| note(&format!("warning: {text}"));
         Displayed { film, viewer: address.map(|address| Viewer::start(address, name, warn)) }
@@ -33,7 +36,7 @@ impl Film for Displayed {
         self.film.spec()
     }
 
-    fn add(&mut self, wave: Wave, block: Block) {
+    fn add(&mut self, wave: Wave, block: PixelSums) {
         self.film.add(wave, block);
         if let Some(viewer) = &self.viewer {
             viewer.offer(|| self.film.image());
@@ -41,7 +44,7 @@ impl Film for Displayed {
     }
 }
 
-impl Followed for Displayed {
+impl HasMoments for Displayed {
     fn moments(&self) -> &MomentFilm {
         &self.film
     }

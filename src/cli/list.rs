@@ -1,6 +1,5 @@
-//! `pt list`: what there is, with one line each.
+//! `pt list`: lists what can be chosen, with one line each.
 
-use super::args::Family;
 use super::say;
 use crate::describe;
 use crate::error::Result;
@@ -9,7 +8,26 @@ use crate::import;
 use crate::integrator::Entry;
 use crate::measure::metric;
 use crate::sampler::Kind;
+use clap::ValueEnum;
 
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    Integrators,
+    Samplers,
+    Shapes,
+    Materials,
+    Textures,
+    Lights,
+    Cameras,
+    Filters,
+    /// Layers beside the picture.
+    Aovs,
+    Metrics,
+    /// Scene files that can be read.
+    Dialects,
+}
+
+/// Runs the command.
 pub fn list(what: Option<Family>, tables: &[&[Entry]]) -> Result<()> {
     const ALL: [Family; 11] = [
         Family::Integrators,

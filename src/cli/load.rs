@@ -1,34 +1,95 @@
-//! From the command line to a scene that can be rendered.
+//! Loading of a scene with the options of the command line.
 
 use std::path::Path;
 use std::sync::Arc;
 
+use super::memory;
 use super::voice::Loading;
-use super::{args, memory};
 use crate::describe::{self, Built, Files, Identity, Shape, Source};
 use crate::error::text::one_line;
 use crate::error::{Error, Fault, MAX_FAULTS, Result};
+use crate::import::{AutoCamera, Up, Viewpoint};
 use crate::import::{Imported, import_with};
 use crate::integrator::{self, Entry, Integrator};
 use crate::reader::Node;
 use crate::world::World;
+use std::path::PathBuf;
 
-/// A scene, and how it is to be rendered.
+/// Scene file, and how it is read.
+#[derive(clap::Args, Debug)]
+pub struct SceneArgs {
+    /// The scene file; `-` reads it from stdin, with paths relative to the working directory.
+    #[arg(value_name = "SCENE")]
+    pub path: Option<PathBuf>,
+    /// Override a value of the scene file: a JSON pointer and a JSON value. May be repeated.
+    #[arg(short = 'D', value_name = "/POINTER=VALUE")]
+    pub overrides: Vec<String>,
+    /// Let the scene name meshes and pictures that lie outside of its own folder.
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Side from which a camera shows the whole model (glTF, OBJ, PLY, STL). Default: the file's camera, or three-quarter.
+    #[arg(long, value_name = "SIDE", value_parser = viewpoint)]
+    view: Option<Viewpoint>,
+    /// Axis of a model that points up, y or z. Default: y, for STL z.
+    #[arg(long, value_name = "AXIS", value_parser = up)]
+    up: Option<Up>,
+    /// Put a matte ground under a model, to catch its shadow.
+    #[arg(long)]
+    ground: bool,
+}
+
+impl SceneArgs {
+    /// Path of the scene. clap cannot require it: a subcommand has a scene of its own, or none.
+    pub fn path(&self) -> Result<&Path> {
+        self.path.as_deref().ok_or_else(|| Error::Usage("expected a scene file, such as scenes/cornell-box.json; see pt --help".into()))
+    }
+
+    /// Options for a model without a camera.
+    pub fn auto_camera(&self) -> AutoCamera {
+        AutoCamera { up: self.up, view: self.view, ground: self.ground }
+    }
+
+    /// Returns the overrides, split at the first `=`.
+    pub fn overrides(&self) -> Result<Vec<(&str, &str)>> {
+        let split = |text: &String| format!("-D {text}: expected /POINTER=VALUE, such as -D /camera/fov=60");
+        self.overrides.iter().map(|text| text.split_once('=').ok_or_else(|| Error::Usage(split(text)))).collect()
+    }
+}
+
+fn viewpoint(text: &str) -> std::result::Result<Viewpoint, String> {
+    let names = Viewpoint::ALL.map(|view| view.name).join(", ");
+    Viewpoint::ALL.into_iter().find(|view| view.name == text).ok_or_else(|| format!("expected one of {names}"))
+}
+
+fn up(text: &str) -> std::result::Result<Up, String> {
+    match text {
+        "y" => Ok(Up::Y),
+        "z" => Ok(Up::Z),
+        _ => Err("expected y or z".to_owned()),
+    }
+}
+
+/// A scene that is ready to render.
 pub struct Loaded {
+    /// World, film and sampler.
     pub built: Built,
+    /// Table row of the integrator.
     pub entry: Entry,
+    /// The integrator.
     pub integrator: Arc<dyn Integrator>,
+    /// Description of the scene.
     pub description: describe::Scene,
-    /// Of the scene file, without its folder and extension.
+    /// Name of the scene file, without its folder and extension.
     pub stem: String,
-    /// In pt's own format, overridden.
+    /// Scene in pt's own format, with overrides.
     pub root: Node,
     file: String,
+    /// Files of the scene.
     pub files: Files,
 }
 
 impl Loaded {
-    /// What decides the picture.
+    /// Identity: everything that determines the picture.
     ///
     /// # Errors
     /// `Internal`.
@@ -36,7 +97,7 @@ impl Loaded {
         Identity::new(&self.description, &self.built.contents, &self.entry)
     }
 
-    /// Another integrator for the same scene.
+    /// Selects another integrator for the same scene.
     ///
     /// # Errors
     /// `Usage` for an unknown name, `Invalid` for options of the scene that it refuses.
@@ -45,7 +106,7 @@ impl Loaded {
         Ok((entry, integrator.into()))
     }
 
-    /// The scene as its facets have it, and how many meshes are different then; `None` where none is.
+    /// Scene with the shadows of its facets, and the number of meshes that differ; `None` if there are none.
     pub fn without_smooth_shadows(&self) -> Result<Option<(World, usize)>> {
         let mut description = self.description.clone();
         let count = take_smooth_shadows(&mut description.shapes);
@@ -54,18 +115,20 @@ impl Loaded {
     }
 }
 
-/// What a flag says in place of a key of the scene.
+/// Value of a flag that replaces a key of the scene.
 pub struct Override {
-    /// The flag as it was written, such as `--spp 16`: what is wrong with the value is told by it.
+    /// The flag as it was written, such as `--spp 16`, for messages about its value.
     pub words: String,
+    /// Pointer of the key.
     pub pointer: &'static str,
+    /// JSON value.
     pub value: String,
 }
 
-/// Reads, overrides, checks and builds the scene.
+/// Reads the scene, applies overrides, and checks and builds it.
 ///
-/// - `more`: overrides that have flags of their own, after those of `-D`
-pub fn load(scene: &args::Scene, more: &[Override], integrator: Option<&str>, tables: &[&[Entry]]) -> Result<Loaded> {
+/// - `more`: overrides by flags of their own, applied after those of `-D`
+pub fn load(scene: &SceneArgs, more: &[Override], integrator: Option<&str>, tables: &[&[Entry]]) -> Result<Loaded> {
     let _loading = Loading::start(&describe::name(scene.path()?));
     let Imported { root, file, files, notes, .. } = imported(scene, more)?;
     let chosen = integrator::choose(tables, root.child("integrator"), integrator, &file);
@@ -73,13 +136,13 @@ pub fn load(scene: &args::Scene, more: &[Override], integrator: Option<&str>, ta
     memory::check(&description, &root, &file)?;
     let mut built = describe::build(&description, Source { root: &root, file: &file, files: &files })?;
     built.warnings.splice(..0, notes.iter().map(Fault::to_string));
-    // Names from files are in them.
+    // Warnings contain names from files.
     built.warnings.iter_mut().for_each(|warning| *warning = one_line(warning).into_owned());
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
     Ok(Loaded { built, entry, integrator: integrator.into(), description, stem, root, file, files })
 }
 
-/// Both, or all that is wrong with either, in file order.
+/// Returns both results, or the faults of both in file order.
 fn together<A, B>(a: Result<A>, b: Result<B>) -> Result<(A, B)> {
     match (a, b) {
         (Ok(a), Ok(b)) => Ok((a, b)),
@@ -104,22 +167,22 @@ fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
     shapes.iter_mut().map(take).sum()
 }
 
-/// The scene's tree, overridden.
+/// Reads the tree of the scene and applies overrides.
 ///
 /// # Errors
 /// The errors of [`import_with`], and `Usage` for overrides without a place.
-pub fn imported(scene: &args::Scene, more: &[Override]) -> Result<Imported> {
-    import_with(scene.path()?, scene.allow_outside, scene.framing(), |root, file| {
+pub fn imported(scene: &SceneArgs, more: &[Override]) -> Result<Imported> {
+    import_with(scene.path()?, scene.allow_outside, scene.auto_camera(), |root, file| {
         overridden(root, scene, more).map_err(|refusal| deeper(refusal, root, file))
     })
 }
 
-fn overridden(root: &mut Node, scene: &args::Scene, more: &[Override]) -> Result<()> {
+fn overridden(root: &mut Node, scene: &SceneArgs, more: &[Override]) -> Result<()> {
     scene.overrides()?.into_iter().try_for_each(|(pointer, text)| root.set(pointer, text))?;
     more.iter().try_for_each(|flag| root.set_by(&flag.words, flag.pointer, &flag.value))
 }
 
-/// Why there was no place for a value: where the scene itself is wrong, that is what to say.
+/// Error for an override without a place: if the scene itself is invalid, its faults are reported instead.
 fn deeper(refusal: Error, root: &Node, file: &str) -> Error {
     match describe::read(root, file) {
         Err(wrong @ Error::Invalid(_)) => wrong,

@@ -1,19 +1,21 @@
-//! `pt man`: the manual page, or that of a command.
+//! `pt man`: prints the manual page of pt or of a command.
 
 use clap::{Command, CommandFactory};
 
-use super::args::Args;
+use super::CommandLine;
 use super::say;
 use crate::error::{Error, Result};
 use crate::reader::unknown;
 
-/// - `command`: whose page; pt's own where none is named
+/// Runs the command.
+///
+/// - `command`: command whose page is printed; pt's own page without one
 ///
 /// # Errors
-/// `Usage` for an unknown command; `Io` where nobody takes the text.
+/// `Usage` for an unknown command; `Io` if stdout cannot be written.
 pub fn man(command: Option<&str>) -> Result<()> {
-    let mut pt = Args::command();
-    // Building the parser tells the commands their full names.
+    let mut pt = CommandLine::command();
+    // Building the parser gives the commands their full names.
     pt.build();
     let page = match command {
         None => pt,

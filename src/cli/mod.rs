@@ -1,34 +1,34 @@
-//! The command line: one file per subcommand.
+//! Command line: one file per subcommand.
 //!
-//! To add one: a file beside these, a variant in `args::Command`, an arm in `run`.
+//! To add one: a file beside these, a variant in [`Command`], an arm in `run`.
 
-mod account;
-mod args;
 mod check;
+mod checkpoint;
 mod compare;
 mod completions;
 mod convert;
 mod display;
 mod forensics;
 mod image;
-mod keep;
 mod list;
 mod load;
 mod man;
 mod memory;
 mod merge;
 mod outputs;
+mod parse;
 mod pilot;
-mod plan;
 mod progress;
 mod reference;
-mod refusal;
 mod render;
 mod sample;
 mod schema;
 mod signals;
 mod stats;
+mod summary;
+mod tone_mapping;
 mod trace;
+mod usage_error;
 mod verify;
 mod voice;
 
@@ -36,24 +36,110 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{Parser, Subcommand};
 
 use crate::error::memory::set_message;
 use crate::error::text::printable;
 use crate::error::{Error, Fault, Result, panic};
 use crate::integrator::Entry;
-use args::{Args, Command};
+use check::CheckArgs;
+use compare::CompareArgs;
+use convert::ConvertArgs;
+use load::SceneArgs;
+use merge::MergeArgs;
+use reference::ReferenceArgs;
+use render::RenderArgs;
+use sample::SampleArgs;
+use schema::SchemaArgs;
+use std::path::PathBuf;
+use verify::VerifyArgs;
 use voice::{insist, is_quiet, note};
 
-/// The exit code of a question that was not answered: a target not reached, a test without power.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
+
+/// A physically based renderer that shows what accuracy costs in time.
+#[derive(Parser, Debug)]
+#[command(name = "pt", version = VERSION, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct CommandLine {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    #[command(flatten)]
+    pub render: RenderArgs,
+    /// Errors as one JSON object on stderr.
+    #[arg(long, global = true)]
+    pub json_errors: bool,
+    /// Print only errors and what was asked for: no notes, no warnings, no progress.
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Validate a scene without rendering; list what it contains and which effects it needs.
+    Check(CheckArgs),
+    /// List what can be chosen: integrators, samplers, materials and more, with one line each.
+    List {
+        /// List only these.
+        what: Option<list::Family>,
+    },
+    /// Write a scene of another program, or one with -D, in pt's own format; note what is changed or left out.
+    Convert(ConvertArgs),
+    /// Print the JSON Schema of the scene format.
+    Schema(SchemaArgs),
+    /// Test whether two integrators, or an integrator and a picture, converge to the same picture: exit code 0 yes, 1 no, 7
+    /// inconclusive.
+    Verify(VerifyArgs),
+    /// Measure what accuracy costs in time: several methods on one scene, compared at doubling checkpoints in a report.
+    Compare(CompareArgs),
+    /// Add parts of a render (.ptc), in any order, to the whole picture, bit for bit as if rendered at once.
+    Merge(MergeArgs),
+    /// Compute a reference picture with its own error stated; it is cached by scene, and improved when more is asked.
+    Reference(ReferenceArgs),
+    /// Sample warps, samplers or a material, as numbers and pictures. Without arguments: list them.
+    Sample(SampleArgs),
+    /// Compare, inspect and convert pictures: .exr, .png, .ppm, .pfm, and .jpg to read.
+    Image {
+        #[command(subcommand)]
+        verb: image::Verb,
+    },
+    /// Print completions for a shell: `pt completions bash > ~/.local/share/bash-completion/completions/pt`.
+    Completions { shell: completions::Shell },
+    /// Print the manual page of pt or of a command: `pt man | man -l -`.
+    Man {
+        /// The command whose page is shown, such as compare.
+        command: Option<String>,
+    },
+}
+
+impl CommandLine {
+    /// Returns the files that the command reads, for messages.
+    pub fn file(&self) -> String {
+        let scene = |scene: &SceneArgs| scene.path.iter().cloned().collect();
+        let files: Vec<PathBuf> = match &self.command {
+            None => scene(&self.render.scene),
+            Some(Command::Check(args)) => scene(&args.scene),
+            Some(Command::Compare(args)) => scene(&args.scene),
+            Some(Command::Convert(args)) => scene(&args.scene),
+            Some(Command::Reference(args)) => scene(&args.scene),
+            Some(Command::Verify(args)) => scene(&args.scene),
+            Some(Command::Merge(args)) => args.parts.clone(),
+            Some(Command::Image { verb }) => verb.files(),
+            Some(Command::Sample(args)) => args.scene.iter().chain(&args.what).take(1).map(PathBuf::from).collect(),
+            Some(_) => vec![],
+        };
+        files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// Exit code of a question without an answer: a target that was not reached, a test without power.
 const INCONCLUSIVE: u8 = 7;
 
-/// The whole program, for these tables of integrators: an outside integrator gets every command
-/// with `main_with(&[pt::integrators::ALL, &[MINE]])`.
+/// Runs the whole program with these tables of integrators. An integrator of another crate gets every command with
+/// `main_with(&[pt::integrators::ALL, &[MINE]])`.
 pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
-    let args = match Args::try_parse_from(command_first(std::env::args_os().collect())) {
+    let args = match CommandLine::try_parse_from(command_first(std::env::args_os().collect())) {
         Ok(args) => args,
-        Err(refusal) => return refusal::answer(&refusal),
+        Err(usage_error) => return usage_error::answer(&usage_error),
     };
     let (json, file) = (args.json_errors, args.file());
     voice::follow(&args);
@@ -63,7 +149,7 @@ pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
     finish(panic::caught(&file, || run(args, tables)), json)
 }
 
-/// The words of a command line with those options after the command that all commands share: `pt -q check` is `pt check -q`.
+/// Moves options that all commands share behind the command: `pt -q check` becomes `pt check -q`.
 fn command_first(mut words: Vec<OsString>) -> Vec<OsString> {
     let is_shared = |word: &&OsString| ["-q", "--quiet", "--json-errors"].iter().any(|shared| *word == *shared);
     let shared = words.iter().skip(1).take_while(is_shared).count();
@@ -83,8 +169,8 @@ fn finish(result: Result<ExitCode>, json: bool) -> ExitCode {
     }
 }
 
-/// What was asked for; a subcommand that judges may say no with an exit code of its own.
-fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
+/// Runs the command. A subcommand that tests something has exit codes of its own.
+fn run(args: CommandLine, tables: &[&[Entry]]) -> Result<ExitCode> {
     match args.command {
         Some(Command::Sample(args)) => return sample::sample(&args),
         Some(Command::Compare(args)) => return compare::compare(&args, tables),
@@ -103,7 +189,7 @@ fn run(args: Args, tables: &[&[Entry]]) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What is told of an error: one line per fault, or one JSON object.
+/// Text of an error: one line per fault, or one JSON object.
 fn lines(error: &Error, json: bool) -> String {
     if json {
         return serde_json::json!({ "exit_code": error.exit_code(), "errors": error.faults() }).to_string();
@@ -111,7 +197,8 @@ fn lines(error: &Error, json: bool) -> String {
     error.to_string().lines().map(|line| format!("error: {}", printable(line))).collect::<Vec<_>>().join("\n")
 }
 
-/// What goes to stdout; that nobody reads it to the end is no error. Nothing in it, such as names from files, moves a terminal.
+/// Prints to stdout. It is not an error if the reader closes the pipe. Control characters, such as those of names from files, are
+/// made harmless.
 fn say(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
     printed(stdout.write_all(printable(text).as_bytes()).and_then(|()| stdout.flush()))

@@ -1,11 +1,11 @@
-//! Where results go: refused before the work rather than after it.
+//! Checks of output files, before any work is done.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::output::{self, Format};
 
-/// What can be written under a name.
+/// Kinds of files that a command can write.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Takes {
     Pictures,
@@ -27,17 +27,17 @@ impl Takes {
     }
 }
 
-/// Whether a name is that of a part of a render.
+/// Returns whether a name is that of a part of a render.
 pub fn is_part(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ptc"))
 }
 
-/// Whether results can be written under these names.
+/// Checks that results can be written under these names.
 ///
-/// - `inputs`: what must not be overwritten, and `is_input` says what it is: `is the scene file`
+/// - `inputs`: files that must not be overwritten; `is_input` describes them: `is the scene file`
 ///
 /// # Errors
-/// `Usage` for a name given twice, an unknown extension, a folder, an input; `Io` where the folder is missing or read-only.
+/// `Usage` for a name given twice, an unknown extension, a folder, an input; `Io` if the folder is missing or read-only.
 pub fn check_outputs(outputs: &[PathBuf], takes: Takes, inputs: &[&Path], is_input: &str) -> Result<()> {
     for (i, path) in outputs.iter().enumerate() {
         let usage = |message: &str| Error::Usage(format!("{}: {message}", path.display()));
@@ -59,7 +59,7 @@ pub fn check_outputs(outputs: &[PathBuf], takes: Takes, inputs: &[&Path], is_inp
     Ok(())
 }
 
-/// Whether two outputs, which need not exist yet, are one.
+/// Returns whether two outputs, which need not exist yet, are the same file.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     let [a, b] = [a, b].map(|path| output::target(path).unwrap_or(path.to_owned()));
     let folder = |path: &Path| output::folder(path).canonicalize().ok();

@@ -1,4 +1,4 @@
-//! How far a render is, for a person at a terminal, for a log, or for a program.
+//! Progress of a render, for a person at a terminal, for a log, or for a program.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
@@ -7,22 +7,43 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::args;
+use super::parse::threads;
 use super::{insist, is_quiet, note, signals};
 use crate::film::{Film, FilmSpec};
-use crate::measure::{Course, Watcher};
-use crate::render::{Observer, Report};
+use crate::measure::{ErrorHistory, ErrorObserver};
+use crate::render::{Observer, RenderReport};
+use clap::ValueEnum;
 
-/// Shows progress and passes interrupts on to the render.
+/// Threads and progress.
+#[derive(clap::Args, Debug)]
+pub struct WorkArgs {
+    /// Number of threads. Default: all cores. The picture does not depend on it.
+    #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = threads, allow_negative_numbers = true)]
+    pub threads: Option<u32>,
+    /// Form of the progress on stderr; `auto` is a bar on a terminal and a line every few seconds elsewhere.
+    #[arg(long, value_enum, default_value_t = ProgressForm::Auto)]
+    pub progress: ProgressForm,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProgressForm {
+    Auto,
+    Bar,
+    /// One JSON object per line.
+    Json,
+    None,
+}
+
+/// Observer that shows progress and passes interrupts on to the render.
 pub struct Progress {
     style: Style,
     start: Instant,
-    /// Camera samples, all pixels together; as far as is known.
+    /// Expected number of camera samples, all pixels together.
     total: AtomicU64,
-    /// Where time, not samples, ends the render.
+    /// Render time, if time ends the render.
     limit: Option<Duration>,
     done: AtomicU64,
-    /// Rounds of samples of the picture so far.
+    /// Rounds of samples that the picture has so far.
     whole: AtomicU64,
     pixels: u64,
     /// Camera samples of one round.
@@ -38,15 +59,17 @@ enum Style {
 }
 
 impl Progress {
-    /// - `rounds`: that the picture is expected to take, a sample per pixel each where its allocation says no more
-    pub fn new(choice: args::Progress, film: &FilmSpec, rounds: u64, limit: Option<Duration>) -> Progress {
+    /// Starts the display.
+    ///
+    /// - `rounds`: expected number of rounds; a round is one sample per pixel unless the film's allocation says otherwise
+    pub fn new(choice: ProgressForm, film: &FilmSpec, rounds: u64, limit: Option<Duration>) -> Progress {
         let style = match choice {
-            args::Progress::Auto if is_quiet() => Style::Silent,
-            args::Progress::Auto if std::io::stderr().is_terminal() => Style::Bar(bar()),
-            args::Progress::Auto => Style::Lines(Duration::from_secs(3)),
-            args::Progress::Bar => Style::Bar(bar()),
-            args::Progress::Json => Style::Json(Duration::from_millis(250)),
-            args::Progress::None => Style::Silent,
+            ProgressForm::Auto if is_quiet() => Style::Silent,
+            ProgressForm::Auto if std::io::stderr().is_terminal() => Style::Bar(bar()),
+            ProgressForm::Auto => Style::Lines(Duration::from_secs(3)),
+            ProgressForm::Bar => Style::Bar(bar()),
+            ProgressForm::Json => Style::Json(Duration::from_millis(250)),
+            ProgressForm::None => Style::Silent,
         };
         let pixels = film.crop.pixel_count();
         let round = (film.allocation.mean() * pixels as f64).round() as u64;
@@ -59,8 +82,8 @@ impl Progress {
         progress
     }
 
-    /// With what was done before.
-    pub fn resumed(self, before: &Report) -> Progress {
+    /// Adds the work of a previous run.
+    pub fn resumed(self, before: &RenderReport) -> Progress {
         let start = self.start.checked_sub(before.elapsed).unwrap_or(self.start);
         Progress { start, done: before.samples.saturating_mul(self.pixels).into(), ..self }
     }
@@ -74,7 +97,7 @@ impl Progress {
         }
     }
 
-    /// One line on stderr, or more, above the bar.
+    /// Prints lines on stderr, above the bar.
     pub fn tell(&self, text: &str) {
         match &self.style {
             Style::Bar(bar) => bar.suspend(|| note(text)),
@@ -82,19 +105,19 @@ impl Progress {
         }
     }
 
-    /// The share that is done, by samples or by time.
+    /// Share of the work that is done, by samples or by time.
     fn share(&self) -> f64 {
         let by_samples = self.done.load(Ordering::Relaxed) as f64 / self.total.load(Ordering::Relaxed).max(1) as f64;
         let by_time = self.limit.map_or(0.0, |limit| self.start.elapsed().as_secs_f64() / limit.as_secs_f64());
         by_samples.max(by_time).min(1.0)
     }
 
-    /// Whether there is a picture: a sample of each pixel at least, of this run.
+    /// Whether there is a picture: this run has at least one sample of each pixel.
     pub fn shows(&self) -> bool {
         self.whole.load(Ordering::Relaxed) > 0
     }
 
-    /// Seconds to come, as far as one can tell.
+    /// Estimated remaining time (seconds).
     pub fn remaining(&self) -> Option<f64> {
         let share = self.share();
         (share > 0.0).then(|| self.start.elapsed().as_secs_f64() * (1.0 - share) / share)
@@ -117,7 +140,7 @@ impl Progress {
         .to_string()
     }
 
-    /// At most one thread, at most this often.
+    /// Returns whether to show progress now: true for at most one thread, and at most this often.
     fn due(&self, every: Duration) -> bool {
         let Ok(mut last) = self.last.try_lock() else { return false };
         let due = last.elapsed() >= every;
@@ -134,8 +157,8 @@ fn bar() -> ProgressBar {
     bar.with_style(style.progress_chars("=> "))
 }
 
-impl Watcher for Progress {
-    fn looked(&self, _: &Course, expected: u64) {
+impl ErrorObserver for Progress {
+    fn error_measured(&self, _: &ErrorHistory, expected: u64) {
         self.total.store(self.round.saturating_mul(expected), Ordering::Relaxed);
     }
 }

@@ -1,10 +1,18 @@
-//! `pt schema`: the scene format, for editors and for readers.
+//! `pt schema`: prints the scene format, for editors and for readers.
 
-use super::{args, say};
+use super::say;
 use crate::describe;
 use crate::error::Result;
 use crate::integrator::Entry;
 
-pub fn schema(args: &args::Schema, tables: &[&[Entry]]) -> Result<()> {
+#[derive(clap::Args, Debug)]
+pub struct SchemaArgs {
+    /// Print the reference of all keys as Markdown instead.
+    #[arg(long)]
+    pub markdown: bool,
+}
+
+/// Runs the command.
+pub fn schema(args: &SchemaArgs, tables: &[&[Entry]]) -> Result<()> {
     say(&if args.markdown { describe::reference(tables) } else { format!("{:#}\n", describe::schema(tables).as_value()) })
 }

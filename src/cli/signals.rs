@@ -12,18 +12,18 @@ use signal_hook::flag::{register_conditional_shutdown, register_usize};
 
 use crate::error::{Error, Fault, Result};
 
-/// The number of the signal that came; 0 for none.
+/// Number of the caught signal; 0 for none.
 static CAUGHT: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
 
-/// Signals that come within this time of the first are that one again: `timeout` and terminals signal a process and its group.
+/// Signals within this time count as one: `timeout` and terminals signal a process and its group.
 const ONE: Duration = Duration::from_secs(1);
-/// How often it is looked whether the first has come.
+/// Time between checks for the first signal.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Catches the signals of users, systems, and terminals that close, from here on.
+/// Catches signals of users, of the system, and of terminals that close, from now on.
 ///
 /// # Errors
-/// `Internal` where the system does not let us; `Limit` where it has no thread left.
+/// `Internal` if the system refuses; `Limit` if it has no thread left.
 pub fn catch() -> Result<()> {
     if CAUGHT.get().is_some() {
         return Ok(());
@@ -31,7 +31,7 @@ pub fn catch() -> Result<()> {
     let caught = CAUGHT.get_or_init(Arc::default);
     let is_final = Arc::new(AtomicBool::new(false));
     for signal in signals() {
-        // In this order: the signal that is caught first is not the one that ends the program.
+        // The order matters: the first signal that is caught must not end the program.
         register_conditional_shutdown(signal, 128 + signal, is_final.clone())
             .and_then(|_| register_usize(signal, caught.clone(), signal as usize))
             .map_err(|e| Error::Internal(format!("cannot catch signal {signal}: {e}")))?;
@@ -47,13 +47,13 @@ pub fn catch() -> Result<()> {
     started.map(drop).map_err(|e| Error::Limit(Fault::new(format!("cannot start a thread: {e}"))))
 }
 
-/// The signal that came, if one did.
+/// Number of the caught signal, if there was one.
 pub fn caught() -> Option<i32> {
     let number = CAUGHT.get()?.load(Ordering::Relaxed);
     (number != 0).then_some(number as i32)
 }
 
-/// Makes a file that outgrows the system's limit an error of writing, as a full disk is one, and not the end of the program.
+/// Makes a file that exceeds the system's limit an error of writing, like a full disk, instead of ending the program.
 pub fn let_writing_fail() {
     #[cfg(unix)]
     let _ = register(signal_hook::consts::SIGXFSZ, Arc::default());
@@ -67,7 +67,7 @@ fn signals() -> impl Iterator<Item = i32> {
     [SIGINT, SIGTERM].into_iter().chain(hangup)
 }
 
-/// Whether pt was started with this signal ignored, as `nohup` does with SIGHUP; `false` where the system does not say.
+/// Whether pt was started with this signal ignored, as `nohup` does with SIGHUP; `false` if that is unknown.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

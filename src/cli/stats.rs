@@ -1,4 +1,4 @@
-//! What a render took: the only place for clock and machine.
+//! Statistics of a render for `--stats`. Only here times and memory of the machine are read.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,19 +6,25 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use serde_json::json;
 
-use super::args::Form;
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::Lights;
 use crate::math::Ray;
 use crate::primitive::Hit;
-use crate::render::Report;
+use crate::render::RenderReport;
 use crate::scene::{Scene, Surface};
+use clap::ValueEnum;
 
-/// A scene that counts the rays it is asked about; in use only where they are to be reported.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextOrJson {
+    Text,
+    Json,
+}
+
+/// Scene that counts the rays that it traces; used only if they are to be reported.
 pub struct Counted {
     scene: Arc<dyn Scene>,
-    /// One per thread, a cache line apart, so that counting is not sharing.
+    /// Counts per thread, each in its own cache line, so that threads do not disturb each other.
     counts: Vec<Line>,
 }
 
@@ -30,11 +36,12 @@ struct Line {
 }
 
 impl Counted {
+    /// Counter for a scene.
     pub fn new(scene: Arc<dyn Scene>, threads: usize) -> Counted {
         Counted { scene, counts: (0..threads + 1).map(|_| Line::default()).collect() }
     }
 
-    /// Rays for the nearest hit, and shadow rays.
+    /// Numbers of rays for the nearest hit, and of shadow rays.
     pub fn rays(&self) -> (u64, u64) {
         let sum = |f: fn(&Line) -> &AtomicU64| self.counts.iter().map(|line| f(line).load(Ordering::Relaxed)).sum();
         (sum(|line| &line.nearest), sum(|line| &line.shadow))
@@ -78,26 +85,32 @@ impl Scene for Counted {
     }
 }
 
-/// What there is to tell.
-pub struct Account<'a> {
-    pub report: &'a Report,
-    /// Samples per pixel, the mean of all.
+/// Statistics to print.
+pub struct Summary<'a> {
+    /// Report of the render.
+    pub report: &'a RenderReport,
+    /// Mean number of samples per pixel.
     pub spp: f64,
+    /// Number of pixels.
     pub pixels: u64,
+    /// Number of primitives.
     pub primitives: u64,
+    /// Numbers of rays, as [`Counted::rays`] returns them.
     pub rays: (u64, u64),
+    /// Number of threads.
     pub threads: usize,
-    /// Reading and building (s).
+    /// Time for reading and building the scene (s).
     pub load: f64,
 }
 
-impl Account<'_> {
-    pub fn print(&self, format: Form) -> String {
+impl Summary<'_> {
+    /// Text or JSON of the statistics.
+    pub fn print(&self, format: TextOrJson) -> String {
         let seconds = self.report.elapsed.as_secs_f64();
         let samples = (self.spp * self.pixels as f64).round() as u64;
         let rays = self.rays.0 + self.rays.1;
         match format {
-            Form::Json => {
+            TextOrJson::Json => {
                 let object = json!({
                     "version": env!("CARGO_PKG_VERSION"), "build": env!("PT_BUILD_ID"), "threads": self.threads,
                     "load_seconds": self.load, "render_seconds": seconds, "spp": self.spp.round() as u64, "camera_samples": samples,
@@ -107,7 +120,7 @@ impl Account<'_> {
                 });
                 format!("{object}\n")
             }
-            Form::Text => {
+            TextOrJson::Text => {
                 let memory = peak_memory().map_or(String::new(), |bytes| format!("memory      {:.0} MB at most\n", bytes as f64 * 1e-6));
                 format!(
                     "load        {:.2} s, {} primitives\nrender      {seconds:.2} s on {} threads\nsamples     {samples} ({:.2} M/s)\n\
@@ -128,7 +141,7 @@ impl Account<'_> {
     }
 }
 
-/// The most memory that the process held, where the system tells.
+/// Peak memory of the process, if the system reports it.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,4 +1,4 @@
-//! `--pixel x,y --sample k --trace`: the paths of one camera sample, vertex by vertex.
+//! Output of `--pixel x,y --sample k --trace`: the paths of one camera sample, vertex by vertex.
 
 use std::collections::VecDeque;
 use std::fmt::Write;
@@ -6,37 +6,45 @@ use std::fmt::Write;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
-use super::args::Form;
+use super::stats::TextOrJson;
 use crate::bsdf::Lobe;
 use crate::describe::Names;
 use crate::integrator::CameraSample;
 use crate::light::Lights;
 use crate::math::{Density, Spectrum};
+use crate::recorder::{Contribution, End, Event, Scattering, Technique, Vertex};
 use crate::render::SampleId;
-use crate::witness::{Contribution, End, Event, Scattering, Technique, Vertex};
 
-/// What there is to tell of a camera sample.
+/// Paths of a camera sample.
 pub struct Trace<'a> {
+    /// Name of the integrator.
     pub integrator: &'a str,
+    /// Pixel and index of the sample.
     pub id: SampleId,
+    /// Camera ray.
     pub camera: CameraSample,
+    /// Value of the sample.
     pub value: Spectrum,
+    /// Recorded events.
     pub events: &'a [Event],
+    /// Names of shapes, materials and lights.
     pub names: &'a Names,
+    /// Lights of the scene.
     pub lights: &'a Lights,
-    /// What was subtracted from the scene's coordinates.
+    /// Origin of the world, which was subtracted from the scene's coordinates.
     pub origin: DVec3,
 }
 
 impl Trace<'_> {
-    pub fn print(&self, form: Form) -> String {
+    /// Text or JSON of the paths.
+    pub fn print(&self, form: TextOrJson) -> String {
         match form {
-            Form::Text => self.text(),
-            Form::Json => format!("{}\n", self.json()),
+            TextOrJson::Text => self.text(),
+            TextOrJson::Json => format!("{}\n", self.json()),
         }
     }
 
-    /// The radiance that the events add up to, in their order.
+    /// Radiance that the events add up to, in their order.
     fn sum(&self) -> Spectrum {
         self.contributions().map(|c| c.value).fold(Spectrum::BLACK, |sum, value| sum + value)
     }
@@ -48,7 +56,7 @@ impl Trace<'_> {
         })
     }
 
-    /// A point in the coordinates of the scene file.
+    /// Converts a point to the coordinates of the scene file.
     fn place(&self, p: Vec3) -> [f64; 3] {
         (self.origin + p.as_dvec3()).to_array()
     }
@@ -65,7 +73,7 @@ impl Trace<'_> {
         let mut ns = Vec3::ZERO;
         for event in self.events {
             let indent = "    ".repeat(branches.indent(event));
-            // (Writing to a string cannot fail.)
+            // Writing to a string cannot fail.
             let _ = match event {
                 Event::Vertex(vertex) => {
                     ns = vertex.ns;
@@ -100,7 +108,9 @@ impl Trace<'_> {
         format!("{depth:<4} {shape}{triangle}, {material}, at {at} after {distance} m, cos {cos}, throughput {}", color(*beta))
     }
 
-    /// - `ns`: where it was found
+    /// Text of a contribution.
+    ///
+    /// - `ns`: shading normal where the light was sampled
     fn contribution(&self, contribution: &Contribution, ns: Vec3) -> String {
         let Contribution { value, whole, origin, depth } = contribution;
         let name = origin.light.map_or("?", |light| self.names.light(self.lights, light));
@@ -150,12 +160,12 @@ impl Trace<'_> {
     }
 }
 
-/// How far in an event stands: where a path branches, the branches stand further in than the vertex.
+/// Indentation of events: the branches of a path are indented further than the vertex they start from.
 #[derive(Default)]
 struct Branches {
-    /// Of each depth on the way to here: the branches still to come, each by how far in it stands.
+    /// Indentations of the branches still to come, for each depth on the way to the current event.
     waiting: Vec<VecDeque<usize>>,
-    /// The depth of the branch at hand, until it ends.
+    /// Depth of the current branch, until it ends.
     at: Option<u32>,
     here: usize,
 }
@@ -164,7 +174,7 @@ impl Branches {
     fn indent(&mut self, event: &Event) -> usize {
         match event {
             Event::Vertex(vertex) => self.enter(vertex.depth),
-            // What comes from the background, and the way out, belong to no vertex.
+            // Light of the background, and the end of a path there, belong to no vertex.
             Event::Light(c) if c.origin.technique == Technique::Emission && self.at != Some(c.depth) => self.enter(c.depth),
             Event::End { depth, .. } => {
                 if self.at != Some(*depth) {
@@ -179,7 +189,7 @@ impl Branches {
         self.here
     }
 
-    /// Events come depth first: what has depth d + 1 is the next branch of the last vertex of depth d.
+    /// Enters a depth. Events come depth first: depth d + 1 is the next branch of the last vertex of depth d.
     fn enter(&mut self, depth: u32) {
         let before = depth.checked_sub(1).and_then(|before| self.waiting.get_mut(before as usize));
         self.here = before.and_then(VecDeque::pop_front).unwrap_or(0);
@@ -246,7 +256,7 @@ fn dense(density: Density) -> String {
     }
 }
 
-/// `null` for a single direction.
+/// Density as JSON; `null` for a single direction.
 fn number(density: Density) -> Option<f32> {
     match density {
         Density::Smooth(pdf) => Some(pdf.get()),
@@ -254,7 +264,7 @@ fn number(density: Density) -> Option<f32> {
     }
 }
 
-/// Every digit that counts: these numbers are to be added.
+/// Value with all significant digits, as these numbers are meant to be added.
 fn exact(value: Spectrum) -> String {
     let [r, g, b] = value.to_rgb();
     format!("{r:?} {g:?} {b:?}")
@@ -275,7 +285,7 @@ fn point(p: [f64; 3]) -> String {
     format!("({x}, {y}, {z})")
 }
 
-/// Four digits.
+/// Number with four digits.
 fn short(x: f32) -> String {
     let magnitude = x.abs().log10().floor();
     if x == 0.0 || (-3.0..6.0).contains(&magnitude) {

@@ -1,35 +1,67 @@
-//! `pt verify SCENE A B`: do two methods, or a method and a picture, converge to the same picture?
+//! `pt verify SCENE A B`: tests whether two methods, or a method and a picture, converge to the same picture.
 
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
+use super::load::SceneArgs;
 use super::load::{Loaded, load};
+use super::parse::{duration as parse_duration, share, size};
 use super::progress::Progress;
-use super::{INCONCLUSIVE, args, note, render, say, signals};
+use super::progress::WorkArgs;
+use super::{INCONCLUSIVE, note, render, say, signals};
 use crate::describe::Built;
 use crate::error::{Error, Fault, Result};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Entry;
-use crate::measure::words::{duration, per_cent};
-use crate::measure::{Agreement, RelativeError, Until, agreement, follow};
+use crate::measure::format::{duration, per_cent};
+use crate::measure::{Agreement, RelativeError, StopCondition, agreement, render_until};
 use crate::output::{self, Attributes, Tonemap, exr};
 use crate::render::{Render, Settings};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene;
+use std::path::PathBuf;
+use std::time::Duration;
 
-/// Independent scramblings of each side: their spread is what the test goes by.
+#[derive(clap::Args, Debug)]
+pub struct VerifyArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Two integrators, or an integrator and an EXR with error bars.
+    #[arg(value_name = "SIDE", num_args = 2, required = true)]
+    pub sides: Vec<String>,
+    /// Samples per pixel of each rendered side. Default: the scene's.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Render time of each rendered side.
+    #[arg(long, value_name = "DURATION", value_parser = parse_duration)]
+    pub time: Option<Duration>,
+    /// Risk of calling two sides different that are the same.
+    #[arg(long, value_name = "SHARE", default_value = "1%", value_parser = share)]
+    pub alpha: f64,
+    /// Output file for the p-values, pixel by pixel.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Size of the pictures.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    #[command(flatten)]
+    pub work: WorkArgs,
+}
+
+/// Independent scramblings of each side; the test uses their variance.
 const SCRAMBLINGS: u32 = 16;
 
-/// One side of the question.
+/// One of the two pictures.
 struct Side {
     name: String,
     image: Image,
-    /// n of a mean with n − 1 degrees of freedom.
+    /// n for a mean with n − 1 degrees of freedom.
     samples: u64,
 }
 
-pub fn verify(args: &args::Verify, tables: &[&[Entry]]) -> Result<ExitCode> {
+/// Runs the command.
+pub fn verify(args: &VerifyArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
     let resized = args.size.map(render::resized).unwrap_or_default();
     let loaded = load(&args.scene, &resized, None, tables)?;
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
@@ -40,7 +72,7 @@ pub fn verify(args: &args::Verify, tables: &[&[Entry]]) -> Result<ExitCode> {
     render::pool(args.work.threads)?.install(|| judge(args, loaded, tables))
 }
 
-fn judge(args: &args::Verify, loaded: Loaded, tables: &[&[Entry]]) -> Result<ExitCode> {
+fn judge(args: &VerifyArgs, loaded: Loaded, tables: &[&[Entry]]) -> Result<ExitCode> {
     let methods = args.sides.iter().map(|name| side_named(name, &loaded, tables)).collect::<Result<Vec<_>>>()?;
     let Built { world, film, sampler, .. } = loaded.built;
     let film = film.without_layers();
@@ -55,15 +87,15 @@ fn judge(args: &args::Verify, loaded: Loaded, tables: &[&[Entry]]) -> Result<Exi
                 if !lacks.is_empty() {
                     note(&format!("note: {} does not simulate what this scene calls for: {lacks}", entry.name));
                 }
-                // Other random numbers than the other side's, and than those of a picture of the scene's own seed: shared ones
-                // would agree more than chance does.
+                // The random numbers differ from those of the other side, and from those of a picture with the scene's own seed:
+                // with shared numbers the sides would agree more than chance allows.
                 let sampler = SamplerSpec { seed: sampler.seed.wrapping_add(0x5eed * (k as u64 + 1)), scramblings: SCRAMBLINGS, ..sampler };
                 rendered(args, &scene, &film, entry, &*integrator, sampler)?
             }
         });
     }
     let [a, b] = sides.try_into().map_err(|_| Error::Usage("expected two sides".into()))?;
-    let agreement = agreement(a.as_render(), b.as_render(), args.alpha)?;
+    let agreement = agreement(a.as_sampled_image(), b.as_sampled_image(), args.alpha)?;
     report(args, &a, &b, &agreement)
 }
 
@@ -72,7 +104,7 @@ enum Method {
     Picture(Side),
 }
 
-/// A name of the table, or else a picture with error bars.
+/// Method of a name: an integrator of the tables, or a picture with error bars.
 fn side_named(name: &str, loaded: &Loaded, tables: &[&[Entry]]) -> Result<Method> {
     if Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
         return pictured(Path::new(name), &loaded.built.film).map(Method::Picture);
@@ -80,7 +112,7 @@ fn side_named(name: &str, loaded: &Loaded, tables: &[&[Entry]]) -> Result<Method
     loaded.choose(tables, name).map(|(entry, integrator)| Method::Integrator(entry, integrator))
 }
 
-/// A picture with standard errors, of the same pixels.
+/// Reads a picture with standard errors, which must have the same pixels.
 fn pictured(path: &Path, film: &FilmSpec) -> Result<Side> {
     let (image, attributes) = exr::read(path)?;
     let refused = |text: String| Error::invalid(Fault::new(text).in_file(path));
@@ -99,7 +131,7 @@ fn pictured(path: &Path, film: &FilmSpec) -> Result<Side> {
 }
 
 fn rendered(
-    args: &args::Verify,
+    args: &VerifyArgs,
     scene: &Arc<dyn Scene>,
     film: &FilmSpec,
     entry: Entry,
@@ -107,16 +139,16 @@ fn rendered(
     sampler: SamplerSpec,
 ) -> Result<Side> {
     let samples = args.spp.map_or(if args.time.is_some() { u32::MAX.into() } else { sampler.spp }, u64::from);
-    let until = Until { samples, time: args.time, target: None };
+    let until = StopCondition { samples, time: args.time, target: None };
     let mut moments = MomentFilm::new(film.clone());
     let mut render = Render::new(scene.clone(), integrator, film, &Settings::new(SamplerSpec { spp: samples, ..sampler }));
     let progress = Progress::new(args.work.progress, film, samples, args.time);
-    let course = follow(&mut render, &mut moments, &until, &progress);
+    let history = render_until(&mut render, &mut moments, &until, &progress);
     progress.finish();
     if let Some(signal) = signals::caught() {
         return Err(Error::Interrupted(signal));
     }
-    let error = course.last().and_then(|last| last.error);
+    let error = history.last().and_then(|last| last.error);
     let known = error.filter(RelativeError::is_established);
     let told = known.map_or(String::new(), |error| format!(", relative error {} %", per_cent(error.value)));
     note(&format!("{}: {} spp in {}{told}", entry.name, moments.samples(), duration(render.report().elapsed.as_secs_f64())));
@@ -132,19 +164,20 @@ fn rendered(
 }
 
 impl Side {
-    fn as_render(&self) -> crate::measure::Render<'_> {
-        crate::measure::Render { image: &self.image, samples: self.samples }
+    fn as_sampled_image(&self) -> crate::measure::SampledImage<'_> {
+        crate::measure::SampledImage { image: &self.image, samples: self.samples }
     }
 }
 
-/// What the tests say, what they could have seen, and the exit code: 0 the same, 1 different, 7 no telling.
-fn report(args: &args::Verify, a: &Side, b: &Side, agreement: &Agreement) -> Result<ExitCode> {
+/// Prints the results of the tests and the smallest bias that they would detect. Returns the exit code: 0 the same, 1 different, 7
+/// inconclusive.
+fn report(args: &VerifyArgs, a: &Side, b: &Side, agreement: &Agreement) -> Result<ExitCode> {
     if let Some(path) = &args.output {
-        let p = crate::measure::agreement::p_values(a.as_render(), b.as_render())?;
+        let p = crate::measure::agreement::p_values(a.as_sampled_image(), b.as_sampled_image())?;
         output::write(path, &p, &Attributes::new(), &Tonemap::default())?;
     }
     let tests = agreement.to_string().split("; ").map(|line| format!("  {line}\n")).collect::<String>();
-    let seen = crate::measure::agreement::smallest_bias(a.as_render(), b.as_render(), args.alpha)?;
+    let seen = crate::measure::agreement::smallest_bias(a.as_sampled_image(), b.as_sampled_image(), args.alpha)?;
     let power = format!("a difference of {} % of the whole picture's light would have shown\n", per_cent(seen));
     let unsure: Vec<&str> =
         [a, b].into_iter().zip(agreement.heavy).filter(|(_, heavy)| *heavy).map(|(side, _)| side.name.as_str()).collect();

@@ -1,4 +1,4 @@
-//! What goes to stderr beside errors: notes, warnings, and that a scene is being read.
+//! Output to stderr other than errors: notes, warnings, and a message while a scene is read.
 
 use std::io::{IsTerminal, Write, stderr};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,15 +6,16 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::args::{Args, Command, Progress};
+use super::progress::ProgressForm;
+use super::{Command, CommandLine};
 use crate::error::text::printable;
 
-/// What was asked for on the command line, for all of the process.
+/// Option of the command line, for the whole process.
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 static SHOWS_PROGRESS: AtomicBool = AtomicBool::new(true);
 
-/// Takes `--quiet` and `--progress` to heart.
-pub fn follow(args: &Args) {
+/// Applies `--quiet` and `--progress`.
+pub fn follow(args: &CommandLine) {
     let work = match &args.command {
         None => Some(&args.render.work),
         Some(Command::Compare(args)) => Some(&args.work),
@@ -23,32 +24,32 @@ pub fn follow(args: &Args) {
         Some(_) => None,
     };
     IS_QUIET.store(args.quiet, Ordering::Relaxed);
-    SHOWS_PROGRESS.store(!args.quiet && work.is_none_or(|work| work.progress != Progress::None), Ordering::Relaxed);
+    SHOWS_PROGRESS.store(!args.quiet && work.is_none_or(|work| work.progress != ProgressForm::None), Ordering::Relaxed);
 }
 
-/// Whether nothing is to be said but errors and what was asked for.
+/// Returns whether only errors and requested output may be printed.
 pub fn is_quiet() -> bool {
     IS_QUIET.load(Ordering::Relaxed)
 }
 
-/// Says something on stderr that nobody asked for.
+/// Prints a note on stderr.
 pub fn note(text: &str) {
     if !is_quiet() {
         insist(text);
     }
 }
 
-/// Says something on stderr that was asked for.
+/// Prints requested output on stderr.
 pub fn insist(text: &str) {
     let width = if stderr().is_terminal() { terminal_size::terminal_size_of(stderr()) } else { None };
-    // Nothing in it moves a terminal.
+    // Control characters are made harmless.
     let text = printable(text);
     let text = width.map_or_else(|| text.to_string(), |(width, _)| wrapped(&text, width.0.into()));
     let _ = writeln!(stderr().lock(), "{text}");
 }
 
-/// Lines broken where they would be wider than a terminal: between the parts of a closing line, else between words. What is indented
-/// stays as it is: tables, and commands to be copied.
+/// Breaks lines that are wider than a terminal: a closing line between its parts, other lines between words. Indented lines, such
+/// as tables and commands to copy, stay as they are.
 fn wrapped(text: &str, width: usize) -> String {
     let line = |line: &str| match line.starts_with("  ") || line.chars().count() <= width {
         true => line.to_owned(),
@@ -57,7 +58,9 @@ fn wrapped(text: &str, width: usize) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// - `end`: what closes each part but the last, before a space
+/// Breaks a line.
+///
+/// - `end`: text that ends each part but the last, before a space
 fn broken(line: &str, end: &str, width: usize) -> String {
     let mut text = String::new();
     let mut used = 0;
@@ -74,20 +77,20 @@ fn broken(line: &str, end: &str, width: usize) -> String {
     text
 }
 
-/// Says that a scene is being read, where that takes long.
+/// Prints a message if reading a scene takes long.
 pub struct Loading {
     done: Option<Sender<()>>,
     teller: Option<JoinHandle<()>>,
 }
 
-/// How long nothing is said, and how often after that.
+/// Time before the first message, and between messages.
 const PATIENCE: Duration = Duration::from_secs(1);
 const AGAIN: Duration = Duration::from_secs(10);
 
 impl Loading {
-    /// Until it is dropped.
+    /// Starts the messages, which end when the value is dropped.
     ///
-    /// - `file`: what messages call it
+    /// - `file`: name of the file
     pub fn start(file: &str) -> Loading {
         let (done, wait) = channel::<()>();
         let tell = {
@@ -100,7 +103,7 @@ impl Loading {
                 }
             }
         };
-        // Without a thread nothing is told, which is no reason not to load.
+        // Without a thread no message is printed, which does not prevent loading.
         let shown = SHOWS_PROGRESS.load(Ordering::Relaxed);
         let teller = shown.then(|| std::thread::Builder::new().spawn(tell).ok()).flatten();
         Loading { done: Some(done), teller }

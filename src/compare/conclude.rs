@@ -1,9 +1,10 @@
-//! What a comparison comes to, in words.
+//! Conclusions of a comparison, as sentences.
 
 use super::{Method, TARGETS};
-use crate::measure::words::{duration, per_cent};
+use crate::measure::format::{duration, per_cent};
 
-/// Which method is cheapest for which error, how much slower the others are, where they cross, what each leaves out.
+/// Returns the conclusions: which method is cheapest for which error, how much slower the others are, where two of them cross, and
+/// what each leaves out.
 pub fn conclusions(methods: &[Method]) -> Vec<String> {
     let mut sentences: Vec<String> = (0..3).filter_map(|k| cheapest(methods, k)).collect();
     sentences.extend(crossings(methods));
@@ -20,7 +21,7 @@ pub fn conclusions(methods: &[Method]) -> Vec<String> {
     sentences
 }
 
-/// `For 3 %, nee is the cheapest with 4.1 s; path takes 33 (31–35) times as long.`
+/// Sentence about one target: `For 3 %, nee is the cheapest with 4.1 s; path takes 33 (31–35) times as long.`
 fn cheapest(methods: &[Method], k: usize) -> Option<String> {
     let priced = |method: &Method| method.prices.get(k).copied().flatten();
     let mut able: Vec<&Method> = methods.iter().filter(|method| priced(method).is_some()).collect();
@@ -45,14 +46,14 @@ fn cheapest(methods: &[Method], k: usize) -> Option<String> {
     Some(text + ".")
 }
 
-/// Of a ratio of two independent times: their logarithms' reaches add as squares.
+/// Interval of the ratio of two independent times: the half widths of the logarithms add as squares.
 fn ratio_interval(a: (f64, f64, f64), b: (f64, f64, f64)) -> (f64, f64) {
     let reach = |(middle, _, high): (f64, f64, f64)| (high / middle).ln();
     let both = reach(a).hypot(reach(b));
     (b.0 / a.0 * (-both).exp(), b.0 / a.0 * both.exp())
 }
 
-/// `nee and path cross between 3 % and 1 %.`: where the cheaper of two is another at a smaller error.
+/// Sentences about methods that change their order from one error to a smaller one: `nee and path cross between 3 % and 1 %.`
 fn crossings(methods: &[Method]) -> Vec<String> {
     let mut found = vec![];
     for (i, a) in methods.iter().enumerate() {
@@ -86,7 +87,7 @@ mod tests {
     use crate::compare::Cost;
     use crate::film::Image;
 
-    /// - `prices`: seconds of each target, sure to a factor 1.1; `None` where it never gets there
+    /// - `prices`: seconds of each target, known to a factor of 1.1; `None` where the method never reaches it
     fn method(name: &str, prices: [Option<f64>; 4]) -> Method {
         let cost = |seconds: f64| Cost { seconds, low: seconds / 1.1, high: seconds * 1.1, extrapolated: false };
         let image = Image { full_size: UVec2::ZERO, origin: UVec2::ZERO, size: UVec2::ZERO, channels: vec![] };
@@ -109,7 +110,7 @@ mod tests {
     fn the_cheapest_is_named_and_how_much_longer_others_take() {
         let methods = [method("a", [Some(1.0), Some(10.0), Some(100.0), Some(1000.0)]), method("b", [Some(4.0), Some(10.5), None, None])];
         let said = conclusions(&methods);
-        // 4 times; the logarithms' reaches add as squares: e^(√2 ln 1.1) = 1.144.
+        // 4 times; the half widths of the logarithms add as squares: e^(√2 ln 1.1) = 1.144.
         assert_eq!(said[0], "For 10 %, a is the cheapest with 1 s; b takes 4 (3.5–4.6) times as long.");
         assert_eq!(said[1], "For 3 %, a is the cheapest with 10 s; b takes about as long (1.1 times, 0.92–1.2).");
         assert_eq!(said[2], "For 1 %, a is the cheapest with 100 s; b never gets there.");

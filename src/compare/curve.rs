@@ -1,44 +1,38 @@
-//! From single measurements to what they say together: means, slopes, bias, prices.
+//! Statistics over the measurements of a method: means, slopes, bias, prices.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::run::Contestant;
-use super::{Cost, Measurement, Method, Point, Reference, TARGETS};
+use super::run::MethodConfig;
+use super::{CheckpointStats, Cost, Measurement, Method, Reference, TARGETS};
 use crate::film::{Channel, Image};
-use crate::measure::relative::{errors, floor};
+use crate::measure::error::{errors, floor};
 
-/// All that is told of one method.
+/// Combines the measurements of one method.
 ///
-/// - `pictures`: of its replicates, after the last checkpoint
-pub fn method(
-    contestant: Contestant,
-    pictures: &[Image],
-    measurements: Vec<Measurement>,
-    reference: &Reference,
-    confidence: f64,
-) -> Method {
+/// - `pictures`: pictures of the replicates after the last checkpoint
+pub fn method(config: MethodConfig, pictures: &[Image], measurements: Vec<Measurement>, reference: &Reference, confidence: f64) -> Method {
     let curve = points(&measurements);
     let image = mean(pictures);
     let bias = bias(&image, &reference.image);
     let slopes = Replicates::of(&measurements, slope);
     let prices = TARGETS.iter().map(|target| price(&measurements, *target, bias, confidence)).collect();
     Method {
-        name: contestant.name,
-        integrator: contestant.integrator_name,
-        sampler: contestant.sampler_name,
+        name: config.name,
+        integrator: config.integrator_name,
+        sampler: config.sampler_name,
         curve,
         sample: one(pictures, &image),
         image,
         slope: slopes.map(|slopes| (slopes.mean, slopes.error)),
         bias,
         prices,
-        lacks: contestant.lacks,
+        lacks: config.lacks,
         measurements,
     }
 }
 
 /// Mean and standard error over the replicates of each checkpoint.
-fn points(measurements: &[Measurement]) -> Vec<Point> {
+fn points(measurements: &[Measurement]) -> Vec<CheckpointStats> {
     let mut samples: Vec<u64> = measurements.iter().map(|m| m.samples).collect();
     samples.sort_unstable();
     samples.dedup();
@@ -49,7 +43,7 @@ fn points(measurements: &[Measurement]) -> Vec<Point> {
             (spread.mean, spread.error)
         };
         let metrics = all.first().map_or(0, |m| m.others.len());
-        Point {
+        CheckpointStats {
             samples,
             seconds: over(&|m| m.seconds).0,
             mse: over(&|m| m.mse),
@@ -61,7 +55,7 @@ fn points(measurements: &[Measurement]) -> Vec<Point> {
     samples.into_iter().map(point).collect()
 }
 
-/// The mean of the replicates, its standard error from their spread.
+/// Mean of the pictures; its standard error comes from their variance.
 fn mean(pictures: &[Image]) -> Image {
     let Some(first) = pictures.first() else {
         return Image { full_size: glam::UVec2::ZERO, origin: glam::UVec2::ZERO, size: glam::UVec2::ZERO, channels: vec![] };
@@ -83,7 +77,7 @@ fn mean(pictures: &[Image]) -> Image {
     Image { channels, ..first.clone() }
 }
 
-/// One of the replicates, with the standard errors that the spread of all tells: √R times those of the mean.
+/// One of the pictures, with the standard errors that follow from the variance of all: √R times those of the mean.
 fn one(pictures: &[Image], mean: &Image) -> Image {
     let Some(first) = pictures.first() else { return mean.clone() };
     let root = (pictures.len() as f32).sqrt();
@@ -93,16 +87,17 @@ fn one(pictures: &[Image], mean: &Image) -> Image {
     Image { channels: colors.chain(errors).collect(), ..first.clone() }
 }
 
-/// How sure a bias must be before it is called one: a chance of 10⁻⁴ on noise that is normal, and room for tails.
+/// Number of standard errors that a bias must exceed to be reported. For normal noise the probability of a false report is 10⁻⁴,
+/// with room for heavy tails.
 const SURE: f64 = 4.0;
 
-/// √relMSE that more samples do not remove, and its standard error; `None` where noise explains what is seen.
+/// √relMSE that more samples do not remove, with its standard error; `None` if noise explains the difference.
 ///
 /// ```text
 /// b² = 1/3P Σ ((x̄ − r)² − u) / (r² + ε),   u = v_x̄ + v_r
 /// ```
 ///
-/// Of the noise, (x̄ − r)² has the variance 2u² + 4b²u, the colours moving together.
+/// By the noise, (x̄ − r)² has the variance 2u² + 4b²u. The colours are taken as fully correlated.
 fn bias(image: &Image, reference: &Image) -> Option<(f64, f64)> {
     let floor = floor(reference)?;
     let errors = [errors(image), errors(reference)];
@@ -137,9 +132,9 @@ fn slope(of: &[&Measurement]) -> Option<f64> {
     (xx > 0.0).then(|| -xy / xx)
 }
 
-/// The time that an error takes: where each replicate's course crosses it, or would.
+/// Time that an error takes: where the curve of each replicate reaches the error, or its extrapolation does.
 fn price(measurements: &[Measurement], target: f64, bias: Option<(f64, f64)>, confidence: f64) -> Option<Cost> {
-    // A method never gets below its bias.
+    // A method cannot reach an error below its bias.
     if bias.is_some_and(|(bias, _)| bias >= target) {
         return None;
     }
@@ -151,10 +146,10 @@ fn price(measurements: &[Measurement], target: f64, bias: Option<(f64, f64)>, co
     Some(Cost { seconds: times.mean.exp(), low: (times.mean - reach).exp(), high: (times.mean + reach).exp(), extrapolated })
 }
 
-/// ln of the seconds at which relMSE falls to target², and whether that lies beyond what was rendered.
+/// ln of the seconds at which relMSE falls to target², and whether that is an extrapolation.
 ///
-/// Between checkpoints along the line that joins them in the logarithms; before the first and beyond the last along
-/// the slope of plain Monte Carlo, relMSE ~ 1/t.
+/// Between checkpoints the logarithms are interpolated linearly. Before the first and beyond the last, relMSE falls like 1/t, as
+/// plain Monte Carlo does.
 fn crossing(of: &[&Measurement], target: f64) -> Option<(f64, bool)> {
     let goal = 2.0 * target.ln();
     let points: Vec<(f64, f64)> = of.iter().filter(|m| m.relmse > 0.0).map(|m| (m.seconds.ln(), m.relmse.ln())).collect();
@@ -172,7 +167,7 @@ fn crossing(of: &[&Measurement], target: f64) -> Option<(f64, bool)> {
     })
 }
 
-/// A number that each replicate has, and what they say together.
+/// Mean of a number over the replicates.
 struct Replicates {
     mean: f64,
     /// Standard error of the mean; 0 for one replicate.
@@ -188,7 +183,7 @@ impl Replicates {
         Replicates { mean, error: if count > 1.0 { (squares / (count * (count - 1.0))).sqrt() } else { 0.0 }, count }
     }
 
-    /// `None` where one of the replicates has no such number.
+    /// Takes a number of each replicate; `None` if one of the replicates has no such number.
     fn of(measurements: &[Measurement], value: impl Fn(&[&Measurement]) -> Option<f64>) -> Option<Replicates> {
         let replicates = measurements.iter().map(|m| m.replicate + 1).max()?;
         let one = |r: u32| value(&measurements.iter().filter(|m| m.replicate == r).collect::<Vec<_>>());
@@ -196,7 +191,7 @@ impl Replicates {
         Some(Replicates::new(&values))
     }
 
-    /// Of Student's t with as many degrees of freedom as there are replicates, less one.
+    /// Quantile of Student's t, with one degree of freedom less than there are replicates.
     fn quantile(&self, p: f64) -> f64 {
         StudentsT::new(0.0, 1.0, (self.count - 1.0).max(1.0)).map_or(0.0, |t| t.inverse_cdf(p))
     }
@@ -210,7 +205,7 @@ mod tests {
     use super::*;
 
     /// relMSE = v t⁻ᵇ at 1, 2, 4, … seconds.
-    fn course(replicate: u32, v: f64, b: f64, checkpoints: u32) -> Vec<Measurement> {
+    fn history(replicate: u32, v: f64, b: f64, checkpoints: u32) -> Vec<Measurement> {
         let at = |k: u32| {
             let seconds = f64::from(1u32 << k);
             let relmse = v * seconds.powf(-b);
@@ -219,39 +214,39 @@ mod tests {
         (0..checkpoints).map(at).collect()
     }
 
-    fn all(courses: &[Vec<Measurement>]) -> Vec<Measurement> {
-        courses.concat()
+    fn all(histories: &[Vec<Measurement>]) -> Vec<Measurement> {
+        histories.concat()
     }
 
     #[test]
     fn a_power_law_has_its_power() {
-        let courses = [course(0, 0.04, 0.9, 6), course(1, 0.05, 1.1, 6)];
-        let slopes = Replicates::of(&all(&courses), slope).expect("slopes");
-        // Of 0.9 and 1.1: the mean, and 0.2/2 as its standard error.
+        let histories = [history(0, 0.04, 0.9, 6), history(1, 0.05, 1.1, 6)];
+        let slopes = Replicates::of(&all(&histories), slope).expect("slopes");
+        // Mean of 0.9 and 1.1, and 0.2/2 as its standard error.
         assert_relative_eq!(slopes.mean, 1.0, max_relative = 1e-12);
         assert_relative_eq!(slopes.error, 0.1, max_relative = 1e-12);
-        assert!(Replicates::of(&course(0, 0.04, 1.0, 2), slope).is_none(), "two checkpoints tell no slope");
+        assert!(Replicates::of(&history(0, 0.04, 1.0, 2), slope).is_none(), "two checkpoints tell no slope");
     }
 
-    /// √relMSE = target at t = (v / target²)^(1/b), between checkpoints as beyond them by 1/t.
+    /// √relMSE = target at t = (v / target²)^(1/b) between checkpoints, and by 1/t beyond them.
     #[test]
     fn prices_are_where_the_law_says() {
-        let courses = all(&[course(0, 0.04, 1.0, 6), course(1, 0.04, 1.0, 6)]);
+        let histories = all(&[history(0, 0.04, 1.0, 6), history(1, 0.04, 1.0, 6)]);
         for (target, seconds, extrapolated) in [(0.1, 4.0, false), (0.05, 16.0, false), (0.01, 400.0, true), (0.4, 0.25, true)] {
-            let cost = price(&courses, target, None, 0.95).expect("a price");
+            let cost = price(&histories, target, None, 0.95).expect("a price");
             assert_relative_eq!(cost.seconds, seconds, max_relative = 1e-9);
             assert_eq!(cost.extrapolated, extrapolated, "{target}");
             assert_relative_eq!(cost.high / cost.low, 1.0, max_relative = 1e-9);
         }
-        // Replicates a factor e apart: ln t = ln 4 ± ½, with one degree of freedom t₀.₉₇₅ = 12.706.
-        let apart = all(&[course(0, 0.04 * 0.5f64.exp(), 1.0, 8), course(1, 0.04 * (-0.5f64).exp(), 1.0, 8)]);
+        // Replicates that differ by a factor e: ln t = ln 4 ± ½, with one degree of freedom t₀.₉₇₅ = 12.706.
+        let apart = all(&[history(0, 0.04 * 0.5f64.exp(), 1.0, 8), history(1, 0.04 * (-0.5f64).exp(), 1.0, 8)]);
         let cost = price(&apart, 0.1, None, 0.95).expect("a price");
         assert_relative_eq!(cost.seconds, 4.0, max_relative = 1e-9);
         assert_relative_eq!((cost.high / cost.low).ln(), 2.0 * 12.7062 * 0.5, max_relative = 1e-4);
-        assert!(price(&courses, 0.1, Some((0.1, 0.01)), 0.95).is_none(), "never below its bias");
+        assert!(price(&histories, 0.1, Some((0.1, 0.01)), 0.95).is_none(), "never below its bias");
     }
 
-    /// Of R equal numbers x̄ ± s/√R; `others` come along.
+    /// The mean of R numbers has the error s/√R; `others` are averaged too.
     #[test]
     fn points_are_means_of_replicates() {
         let one = |replicate: u32, relmse: f64, other: f64| Measurement {
@@ -279,10 +274,10 @@ mod tests {
         Image { full_size: size, origin: UVec2::ZERO, size, channels: colors.into_iter().chain(errors).collect() }
     }
 
-    /// A fifth too bright, with noise of a tenth: b² = 0.2²/(1 + ε). Noise alone is no bias.
+    /// A picture that is a fifth too bright, with noise of a tenth: b² = 0.2²/(1 + ε). Noise alone is no bias.
     #[test]
     fn bias_is_what_noise_does_not_explain() {
-        // ±0.1, as often this as that.
+        // +0.1 and −0.1 equally often.
         let noise = |i: usize| if (i * 7919) % 1024 < 512 { 0.1 } else { -0.1 };
         let reference = image(|_| 1.0, 0.0);
         let (found, error) = bias(&image(|i| 1.2 + noise(i), 0.1), &reference).expect("a bias");
@@ -298,7 +293,7 @@ mod tests {
         let pictures = [1.0, 2.0, 6.0].map(|value| image(|_| value, 0.0));
         let mean = mean(&pictures);
         assert_eq!(mean.rgb(3, 3), [3.0; 3]);
-        // s² = (4 + 1 + 9)/2 = 7, of the mean 7/3.
+        // s² = (4 + 1 + 9)/2 = 7, and 7/3 for the mean.
         assert_relative_eq!(f64::from(mean.channel("StdErr.G").expect("errors")[5]), (7.0f64 / 3.0).sqrt(), max_relative = 1e-6);
         assert_relative_eq!(f64::from(one(&pictures, &mean).channel("StdErr.G").expect("errors")[5]), 7.0f64.sqrt(), max_relative = 1e-6);
     }

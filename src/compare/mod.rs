@@ -1,7 +1,7 @@
-//! What accuracy costs in time, method against method: `pt compare`.
+//! Comparison of methods on one scene: what accuracy costs in time (`pt compare`).
 //!
-//! Every method renders the same scene several times, each time with other random numbers, interleaved so that a
-//! machine that slows down slows all of them. At doubling checkpoints each picture is measured against a reference.
+//! Every method renders the scene several times with different random numbers. The methods take turns, so that a machine that slows
+//! down slows all of them. At doubling checkpoints each picture is measured against a reference.
 
 mod conclude;
 pub mod curve;
@@ -11,98 +11,110 @@ pub mod run;
 use crate::film::Image;
 use crate::measure::Metric;
 
-pub use crate::measure::words::TARGETS;
+pub use crate::measure::format::TARGETS;
 pub use conclude::conclusions;
-pub use run::{Contestant, Effort, run};
+pub use run::{Budget, MethodConfig, run};
 
-/// All that was measured, for the report to tell.
+/// Results of a comparison, as the report needs them.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// Of the scene file, without folder and extension.
+    /// Name of the scene file, without folder and extension.
     pub scene: String,
+    /// Reference of all measurements.
     pub reference: Reference,
+    /// The methods.
     pub methods: Vec<Method>,
-    /// What else was measured.
+    /// Additional error measures.
     pub metrics: Vec<Metric>,
-    /// Of all intervals.
+    /// Confidence of all intervals.
     pub confidence: f64,
-    /// What it comes to, a sentence each.
+    /// Conclusions, one sentence each.
     pub conclusions: Vec<String>,
 }
 
-/// What the pictures are measured against.
+/// Picture that the others are measured against.
 #[derive(Clone, Debug)]
 pub struct Reference {
-    /// With `StdErr.R`, `StdErr.G`, `StdErr.B` where it knows its own errors: they are subtracted.
+    /// Picture, with `StdErr.R`, `StdErr.G`, `StdErr.B` if its errors are known; they are subtracted.
     pub image: Image,
-    /// Where it comes from: a file, or how it was computed.
+    /// Origin: a file, or how the picture was computed.
     pub origin: String,
-    /// √relMSE of itself, where it knows.
+    /// √relMSE of the reference itself, if known.
     pub error: Option<f64>,
 }
 
-/// One way to render the scene, and how it did.
+/// A way to render the scene, with its results.
 #[derive(Clone, Debug)]
 pub struct Method {
-    /// `nee`, or `nee · sobol` where samplers are compared too.
+    /// `nee`, or `nee · sobol` if samplers are compared too.
     pub name: String,
+    /// Name of the integrator.
     pub integrator: String,
+    /// Name of the sampler.
     pub sampler: String,
-    /// One per replicate and checkpoint.
+    /// Measurements, one per replicate and checkpoint.
     pub measurements: Vec<Measurement>,
-    /// What the checkpoints say together, in order of samples.
-    pub curve: Vec<Point>,
-    /// After the last checkpoint, the mean of all replicates, with the standard errors that their spread tells.
+    /// Statistics of the checkpoints, in order of samples.
+    pub curve: Vec<CheckpointStats>,
+    /// Mean of all replicates after the last checkpoint, with standard errors from their variance.
     pub image: Image,
-    /// Of one replicate after the last checkpoint: what a user would get.
+    /// Picture of one replicate after the last checkpoint, as a user would get it.
     pub sample: Image,
-    /// relMSE ~ seconds⁻ᵇ: b and its standard error; `None` for fewer than three checkpoints.
+    /// b in relMSE ~ seconds⁻ᵇ, with its standard error; `None` for fewer than three checkpoints.
     pub slope: Option<(f64, f64)>,
-    /// √relMSE at which more samples stop helping: bias. With its standard error; `None` where none can be seen.
+    /// Bias: √relMSE that more samples do not remove, with its standard error; `None` if none can be detected.
     pub bias: Option<(f64, f64)>,
-    /// The time that an error takes: one for each of [`TARGETS`].
+    /// Time that an error takes, for each of [`TARGETS`]; `None` if the method never reaches it.
     pub prices: Vec<Option<Cost>>,
-    /// Effects that the scene calls for and the method leaves out, in words; empty for none.
+    /// Effects that the scene needs and the method leaves out, in words; empty if there are none.
     pub lacks: String,
 }
 
-/// Seconds that an error takes, with the interval that holds them.
+/// Time that an error takes, with its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
+    /// Render time (seconds).
     pub seconds: f64,
+    /// Lower end of the interval (seconds).
     pub low: f64,
+    /// Upper end of the interval (seconds).
     pub high: f64,
-    /// Beyond the last checkpoint: foretold, not measured.
+    /// Whether the time lies outside of the checkpoints and is extrapolated.
     pub extrapolated: bool,
 }
 
-/// One picture at one checkpoint.
+/// Errors of one picture at one checkpoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
+    /// Index of the replicate.
     pub replicate: u32,
-    /// Per pixel.
+    /// Samples per pixel.
     pub samples: u64,
-    /// Of rendering, with all threads.
+    /// Render time, with all threads.
     pub seconds: f64,
-    /// Σ(x − r)²/3P, the reference's own variance subtracted; so it may be negative where both are equally good.
+    /// Σ(x − r)²/3P, less the reference's own variance; it may be negative if both pictures are equally good.
     pub mse: f64,
-    /// The same over r² + ε.
+    /// Relative error: the squares of `mse` are divided by r² + ε.
     pub relmse: f64,
-    /// relMSE without the worst 0.1 % of the pixels.
+    /// relMSE without the largest 0.1 % of the pixels.
     pub trimmed: f64,
-    /// By each of [`Comparison::metrics`]; the reference counts as the truth.
+    /// Values of [`Comparison::metrics`], which take the reference as the truth.
     pub others: Vec<f64>,
 }
 
-/// All replicates of a method at one checkpoint.
+/// Statistics of all replicates of a method at one checkpoint. Each pair is a mean and its standard error.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Point {
+pub struct CheckpointStats {
+    /// Samples per pixel.
     pub samples: u64,
-    /// Mean of the replicates.
+    /// Mean render time.
     pub seconds: f64,
-    /// Mean over the replicates, and its standard error.
+    /// Mean squared error.
     pub mse: (f64, f64),
+    /// Relative mean squared error.
     pub relmse: (f64, f64),
+    /// Trimmed relMSE.
     pub trimmed: (f64, f64),
+    /// Values of [`Comparison::metrics`].
     pub others: Vec<(f64, f64)>,
 }

@@ -1,4 +1,4 @@
-//! Takes the measurements: every method, every replicate, checkpoint by checkpoint.
+//! Measurements: every method, every replicate, checkpoint by checkpoint.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -7,7 +7,7 @@ use super::curve;
 use super::{Measurement, Method, Reference};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Integrator;
-use crate::measure::metric::{Named, Pair};
+use crate::measure::metric::{ImagePair, Named};
 use crate::measure::{Distance, Metric};
 use crate::output::Tonemap;
 use crate::render::{Observer, Render, Settings};
@@ -15,62 +15,68 @@ use crate::sampler::SamplerSpec;
 use crate::scene::Scene;
 
 /// A way to render a scene.
-pub struct Contestant {
+pub struct MethodConfig {
+    /// Name in the report.
     pub name: String,
+    /// Name of the integrator.
     pub integrator_name: String,
+    /// Name of the sampler.
     pub sampler_name: String,
+    /// The integrator.
     pub integrator: Arc<dyn Integrator>,
+    /// The sampler.
     pub sampler: SamplerSpec,
+    /// Effects that the scene needs and the integrator leaves out, in words.
     pub lacks: String,
 }
 
-/// How much is rendered, and what is measured.
+/// Limits of the work, and what is measured.
 #[derive(Clone, Debug)]
-pub struct Effort {
-    /// Independent renders of each method; at least two, so that their spread is seen.
+pub struct Budget {
+    /// Number of independent renders of each method; at least two, so that their variance is known.
     pub replicates: u32,
     /// Samples per pixel of each replicate at most.
     pub samples: u64,
-    /// Render time of each method, its replicates together.
+    /// Render time of each method, all its replicates together.
     pub time: Option<Duration>,
-    /// Beside mse and relMSE.
+    /// Error measures besides mse and relMSE.
     pub metrics: Vec<Metric>,
 }
 
-/// One replicate of a method on its way.
+/// State of one replicate of a method.
 struct Run {
     render: Render,
     film: MomentFilm,
 }
 
-/// Renders all contestants in turn, a checkpoint at a time, and measures each picture against the reference.
+/// Renders all methods in turn, a checkpoint at a time, and measures each picture against the reference.
 ///
-/// Interleaved like this, a machine that slows down slows all of them; and only rendering is on the clock.
-/// `None` where the observer ended it.
+/// As the methods take turns, a machine that slows down slows all of them. Only rendering counts as time. `None` if the observer
+/// ended it.
 pub fn run(
     scene: &Arc<dyn Scene>,
     spec: &FilmSpec,
-    contestants: Vec<Contestant>,
-    effort: &Effort,
+    configs: Vec<MethodConfig>,
+    budget: &Budget,
     reference: &Reference,
     confidence: f64,
     observer: &dyn Observer,
 ) -> Option<Vec<Method>> {
-    let start = |contestant: &Contestant, replicate: u32| {
-        let seed = contestant.sampler.seed.wrapping_add(1 + u64::from(replicate));
-        // One long sequence each: the spread among the replicates tells the error.
-        let sampler = SamplerSpec { seed, spp: effort.samples, scramblings: 1, ..contestant.sampler };
-        let render = Render::new(scene.clone(), &*contestant.integrator, spec, &Settings::new(sampler));
+    let start = |config: &MethodConfig, replicate: u32| {
+        let seed = config.sampler.seed.wrapping_add(1 + u64::from(replicate));
+        // Each replicate is one sequence without scramblings: the variance among the replicates gives the error.
+        let sampler = SamplerSpec { seed, spp: budget.samples, scramblings: 1, ..config.sampler };
+        let render = Render::new(scene.clone(), &*config.integrator, spec, &Settings::new(sampler));
         Run { render, film: MomentFilm::new(spec.clone()) }
     };
-    let mut runs: Vec<Vec<Run>> = contestants.iter().map(|c| (0..effort.replicates).map(|r| start(c, r)).collect()).collect();
+    let mut runs: Vec<Vec<Run>> = configs.iter().map(|c| (0..budget.replicates).map(|r| start(c, r)).collect()).collect();
     let mut measured: Vec<Vec<Measurement>> = runs.iter().map(|_| vec![]).collect();
-    for samples in doubling(effort.samples) {
+    for samples in doubling(budget.samples) {
         let mut advanced = false;
-        // Replicate by replicate, so that neighbours on the clock are different methods.
-        for replicate in 0..effort.replicates as usize {
+        // Methods are the inner loop, so that neighbours in time are different methods.
+        for replicate in 0..budget.replicates as usize {
             for (method, runs) in runs.iter_mut().enumerate() {
-                if !affordable(&measured[method], effort, samples) {
+                if !affordable(&measured[method], budget, samples) {
                     continue;
                 }
                 advanced = true;
@@ -81,7 +87,7 @@ pub fn run(
                 }
                 let (image, replicate) = (film.image(), replicate as u32);
                 let Distance { mse, relmse, trimmed } = Distance::between(&image, &reference.image)?;
-                let others = others(&effort.metrics, &contestants[method].name, &image, reference)?;
+                let others = others(&budget.metrics, &configs[method].name, &image, reference)?;
                 let seconds = render.report().elapsed.as_secs_f64();
                 measured[method].push(Measurement { replicate, samples, seconds, mse, relmse, trimmed, others });
             }
@@ -90,20 +96,20 @@ pub fn run(
             break;
         }
     }
-    let methods = contestants.into_iter().zip(runs).zip(measured).map(|((contestant, runs), measurements)| {
+    let methods = configs.into_iter().zip(runs).zip(measured).map(|((config, runs), measurements)| {
         let pictures: Vec<Image> = runs.iter().map(|run| run.film.image()).collect();
-        curve::method(contestant, &pictures, measurements, reference, confidence)
+        curve::method(config, &pictures, measurements, reference, confidence)
     });
     Some(methods.collect())
 }
 
-/// `None` for pictures that cannot be compared.
+/// Values of the additional measures; `None` for pictures that cannot be compared.
 fn others(metrics: &[Metric], name: &str, image: &Image, reference: &Reference) -> Option<Vec<f64>> {
     if metrics.is_empty() {
         return Some(vec![]);
     }
     let named = |name, image| Named { name, image };
-    let pair = Pair::new(named(name, image), named(&reference.origin, &reference.image), Tonemap::default()).ok()?;
+    let pair = ImagePair::new(named(name, image), named(&reference.origin, &reference.image), Tonemap::default()).ok()?;
     Some(metrics.iter().map(|metric| metric.measure(&pair).value).collect())
 }
 
@@ -112,12 +118,12 @@ fn doubling(most: u64) -> impl Iterator<Item = u64> {
     (0..63).map(|k| 1u64 << k).take_while(move |samples| *samples <= most)
 }
 
-/// Whether a method has the time for its replicates to double. All of a checkpoint's replicates, or none.
-fn affordable(measured: &[Measurement], effort: &Effort, samples: u64) -> bool {
+/// Returns whether a method has time to double the samples of its replicates. All replicates of a checkpoint are rendered, or none.
+fn affordable(measured: &[Measurement], budget: &Budget, samples: u64) -> bool {
     let at = |samples: u64| measured.iter().filter(move |m| m.samples == samples).map(|m| m.seconds);
     let before = samples / 2;
-    match effort.time {
-        // The first of a checkpoint decides for all.
+    match budget.time {
+        // The first replicate of a checkpoint decides for all.
         Some(time) if at(samples).next().is_none() && at(before).count() > 0 => 2.0 * at(before).sum::<f64>() <= time.as_secs_f64(),
         Some(_) if at(samples).next().is_none() && samples > 1 => false,
         _ => true,

@@ -56,7 +56,7 @@ impl Scene {
     pub fn film_memory(&self) -> u128 {
         let (mut film, sampler) = (super::build::film(&self.film), super::build::sampler(&self.sampler));
         film.layers = with_lights(&film.layers, emitters(&self.shapes) + self.lights.len() + 1);
-        memory::needed(film.crop.pixel_count(), film.slots(sampler.spread()), sampler.spp)
+        memory::needed(film.crop.pixel_count(), film.layout(sampler.error_estimator()), sampler.spp)
     }
 
     /// `None` for a name that is not there.

@@ -1,4 +1,4 @@
-//! Panics, as errors.
+//! Conversion of panics to errors.
 
 use std::any::Any;
 use std::backtrace::{Backtrace, BacktraceStatus};
@@ -9,57 +9,60 @@ use std::sync::{Mutex, PoisonError};
 use super::text::one_line;
 use super::{Error, Result};
 
-/// What a panic says, and where it comes from.
+/// Message and backtrace of a panic.
 pub struct Panic {
-    pub said: String,
+    /// Message and source location.
+    pub message: String,
     trace: Backtrace,
 }
 
-/// The panic under way; of several the first.
-static SAID: Mutex<Option<Panic>> = Mutex::new(None);
+/// First panic that has not been reported yet.
+static FIRST: Mutex<Option<Panic>> = Mutex::new(None);
 
-/// Makes panics silent, for a program that reports what it [`caught`].
+/// Silences the default panic message, for a program that reports panics through [`caught`].
 pub fn silence() {
     set_hook(Box::new(|info| {
         let place = info.location().map_or(String::new(), |at| format!(" at {}:{}", within_crate(at.file()), at.line()));
-        let said = words(info.payload()) + &place;
-        let mut first = SAID.lock().unwrap_or_else(PoisonError::into_inner);
-        first.get_or_insert_with(|| Panic { said, trace: Backtrace::capture() });
+        let message = payload_message(info.payload()) + &place;
+        let mut first = FIRST.lock().unwrap_or_else(PoisonError::into_inner);
+        first.get_or_insert_with(|| Panic { message, trace: Backtrace::capture() });
     }));
 }
 
-/// Does some work; a panic in it, on any thread that it waits for, is an error. With RUST_BACKTRACE set it shows where it comes from.
+/// Runs `work` and returns a panic in it, or on a thread that it waits for, as an error. The backtrace is printed if RUST_BACKTRACE
+/// is set.
 ///
-/// - `file`: what was worked on, if it is a file
+/// - `file`: file that the work is about; empty if there is none
 ///
 /// # Errors
-/// `Internal` for a panic, and whatever the work returns.
+/// `Internal` for a panic, and the errors of `work`.
 pub fn caught<T>(file: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
-    unwound(work).unwrap_or_else(|Panic { said, trace }| {
+    unwound(work).unwrap_or_else(|Panic { message, trace }| {
         if trace.status() == BacktraceStatus::Captured {
             let _ = write!(std::io::stderr(), "{trace}");
         }
         let name = if file.is_empty() { String::new() } else { format!("{file}: ") };
-        Err(Error::Internal(name + &one_line(&said)))
+        Err(Error::Internal(name + &one_line(&message)))
     })
 }
 
-/// What some work returns, or its panic.
+/// Runs `work` and returns its result or its panic.
 pub fn unwound<T>(work: impl FnOnce() -> T) -> Result<T, Panic> {
-    // Whoever reports the panic uses nothing of what the work left behind.
+    // Unwind safety: the state that `work` leaves behind is not used after a panic.
     catch_unwind(AssertUnwindSafe(work)).map_err(|payload| {
-        let first = SAID.lock().unwrap_or_else(PoisonError::into_inner).take();
-        first.unwrap_or_else(|| Panic { said: words(&*payload), trace: Backtrace::disabled() })
+        let first = FIRST.lock().unwrap_or_else(PoisonError::into_inner).take();
+        first.unwrap_or_else(|| Panic { message: payload_message(&*payload), trace: Backtrace::disabled() })
     })
 }
 
-/// The file of a crate, without the folders that hold the crate.
+/// Path of a source file within its crate, starting with the name of the crate's folder.
 fn within_crate(file: &str) -> &str {
     let folders = file.rfind("/src/").and_then(|src| file[..src].rfind('/'));
     folders.map_or(file, |at| &file[at + 1..])
 }
 
-fn words(payload: &(dyn Any + Send)) -> String {
+/// Message of a panic payload.
+fn payload_message(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().copied().or_else(|| payload.downcast_ref::<String>().map(String::as_str));
     text.unwrap_or("a panic without words").to_owned()
 }
@@ -74,15 +77,15 @@ mod tests {
     fn a_panic_is_an_internal_error_that_names_the_file() {
         let error = caught("a.json", || -> Result<()> { panic!("no {}", "luck") }).expect_err("it panics");
         assert_eq!(error.exit_code(), 6);
-        let said = error.to_string();
-        assert!(said.starts_with("a.json: no luck") && said.ends_with("(this is a bug in pt, please report it)"), "{said}");
+        let message = error.to_string();
+        assert!(message.starts_with("a.json: no luck") && message.ends_with("(this is a bug in pt, please report it)"), "{message}");
     }
 
     #[test]
     fn a_panic_on_another_thread_is_caught_too() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
         let work = || pool.install(|| (0..100).into_par_iter().map(|i| if i == 77 { panic!("tile {i}") } else { i }).sum::<i32>());
-        assert!(unwound(work).is_err_and(|panic| panic.said.starts_with("tile 77")));
+        assert!(unwound(work).is_err_and(|panic| panic.message.starts_with("tile 77")));
     }
 
     #[test]

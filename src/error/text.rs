@@ -1,33 +1,33 @@
-//! Text from files and from users, made safe for a terminal.
+//! Text from files and users in a form that is safe for terminals.
 
 use std::borrow::Cow;
 
-/// The most characters of one piece of a message, such as a name, a pointer or a sentence.
-const LONGEST: usize = 600;
+/// Greatest number of characters of one piece of a message, such as a name, a pointer or a sentence.
+const MAX_LENGTH: usize = 600;
 
-/// The text on one line and of bounded length: characters that a terminal would obey are written as escapes, such as `\u001b`, and the
-/// middle of what is too long is left out.
+/// The text on one line and with bounded length: control characters are written as escapes such as `\u001b`, and the middle of a long
+/// text is left out.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     match bounded(text) {
-        Cow::Borrowed(text) => escaped(text, is_obeyed),
-        Cow::Owned(text) => Cow::Owned(escaped(&text, is_obeyed).into_owned()),
+        Cow::Borrowed(text) => escaped(text, is_control),
+        Cow::Owned(text) => Cow::Owned(escaped(&text, is_control).into_owned()),
     }
 }
 
-/// The text with its lines and tabs as they are: all other characters that a terminal would obey are written as escapes.
+/// The text with control characters other than newline and tab written as escapes.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    escaped(text, |c| is_obeyed(c) && c != '\n' && c != '\t')
+    escaped(text, |c| is_control(c) && c != '\n' && c != '\t')
 }
 
-/// The text, of which the middle is left out where it is too long.
+/// The text without its middle part if it is too long.
 pub fn bounded(text: &str) -> Cow<'_, str> {
-    if text.len() <= LONGEST {
+    if text.len() <= MAX_LENGTH {
         return text.into();
     }
     let count = text.chars().count();
-    let Some(left_out) = count.checked_sub(LONGEST).filter(|n| *n > 0) else { return text.into() };
+    let Some(left_out) = count.checked_sub(MAX_LENGTH).filter(|n| *n > 0) else { return text.into() };
     let at = |nth: usize| text.char_indices().nth(nth).map_or(text.len(), |(at, _)| at);
-    let (head, tail) = (&text[..at(LONGEST / 2)], &text[at(count - LONGEST / 2)..]);
+    let (head, tail) = (&text[..at(MAX_LENGTH / 2)], &text[at(count - MAX_LENGTH / 2)..]);
     format!("{head}… ({left_out} characters) …{tail}").into()
 }
 
@@ -42,15 +42,15 @@ fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
             '\n' => escaped.push_str("\\n"),
             '\r' => escaped.push_str("\\r"),
             '\t' => escaped.push_str("\\t"),
-            // As JSON has it, which may be what this is.
+            // The escape of JSON, because the text may be JSON.
             _ => escaped += &format!("\\u{:04x}", u32::from(c)),
         }
     }
     escaped.into()
 }
 
-/// Whether a terminal takes it for a command: control characters, and those that turn the direction of writing.
-fn is_obeyed(c: char) -> bool {
+/// Whether the character may control a terminal: control characters, and characters that change the direction of writing.
+fn is_control(c: char) -> bool {
     c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
@@ -62,7 +62,7 @@ mod tests {
     #[test]
     fn no_control_character_gets_through() {
         let all: String = (char::MIN..=char::MAX).collect();
-        for text in all.chars().collect::<Vec<_>>().chunks(LONGEST) {
+        for text in all.chars().collect::<Vec<_>>().chunks(MAX_LENGTH) {
             let text: String = text.iter().collect();
             assert!(!one_line(&text).contains(char::is_control));
             assert!(!printable(&text).contains(|c: char| c.is_control() && c != '\n' && c != '\t'));
@@ -74,14 +74,14 @@ mod tests {
 
     #[test]
     fn what_is_short_stays_and_what_is_long_is_bounded() {
-        for length in [0, 1, LONGEST - 1, LONGEST] {
+        for length in [0, 1, MAX_LENGTH - 1, MAX_LENGTH] {
             assert_eq!(one_line(&"é".repeat(length)), "é".repeat(length));
         }
-        for length in [LONGEST + 1, 10 * LONGEST, 1_000_000] {
+        for length in [MAX_LENGTH + 1, 10 * MAX_LENGTH, 1_000_000] {
             let text = format!("<{}>", "é".repeat(length - 2));
             let found = one_line(&text).into_owned();
-            assert!(found.starts_with('<') && found.ends_with('>') && found.contains(&format!("({} characters)", length - LONGEST)));
-            assert!(found.chars().count() < LONGEST + 40);
+            assert!(found.starts_with('<') && found.ends_with('>') && found.contains(&format!("({} characters)", length - MAX_LENGTH)));
+            assert!(found.chars().count() < MAX_LENGTH + 40);
         }
     }
 }

@@ -1,9 +1,8 @@
-//! Reconstruction filters, by importance sampling: a sample is moved, not spread.
+//! Reconstruction filters by filter importance sampling.
 //!
-//! Instead of weighting samples around a pixel by f, one is drawn at a distance x from the pixel's
-//! middle with density |f|/∫|f| and counts with weight ±∫|f|/∫f: each sample touches one pixel only,
-//! so that pixels are independent and error bars mean something. The weight of a filter without negative
-//! lobes is exactly 1, and a constant picture stays constant.
+//! Instead of weighting samples around a pixel by f, a sample is drawn at a distance x from the pixel's centre with density
+//! |f|/∫|f| and has the weight ±∫|f|/∫f. Each sample contributes to one pixel only, so that pixels are independent and their standard
+//! errors are valid. The weight of a filter without negative lobes is exactly 1, and a constant picture stays constant.
 //!
 //! Source: Ernst, Stamminger, Greiner, *Filter Importance Sampling* (2006).
 
@@ -11,7 +10,7 @@ use glam::Vec2;
 
 use crate::math::float;
 
-/// A separable filter f(x)·f(y).
+/// Separable reconstruction filter f(x)·f(y).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filter {
     kind: Kind,
@@ -31,31 +30,31 @@ impl Default for Filter {
 }
 
 impl Filter {
-    /// f = 1 for |x| ≤ r; r = ½ is the pixel itself.
+    /// Box filter f = 1 for |x| ≤ r; r = ½ is the pixel itself.
     pub fn pixel_box(radius: f32) -> Filter {
         Filter { kind: Kind::Box { radius } }
     }
 
-    /// f = 1 − |x|/r
+    /// Tent filter f = 1 − |x|/r.
     pub fn tent(radius: f32) -> Filter {
         Filter { kind: Kind::Tent { radius } }
     }
 
-    /// f = exp(−x²/2σ²) − exp(−r²/2σ²), which ends at 0.
+    /// Gaussian filter f = exp(−x²/2σ²) − exp(−r²/2σ²), which is 0 at r.
     ///
-    /// Computed as exp(−x²/2σ²)·(1 − exp(−(r² − x²)/2σ²)): where σ ≫ r the difference would be lost.
+    /// The value is computed as exp(−x²/2σ²)·(1 − exp(−(r² − x²)/2σ²)), because the difference would lose its digits for σ ≫ r.
     pub fn gaussian(radius: f32, sigma: f32) -> Filter {
         let (radius_squared, twice_variance) = ((radius as f64).powi(2), 2.0 * (sigma as f64).powi(2));
         let f = move |x: f64| float::exp_f64(-x * x / twice_variance) * -float::exp_m1_f64((x * x - radius_squared) / twice_variance);
-        // Beyond 9 σ lies 10⁻¹⁸ of it.
+        // Only 10⁻¹⁸ of the integral lies beyond 9 σ.
         let end = (radius as f64).min(9.0 * sigma as f64);
         let borders: Vec<f64> = (0..=GAUSSIAN_PIECES).map(|k| end * k as f64 / GAUSSIAN_PIECES as f64).collect();
         Filter { kind: Kind::Curve(Curve::new(&borders, f)) }
     }
 
-    /// Mitchell and Netravali's cubic, stretched to the given radius; it has negative lobes, except where c = 0.
+    /// Mitchell and Netravali's cubic filter, stretched to the given radius. It has negative lobes unless c = 0.
     ///
-    /// f = (2 − x)² (2b + 6c − (b + 6c) x)/6 for 1 ≤ x ≤ 2: it changes its sign at x = 1 + b/(b + 6c), and nowhere else.
+    /// For 1 ≤ x ≤ 2, f = (2 − x)² (2b + 6c − (b + 6c) x)/6, whose only change of sign is at x = 1 + b/(b + 6c).
     ///
     /// Source: *Reconstruction Filters in Computer Graphics* (1988).
     pub fn mitchell(radius: f32, b: f32, c: f32) -> Filter {
@@ -73,7 +72,7 @@ impl Filter {
         Filter { kind: Kind::Curve(Curve::new(&[0.0, 1.0, root, 2.0].map(|x| 0.5 * radius as f64 * x), f)) }
     }
 
-    /// Whether it is nowhere negative.
+    /// Whether the filter is nowhere negative.
     pub fn is_positive(&self) -> bool {
         match &self.kind {
             Kind::Box { .. } | Kind::Tent { .. } => true,
@@ -81,7 +80,7 @@ impl Filter {
         }
     }
 
-    /// An offset from the pixel's middle (pixels), and the weight of what is found there.
+    /// Samples an offset from the pixel's centre (pixels), and returns it with the weight of a sample there.
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
         match &self.kind {
             Kind::Box { radius } => ((2.0 * u - 1.0) * *radius, 1.0),
@@ -94,19 +93,20 @@ impl Filter {
     }
 }
 
-/// Distributed as 1 − |x|.
+/// Samples the density 1 − |x|.
 fn tent(u: f32) -> f32 {
     if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
 }
 
-/// A cubic through four values of the gaussian on each of so many intervals is the gaussian to 5·10⁻⁸ of its height, for any σ.
+/// Number of intervals that approximate a Gaussian. Cubics through four values on each interval have an error of at most 5·10⁻⁸ of
+/// the Gaussian's height, for any σ.
 const GAUSSIAN_PIECES: usize = 128;
 
-/// A filter that is the same on both sides of 0, as cubics on intervals from 0 to its radius.
+/// Even filter as cubics on intervals from 0 to its radius.
 #[derive(Clone, Debug, PartialEq)]
 struct Curve {
     pieces: Vec<Piece>,
-    /// ∫|f| / ∫f: exactly 1 where nothing is negative.
+    /// ∫|f| / ∫f, exactly 1 if f is nowhere negative.
     weight: f64,
 }
 
@@ -119,13 +119,13 @@ struct Piece {
     cubic: [f64; 4],
     /// ∫|f| dt
     size: f64,
-    /// The shares of ∫|f| nearer to 0 than this piece, and within it.
+    /// Fraction of ∫|f| on the pieces nearer to 0, and on this piece.
     shares: [f64; 2],
     sign: f64,
 }
 
 impl Curve {
-    /// - `borders`: of the intervals, from 0; f changes its sign nowhere between them
+    /// Approximates f on the intervals between `borders`, which start at 0. The sign of f must not change within an interval.
     fn new(borders: &[f64], f: impl Fn(f64) -> f64) -> Curve {
         let pieces = borders.windows(2).map(|ends| Piece::new(ends[0], ends[1], &f));
         let mut pieces: Vec<Piece> = pieces.filter(|piece| piece.width * piece.size > 0.0).collect();
@@ -140,7 +140,7 @@ impl Curve {
         Curve { pieces, weight: total / signed }
     }
 
-    /// A distance with density |f|/∫|f|, by the inverse of its distribution, and the weight of what is found there.
+    /// Samples a signed distance with density |f|/∫|f| by inversion, and returns it with the weight of a sample there.
     fn sample(&self, u: f32) -> (f32, f32) {
         let signed = 2.0 * f64::from(u) - 1.0;
         let k = self.pieces.partition_point(|piece| piece.shares[0] <= signed.abs()).max(1) - 1;
@@ -151,7 +151,7 @@ impl Curve {
 }
 
 impl Piece {
-    /// The cubic that agrees with f at both ends and at the thirds between them; f itself, where that is a cubic.
+    /// Cubic that interpolates f at both ends and at the thirds between them. It equals f if f is a cubic.
     fn new(start: f64, end: f64, f: impl Fn(f64) -> f64) -> Piece {
         let width = end - start;
         let [a, b, c, d] = [f(start), f(start + width / 3.0), f(start + width * (2.0 / 3.0)), f(end)];
@@ -162,11 +162,12 @@ impl Piece {
         Piece { start, width, cubic, size: (a + 3.0 * b + 3.0 * c + d) / 8.0, shares: [0.0; 2], sign }
     }
 
-    /// The t below which lies the share `q` of the piece: Newton's method, that halves what is left where a step leads out of it.
+    /// The t below which the fraction `q` of the piece's integral lies, by Newton's method with bisection where a step leaves the
+    /// bracket.
     fn inverse(&self, q: f64) -> f64 {
         let [a, b, c, d] = self.cubic;
         let (mut low, mut high, mut t) = (0.0, 1.0, q.clamp(0.0, 1.0));
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let excess = t * (a + t * (b / 2.0 + t * (c / 3.0 + t * (d / 4.0)))) - q * self.size;
             if excess < 0.0 {
                 low = t
@@ -175,9 +176,9 @@ impl Piece {
             }
             let next = t - excess / (a + t * (b + t * (c + t * d)));
             let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
-            let is_there = (next - t).abs() <= PRECISION;
+            let has_converged = (next - t).abs() <= PRECISION;
             t = next;
-            if is_there {
+            if has_converged {
                 break;
             }
         }
@@ -185,7 +186,7 @@ impl Piece {
     }
 }
 
-/// Of t: below the rounding of a distance.
+/// Precision of t, below the rounding of a distance in f32.
 const PRECISION: f64 = 1e-9;
-/// Newton's method takes 2 to 5, and halving down to the precision 30.
-const MOST_STEPS: u32 = 32;
+/// Greatest number of iterations. Newton's method takes 2 to 5, and bisection down to [`PRECISION`] takes 30.
+const MAX_STEPS: u32 = 32;

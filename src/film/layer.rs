@@ -1,61 +1,71 @@
-//! Layers: numbers beside the colours of a pixel.
+//! Layers (arbitrary output variables): numbers that a pixel has in addition to its colours.
 //!
 //! ```text
-//! Samples   Σ w x / n          as the picture: w weighs by the pixel's filter, what met nothing counts as 0
-//! Hits      Σ |w| x / Σ |w|    over the samples that met a surface; 0 where none did
+//! Samples   Σ w x / n          like the picture: w is the weight of the reconstruction filter, samples that hit nothing count as 0
+//! Hits      Σ |w| x / Σ |w|    over the samples that hit a surface; 0 if none did
 //! Sum       Σ x
 //! ```
 //!
-//! All three come from sums, so that layers join as the picture does. |w|: a filter with negative lobes has no say
-//! in where things are, and a mean of places lies among them.
+//! All three are computed from sums, so that layers are joined like the picture. `Hits` uses |w|, because a mean of positions with
+//! negative weights may lie far from all of them.
 //!
-//! To add one: a variant here, its row in [`Layer::ALL`], its arms, and where its numbers come from: for what the first
-//! surface tells, an arm in `render::first_hit`, for what paths tell in `render::paths`.
+//! A new layer is a variant here with its row in [`Layer::ALL`] and its arms, and the source of its numbers: an arm in
+//! `render::first_hit` for properties of the first surface, or in `render::light_aovs` for the light of paths.
 
 use std::sync::Arc;
 
-/// What there is beside the picture.
+/// Layer of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Layer {
+    /// Fraction of light that the first surface scatters.
     Albedo,
+    /// Geometric normal of the first surface.
     Normal,
+    /// Shading normal of the first surface.
     ShadingNormal,
+    /// Position on the first surface in world space (m).
     Position,
+    /// Depth of the first surface (m).
     Depth,
+    /// Texture coordinates of the first surface.
     Uv,
-    /// Seen by the camera itself.
+    /// Light that reaches the camera without scattering.
     Emission,
-    /// Scattered once.
+    /// Light that scattered once.
     Direct,
-    /// Scattered more than once.
+    /// Light that scattered more than once.
     Indirect,
-    /// However it came, of the lights of one name: see [`LightNames`].
+    /// All light of the lights with one name: see [`LightNames`].
     Light(u32),
+    /// Time that the samples took (s).
     Time,
 }
 
-/// The names of a scene's lights.
+/// Names of a scene's lights.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LightNames {
-    /// Each once: a mesh that shines is many lights of one name.
+    /// Distinct names. An emitting mesh is many lights with one name.
     pub names: Vec<String>,
-    /// Which of them each light has.
+    /// Index into `names` for each light.
     pub of: Arc<[u32]>,
 }
 
-/// How the samples of a pixel become one number.
+/// Rule by which the samples of a pixel become one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
+    /// Weighted mean over all samples.
     Samples,
+    /// Weighted mean over the samples that hit a surface.
     Hits,
+    /// Sum over all samples.
     Sum,
 }
 
-/// The most channels of a layer.
+/// Greatest number of channels of a layer.
 pub const MAX_CHANNELS: usize = 3;
 
 impl Layer {
-    /// Each layer with the name by which it is asked for and one line about it.
+    /// Each layer with its name on the command line and a description in one line.
     pub const ALL: &[(Layer, &str, &str)] = &[
         (
             Layer::Albedo,
@@ -74,7 +84,7 @@ impl Layer {
         (Layer::Time, "time", "Time.Y: seconds that the picture's samples took. By the clock, so no part of `all` nor of hashes."),
     ];
 
-    /// Its name in [`Layer::ALL`].
+    /// Name in [`Layer::ALL`].
     pub fn name(self) -> &'static str {
         let row = match self {
             Layer::Light(_) => Layer::Light(0),
@@ -83,12 +93,12 @@ impl Layer {
         Layer::ALL.iter().find(|(layer, ..)| *layer == row).map_or("", |row| row.1)
     }
 
-    /// By the name in [`Layer::ALL`].
+    /// The layer with a name of [`Layer::ALL`].
     pub fn named(name: &str) -> Option<Layer> {
         Layer::ALL.iter().find(|row| row.1 == name).map(|row| row.0)
     }
 
-    /// The full names of its channels in a picture.
+    /// Full names of the channels in a picture.
     pub fn channels(self, lights: &LightNames) -> Vec<String> {
         let name = match self {
             Layer::Albedo => "Albedo",
@@ -116,11 +126,12 @@ impl Layer {
         }
     }
 
-    /// Whether the picture's own paths tell its numbers.
+    /// Whether the numbers are recorded along the picture's own paths.
     pub fn is_light(self) -> bool {
         matches!(self, Layer::Emission | Layer::Direct | Layer::Indirect | Layer::Light(_))
     }
 
+    /// Rule by which samples become one number.
     pub fn rule(self) -> Rule {
         match self {
             Layer::Albedo | Layer::Normal | Layer::ShadingNormal => Rule::Samples,
@@ -130,22 +141,22 @@ impl Layer {
         }
     }
 
-    /// Whether it depends on scene and settings alone.
+    /// Whether the layer depends on scene and settings alone.
     pub fn is_reproducible(self) -> bool {
         self != Layer::Time
     }
 
-    /// How many numbers of a pixel it adds up.
-    pub fn slots(self) -> usize {
+    /// Number of sums per pixel.
+    pub fn sum_count(self) -> usize {
         self.components().len() + usize::from(self.rule() == Rule::Hits)
     }
 
-    /// Appends what one sample adds to them.
+    /// Appends the terms that one sample adds to the sums.
     ///
-    /// - `weight`: of the filter
-    /// - `values`: one per channel; `None` where the sample met nothing
+    /// - `weight`: weight of the reconstruction filter
+    /// - `values`: one per channel; `None` if the sample hit nothing
     pub fn add_terms(self, weight: f64, values: Option<&[f64]>, terms: &mut Vec<f64>) {
-        let Some(values) = values else { return terms.extend(std::iter::repeat_n(0.0, self.slots())) };
+        let Some(values) = values else { return terms.extend(std::iter::repeat_n(0.0, self.sum_count())) };
         match self.rule() {
             Rule::Samples => terms.extend(values.iter().map(|x| weight * x)),
             Rule::Sum => terms.extend(values),
@@ -156,7 +167,7 @@ impl Layer {
         }
     }
 
-    /// The number of channel `c` in the picture, from its sums over n samples.
+    /// Value of channel `c` in the picture, from the sums over n samples.
     pub fn value(self, sums: &[f64], c: usize, n: u64) -> f64 {
         match self.rule() {
             Rule::Samples => sums[c] / n.max(1) as f64,
@@ -169,7 +180,7 @@ impl Layer {
     }
 }
 
-/// The layers, with one for each of `count` lights in the place of the one for all of them.
+/// The layers with [`Layer::Light`] replaced by one layer for each of `count` light names.
 pub fn with_lights(layers: &[Layer], count: usize) -> Vec<Layer> {
     let each = |layer: &Layer| match layer {
         Layer::Light(_) => (0..count as u32).map(Layer::Light).collect(),
@@ -178,16 +189,16 @@ pub fn with_lights(layers: &[Layer], count: usize) -> Vec<Layer> {
     layers.iter().flat_map(each).collect()
 }
 
-/// Where the numbers of each layer lie among those of a pixel.
+/// Each layer with the range of its sums among the layer sums of a pixel.
 pub fn places(layers: &[Layer]) -> impl Iterator<Item = (Layer, std::ops::Range<usize>)> {
     layers.iter().scan(0, |start, layer| {
         let from = *start;
-        *start += layer.slots();
+        *start += layer.sum_count();
         Some((*layer, from..*start))
     })
 }
 
-/// How many numbers per pixel the layers add up.
-pub fn slots(layers: &[Layer]) -> usize {
-    layers.iter().map(|layer| layer.slots()).sum()
+/// Number of sums per pixel of all layers.
+pub fn sum_count(layers: &[Layer]) -> usize {
+    layers.iter().map(|layer| layer.sum_count()).sum()
 }

@@ -1,33 +1,33 @@
-//! What a picture takes while it is rendered and written.
+//! Memory that a picture needs while it is rendered and written.
 
-use super::Slots;
+use super::PixelLayout;
 use crate::error::memory::fallible;
 
-/// Bytes that a render of so many pixels and samples takes at most, the scene itself not counted.
+/// Upper bound of the bytes that a render needs, without the scene itself.
 ///
 /// ```text
 /// 8 s · blocks of the tree + the larger of
-///   2 · 8 s          a wave's block, and the tiles that it is put together from
-///   8 s + 132        at the end: their sum; means and errors (48), seven channels (28), and twice that for the file;
-///                    a channel at most, thrice too, for each number of a layer (12)
+///   2 · 8 s          the sums of a wave, and the tiles they are assembled from
+///   8 s + 132        at the end: the total; means and errors (48), seven channels (28), and twice that for the file;
+///                    for each layer sum at most one channel, also three times (12)
 /// ```
 ///
-/// for each pixel, with s its numbers in a block.
-pub fn needed(pixels: u64, slots: Slots, samples: u64) -> u128 {
-    let block = 8 * slots.all() as u128;
-    u128::from(pixels) * (block * u128::from(blocks(samples)) + (2 * block).max(block + 132 + 12 * slots.layers as u128))
+/// per pixel, where s is the number of sums of a pixel.
+pub fn needed(pixels: u64, layout: PixelLayout, samples: u64) -> u128 {
+    let block = 8 * layout.all() as u128;
+    u128::from(pixels) * (block * u128::from(blocks(samples)) + (2 * block).max(block + 132 + 12 * layout.layers as u128))
 }
 
-/// Blocks that the tree of so many samples holds at most.
+/// Greatest number of blocks that the tree holds during a render of `samples` samples.
 ///
-/// One for each binary digit that can be 1 at a time. Waves are at most 64 long; shorter ones are an eighth of what is there, or
-/// longer: four digits.
+/// There is one block for each binary digit of the sample count that is 1. Waves have at most 64 samples, and a shorter wave has at
+/// least an eighth of the samples so far, so that at most the four highest digits are 1.
 fn blocks(samples: u64) -> u32 {
-    let on_the_way = (samples / 64 + 1).ilog2().max((samples + 1).ilog2().min(4));
-    samples.count_ones().max(on_the_way).max(1)
+    let during_render = (samples / 64 + 1).ilog2().max((samples + 1).ilog2().min(4));
+    samples.count_ones().max(during_render).max(1)
 }
 
-/// Whether so many bytes can be had.
+/// Whether this many bytes can be allocated now.
 pub fn can_be_had(bytes: u128) -> bool {
     usize::try_from(bytes).is_ok_and(|bytes| fallible(|| Vec::<u8>::new().try_reserve_exact(bytes).is_ok()))
 }

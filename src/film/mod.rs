@@ -1,44 +1,45 @@
-//! Where samples end, and what is kept of them.
+//! Films: sums of the samples of each pixel, and pictures made from them.
 
 pub mod allocation;
-pub mod block;
 pub mod filter;
 pub mod image;
 pub mod layer;
 pub mod memory;
 pub mod moments;
+pub mod pixel_sums;
 
 use std::ops::Range;
 
 use glam::UVec2;
 
-use crate::sampler::Spread;
+use crate::sampler::ErrorEstimator;
 
 pub use allocation::Allocation;
-pub use block::{Block, Slots};
 pub use filter::Filter;
 pub use image::{Channel, Image};
 pub use layer::{Layer, LightNames};
 pub use moments::{Moments, Tree};
+pub use pixel_sums::{PixelLayout, PixelSums};
 
-/// The picture to be taken.
+/// Settings of a picture: size, crop, filter and layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmSpec {
     /// Width and height of the whole picture (pixels).
     pub size: UVec2,
-    /// The part to be rendered; its pixels are those of the whole picture, bit for bit.
+    /// Part of the picture that is rendered. Its pixels equal those of the whole picture, bit for bit.
     pub crop: Crop,
+    /// Reconstruction filter.
     pub filter: Filter,
-    /// What is kept beside the picture; changes no bit of it.
+    /// Layers that are kept in addition to the colours. They change no bit of the picture.
     pub layers: Vec<Layer>,
-    /// Whose light goes into which [`Layer::Light`].
+    /// Names of the lights, which choose the [`Layer::Light`] of each light.
     pub lights: LightNames,
-    /// How many samples each pixel of the crop takes beside the others.
+    /// Relative number of samples of each pixel of the crop.
     pub allocation: Allocation,
 }
 
 impl FilmSpec {
-    /// The whole picture, box filter, no layers, all pixels alike.
+    /// A film of the whole picture with a box filter, no layers and the same number of samples for all pixels.
     pub fn new(width: u32, height: u32) -> FilmSpec {
         let size = UVec2::new(width, height);
         FilmSpec {
@@ -51,71 +52,79 @@ impl FilmSpec {
         }
     }
 
-    /// The picture alone.
+    /// The film without layers.
     pub fn without_layers(self) -> FilmSpec {
         FilmSpec { layers: vec![], ..self }
     }
 
-    /// Which numbers a pixel has.
-    pub fn slots(&self, spread: Spread) -> Slots {
-        Slots { spread, layers: layer::slots(&self.layers) }
+    /// Layout of the sums of a pixel.
+    pub fn layout(&self, error_estimator: ErrorEstimator) -> PixelLayout {
+        PixelLayout { error_estimator, layers: layer::sum_count(&self.layers) }
     }
 
+    /// Width of the whole picture divided by its height.
     pub fn aspect(&self) -> f32 {
         self.size.x as f32 / self.size.y as f32
     }
 }
 
-/// Pixels with min ≤ (x, y) < max.
+/// Rectangle of the pixels with min ≤ (x, y) < max.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop {
+    /// First pixel of the rectangle.
     pub min: UVec2,
+    /// First pixel beyond the rectangle.
     pub max: UVec2,
 }
 
 impl Crop {
+    /// Width and height (pixels).
     pub fn size(&self) -> UVec2 {
         self.max - self.min
     }
 
-    /// Which of its pixels, row by row, lies at these coordinates of the whole picture.
+    /// Row-major index within the crop of a pixel of the whole picture.
     pub fn index(&self, pixel: UVec2) -> usize {
         let UVec2 { x, y } = pixel - self.min;
         y as usize * self.size().x as usize + x as usize
     }
 
+    /// Number of pixels.
     pub fn pixel_count(&self) -> u64 {
         self.size().x as u64 * self.size().y as u64
     }
 }
 
-/// The samples `first` … `first + 2^level − 1` of every pixel; `first` is a multiple of 2^level.
+/// Aligned range of sample indices `first` … `first + 2^level − 1` of every pixel, where `first` is a multiple of 2^level.
 ///
-/// Where an [`Allocation`] tells pixels apart, rounds of samples stand in the place of samples.
+/// If an [`Allocation`] gives pixels different numbers of samples, the indices count rounds of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wave {
+    /// First sample index.
     pub first: u64,
+    /// Binary logarithm of the number of samples.
     pub level: u32,
 }
 
 impl Wave {
+    /// Number of samples per pixel.
     pub fn samples(&self) -> u64 {
         1 << self.level
     }
 
-    /// The indices of its samples.
+    /// Range of the sample indices.
     pub fn range(&self) -> Range<u64> {
         self.first..self.first + self.samples()
     }
 
-    /// The samples of a pixel that takes 2^level of them in each round, this wave being of rounds.
-    pub fn denser(&self, level: u32) -> Wave {
+    /// Wave of the samples of a pixel that takes 2^`level` samples per round, where this wave counts rounds.
+    pub fn scaled(&self, level: u32) -> Wave {
         Wave { first: self.first << level, level: self.level + level }
     }
 
-    /// The largest aligned wave after `done` samples that ends by `total`, at most 2^`max_level` long.
+    /// The largest aligned wave after `done` samples that ends at `total` or before and has at most 2^`max_level` samples.
     ///
-    /// The first is a single sample, so that a picture shows at once.
+    /// The first wave is a single sample, so that a picture is shown at once.
     pub fn next(done: u64, total: u64, max_level: u32) -> Option<Wave> {
         let left = total.checked_sub(done).filter(|&left| left > 0)?;
         let aligned = if done == 0 { 0 } else { done.trailing_zeros() };
@@ -123,67 +132,69 @@ impl Wave {
     }
 }
 
-/// What a render leaves behind.
+/// Receiver of the sums of a render.
 pub trait Film: Send {
+    /// Settings of the picture.
     fn spec(&self) -> &FilmSpec;
 
-    /// Takes what one wave adds up to. Waves come in order, without gaps, and all have one spread.
-    fn add(&mut self, wave: Wave, block: Block);
+    /// Adds the sums of one wave. Waves arrive in order and without gaps, and all have the same error estimator.
+    fn add(&mut self, wave: Wave, block: PixelSums);
 }
 
-/// The film of production use: sums over the dyadic tree of sample indices.
+/// Film that keeps sums over the dyadic tree of sample indices.
 ///
-/// It may hold a part of a picture's samples: those from the first wave on that it is given.
+/// The film may hold only some of a picture's samples: those from its first wave on.
 pub struct MomentFilm {
     spec: FilmSpec,
-    tree: Tree<Block>,
+    tree: Tree<PixelSums>,
 }
 
 impl MomentFilm {
+    /// A film without samples.
     pub fn new(spec: FilmSpec) -> MomentFilm {
         MomentFilm { spec, tree: Tree::default() }
     }
 
-    /// Samples per pixel so far; rounds of samples where an [`Allocation`] tells pixels apart.
+    /// Number of samples per pixel so far, or of rounds of samples if the [`Allocation`] is uneven.
     pub fn samples(&self) -> u64 {
         self.range().end - self.range().start
     }
 
-    /// Which ones.
+    /// Indices of the samples (or rounds) so far.
     pub fn range(&self) -> Range<u64> {
         self.tree.values()
     }
 
-    /// What they add up to, block by block: added to another film in this order they are the same film again.
-    pub fn blocks(&self) -> impl ExactSizeIterator<Item = (Wave, &Block)> {
+    /// Sums of the dyadic blocks. Added to an empty film in this order, they give an identical film.
+    pub fn blocks(&self) -> impl ExactSizeIterator<Item = (Wave, &PixelSums)> {
         self.tree.blocks()
     }
 
-    /// Of pixel i of the crop.
+    /// Number of samples so far of one pixel, by its index in the crop.
     pub fn samples_of(&self, pixel: usize) -> u64 {
         self.spec.allocation.samples(pixel, self.samples())
     }
 
-    /// Samples so far, the mean of all pixels.
+    /// Number of samples so far, averaged over all pixels.
     pub fn mean_samples(&self) -> f64 {
         self.samples() as f64 * self.spec.allocation.mean()
     }
 
-    /// ν, the degrees of freedom of the standard errors, of the pixel that has the fewest; 0 where there are none.
+    /// Degrees of freedom ν of the standard errors of the pixel with the fewest samples; 0 if errors cannot be estimated.
     pub fn freedom(&self) -> f64 {
         let [fewest, _] = self.spec.allocation.range();
-        self.blocks().next().map_or(0.0, |(_, block)| block::freedom(block.spread(), fewest * self.samples()))
+        self.blocks().next().map_or(0.0, |(_, block)| pixel_sums::freedom(block.error_estimator(), fewest * self.samples()))
     }
 
-    /// All that was added so far; black before the first wave.
-    pub fn total(&self) -> Block {
-        let black = || Block::black(self.spec.slots(Spread::Samples), self.spec.crop.pixel_count() as usize);
-        self.tree.total(Block::join).unwrap_or_else(black)
+    /// Sums of all samples so far; zero before the first wave.
+    pub fn total(&self) -> PixelSums {
+        let black = || PixelSums::black(self.spec.layout(ErrorEstimator::Samples), self.spec.crop.pixel_count() as usize);
+        self.tree.total(PixelSums::join).unwrap_or_else(black)
     }
 
     /// The picture so far.
     pub fn image(&self) -> Image {
-        Image::from_block(&self.spec, &self.total(), self.samples())
+        Image::from_sums(&self.spec, &self.total(), self.samples())
     }
 }
 
@@ -192,10 +203,10 @@ impl Film for MomentFilm {
         &self.spec
     }
 
-    fn add(&mut self, wave: Wave, block: Block) {
+    fn add(&mut self, wave: Wave, block: PixelSums) {
         if self.samples() == 0 {
             self.tree = Tree::starting_at(wave.first);
         }
-        self.tree.push(wave.level, block, Block::join);
+        self.tree.push(wave.level, block, PixelSums::join);
     }
 }

@@ -1,39 +1,45 @@
-//! Sums whose result depends on the samples alone, not on who added them up when.
+//! Sums that depend on the samples alone, not on the order in which threads add them.
 
 use std::ops::Range;
 
 use super::Wave;
 use crate::math::Spectrum;
 
-/// Sums of powers of some samples: Σx and Σx² of each colour, Σy² and Σy³ of their mean y.
+/// Sums of powers of some samples: Σx and Σx² of each colour, Σy² and Σy³ of the mean y of the colours.
 ///
-/// The third power tells how skewed the noise is: by how much a pixel that looks bright looks uncertain too.
+/// The third power gives the skewness of the noise: how much a pixel that looks bright also looks uncertain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
+    /// Σx of each colour.
     pub sum: [f64; 3],
+    /// Σx² of each colour.
     pub square: [f64; 3],
+    /// Σy² and Σy³.
     pub gray: [f64; 2],
 }
 
 impl Moments {
+    /// Moments of one sample.
     pub fn of(sample: Spectrum) -> Moments {
         let x = sample.to_rgb().map(|c| c as f64);
         let y = (x[0] + x[1] + x[2]) / 3.0;
         Moments { sum: x, square: x.map(|c| c * c), gray: [y * y, y * y * y] }
     }
 
+    /// Moments of both sets of samples.
     pub fn join(self, other: &Moments) -> Moments {
         let add = |a: [f64; 3], b: [f64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
         let gray = Moments::join_gray(self.gray, &other.gray);
         Moments { sum: add(self.sum, other.sum), square: add(self.square, other.square), gray }
     }
 
+    /// Sums of the gray moments.
     pub fn join_gray(a: [f64; 2], b: &[f64; 2]) -> [f64; 2] {
         [a[0] + b[0], a[1] + b[1]]
     }
 }
 
-/// Blocks of 2^level consecutive values, joined like the digits of a binary counter:
+/// Binary tree of sums: blocks of 2^level consecutive values, joined like the digits of a binary counter.
 ///
 /// ```text
 /// level 2   [ 0  1  2  3 ]
@@ -41,16 +47,15 @@ impl Moments {
 /// level 0   [0] [1] [2] [3] [4] [5] [6]
 /// ```
 ///
-/// Siblings join as soon as both are there. The joins, and so every rounding, follow from the
-/// number of values alone: any split into aligned blocks gives the same bits, and so does a
-/// running sum that pauses anywhere. It is also more accurate than one long sum.
+/// Two siblings are joined as soon as both exist. The order of additions, and with it every rounding, follows from the number of
+/// values alone: any split into aligned blocks, and any pause, gives the same bits. The result is also more accurate than one long
+/// sum.
 ///
-/// A tree that starts later holds what a part of the values adds up to: the same blocks that the whole would
-/// have joined, as far as they lie within.
+/// A tree that starts at a later value holds a part of the values, in the same blocks that the complete tree would have joined.
 #[derive(Clone, Debug)]
 pub struct Tree<T> {
     values: Range<u64>,
-    /// Side by side. From value 0 on their levels fall.
+    /// Levels and sums of adjacent blocks. In a tree from value 0 on, the levels decrease.
     blocks: Vec<(u32, T)>,
 }
 
@@ -61,26 +66,27 @@ impl<T> Default for Tree<T> {
 }
 
 impl<T> Tree<T> {
-    /// Without values, of which the first will be this one.
+    /// An empty tree whose first value will have the index `first`.
     pub fn starting_at(first: u64) -> Tree<T> {
         Tree { values: first..first, blocks: vec![] }
     }
 
+    /// Removes all values.
     pub fn clear(&mut self) {
         self.values.end = self.values.start;
         self.blocks.clear();
     }
 
-    /// Which values are in it.
+    /// Indices of the values.
     pub fn values(&self) -> Range<u64> {
         self.values.clone()
     }
 
-    /// The next 2^level values as one block; how many there are must be a multiple of 2^level, counted from value 0.
+    /// Adds the next 2^level values as one block. The index of the first of them must be a multiple of 2^level.
     pub fn push(&mut self, mut level: u32, mut block: T, join: impl Fn(T, &T) -> T) {
         let first = self.values.end;
         self.values.end += 1 << level;
-        // A right child has an odd number among the blocks of its level.
+        // A block is a right child if its number among the blocks of its level is odd.
         while (first >> level) & 1 == 1 && self.blocks.last().is_some_and(|last| last.0 == level) {
             if let Some((_, sibling)) = self.blocks.pop() {
                 block = join(sibling, &block);
@@ -90,7 +96,7 @@ impl<T> Tree<T> {
         self.blocks.push((level, block));
     }
 
-    /// The blocks and their places.
+    /// Blocks with the ranges of their values.
     pub fn blocks(&self) -> impl ExactSizeIterator<Item = (Wave, &T)> {
         let mut next = self.values.start;
         self.blocks.iter().map(move |(level, block)| {
@@ -100,7 +106,7 @@ impl<T> Tree<T> {
         })
     }
 
-    /// All of them, the shortest blocks first.
+    /// Sum of all values, added from the shortest block on.
     pub fn total(&self, join: impl Fn(T, &T) -> T) -> Option<T>
     where
         T: Clone,

@@ -1,24 +1,24 @@
-//! Scenes of other programs, as scenes of pt.
+//! Import of scenes of other programs.
 //!
 //! ```text
-//! file ─ recognised by its content ─▶ Dialect ─▶ a tree of pt's own format, with the places of the foreign file ─▶ describe
+//! file ─ recognised by its content ─▶ Dialect ─▶ a tree of pt's own format, with the locations in the foreign file ─▶ describe
 //! ```
 //!
-//! Everything after is the same for all. What is wrong with a foreign scene is told by its own lines and names; what is left out
-//! or done in another way is noted, one sentence each.
+//! All later steps are the same for every dialect. Faults of a foreign scene are reported with its own lines and names. Whatever is
+//! left out or done in another way is noted, one sentence each.
 //!
 //! To add a dialect: a file beside these and a row in [`ALL`].
 
 mod aalto;
+mod auto_camera;
+mod context;
 pub mod darts;
-mod foreign;
-mod framing;
 mod gltf;
+mod json_cursor;
 mod model;
 mod native;
 mod obj;
 mod unknown;
-mod view;
 
 use std::path::Path;
 
@@ -26,34 +26,37 @@ use crate::describe::{self, Files};
 use crate::error::{Error, Fault, Result};
 use crate::reader::Node;
 
-pub use foreign::Assets;
-use foreign::{Content, Foreign};
-pub use framing::{Framing, Up, Viewpoint};
+pub use auto_camera::{AutoCamera, Up, Viewpoint};
+pub use context::Assets;
+use context::{Content, ImportContext};
 
 /// A kind of scene file that pt reads.
 pub struct Dialect {
+    /// Name of the dialect.
     pub name: &'static str,
-    /// One line.
+    /// Description in one line.
     pub about: &'static str,
-    /// Whether it is this one. The first that says so reads it.
+    /// Returns whether a file is of this dialect. The first dialect that matches reads the file.
     is: fn(&Content) -> bool,
-    /// The scene as pt describes it; `None` where that fails, with the reasons noted in the [`Foreign`].
-    read: fn(&Content, &Foreign) -> Result<Option<Node>>,
+    /// Reads the scene as pt describes it; `None` if that fails, with the reasons noted in the [`ImportContext`].
+    read: fn(&Content, &ImportContext) -> Result<Option<Node>>,
 }
 
-/// In the order in which they are asked; pt's own format is whatever no other claims.
+/// All dialects, in the order in which they are tried. A file that no other dialect matches is taken as pt's own format.
 pub const ALL: &[Dialect] =
     &[gltf::DIALECT, obj::DIALECT, model::PLY, model::STL, aalto::DIALECT, darts::DIRT, darts::DARTS_2021, darts::DARTS, native::DIALECT];
 
-/// A scene file of any dialect, read.
+/// A scene file of any dialect after reading.
 pub struct Imported {
-    /// The scene in pt's own format, for [`Node::set`] before [`describe::read()`].
+    /// Scene in pt's own format, for [`Node::set`] before [`describe::read()`].
     pub root: Node,
-    /// What messages call the file.
+    /// Name of the file in messages.
     pub file: String,
+    /// Files of the scene.
     pub files: Files,
+    /// Dialect of the file.
     pub dialect: &'static Dialect,
-    /// What was left out or done in another way.
+    /// Notes about what was left out or done in another way.
     pub notes: Vec<Fault>,
 }
 
@@ -64,30 +67,30 @@ pub struct Imported {
 /// # Errors
 /// `Invalid`: all that is wrong with it, at most [`MAX_FAULTS`](crate::MAX_FAULTS), as far as the dialect tells; `Io`.
 pub fn import(path: &Path, allow_outside: bool) -> Result<Imported> {
-    import_with(path, allow_outside, Framing::default(), |_, _| Ok(()))
+    import_with(path, allow_outside, AutoCamera::default(), |_, _| Ok(()))
 }
 
-/// As [`import`], with `change` acting on the tree of the file of that name before it gets the light that it lacks.
+/// Imports a scene as [`import`] does. `change` acts on the tree, with the name of the file, before missing light is added.
 ///
 /// # Errors
 /// As [`import`]; those of `change`.
 pub fn import_with(
     path: &Path,
     allow_outside: bool,
-    framing: Framing,
+    auto_camera: AutoCamera,
     change: impl FnOnce(&mut Node, &str) -> Result<()>,
 ) -> Result<Imported> {
     let file = describe::name(path);
     let content = Content::new(path, describe::bytes(path)?);
     let dialect = ALL.iter().find(|dialect| (dialect.is)(&content)).unwrap_or(&native::DIALECT);
     let files = Files { allow_outside, ..Files::within(path.parent().unwrap_or(Path::new(""))) };
-    let foreign = Foreign::new(&file, files, framing);
-    let mut root = (dialect.read)(&content, &foreign)?;
-    if let Some(root) = root.as_mut().filter(|_| foreign.faults.is_empty()) {
+    let context = ImportContext::new(&file, files, auto_camera);
+    let mut root = (dialect.read)(&content, &context)?;
+    if let Some(root) = root.as_mut().filter(|_| context.faults.is_empty()) {
         change(root, &file)?;
-        foreign.complete(root);
+        context.complete(root);
     }
-    let (files, notes) = foreign.finish()?;
+    let (files, notes) = context.finish()?;
     let root = root.ok_or_else(|| Error::Internal(format!("{file}: no scene and no fault")))?;
     Ok(Imported { root, file, files, dialect, notes })
 }

@@ -1,20 +1,20 @@
-//! What a file is that no dialect claims and that is no JSON: told by its first bytes, with what to do instead.
+//! Advice for files that no dialect matches and that are not JSON: their first bytes tell what they are.
 
-use super::foreign::Content;
+use super::context::Content;
 
-/// The scene files that pt reads, for messages.
+/// Scene files that pt reads, for messages.
 const READ: &str = "pt reads its own JSON, glTF, OBJ, PLY and STL, and what `pt list dialects` names";
 
-/// What is neither text nor begins as any format does.
+/// Description of bytes that are neither text nor a known format.
 const NOISE: &str = "no text, and no file of a kind that pt knows";
 
-/// Advice for programs that write glTF themselves.
+/// Advice for programs that can write glTF.
 const EXPORT: &str = "export it as glTF (.glb)";
 
-/// So much of a file is looked at (bytes).
+/// Number of bytes that are examined.
 const LOOK: usize = 1 << 16;
 
-/// Binary files by their first bytes: what they are, and what to do with them.
+/// Binary files by their first bytes: what they are, and advice.
 const BINARY: &[(&[u8], &str, &str)] = &[
     (b"BLENDER", "a Blender file", EXPORT),
     (b"Kaydara FBX Binary", "an FBX model", EXPORT),
@@ -26,7 +26,7 @@ const BINARY: &[(&[u8], &str, &str)] = &[
     (b"\x89PTC", "a part of a render", "see pt merge --help"),
 ];
 
-/// Texts by what their first line begins with.
+/// Text files by the start of their first line.
 const TEXT: &[(&str, &str, &str)] = &[
     ("#usda", "a USD scene", EXPORT),
     ("; FBX", "an FBX model", EXPORT),
@@ -35,7 +35,7 @@ const TEXT: &[(&str, &str, &str)] = &[
     ("OFF", "an OFF model", READ),
 ];
 
-/// Elements that XML begins with.
+/// XML files by their first element.
 const XML: &[(&str, &str, &str)] = &[
     ("<scene version", "a Mitsuba scene", READ),
     ("<scene", "a Nori or Mitsuba scene", READ),
@@ -45,7 +45,7 @@ const XML: &[(&str, &str, &str)] = &[
     ("<html", "a web page", READ),
 ];
 
-/// The statements of pbrt's format that a file may begin with (*pbrt-v4 File Format*).
+/// Statements that a file of pbrt's format may begin with (*pbrt-v4 File Format*).
 const PBRT: &[&str] = &[
     "Accelerator",
     "AreaLightSource",
@@ -102,7 +102,7 @@ fn binary(start: &[u8]) -> Option<(&'static str, &'static str)> {
     if image::guess_format(start).is_ok() {
         return Some(("a picture", "see pt image --help"));
     }
-    // UTF-16 is text, of which the parser tells.
+    // UTF-16 is text, and the JSON parser reports it.
     let is_wide = start.starts_with(b"\xFF\xFE") || start.starts_with(b"\xFE\xFF") || start.iter().take(2).any(|b| *b == 0);
     let is_control = |b: &u8| *b < 0x20 && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0C | 0x1B);
     (!is_wide && start.iter().any(is_control)).then_some((NOISE, READ))

@@ -1,38 +1,42 @@
-//! Surfaces that emit.
+//! Area lights.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::{Offer, Target};
+use super::{LightLiSample, ShadowTarget};
 use crate::math::{Density, Spectrum};
 use crate::shape::{Shape, SurfacePoint};
 use crate::texture::Texture;
 
-/// Diffuse emission: the same radiance at every angle  [W·m⁻²·sr⁻¹].
+/// Diffuse emission, with the same radiance in all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
+    /// Radiance [W·m⁻²·sr⁻¹].
     pub radiance: Spectrum,
-    /// Else from the side of the normal alone.
+    /// Whether both sides emit, not only the side of the normal.
     pub two_sided: bool,
 }
 
 impl Emission {
+    /// One-sided emission.
     pub fn new(radiance: Spectrum) -> Emission {
         Emission { radiance, two_sided: false }
     }
 
-    /// Radiance that leaves a surface with normal `ng` into `w`.
+    /// Radiance that a surface with normal `ng` emits in the direction `w`.
     pub fn towards(&self, ng: Vec3, w: Vec3) -> Spectrum {
         if self.two_sided || ng.dot(w) > 0.0 { self.radiance } else { Spectrum::BLACK }
     }
 }
 
-/// What a shape emits all over: the same everywhere, or that times a texture.
+/// Emission of a shape, optionally multiplied by a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Emitter {
+    /// Emission, or its value where the texture is 1.
     pub emission: Emission,
+    /// Factor that varies over the surface.
     pub texture: Option<Arc<Texture>>,
 }
 
@@ -43,6 +47,7 @@ impl From<Emission> for Emitter {
 }
 
 impl Emitter {
+    /// Emission at a point.
     pub fn at(&self, point: &SurfacePoint) -> Emission {
         match &self.texture {
             None => self.emission,
@@ -50,54 +55,58 @@ impl Emitter {
         }
     }
 
-    /// The same after the world has moved by −`origin`.
+    /// The emitter in coordinates shifted by −`origin`.
     pub fn recentred(self, origin: DVec3) -> Emitter {
         Emitter { texture: self.texture.map(|texture| Arc::new(Texture::clone(&texture).recentred(origin))), ..self }
     }
 }
 
-/// One emitting primitive.
+/// Area light: one emitting primitive of a shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Area {
+    /// Index of the shape.
     pub shape: u32,
+    /// Index of the primitive within the shape.
     pub primitive: u32,
+    /// Emission of the primitive.
     pub emitter: Emitter,
 }
 
-/// Where a texture is asked how bright it is, along each side of a primitive.
-const LOOKS: u32 = 4;
+/// Number of texture lookups along each side of a primitive, for the estimate of its power.
+const LOOKUPS: u32 = 4;
 
-/// Of what it would be if white: what a textured primitive's power is said to be at least. It is a guess from a few points, and must
-/// not be nothing where something may shine.
-const LEAST_POWER: f32 = 1.0 / 1024.0;
+/// Least power of a textured primitive, as a fraction of its power with a white texture. The power is estimated from a few points
+/// and must not be 0 where the primitive may emit.
+const MIN_POWER: f32 = 1.0 / 1024.0;
 
 impl Area {
-    pub(super) fn sample(&self, shapes: &[Box<dyn Shape>], from: Vec3, u: Vec2) -> Option<Offer> {
+    pub(super) fn sample(&self, shapes: &[Box<dyn Shape>], from: Vec3, u: Vec2) -> Option<LightLiSample> {
         let (point, pdf) = shapes[self.shape as usize].sample_from(self.primitive, from, u)?;
         let wi = towards(from, &point)?;
         let li = self.emitter.at(&point).towards(point.ng, -wi);
-        (!li.is_black()).then_some(Offer { wi, li, density: Density::Smooth(pdf), target: Target::Surface(point) })
+        (!li.is_black()).then_some(LightLiSample { wi, li, density: Density::Smooth(pdf), target: ShadowTarget::Surface(point) })
     }
 
-    /// Whether it emits and cannot be sampled: paths meet it by chance.
-    pub(super) fn is_found(&self, shapes: &[Box<dyn Shape>]) -> bool {
+    /// Whether the primitive emits and cannot be sampled, so that paths hit it only by chance.
+    pub(super) fn is_unsampled(&self, shapes: &[Box<dyn Shape>]) -> bool {
         !shapes[self.shape as usize].is_sampled() && !self.emitter.emission.radiance.is_black()
     }
 
-    /// Φ = π A L, on each side that emits; with the mean of a texture at a few points.
+    /// Flux Φ = π A L of each side that emits, with the mean of the texture at a few points (W).
     pub(super) fn power(&self, shapes: &[Box<dyn Shape>]) -> f64 {
         let shape = &shapes[self.shape as usize];
         let Emission { radiance, two_sided } = self.emitter.emission;
         let sides = if two_sided { 2.0 } else { 1.0 };
-        let seen = if self.emitter.texture.is_none() { radiance } else { radiance * LEAST_POWER + self.mean(shape.as_ref()) };
+        let seen = if self.emitter.texture.is_none() { radiance } else { radiance * MIN_POWER + self.mean(shape.as_ref()) };
         sides * PI * f64::from(shape.area(self.primitive)) * f64::from(seen.average())
     }
 
+    /// Mean of the emitted radiance at a grid of points.
     fn mean(&self, shape: &dyn Shape) -> Spectrum {
-        let middle = |k: u32| (k as f32 + 0.5) / LOOKS as f32;
-        let looks = (0..LOOKS * LOOKS).map(|k| Vec2::new(middle(k % LOOKS), middle(k / LOOKS)));
-        let seen = looks.map(|u| self.emitter.at(&shape.sample_area(self.primitive, u).0).radiance);
-        seen.fold(Spectrum::BLACK, |sum, radiance| sum + radiance) / (LOOKS * LOOKS) as f32
+        let middle = |k: u32| (k as f32 + 0.5) / LOOKUPS as f32;
+        let points = (0..LOOKUPS * LOOKUPS).map(|k| Vec2::new(middle(k % LOOKUPS), middle(k / LOOKUPS)));
+        let seen = points.map(|u| self.emitter.at(&shape.sample_area(self.primitive, u).0).radiance);
+        seen.fold(Spectrum::BLACK, |sum, radiance| sum + radiance) / (LOOKUPS * LOOKUPS) as f32
     }
 }
 

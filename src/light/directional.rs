@@ -1,27 +1,27 @@
-//! Light from one direction, like the sun's.
+//! Parallel light, such as sunlight.
 
 use std::f64::consts::PI;
 
 use glam::Vec3;
 
-use super::{Offer, Target};
+use super::{LightLiSample, ShadowTarget};
 use crate::math::{Density, Spectrum};
 
-/// Parallel light.
+/// Parallel light from one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directional {
-    /// The way the light travels; unit.
+    /// Unit direction in which the light travels.
     pub direction: Vec3,
-    /// On a plane across the light [W·m⁻²].
+    /// Irradiance on a plane perpendicular to the light [W·m⁻²].
     pub irradiance: Spectrum,
 }
 
 impl Directional {
-    pub(super) fn sample(&self) -> Option<Offer> {
-        Some(Offer { wi: -self.direction, li: self.irradiance, density: Density::Delta, target: Target::Infinity })
+    pub(super) fn sample(&self) -> Option<LightLiSample> {
+        Some(LightLiSample { wi: -self.direction, li: self.irradiance, density: Density::Delta, target: ShadowTarget::Infinity })
     }
 
-    /// Φ = π R² E: what falls on a scene of radius R.
+    /// Flux Φ = π R² E through a scene of radius R (W).
     pub(super) fn power(&self, radius: f64) -> f64 {
         PI * radius * radius * f64::from(self.irradiance.average())
     }

@@ -1,7 +1,6 @@
-//! Where light comes from.
+//! Lights and light sampling.
 //!
-//! To add a light: a file beside these, a variant in [`Light`] and an arm in each `match`,
-//! a variant in `describe::light`.
+//! A new light is a file in this folder, a variant in [`Light`] with an arm in each `match`, and a variant in `describe::light`.
 
 pub mod area;
 pub mod directional;
@@ -23,109 +22,123 @@ pub use environment::Environment;
 pub use point::Point;
 pub use spot::{Falloff, Spot};
 
+/// Light of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Light {
-    /// One primitive that emits.
+    /// Emitting primitive of a shape.
     Area(Area),
+    /// Point light.
     Point(Point),
+    /// Point light with a cone.
     Spot(Spot),
+    /// Parallel light.
     Directional(Directional),
+    /// Light from all directions.
     Environment(Environment),
 }
 
-/// A direction towards light, from a point that is to be lit.
+/// Sampled direction towards a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
-    /// World space, unit, away from the lit point.
+    /// Unit direction from the lit point, in world space.
     pub wi: Vec3,
-    /// Radiance / density, where there is a density; irradiance on a plane across `wi` for delta lights.
-    /// The choice among the lights is divided out.
+    /// Radiance divided by the density; for delta lights the irradiance on a plane perpendicular to `wi`, divided by the probability
+    /// of the light.
     pub weight: Spectrum,
-    /// The density of `wi`, the choice among the lights included.
+    /// Density of `wi`, including the probability of the light.
     pub density: Density,
-    /// Where the shadow ray must reach.
-    pub target: Target,
-    /// Its index among the lights.
+    /// Far end of the shadow ray.
+    pub target: ShadowTarget,
+    /// Index of the light.
     pub light: u32,
 }
 
-/// The far end of a shadow ray.
+/// Far end of a shadow ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Target {
-    /// Infinitely far away.
+pub enum ShadowTarget {
+    /// Infinity.
     Infinity,
-    /// A point in empty space.
-    Free(Vec3),
-    /// A point on a surface, which must not shadow itself.
+    /// Point in empty space.
+    Point(Vec3),
+    /// Point on a surface, which must not shadow itself.
     Surface(SurfacePoint),
 }
 
-/// What one light offers to a point; the choice among lights is not yet in it.
-struct Offer {
+/// Sample of one light, without the probability of choosing the light.
+struct LightLiSample {
     wi: Vec3,
-    /// Radiance, or irradiance for delta lights.
+    /// Radiance; for delta lights irradiance on a plane perpendicular to `wi`.
     li: Spectrum,
     density: Density,
-    target: Target,
+    target: ShadowTarget,
 }
 
-/// The lights of a scene.
+/// Lights of a scene.
 pub struct Lights {
     shapes: Arc<[Box<dyn Shape>]>,
     lights: Vec<Light>,
-    /// By power, mostly: [`shares`].
+    /// Distribution over the lights, see [`selection_weights`].
     choice: Option<Discrete>,
-    /// The index of the environment among the lights.
+    /// Index of the environment.
     environment: Option<u32>,
-    /// Whether some emit that cannot be sampled.
-    found: bool,
+    /// Whether some light cannot be sampled.
+    has_unsampled_emitter: bool,
 }
 
 impl Lights {
-    /// - `radius`: of the scene's bounding sphere (m): what distant lights shine upon
+    /// Lights of a scene.
+    ///
+    /// - `radius`: radius of the scene's bounding sphere (m), which determines the power of distant lights
     pub fn new(lights: Vec<Light>, shapes: Arc<[Box<dyn Shape>]>, radius: f32) -> Lights {
         let power: Vec<f64> = lights.iter().map(|light| light.power(&shapes, radius.into())).collect();
         let environment = lights.iter().position(|l| matches!(l, Light::Environment(_))).map(|i| i as u32);
-        let found = lights.iter().any(|light| matches!(light, Light::Area(area) if area.is_found(&shapes)));
-        Lights { shapes, choice: Discrete::new(&shares(&power)), environment, lights, found }
+        let has_unsampled_emitter = lights.iter().any(|light| matches!(light, Light::Area(area) if area.is_unsampled(&shapes)));
+        Lights { shapes, choice: Discrete::new(&selection_weights(&power)), environment, lights, has_unsampled_emitter }
     }
 
+    /// Number of lights.
     pub fn len(&self) -> usize {
         self.lights.len()
     }
 
+    /// Whether there are no lights.
     pub fn is_empty(&self) -> bool {
         self.lights.is_empty()
     }
 
-    /// Whether any of them is not black, however small it is.
-    pub fn shine(&self) -> bool {
+    /// Whether any light has a radiance, intensity or irradiance above 0.
+    pub fn has_emission(&self) -> bool {
         self.lights.iter().any(|light| !light.is_black())
     }
 
+    /// The lights, in the order of their indices.
     pub fn iter(&self) -> impl Iterator<Item = &Light> {
         self.lights.iter()
     }
 
+    /// Effects that simulating the lights requires.
     pub fn effects(&self) -> Effects {
-        let found = if self.found { Effects::FOUND_LIGHT } else { Effects::NONE };
-        self.lights.iter().map(Light::effects).fold(found, Effects::union)
+        let unsampled = if self.has_unsampled_emitter { Effects::UNSAMPLED_EMITTER } else { Effects::NONE };
+        self.lights.iter().map(Light::effects).fold(unsampled, Effects::union)
     }
 
-    /// A direction towards some light, chosen by power with `choice`, on it with `u`.
+    /// Samples a direction towards a light.
     ///
-    /// `None`: no light this way.
+    /// - `choice`: uniform number that chooses the light
+    /// - `u`: uniform numbers that choose the direction
+    ///
+    /// `None` if the chosen light sends no light from the sampled direction.
     pub fn sample(&self, from: Vec3, choice: f32, u: Vec2) -> Option<LightSample> {
         let (index, probability, _) = self.choice.as_ref()?.sample(choice);
-        let offer = self.lights[index].sample(&self.shapes, from, u)?;
-        let (weight, density) = match offer.density {
-            Density::Delta => (offer.li / probability, Density::Delta),
-            Density::Smooth(pdf) => (offer.li / (pdf * probability).get(), Density::Smooth(pdf * probability)),
+        let sample = self.lights[index].sample(&self.shapes, from, u)?;
+        let (weight, density) = match sample.density {
+            Density::Delta => (sample.li / probability, Density::Delta),
+            Density::Smooth(pdf) => (sample.li / (pdf * probability).get(), Density::Smooth(pdf * probability)),
         };
-        Some(LightSample { wi: offer.wi, weight, density, target: offer.target, light: index as u32 })
+        Some(LightSample { wi: sample.wi, weight, density, target: sample.target, light: index as u32 })
     }
 
-    /// The density with which [`Lights::sample`] at `from` finds `point`, a point of the area light `index`.
+    /// Density with which [`Lights::sample`] at `from` samples `point`, a point of the area light `index`.
     pub fn pdf(&self, index: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
         match &self.lights[index as usize] {
             Light::Area(area) => self.shapes[area.shape as usize].pdf_from(area.primitive, from, point) * self.probability(index),
@@ -133,12 +146,12 @@ impl Lights {
         }
     }
 
-    /// The index of the background, where it is a light.
+    /// Index of the environment, if the scene has one.
     pub fn environment(&self) -> Option<u32> {
         self.environment
     }
 
-    /// What comes from infinitely far away along `ray`.
+    /// Radiance of the environment that arrives along `ray`.
     pub fn background(&self, ray: &Ray) -> Spectrum {
         match self.environment.map(|i| &self.lights[i as usize]) {
             Some(Light::Environment(environment)) => environment.radiance(ray.direction),
@@ -146,7 +159,7 @@ impl Lights {
         }
     }
 
-    /// The density with which [`Lights::sample`] finds the direction `wi` of the background.
+    /// Density with which [`Lights::sample`] samples the direction `wi` of the environment.
     pub fn background_pdf(&self, wi: Vec3) -> SolidAnglePdf {
         match self.environment.map(|i| (i, &self.lights[i as usize])) {
             Some((i, Light::Environment(environment))) => environment.pdf(wi) * self.probability(i),
@@ -154,27 +167,28 @@ impl Lights {
         }
     }
 
+    /// Probability with which the light is chosen.
     fn probability(&self, index: u32) -> f32 {
         self.choice.as_ref().map_or(0.0, |choice| choice.pmf(index as usize))
     }
 }
 
-/// The share of the choices that goes to all lights alike.
-const ALIKE: f64 = 0.125;
+/// Fraction of the probability that is divided equally among all lights.
+const UNIFORM_FRACTION: f64 = 0.125;
 
-/// How often each light is chosen: by power, but none that shines less often than ALIKE/n.
+/// Probabilities of the lights: proportional to power, but at least `UNIFORM_FRACTION`/n for each of the n lights that emit.
 ///
-/// Power is a poor guide where a weak light is near and a mighty one far away; and a probability below
-/// what a random number resolves would lose the light altogether. Ratios only: scaling changes nothing.
-fn shares(power: &[f64]) -> Vec<f32> {
+/// Power alone is a poor choice where a weak light is near and a strong one far away, and a probability below the resolution of a
+/// random number would lose the light altogether. Only ratios count, so that scaling all lights changes nothing.
+fn selection_weights(power: &[f64]) -> Vec<f32> {
     let total: f64 = power.iter().sum();
-    let shining = power.iter().filter(|&&p| p > 0.0).count() as f64;
-    let share = |&p: &f64| if p > 0.0 { (1.0 - ALIKE) * (p / total) + ALIKE / shining } else { 0.0 };
-    power.iter().map(|p| share(p) as f32).collect()
+    let emitting = power.iter().filter(|&&p| p > 0.0).count() as f64;
+    let weight = |&p: &f64| if p > 0.0 { (1.0 - UNIFORM_FRACTION) * (p / total) + UNIFORM_FRACTION / emitting } else { 0.0 };
+    power.iter().map(|p| weight(p) as f32).collect()
 }
 
 impl Light {
-    fn sample(&self, shapes: &[Box<dyn Shape>], from: Vec3, u: Vec2) -> Option<Offer> {
+    fn sample(&self, shapes: &[Box<dyn Shape>], from: Vec3, u: Vec2) -> Option<LightLiSample> {
         match self {
             Light::Area(area) => area.sample(shapes, from, u),
             Light::Point(point) => point.sample(from),
@@ -184,7 +198,7 @@ impl Light {
         }
     }
 
-    /// Whether no light comes from it, wherever one looks from.
+    /// Whether the light emits nothing in any direction.
     fn is_black(&self) -> bool {
         match self {
             Light::Area(area) => area.emitter.emission.radiance.is_black(),
@@ -195,7 +209,7 @@ impl Light {
         }
     }
 
-    /// An estimate of the flux (W), for choosing among lights.
+    /// Estimate of the flux (W), for the choice among lights.
     fn power(&self, shapes: &[Box<dyn Shape>], radius: f64) -> f64 {
         match self {
             Light::Area(area) => area.power(shapes),
@@ -206,7 +220,7 @@ impl Light {
         }
     }
 
-    /// The same light after the world has moved by −`origin`.
+    /// The light in coordinates shifted by −`origin`.
     pub fn recentred(mut self, origin: DVec3) -> Light {
         match &mut self {
             Light::Point(point) => point.position -= origin,
@@ -216,6 +230,7 @@ impl Light {
         self
     }
 
+    /// Effects that simulating the light requires.
     pub fn effects(&self) -> Effects {
         match self {
             Light::Area(_) => Effects::AREA_LIGHT,

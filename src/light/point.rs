@@ -1,33 +1,34 @@
-//! A light without extent.
+//! Point lights.
 
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::{Offer, Target};
+use super::{LightLiSample, ShadowTarget};
 use crate::math::{Density, Spectrum};
 
-/// E = I / d² on a plane across the light.
+/// Point light, with the irradiance E = I / d² on a plane perpendicular to the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
+    /// Position (m).
     pub position: DVec3,
-    /// I, the same into every direction [W·sr⁻¹].
+    /// Intensity I, the same in all directions [W·sr⁻¹].
     pub intensity: Spectrum,
 }
 
 impl Point {
-    pub(super) fn sample(&self, from: Vec3) -> Option<Offer> {
+    pub(super) fn sample(&self, from: Vec3) -> Option<LightLiSample> {
         let (wi, d2) = direction_and_square(from, self.position.as_vec3())?;
-        Some(Offer { wi, li: self.intensity / d2, density: Density::Delta, target: Target::Free(self.position.as_vec3()) })
+        Some(LightLiSample { wi, li: self.intensity / d2, density: Density::Delta, target: ShadowTarget::Point(self.position.as_vec3()) })
     }
 
-    /// Φ = 4π I
+    /// Flux Φ = 4π I (W).
     pub(super) fn power(&self) -> f64 {
         4.0 * PI * f64::from(self.intensity.average())
     }
 }
 
-/// The unit direction from `from` to `to`, and their squared distance (m²); `None` where they coincide.
+/// Unit direction from `from` to `to`, and the squared distance (m²); `None` if the points coincide.
 pub(super) fn direction_and_square(from: Vec3, to: Vec3) -> Option<(Vec3, f32)> {
     let line = to - from;
     let d2 = line.length_squared();

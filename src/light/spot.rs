@@ -1,29 +1,31 @@
-//! A point light that shines into a cone.
+//! Spotlights.
 
 use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
 
 use super::point::direction_and_square;
-use super::{Offer, Target};
+use super::{LightLiSample, ShadowTarget};
 use crate::math::{Density, Spectrum, float};
 
-/// Full intensity within the inner cone, none beyond the outer, [`Falloff`] between.
+/// Point light with full intensity within an inner cone, none beyond an outer cone, and a [`Falloff`] between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
+    /// Position (m).
     pub position: DVec3,
-    /// Unit, away from the light.
+    /// Unit axis of the cones, pointing away from the light.
     pub axis: Vec3,
-    /// On the axis [W·sr⁻¹].
+    /// Intensity on the axis [W·sr⁻¹].
     pub intensity: Spectrum,
-    /// f64: the cosines of narrow cones differ from 1 in digits that f32 lacks.
+    /// Cosine of the inner cone, in f64 because the cosines of narrow cones differ from 1 by less than an f32 resolves.
     pub cos_inner: f64,
-    /// Below `cos_inner`, or equal to it for a hard edge.
+    /// Cosine of the outer cone: below `cos_inner`, or equal to it for a hard edge.
     pub cos_outer: f64,
+    /// Shape of the falloff between the cones.
     pub falloff: Falloff,
 }
 
-/// From 0 at the outer to 1 at the inner cone.
+/// Falloff from 1 at the inner cone to 0 at the outer cone.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Falloff {
     /// s²(3 − 2s), with s linear in the cosine.
@@ -36,13 +38,13 @@ pub enum Falloff {
 }
 
 impl Spot {
-    pub(super) fn sample(&self, from: Vec3) -> Option<Offer> {
+    pub(super) fn sample(&self, from: Vec3) -> Option<LightLiSample> {
         let (wi, d2) = direction_and_square(from, self.position.as_vec3())?;
         let li = self.intensity * (self.falloff(-wi) / d2);
-        (!li.is_black()).then_some(Offer { wi, li, density: Density::Delta, target: Target::Free(self.position.as_vec3()) })
+        (!li.is_black()).then_some(LightLiSample { wi, li, density: Density::Delta, target: ShadowTarget::Point(self.position.as_vec3()) })
     }
 
-    /// cos ∠(axis, w) = 1 − |axis − w|²/2 for unit vectors.
+    /// Relative intensity in the direction w, with cos ∠(axis, w) = 1 − |axis − w|²/2 for unit vectors.
     fn falloff(&self, w: Vec3) -> f32 {
         let cos = 1.0 - 0.5 * (self.axis.as_dvec3() - w.as_dvec3()).length_squared();
         if cos >= self.cos_inner {
@@ -62,7 +64,7 @@ impl Spot {
         }
     }
 
-    /// Φ = 2π I (1 − (cos inner + cos outer)/2): the falloff is ½ in the mean, or near it.
+    /// Flux Φ ≈ 2π I (1 − (cos inner + cos outer)/2), as if the mean of the falloff were ½ (W).
     pub(super) fn power(&self) -> f64 {
         TAU * f64::from(self.intensity.average()) * (1.0 - 0.5 * (self.cos_inner + self.cos_outer))
     }

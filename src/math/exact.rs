@@ -1,32 +1,33 @@
-//! Sums without rounding.
+//! Exact sums.
 
 use std::fmt;
 
-/// The exact sum of f32 numbers: the same in any order, however it is divided.
+/// Exact sum of f32 numbers, which does not depend on their order.
 ///
 /// A finite f32 is m·2^(e − 149) with |m| < 2²⁴ and 0 ≤ e ≤ 253. The sum is kept as an integer multiple of 2⁻¹⁴⁹, in digits
-/// of 32 bits, each in an i64: 2³¹ numbers fit in before digits must be carried.
+/// of 32 bits, each in an i64, so that 2³¹ numbers can be added before digits must be carried.
 ///
 /// Source: Kulisch, *Arithmetic Operations in Floating-Point* (1971). Tests: `exact_sums_have_no_order`.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct ExactSum {
-    /// Lowest first.
+    /// Digits, the lowest first.
     digits: [i64; DIGITS],
 }
 
-/// The sum, not its digits.
+/// Writes the value of the sum, not its digits.
 impl fmt::Debug for ExactSum {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.debug_tuple("ExactSum").field(&self.get()).finish()
     }
 }
 
-/// 254 + 24 bits of numbers, 32 of room for sums.
+/// Number of digits: 254 + 24 bits for numbers and 32 for sums.
 const DIGITS: usize = 10;
+/// Bits per digit.
 const BITS: u32 = 32;
 
 impl ExactSum {
-    /// What is not finite has no place in a sum and is left out.
+    /// Adds a number. Numbers that are not finite are ignored.
     pub fn add(&mut self, x: f32) {
         if !x.is_finite() {
             return;
@@ -40,13 +41,13 @@ impl ExactSum {
         self.digits[digit + 1] += sign * (shifted >> BITS);
     }
 
-    /// The sum of both.
+    /// Sum of both sums.
     pub fn join(&self, other: &ExactSum) -> ExactSum {
         let digits = std::array::from_fn(|i| self.digits[i] + other.digits[i]);
         ExactSum { digits }.carried()
     }
 
-    /// All digits but the highest from 0 to 2³² − 1: one sum, one form.
+    /// Carries, so that all digits but the highest are from 0 to 2³² − 1 and equal sums have equal digits.
     fn carried(mut self) -> ExactSum {
         for i in 0..DIGITS - 1 {
             self.digits[i + 1] += self.digits[i] >> BITS;
@@ -55,9 +56,9 @@ impl ExactSum {
         self
     }
 
-    /// Rounded, to within 2⁻⁵² of itself.
+    /// Value of the sum with a relative error of at most 2⁻⁵².
     pub fn get(&self) -> f64 {
-        // Digits of a negative number are those of a complement, whose rounding would show.
+        // A negative number has the digits of a complement, whose rounding would lose precision.
         let carried = self.clone().carried();
         if carried.digits[DIGITS - 1] < 0 {
             return -ExactSum { digits: carried.digits.map(|digit| -digit) }.get();

@@ -1,27 +1,27 @@
-//! Floating point: uniform numbers, error bounds, and elementary functions with the same bits everywhere.
+//! Floating-point numbers: uniform numbers, error bounds, and elementary functions with the same bits on all machines.
 //!
-//! A platform's `sin` or `exp` may differ from another's in the last bit; one such bit, and two
-//! machines render different images. The functions here use only IEEE addition, multiplication,
-//! division and square root, never fused, so that their bits follow from this file alone.
+//! The `sin` and `exp` of different platforms may differ in the last bit, and then two machines would render different images. The
+//! functions here use only IEEE addition, multiplication, division and square root, never fused, so that their bits are the same
+//! everywhere.
 //!
-//! All of them reduce the argument, evaluate a Taylor polynomial in `f64` (29 bits finer than the
-//! result) and round once: the error is at most 1 ulp, in fact below 0.501 ulp.
+//! All functions reduce the argument, evaluate a Taylor polynomial in `f64` (29 bits more precise than the result) and round once, so
+//! that the error is at most 1 ulp, and in practice below 0.501 ulp.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, LN_2, LOG2_E, PI};
 
-use super::pair::Pair;
+use super::f64x2::F64x2;
 
-/// The largest `f32` below 1: the greatest value of a uniform number.
+/// Greatest `f32` below 1, the greatest value of a uniform number.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - 1.0 / 16_777_216.0;
 
-/// Half the distance from 1 to the next `f32`: the largest relative error of one rounding, 2⁻²⁴.
+/// Greatest relative error of one rounding, 2⁻²⁴: half the distance from 1 to the next `f32`.
 pub const ROUNDING: f32 = f32::EPSILON / 2.0;
 
-/// A uniform number from random bits.
+/// Uniform number from random bits.
 ///
 /// u = ⌊bits / 2⁸⌋ · 2⁻²⁴,    in [0, 1 − 2⁻²⁴]
 ///
-/// Only the upper 24 bits count: all 32 would round to 1.0 for 128 inputs.
+/// Only the upper 24 bits are used, because all 32 would round to 1.0 for 128 inputs.
 ///
 /// Tests: exhaustive over all 2²⁴ results.
 #[inline]
@@ -29,7 +29,7 @@ pub const fn unit_f32(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// Bound on the relative error of `n` roundings in a row.
+/// Bound of the relative error of `n` consecutive roundings.
 ///
 /// γₙ = n ε / (1 − n ε),    ε = 2⁻²⁴
 ///
@@ -44,9 +44,9 @@ pub const fn gamma(n: u32) -> f32 {
 
 /// Sine and cosine of an angle in radians.
 ///
-/// x = q·π/2 + r, |r| ≤ π/4;    the Taylor series of sin r and cos r, exchanged and signed by q mod 4
+/// x = q·π/2 + r, |r| ≤ π/4;    the Taylor series of sin r and cos r are exchanged and signed by q mod 4
 ///
-/// - infinite and NaN angles give NaN; every finite `f32` is reduced exactly enough for 1 ulp
+/// Infinite and NaN angles give NaN. The reduction of every finite `f32` is precise enough for 1 ulp.
 ///
 /// Tests: within 1 ulp, sin² + cos² = 1, odd and even, exact at 0.
 #[inline]
@@ -57,7 +57,7 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
     (sin as f32, cos as f32)
 }
 
-/// Sine and cosine of an angle within ±π/4; see [`sin_cos`], whose bits it gives.
+/// Sine and cosine of an angle within ±π/4, with the same bits as [`sin_cos`].
 ///
 /// Tests: sin_cos_are_rounded_once_over_all_finite_numbers.
 #[inline]
@@ -66,6 +66,7 @@ pub fn sin_cos_octant(x: f32) -> (f32, f32) {
     (sin as f32, cos as f32)
 }
 
+/// Taylor series of sin r and cos r for |r| ≤ π/4.
 #[inline]
 fn series(r: f64) -> (f64, f64) {
     let square = r * r;
@@ -85,7 +86,7 @@ pub fn cos(x: f32) -> f32 {
     sin_cos(x).1
 }
 
-/// Sine and cosine in double precision of an angle within ±2π: absolute error below 10⁻¹⁵.
+/// Sine and cosine in double precision of an angle within ±2π, with an absolute error below 10⁻¹⁵.
 #[inline]
 pub(crate) fn sin_cos_f64(x: f64) -> (f64, f64) {
     let quadrant = round(x * std::f64::consts::FRAC_2_PI);
@@ -96,7 +97,7 @@ pub(crate) fn sin_cos_f64(x: f64) -> (f64, f64) {
 
 /// Sine and cosine of an angle in degrees, in double precision.
 ///
-/// Multiples of 90° give exactly −1, 0 and 1: the reduction by quarter turns has no rounding.
+/// Multiples of 90° give exactly −1, 0 and 1, because the reduction by quarter turns has no rounding.
 ///
 /// Tests: exact quarter turns, within 2 ulp.
 pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
@@ -107,12 +108,12 @@ pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     turn(quadrant as i32, r * horner(square, SIN_16), horner(square, COS_18))
 }
 
-/// The angle whose cosine is `x`, in [0, π].
+/// Arc cosine of `x`, in [0, π].
 ///
 /// acos x = 2 atan(√(1 − x) / √(1 + x))
 ///
-/// - `x` beyond [−1, 1] counts as the nearer end: cosines carry rounding errors
-/// - relative accuracy holds near 1 as well, where 1 − x is exact
+/// - `x` is clamped to [−1, 1], because computed cosines have rounding errors
+/// - the result is accurate relative to its size also near 1, where 1 − x is exact
 ///
 /// Tests: within 1 ulp, inverse of `cos`.
 #[inline]
@@ -120,7 +121,8 @@ pub fn acos(x: f32) -> f32 {
     acos_f64(x.into()) as f32
 }
 
-/// The same for cosines so near 1 that f32 does not tell them from it: narrow cones. Relative error below 10⁻¹¹ for an exact cosine.
+/// Arc cosine of a cosine in double precision, for narrow cones whose cosines f32 rounds to 1. The relative error is below 10⁻¹¹ for an
+/// exact cosine.
 ///
 /// Tests: narrow cones fall off in the angle.
 #[inline]
@@ -129,9 +131,9 @@ pub fn acos_f64(x: f64) -> f64 {
     2.0 * angle_below_quarter_turn((1.0 - x).sqrt(), (1.0 + x).sqrt())
 }
 
-/// The angle of the point (x, y), in [−π, π].
+/// Angle of the point (x, y), in [−π, π].
 ///
-/// - zeros and infinities as IEEE 754 prescribes: atan2(±0, −1) = ±π, atan2(±0, 1) = ±0
+/// Zeros and infinities are treated as in IEEE 754: atan2(±0, −1) = ±π, atan2(±0, 1) = ±0
 ///
 /// Tests: within 1 ulp, all eight octants, all signed zeros and infinities.
 #[inline]
@@ -139,7 +141,7 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     atan2_f64(y.into(), x.into()) as f32
 }
 
-/// The same in double precision: relative error below 10⁻¹¹.
+/// Angle of the point (x, y) in double precision, with a relative error below 10⁻¹¹.
 #[inline]
 pub(crate) fn atan2_f64(y: f64, x: f64) -> f64 {
     let (mut along, mut across) = (x.abs(), y.abs());
@@ -151,7 +153,7 @@ pub(crate) fn atan2_f64(y: f64, x: f64) -> f64 {
     angle.copysign(y)
 }
 
-/// eˣ.
+/// Exponential function eˣ.
 ///
 /// x = k ln 2 + r, |r| ≤ ½ ln 2;    eˣ = 2ᵏ (1 + r + r²/2! + …)
 ///
@@ -161,11 +163,11 @@ pub fn exp(x: f32) -> f32 {
     exp_f64(f64::from(x)) as f32
 }
 
-/// The natural logarithm.
+/// Natural logarithm.
 ///
 /// x = 2ᵏ m, m ∈ [√½, √2);    ln x = k ln 2 + 2 (s + s³/3 + s⁵/5 + …),    s = (m − 1)/(m + 1)
 ///
-/// - ln 0 = −∞; NaN for negative `x`
+/// ln 0 = −∞, and the result is NaN for negative `x`.
 ///
 /// Tests: within 1 ulp including subnormal arguments, inverse of `exp`.
 #[inline]
@@ -173,11 +175,9 @@ pub fn ln(x: f32) -> f32 {
     ln_f64(f64::from(x)) as f32
 }
 
-/// xʸ.
+/// Power xʸ = e^(y ln x).
 ///
-/// xʸ = e^(y ln x)
-///
-/// - special cases as IEEE 754 prescribes: x⁰ = 1ʸ = 1 always; negative `x` needs an integer `y`
+/// Special cases are treated as in IEEE 754: x⁰ = 1ʸ = 1 always, and a negative `x` requires an integer `y`.
 ///
 /// Tests: within 1 ulp, special cases.
 #[inline]
@@ -200,12 +200,12 @@ pub fn powf(x: f32, y: f32) -> f32 {
     }
 }
 
-/// The complementary error function, 1 − erf x, and e^(−x²) which it is made with; for x ≥ 0.
+/// Complementary error function 1 − erf x, and e^(−x²), for x ≥ 0.
 ///
 /// erfc x = 2/√π ∫ₓ^∞ e^(−t²) dt = e^(−x²) t P(t),    t = 1/(1 + x/2)
 ///
-/// - P: the polynomial that agrees with e^(x²) erfc(x)/t at Chebyshev's points of t ∈ [0, 1], relative error below 2·10⁻⁹
-/// - relative accuracy holds in the tail as well; x = ∞ gives 0 and 0
+/// - P: polynomial that interpolates e^(x²) erfc(x)/t at the Chebyshev points of t ∈ [0, 1], with a relative error below 2·10⁻⁹
+/// - the result is accurate relative to its size also in the tail; x = ∞ gives 0 and 0
 ///
 /// Tests: erfc_within_an_ulp.
 #[inline]
@@ -215,16 +215,16 @@ pub(crate) fn erfc_and_gaussian(x: f64) -> (f64, f64) {
     (gaussian * t * horner(2.0 * t - 1.0, SCALED_ERFC), gaussian)
 }
 
-/// The complementary error function: 1 − erf x.
+/// Complementary error function 1 − erf x.
 #[inline]
 pub fn erfc(x: f32) -> f32 {
     let half = erfc_and_gaussian(f64::from(x).abs()).0;
     (if x < 0.0 { 2.0 - half } else { half }) as f32
 }
 
-/// The number whose error function is `x`, in (−1, 1).
+/// Inverse error function of `x` in (−1, 1).
 ///
-/// Polynomials in w = −ln(1 − x²); relative error below 2·10⁻⁷ for every x that an `f32` tells from ±1.
+/// The function uses polynomials in w = −ln(1 − x²), with a relative error below 2·10⁻⁷ for every x whose `f32` is not ±1.
 ///
 /// Source: Giles, *Approximating the erfinv Function* (2010), single precision. Tests: inverse of `erfc`.
 #[inline]
@@ -233,13 +233,13 @@ pub(crate) fn erf_inverse(x: f64) -> f64 {
     x * if w < 5.0 { horner(w - 2.5, ERF_INVERSE_CENTRE) } else { horner(w.sqrt() - 3.0, ERF_INVERSE_TAIL) }
 }
 
-/// eˣ in double precision, for results that are rounded to `f32`: relative error below 10⁻¹¹ there.
+/// Exponential function eˣ in double precision, with a relative error below 10⁻¹¹ in the range of `f32`.
 #[inline]
 pub(crate) fn exp_f64(x: f64) -> f64 {
     if x.is_nan() {
         return x;
     }
-    // Beyond these bounds the result is not a positive, finite f32 in any case.
+    // Beyond these bounds the result is not a positive, finite f32.
     let x = x.clamp(-160.0, 160.0);
     let k = round(x * LOG2_E);
     let r = (x - k * LN_2_HIGH) - k * LN_2_LOW;
@@ -247,13 +247,13 @@ pub(crate) fn exp_f64(x: f64) -> f64 {
     power_of_two * (1.0 + r * horner(r, EXP_M1_10))
 }
 
-/// eˣ − 1 without cancellation near 0; the same precision as [`exp_f64`].
+/// eˣ − 1 without cancellation near 0, with the precision of [`exp_f64`].
 #[inline]
 pub(crate) fn exp_m1_f64(x: f64) -> f64 {
     if x.abs() < LN_2 / 2.0 { x * horner(x, EXP_M1_10) } else { exp_f64(x) - 1.0 }
 }
 
-/// The natural logarithm in double precision of a number that an `f32` could hold; relative error below 10⁻¹³.
+/// Natural logarithm in double precision of a number in the range of `f32`, with a relative error below 10⁻¹³.
 #[inline]
 pub(crate) fn ln_f64(x: f64) -> f64 {
     if x.is_nan() || x < 0.0 {
@@ -266,7 +266,7 @@ pub(crate) fn ln_f64(x: f64) -> f64 {
         return x;
     }
     let bits = x.to_bits();
-    // Adding the distance from √½ to 1 carries into the exponent exactly where the mantissa passes √2.
+    // Adding the distance from √½ to 1 carries into the exponent exactly if the mantissa is at least √2.
     let shifted = bits + (1.0f64.to_bits() - std::f64::consts::FRAC_1_SQRT_2.to_bits());
     let k = (shifted >> 52) as i64 - 1023;
     let m = f64::from_bits(bits.wrapping_sub((k << 52) as u64));
@@ -276,8 +276,8 @@ pub(crate) fn ln_f64(x: f64) -> f64 {
 
 /// atan(y / x) in [0, π/2], for non-negative numbers not both zero.
 ///
-/// The smaller over the larger is at most tan 45°; above tan 15° a rotation by 30° brings it below:
-/// tan(φ − 30°) = (√3 t − 1)/(√3 + t). What remains is at most tan 15°, where the series is short.
+/// The quotient t of the smaller and the larger number is at most tan 45°. Above tan 15° it is reduced by a rotation by 30°:
+/// tan(φ − 30°) = (√3 t − 1)/(√3 + t). The remaining quotient is at most tan 15°, for which the series is short.
 #[inline]
 fn angle_below_quarter_turn(y: f64, x: f64) -> f64 {
     const TAN_15: f64 = 2.0 - SQRT_3;
@@ -289,10 +289,10 @@ fn angle_below_quarter_turn(y: f64, x: f64) -> f64 {
     if y < x { angle } else { FRAC_PI_2 - angle }
 }
 
-/// Below this angle, subtracting multiples of π/2 in two parts is exact to 2⁻⁸⁰.
+/// Angle below which the subtraction of multiples of π/2 in two parts is exact to 2⁻⁸⁰.
 const REDUCE_BY_SUBTRACTION: f32 = 8192.0;
 
-/// Splits an angle into the nearest multiple of a quarter turn and the rest.
+/// Splits an angle into the nearest multiple of a quarter turn and the remainder.
 #[inline]
 fn reduce(x: f32) -> (i32, f64) {
     let x = f64::from(x);
@@ -300,9 +300,10 @@ fn reduce(x: f32) -> (i32, f64) {
     (q as i32, (x - q * FRAC_PI_2_HIGH) - q * FRAC_PI_2_LOW)
 }
 
-/// The same for large angles, where hundreds of bits of 2/π count: x · 2/π mod 4 in integers.
+/// Splits a large angle into the nearest multiple of a quarter turn and the remainder, by x · 2/π mod 4 in integers with hundreds of
+/// bits of 2/π.
 ///
-/// x = m·2ᵉ; the bits of 2/π that meet 2ᵉ as multiples of 4 quarter turns are skipped, the next 96 decide.
+/// x = m·2ᵉ; the bits of 2/π whose product with 2ᵉ is a multiple of 4 quarter turns are skipped, and the next 96 are used.
 ///
 /// Source: Payne and Hanek, *Radian reduction for trigonometric functions* (1983).
 #[cold]
@@ -320,12 +321,12 @@ fn reduce_large(x: f32) -> (i32, f64) {
     } >> 32;
     let turns = ((mantissa * window) >> (2 - exponent).max(0)) & ((1 << (FRACTION_BITS + 2)) - 1);
     let quadrant = (turns + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS;
-    let rest = turns as i128 - (quadrant << FRACTION_BITS) as i128;
-    let r = rest as f64 * (1.0 / (1u128 << FRACTION_BITS) as f64) * FRAC_PI_2;
+    let remainder = turns as i128 - (quadrant << FRACTION_BITS) as i128;
+    let r = remainder as f64 * (1.0 / (1u128 << FRACTION_BITS) as f64) * FRAC_PI_2;
     if x < 0.0 { (-(quadrant as i32), -r) } else { (quadrant as i32, r) }
 }
 
-/// Sine and cosine after `quadrant` quarter turns.
+/// Sine and cosine after a rotation by `quadrant` quarter turns.
 #[inline]
 fn turn(quadrant: i32, sin: f64, cos: f64) -> (f64, f64) {
     let (sin, cos) = if quadrant & 1 == 0 { (sin, cos) } else { (cos, sin) };
@@ -334,14 +335,14 @@ fn turn(quadrant: i32, sin: f64, cos: f64) -> (f64, f64) {
     (sign(quadrant & 2 != 0, sin), sign((quadrant + 1) & 2 != 0, cos))
 }
 
-/// The nearest integer, ties to even, of a number below 2⁵¹: no library call, the same bits everywhere.
+/// Nearest integer, ties to even, of a number below 2⁵¹. It needs no library function and has the same bits on all machines.
 #[inline]
 fn round(x: f64) -> f64 {
     const SHIFT: f64 = 1.5 * (1u64 << 52) as f64;
     (x + SHIFT) - SHIFT
 }
 
-/// c₀ + c₁ x + c₂ x² + …
+/// Polynomial c₀ + c₁ x + c₂ x² + … by Horner's method.
 #[inline]
 fn horner<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     let mut sum = coefficients[N - 1];
@@ -351,37 +352,38 @@ fn horner<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     sum
 }
 
-/// Two polynomials side by side, with terms two by two, which wait for each other half as often as Horner's.
+/// Two polynomials evaluated together, with pairs of terms, which halves the length of the dependency chain of Horner's method.
 ///
 /// (c₀ + c₁ x) + x² ((c₂ + c₃ x) + x² (c₄ + c₅ x))
 #[inline(always)]
 fn polynomial_pair(x: f64, c: [[f64; 2]; 6]) -> [f64; 2] {
-    let c = c.map(Pair::from);
-    let (square, x) = (Pair::splat(x * x), Pair::splat(x));
+    let c = c.map(F64x2::from);
+    let (square, x) = (F64x2::splat(x * x), F64x2::splat(x));
     let two = |i: usize| c[i] + c[i + 1] * x;
     (two(0) + square * (two(2) + square * two(4))).into()
 }
 
-/// π/2 in two parts: the upper one has 39 bits, so that its product with a small integer is exact.
+/// Upper part of π/2 with 39 bits, so that its product with a small integer is exact.
 const FRAC_PI_2_HIGH: f64 = f64::from_bits(FRAC_PI_2.to_bits() & !0x3fff);
-/// The rest, with the part of π/2 that an `f64` does not hold.
+/// Lower part of π/2, including the part beyond the precision of `f64`.
 const FRAC_PI_2_LOW: f64 = (FRAC_PI_2 - FRAC_PI_2_HIGH) + 6.123_233_995_736_766e-17;
-/// ln 2 in two parts, the upper one with 33 bits; and what an `f64` does not hold of it.
+/// Upper part of ln 2 with 33 bits.
 const LN_2_HIGH: f64 = f64::from_bits(LN_2.to_bits() & !0xf_ffff);
+/// Lower part of ln 2, including the part beyond the precision of `f64`.
 const LN_2_LOW: f64 = (LN_2 - LN_2_HIGH) + 2.319_046_813_846_299_6e-17;
-/// The first 256 binary places of 2/π.
+/// First 256 binary digits of 2/π.
 const TWO_OVER_PI: [u128; 2] = [0xa2f9_836e_4e44_1529_fc27_57d1_f534_ddc0, 0xdb62_9599_3c43_9041_fe51_63ab_debb_c561];
 
-/// Taylor coefficients, named by the power of the first term left out. On their intervals the rest is, relative to the sum:
-/// sin and cos 6·10⁻¹³ (for f32) and 5·10⁻¹⁷ (for f64), exp 7·10⁻¹², atanh 3·10⁻¹⁴, atan 3·10⁻¹².
-const SIN_COS_14: [[f64; 2]; 6] = beyond_the_first(alternating_inverse_factorials(1), alternating_inverse_factorials(0));
+// Taylor coefficients, named by the power of the first omitted term. The truncation errors on the intervals of use, relative to the sum:
+// sin and cos 6·10⁻¹³ (for f32) and 5·10⁻¹⁷ (for f64), exp 7·10⁻¹², atanh 3·10⁻¹⁴, atan 3·10⁻¹².
+const SIN_COS_14: [[f64; 2]; 6] = paired_tails(alternating_inverse_factorials(1), alternating_inverse_factorials(0));
 const SIN_16: [f64; 9] = alternating_inverse_factorials(1);
 const COS_18: [f64; 10] = alternating_inverse_factorials(0);
 const EXP_M1_10: [f64; 9] = inverse_factorials();
 const ATANH_16: [f64; 8] = odd_inverses(1.0);
 const ATAN_18: [f64; 9] = odd_inverses(-1.0);
 
-/// e^(x²) erfc(x)/t in powers of 2t − 1, t = 1/(1 + x/2).
+/// Coefficients of e^(x²) erfc(x)/t in powers of 2t − 1, where t = 1/(1 + x/2).
 const SCALED_ERFC: [f64; 13] = [
     0.510791352761223_6,
     0.343580332970096_4,
@@ -397,7 +399,7 @@ const SCALED_ERFC: [f64; 13] = [
     -1.327395517676192e-6,
     -8.508869900319126e-6,
 ];
-/// In powers of w − 2.5, w = −ln(1 − x²) < 5; and of √w − 3 beyond.
+/// Coefficients of the inverse error function divided by x, in powers of w − 2.5 for w = −ln(1 − x²) < 5.
 const ERF_INVERSE_CENTRE: [f64; 9] = [
     1.50140941,
     0.246640727,
@@ -409,10 +411,11 @@ const ERF_INVERSE_CENTRE: [f64; 9] = [
     3.43273939e-07,
     2.81022636e-08,
 ];
+/// Coefficients of the inverse error function divided by x, in powers of √w − 3 for w ≥ 5.
 const ERF_INVERSE_TAIL: [f64; 9] =
     [2.83297682, 1.00167406, 0.00943887047, -0.0076224613, 0.00573950773, -0.00367342844, 0.00134934322, 0.000100950558, -0.000200214257];
 
-/// (−1)ⁱ / (2i + first)!
+/// Coefficients (−1)ⁱ / (2i + first)!, up to the factor first!.
 const fn alternating_inverse_factorials<const N: usize>(first: usize) -> [f64; N] {
     let mut c = [1.0; N];
     let mut i = 1;
@@ -424,8 +427,8 @@ const fn alternating_inverse_factorials<const N: usize>(first: usize) -> [f64; N
     c
 }
 
-/// Two series side by side, without their first terms.
-const fn beyond_the_first(a: [f64; 7], b: [f64; 7]) -> [[f64; 2]; 6] {
+/// Pairs of the coefficients of two series, without the first.
+const fn paired_tails(a: [f64; 7], b: [f64; 7]) -> [[f64; 2]; 6] {
     let mut pairs = [[0.0; 2]; 6];
     let mut i = 0;
     while i < 6 {
@@ -435,7 +438,7 @@ const fn beyond_the_first(a: [f64; 7], b: [f64; 7]) -> [[f64; 2]; 6] {
     pairs
 }
 
-/// 1 / (i + 1)!
+/// Coefficients 1 / (i + 1)!.
 const fn inverse_factorials<const N: usize>() -> [f64; N] {
     let mut c = [1.0; N];
     let mut i = 1;
@@ -446,7 +449,7 @@ const fn inverse_factorials<const N: usize>() -> [f64; N] {
     c
 }
 
-/// signⁱ / (2i + 1)
+/// Coefficients signⁱ / (2i + 1).
 const fn odd_inverses<const N: usize>(sign: f64) -> [f64; N] {
     let mut c = [1.0; N];
     let mut power = 1.0;

@@ -1,14 +1,14 @@
-//! What a smooth boundary between two media does to light: directions and reflectances.
+//! Reflection and refraction at a smooth boundary between two media.
 //!
-//! Directions are local: +z is the normal, and it points to the outside. `eta` is the refractive
-//! index inside over the one outside. Computed in `f64` and rounded once: near the critical angle
-//! and near eta = 1 the formulas cancel, and that costs digits that `f32` does not have. Of metals only the sums that cancel are.
+//! Directions are local: +z is the normal, which points to the outside. `eta` is the refractive index inside divided by that outside.
+//! The functions compute in `f64` and round once, because the formulas cancel near the critical angle and near eta = 1. For metals,
+//! only the sums that cancel are in `f64`.
 
 use glam::{Vec3, Vec3A};
 
 use super::float;
 
-/// The mirror direction.
+/// Mirror direction.
 ///
 /// ωr = (−x, −y, z)
 #[inline]
@@ -16,13 +16,14 @@ pub fn reflect(wo: Vec3) -> Vec3 {
     Vec3::new(-wo.x, -wo.y, wo.z)
 }
 
-/// The refracted direction, or `None` under total reflection.
+/// Refracted direction, or `None` under total reflection.
 ///
 /// n sin θt = sin θo,    n = eta from outside, 1/eta from inside        (Snell)
 ///
-/// - `wo`: unit, on either side
-/// - returns a unit direction on the other side; exactly −wo where eta = 1
-/// - `None` exactly where [`dielectric`] is exactly 1 by total reflection
+/// - `wo`: unit direction on either side
+///
+/// Returns a unit direction on the other side, which is exactly −wo for eta = 1, and `None` exactly if [`dielectric`] is 1 because of
+/// total reflection.
 ///
 /// Tests: Snell, coplanar, unit length, round trip, total reflection.
 #[inline]
@@ -36,7 +37,7 @@ pub fn refract(wo: Vec3, eta: f32) -> Option<Vec3> {
     if by_cosine <= 0.0 {
         return None;
     }
-    // Of sin² and cos², the smaller one is the accurate one.
+    // The smaller one of sin² and cos² is the accurate one.
     let sin2 = x * x + y * y;
     let by_sine = 1.0 - sin2 / (n * n);
     let cos2 = if sin2 < 0.5 && by_sine > 0.0 { by_sine } else { by_cosine };
@@ -53,11 +54,12 @@ pub fn refract(wo: Vec3, eta: f32) -> Option<Vec3> {
 ///
 /// r_p = (n²c − q)/(n²c + q) = (n² − 1)((n² + 1) c² − 1) / (n²c + q)²
 ///
-/// The right-hand forms are used: they do not cancel where n is near 1.
+/// The right-hand forms are used, because they do not cancel for n near 1.
 ///
 /// - `cos_o`: positive from outside (n = eta), negative from inside (n = 1/eta)
 /// - `eta`: inside / outside, positive
-/// - returns exactly 0 for eta = 1, exactly 1 at and beyond the critical angle, never below 0 or above 1
+///
+/// Returns exactly 0 for eta = 1, exactly 1 at and beyond the critical angle, and never less than 0 or more than 1.
 ///
 /// Source: Fresnel (1823); Born and Wolf, *Principles of Optics*, §1.5. Tests: handbook values,
 /// Stokes' reversibility, critical angle, Brewster's angle, hemispherical averages.
@@ -79,19 +81,19 @@ pub fn dielectric(cos_o: f32, eta: f32) -> f32 {
     (0.5 * (r_s * r_s + r_p * r_p)).min(1.0) as f32
 }
 
-/// The mean reflectance of diffuse light from outside.
+/// Mean reflectance of a dielectric boundary for diffuse light from outside.
 ///
 /// R̄ = ∫ R(μ) 2μ dμ = 1/2 + (n − 1)(3n + 1) / (6 (n + 1)²) + n² (n² − 1)² / (n² + 1)³ · ln((n − 1)/(n + 1))
 ///     − 2 n³ (n² + 2n − 1) / ((n² + 1)(n⁴ − 1)) + 8 n⁴ (n⁴ + 1) / ((n² + 1)(n⁴ − 1)²) · ln n
 ///
-/// and from inside it is 1 − (1 − R̄)/n².
+/// The mean reflectance from inside is 1 − (1 − R̄)/n².
 ///
 /// - `eta`: n, inside / outside, at least 1
 ///
 /// Source: Walsh's integral, in Duntley, *The Optical Properties of Diffusing Materials* (1942). Tests: hemispherical averages.
 pub fn dielectric_mean(eta: f32) -> f32 {
     let n = f64::from(eta);
-    if n - 1.0 < MOST_LINEAR {
+    if n - 1.0 < MAX_LINEAR {
         return ((n - 1.0) / 3.0) as f32;
     }
     let (n2, n4) = (n * n, n * n * n * n);
@@ -99,12 +101,12 @@ pub fn dielectric_mean(eta: f32) -> f32 {
     let p = (n - 1.0) / (n + 1.0);
     let logarithms = n2 * ((n2 - 1.0) / sum).powi(2) / sum * float::ln_f64(p)
         + 8.0 * n4 * (n4 + 1.0) / (sum * difference * difference) * float::ln_f64(n);
-    let rest = 0.5 + p * (3.0 * n + 1.0) / (6.0 * (n + 1.0)) - 2.0 * n * n2 * (n2 + 2.0 * n - 1.0) / (sum * difference);
-    (rest + logarithms) as f32
+    let algebraic = 0.5 + p * (3.0 * n + 1.0) / (6.0 * (n + 1.0)) - 2.0 * n * n2 * (n2 + 2.0 * n - 1.0) / (sum * difference);
+    (algebraic + logarithms) as f32
 }
 
-/// n − 1 up to which R̄ is (n − 1)/3 to 4·10⁻⁸, where the terms of its formula cancel.
-const MOST_LINEAR: f64 = 1e-4;
+/// Greatest n − 1 for which R̄ is computed as (n − 1)/3, with an error of 4·10⁻⁸, because the terms of its formula cancel.
+const MAX_LINEAR: f64 = 1e-4;
 
 /// Reflectance of a conductor for unpolarised light.
 ///
@@ -114,9 +116,10 @@ const MOST_LINEAR: f64 = 1e-4;
 ///
 /// R_p = R_s (m c² − 2ac sin²θ + sin⁴θ) / (m c² + 2ac sin²θ + sin⁴θ)
 ///
-/// - `cos_o`: its sign does not matter, a conductor has no inside
-/// - `eta`, `k`: complex refractive index eta + ik over the outside's, of each colour
-/// - returns values in [0, 1], within 6·10⁻⁷; exactly 0 for eta = 1, k = 0
+/// - `cos_o`: cosine, whose sign does not matter because a conductor has no inside
+/// - `eta`, `k`: complex refractive index eta + ik of each colour, relative to the outside
+///
+/// Returns values in [0, 1] with an error below 6·10⁻⁷, and exactly 0 for eta = 1, k = 0.
 ///
 /// Source: Born and Wolf, *Principles of Optics*, §14.2. Tests: handbook values, k = 0 is the dielectric.
 #[inline]
@@ -125,9 +128,9 @@ pub fn conductor(cos_o: f32, eta: Vec3A, k: Vec3A) -> Vec3A {
     conductor_by(c, f64::from(c) * f64::from(c), eta, k)
 }
 
-/// The same by cos²θ, where that is known first: its root and the equations need not wait for each other.
+/// [`conductor`] for a given cos²θ, where the square is known first. The root and the rest are then computed in parallel.
 ///
-/// - `cos2`: not negative
+/// - `cos2`: square of the cosine, not negative
 #[inline]
 pub fn conductor_of_square(cos2: f32, eta: Vec3A, k: Vec3A) -> Vec3A {
     let c2 = cos2.min(1.0);
@@ -137,27 +140,28 @@ pub fn conductor_of_square(cos2: f32, eta: Vec3A, k: Vec3A) -> Vec3A {
 #[inline(always)]
 fn conductor_by(c: f32, c2: f64, eta: Vec3A, k: Vec3A) -> Vec3A {
     let (n, k) = (eta.as_dvec3(), k.as_dvec3());
-    // The sums that cancel, and of which roots are taken, in double precision. n² − 1 as (n − 1)(n + 1), for n near 1.
+    // Sums that cancel and are under roots are in double precision. n² − 1 is computed as (n − 1)(n + 1), for n near 1.
     let t = (n - 1.0) * (n + 1.0) - k * k + c2;
     let m = (t * t + 4.0 * (n * n) * (k * k)).sqrt();
-    // Rounded as well, m ≥ |t|.
+    // m ≥ |t| holds also after rounding.
     let (m, a) = (m.as_vec3a(), (0.5 * (m + t)).as_vec3a().sqrt());
     let (c2, s2) = (c2 as f32, (1.0 - c2) as f32);
-    // R_s (1 + R_p/R_s)/2 over one denominator.
+    // R_s (1 + R_p/R_s)/2 with a common denominator.
     let (s, p, both) = (m + c2, m * c2 + s2 * s2, 2.0 * c * a);
     let r = (s - both) * p / ((s + both) * (p + both * s2));
-    // Never above 1; not below 0, nor 0/0, where there is no boundary.
+    // Clamped to [0, 1]. Without a boundary, 0/0 becomes 0.
     Vec3A::select(r.cmpgt(Vec3A::ZERO), r.min(Vec3A::ONE), Vec3A::ZERO)
 }
 
-/// The index beyond the boundary over the index on the side of a direction with this cosine.
+/// Refractive index beyond the boundary divided by that on the side of a direction with this cosine.
 #[inline]
 fn relative_index(cos_o: f32, eta: f32) -> f64 {
     let eta = f64::from(eta);
     if cos_o < 0.0 { 1.0 / eta } else { eta }
 }
 
-/// cos²θt = ((n − 1)(n + 1) + cos²θ) / n², without cancellation near n = 1; not above zero under total reflection.
+/// Squared cosine of the refracted direction, cos²θt = ((n − 1)(n + 1) + cos²θ) / n², without cancellation near n = 1. It is not above 0
+/// under total reflection.
 #[inline]
 fn cos2_refracted(cos2_o: f64, n: f64) -> f64 {
     ((n - 1.0) * (n + 1.0) + cos2_o) / (n * n)

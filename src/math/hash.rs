@@ -1,10 +1,10 @@
-//! Names for contents.
+//! Hashes of contents.
 
 use std::fmt;
 
 use xxhash_rust::xxh3::Xxh3;
 
-/// 128 bits, shown as 32 hexadecimal digits: XXH3.
+/// XXH3 hash of 128 bits, written as 32 hexadecimal digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Hash(pub u128);
 
@@ -14,31 +14,33 @@ impl fmt::Display for Hash {
     }
 }
 
-/// What a hash is made from, piece by piece; only the bytes count, not where one piece ends.
+/// Hasher of bytes in several pieces. The boundaries of the pieces do not change the hash.
 #[derive(Default)]
 pub struct Hasher(Xxh3);
 
 impl Hasher {
+    /// Adds bytes.
     pub fn bytes(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
 
-    /// The length of the text (u32, little-endian), and its bytes.
+    /// Adds the length of a text (u32, little-endian) and its bytes.
     pub fn text(&mut self, text: &str) {
         self.bytes(&(text.len() as u32).to_le_bytes());
         self.bytes(text.as_bytes());
     }
 
-    /// Little-endian.
+    /// Adds whole numbers, little-endian.
     pub fn whole(&mut self, numbers: impl IntoIterator<Item = u32>) {
         self.bytes(&numbers.into_iter().flat_map(u32::to_le_bytes).collect::<Vec<u8>>());
     }
 
-    /// Bit by bit, little-endian.
+    /// Adds the bits of numbers, little-endian.
     pub fn floats(&mut self, numbers: impl IntoIterator<Item = f32>) {
         self.whole(numbers.into_iter().map(f32::to_bits));
     }
 
+    /// Hash of all bytes so far.
     pub fn finish(&self) -> Hash {
         Hash(self.0.digest128())
     }

@@ -1,59 +1,67 @@
-//! Densities that cannot be mixed up: per solid angle, per area, or of no measure at all.
+//! Probability densities with their measures as types: by solid angle, by area, or delta distributions.
 //!
 //! ```compile_fail
 //! use pt::math::{AreaPdf, SolidAnglePdf, power_heuristic};
 //! let area = AreaPdf::new(1.0);
 //! let angle = SolidAnglePdf::new(1.0);
-//! power_heuristic(area, angle); // two measures: does not compile
+//! power_heuristic(area, angle); // different measures: does not compile
 //! ```
 
 use std::ops::Mul;
 
 use glam::DVec3;
 
-/// Probability per solid angle [sr⁻¹].
+/// Probability density by solid angle [sr⁻¹].
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct SolidAnglePdf(f32);
 
-/// Probability per area [m⁻²].
+/// Probability density by area [m⁻²].
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct AreaPdf(f32);
 
-/// What a sampled direction was drawn from.
+/// Density of a sampled direction.
 ///
-/// A delta lobe has no density: the match on this type cannot be forgotten.
+/// A delta lobe has no density. The enum forces every user to handle this case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Density {
+    /// Density by solid angle.
     Smooth(SolidAnglePdf),
+    /// Delta distribution.
     Delta,
 }
 
 impl SolidAnglePdf {
+    /// Density 0.
     pub const ZERO: SolidAnglePdf = SolidAnglePdf(0.0);
 
+    /// A density [sr⁻¹].
     pub const fn new(per_steradian: f32) -> SolidAnglePdf {
         SolidAnglePdf(per_steradian)
     }
 
+    /// Value of the density.
     pub const fn get(self) -> f32 {
         self.0
     }
 }
 
 impl AreaPdf {
+    /// A density [m⁻²].
     pub const fn new(per_square_metre: f32) -> AreaPdf {
         AreaPdf(per_square_metre)
     }
 
+    /// Value of the density.
     pub const fn get(self) -> f32 {
         self.0
     }
 
-    /// p(ω) = p(A) · d² / |cos θ| = p(A) · d³ / |n · line|
+    /// Converts to a density by solid angle: p(ω) = p(A) · d² / |cos θ| = p(A) · d³ / |n · line|
     ///
-    /// - `line`: from where the area is seen to the point on it, of length d; `n`: the area's normal there, unit
+    /// - `line`: vector of length d from the viewer to the point on the area
+    /// - `n`: unit normal of the area
     ///
-    /// Edge-on (cos θ = 0) the area subtends no angle: `None`.
+    /// `None` if the area is seen edge-on (cos θ = 0) and so subtends no solid angle.
     pub fn to_solid_angle(self, line: DVec3, n: DVec3) -> Option<SolidAnglePdf> {
         let d2 = line.length_squared();
         let pdf = (f64::from(self.0) * (d2 * d2.sqrt() / n.dot(line).abs())) as f32;
@@ -61,7 +69,7 @@ impl AreaPdf {
     }
 }
 
-/// A choice among alternatives multiplies the density.
+/// Multiplies the density by the probability of a choice.
 impl Mul<f32> for SolidAnglePdf {
     type Output = SolidAnglePdf;
     fn mul(self, probability: f32) -> SolidAnglePdf {
@@ -69,9 +77,9 @@ impl Mul<f32> for SolidAnglePdf {
     }
 }
 
-/// w = p² / (p² + q²): the weight of a sample drawn with density `this` that `other` could have drawn.
+/// Power heuristic: weight w = p² / (p² + q²) of a sample with density p = `this` that another technique samples with density q = `other`.
 ///
-/// Written with the ratio q/p, so that no density overflows. Zero where `this` is zero.
+/// The formula uses the ratio q/p, so that no density overflows. The weight is 0 if `this` is 0.
 ///
 /// Source: Veach and Guibas, *Optimally Combining Sampling Techniques* (1995), β = 2.
 pub fn power_heuristic(this: SolidAnglePdf, other: SolidAnglePdf) -> f32 {
@@ -82,9 +90,9 @@ pub fn power_heuristic(this: SolidAnglePdf, other: SolidAnglePdf) -> f32 {
     1.0 / (1.0 + ratio * ratio)
 }
 
-/// The weight of a sample of density `this` where `other` could have found it too: p / (p + q)
+/// Balance heuristic: weight w = p / (p + q) of a sample with density p = `this` that another technique samples with density q = `other`.
 ///
-/// 0 where `this` is 0.
+/// The weight is 0 if `this` is 0.
 ///
 /// Source: Veach and Guibas, *Optimally Combining Sampling Techniques* (1995), β = 1.
 pub fn balance_heuristic(this: SolidAnglePdf, other: SolidAnglePdf) -> f32 {

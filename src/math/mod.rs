@@ -1,14 +1,14 @@
-//! Vectors have meanings, densities have measures, numbers have known errors.
+//! Vectors, densities, transforms and numerics.
 
 pub mod bounds;
 pub mod discrete;
 pub mod exact;
+mod f64x2;
 pub mod float;
 pub mod frame;
 pub mod fresnel;
 pub mod hash;
 pub mod measure;
-mod pair;
 pub mod ray;
 pub mod spectrum;
 pub mod spherical_rectangle;

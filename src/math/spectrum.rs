@@ -1,76 +1,82 @@
-//! The quantity of light, opaque to everything but the film.
+//! Spectral quantities.
 
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
 use glam::{Vec3, Vec3A};
 
-/// A spectral quantity: radiance, reflectance, throughput.
+/// Spectral quantity such as radiance, reflectance or throughput.
 ///
-/// Today three coefficients, linear RGB with the primaries of Rec. 709. Only the film
-/// ([`Spectrum::to_rgb`]) may look inside; everything else multiplies and adds, so that
-/// a spectral representation changes this file and the film alone.
+/// It has three coefficients: linear RGB with the primaries of Rec. 709. Only the film uses the coefficients ([`Spectrum::to_rgb`]).
+/// All other code multiplies and adds, so that another spectral representation changes only this file and the film.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spectrum(Vec3);
 
 impl Spectrum {
+    /// 0 at every wavelength.
     pub const BLACK: Spectrum = Spectrum(Vec3::ZERO);
+    /// 1 at every wavelength.
     pub const ONE: Spectrum = Spectrum(Vec3::ONE);
 
-    /// The same value at every wavelength.
+    /// A spectrum with the same value at every wavelength.
     pub const fn gray(value: f32) -> Spectrum {
         Spectrum(Vec3::splat(value))
     }
 
-    /// From linear RGB (Rec. 709).
+    /// A spectrum from linear RGB (Rec. 709).
     pub const fn rgb(r: f32, g: f32, b: f32) -> Spectrum {
         Spectrum(Vec3::new(r, g, b))
     }
 
-    /// From linear RGB (Rec. 709) in f64, rounded.
+    /// A spectrum from linear RGB (Rec. 709) in f64, rounded.
     pub fn from_f64(rgb: [f64; 3]) -> Spectrum {
         let [r, g, b] = rgb.map(|c| c as f32);
         Spectrum::rgb(r, g, b)
     }
 
-    /// To linear RGB (Rec. 709): for the film.
+    /// Linear RGB (Rec. 709), for the film.
     pub fn to_rgb(self) -> [f32; 3] {
         self.0.to_array()
     }
 
+    /// Whether all coefficients are 0.
     pub fn is_black(self) -> bool {
-        // All bits but the signs are 0: one test for all coefficients.
+        // One test for all coefficients: all bits except the signs are 0.
         let bits = self.0.to_array().map(f32::to_bits);
         (bits[0] | bits[1] | bits[2]) << 1 == 0
     }
 
-    /// Finite and nowhere negative: what radiance must be.
+    /// Whether all coefficients are finite and not negative, as those of radiance must be.
     pub fn is_valid(self) -> bool {
         self.0.is_finite() && self.0.min_element() >= 0.0
     }
 
+    /// Whether all coefficients are finite.
     pub fn is_finite(self) -> bool {
         self.0.is_finite()
     }
 
+    /// Greatest coefficient.
     pub fn max(self) -> f32 {
         self.0.max_element()
     }
 
+    /// Least coefficient.
     pub fn min(self) -> f32 {
         self.0.min_element()
     }
 
-    /// The mean over the coefficients: a measure of size for choosing lights, not a luminance.
+    /// Mean of the coefficients. It is a measure of size for the choice of lights, not a luminance.
     pub fn average(self) -> f32 {
         (self.0.x + self.0.y + self.0.z) / 3.0
     }
 
+    /// f(self), coefficient by coefficient.
     pub fn map(self, f: impl Fn(f32) -> f32) -> Spectrum {
         Spectrum(self.0.map(f))
     }
 
-    /// From `self` to `other` by `share`.
+    /// Linear interpolation from `self` to `other` by `share`.
     pub fn mix(self, other: Spectrum, share: f32) -> Spectrum {
         self * (1.0 - share) + other * share
     }
@@ -80,7 +86,7 @@ impl Spectrum {
         Spectrum(Vec3::new(f(self.0.x, other.0.x), f(self.0.y, other.0.y), f(self.0.z, other.0.z)))
     }
 
-    /// The same by a function that takes all coefficients at once.
+    /// f(self, other) for a function of all coefficients at once.
     #[inline(always)]
     pub fn zip_all(self, other: Spectrum, f: impl Fn(Vec3A, Vec3A) -> Vec3A) -> Spectrum {
         Spectrum(f(self.0.into(), other.0.into()).into())

@@ -1,14 +1,14 @@
-//! A triangle as it is seen from a point, and directions that are uniform in what it covers.
+//! Solid angle of a triangle, and uniform sampling of it.
 //!
 //! tan(Ω/2) = |det(a, b, c)| / (|a||b||c| + (a·b)|c| + (b·c)|a| + (c·a)|b|)                (sr)
 //!
-//! A share u of Ω is cut off by the arc from b to c′, a point of the arc from a to c. With c′ = cos t a + sin t e, where e is the
-//! direction at a towards c, that formula can be solved for t:
+//! The arc from b to a point c′ of the arc from a to c cuts off a fraction u of Ω. With c′ = cos t a + sin t e, where e is the direction
+//! at a towards c, the formula can be solved for t:
 //!
 //! tan(t/2) = sin σ (1 + a·b) / (cos σ |det(a, b, e)| − sin σ (b·e)),    σ = u Ω/2
 //!
-//! On the arc from b to c′ equal areas are equal steps of 1 − cos θ, θ the angle from b. No angle is a difference of angles, as it
-//! is in Girard's formula, so that tiny triangles keep their digits.
+//! On the arc from b to c′, equal areas are equal steps of 1 − cos θ, where θ is the angle from b. Unlike in Girard's formula, no angle is
+//! a difference of angles, so that tiny triangles are computed precisely.
 //!
 //! Source: Van Oosterom and Strackee, *The Solid Angle of a Plane Triangle* (1983); the division of the triangle is that of
 //! Arvo, *Stratified Sampling of Spherical Triangles* (1995).
@@ -18,20 +18,21 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::float::{ONE_MINUS_EPSILON, atan2_f64, sin_cos_f64};
 
-/// Corners as unit vectors, in double precision: they may be closer together than an `f32` can tell.
+/// Triangle seen from the origin. The corners are unit vectors in double precision, because they may be closer than an `f32` resolves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphericalTriangle {
     a: DVec3,
     b: DVec3,
     c: DVec3,
-    /// At a, the unit vector towards c.
+    /// Unit tangent at a towards c.
     e: DVec3,
     solid_angle: f64,
 }
 
 impl SphericalTriangle {
-    /// - `corners`: as seen from the origin, at any distance and in either order
-    /// - `None` for a triangle seen edge-on, and for one so small that 1/Ω is no finite `f32`: sample it by area instead
+    /// A triangle; `None` if it is seen edge-on, or is so small that 1/Ω is not a finite `f32` and it should be sampled by area.
+    ///
+    /// - `corners`: corners relative to the viewer, at any distance and in either order
     pub fn new(corners: [Vec3; 3]) -> Option<SphericalTriangle> {
         let solid_angle = solid_angle(corners.map(Vec3::as_dvec3));
         let [a, b, c] = corners.map(|corner| corner.as_dvec3().normalize());
@@ -40,17 +41,17 @@ impl SphericalTriangle {
         is_seen.then(|| SphericalTriangle { a, b, c, e: e.normalize(), solid_angle })
     }
 
-    /// Ω, up to 2π                                                                          (sr)
+    /// Solid angle Ω, up to 2π                                                                          (sr)
     pub fn solid_angle(&self) -> f32 {
         self.solid_angle as f32
     }
 
-    /// 1/Ω inside the triangle                                                             [sr⁻¹]
+    /// Density 1/Ω of a direction inside the triangle                                                             [sr⁻¹]
     pub fn pdf(&self) -> f32 {
         self.solid_angle.recip() as f32
     }
 
-    /// Whether a ray from the origin meets the triangle; on an edge either way.
+    /// Whether a ray from the origin hits the triangle. The result is undefined for directions on an edge.
     pub fn contains(&self, w: Vec3) -> bool {
         let w = w.as_dvec3();
         let [a, b, c] = [(self.b, self.c), (self.c, self.a), (self.a, self.b)].map(|(p, q)| p.cross(q - p).dot(w));
@@ -58,21 +59,21 @@ impl SphericalTriangle {
         [a, b, c].iter().all(|side| side * orientation >= 0.0)
     }
 
-    /// A direction, uniform in the solid angle of the triangle.
+    /// Samples a direction uniformly in the solid angle of the triangle.
     pub fn sample(&self, u: Vec2) -> Vec3 {
         let (share, height) = (f64::from(u.x), f64::from(u.y));
         let edge_end = self.cut(share);
         let chord2 = (edge_end - self.b).length_squared();
-        // h = 1 − cos θ; the whole arc has half the square of its chord.
+        // h = 1 − cos θ. For the whole arc it is half the square of the chord.
         let h = 0.5 * height * chord2;
         let along = ((edge_end - self.b) + 0.5 * chord2 * self.b).normalize_or_zero();
         (self.b + ((h * (2.0 - h)).sqrt() * along - h * self.b)).as_vec3()
     }
 
-    /// Of a direction inside; at the second corner itself every u.x would do.
+    /// Inverse of [`SphericalTriangle::sample`] for a direction inside. At the second corner u.x is arbitrary.
     pub fn sample_inverse(&self, w: Vec3) -> Vec2 {
         let w = w.as_dvec3().normalize();
-        // Where the plane through b and w meets the arc from a to c.
+        // Intersection of the plane through b and w with the arc from a to c.
         let end = (self.b.cross(w - self.b)).cross(self.a.cross(self.c - self.a)).normalize_or(self.c);
         let end = if end.dot(self.a + self.c) < 0.0 { -end } else { end };
         let share = solid_angle([self.a, self.b, end]) / self.solid_angle;
@@ -80,7 +81,7 @@ impl SphericalTriangle {
         Vec2::new(share as f32, height as f32).clamp(Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON))
     }
 
-    /// The point c′ of the arc from a to c whose triangle with a and b has the share `u` of the solid angle.
+    /// Point c′ of the arc from a to c for which the triangle a, b, c′ has the fraction `u` of the solid angle.
     fn cut(&self, u: f64) -> DVec3 {
         let (sin, cos) = sin_cos_f64(0.5 * u * self.solid_angle);
         let (a, b, e) = (self.a, self.b, self.e);
@@ -92,7 +93,7 @@ impl SphericalTriangle {
     }
 }
 
-/// Ω of the triangle of three corners as seen from the origin; 0 if it cannot be seen.
+/// Solid angle Ω of a triangle seen from the origin (sr); 0 if it is seen edge-on.
 pub(super) fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     let lengths = DVec3::new(a.length(), b.length(), c.length());
     let det = a.dot((b - a).cross(c - a)).abs();

@@ -5,13 +5,10 @@ use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
 use super::float::sin_cos_degrees;
 use crate::error::{Error, Fault, Result};
 
-/// An invertible affine map of space, with its inverse.
+/// Invertible affine transform p ↦ M p + t of column vectors, with its inverse.
 ///
-/// p ↦ M p + t
-///
-/// Double precision, because a scene is baked once and seen often. Column vectors. Every
-/// constructor that takes a user's numbers returns an error where they make no invertible map;
-/// composition multiplies the known inverses, so that nothing can fail later.
+/// Transforms are in double precision, because a scene is baked only once. Constructors return an error if the given numbers make no
+/// invertible transform. Composition multiplies the inverses, so that it cannot fail.
 ///
 /// Tests: inverse round trips, normals stay perpendicular, handedness of mirrored mirrors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,12 +25,13 @@ impl Default for Transform {
 }
 
 impl Transform {
+    /// The identity.
     pub const IDENTITY: Transform = Transform { matrix: DAffine3::IDENTITY, inverse: DAffine3::IDENTITY, flips: false };
 
     /// A translation.
     ///
     /// # Errors
-    /// `Invalid` unless finite.
+    /// `Invalid` if the vector is not finite.
     pub fn translate(by: DVec3) -> Result<Transform> {
         let moved = Transform::checked(DAffine3::from_translation(by), DAffine3::from_translation(-by), false);
         moved.ok_or_else(|| refused(format!("a translation by {by} leads nowhere")))
@@ -49,24 +47,24 @@ impl Transform {
         scaled.ok_or_else(|| refused(format!("a scale by {by} cannot be undone")))
     }
 
-    /// A rotation about an axis through the origin, counter-clockwise seen from the axis' tip.
+    /// A rotation about an axis through the origin, counter-clockwise as seen from the tip of the axis.
     ///
     /// R = cos θ·1 + sin θ·(a×) + (1 − cos θ)·a aᵀ
     ///
     /// Multiples of 90° about a coordinate axis are exact.
     ///
     /// # Errors
-    /// `Invalid` for an axis that is zero, and for what is not finite.
+    /// `Invalid` if the axis is zero or a number is not finite.
     ///
     /// Source: Rodrigues (1840). Tests: exact quarter turns, length and handedness kept.
     pub fn rotate(axis: DVec3, degrees: f64) -> Result<Transform> {
         unit(axis)
-            .and_then(|axis| Transform::turn(axis, degrees))
+            .and_then(|axis| Transform::rotation(axis, degrees))
             .ok_or_else(|| refused(format!("a rotation by {degrees}° about the axis {axis} is none")))
     }
 
-    /// - `a`: unit
-    fn turn(a: DVec3, degrees: f64) -> Option<Transform> {
+    /// Rotation about the unit vector `a`.
+    fn rotation(a: DVec3, degrees: f64) -> Option<Transform> {
         let (sin, cos) = sin_cos_degrees(degrees);
         let cross = DMat3::from_cols(DVec3::new(0.0, a.z, -a.y), DVec3::new(-a.z, 0.0, a.x), DVec3::new(a.y, -a.x, 0.0));
         let outer = DMat3::from_cols(a * a.x, a * a.y, a * a.z);
@@ -74,10 +72,10 @@ impl Transform {
         Transform::checked(DAffine3::from_mat3(rotation), DAffine3::from_mat3(rotation.transpose()), false)
     }
 
-    /// The camera's frame in the world: it stands at `from` and looks along its −z to `to`, with x right and y up.
+    /// Transform from camera space to world space of a camera at `from` that looks along −z to `to`, with x right and y up.
     ///
     /// # Errors
-    /// `Invalid` when `from` is `to`, or `up` is zero or parallel to the line of sight.
+    /// `Invalid` if `from` is `to`, or `up` is zero or parallel to the line of sight.
     ///
     /// Tests: orthonormal and right-handed, −z hits the target, degenerate input rejected.
     pub fn look_at(from: DVec3, to: DVec3, up: DVec3) -> Result<Transform> {
@@ -89,11 +87,11 @@ impl Transform {
         let z = unit(from - to)?;
         let up = unit(up)?;
         let x = up.cross(z);
-        // The cross product of unit vectors errs by a few roundings; below that its direction is noise.
+        // The cross product of unit vectors has an error of a few roundings. If it is shorter, its direction is not reliable.
         if x.length() <= 8.0 * f64::EPSILON {
             return None;
         }
-        // Where up is nearly parallel to z, x is not quite perpendicular to it; y is, and x made from y.
+        // If up is nearly parallel to z, x is not exactly perpendicular to it. y is, and x is computed again from y.
         let y = unit(z.cross(unit(x)?))?;
         let rotation = DMat3::from_cols(y.cross(z), y, z);
         let back = rotation.transpose();
@@ -101,11 +99,11 @@ impl Transform {
         Transform::checked(matrix, DAffine3::from_mat3_translation(back, -(back * from)), false)
     }
 
-    /// Any affine matrix.
+    /// Transform of an affine matrix.
     ///
     /// # Errors
-    /// `Invalid` if it is projective, not finite, or singular. Singular means: |det M| is within the rounding error of computing it,
-    /// |det M| ≤ 8 ε perm |M|. The bound scales with rows and columns, so small objects are not singular.
+    /// `Invalid` if the matrix is projective, not finite, or singular. A matrix counts as singular if |det M| is within its rounding
+    /// error, |det M| ≤ 8 ε perm |M|. This bound scales with rows and columns, so that transforms of small objects are not singular.
     ///
     /// Tests: singular, projective and non-finite input rejected; tiny and huge scales accepted.
     pub fn from_matrix(m: DMat4) -> Result<Transform> {
@@ -126,48 +124,50 @@ impl Transform {
         Transform::checked(matrix, matrix.inverse(), det < 0.0)
     }
 
-    /// This map first, then `next`.
+    /// Composition: this transform first, then `next`.
     pub fn then(&self, next: &Transform) -> Transform {
         Transform { matrix: next.matrix * self.matrix, inverse: self.inverse * next.inverse, flips: self.flips ^ next.flips }
     }
 
+    /// Inverse transform.
     pub fn inverse(&self) -> Transform {
         Transform { matrix: self.inverse, inverse: self.matrix, flips: self.flips }
     }
 
-    /// Maps a point.
+    /// Transforms a point.
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.matrix.transform_point3(p)
     }
 
-    /// Maps a difference of points: not translated.
+    /// Transforms a difference of points, without translation.
     pub fn vector(&self, v: DVec3) -> DVec3 {
         self.matrix.transform_vector3(v)
     }
 
-    /// Maps a normal, to unit length: perpendicular to every tangent before, perpendicular after.
+    /// Transforms a normal to a unit normal, which is perpendicular to the transformed tangents.
     ///
     /// n ↦ M⁻ᵀ n / |M⁻ᵀ n|
     ///
-    /// - a mirror keeps the side that the normal marks; a normal found as a *cross product of mapped
-    ///   edges* changes side instead, see [`flips_handedness`](Self::flips_handedness)
-    /// - zero stays zero
+    /// - A mirroring transform keeps the side that the normal marks. The cross product of transformed edges changes side instead, see
+    ///   [`flips_handedness`](Self::flips_handedness).
+    /// - A zero vector stays zero.
     ///
     /// Tests: n·t = 0 kept, scale (2, 1, 1), mirrors.
     pub fn normal(&self, n: DVec3) -> DVec3 {
         unit(self.inverse.matrix3.transpose() * n).unwrap_or(DVec3::ZERO)
     }
 
-    /// Whether a right-handed frame becomes left-handed: det M < 0.
+    /// Whether the transform mirrors, so that a right-handed frame becomes left-handed: det M < 0.
     pub fn flips_handedness(&self) -> bool {
         self.flips
     }
 
-    /// The factor by which volumes grow, negative for mirrors.
+    /// Determinant: the factor by which volumes grow, negative for mirroring transforms.
     pub fn determinant(&self) -> f64 {
         self.matrix.matrix3.determinant()
     }
 
+    /// Matrix of the transform.
     pub fn matrix(&self) -> DAffine3 {
         self.matrix
     }
@@ -181,18 +181,18 @@ fn refused(why: String) -> Error {
     Error::invalid(Fault::new(why))
 }
 
-/// The vector at unit length, however long or short it was; `None` for zero and for what is not finite.
+/// Unit vector in the direction of a vector of any length; `None` if it is zero or not finite.
 pub fn unit(v: DVec3) -> Option<DVec3> {
     let largest = v.abs().max_element();
     if !v.is_finite() || largest == 0.0 {
         return None;
     }
-    // Dividing first keeps the squares from overflowing or vanishing.
+    // The division prevents overflow and underflow of the squares.
     let v = v / largest;
     Some(v / v.length())
 }
 
-/// The determinant's sum with every sign positive: what its rounding error is relative to.
+/// Permanent: the sum of the determinant with all signs positive. The rounding error of the determinant is proportional to it.
 fn permanent(m: DMat3) -> f64 {
     let [a, b, c] = [m.x_axis, m.y_axis, m.z_axis];
     a.x * (b.y * c.z + b.z * c.y) + a.y * (b.x * c.z + b.z * c.x) + a.z * (b.x * c.y + b.y * c.x)

@@ -1,13 +1,13 @@
-//! Adaptive sampling: samples go where they are worth most.
+//! Adaptive sampling: pixels with more noise receive more samples.
 //!
 //! ```text
-//! relMSE = 1/P Σ s²ᵢ/nᵢ,   s²ᵢ = σ²ᵢ / (r²ᵢ + ε)        is least, for Σ nᵢ fixed, where nᵢ ∝ sᵢ
+//! relMSE = 1/P Σ s²ᵢ/nᵢ,   s²ᵢ = σ²ᵢ / (r²ᵢ + ε)        is smallest, for a fixed Σ nᵢ, where nᵢ ∝ sᵢ
 //! ```
 //!
-//! s is told by a short pilot. A pixel whose own samples decided how many it gets would be biased: one that saw no light
-//! would stop looking. So the pixels are divided like a chess board, and the allocation of each follows from pixels of the
-//! other colour alone, of which its own samples are independent: its mean is unbiased and its error bar right, as if the allocation
-//! had been given.
+//! A short pilot render estimates s. If the samples of a pixel decided how many samples it gets, the pixel would be biased: a pixel
+//! whose first samples found no light would stop too early. Therefore the pixels are divided like a chess board, and the allocation
+//! of a pixel depends on pixels of the other colour only. Its own samples are independent of those, so its mean is unbiased and its
+//! error bar is right, as if the allocation had been given.
 //!
 //! Source of the allocation: Neyman, *On the Two Different Aspects of the Representative Method* (1934).
 //! Tests: own_samples_have_no_say, noisy_pixels_take_more, adaptive_pays.
@@ -15,71 +15,71 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::Watcher;
-use super::around::around;
-use super::relative::floor_at;
-use crate::film::block::estimate;
+use super::ErrorObserver;
+use super::error::neighborhood::neighborhood;
+use super::error::relative::floor_at;
+use crate::film::pixel_sums::estimate;
 use crate::film::{Allocation, Film, FilmSpec, MomentFilm};
 use crate::integrator::Integrator;
 use crate::render::{Render, Settings};
 use crate::scene::Scene;
 
-/// The pilot is this share of the samples asked for, …
+/// The pilot takes one sample in this many of those requested.
 const PILOT: u64 = 16;
 
-/// … and where they are open, or many, no more than these per pixel.
+/// Largest number of samples per pixel of the pilot. It matters where many samples are requested, or an unlimited number.
 const LONGEST_PILOT: u64 = 32;
 
-/// Samples per round, on average: a calm pixel takes a single one, a noisy one up to 64.
+/// Samples per pixel and round, on average. A pixel with little noise takes one, a noisy one up to 64.
 const MEAN: f64 = 8.0;
 
-/// The pixels whose noise counts lie this far away at most.
+/// Radius of the neighbourhood from which the noise of a pixel is estimated (pixels).
 const REACH: usize = 2;
 
-/// Renders a pilot and throws its picture away; returns the allocation it suggests, and the seconds it took.
+/// Renders a pilot, discards its picture, and returns the allocation that its noise suggests and the seconds it took.
 ///
-/// - `samples`: per pixel, that the picture will have
-pub fn explore(
+/// - `samples`: samples per pixel that the picture will have
+pub fn pilot_allocation(
     scene: &Arc<dyn Scene>,
     integrator: &dyn Integrator,
     spec: &FilmSpec,
     settings: &Settings,
     samples: u64,
-    watcher: &dyn Watcher,
+    observer: &dyn ErrorObserver,
 ) -> (Allocation, Duration) {
     let spec = spec.clone().without_layers();
-    let fewest = u64::from(2 * settings.sampler.spread().sequences());
+    let fewest = u64::from(2 * settings.sampler.error_estimator().sequences());
     let samples = (samples / PILOT).clamp(fewest, LONGEST_PILOT.max(fewest)).next_power_of_two();
     let mut film = MomentFilm::new(spec.clone());
     let mut render = Render::new(scene.clone(), integrator, &spec, settings);
-    render.advance(samples, &mut film, watcher);
+    render.advance(samples, &mut film, observer);
     (allocate(&film), render.report().elapsed)
 }
 
-/// The allocation that a film's noise suggests.
+/// Returns the allocation that the noise of a film suggests.
 pub fn allocate(film: &MomentFilm) -> Allocation {
     let size = film.spec().crop.size();
-    let noise = Noise::of(film, size.x as usize);
+    let noise = PixelNoise::of(film, size.x as usize);
     let mut levels = vec![0; noise.pixels.len()];
     for color in [0, 1] {
         let own: Vec<usize> = (0..levels.len()).filter(|&i| noise.color(i) == color).collect();
         let Some(floor) = noise.floor(1 - color) else { return Allocation::default() };
-        let worth: Vec<f64> = own.iter().map(|&i| noise.around(i, floor)).collect();
+        let worth: Vec<f64> = own.iter().map(|&i| noise.neighbors(i, floor)).collect();
         let scale = scale(&worth);
         own.iter().zip(&worth).for_each(|(&i, worth)| levels[i] = level(scale * worth));
     }
     Allocation::new(levels)
 }
 
-/// The nearest power of two.
+/// Returns the exponent of the power of two that is nearest to a number of samples.
 fn level(samples: f64) -> u8 {
     samples.log2().round().clamp(0.0, Allocation::MAX_LEVEL.into()) as u8
 }
 
-/// By what to multiply these, so that as many samples as are near them average [`MEAN`].
+/// Returns the factor that turns these weights into numbers of samples whose average, after rounding to powers of two, is [`MEAN`].
 fn scale(worth: &[f64]) -> f64 {
     let mean = |scale: f64| worth.iter().map(|worth| f64::from(1u32 << level(scale * worth))).sum::<f64>() / worth.len() as f64;
-    // Between all at 1 and all at 64 it rises by steps; forty halvings end at one of them.
+    // The average rises in steps from 1 to 64. Forty halvings end at one of the steps.
     let largest = worth.iter().fold(0.0, |a: f64, &b| a.max(b));
     if largest == 0.0 {
         return 0.0;
@@ -95,35 +95,35 @@ fn scale(worth: &[f64]) -> f64 {
     high / largest
 }
 
-/// A chess board of pixels that know how noisy they are.
-struct Noise {
+/// Noise of the pixels of a film, whose pixels are coloured like a chess board.
+struct PixelNoise {
     width: usize,
-    /// Mean and variance of a single sample, per colour.
+    /// Mean and variance of a single sample, for red, green and blue.
     pixels: Vec<[(f64, f64); 3]>,
 }
 
-impl Noise {
-    fn of(film: &MomentFilm, width: usize) -> Noise {
+impl PixelNoise {
+    fn of(film: &MomentFilm, width: usize) -> PixelNoise {
         let (block, samples) = (film.total(), film.samples());
         let single = |(mean, variance): (f64, f64)| (mean, variance * samples as f64);
-        Noise { width, pixels: block.pixels().map(|pixel| estimate(block.spread(), pixel, samples).map(single)).collect() }
+        PixelNoise { width, pixels: block.pixels().map(|pixel| estimate(block.error_estimator(), pixel, samples).map(single)).collect() }
     }
 
-    /// Of the square on which a pixel stands.
+    /// Colour of the square on which a pixel stands: 0 or 1.
     fn color(&self, i: usize) -> usize {
         (i % self.width + i / self.width) % 2
     }
 
-    /// ε, of the squares of one colour; `None` where they are black or none.
+    /// ε of the pixels of one colour; `None` if there are none or all of them are black.
     fn floor(&self, color: usize) -> Option<f64> {
         let values = (0..self.pixels.len()).filter(|&i| self.color(i) == color).flat_map(|i| self.pixels[i].map(|(x, _)| x));
         let (sum, count) = values.fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
         floor_at(sum / f64::from(count))
     }
 
-    /// s of pixel i, as its neighbours on squares of the other colour tell it.
-    fn around(&self, i: usize, floor: f64) -> f64 {
-        let others = around(i, REACH, self.width, self.pixels.len()).filter(|&q| self.color(q) != self.color(i));
+    /// s of pixel i, estimated from its neighbours on squares of the other colour.
+    fn neighbors(&self, i: usize, floor: f64) -> f64 {
+        let others = neighborhood(i, REACH, self.width, self.pixels.len()).filter(|&q| self.color(q) != self.color(i));
         let squares = others.flat_map(|q| self.pixels[q].map(|(x, v)| v / (x * x + floor)));
         let (sum, count) = squares.fold((0.0, 0), |(sum, count), s| (sum + s, count + 1));
         (sum / f64::from(count.max(1))).sqrt()

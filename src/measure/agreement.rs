@@ -1,53 +1,60 @@
-//! Do two images show the same picture?
+//! Statistical tests of whether two images are estimates of the same picture.
 //!
-//! Four questions, because each finds what the others miss:
+//! There are four tests, because each finds errors that the others miss:
 //!
-//! - pixel: is any pixel off?           seams, a wrong shadow's edge
-//! - block: is any block off?           a wrong material in a corner; some per cent of bias
-//! - global: is the whole off?          some per mille of bias
-//! - spread: Σz² over blocks ~ χ²       many small differences; and errors smaller than claimed
+//! - pixel: does any pixel differ?             finds seams, the wrong edge of a shadow
+//! - block: does any block of pixels differ?   finds a wrong material in a corner, a bias of some per cent
+//! - global: does the whole image differ?      finds a bias of some per mille
+//! - spread: does Σz² over the blocks follow χ²?   finds many small differences, and errors that are smaller than claimed
 //!
-//! Heavy tails: where the rare bright paths have not come yet, a mean is too dark and looks surer than it is. So
+//! Noise with heavy tails needs care: as long as the rare bright paths are missing, a mean is too dark and its error bar too small.
+//! Therefore
 //!
-//! - a block has at least 8×8 pixels, and as many more as it takes for its noise to be that of fifty samples;
-//! - a pixel's variance counts as at least the mean of its block, and of its 8×8 neighbours;
-//! - the side that is darker may be so by what it lacks: its statistic is taken back by that (Hall);
-//! - Σz² is formed of blocks so large that the skewness of a sum is lost in what chance does to Σz²;
-//! - a picture whose noise is that of fewer than fifty samples in all concludes nothing ([`Agreement::heavy`]).
+//! - a block has at least 8×8 pixels, and as many more as it needs for its noise to be that of fifty samples;
+//! - the variance of a pixel counts as at least the mean variance of its block, and of its 8×8 neighbours;
+//! - the darker side may be dark only because it lacks rare samples: its statistic is corrected for skewness (Hall);
+//! - Σz² is formed of blocks so large that the skewness of a sum is small beside the random deviation of Σz²;
+//! - a picture whose noise is that of fewer than fifty samples in all permits no conclusion ([`Agreement::heavy`]).
 
-mod block;
+mod pixel_group;
 
 use std::fmt;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use self::block::{Block, add, samples, with_surroundings};
-use super::relative::EPSILON;
+use self::pixel_group::{PixelGroup, add, samples, with_surroundings};
+use super::error::EPSILON;
 use super::{Mean, Verdict, Welch, critical_z, sidak};
 use crate::film::{Channel, Image};
 use crate::{Error, Fault, Result};
 
-/// An image of independent samples, and how many there are per pixel.
+/// An image of independent samples, with the number of samples per pixel.
 #[derive(Clone, Copy, Debug)]
-pub struct Render<'a> {
-    /// With channels `R`, `G`, `B` and `StdErr.R`, `StdErr.G`, `StdErr.B`.
+pub struct SampledImage<'a> {
+    /// Image with channels `R`, `G`, `B` and `StdErr.R`, `StdErr.G`, `StdErr.B`.
     pub image: &'a Image,
+    /// Samples per pixel.
     pub samples: u64,
 }
 
-/// What the four tests say, over all colours.
+/// Verdicts of the four tests, over all colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
+    /// Verdict of the test of single pixels.
     pub pixel: Verdict,
+    /// Verdict of the test of blocks of pixels.
     pub block: Verdict,
+    /// Verdict of the test of the whole image.
     pub global: Verdict,
+    /// Verdict of the test of Σz² over the blocks.
     pub spread: Verdict,
-    /// Of each image, whether a few samples hold all its noise (relative to its light), or it shows nothing at all: what more of them
-    /// would bring is unknown, and so the tests conclude nothing.
+    /// For each image, whether a few samples hold all its noise (relative to its light), or the image is black. More samples could
+    /// change such an image in unknown ways, so the tests permit no conclusion.
     pub heavy: [bool; 2],
 }
 
 impl Agreement {
+    /// Returns whether all four tests accept.
     pub fn accepts(&self) -> bool {
         self.all().iter().all(|(_, verdict)| verdict.accepts())
     }
@@ -66,8 +73,9 @@ impl fmt::Display for Agreement {
 
 /// Edge of the smallest block (pixels).
 const BLOCK: usize = 8;
-/// How many samples make a block's noise, at least: nearly one for each of its 8×8 pixels, as σ² is only estimated.
-const SHARED: f64 = 50.0;
+/// Smallest number of samples that the noise of a block must come from. It is nearly one for each of the 8×8 pixels, as σ² is only
+/// estimated.
+const MIN_SAMPLES: f64 = 50.0;
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
 /// Tests whether two images are estimates of the same picture.
@@ -79,9 +87,9 @@ const CHANNELS: [&str; 3] = ["R", "G", "B"];
 ///
 /// Source: Šidák (1967), Welch (1947); the four questions: Subr and Arvo, *Statistical Hypothesis Testing
 /// for Assessing Monte Carlo Estimators* (2007), widened. Tests: false alarms, bias, a local fault, too small errors.
-pub fn agreement(a: Render, b: Render, alpha: f64) -> Result<Agreement> {
+pub fn agreement(a: SampledImage, b: SampledImage, alpha: f64) -> Result<Agreement> {
     let level = sidak(alpha, 4 * CHANNELS.len());
-    let pairs: Vec<Pair> = CHANNELS.into_iter().map(|channel| Pair::new(a, b, channel)).collect::<Result<_>>()?;
+    let pairs: Vec<ChannelPair> = CHANNELS.into_iter().map(|channel| ChannelPair::new(a, b, channel)).collect::<Result<_>>()?;
     let colors: Vec<[Verdict; 4]> = pairs.iter().map(|pair| pair.test(level)).collect();
     let heavy = [0, 1].map(|k| pairs.iter().any(|pair| pair.is_heavy(k)) || pairs.iter().all(|pair| pair.is_black(k)));
     let worst = |k: usize| {
@@ -93,30 +101,31 @@ pub fn agreement(a: Render, b: Render, alpha: f64) -> Result<Agreement> {
     Ok(Agreement { pixel: worst(0), block: worst(1), global: worst(2), spread: worst(3), heavy })
 }
 
-/// The probability of so large a difference by chance, of each pixel and colour: near 0 where the images differ.
+/// Returns an image of p-values: for each pixel and colour, the probability that chance alone makes so large a difference. It is
+/// near 0 where the images differ.
 ///
 /// # Errors
 /// Those of [`agreement`].
-pub fn p_values(a: Render, b: Render) -> Result<Image> {
+pub fn p_values(a: SampledImage, b: SampledImage) -> Result<Image> {
     let channel = |name: &str| -> Result<Channel> {
-        let pair = Pair::new(a, b, name)?;
+        let pair = ChannelPair::new(a, b, name)?;
         let p = |[a, b]: &[Mean; 2]| rounded(*a).welch(&rounded(*b)).p() as f32;
         Ok(Channel { name: name.into(), values: pair.pixels.iter().map(p).collect() })
     };
     Ok(Image { channels: CHANNELS.into_iter().map(channel).collect::<Result<_>>()?, ..a.image.clone() })
 }
 
-/// The least relative difference of the whole images that [`agreement`] would refuse with a probability of 90 %.
+/// Returns the smallest relative difference between the whole images that [`agreement`] would detect with a probability of 90 %.
 ///
-/// (z_α + z_90 %) √(Σ v₁ + v₂) / Σ m, of the colour that shows it best
+/// (z_α + z_90 %) √(Σ v₁ + v₂) / Σ m, for the colour in which it is smallest
 ///
 /// # Errors
 /// Those of [`agreement`].
-pub fn smallest_bias(a: Render, b: Render, alpha: f64) -> Result<f64> {
+pub fn smallest_bias(a: SampledImage, b: SampledImage, alpha: f64) -> Result<f64> {
     const Z_90: f64 = 1.281_551_565_5;
     let z = critical_z(alpha, 4 * CHANNELS.len()) + Z_90;
     let of = |name: &str| -> Result<f64> {
-        let pair = Pair::new(a, b, name)?;
+        let pair = ChannelPair::new(a, b, name)?;
         let [a, b] = [0, 1].map(|k| pair.pixels.iter().map(|pixel| &pixel[k]).fold(Mean::default(), add));
         Ok(z * (a.variance + b.variance).sqrt() / (0.5 * (a.value + b.value)).abs())
     };
@@ -124,41 +133,41 @@ pub fn smallest_bias(a: Render, b: Render, alpha: f64) -> Result<f64> {
     Ok(all.into_iter().filter(|bias| !bias.is_nan()).fold(f64::INFINITY, f64::min))
 }
 
-/// One colour of both images.
-struct Pair {
+/// One colour channel of both images.
+struct ChannelPair {
     width: usize,
     pixels: Vec<[Mean; 2]>,
 }
 
-impl Pair {
-    fn new(a: Render, b: Render, channel: &str) -> Result<Pair> {
+impl ChannelPair {
+    fn new(a: SampledImage, b: SampledImage, channel: &str) -> Result<ChannelPair> {
         if a.image.size != b.image.size {
             let text = format!("images of {} and {} pixels cannot be compared", a.image.size, b.image.size);
             return Err(Error::invalid(Fault::new(text)));
         }
         let (a, b) = (means(a, channel)?, means(b, channel)?);
-        Ok(Pair { width: a.0, pixels: a.1.into_iter().zip(b.1).map(|(a, b)| [a, b]).collect() })
+        Ok(ChannelPair { width: a.0, pixels: a.1.into_iter().zip(b.1).map(|(a, b)| [a, b]).collect() })
     }
 
-    /// Pixel, block, global, spread.
+    /// Returns the verdicts of the pixel, block, global and spread tests.
     fn test(&self, level: f64) -> [Verdict; 4] {
-        let blocks = self.blocks(SHARED);
-        let pixels = blocks.iter().flat_map(|block| &block.pixels).map(Tested::pixel);
-        let whole = Block::joined(self.blocks(0.0));
-        // E(z²) of a sum that n samples make exceeds 1 by 2/n; of N blocks chance makes the mean ±√(2/N), and n = 2.5 √N keeps the one
-        // at half of the other.
+        let blocks = self.blocks(MIN_SAMPLES);
+        let pixels = blocks.iter().flat_map(|block| &block.pixels).map(MeanTest::pixel);
+        let whole = PixelGroup::joined(self.blocks(0.0));
+        // For a sum of n samples, E(z²) exceeds 1 by about 2/n. The mean of z² over N blocks has a standard deviation of √(2/N).
+        // With n = 2.5 √N the excess is half of that deviation.
         let smallest = self.width.div_ceil(BLOCK) * self.height().div_ceil(BLOCK);
-        let coarse = self.blocks(SHARED.max(2.5 * (smallest as f64).sqrt()));
+        let coarse = self.blocks(MIN_SAMPLES.max(2.5 * (smallest as f64).sqrt()));
         [
-            many(pixels, level),
-            many(blocks.iter().map(Tested::sum), level),
-            many([Tested::sum(&whole)].into_iter(), level),
+            test_all(pixels, level),
+            test_all(blocks.iter().map(MeanTest::sum), level),
+            test_all([MeanTest::sum(&whole)].into_iter(), level),
             spread(&coarse, level),
         ]
     }
 
-    /// Whether fewer than [`SHARED`] samples make the relative error √(Σ v/(s² + ε)), with s the surroundings: behind its own light an
-    /// outlier would hide.
+    /// Returns whether the relative error √(Σ v/(s² + ε)) comes from fewer than [`MIN_SAMPLES`] samples. s is the light of the
+    /// surroundings; with the light of the pixel itself, an outlier would hide.
     fn is_heavy(&self, side: usize) -> bool {
         let mean = self.pixels.iter().map(|pixel| pixel[side].value).sum::<f64>() / self.pixels.len() as f64;
         let floor = EPSILON * mean * mean;
@@ -168,14 +177,14 @@ impl Pair {
             let share = mean.variance / (around * around + floor);
             (sum + share, fourth + share * share / samples(mean, around))
         });
-        sum * sum < SHARED * fourth
+        sum * sum < MIN_SAMPLES * fourth
     }
 
     fn is_black(&self, side: usize) -> bool {
         self.pixels.iter().all(|pixel| pixel[side].value == 0.0)
     }
 
-    /// The pixels of a square of 8×8, fewer at the far edges.
+    /// Pixels of a square of 8×8; fewer at the right and lower edges.
     fn tile(&self, x: usize, y: usize) -> impl Iterator<Item = [Mean; 2]> {
         let rows = y..(y + BLOCK).min(self.height());
         rows.flat_map(move |row| &self.pixels[row * self.width + x..row * self.width + (x + BLOCK).min(self.width)]).copied()
@@ -185,48 +194,49 @@ impl Pair {
         self.pixels.len() / self.width.max(1)
     }
 
-    /// Squares of 8×8 pixels, smaller at the far edges, or of twice, four times… that edge where the noise of either picture is not yet
-    /// shared among so many samples; the whole picture at most.
-    fn blocks(&self, shared: f64) -> Vec<Block> {
+    /// Divides the picture into squares of 8×8 pixels, smaller at the right and lower edges. Squares are larger, by a power of two,
+    /// where the noise of one of the pictures does not come from `min_samples` samples; the largest is the whole picture.
+    fn blocks(&self, min_samples: f64) -> Vec<PixelGroup> {
         let edge = self.width.max(self.height()).div_ceil(BLOCK).next_power_of_two() * BLOCK;
-        self.split(0, 0, edge, shared)
+        self.split(0, 0, edge, min_samples)
     }
 
-    /// The blocks of a square, or else the square as one: it is only divided where each part can stand alone.
-    fn split(&self, x: usize, y: usize, edge: usize, shared: f64) -> Vec<Block> {
+    /// Divides a square into four if each part has enough samples, and returns the undivided square otherwise.
+    fn split(&self, x: usize, y: usize, edge: usize, min_samples: f64) -> Vec<PixelGroup> {
         if x >= self.width || y >= self.height() {
             return vec![];
         }
         if edge == BLOCK {
-            return vec![Block::of(self.tile(x, y).collect())];
+            return vec![PixelGroup::of(self.tile(x, y).collect())];
         }
         let half = edge / 2;
         let corners = [(0, 0), (half, 0), (0, half), (half, half)];
-        let parts: Vec<Block> = corners.iter().flat_map(|(i, j)| self.split(x + i, y + j, half, shared)).collect();
-        match parts.iter().all(|part| part.is_shared(shared)) {
+        let parts: Vec<PixelGroup> = corners.iter().flat_map(|(i, j)| self.split(x + i, y + j, half, min_samples)).collect();
+        match parts.iter().all(|part| part.has_samples(min_samples)) {
             true => parts,
-            false => vec![Block::joined(parts)],
+            false => vec![PixelGroup::joined(parts)],
         }
     }
 }
 
-/// What a test is made of: two means, and the third cumulants of their noise.
-struct Tested {
+/// Input of one test: two means, and the third cumulants of their noise.
+struct MeanTest {
     means: [Mean; 2],
     third: [f64; 2],
 }
 
-impl Tested {
-    /// A pixel's skewness is not known.
-    fn pixel(means: &[Mean; 2]) -> Tested {
-        Tested { means: *means, third: [0.0; 2] }
+impl MeanTest {
+    /// Input for a single pixel. Its skewness is unknown and counts as 0.
+    fn pixel(means: &[Mean; 2]) -> MeanTest {
+        MeanTest { means: *means, third: [0.0; 2] }
     }
 
-    fn sum(block: &Block) -> Tested {
-        Tested { means: block.sums.map(|sum| sum.mean), third: block.sums.map(|sum| sum.third) }
+    fn sum(block: &PixelGroup) -> MeanTest {
+        MeanTest { means: block.sums.map(|sum| sum.mean), third: block.sums.map(|sum| sum.third) }
     }
 
-    /// Welch's test, with the statistic of skewed sums taken back where the darker side may lack its brightest samples.
+    /// Returns the p-value of Welch's test, with the statistic corrected for skewness: the darker side may lack its brightest
+    /// samples.
     ///
     /// t' = t + γ t²/3 + γ² t³/27 + γ/6,    γ = κ₃ / (v₁ + v₂)^1.5 of the darker side, t below 0
     ///
@@ -238,13 +248,13 @@ impl Tested {
         let gamma = self.third[darker] / (a.variance + b.variance).powf(1.5);
         let t = -welch.t.abs();
         let back = t + gamma * t * t / 3.0 + gamma * gamma * t.powi(3) / 27.0 + gamma / 6.0;
-        // A bound of the skewness must not make anything surer.
+        // The skewness is only a bound, so it must never make a difference more significant.
         Welch { t: if back.is_finite() { back.clamp(t, 0.0) } else { t }, ..welch }.p()
     }
 }
 
-/// The estimates of a channel, and the width of its rows.
-fn means(render: Render, channel: &str) -> Result<(usize, Vec<Mean>)> {
+/// Returns the width of the image, and the estimate of each pixel for one channel.
+fn means(render: SampledImage, channel: &str) -> Result<(usize, Vec<Mean>)> {
     let find =
         |name: &str| render.image.channel(name).ok_or_else(|| Error::invalid(Fault::new(format!("the image has no channel {name}"))));
     let (values, errors) = (find(channel)?, find(&format!("StdErr.{channel}"))?);
@@ -256,7 +266,7 @@ fn means(render: Render, channel: &str) -> Result<(usize, Vec<Mean>)> {
     Ok((render.image.size.x as usize, values.iter().zip(errors).map(mean).collect()))
 }
 
-/// (2⁻²⁰·value)²: what the rounding of f32 images and of the light's own arithmetic may add to a variance.
+/// (2⁻²⁰·value)²: variance that the rounding of f32 images and of the light's own arithmetic may add.
 fn rounding(mean: &Mean) -> f64 {
     (mean.value * 2f64.powi(-20)).powi(2)
 }
@@ -265,22 +275,22 @@ fn rounded(mean: Mean) -> Mean {
     Mean { variance: mean.variance + rounding(&mean), ..mean }
 }
 
-/// The test of each.
-fn many(tested: impl Iterator<Item = Tested>, level: f64) -> Verdict {
+/// Tests each input, and returns the smallest p-value with the number of tests.
+fn test_all(tested: impl Iterator<Item = MeanTest>, level: f64) -> Verdict {
     let (mut p, mut tests) = (1.0f64, 0);
     for one in tested {
-        // NaN is no agreement.
+        // A NaN counts as disagreement.
         p = p.min(Some(one.p()).filter(|p| !p.is_nan()).unwrap_or(0.0));
         tests += 1;
     }
     Verdict { p, level: sidak(level, tests), tests }
 }
 
-/// Σz² of n blocks follows χ² with n degrees of freedom: too large where they differ, too small where
-/// errors are overstated or the images share their random numbers.
+/// Tests whether Σz² of n blocks follows χ² with n degrees of freedom. It is too large where the images differ, and too small where
+/// errors are overstated or the images share random numbers.
 ///
-/// Blocks of less spread than rounding may bring claim nothing and do not count.
-fn spread(blocks: &[Block], level: f64) -> Verdict {
+/// Blocks whose noise is below that of rounding are not counted.
+fn spread(blocks: &[PixelGroup], level: f64) -> Verdict {
     let noisy =
         blocks.iter().map(|block| block.sums.map(|sum| sum.mean)).filter(|[a, b]| a.variance + b.variance > rounding(a) + rounding(b));
     let z2: Vec<f64> = noisy.map(|[a, b]| a.welch(&b).t.powi(2)).collect();

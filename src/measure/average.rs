@@ -1,22 +1,22 @@
-//! Several pictures of the same, as one.
+//! The average of several pictures of the same scene.
 //!
 //! m = Σ n m_i / Σ n,    s = √(Σ n² s_i²) / Σ n
 //!
-//! n is each picture's number of samples in that pixel where all of them say it, else 1.
+//! n is the number of samples that each picture has in the pixel if all of them say it, and 1 otherwise.
 
 use super::metric::Named;
 use crate::film::{Channel, Image};
 use crate::output::window;
 use crate::{Error, Fault, Result};
 
-/// Where a picture says how many samples each pixel has.
+/// Channel with the number of samples of each pixel.
 const COUNT: &str = "SampleCount.Y";
 
-/// The mean of independent pictures.
+/// Returns the mean of independent pictures.
 ///
 /// - `StdErr.*` becomes the standard error of the mean, which is right only for pictures of independent samples
 /// - `SampleCount.*` and `Time.*` add up
-/// - every other channel is averaged, each pixel weighted with its samples; values that are not finite stay so
+/// - every other channel is averaged, each pixel weighted with its number of samples; values that are not finite stay so
 ///
 /// # Errors
 /// `Invalid`, one fault that names the file: other windows or other channels than the first picture's, or no picture at all.
@@ -39,7 +39,7 @@ pub fn average(pictures: &[Named]) -> Result<Image> {
     Ok(Image { channels, ..*first.image })
 }
 
-/// How a channel's values become one.
+/// How the values of a channel are combined.
 #[derive(Clone, Copy)]
 enum Rule {
     Mean,
@@ -56,6 +56,8 @@ impl Rule {
         }
     }
 
+    /// Combines values.
+    ///
     /// - `parts`: values and their weights
     fn join(self, parts: impl Iterator<Item = (f64, f64)>) -> f64 {
         let (sum, weights) = parts.fold((0.0, 0.0), |(sum, weights), (x, w)| {
@@ -74,7 +76,7 @@ impl Rule {
     }
 }
 
-/// The samples of pixel `i` in every picture; all alike where none has any, or where it is not said.
+/// Numbers of samples of pixel `i` in the pictures; all are 1 where no picture has a sample there, or where it is not known.
 fn weights(counts: Option<&[&[f32]]>, pictures: usize, i: usize) -> Vec<f64> {
     let counts = counts.map(|counts| counts.iter().map(|count| f64::from(count[i])).collect::<Vec<_>>());
     counts.filter(|counts| counts.iter().sum::<f64>() > 0.0).unwrap_or_else(|| vec![1.0; pictures])

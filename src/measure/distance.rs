@@ -1,29 +1,31 @@
-//! How far a picture is from a reference.
+//! Distance of a picture from a reference.
 
-use super::relative::{errors, floor};
+use super::error::{errors, floor};
 use crate::film::Image;
 
-/// Mean squared distances of a picture from a reference, less what the reference's own standard errors add to them.
+/// Mean squared distances of a picture from a reference. What the reference's own standard errors add to them is subtracted.
 ///
 /// ```text
 /// mse    = 1/3P Σ ((x − r)² − v_r)
 /// relmse = 1/3P Σ ((x − r)² − v_r) / (r² + ε),   ε = 0.01 · mean(r)²
 /// ```
 ///
-/// over P pixels and three colours. Below 0 where the picture is as close to the truth as the reference is.
+/// Sums run over P pixels and three colours. A distance is below 0 where the picture is closer to the truth than the reference is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
+    /// Mean squared error.
     pub mse: f64,
+    /// Relative mean squared error.
     pub relmse: f64,
-    /// relMSE without the worst 0.1 % of the pixels: what a few bright ones do not decide.
+    /// relMSE without the largest 0.1 % of the pixels, so that a few bright pixels do not decide it.
     pub trimmed: f64,
 }
 
-/// The share of the pixels that a trimmed mean leaves out.
+/// Share of the pixels that the trimmed mean leaves out.
 const TRIMMED: f64 = 1e-3;
 
 impl Distance {
-    /// `None` for pictures of different sizes, and for a black reference.
+    /// Distance of an image from a reference; `None` for pictures of different sizes and for a black reference.
     pub fn between(image: &Image, reference: &Image) -> Option<Distance> {
         let floor = floor(reference).filter(|_| image.size == reference.size)?;
         let errors = errors(reference);

@@ -1,25 +1,26 @@
-//! Sharing out the risk of a false alarm among many tests.
+//! Levels of significance that many tests share.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// The level of each of `tests` independent tests that together have the level `alpha`.
+/// Level of each of `tests` independent tests that together have the level `alpha`.
 ///
 /// αₛ = 1 − (1 − α)^(1/m)
 ///
-/// - `alpha`: in (0, 1); `tests`: m, where 0 counts as 1
+/// - `alpha`: in (0, 1)
+/// - `tests`: m, where 0 counts as 1
 ///
 /// Source: Šidák, *Rectangular Confidence Regions* (1967). Tests: known values, one test keeps its level.
 pub fn sidak(alpha: f64, tests: usize) -> f64 {
     -((-alpha).ln_1p() / tests.max(1) as f64).exp_m1()
 }
 
-/// How many standard errors a mean may be off before one of `tests` two-sided tests says no.
+/// Number of standard errors that a mean may deviate before one of `tests` two-sided tests refuses it.
 ///
 /// z = Φ⁻¹(1 − αₛ/2)
 ///
 /// Tests: known values from 5 to 6·10⁶ tests.
 pub fn critical_z(alpha: f64, tests: usize) -> f64 {
-    // In the lower tail, where the level has all its digits.
+    // The lower tail is used, where the level keeps all its digits.
     -Normal::standard().inverse_cdf(0.5 * sidak(alpha, tests))
 }
 
@@ -33,7 +34,7 @@ mod tests {
         assert!((critical_z(0.05, 1) - 1.959_963_984_540_054).abs() < 1e-9);
     }
 
-    /// 1 − (1 − αₛ)^m = α, also where αₛ is far below the rounding of 1.
+    /// 1 − (1 − αₛ)^m = α, even if αₛ is far below the rounding of 1.
     #[test]
     fn together_the_tests_have_the_level() {
         for tests in [2, 5, 100, 10_000, 6_220_800] {

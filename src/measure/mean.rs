@@ -1,28 +1,29 @@
-//! A mean with its standard error, and what may be concluded from it.
+//! Means with standard errors, and tests on them.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// An estimate: the mean of independent samples.
+/// Estimate of a mean from independent samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mean {
+    /// The estimated mean.
     pub value: f64,
-    /// Of the mean: s²/n.
+    /// Variance of the mean: s²/n.
     pub variance: f64,
-    /// n
+    /// n, the number of samples.
     pub samples: f64,
 }
 
-/// Welch's statistic of two means.
+/// Statistic of Welch's test of two means.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Welch {
-    /// Difference over its standard error.
+    /// Difference divided by its standard error.
     pub t: f64,
-    /// ν, degrees of freedom.
+    /// ν, the degrees of freedom.
     pub freedom: f64,
 }
 
 impl Mean {
-    /// s² = (Σx² − (Σx)²/n)/(n − 1), variance = s²/n.
+    /// Mean from sums: s² = (Σx² − (Σx)²/n)/(n − 1), variance = s²/n.
     ///
     /// - `sum`, `square`: Σx, Σx² of `samples` ≥ 2 independent samples
     pub fn from_sums(sum: f64, square: f64, samples: u64) -> Mean {
@@ -31,16 +32,17 @@ impl Mean {
         Mean { value: sum / n, variance: spread / n, samples: n }
     }
 
+    /// √variance
     pub fn standard_error(&self) -> f64 {
         self.variance.sqrt()
     }
 
-    /// How many standard errors the mean lies above `truth`; ±∞ where there is no spread at all.
+    /// Number of standard errors by which the mean lies above `truth`; ±∞ if the variance is 0.
     pub fn z(&self, truth: f64) -> f64 {
         over(self.value - truth, self.standard_error())
     }
 
-    /// Are these two estimates of the same number? They need not have the same spread, nor as many samples.
+    /// Statistic for the question whether two means estimate the same number. Their variances and numbers of samples may differ.
     ///
     /// t = (m₁ − m₂)/√(v₁ + v₂),  ν = (v₁ + v₂)² / (v₁²/(n₁ − 1) + v₂²/(n₂ − 1)),  v = s²/n
     ///
@@ -53,12 +55,12 @@ impl Mean {
 }
 
 impl Welch {
-    /// The probability of so large a difference, or a larger one, between estimates of the same number.
+    /// Probability of a difference at least this large between estimates of the same number.
     pub fn p(&self) -> f64 {
         if self.t.is_infinite() {
             return 0.0;
         }
-        // Without any spread there is no freedom either, and no difference: t = 0.
+        // If both variances are 0, ν is not a number; then the difference is 0 too, and t = 0.
         let freedom = if self.freedom >= 1.0 { self.freedom } else { 1.0 };
         match StudentsT::new(0.0, 1.0, freedom) {
             Ok(student) => 2.0 * student.cdf(-self.t.abs()),
@@ -67,7 +69,7 @@ impl Welch {
     }
 }
 
-/// x/y, where 0/0 is 0: no difference is no difference.
+/// x/y, where 0/0 is 0.
 fn over(difference: f64, error: f64) -> f64 {
     if difference == 0.0 { 0.0 } else { difference / error }
 }

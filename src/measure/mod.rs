@@ -1,37 +1,33 @@
-//! How far off a picture is, and how sure one may be of it: error measures, and tests that compare an estimate with the truth, and
-//! two estimates with each other.
+//! Error measures for pictures, statistical tests of estimates, and renders that stop at an accuracy.
 //!
-//! Every test has a level: the probability that it says no to what is right. Levels are shared out
-//! among many tests by [`sidak`], so that the whole suite keeps its promise. No test here clamps a
-//! sample or hides a difference behind an absolute threshold: scaling both images changes no verdict.
+//! Every test has a level: the probability that it refuses a right result. [`sidak`] shares a level among many tests, so that the
+//! whole test suite keeps its promise. No test here clamps a sample or hides a difference behind an absolute threshold: scaling
+//! both images changes no verdict.
 
 pub mod adaptive;
 pub mod agreement;
-mod around;
 pub mod average;
-mod calm;
-pub mod course;
+pub mod bias_report;
 pub mod distance;
-pub mod follow;
-pub mod ledger;
+pub mod error;
+pub mod error_history;
+pub mod format;
 pub mod level;
 pub mod mean;
 pub mod metric;
-pub mod relative;
-mod share;
+pub mod outliers;
+pub mod render_until;
 pub mod verdict;
-pub mod words;
-pub mod worst;
 
-pub use agreement::{Agreement, Render, agreement};
+pub use agreement::{Agreement, SampledImage, agreement};
 pub use average::average;
-pub use course::{Checkpoint, Course, Price, checkpoints};
+pub use bias_report::{BiasEstimate, bias_report};
 pub use distance::Distance;
-pub use follow::{Outcome, Target, Until, Watcher, follow, follow_on};
-pub use ledger::{Removed, ledger};
+pub use error::{EPSILON, RelativeError};
+pub use error_history::{Checkpoint, ErrorHistory, Price, checkpoints};
 pub use level::{critical_z, sidak};
 pub use mean::{Mean, Welch};
 pub use metric::Metric;
-pub use relative::{EPSILON, RelativeError};
+pub use outliers::{Outlier, Outliers, find_outliers};
+pub use render_until::{ErrorObserver, ErrorTarget, Outcome, StopCondition, render_until, resume_until};
 pub use verdict::Verdict;
-pub use worst::{Noisy, Worst, worst};

@@ -1,19 +1,20 @@
-//! What one test says.
+//! Outcome of a statistical test.
 
 use std::fmt;
 
-/// The outcome of one test: no where p falls below its level.
+/// Outcome of one or several tests, which refuse if p falls below the level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// The probability of a deviation as large or larger by chance, of the worst of `tests` single tests.
+    /// Smallest p-value of the `tests` single tests: the probability that chance makes so large a deviation.
     pub p: f64,
-    /// Of each single test.
+    /// Level of each single test.
     pub level: f64,
-    /// How many single tests this sums up.
+    /// Number of single tests.
     pub tests: usize,
 }
 
 impl Verdict {
+    /// Returns whether no single test refuses.
     pub fn accepts(&self) -> bool {
         self.p >= self.level
     }

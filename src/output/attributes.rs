@@ -1,4 +1,4 @@
-//! Facts about a picture that its file carries: functions of scene and settings, never of clock or host.
+//! Facts about a picture that its file carries. They are functions of scene and settings, never of clock or host.
 
 use std::fmt;
 
@@ -8,20 +8,24 @@ use serde::{Deserialize, Serialize};
 use crate::film::FilmSpec;
 use crate::scene::Scene;
 
-/// By name: `pt/…` are pt's own, the others OpenEXR's or pbrt's.
+/// Attributes by name: `pt/…` are pt's own, the others OpenEXR's or pbrt's.
 pub type Attributes = Vec<(String, Value)>;
 
+/// Value of an attribute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Value {
+    /// Text.
     Text(String),
+    /// Whole number.
     Integer(i32),
+    /// Number.
     Number(f32),
-    /// As OpenEXR has it: row after row, and points are rows that are multiplied from the left.
+    /// Matrix in OpenEXR's convention: row by row, and points are rows that stand on the left.
     Matrix([f32; 16]),
 }
 
 impl Value {
-    /// Of a matrix by which columns are multiplied.
+    /// Converts a matrix that is multiplied with columns.
     pub fn matrix(matrix: &DMat4) -> Value {
         Value::Matrix(matrix.to_cols_array().map(|x| x as f32))
     }
@@ -40,14 +44,14 @@ impl From<String> for Value {
 }
 
 impl fmt::Display for Value {
-    /// A matrix as `1 0 0 0 | 0 1 0 0 | 0 0 1 0 | 0 0 -5 1`.
+    /// Text of a value; a matrix is written as `1 0 0 0 | 0 1 0 0 | 0 0 1 0 | 0 0 -5 1`.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Value::Text(text) => f.write_str(text),
             Value::Integer(number) => number.fmt(f),
             Value::Number(number) => number.fmt(f),
             Value::Matrix(numbers) => {
-                // −0 is 0 to a reader.
+                // −0 is written as 0.
                 let row = |row: &[f32]| row.iter().map(|x| (x + 0.0).to_string()).collect::<Vec<_>>().join(" ");
                 f.write_str(&numbers.chunks(4).map(row).collect::<Vec<_>>().join(" | "))
             }
@@ -55,12 +59,12 @@ impl fmt::Display for Value {
     }
 }
 
-/// How the picture shows the world, in OpenEXR's words.
+/// View of the picture, as OpenEXR's attributes describe it.
 ///
 /// - `worldToCamera`: to x right, y up, −z ahead (m)
-/// - `worldToNDC`: to the display window, x and y from 0 at the upper left to 1, to be divided by w; not of panoramas
-/// - `screenWindowWidth`: what a perspective shows of the plane 1 in front of it, from left to right
-/// - `pixelAspectRatio`: the width of a pixel over its height, where they are not square
+/// - `worldToNDC`: to the display window, x and y from 0 at the upper left to 1, to be divided by w; panoramas have none
+/// - `screenWindowWidth`: width that a perspective shows of the plane at distance 1
+/// - `pixelAspectRatio`: width of a pixel over its height, if they differ
 ///
 /// Source: OpenEXR, *Standard Optional Attributes*. Tests: matrices_find_the_pixel.
 pub fn of_camera(scene: &dyn Scene, film: &FilmSpec) -> Attributes {

@@ -1,21 +1,25 @@
-//! Colours for numbers, perceptually uniform: equal steps look equal, and the brightness alone tells more from less.
+//! Perceptually uniform colour maps: equal steps look equal, and brightness alone shows the order.
 
 use colorous::Gradient;
 
-/// A map from 0 … 1 to colours. Source: matplotlib (Smith, van der Walt, Firing; cividis: Nuñez, Anderton, Renslow).
+/// Map from 0 … 1 to colours. Source: matplotlib (Smith, van der Walt, Firing; cividis: Nuñez, Anderton, Renslow).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Colormap {
+    /// Black, purple, orange, pale yellow.
     #[default]
     Magma,
+    /// Black, purple, red, yellow.
     Inferno,
+    /// Blue, purple, orange, yellow.
     Plasma,
+    /// Purple, green, yellow.
     Viridis,
-    /// The same to eyes that do not tell red from green.
+    /// Blue, grey, yellow: looks the same with and without red-green colour blindness.
     Cividis,
 }
 
 impl Colormap {
-    /// sRGB in 8 bits; what lies outside of 0 … 1 gets the colour of the nearest end.
+    /// sRGB in 8 bits; values outside of 0 … 1 get the colour of the nearest end.
     pub fn color(self, x: f64) -> [u8; 3] {
         let gradient: Gradient = match self {
             Colormap::Magma => colorous::MAGMA,

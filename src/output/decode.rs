@@ -1,4 +1,4 @@
-//! Pictures of common formats, as their decoders have them.
+//! Decoding of common picture formats.
 
 use std::io::{BufRead, Seek};
 
@@ -6,25 +6,26 @@ use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 
 use crate::error::panic::unwound;
 
-/// No picture may take more than this (bytes), its values as floats included.
+/// Most memory that a picture may take, its values as floats included (bytes).
 pub const MOST_MEMORY: u64 = 4 << 30;
 
-/// What a pixel takes as floats (bytes).
+/// Memory of a pixel as floats (bytes).
 const FLOATS: u64 = 12;
 
-/// Why bytes are no picture.
+/// Reason why bytes cannot be decoded.
 #[derive(Debug)]
 pub enum Undecoded {
+    /// The picture needs more than [`MOST_MEMORY`].
     TooLarge,
-    /// What the system says.
+    /// The system reports an error.
     Unread(std::io::Error),
-    /// What is wrong with them.
+    /// The bytes are not a valid picture.
     Invalid(String),
 }
 
 /// Decodes a picture whose format is known.
 ///
-/// Its size is asked before it is decoded; a decoder that panics has met bytes that are no picture.
+/// The size is checked before decoding. A decoder that panics has met bytes that are not a picture.
 ///
 /// # Errors
 /// See [`Undecoded`].
@@ -44,6 +45,6 @@ pub fn decode<R: BufRead + Seek>(mut reader: ImageReader<R>) -> Result<DynamicIm
         Ok(Ok(None) | Err(ImageError::Limits(_))) => Err(Undecoded::TooLarge),
         Ok(Err(ImageError::IoError(error))) if error.kind() != std::io::ErrorKind::UnexpectedEof => Err(Undecoded::Unread(error)),
         Ok(Err(other)) => Err(Undecoded::Invalid(other.to_string())),
-        Err(panic) => Err(Undecoded::Invalid(format!("its decoder failed: {}", panic.said))),
+        Err(panic) => Err(Undecoded::Invalid(format!("its decoder failed: {}", panic.message))),
     }
 }

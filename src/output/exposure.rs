@@ -1,30 +1,30 @@
-//! How bright a picture is, and the exposure that shows it.
+//! Automatic exposure, and warnings about bad exposure.
 
 use super::Tonemap;
 use crate::film::Image;
 use crate::math::float::ln_f64;
 
-/// The share of a picture's lit pixels that is no brighter than what [`automatic`] shows as nearly white.
+/// Share of the lit pixels that [`automatic`] shows as nearly white or darker.
 const SHOWN: f64 = 0.95;
 
-/// Where that brightness is put, of white.
+/// Display value of the brightest of these pixels, relative to white.
 const NEARLY_WHITE: f64 = 0.8;
 
-/// Below this share of white the brightest parts of a picture are hardly seen.
+/// Brightness of the brightest parts, relative to white, below which a picture is hardly visible.
 const NEARLY_BLACK: f64 = 0.03;
 
-/// Above this multiple of white half of a picture shows no detail.
+/// Brightness, relative to white, that half of an overexposed picture exceeds.
 const BURNT_OUT: f64 = 2.0;
 
-/// The stops of exposure, to a tenth, that show 95 % of the pixels that are not black below white, the brightest of them at 80 %;
-/// 0 for a black picture.
+/// Stops of exposure, rounded to a tenth, that show 95 % of the lit pixels below white, the brightest of them at 80 %; 0 for a
+/// black picture.
 ///
-/// Exact under scaling: a picture 2^k times as bright has k stops less.
+/// Exact under scaling: a picture that is 2^k times as bright gets k stops less.
 pub fn automatic(image: &Image) -> f32 {
     quantile(image, SHOWN).map_or(0.0, |brightness| (10.0 * ln_f64(NEARLY_WHITE / brightness) / ln_f64(2.0)).round() / 10.0) as f32
 }
 
-/// What an exposure makes of a picture that one would not want, in words; nothing is said of a black one.
+/// Warning about a picture that looks too dark or too bright with this exposure; `None` also for a black picture.
 pub fn fault(image: &Image, tonemap: &Tonemap) -> Option<&'static str> {
     let gain = f64::from(tonemap.exposure).exp2();
     let at = |share: f64| quantile(image, share).map(|brightness| gain * brightness);
@@ -35,7 +35,7 @@ pub fn fault(image: &Image, tonemap: &Tonemap) -> Option<&'static str> {
     }
 }
 
-/// The mean of the colours that this share of the lit pixels does not exceed; `None` where all are black.
+/// Mean of the colours that this share of the lit pixels does not exceed; `None` if all pixels are black.
 fn quantile(image: &Image, share: f64) -> Option<f64> {
     let mean = |[r, g, b]: [f32; 3]| (f64::from(r) + f64::from(g) + f64::from(b)) / 3.0;
     let mut lit: Vec<f64> = image.pixels().map(mean).filter(|value| value.is_finite() && *value > 0.0).collect();
@@ -51,7 +51,7 @@ mod tests {
     use crate::film::Channel;
     use crate::output::Curve;
 
-    /// 100 pixels: `dark` of them black, the others from 1 to `100 − dark`, times `scale`.
+    /// 100 pixels: `dark` of them are black, the others have the values 1 to `100 − dark`, times `scale`.
     fn picture(dark: usize, scale: f32) -> Image {
         let values: Vec<f32> = (0..100).map(|i| if i < dark { 0.0 } else { (i - dark + 1) as f32 * scale }).collect();
         let channels = ["R", "G", "B"].map(|name| Channel { name: name.into(), values: values.clone() }).into();
@@ -63,7 +63,8 @@ mod tests {
         Tonemap { exposure, curve: Curve::None }
     }
 
-    /// 95 of 100 pixels are no brighter than 95: log₂(0.8/95) = −6.89; half of the pixels dark, 48 of 50: log₂(0.8/48) = −5.91.
+    /// 95 of 100 pixels are no brighter than 95: log₂(0.8/95) = −6.89. With half of the pixels dark, 48 of 50: log₂(0.8/48) =
+    /// −5.91.
     #[test]
     fn most_of_a_picture_is_shown_below_white() {
         assert_eq!(automatic(&picture(0, 1.0)), -6.9);
@@ -71,12 +72,12 @@ mod tests {
         assert_eq!(automatic(&picture(100, 1.0)), 0.0);
         for k in [-60, -7, 9, 60] {
             let stops = automatic(&picture(0, 2f32.powi(k)));
-            // A tenth as f32 has it.
+            // A tenth, rounded to f32.
             assert!((stops - (-6.9 - k as f32)).abs() < 1e-5, "2^{k}: {stops}");
         }
     }
 
-    /// The brightest parts below 3 % of white, 5.1 stops; half of all above twice white.
+    /// The brightest parts are below 3 % of white, 5.1 stops; half of all pixels are above twice white.
     #[test]
     fn pictures_too_dark_or_too_bright_are_told() {
         let right = -6.9;

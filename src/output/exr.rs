@@ -1,4 +1,4 @@
-//! OpenEXR: every channel, 32-bit float, lossless.
+//! OpenEXR files: every channel, 32-bit float, lossless.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::{Attributes, Value};
 use crate::error::{Error, Result as PtResult};
 use crate::film::{Channel, Image};
 
-/// Data window = the rendered part, display window = the whole picture; ZIP over 16 rows.
+/// Encodes a picture. The data window is the rendered part, the display window the whole picture; compression is ZIP over 16 rows.
 pub fn encode(image: &Image, attributes: &Attributes) -> PtResult<Vec<u8>> {
     let channel = |c: &Channel| AnyChannel::new(utf8(&c.name), FlatSamples::F32(c.values.clone()));
     let channels = AnyChannels::sort(image.channels.iter().map(channel).collect());
@@ -33,12 +33,12 @@ pub fn encode(image: &Image, attributes: &Attributes) -> PtResult<Vec<u8>> {
 const TO_CAMERA: &str = "worldToCamera";
 const TO_NDC: &str = "worldToNDC";
 const SCREEN_WIDTH: &str = "screenWindowWidth";
-/// What every file must have, and what it says where nothing is known.
+/// Value of a required attribute if it is unknown.
 const NO_SCREEN_WIDTH: f32 = 1.0;
 const PIXEL_ASPECT: &str = "pixelAspectRatio";
 const SQUARE: f32 = 1.0;
 
-/// The crate keeps some of OpenEXR's own attributes apart.
+/// Adds an attribute. The crate stores some of OpenEXR's own attributes separately.
 fn describe(about: &mut LayerAttributes, shared: &mut ImageAttributes, name: &str, value: &Value) {
     let other = match (name, value) {
         (TO_CAMERA, Value::Matrix(matrix)) => return about.world_to_camera = Some(*matrix),
@@ -53,7 +53,7 @@ fn describe(about: &mut LayerAttributes, shared: &mut ImageAttributes, name: &st
     about.other.insert(utf8(name), other);
 }
 
-/// Those that [`describe`] could write, by name.
+/// Attributes that [`describe`] could have written, by name.
 fn described(about: &LayerAttributes, shared: &ImageAttributes) -> Attributes {
     let other = about.other.iter().filter_map(|(name, value)| Some((from_utf8(name), known(value)?)));
     let matrices = [(TO_CAMERA, about.world_to_camera), (TO_NDC, about.world_to_normalized_device)];
@@ -77,7 +77,7 @@ fn known(value: &AttributeValue) -> Option<Value> {
     }
 }
 
-/// The bytes of EXR's text are of no declared encoding: here UTF-8.
+/// Text of an EXR has no declared encoding; UTF-8 is used here.
 fn utf8(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
@@ -86,7 +86,7 @@ fn from_utf8(text: &Text) -> String {
     String::from_utf8_lossy(text.bytes()).into_owned()
 }
 
-/// All channels of the first part as f32, and its attributes that are text, numbers or matrices, by name.
+/// Reads all channels of the first part as f32, and its attributes that are text, numbers or matrices, by name.
 ///
 /// # Errors
 /// As [`super::read()`].
@@ -94,7 +94,7 @@ pub fn read(path: &Path) -> PtResult<(Image, Attributes)> {
     decode(&super::read::bytes(path)?).map_err(|refusal| refusal.of(path))
 }
 
-/// What the bytes of a file hold.
+/// Decodes the bytes of a file.
 pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
     let broken = |e: exr::error::Error| Refusal::Invalid(format!("not a readable EXR picture: {e}"));
     check_size(&MetaData::read_from_buffered(bytes, false).map_err(broken)?)?;
@@ -119,7 +119,7 @@ pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
     Ok((image, described(&layer.attributes, &shared)))
 }
 
-/// Refuses before it is decoded what would not fit.
+/// Refuses a picture that is too large, before it is decoded.
 fn check_size(meta: &MetaData) -> PtResult<(), Refusal> {
     let bytes = |header: &Header| header.layer_size.x() as u128 * header.layer_size.y() as u128 * header.channels.list.len() as u128 * 4;
     match meta.headers.iter().map(bytes).max() {
@@ -128,7 +128,7 @@ fn check_size(meta: &MetaData) -> PtResult<(), Refusal> {
     }
 }
 
-/// How a file stores its picture, one fact a line: parts, compression, types of channels, and all attributes, with their values.
+/// Storage of a picture, one fact per line: parts, compression, types of channels, and all attributes with their values.
 pub(super) fn facts(bytes: &[u8]) -> Vec<(String, String)> {
     let Ok(meta) = MetaData::read_from_buffered(bytes, false) else { return vec![] };
     let mut facts = vec![];

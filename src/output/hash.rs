@@ -1,10 +1,10 @@
-//! A name for what a picture shows: the same for the same pixels, however they are stored.
+//! Hash of the content of a picture, independent of how it is stored.
 
 use crate::film::{Image, Layer, LightNames};
 use crate::math::hash::{Hash, Hasher};
 
-/// The hash of a picture's window and decoded channels, bit by bit: compression, order of channels, attributes and, where nothing
-/// is lost, the type of the stored numbers have no say in it. Neither has what a clock measured, [`Layer::Time`].
+/// Hash of a picture's window and decoded channels, bit by bit. Compression, order of channels and attributes do not change it, and
+/// neither does a lossless change of the stored number type. [`Layer::Time`], which a clock measured, is left out.
 ///
 /// XXH3 (128 bits) of: size of the whole picture, origin and size of the part, as u32; then of every channel, sorted by name, the
 /// length of its name (u32), its name, its values (f32); all little-endian.

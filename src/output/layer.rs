@@ -1,4 +1,4 @@
-//! What a picture has: its window, and its layers, each of which can be looked at as red, green and blue.
+//! Layers of a picture, each of which can be viewed as red, green and blue.
 
 use std::fmt;
 
@@ -7,10 +7,10 @@ use glam::UVec2;
 use crate::film::{Channel, Image};
 use crate::reader::unknown;
 
-/// What of a picture is to be looked at.
+/// Selection of a layer of a picture.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Pick {
-    /// `R`, `G`, `B`, or the only channel there is.
+    /// `R`, `G`, `B`, or the only channel.
     #[default]
     Colour,
     /// `StdErr` for `StdErr.R`, `StdErr.G`, `StdErr.B`; `N` for `N.X`, `N.Y`, `N.Z`; `uv` for `uv.U`, `uv.V` and a blue of 0;
@@ -24,7 +24,7 @@ const TRIPLES: [[&str; 3]; 4] = [["R", "G", "B"], ["r", "g", "b"], ["X", "Y", "Z
 const PAIRS: [[&str; 2]; 2] = [["U", "V"], ["u", "v"]];
 
 impl fmt::Display for Pick {
-    /// `R, G, B`, `layer StdErr`, `channel Z`
+    /// Name of the selection: `R, G, B`, `layer StdErr`, `channel Z`.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Pick::Colour => f.write_str("R, G, B"),
@@ -35,10 +35,10 @@ impl fmt::Display for Pick {
 }
 
 impl Pick {
-    /// The picture with `R`, `G`, `B` alone, which are those that were picked; a single channel is a grey.
+    /// Picture whose `R`, `G`, `B` are the selected channels; a single channel becomes grey.
     ///
     /// # Errors
-    /// A sentence that says what there is instead.
+    /// A sentence that lists the layers of the picture.
     pub fn of(&self, image: &Image) -> Result<Image, String> {
         let [r, g, b] = self.names(image)?;
         let nothing = || vec![0.0; image.size.x as usize * image.size.y as usize];
@@ -47,7 +47,7 @@ impl Pick {
         Ok(Image { channels: channels.into(), ..*image })
     }
 
-    /// The channels that become red, green and blue; `None` for one that is 0.
+    /// Channels that become red, green and blue; `None` for one that is 0.
     fn names<'i>(&self, image: &'i Image) -> Result<[Option<&'i str>; 3], String> {
         let all: Vec<&str> = image.channels.iter().map(|c| c.name.as_str()).collect();
         let (layer, what) = match self {
@@ -65,9 +65,9 @@ impl Pick {
         let pair = PAIRS.iter().find_map(|[u, v]| Some([Some(named(u)?), Some(named(v)?), None]));
         let single = match (within.as_slice(), layer) {
             ([(only, _)], _) => Some([Some(*only); 3]),
-            // The only channel of a picture may be called anything.
+            // The only channel of a picture may have any name.
             ([], "") if all.len() == 1 => Some([Some(all[0]); 3]),
-            // A layer of one channel may have its name alone, as Z has.
+            // A layer with one channel may have the name of the layer alone, such as Z.
             ([], _) => all.iter().find(|name| **name == layer).map(|name| [Some(*name); 3]),
             _ => None,
         };
@@ -82,12 +82,12 @@ impl Pick {
     }
 }
 
-/// `a.b.R` is component R of layer `a.b`.
+/// Splits `a.b.R` into the layer `a.b` and the component R.
 fn split(name: &str) -> (&str, &str) {
     name.rsplit_once('.').unwrap_or(("", name))
 }
 
-/// `8 × 6`, or `4 × 2 at (1, 0) of 8 × 6`: what two pictures must have in common to be compared.
+/// Window of a picture: `8 × 6`, or `4 × 2 at (1, 0) of 8 × 6`. Pictures can be compared if their windows are equal.
 pub fn window(image: &Image) -> String {
     let (size, full, origin) = (image.size, image.full_size, image.origin);
     if size == full && origin == UVec2::ZERO {

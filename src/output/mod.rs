@@ -1,4 +1,4 @@
-//! Pictures to files, whole or not at all, and back.
+//! Picture files: writing, as a whole or not at all, and reading.
 
 pub mod attributes;
 pub mod colormap;
@@ -30,7 +30,7 @@ pub use layer::{Pick, window};
 pub use read::{facts, read, regular};
 pub use tonemap::{Curve, Tonemap};
 
-/// The file types that can be written, by extension; all of them can be read too, see [`read()`].
+/// File formats that can be written, by extension. All of them can be read too, see [`read()`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Linear f32, every channel.
@@ -44,8 +44,10 @@ pub enum Format {
 }
 
 impl Format {
+    /// Extensions of all formats, for messages.
     pub const EXTENSIONS: &str = ".exr, .png, .ppm or .pfm";
 
+    /// Format of a path by its extension; `None` for an unknown one.
     pub fn of(path: &Path) -> Option<Format> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "exr" => Some(Format::Exr),
@@ -57,10 +59,10 @@ impl Format {
     }
 }
 
-/// Writes `image` in the format of the path's extension; an existing file is replaced when the new one is complete.
+/// Writes `image` in the format of the path's extension. An existing file is replaced when the new one is complete.
 ///
 /// # Errors
-/// `Usage` for an unknown extension, `Io` where the system refuses.
+/// `Usage` for an unknown extension, `Io` if the system refuses.
 pub fn write(path: &Path, image: &Image, attributes: &Attributes, tonemap: &Tonemap) -> Result<()> {
     let unknown = || Error::Usage(format!("{}: expected a name that ends in {}", path.display(), Format::EXTENSIONS));
     let bytes = match Format::of(path).ok_or_else(unknown)? {
@@ -72,14 +74,14 @@ pub fn write(path: &Path, image: &Image, attributes: &Attributes, tonemap: &Tone
     replace(path, &bytes)
 }
 
-/// The bytes appear under `path` at once, or the old file stays.
+/// Replaces the file at `path` by these bytes at once; on an error the old file stays.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
     replace_with(path, |file| file.write_all(bytes))
 }
 
-/// As [`replace`], for bytes that need not be there all at once.
+/// Replaces a file as [`replace`] does, with bytes that are written piece by piece.
 ///
-/// Of a link the file that it leads to is replaced; a pipe or a device takes the bytes and stays.
+/// If `path` is a link, the file that it leads to is replaced. A pipe or a device is written to and stays.
 pub fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
     let put = || -> io::Result<()> {
         if is_special(path) {
@@ -87,7 +89,7 @@ pub fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>
         }
         let target = target(path)?;
         let mut file = beside(&target)?;
-        // The file itself: its wrapper would name the temporary path in errors.
+        // The file itself is used: its wrapper would name the temporary path in errors.
         write(file.as_file_mut())?;
         file.as_file().sync_all()?;
         file.persist(target)?;
@@ -96,10 +98,10 @@ pub fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>
     put().map_err(|e| Error::io(path, e))
 }
 
-/// Whether `path` could be written.
+/// Checks that `path` could be written.
 ///
 /// # Errors
-/// `Io` where its folder is missing or read-only.
+/// `Io` if its folder is missing or read-only.
 pub fn check_folder(path: &Path) -> Result<()> {
     let check = || -> io::Result<()> {
         if is_special(path) {
@@ -113,7 +115,7 @@ pub fn check_folder(path: &Path) -> Result<()> {
     check().map_err(|e| Error::io(path, e))
 }
 
-/// Whether there is a pipe, a device or the like, which is written to and not replaced.
+/// Returns whether `path` is a pipe, a device or the like, which is written to and not replaced.
 fn is_special(path: &Path) -> bool {
     path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
@@ -121,7 +123,7 @@ fn is_special(path: &Path) -> bool {
 /// More links than any system follows.
 const MOST_LINKS: usize = 64;
 
-/// The file that `path` leads to, which need not exist: `path` itself where it is no link.
+/// File that `path` leads to, which need not exist; `path` itself if it is not a link.
 ///
 /// # Errors
 /// Links that lead in a circle.
@@ -129,7 +131,7 @@ pub fn target(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_owned();
     for _ in 0..MOST_LINKS {
         match target.read_link() {
-            // Relative to the folder of the link; an absolute one takes its place.
+            // A relative link starts from its own folder; an absolute one replaces the path.
             Ok(next) => target = folder(&target).join(next),
             Err(_) => return Ok(target),
         }
@@ -137,16 +139,16 @@ pub fn target(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("links that lead in a circle"))
 }
 
-/// A temporary file in the folder of `path`, with the usual permissions: a picture is not a secret.
+/// Temporary file in the folder of `path`, with the usual permissions: a picture is not a secret.
 fn beside(path: &Path) -> io::Result<NamedTempFile> {
-    // The system's own words, without the temporary name: the user knows only `path`.
+    // The system's message is kept without the temporary name, as the user knows only `path`.
     let mut refusal = None;
     let create = |temporary: &Path| File::create_new(temporary).inspect_err(|e| refusal = e.raw_os_error());
     let made = tempfile::Builder::new().prefix(".pt-").make_in(folder(path), create);
     made.map_err(|e| refusal.map_or(e, io::Error::from_raw_os_error))
 }
 
-/// The folder that `path` lies in.
+/// Folder of `path`.
 pub fn folder(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

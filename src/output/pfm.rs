@@ -5,7 +5,7 @@ use glam::UVec2;
 use super::read::{Refusal, rgb_image};
 use crate::film::Image;
 
-/// Little-endian (scale −1), rows from the bottom.
+/// Encodes a picture: little-endian (scale −1), rows from the bottom.
 pub fn encode(image: &Image) -> Vec<u8> {
     let mut bytes = format!("PF\n{} {}\n-1.0\n", image.size.x, image.size.y).into_bytes();
     let pixels: Vec<[f32; 3]> = image.pixels().collect();
@@ -15,7 +15,8 @@ pub fn encode(image: &Image) -> Vec<u8> {
     bytes
 }
 
-/// What the bytes of a file hold: three values a pixel after `PF`, one after `Pf`, which is a grey. Only the sign of the scale counts.
+/// Decodes the bytes of a file: three values per pixel after `PF`, one after `Pf`, which is a grey. Only the sign of the scale is
+/// used.
 pub(super) fn decode(bytes: &[u8]) -> Result<Image, Refusal> {
     let (header, data) = header(bytes).ok_or_else(|| invalid("its header is not PF or Pf, width, height and scale"))?;
     let Header { colours, size, little_endian } = header;
@@ -39,13 +40,13 @@ fn invalid(message: &str) -> Refusal {
 }
 
 struct Header {
-    /// 3 or 1.
+    /// Number of channels: 3 or 1.
     colours: usize,
     size: UVec2,
     little_endian: bool,
 }
 
-/// Four words, one white space after the last; then the data.
+/// Reads the header: four words, one white space after the last; then the data.
 fn header(bytes: &[u8]) -> Option<(Header, &[u8])> {
     let mut rest = bytes;
     let mut word = || {

@@ -1,4 +1,4 @@
-//! 8-bit pictures for eyes.
+//! 8-bit pictures: PNG and PPM.
 
 use std::io::Cursor;
 
@@ -13,6 +13,7 @@ use super::tonemap::linear;
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
 
+/// Encodes a picture as PNG.
 pub fn encode(image: &Image, tonemap: &Tonemap) -> Result<Vec<u8>> {
     let mut bytes = vec![];
     let encoder = PngEncoder::new(&mut bytes);
@@ -22,14 +23,14 @@ pub fn encode(image: &Image, tonemap: &Tonemap) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Binary PPM, P6.
+/// Encodes a picture as binary PPM, P6.
 pub fn encode_ppm(image: &Image, tonemap: &Tonemap) -> Vec<u8> {
     let mut bytes = format!("P6\n{} {}\n255\n", image.size.x, image.size.y).into_bytes();
     bytes.extend(tonemap.apply(image));
     bytes
 }
 
-/// What the bytes of a PNG, JPEG or PPM hold, made linear; a channel `A` where there is transparency.
+/// Decodes the bytes of a PNG, JPEG or PPM to linear values, with a channel `A` if there is transparency.
 pub(super) fn decode(bytes: &[u8], format: ImageFormat) -> Result<Image, Refusal> {
     let unreadable = |why: String| Refusal::Invalid(format!("not a readable {} picture: {why}", format.extensions_str()[0].to_uppercase()));
     let picture = decode::decode(ImageReader::with_format(Cursor::new(bytes), format)).map_err(|refusal| match refusal {
@@ -39,7 +40,7 @@ pub(super) fn decode(bytes: &[u8], format: ImageFormat) -> Result<Image, Refusal
     })?;
     let (size, has_alpha) = (UVec2::new(picture.width(), picture.height()), picture.color().has_alpha());
     let table: Vec<f32> = (0..=u16::MAX).map(|level| linear(f64::from(level) / 65535.0) as f32).collect();
-    // 8 bits become 16 by repeating them: the same share.
+    // 8 bits become 16 by repetition, which keeps their share of the range.
     let levels = picture.into_rgba16();
     let pixels: Vec<[f32; 3]> = levels.pixels().map(|p| [p[0], p[1], p[2]].map(|level| table[usize::from(level)])).collect();
     let mut image = rgb_image(size, &pixels);

@@ -1,4 +1,4 @@
-//! Pictures from files: EXR, PNG, JPEG, PPM and PFM, by content.
+//! Reading of EXR, PNG, JPEG, PPM and PFM files, recognised by their content.
 
 use std::fs::File;
 use std::io::{ErrorKind, Read};
@@ -12,10 +12,12 @@ use super::{Attributes, exr, pfm, png};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Channel, Image};
 
-/// Why bytes are no picture; what their file is called is said by [`Refusal::of`].
+/// Reason why bytes are not a picture. [`Refusal::of`] adds the name of the file.
 #[derive(Debug)]
 pub(super) enum Refusal {
+    /// The bytes are not a valid picture.
     Invalid(String),
+    /// The picture is too large.
     TooLarge,
 }
 
@@ -28,18 +30,19 @@ impl Refusal {
     }
 }
 
-/// Reads a picture, linear, and the attributes that an EXR carries. The first bytes decide what it is, not its name.
+/// Reads a picture as linear values, and the attributes that an EXR carries. The format is found from the first bytes, not from the
+/// name.
 ///
 /// - PNG, JPEG and PPM are decoded from sRGB
-/// - of an EXR of several parts the first
+/// - of an EXR with several parts the first is read
 ///
 /// # Errors
-/// `Invalid` for what is missing or no picture, `Limit` for more than 4 GiB, `Io` for what may not be read.
+/// `Invalid` for a missing file or one that is not a picture, `Limit` for more than 4 GiB, `Io` for a file that may not be read.
 pub fn read(path: &Path) -> Result<(Image, Attributes)> {
     decode(&bytes(path)?).map_err(|refusal| refusal.of(path))
 }
 
-/// How the file stores its picture, one fact a line, for people: format, size, and what else an EXR says.
+/// Storage of a picture in its file, one fact per line, for people: format, size, and all else that an EXR says.
 ///
 /// # Errors
 /// As [`read`].
@@ -96,7 +99,7 @@ impl Kind {
     }
 }
 
-/// The whole file.
+/// Reads a whole file.
 pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
     let mut file = regular(path)?;
     let length = file.metadata().map_err(|e| Error::io(path, e))?.len();
@@ -108,10 +111,10 @@ pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Opens a regular file; a pipe or a device would block or never end, so its kind is asked first.
+/// Opens a regular file. A pipe or a device would block or never end, so the kind of the file is checked first.
 ///
 /// # Errors
-/// `Invalid` for what is missing or no regular file, `Io` for what may not be read.
+/// `Invalid` for a missing file or one that is not regular, `Io` for a file that may not be read.
 pub fn regular(path: &Path) -> Result<File> {
     let invalid = |message: &str| Error::invalid(Fault::new(message).in_file(path));
     let refused = |error: std::io::Error| match error.kind() {
@@ -125,7 +128,7 @@ pub fn regular(path: &Path) -> Result<File> {
     File::open(path).map_err(refused)
 }
 
-/// A whole picture of `R`, `G`, `B`.
+/// Whole picture with `R`, `G`, `B`.
 pub(super) fn rgb_image(size: UVec2, pixels: &[[f32; 3]]) -> Image {
     let channel = |(c, name): (usize, &str)| Channel { name: name.into(), values: pixels.iter().map(|p| p[c]).collect() };
     Image { full_size: size, origin: UVec2::ZERO, size, channels: ["R", "G", "B"].into_iter().enumerate().map(channel).collect() }

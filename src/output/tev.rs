@@ -1,8 +1,8 @@
-//! Pictures to tev, the image viewer, while they are rendered.
+//! Display of pictures in tev, the image viewer, while they are rendered.
 //!
-//! One way, over TCP: the viewer never answers. A picture is created once, then its changed tiles follow. All of it happens on a
-//! thread of its own, which takes the latest picture whenever it is done with the one before: a render never waits, and a viewer
-//! that is slow, stuck, gone or not there yet costs it nothing.
+//! The protocol is one-way over TCP: the viewer never answers. A picture is created once, and then its changed tiles are sent. A
+//! thread of its own sends the latest picture whenever it is done with the one before. So a render never waits, and a viewer that
+//! is slow, stuck, gone or not there yet costs it nothing.
 //!
 //! Source: tev's `Ipc.h` (protocol); pbrt-v4's `display.cpp` (tiles, names, timeouts).
 
@@ -18,26 +18,26 @@ use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
 use crate::film::Image;
 
-/// Where tev listens unless it is told otherwise.
+/// Default address of tev.
 pub const DEFAULT_ADDRESS: &str = "127.0.0.1:14158";
 
 /// Edge of the tiles that are compared and sent (pixels).
 const TILE: u32 = 128;
-/// Pictures do not follow each other faster than this.
+/// Shortest time between two pictures.
 const REFRESH: Duration = Duration::from_millis(250);
-/// Making and sending pictures takes at most this share of the time.
+/// Largest share of the time that making and sending pictures may take.
 const SHARE: f64 = 0.01;
-/// After a failure the viewer is left alone for so long.
+/// Time before the next attempt after a failure.
 const RETRY: Duration = Duration::from_secs(5);
-/// A viewer that takes nothing for so long is given up.
+/// Time after which a viewer that accepts nothing is given up.
 const PATIENCE: Duration = Duration::from_secs(3);
-/// How long [`Viewer::finish`] waits for the last picture to be taken.
+/// Time that [`Viewer::finish`] waits for the last picture to be sent.
 const FAREWELL: Duration = Duration::from_secs(10);
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
-/// A connection to a viewer that may or may not be there.
+/// Connection to a viewer, which may not be there.
 ///
-/// Dropped or finished, it sends the last picture it was given.
+/// When it is dropped or finished, it sends the last picture.
 #[derive(Debug)]
 pub struct Viewer {
     shared: Arc<Shared>,
@@ -52,22 +52,22 @@ struct Shared {
 
 #[derive(Debug, Default)]
 struct State {
-    /// The latest picture that was not sent yet.
+    /// Latest picture that was not sent yet.
     waiting: Option<Image>,
-    /// Before this no picture is asked for.
+    /// Time before which no picture is requested.
     due: Option<Instant>,
-    /// No more pictures will come.
+    /// Whether the last picture has been given.
     is_last: bool,
-    /// The thread is done.
+    /// Whether the thread has ended.
     is_over: bool,
 }
 
 impl Viewer {
-    /// Returns at once; whether anybody listens shows later.
+    /// Starts the thread and returns at once. Whether a viewer listens is known later.
     ///
     /// - `address`: `host:port`
-    /// - `name`: of the picture; the process id follows, so that two renders do not overwrite each other
-    /// - `warn`: told once, in a sentence, when the viewer cannot be reached or goes away
+    /// - `name`: name of the picture; the process id is added, so that two renders do not overwrite each other
+    /// - `warn`: called once, with a sentence, when the viewer cannot be reached or goes away
     pub fn start(address: &str, name: &str, warn: impl Fn(&str) + Send + 'static) -> Viewer {
         let shared = Arc::new(Shared::default());
         let sender = Sender {
@@ -88,17 +88,16 @@ impl Viewer {
         Viewer { shared, thread: thread.ok() }
     }
 
-    /// Shows a picture, `R`, `G`, `B` of which are sent. Never waits: a picture that was not sent yet is forgotten for it.
+    /// Shows a picture, of which `R`, `G`, `B` are sent. It never waits, and replaces a picture that was not sent yet.
     pub fn show(&self, image: Image) {
         let forgotten = self.shared.lock().waiting.replace(image);
         self.shared.changed.notify_all();
-        // Outside of the lock: it may be large.
+        // Dropped outside of the lock, as it may be large.
         drop(forgotten);
     }
 
-    /// Shows the picture that `make` makes, unless it is too early: one every quarter of a second, and so few of them that making
-    /// one (by the clock, since a render waits for it) and sending it (by the time of the processor) takes no more than a hundredth
-    /// of the time.
+    /// Shows the picture that `make` makes, unless it is too early. There is at most one every quarter of a second. Making it (in
+    /// real time, since a render waits for it) and sending it (in processor time) take at most a hundredth of the time.
     pub fn offer(&self, make: impl FnOnce() -> Image) {
         let start = Instant::now();
         if self.shared.lock().due.is_some_and(|due| start < due) {
@@ -109,7 +108,7 @@ impl Viewer {
         self.show(image);
     }
 
-    /// Sends the last picture and takes leave; waits some seconds at most.
+    /// Sends the last picture and closes the connection; waits some seconds at most.
     pub fn finish(self) {}
 }
 
@@ -120,7 +119,7 @@ impl Drop for Viewer {
         self.shared.changed.notify_all();
         let waited = self.shared.changed.wait_timeout_while(state, FAREWELL, |state| !state.is_over);
         let (state, _) = waited.unwrap_or_else(PoisonError::into_inner);
-        // A thread that still hangs on a viewer is left behind; it ends with the program.
+        // A thread that still waits for a viewer is left alone; it ends with the program.
         let is_over = state.is_over;
         drop(state);
         if let Some(thread) = self.thread.take().filter(|_| is_over) {
@@ -134,7 +133,7 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What took so long is not to be done again before it was a small share of the time; pauses for several things add up.
+    /// Delays the next picture until the time that this one took is a small share. Delays for several reasons add up.
     fn postpone(&self, took: Duration) {
         let now = Instant::now();
         let mut state = self.lock();
@@ -142,7 +141,7 @@ impl Shared {
         state.due = Some(due.max(now + REFRESH));
     }
 
-    /// The next picture, or none after `patience`; and whether it was the last.
+    /// Next picture, or none after `patience`; and whether it was the last.
     fn next(&self, patience: Duration) -> (Option<Image>, bool) {
         let nothing_new = |state: &mut State| state.waiting.is_none() && !state.is_last;
         let waited = self.changed.wait_timeout_while(self.lock(), patience, nothing_new);
@@ -151,7 +150,7 @@ impl Shared {
     }
 }
 
-/// Says that the thread is done, however it ends.
+/// Marks the thread as ended, however it ends.
 struct Leave<'a>(&'a Shared);
 
 impl Drop for Leave<'_> {
@@ -161,14 +160,14 @@ impl Drop for Leave<'_> {
     }
 }
 
-/// What runs on the thread.
+/// State of the thread.
 struct Sender {
     address: String,
     name: String,
     warn: Box<dyn Fn(&str) + Send>,
     has_warned: bool,
     connection: Option<Connection>,
-    /// The latest picture, where it could not be sent.
+    /// Latest picture, if it could not be sent.
     unsent: Option<Arc<Image>>,
     failed: Option<Instant>,
 }
@@ -193,7 +192,7 @@ impl Sender {
         self.connection.take().into_iter().for_each(Connection::close);
     }
 
-    /// Sends what there is to send, over the connection that there is or a new one.
+    /// Sends the picture, over the existing connection or a new one.
     fn send(&mut self) {
         let Some(image) = self.unsent.take() else { return };
         let was_there = self.connection.is_some();
@@ -215,10 +214,10 @@ impl Sender {
     }
 }
 
-/// A viewer that is there, and what it shows.
+/// Connection to a viewer, and what it shows.
 struct Connection {
     client: TevClient,
-    /// The same socket.
+    /// Second handle of the same socket.
     stream: TcpStream,
     shown: Option<Arc<Image>>,
 }
@@ -239,7 +238,7 @@ impl Connection {
         Err(refusal)
     }
 
-    /// Creates the picture where it is new, and sends the tiles that have changed. An error ends the connection.
+    /// Creates the picture if it is new, and sends the tiles that have changed. An error ends the connection.
     fn update(mut self, name: &str, image: &Arc<Image>) -> io::Result<Connection> {
         let shown = self.shown.take().filter(|shown| shown.full_size == image.full_size);
         if shown.is_none() {
@@ -274,23 +273,23 @@ impl Connection {
         })
     }
 
-    /// Says that nothing follows, and waits until the viewer has read it all: a socket closed at once may lose its tail.
+    /// Signals the end, and waits until the viewer has read everything: a socket that is closed at once may lose data.
     fn close(mut self) {
         let end = Instant::now() + PATIENCE;
         let said = self.stream.shutdown(Shutdown::Write).and_then(|()| self.stream.set_read_timeout(Some(PATIENCE)));
         let mut answer = [0; 256];
-        // What a viewer might say is of no interest; its silence is.
+        // The content of an answer is ignored; the end of the answers is awaited.
         while said.is_ok() && Instant::now() < end && self.stream.read(&mut answer).is_ok_and(|count| count > 0) {}
     }
 }
 
-/// The upper left pixels of all tiles.
+/// Upper left pixels of all tiles.
 fn corners(size: UVec2) -> impl Iterator<Item = UVec2> {
     let starts = |to: u32| (0..to).step_by(TILE as usize);
     starts(size.y).flat_map(move |y| starts(size.x).map(move |x| UVec2::new(x, y)))
 }
 
-/// Red, green, blue of every pixel of a part, row by row.
+/// Red, green and blue of every pixel of a part, row by row.
 fn tile(image: &Image, corner: UVec2, size: UVec2) -> Vec<f32> {
     let channels = CHANNELS.map(|name| image.channel(name));
     let value = |channel: &Option<&[f32]>, x: u32, y: u32| channel.map_or(0.0, |values| values[(y * image.size.x + x) as usize]);

@@ -1,36 +1,39 @@
-//! From linear radiance to what a screen shows, the same bytes on every platform. For 8-bit files only: EXR keeps what was measured.
+//! Tone mapping from linear radiance to display values, with the same bytes on every platform. It is for 8-bit files only; EXR
+//! keeps the linear values.
 
 use crate::film::Image;
 use crate::math::float::{exp_f64, ln_f64, powf};
 
-/// Exposure, then a curve, then 8 bits.
+/// Exposure, tone curve and quantisation to 8 bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tonemap {
-    /// Stops: radiance is multiplied by 2^exposure.
+    /// Exposure (stops): radiance is multiplied by 2^exposure.
     pub exposure: f32,
+    /// Tone curve.
     pub curve: Curve,
 }
 
+/// Tone curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Curve {
-    /// Clipped at 1, sRGB.
+    /// Clip at 1, sRGB.
     #[default]
     None,
-    /// A shoulder like film's, sRGB. Source: Narkowicz's fit of the ACES reference curve (2016).
+    /// Curve with a shoulder like that of film, sRGB. Source: Narkowicz's fit of the ACES reference curve (2016).
     Filmic,
-    /// Divided by the brightest value of the picture, no transfer curve: what the ancestor wrote.
+    /// Divide by the brightest value of the picture, without a transfer curve.
     Normalize,
-    /// x/(x + 1) after a small lift, no transfer curve: the curve of the postcard path tracer.
+    /// x/(x + 1) after a small lift, without a transfer curve: the curve of the postcard path tracer.
     Postcard,
 }
 
 impl Tonemap {
-    /// Red, green, blue in 8 bits, row by row.
+    /// Red, green and blue in 8 bits, row by row.
     pub fn apply(&self, image: &Image) -> Vec<u8> {
         self.display(image).into_iter().flatten().map(quantise).collect()
     }
 
-    /// What a screen is to show, 0 to 1, before it is cut to 8 bits; NaN stays.
+    /// Display values, 0 to 1, before quantisation to 8 bits; a NaN stays.
     pub fn display(&self, image: &Image) -> Vec<[f32; 3]> {
         let gain = powf(2.0, self.exposure);
         let brightest = image.pixels().flatten().filter(|v| v.is_finite()).fold(0.0, f32::max) * gain;
@@ -39,9 +42,9 @@ impl Tonemap {
 }
 
 impl Curve {
-    /// Linear radiance to display value, [0, 1] where it is in range.
+    /// Maps linear radiance to a display value, in [0, 1] for values in range.
     fn map(self, x: f32, brightest: f32) -> f32 {
-        // Outside, the rational curves have poles (below 0) or overflow (far above white).
+        // Outside of this range the rational curves have poles (below 0) or overflow (far above white).
         let tame = x.clamp(0.0, 1e9);
         match self {
             Curve::None => srgb(x),
@@ -66,12 +69,12 @@ pub fn srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * powf(linear, 1.0 / 2.4) - 0.055 }
 }
 
-/// The inverse of the sRGB transfer curve, the same bits on every platform. Source: IEC 61966-2-1.
+/// Inverse of the sRGB transfer curve, with the same bits on every platform. Source: IEC 61966-2-1.
 pub fn linear(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { exp_f64(2.4 * ln_f64((encoded + 0.055) / 1.055)) }
 }
 
-/// To the nearest of 256 levels; NaN is black.
+/// Rounds to the nearest of 256 levels; NaN becomes black.
 fn quantise(x: f32) -> u8 {
     (x * 255.0 + 0.5) as u8
 }

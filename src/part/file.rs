@@ -1,12 +1,12 @@
-//! `.ptc`: what is in it, byte by byte.
+//! Reading and writing of `.ptc` files.
 //!
 //! ```text
-//! 89 50 54 43 0d 0a 1a 0a     so that no other file is taken for one, nor one that went through a text filter
-//! u64   bytes of the file     so that a truncated file is known
+//! 89 50 54 43 0d 0a 1a 0a     signature, which also detects damage by text filters
+//! u64   bytes of the file     detects truncated files
 //! u32   bytes of the header
 //! header, JSON in UTF-8       see `Header`
-//! f64 … block after block, pixel after pixel, as `Block::numbers`
-//! u128  XXH3 of all before
+//! f64 …                       block after block, pixel after pixel, as `PixelSums::numbers`
+//! u128  XXH3                  hash of all bytes before it
 //! ```
 //!
 //! All numbers are little-endian.
@@ -26,45 +26,46 @@ use crate::describe::Identity;
 use crate::error::memory::fallible;
 use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
-use crate::film::{Block, Crop, Layer, MomentFilm, Wave};
+use crate::film::{Crop, Layer, MomentFilm, PixelSums, Wave};
 use crate::math::hash::Hasher;
-use crate::measure::{Checkpoint, Course, RelativeError};
+use crate::measure::{Checkpoint, ErrorHistory, RelativeError};
 use crate::output::{self, Attributes};
-use crate::render::{Report, SampleId};
-use crate::sampler::Spread;
+use crate::render::{RenderReport, SampleId};
+use crate::sampler::ErrorEstimator;
 
 const MAGIC: [u8; 8] = *b"\x89PTC\r\n\x1a\n";
-/// Before the header.
+/// Bytes before the header.
 const PRELUDE: u64 = 8 + 8 + 4;
+/// Bytes of the hash.
 const CHECKSUM: u64 = 16;
-/// No picture has a longer one (pixels).
-const LONGEST_SIDE: u32 = 1 << 16;
+/// Greatest width and height of a picture (pixels).
+const MAX_SIDE: u32 = 1 << 16;
 
-/// What a file says of its numbers.
+/// Header of a file.
 #[derive(Serialize, Deserialize)]
 struct Header {
     build: String,
-    /// The hash of the facts.
+    /// Hash of `facts`.
     scene: String,
     facts: Value,
     size: [u32; 2],
     /// `[x0, x1, y0, y1]`
     crop: [u32; 4],
-    /// How many; `null` where each sample is independent of all others.
+    /// Number of scramblings; `null` if all samples are independent.
     scramblings: Option<u32>,
-    /// Names of the layers, that of the lights once.
+    /// Names of the layers. The layers of all lights share one name.
     layers: Vec<String>,
     lights: Vec<String>,
     view: Attributes,
-    /// Of each pixel of a block.
+    /// Numbers per pixel of a block.
     numbers: usize,
     /// `[first sample, level]`
     blocks: Vec<(u64, u32)>,
-    /// Of rendering.
+    /// Time of rendering (s).
     seconds: f64,
     invalid: u64,
     first_invalid: Vec<((u32, u32), u64)>,
-    course: Vec<Look>,
+    history: Vec<StoredCheckpoint>,
 }
 
 fn names(layers: &[Layer]) -> Vec<String> {
@@ -73,22 +74,22 @@ fn names(layers: &[Layer]) -> Vec<String> {
     names
 }
 
-/// A checkpoint; its numbers as text, which keeps all their digits, and infinities.
+/// Checkpoint with its numbers as text, which keeps all digits and infinities.
 #[derive(Serialize, Deserialize)]
-struct Look {
+struct StoredCheckpoint {
     samples: u64,
     seconds: String,
     /// Value, spread, effective pixels.
     error: Option<[String; 3]>,
 }
 
-/// Writes the sums of some samples; an existing file is replaced when the new one is complete.
+/// Writes the sums of some samples. An existing file is replaced when the new one is complete.
 ///
-/// - `films`: runs of samples in their order
+/// - `films`: runs of samples, in order
 ///
 /// # Errors
 /// `Io`.
-pub fn write(path: &Path, about: &About, films: &[&MomentFilm], report: &Report, course: &Course) -> Result<()> {
+pub fn write(path: &Path, about: &About, films: &[&MomentFilm], report: &RenderReport, history: &ErrorHistory) -> Result<()> {
     let blocks = || films.iter().flat_map(|film| film.blocks());
     let crop = about.crop;
     let header = Header {
@@ -97,19 +98,19 @@ pub fn write(path: &Path, about: &About, films: &[&MomentFilm], report: &Report,
         facts: about.identity.facts().clone(),
         size: about.size.to_array(),
         crop: [crop.min.x, crop.max.x, crop.min.y, crop.max.y],
-        scramblings: match about.spread {
-            Spread::Samples => None,
-            Spread::Scramblings(k) => Some(k),
+        scramblings: match about.error_estimator {
+            ErrorEstimator::Samples => None,
+            ErrorEstimator::Scramblings(k) => Some(k),
         },
         layers: names(&about.layers),
         lights: about.lights.clone(),
         view: about.view.clone(),
-        numbers: about.slots().all(),
+        numbers: about.layout().all(),
         blocks: blocks().map(|(wave, _)| (wave.first, wave.level)).collect(),
         seconds: report.elapsed.as_secs_f64(),
         invalid: report.invalid,
         first_invalid: report.first_invalid.iter().map(|id| (id.pixel, id.index)).collect(),
-        course: course.planned().map(Look::new).collect(),
+        history: history.planned().map(StoredCheckpoint::new).collect(),
     };
     let header = serde_json::to_vec(&header).map_err(|e| Error::Internal(format!("a header cannot be written: {e}")))?;
     let numbers: u64 = blocks().map(|(_, block)| 8 * block.numbers().len() as u64).sum();
@@ -129,6 +130,7 @@ pub fn write(path: &Path, about: &About, films: &[&MomentFilm], report: &Report,
     })
 }
 
+/// Writer that hashes what it writes.
 struct Summed<W> {
     to: W,
     sum: Hasher,
@@ -141,23 +143,27 @@ impl<W: Write> Summed<W> {
     }
 }
 
-/// A file that is whole and makes sense; its numbers are still in it.
+/// File that was checked. Its numbers are not in memory.
 #[derive(Debug)]
 pub struct Stored {
+    /// Path of the file.
     pub path: PathBuf,
+    /// Picture that the file belongs to.
     pub about: About,
-    pub report: Report,
-    pub course: Course,
+    /// Report of the render.
+    pub report: RenderReport,
+    /// Checkpoints of the render.
+    pub history: ErrorHistory,
     waves: Vec<Wave>,
-    /// Where the numbers begin.
+    /// Position of the first number in the file (bytes).
     start: u64,
 }
 
 impl Stored {
-    /// Reads and checks all but the numbers' meaning.
+    /// Opens a file and checks everything but the values of the numbers.
     ///
     /// # Errors
-    /// `Invalid` for what is missing, no such file, truncated, damaged or of another version; `Io`.
+    /// `Invalid` for files that are missing, of another kind, truncated, damaged or of another version; `Io`.
     pub fn open(path: &Path) -> Result<Stored> {
         let refused = |message: String| Error::invalid(Fault::new(message).in_file(path));
         let mut file = BufReader::with_capacity(1 << 18, output::regular(path)?);
@@ -183,7 +189,7 @@ impl Stored {
         header.stored(path, start, length).ok_or_else(|| refused("what it says of itself makes no sense".into()))
     }
 
-    /// Runs of samples without a gap.
+    /// Ranges of samples without gaps.
     pub fn ranges(&self) -> Vec<Range<u64>> {
         let mut runs: Vec<Range<u64>> = vec![];
         for wave in &self.waves {
@@ -195,17 +201,17 @@ impl Stored {
         runs
     }
 
-    /// Which blocks it holds.
+    /// Blocks in the file.
     pub(super) fn waves(&self) -> &[Wave] {
         &self.waves
     }
 
-    /// The numbers of one block.
+    /// Reads the sums of one block.
     ///
     /// # Errors
-    /// `Io`; `Limit` where they do not fit into memory.
-    pub(super) fn block(&self, index: usize) -> Result<Block> {
-        let count = self.about.slots().all() * self.about.crop.pixel_count() as usize;
+    /// `Io`; `Limit` if the numbers do not fit into memory.
+    pub(super) fn block(&self, index: usize) -> Result<PixelSums> {
+        let count = self.about.layout().all() * self.about.crop.pixel_count() as usize;
         let mut numbers: Vec<f64> = vec![];
         let full = |_| Error::Limit(Fault::new("its numbers do not fit into memory").in_file(&self.path));
         fallible(|| numbers.try_reserve_exact(count)).map_err(full)?;
@@ -221,17 +227,18 @@ impl Stored {
             Ok(())
         };
         read().map_err(|e| Error::io(&self.path, e))?;
-        Block::from_numbers(self.about.slots(), numbers).ok_or_else(|| Error::Internal("a share of a pixel".into()))
+        PixelSums::from_numbers(self.about.layout(), numbers).ok_or_else(|| Error::Internal("a share of a pixel".into()))
     }
 }
 
 const DAMAGED: &str = "damaged: its checksum is wrong";
 
+/// Little-endian number.
 fn number(bytes: &[u8]) -> u64 {
     bytes.iter().rev().fold(0, |sum, byte| (sum << 8) | u64::from(*byte))
 }
 
-/// The bytes of the header, where the checksum of the whole file is right.
+/// Reads the header, and the rest of the file to check its hash.
 fn checked(file: &mut impl Read, prelude: &[u8], length: u64, header: u64) -> io::Result<Vec<u8>> {
     let mut sum = Hasher::default();
     sum.bytes(prelude);
@@ -251,13 +258,13 @@ fn checked(file: &mut impl Read, prelude: &[u8], length: u64, header: u64) -> io
 }
 
 impl Header {
-    /// `None` where it contradicts itself or the length of the file.
+    /// The file with this header; `None` if the header contradicts itself or the length of the file.
     fn stored(self, path: &Path, start: u64, length: u64) -> Option<Stored> {
         let [x0, x1, y0, y1] = self.crop;
         let [width, height] = self.size;
-        let is_crop = x0 < x1 && x1 <= width && y0 < y1 && y1 <= height && width.max(height) <= LONGEST_SIDE;
-        let spread = self.scramblings.map_or(Spread::Samples, Spread::Scramblings);
-        let is_spread = self.scramblings.is_none_or(|k| k.is_power_of_two() && k <= 64);
+        let is_crop = x0 < x1 && x1 <= width && y0 < y1 && y1 <= height && width.max(height) <= MAX_SIDE;
+        let error_estimator = self.scramblings.map_or(ErrorEstimator::Samples, ErrorEstimator::Scramblings);
+        let is_scrambled = self.scramblings.is_none_or(|k| k.is_power_of_two() && k <= 64);
         let layers = self.layers.iter().map(|name| Layer::named(name)).collect::<Option<Vec<Layer>>>()?;
         let layers = with_lights(&layers, self.lights.len());
         let crop = Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) };
@@ -267,8 +274,8 @@ impl Header {
         let are_waves = !waves.is_empty() && waves.iter().all(is_wave) && waves.windows(2).all(in_order);
         let identity = Identity::from_facts(self.facts);
         let size = UVec2::new(width, height);
-        let about = About { identity, build: self.build, size, crop, spread, layers, lights: self.lights, view: self.view };
-        let is_complete = is_crop && is_spread && are_waves && self.numbers == about.slots().all();
+        let about = About { identity, build: self.build, size, crop, error_estimator, layers, lights: self.lights, view: self.view };
+        let is_complete = is_crop && is_scrambled && are_waves && self.numbers == about.layout().all();
         if !is_complete || about.identity.hash().to_string() != self.scene {
             return None;
         }
@@ -279,18 +286,18 @@ impl Header {
         Some(Stored {
             path: path.to_owned(),
             about,
-            report: Report { samples, invalid: self.invalid, first_invalid, elapsed: seconds, ..Report::default() },
-            course: Course { checkpoints: self.course.into_iter().map(|look| look.checkpoint()).collect::<Option<_>>()? },
+            report: RenderReport { samples, invalid: self.invalid, first_invalid, elapsed: seconds, ..RenderReport::default() },
+            history: ErrorHistory { checkpoints: self.history.into_iter().map(|stored| stored.checkpoint()).collect::<Option<_>>()? },
             waves,
             start,
         })
     }
 }
 
-impl Look {
-    fn new(checkpoint: &Checkpoint) -> Look {
+impl StoredCheckpoint {
+    fn new(checkpoint: &Checkpoint) -> StoredCheckpoint {
         let error = |error: RelativeError| [error.value, error.spread, error.effective_pixels].map(|x| x.to_string());
-        Look { samples: checkpoint.samples, seconds: checkpoint.seconds.to_string(), error: checkpoint.error.map(error) }
+        StoredCheckpoint { samples: checkpoint.samples, seconds: checkpoint.seconds.to_string(), error: checkpoint.error.map(error) }
     }
 
     fn checkpoint(self) -> Option<Checkpoint> {

@@ -1,4 +1,4 @@
-//! The sum of parts, in any order.
+//! Merging of parts, in any order.
 
 use std::ops::Range;
 use std::path::Path;
@@ -6,12 +6,12 @@ use std::path::Path;
 use super::{Part, Stored};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Film, MomentFilm, Wave};
-use crate::measure::Course;
-use crate::render::{KEPT_INVALID, Report};
+use crate::measure::ErrorHistory;
+use crate::render::{KEPT_INVALID, RenderReport};
 
-/// Adds parts of one picture; what they leave out stays out.
+/// Adds parts of one picture. The parts need not cover all samples.
 ///
-/// Blocks are read one by one, in the order of their samples: there is never more than one beside the sum.
+/// Blocks are read one at a time in the order of their samples, so that only one is in memory in addition to the sums.
 ///
 /// # Errors
 /// `Invalid` for parts of different pictures, and for samples that are in two of them; `Limit`; `Io`.
@@ -36,13 +36,14 @@ pub fn merge(parts: Vec<Stored>) -> Result<Part> {
             film.add(wave, part.block(index)?);
         }
     }
-    // What a single render saw on its way stays true of it.
-    let course = if parts.len() == 1 { first.course.clone() } else { Course::default() };
-    Ok(Part { about: first.about.clone(), films, report: report(&parts), course })
+    // The checkpoints of a single render remain valid.
+    let history = if parts.len() == 1 { first.history.clone() } else { ErrorHistory::default() };
+    Ok(Part { about: first.about.clone(), films, report: report(&parts), history })
 }
 
-fn report(parts: &[Stored]) -> Report {
-    let mut sum = Report::default();
+/// Sum of the reports.
+fn report(parts: &[Stored]) -> RenderReport {
+    let mut sum = RenderReport::default();
     for Stored { report, .. } in parts {
         sum.samples += report.samples;
         sum.invalid += report.invalid;
@@ -54,6 +55,7 @@ fn report(parts: &[Stored]) -> Report {
     sum
 }
 
+/// Fails if samples are in two parts.
 fn refuse_overlaps(parts: &[Stored]) -> Result<()> {
     let mut runs: Vec<(Range<u64>, &Path)> =
         parts.iter().flat_map(|part| part.ranges().into_iter().map(|run| (run, part.path.as_path()))).collect();

@@ -1,9 +1,8 @@
-//! Parts of a render: what some samples of every pixel add up to, in a file, and the sum of such files.
+//! Parts of a render: files with the sums over some samples of every pixel, and their merging.
 //!
-//! One kind of file (`.ptc`) is what a job of many leaves behind, what a render goes on from, and what parts merge to.
-//! It holds the blocks of the dyadic tree that lie within its samples (see [`Tree`](crate::film::Tree)). Joining
-//! siblings gives the blocks of the whole, rounded as the whole rounds them: whoever adds the parts, in whatever order,
-//! gets the bits of the render in one go.
+//! One kind of file (`.ptc`) serves as the result of one of several jobs, as a checkpoint, and as the result of a merge. The file
+//! contains the blocks of the dyadic tree that lie within its samples (see [`Tree`](crate::film::Tree)). Joining siblings gives the
+//! blocks of the complete tree with the same rounding, so that merging parts in any order gives the bits of a single render.
 
 mod file;
 mod merge;
@@ -13,50 +12,55 @@ use std::ops::Range;
 use glam::UVec2;
 
 use crate::describe::Identity;
-use crate::film::{Crop, FilmSpec, Layer, LightNames, MomentFilm, Slots, layer};
-use crate::measure::Course;
+use crate::film::{Crop, FilmSpec, Layer, LightNames, MomentFilm, PixelLayout, layer};
+use crate::measure::ErrorHistory;
 use crate::output::Attributes;
-use crate::render::Report;
-use crate::sampler::Spread;
+use crate::render::RenderReport;
+use crate::sampler::ErrorEstimator;
 
 pub use file::{Stored, write};
 pub use merge::merge;
 
-/// What all parts of a picture have in common.
+/// Properties that all parts of a picture have in common.
 #[derive(Clone, Debug, PartialEq)]
 pub struct About {
+    /// Identity of the scene and its settings.
     pub identity: Identity,
-    /// Which pt made it: its version and its commit.
+    /// Version and commit of the pt that rendered it.
     pub build: String,
+    /// Width and height of the whole picture (pixels).
     pub size: UVec2,
+    /// Part of the picture that is rendered.
     pub crop: Crop,
-    pub spread: Spread,
+    /// Estimator of the error.
+    pub error_estimator: ErrorEstimator,
+    /// Layers of the picture.
     pub layers: Vec<Layer>,
-    /// Of the lights that have layers.
+    /// Names of the lights that have layers.
     pub lights: Vec<String>,
-    /// How the picture shows the world.
+    /// Attributes of the camera.
     pub view: Attributes,
 }
 
-/// This very program.
+/// Version and commit of this program.
 pub const BUILD: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
 
 impl About {
-    /// What this pt renders of a scene.
-    pub fn new(identity: Identity, film: &FilmSpec, spread: Spread, view: Attributes) -> About {
+    /// Properties of a picture that this program renders.
+    pub fn new(identity: Identity, film: &FilmSpec, error_estimator: ErrorEstimator, view: Attributes) -> About {
         About {
             identity,
             build: BUILD.into(),
             size: film.size,
             crop: film.crop,
-            spread,
+            error_estimator,
             layers: film.layers.clone(),
             lights: film.lights.names.clone(),
             view,
         }
     }
 
-    /// In what another differs: `/sampler/seed is 7, not 0`; `None` where both are of one picture.
+    /// Description of the first difference, such as `/sampler/seed is 7, not 0`; `None` if both belong to one picture.
     pub fn difference(&self, other: &About) -> Option<String> {
         if let Some([pointer, own, others]) = self.identity.difference(&other.identity) {
             return Some(format!("{pointer} is {own}, not {others}"));
@@ -64,44 +68,45 @@ impl About {
         if self.build != other.build {
             return Some(format!("it was rendered by pt {}, not {}", self.build, other.build));
         }
-        let pixels = |about: &About| (about.size, about.crop, about.spread, about.layers.clone(), about.lights.clone());
+        let pixels = |about: &About| (about.size, about.crop, about.error_estimator, about.layers.clone(), about.lights.clone());
         let is_same = pixels(self) == pixels(other);
         (!is_same).then(|| "it has other pixels or layers".into())
     }
 
-    /// A film that takes its blocks; the filter has had its say when the samples were taken.
+    /// An empty film for the blocks of the parts. Its filter is not used, because filter weights are in the samples.
     pub fn film(&self) -> MomentFilm {
         let lights = LightNames { names: self.lights.clone(), ..LightNames::default() };
         MomentFilm::new(FilmSpec { crop: self.crop, layers: self.layers.clone(), lights, ..FilmSpec::new(self.size.x, self.size.y) })
     }
 
-    /// Which numbers a pixel has.
-    pub fn slots(&self) -> Slots {
-        Slots { spread: self.spread, layers: layer::slots(&self.layers) }
+    /// Layout of the sums of a pixel.
+    pub fn layout(&self) -> PixelLayout {
+        PixelLayout { error_estimator: self.error_estimator, layers: layer::sum_count(&self.layers) }
     }
 }
 
-/// The sums of some samples, and how they came about.
+/// Sums over some samples of a picture, with the reports of their renders.
 pub struct Part {
+    /// Properties of the picture.
     pub about: About,
-    /// One for each unbroken run of samples, in their order.
+    /// One film for each range of samples without gaps, in order.
     pub films: Vec<MomentFilm>,
-    /// Of all runs of pt that it took.
-    pub report: Report,
-    /// Looks at the error on the way; empty where no single render made them.
-    pub course: Course,
+    /// Sum of the reports of all renders.
+    pub report: RenderReport,
+    /// Checkpoints of the render; empty for the samples of several renders.
+    pub history: ErrorHistory,
 }
 
 impl Part {
-    /// Which samples it has.
+    /// Ranges of samples without gaps.
     pub fn runs(&self) -> Vec<Range<u64>> {
         self.films.iter().map(MomentFilm::range).collect()
     }
 
-    /// The film of a picture: samples 0 … M − 1.
+    /// Film of a complete picture with the samples 0 … M − 1.
     ///
     /// # Errors
-    /// The first samples that are missing.
+    /// The first range of missing samples.
     pub fn whole(&self) -> Result<&MomentFilm, Range<u64>> {
         let runs = self.runs();
         let gaps = [0].into_iter().chain(runs.iter().map(|run| run.end)).zip(runs.iter().map(|run| run.start));

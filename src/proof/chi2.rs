@@ -1,28 +1,29 @@
-//! Pearson's test: do counts follow what was expected?
+//! Pearson's χ² test of counts against expectations.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// The statistic, what it says, and where it is largest.
+/// Statistic, p-value, and the largest deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chi2 {
     /// Σ (o − e)²/e
     pub statistic: f64,
-    /// Cells less one: the total is given.
+    /// Degrees of freedom: the number of cells less one, as the total is given.
     pub freedom: usize,
-    /// The probability of so large a statistic, or a larger one, if the counts are what they should be.
+    /// Probability of a statistic at least this large if the expectations are right.
     pub p: f64,
-    /// The bin farthest from its expectation, of the cell that contributes most.
+    /// Bin with the largest deviation, in the cell with the largest term.
     pub worst: usize,
 }
 
-/// Fewer in a cell, and the statistic is not distributed as χ².
+/// Smallest expected count of a cell; with fewer the statistic does not follow χ².
 const FEWEST: f64 = 5.0;
 
-/// X² = Σ (o − e)²/e over the bins, those of fewer than 5 expected pooled; X² ~ χ² with one degree of freedom less than cells.
+/// X² = Σ (o − e)²/e over the bins; bins with an expectation below 5 are pooled. X² ~ χ² with one degree of freedom less than there
+/// are cells.
 ///
-/// - `shares`: of the expectation in each bin, up to a common factor
-/// - `counts`: of independent draws
-/// - returns p = 1 where fewer than two cells remain: nothing is claimed then
+/// - `shares`: expected share of each bin, up to a common factor
+/// - `counts`: counts of independent draws
+/// - returns p = 1 if fewer than two cells remain, as the test then tells nothing
 ///
 /// Source: Pearson (1900), Cochran, *Some Methods for Strengthening the Common χ² Tests* (1954), for the pooling.
 /// Tests: by hand, p uniform under the null hypothesis.
@@ -37,7 +38,7 @@ pub fn chi2(shares: &[f64], counts: &[u64]) -> Chi2 {
     let (mut pool, mut first) = ((0.0, 0.0), 0);
     for (rank, &i) in order.iter().enumerate() {
         pool = (pool.0 + expected(i), pool.1 + counts[i] as f64);
-        // What is left at the end is a cell whatever it holds: it has the largest bin in it.
+        // The rest at the end is a cell in any case: it contains the largest bin.
         if pool.0 < FEWEST && rank + 1 < order.len() {
             continue;
         }
@@ -63,7 +64,7 @@ pub fn chi2(shares: &[f64], counts: &[u64]) -> Chi2 {
 mod tests {
     use super::*;
 
-    /// 20, 30, 50 expected, 25, 25, 50 found: 25/20 + 25/30 = 2.0833 with 2 degrees of freedom, p = e^(−X²/2).
+    /// Expected 20, 30, 50 and found 25, 25, 50: 25/20 + 25/30 = 2.0833 with 2 degrees of freedom, p = e^(−X²/2).
     #[test]
     fn by_hand() {
         let found = chi2(&[0.2, 0.3, 0.5], &[25, 25, 50]);
@@ -72,7 +73,7 @@ mod tests {
         assert!((found.p - (-0.5 * found.statistic).exp()).abs() < 1e-9);
     }
 
-    /// 1 and 2 and 3 are pooled to a cell of 6; 94 is another.
+    /// 1, 2 and 3 are pooled to a cell of 6; 94 is another cell.
     #[test]
     fn sparse_bins_are_pooled() {
         let found = chi2(&[0.94, 0.01, 0.02, 0.03], &[94, 6, 0, 0]);

@@ -1,4 +1,4 @@
-//! What is proved.
+//! Interface of a model under test.
 
 use std::fmt::Debug;
 
@@ -7,34 +7,34 @@ use glam::Vec2;
 use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
 use crate::math::{Local, SolidAnglePdf, Spectrum};
 
-/// A scattering model, as its proof sees it: pt's own, or anyone's.
+/// A scattering model under test: pt's own, or anyone's.
 ///
-/// The conventions are those of [`pt::bsdf`](crate::bsdf): directions are unit, local, and point away from the
-/// surface; the cosine is inside `eval`; `eval` and `pdf` are 0 for delta lobes. `Debug` is how a report names it.
+/// The conventions are those of [`pt::bsdf`](crate::bsdf): directions are unit, local, and point away from the surface; the cosine
+/// is inside `eval`; `eval` and `pdf` are 0 for delta lobes. Reports name the model by its `Debug` text.
 pub trait Model: Debug + Send + Sync {
     /// f(wo, wi)·|cos θi| [sr⁻¹].
     fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum;
 
-    /// The density with which [`sample`](Model::sample) returns `wi` [sr⁻¹].
+    /// Density with which [`sample`](Model::sample) returns `wi` [sr⁻¹].
     fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf;
 
-    /// A direction for `wo`; `None` where this draw leads nowhere.
+    /// Samples a direction for `wo`; `None` if this sample fails.
     fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample>;
 
-    /// All single directions that take a share of the light, with that share as weight.
+    /// All delta lobes, with their share of the light as weight.
     fn delta_lobes(&self, _wo: Local, _mode: TransportMode) -> Vec<BsdfSample> {
         vec![]
     }
 
-    /// Whether it claims f(a, b) = f(b, a), up to η² through the surface.
+    /// Whether the model claims f(a, b) = f(b, a), up to η² through the surface.
     fn reciprocal(&self) -> bool {
         true
     }
 
-    /// Whether `sample` reaches each direction from one `u` only, `choice` being the choice of a lobe.
+    /// Whether `sample` reaches each direction from only one `u`, with `choice` selecting the lobe.
     ///
-    /// Then its density is the chance of the lobe over the Jacobian, exactly; where several ways lead
-    /// to one direction it is more.
+    /// The density is then exactly the probability of the lobe over the Jacobian. If several ways lead to one direction, it is
+    /// larger.
     fn one_to_one(&self) -> bool {
         false
     }

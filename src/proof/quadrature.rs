@@ -1,103 +1,111 @@
-//! Integrals of a density over bins, to an error that a chi² test does not notice.
+//! Integrals of a density over bins, with errors that a χ² test does not notice.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use super::rect::{Place, Rect};
+use super::rect::{CylinderPoint, Rect};
 
-/// Finer is never cut: f64 has no more digits for z and φ.
-const DEEPEST: u32 = 96;
-/// A hint is hidden where the density is so many times that of the nodes.
+/// Largest number of halvings: f64 has no more digits for z and φ.
+const MAX_DEPTH: u32 = 96;
+/// A hint counts as missed by the nodes if its density is so many times theirs.
 const HIDDEN: f64 = 2.0;
 
-/// So many hints in less than half of a cell are a lobe, fewer may be chance.
+/// Number of hints in less than half of a cell that count as a lobe; fewer may be chance.
 const CLUSTER: usize = 16;
 
-/// A place where a sample fell, and the density there.
+/// Point where a sample fell, with the density there.
 #[derive(Clone, Copy, Debug)]
 pub struct Hint {
-    pub place: Place,
+    /// The point.
+    pub point: CylinderPoint,
+    /// Density at the point.
     pub density: f64,
 }
 
-/// How well an integral has to be known.
+/// Accuracy of an integral, and the work allowed for it.
 #[derive(Clone, Copy, Debug)]
-pub struct Care {
-    /// Of the result. Each half gets 1/√2 of it: along a jump of the density the errors of the cells are as good as random.
+pub struct Limits {
+    /// Tolerance of the result. Each half gets 1/√2 of it: along a jump of the density the errors of the cells are nearly random.
     pub tolerance: f64,
-    /// How often a cell is halved for its error alone: a density without an integral must not take for ever.
-    pub patience: u32,
+    /// Halvings of a cell for its error alone, at most. Without this limit a density without an integral would never end.
+    pub max_error_depth: u32,
 }
 
 /// ∫ f over a rectangle.
 ///
-/// Gauss's rule of 3 × 3 nodes, against the same on halves, both ways. Where they differ, the cell is halved the way
-/// that matters more; where hints know of more than the nodes do, the way that tells the hints from the rest. So a lobe
-/// far narrower than the bin cannot be missed, if a sample of it fell there.
+/// Gauss's rule with 3 × 3 nodes is compared with the same rule on halves, in both directions. Where they differ, the cell is
+/// halved in the direction of the larger difference. Where a hint has a much larger density than all nodes, it is halved in the
+/// direction that separates the hints best. So a lobe far narrower than the bin cannot be missed if a sample of it fell there.
 ///
 /// - `hints`: their order is changed
 ///
 /// Tests: polynomials, a jump, a peak of 10⁻³ rad, a layer of 10⁻⁶.
-pub fn integrate(f: &impl Fn(Place) -> f64, rect: Rect, hints: &mut [Hint], care: Care) -> f64 {
-    refine(f, Cell { rect, whole: gauss(f, rect).0, above_is_calm: true, depth: DEEPEST, patience: care.patience }, hints, care)
+pub fn integrate(f: &impl Fn(CylinderPoint) -> f64, rect: Rect, hints: &mut [Hint], limits: Limits) -> f64 {
+    refine(
+        f,
+        Cell { rect, whole: gauss(f, rect).0, parent_converged: true, depth: MAX_DEPTH, max_error_depth: limits.max_error_depth },
+        hints,
+        limits,
+    )
 }
 
-/// A part of the rectangle, and what is known of it.
+/// Part of the rectangle, with the state of its integration.
 struct Cell {
     rect: Rect,
-    /// Gauss's estimate.
+    /// Estimate by Gauss's rule.
     whole: f64,
-    /// Halving the cell that this is half of changed nothing.
-    above_is_calm: bool,
+    /// Whether halving the parent cell changed nothing.
+    parent_converged: bool,
     /// Halvings left.
     depth: u32,
     /// Halvings left for the sake of an error.
-    patience: u32,
+    max_error_depth: u32,
 }
 
-fn refine(f: &impl Fn(Place) -> f64, cell: Cell, hints: &mut [Hint], care: Care) -> f64 {
-    let Cell { rect, whole, above_is_calm, depth, patience } = cell;
+fn refine(f: &impl Fn(CylinderPoint) -> f64, cell: Cell, hints: &mut [Hint], limits: Limits) -> f64 {
+    let Cell { rect, whole, parent_converged, depth, max_error_depth } = cell;
     let middle = rect.middle();
     let halves = [0, 1].map(|axis| rect.cut(axis, middle[axis]));
     let parts = halves.map(|[low, high]| [gauss(f, low), gauss(f, high)]);
     let changes = parts.map(|[low, high]| low.0 + high.0 - whole);
     let largest = parts.as_flattened().iter().fold(0.0, |largest, part| part.1.max(largest));
     let hidden = hints.iter().any(|hint| hint.density > HIDDEN * largest);
-    let calm = changes.iter().all(|change| change.abs() <= care.tolerance);
-    // Where there is a jump no node need see that it cuts a corner; those of the halves do.
-    let settled = (calm && above_is_calm) || patience == 0;
+    let converged = changes.iter().all(|change| change.abs() <= limits.tolerance);
+    // At a jump no node may show that the jump cuts off a corner of the cell; the nodes of the halves do.
+    let settled = (converged && parent_converged) || max_error_depth == 0;
     if depth == 0 || (settled && !hidden) {
-        // What cutting z changes and what cutting φ changes, together.
+        // The corrections of both directions are added.
         return whole + changes[0] + changes[1];
     }
     let spreads = [0, 1].map(|axis| spread(hints, &rect, axis));
     let axis = usize::from(if hidden { spreads[1] < spreads[0] } else { changes[1].abs() > changes[0].abs() });
-    // On the way to a lobe none is used up.
+    // Halvings on the way to a lobe are not counted.
     let on_the_way = hidden || (hints.len() >= CLUSTER && spreads[0].min(spreads[1]) < 0.5);
-    let left = if on_the_way { care.patience } else { patience.saturating_sub(1) };
-    let is_low = |hint: &Hint| hint.place[axis] < middle[axis];
+    let left = if on_the_way { limits.max_error_depth } else { max_error_depth.saturating_sub(1) };
+    let is_low = |hint: &Hint| hint.point[axis] < middle[axis];
     hints.sort_unstable_by_key(|hint| !is_low(hint));
     let (low, high) = hints.split_at_mut(hints.partition_point(is_low));
-    let next = Care { tolerance: care.tolerance * FRAC_1_SQRT_2, ..care };
+    let next = Limits { tolerance: limits.tolerance * FRAC_1_SQRT_2, ..limits };
     let half = |k: usize| Cell {
         rect: halves[axis][k],
         whole: parts[axis][k].0,
-        above_is_calm: calm && !hidden,
+        parent_converged: converged && !hidden,
         depth: depth - 1,
-        patience: left,
+        max_error_depth: left,
     };
     let part = |k: usize, own: &mut [Hint]| refine(f, half(k), own, next);
     part(0, low) + part(1, high)
 }
 
-/// How much of the width of a cell the hints take up along an axis.
+/// Share of the width of a cell that the hints take up along an axis.
 fn spread(hints: &[Hint], rect: &Rect, axis: usize) -> f64 {
     let [low, high] = [rect.z, rect.phi][axis];
-    let places = || hints.iter().map(|hint| hint.place[axis]);
-    (places().fold(low, f64::max) - places().fold(high, f64::min)) / (high - low)
+    let points = || hints.iter().map(|hint| hint.point[axis]);
+    (points().fold(low, f64::max) - points().fold(high, f64::min)) / (high - low)
 }
 
-/// Gauss and Legendre's rule with 3 × 3 nodes, exact for polynomials of degree 5 in z and in φ; and the largest value at a node.
-fn gauss(f: &impl Fn(Place) -> f64, rect: Rect) -> (f64, f64) {
+/// Gauss–Legendre rule with 3 × 3 nodes, exact for polynomials of degree 5 in z and in φ. Returns the integral and the largest
+/// value at a node.
+fn gauss(f: &impl Fn(CylinderPoint) -> f64, rect: Rect) -> (f64, f64) {
     /// √(3/5)
     const NODE: f64 = 0.774_596_669_241_483_4;
     const RULE: [(f64, f64); 3] = [(-NODE, 5.0 / 18.0), (0.0, 8.0 / 18.0), (NODE, 5.0 / 18.0)];
@@ -121,59 +129,60 @@ mod tests {
 
     const UPPER: Rect = Rect::HALVES[1];
 
-    fn care(tolerance: f64) -> Care {
-        Care { tolerance, patience: 22 }
+    fn limits(tolerance: f64) -> Limits {
+        Limits { tolerance, max_error_depth: 22 }
     }
 
     #[test]
     fn polynomials_are_exact() {
         // ∫ z⁵ φ³ = 1/6 · (2π)⁴/4
-        let found = integrate(&|[z, phi]| z.powi(5) * phi.powi(3), UPPER, &mut [], care(1e-9));
+        let found = integrate(&|[z, phi]| z.powi(5) * phi.powi(3), UPPER, &mut [], limits(1e-9));
         assert!((found / (TAU.powi(4) / 24.0) - 1.0).abs() < 1e-13);
     }
 
     /// A cap around the x axis, which no edge of a cell follows: x > 0.7 above the horizon is half a cap.
     #[test]
     fn a_jump_is_found_to_its_tolerance() {
-        let cap = |[z, phi]: Place| f64::from(u8::from((1.0 - z * z).sqrt() * phi.cos() > 0.7));
+        let cap = |[z, phi]: CylinderPoint| f64::from(u8::from((1.0 - z * z).sqrt() * phi.cos() > 0.7));
         let everywhere = (0..4000).map(|i| [(0.618_034 * i as f64).fract(), TAU * i as f64 / 4000.0]);
         for tolerance in [1e-2, 1e-3] {
-            let mut hints: Vec<Hint> = everywhere.clone().filter(|&p| cap(p) > 0.0).map(|place| Hint { place, density: 1.0 }).collect();
-            let found = integrate(&cap, UPPER, &mut hints, care(tolerance));
-            // What corners of cells no node and no hint sees comes on top: some 4000ths.
+            let mut hints: Vec<Hint> = everywhere.clone().filter(|&p| cap(p) > 0.0).map(|point| Hint { point, density: 1.0 }).collect();
+            let found = integrate(&cap, UPPER, &mut hints, limits(tolerance));
+            // Corners of cells that no node and no hint sees add some 4000ths.
             assert!((found - PI * 0.3).abs() < 2.0 * tolerance, "{found}");
         }
     }
 
-    /// 1/|z| has no integral over the sphere; asking for it ends all the same.
+    /// 1/|z| has no integral over the sphere, but the quadrature ends.
     #[test]
     fn a_density_without_an_integral_ends() {
         let whole = Rect { z: [-1.0, 1.0], ..UPPER };
-        assert!(integrate(&|[z, _]| 1.0 / (z - 0.1).abs(), whole, &mut [], care(1e-6)) > 10.0);
+        assert!(integrate(&|[z, _]| 1.0 / (z - 0.1).abs(), whole, &mut [], limits(1e-6)) > 10.0);
     }
 
-    /// All of the density within 10⁻³ of a place that no node is near.
+    /// All of the density lies within 10⁻³ of a point that no node is near.
     #[test]
     fn hints_lead_to_a_peak() {
         let (z0, phi0, width) = (0.637, 2.345, 1e-3);
-        let peak = |[z, phi]: Place| (-((z - z0).powi(2) + (phi - phi0).powi(2)) / (2.0 * width * width)).exp() / (TAU * width * width);
-        assert!(integrate(&peak, UPPER, &mut [], care(1e-4)) < 1e-9, "this peak is too easy");
-        // Radii and angles of a normal distribution, evenly spread.
+        let peak =
+            |[z, phi]: CylinderPoint| (-((z - z0).powi(2) + (phi - phi0).powi(2)) / (2.0 * width * width)).exp() / (TAU * width * width);
+        assert!(integrate(&peak, UPPER, &mut [], limits(1e-4)) < 1e-9, "this peak is too easy");
+        // Radii and angles of a normal distribution, evenly distributed.
         let hint = |i: u32| {
             let (r, turn) = ((-2.0 * ((f64::from(i) + 0.5) / 256.0).ln()).sqrt() * width, 2.4 * f64::from(i));
-            let place = [z0 + r * turn.sin(), phi0 + r * turn.cos()];
-            Hint { place, density: peak(place) }
+            let point = [z0 + r * turn.sin(), phi0 + r * turn.cos()];
+            Hint { point, density: peak(point) }
         };
         let mut hints: Vec<Hint> = (0..256).map(hint).collect();
-        assert!((integrate(&peak, UPPER, &mut hints, care(1e-4)) - 1.0).abs() < 1e-3);
+        assert!((integrate(&peak, UPPER, &mut hints, limits(1e-4)) - 1.0).abs() < 1e-3);
     }
 
-    /// The tail of a lobe: all of it within 10⁻⁶ of the upper edge, for all φ.
+    /// Tail of a lobe: all of it lies within 10⁻⁶ of the upper edge, for all φ.
     #[test]
     fn a_layer_at_an_edge_is_found() {
-        let layer = |[z, _]: Place| (-(1.0 - z) / 1e-6).exp() / (TAU * 1e-6);
-        let place = [1.0 - 1e-6, 1.0];
-        let mut hints = [Hint { place, density: layer(place) }];
-        assert!((integrate(&layer, UPPER, &mut hints, care(1e-4)) - 1.0).abs() < 1e-4);
+        let layer = |[z, _]: CylinderPoint| (-(1.0 - z) / 1e-6).exp() / (TAU * 1e-6);
+        let point = [1.0 - 1e-6, 1.0];
+        let mut hints = [Hint { point, density: layer(point) }];
+        assert!((integrate(&layer, UPPER, &mut hints, limits(1e-4)) - 1.0).abs() < 1e-4);
     }
 }

@@ -1,55 +1,65 @@
-//! What a proof says: one readable block per law.
+//! Report of a test of a model: one readable block per law.
 
 use std::fmt;
 
-/// The outcome of all laws for one model.
+/// Results of all laws for one model.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// As `Debug` writes it.
+    /// `Debug` text of the model.
     pub model: String,
-    /// The probability that any law refuses a right model.
+    /// Probability that any law refuses a right model.
     pub alpha: f64,
+    /// Results of the laws.
     pub findings: Vec<Finding>,
 }
 
-/// The outcome of one law.
+/// Result of one law.
 #[derive(Clone, Debug)]
 pub struct Finding {
-    /// In one word.
+    /// Name of the law.
     pub law: &'static str,
-    /// What it demands, as a formula where there is one.
+    /// Demand of the law, as a formula if there is one.
     pub demands: &'static str,
+    /// Verdict on the model.
     pub verdict: Verdict,
-    /// What was tried and found, one line each.
+    /// Notes about what was tried and found, one line each.
     pub notes: Vec<String>,
 }
 
+/// Verdict of one law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
+    /// No violation was found.
     Holds,
     /// The law does not apply to this model.
     Exempt,
+    /// The law is violated.
     Refused(CounterExample),
 }
 
-/// An input for which a law does not hold, and all it takes to see that.
+/// Input that violates a law, with the evidence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CounterExample {
-    /// With all digits, so that it can be repeated.
+    /// Input with all digits, so that it can be repeated.
     pub inputs: String,
+    /// Expected result.
     pub expected: String,
+    /// Actual result.
     pub found: String,
+    /// Certainty of the violation.
     pub sure: String,
 }
 
-/// For a contradiction that one evaluation shows.
+/// Certainty of a violation that one evaluation shows.
 pub const CERTAIN: &str = "certain, no chance is involved";
 
 impl Report {
+    /// Returns whether no law is violated.
     pub fn accepts(&self) -> bool {
         self.refusals().next().is_none()
     }
 
+    /// Violated laws, with counter-examples.
     pub fn refusals(&self) -> impl Iterator<Item = (&Finding, &CounterExample)> {
         self.findings.iter().filter_map(|finding| match &finding.verdict {
             Verdict::Refused(example) => Some((finding, example)),
@@ -57,12 +67,12 @@ impl Report {
         })
     }
 
-    /// Whether this law, by name, refuses the model.
+    /// Returns whether the law of this name is violated.
     pub fn refuses(&self, law: &str) -> bool {
         self.refusals().any(|(finding, _)| finding.law == law)
     }
 
-    /// The refusals, or the words "proved".
+    /// `Ok` if no law is violated.
     ///
     /// # Errors
     /// The whole report as text, for a test to print.

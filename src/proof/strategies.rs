@@ -1,6 +1,6 @@
-//! Generators of models and of their inputs, for property tests: counter-examples shrink to simple ones.
+//! Generators of models and of their inputs for property tests; counter-examples shrink to simple ones.
 //!
-//! With the feature `proptest`. To add a model: a line in [`any_bsdf`].
+//! They need the feature `proptest`. To add a model: a line in [`any_bsdf`].
 
 use std::f64::consts::TAU;
 
@@ -15,7 +15,7 @@ use crate::bsdf::{
 use crate::math::float::{ONE_MINUS_EPSILON, ROUNDING, unit_f32};
 use crate::math::{Local, Spectrum};
 
-/// Any of pt's plain models that have no tables, with parameters at, near, and between their limits.
+/// Any of pt's plain models without tables, with parameters at, near, and between their limits.
 pub fn any_bsdf() -> impl Strategy<Value = Bsdf<'static>> {
     prop_oneof![
         5 => simple_bsdf(),
@@ -28,7 +28,7 @@ pub fn any_bsdf() -> impl Strategy<Value = Bsdf<'static>> {
     ]
 }
 
-/// Models that draw from one lobe, by weights that never exceed their colour.
+/// Models that sample from one lobe, with weights that never exceed their colour.
 pub fn simple_bsdf() -> impl Strategy<Value = Bsdf<'static>> {
     let metal = ([0.05f32..5.0, 0.05f32..5.0, 0.05f32..5.0], [0f32..9.0, 0f32..9.0, 0f32..9.0]);
     prop_oneof![
@@ -48,28 +48,28 @@ pub fn color() -> impl Strategy<Value = Spectrum> {
     prop_oneof![4 => [0f32..=1.0, 0f32..=1.0, 0f32..=1.0].prop_map(|[r, g, b]| Spectrum::rgb(r, g, b)), 1 => Just(Spectrum::ONE)]
 }
 
-/// A parameter in [0, 1], such as a roughness: its ends, tiny ones, and evenly spread ones.
+/// A parameter in [0, 1], such as a roughness: its ends, tiny values, and evenly distributed ones.
 pub fn fraction() -> impl Strategy<Value = f32> {
     prop_oneof![Just(0.0f32), Just(1.0), Just(1e-8), (-6f32..0.0).prop_map(|e| 10f32.powf(e)), 0f32..=1.0]
 }
 
-/// An index of refraction, inside over outside: of glass, both ways, of nothing, of nearly nothing, and from 0.3 to 3.
+/// An index of refraction, inside over outside: glass in both directions, 1, nearly 1, and from 0.3 to 3.
 pub fn eta() -> impl Strategy<Value = f32> {
     prop_oneof![Just(1.0f32), Just(1.5), Just(1.0 / 1.5), Just(1.000001), (-0.5f32..0.5).prop_map(|e| 10f32.powf(e))]
 }
 
-/// A direction above the surface: even in the cosine, with steep and grazing ones (down to 10⁻⁷) added.
+/// A direction above the surface: evenly distributed in the cosine, with steep and grazing ones (down to 10⁻⁷) added.
 pub fn hemisphere() -> impl Strategy<Value = Local> {
     let cosine = prop_oneof![4 => 1e-3f32..=1.0, 1 => Just(1.0f32), 1 => Just(1e-7), 1 => (-7f32..0.0).prop_map(|e| 10f32.powf(e))];
     (cosine, 0f64..TAU).prop_map(|(cosine, phi)| at(f64::from(cosine), phi))
 }
 
-/// As [`hemisphere`], on both sides.
+/// A direction on either side of the surface, distributed as [`hemisphere`].
 pub fn sphere() -> impl Strategy<Value = Local> {
     (hemisphere(), any::<bool>()).prop_map(|(Local(w), below)| Local(if below { w.with_z(-w.z) } else { w }))
 }
 
-/// A number in [0, 1), as samplers make them, often at the ends.
+/// A number in [0, 1) as samplers make them, often at the ends.
 pub fn uniform() -> impl Strategy<Value = f32> {
     prop_oneof![1 => Just(0.0f32), 1 => Just(ONE_MINUS_EPSILON), 1 => Just(ROUNDING), 8 => any::<u32>().prop_map(unit_f32)]
 }
@@ -79,6 +79,7 @@ pub fn square() -> impl Strategy<Value = Vec2> {
     (uniform(), uniform()).prop_map(|(x, y)| Vec2::new(x, y))
 }
 
+/// Either mode of transport.
 pub fn mode() -> impl Strategy<Value = TransportMode> {
     prop_oneof![Just(TransportMode::Radiance), Just(TransportMode::Importance)]
 }

@@ -1,4 +1,4 @@
-//! A node being read: what is wrong is noted, and reading goes on.
+//! Reading of a node into a type. Faults are collected, and reading goes on.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,22 +12,23 @@ use super::number;
 use super::placeholder::Placeholder;
 use super::suggest::unknown;
 
-/// What to do about keys that a type does not know.
+/// Treatment of keys that a type does not know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnknownKeys {
+    /// Report them as faults.
     Refuse,
-    /// For options written for another integrator: those that both know are kept.
+    /// Ignore them. Options written for another integrator are read like this: keys that both know are used.
     Ignore,
 }
 
-/// Reads `node`, which stands at `pointer` in its file, as a `T`; what is wrong is added to `faults`.
+/// Reads `node`, which stands at `pointer` in its file, as a `T`, and adds its faults to `faults`.
 ///
-/// With faults, the value holds placeholders where they are: it serves to look for more faults, not to render.
+/// After a fault the value holds a placeholder in that place. Such a value serves to find more faults, not to render.
 pub fn read<T: DeserializeOwned>(node: &Node, pointer: &str, keys: UnknownKeys, faults: &Faults) -> Option<T> {
     read_from(node, pointer, keys, faults, false)
 }
 
-/// Reads the keys of an object other than `type`, which has been read already, as [`read`] does.
+/// Reads the keys of an object other than `type`, which has been read already. Faults are treated as by [`read`].
 pub fn read_options<T: DeserializeOwned>(node: &Node, pointer: &str, keys: UnknownKeys, faults: &Faults) -> Option<T> {
     read_from(node, pointer, keys, faults, true)
 }
@@ -37,37 +38,40 @@ fn read_from<T: DeserializeOwned>(node: &Node, pointer: &str, keys: UnknownKeys,
     Cursor { node, context: &context, tagged }.read().ok()
 }
 
-/// Why reading a value ended. The place is known one level up, so that is where it is reported.
+/// Reason why reading a value ended. The location is known one level up, so the fault is reported there.
 #[derive(Debug)]
-pub(super) enum Stop {
+pub(super) enum ReadError {
+    /// The fault has been reported.
     Reported,
+    /// A fault with this message.
     Because(String),
+    /// This key is missing.
     Missing(&'static str),
 }
 
-impl std::error::Error for Stop {}
+impl std::error::Error for ReadError {}
 
-impl Display for Stop {
+impl Display for ReadError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Stop::Reported => f.write_str("already reported"),
-            Stop::Because(message) => f.write_str(message),
-            Stop::Missing(key) => write!(f, "missing key {key:?}"),
+            ReadError::Reported => f.write_str("already reported"),
+            ReadError::Because(message) => f.write_str(message),
+            ReadError::Missing(key) => write!(f, "missing key {key:?}"),
         }
     }
 }
 
-impl de::Error for Stop {
-    fn custom<T: Display>(message: T) -> Stop {
-        Stop::Because(message.to_string())
+impl de::Error for ReadError {
+    fn custom<T: Display>(message: T) -> ReadError {
+        ReadError::Because(message.to_string())
     }
 
-    fn missing_field(key: &'static str) -> Stop {
-        Stop::Missing(key)
+    fn missing_field(key: &'static str) -> ReadError {
+        ReadError::Missing(key)
     }
 
-    fn invalid_type(found: Unexpected, expected: &dyn Expected) -> Stop {
-        Stop::Because(format!("expected {expected}, found {found}"))
+    fn invalid_type(found: Unexpected, expected: &dyn Expected) -> ReadError {
+        ReadError::Because(format!("expected {expected}, found {found}"))
     }
 }
 
@@ -76,12 +80,14 @@ pub(super) struct Context<'n> {
     keys: UnknownKeys,
     base: &'n str,
     path: RefCell<Vec<Segment<'n>>>,
-    /// Missing keys, by node, for which a placeholder stands in from now on.
+    /// Missing keys, by node, that placeholders replace from now on.
     supplied: RefCell<BTreeMap<*const Node, Vec<&'static str>>>,
 }
 
 pub(super) enum Segment<'n> {
+    /// Key of an object.
     Key(&'n str),
+    /// Index of an array.
     Index(usize),
 }
 
@@ -97,7 +103,7 @@ impl<'n> Context<'n> {
         pointer
     }
 
-    /// What `inner` does happens one level down, at `segment`.
+    /// Runs `inner` one level down, at `segment`.
     pub(super) fn within<T>(&self, segment: Segment<'n>, inner: impl FnOnce() -> T) -> T {
         self.path.borrow_mut().push(segment);
         let result = inner();
@@ -106,43 +112,43 @@ impl<'n> Context<'n> {
     }
 }
 
-/// A node being read.
+/// A node that is being read.
 #[derive(Clone, Copy)]
 pub(super) struct Cursor<'n> {
     pub(super) node: &'n Node,
     pub(super) context: &'n Context<'n>,
-    /// The key `type` has been read: the object's other keys are the content.
+    /// Whether the key `type` has been read, so that the object's other keys are the content.
     pub(super) tagged: bool,
 }
 
 impl<'n> Cursor<'n> {
-    /// Reads a value; whatever is wrong with it is reported, and a placeholder returned.
-    pub(super) fn read<T: Deserialize<'n>>(self) -> Result<T, Stop> {
+    /// Reads a value; its faults are reported, and a placeholder is returned in their place.
+    pub(super) fn read<T: Deserialize<'n>>(self) -> Result<T, ReadError> {
         loop {
             match T::deserialize(self) {
                 Ok(value) => return Ok(value),
-                // Again with a placeholder for the key, since others may be missing too.
-                Err(Stop::Missing(key)) if self.supply(key) => {
-                    self.context.faults.add_missing(&self.node.place, self.context.pointer(), key)
+                // The value is read again with a placeholder for the key, since other keys may be missing too.
+                Err(ReadError::Missing(key)) if self.supply(key) => {
+                    self.context.faults.add_missing(&self.node.location, self.context.pointer(), key)
                 }
-                Err(Stop::Because(message)) => {
-                    // A whole is not judged by parts that are placeholders.
+                Err(ReadError::Because(message)) => {
+                    // A value that contains placeholders is not judged as a whole.
                     if !self.context.faults.any_within(&self.context.pointer()) {
                         self.report(message);
                     }
                     break;
                 }
-                Err(Stop::Missing(_) | Stop::Reported) => break,
+                Err(ReadError::Missing(_) | ReadError::Reported) => break,
             }
         }
-        T::deserialize(Placeholder::NEW).map_err(|_| Stop::Reported)
+        T::deserialize(Placeholder::NEW).map_err(|_| ReadError::Reported)
     }
 
     fn report(self, message: String) {
-        self.context.faults.add(&self.node.place, self.context.pointer(), message);
+        self.context.faults.add(&self.node.location, self.context.pointer(), message);
     }
 
-    /// Notes that `key` is to be made up from now on; false if it was already.
+    /// Marks `key` as replaced by a placeholder from now on; false if it was marked already.
     fn supply(self, key: &'static str) -> bool {
         let mut supplied = self.context.supplied.borrow_mut();
         let keys = supplied.entry(self.node).or_default();
@@ -153,45 +159,45 @@ impl<'n> Cursor<'n> {
         new
     }
 
-    /// The keys to be made up: missing, and reported.
+    /// Missing keys that have been reported and are replaced by placeholders.
     pub(super) fn supplied(self) -> Vec<&'static str> {
         self.context.supplied.borrow().get(&(self.node as *const Node)).cloned().unwrap_or_default()
     }
 
-    /// What `read` returns for a value one level down.
-    pub(super) fn read_child<T: Deserialize<'n>>(self, segment: Segment<'n>, node: &'n Node) -> Result<T, Stop> {
+    /// Reads a value one level down, as `read` does.
+    pub(super) fn read_child<T: Deserialize<'n>>(self, segment: Segment<'n>, node: &'n Node) -> Result<T, ReadError> {
         let child = Cursor { node, tagged: false, ..self };
         self.context.within(segment, || child.read())
     }
 
-    /// The same for a reader of which no more is known: its fault ends this value too, but is reported where it stands.
-    pub(super) fn seed_child<S: DeserializeSeed<'n>>(self, segment: Segment<'n>, node: &'n Node, seed: S) -> Result<S::Value, Stop> {
+    /// Reads a value one level down by a seed. Its fault ends this value too, but is reported at its own location.
+    pub(super) fn seed_child<S: DeserializeSeed<'n>>(self, segment: Segment<'n>, node: &'n Node, seed: S) -> Result<S::Value, ReadError> {
         let child = Cursor { node, tagged: false, ..self };
         self.context.within(segment, || seed.deserialize(child).map_err(|stop| child.reported(stop)))
     }
 
-    pub(super) fn reported(self, stop: Stop) -> Stop {
-        if !matches!(stop, Stop::Reported) {
+    pub(super) fn reported(self, stop: ReadError) -> ReadError {
+        if !matches!(stop, ReadError::Reported) {
             self.report(stop.to_string());
         }
-        Stop::Reported
+        ReadError::Reported
     }
 
-    pub(super) fn expected(self, what: impl Display) -> Stop {
-        Stop::Because(format!("expected {what}, found {}", self.node.found()))
+    pub(super) fn expected(self, what: impl Display) -> ReadError {
+        ReadError::Because(format!("expected {what}, found {}", self.node.found()))
     }
 
-    pub(super) fn real(self) -> Result<f64, Stop> {
+    pub(super) fn real(self) -> Result<f64, ReadError> {
         match &self.node.value {
-            Value::Number(text) => number::real(text).map_err(Stop::Because),
+            Value::Number(text) => number::real(text).map_err(ReadError::Because),
             Value::String(text) if text.parse::<f64>().is_ok() => {
-                Err(Stop::Because(format!("expected a number, found the string {text:?}: remove the quotes")))
+                Err(ReadError::Because(format!("expected a number, found the string {text:?}: remove the quotes")))
             }
             _ => Err(self.expected("a number")),
         }
     }
 
-    pub(super) fn whole<T: TryFrom<i128> + Display>(self, min: T, max: T) -> Result<T, Stop> {
+    pub(super) fn whole<T: TryFrom<i128> + Display>(self, min: T, max: T) -> Result<T, ReadError> {
         let text = match &self.node.value {
             Value::Number(text) => text,
             _ => return Err(self.expected("a whole number")),
@@ -200,8 +206,8 @@ impl<'n> Cursor<'n> {
         T::try_from(value).map_err(|_| self.expected(format!("a whole number from {min} to {max}")))
     }
 
-    /// The members that are content, once each; repeated keys, and keys not among `known`, are reported.
-    pub(super) fn members(self, known: Option<&[&str]>) -> Result<Vec<&'n Member>, Stop> {
+    /// Members that are content, each once. Repeated keys, and keys not among `known`, are reported.
+    pub(super) fn members(self, known: Option<&[&str]>) -> Result<Vec<&'n Member>, ReadError> {
         let Value::Object(members) = &self.node.value else { return Err(self.expected("an object")) };
         let mut seen = BTreeSet::new();
         let mut content = vec![];
@@ -223,6 +229,6 @@ impl<'n> Cursor<'n> {
 
     fn report_key(self, member: &'n Member, message: String) {
         let pointer = self.context.within(Segment::Key(&member.key), || self.context.pointer());
-        self.context.faults.add(&member.key_place, pointer, message);
+        self.context.faults.add(&member.key_location, pointer, message);
     }
 }

@@ -1,46 +1,48 @@
-//! The faults of one file, collected while reading goes on.
+//! Faults of one file, collected while it is read.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
-use super::node::{Node, Place, escaped};
+use super::node::{Location, Node, escaped};
 use crate::{Error, Fault, MAX_FAULTS, Result};
 
-/// What is wrong with a file so far, each fault once, in file order.
+/// Faults of a file, each once, in file order.
 #[derive(Debug, Default)]
 pub struct Faults(RefCell<BTreeSet<Entry>>);
 
-/// Far more than are listed, since they are not always found in file order.
+/// Number of faults at which collecting ends. It is far more than are listed, since faults are not always found in file order.
 const FULL: usize = 50 * MAX_FAULTS;
 
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct Entry {
-    place: Place,
+    location: Location,
     pointer: String,
     message: String,
-    /// The value that cannot be used; where a key is missing, that key's.
+    /// Pointer to the value that cannot be used; for a missing key that is the key's pointer.
     unusable: String,
 }
 
 impl Faults {
+    /// Returns whether there is no fault.
     pub fn is_empty(&self) -> bool {
         self.0.borrow().is_empty()
     }
 
-    /// Whether there are so many that more would only cost time.
+    /// Returns whether there are so many faults that more would only cost time.
     pub fn is_full(&self) -> bool {
         self.0.borrow().len() >= FULL
     }
 
-    pub fn add(&self, place: &Place, pointer: impl Into<String>, message: impl Into<String>) {
+    /// Adds a fault at a location.
+    pub fn add(&self, location: &Location, pointer: impl Into<String>, message: impl Into<String>) {
         let pointer = pointer.into();
-        self.insert(Entry { place: place.clone(), pointer: pointer.clone(), message: message.into(), unusable: pointer });
+        self.insert(Entry { location: location.clone(), pointer: pointer.clone(), message: message.into(), unusable: pointer });
     }
 
-    /// The object at `pointer` lacks `key`; its other keys are as good as they are.
-    pub(super) fn add_missing(&self, place: &Place, pointer: String, key: &str) {
+    /// Adds a fault for an object at `pointer` that lacks `key`; the object's other keys stay usable.
+    pub(super) fn add_missing(&self, location: &Location, pointer: String, key: &str) {
         let unusable = format!("{pointer}{}", escaped(key));
-        self.insert(Entry { place: place.clone(), pointer, message: format!("missing key {key:?}"), unusable });
+        self.insert(Entry { location: location.clone(), pointer, message: format!("missing key {key:?}"), unusable });
     }
 
     fn insert(&self, entry: Entry) {
@@ -49,31 +51,31 @@ impl Faults {
         }
     }
 
-    /// A fault found after reading: at the node that `pointer` names in `root`, or at its nearest parent that exists.
+    /// Adds a fault found after reading: at the node that `pointer` names in `root`, or at its nearest existing parent.
     ///
-    /// Not added if a fault is already known at, above or below it: what was read there is a
-    /// placeholder, and judging that would blame the user for our invention.
+    /// It is not added if a fault is already known at, above or below it: the value read there is a placeholder, and a fault of a
+    /// placeholder is not the user's.
     pub fn add_at(&self, root: &Node, pointer: &str, message: impl Into<String>) {
         if !self.0.borrow().iter().any(|e| inside(pointer, &e.unusable) || inside(&e.unusable, pointer)) {
-            self.add(nearest_place(root, pointer), pointer, message);
+            self.add(nearest_location(root, pointer), pointer, message);
         }
     }
 
-    /// Whether a fault is known at or below `pointer`.
+    /// Returns whether a fault is known at or below `pointer`.
     pub(super) fn any_within(&self, pointer: &str) -> bool {
         self.0.borrow().iter().any(|e| inside(&e.pointer, pointer))
     }
 
-    /// `Ok` if there are none; else the first [`MAX_FAULTS`] of them.
+    /// Returns `Ok` if there are no faults, and the first [`MAX_FAULTS`] of them otherwise.
     ///
     /// # Errors
-    /// `Invalid`, or `Usage` where all of them came from the command line's `-D`.
+    /// `Invalid`, or `Usage` if all of them came from the command line's `-D`.
     pub fn into_result(self, file: &str) -> Result<()> {
         let entries = self.0.into_inner();
         if entries.is_empty() {
             return Ok(());
         }
-        let from_command_line = entries.iter().all(|e| matches!(e.place, Place::Override(_)));
+        let from_command_line = entries.iter().all(|e| matches!(e.location, Location::Override(_)));
         let faults: Vec<Fault> = entries.into_iter().take(MAX_FAULTS).map(|e| e.into_fault(file)).collect();
         Err(match from_command_line {
             true => Error::Usage(faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("\n")),
@@ -82,7 +84,7 @@ impl Faults {
     }
 }
 
-/// Whether the JSON pointer `inner` names what `outer` names, or a part of it.
+/// Returns whether the JSON pointer `inner` names the same value as `outer`, or a part of it.
 fn inside(inner: &str, outer: &str) -> bool {
     inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
 }
@@ -90,33 +92,33 @@ fn inside(inner: &str, outer: &str) -> bool {
 impl Entry {
     fn into_fault(self, file: &str) -> Fault {
         let fault = Fault::new(self.message).pointing(self.pointer);
-        placed(fault, &self.place, file)
+        placed(fault, &self.location, file)
     }
 }
 
-/// A fault at the node that `pointer` names in `root`, or at its nearest parent that exists.
+/// Returns a fault at the node that `pointer` names in `root`, or at its nearest existing parent.
 pub fn locate(root: &Node, file: &str, pointer: &str, message: impl Into<String>) -> Fault {
-    placed(Fault::new(message).pointing(pointer), nearest_place(root, pointer), file)
+    placed(Fault::new(message).pointing(pointer), nearest_location(root, pointer), file)
 }
 
-/// The fault with its place filled in: file, line and column, or the command line's words.
-fn placed(fault: Fault, place: &Place, file: &str) -> Fault {
-    match place {
-        Place::Text { line, column } => fault.in_file(file).at(*line as usize, *column as usize),
-        Place::Foreign { line, column, pointer } => fault.pointing(&**pointer).in_file(file).at(*line as usize, *column as usize),
-        Place::Whole(pointer) => fault.pointing(&**pointer).in_file(file),
-        Place::Override(words) => fault.in_file(&**words),
+/// Fills in the location of a fault: file, line and column, or the words of the command line.
+fn placed(fault: Fault, location: &Location, file: &str) -> Fault {
+    match location {
+        Location::Text { line, column } => fault.in_file(file).at(*line as usize, *column as usize),
+        Location::Imported { line, column, pointer } => fault.pointing(&**pointer).in_file(file).at(*line as usize, *column as usize),
+        Location::Whole(pointer) => fault.pointing(&**pointer).in_file(file),
+        Location::Override(words) => fault.in_file(&**words),
     }
 }
 
-/// The place of the node, or of its nearest parent that exists.
-fn nearest_place<'n>(root: &'n Node, pointer: &str) -> &'n Place {
+/// Location of the node, or of its nearest existing parent.
+fn nearest_location<'n>(root: &'n Node, pointer: &str) -> &'n Location {
     let mut known = pointer;
     loop {
         match (root.get(known), known.rfind('/')) {
-            (Some(node), _) => return &node.place,
+            (Some(node), _) => return &node.location,
             (None, Some(end)) => known = &known[..end],
-            (None, None) => return &root.place,
+            (None, None) => return &root.location,
         }
     }
 }

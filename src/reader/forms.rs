@@ -1,7 +1,7 @@
-//! The two forms that serde's own attributes could only read by buffering, and so without positions.
+//! Macros for two forms of enums that serde's own attributes could read only by buffering, and so without positions.
 //!
-//! Each macro derives a plain enum beside the public one; its serde name, `by type` or `by kind`,
-//! tells the reader how the variant is chosen. An enum of any other name is a string.
+//! Each macro derives a plain enum beside the public one. Its serde name, `by type` or `by kind`, tells the reader how the variant
+//! is chosen. An enum of any other name is a string.
 
 /// Reads `{"type": "sphere", …}` into the variant `Sphere(Sphere)`: `by_type!(Shape { Sphere(Sphere), Quad(Quad) })`.
 ///
@@ -24,7 +24,7 @@ macro_rules! by_type {
                 })
             }
         }
-        // A variant forgotten above does not compile.
+        // A variant that is missing above does not compile.
         #[allow(unreachable_patterns)]
         const _: fn(&$name) = |form| match form {
             $($name::$variant(_) => (),)+
@@ -54,7 +54,7 @@ macro_rules! by_kind {
     };
 }
 
-/// What `by_type!(… or Variant(Variant))` means in a schema: of the first variant `type` may be left out.
+/// Schema of `by_type!(… or Variant(Variant))`: `type` may be left out for the first variant.
 pub(crate) fn first_needs_no_type(schema: &mut schemars::Schema) {
     let first = schema.get_mut("oneOf").and_then(|forms| forms.get_mut(0));
     if let Some(serde_json::Value::Array(required)) = first.and_then(|form| form.get_mut("required")) {

@@ -1,15 +1,14 @@
-//! JSON with positions: every fault of a file at once, each with line, column and pointer.
+//! JSON with positions: all faults of a file are reported at once, each with line, column and pointer.
 //!
 //! ```text
 //! bytes ─ parse ─▶ Node ─ set (-D) ─▶ Node ─ read ─▶ any `Deserialize` type, and Faults
 //! ```
 //!
-//! Derived types read as they stand. Two more forms, both without buffering and so without
-//! losing a position, come from `by_type!` (`{"type": "sphere", …}`) and
-//! `by_kind!` (a number, or an array, or an object).
+//! Derived types need no changes. Two more forms, which neither buffer nor lose positions, come from `by_type!` (`{"type":
+//! "sphere", …}`) and `by_kind!` (a number, or an array, or an object).
 //!
-//! A fault does not end the reading: it is noted, a placeholder takes the place of the value, and
-//! reading goes on. Placeholders leave the reader only together with the fault.
+//! A fault does not end the reading: it is recorded, a placeholder replaces the value, and reading goes on. Placeholders leave the
+//! reader only together with the fault.
 
 mod cursor;
 mod de;
@@ -28,7 +27,7 @@ pub use cursor::{UnknownKeys, read, read_options};
 pub use faults::{Faults, locate};
 pub(crate) use forms::{by_kind, by_type, first_needs_no_type};
 pub(crate) use node::escaped;
-pub use node::{Member, Node, Place, Value};
+pub use node::{Location, Member, Node, Value};
 pub use parse::{MAX_DEPTH, parse};
 pub use suggest::{closest, unknown};
 pub use synonyms::SYNONYMS;

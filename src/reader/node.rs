@@ -1,4 +1,4 @@
-//! The tree: what a file says, and where it says so.
+//! Tree of JSON values with their locations.
 
 use std::sync::Arc;
 
@@ -6,60 +6,82 @@ use serde::ser::{Error as _, Serialize, SerializeMap, Serializer};
 
 use super::number;
 
-/// A JSON value and where it stands.
+/// A JSON value with its location.
 ///
-/// Two nodes are equal when they say the same, wherever they stand.
+/// Two nodes are equal if their values are, whatever their locations.
 #[derive(Debug, Clone)]
 pub struct Node {
+    /// The value.
     pub value: Value,
-    pub place: Place,
+    /// The location.
+    pub location: Location,
 }
 
+/// A JSON value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
+    /// `null`.
     Null,
+    /// `true` or `false`.
     Bool(bool),
-    /// As written: each reader parses it at its own precision, so it is rounded once.
+    /// Number as written: each reader parses it at its own precision, so it is rounded once.
     Number(Box<str>),
+    /// String, unescaped.
     String(String),
+    /// Array.
     Array(Vec<Node>),
-    /// In file order, with repetitions if the file has them.
+    /// Members in file order, with repetitions if the file has them.
     Object(Vec<Member>),
 }
 
-/// `"key": node`.
+/// Member of an object: `"key": node`.
 #[derive(Debug, Clone)]
 pub struct Member {
+    /// Key, unescaped.
     pub key: String,
-    pub key_place: Place,
+    /// Location of the key.
+    pub key_location: Location,
+    /// Value.
     pub node: Node,
 }
 
-/// Where a value was given. Ordered as faults are listed: the file first, then the command line.
+/// Location of a value. The order is that of the list of faults: the file first, then the command line.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
-    /// From 1; columns in characters.
-    Text { line: u32, column: u32 },
-    /// What was read from a file of another format, and what it is called there: a JSON pointer.
-    Foreign { line: u32, column: u32, pointer: Arc<str> },
-    /// What was read from a file without lines, or stands for all of a file: a JSON pointer, or nothing.
+pub enum Location {
+    /// Line and column in the scene file.
+    Text {
+        /// Line, from 1.
+        line: u32,
+        /// Column in characters, from 1.
+        column: u32,
+    },
+    /// Line and column in a file of another format, with the JSON pointer of the value there.
+    Imported {
+        /// Line, from 1.
+        line: u32,
+        /// Column in characters, from 1.
+        column: u32,
+        /// JSON pointer in that file.
+        pointer: Arc<str>,
+    },
+    /// JSON pointer in a file without lines, or nothing for the file as a whole.
     Whole(Arc<str>),
-    /// On the command line, as the user typed it: `-D /camera/fov=60`.
+    /// Words of the command line, as the user typed them: `-D /camera/fov=60`.
     Override(Arc<str>),
 }
 
 impl Node {
-    /// An object without keys, given on the command line by `words`.
+    /// Object without keys, given on the command line by `words`.
     pub fn empty(words: &str) -> Node {
-        Node { value: Value::Object(vec![]), place: Place::Override(words.into()) }
+        Node { value: Value::Object(vec![]), location: Location::Override(words.into()) }
     }
 
-    /// The node that a JSON pointer (RFC 6901) names; the first of repeated keys.
+    /// Returns the node that a JSON pointer (RFC 6901) names; the first one for a repeated key.
     pub fn get(&self, pointer: &str) -> Option<&Node> {
         segments(pointer)?.iter().try_fold(self, |node, segment| node.child(segment))
     }
 
-    /// The member of an object, or the element of an array, with this name.
+    /// Returns the member of an object, or the element of an array, with this name.
     pub fn child(&self, segment: &str) -> Option<&Node> {
         match &self.value {
             Value::Object(members) => members.iter().find(|m| m.key == segment).map(|m| &m.node),
@@ -68,6 +90,7 @@ impl Node {
         }
     }
 
+    /// Returns the text of a string.
     pub fn as_str(&self) -> Option<&str> {
         match &self.value {
             Value::String(text) => Some(text),
@@ -75,7 +98,7 @@ impl Node {
         }
     }
 
-    /// The JSON kind, as a variant of [`by_kind!`](macro@super::by_kind) is called.
+    /// Kind of the value, as the variants of [`by_kind!`](macro@super::by_kind) name it.
     pub(super) fn kind(&self) -> &'static str {
         match self.value {
             Value::Null => "null",
@@ -87,7 +110,7 @@ impl Node {
         }
     }
 
-    /// The value in the words of a fault: `expected …, found ⟨this⟩`.
+    /// Text of the value for a message: `expected …, found ⟨this⟩`.
     pub(crate) fn found(&self) -> String {
         match &self.value {
             Value::Null => "null".into(),
@@ -100,7 +123,7 @@ impl Node {
     }
 }
 
-/// The unescaped segments of a JSON pointer; `None` if it is not one.
+/// Unescaped segments of a JSON pointer; `None` if the text is not one.
 pub(super) fn segments(pointer: &str) -> Option<Vec<String>> {
     if pointer.is_empty() {
         return Some(vec![]);
@@ -108,18 +131,18 @@ pub(super) fn segments(pointer: &str) -> Option<Vec<String>> {
     Some(pointer.strip_prefix('/')?.split('/').map(|s| s.replace("~1", "/").replace("~0", "~")).collect())
 }
 
-/// `segment` as it stands in a JSON pointer, with its slash.
+/// Escapes `segment` for a JSON pointer, with its slash.
 pub(crate) fn escaped(segment: &str) -> String {
     format!("/{}", segment.replace('~', "~0").replace('/', "~1"))
 }
 
-/// An array index as RFC 6901 writes it: no sign, no leading zero.
+/// Array index as RFC 6901 writes it: no sign, no leading zero.
 pub(super) fn index(segment: &str) -> Option<usize> {
     let canonical = segment == "0" || !segment.starts_with(['0', '+']);
     canonical.then(|| segment.parse().ok()).flatten()
 }
 
-/// A fault shows what it found, not a megabyte of it.
+/// Shortens a value for a message.
 fn abbreviated(text: &str) -> String {
     const SHOWN: usize = 40;
     match text.char_indices().nth(SHOWN) {

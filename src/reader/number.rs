@@ -1,11 +1,11 @@
-//! Numbers as pt holds them: nothing is rounded to infinity, and nothing but 0 to 0.
+//! Conversion of numbers: no value is rounded to infinity, and only 0 becomes 0.
 
-/// The value of a number's text, if a 32-bit float can hold it.
+/// Value of a number's text, if a 32-bit float can hold it.
 ///
 /// Geometry is placed in 64 bits but rendered in 32, so one rule holds for every number of a scene.
 ///
 /// # Errors
-/// In words: beyond 3.4028235e38 it would become infinite; below 1.1754944e-38 it would lose digits or become 0.
+/// A sentence: beyond 3.4028235e38 the value would become infinite; below 1.1754944e-38 it would lose digits or become 0.
 pub(super) fn real(text: &str) -> Result<f64, String> {
     let (wide, narrow) = match (text.parse::<f64>(), text.parse::<f32>()) {
         (Ok(wide), Ok(narrow)) => (wide, narrow),
@@ -20,15 +20,15 @@ pub(super) fn real(text: &str) -> Result<f64, String> {
     Ok(wide)
 }
 
-/// The value of a number's text, if it is whole: `7`, `-2`, `1e3` and `7.0` are.
+/// Value of a number's text, if it is whole: `7`, `-2`, `1e3` and `7.0` are.
 pub(super) fn whole(text: &str) -> Option<i128> {
-    // Beyond 2^53 a 64-bit float no longer tells whole numbers apart.
+    // Beyond 2^53 a 64-bit float cannot hold every whole number.
     const EXACT: f64 = (1u64 << 53) as f64;
     let as_written = text.parse::<i128>().ok();
     as_written.or_else(|| text.parse::<f64>().ok().filter(|x| x.fract() == 0.0 && x.abs() <= EXACT).map(|x| x as i128))
 }
 
-/// Whether all digits of the mantissa are 0: `0.0e9` is, `1e-400` is not.
+/// Returns whether all digits of the mantissa are 0: true for `0.0e9`, false for `1e-400`.
 fn is_zero(text: &str) -> bool {
     let mantissa = text.split(['e', 'E']).next().unwrap_or(text);
     !mantissa.contains(|c| matches!(c, '1'..='9'))

@@ -1,14 +1,14 @@
-//! Text to tree: strict JSON, except that comments are allowed.
+//! Parser of strict JSON with comments.
 
 use jsonc_parser::ast::{self, ObjectPropName};
 use jsonc_parser::common::Ranged;
 use jsonc_parser::errors::{ParseError, ParseErrorKind};
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 
-use super::node::{Member, Node, Place, Value};
+use super::node::{Location, Member, Node, Value};
 use crate::Fault;
 
-/// How deep lists and objects may nest, so that no recursion over a tree can exhaust the stack.
+/// Largest depth of nested lists and objects, so that recursion over a tree cannot exhaust the stack.
 pub const MAX_DEPTH: usize = 128;
 
 /// Parses JSON with `//` and `/* */` comments; a byte order mark is accepted.
@@ -51,7 +51,7 @@ fn decode(bytes: &[u8]) -> Result<&str, Fault> {
     })
 }
 
-/// What the parser would not notice, or not survive: nesting beyond [`MAX_DEPTH`], control characters in a string.
+/// Checks for what the parser would not notice, or not survive: nesting beyond [`MAX_DEPTH`], control characters in a string.
 fn check_tokens(text: &str) -> Result<(), Fault> {
     let mut depth = 0usize;
     let mut rest = text.char_indices();
@@ -89,7 +89,7 @@ fn skip_past(rest: &mut std::str::CharIndices, comment: &str, end: &str) {
     while rest.offset() < stop && rest.next().is_some() {}
 }
 
-/// The parser's finding in our words.
+/// Message for an error of the parser.
 fn explain(text: &str, error: &ParseError) -> String {
     use ParseErrorKind as Kind;
     let (before, after) = text.split_at(error.range().start);
@@ -129,7 +129,7 @@ fn fault_at(text: &str, offset: usize, message: impl Into<String>) -> Fault {
     Fault::new(message).at(position.line as usize, position.column as usize)
 }
 
-/// Turns the parser's tree into ours; offsets come in file order, so lines are counted once.
+/// Converter from the parser's tree to ours. Offsets come in file order, so lines are counted only once.
 struct Converter<'t> {
     text: &'t str,
     offset: usize,
@@ -148,13 +148,13 @@ impl Converter<'_> {
         self.offset = offset;
     }
 
-    fn place(&mut self, at: &impl Ranged) -> Place {
+    fn location(&mut self, at: &impl Ranged) -> Location {
         self.advance(at.start());
-        Place::Text { line: self.line, column: self.column }
+        Location::Text { line: self.line, column: self.column }
     }
 
     fn node(&mut self, value: ast::Value) -> Node {
-        let place = self.place(&value);
+        let location = self.location(&value);
         let value = match value {
             ast::Value::NullKeyword(_) => Value::Null,
             ast::Value::BooleanLit(b) => Value::Bool(b.value),
@@ -163,15 +163,15 @@ impl Converter<'_> {
             ast::Value::Array(array) => Value::Array(array.elements.into_iter().map(|v| self.node(v)).collect()),
             ast::Value::Object(object) => Value::Object(object.properties.into_iter().map(|p| self.member(p)).collect()),
         };
-        Node { value, place }
+        Node { value, location }
     }
 
     fn member(&mut self, property: ast::ObjectProp) -> Member {
-        let key_place = self.place(&property.name);
+        let key_location = self.location(&property.name);
         let key = match property.name {
             ObjectPropName::String(name) => name.value.into_owned(),
             ObjectPropName::Word(name) => name.value.into(),
         };
-        Member { key, key_place, node: self.node(property.value) }
+        Member { key, key_location, node: self.node(property.value) }
     }
 }

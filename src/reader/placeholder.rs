@@ -1,40 +1,40 @@
-//! A value of any type, so that reading can go on after a fault.
+//! Placeholder values of any type, so that reading can go on after a fault.
 
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess, SeqAccess, VariantAccess, Visitor};
 
-use super::cursor::Stop;
+use super::cursor::ReadError;
 
-/// Makes a value for whatever type asks: ½, 1, "", empty lists, the first variant.
+/// Deserialiser that makes a value of any type: ½, 1, "", empty lists, the first variant.
 ///
-/// ½ lies within every range that pt's numbers have. Where no value can be made (a type that
-/// refuses "" or contains itself) the fault simply ends its enclosing value too.
+/// ½ lies within the range of every number in the scene format. If no value can be made (for a type that refuses "" or contains
+/// itself), the fault also ends the enclosing value.
 #[derive(Clone, Copy)]
 pub(super) struct Placeholder {
     depth: u32,
 }
 
-/// Deeper than any type of the scene format unless it contains itself.
+/// Largest depth; deeper than any type of the scene format unless it contains itself.
 const DEEPEST: u32 = 16;
 
 impl Placeholder {
     pub(super) const NEW: Placeholder = Placeholder { depth: 0 };
 
-    fn deeper(self) -> Result<Placeholder, Stop> {
-        if self.depth < DEEPEST { Ok(Placeholder { depth: self.depth + 1 }) } else { Err(Stop::Reported) }
+    fn deeper(self) -> Result<Placeholder, ReadError> {
+        if self.depth < DEEPEST { Ok(Placeholder { depth: self.depth + 1 }) } else { Err(ReadError::Reported) }
     }
 }
 
 macro_rules! give {
     ($($ask:ident $answer:ident $value:expr),+ $(,)?) => {
-        $(fn $ask<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Stop> {
+        $(fn $ask<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ReadError> {
             visitor.$answer($value)
         })+
     };
 }
 
 impl<'de> Deserializer<'de> for Placeholder {
-    type Error = Stop;
+    type Error = ReadError;
 
     give! {
         deserialize_any visit_f64 0.5, deserialize_f32 visit_f32 0.5, deserialize_f64 visit_f64 0.5,
@@ -44,36 +44,41 @@ impl<'de> Deserializer<'de> for Placeholder {
         deserialize_bool visit_bool false, deserialize_str visit_str "", deserialize_string visit_str "",
     }
 
-    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Stop> {
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ReadError> {
         visitor.visit_unit()
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Stop> {
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ReadError> {
         visitor.visit_none()
     }
 
-    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Stop> {
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ReadError> {
         visitor.visit_seq(Repeated { item: self, left: 0 })
     }
 
-    fn deserialize_tuple<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, Stop> {
+    fn deserialize_tuple<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, ReadError> {
         visitor.visit_seq(Repeated { item: self.deeper()?, left: len })
     }
 
-    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Stop> {
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, ReadError> {
         visitor.visit_map(Fields { value: self, names: &[] })
     }
 
-    fn deserialize_struct<V: Visitor<'de>>(self, _: &'static str, names: &'static [&'static str], visitor: V) -> Result<V::Value, Stop> {
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        names: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, ReadError> {
         visitor.visit_map(Fields { value: self.deeper()?, names })
     }
 
-    fn deserialize_enum<V: Visitor<'de>>(self, _: &'static str, names: &'static [&'static str], visitor: V) -> Result<V::Value, Stop> {
-        let first = names.first().copied().ok_or(Stop::Reported)?;
+    fn deserialize_enum<V: Visitor<'de>>(self, _: &'static str, names: &'static [&'static str], visitor: V) -> Result<V::Value, ReadError> {
+        let first = names.first().copied().ok_or(ReadError::Reported)?;
         visitor.visit_enum(First { name: first, content: self.deeper()? })
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, Stop> {
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, ReadError> {
         visitor.visit_newtype_struct(self.deeper()?)
     }
 
@@ -86,9 +91,9 @@ struct Repeated {
 }
 
 impl<'de> SeqAccess<'de> for Repeated {
-    type Error = Stop;
+    type Error = ReadError;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Stop> {
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, ReadError> {
         match self.left.checked_sub(1) {
             Some(left) => {
                 self.left = left;
@@ -105,15 +110,15 @@ struct Fields {
 }
 
 impl<'de> MapAccess<'de> for Fields {
-    type Error = Stop;
+    type Error = ReadError;
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Stop> {
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, ReadError> {
         let Some((first, rest)) = self.names.split_first() else { return Ok(None) };
         self.names = rest;
         seed.deserialize(key(first)).map(Some)
     }
 
-    fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Stop> {
+    fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, ReadError> {
         seed.deserialize(self.value)
     }
 }
@@ -124,34 +129,34 @@ struct First {
 }
 
 impl<'de> EnumAccess<'de> for First {
-    type Error = Stop;
+    type Error = ReadError;
     type Variant = Placeholder;
 
-    fn variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<(T::Value, Placeholder), Stop> {
+    fn variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<(T::Value, Placeholder), ReadError> {
         Ok((seed.deserialize(key(self.name))?, self.content))
     }
 }
 
 impl<'de> VariantAccess<'de> for Placeholder {
-    type Error = Stop;
+    type Error = ReadError;
 
-    fn unit_variant(self) -> Result<(), Stop> {
+    fn unit_variant(self) -> Result<(), ReadError> {
         Ok(())
     }
 
-    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Stop> {
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, ReadError> {
         seed.deserialize(self)
     }
 
-    fn tuple_variant<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, Stop> {
+    fn tuple_variant<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, ReadError> {
         self.deserialize_tuple(len, visitor)
     }
 
-    fn struct_variant<V: Visitor<'de>>(self, names: &'static [&'static str], visitor: V) -> Result<V::Value, Stop> {
+    fn struct_variant<V: Visitor<'de>>(self, names: &'static [&'static str], visitor: V) -> Result<V::Value, ReadError> {
         self.deserialize_struct("", names, visitor)
     }
 }
 
-fn key(name: &str) -> StrDeserializer<'_, Stop> {
+fn key(name: &str) -> StrDeserializer<'_, ReadError> {
     name.into_deserializer()
 }

@@ -2,24 +2,24 @@
 
 use std::sync::Arc;
 
-use super::node::{Member, Node, Place, Value, index, segments};
+use super::node::{Location, Member, Node, Value, index, segments};
 use super::parse::parse;
 use super::suggest::closest;
 use crate::{Error, Result};
 
 impl Node {
-    /// Sets what the JSON pointer `pointer` names to `text`: JSON, or else a string without its quotes.
+    /// Sets the value that the JSON pointer `pointer` names to `text`: JSON, or a string without its quotes.
     ///
-    /// The last key is created if its object lacks it, and so is a section of the scene (the
-    /// pointer's first key). What is wrong with the value is later reported as `-D pointer=text`.
+    /// The last key is created if its object lacks it, and so is a section of the scene (the pointer's first key). A fault of the
+    /// value is later reported as `-D pointer=text`.
     ///
     /// # Errors
-    /// `Usage`: a pointer that leads nowhere, named with what there is instead; broken JSON.
+    /// `Usage`: a pointer that leads nowhere, with a list of what there is instead; broken JSON.
     pub fn set(&mut self, pointer: &str, text: &str) -> Result<()> {
         self.set_by(&format!("-D {pointer}={text}"), pointer, text)
     }
 
-    /// As [`Node::set`], for a flag of its own: `words` are what the user wrote, such as `--spp 16`.
+    /// Sets a value for a flag of its own; `words` are the words of the command line, such as `--spp 16`.
     ///
     /// # Errors
     /// As [`Node::set`].
@@ -29,14 +29,14 @@ impl Node {
         let value = parse_value(text).map_err(usage)?;
         let path = segments(pointer).filter(|path| !path.is_empty());
         let path = path.ok_or_else(|| usage("expected a JSON pointer such as /camera/fov".into()))?;
-        let place = Place::Override(words.clone());
-        let slot = self.slot(&path, &place).map_err(usage)?;
-        *slot = moved_to(value, &place);
+        let location = Location::Override(words.clone());
+        let slot = self.slot(&path, &location).map_err(usage)?;
+        *slot = moved_to(value, &location);
         Ok(())
     }
 
-    /// The node at `path`, created as [`Node::set`] says; else what is wrong with the path.
-    fn slot(&mut self, path: &[String], place: &Place) -> Result<&mut Node, String> {
+    /// Node at `path`, created as [`Node::set`] says. An error says what is wrong with the path.
+    fn slot(&mut self, path: &[String], location: &Location) -> Result<&mut Node, String> {
         let mut node = self;
         for (depth, segment) in path.iter().enumerate() {
             let parent = match depth {
@@ -46,7 +46,7 @@ impl Node {
             let may_create = depth == 0 || depth + 1 == path.len();
             let found = node.found();
             node = match &mut node.value {
-                Value::Object(members) => member(members, segment, may_create, place).map_err(|has| format!("{parent} has {has}"))?,
+                Value::Object(members) => member(members, segment, may_create, location).map_err(|has| format!("{parent} has {has}"))?,
                 Value::Array(items) => {
                     let len = items.len();
                     let item = index(segment).and_then(|i| items.get_mut(i));
@@ -59,13 +59,13 @@ impl Node {
     }
 }
 
-/// The member `key`; if it is missing and may not be created, what there is instead.
-fn member<'m>(members: &'m mut Vec<Member>, key: &str, may_create: bool, place: &Place) -> Result<&'m mut Node, String> {
+/// Member `key`. If it is missing and may not be created, the error lists the existing keys.
+fn member<'m>(members: &'m mut Vec<Member>, key: &str, may_create: bool, location: &Location) -> Result<&'m mut Node, String> {
     let at = match members.iter().position(|m| m.key == key) {
         Some(at) => at,
         None if may_create => {
-            let node = Node { value: Value::Object(vec![]), place: place.clone() };
-            members.push(Member { key: key.into(), key_place: place.clone(), node });
+            let node = Node { value: Value::Object(vec![]), location: location.clone() };
+            members.push(Member { key: key.into(), key_location: location.clone(), node });
             members.len() - 1
         }
         None => return Err(missing(members, key)),
@@ -82,24 +82,24 @@ fn missing(members: &[Member], key: &str) -> String {
     }
 }
 
-/// JSON as JSON; anything that cannot be meant as JSON as a string.
+/// Parses JSON; a text that cannot be meant as JSON becomes a string.
 fn parse_value(text: &str) -> Result<Node, String> {
     match parse(text.as_bytes()) {
         Ok(node) => Ok(node),
         Err(fault) if text.trim_start().starts_with(['{', '[', '"']) => Err(fault.message),
-        Err(_) => Ok(Node { value: Value::String(text.into()), place: Place::Text { line: 1, column: 1 } }),
+        Err(_) => Ok(Node { value: Value::String(text.into()), location: Location::Text { line: 1, column: 1 } }),
     }
 }
 
-/// The same value, given at `place` in all its parts.
-fn moved_to(node: Node, place: &Place) -> Node {
+/// Copies a value and gives all its parts the location `location`.
+fn moved_to(node: Node, location: &Location) -> Node {
     let value = match node.value {
-        Value::Array(items) => Value::Array(items.into_iter().map(|item| moved_to(item, place)).collect()),
+        Value::Array(items) => Value::Array(items.into_iter().map(|item| moved_to(item, location)).collect()),
         Value::Object(members) => {
-            let moved = |m: Member| Member { key_place: place.clone(), node: moved_to(m.node, place), ..m };
+            let moved = |m: Member| Member { key_location: location.clone(), node: moved_to(m.node, location), ..m };
             Value::Object(members.into_iter().map(moved).collect())
         }
         scalar => scalar,
     };
-    Node { value, place: place.clone() }
+    Node { value, location: location.clone() }
 }

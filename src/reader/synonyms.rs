@@ -1,6 +1,6 @@
-//! Words of other programs, and pt's for the same things.
+//! Words of other programs, with pt's words for the same things.
 
-/// A word that others use, and the words of which pt knows one where that may stand.
+/// Words that other programs use, each with pt's words of which one may stand in its place.
 pub const SYNONYMS: &[(&str, &[&str])] = &[
     ("origin", &["from", "look_at", "center"]),
     ("eye", &["from", "look_at"]),
@@ -38,7 +38,7 @@ pub const SYNONYMS: &[(&str, &[&str])] = &[
     ("max_bounces", &["max_depth"]),
 ];
 
-/// What pt calls it, if it is one of the words known here.
+/// pt's word for it, if it is among the words known here.
 pub fn own_word<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
     let (_, own) = SYNONYMS.iter().find(|(other, _)| other.eq_ignore_ascii_case(word))?;
     own.iter().find_map(|own| known.iter().copied().find(|known| known == own))

@@ -1,10 +1,10 @@
-//! A tree as text: objects and lists of them over several lines, lists of plain values on one.
+//! Text of a tree: objects, and lists that hold them, take several lines; lists of plain values take one.
 
 use std::fmt::{self, Display, Formatter, Write};
 
 use super::node::{Node, Value};
 
-/// As JSON that [`parse`](super::parse()) reads back as an equal tree; numbers stay as they are written.
+/// Writes JSON that [`parse`](super::parse()) reads back as an equal tree. Numbers stay as they are written.
 impl Display for Node {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         write(self, 0, f)
@@ -33,7 +33,7 @@ fn is_plain(node: &Node) -> bool {
     !matches!(node.value, Value::Array(_) | Value::Object(_))
 }
 
-/// A list between its brackets; each of its items on a line of its own, if there are `lines` at that depth.
+/// Writes a list between its brackets, with each item on a line of its own if there are `lines` at that depth.
 fn list<T>(
     items: &[T],
     brackets: [char; 2],
@@ -57,7 +57,7 @@ fn list<T>(
     write!(f, "{end}{close}")
 }
 
-/// With the escapes that JSON asks for.
+/// Writes a string with the escapes that JSON requires.
 fn quoted(text: &str, f: &mut Formatter) -> fmt::Result {
     f.write_str(&serde_json::to_string(text).map_err(|_| fmt::Error)?)
 }

@@ -1,13 +1,13 @@
-//! The layers that the first surface tells: what a camera sample meets, before any light is asked for.
+//! Layers with properties of the first surface that a camera ray hits.
 //!
 //! ```text
 //! albedo   f·|cos θi| / pdf of one direction drawn from the surface's BSDF, without the compression of radiance in glass
 //! ```
 //!
-//! Its mean is the share of light from the camera's direction that is scattered, reflected or transmitted. Where the weight of a
-//! sample is the same for all directions (matte, mirrors, clear glass) that is exact, else it has the noise of as many samples as
-//! the picture. What shines towards the camera is no question of scattering: it has the colour of its light, the largest
-//! component 1, however bright it is.
+//! The mean of the albedo is the fraction of light from the camera's direction that is scattered, reflected or transmitted. The albedo
+//! is exact if the weight of a sample is the same for all directions (matte surfaces, mirrors, clear glass), and otherwise has the
+//! noise of the picture's number of samples. The albedo of a surface that emits towards the camera is the colour of its light, scaled
+//! to a largest component of 1.
 
 use arrayvec::ArrayVec;
 use glam::DVec3;
@@ -21,34 +21,34 @@ use crate::sampler::Sampler;
 use crate::sampler::dimension::{self, Use};
 use crate::scene::{Scene, Surface};
 
-/// Numbers of one layer, one per channel.
+/// Values of one layer, one per channel.
 type Values = ArrayVec<f64, MAX_CHANNELS>;
 
-/// What is known of a sample from when it was taken for the picture.
-pub struct Known<'a> {
-    /// That it took.
+/// Time and light of a sample, measured when it was taken for the picture.
+pub struct SampleRecord<'a> {
+    /// Time that the sample took (s).
     pub seconds: f64,
-    /// Red, green and blue for each of the layers of light.
+    /// Red, green and blue of each light layer.
     pub light: &'a [f64],
 }
 
-/// Appends what one sample adds to the layers, in their order.
+/// Appends the terms that one sample adds to the layers, in their order.
 ///
-/// - `sampler`: of the sample, after the camera's numbers; nothing that the picture's own sample draws changes by it
+/// - `sampler`: sampler of the sample after the camera's numbers. Its use here does not change the numbers of the picture.
 pub fn add_terms(
     scene: &dyn Scene,
     layers: &[Layer],
     camera: &CameraSample,
     sampler: &mut dyn Sampler,
-    known: Known,
+    record: SampleRecord,
     terms: &mut Vec<f64>,
 ) {
     let hit = scene.intersect(&camera.ray);
     let surface = hit.map(|hit| scene.surface(&camera.ray, &hit));
-    let mut light = known.light.chunks_exact(3);
+    let mut light = record.light.chunks_exact(3);
     for layer in layers {
         let values = match (layer, &surface) {
-            (Layer::Time, _) => Some([known.seconds].into_iter().collect()),
+            (Layer::Time, _) => Some([record.seconds].into_iter().collect()),
             (layer, _) if layer.is_light() => light.next().map(|rgb| rgb.iter().copied().collect()),
             (_, None) => None,
             (_, Some(surface)) => Some(values(scene, *layer, camera, surface, sampler)),
@@ -57,6 +57,7 @@ pub fn add_terms(
     }
 }
 
+/// Values of a layer at a surface.
 fn values(scene: &dyn Scene, layer: Layer, camera: &CameraSample, surface: &Surface, sampler: &mut dyn Sampler) -> Values {
     let point = &surface.point;
     let vector = |v: DVec3| v.to_array().into_iter().collect();
@@ -71,6 +72,7 @@ fn values(scene: &dyn Scene, layer: Layer, camera: &CameraSample, surface: &Surf
     }
 }
 
+/// Albedo sample of the surface, or the colour of its light if it emits.
 fn albedo(surface: &Surface, camera: &CameraSample, sampler: &mut dyn Sampler) -> Spectrum {
     let wo = -camera.ray.direction;
     let emitted = surface.emitted(wo);
@@ -79,12 +81,12 @@ fn albedo(surface: &Surface, camera: &CameraSample, sampler: &mut dyn Sampler) -
     }
     sampler.at(dimension::vertex(0, Use::Bsdf));
     let (choice, u) = (sampler.next_1d(), sampler.next_2d());
-    // Importance is not compressed by refraction: what enters glass is all there.
+    // Importance is not compressed by refraction, so that the light entering glass counts fully.
     let sample = surface.bsdf.sample(surface.frame.to_local(wo), choice, u, TransportMode::Importance);
     sample.map_or(Spectrum::BLACK, |sample| sample.weight)
 }
 
-/// The sums of rows of `width` numbers, as many as a power of two: siblings first, as the tree of samples joins them.
+/// Sum of the rows of `width` numbers, added in the order of the tree of samples. The number of rows must be a power of two.
 pub fn joined(rows: &mut [f64], width: usize) -> &[f64] {
     let mut apart = width;
     while apart < rows.len() {

@@ -1,4 +1,4 @@
-//! Radical inverses in prime bases, scrambled.
+//! Scrambled Halton sequence.
 
 use glam::{UVec2, Vec2};
 
@@ -8,11 +8,11 @@ use crate::math::float::unit_f32;
 
 /// The Halton sequence with Owen-scrambled digits.
 ///
-/// i = Σ dₖ bᵏ  ↦  Σ π(dₖ) b⁻ᵏ⁻¹,    b the prime of the dimension, π chosen at random by the digits before
+/// i = Σ dₖ bᵏ  ↦  Σ π(dₖ) b⁻ᵏ⁻¹,    b: prime of the dimension, π: random permutation that depends on the previous digits
 ///
-/// Every b₁ᵏ¹ b₂ᵏ² … samples fill the boxes of those sides evenly. Scrambling is keyed by (seed,
-/// pixel, dimension), so that pixels are independent and high dimensions do not move in step.
-/// Digits beyond [`RESOLUTION`] are random, and so are dimensions beyond [`DIMENSIONS`].
+/// Every b₁ᵏ¹ b₂ᵏ² … consecutive samples put one point into each box of the grid with that many cells per dimension. The scrambling
+/// is keyed by (seed, pixel, dimension), so that pixels are independent and high dimensions are not correlated. Digits beyond
+/// [`RESOLUTION`] are random, and so are dimensions beyond [`DIMENSIONS`].
 ///
 /// Source: Halton (1960); Owen, *A randomized Halton algorithm in R* (2017).
 /// Tests: boxes of prime powers evenly filled, no correlation of dimensions, chi².
@@ -23,15 +23,16 @@ pub struct Halton {
     dimension: u32,
 }
 
-/// How many dimensions have a prime of their own: 127 path vertices.
+/// Number of dimensions with a prime of their own, enough for 127 path vertices.
 const DIMENSIONS: usize = 1024;
 
-/// Digits are placed until their cells would number more than this: each still holds 16 of the 2²⁴ uniform numbers.
+/// Greatest number of cells that digits distinguish. Each cell still contains 16 of the 2²⁴ uniform numbers.
 const RESOLUTION: u32 = 1 << 20;
 
 static PRIMES: [u32; DIMENSIONS] = primes();
 
 impl Halton {
+    /// A sampler with the given seed.
     pub fn new(seed: u64) -> Halton {
         Halton { seed, key: pixel_key(seed, UVec2::ZERO), index: 0, dimension: 0 }
     }
@@ -70,7 +71,7 @@ impl Sampler for Halton {
     }
 }
 
-/// The digits of `index`, mirrored at the point, each permuted by its own permutation.
+/// Radical inverse of `index` in `base`, each digit permuted by a permutation that depends on the previous digits.
 #[inline]
 fn scrambled_radical_inverse(index: u64, base: u32, key: u64) -> f32 {
     let (mut value, mut cells) = (0, 1);
@@ -85,7 +86,7 @@ fn scrambled_radical_inverse(index: u64, base: u32, key: u64) -> f32 {
     within_cell(value, cells, (mix(prefix ^ rest) >> 32) as u32)
 }
 
-/// The last digit and the number without it; divides in 32 bits where that is enough, which is several times faster.
+/// Last digit, and the number without it. Division in 32 bits, where possible, is several times faster.
 #[inline]
 fn last_digit(number: u64, base: u32) -> (u32, u64) {
     match u32::try_from(number) {
@@ -96,7 +97,7 @@ fn last_digit(number: u64, base: u32) -> (u32, u64) {
 
 /// The first primes, by the sieve of Eratosthenes.
 const fn primes() -> [u32; DIMENSIONS] {
-    // The 1024th prime is 8161; were the bound too small, this would not compile.
+    // The 1024th prime is 8161. With a smaller bound this function does not compile.
     const BOUND: usize = 8192;
     let mut composite = [false; BOUND];
     let mut primes = [0; DIMENSIONS];

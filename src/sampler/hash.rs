@@ -1,12 +1,12 @@
-//! Random functions of integers: what makes numbers a pure function of their place.
+//! Hash functions of integers, which make random numbers a pure function of pixel, sample and dimension.
 
 use glam::UVec2;
 
-/// Mixes 64 bits so that each depends on all.
+/// Mixes 64 bits so that each output bit depends on all input bits.
 ///
-/// Three rounds of multiply and fold; a bijection, so that different inputs never meet.
+/// The function multiplies and xors with shifts. It is a bijection: different inputs have different outputs.
 ///
-/// Tests: avalanche, here below.
+/// Tests: mix_flips_half_of_the_bits_for_each_bit.
 #[inline]
 pub fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(GOLDEN);
@@ -15,19 +15,19 @@ pub fn mix(x: u64) -> u64 {
     x ^ (x >> 32)
 }
 
-/// The key of everything that happens in one pixel.
+/// Key of all numbers of a pixel.
 #[inline]
 pub fn pixel_key(seed: u64, pixel: UVec2) -> u64 {
     mix(mix(seed) ^ (u64::from(pixel.x) | u64::from(pixel.y) << 32))
 }
 
-/// The key of one dimension under another key.
+/// Key of a dimension, derived from another key.
 #[inline]
 pub fn dimension_key(key: u64, dimension: u32) -> u64 {
     mix(key ^ u64::from(dimension))
 }
 
-/// A key made from another and a small number, in one wide multiplication: half of [`mix`] in cost.
+/// Key derived from another key and a word by one wide multiplication, at half the cost of [`mix`].
 ///
 /// Tests: the independence of scrambled digits.
 #[inline]
@@ -36,15 +36,16 @@ pub fn absorb(key: u64, word: u32) -> u64 {
     (product >> 64) as u64 ^ product as u64
 }
 
-/// The upper and the lower half of a key, as two random words.
+/// Upper and lower half of a key, as two random words.
 #[inline]
 pub fn halves(key: u64) -> (u32, u32) {
     ((key >> 32) as u32, key as u32)
 }
 
-/// A random permutation of 0 … n − 1: where `i` goes.
+/// Image of `i` under a random permutation of 0 … n − 1.
 ///
-/// - `i` < `n` ≤ 2³¹; `key` chooses the permutation
+/// - `i` < `n` ≤ 2³¹
+/// - `key`: chooses the permutation
 ///
 /// Tests: bijective for every n, all orders of few elements equally likely, pairs of many even.
 #[inline]
@@ -53,15 +54,15 @@ pub fn permute(i: u32, n: u32, key: u64) -> u32 {
     if n <= MAX_SHUFFLED { shuffle(i, n, key) } else { walk(i, n, key) }
 }
 
-/// 16! < 2⁴⁵: one key holds all the choices of a shuffle, to a relative precision of 2⁻¹⁹.
+/// Greatest n that is shuffled. Because 16! < 2⁴⁵, one key provides all choices of a shuffle with a relative precision of 2⁻¹⁹.
 const MAX_SHUFFLED: u32 = 16;
 
-/// Follows one element through a shuffle: place k, from the last, changes with a random one of 0 … k.
+/// Position of one element after a Fisher-Yates shuffle: from the last position k on, position k is swapped with a random one of 0 … k.
 ///
 /// Source: Fisher and Yates, *Statistical tables* (1938).
 #[inline]
 fn shuffle(i: u32, n: u32, key: u64) -> u32 {
-    // The key as a fraction; its digits in the bases n, n − 1, … are the choices.
+    // The key is used as a fraction, whose digits in the bases n, n − 1, … are the choices.
     let (mut fraction, mut i) = (key, i);
     for k in (1..n).rev() {
         let product = u128::from(fraction) * u128::from(k + 1);
@@ -77,11 +78,11 @@ fn shuffle(i: u32, n: u32, key: u64) -> u32 {
     i
 }
 
-/// A bijection of the smallest power of two that holds n, walked until the value lies below n.
+/// Permutation by cycle walking: a bijection of 0 … 2ᵏ − 1 ≥ n − 1 is applied until the value is below n.
 ///
-/// The walk stays on `i`'s cycle, so no two values meet. It takes less than 2 steps on average.
+/// The walk stays on the cycle of `i`, so that different values have different images. It takes less than 2 steps on average.
 ///
-/// Source: the idea is Kensler's, *Correlated Multi-Jittered Sampling* (2013).
+/// Source: Kensler, *Correlated Multi-Jittered Sampling* (2013).
 #[inline]
 fn walk(i: u32, n: u32, key: u64) -> u32 {
     let mask = n.next_power_of_two() - 1;
@@ -105,21 +106,21 @@ fn walk(i: u32, n: u32, key: u64) -> u32 {
     }
 }
 
-/// Nested uniform scrambling in base 2: each binary digit is flipped or not by a random function of the digits before it.
+/// Owen scrambling (nested uniform scrambling) in base 2: each binary digit is flipped by a random function of the previous digits.
 ///
-/// In reversed bits "the digits before" are the lower bits, and on those depends exactly what
-/// sums, odd factors and x ↦ x ⊕ 2c·x give.
+/// With reversed bits, the previous digits are the lower bits. Sums, odd factors and x ↦ x ⊕ 2c·x change each bit by a function of
+/// the lower bits only.
 ///
-/// - `x`: a fraction, the most significant bit is the first digit
+/// - `x`: a fraction whose most significant bit is the first digit
 ///
-/// Source: Owen, *Randomly permuted (t,m,s)-nets* (1995); by a hash: Laine and Karras, *Stratified
+/// Source: Owen, *Randomly permuted (t,m,s)-nets* (1995); as a hash: Laine and Karras, *Stratified
 /// sampling for stochastic transparency* (2011). Tests: elementary intervals, digits flip evenly and independently.
 #[inline]
 pub fn scramble(x: u32, key: u64) -> u32 {
     scramble_reversed(x.reverse_bits(), key).reverse_bits()
 }
 
-/// [`scramble`] of a number whose bits are reversed, and reversed it stays: the first digit is the least significant bit.
+/// [`scramble`] for a number with reversed bits, whose first digit is the least significant bit. The result is reversed as well.
 #[inline]
 pub fn scramble_reversed(x: u32, key: u64) -> u32 {
     let (a, b) = halves(key);
@@ -133,9 +134,9 @@ pub fn scramble_reversed(x: u32, key: u64) -> u32 {
     x.wrapping_mul(a.rotate_left(16) | 1)
 }
 
-/// A uniform number within cell `cell` of the `cells` equal ones that [0, 1) is cut into.
+/// Uniform number within cell `cell` of `cells` equal cells of [0, 1).
 ///
-/// The multiples of 2⁻²⁴ within the cell, one of them by chance: exactly inside, never 1.0.
+/// The result is a random one of the multiples of 2⁻²⁴ within the cell, never 1.0.
 ///
 /// - `cell` < `cells` ≤ 2²⁴; `random`: uniform bits
 #[inline]
@@ -146,7 +147,7 @@ pub fn within_cell(cell: u32, cells: u32, random: u32) -> f32 {
     place as f32 * (1.0 / 16_777_216.0)
 }
 
-/// Fractional binary places of irrational numbers, odd or even as named: φ, √2, √3; √5, √7.
+// Fractional binary digits of the irrational numbers φ, √2, √3, √5 and √7, made odd or even as named.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 const ODD_A: u64 = 0x6a09_e667_f3bc_c909;
 const ODD_B: u64 = 0xbb67_ae85_84ca_a73b;
@@ -174,7 +175,7 @@ mod tests {
     fn permutations_move_pairs_evenly() {
         for n in [3, 7, 16, 17, 23, 32, 33, 64, 101] {
             for (i, j) in [(0, 1), (0, n - 1), (1, 2), (0, n / 2), (n - 2, n - 1)] {
-                // Where one goes, and how far from it the other: each of n, of n − 1 is equally likely.
+                // All n images of one element are equally likely, and so are all n − 1 distances of the other from it.
                 let (mut places, mut distances) = (vec![0u64; n as usize], vec![0u64; n as usize - 1]);
                 for key in 0..1u64 << 17 {
                     let [a, b] = [i, j].map(|i| permute(i, n, mix(key)));

@@ -1,4 +1,4 @@
-//! Random numbers without structure.
+//! Independent random numbers.
 
 use glam::{UVec2, Vec2};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -11,25 +11,26 @@ use crate::math::float::unit_f32;
 
 /// Independent uniform numbers.
 ///
-/// A stream of xoshiro256++ for each block of 8 dimensions, seeded by (seed, pixel, index, block)
-/// when a number of the block is asked for; dimension d is number d mod 8 of its stream, two numbers to a draw.
+/// Each block of 8 dimensions has a xoshiro256++ stream seeded by (seed, pixel, index, block), which is filled when a number of the
+/// block is requested. Dimension d is number d mod 8 of its stream. Each 64-bit draw gives two numbers.
 ///
 /// Source: Blackman and Vigna, *Scrambled Linear Pseudorandom Number Generators* (2021).
 pub struct Independent {
     seed: u64,
     key: u64,
     dimension: u32,
-    /// The block that the numbers belong to; none before the first.
+    /// Block that `numbers` belongs to; `None` before the first.
     block: Option<u32>,
     numbers: [f32; dimension::BLOCK as usize],
 }
 
 impl Independent {
+    /// A sampler with the given seed.
     pub fn new(seed: u64) -> Independent {
         Independent { seed, key: pixel_key(seed, UVec2::ZERO), dimension: 0, block: None, numbers: [0.0; BLOCK as usize] }
     }
 
-    /// The next `N` numbers, of one block.
+    /// The next `N` numbers, which lie in one block.
     #[inline]
     fn take<const N: usize>(&mut self, block: u32, place: usize) -> [f32; N] {
         if self.block != Some(block) {
@@ -48,7 +49,7 @@ impl Independent {
         self.block = Some(block);
     }
 
-    /// The block of the next number, and its place there.
+    /// Block of the next number and offset within the block.
     fn place(&self) -> (u32, usize) {
         (self.dimension / BLOCK, (self.dimension % BLOCK) as usize)
     }

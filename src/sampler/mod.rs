@@ -1,7 +1,7 @@
-//! Where an integrator's numbers come from.
+//! Samplers: sources of uniform numbers for integrators.
 //!
-//! To add a sampler: a file beside this one that implements [`Sampler`], a variant of [`Kind`], a
-//! row in [`Kind::ALL`], an arm in [`SamplerSpec::build`].
+//! A new sampler is a file in this folder that implements [`Sampler`], a variant of [`Kind`], a row in [`Kind::ALL`] and an arm in
+//! [`SamplerSpec::build`].
 
 mod halton;
 pub(crate) mod hash;
@@ -11,83 +11,88 @@ mod stratified;
 
 use glam::{UVec2, Vec2};
 
-/// A source of uniform numbers in [0, 1), never 1.0.
+/// Source of uniform numbers in [0, 1), never 1.0.
 ///
-/// Each number is a pure function of (seed, pixel, sample index, dimension): whoever asks, in
-/// whatever order, on whatever thread, gets the same. Each effect owns its dimensions (see
-/// [`dimension`]) and goes to them with [`at`](Sampler::at), so that switching one effect off
-/// never shifts another's numbers.
+/// Each number is a pure function of (seed, pixel, sample index, dimension), independent of the order of calls and of the thread.
+/// Each effect owns its dimensions (see [`dimension`]) and goes to them with [`at`](Sampler::at), so that switching one effect off
+/// never shifts the numbers of another.
 ///
 /// Tests: replay in any order, blocks independent, uniformity, stratification, no correlation of dimensions.
 pub trait Sampler {
-    /// Begins a sample: everything before is forgotten, the dimension is 0.
+    /// Begins the sample `index` of a pixel at dimension 0.
     fn start(&mut self, pixel: UVec2, index: u64);
 
-    /// Goes to a dimension.
+    /// Sets the dimension of the next number.
     fn at(&mut self, dimension: u32);
 
-    /// The number of this dimension; the next dimension follows.
+    /// Returns the number of the current dimension and goes to the next dimension.
     fn next_1d(&mut self) -> f32;
 
-    /// A point of the square of this dimension and its successor, stratified as a pair where the sampler stratifies.
+    /// Returns the numbers of the current dimension and the next one, and goes two dimensions on. Samplers that stratify do so in both
+    /// dimensions together.
     fn next_2d(&mut self) -> Vec2;
 }
 
 /// Settings of a sampler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SamplerSpec {
+    /// Kind of sampler.
     pub kind: Kind,
+    /// Seed of all numbers.
     pub seed: u64,
-    /// Samples per pixel that are planned. Only `stratified` depends on it; the others' samples are a prefix of an endless sequence.
+    /// Planned number of samples per pixel. Only `stratified` depends on it; the samples of the other samplers are a prefix of an
+    /// endless sequence.
     pub spp: u64,
-    /// K, a power of two: how many independent scramblings share the samples of a pixel, so that their spread tells the error.
+    /// Number K of independent scramblings among which the samples of a pixel are divided, a power of two. The variance of their means
+    /// gives the error.
     ///
-    /// One long sequence is more even than K shorter ones, and says nothing of its own error. Independent
-    /// samples need no such thing.
+    /// One long sequence is more even than K shorter ones but does not allow an estimate of its own error. Independent samples need no
+    /// scramblings.
     pub scramblings: u32,
 }
 
 impl Default for SamplerSpec {
-    /// Two scramblings: the least that tells an error, and the least that it costs.
+    /// Independent samples with seed 0, and two scramblings: the smallest number that gives an error, with the least loss of evenness.
     fn default() -> SamplerSpec {
         SamplerSpec { kind: Kind::default(), seed: 0, spp: 0, scramblings: 2 }
     }
 }
 
-/// What of a pixel's samples is independent of what.
+/// Estimator of the error of a pixel's mean, by the samples that are independent of each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Spread {
-    /// Each sample of all others.
+pub enum ErrorEstimator {
+    /// The variance of samples, each of which is independent of all others.
     Samples,
-    /// K sequences of each other; sample i belongs to sequence i mod K.
+    /// The variance of the means of K independent sequences. Sample i belongs to sequence i mod K.
     Scramblings(u32),
 }
 
-impl Spread {
-    /// Into how many sequences samples are dealt.
+impl ErrorEstimator {
+    /// Number of sequences among which the samples are divided.
     pub fn sequences(self) -> u32 {
         match self {
-            Spread::Samples => 1,
-            Spread::Scramblings(k) => k,
+            ErrorEstimator::Samples => 1,
+            ErrorEstimator::Scramblings(k) => k,
         }
     }
 }
 
 impl SamplerSpec {
-    pub fn spread(&self) -> Spread {
+    /// Estimator of the error for this sampler.
+    pub fn error_estimator(&self) -> ErrorEstimator {
         match self.kind {
-            Kind::Independent => Spread::Samples,
-            Kind::Stratified | Kind::Halton | Kind::Sobol => Spread::Scramblings(self.scramblings.max(1).next_power_of_two()),
+            Kind::Independent => ErrorEstimator::Samples,
+            Kind::Stratified | Kind::Halton | Kind::Sobol => ErrorEstimator::Scramblings(self.scramblings.max(1).next_power_of_two()),
         }
     }
 
-    /// The sequences of a pixel: sample i of the pixel is sample i div K of sequence i mod K.
+    /// Sequences of a pixel: sample i of the pixel is sample i div K of sequence i mod K.
     pub fn sequences(&self) -> Vec<Box<dyn Sampler>> {
-        let k = self.spread().sequences();
+        let k = self.error_estimator().sequences();
         (0..k).map(|r| SamplerSpec { seed: scrambled(self.seed, r), spp: self.spp.div_ceil(k.into()), ..*self }.build()).collect()
     }
 
-    /// One sequence, whole.
+    /// A single sequence with all samples of a pixel.
     pub fn build(&self) -> Box<dyn Sampler> {
         match self.kind {
             Kind::Independent => Box::new(independent::Independent::new(self.seed)),
@@ -98,27 +103,31 @@ impl SamplerSpec {
     }
 }
 
-/// The seed of scrambling r; the first keeps the pixel's own.
+/// Seed of scrambling r. Scrambling 0 has the seed itself.
 ///
-/// Mixed before r comes in: neighbouring seeds would share their scramblings, in another order.
+/// The seed is mixed before r is added, because neighbouring seeds would otherwise share scramblings in another order.
 ///
 /// Tests: seeds_share_no_scrambling.
 fn scrambled(seed: u64, r: u32) -> u64 {
     if r == 0 { seed } else { hash::dimension_key(hash::mix(!seed), r) }
 }
 
-/// The samplers there are.
+/// Kind of sampler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Kind {
+    /// Independent random numbers.
     #[default]
     Independent,
+    /// Stratified numbers.
     Stratified,
+    /// Scrambled Halton sequence.
     Halton,
+    /// Scrambled Sobol' sequences.
     Sobol,
 }
 
 impl Kind {
-    /// Each sampler with its name and one line about it.
+    /// Each sampler with its name and a description in one line.
     pub const ALL: &[(Kind, &str, &str)] = &[
         (Kind::Independent, "independent", "Random numbers without structure: the plain Monte Carlo that error bars assume."),
         (Kind::Stratified, "stratified", "One number in each of spp equal strata of every dimension, in random order."),
@@ -127,7 +136,7 @@ impl Kind {
     ];
 }
 
-/// Who owns which dimensions: a block of 8 for the camera, then a block of 8 for each vertex of a path.
+/// Assignment of dimensions: a block of 8 for the camera, then a block of 8 for each vertex of a path.
 pub mod dimension {
     /// Position within the pixel (2).
     pub const FILM: u32 = 0;
@@ -136,10 +145,10 @@ pub mod dimension {
     /// Time within the shutter interval (1).
     pub const TIME: u32 = 4;
 
-    /// Dimensions per block.
+    /// Number of dimensions per block.
     pub(crate) const BLOCK: u32 = 8;
 
-    /// What a path vertex spends numbers on; the value is the place in the vertex's block.
+    /// Use of numbers at a path vertex. The value is the offset within the vertex's block.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Use {
         /// Choice of a lobe (1), then a direction (2).
@@ -152,7 +161,7 @@ pub mod dimension {
         Medium = 7,
     }
 
-    /// The first dimension of one use at the path vertex of this depth; the camera's block comes before depth 0.
+    /// First dimension of a use at the path vertex of the given depth. The camera's block comes before depth 0.
     #[inline]
     pub const fn vertex(depth: u32, use_: Use) -> u32 {
         BLOCK.wrapping_mul(depth.wrapping_add(1)).wrapping_add(use_ as u32)

@@ -1,18 +1,18 @@
-//! One number per stratum.
+//! Stratified sampling.
 
 use glam::{UVec2, Vec2};
 
 use super::Sampler;
 use super::hash::{dimension_key, halves, mix, permute, pixel_key, within_cell};
 
-/// Stratified numbers: each dimension is cut into as many strata as there are samples per pixel.
+/// Stratified numbers: each dimension is divided into as many strata as there are samples per pixel.
 ///
-/// 1-D: sample i lies in stratum π(i) of n, π a random permutation for each dimension.
+/// 1-D: sample i lies in stratum π(i) of n, where π is a random permutation for each dimension.
 ///
-/// 2-D: the same on a grid of nx × ny cells as near square as n divides; where n does not divide
-/// well (a prime), a grid with a few cells more, of which a random n are taken.
+/// 2-D: sample i lies in cell π(i) of a nearly square grid of n cells. If n has no two factors within 2 : 1, the grid has a few more
+/// cells, of which a random n are used.
 ///
-/// Samples beyond the planned n begin a fresh stratification.
+/// Samples beyond the planned n begin a new stratification.
 ///
 /// Source: Cook, Porter, Carpenter, *Distributed Ray Tracing* (1984). Tests: one sample per stratum, chi².
 pub struct Stratified {
@@ -20,15 +20,16 @@ pub struct Stratified {
     strata: u32,
     grid: UVec2,
     key: u64,
-    /// The sample's number within its stratification.
+    /// Index of the sample within its stratification.
     sample: u32,
     dimension: u32,
 }
 
-/// A stratum must hold a few of the 2²⁴ uniform numbers.
+/// Greatest number of strata, so that each contains a few of the 2²⁴ uniform numbers.
 const MAX_STRATA: u64 = 1 << 20;
 
 impl Stratified {
+    /// A sampler for `spp` planned samples per pixel.
     pub fn new(seed: u64, spp: u64) -> Stratified {
         let strata = spp.clamp(1, MAX_STRATA) as u32;
         let mut sampler = Stratified { seed, strata, grid: grid(strata), key: 0, sample: 0, dimension: 0 };
@@ -65,7 +66,7 @@ impl Sampler for Stratified {
     }
 }
 
-/// The grid of at least n cells: exactly n if two factors of n are within 2 : 1, else the nearest square that covers it.
+/// Grid of at least n cells: exactly n cells if n has two factors within 2 : 1, otherwise the smallest nearly square grid.
 fn grid(n: u32) -> UVec2 {
     let root = n.isqrt();
     let exact = (1..=root).rev().take_while(|y| n / y <= 2 * y).find(|&y| n.is_multiple_of(y));

@@ -1,4 +1,4 @@
-//! Boxes: six rectangles that close a body, transformed.
+//! Boxes of six faces.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -7,14 +7,14 @@ use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint};
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Ray, Transform};
 
-/// The body |x| ≤ a/2, |y| ≤ b/2, |z| ≤ c/2; its normals point outwards.
+/// Box |x| ≤ a/2, |y| ≤ b/2, |z| ≤ c/2 with outward normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
-    /// Full sides a, b, c (m).
+    /// Lengths a, b, c of the sides (m).
     pub size: [f64; 3],
 }
 
-/// The outward normal of each face, and the directions in which its texture coordinates grow: a right-handed frame, u × v = n.
+/// Outward normal n of each face, and the directions u and v in which its texture coordinates grow: a right-handed frame, u × v = n.
 const FACES: [[DVec3; 3]; 6] = [
     [DVec3::X, DVec3::NEG_Z, DVec3::Y],
     [DVec3::NEG_X, DVec3::Z, DVec3::Y],
@@ -25,8 +25,8 @@ const FACES: [[DVec3; 3]; 6] = [
 ];
 
 impl Cuboid {
-    /// The corners of each face in turn, from the origin of its texture coordinates. Faces share their corners bit for bit, so that
-    /// no ray slips through between them.
+    /// Corners of each face in turn, from the origin of its texture coordinates. Adjacent faces share the bits of their corners, so
+    /// that no ray passes between them.
     fn faces(&self, to_world: &Transform) -> [[DVec3; 4]; 6] {
         let half = 0.5 * DVec3::from(self.size);
         FACES.map(|[n, u, v]| [n - u - v, n + u - v, n + u + v, n - u + v].map(|corner| to_world.point(corner * half)))
@@ -46,7 +46,7 @@ impl Geometry for Cuboid {
     }
 }
 
-/// The six faces, in the order of [`FACES`].
+/// Six faces in the order of [`FACES`].
 struct Faces(Vec<Parallelogram>);
 
 impl Faces {

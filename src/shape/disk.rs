@@ -1,4 +1,4 @@
-//! Ellipses: a disk, transformed.
+//! Disks, which a transform may stretch to ellipses.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -6,10 +6,10 @@ use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, offset_
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Ray, Transform, warp};
 
-/// The disk x² + y² ≤ r² in the plane z = 0; its normal is +z.
+/// Disk x² + y² ≤ r² in the plane z = 0 with the normal +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disk {
-    /// (m)
+    /// Radius r (m).
     pub radius: f64,
 }
 
@@ -31,7 +31,7 @@ impl Disk {
     }
 }
 
-/// The points center + a·x + b·y with a² + b² ≤ 1. In f64: curved shapes are few, and exact.
+/// Points center + a·x + b·y with a² + b² ≤ 1, in f64 because curved shapes are few.
 struct Ellipse {
     center: DVec3,
     x: DVec3,
@@ -40,7 +40,7 @@ struct Ellipse {
 }
 
 impl Ellipse {
-    /// Half the box around it, per axis: √(xᵢ² + yᵢ²).
+    /// Half the size of the bounding box, √(xᵢ² + yᵢ²) per axis.
     fn reach(&self) -> DVec3 {
         (self.x * self.x + self.y * self.y).map(f64::sqrt)
     }
@@ -70,7 +70,7 @@ impl Shape for Ellipse {
         Facet::Curved
     }
 
-    /// Where the plane is met; inside where a² + b² ≤ 1, with p − center = a·x + b·y.
+    /// Intersects the plane. The hit is inside if a² + b² ≤ 1, where p − center = a·x + b·y.
     fn intersect(&self, _: u32, ray: &Ray) -> Option<ShapeHit> {
         let d = ray.direction.as_dvec3();
         let o = ray.origin.as_dvec3() - self.center;
@@ -88,12 +88,12 @@ impl Shape for Ellipse {
         self.at(hit.uv)
     }
 
-    /// The square [0, 1]² of texture coordinates lies around the disk.
+    /// Tangents of texture coordinates whose square [0, 1]² encloses the disk.
     fn tangents(&self, _: u32, _: &SurfacePoint) -> Option<[Vec3; 2]> {
         Some([self.x, self.y].map(|radius| (2.0 * radius).as_vec3()))
     }
 
-    /// An affine map keeps uniform points uniform.
+    /// Samples uniformly, because an affine map keeps uniform points uniform.
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         (self.at(warp::disk(u)), AreaPdf::new(1.0 / self.area(i)))
     }

@@ -1,4 +1,4 @@
-//! A triangle mesh as a file gives it, and the cleaning that makes it fit for rays.
+//! Triangle meshes as read from files, and their cleaning.
 
 use std::ops::Range;
 
@@ -10,52 +10,57 @@ mod clean;
 
 pub use clean::CleanReport;
 
-/// The largest coordinate pt takes: the square of a distance must still fit an `f32` (3.4·10³⁸).
+/// Greatest coordinate of a mesh (m). The square of a distance must be within the range of `f32` (3.4·10³⁸).
 pub const MAX_COORDINATE: f32 = 1e18;
 
-/// Beyond this ratio of extent to finest detail an `f32` (2²⁴ = 1.7·10⁷ steps) begins to lose the detail.
+/// Ratio of extent to finest detail beyond which an `f32` (2²⁴ = 1.7·10⁷ steps) begins to lose the detail.
 const MAX_DETAIL_RATIO: f64 = 1e7;
 
-/// A triangle mesh as read: object space, f32 as in the file, not yet placed in the world.
+/// Triangle mesh in object space, in f32 as in its file.
 ///
 /// - counter-clockwise triangles face the viewer: ng = (b − a) × (c − a)
 /// - every index is below `positions.len()`
-/// - a triangle with a zero normal at any of its corners is flat: its shading normal is ng
+/// - a triangle with a zero normal at any corner is flat: its shading normal is ng
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeshData {
+    /// Positions of the vertices.
     pub positions: Vec<Vec3>,
-    /// Empty or one per position, of any length; zero means flat here.
+    /// Empty or one normal per position, of any length; a zero vector marks a flat surface.
     pub normals: Vec<Vec3>,
-    /// Empty or one per position.
+    /// Empty or one pair of texture coordinates per position.
     pub uvs: Vec<Vec2>,
-    /// Empty or one per position: linear red, green, blue and opacity, from 0 to 1.
+    /// Empty or one colour per position: linear red, green, blue and opacity, from 0 to 1.
     pub colors: Vec<Vec4>,
+    /// Vertex indices of the triangles.
     pub triangles: Vec<[u32; 3]>,
-    /// Cover all triangles in order; none is empty.
-    pub parts: Vec<Part>,
+    /// Parts that cover all triangles in order. No part is empty.
+    pub parts: Vec<MeshPart>,
 }
 
-/// A run of triangles that share a material name and a group name of the file.
+/// Range of triangles with the same material name and group name in the file.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Part {
+pub struct MeshPart {
+    /// Material name.
     pub material: Option<String>,
+    /// Group name.
     pub group: Option<String>,
+    /// Indices of the triangles.
     pub triangles: Range<u32>,
 }
 
 impl MeshData {
-    /// The corners of a triangle in double precision.
+    /// Corners of a triangle in double precision.
     pub fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
         triangle.map(|i| self.positions[i as usize].as_dvec3())
     }
 
-    /// Twice the triangle's area along its geometric normal: (b − a) × (c − a), in double precision.
+    /// Vector along the geometric normal with twice the triangle's area as length: (b − a) × (c − a), in double precision.
     pub fn cross(&self, triangle: [u32; 3]) -> DVec3 {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(c - a)
     }
 
-    /// How many triangles have texture coordinates that span no area: in all three corners alike, or on a line.
+    /// Number of triangles whose texture coordinates span no area, because they are equal or lie on a line.
     pub fn flat_uvs(&self) -> usize {
         if self.uvs.is_empty() {
             return 0;
@@ -67,24 +72,24 @@ impl MeshData {
         self.triangles.iter().filter(is_flat).count()
     }
 
-    /// Removes what no ray should meet: degenerate and duplicate triangles, normals that are no numbers, unused vertices.
+    /// Removes degenerate and duplicate triangles, normals that are not finite, and unused vertices.
     ///
-    /// - degenerate: the cross product is exactly zero in f64 (repeated or collinear corners); no epsilon
-    /// - duplicate: the same three positions in any rotation, within one part; the first stays
-    /// - a normal that is not finite becomes zero, that is flat
+    /// - degenerate: the cross product is exactly zero in f64 (repeated or collinear corners), without an epsilon
+    /// - duplicate: the same three positions in any rotation, within one part; the first is kept
+    /// - a normal that is not finite becomes zero, which marks a flat surface
     pub fn clean(self) -> (MeshData, CleanReport) {
         clean::clean(self)
     }
 
-    /// The mesh as it can be rendered: checked and cleaned; with warnings, sentences that begin with `name`.
+    /// Checks and cleans the mesh for rendering, and returns it with warnings, which are sentences that begin with `name`.
     ///
-    /// - `directionless`: normals that its reader has made zero already
+    /// - `directionless`: number of normals that the reader has already set to zero
     ///
     /// # Errors
-    /// [`Error::Invalid`] where a triangle has a coordinate beyond [`MAX_COORDINATE`], or no triangle is left.
+    /// [`Error::Invalid`] if a triangle has a coordinate beyond [`MAX_COORDINATE`], or no triangle is left.
     pub fn usable(self, directionless: usize, name: &str) -> Result<(MeshData, Vec<String>)> {
         let fault = |message: String| Error::invalid(Fault::new(message).in_file(name));
-        // Before the cleaning: so far out, f32 makes triangles degenerate that are not.
+        // This check comes before the cleaning, because far from the origin f32 makes sound triangles degenerate.
         let (reach, extent) = self.reach_and_extent();
         if reach > MAX_COORDINATE {
             return Err(fault(format!("extent {} exceeds {MAX_COORDINATE:e}", brief(extent))));
@@ -100,8 +105,8 @@ impl MeshData {
         Ok((mesh, warnings))
     }
 
-    /// Of all corners: the largest |coordinate| (infinite where one is no number), and the larger of it and the longest
-    /// side of the bounding box.
+    /// Greatest |coordinate| of all corners (infinite if one is not finite), and the greater of it and the longest side of the bounding
+    /// box.
     fn reach_and_extent(&self) -> (f32, f64) {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         let mut finite = true;
@@ -115,7 +120,7 @@ impl MeshData {
         (reach, f64::from(reach).max(sides.max_element()))
     }
 
-    /// The length of the shortest edge.
+    /// Length of the shortest edge.
     fn finest_detail(&self) -> f64 {
         let shortest = |t: &[u32; 3]| {
             let [a, b, c] = self.corners(*t);
@@ -125,9 +130,10 @@ impl MeshData {
     }
 }
 
-/// Says so where `extent` is so much larger than `detail`, the size of something (`what`), that f32 loses it.
+/// Warning if `extent` is so much larger than `detail` that f32 loses the detail.
 ///
-/// - `reach`: the largest |coordinate|
+/// - `reach`: greatest |coordinate|
+/// - `what`: name of the detail
 pub fn lost_detail(extent: f64, reach: f64, detail: f64, what: &str) -> Option<String> {
     if extent / detail <= MAX_DETAIL_RATIO {
         return None;
@@ -138,7 +144,7 @@ pub fn lost_detail(extent: f64, reach: f64, detail: f64, what: &str) -> Option<S
     Some(format!("extent {extent} is {ratio} times the {what} {detail}; f32 steps by {ulp} out there (one ulp)"))
 }
 
-/// Three digits, without those that say nothing: 2e30, 1.25e-3.
+/// Number with three significant digits, without trailing zeros: 2e30, 1.25e-3.
 fn brief(x: f64) -> String {
     format!("{:e}", format!("{x:.2e}").parse().unwrap_or(x))
 }

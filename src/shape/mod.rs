@@ -1,8 +1,7 @@
-//! Families of surfaces.
+//! Shapes.
 //!
-//! To add one: a file beside these with a description (`impl Geometry`: object space, f64) and
-//! its baked form (`impl Shape`: world space, f32), a variant in `describe::shape`, an arm in
-//! its builder.
+//! A new shape is a file in this folder with a description (`impl Geometry`: object space, f64) and its baked form (`impl Shape`:
+//! world space, f32), a variant in `describe::shape`, and an arm in its builder.
 
 pub mod cuboid;
 pub mod disk;
@@ -20,199 +19,206 @@ use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
 
 pub use cuboid::Cuboid;
 pub use disk::Disk;
-pub use mesh_data::{MeshData, Part};
+pub use mesh_data::{MeshData, MeshPart};
 pub use quad::Quad;
 pub use sdf::Sdf;
 pub use sphere::Sphere;
 pub use triangle_mesh::TriangleMesh;
 
-/// A surface as described: object space, not yet placed.
+/// Surface in object space.
 pub trait Geometry {
-    /// The box around the placed surface, f64, world space.
+    /// Lower and upper corner of the bounding box in world space, in f64 (m).
     fn bounds(&self, to_world: &Transform) -> (DVec3, DVec3);
 
-    /// Where the placed surface has its detail, and how much, for the choice of the scene's origin. Here: in the middle of its box.
+    /// Position and density of the surface's detail in world space, for the choice of the scene's origin. The default is one primitive
+    /// at the centre of the bounding box.
     fn detail(&self, to_world: &Transform) -> Detail {
         let (min, max) = self.bounds(to_world);
         Detail { middle: 0.5 * min + 0.5 * max, density: 1.0 / (max - min).max_element() }
     }
 
-    /// The same surface in world space, f32.
+    /// Transforms the surface to world space, in f32.
     ///
     /// # Errors
-    /// Where the transform leaves nothing that could be hit.
+    /// No ray could hit the transformed surface.
     fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>>;
 }
 
-/// Where a surface has its detail, and how much of it.
+/// Position and density of a surface's detail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detail {
-    /// World space.
+    /// Centre of the detail in world space (m).
     pub middle: DVec3,
-    /// The number of primitives over the size of one (1/m).
+    /// Number of primitives divided by the size of one (1/m).
     pub density: f64,
 }
 
-/// A family of primitives in world space, addressed by index.
+/// Shape in world space: primitives of one kind, addressed by index.
 pub trait Shape: Send + Sync {
-    /// How many primitives.
+    /// Number of primitives.
     fn count(&self) -> u32;
 
+    /// Bounding box of primitive `i`.
     fn bounds(&self, i: u32) -> Aabb;
 
-    /// (m²)
+    /// Area of primitive `i` (m²); 0 if points on it cannot be sampled.
     fn area(&self, i: u32) -> f32;
 
-    /// The flat facets an accelerator may test in place of [`Shape::intersect`].
+    /// Flat facet of primitive `i`, which an accelerator may test instead of calling [`Shape::intersect`].
     fn facet(&self, i: u32) -> Facet;
 
-    /// The first hit with 0 < t < `ray.t_max`. Here: of the facets.
+    /// First hit with 0 < t < `ray.t_max`. The default tests the facet.
     fn intersect(&self, i: u32, ray: &Ray) -> Option<ShapeHit> {
         self.facet(i).intersect(ray)
     }
 
-    /// The surface where `ray` met primitive `i`.
+    /// Surface point at which `ray` hit primitive `i`.
     fn point(&self, i: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
 
-    /// ∂p/∂u and ∂p/∂v, how the point moves with its texture coordinates (m), where they tell: the grain of brushed metal.
+    /// Derivatives ∂p/∂u and ∂p/∂v of the position by the texture coordinates (m); `None` where they are not defined. They orient
+    /// anisotropic materials and normal maps.
     fn tangents(&self, _i: u32, _point: &SurfacePoint) -> Option<[Vec3; 2]> {
         None
     }
 
-    /// A point on primitive `i`, uniform by area unless a family says otherwise.
+    /// Samples a point on primitive `i`, uniformly by area unless the shape documents another density.
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf);
 
-    /// A point on primitive `i` for lighting `from`; here by area, converted.
+    /// Samples a point on primitive `i` that lights the point `from`, with its density by solid angle. The default samples by area.
     fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         let (point, pdf) = self.sample_area(i, u);
-        Some((point, seen_from(&point, pdf, from)?))
+        Some((point, area_to_solid_angle(&point, pdf, from)?))
     }
 
-    /// The density with which [`Shape::sample_from`] finds `point`, a point of primitive `i`, from `from`.
+    /// Density with which [`Shape::sample_from`] samples `point`, a point of primitive `i`, for the point `from`.
     fn pdf_from(&self, i: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
-        seen_from(point, AreaPdf::new(1.0 / self.area(i)), from).unwrap_or(SolidAnglePdf::ZERO)
+        area_to_solid_angle(point, AreaPdf::new(1.0 / self.area(i)), from).unwrap_or(SolidAnglePdf::ZERO)
     }
 
-    /// Which of the shape's materials primitive `i` has, where the hit's own coordinates are `uv`.
+    /// Index of the part of the shape, and so of its material, at the coordinates `uv` on primitive `i`.
     fn part(&self, _i: u32, _uv: Vec2) -> u32 {
         0
     }
 
-    /// How far `p` is at least from the surface, negative inside (m), and of which part it is the distance; where the
-    /// family knows it.
+    /// Lower bound of the distance from `p` to the surface, negative inside (m), and the index of the nearest part; `None` if the shape
+    /// does not know it.
     fn distance(&self, _p: DVec3) -> Option<(f64, u32)> {
         None
     }
 
-    /// Whether points on it can be drawn. Else its area counts as 0, and its light is found by chance.
+    /// Whether points on the shape can be sampled. Otherwise its area counts as 0, and paths find its light only by chance.
     fn is_sampled(&self) -> bool {
         true
     }
 
-    /// Whether normals are interpolated.
+    /// Whether shading normals are interpolated.
     fn has_shading_normals(&self) -> bool {
         false
     }
 
-    /// How far above primitive `i` lies the smooth surface for which it stands (m): at `point`, whose own
-    /// coordinates on the primitive are `uv`, along `ng`.
-    fn lift(&self, _i: u32, _uv: Vec2, _point: &SurfacePoint) -> f32 {
+    /// Height along `ng` of the smooth surface that primitive `i` represents (m), at `point` with the coordinates `uv` on the primitive.
+    fn shadow_terminator_offset(&self, _i: u32, _uv: Vec2, _point: &SurfacePoint) -> f32 {
         0.0
     }
 
-    /// Whether [`Shape::lift`] ever says more than 0.
-    fn has_lift(&self) -> bool {
+    /// Whether [`Shape::shadow_terminator_offset`] is above 0 anywhere.
+    fn has_shadow_terminator_offset(&self) -> bool {
         false
     }
 }
 
-/// Per area, seen from `from`: per solid angle. `None` where the surface is seen edge-on.
-fn seen_from(point: &SurfacePoint, pdf: AreaPdf, from: Vec3) -> Option<SolidAnglePdf> {
+/// Density by solid angle as seen from `from`, converted from a density by area; `None` if the surface is seen edge-on.
+fn area_to_solid_angle(point: &SurfacePoint, pdf: AreaPdf, from: Vec3) -> Option<SolidAnglePdf> {
     pdf.to_solid_angle((point.p - from).as_dvec3(), point.ng.as_dvec3())
 }
 
-/// A flat primitive, for accelerators.
+/// Flat form of a primitive, for accelerators.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Facet {
-    /// `uv` of a hit are the weights of the second and third corner.
+    /// Triangle. The `uv` of a hit are the barycentric weights of the second and third corner.
     Triangle([Vec3; 3]),
-    /// Corners a, b, c, d in turn; `uv` of a hit run along ab and ad.
+    /// Parallelogram with the corners a, b, c, d in turn. The `uv` of a hit run along ab and ad.
     Parallelogram([Vec3; 4]),
-    /// Not flat: ask [`Shape::intersect`].
+    /// No flat form: use [`Shape::intersect`].
     Curved,
 }
 
 impl Facet {
-    /// The triangles that make up the facet, and how barycentric weights become its `uv`.
-    pub fn triangles(&self) -> impl Iterator<Item = ([Vec3; 3], Fold)> {
+    /// Triangles of the facet, each with the mapping of its barycentric weights to the `uv` of the facet.
+    pub fn triangles(&self) -> impl Iterator<Item = ([Vec3; 3], FacetUv)> {
         let (first, second) = match *self {
-            Facet::Triangle(corners) => (Some((corners, Fold::Plain)), None),
-            Facet::Parallelogram([a, b, c, d]) => (Some(([a, b, c], Fold::Lower)), Some(([a, c, d], Fold::Upper))),
+            Facet::Triangle(corners) => (Some((corners, FacetUv::Triangle)), None),
+            Facet::Parallelogram([a, b, c, d]) => (Some(([a, b, c], FacetUv::QuadLower)), Some(([a, c, d], FacetUv::QuadUpper))),
             Facet::Curved => (None, None),
         };
         first.into_iter().chain(second)
     }
 
-    /// The nearest hit; where both triangles report the same t, the first.
+    /// Nearest hit; the first if both triangles report the same t.
     pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let hits = self.triangles().filter_map(|(corners, fold)| Some((triangle::intersect(ray, ray.t_max, corners)?, fold)));
-        hits.reduce(|best, hit| if hit.0.t < best.0.t { hit } else { best }).map(|(hit, fold)| ShapeHit { uv: fold.uv(hit.uv), ..hit })
+        let hits = self.triangles().filter_map(|(corners, facet_uv)| Some((triangle::intersect(ray, ray.t_max, corners)?, facet_uv)));
+        hits.reduce(|best, hit| if hit.0.t < best.0.t { hit } else { best })
+            .map(|(hit, facet_uv)| ShapeHit { uv: facet_uv.uv(hit.uv), ..hit })
     }
 }
 
-/// How the weights (w₁, w₂) of a triangle's second and third corner become a facet's `uv`.
+/// Mapping of the barycentric weights (w₁, w₂) of a triangle's second and third corner to the `uv` of a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fold {
-    Plain,
-    /// The triangle a, b, c of a parallelogram.
-    Lower,
-    /// The triangle a, c, d of a parallelogram.
-    Upper,
+pub enum FacetUv {
+    /// Triangle: uv = (w₁, w₂).
+    Triangle,
+    /// Triangle a, b, c of a parallelogram: uv = (w₁ + w₂, w₂).
+    QuadLower,
+    /// Triangle a, c, d of a parallelogram: uv = (w₁, w₁ + w₂).
+    QuadUpper,
 }
 
-impl Fold {
+impl FacetUv {
+    /// `uv` for the weights `w`.
     pub fn uv(self, w: Vec2) -> Vec2 {
         match self {
-            Fold::Plain => w,
-            Fold::Lower => Vec2::new(w.x + w.y, w.y),
-            Fold::Upper => Vec2::new(w.x, w.x + w.y),
+            FacetUv::Triangle => w,
+            FacetUv::QuadLower => Vec2::new(w.x + w.y, w.y),
+            FacetUv::QuadUpper => Vec2::new(w.x, w.x + w.y),
         }
     }
 }
 
-/// Where on a primitive a ray ends.
+/// Hit of a ray with a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeHit {
-    /// (m)
+    /// Ray parameter (m).
     pub t: f32,
-    /// The family's own coordinates on the primitive.
+    /// Coordinates on the primitive, as defined by the kind of shape.
     pub uv: Vec2,
 }
 
-/// A point on a surface, with how well it is known.
+/// Point on a surface with its error bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
+    /// Position (m).
     pub p: Vec3,
-    /// How far from `p` along ±`ng` a ray must start to be surely beside the surface (m): [`offset_bound`].
+    /// Distance from `p` along ±`ng` at which rays start, so that they are surely off the surface (m): see [`offset_bound`].
     pub offset: f32,
-    /// Geometric normal, unit, to the outside.
+    /// Unit geometric normal, pointing outwards.
     pub ng: Vec3,
-    /// Shading normal, unit, on the side of `ng`.
+    /// Unit shading normal, on the side of `ng`.
     pub ns: Vec3,
     /// Texture coordinates.
     pub uv: Vec2,
-    /// The colour that a mesh has at its vertices, interpolated; white where there are none.
+    /// Interpolated vertex colour of a mesh; white if there is none.
     pub color: VertexColor,
 }
 
-/// A linear colour with opacity, each from 0 to 1 in steps of 1/65535: a point on a surface stays small.
+/// Linear colour and opacity, each from 0 to 1 in steps of 1/65535, which keeps [`SurfacePoint`] small.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VertexColor([u16; 4]);
 
 impl VertexColor {
+    /// Opaque white.
     pub const WHITE: VertexColor = VertexColor([u16::MAX; 4]);
 
-    /// - `rgba`: from 0 to 1; what is beyond counts as the nearer of the two
+    /// Colour from red, green, blue and opacity, clamped to [0, 1].
     pub fn new(rgba: Vec4) -> VertexColor {
         VertexColor(rgba.to_array().map(|c| (c * f32::from(u16::MAX)).round() as u16))
     }
@@ -223,24 +229,23 @@ impl VertexColor {
     }
 }
 
-/// `n`, bent towards the direction `w` where its cosine to it is below `least`: to that cosine, about.
-///
-/// - `n`, `w`: unit
-/// - a unit vector; `n` where there is nothing to bend it in
+/// The unit vector `n` bent towards the unit vector `w`, so that their cosine is at least about `least`. Returns `n` if no bending is
+/// needed or possible.
 pub fn bent(n: Vec3, w: Vec3, least: f32) -> Vec3 {
     let cos = n.dot(w);
     if cos >= least { n } else { (n + w * (least - cos)).try_normalize().unwrap_or(n) }
 }
 
-/// The distance that separates a spawned ray from its surface: 32·2⁻²⁴ · Σ |nᵢ|·max|vᵢ|  (m)
+/// Distance between the origin of a spawned ray and its surface: 32·2⁻²⁴ · Σ |nᵢ|·max|vᵢ|  (m)
 ///
-/// - `n`: the geometric normal; `magnitude`: the largest |coordinate| of the primitive, per axis
+/// - `n`: geometric normal
+/// - `magnitude`: greatest |coordinate| of the primitive on each axis
 ///
-/// A few roundings of each coordinate (about 8 in the worst interpolation here), projected on the
-/// normal, with a factor 4 to spare; proportional to the coordinates, so that it scales exactly.
+/// The bound covers the roundings of each coordinate (about 8 in the worst interpolation), projected on the normal, with a safety
+/// factor of 4. It is proportional to the coordinates, so that it scales exactly with the scene.
 ///
-/// Source: the bound of reliability measurements against Wächter and Binder (*A Fast and Robust Method
-/// for Avoiding Self-Intersection*, Ray Tracing Gems, 2019); nine times smaller, no false hit in 10⁷.
+/// Compare: Wächter and Binder, *A Fast and Robust Method for Avoiding Self-Intersection* (Ray Tracing Gems, 2019). This bound is nine
+/// times smaller than theirs and gave no false hit in 10⁷ rays.
 /// Tests: no_self_hits, scale_is_exact.
 pub fn offset_bound(n: Vec3, magnitude: Vec3) -> f32 {
     32.0 * f32::EPSILON * 0.5 * n.abs().dot(magnitude)

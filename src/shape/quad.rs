@@ -1,4 +1,4 @@
-//! Parallelograms: a rectangle, transformed.
+//! Rectangles, which a transform may map to parallelograms.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -6,10 +6,10 @@ use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, offset_
 use crate::error::{Error, Fault, Result};
 use crate::math::{Aabb, AreaPdf, Ray, Transform};
 
-/// The rectangle |x| ≤ w/2, |y| ≤ h/2 in the plane z = 0; its normal is +z.
+/// Rectangle |x| ≤ w/2, |y| ≤ h/2 in the plane z = 0 with the normal +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quad {
-    /// Full width w and height h (m).
+    /// Width w and height h (m).
     pub size: [f64; 2],
 }
 
@@ -31,7 +31,7 @@ impl Geometry for Quad {
     }
 }
 
-/// Corners a, b, c, d in turn; u runs along ab, v along ad.
+/// Parallelogram with the corners a, b, c, d in turn; u runs along ab and v along ad.
 pub(super) struct Parallelogram {
     corners: [Vec3; 4],
     ng: Vec3,
@@ -40,15 +40,15 @@ pub(super) struct Parallelogram {
 }
 
 impl Parallelogram {
-    /// The normal is that of a counter-clockwise turn a, b, c, d, or its opposite where the corners were mirrored.
+    /// A parallelogram whose corners are counter-clockwise seen from outside, or clockwise if `is_mirrored`.
     ///
-    /// - `what`: it is, or is a part of
+    /// - `what`: name of the shape in error messages
     ///
     /// # Errors
-    /// `Invalid` where rounding leaves nothing of it.
+    /// `Invalid` if the area is 0 after rounding.
     pub(super) fn new(what: &str, corners: [DVec3; 4], is_mirrored: bool) -> Result<Parallelogram> {
         let corners = corners.map(|c| c.as_vec3());
-        // Of the corners as they are hit: rounding may leave nothing of a small quad in a large scene.
+        // The area of the rounded corners, which rays hit, may be 0 for a small quad in a large scene.
         let [a, b, _, d] = corners.map(|c| c.as_dvec3());
         let cross = (b - a).cross(d - a);
         let flat = || Error::invalid(Fault::new(format!("a {what} is too small to be hit in a scene this large")));

@@ -1,17 +1,17 @@
-//! Spheres and, transformed, ellipsoids.
+//! Spheres, which a transform may stretch to ellipsoids.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
-use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, offset_bound, seen_from};
+use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, offset_bound};
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Frame, Ray, SolidAnglePdf, Transform, float, warp};
 
-/// The sphere x² + y² + z² = r² around the origin.
+/// Sphere x² + y² + z² = r² around the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// (m)
+    /// Radius r (m).
     pub radius: f64,
 }
 
@@ -36,14 +36,14 @@ impl Sphere {
             linear,
             inverse: to_world.inverse().matrix().matrix3 * (1.0 / self.radius),
             reach,
-            radius: round(linear),
+            radius: uniform_radius(linear),
             area: surface_area(linear),
         }
     }
 }
 
-/// The common length of the columns where they are orthogonal and equally long (to f32 precision).
-fn round(linear: DMat3) -> Option<f64> {
+/// Common length of the columns if they are orthogonal and equally long (to f32 precision).
+fn uniform_radius(linear: DMat3) -> Option<f64> {
     let square = linear.transpose() * linear;
     let r2 = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
     let near = |m: DVec3, e: DVec3| (m - e * r2).abs().max_element() <= r2 * f32::EPSILON as f64;
@@ -51,9 +51,9 @@ fn round(linear: DMat3) -> Option<f64> {
     is_round.then(|| r2.sqrt())
 }
 
-/// ∫ |det M|·|M⁻ᵀn| dn over the unit sphere: 4π r² where it is round, else by the midpoint rule.
+/// Area ∫ |det M|·|M⁻ᵀn| dn over the unit sphere: 4π r² for a sphere, otherwise by the midpoint rule.
 fn surface_area(linear: DMat3) -> f64 {
-    if let Some(r) = round(linear) {
+    if let Some(r) = uniform_radius(linear) {
         return 4.0 * PI * r * r;
     }
     const N: usize = 256;
@@ -68,26 +68,26 @@ fn surface_area(linear: DMat3) -> f64 {
     sum * 4.0 * PI / (2 * N * N) as f64
 }
 
-/// World area per area of the unit sphere at the normal `n`: |det M| · |M⁻ᵀ n|, the length of the cofactor's column.
+/// World area per area of the unit sphere at the normal `n`: |det M| · |M⁻ᵀ n|, the length of the cofactor matrix times n.
 fn stretch(linear: DMat3, n: DVec3) -> f64 {
     let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
     (y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z).length()
 }
 
-/// The image of the unit sphere under p ↦ center + linear·p. In f64: curved shapes are few, and exact.
+/// Image of the unit sphere under p ↦ center + linear·p, in f64 because curved shapes are few.
 struct Ellipsoid {
     center: DVec3,
     linear: DMat3,
     inverse: DMat3,
-    /// Half the box around it.
+    /// Half the size of the bounding box.
     reach: DVec3,
-    /// Where it is a sphere.
+    /// Radius if it is a sphere.
     radius: Option<f64>,
     area: f64,
 }
 
 impl Ellipsoid {
-    /// The surface at the point `n` of the unit sphere.
+    /// Surface point for the point `n` of the unit sphere.
     fn at(&self, n: DVec3) -> SurfacePoint {
         let ng = (self.inverse.transpose() * n).normalize().as_vec3();
         let p = (self.center + self.linear * n).as_vec3();
@@ -106,10 +106,10 @@ impl Ellipsoid {
         }
     }
 
-    /// The cone that the sphere fills, seen from `p` outside of it.
+    /// Cone of directions that the sphere covers, seen from `p`; `None` for an ellipsoid or if `p` is not outside.
     ///
-    /// Outside by more than rounding: a point of the inside may have been rounded to the outside, from
-    /// where all the light that it sees would be out of sight.
+    /// The point must be outside by more than the rounding error, because a point of the inside that was rounded to the outside would
+    /// not see the light that it should.
     fn cone(&self, p: Vec3) -> Option<Cone> {
         let radius = self.radius?;
         let line = p.as_dvec3() - self.center;
@@ -121,8 +121,9 @@ impl Ellipsoid {
     }
 }
 
+/// Cone of directions that a sphere covers.
 struct Cone {
-    /// From the centre to the viewer, unit.
+    /// Unit direction from the centre of the sphere to the viewer.
     axis: DVec3,
     distance: f64,
     radius: f64,
@@ -131,12 +132,12 @@ struct Cone {
 }
 
 impl Cone {
-    /// 1 / Ω, Ω = 2π (1 − cos θ).
+    /// Density 1 / Ω with Ω = 2π (1 − cos θ).
     fn pdf(&self) -> SolidAnglePdf {
         SolidAnglePdf::new((1.0 / (TAU * self.one_minus_cos)) as f32)
     }
 
-    /// The normal of the near side where a direction uniform in the cone meets the sphere.
+    /// Normal on the near side where a sampled direction, uniform in the cone, hits the sphere.
     fn normal(&self, u: Vec2) -> DVec3 {
         let one_minus_cos = self.one_minus_cos * u.x as f64;
         let (cos, sin2) = (1.0 - one_minus_cos, one_minus_cos * (2.0 - one_minus_cos));
@@ -168,9 +169,9 @@ impl Shape for Ellipsoid {
         Facet::Curved
     }
 
-    /// |o + t d| = 1 in the sphere's own space: t = m ± √((1 − |o + m d|²)/d²), m = −o·d/d².
+    /// Solves |o + t d| = 1 in the space of the unit sphere: t = m ± √((1 − |o + m d|²)/d²) with m = −o·d/d².
     ///
-    /// The distance of the line from the centre is formed first: o² − 1 would lose a small sphere far away.
+    /// The distance of the line from the centre is computed first, because o² − 1 loses the digits of a small sphere far away.
     ///
     /// Source: Haines, Günther, Akenine-Möller, *Precision Improvements for Ray/Sphere Intersection* (2019).
     fn intersect(&self, _: u32, ray: &Ray) -> Option<ShapeHit> {
@@ -192,7 +193,7 @@ impl Shape for Ellipsoid {
         self.at((self.inverse * (p - self.center)).normalize())
     }
 
-    /// Along the circles of latitude and of longitude; the poles have none.
+    /// Tangents along the circles of latitude and longitude; `None` at the poles.
     fn tangents(&self, _: u32, point: &SurfacePoint) -> Option<[Vec3; 2]> {
         let n = self.inverse * (point.p.as_dvec3() - self.center);
         let sine = n.truncate().length();
@@ -201,17 +202,17 @@ impl Shape for Ellipsoid {
         (sine > 0.0).then(|| [along(east), along(south)])
     }
 
-    /// Uniform on the unit sphere; its image is denser where it is stretched less.
+    /// Samples the unit sphere uniformly. The density on an ellipsoid is higher where the sphere is stretched less.
     fn sample_area(&self, _: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         let n = warp::uniform_sphere(u).as_dvec3().normalize();
         (self.at(n), AreaPdf::new((1.0 / (4.0 * PI * stretch(self.linear, n))) as f32))
     }
 
-    /// From outside a sphere: uniform in the cone of directions that it fills, so that no sample is wasted.
+    /// From outside a sphere, samples uniformly in the cone of directions that it covers, so that no sample is wasted.
     fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         let Some(cone) = self.cone(from) else {
             let (point, pdf) = self.sample_area(i, u);
-            return Some((point, seen_from(&point, pdf, from)?));
+            return Some((point, area_to_solid_angle(&point, pdf, from)?));
         };
         let world = cone.normal(u);
         Some((self.at((self.inverse * world).normalize()), cone.pdf()))
@@ -223,6 +224,6 @@ impl Shape for Ellipsoid {
         }
         let n = (self.inverse * (point.p.as_dvec3() - self.center)).normalize();
         let pdf = AreaPdf::new((1.0 / (4.0 * PI * stretch(self.linear, n))) as f32);
-        seen_from(point, pdf, from).unwrap_or(SolidAnglePdf::ZERO)
+        area_to_solid_angle(point, pdf, from).unwrap_or(SolidAnglePdf::ZERO)
     }
 }

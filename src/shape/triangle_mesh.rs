@@ -8,16 +8,18 @@ use super::{Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, Ve
 use crate::error::{Error, Fault, Result};
 use crate::math::{Aabb, AreaPdf, Ray, Transform, warp};
 
-/// A mesh in its own space.
+/// Triangle mesh in object space.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
+    /// Vertices and triangles.
     pub data: Arc<MeshData>,
-    /// Whether light leaves from the smooth surface that the normals tell of, not from the facets: [`Shape::lift`].
+    /// Whether rays start on the smooth surface that the normals describe instead of the facets, see
+    /// [`Shape::shadow_terminator_offset`].
     pub smooth_shadows: bool,
 }
 
 impl TriangleMesh {
-    /// As light meets its facets.
+    /// A mesh whose rays start on its facets.
     pub fn new(data: MeshData) -> TriangleMesh {
         TriangleMesh { data: Arc::new(data), smooth_shadows: false }
     }
@@ -30,7 +32,8 @@ impl Geometry for TriangleMesh {
         corners.fold(empty, |(min, max), p| (min.min(p), max.max(p)))
     }
 
-    /// In the median of the vertices, which a few far away do not move; n triangles over the extent e are about e/√n large.
+    /// Centre and density of the detail. The centre is the median of the vertices, which a few far vertices do not move. The size of
+    /// one of n triangles with the extent e is estimated as e/√n.
     fn detail(&self, to_world: &Transform) -> Detail {
         let (min, max) = self.bounds(to_world);
         let mut places: Vec<DVec3> = self.data.positions.iter().map(|p| to_world.point(p.as_dvec3())).collect();
@@ -65,7 +68,7 @@ impl Geometry for TriangleMesh {
     }
 }
 
-/// The median coordinate of some points along an axis; 0 of none. The points are put into another order.
+/// Median coordinate of some points along an axis; 0 if there are none. Changes the order of the points.
 fn median(places: &mut [DVec3], axis: usize) -> f64 {
     let half = places.len() / 2;
     if half == places.len() {
@@ -77,10 +80,10 @@ fn median(places: &mut [DVec3], axis: usize) -> f64 {
     if is_even { 0.5 * below + 0.5 * middle[axis] } else { middle[axis] }
 }
 
-/// The triangle wound so that its geometric normal points to the outside.
+/// Triangle with the winding for which its geometric normal points outwards.
 ///
-/// A mirroring transform turns every triangle inside out. Where the vertex normals say otherwise
-/// than the winding, they win: they are what was modelled with care.
+/// A mirroring transform reverses the winding of every triangle. Where vertex normals and winding disagree, the vertex normals decide,
+/// because they are more often correct.
 fn outward([a, b, c]: [u32; 3], mirrored: bool, positions: &[Vec3], normals: &[Vec3]) -> [u32; 3] {
     let wound = if mirrored { [a, c, b] } else { [a, b, c] };
     let modelled: Vec3 = if normals.is_empty() { Vec3::ZERO } else { wound.iter().map(|&v| normals[v as usize]).sum() };
@@ -88,40 +91,42 @@ fn outward([a, b, c]: [u32; 3], mirrored: bool, positions: &[Vec3], normals: &[V
     if against { [wound[0], wound[2], wound[1]] } else { wound }
 }
 
+/// Triangle mesh in world space.
 struct BakedMesh {
     positions: Vec<Vec3>,
-    /// Empty, or one per position; zero where the surface is flat.
+    /// Empty, or one per position; a zero vector marks a flat surface.
     normals: Vec<Vec3>,
     /// Empty, or one per position.
     uvs: Vec<Vec2>,
     /// Empty, or one per position.
     colors: Vec<Vec4>,
     triangles: Vec<[u32; 3]>,
-    /// One past the last triangle of each part.
+    /// Index after the last triangle of each part.
     part_ends: Vec<u32>,
     smooth_shadows: bool,
 }
 
-/// Of the cosine by which a facet faces the viewer, what its shading normal has of it at least.
-const LEAST_FACING: f32 = 2.0 / 3.0;
+/// Least cosine between a shading normal and the view direction, relative to that of the facet's normal.
+const MIN_FACING: f32 = 2.0 / 3.0;
 
 impl BakedMesh {
     fn corners(&self, i: u32) -> [Vec3; 3] {
         self.triangles[i as usize].map(|v| self.positions[v as usize])
     }
 
-    /// The surface at the weights `w` of the second and third corner.
+    /// Surface point at the barycentric weights `w` of the second and third corner.
     fn at(&self, i: u32, w: Vec2) -> SurfacePoint {
         let [a, b, c] = self.corners(i);
         let ng = triangle::normal([a, b, c]).unwrap_or(Vec3::Z);
         let p = a * (1.0 - w.x - w.y) + b * w.x + c * w.y;
-        let uv = if self.uvs.is_empty() { w } else { self.blend(&self.uvs, i, w) };
+        let uv = if self.uvs.is_empty() { w } else { self.interpolate(&self.uvs, i, w) };
         let offset = offset_bound(ng, a.abs().max(b.abs()).max(c.abs()));
-        let color = if self.colors.is_empty() { VertexColor::WHITE } else { VertexColor::new(self.blend(&self.colors, i, w)) };
+        let color = if self.colors.is_empty() { VertexColor::WHITE } else { VertexColor::new(self.interpolate(&self.colors, i, w)) };
         SurfacePoint { p, offset, ng, ns: self.shading_normal(i, w, ng), uv, color }
     }
 
-    fn blend<T>(&self, values: &[T], i: u32, w: Vec2) -> T
+    /// Interpolates vertex values.
+    fn interpolate<T>(&self, values: &[T], i: u32, w: Vec2) -> T
     where
         T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
     {
@@ -129,12 +134,12 @@ impl BakedMesh {
         a * (1.0 - w.x - w.y) + b * w.x + c * w.y
     }
 
-    /// Interpolated; `ng` where the mesh has none here, or where interpolation leaves the side of `ng`.
+    /// Interpolated normal; `ng` if the triangle has no vertex normals or the interpolated normal is on the other side of `ng`.
     fn shading_normal(&self, i: u32, w: Vec2, ng: Vec3) -> Vec3 {
         if self.normals.is_empty() || self.triangles[i as usize].iter().any(|&v| self.normals[v as usize] == Vec3::ZERO) {
             return ng;
         }
-        self.blend(&self.normals, i, w).try_normalize().filter(|n| n.dot(ng) > 0.0).unwrap_or(ng)
+        self.interpolate(&self.normals, i, w).try_normalize().filter(|n| n.dot(ng) > 0.0).unwrap_or(ng)
     }
 }
 
@@ -155,10 +160,12 @@ impl Shape for BakedMesh {
         Facet::Triangle(self.corners(i))
     }
 
-    /// At the outline of a coarse mesh facets are seen whose interpolated normal faces away already: nothing could be reflected there,
-    /// or to nowhere but below the facet, and a black fringe would show. The normal is bent towards the viewer until it faces him two
-    /// thirds as much as the facet does: his mirror image about it is then above the facet as long as the two normals are within 41°
-    /// of each other. What comes of it is a function of the ray and the point alone, whoever looks for the light.
+    /// Surface point whose shading normal is bent towards the viewer where it faces away.
+    ///
+    /// At the outline of a coarse mesh, facets are visible whose interpolated normal already faces away from the viewer. They could
+    /// reflect no light except below the facet, and a black fringe would show. The normal is bent towards the viewer until its cosine is
+    /// two thirds of that of the facet's normal. The mirror direction of the viewer is then above the facet as long as the two normals are
+    /// within 41° of each other. The result depends on the ray and the point alone, so that all techniques see the same normal.
     ///
     /// Tests: outlines_have_no_fringe.
     fn point(&self, i: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
@@ -168,14 +175,14 @@ impl Shape for BakedMesh {
         }
         let facing = -point.ng.dot(ray.direction);
         let seen = -ray.direction * 1f32.copysign(facing);
-        SurfacePoint { ns: bent(point.ns, seen, LEAST_FACING * facing.abs()), ..point }
+        SurfacePoint { ns: bent(point.ns, seen, MIN_FACING * facing.abs()), ..point }
     }
 
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         (self.at(i, warp::triangle(u)), AreaPdf::new(1.0 / self.area(i)))
     }
 
-    /// p = p₀ + u ∂p/∂u + v ∂p/∂v at the corners, solved for both.
+    /// Solves p = p₀ + u ∂p/∂u + v ∂p/∂v at the corners for both derivatives.
     fn tangents(&self, i: u32, _: &SurfacePoint) -> Option<[Vec3; 2]> {
         let [a, b, c] = self.corners(i).map(|p| p.as_dvec3());
         let (ab, ac) = (b - a, c - a);
@@ -196,32 +203,33 @@ impl Shape for BakedMesh {
         !self.normals.is_empty()
     }
 
-    fn lift(&self, i: u32, w: Vec2, point: &SurfacePoint) -> f32 {
+    fn shadow_terminator_offset(&self, i: u32, w: Vec2, point: &SurfacePoint) -> f32 {
         let normals = self.triangles[i as usize].map(|v| self.normals[v as usize]);
-        if normals.contains(&Vec3::ZERO) { 0.0 } else { smooth_lift(self.corners(i), normals, w, point) }
+        if normals.contains(&Vec3::ZERO) { 0.0 } else { terminator_offset(self.corners(i), normals, w, point) }
     }
 
-    fn has_lift(&self) -> bool {
+    fn has_shadow_terminator_offset(&self) -> bool {
         self.smooth_shadows
     }
 }
 
-/// The height along `ng` at which a ray, starting into any direction above its shading normal's horizon, clears the facets.
+/// Height along `ng` at which a ray into any direction above the horizon of the shading normal clears the facets.
 ///
 /// h = Σ wₖ max(0, nₖ·(vₖ − p)) / max(½, ng · Σ wₖ nₖ)                (m)
 ///
-/// - `corners` vₖ, `normals` nₖ: with weights (1 − w₁ − w₂, w₁, w₂) at the point p; Σ wₖ nₖ is the shading normal, unscaled
-/// - 0 where the surface is flat or concave: facets do not hide there what the smooth surface would see
-/// - at most twice the mean distance to the corners: normals more than 60° from `ng` tell of no surface over this facet
+/// - `corners` vₖ and `normals` nₖ have the weights (1 − w₁ − w₂, w₁, w₂) at the point p; Σ wₖ nₖ is the shading normal, not normalized
+/// - the height is 0 where the surface is flat or concave, because facets there hide nothing that the smooth surface sees
+/// - the height is at most twice the mean distance to the corners, because normals more than 60° from `ng` do not describe a surface
+///   over this facet
 ///
-/// nₖ·(x − vₖ) = 0 is the tangent plane at a corner. The plane through p + h ng across the shading normal
-/// is their mean, Σ wₖ nₖ·(x − vₖ) = 0: a mesh that lies behind each of its tangent planes, as a convex one does,
-/// lies behind this one too, coarse as it may be. On a sphere that is twice the height of the sphere itself.
+/// nₖ·(x − vₖ) = 0 is the tangent plane at a corner. The plane through p + h ng perpendicular to the shading normal is their weighted
+/// mean, Σ wₖ nₖ·(x − vₖ) = 0. A convex mesh lies behind each of its tangent planes and therefore also behind this plane, however coarse
+/// it is. On a sphere the height is twice that of the sphere itself.
 ///
 /// Source: Hanika, *Hacking the Shadow Terminator* (Ray Tracing Gems II, 2021), whose point is moved by
-/// Σ wₖ max(0, nₖ·(vₖ − p)) nₖ: all but the same for fine meshes; of coarse ones some rays still meet their own facets.
+/// Σ wₖ max(0, nₖ·(vₖ − p)) nₖ. That is nearly the same for fine meshes, but on coarse ones some rays still hit their own facets.
 /// Tests: lifted_rays_clear_a_convex_mesh, smooth_cylinder.
-fn smooth_lift(corners: [Vec3; 3], normals: [Vec3; 3], w: Vec2, point: &SurfacePoint) -> f32 {
+fn terminator_offset(corners: [Vec3; 3], normals: [Vec3; 3], w: Vec2, point: &SurfacePoint) -> f32 {
     let weights = [1.0 - w.x - w.y, w.x, w.y];
     let (mut depth, mut slant) = (0.0, 0.0);
     for ((v, n), w) in corners.into_iter().zip(normals).zip(weights) {

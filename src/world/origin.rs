@@ -1,7 +1,7 @@
-//! The choice of the point around which a scene's coordinates are stored.
+//! Choice of the origin of a scene's stored coordinates.
 //!
-//! Coordinates in f32 are the finer, the nearer they are to it: it belongs where the scene is finest. The middle of the box
-//! around everything would be drawn away by a large ground or a single far lamp.
+//! Coordinates in f32 are most precise near the origin, so it belongs where the scene has its finest detail. A large ground or a single
+//! far lamp would move the centre of the bounding box away from there.
 
 use std::cmp::Ordering;
 
@@ -9,12 +9,12 @@ use glam::DVec3;
 
 use crate::shape::Detail;
 
-/// The median of the details' middles, axis by axis, each weighted by its density. Where two places divide the weight in half, the
-/// point between them that is nearest to the camera; the camera itself where there are no details.
+/// Weighted median of the centres of the details, separately for each axis, with their densities as weights. If all points of an
+/// interval are medians, the one nearest to the camera; the camera if there are no details.
 ///
-/// A lone far object moves it to the next detail at most, unless it weighs as much as all others together. The weights are rounded
-/// down to powers of two, and what is less than 2⁻⁶⁴ of the greatest counts as nothing: their sums are whole numbers and exact, so
-/// that two objects of the same size on both sides change nothing, in whatever order all are listed.
+/// A single far object moves the median to the next detail at most, unless it weighs as much as all others together. The weights are
+/// rounded down to powers of two, and weights below 2⁻⁶⁴ of the greatest count as 0. Their sums are exact whole numbers, so that the
+/// order of the objects has no influence and two equal objects on opposite sides cancel exactly.
 pub fn of(details: impl Iterator<Item = Detail>, eye: DVec3) -> DVec3 {
     let details: Vec<Detail> = details.collect();
     let greatest = details.iter().map(|detail| exponent(detail.density)).max().unwrap_or(0);
@@ -23,13 +23,13 @@ pub fn of(details: impl Iterator<Item = Detail>, eye: DVec3) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|axis| median(weighted.iter().map(|(p, weight)| (p[axis], *weight)).collect(), eye[axis])))
 }
 
-/// The exponent of a positive number of normal size: log₂, rounded down, plus a constant.
+/// Exponent of a positive normal number: log₂, rounded down, plus a constant.
 fn exponent(x: f64) -> i32 {
     (x.to_bits() >> 52) as i32
 }
 
-/// The place below and above which less than half of the weight lies; of a gap with half of it on each side, the point nearest to
-/// `eye`.
+/// Weighted median: the position with less than half of the weight on each side. If half of the weight lies on each side of a gap, the
+/// point of the gap that is nearest to `eye`.
 fn median(mut places: Vec<(f64, u128)>, eye: f64) -> f64 {
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: u128 = places.iter().map(|(_, weight)| weight).sum();
@@ -72,7 +72,7 @@ mod tests {
         }
     }
 
-    /// The order of the objects is of no influence, and twice the scene has its origin twice as far away.
+    /// The order of the objects has no influence, and a scene of twice the size has its origin twice as far away.
     #[test]
     fn the_origin_depends_on_the_scene_alone() {
         let scene = [detail(3.0, 1.0), detail(-7.0, 1.0), detail(0.1, 4.0), detail(5.0, 0.3)];

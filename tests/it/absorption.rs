@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
-use pt::bsdf::microfacet::finish::{Alpha, Finish, alpha};
+use pt::bsdf::microfacet::roughness::{Alpha, Roughness, alpha};
 use pt::bsdf::{Bsdf, Element, Lobe, Material, ThinDielectric, TransportMode, textured};
 use pt::light::{Environment, Light};
 use pt::math::fresnel::{conductor, dielectric};
@@ -103,8 +103,8 @@ fn thin_plate() {
 /// A ball of radius 1 in light of radiance 1 from all around, seen from outside through its middle.
 fn in_white_light(name: String, material: Material, radiance: f64) -> Law {
     let mut world = World::builder(probe(DVec3::new(0.0, 0.0, 4.0), DVec3::new(0.0, 0.0, 1.0)));
-    let worn = world.material(material);
-    world.shape(Sphere { radius: 1.0 }, at(DVec3::ZERO), worn, None);
+    let material = world.material(material);
+    world.shape(Sphere { radius: 1.0 }, at(DVec3::ZERO), material, None);
     world.light(Light::Environment(Environment { radiance: Spectrum::ONE }));
     Law::new(name, world, radiance, Depth { max: 1000, roulette: 8 })
 }
@@ -122,8 +122,8 @@ fn glass_absorbs_by_the_way() {
     confirm([(1.0, 0.5), (1.5, 0.5), (1.5, 0.05), (2.42, 0.9)].map(row).into(), Effort::Quick);
 }
 
-fn round(alpha: f32, distribution: Distribution) -> Finish {
-    Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution }
+fn round(alpha: f32, distribution: Distribution) -> Roughness {
+    Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution }
 }
 
 /// White metal and clear frosted glass cannot be told from the light around them: M4 for whole paths, with radiance
@@ -151,7 +151,7 @@ fn rough_bodies_vanish_in_white_light() {
 /// The grain of brushed metal runs along the first texture coordinate, wherever a shape is turned to.
 #[test]
 fn grain_follows_the_texture() {
-    let finish = Finish { alpha: Alpha::Constant(alpha(0.5, 0.8)), distribution: Distribution::Ggx };
+    let finish = Roughness { alpha: Alpha::Constant(alpha(0.5, 0.8)), distribution: Distribution::Ggx };
     let (eta, k) = Element::Fe.index();
     let brushed = || Material::metal((eta, k), Some(finish.clone()), false);
     let turn = Transform::rotate(DVec3::Z, 30.0).expect("an axis");
@@ -173,22 +173,22 @@ fn grain_follows_the_texture() {
     };
     let seen = |add: &dyn Fn(&mut pt::world::WorldBuilder, pt::world::MaterialId)| {
         let mut world = World::builder(probe(DVec3::Z, DVec3::ZERO));
-        let worn = world.material(brushed());
-        add(&mut world, worn);
+        let material = world.material(brushed());
+        add(&mut world, material);
         look(world)
     };
     let frames = [
-        (seen(&|world, worn| world.shape(Quad { size: [2.0, 3.0] }, turn, worn, None)), x),
-        (seen(&|world, worn| world.shape(Disk { radius: 1.0 }, turn, worn, None)), x),
-        (seen(&|world, worn| world.shape(TriangleMesh::new(plain.clone()), turn, worn, None)), x),
-        (seen(&|world, worn| world.shape(TriangleMesh::new(flipped.clone()), turn, worn, None)), Vec3::Z.cross(x)),
+        (seen(&|world, material| world.shape(Quad { size: [2.0, 3.0] }, turn, material, None)), x),
+        (seen(&|world, material| world.shape(Disk { radius: 1.0 }, turn, material, None)), x),
+        (seen(&|world, material| world.shape(TriangleMesh::new(plain.clone()), turn, material, None)), x),
+        (seen(&|world, material| world.shape(TriangleMesh::new(flipped.clone()), turn, material, None)), Vec3::Z.cross(x)),
     ];
     for (frame, grain) in frames {
         assert!((frame.x - grain).length() < 1e-6 && frame.z == Vec3::Z, "{frame:?} but {grain}");
     }
     // On a sphere, circles of latitude about its z axis.
     let standing = Transform::rotate(DVec3::X, -90.0).expect("an axis");
-    let frame = seen(&|world, worn| world.shape(Sphere { radius: 1.0 }, standing, worn, None));
+    let frame = seen(&|world, material| world.shape(Sphere { radius: 1.0 }, standing, material, None));
     assert!(frame.x.y.abs() < 1e-6 && (frame.x.length() - 1.0).abs() < 1e-6 && frame.x.dot(frame.z).abs() < 1e-6, "{frame:?}");
 }
 

@@ -1,10 +1,10 @@
 //! Error bars: the interval that a picture states holds its true error as often as it says.
 
 use glam::UVec2;
-use pt::film::{Block, Film, FilmSpec, Image, MomentFilm, Moments, Wave};
+use pt::film::{Film, FilmSpec, Image, MomentFilm, Moments, PixelSums, Wave};
 use pt::math::Spectrum;
 use pt::measure::{Distance, RelativeError};
-use pt::sampler::Spread;
+use pt::sampler::ErrorEstimator;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 use crate::random::Random;
@@ -18,7 +18,7 @@ type Kind = (&'static str, f64, fn(&mut Random) -> f64);
 struct Noise {
     /// One sample of mean 1.
     draw: fn(&mut Random) -> f64,
-    spread: Spread,
+    error_estimator: ErrorEstimator,
     samples: u64,
 }
 
@@ -29,8 +29,8 @@ fn truth(i: u32) -> f64 {
 impl Noise {
     fn taken(&self, seed: u64) -> MomentFilm {
         let mut random = Random::new(seed);
-        let k = u64::from(self.spread.sequences());
-        let mut block = Block::with_capacity(self.spread, (EDGE * EDGE) as usize);
+        let k = u64::from(self.error_estimator.sequences());
+        let mut block = PixelSums::with_capacity(self.error_estimator, (EDGE * EDGE) as usize);
         for i in 0..EDGE * EDGE {
             let mut sample = |_| Moments::of(Spectrum::gray((truth(i) * (self.draw)(&mut random)) as f32));
             let mut sequence = |_| (0..self.samples / k).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample");
@@ -43,7 +43,7 @@ impl Noise {
 }
 
 /// The next pixel; the order of its samples is of no matter here.
-fn push(block: &mut Block, sequences: &[Moments]) {
+fn push(block: &mut PixelSums, sequences: &[Moments]) {
     block.push(sequences, sequences.iter().fold([0.0; 2], |sum, moments| Moments::join_gray(sum, &moments.gray)));
 }
 
@@ -67,16 +67,16 @@ fn intervals_hold_the_true_error() {
     let kinds: [Kind; 3] = [("uniform", 3f64.sqrt().recip(), uniform), ("exponential", 1.0, exponential), ("one in ten", 3.0, rare)];
     let reference = exact();
     for (name, deviation, draw) in kinds {
-        for (spread, samples) in [
-            (Spread::Samples, 16),
-            (Spread::Samples, 64),
-            (Spread::Samples, 256),
-            (Spread::Scramblings(2), 64),
-            (Spread::Scramblings(2), 256),
-            (Spread::Scramblings(2), 1024),
-            (Spread::Scramblings(8), 256),
+        for (error_estimator, samples) in [
+            (ErrorEstimator::Samples, 16),
+            (ErrorEstimator::Samples, 64),
+            (ErrorEstimator::Samples, 256),
+            (ErrorEstimator::Scramblings(2), 64),
+            (ErrorEstimator::Scramblings(2), 256),
+            (ErrorEstimator::Scramblings(2), 1024),
+            (ErrorEstimator::Scramblings(8), 256),
         ] {
-            let noise = Noise { draw, spread, samples };
+            let noise = Noise { draw, error_estimator, samples };
             let hit = |seed: &u64| {
                 let film = noise.taken(*seed);
                 let error = RelativeError::of(&film).expect("an error");
@@ -87,7 +87,7 @@ fn intervals_hold_the_true_error() {
             let hits = (0..400).filter(hit).count() as u64;
             // There the interval allows for what corrections of second order leave.
             let most = if deviation / (samples as f64).sqrt() > 0.2 { 1.0 } else { 0.97 };
-            assert!(is_between(hits, 400, 0.93, most), "{name}, {spread:?}, {samples} samples: {hits} of 400");
+            assert!(is_between(hits, 400, 0.93, most), "{name}, {error_estimator:?}, {samples} samples: {hits} of 400");
         }
     }
 }
@@ -97,7 +97,7 @@ fn intervals_hold_the_true_error() {
 fn errors_do_not_depend_on_the_unit_of_light() {
     let noise = |factor: f64| {
         let mut random = Random::new(5);
-        let mut block = Block::with_capacity(Spread::Samples, (EDGE * EDGE) as usize);
+        let mut block = PixelSums::with_capacity(ErrorEstimator::Samples, (EDGE * EDGE) as usize);
         for i in 0..EDGE * EDGE {
             let mut sample = |_| Moments::of(Spectrum::gray((truth(i) * exponential(&mut random)) as f32 * factor as f32));
             push(&mut block, &[(0..64).map(&mut sample).reduce(|a, b| a.join(&b)).expect("a sample")]);
@@ -116,7 +116,7 @@ fn errors_do_not_depend_on_the_unit_of_light() {
 fn heavy_tails_are_not_established() {
     let film = |bright: u32| {
         let mut random = Random::new(6);
-        let mut block = Block::with_capacity(Spread::Samples, (EDGE * EDGE) as usize);
+        let mut block = PixelSums::with_capacity(ErrorEstimator::Samples, (EDGE * EDGE) as usize);
         for i in 0..EDGE * EDGE {
             let lucky = i % 57 == 0 && i / 57 < bright;
             let mut sample = |k: u32| Moments::of(Spectrum::gray(if lucky && k == 0 { 1000.0 } else { exponential(&mut random) as f32 }));

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use glam::UVec2;
 use proptest::prelude::*;
 use pt::describe::{self, Files, Source};
-use pt::film::{Allocation, Block, Crop, Film, FilmSpec, MomentFilm, Moments, Wave};
+use pt::film::{Allocation, Crop, Film, FilmSpec, MomentFilm, Moments, PixelSums, Wave};
 use pt::integrator::{Integrator, choose};
 use pt::math::Spectrum;
-use pt::measure::adaptive::{allocate, explore};
+use pt::measure::adaptive::{allocate, pilot_allocation};
 use pt::measure::{Distance, Mean, critical_z};
 use pt::reader::Node;
 use pt::render::{Settings, Silent, render};
@@ -26,7 +26,7 @@ fn film(samples: impl Fn(usize) -> Vec<f32>) -> MomentFilm {
     let pixels: Vec<Moments> = (0..PIXELS).map(sum).collect();
     let level = samples(0).len().ilog2();
     let mut film = MomentFilm::new(FilmSpec::new(WIDTH, HEIGHT));
-    film.add(Wave { first: 0, level }, Block::of_samples(&pixels));
+    film.add(Wave { first: 0, level }, PixelSums::of_samples(&pixels));
     film
 }
 
@@ -122,7 +122,7 @@ impl Subject {
 
     /// With so many samples per pixel on average.
     fn adapted(&self, settings: &Settings) -> MomentFilm {
-        let (allocation, _) = explore(&self.scene, &*self.integrator, &self.spec, settings, settings.samples, &Silent);
+        let (allocation, _) = pilot_allocation(&self.scene, &*self.integrator, &self.spec, settings, settings.samples, &Silent);
         let samples = (settings.samples as f64 / allocation.mean()).round() as u64;
         self.rendered(&FilmSpec { allocation, ..self.spec.clone() }, &Settings { samples, ..settings.clone() })
     }

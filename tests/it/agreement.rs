@@ -11,7 +11,7 @@ use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::{ALL, path::Path};
 use pt::light::{Emission, Environment, Light};
 use pt::math::{Spectrum, Transform, Vec3};
-use pt::measure::{Render, agreement, sidak};
+use pt::measure::{SampledImage, agreement, sidak};
 use pt::sampler::dimension::{self, Use};
 use pt::sampler::{Sampler, SamplerSpec};
 use pt::scene::Scene;
@@ -128,7 +128,7 @@ fn image(scene: &Arc<World>, integrator: &dyn Integrator, seed: u64) -> Image {
 
 /// What the four tests say to two images, where they say no.
 fn refusal(a: &Image, b: &Image) -> Option<String> {
-    let render = |image| Render { image, samples: SAMPLES };
+    let render = |image| SampledImage { image, samples: SAMPLES };
     let found = agreement(render(a), render(b), sidak(0.01, PAIRS)).unwrap();
     (!found.accepts()).then(|| found.to_string())
 }

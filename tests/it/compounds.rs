@@ -6,10 +6,10 @@ use std::sync::Arc;
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
-use pt::bsdf::microfacet::finish::{Alpha, Finish};
+use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{
     Bsdf, BsdfSample, Coat, Coated, Compound, Diffuse, Element, HitContext, Material, Mirror, Mix, NormalModifier, Plastic, Principled,
-    Share, Sheen, Sides, SurfaceMaterial, TransportMode, textured,
+    Share, Sheen, SurfaceMaterial, TransportMode, TwoSided, textured,
 };
 use pt::camera::Camera;
 use pt::light::Emission;
@@ -40,8 +40,8 @@ fn center(material: &Material) -> Bsdf<'_> {
     material.bsdf_at(&HitContext::from_outside(point(Vec2::ZERO)))
 }
 
-fn round(alpha: f32) -> Finish {
-    Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx }
+fn round(alpha: f32) -> Roughness {
+    Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx }
 }
 
 fn coated(ground: Material, coat: Coat) -> Material {
@@ -129,7 +129,7 @@ proptest! {
     /// Each side is as its material alone; nothing goes through.
     #[test]
     fn sides_are_their_own(front in color(), back in color(), wo in sphere(), wi in sphere()) {
-        let sides = Compound::Sides(Sides { front: Some(Material::diffuse(front)), back: Some(Material::diffuse(back)) });
+        let sides = Compound::TwoSided(TwoSided { front: Some(Material::diffuse(front)), back: Some(Material::diffuse(back)) });
         let sides = Material::from(sides);
         let expected = Bsdf::Diffuse(Diffuse { albedo: if wo.cos() > 0.0 { front } else { back } });
         prop_assert_eq!(center(&sides).eval(wo, wi, MODE), expected.eval(wo, wi, MODE));
@@ -284,7 +284,7 @@ fn coats_deepen_colors() {
     let deep = rho * (1.0 - internal) / (1.0 - rho * internal);
     let wo = at(0.8, 0.0);
     let coat = || Coat::new(eta, Spectrum::ONE, None);
-    let shares = [(coat(), deep), (coat().as_seen(), rho)].map(|(coat, expected)| {
+    let shares = [(coat(), deep), (coat().keep_base_color(), rho)].map(|(coat, expected)| {
         let material = coated(Material::diffuse(Spectrum::gray(rho)), coat);
         let model = center(&material);
         let reflected: Spectrum = model.delta_lobes(wo, MODE).map(|lobe| lobe.weight).sum();
@@ -328,7 +328,7 @@ fn principled_is_what_it_names() {
         multiscatter: true,
     };
     let matte = || Material::diffuse(base);
-    let plastic = || coated(matte(), Coat::new(1.4, Spectrum::ONE, Some(round(0.3))).as_seen());
+    let plastic = || coated(matte(), Coat::new(1.4, Spectrum::ONE, Some(round(0.3))).keep_base_color());
     let metal = |multiscatter| Material::metal(Texture::from(base), Some(round(0.3)), multiscatter);
     let glass = |multiscatter| Material::rough_glass(1.4, base, round(0.3), multiscatter);
     let velvet = |ground| Material::from(Compound::Sheen(Sheen::new(ground, tint, 0.55)));
@@ -382,10 +382,10 @@ pub fn ramp(low: f32, high: f32) -> Texture {
 }
 
 /// A quad in the plane z = 0 with corners ±1, seen from above.
-fn quad(skin: impl Into<SurfaceMaterial>, to_world: Transform) -> World {
+fn quad(material: impl Into<SurfaceMaterial>, to_world: Transform) -> World {
     let mut world = World::builder(eye());
-    let skin = world.material(skin);
-    world.shape(Quad { size: [2.0; 2] }, to_world, skin, None);
+    let material = world.material(material);
+    world.shape(Quad { size: [2.0; 2] }, to_world, material, None);
     world.build().expect("a quad")
 }
 
@@ -400,8 +400,11 @@ fn seen(world: &World, direction: Vec3) -> Vec3 {
 fn heights_lean_as_planes() {
     // Twice the slope between the pixels of the ramp: from 0 to 1 over half of the two metres.
     for scale in [0.1f32, -0.3, 1.0] {
-        let relief = NormalModifier::Heights { map: ramp(0.0, 1.0), scale: scale.into() };
-        let world = quad(SurfaceMaterial { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
+        let normal_modifier = NormalModifier::BumpMap { map: ramp(0.0, 1.0), scale: scale.into() };
+        let world = quad(
+            SurfaceMaterial { normal_modifier: Some(normal_modifier), ..Material::diffuse(Spectrum::ONE).into() },
+            Transform::IDENTITY,
+        );
         let normal = seen(&world, Vec3::NEG_Z);
         let expected = Vec3::new(-scale, 0.0, 1.0).normalize();
         assert!((normal - expected).length() < 1e-3, "{normal} {expected}");
@@ -412,8 +415,11 @@ fn heights_lean_as_planes() {
 #[test]
 fn no_slope_is_too_steep() {
     for scale in [1e4f32, 1e18, 1e30, 3e38, -1e30] {
-        let relief = NormalModifier::Heights { map: ramp(0.0, 1.0), scale: scale.into() };
-        let world = quad(SurfaceMaterial { relief: Some(relief), ..Material::diffuse(Spectrum::ONE).into() }, Transform::IDENTITY);
+        let normal_modifier = NormalModifier::BumpMap { map: ramp(0.0, 1.0), scale: scale.into() };
+        let world = quad(
+            SurfaceMaterial { normal_modifier: Some(normal_modifier), ..Material::diffuse(Spectrum::ONE).into() },
+            Transform::IDENTITY,
+        );
         let normal = seen(&world, Vec3::NEG_Z);
         assert!((normal - Vec3::new(-scale.signum(), 0.0, 0.0)).length() < 0.02, "{scale}: {normal}");
     }
@@ -427,20 +433,20 @@ fn normal_maps_turn_normals() {
         let [r, g, b] = (0.5 * n + 0.5).to_array();
         Texture::Constant(Spectrum::rgb(r, g, b))
     };
-    let skin = |n: Vec3| SurfaceMaterial {
-        relief: Some(NormalModifier::Normals { map: constant(n), strength: 1.0.into() }),
+    let material = |n: Vec3| SurfaceMaterial {
+        normal_modifier: Some(NormalModifier::NormalMap { map: constant(n), strength: 1.0.into() }),
         ..Material::diffuse(Spectrum::ONE).into()
     };
-    let turned = seen(&quad(skin(n), Transform::IDENTITY), Vec3::NEG_Z);
+    let turned = seen(&quad(material(n), Transform::IDENTITY), Vec3::NEG_Z);
     assert!((turned - n).length() < 1e-6, "{turned}");
     let rotation = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 40.0).expect("an axis");
     let axis = |v: Vec3| rotation.vector(v.as_dvec3()).as_vec3();
-    let turned = seen(&quad(skin(n), rotation), -axis(Vec3::Z));
+    let turned = seen(&quad(material(n), rotation), -axis(Vec3::Z));
     assert!((turned - axis(n)).length() < 1e-5, "{turned} {}", axis(n));
     let mirrored = Transform::scale(DVec3::new(1.0, -1.0, 1.0)).expect("not zero");
-    let turned = seen(&quad(skin(n), mirrored), Vec3::NEG_Z);
+    let turned = seen(&quad(material(n), mirrored), Vec3::NEG_Z);
     assert!((turned - Vec3::new(n.x, -n.y, n.z)).length() < 1e-5, "{turned}");
-    assert_eq!(seen(&quad(skin(Vec3::Z), Transform::IDENTITY), Vec3::NEG_Z), Vec3::Z);
+    assert_eq!(seen(&quad(material(Vec3::Z), Transform::IDENTITY), Vec3::NEG_Z), Vec3::Z);
 }
 
 /// However a relief turns them, normals look at the viewer, and on the side of the surface.
@@ -450,10 +456,10 @@ fn turned_normals_are_seen() {
     for _ in 0..10_000 {
         let [x, y] = [random.range(-1.0, 1.0), random.range(-1.0, 1.0)].map(|x| x as f32);
         let map = Texture::Constant(Spectrum::rgb(0.5 + 0.5 * x, 0.5 + 0.5 * y, random.range(0.5, 1.0) as f32));
-        let relief = NormalModifier::Normals { map, strength: 3.0.into() };
+        let normal_modifier = NormalModifier::NormalMap { map, strength: 3.0.into() };
         let wo = at(random.range(1e-3, 1.0), random.range(0.0, 6.3)).0;
         for wo in [wo, -wo] {
-            let n = relief.normal(&point(Vec2::ZERO), [Vec3::X, Vec3::Y], wo);
+            let n = normal_modifier.normal(&point(Vec2::ZERO), [Vec3::X, Vec3::Y], wo);
             assert!(n.is_normalized() && n.z > 0.0 && n.dot(wo) * wo.z > 0.0, "{n} {wo}");
         }
     }

@@ -7,7 +7,7 @@ use pt::describe::{self, Built, Files, Source};
 use pt::film::{Image, MomentFilm};
 use pt::integrator::{Entry, Integrator, choose};
 use pt::integrators::ALL;
-use pt::render::{Report, Settings, Silent, render};
+use pt::render::{RenderReport, Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
 
@@ -40,7 +40,7 @@ impl Demo {
     }
 
     /// With the scene's own options, as far as the integrator knows them.
-    fn render(self, names: &[&str], sampler: SamplerSpec, mut judge: impl FnMut(&str, Image, Report)) {
+    fn render(self, names: &[&str], sampler: SamplerSpec, mut judge: impl FnMut(&str, Image, RenderReport)) {
         let integrators: Vec<_> = names.iter().map(|name| (*name, self.integrator(Some(name)).1)).collect();
         let world: Arc<dyn Scene> = Arc::new(self.built.world);
         for (name, integrator) in integrators {

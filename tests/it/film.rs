@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, UVec2, Vec2};
 use proptest::prelude::*;
-use pt::film::{Block, Channel, Crop, Film, FilmSpec, Filter, Image, MomentFilm, Moments, Wave};
+use pt::film::{Channel, Crop, Film, FilmSpec, Filter, Image, MomentFilm, Moments, PixelSums, Wave};
 use pt::integrators::path::Path;
 use pt::light::{Environment, Light};
 use pt::math::{Spectrum, float::ONE_MINUS_EPSILON};
 use pt::output::{Attributes, Curve, Format, Tonemap, Value, exr, pfm, png, replace, tonemap::srgb, write};
-use pt::sampler::{Kind, SamplerSpec, Spread};
+use pt::sampler::{ErrorEstimator, Kind, SamplerSpec};
 use pt::world::World;
 
 use crate::random::cases;
@@ -233,7 +233,7 @@ fn filmed(samples: &[f32], max_level: u32) -> MomentFilm {
     while let Some(wave) = Wave::next(film.samples(), samples.len() as u64, max_level) {
         let of_wave = &samples[wave.first as usize..][..wave.samples() as usize];
         let sum = |factor: f32| of_wave.iter().map(|&x| Moments::of(Spectrum::gray(x) * factor)).reduce(|a, b| a.join(&b));
-        film.add(wave, Block::of_samples(&[1.0, 3.0].map(|factor| sum(factor).expect("a wave has samples"))));
+        film.add(wave, PixelSums::of_samples(&[1.0, 3.0].map(|factor| sum(factor).expect("a wave has samples"))));
     }
     film
 }
@@ -272,7 +272,7 @@ fn scramblings_tell_the_error_by_their_means() {
 fn dealt(k: u32, samples: &[f32], max_level: u32) -> Image {
     let mut film = MomentFilm::new(FilmSpec::new(1, 1));
     while let Some(wave) = Wave::next(film.samples(), samples.len() as u64, max_level) {
-        let mut block = Block::with_capacity(Spread::Scramblings(k), 1);
+        let mut block = PixelSums::with_capacity(ErrorEstimator::Scramblings(k), 1);
         let sequence = |r: u64| {
             let own = wave.range().filter(|i| i % u64::from(k) == r).map(|i| Moments::of(Spectrum::gray(samples[i as usize])));
             own.reduce(|a, b| a.join(&b)).unwrap_or_default()
@@ -289,7 +289,7 @@ fn a_crop_knows_its_place() {
     let spec = FilmSpec { crop: Crop { min, max }, ..FilmSpec::new(10, 20) };
     assert_eq!((spec.aspect(), spec.crop.pixel_count()), (0.5, 12));
     let moments: Vec<Moments> = (0..12).map(|i| Moments::of(Spectrum::rgb(i as f32, 0.0, 1.0))).collect();
-    let image = Image::from_block(&spec, &Block::of_samples(&moments), 1);
+    let image = Image::from_sums(&spec, &PixelSums::of_samples(&moments), 1);
     assert_eq!((image.full_size, image.origin, image.size), (UVec2::new(10, 20), min, UVec2::new(4, 3)));
     assert_eq!(image.rgb(1, 2), [9.0, 0.0, 1.0], "rows from the top, 4 pixels each");
     assert_eq!(image.pixels().count(), 12);

@@ -17,7 +17,7 @@ use pt::light::{Environment, Light};
 use pt::math::{Ray, Transform};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
-use pt::shape::{MeshData, Part, Quad, Sphere, TriangleMesh};
+use pt::shape::{MeshData, MeshPart, Quad, Sphere, TriangleMesh};
 use pt::world::{MaterialId, World, WorldBuilder};
 
 use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, integrator, picture, probe, two_sided};
@@ -37,7 +37,7 @@ pub fn block(half: Vec3) -> MeshData {
     let positions = (0..8).map(|k| Vec3::from_array([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 })) * half).collect();
     let triangles: Vec<[u32; 3]> =
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]].into_iter().flat_map(halves).collect();
-    let parts = vec![Part { triangles: 0..triangles.len() as u32, ..Part::default() }];
+    let parts = vec![MeshPart { triangles: 0..triangles.len() as u32, ..MeshPart::default() }];
     MeshData { positions, triangles, parts, ..MeshData::default() }
 }
 
@@ -61,7 +61,7 @@ pub fn round_mesh(levels: u32) -> MeshData {
         faces = faces.into_iter().flat_map(split).collect();
     }
     let count = faces.len() as u32;
-    let parts = vec![Part { triangles: 0..count, ..Part::default() }];
+    let parts = vec![MeshPart { triangles: 0..count, ..MeshPart::default() }];
     let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
     MeshData { positions: faces.into_iter().flatten().collect(), triangles, parts, ..MeshData::default() }
 }

@@ -2,10 +2,10 @@
 
 mod aalto;
 mod at_hand;
+mod auto_camera;
 mod convert;
 mod darts;
 mod dialect;
-mod framing;
 mod gltf;
 mod models;
 mod obj;

@@ -148,9 +148,9 @@ proptest! {
         let mut film = MomentFilm::new(spec.clone());
         let mut render = Render::new(scene.clone(), &*nee(), &spec, &settings(kind, Some(Duration::ZERO)));
         while render.step(1500, None, &mut film, &waves) {
-            let slots = spec.slots(settings(kind, None).sampler.spread());
-            let held = (8 * slots.all() * film.blocks().len()) as u128;
-            prop_assert!(held + 16 * slots.all() as u128 <= memory::needed(1, slots, film.samples()), "{} samples", film.samples());
+            let layout = spec.layout(settings(kind, None).sampler.error_estimator());
+            let held = (8 * layout.all() * film.blocks().len()) as u128;
+            prop_assert!(held + 16 * layout.all() as u128 <= memory::needed(1, layout, film.samples()), "{} samples", film.samples());
         }
         let ends = waves.ends.into_inner().expect("no panic");
         for (done, end) in std::iter::once(&0).chain(&ends).zip(&ends) {

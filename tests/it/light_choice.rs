@@ -6,7 +6,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
-use pt::light::{Area, Directional, Emission, Environment, Falloff, Light, LightSample, Lights, Point, Spot, Target};
+use pt::light::{Area, Directional, Emission, Environment, Falloff, Light, LightSample, Lights, Point, ShadowTarget, Spot};
 use pt::math::float::sin_cos_degrees;
 use pt::math::{Density, Spectrum, Transform};
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, TriangleMesh};
@@ -145,7 +145,7 @@ fn pdf_is_the_density() {
             let index = random.below(lights.len());
             let choice = (index as f32 + 0.5) / lights.len() as f32;
             let Some(sample) = lights.sample(from, choice, random.square()) else { continue };
-            let Target::Surface(point) = sample.target else { panic!("{name}: a light on a surface") };
+            let ShadowTarget::Surface(point) = sample.target else { panic!("{name}: a light on a surface") };
             let (density, pdf) = (smooth(&sample), f64::from(lights.pdf(index as u32, from, &point).get()));
             // Seen at a flat angle, what is known of the point's normal and place to 6e-8 is magnified.
             let flat = f64::from(point.ng.dot(sample.wi).abs());
@@ -179,7 +179,7 @@ fn share(light: Light, shapes: Vec<Box<dyn Shape>>, radius: f32, power: f64) -> 
     let lights = Lights::new(vec![light, reference], shapes.into(), radius);
     let is_reference = |choice: f32| {
         let sample = lights.sample(Vec3::ZERO, choice, Vec2::splat(0.5));
-        matches!(sample, Some(LightSample { target: Target::Free(p), .. }) if p == REFERENCE.as_vec3())
+        matches!(sample, Some(LightSample { target: ShadowTarget::Point(p), .. }) if p == REFERENCE.as_vec3())
     };
     const N: usize = 1 << 14;
     1.0 - (0..N).filter(|&k| is_reference((k as f32 + 0.5) / N as f32)).count() as f64 / N as f64

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::Material;
 use pt::effects::Effects;
 use pt::integrators::ALL;
-use pt::light::{Directional, Falloff, Light, LightSample, Point, Spot, Target};
+use pt::light::{Directional, Falloff, Light, LightSample, Point, ShadowTarget, Spot};
 use pt::math::Transform;
 use pt::scene::Scene;
 use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
@@ -156,7 +156,7 @@ fn lights_without_power_are_never_chosen() {
         let lamp = DVec3::new(f64::from(place) - 1.0, 2.0, 0.0) - scene.origin();
         for sample in samples(&scene) {
             let sample = sample.expect("a sample of the lamp");
-            let Target::Surface(point) = sample.target else { panic!("not the lamp: {sample:?}") };
+            let ShadowTarget::Surface(point) = sample.target else { panic!("not the lamp: {sample:?}") };
             assert!((point.p.as_dvec3() - lamp).length() < 0.11 && sample.weight.is_valid(), "{sample:?}");
         }
     }

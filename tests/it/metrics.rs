@@ -3,7 +3,7 @@
 use glam::UVec2;
 use proptest::prelude::*;
 use pt::film::{Channel, Image};
-use pt::measure::metric::{ALL, Metric, Named, Pair};
+use pt::measure::metric::{ALL, ImagePair, Metric, Named};
 use pt::output::{Curve, Tonemap};
 use pt::{Error, Result};
 
@@ -20,8 +20,8 @@ fn gray(values: &[f32]) -> Image {
     image(values.len() as u32, &values.iter().map(|&v| [v; 3]).collect::<Vec<_>>())
 }
 
-fn pair<'a>(a: &'a Image, r: &'a Image) -> Result<Pair<'a>> {
-    Pair::new(Named { name: "a.exr", image: a }, Named { name: "r.exr", image: r }, Tonemap::default())
+fn pair<'a>(a: &'a Image, r: &'a Image) -> Result<ImagePair<'a>> {
+    ImagePair::new(Named { name: "a.exr", image: a }, Named { name: "r.exr", image: r }, Tonemap::default())
 }
 
 fn metric(text: &str) -> Metric {
@@ -221,7 +221,7 @@ fn flip_is_that_of_its_authors() {
 fn tone_mapping_comes_first() {
     let (a, r) = (gray(&[2.0; 30]), gray(&[4.0; 30]));
     let through =
-        |exposure: f32, curve| Pair::new(Named { name: "a", image: &a }, Named { name: "r", image: &r }, Tonemap { exposure, curve });
+        |exposure: f32, curve| ImagePair::new(Named { name: "a", image: &a }, Named { name: "r", image: &r }, Tonemap { exposure, curve });
     for name in ["flip", "ssim"] {
         let error = |exposure, curve| metric(name).measure(&through(exposure, curve).expect("comparable")).value;
         assert!(error(0.0, Curve::None).abs() < 1e-12, "{name}");

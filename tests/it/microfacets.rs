@@ -3,10 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::Vec2;
-use pt::bsdf::microfacet::albedo::Domain;
+use pt::bsdf::microfacet::energy_loss::Domain;
 use pt::bsdf::microfacet::{Distribution, MIN_ALPHA, Microfacets};
-use pt::bsdf::rough_conductor::{self, MoreReflections};
-use pt::bsdf::rough_dielectric::{self, MoreEncounters};
+use pt::bsdf::rough_conductor;
+use pt::bsdf::rough_dielectric;
 use pt::bsdf::{Bsdf, Reflectance, RoughConductor, RoughDielectric, TransportMode};
 use pt::math::{Local, Spectrum};
 
@@ -21,7 +21,7 @@ fn white_metal(facets: Microfacets, compensated: bool) -> Bsdf<'static> {
     let reflectance = Reflectance::Index { eta: Spectrum::ONE, k: Spectrum::gray(1e4) };
     let more = |_| {
         let losses = rough_conductor::losses(Domain::One(facets.alpha), facets.distribution);
-        MoreReflections::new(losses, facets.alpha, reflectance.mean())
+        rough_conductor::MultiScatter::new(losses, facets.alpha, reflectance.mean())
     };
     let multiple = compensated.then_some(()).and_then(more);
     Bsdf::RoughConductor(RoughConductor { reflectance, facets, more: multiple })
@@ -30,7 +30,7 @@ fn white_metal(facets: Microfacets, compensated: bool) -> Bsdf<'static> {
 fn clear_glass(eta: f32, facets: Microfacets, compensated: bool) -> Bsdf<'static> {
     let more = |_| {
         let losses = rough_dielectric::losses(eta, Domain::One(facets.alpha), facets.distribution);
-        MoreEncounters::new(losses.into(), facets.alpha, eta)
+        rough_dielectric::MultiScatter::new(losses.into(), facets.alpha, eta)
     };
     let multiple = compensated.then_some(()).and_then(more);
     Bsdf::RoughDielectric(RoughDielectric { eta, color: Spectrum::ONE, facets, more: multiple })
@@ -132,7 +132,7 @@ fn weak_furnace() {
             assert!((projected - 1.0).abs() < 1e-4, "∫ D cos = {projected}: {facets:?}");
             for cos in [1.0, 0.8, 0.5, 0.2, 0.05] {
                 let wo = at(cos, 0.7);
-                let seen = 2.0 / (wo.cos() as f64 + facets.across(wo) as f64);
+                let seen = 2.0 / (wo.cos() as f64 + facets.projected_area(wo) as f64);
                 let sum = over_normals(&facets, 1000, |h| facets.density(h) as f64 * (wo.0.dot(h.0) as f64).max(0.0) * seen);
                 assert!((sum - 1.0).abs() < 1e-4, "{sum}: {facets:?} at {cos}");
             }

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DVec3, Vec3};
 use pt::bsdf::{Bsdf, Diffuse};
-use pt::light::Target;
+use pt::light::ShadowTarget;
 use pt::math::{Ray, Spectrum, Transform};
 use pt::scene::Surface;
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, SurfacePoint, VertexColor};
@@ -136,7 +136,7 @@ fn shadow_rays_end_before_the_light() {
                     return false;
                 }
                 judged.fetch_add(1, Ordering::Relaxed);
-                let ray = surface(from).shadow_ray(wi, &Target::Surface(target), 0.0);
+                let ray = surface(from).shadow_ray(wi, &ShadowTarget::Surface(target), 0.0);
                 lit.intersect(0, &ray).is_some() || light.intersect(0, &ray).is_some()
             };
             (0..RAYS).filter(is_shadowed).count()
@@ -162,7 +162,7 @@ fn a_small_light_far_away_does_not_shadow_itself() {
         let p = place.point(across.with_z(distance * cosine)).as_vec3();
         let wi = (target.p - p).normalize();
         let from = SurfacePoint { p, offset: 0.0, ng: wi, ns: wi, uv: target.uv, color: VertexColor::WHITE };
-        let ray = surface(from).shadow_ray(wi, &Target::Surface(target), 0.0);
+        let ray = surface(from).shadow_ray(wi, &ShadowTarget::Surface(target), 0.0);
         assert_eq!(light.intersect(0, &ray), None, "seed {seed}: from {p} to {}", target.p);
     }
 }

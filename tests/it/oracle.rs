@@ -13,7 +13,7 @@ use pt::primitive::Hit;
 use pt::render::{Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::{Scene, Surface};
-use pt::shape::{Fold, Quad, Sphere};
+use pt::shape::{FacetUv, Quad, Sphere};
 use pt::world::World;
 
 /// Slow and sure.
@@ -27,7 +27,7 @@ struct Triangle {
     shape: u32,
     primitive: u32,
     corners: [DVec3; 3],
-    fold: Fold,
+    fold: FacetUv,
 }
 
 struct Ball {

@@ -9,15 +9,15 @@ use std::path::Path;
 
 use pt::describe::Identity;
 use pt::film::{Film, FilmSpec, MomentFilm};
-use pt::measure::Course;
+use pt::measure::ErrorHistory;
 use pt::part::{self, About, Part, Stored};
-use pt::render::Report;
-use pt::sampler::{SamplerSpec, Spread};
+use pt::render::RenderReport;
+use pt::sampler::{ErrorEstimator, SamplerSpec};
 use serde_json::json;
 
 /// Of a picture that these tests call by its sampler.
 fn about(film: &FilmSpec, sampler: &SamplerSpec) -> About {
-    About::new(Identity::from_facts(json!({ "sampler": format!("{sampler:?}") })), film, sampler.spread(), vec![])
+    About::new(Identity::from_facts(json!({ "sampler": format!("{sampler:?}") })), film, sampler.error_estimator(), vec![])
 }
 
 /// Every number that a film holds, bit by bit, with its place.
@@ -29,8 +29,8 @@ fn stored(path: &Path) -> Stored {
     Stored::open(path).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn write(path: &Path, about: &About, film: &MomentFilm, report: &Report, course: &Course) {
-    part::write(path, about, &[film], report, course).unwrap_or_else(|e| panic!("{e}"));
+fn write(path: &Path, about: &About, film: &MomentFilm, report: &RenderReport, history: &ErrorHistory) {
+    part::write(path, about, &[film], report, history).unwrap_or_else(|e| panic!("{e}"));
 }
 
 fn merged(parts: Vec<Stored>) -> Part {
@@ -43,7 +43,7 @@ fn small(path: &Path, first: u64, level: u32) {
     let sampler = SamplerSpec { kind: pt::sampler::Kind::Independent, ..SamplerSpec::default() };
     let mut film = MomentFilm::new(film_spec.clone());
     let values = (0..16).map(|i| [0.0, -0.0, 1.0, f64::MIN_POSITIVE, 1e300, 0.1][i % 6]).collect();
-    let block = pt::film::Block::from_numbers(Spread::Samples.into(), values).expect("two pixels of eight numbers");
+    let block = pt::film::PixelSums::from_numbers(ErrorEstimator::Samples.into(), values).expect("two pixels of eight numbers");
     film.add(pt::film::Wave { first, level }, block);
-    write(path, &about(&film_spec, &sampler), &film, &Report::default(), &Course::default());
+    write(path, &about(&film_spec, &sampler), &film, &RenderReport::default(), &ErrorHistory::default());
 }

@@ -5,10 +5,10 @@ mod mutants;
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
-use pt::bsdf::microfacet::finish::{Alpha, Finish};
+use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{
     BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, HitContext, Material,
-    MatteCone, Metal, Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen, Sides, ThinDielectric, textured,
+    MatteCone, Metal, Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen, ThinDielectric, TwoSided, textured,
 };
 use pt::math::Spectrum;
 use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
@@ -63,7 +63,7 @@ fn met(material: Material) -> Bsdf<'static> {
 
 /// Materials of materials; whether they give all light back.
 fn compounds() -> Vec<(Bsdf<'static>, bool)> {
-    let round = |alpha: f32| Some(Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
+    let round = |alpha: f32| Some(Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
     let coated = |ground, coat: Coat| Material::from(Compound::Coated(Coated { ground, coat }));
     let clay = |albedo: Spectrum| Material::OrenNayar(textured::OrenNayar { albedo: albedo.into(), roughness: 0.7.into() });
     let copper = |finish| Material::metal(Element::Cu.index(), finish, true);
@@ -107,7 +107,7 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
     let lossless = [
         Material::mix(Material::diffuse(Spectrum::ONE), Material::mirror(Spectrum::ONE), 0.3),
         coated(Material::diffuse(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, None)),
-        coated(Material::diffuse(Spectrum::ONE), Coat::new(2.4, Spectrum::ONE, None).as_seen()),
+        coated(Material::diffuse(Spectrum::ONE), Coat::new(2.4, Spectrum::ONE, None).keep_base_color()),
         coated(Material::mirror(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, None)),
         coated(glazed(), Coat::new(1.3, Spectrum::ONE, None)),
         coated(Material::plastic(Spectrum::ONE, 1.5), Coat::new(1.5, Spectrum::ONE, None)),
@@ -125,8 +125,8 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         Compound::Sheen(Sheen::new(Material::diffuse(COLOR), Spectrum::ONE, 0.55)).into(),
         Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), COLOR, 0.14)).into(),
         Compound::Sheen(Sheen::new(Material::diffuse(Spectrum::ONE), Spectrum::ONE, 0.1)).into(),
-        Compound::Sides(Sides { front: Some(copper(round(0.3))), back: Some(Material::diffuse(COLOR)) }).into(),
-        Compound::Sides(Sides { front: None, back: Some(Material::mirror(COLOR)) }).into(),
+        Compound::TwoSided(TwoSided { front: Some(copper(round(0.3))), back: Some(Material::diffuse(COLOR)) }).into(),
+        Compound::TwoSided(TwoSided { front: None, back: Some(Material::mirror(COLOR)) }).into(),
         Material::metal(Texture::from(COLOR), round(0.3), true),
         coated(
             Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: COLOR.into(), transmittance: 0.0.into() }),
@@ -147,7 +147,7 @@ fn rough() -> Vec<(Bsdf<'static>, bool)> {
     for distribution in [Distribution::Ggx, Distribution::Beckmann] {
         for (alpha, multiscatter) in [(Vec2::splat(0.05), false), (Vec2::splat(0.3), true), (Vec2::new(0.8, 0.2), false), (Vec2::ONE, true)]
         {
-            let finish = || Finish { alpha: Alpha::Constant(alpha), distribution };
+            let finish = || Roughness { alpha: Alpha::Constant(alpha), distribution };
             models.push(met(Material::metal(copper, Some(finish()), multiscatter)));
             models.extend([1.5, 1.0 / 1.5].map(|eta| met(Material::rough_glass(eta, COLOR, finish(), multiscatter))));
         }
@@ -253,7 +253,7 @@ fn the_whole_law_keeps_its_level() {
     let level = |options: &Options| Case::new(&model, options).level();
     let smallest = |options: &Options| {
         let case = Case::new(&model, options);
-        case.drawn[0].divisions.iter().map(|d| chi2(&d.shares, &d.counts).p).fold(1.0, f64::min)
+        case.sampled[0].divisions.iter().map(|d| chi2(&d.shares, &d.counts).p).fold(1.0, f64::min)
     };
     // The level of one of nine tests; the chi² tests are three of them: 1 − (1 − 0.2)^(3/9) = 7.2 %, less for what they share.
     assert!((level(&run(0)) - (1.0 - 0.8f64.powf(1.0 / 9.0))).abs() < 1e-12);
@@ -294,7 +294,7 @@ fn narrow_lobes_are_resolved() {
     let model = mutants::Blinn { exponent: 1e6, bug: None };
     let options = Options { incidences: vec![at(0.8, 0.3)], ..options() };
     let case = Case::new(&model, &options);
-    let [fine, coarse, equal] = &case.drawn[0].divisions;
+    let [fine, coarse, equal] = &case.sampled[0].divisions;
     let freedom = |d: &pt::proof::Division| chi2(&d.shares, &d.counts).freedom;
     assert!(freedom(coarse) <= 1 && freedom(fine) <= 8 && freedom(equal) > 200);
     assert!(case.report().accepts(), "{}", case.report());

@@ -8,7 +8,7 @@ use pt::describe::{self, Files, Source};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator, choose, sample_light};
 use pt::math::{Density, Spectrum};
-use pt::measure::{Render, agreement};
+use pt::measure::{SampledImage, agreement};
 use pt::render::{Settings, Silent, render};
 use pt::sampler::dimension::{self, Use};
 use pt::scene::Scene;
@@ -49,8 +49,9 @@ fn pictures_agree_with_the_references_of_other_integrators() {
         assert!(reference_spp >= 64 * spp, "{}", path.display());
         let (reference, _) = pt::output::exr::read(&path.with_extension("exr")).expect("a picture");
         let image = picture(text(&provenance["scene"]), judged, spp, reference.size.to_array());
-        let verdict = agreement(Render { image: &image, samples: spp }, Render { image: &reference, samples: reference_spp }, level)
-            .expect("comparable");
+        let verdict =
+            agreement(SampledImage { image: &image, samples: spp }, SampledImage { image: &reference, samples: reference_spp }, level)
+                .expect("comparable");
         assert!(verdict.accepts(), "{judged} against {}:\n{verdict}", path.display());
     }
 }
@@ -64,8 +65,9 @@ fn the_reference_of_the_panel_refuses_one_that_magnifies() {
     let (spp, reference_spp) = (number(&provenance["judges"]["spp"]), number(&provenance["spp"]));
     for (turned, accepted) in [(true, true), (false, false)] {
         let image = picture_by(&Panel { turned }, text(&provenance["scene"]), spp, reference.size.to_array());
-        let verdict = agreement(Render { image: &image, samples: spp }, Render { image: &reference, samples: reference_spp }, ALPHA)
-            .expect("comparable");
+        let verdict =
+            agreement(SampledImage { image: &image, samples: spp }, SampledImage { image: &reference, samples: reference_spp }, ALPHA)
+                .expect("comparable");
         assert_eq!(verdict.accepts(), accepted, "normal turned: {turned}\n{verdict}");
     }
 }

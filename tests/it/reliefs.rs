@@ -123,9 +123,9 @@ fn plane(pixels: &[DVec3], lit: Lit) -> WorldBuilder {
     let pixels = Pixels::new(UVec2::splat(TEXELS as u32), values).expect("as many as the size says");
     let scale = Vec2::splat(REPEATS as f32);
     let map = Texture::Image(Image { pixels: Arc::new(pixels), scale, wrap: Wrap::Repeat, filter: Filter::Bilinear });
-    let relief = Some(NormalModifier::Normals { map, strength: 1.0.into() });
-    let skin = world.material(SurfaceMaterial { relief, ..Material::diffuse(gray(ALBEDO)).into() });
-    world.shape(Quad { size: [SIDE; 2] }, Transform::IDENTITY, skin, None);
+    let normal_modifier = Some(NormalModifier::NormalMap { map, strength: 1.0.into() });
+    let material = world.material(SurfaceMaterial { normal_modifier, ..Material::diffuse(gray(ALBEDO)).into() });
+    world.shape(Quad { size: [SIDE; 2] }, Transform::IDENTITY, material, None);
     lit.add_to(&mut world);
     world
 }

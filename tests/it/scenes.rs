@@ -6,7 +6,7 @@ use glam::DVec3;
 use pt::bsdf::Material;
 use pt::camera::{Camera, Perspective, Pose};
 use pt::effects::Effects;
-use pt::film::{Block, Film, FilmSpec, Image, MomentFilm, Moments, Wave};
+use pt::film::{Film, FilmSpec, Image, MomentFilm, Moments, PixelSums, Wave};
 use pt::integrator::{Entry, Integrator};
 use pt::integrators::nee::Nee;
 use pt::integrators::path::Path;
@@ -126,7 +126,7 @@ impl Film for Pool {
         &self.spec
     }
 
-    fn add(&mut self, wave: Wave, block: Block) {
+    fn add(&mut self, wave: Wave, block: PixelSums) {
         self.samples += wave.samples() * block.len() as u64;
         let moments = |pixel: &[f64]| Moments {
             sum: std::array::from_fn(|c| pixel[c]),

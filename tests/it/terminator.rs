@@ -9,7 +9,7 @@ use pt::camera::{Camera, Perspective, Pose};
 use pt::describe::{self, Files, Source};
 use pt::film::FilmSpec;
 use pt::integrators::ALL;
-use pt::light::{Directional, Environment, Light, Point, Target};
+use pt::light::{Directional, Environment, Light, Point, ShadowTarget};
 use pt::math::{Density, Ray, Transform};
 use pt::sampler::SamplerSpec;
 use pt::scene::{Scene, Surface};
@@ -78,7 +78,7 @@ fn lit(scene: &World, ray: &Ray, sun: DVec3) -> Option<(f64, DVec3)> {
     let surface = scene.surface(ray, &scene.intersect(ray)?);
     let wi = sun.as_vec3();
     let f = surface.eval(-ray.direction, wi, TransportMode::Radiance);
-    let lit = !f.is_black() && !scene.occluded(&surface.shadow_ray(wi, &Target::Infinity, 0.0));
+    let lit = !f.is_black() && !scene.occluded(&surface.shadow_ray(wi, &ShadowTarget::Infinity, 0.0));
     Some((if lit { f.average().into() } else { 0.0 }, surface.point.ns.as_dvec3()))
 }
 
@@ -324,7 +324,7 @@ fn refraction_stays() {
                     assert_eq!(a.spawn(wi, 0.0), b.spawn(wi, 0.0));
                 }
                 if !from_above {
-                    assert_eq!(a.lit, b.lit);
+                    assert_eq!(a.shadow_origin, b.shadow_origin);
                 }
                 // Refracted where it can be, else totally reflected, within.
                 let [a, b] = [a, b].map(|surface| {
@@ -388,7 +388,7 @@ fn the_key_switches_it_on() {
         let root = describe::root(text.as_bytes(), "s").expect("JSON");
         let scene = describe::read(&root, "s").expect("a scene");
         let built = describe::build(&scene, Source { root: &root, file: "s", files: &Files::within("") }).expect("a mesh");
-        built.world.shapes()[0].has_lift()
+        built.world.shapes()[0].has_shadow_terminator_offset()
     };
     assert_eq!(["", r#""smooth_shadows": false,"#, r#""smooth_shadows": true,"#].map(lifted), [false, false, true]);
 }
@@ -410,7 +410,7 @@ fn lifts_have_bounds() {
         let shape = shape(normals);
         let ray = Ray::new(Vec3::ONE, -Vec3::ONE.normalize());
         let hit = shape.intersect(0, &ray).expect("aimed at it");
-        shape.lift(0, hit.uv, &shape.point(0, &ray, &hit))
+        shape.shadow_terminator_offset(0, hit.uv, &shape.point(0, &ray, &hit))
     };
     // (1 − 1/3)/(1/√3)
     assert!((middle(Vec3::AXES) - 2.0 / 3f32.sqrt()).abs() < 1e-6);

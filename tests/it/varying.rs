@@ -1,7 +1,7 @@
 //! Any number or colour of a material takes a texture: in each place it is what the texture says there.
 
 use glam::{Vec2, Vec3};
-use pt::bsdf::microfacet::finish::{Alpha, Finish};
+use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::microfacet::{self, Distribution};
 use pt::bsdf::{Bsdf, Coat, Coated, Compound, HitContext, Material, Plastic, Sheen, TransportMode};
 use pt::effects::Effects;
@@ -116,8 +116,8 @@ fn halfway(material: &Material) -> Bsdf<'_> {
     }))
 }
 
-fn finish(alpha: f32) -> Finish {
-    Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx }
+fn finish(alpha: f32) -> Roughness {
+    Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx }
 }
 
 /// White glass, and white under a coat, half way between two tables, where they are most wrong, against the tables of that very
@@ -153,10 +153,10 @@ fn between_two_tables_no_light_is_lost() {
 /// mean of the two widths alone half of the light would be missing.
 #[test]
 fn long_facets_that_vary_lose_no_light() {
-    let white = |alpha| Material::metal(Texture::from(Spectrum::ONE), Some(Finish { alpha, distribution: Distribution::Ggx }), true);
+    let white = |alpha| Material::metal(Texture::from(Spectrum::ONE), Some(Roughness { alpha, distribution: Distribution::Ggx }), true);
     let varying = |value: f32| ramp(value - 0.02, value + 0.02);
     for (roughness, anisotropy) in [(0.3f32, 0.9f32), (0.53, 0.5), (0.7, 0.98), (0.95, 0.3)] {
-        let widths = microfacet::finish::alpha(roughness, anisotropy);
+        let widths = microfacet::roughness::alpha(roughness, anisotropy);
         let exact = white(Alpha::Constant(widths));
         let mut varied = vec![
             Alpha::Textured { roughness: roughness.into(), anisotropy: varying(anisotropy) },

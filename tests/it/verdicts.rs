@@ -8,7 +8,7 @@ use std::sync::Arc;
 use pt::describe::{self, Files, Source};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::choose;
-use pt::measure::{Agreement, Render, agreement};
+use pt::measure::{Agreement, SampledImage, agreement};
 use pt::render::{Settings, Silent, render};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
@@ -47,7 +47,7 @@ impl Subject {
 }
 
 fn verdict(a: &Image, b: &Image) -> Agreement {
-    let side = |image| Render { image, samples: SCRAMBLINGS.into() };
+    let side = |image| SampledImage { image, samples: SCRAMBLINGS.into() };
     agreement(side(a), side(b), ALPHA).expect("two sides")
 }
 

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use glam::{Vec3, Vec4};
 use pt::describe::{self, Built, Files, Source, mesh};
 use pt::shape::MeshData;
-use pt::shape::mesh_data::Part;
+use pt::shape::mesh_data::MeshPart;
 
 use crate::import::{met, reflected};
 
@@ -52,7 +52,7 @@ fn what_has_no_colours_is_white() {
 
 fn triangle(colors: Vec<Vec4>) -> MeshData {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
-    let parts = vec![Part { triangles: 0..1, ..Part::default() }];
+    let parts = vec![MeshPart { triangles: 0..1, ..MeshPart::default() }];
     MeshData { positions, colors, triangles: vec![[0, 1, 2]], parts, ..MeshData::default() }
 }
 

@@ -5,9 +5,10 @@ use glam::{DVec3, Vec2};
 use super::veil::{Cover, NODES, nodes};
 use super::{Compound, Scatter, Veil, choose};
 use crate::bsdf::description::{Description, MaterialRef, Prepare, given};
-use crate::bsdf::microfacet::albedo::{Domain, Key, Shelf};
+use crate::bsdf::microfacet::energy_loss::{Cache, Domain, Key};
 use crate::bsdf::microfacet::{
-    Albedo, Between, Distribution, Finish, Ladder, Microfacets, Pair, RoughnessKeys, Scale, above, cos_to_half, roughness_keys, upward,
+    Distribution, EnergyLossTable, HalfVectorTerms, LerpedTable, Microfacets, Roughness, RoughnessKeys, Scale, TableRange, above,
+    cos_to_half, roughness_keys, upward,
 };
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Diffuse, HitContext, Lobe, Material, OrenNayar, TransportMode};
 use crate::effects::Effects;
@@ -55,11 +56,11 @@ pub struct Coat {
     /// What is left of white light that goes straight down and up.
     color: Texture,
     /// `None` for a smooth one; with the tables of [`losses`].
-    finish: Option<(Finish, Ladder<Albedo>)>,
+    finish: Option<(Roughness, TableRange<EnergyLossTable>)>,
     /// 1 − F̄ of a smooth one, where it is the same everywhere.
     smooth_mean: Option<f32>,
     /// Whether a matte ground's own colour is meant to be seen: without the deepening by light that is thrown back.
-    as_seen: bool,
+    keep_base_color: bool,
     /// 1 − E at the nodes of means over layers, where it is the same everywhere.
     passed_at_nodes: Option<[f32; NODES]>,
 }
@@ -68,25 +69,25 @@ pub struct Coat {
 struct Layer<'a> {
     eta: f32,
     color: Spectrum,
-    facets: Option<(Microfacets, Between<Albedo>)>,
+    facets: Option<(Microfacets, LerpedTable<EnergyLossTable>)>,
     /// 1 − Ē
     mean: f32,
-    as_seen: bool,
+    keep_base_color: bool,
     passed_at_nodes: Option<&'a [f32; NODES]>,
 }
 
 impl Coat {
     /// - `eta`: at least 1
     /// - `finish`: `None` for a smooth coat
-    pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, finish: Option<Finish>) -> Coat {
+    pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, finish: Option<Roughness>) -> Coat {
         let eta = eta.into();
-        let tables = |finish: Finish| {
-            let losses = Ladder::new(eta.range(), Scale::Index, |eta| losses(eta, finish.domain(), finish.distribution));
+        let tables = |finish: Roughness| {
+            let losses = TableRange::new(eta.range(), Scale::Index, |eta| losses(eta, finish.domain(), finish.distribution));
             (finish, losses)
         };
         let finish = finish.map(tables);
         let smooth_mean = eta.constant().map(smooth_mean);
-        let coat = Coat { eta, color: color.into(), finish, smooth_mean, as_seen: false, passed_at_nodes: None };
+        let coat = Coat { eta, color: color.into(), finish, smooth_mean, keep_base_color: false, passed_at_nodes: None };
         Coat { passed_at_nodes: coat.is_uniform().then(|| coat.at(&HitContext::ANYWHERE.point).passed_at_nodes()), ..coat }
     }
 
@@ -97,8 +98,8 @@ impl Coat {
     }
 
     /// A matte ground then shows its own colour: under other coats colours are deeper.
-    pub fn as_seen(self) -> Coat {
-        Coat { as_seen: true, ..self }
+    pub fn keep_base_color(self) -> Coat {
+        Coat { keep_base_color: true, ..self }
     }
 
     fn at(&self, at: &SurfacePoint) -> Layer<'_> {
@@ -108,7 +109,7 @@ impl Coat {
         let mean =
             facets.map_or(smooth_mean, |(facets, losses)| 2.0 * losses.value(|table| table.mean_loss(facets.alpha)) + smooth_mean - 1.0);
         let passed_at_nodes = self.passed_at_nodes.as_ref();
-        Layer { eta, color: self.color.at(at), facets, mean, as_seen: self.as_seen, passed_at_nodes }
+        Layer { eta, color: self.color.at(at), facets, mean, keep_base_color: self.keep_base_color, passed_at_nodes }
     }
 
     fn textures(&self) -> impl Iterator<Item = &Texture> {
@@ -128,12 +129,13 @@ fn smooth_mean(eta: f32) -> f32 {
 }
 
 /// The table of (1 − (E − F))/2, with F what a smooth coat reflects: E itself may change faster than the facets lean.
-fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Albedo {
-    static SHELF: Shelf<Key, Albedo> = Shelf::new();
-    SHELF.get((distribution, domain.bits(), eta.to_bits()), || {
-        Albedo::tabulate(domain, distribution, |facets, wo, u| {
+fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static EnergyLossTable {
+    static CACHE: Cache<Key, EnergyLossTable> = Cache::new();
+    CACHE.get((distribution, domain.bits(), eta.to_bits()), || {
+        EnergyLossTable::tabulate(domain, distribution, |facets, wo, u| {
             let (wi, cos2) = facets.mirror_visible(wo, u);
-            let rough = if wi.cos() > 0.0 { fresnel::dielectric(cos2.sqrt(), eta) * Pair::new(facets, wo, wi).unmasked() } else { 0.0 };
+            let rough =
+                if wi.cos() > 0.0 { fresnel::dielectric(cos2.sqrt(), eta) * HalfVectorTerms::new(facets, wo, wi).unmasked() } else { 0.0 };
             0.5 + 0.5 * (rough - fresnel::dielectric(wo.cos(), eta))
         })
     })
@@ -151,7 +153,7 @@ impl Layer<'_> {
 
     /// T c, into a single direction.
     fn through(&self, wo: Local, wi: Local) -> Spectrum {
-        self.dimmed(wo, wi) * Veil::new(self, None, wo, wi).glossy()
+        self.attenuated(wo, wi) * Veil::new(self, None, wo, wi).glossy()
     }
 
     /// (1 − K)/(1 − ρ c K) of a matte ground.
@@ -159,11 +161,11 @@ impl Layer<'_> {
         let (Bsdf::Diffuse(Diffuse { albedo }) | Bsdf::OrenNayar(OrenNayar { albedo, .. })) = ground else { return Spectrum::ONE };
         let thrown_back = 1.0 - self.mean / (self.eta * self.eta);
         let deepened = |rho: f32| (1.0 - thrown_back) / (1.0 - rho * thrown_back);
-        if self.as_seen { Spectrum::ONE } else { (*albedo * self.color).map(deepened) }
+        if self.keep_base_color { Spectrum::ONE } else { (*albedo * self.color).map(deepened) }
     }
 
     /// color^((1/cos θ'o + 1/cos θ'i)/2)
-    fn dimmed(&self, wo: Local, wi: Local) -> Spectrum {
+    fn attenuated(&self, wo: Local, wi: Local) -> Spectrum {
         if self.color == Spectrum::ONE {
             return Spectrum::ONE;
         }
@@ -176,7 +178,7 @@ impl Layer<'_> {
     fn reflection(&self, wo: Local, wi: Local) -> Option<(f32, f32)> {
         let (facets, _) = self.facets.as_ref()?;
         let [wo, wi] = above(wo, wi)?;
-        let pair = Pair::new(facets, wo, wi);
+        let pair = HalfVectorTerms::new(facets, wo, wi);
         Some((fresnel::dielectric(cos_to_half(wo, wi), self.eta) * pair.scattered(), pair.density()))
     }
 
@@ -224,7 +226,7 @@ impl Scatter for Coated {
     fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
         let (layer, ground) = self.at(at);
         let below = ground.beneath(Some(&Veil::new(&layer, above, wo, wi)), wo, wi, mode);
-        let below = if below.is_black() { below } else { below * layer.deepened(&ground) * layer.dimmed(wo, wi) };
+        let below = if below.is_black() { below } else { below * layer.deepened(&ground) * layer.attenuated(wo, wi) };
         let reflected = layer.reflection(wo, wi).map_or(0.0, |(f, _)| f * above.map_or(1.0, Veil::glossy));
         below + Spectrum::gray(reflected)
     }

@@ -8,7 +8,7 @@
 pub mod coated;
 pub mod mix;
 pub mod sheen;
-pub mod sides;
+pub mod two_sided;
 mod veil;
 
 use glam::{DVec3, Vec2};
@@ -22,7 +22,7 @@ use crate::texture::Texture;
 pub use coated::{Coat, Coated};
 pub use mix::{Mix, Share};
 pub use sheen::Sheen;
-pub use sides::Sides;
+pub use two_sided::TwoSided;
 use veil::Veil;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub enum Compound {
     Mix(Mix),
     Coated(Coated),
     Sheen(Sheen),
-    Sides(Sides),
+    TwoSided(TwoSided),
 }
 
 /// A compound at one point.
@@ -99,7 +99,7 @@ macro_rules! of_each {
             Compound::Mix($member) => $call,
             Compound::Coated($member) => $call,
             Compound::Sheen($member) => $call,
-            Compound::Sides($member) => $call,
+            Compound::TwoSided($member) => $call,
         }
     };
 }
@@ -148,7 +148,7 @@ impl Compound {
             Compound::Mix(_) => "mix",
             Compound::Coated(_) => "coated",
             Compound::Sheen(_) => "sheen",
-            Compound::Sides(_) => "two_sided",
+            Compound::TwoSided(_) => "two_sided",
         }
     }
 
@@ -189,7 +189,7 @@ impl Compound {
             Compound::Mix(m) => Compound::Mix(m.recentred(origin)),
             Compound::Coated(m) => Compound::Coated(m.recentred(origin)),
             Compound::Sheen(m) => Compound::Sheen(m.recentred(origin)),
-            Compound::Sides(m) => Compound::Sides(m.recentred(origin)),
+            Compound::TwoSided(m) => Compound::TwoSided(m.recentred(origin)),
         }
     }
 }

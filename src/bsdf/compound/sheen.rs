@@ -7,8 +7,8 @@ use glam::{DVec3, Vec2};
 use super::veil::{Cover, NODES as PASSAGES, nodes};
 use super::{Compound, Scatter, Veil, choose};
 use crate::bsdf::description::{Description, MaterialRef, Prepare};
-use crate::bsdf::microfacet::albedo::Shelf;
-use crate::bsdf::microfacet::{Between, Ladder, Scale, upward_normal};
+use crate::bsdf::microfacet::energy_loss::Cache;
+use crate::bsdf::microfacet::{LerpedTable, Scale, TableRange, upward_normal};
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, HitContext, Lobe, Material, TransportMode};
 use crate::effects::Effects;
 use crate::format::Textured;
@@ -38,7 +38,7 @@ pub struct Sheen {
     ground: Material,
     color: Texture,
     roughness: Texture,
-    tables: Ladder<Table>,
+    tables: TableRange<Table>,
 }
 
 /// R and E over √μ.
@@ -56,7 +56,7 @@ struct Table {
 /// The fibres at a point.
 struct Fibres {
     color: Spectrum,
-    tables: Between<Table>,
+    tables: LerpedTable<Table>,
 }
 
 const NODES: usize = 33;
@@ -72,7 +72,7 @@ impl Sheen {
             Texture::Constant(roughness) => [alpha(roughness.average()); 2],
             _ => [MIN_ALPHA, 1.0],
         };
-        Sheen { ground, color: color.into(), roughness, tables: Ladder::new(range, Scale::Ratio, table) }
+        Sheen { ground, color: color.into(), roughness, tables: TableRange::new(range, Scale::Ratio, table) }
     }
 
     fn at(&self, at: &HitContext) -> (Fibres, Bsdf<'_>) {
@@ -125,8 +125,8 @@ fn alpha(roughness: f32) -> f32 {
 
 /// Made once for each α.
 fn table(alpha: f32) -> &'static Table {
-    static SHELF: Shelf<u32, Table> = Shelf::new();
-    SHELF.get(alpha.to_bits(), || {
+    static CACHE: Cache<u32, Table> = Cache::new();
+    CACHE.get(alpha.to_bits(), || {
         let raw = std::array::from_fn(|node| returned(node, |wo, wi| raw(alpha, wo, wi)));
         let table = Table { alpha, raw, albedo: [0.0; NODES], mean: 0.0, at_nodes: [0.0; PASSAGES] };
         // What R between its nodes and the midpoint rule leave above 1 would be light taken from the ground that is not there.

@@ -101,8 +101,8 @@ impl<'a> Veil<'a> {
 impl Bsdf<'_> {
     /// f(wo, wi)·|cos θi| of the light that passes the layers above, both ways.
     pub(super) fn beneath(&self, above: Option<&Veil>, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
-        if let Bsdf::Compound(met) = self {
-            return met.beneath(above, wo, wi, mode);
+        if let Bsdf::Compound(at) = self {
+            return at.beneath(above, wo, wi, mode);
         }
         let f = self.eval(wo, wi, mode);
         if f.is_black() { f } else { f * above.map_or(1.0, |veil| veil.over(self)) }

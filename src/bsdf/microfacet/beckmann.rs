@@ -25,7 +25,7 @@ pub(super) fn profile(slope2: f32, cos2: f32, length2: f32) -> f32 {
 
 /// S(w), from cos θ and (αx wx)² + (αy wy)².
 #[inline(never)]
-pub(super) fn across(cos: f32, sine2: f32) -> f32 {
+pub(super) fn projected_area(cos: f32, sine2: f32) -> f32 {
     let (cos, sine) = (f64::from(cos), f64::from(sine2).sqrt());
     let (erfc, gaussian) = erfc_and_gaussian(cos / sine);
     (cos * (1.0 - erfc) + sine * gaussian / SQRT_PI) as f32

@@ -20,7 +20,7 @@ pub(super) fn profile(slope2: f32, cos2: f32, length2: f32) -> f32 {
 
 /// S(w), from cos θ and (αx wx)² + (αy wy)².
 #[inline]
-pub(super) fn across(cos: f32, sine2: f32) -> f32 {
+pub(super) fn projected_area(cos: f32, sine2: f32) -> f32 {
     (cos * cos + sine2).sqrt()
 }
 

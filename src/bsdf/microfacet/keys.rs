@@ -4,7 +4,7 @@ use glam::Vec2;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::finish::{Alpha, Finish, alpha};
+use super::roughness::{Alpha, Roughness, alpha};
 use super::{Distribution, Microfacets};
 use crate::bsdf::description::Prepare;
 use crate::format::{self, Fraction, Textured};
@@ -64,7 +64,7 @@ impl<'m> RoughnessKeys<'m> {
     }
 
     /// The roughness that they say; `None` for a surface that is smooth everywhere.
-    pub fn prepare(self, builder: &mut dyn Prepare) -> Option<Finish> {
+    pub fn prepare(self, builder: &mut dyn Prepare) -> Option<Roughness> {
         let widths = match self.alpha {
             None => return roughened(builder, ["roughness", "anisotropy"], [self.roughness, self.anisotropy], self.distribution),
             Some(AlphaKey::Round(width)) => [builder.texture("alpha", width), builder.texture("alpha", width)],
@@ -81,7 +81,7 @@ impl<'m> RoughnessKeys<'m> {
 /// The roughness by a roughness and an anisotropy; `None` for a surface that is smooth everywhere.
 ///
 /// - `keys`: of roughness and anisotropy, which come next
-pub fn roughened(builder: &mut dyn Prepare, keys: [&str; 2], described: [&Textured; 2], distribution: Distribution) -> Option<Finish> {
+pub fn roughened(builder: &mut dyn Prepare, keys: [&str; 2], described: [&Textured; 2], distribution: Distribution) -> Option<Roughness> {
     let [roughness, anisotropy] = [0, 1].map(|k| builder.texture(keys[k], described[k]));
     let alpha = match (roughness, anisotropy) {
         (Texture::Constant(roughness), Texture::Constant(anisotropy)) => Alpha::Constant(alpha(roughness.average(), anisotropy.average())),
@@ -92,7 +92,7 @@ pub fn roughened(builder: &mut dyn Prepare, keys: [&str; 2], described: [&Textur
 }
 
 /// `None` for a surface that is smooth everywhere.
-fn rough(alpha: Alpha, distribution: Distribution) -> Option<Finish> {
+fn rough(alpha: Alpha, distribution: Distribution) -> Option<Roughness> {
     let smooth = matches!(alpha, Alpha::Constant(alpha) if Microfacets::new(alpha, distribution).is_none());
-    (!smooth).then_some(Finish { alpha, distribution })
+    (!smooth).then_some(Roughness { alpha, distribution })
 }

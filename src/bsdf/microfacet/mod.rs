@@ -11,10 +11,10 @@
 mod beckmann;
 mod ggx;
 
-pub mod albedo;
-pub mod finish;
+pub mod energy_loss;
 pub mod keys;
-pub mod ladder;
+pub mod roughness;
+pub mod table_range;
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -25,11 +25,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::math::Local;
 
-pub use albedo::Albedo;
-pub use finish::Finish;
+pub use energy_loss::EnergyLossTable;
 pub(super) use keys::roughness_keys;
 pub use keys::{AlphaKey, RoughnessKeys, roughened};
-pub use ladder::{Between, Ladder, Scale};
+pub use roughness::Roughness;
+pub use table_range::{LerpedTable, Scale, TableRange};
 
 /// How the facets of a rough surface lean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
@@ -93,11 +93,11 @@ impl Microfacets {
     ///
     /// Source: Smith (1967); Heitz, *Understanding the Masking-Shadowing Function* (2014). Tests: weak furnace (M1).
     #[inline]
-    pub fn across(&self, w: Local) -> f32 {
+    pub fn projected_area(&self, w: Local) -> f32 {
         let sine2 = (self.alpha * w.0.truncate()).length_squared();
         match self.distribution {
-            Distribution::Ggx => ggx::across(w.cos(), sine2),
-            Distribution::Beckmann => beckmann::across(w.cos(), sine2),
+            Distribution::Ggx => ggx::projected_area(w.cos(), sine2),
+            Distribution::Beckmann => beckmann::projected_area(w.cos(), sine2),
         }
     }
 
@@ -133,7 +133,7 @@ impl Microfacets {
 
 /// What two directions above the surface make of facets that mirror one into the other.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
+pub(super) struct HalfVectorTerms {
     /// D/2 of their normal [sr⁻¹].
     half_density: f32,
     /// cos θo + S(wo) = 2 cos θo / G₁
@@ -142,11 +142,11 @@ pub(super) struct Pair {
     both_ways: f32,
 }
 
-impl Pair {
+impl HalfVectorTerms {
     #[inline(always)]
-    pub fn new(facets: &Microfacets, wo: Local, wi: Local) -> Pair {
-        let (o, i, across_o, across_i) = (wo.cos(), wi.cos(), facets.across(wo), facets.across(wi));
-        Pair {
+    pub fn new(facets: &Microfacets, wo: Local, wi: Local) -> HalfVectorTerms {
+        let (o, i, across_o, across_i) = (wo.cos(), wi.cos(), facets.projected_area(wo), facets.projected_area(wi));
+        HalfVectorTerms {
             half_density: 0.5 * facets.density(Local(wo.0 + wi.0)),
             one_way: o + across_o,
             // S(i)/cos i first: products of two cosines may underflow.

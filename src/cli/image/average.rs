@@ -1,16 +1,29 @@
-//! `pt image average A B... -o OUT`: independent pictures of the same become a better one.
+//! `pt image average A B... -o OUT`: averages independent pictures of the same scene.
 
 use std::path::{Path, PathBuf};
 
-use super::args::Average;
 use crate::cli::note;
 use crate::cli::outputs::{Takes, check_outputs};
+use crate::cli::tone_mapping::ToneMapping;
 use crate::error::Result;
 use crate::film::Image;
 use crate::measure::{self, metric::Named};
 use crate::output::{self, Attributes, Value};
 
-pub fn average(args: &Average) -> Result<()> {
+#[derive(clap::Args, Debug)]
+pub struct AverageArgs {
+    /// Input files.
+    #[arg(required = true, value_name = "FILE")]
+    pub inputs: Vec<PathBuf>,
+    /// Output file: .exr, .png, .ppm or .pfm. May be repeated.
+    #[arg(short, long, value_name = "OUT", required = true)]
+    pub output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub tone_mapping: ToneMapping,
+}
+
+/// Runs the command.
+pub fn average(args: &AverageArgs) -> Result<()> {
     let inputs: Vec<&Path> = args.inputs.iter().map(PathBuf::as_path).collect();
     check_outputs(&args.output, Takes::Pictures, &inputs, "is one of the inputs")?;
     let read: Vec<(Image, Attributes)> = inputs.iter().map(|path| output::read(path)).collect::<Result<_>>()?;
@@ -20,7 +33,7 @@ pub fn average(args: &Average) -> Result<()> {
     named.iter().for_each(warn_of_broken);
     warn_of_copies(&names, &read);
     let attributes = common(&read);
-    args.output.iter().try_for_each(|path| output::write(path, &mean, &attributes, &args.develop.tonemap(&mean)))
+    args.output.iter().try_for_each(|path| output::write(path, &mean, &attributes, &args.tone_mapping.tonemap(&mean)))
 }
 
 fn warn_of_broken(picture: &Named) {
@@ -30,7 +43,7 @@ fn warn_of_broken(picture: &Named) {
     }
 }
 
-/// The same random numbers twice are no second opinion.
+/// Warns about pictures made of the same random numbers: their mean is no better.
 fn warn_of_copies(names: &[String], read: &[(Image, Attributes)]) {
     let numbers = |attributes: &Attributes| ["pt/seed", "pt/sampler", "pt/integrator"].map(|name| value(attributes, name).cloned());
     for (i, (_, later)) in read.iter().enumerate() {
@@ -48,7 +61,7 @@ fn value<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a Value> {
     attributes.iter().find(|(other, _)| other == name).map(|(_, value)| value)
 }
 
-/// What all pictures say alike; the samples per pixel add up.
+/// Attributes that all pictures share; the numbers of samples per pixel add up.
 fn common(read: &[(Image, Attributes)]) -> Attributes {
     let first = read.first().map(|(_, attributes)| attributes.as_slice()).unwrap_or_default();
     let is_common = |name: &str, own: &Value| read.iter().all(|(_, other)| value(other, name) == Some(own));
@@ -60,7 +73,7 @@ fn common(read: &[(Image, Attributes)]) -> Attributes {
     first.iter().filter_map(|pair| Some((pair.0.clone(), joined(pair)?))).collect()
 }
 
-/// Of whole numbers; `None` unless all say it.
+/// Sum of whole numbers; `None` unless all pictures have the attribute.
 fn sum(read: &[(Image, Attributes)], name: &str) -> Option<u64> {
     read.iter().map(|(_, attributes)| value(attributes, name)?.to_string().parse::<u64>().ok()).sum()
 }

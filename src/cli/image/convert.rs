@@ -1,20 +1,37 @@
-//! `pt image convert IN -o OUT`: another format, or one layer alone.
+//! `pt image convert IN -o OUT`: converts to another format, or extracts a layer.
 
-use super::args::Convert;
+use super::LayerArgs;
 use super::only;
 use crate::cli::outputs::{Takes, check_outputs};
+use crate::cli::tone_mapping::ToneMapping;
 use crate::error::Result;
 use crate::output::{self, Format, Pick};
+use std::path::PathBuf;
 
-/// An EXR to an EXR keeps all channels unless a layer is picked; all other formats have room for red, green and blue.
-pub fn convert(args: &Convert) -> Result<()> {
+#[derive(clap::Args, Debug)]
+pub struct ConvertArgs {
+    /// Input file.
+    #[arg(value_name = "IN")]
+    pub input: PathBuf,
+    /// Output file: .exr, .png, .ppm or .pfm. May be repeated.
+    #[arg(short, long, value_name = "OUT", required = true)]
+    pub output: Vec<PathBuf>,
+    #[command(flatten)]
+    pub layer: LayerArgs,
+    #[command(flatten)]
+    pub tone_mapping: ToneMapping,
+}
+
+/// Runs the command. An EXR keeps all its channels in another EXR unless a layer is selected; other formats hold red, green and
+/// blue only.
+pub fn convert(args: &ConvertArgs) -> Result<()> {
     check_outputs(&args.output, Takes::Pictures, &[&args.input], "is the input")?;
     let pick = args.layer.pick();
     let (all, attributes) = output::read(&args.input)?;
     for path in &args.output {
         let keeps_all = Format::of(path) == Some(Format::Exr) && pick == Pick::Colour;
         let image = if keeps_all { all.clone() } else { only(&pick, &all, &args.input)? };
-        output::write(path, &image, &attributes, &args.develop.tonemap(&image))?;
+        output::write(path, &image, &attributes, &args.tone_mapping.tonemap(&image))?;
     }
     Ok(())
 }

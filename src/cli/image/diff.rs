@@ -1,27 +1,55 @@
-//! `pt image diff A B`: how far a picture is from its reference.
+//! `pt image diff A B`: measures how far a picture is from its reference.
 
 use std::path::Path;
 use std::process::ExitCode;
 
-use super::args::Diff;
 use super::falsecolor::{Scale, painted};
+use super::{LayerArgs, ToneArgs};
 use super::{number, picked};
 use crate::cli::outputs::{Takes, check_outputs};
 use crate::cli::say;
 use crate::error::Result;
 use crate::film::{Channel, Image};
 use crate::measure::Metric;
-use crate::measure::metric::{Measured, Named, Pair};
+use crate::measure::metric::{ImagePair, Measured, Named};
 use crate::output::{self, Colormap, Format, Tonemap};
+use std::path::PathBuf;
 
-/// Every measure with its formula; 1 where one is larger than tolerated.
-pub fn diff(args: &Diff) -> Result<ExitCode> {
+#[derive(clap::Args, Debug)]
+pub struct DiffArgs {
+    /// Picture to judge.
+    #[arg(value_name = "A")]
+    pub first: PathBuf,
+    /// Reference.
+    #[arg(value_name = "B")]
+    pub second: PathBuf,
+    /// Error measure, such as relmse, mse:robust or relmse:eps=1e-2: see `pt list metrics`. May be repeated.
+    #[arg(short, long, value_name = "NAME", default_value = "relmse")]
+    pub metric: Vec<String>,
+    /// Output file for the error of every pixel: .exr or .pfm as numbers, .png or .ppm (of the first measure) as colours.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// End with exit code 1 if any measure is larger.
+    #[arg(long, value_name = "X", value_parser = tolerance)]
+    pub tolerance: Option<f64>,
+    #[command(flatten)]
+    pub layer: LayerArgs,
+    #[command(flatten)]
+    pub tone: ToneArgs,
+}
+
+fn tolerance(text: &str) -> std::result::Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| *x >= 0.0).ok_or("expected a number from 0".to_owned())
+}
+
+/// Prints every measure with its formula. The exit code is 1 if a measure exceeds the tolerance.
+pub fn diff(args: &DiffArgs) -> Result<ExitCode> {
     let metrics: Vec<Metric> = args.metric.iter().map(|name| Metric::parse(name)).collect::<Result<_>>()?;
     check_outputs(args.output.as_slice(), Takes::Pictures, &[&args.first, &args.second], "is one of the pictures")?;
     let pick = args.layer.pick();
     let (a, r) = (picked(&args.first, &pick)?, picked(&args.second, &pick)?);
     let names = [&args.first, &args.second].map(|path| path.display().to_string());
-    let pair = Pair::new(Named { name: &names[0], image: &a }, Named { name: &names[1], image: &r }, args.tone.map())?;
+    let pair = ImagePair::new(Named { name: &names[0], image: &a }, Named { name: &names[1], image: &r }, args.tone.map())?;
 
     let measured: Vec<(Metric, Measured)> = metrics.into_iter().map(|metric| (metric, metric.measure(&pair))).collect();
     let mut text = format!("a = {}, r = {}\n", names[0], names[1]);
@@ -40,21 +68,21 @@ pub fn diff(args: &Diff) -> Result<ExitCode> {
     Ok(ExitCode::from(u8::from(is_worse)))
 }
 
-/// The formula, and what the two pictures are where it matters.
+/// Formula of a measure, with the roles of the pictures if they differ.
 fn sentence(metric: &Metric) -> String {
     let kind = metric.kind();
     let roles = if kind.first == kind.second { String::new() } else { format!("; a is the {}, r the {}", kind.first, kind.second) };
     format!("{}{roles}", metric.formula())
 }
 
-/// The errors of all pixels to a file; returns what is to be said of it.
+/// Writes the errors of all pixels to a file; returns a line about the colours.
 fn write(path: &Path, window: &Image, measured: &[(Metric, Measured)]) -> Result<String> {
     let values = |measured: &Measured| measured.map.iter().map(|&v| v as f32).collect::<Vec<f32>>();
     let (metric, first) = &measured[0];
     let about = vec![("pt/metric".to_owned(), metric.formula().into())];
     match Format::of(path) {
         Some(Format::Exr) => {
-            // A single map is a single channel, which every viewer shows by itself.
+            // A single map becomes a single channel, which every viewer shows.
             let name = |metric: &Metric| if measured.len() == 1 { "Y".to_owned() } else { format!("{}.Y", metric.name()) };
             let channels = measured.iter().map(|(metric, m)| Channel { name: name(metric), values: values(m) }).collect();
             output::write(path, &Image { channels, ..*window }, &about, &Tonemap::default()).map(|()| String::new())

@@ -1,19 +1,80 @@
-//! `pt image falsecolor A [B] -o OUT`: numbers as colours, with a scale.
+//! `pt image falsecolor A [B] -o OUT`: shows numbers as colours, with a scale.
 
 use glam::UVec2;
 
-use super::args::Falsecolor;
+use super::{LayerArgs, ToneArgs};
 use super::{label, number, picked};
 use crate::cli::outputs::{Takes, check_outputs};
 use crate::cli::say;
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
 use crate::measure::Metric;
-use crate::measure::metric::{Named, Pair};
+use crate::measure::metric::{ImagePair, Named};
 use crate::output::tonemap::linear;
 use crate::output::{self, Colormap, Tonemap};
+use clap::ValueEnum;
+use std::path::PathBuf;
 
-pub fn falsecolor(args: &Falsecolor) -> Result<()> {
+#[derive(clap::Args, Debug)]
+pub struct FalsecolorArgs {
+    /// Picture.
+    #[arg(value_name = "A")]
+    pub first: PathBuf,
+    /// Reference, to show errors.
+    #[arg(value_name = "B")]
+    pub second: Option<PathBuf>,
+    /// Output file: .png, .ppm, .exr or .pfm.
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// With B: the error measure; see `pt list metrics`.
+    #[arg(short, long, value_name = "NAME", default_value = "relmse")]
+    pub metric: String,
+    /// Values of the darkest and of the brightest colour. Default: 0, or the smallest value if that is negative, and the value that
+    /// 99 % of the pixels do not exceed; with --log the values that 1 % and 99 % of the positive ones do not exceed.
+    #[arg(long, value_name = "LOW,HIGH", value_parser = range, allow_hyphen_values = true)]
+    pub range: Option<[f64; 2]>,
+    /// Scale with equal factors instead of equal steps.
+    #[arg(long)]
+    pub log: bool,
+    /// Colour map; all are perceptually uniform.
+    #[arg(long, value_enum, default_value_t = Map::Magma)]
+    pub map: Map,
+    #[command(flatten)]
+    pub layer: LayerArgs,
+    #[command(flatten)]
+    pub tone: ToneArgs,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Map {
+    Magma,
+    Inferno,
+    Plasma,
+    Viridis,
+    /// Colours for people who cannot tell red from green.
+    Cividis,
+}
+
+impl From<Map> for Colormap {
+    fn from(map: Map) -> Colormap {
+        match map {
+            Map::Magma => Colormap::Magma,
+            Map::Inferno => Colormap::Inferno,
+            Map::Plasma => Colormap::Plasma,
+            Map::Viridis => Colormap::Viridis,
+            Map::Cividis => Colormap::Cividis,
+        }
+    }
+}
+
+fn range(text: &str) -> Result<[f64; 2], String> {
+    let number = |part: &str| part.trim().parse().ok().filter(|x: &f64| x.is_finite());
+    let parsed = text.split_once(',').and_then(|(low, high)| Some([number(low)?, number(high)?]));
+    parsed.filter(|[low, high]| low < high).ok_or("expected two numbers such as 0,0.5, the first below the second".to_owned())
+}
+
+/// Runs the command.
+pub fn falsecolor(args: &FalsecolorArgs) -> Result<()> {
     let metric = Metric::parse(&args.metric)?;
     let inputs: Vec<_> = [Some(&args.first), args.second.as_ref()].into_iter().flatten().map(|path| path.as_path()).collect();
     check_outputs(std::slice::from_ref(&args.output), Takes::Pictures, &inputs, "is one of the pictures")?;
@@ -27,7 +88,7 @@ pub fn falsecolor(args: &Falsecolor) -> Result<()> {
         None => (image.pixels().map(luminance).collect(), format!("luminance of {pick} of {name}")),
         Some(path) => {
             let (reference, other) = (picked(path, &pick)?, path.display().to_string());
-            let pair = Pair::new(Named { name: &name, image: &image }, Named { name: &other, image: &reference }, args.tone.map())?;
+            let pair = ImagePair::new(Named { name: &name, image: &image }, Named { name: &other, image: &reference }, args.tone.map())?;
             let what = format!("{} of a = {name}, r = {other}: {}", metric.name(), metric.formula());
             (metric.measure(&pair).map, what)
         }
@@ -37,12 +98,12 @@ pub fn falsecolor(args: &Falsecolor) -> Result<()> {
     say(&format!("{what}\n{}\n", scale.sentence(&values)))
 }
 
-/// Y of linear Rec. 709; of a grey the grey itself.
+/// Luminance of linear Rec. 709; the value itself for a grey.
 fn luminance([r, g, b]: [f32; 3]) -> f64 {
     0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
 }
 
-/// From numbers to colours.
+/// Map from numbers to colours.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
     low: f64,
@@ -51,11 +112,11 @@ pub struct Scale {
     map: Colormap,
 }
 
-/// In no map: what is no number must not look like one.
+/// Colour of NaN, which no colour map contains.
 const NAN: [u8; 3] = [0, 255, 255];
 
 impl Scale {
-    /// The range given, or one that 99 % of the values do not exceed, so that one firefly does not make all else black.
+    /// Scale for a given range, or for one that 99 % of the values do not exceed, so that a firefly does not make all else black.
     pub fn around(values: &[f64], range: Option<[f64; 2]>, log: bool, map: Colormap) -> Scale {
         let mut finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite() && (!log || *v > 0.0)).collect();
         finite.sort_by(f64::total_cmp);
@@ -71,17 +132,17 @@ impl Scale {
         }
         let place = |x: f64| if self.log { x.max(0.0).ln() } else { x };
         let (low, high) = (place(self.low), place(self.high));
-        // A range without width has two colours.
+        // A range of width 0 has two colours.
         let share = if high > low { (place(value) - low) / (high - low) } else { f64::from(u8::from(value > self.high)) };
         self.map.color(share)
     }
 
-    /// The value at a share of the scale's length.
+    /// Value at a share of the scale's length.
     fn value(&self, share: f64) -> f64 {
         if self.log { self.low.powf(1.0 - share) * self.high.powf(share) } else { self.low + share * (self.high - self.low) }
     }
 
-    /// Range, extremes, and what is no number.
+    /// Text with the range, the extremes, and the number of NaN pixels.
     pub fn sentence(&self, values: &[f64]) -> String {
         let (low, high) = (number(self.low), number(self.high));
         let numbers = || values.iter().copied().filter(|v| !v.is_nan());
@@ -98,7 +159,7 @@ const GAP: usize = 3;
 const BAR: usize = 10;
 const LEGEND: usize = 3 * GAP + BAR + label::HEIGHT;
 
-/// The colours of the values, and the scale below them.
+/// Picture of the values in colours, with the scale below.
 ///
 /// - `values`: rows from the top, `size.x` in each
 pub fn painted(values: &[f64], size: UVec2, scale: &Scale) -> Image {
@@ -117,7 +178,7 @@ fn legend(width: usize, scale: &Scale) -> Vec<[u8; 3]> {
     for y in GAP..GAP + BAR {
         (0..width).for_each(|x| rows[y * width + x] = scale.map.color(share(x)));
     }
-    // As many of the ends and the middle as have room, each within the picture.
+    // Labels of the ends and the middle, as many as fit into the picture.
     let texts = [0.0, 1.0, 0.5].map(|share| (share, label::short(scale.value(share))));
     let mut taken: Vec<(usize, usize)> = vec![];
     for (share, text) in texts {

@@ -1,4 +1,4 @@
-//! `pt image hash FILE...`: one line each, as checksum programs print them.
+//! `pt image hash FILE...`: prints a line per file, as checksum programs do.
 
 use std::path::PathBuf;
 
@@ -6,6 +6,7 @@ use crate::cli::say;
 use crate::error::Result;
 use crate::output;
 
+/// Runs the command.
 pub fn hash(files: &[PathBuf]) -> Result<()> {
     files.iter().try_for_each(|path| say(&format!("{}  {}\n", output::hash(&output::read(path)?.0), path.display())))
 }

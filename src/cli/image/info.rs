@@ -1,4 +1,4 @@
-//! `pt image info FILE...`: what is in a picture.
+//! `pt image info FILE...`: prints what is in a picture.
 
 use std::path::{Path, PathBuf};
 
@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::film::Channel;
 use crate::output::{self, window};
 
+/// Runs the command.
 pub fn info(files: &[PathBuf]) -> Result<()> {
     files.iter().try_for_each(|path| say(&about(path)?))
 }
@@ -30,7 +31,7 @@ fn about(path: &Path) -> Result<String> {
     Ok(text)
 }
 
-/// Of the finite values of a channel, and how many are not.
+/// Statistics of the finite values of a channel, and the numbers of others.
 struct Span {
     min: f64,
     mean: f64,

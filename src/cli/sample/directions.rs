@@ -1,43 +1,45 @@
-//! Directions of a warp against the density that they should have.
+//! Test of the directions of a warp against their density.
 
 use std::fmt;
 use std::process::ExitCode;
 
 use glam::Vec2;
 
+use super::SampleArgs;
 use super::points::{Directions, Map, Parameters, Warp};
 use crate::bsdf::{BsdfSample, Lobe, TransportMode};
-use crate::cli::{args, say};
+use crate::cli::say;
 use crate::error::{Error, Result};
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
 use crate::measure::sidak;
-use crate::proof::{Chi2, Drawn, Model, Options, chi2};
+use crate::proof::{Chi2, Model, Options, SampledDirections, chi2};
 
-/// Prints the tests of three divisions of the sphere; 1 where one of them says no at a level of 1 % for all.
-pub fn judge(warp: &Warp, parameters: &Parameters, args: &args::Sample) -> Result<ExitCode> {
+/// Prints the tests of three divisions of the sphere. The exit code is 1 if one of them refuses at a level of 1 % for all.
+pub fn judge(warp: &Warp, parameters: &Parameters, args: &SampleArgs) -> Result<ExitCode> {
     let Map::Sphere(directions) = (warp.map)(parameters)? else {
         return Err(Error::Usage(format!("--chi2: the points of {} are no directions", warp.name)));
     };
     let options = Options { samples: args.samples, seed: args.seed, ..Options::default() };
-    let drawn = Drawn::new(&Scattering { warp, directions }, Local::NORMAL, 0, &options);
-    let tests = tests(&drawn);
-    say(&format!("samples        {}\n∫ pdf          {:.5}\nchi² p         {}\n", drawn.samples, drawn.mass, figures(&tests)))?;
+    let sampled = SampledDirections::new(&Scattering { warp, directions }, Local::NORMAL, 0, &options);
+    let tests = tests(&sampled);
+    say(&format!("samples        {}\n∫ pdf          {:.5}\nchi² p         {}\n", sampled.samples, sampled.mass, figures(&tests)))?;
     let refused = tests.iter().any(|(_, test)| test.p < sidak(options.alpha, tests.len()));
     Ok(ExitCode::from(u8::from(refused)))
 }
 
-/// What each division says.
-pub fn tests(drawn: &Drawn) -> Vec<(&'static str, Chi2)> {
-    drawn.divisions.iter().map(|division| (division.name, chi2(&division.shares, &division.counts))).collect()
+/// Tests of each division.
+pub fn tests(sampled: &SampledDirections) -> Vec<(&'static str, Chi2)> {
+    sampled.divisions.iter().map(|division| (division.name, chi2(&division.shares, &division.counts))).collect()
 }
 
+/// Text of the tests.
 pub fn figures(tests: &[(&str, Chi2)]) -> String {
     let figures: Vec<String> =
         tests.iter().map(|(name, test)| format!("{:.3} ({name}, {} degrees of freedom)", test.p, test.freedom)).collect();
     figures.join(", ")
 }
 
-/// A surface that scatters all light into these directions, wherever it comes from.
+/// Surface that scatters all light into these directions, whatever the incidence.
 struct Scattering<'a> {
     warp: &'a Warp,
     directions: Directions,

@@ -1,4 +1,4 @@
-//! Directions by longitude and latitude, as the courses' sample tester counts and draws them.
+//! Directions by longitude and latitude, counted and drawn as by the courses' sample tester.
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -9,24 +9,29 @@ use crate::error::Result;
 use crate::film::{Channel, Image};
 use crate::output::{self, Colormap, Tonemap, png};
 
-/// Cells from pole to pole and around: z is up, the azimuth runs from +x to the right.
+/// Cells from pole to pole; z is up.
 pub const ROWS: usize = 256;
+/// Cells around; the azimuth runs from +x to the right.
 pub const COLUMNS: usize = 512;
-/// Directions within each cell of which a density is asked, along each side.
+/// Directions within each cell at which the density is evaluated, along each side.
 const FINER: usize = 4;
-/// Cells, along each side, that share what was drawn in them: one holds but fifty.
+/// Cells, along each side, whose counts are merged: a single one has only fifty.
 const MERGED: usize = 4;
 
-/// A density over the sphere: its mean in each cell, from the upper pole, and its integral.
+/// Density over the sphere: its mean in each cell, from the upper pole, and its integral.
 pub struct Density {
+    /// Mean of each cell.
     pub cells: Vec<f64>,
+    /// Integral over the sphere.
     pub integral: f64,
-    /// Whether a value was neither finite nor 0 or more.
+    /// Whether a value was negative or not finite.
     pub is_wrong: bool,
 }
 
 impl Density {
-    /// - `pdf`: of a unit direction [sr⁻¹]
+    /// Evaluates a density.
+    ///
+    /// - `pdf`: density of a unit direction [sr⁻¹]
     pub fn new(pdf: impl Fn(DVec3) -> f64) -> Density {
         let mut density = Density { cells: vec![], integral: 0.0, is_wrong: false };
         let side = |cell: usize, part: usize, cells: usize| (cell as f64 + (part as f64 + 0.5) / FINER as f64) / cells as f64;
@@ -46,7 +51,7 @@ impl Density {
         density
     }
 
-    /// What is brightest in the pictures: all but the highest half per mille lies below.
+    /// Value that is shown brightest: all but the largest half per mille lies below it.
     fn brightest(&self) -> f64 {
         let mut sorted = self.cells.clone();
         sorted.sort_by(f64::total_cmp);
@@ -54,18 +59,21 @@ impl Density {
     }
 }
 
-/// Directions that were drawn, counted.
+/// Counts of sampled directions.
 pub struct Histogram {
     counts: Vec<u64>,
     drawn: u64,
 }
 
 impl Histogram {
-    /// - `drawn`: how many there will be, valid or not
+    /// Empty counts.
+    ///
+    /// - `drawn`: total number of samples, valid or not
     pub fn new(drawn: u64) -> Histogram {
         Histogram { counts: vec![0; ROWS / MERGED * (COLUMNS / MERGED)], drawn }
     }
 
+    /// Counts a direction.
     pub fn add(&mut self, w: DVec3) {
         let (theta, phi) = (w.z.clamp(-1.0, 1.0).acos(), w.y.atan2(w.x).rem_euclid(TAU));
         let [rows, columns] = [ROWS / MERGED, COLUMNS / MERGED];
@@ -74,7 +82,7 @@ impl Histogram {
         self.counts[row * columns + column] += 1;
     }
 
-    /// The density that they show, in each cell of a [`Density`].
+    /// Density that the counts show, in each cell of a [`Density`].
     fn cells(&self) -> Vec<f64> {
         let of = |row: usize, column: usize| {
             let row = row / MERGED;
@@ -86,7 +94,7 @@ impl Histogram {
     }
 }
 
-/// `STEM-pdf.png` and `STEM-sampled.png`, on one scale of colours.
+/// Writes `STEM-pdf.png` and `STEM-sampled.png`, with the same scale of colours.
 ///
 /// # Errors
 /// `Io`.
@@ -99,7 +107,7 @@ pub fn pictures(pdf: &Density, drawn: &Histogram, stem: &str) -> Result<()> {
     Ok(())
 }
 
-/// In the colours of the courses: Inferno's shares of red, green and blue, taken as light.
+/// Picture in the colours of the courses: the map Inferno, whose values are taken as linear light.
 fn picture(cells: &[f64], brightest: f64) -> Image {
     let share = |x: f64| if brightest > 0.0 { x / brightest } else { 0.0 };
     let colors: Vec<[u8; 3]> = cells.iter().map(|&x| Colormap::Inferno.color(share(x))).collect();

@@ -1,13 +1,13 @@
-//! Point sets to look at: in the plane, or in space as seen from above the horizon.
+//! Pictures of point sets: in the plane, or in space as seen from above the horizon.
 
 use glam::{UVec2, Vec2, Vec3};
 
-use super::points::Kindred;
+use super::points::Domain;
 use crate::error::Result;
 use crate::film::{Channel, Image};
 use crate::output::{Tonemap, png};
 
-/// A point of the picture, which spans −1 … 1 with a margin; y upwards.
+/// Point in the picture, which spans −1 … 1 with a margin; y upwards.
 #[derive(Clone, Copy, Debug)]
 pub struct Mark {
     at: Vec2,
@@ -15,42 +15,42 @@ pub struct Mark {
     depth: f32,
 }
 
-/// Edge of the picture (pixels), and how many of them a unit takes.
+/// Edge of the picture (pixels), and the number of pixels of a unit.
 const SIZE: u32 = 640;
 const SCALE: f32 = 290.0;
 /// Radius of a dot (pixels).
 const DOT: f32 = 1.6;
-/// Space is seen from 25° above the horizon.
+/// Sine and cosine of the view from 25° above the horizon.
 const SIN_COS_TILT: (f32, f32) = (0.422_618_27, 0.906_307_8);
 
-/// The points as they are seen, the farthest first.
-pub fn marks(points: &[Vec3], kin: Kindred) -> Vec<Mark> {
-    let mut marks: Vec<Mark> = points.iter().map(|&p| mark(p, kin)).collect();
+/// Marks of the points, the farthest first.
+pub fn marks(points: &[Vec3], domain: Domain) -> Vec<Mark> {
+    let mut marks: Vec<Mark> = points.iter().map(|&p| mark(p, domain)).collect();
     marks.sort_by(|a, b| b.depth.total_cmp(&a.depth));
     marks
 }
 
-fn mark(p: Vec3, kin: Kindred) -> Mark {
+fn mark(p: Vec3, domain: Domain) -> Mark {
     let (sin, cos) = SIN_COS_TILT;
-    match kin {
-        Kindred::Square => Mark { at: 2.0 * p.truncate() - 1.0, depth: 0.0 },
-        Kindred::Plane => Mark { at: p.truncate(), depth: 0.0 },
+    match domain {
+        Domain::Square => Mark { at: 2.0 * p.truncate() - 1.0, depth: 0.0 },
+        Domain::Plane => Mark { at: p.truncate(), depth: 0.0 },
         // x to the right, z upwards, y away from the eye.
-        Kindred::Space => Mark { at: Vec2::new(p.x, p.z * cos + p.y * sin), depth: 0.5 + 0.5 * (p.y * cos - p.z * sin) },
+        Domain::Space => Mark { at: Vec2::new(p.x, p.z * cos + p.y * sin), depth: 0.5 + 0.5 * (p.y * cos - p.z * sin) },
     }
 }
 
-/// What encloses the points: corners of a closed line.
-fn outlines(kin: Kindred) -> Vec<Vec<Vec2>> {
+/// Outline of the domain: corners of closed lines.
+fn outlines(domain: Domain) -> Vec<Vec<Vec2>> {
     const STEPS: u32 = 180;
     let circle = |f: &dyn Fn(f32, f32) -> Vec2| {
         (0..=STEPS).map(|i| (std::f32::consts::TAU * i as f32 / STEPS as f32).sin_cos()).map(|(s, c)| f(c, s)).collect()
     };
-    match kin {
-        Kindred::Square => vec![[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)].map(Vec2::from).to_vec()],
-        Kindred::Plane => vec![circle(&|x, y| Vec2::new(x, y))],
-        // The silhouette, and the equator.
-        Kindred::Space => vec![circle(&|x, y| Vec2::new(x, y)), circle(&|x, y| mark(Vec3::new(x, y, 0.0), kin).at)],
+    match domain {
+        Domain::Square => vec![[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)].map(Vec2::from).to_vec()],
+        Domain::Plane => vec![circle(&|x, y| Vec2::new(x, y))],
+        // Silhouette and equator.
+        Domain::Space => vec![circle(&|x, y| Vec2::new(x, y)), circle(&|x, y| mark(Vec3::new(x, y, 0.0), domain).at)],
     }
 }
 
@@ -58,16 +58,17 @@ fn pixel(at: Vec2) -> Vec2 {
     0.5 * SIZE as f32 + SCALE * Vec2::new(at.x, -at.y)
 }
 
-/// Near dots dark, far ones pale.
+/// Grey of a dot: near ones are dark, far ones pale.
 fn shade(depth: f32) -> f32 {
     0.05 + 0.65 * depth
 }
 
-pub fn svg(marks: &[Mark], kin: Kindred) -> String {
+/// Picture as SVG.
+pub fn svg(marks: &[Mark], domain: Domain) -> String {
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {SIZE} {SIZE}\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
-    for line in outlines(kin) {
+    for line in outlines(domain) {
         let corners: Vec<String> = line.into_iter().map(pixel).map(|p| format!("{:.1},{:.1}", p.x, p.y)).collect();
         text += &format!("<polyline points=\"{}\" fill=\"none\" stroke=\"silver\"/>\n", corners.join(" "));
     }
@@ -78,9 +79,10 @@ pub fn svg(marks: &[Mark], kin: Kindred) -> String {
     text + "</svg>\n"
 }
 
-pub fn png(marks: &[Mark], kin: Kindred) -> Result<Vec<u8>> {
+/// Picture as PNG.
+pub fn png(marks: &[Mark], domain: Domain) -> Result<Vec<u8>> {
     let mut canvas = vec![1.0f32; (SIZE * SIZE) as usize];
-    for line in outlines(kin) {
+    for line in outlines(domain) {
         for ends in line.windows(2) {
             let steps = (ends[0].distance(ends[1]) * SCALE).ceil().max(1.0);
             (0..=steps as u32).for_each(|i| dot(&mut canvas, pixel(ends[0].lerp(ends[1], i as f32 / steps)), 0.7, 0.75));
@@ -90,7 +92,7 @@ pub fn png(marks: &[Mark], kin: Kindred) -> Result<Vec<u8>> {
     gray(canvas)
 }
 
-/// Covers the pixels around a place as far as they lie within the radius.
+/// Draws a dot with smooth edges.
 fn dot(canvas: &mut [f32], at: Vec2, radius: f32, shade: f32) {
     let low = (at - radius - 1.0).max(Vec2::ZERO).as_uvec2();
     let high = (at + radius + 1.0).as_uvec2().min(UVec2::splat(SIZE - 1));

@@ -1,13 +1,14 @@
-//! `pt sample material SCENE#NAME`: a material of a scene put to its proof at one incidence, and pictures of it.
+//! `pt sample material SCENE#NAME`: tests a material of a scene at one incidence, and draws pictures of it.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use glam::{UVec2, Vec3};
 
+use super::SampleArgs;
 use super::directions::{figures, tests};
 use crate::bsdf::Bsdf;
-use crate::cli::{args, say};
+use crate::cli::say;
 use crate::describe::{self, Source};
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
@@ -20,7 +21,8 @@ use crate::reader::unknown;
 use crate::scene::Scene;
 use crate::world::World;
 
-pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
+/// Runs the command.
+pub fn material(scene: &str, args: &SampleArgs) -> Result<ExitCode> {
     let usage = || Error::Usage(format!("{scene}: expected a scene and a material of it, such as scene.json#glass"));
     let (path, name) = scene.rsplit_once('#').ok_or_else(usage)?;
     let world = sphere_of(Path::new(path), name, args.allow_outside)?;
@@ -30,11 +32,11 @@ pub fn material(scene: &str, args: &args::Sample) -> Result<ExitCode> {
     let case = Case::new(&bsdf, &options);
     let report = case.report();
     say(&format!("{}\n{report}", summary(&case, args)))?;
-    pictures(&case.drawn[0].divisions[0], case.drawn[0].smooth, &stem(name, args))?;
+    pictures(&case.sampled[0].divisions[0], case.sampled[0].smooth, &stem(name, args))?;
     Ok(ExitCode::from(u8::from(!report.accepts())))
 }
 
-/// A world of one sphere that is made of the material of that name.
+/// World of one sphere with the material of that name.
 fn sphere_of(path: &Path, name: &str, allow_outside: bool) -> Result<World> {
     let Imported { mut root, file, files, .. } = import(path, allow_outside)?;
     let described = describe::read(&root, &file)?;
@@ -50,20 +52,20 @@ fn sphere_of(path: &Path, name: &str, allow_outside: bool) -> Result<World> {
     Ok(describe::build(&describe::read(&root, &file)?, source)?.world)
 }
 
-/// The material at a point of a world that is one unit sphere.
+/// Material at a point of a world that is one unit sphere.
 pub fn of_sphere(world: &World) -> Result<Bsdf<'_>> {
     let ray = Ray::new(Vec3::new(0.3, 0.2, 3.0) - world.origin().as_vec3(), Vec3::NEG_Z);
-    // The shape is asked, not the world: of a surface with holes it is what is there that scatters.
+    // The shape is intersected, not the world: at a hole of a surface the material there is wanted.
     let met = world.shapes()[0].intersect(0, &ray).ok_or_else(|| Error::Internal("a ray missed the unit sphere".into()))?;
     Ok(world.surface(&ray, &Hit { shape: 0, primitive: 0, uv: met.uv, t: met.t }).bsdf)
 }
 
-/// The figures that one looks for first.
-fn summary(case: &Case, args: &args::Sample) -> String {
-    let drawn = &case.drawn[0];
+/// Most important figures.
+fn summary(case: &Case, args: &SampleArgs) -> String {
+    let sampled = &case.sampled[0];
     let [theta, phi] = args.wo;
-    let share = |count: u64| 100.0 * count as f64 / drawn.samples as f64;
-    let [r, g, b] = drawn.albedo.map(|mean| format!("{:.5} ± {:.5}", mean.value, mean.standard_error()));
+    let share = |count: u64| 100.0 * count as f64 / sampled.samples as f64;
+    let [r, g, b] = sampled.albedo.map(|mean| format!("{:.5} ± {:.5}", mean.value, mean.standard_error()));
     format!(
         "wo             θ = {theta}°, φ = {phi}°\n\
          samples        {}\n\
@@ -71,17 +73,17 @@ fn summary(case: &Case, args: &args::Sample) -> String {
          valid samples  {:.3} % ({:.3} % with a density, {:.3} % delta)\n\
          chi² p         {}\n\
          furnace albedo {r} (red), {g} (green), {b} (blue)\n",
-        drawn.samples,
-        drawn.mass,
-        share(drawn.samples - drawn.failed),
-        share(drawn.smooth),
-        share(drawn.samples - drawn.failed - drawn.smooth),
-        figures(&tests(drawn))
+        sampled.samples,
+        sampled.mass,
+        share(sampled.samples - sampled.failed),
+        share(sampled.smooth),
+        share(sampled.samples - sampled.failed - sampled.smooth),
+        figures(&tests(sampled))
     )
 }
 
-/// `-o`, or the material's name as a file name.
-fn stem(name: &str, args: &args::Sample) -> PathBuf {
+/// Start of the pictures' names: `-o`, or the material's name as a file name.
+fn stem(name: &str, args: &SampleArgs) -> PathBuf {
     let as_file = || name.replace(['/', '\\'], "_").into();
     args.output.clone().unwrap_or_else(as_file)
 }
@@ -89,10 +91,10 @@ fn stem(name: &str, args: &args::Sample) -> PathBuf {
 /// Pixels per bin, along each side.
 const ZOOM: usize = 4;
 
-/// Density, its estimate from the samples, and what the second has too much (red) or too little (blue).
+/// Writes pictures of the density, its estimate from the samples, and their difference: samples too many (red) or too few (blue).
 ///
-/// From left to right φ = 0 … 360°; from top to bottom z = 1 … −1, so that equal areas are equal solid angles.
-/// One scale for all: the largest value of both.
+/// From left to right φ = 0 … 360°; from top to bottom z = 1 … −1, so that equal areas are equal solid angles. All have the same
+/// scale: the largest value of both.
 fn pictures(fine: &Division, samples: u64, stem: &Path) -> Result<()> {
     let sampled: Vec<f64> = fine.counts.iter().map(|&count| count as f64 / samples.max(1) as f64).collect();
     let mass: f64 = fine.shares.iter().sum();
@@ -121,12 +123,12 @@ fn enlarged(colors: &[[f64; 3]]) -> Image {
     Image { full_size: size, origin: UVec2::ZERO, size, channels: ["R", "G", "B"].into_iter().enumerate().map(channel).collect() }
 }
 
-/// Black, red, yellow, white: linear Rec. 709, ever brighter.
+/// Colour from black over red and yellow to white, in linear Rec. 709, with increasing brightness.
 fn heat(x: f64) -> [f64; 3] {
     [0.0, 1.0, 2.0].map(|from| (3.0 * x - from).clamp(0.0, 1.0))
 }
 
-/// Blue below 0, white at 0, red above.
+/// Colour that is blue below 0, white at 0 and red above.
 fn diverging(x: f64) -> [f64; 3] {
     let (more, less) = (1.0 - x.clamp(0.0, 1.0), 1.0 + x.clamp(-1.0, 0.0));
     [less, more.min(less), more]

@@ -1,4 +1,4 @@
-//! Foreign text inside a format.
+//! Escaping of text for XML, HTML, JSON in HTML, and CSV.
 
 /// Text of an XML or HTML element, or of an attribute in double quotes.
 pub fn xml(text: &str) -> String {
@@ -18,7 +18,7 @@ pub fn xml(text: &str) -> String {
     escaped
 }
 
-/// JSON inside a `script` element: no `<` that could end it, the same value.
+/// JSON inside a `script` element: no `<` that could end the element, and the same value.
 pub fn script(json: &str) -> String {
     json.replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
 }

@@ -1,4 +1,4 @@
-//! The tree of the JERI viewer, and its pictures.
+//! Data for the JERI viewer: a tree of views, and the pictures in it.
 //!
 //! ```text
 //! root ─ scene ─ picture ─ Reference, methods …
@@ -7,7 +7,7 @@
 //!              ─ standard error ─ Reference, methods …            one channel
 //! ```
 //!
-//! A method has the same title in every branch, so that JERI keeps it when the branch is changed.
+//! A method has the same title in every branch, so that JERI keeps it selected when the branch is changed.
 //!
 //! Source: Disney Research, JERI 2.0.
 
@@ -19,9 +19,10 @@ use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
 use crate::output::exr;
 
-/// JERI's own names; its MRSE is d²/(r² + 10⁻⁴) and not our relMSE.
+/// Names of JERI's error measures. Its MRSE is d²/(r² + 10⁻⁴), which is not our relMSE.
 const LOSSES: [&str; 6] = ["MRSE", "MAPE", "SMAPE", "L1", "L2", "SSIM"];
 
+/// Returns the files of the tree.
 pub fn files(comparison: &Comparison) -> Result<Files> {
     let mut files = Files::new();
     let mut put = |name: &str, image: &Image, channels: &[&str]| -> Result<()> {
@@ -60,7 +61,7 @@ pub fn files(comparison: &Comparison) -> Result<Files> {
     let mut branches = vec![node("picture", pictures), node("one render", renders)];
     branches.extend(LOSSES.iter().zip(losses).map(|(function, leaves)| node(function, leaves)));
     branches.push(node("standard error", errors));
-    // JERI wants children in every node.
+    // JERI requires children in every node.
     branches.retain(|branch| branch["children"].as_array().is_some_and(|children| !children.is_empty()));
     let tree = node("root", vec![node(&comparison.scene, branches)]);
     let text = serde_json::to_string_pretty(&tree).map_err(|e| Error::Internal(format!("cannot write JSON: {e}")))?;
@@ -73,7 +74,7 @@ fn node(title: &str, children: Vec<Value>) -> Value {
     json!({"title": title, "children": children})
 }
 
-/// The channels of these names, zero where they are missing: JERI refuses pictures without R, G and B.
+/// Channels of these names, with zeros for missing ones: JERI refuses pictures without R, G and B.
 fn only(image: &Image, names: &[&str]) -> Image {
     let pixels = (image.size.x * image.size.y) as usize;
     let channel = |name: &&str| {
@@ -83,7 +84,7 @@ fn only(image: &Image, names: &[&str]) -> Image {
     Image { channels: names.iter().map(channel).collect(), ..image.clone() }
 }
 
-/// The mean of the colours' standard errors as one channel, which JERI shows in false colours.
+/// Mean of the standard errors of the colours, as one channel, which JERI shows in false colours.
 fn mean_error(image: &Image) -> Option<Image> {
     let [r, g, b] = [image.channel("StdErr.R")?, image.channel("StdErr.G")?, image.channel("StdErr.B")?];
     let values = r.iter().zip(g).zip(b).map(|((r, g), b)| (r + g + b) / 3.0).collect();

@@ -1,12 +1,12 @@
-//! A comparison as files: numbers for programs, plots for papers, one page for people.
+//! Report of a comparison: numbers for programs, plots for papers, and a page for people.
 //!
 //! To add a plot: a file in `plot/`, a row in `plot::ALL`.
 
+mod embedded_image;
 mod escape;
 mod jeri;
 mod names;
 mod page;
-mod planes;
 mod plot;
 mod table;
 
@@ -16,20 +16,20 @@ use super::Comparison;
 use crate::error::{Error, Result};
 use crate::output;
 
-/// Files to be written, in this order, by their paths inside the report's folder.
+/// Files to write, in this order, with their paths inside the report's folder.
 type Files = Vec<(PathBuf, Vec<u8>)>;
 
-/// Writes the report into `folder`, which is made where it is missing:
+/// Writes the report into `folder`, which is created if it is missing:
 ///
-/// - `convergence.csv`, `convergence.json`: every measurement, what the replicates say together, and the formulas
+/// - `convergence.csv`, `convergence.json`: every measurement, the statistics over the replicates, and the formulas
 /// - `plots/*.svg`, `plots/*.png`
 /// - `index.html`: table, plots and pictures in one file that needs no server and no network
 /// - with `jeri`, `jeri/`: EXR pictures and the tree `data.js`, `data.json` for the JERI viewer
 ///
-/// All is made in memory first, each file appears whole, and the page comes last.
+/// Everything is made in memory first. Each file appears whole, and the page is written last.
 ///
 /// # Errors
-/// `Io` where the system refuses; `Internal` for pictures that are not of the reference's size.
+/// `Io` if the system refuses; `Internal` for pictures that do not have the reference's size.
 pub fn write(comparison: &Comparison, folder: &Path, jeri: bool) -> Result<()> {
     same_size(comparison)?;
     let mut files: Files = vec![("convergence.csv".into(), table::csv(comparison)), ("convergence.json".into(), table::json(comparison)?)];

@@ -1,23 +1,23 @@
-//! File names and titles, each once.
+//! Unique file names and titles of the methods.
 
 use std::collections::BTreeSet;
 
 use crate::compare::Comparison;
 
-/// What the reference is called beside the methods.
+/// Title of the reference.
 pub const REFERENCE: &str = "Reference";
 
-/// For every method a title that differs from all others and from the reference's.
+/// Title of every method, different from all others and from that of the reference.
 pub fn titles(comparison: &Comparison) -> Vec<String> {
     unique(comparison.methods.iter().map(|method| method.name.clone()), REFERENCE, " ")
 }
 
-/// For every method a file name without extension: `nee · sobol` gives `nee-sobol`.
+/// File name without extension of every method: `nee · sobol` gives `nee-sobol`.
 pub fn stems(comparison: &Comparison) -> Vec<String> {
     unique(comparison.methods.iter().map(|method| stem(&method.name)), "reference", "-")
 }
 
-/// Lower-case letters, digits and single hyphens.
+/// Name in lower-case letters, digits and single hyphens.
 fn stem(name: &str) -> String {
     let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
     let stem = words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-");

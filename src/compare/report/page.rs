@@ -1,20 +1,21 @@
-//! `index.html`: one file with all inside.
+//! The page `index.html`: one file that contains everything.
 
 use serde::Serialize;
 
+use super::embedded_image::EmbeddedImage;
 use super::escape::{script, xml};
 use super::names;
-use super::planes::Plane;
-use super::plot::{self, course};
+use super::plot::{self, error_curve};
 use crate::compare::{Comparison, Method, TARGETS};
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::measure::Metric;
-use crate::measure::relative::EPSILON;
-use crate::measure::words;
+use crate::measure::error::EPSILON;
+use crate::measure::format;
 
 const TEMPLATE: &str = include_str!("assets/page.html");
 
+/// Returns the page.
 pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
     let pictures = serde_json::to_string(&pictures(comparison)).map_err(|e| Error::Internal(format!("cannot write JSON: {e}")))?;
     let value = |name: &str| match name {
@@ -23,8 +24,8 @@ pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
         "dark" => include_str!("assets/dark.css").into(),
         "conclusions" => comparison.conclusions.iter().map(|text| format!("<p>{}</p>\n", xml(&unbroken(text)))).collect(),
         "reference" => reference(comparison),
-        "confidence" => words::per_cent(comparison.confidence),
-        "targets" => TARGETS.iter().map(|t| format!("<th scope=\"col\">{} %</th>\n", words::per_cent(*t))).collect(),
+        "confidence" => format::per_cent(comparison.confidence),
+        "targets" => TARGETS.iter().map(|t| format!("<th scope=\"col\">{} %</th>\n", format::per_cent(*t))).collect(),
         "methods" => (0..comparison.methods.len()).map(|place| row(comparison, place)).collect(),
         "measures" => measures(comparison),
         "plots" => plot::elements(comparison).iter().map(figure).collect(),
@@ -36,7 +37,7 @@ pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
     Ok(fill(TEMPLATE, value).into_bytes())
 }
 
-/// Every `{{name}}` of the template gives way to its value. Values are not searched again.
+/// Replaces every `{{name}}` of the template by its value. Values are not searched again.
 fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
     let mut parts = template.split("{{");
     let mut page = parts.next().unwrap_or_default().to_owned();
@@ -49,11 +50,11 @@ fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
 }
 
 fn reference(comparison: &Comparison) -> String {
-    let error = comparison.reference.error.map(|error| format!(", its own error {} %, subtracted", words::per_cent(error)));
+    let error = comparison.reference.error.map(|error| format!(", its own error {} %, subtracted", format::per_cent(error)));
     format!("{}{}", xml(&comparison.reference.origin), error.unwrap_or_default())
 }
 
-/// No line ends between a number and its unit.
+/// Text that no line break can divide between a number and its unit.
 fn unbroken(text: &str) -> String {
     let mut joined = String::with_capacity(text.len());
     for word in text.split(' ') {
@@ -71,7 +72,7 @@ fn figure([wide, narrow]: &[String; 2]) -> String {
     format!("<figure><div class=\"wide\">{wide}</div><div class=\"narrow\">{narrow}</div></figure>\n")
 }
 
-/// A method in the table.
+/// Row of the table for one method.
 fn row(comparison: &Comparison, place: usize) -> String {
     let method = &comparison.methods[place];
     let cell =
@@ -81,9 +82,9 @@ fn row(comparison: &Comparison, place: usize) -> String {
     cells += &cell("", "Slope", method.slope.map_or("–".into(), plot::slope));
     for (i, target) in TARGETS.into_iter().enumerate() {
         let class = if is_cheapest(comparison, place, i) { "price best" } else { "price" };
-        cells += &cell(class, &format!("Time to {} %", words::per_cent(target)), price(method, i, target));
+        cells += &cell(class, &format!("Time to {} %", format::per_cent(target)), price(method, i, target));
     }
-    let bias = method.bias.map(|(bias, deviation)| format!("{} ± {} %", words::per_cent(bias), words::per_cent(deviation)));
+    let bias = method.bias.map(|(bias, deviation)| format!("{} ± {} %", format::per_cent(bias), format::per_cent(deviation)));
     cells += &cell("", "Bias", bias.unwrap_or("none seen".into()));
     let lacks = if method.lacks.is_empty() { "nothing".into() } else { xml(&method.lacks) };
     cells += &cell("lacks", "Leaves out", lacks);
@@ -91,7 +92,7 @@ fn row(comparison: &Comparison, place: usize) -> String {
     format!("<tr><th scope=\"row\">{swatch}{}</th>\n{cells}</tr>\n", xml(&method.name))
 }
 
-/// The other measures, after the last checkpoint; nothing where there are none.
+/// Table of the additional error measures after the last checkpoint; empty if there are none.
 fn measures(comparison: &Comparison) -> String {
     if comparison.metrics.is_empty() {
         return String::new();
@@ -99,7 +100,7 @@ fn measures(comparison: &Comparison) -> String {
     let names: String = comparison.metrics.iter().map(|metric| format!("<th scope=\"col\">{}</th>", xml(&metric.name()))).collect();
     let cell = |(metric, (value, error)): (&Metric, &(f64, f64))| {
         let label = xml(&metric.name());
-        format!("<td data-label=\"{label}\"><span>{} <small>± {}</small></span></td>", words::number(*value, 4), words::number(*error, 2))
+        format!("<td data-label=\"{label}\"><span>{} <small>± {}</small></span></td>", format::number(*value, 4), format::number(*error, 2))
     };
     let row = |(place, method): (usize, &Method)| {
         let others = method.curve.last().map_or(&[][..], |last| &last.others);
@@ -114,17 +115,18 @@ fn measures(comparison: &Comparison) -> String {
     )
 }
 
-/// Error, its interval, and what it took.
+/// Error after the last checkpoint, its interval, samples and time.
 fn last(comparison: &Comparison, method: &Method) -> String {
-    let Some(last) = course(method, comparison.confidence).into_iter().next_back() else { return "below the reference's".into() };
-    let [error, low, high] = [last.error, last.low, last.high].map(words::per_cent);
-    format!("{error} % <small>{low}–{high} %<br>{} spp, {}</small>", last.samples, words::duration(last.seconds))
+    let Some(last) = error_curve(method, comparison.confidence).into_iter().next_back() else { return "below the reference's".into() };
+    let [error, low, high] = [last.error, last.low, last.high].map(format::per_cent);
+    format!("{error} % <small>{low}–{high} %<br>{} spp, {}</small>", last.samples, format::duration(last.seconds))
 }
 
 fn price(method: &Method, i: usize, target: f64) -> String {
     let Some(cost) = method.prices.get(i).copied().flatten() else { return format!("<small>{}</small>", plot::unpriced(method, target)) };
-    // A line may end between two times, not within one.
-    let [seconds, interval] = [words::duration(cost.seconds), words::between(cost.low, cost.high)].map(|text| text.replace(' ', "\u{a0}"));
+    // A line may break between two times, but not within one.
+    let [seconds, interval] =
+        [format::duration(cost.seconds), format::between(cost.low, cost.high)].map(|text| text.replace(' ', "\u{a0}"));
     if cost.extrapolated {
         format!("<span title=\"foretold\">≈ {seconds}</span> <small>{interval}</small>")
     } else {
@@ -138,11 +140,11 @@ fn is_cheapest(comparison: &Comparison, place: usize, i: usize) -> bool {
     comparison.methods.len() > 1 && least.is_some() && seconds(&comparison.methods[place]) == least
 }
 
-/// What the viewer shows; the reference first.
+/// Pictures for the viewer; the reference comes first.
 #[derive(Serialize)]
 struct Pictures {
     size: [u32; 2],
-    /// Of the first pixel in the whole picture.
+    /// First pixel of the pictures, in coordinates of the whole picture.
     origin: [u32; 2],
     epsilon: f64,
     pictures: Vec<Picture>,
@@ -151,22 +153,22 @@ struct Pictures {
 #[derive(Serialize)]
 struct Picture {
     name: String,
-    /// Place among the methods' colours.
+    /// Index of the method's colour.
     color: Option<usize>,
-    /// One replicate, as a user would get it; left out where it is the same.
+    /// One replicate, as a user would get it; `None` for the reference.
     render: Option<View>,
-    /// Of all replicates.
+    /// Mean of all replicates.
     mean: View,
 }
 
 #[derive(Serialize)]
 struct View {
-    color: Plane,
-    error: Option<Plane>,
+    color: EmbeddedImage,
+    error: Option<EmbeddedImage>,
 }
 
 fn pictures(comparison: &Comparison) -> Pictures {
-    let view = |image: &Image| View { color: Plane::color(image), error: Plane::error(image) };
+    let view = |image: &Image| View { color: EmbeddedImage::color(image), error: EmbeddedImage::error(image) };
     let image = &comparison.reference.image;
     let reference = Picture { name: names::REFERENCE.into(), color: None, render: None, mean: view(image) };
     let methods = names::titles(comparison).into_iter().zip(&comparison.methods).enumerate();

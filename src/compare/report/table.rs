@@ -1,4 +1,4 @@
-//! The numbers: `convergence.csv` for tables, `convergence.json` for programs.
+//! Numbers of a comparison: `convergence.csv` for tables, `convergence.json` for programs.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -6,12 +6,12 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::escape;
-use crate::compare::{Comparison, Cost, Measurement, Method, Point, TARGETS};
+use crate::compare::{CheckpointStats, Comparison, Cost, Measurement, Method, TARGETS};
 use crate::error::{Error, Result};
 use crate::measure::Metric;
-use crate::measure::relative::EPSILON;
+use crate::measure::error::EPSILON;
 
-/// What the columns mean.
+/// Formulas of the columns.
 #[derive(Serialize)]
 struct Formulas {
     mse: &'static str,
@@ -47,7 +47,8 @@ impl Formulas {
     }
 }
 
-/// Comment lines (`#`) with the formulas, a header, a row for each measurement, and one for the mean of each checkpoint.
+/// Returns the CSV: comment lines (`#`) with the formulas, a header, a row for each measurement, and one for the mean of each
+/// checkpoint.
 pub fn csv(comparison: &Comparison) -> Vec<u8> {
     let mut text = String::new();
     for line in formulas().lines() {
@@ -68,7 +69,7 @@ pub fn csv(comparison: &Comparison) -> Vec<u8> {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{name},{replicate},{samples},{seconds},{values}{no_errors}");
         }
-        for Point { samples, seconds, mse, relmse, trimmed, others } in &method.curve {
+        for CheckpointStats { samples, seconds, mse, relmse, trimmed, others } in &method.curve {
             let values = || [*mse, *relmse, *trimmed].into_iter().chain(others.iter().copied());
             let (means, errors) = (row(values().map(|value| value.0)), row(values().map(|value| value.1)));
             let _ = writeln!(text, "{name},mean,{samples},{seconds},{means},{errors}");
@@ -87,7 +88,7 @@ struct Document<'a> {
     reference: ReferenceRow<'a>,
     confidence: f64,
     formulas: Formulas,
-    /// By name, with their formulas.
+    /// Additional measures by name, with their formulas.
     metrics: BTreeMap<String, String>,
     conclusions: &'a [String],
     methods: Vec<MethodRow<'a>>,
@@ -124,7 +125,7 @@ impl From<(f64, f64)> for Estimate {
     }
 }
 
-/// All but the target are null where no time buys the error.
+/// All members but the target are null if the method never reaches the error.
 #[derive(Serialize)]
 struct PriceRow {
     error: f64,
@@ -157,7 +158,7 @@ struct PointRow {
     others: BTreeMap<String, Estimate>,
 }
 
-/// All of a comparison but its pictures. A value that is no number is `null`.
+/// Returns all of a comparison except its pictures as JSON. A value that is not finite is `null`.
 pub fn json(comparison: &Comparison) -> Result<Vec<u8>> {
     let document = Document {
         scene: &comparison.scene,
@@ -190,7 +191,7 @@ fn method<'m>(method: &'m Method, metrics: &[Metric]) -> MethodRow<'m> {
         trimmed: m.trimmed,
         others: metrics.iter().map(Metric::name).zip(m.others.iter().copied()).collect(),
     };
-    let point = |p: &Point| PointRow {
+    let point = |p: &CheckpointStats| PointRow {
         spp: p.samples,
         seconds: p.seconds,
         mse: p.mse.into(),

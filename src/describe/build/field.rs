@@ -9,27 +9,27 @@ use crate::math::Transform;
 use crate::math::transform::unit;
 use crate::shape::Sdf;
 use crate::shape::sdf::*;
-use crate::world::{MaterialId, Wear};
+use crate::world::{MaterialId, PartAppearance};
 
 impl Builder<'_> {
     /// The solid and what its parts wear, and what they call for; `None` with a fault noted.
-    pub(super) fn sdf(&mut self, pointer: &str, sdf: &describe::Sdf, own: Wear) -> Option<(Sdf, Vec<Wear>, Effects)> {
-        let (mut fields, mut wears, mut effects) = (vec![], vec![], Effects::NONE);
+    pub(super) fn sdf(&mut self, pointer: &str, sdf: &describe::Sdf, own: PartAppearance) -> Option<(Sdf, Vec<PartAppearance>, Effects)> {
+        let (mut fields, mut appearances, mut effects) = (vec![], vec![], Effects::NONE);
         if let Some(field) = &sdf.field {
             fields.push(self.field(&format!("{pointer}/field"), field)?);
-            wears.push(own.clone());
+            appearances.push(own.clone());
         }
         for (i, part) in sdf.parts.iter().flatten().enumerate() {
             let pointer = format!("{pointer}/parts/{i}");
             let (material, more) = self.part_material(&pointer, part, own.material);
             effects |= more;
             let emitter = part.emission.as_ref().map(|described| self.emitter(&format!("{pointer}/emission"), described));
-            wears.push(Wear { material, emitter: emitter.or_else(|| own.emitter.clone()) });
+            appearances.push(PartAppearance { material, emitter: emitter.or_else(|| own.emitter.clone()) });
             fields.push(self.field(&format!("{pointer}/field"), &part.field)?);
         }
         let within = sdf.bounds.map_or([DVec3::NEG_INFINITY, DVec3::INFINITY], |b| [at(&b.low), at(&b.high)]);
         let solid = Sdf { parts: Union::new(fields), within, march: sdf.march.map_or(March::Exact, march) };
-        self.within(pointer, &solid).then_some((solid, wears, effects))
+        self.within(pointer, &solid).then_some((solid, appearances, effects))
     }
 
     fn part_material(&mut self, pointer: &str, part: &describe::SdfPart, own: MaterialId) -> (MaterialId, Effects) {

@@ -6,7 +6,7 @@ use crate::bsdf::Passage;
 use crate::math::{Discrete, Frame, Local, Ray, float, warp};
 use crate::primitive::Hit;
 use crate::sampler::hash;
-use crate::scene::{Scene as _, beside};
+use crate::scene::{Scene as _, offset_ray_origin};
 use crate::shape::SurfacePoint;
 use crate::world::World;
 
@@ -77,7 +77,7 @@ fn is_lost(world: &World, entered: &Hit, from: &SurfacePoint, numbers: &mut Numb
         let is_outside = ray.direction.dot(point.ng) < 0.0;
         ray = match material.passage() {
             Passage::Body => return is_outside && hit.shape == entered.shape && std::ptr::eq(material, glass),
-            Passage::Sheet => Ray::new(beside(&point, ray.direction), ray.direction),
+            Passage::Sheet => Ray::new(offset_ray_origin(&point, ray.direction), ray.direction),
             Passage::Blocked => scattered(&point, if is_outside { 1.0 } else { -1.0 }, numbers),
         };
     }
@@ -87,7 +87,7 @@ fn is_lost(world: &World, entered: &Hit, from: &SurfacePoint, numbers: &mut Numb
 /// A ray that leaves a surface on the side of its normal, or for a `side` of −1 on the other.
 fn scattered(point: &SurfacePoint, side: f32, numbers: &mut Numbers) -> Ray {
     let direction = Frame::around(point.ng * side).to_world(Local(warp::cosine_hemisphere(numbers.pair())));
-    Ray::new(beside(point, direction), direction)
+    Ray::new(offset_ray_origin(point, direction), direction)
 }
 
 /// Numbers in [0, 1) that belong to one way.

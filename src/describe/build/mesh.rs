@@ -7,7 +7,7 @@ use crate::describe::{MaterialRef, Mesh, identity};
 use crate::effects::Effects;
 use crate::error::{Error, Result};
 use crate::reader::{escaped, unknown};
-use crate::shape::{MeshData, Part};
+use crate::shape::{MeshData, MeshPart};
 use crate::world::MaterialId;
 
 impl Builder<'_> {
@@ -83,7 +83,7 @@ impl Builder<'_> {
 fn inline(mesh: &Mesh, name: &str) -> Result<(MeshData, Vec<String>)> {
     let vec3 = |v: &[f64; 3]| DVec3::from(*v).as_vec3();
     let triangles = mesh.triangles.clone().unwrap_or_default();
-    let whole = Part { triangles: 0..triangles.len() as u32, ..Default::default() };
+    let whole = MeshPart { triangles: 0..triangles.len() as u32, ..Default::default() };
     let data = MeshData {
         positions: mesh.positions.iter().flatten().map(|p| vec3(&p.0)).collect(),
         normals: mesh.normals.iter().flatten().map(|n| vec3(&n.0)).collect(),

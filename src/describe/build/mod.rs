@@ -27,7 +27,7 @@ use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
 use crate::shape::{Cuboid, Disk, Geometry, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
-use crate::world::{MaterialId, Wear, World, WorldBuilder};
+use crate::world::{MaterialId, PartAppearance, World, WorldBuilder};
 pub(super) use camera::{film, sampler};
 use lamps::Lamp;
 use material::{MOST_PARTS, MOST_TEXTURES, Range};
@@ -126,7 +126,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
 fn missing(world: &World) -> Option<&'static str> {
     let lights = world.lights();
     let has_background = lights.iter().any(|light| matches!(light, Light::Environment(sky) if !sky.radiance.is_black()));
-    match (world.shapes().is_empty(), has_background, lights.shine()) {
+    match (world.shapes().is_empty(), has_background, lights.has_emission()) {
         (true, true, _) => Some("no shapes, the image will show the background alone"),
         (_, _, false) => Some("no light, the image will be black"),
         (true, false, true) => Some("no shapes and no background, the image will be black"),
@@ -202,10 +202,10 @@ impl Builder<'_> {
                 self.place(mesh, *to_world, parts, emitter);
             }
             Shape::Sdf(s) => {
-                let Some((solid, parts, more)) = self.sdf(pointer, s, Wear { material: own, emitter }) else { return Ok(()) };
+                let Some((solid, parts, more)) = self.sdf(pointer, s, PartAppearance { material: own, emitter }) else { return Ok(()) };
                 effects |= more;
                 if parts.iter().any(|part| part.emitter.is_some()) {
-                    effects |= Effects::AREA_LIGHT | Effects::FOUND_LIGHT;
+                    effects |= Effects::AREA_LIGHT | Effects::UNSAMPLED_EMITTER;
                 }
                 self.boxes.push(solid.bounds(to_world));
                 self.world.solid(solid, *to_world, parts);

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::io::{self, BufRead, Read, Write};
 
 use super::token::{finite, name, number, shown};
-use crate::shape::mesh_data::Part;
+use crate::shape::mesh_data::MeshPart;
 use crate::{Fault, MAX_FAULTS};
 
 /// A statement longer than this is no OBJ (a million-gon needs 24 MB).
@@ -43,7 +43,7 @@ pub struct Checked<'a, R> {
     pub faults: Vec<Fault>,
     /// Reading failed; the text ended there.
     pub failure: Option<io::Error>,
-    pub parts: Vec<Part>,
+    pub parts: Vec<MeshPart>,
     pub triangles: u64,
     pub faces: u64,
     /// Faces that have texture coordinates, and normals.
@@ -264,7 +264,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
             Some(part) if part.group == self.group && part.material == self.material => part.triangles.end = end,
             last => {
                 let start = last.map_or(0, |part| part.triangles.end);
-                self.parts.push(Part { material: self.material.clone(), group: self.group.clone(), triangles: start..end });
+                self.parts.push(MeshPart { material: self.material.clone(), group: self.group.clone(), triangles: start..end });
             }
         }
         Ok(())

@@ -12,7 +12,7 @@ use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 use super::ply_row::{Row, full_channel, is_indices, slots};
 use super::{Found, invalid};
 use crate::format::decoded;
-use crate::shape::mesh_data::Part;
+use crate::shape::mesh_data::MeshPart;
 use crate::{Error, Fault, Result};
 
 /// A header longer than this is no header.
@@ -42,7 +42,7 @@ pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found>
         return Err(invalid(name, "no faces"));
     }
     let end = u32::try_from(found.mesh.triangles.len()).map_err(|_| Error::Limit(Fault::new("more than 2^32 triangles").in_file(name)))?;
-    found.mesh.parts = vec![Part { triangles: 0..end, ..Part::default() }];
+    found.mesh.parts = vec![MeshPart { triangles: 0..end, ..MeshPart::default() }];
     if body.has_more().map_err(|e| Error::io(name, e))? {
         found.warnings.push(format!("{name}: data after the last element ignored"));
     }

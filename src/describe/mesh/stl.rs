@@ -11,7 +11,7 @@ use glam::Vec3;
 
 use super::token::{finite, shown};
 use super::{Found, invalid};
-use crate::shape::mesh_data::Part;
+use crate::shape::mesh_data::MeshPart;
 use crate::{Error, Fault, Result};
 
 /// Of the binary form: the header with the count, and each triangle (bytes).
@@ -144,7 +144,7 @@ impl Corners<'_> {
         if self.found.mesh.triangles.is_empty() {
             return Err(invalid(self.name, "no faces"));
         }
-        self.found.mesh.parts = vec![Part { triangles: 0..self.found.mesh.triangles.len() as u32, ..Part::default() }];
+        self.found.mesh.parts = vec![MeshPart { triangles: 0..self.found.mesh.triangles.len() as u32, ..MeshPart::default() }];
         Ok(self.found)
     }
 }

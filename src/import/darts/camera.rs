@@ -5,37 +5,37 @@ use glam::DVec3;
 use super::refuse_media;
 use super::transform;
 use super::value::several;
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 use crate::reader::Node;
 
 const FOV: &[&str] = &["vfov", "vertical fov"];
 const FOCUS: &[&str] = &["fdist", "focus distance"];
-/// The dialects of old say the radius, the newest the diameter.
+/// Older dialects state the radius, the newest one the diameter.
 const RADIUS: &str = "aperture";
 const DIAMETER: &str = "aperture diameter";
 
 const KEYS: &[&str] =
     &["type", "transform", "resolution", "medium", "vfov", "vertical fov", "fdist", "focus distance", "aperture", "aperture diameter"];
 
-/// pt's camera and film.
-pub fn camera_and_film(camera: &View) -> Option<[Node; 2]> {
+/// Converts a camera to pt's camera and film.
+pub fn camera_and_film(camera: &JsonCursor) -> Option<[Node; 2]> {
     camera.leave_out_others(KEYS);
     refuse_media(camera, "medium");
     Some([of_camera(camera)?, film(camera)?])
 }
 
-fn film(camera: &View) -> Option<Node> {
+fn film(camera: &JsonCursor) -> Option<Node> {
     let Some(resolution) = camera.get(&["resolution"]) else { return Some(camera.make_object::<&str>([])) };
     let sides = several(&resolution, 2)?;
     Some(resolution.make_object([("width", sides[0].same()), ("height", sides[1].same())]))
 }
 
-fn of_camera(camera: &View) -> Option<Node> {
+fn of_camera(camera: &JsonCursor) -> Option<Node> {
     let transform = camera.get(&["transform"]);
     let scale = transform.as_ref().map_or(1.0, |transform| uniform_scale(transform, camera));
-    let scaled = |view: View, factor: f64| match factor {
-        1.0 => Some(view.same()),
-        factor => Some(view.make_number(view.number()? * factor)),
+    let scaled = |cursor: JsonCursor, factor: f64| match factor {
+        1.0 => Some(cursor.same()),
+        factor => Some(cursor.make_number(cursor.number()? * factor)),
     };
     let mut members = vec![("fov", camera.get(FOV).map_or(camera.make_number(90.0), |fov| fov.same()))];
     match camera.get(FOCUS) {
@@ -53,8 +53,8 @@ fn of_camera(camera: &View) -> Option<Node> {
     Some(camera.make_object(members))
 }
 
-/// By what the camera's transform scales its lens and the distance of what is sharp; pt's cameras stand and turn only.
-fn uniform_scale(transform: &View, camera: &View) -> f64 {
+/// Factor by which the camera's transform scales its lens and its focus distance. pt's cameras only move and rotate.
+fn uniform_scale(transform: &JsonCursor, camera: &JsonCursor) -> f64 {
     let Some(map) = transform::composed(transform) else { return 1.0 };
     let sides = DVec3::AXES.map(|axis| map.vector(axis).length());
     let near = |a: f64, b: f64| (a - b).abs() <= ROUNDING * b;
@@ -65,5 +65,5 @@ fn uniform_scale(transform: &View, camera: &View) -> f64 {
     if near(sides[2], 1.0) || !lens { 1.0 } else { sides[2] }
 }
 
-/// What a chain of turns leaves of a length of 1.
+/// Relative error that a chain of rotations leaves in a length.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;

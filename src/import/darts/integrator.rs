@@ -1,8 +1,8 @@
-//! How light is followed, and how samples are spread.
+//! Integrators and samplers.
 
 use super::Reader;
-use super::spelling::{Course, word};
-use crate::import::view::View;
+use super::spelling::{DartsVersion, word};
+use crate::import::json_cursor::JsonCursor;
 use crate::reader::{Node, unknown};
 
 const INTEGRATORS: &[&str] = &[
@@ -21,30 +21,30 @@ const SAMPLERS: &[&str] = &["independent", "stratified", "halton", "cmj", "stoch
 const BOUNCES: &[&str] = &["max_bounces", "max bounces"];
 
 impl Reader<'_> {
-    /// pt's integrator; without one the loaders follow paths by their materials.
-    pub fn integrator(&self, root: &View) -> Option<Node> {
-        let Some(view) = root.get(&["integrator"]) else {
+    /// Converts the integrator. Without one those programs trace paths without light sampling.
+    pub fn integrator(&self, root: &JsonCursor) -> Option<Node> {
+        let Some(cursor) = root.get(&["integrator"]) else {
             return Some(root.make_object([("type", root.make_text("path")), ("max_depth", root.make_whole(BOUNCES_OF_DIRT))]));
         };
-        view.leave_out_others(&[&["type"], BOUNCES].concat());
-        let kind = view.need(&["type"])?;
+        cursor.leave_out_others(&[&["type"], BOUNCES].concat());
+        let kind = cursor.need(&["type"])?;
         let named = word(kind.text()?);
         let paths = |kind: &str, weights: Option<&str>, depth: Node| {
-            let weights = weights.map(|weights| ("weights", view.make_text(weights)));
-            Some(view.make_object([("type", view.make_text(kind))].into_iter().chain(weights).chain([("max_depth", depth)])))
+            let weights = weights.map(|weights| ("weights", cursor.make_text(weights)));
+            Some(cursor.make_object([("type", cursor.make_text(kind))].into_iter().chain(weights).chain([("max_depth", depth)])))
         };
-        let bounces = || view.get(BOUNCES).map_or(view.make_whole(BOUNCES_OF_DIRT), |bounces| bounces.same());
-        let once = || view.make_whole(1);
+        let bounces = || cursor.get(BOUNCES).map_or(cursor.make_whole(BOUNCES_OF_DIRT), |bounces| bounces.same());
+        let once = || cursor.make_whole(1);
         match named.as_str() {
             "normals" => {
-                let encoding = |course| if course == Course::Darts { "signed" } else { "absolute" };
+                let encoding = |version| if version == DartsVersion::Darts { "signed" } else { "absolute" };
                 let (encoding, is_sure) = self.spellings.says(encoding);
                 if !is_sure {
                     kind.note("nothing tells which of the dialects of dirt and darts this is: read as dirt's, |n|");
                 }
-                Some(view.make_object([("type", view.make_text("normals")), ("encoding", view.make_text(encoding))]))
+                Some(cursor.make_object([("type", cursor.make_text("normals")), ("encoding", cursor.make_text(encoding))]))
             }
-            "ao" => Some(view.make_object([("type", view.make_text("ao"))])),
+            "ao" => Some(cursor.make_object([("type", cursor.make_text("ao"))])),
             "path_tracer_simple" | "path_tracer_mats" => paths("path", None, bounces()),
             "path_tracer_nee" => paths("nee", Some("light"), bounces()),
             "path_tracer_mis" => paths("nee", None, bounces()),
@@ -66,10 +66,10 @@ impl Reader<'_> {
         }
     }
 
-    /// pt's sampler. The samples stand in it, or in dirt at the top.
-    pub fn sampler(&self, root: &View) -> Option<Node> {
-        let view = root.get(&["sampler"]);
-        let within = view.as_ref().and_then(|view| view.get(&["samples", "image_samples"]));
+    /// Converts the sampler. The number of samples is its member or, in dirt, one of the scene.
+    pub fn sampler(&self, root: &JsonCursor) -> Option<Node> {
+        let cursor = root.get(&["sampler"]);
+        let within = cursor.as_ref().and_then(|cursor| cursor.get(&["samples", "image_samples"]));
         let spp = match (root.get(&["image_samples"]), within) {
             (Some(top), Some(within)) if top.number()? != within.number()? => {
                 within.note("left out: the scene's image_samples say another number");
@@ -79,13 +79,13 @@ impl Reader<'_> {
             (None, Some(within)) => within.same(),
             (None, None) => root.make_whole(1),
         };
-        let Some(view) = view else { return Some(root.make_object([("type", root.make_text("independent")), ("spp", spp)])) };
-        view.leave_out_others(&["type", "samples", "image_samples", "dimension"]);
-        if let Some(dimension) = view.get(&["dimension"]) {
+        let Some(cursor) = cursor else { return Some(root.make_object([("type", root.make_text("independent")), ("spp", spp)])) };
+        cursor.leave_out_others(&["type", "samples", "image_samples", "dimension"]);
+        if let Some(dimension) = cursor.get(&["dimension"]) {
             dimension.note("left out: pt spreads samples over all dimensions");
         }
-        let Some(kind) = view.get(&["type"]) else {
-            return Some(view.make_object([("type", view.make_text("independent")), ("spp", spp)]));
+        let Some(kind) = cursor.get(&["type"]) else {
+            return Some(cursor.make_object([("type", cursor.make_text("independent")), ("spp", spp)]));
         };
         let named = match word(kind.text()?).as_str() {
             "independent" => "independent",
@@ -101,9 +101,9 @@ impl Reader<'_> {
                 return None;
             }
         };
-        Some(view.make_object([("type", kind.make_text(named)), ("spp", spp)]))
+        Some(cursor.make_object([("type", kind.make_text(named)), ("spp", spp)]))
     }
 }
 
-/// Where nothing else is said.
+/// Default number of bounces.
 const BOUNCES_OF_DIRT: u64 = 64;

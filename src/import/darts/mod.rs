@@ -1,14 +1,14 @@
-//! Scenes of the Dartmouth courses' ray tracers, dirt and darts: three dialects, one reader.
+//! Scenes of dirt and darts, the ray tracers of Dartmouth's courses: three dialects, one reader.
 //!
-//! What a thing is called differs from year to year, what it means hardly does: every spelling is understood in all three.
-//! By its spellings a scene is told to be of one of them (`spelling.rs`), for the few things that changed their meaning.
+//! Names differ from year to year, but their meaning hardly does, so every spelling is understood in all three dialects. The
+//! spellings in a scene tell its dialect (`spelling.rs`), for the few things whose meaning has changed.
 
 mod camera;
+pub mod coursework;
 mod integrator;
 mod material;
 mod spelling;
 mod surface;
-pub mod tests;
 mod texture;
 mod transform;
 mod value;
@@ -16,35 +16,39 @@ mod value;
 use std::collections::BTreeMap;
 
 use super::Dialect;
-use super::foreign::{Content, Foreign};
-use super::view::View;
+use super::context::{Content, ImportContext};
+use super::json_cursor::JsonCursor;
 use crate::error::Result;
 use crate::reader::{Node, unknown};
-use spelling::{Course, Evidence};
+use spelling::{DartsVersion, Evidence};
 
+/// Dialect `dirt`.
 pub const DIRT: Dialect = Dialect {
     name: "dirt",
     about: "dirt, the ray tracer of Dartmouth's courses until 2020",
-    is: |content| is(content, Course::Dirt),
+    is: |content| is(content, DartsVersion::Dirt),
     read,
 };
 
+/// Dialect `darts 2021`.
 pub const DARTS_2021: Dialect =
-    Dialect { name: "darts 2021", about: "its successor darts, as of 2021", is: |content| is(content, Course::Darts2021), read };
+    Dialect { name: "darts 2021", about: "its successor darts, as of 2021", is: |content| is(content, DartsVersion::Darts2021), read };
 
-pub const DARTS: Dialect = Dialect { name: "darts", about: "darts of 2024 and later", is: |content| is(content, Course::Darts), read };
+/// Dialect `darts`.
+pub const DARTS: Dialect =
+    Dialect { name: "darts", about: "darts of 2024 and later", is: |content| is(content, DartsVersion::Darts), read };
 
 const KEYS: &[&str] = &["camera", "surfaces", "materials", "background", "accelerator", "integrator", "sampler", "image_samples", "media"];
 
 const NO_MEDIA: &str = "participating media are not supported";
 
-fn is(content: &Content, course: Course) -> bool {
-    content.tree().is_some_and(|root| spelling::is_of_the_course(root) && Evidence::of(root).course() == course)
+fn is(content: &Content, version: DartsVersion) -> bool {
+    content.tree().is_some_and(|root| spelling::is_darts(root) && Evidence::of(root).version() == version)
 }
 
-fn read(content: &Content, foreign: &Foreign) -> Result<Option<Node>> {
-    let node = content.json(foreign)?;
-    let root = View::root(node, foreign);
+fn read(content: &Content, context: &ImportContext) -> Result<Option<Node>> {
+    let node = content.json(context)?;
+    let root = JsonCursor::root(node, context);
     if spelling::is_tests(node) {
         root.fault("a file of tests and no scene: `pt sample` runs it");
         return Ok(None);
@@ -53,31 +57,31 @@ fn read(content: &Content, foreign: &Foreign) -> Result<Option<Node>> {
     Ok(reader.scene(&root))
 }
 
-/// What is known while a scene is read.
+/// State while a scene is read.
 struct Reader<'a> {
-    /// By which its dialect is told.
+    /// Spellings, which tell the dialect.
     spellings: Evidence,
-    /// Those that have names.
-    materials: BTreeMap<&'a str, View<'a>>,
+    /// Materials with names.
+    materials: BTreeMap<&'a str, JsonCursor<'a>>,
 }
 
 impl<'a> Reader<'a> {
-    fn new(root: &View<'a>) -> Option<Reader<'a>> {
-        let mut materials: BTreeMap<&'a str, View<'a>> = BTreeMap::new();
-        for view in root.get(&["materials"]).map_or(Some(vec![]), |list| list.items())? {
-            let name = view.need(&["name"])?;
-            if let Some(before) = materials.insert(name.text()?, view) {
+    fn new(root: &JsonCursor<'a>) -> Option<Reader<'a>> {
+        let mut materials: BTreeMap<&'a str, JsonCursor<'a>> = BTreeMap::new();
+        for cursor in root.get(&["materials"]).map_or(Some(vec![]), |list| list.items())? {
+            let name = cursor.need(&["name"])?;
+            if let Some(before) = materials.insert(name.text()?, cursor) {
                 before.note(format!("left out: {} is the material {:?} too, and the last is the one", name.pointer, name.text()?));
             }
         }
         Some(Reader { spellings: Evidence::of(root.node()), materials })
     }
 
-    /// pt's scene.
-    fn scene(&self, root: &View<'a>) -> Option<Node> {
+    /// Converts a scene.
+    fn scene(&self, root: &JsonCursor<'a>) -> Option<Node> {
         root.only(KEYS);
         refuse_media(root, "media");
-        // All of it, so that all faults are told at once.
+        // All parts are converted, so that all faults are reported at once.
         let camera = root.need(&["camera"]).and_then(|camera| camera::camera_and_film(&camera));
         let parts = [
             Some(("pt", Some(root.make_whole(1)))),
@@ -93,29 +97,29 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Nothing where it is black.
-fn background(root: &View) -> Option<Option<Node>> {
+/// Converts the background; `None` if it is black.
+fn background(root: &JsonCursor) -> Option<Option<Node>> {
     let radiance = match root.get(&["background"]) {
         None => Some(root.make_number(BACKGROUND)),
-        Some(view) if view.is_object() => of_type(&view),
-        Some(view) => match value::numbers::<3>(&view) {
+        Some(cursor) if cursor.is_object() => of_type(&cursor),
+        Some(cursor) => match value::numbers::<3>(&cursor) {
             Some([0.0, 0.0, 0.0]) => return None,
-            Some(_) => value::color(&view),
+            Some(_) => value::color(&cursor),
             None => None,
         },
     };
     Some(radiance.map(|radiance| root.make_object([("radiance", radiance)])))
 }
 
-/// Of a scene that says nothing.
+/// Default radiance of the background.
 const BACKGROUND: f64 = 0.2;
 
-fn of_type(view: &View) -> Option<Node> {
-    let kind = view.need(&["type"])?;
+fn of_type(cursor: &JsonCursor) -> Option<Node> {
+    let kind = cursor.need(&["type"])?;
     match kind.text()? {
         "constant" | "background" => {
-            view.leave_out_others(&["type", "color"]);
-            value::color(&view.need(&["color"])?)
+            cursor.leave_out_others(&["type", "color"]);
+            value::color(&cursor.need(&["color"])?)
         }
         "image" => {
             kind.fault("backgrounds that are pictures are not supported");
@@ -128,9 +132,9 @@ fn of_type(view: &View) -> Option<Node> {
     }
 }
 
-/// A scene without its media would be another scene.
-fn refuse_media(view: &View, key: &str) {
-    if let Some(media) = view.get(&[key]) {
+/// Refuses participating media: without them the picture would be wrong.
+fn refuse_media(cursor: &JsonCursor, key: &str) {
+    if let Some(media) = cursor.get(&[key]) {
         let is_empty = media.is_array() && media.items().is_some_and(|items| items.is_empty());
         if !is_empty {
             media.fault(NO_MEDIA);

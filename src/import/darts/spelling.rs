@@ -1,11 +1,11 @@
-//! How the three dialects spell things, and by that which of them a scene is written in.
+//! Spellings of the three dialects, which tell the dialect of a scene.
 
 use crate::reader::{Node, Value};
 
-/// A dialect.
+/// Version of the program, and so the dialect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Course {
-    /// dirt, up to 2020, and its forks.
+pub enum DartsVersion {
+    /// dirt, up to 2020, and programs derived from it.
     Dirt,
     /// darts of 2021.
     Darts2021,
@@ -13,9 +13,9 @@ pub enum Course {
     Darts,
 }
 
-const ALL: [Course; 3] = [Course::Dirt, Course::Darts2021, Course::Darts];
+const ALL: [DartsVersion; 3] = [DartsVersion::Dirt, DartsVersion::Darts2021, DartsVersion::Darts];
 
-/// Keys and types by who writes them so; what all write alike tells nothing.
+/// Keys and types that only one version writes. Those that all versions write tell nothing.
 const DIRT: &[&str] = &["image_samples", "diffuse light", "blinnphong"];
 const DARTS_2021: &[&str] = &["diffuse_light", "blinn_phong", "fresnel_blend", "refr", "refl", "sample_material", "scatter_material"];
 const BEFORE: &[&str] = &[
@@ -64,36 +64,37 @@ const DARTS: &[&str] = &[
     "max bounces",
 ];
 
-/// How many spellings of each dialect's own a scene has.
+/// Number of spellings in a scene that are typical of each dialect.
 #[derive(Default)]
 pub struct Evidence {
-    /// In the order of [`ALL`].
+    /// Counts, in the order of [`ALL`].
     found: [usize; 3],
 }
 
 impl Evidence {
+    /// Counts the spellings of a scene.
     pub fn of(node: &Node) -> Evidence {
         let mut evidence = Evidence::default();
         evidence.look(node, None);
         evidence
     }
 
-    /// The dialect that most of a scene is written in, of several the first.
-    pub fn course(&self) -> Course {
-        self.likely().next().unwrap_or(Course::Dirt)
+    /// Dialect with the most spellings; the first of several.
+    pub fn version(&self) -> DartsVersion {
+        self.likely().next().unwrap_or(DartsVersion::Dirt)
     }
 
-    /// What holds of the scene's dialect; and whether that is sure: whether it holds of all dialects that are as likely.
-    pub fn says<T: PartialEq>(&self, of: impl Fn(Course) -> T) -> (T, bool) {
-        let answer = of(self.course());
-        let is_sure = self.likely().all(|course| of(course) == answer);
+    /// Property of the scene's dialect, and whether it is certain: all equally likely dialects have it.
+    pub fn says<T: PartialEq>(&self, of: impl Fn(DartsVersion) -> T) -> (T, bool) {
+        let answer = of(self.version());
+        let is_sure = self.likely().all(|version| of(version) == answer);
         (answer, is_sure)
     }
 
-    /// The dialects that most of a scene is written in.
-    fn likely(&self) -> impl Iterator<Item = Course> {
+    /// Dialects with the most spellings.
+    fn likely(&self) -> impl Iterator<Item = DartsVersion> {
         let most = self.found.iter().copied().max().unwrap_or(0);
-        ALL.into_iter().zip(self.found).filter(move |(_, count)| *count == most).map(|(course, _)| course)
+        ALL.into_iter().zip(self.found).filter(move |(_, count)| *count == most).map(|(version, _)| version)
     }
 
     fn look(&mut self, node: &Node, parent: Option<&str>) {
@@ -123,8 +124,8 @@ impl Evidence {
     }
 }
 
-/// Whether it is a scene, or a file of tests, of any of them.
-pub fn is_of_the_course(root: &Node) -> bool {
+/// Returns whether a file is a scene, or a file of tests, of any of these dialects.
+pub fn is_darts(root: &Node) -> bool {
     let has = |node: &Node, keys: &[&str]| keys.iter().any(|key| node.child(key).is_some());
     let camera = root.child("camera").is_some_and(|camera| {
         has(camera, &["vfov", "fdist", "aperture", "resolution", "vertical fov", "focus distance", "aperture diameter"])
@@ -133,12 +134,12 @@ pub fn is_of_the_course(root: &Node) -> bool {
     !has(root, &["pt"]) && (scene || is_tests(root))
 }
 
-/// Whether it is a file of tests.
+/// Returns whether a file is a file of tests.
 pub fn is_tests(root: &Node) -> bool {
     root.child("type").and_then(Node::as_str) == Some("tests")
 }
 
-/// The type names of different years as one word: with underscores.
+/// Type name with underscores, which makes those of different years equal.
 pub fn word(text: &str) -> String {
     text.replace([' ', '-'], "_")
 }

@@ -1,90 +1,90 @@
 //! Surfaces.
 
 use super::Reader;
-use super::material::{Dress, is_light};
+use super::material::{SurfaceAppearance, is_light};
 use super::spelling::word;
 use super::value::{scalar, vector};
 use super::{refuse_media, transform};
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 use crate::reader::{Node, unknown};
 
 const TYPES: &[&str] = &["sphere", "quad", "triangle", "mesh", "group"];
 const COMMON: &[&str] = &["type", "name", "transform", "material", "medium_interface"];
 
 impl<'a> Reader<'a> {
-    /// pt's shape.
-    pub fn surface(&self, view: &View<'a>) -> Option<Node> {
-        refuse_media(view, "medium_interface");
-        let kind = view.need(&["type"])?;
+    /// Converts a surface to a shape.
+    pub fn surface(&self, cursor: &JsonCursor<'a>) -> Option<Node> {
+        refuse_media(cursor, "medium_interface");
+        let kind = cursor.need(&["type"])?;
         let own = match word(kind.text()?).as_str() {
-            "sphere" => self.sphere(view),
-            "quad" => self.quad(view),
-            "triangle" => self.triangle(view),
-            "mesh" => self.mesh(view),
-            "group" => self.group(view),
+            "sphere" => self.sphere(cursor),
+            "quad" => self.quad(cursor),
+            "triangle" => self.triangle(cursor),
+            "mesh" => self.mesh(cursor),
+            "group" => self.group(cursor),
             _ => {
                 kind.fault(unknown("surface", kind.text()?, TYPES));
                 None
             }
         };
         let mut members = vec![];
-        if let Some(name) = view.get(&["name"]) {
+        if let Some(name) = cursor.get(&["name"]) {
             name.text()?;
             members.push(("name", name.same()));
         }
-        let reflected = self.reflection(view);
-        match view.get(&["transform"]) {
+        let reflected = self.reflection(cursor);
+        match cursor.get(&["transform"]) {
             Some(placed) => members.push(("transform", transform::steps_after(reflected, &placed)?)),
-            None => members.extend(reflected.map(|step| ("transform", view.make_array([step])))),
+            None => members.extend(reflected.map(|step| ("transform", cursor.make_array([step])))),
         }
-        Some(view.make_object(own?.into_iter().chain(members)))
+        Some(cursor.make_object(own?.into_iter().chain(members)))
     }
 
-    /// The reflection about its centre that gives a sphere their texture coordinates, where it wears what varies over them.
+    /// Point reflection of a sphere, if its material varies over texture coordinates.
     ///
-    /// Theirs are u = φ/2π + ½ and v = 1 − θ/π, pt's φ/2π and θ/π: those of the opposite point.
-    fn reflection(&self, view: &View<'a>) -> Option<Node> {
-        let is_sphere = view.node().child("type").and_then(Node::as_str) == Some("sphere");
-        let material = view.get(&["material"])?;
-        (is_sphere && self.varies_over_uv(&material)).then(|| view.make_object([("scale", view.make_number(-1.0))]))
+    /// In those programs u = φ/2π + ½ and v = 1 − θ/π, in pt φ/2π and θ/π: those of the opposite point.
+    fn reflection(&self, cursor: &JsonCursor<'a>) -> Option<Node> {
+        let is_sphere = cursor.node().child("type").and_then(Node::as_str) == Some("sphere");
+        let material = cursor.get(&["material"])?;
+        (is_sphere && self.varies_over_uv(&material)).then(|| cursor.make_object([("scale", cursor.make_number(-1.0))]))
     }
 
-    fn sphere(&self, view: &View<'a>) -> Option<Members> {
-        known(view, &["radius"]);
-        let mut members = self.dressed(view, "sphere")?;
-        if let Some(radius) = view.get(&["radius"]) {
+    fn sphere(&self, cursor: &JsonCursor<'a>) -> Option<Members> {
+        known(cursor, &["radius"]);
+        let mut members = self.dressed(cursor, "sphere")?;
+        if let Some(radius) = cursor.get(&["radius"]) {
             members.push(("radius", scalar(&radius)?));
         }
         Some(members)
     }
 
-    fn quad(&self, view: &View<'a>) -> Option<Members> {
-        known(view, &["size"]);
-        let mut members = self.dressed(view, "quad")?;
-        if let Some(size) = view.get(&["size"]) {
+    fn quad(&self, cursor: &JsonCursor<'a>) -> Option<Members> {
+        known(cursor, &["size"]);
+        let mut members = self.dressed(cursor, "quad")?;
+        if let Some(size) = cursor.get(&["size"]) {
             members.push(("size", vector(&size, 2)?));
         }
         Some(members)
     }
 
-    /// A mesh of one triangle.
-    fn triangle(&self, view: &View<'a>) -> Option<Members> {
-        known(view, &["positions", "normals", "uvs"]);
-        let mut members = self.dressed(view, "mesh")?;
-        members.push(("positions", corners(&view.need(&["positions"])?, 3)?));
-        members.push(("triangles", view.make_array([view.make_array([0, 1, 2].map(|corner| view.make_whole(corner)))])));
+    /// Mesh of one triangle.
+    fn triangle(&self, cursor: &JsonCursor<'a>) -> Option<Members> {
+        known(cursor, &["positions", "normals", "uvs"]);
+        let mut members = self.dressed(cursor, "mesh")?;
+        members.push(("positions", corners(&cursor.need(&["positions"])?, 3)?));
+        members.push(("triangles", cursor.make_array([cursor.make_array([0, 1, 2].map(|corner| cursor.make_whole(corner)))])));
         for (key, length) in [("normals", 3), ("uvs", 2)] {
-            if let Some(given) = view.get(&[key]) {
+            if let Some(given) = cursor.get(&[key]) {
                 members.push((key, corners(&given, length)?));
             }
         }
         Some(members)
     }
 
-    fn mesh(&self, view: &View<'a>) -> Option<Members> {
-        known(view, &["filename"]);
-        let mut members = self.dressed(view, "mesh")?;
-        let file = view.need(&["filename"])?;
+    fn mesh(&self, cursor: &JsonCursor<'a>) -> Option<Members> {
+        known(cursor, &["filename"]);
+        let mut members = self.dressed(cursor, "mesh")?;
+        let file = cursor.need(&["filename"])?;
         let names = self.named_in(&file)?;
         members.push(("file", file.same()));
         if !names.is_empty() {
@@ -93,11 +93,11 @@ impl<'a> Reader<'a> {
         Some(members)
     }
 
-    /// The scene's materials that a mesh file asks for: they go before the mesh's own.
+    /// The scene's materials that a mesh file names. They replace the file's own.
     ///
-    /// What is wrong with the file itself is told when it is read as a mesh.
-    fn named_in(&self, file: &View<'a>) -> Option<Vec<String>> {
-        let (name, files) = (file.text()?, &file.foreign().files);
+    /// What is wrong with the file is reported when it is read as a mesh.
+    fn named_in(&self, file: &JsonCursor<'a>) -> Option<Vec<String>> {
+        let (name, files) = (file.text()?, &file.context().files);
         if self.materials.is_empty() {
             return Some(vec![]);
         }
@@ -116,21 +116,22 @@ impl<'a> Reader<'a> {
         Some(names)
     }
 
-    fn group(&self, view: &View<'a>) -> Option<Members> {
-        view.leave_out_others(&["type", "name", "transform", "children", "medium_interface"]);
-        let children = view.need(&["children"])?;
+    fn group(&self, cursor: &JsonCursor<'a>) -> Option<Members> {
+        cursor.leave_out_others(&["type", "name", "transform", "children", "medium_interface"]);
+        let children = cursor.need(&["children"])?;
         let shapes = self.surfaces(&children)?;
-        Some(vec![("type", view.make_text("group")), ("shapes", shapes)])
+        Some(vec![("type", cursor.make_text("group")), ("shapes", shapes)])
     }
 
-    pub fn surfaces(&self, list: &View<'a>) -> Option<Node> {
-        let made: Vec<Option<Node>> = list.items()?.iter().map(|view| self.surface(view)).collect();
+    /// Converts a list of surfaces.
+    pub fn surfaces(&self, list: &JsonCursor<'a>) -> Option<Node> {
+        let made: Vec<Option<Node>> = list.items()?.iter().map(|cursor| self.surface(cursor)).collect();
         Some(list.make_array(made.into_iter().collect::<Option<Vec<_>>>()?))
     }
 
-    fn dressed(&self, view: &View<'a>, kind: &str) -> Option<Members> {
-        let Dress { material, emission } = self.dress(view)?;
-        let mut members = vec![("type", view.make_text(kind)), ("material", material)];
+    fn dressed(&self, cursor: &JsonCursor<'a>, kind: &str) -> Option<Members> {
+        let SurfaceAppearance { material, emission } = self.appearance(cursor)?;
+        let mut members = vec![("type", cursor.make_text(kind)), ("material", material)];
         members.extend(emission.map(|emission| ("emission", emission)));
         Some(members)
     }
@@ -138,17 +139,17 @@ impl<'a> Reader<'a> {
 
 type Members = Vec<(&'static str, Node)>;
 
-fn known(view: &View, own: &[&str]) {
-    view.leave_out_others(&[COMMON, own].concat());
+fn known(cursor: &JsonCursor, own: &[&str]) {
+    cursor.leave_out_others(&[COMMON, own].concat());
 }
 
-/// One vector for each corner of a triangle.
-fn corners(view: &View, length: usize) -> Option<Node> {
-    let items = view.items()?;
+/// Three vectors, one for each corner of a triangle.
+fn corners(cursor: &JsonCursor, length: usize) -> Option<Node> {
+    let items = cursor.items()?;
     if items.len() != 3 {
-        view.expected("an array of 3, one for each corner");
+        cursor.expected("an array of 3, one for each corner");
         return None;
     }
     let vectors: Option<Vec<Node>> = items.iter().map(|item| vector(item, length)).collect();
-    Some(view.make_array(vectors?))
+    Some(cursor.make_array(vectors?))
 }

@@ -1,30 +1,30 @@
-//! Colours that may be textures.
+//! Colours and textures.
 
 use super::Reader;
-use super::spelling::{Course, word};
+use super::spelling::{DartsVersion, word};
 use super::transform;
 use super::value::{color, numbers, scalar};
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 use crate::math::Transform;
 use crate::reader::{Node, unknown};
 
 const TYPES: &[&str] = &["constant", "checker", "marble", "image"];
 
 impl Reader<'_> {
-    /// A colour, or pt's texture for it.
-    pub fn textured(&self, view: &View) -> Option<Node> {
-        if !view.is_object() {
-            return color(view);
+    /// Converts a colour or a texture.
+    pub fn textured(&self, cursor: &JsonCursor) -> Option<Node> {
+        if !cursor.is_object() {
+            return color(cursor);
         }
-        let kind = view.need(&["type"])?;
+        let kind = cursor.need(&["type"])?;
         match word(kind.text()?).as_str() {
             "constant" => {
-                view.leave_out_others(&["type", "name", "color"]);
-                color(&view.need(&["color"])?)
+                cursor.leave_out_others(&["type", "name", "color"]);
+                color(&cursor.need(&["color"])?)
             }
-            "checker" => self.checker(view),
-            "marble" => self.marble(view),
-            "image" => image(view),
+            "checker" => self.checker(cursor),
+            "marble" => self.marble(cursor),
+            "image" => image(cursor),
             _ => {
                 kind.fault(unknown("texture", kind.text()?, TYPES));
                 None
@@ -32,27 +32,27 @@ impl Reader<'_> {
         }
     }
 
-    /// A checker: by its own spelling `color1` and `color2` the newest dialect's, by `even` and `odd` one of the others'.
-    fn checker(&self, view: &View) -> Option<Node> {
+    /// Converts a checkerboard. `color1` and `color2` are the spelling of the newest dialect, `even` and `odd` that of the others.
+    fn checker(&self, cursor: &JsonCursor) -> Option<Node> {
         const KEYS: &[&str] = &["type", "name", "even", "odd", "color1", "color2", "scale", "transform", "vector"];
-        view.leave_out_others(KEYS);
-        let is_newest = view.has("color1") || view.has("color2");
+        cursor.leave_out_others(KEYS);
+        let is_newest = cursor.has("color1") || cursor.has("color2");
         let [even, odd] = if is_newest { ["color2", "color1"] } else { ["even", "odd"] };
-        let [even, odd] = [self.textured(&view.need(&[even])?)?, self.textured(&view.need(&[odd])?)?];
-        let scale = match view.get(&["scale"]) {
+        let [even, odd] = [self.textured(&cursor.need(&[even])?)?, self.textured(&cursor.need(&[odd])?)?];
+        let scale = match cursor.get(&["scale"]) {
             Some(scale) if is_newest => scalar(&scale)?,
             Some(scale) => self.waves(&scale)?,
-            None if is_newest => view.make_number(1.0),
-            None => radians(view, view.make_number(1.0)),
+            None if is_newest => cursor.make_number(1.0),
+            None => radians(cursor, cursor.make_number(1.0)),
         };
-        let mut members = vec![("type", view.make_text("checker")), ("even", even), ("odd", odd), ("scale", scale)];
-        members.extend(space(view)?);
-        Some(view.make_object(members))
+        let mut members = vec![("type", cursor.make_text("checker")), ("even", even), ("odd", odd), ("scale", scale)];
+        members.extend(space(cursor)?);
+        Some(cursor.make_object(members))
     }
 
-    /// The waves of a checker by the sign of three sines: of scale · p in dirt, of p / scale in darts.
-    fn waves(&self, scale: &View) -> Option<Node> {
-        let (multiplies, is_sure) = self.spellings.says(|course| course == Course::Dirt);
+    /// Frequency of a checkerboard by the sign of three sines: of scale · p in dirt, of p / scale in darts.
+    fn waves(&self, scale: &JsonCursor) -> Option<Node> {
+        let (multiplies, is_sure) = self.spellings.says(|version| version == DartsVersion::Dirt);
         let number = numbers::<1>(scale)?[0];
         if !is_sure && number != 1.0 {
             scale.note("nothing tells which of the dialects of dirt and darts this is: read as dirt's, sin(scale · p)");
@@ -67,59 +67,59 @@ impl Reader<'_> {
         Some(radians(scale, scale.make_number(1.0 / number)))
     }
 
-    /// A marble, stirred as in the book that the courses follow.
-    fn marble(&self, view: &View) -> Option<Node> {
-        view.leave_out_others(&["type", "name", "base", "veins", "scale", "transform", "vector"]);
-        let (base, veins) = (self.textured(&view.need(&["base"])?)?, self.textured(&view.need(&["veins"])?)?);
-        view.note("a marble's veins are approximated by veins that are alike and lie elsewhere: its noise is drawn at random there");
-        let turbulence = ("turbulence", view.make_text("absolute_of_sum"));
-        let mut members = vec![("type", view.make_text("marble")), ("base", base), ("veins", veins), turbulence];
-        if let Some(scale) = view.get(&["scale"]) {
+    /// Converts a marble texture, with the turbulence of the book that the courses use.
+    fn marble(&self, cursor: &JsonCursor) -> Option<Node> {
+        cursor.leave_out_others(&["type", "name", "base", "veins", "scale", "transform", "vector"]);
+        let (base, veins) = (self.textured(&cursor.need(&["base"])?)?, self.textured(&cursor.need(&["veins"])?)?);
+        cursor.note("a marble's veins are approximated by veins that are alike and lie elsewhere: its noise is drawn at random there");
+        let turbulence = ("turbulence", cursor.make_text("absolute_of_sum"));
+        let mut members = vec![("type", cursor.make_text("marble")), ("base", base), ("veins", veins), turbulence];
+        if let Some(scale) = cursor.get(&["scale"]) {
             members.push(("scale", scalar(&scale)?));
         }
-        members.extend(space(view)?);
-        Some(view.make_object(members))
+        members.extend(space(cursor)?);
+        Some(cursor.make_object(members))
     }
 }
 
-fn radians(view: &View, number: Node) -> Node {
-    view.make_object([("radians", number)])
+fn radians(cursor: &JsonCursor, number: Node) -> Node {
+    cursor.make_object([("radians", number)])
 }
 
-/// The coordinates that a pattern varies over.
+/// Coordinates that a pattern varies over.
 struct Over {
     on: &'static str,
-    /// Leads from them into the pattern.
+    /// Map from the coordinates into the pattern.
     into: Option<Transform>,
 }
 
 impl Over {
     const POSITION: Over = Over { on: "position", into: None };
 
-    /// After another map has led into the pattern.
+    /// Coordinates with another map before this one.
     fn then(self, map: Transform) -> Over {
         Over { into: Some(self.into.map_or(map, |before| before.then(&map))), ..self }
     }
 }
 
-/// The coordinates that a pattern varies over, as pt's keys.
-fn space<'k>(view: &View) -> Option<Vec<(&'k str, Node)>> {
-    let mut over = view.get(&["vector"]).map_or(Some(Over::POSITION), |vector| coordinates(&vector))?;
-    if let Some(placed) = view.get(&["transform"]) {
+/// Coordinates that a pattern varies over, as members of pt's texture.
+fn space<'k>(cursor: &JsonCursor) -> Option<Vec<(&'k str, Node)>> {
+    let mut over = cursor.get(&["vector"]).map_or(Some(Over::POSITION), |vector| coordinates(&vector))?;
+    if let Some(placed) = cursor.get(&["transform"]) {
         over = over.then(invertible(&placed)?);
     }
-    let mut members = vec![("on", view.make_text(over.on))];
-    // Theirs leads from the world into the pattern, pt's places the pattern in the world.
+    let mut members = vec![("on", cursor.make_text(over.on))];
+    // Their map leads from the world into the pattern, pt's from the pattern into the world.
     match over.into {
-        Some(_) if over.on == "uv" => view.note("left out: a transform of texture coordinates"),
-        Some(into) => members.push(("transform", view.make_array([matrix(view, &into.inverse())]))),
+        Some(_) if over.on == "uv" => cursor.note("left out: a transform of texture coordinates"),
+        Some(into) => members.push(("transform", cursor.make_array([matrix(cursor, &into.inverse())]))),
         None => {}
     }
     Some(members)
 }
 
-/// The map that a list of commands makes.
-fn invertible(placed: &View) -> Option<Transform> {
+/// Map of a list of commands.
+fn invertible(placed: &JsonCursor) -> Option<Transform> {
     transform::steps(placed)?;
     let map = transform::composed(placed);
     if map.is_none() {
@@ -128,12 +128,12 @@ fn invertible(placed: &View) -> Option<Transform> {
     map
 }
 
-fn matrix(view: &View, map: &Transform) -> Node {
+fn matrix(cursor: &JsonCursor, map: &Transform) -> Node {
     let rows = glam::DMat4::from(map.matrix()).transpose().to_cols_array();
-    view.make_object([("matrix", view.make_numbers(rows))])
+    cursor.make_object([("matrix", cursor.make_numbers(rows))])
 }
 
-fn coordinates(vector: &View) -> Option<Over> {
+fn coordinates(vector: &JsonCursor) -> Option<Over> {
     if !vector.is_object() {
         return named(vector);
     }
@@ -148,7 +148,7 @@ fn coordinates(vector: &View) -> Option<Over> {
     }
 }
 
-fn named(kind: &View) -> Option<Over> {
+fn named(kind: &JsonCursor) -> Option<Over> {
     match kind.text()? {
         "uv" => Some(Over { on: "uv", into: None }),
         "point" | "position" | "world" => Some(Over::POSITION),
@@ -159,8 +159,8 @@ fn named(kind: &View) -> Option<Over> {
     }
 }
 
-/// Coordinates through a map: its vector type `point` maps them, `texture` maps them back.
-fn mapping(vector: &View) -> Option<Over> {
+/// Coordinates with a map: the vector type `point` applies it, `texture` its inverse.
+fn mapping(vector: &JsonCursor) -> Option<Over> {
     vector.leave_out_others(&["type", "name", "vector type", "transform", "vector"]);
     let over = vector.get(&["vector"]).map_or(Some(Over::POSITION), |inner| coordinates(&inner))?;
     let Some(placed) = vector.get(&["transform"]) else { return Some(over) };
@@ -182,9 +182,9 @@ fn mapping(vector: &View) -> Option<Over> {
     Some(over.then(if back { map.inverse() } else { map }))
 }
 
-fn image(view: &View) -> Option<Node> {
-    view.leave_out_others(&["type", "name", "filename"]);
-    let file = view.need(&["filename"])?;
+fn image(cursor: &JsonCursor) -> Option<Node> {
+    cursor.leave_out_others(&["type", "name", "filename"]);
+    let file = cursor.need(&["filename"])?;
     file.text()?;
-    Some(view.make_object([("type", view.make_text("image")), ("file", file.same())]))
+    Some(cursor.make_object([("type", cursor.make_text("image")), ("file", file.same())]))
 }

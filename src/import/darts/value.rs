@@ -1,39 +1,41 @@
-//! Numbers, vectors and colours: a number or an array of one stands for as many as are wanted.
+//! Numbers, vectors and colours. A number, or an array with one, stands for as many as are needed.
 
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 use crate::reader::Node;
 
-/// `count` values; one is repeated.
-pub fn several<'a>(view: &View<'a>, count: usize) -> Option<Vec<View<'a>>> {
-    if view.is_number() {
-        return Some(vec![view.clone(); count]);
+/// `count` values; a single one is repeated.
+pub fn several<'a>(cursor: &JsonCursor<'a>, count: usize) -> Option<Vec<JsonCursor<'a>>> {
+    if cursor.is_number() {
+        return Some(vec![cursor.clone(); count]);
     }
-    let items = if view.is_array() { view.items()? } else { vec![] };
+    let items = if cursor.is_array() { cursor.items()? } else { vec![] };
     match items.len() {
         1 => Some(vec![items[0].clone(); count]),
         n if n == count => Some(items),
         _ => {
-            view.expected(&format!("a number, or an array of {count}"));
+            cursor.expected(&format!("a number, or an array of {count}"));
             None
         }
     }
 }
 
-pub fn numbers<const N: usize>(view: &View) -> Option<[f64; N]> {
-    let values: Option<Vec<f64>> = several(view, N)?.iter().map(View::number).collect();
+/// `N` numbers.
+pub fn numbers<const N: usize>(cursor: &JsonCursor) -> Option<[f64; N]> {
+    let values: Option<Vec<f64>> = several(cursor, N)?.iter().map(JsonCursor::number).collect();
     values?.try_into().ok()
 }
 
-/// As an array of pt's.
-pub fn vector(view: &View, count: usize) -> Option<Node> {
-    Some(view.make_array(several(view, count)?.iter().map(View::same)))
+/// Array of `count` values.
+pub fn vector(cursor: &JsonCursor, count: usize) -> Option<Node> {
+    Some(cursor.make_array(several(cursor, count)?.iter().map(JsonCursor::same)))
 }
 
-pub fn scalar(view: &View) -> Option<Node> {
-    several(view, 1).map(|values| values[0].same())
+/// One value.
+pub fn scalar(cursor: &JsonCursor) -> Option<Node> {
+    several(cursor, 1).map(|values| values[0].same())
 }
 
-/// Gray as one number, else red, green and blue.
-pub fn color(view: &View) -> Option<Node> {
-    if view.is_number() { Some(view.same()) } else { vector(view, 3) }
+/// A grey as one number, other colours as red, green and blue.
+pub fn color(cursor: &JsonCursor) -> Option<Node> {
+    if cursor.is_number() { Some(cursor.same()) } else { vector(cursor, 3) }
 }

@@ -1,17 +1,17 @@
-//! Numbers in buffers: rows of components, some of them replaced (sparse).
+//! Numbers in buffers: rows of components, some of them replaced (sparse accessors).
 
 use gltf::accessor::{DataType, Dimensions, sparse::IndexType};
 
 use super::document::Document;
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 
-/// Rows without bytes in a buffer, all zero: more are no file anyone made.
+/// Most rows that may have no bytes in a buffer and be zero; no real file has more.
 const MOST_ZEROS: usize = 1 << 24;
 
 impl Document<'_> {
-    /// The rows of an accessor, each of `N` components; `None` with a fault noted.
+    /// Rows of an accessor, each with `N` components; `None` with a fault noted.
     ///
-    /// - integers that are `normalized` become shares, from 0 or −1 to 1
+    /// - integers that are `normalized` are mapped to 0 … 1 or −1 … 1
     pub fn rows<const N: usize>(&self, accessor: &gltf::Accessor) -> Option<Vec<[f32; N]>> {
         let at = self.item("accessors", accessor.index());
         if accessor.dimensions().multiplicity() != N {
@@ -22,7 +22,7 @@ impl Document<'_> {
         self.each(accessor, &at, |row| std::array::from_fn(|k| component(row, k, kind, normalized)))
     }
 
-    /// Whole numbers; `None` with a fault noted.
+    /// Whole numbers of an accessor; `None` with a fault noted.
     pub fn indices(&self, accessor: &gltf::Accessor) -> Option<Vec<u32>> {
         let at = self.item("accessors", accessor.index());
         if accessor.dimensions() != Dimensions::Scalar {
@@ -41,8 +41,8 @@ impl Document<'_> {
         self.each(accessor, &at, whole)
     }
 
-    /// What `read` makes of the bytes of each row.
-    fn each<T>(&self, accessor: &gltf::Accessor, at: &View, read: impl Fn(&[u8]) -> T) -> Option<Vec<T>> {
+    /// Results of `read` for the bytes of each row.
+    fn each<T>(&self, accessor: &gltf::Accessor, at: &JsonCursor, read: impl Fn(&[u8]) -> T) -> Option<Vec<T>> {
         let size = accessor.size();
         let rows = Rows { count: accessor.count(), offset: accessor.offset(), size };
         let mut values: Vec<T> = match accessor.view() {
@@ -62,8 +62,8 @@ impl Document<'_> {
             };
             let places = self.bytes(Rows { count: sparse.count(), offset: indices.offset(), size: width }, &indices.view(), at)?;
             let replacements = self.bytes(Rows { count: sparse.count(), offset: replaced.offset(), size }, &replaced.view(), at)?;
-            for (place, row) in places.zip(replacements) {
-                let i = place.iter().rev().fold(0, |i, byte| i << 8 | usize::from(*byte));
+            for (location, row) in places.zip(replacements) {
+                let i = location.iter().rev().fold(0, |i, byte| i << 8 | usize::from(*byte));
                 let Some(value) = values.get_mut(i) else {
                     at.fault(format!("a sparse row {i}, but there are {}", rows.count));
                     return None;
@@ -74,8 +74,8 @@ impl Document<'_> {
         Some(values)
     }
 
-    /// The bytes of each row; `None` with a fault noted where they reach beyond their view.
-    fn bytes(&self, rows: Rows, view: &gltf::buffer::View, at: &View) -> Option<impl Iterator<Item = &[u8]> + use<'_>> {
+    /// Bytes of each row; `None` with a fault noted if they extend beyond their view.
+    fn bytes(&self, rows: Rows, view: &gltf::buffer::View, at: &JsonCursor) -> Option<impl Iterator<Item = &[u8]> + use<'_>> {
         let stride = view.stride().unwrap_or(rows.size);
         if stride < rows.size {
             at.fault(format!("rows of {} bytes, {stride} bytes apart", rows.size));
@@ -95,7 +95,7 @@ impl Document<'_> {
     }
 }
 
-/// Where rows lie within a view.
+/// Layout of rows within a view.
 #[derive(Clone, Copy)]
 struct Rows {
     count: usize,
@@ -103,7 +103,7 @@ struct Rows {
     size: usize,
 }
 
-/// Source: glTF 2.0, §3.11: c / 255, max(c / 127, −1), …
+/// Value of a component. Source: glTF 2.0, §3.11: c / 255, max(c / 127, −1), …
 fn component(row: &[u8], k: usize, kind: DataType, normalized: bool) -> f32 {
     let bytes = &row[k * kind.size()..(k + 1) * kind.size()];
     let (value, most) = match kind {

@@ -1,21 +1,21 @@
-//! Bytes: in the container, in files beside the scene, or written into the JSON (`data:`).
+//! Buffers: in the container, in files beside the scene, or in the JSON (`data:`).
 
 use base64::Engine;
 use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
 
 use super::document::shown;
 use crate::error::{Error, Result};
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 
-/// The bytes of each buffer.
+/// Bytes of each buffer.
 pub struct Buffers(Vec<Vec<u8>>);
 
 impl Buffers {
-    /// `None` where one is missing or too short, which is noted.
+    /// Reads all buffers; `None` if one is missing or too short, which is noted.
     ///
     /// # Errors
     /// `Io`: a file that cannot be read.
-    pub fn read(gltf: &gltf::Document, binary: Option<&[u8]>, root: &View) -> Result<Option<Buffers>> {
+    pub fn read(gltf: &gltf::Document, binary: Option<&[u8]>, root: &JsonCursor) -> Result<Option<Buffers>> {
         let mut all = vec![];
         for buffer in gltf.buffers() {
             let Some(at) = root.get(&["buffers"]).and_then(|list| list.get(&[&buffer.index().to_string()])) else { continue };
@@ -31,15 +31,15 @@ impl Buffers {
         Ok((all.len() == gltf.buffers().len()).then_some(Buffers(all)))
     }
 
-    /// Those of a view; `None` where it reaches beyond its buffer.
+    /// Bytes of a view; `None` if it extends beyond its buffer.
     pub fn view(&self, view: &gltf::buffer::View) -> Option<&[u8]> {
         let end = view.offset().checked_add(view.length())?;
         self.0.get(view.buffer().index())?.get(view.offset()..end)
     }
 }
 
-/// The bytes of a buffer without a uri, which are those of the container; `None` with a fault noted.
-fn own_bytes(at: &View, binary: Option<&[u8]>, index: usize) -> Option<Vec<u8>> {
+/// Bytes of a buffer without a uri, which are those of the container; `None` with a fault noted.
+fn own_bytes(at: &JsonCursor, binary: Option<&[u8]>, index: usize) -> Option<Vec<u8>> {
     if binary.is_none() && !is_compressed(at) {
         let why = if index == 0 {
             "expected a uri, or a .glb with a binary chunk"
@@ -51,25 +51,25 @@ fn own_bytes(at: &View, binary: Option<&[u8]>, index: usize) -> Option<Vec<u8>> 
     binary.map(<[u8]>::to_vec)
 }
 
-/// What to do about data that is compressed in a way that pt does not read.
+/// Advice for data that is compressed in a way that pt does not read.
 pub const UNPACK: &str = ": save the file without compression";
 
-/// Whether an extension holds what should be at this place compressed; that is noted as a fault.
-pub fn is_compressed(at: &View) -> bool {
+/// Returns whether an extension holds this data in compressed form, and notes that as a fault.
+pub fn is_compressed(at: &JsonCursor) -> bool {
     let extensions = at.get(&["extensions"]).and_then(|all| all.members()).unwrap_or_default();
-    let Some((name, place)) = extensions.into_iter().find(|(name, _)| name.ends_with("_compression")) else { return false };
-    place.fault(format!("compressed by {}, which pt does not read{UNPACK}", shown(name)));
+    let Some((name, location)) = extensions.into_iter().find(|(name, _)| name.ends_with("_compression")) else { return false };
+    location.fault(format!("compressed by {}, which pt does not read{UNPACK}", shown(name)));
     true
 }
 
-/// The bytes that a uri gives or names; `None` with a fault noted.
-fn of_uri(uri: &View) -> Result<Option<Vec<u8>>> {
+/// Bytes that a uri contains or names; `None` with a fault noted.
+fn of_uri(uri: &JsonCursor) -> Result<Option<Vec<u8>>> {
     let Some(text) = uri.text() else { return Ok(None) };
     if text.starts_with("data:") {
         return Ok(of_data(uri, text));
     }
     let Some(name) = file_name(uri, text) else { return Ok(None) };
-    match uri.foreign().files.bytes(&name) {
+    match uri.context().files.bytes(&name) {
         Ok(bytes) => Ok(Some(bytes)),
         Err(Error::Invalid(faults)) => {
             faults.iter().for_each(|fault| {
@@ -81,8 +81,8 @@ fn of_uri(uri: &View) -> Result<Option<Vec<u8>>> {
     }
 }
 
-/// `data:…;base64,…`; `None` with a fault noted.
-pub fn of_data(uri: &View, text: &str) -> Option<Vec<u8>> {
+/// Bytes of `data:…;base64,…`; `None` with a fault noted.
+pub fn of_data(uri: &JsonCursor, text: &str) -> Option<Vec<u8>> {
     let Some(coded) = text.split_once(";base64,").map(|(_, coded)| coded.as_bytes()) else {
         uri.fault("expected a data uri in base64");
         return None;
@@ -90,21 +90,21 @@ pub fn of_data(uri: &View, text: &str) -> Option<Vec<u8>> {
     STANDARD.decode(coded).or_else(|_| STANDARD_NO_PAD.decode(coded)).map_err(|error| uri.fault(format!("no base64: {error}"))).ok()
 }
 
-/// A relative uri as a file name, with what `%` stands for; `None` with a fault noted.
-pub fn file_name(uri: &View, text: &str) -> Option<String> {
+/// File name of a relative uri, with `%` codes decoded; `None` with a fault noted.
+pub fn file_name(uri: &JsonCursor, text: &str) -> Option<String> {
     let name = percent_decoded(text);
     if text.contains("://") {
         uri.fault("expected the name of a file beside the scene, found an address");
         return None;
     }
-    if let Some(why) = uri.foreign().files.why_not(&name) {
+    if let Some(why) = uri.context().files.why_not(&name) {
         uri.fault(why);
         return None;
     }
     Some(name)
 }
 
-/// Source: RFC 3986, §2.1. What is no code stays.
+/// Decodes `%` codes (RFC 3986, §2.1). Anything that is not a code stays.
 fn percent_decoded(text: &str) -> String {
     let mut bytes = vec![];
     let mut rest = text.as_bytes();

@@ -5,23 +5,23 @@ use gltf::json::camera::Type;
 use gltf::json::validation::Checked;
 
 use super::document::Document;
-use crate::import::framing::ASPECT;
+use crate::import::auto_camera::ASPECT;
 use crate::reader::Node;
 
 impl Document<'_> {
-    /// The camera, and width over height of its picture; `None` with a fault noted.
+    /// Camera, and the ratio of width to height of its picture; `None` with a fault noted.
     pub fn camera(&self, camera: &gltf::Camera, node: &gltf::Node, to_world: &DMat4) -> Option<(Node, f64)> {
         let at = self.item("cameras", camera.index());
-        let place = self.item("nodes", node.index());
+        let location = self.item("nodes", node.index());
         let from = to_world.transform_point3(DVec3::ZERO);
-        // A camera has no size: of the node's scale only the directions count.
+        // A camera has no size, so only the directions of the node's transform count.
         let towards = |axis: DVec3| to_world.transform_vector3(axis).normalize_or(axis);
         let look_at = [
-            ("from", place.make_numbers(from.to_array())),
-            ("to", place.make_numbers((from + towards(DVec3::NEG_Z)).to_array())),
-            ("up", place.make_numbers(towards(DVec3::Y).to_array())),
+            ("from", location.make_numbers(from.to_array())),
+            ("to", location.make_numbers((from + towards(DVec3::NEG_Z)).to_array())),
+            ("up", location.make_numbers(towards(DVec3::Y).to_array())),
         ];
-        let look_at = ("look_at", place.make_object(look_at));
+        let look_at = ("look_at", location.make_object(look_at));
         let json = self.gltf.as_json().cameras.get(camera.index())?;
         let is_orthographic = matches!(json.type_, Checked::Valid(Type::Orthographic));
         let lens_at = at.need(&[if is_orthographic { "orthographic" } else { "perspective" }])?;
@@ -39,6 +39,6 @@ impl Document<'_> {
             lens_at.fault("a picture without width or height");
             return None;
         }
-        Some((place.make_object(members), aspect))
+        Some((location.make_object(members), aspect))
     }
 }

@@ -1,4 +1,4 @@
-//! A file of which every index leads somewhere, with its buffers, and what is noted about it.
+//! A document whose indices are all valid, with its buffers and the notes about it.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -10,11 +10,11 @@ use super::buffer::{Buffers, UNPACK};
 use super::container::Opened;
 use super::texture::Picture;
 use crate::error::Result;
-use crate::import::Foreign;
-use crate::import::view::View;
-use crate::reader::{self, Member, Node, Place, UnknownKeys, Value};
+use crate::import::ImportContext;
+use crate::import::json_cursor::JsonCursor;
+use crate::reader::{self, Location, Member, Node, UnknownKeys, Value};
 
-/// Extensions that are read, wholly or so that each thing left out is noted where it stands.
+/// Extensions that are read. Parts that are left out are noted where they stand.
 const READ: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
@@ -38,38 +38,38 @@ const READ: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// The attributes of vertices that glTF names; others belong to an application, or to an extension that is left out.
+/// Vertex attributes that glTF defines. Others belong to an application, or to an extension that is left out.
 const ATTRIBUTES: &[&str] = &["POSITION", "NORMAL", "TANGENT", "TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"];
 
-/// What a file holds, checked.
+/// Checked content of a file.
 pub struct Tree<'c> {
     places: std::borrow::Cow<'c, Node>,
     gltf: gltf::Document,
     binary: Option<Vec<u8>>,
 }
 
-/// Returns the file, checked; `None` where something is wrong with it, which is noted.
-pub fn checked<'c>(opened: Opened<'c>, foreign: &Foreign) -> Option<Tree<'c>> {
+/// Checks a file; `None` if there are faults, which are noted.
+pub fn checked<'c>(opened: Opened<'c>, context: &ImportContext) -> Option<Tree<'c>> {
     let Opened { tree, binary } = opened;
-    let refuse = |pointer: &str, message: String| match &tree.place {
-        // Without lines, the pointer is the place, even of what is missing.
-        Place::Whole(_) => foreign.faults.add(&Place::Whole(pointer.into()), pointer, message),
-        _ => foreign.faults.add_at(&tree, pointer, message),
+    let refuse = |pointer: &str, message: String| match &tree.location {
+        // Without lines, the pointer is the location, also of a missing value.
+        Location::Whole(_) => context.faults.add(&Location::Whole(pointer.into()), pointer, message),
+        _ => context.faults.add_at(&tree, pointer, message),
     };
     let version = tree.get("/asset/version").and_then(Node::as_str).unwrap_or("2.");
     if !version.starts_with("2.") {
         refuse("/asset/version", format!("expected glTF of version 2, found {:?}", version.chars().take(40).collect::<String>()));
         return None;
     }
-    let root: json::Root = reader::read(&readable(&tree, ""), "", UnknownKeys::Ignore, &foreign.faults)?;
+    let root: json::Root = reader::read(&readable(&tree, ""), "", UnknownKeys::Ignore, &context.faults)?;
     for (i, name) in root.extensions_required.iter().enumerate().filter(|(_, name)| !READ.contains(&name.as_str())) {
         refuse(&format!("/extensionsRequired/{i}"), needed(&shown(name)));
     }
-    // The validation itself looks up the positions, and would panic.
+    // The crate's validation looks up the positions itself, and would panic.
     for (pointer, _) in attributes(&root).filter(|(_, accessor)| *accessor >= root.accessors.len()) {
         refuse(&pointer, explained(Wrong::IndexOutOfBounds).to_owned());
     }
-    if foreign.faults.is_empty() {
+    if context.faults.is_empty() {
         root.validate(&root, json::Path::new, &mut |path, wrong| {
             let pointer = pointer(path().as_str());
             if !is_forgiven(&pointer, wrong) {
@@ -77,48 +77,48 @@ pub fn checked<'c>(opened: Opened<'c>, foreign: &Foreign) -> Option<Tree<'c>> {
             }
         });
     }
-    if !foreign.faults.is_empty() {
+    if !context.faults.is_empty() {
         return None;
     }
     let gltf = gltf::Document::from_json_without_validation(root);
     Some(Tree { places: tree, gltf, binary })
 }
 
-/// A copy of the part of a file that the crate is to check: what is left out anyway is no reason to refuse the file.
+/// Copy of the part of a file that the crate checks: parts that are left out anyway are no reason to refuse the file.
 ///
-/// - `key`: of the object that the node is or belongs to; "" for the file as a whole
+/// - `key`: key of the object that the node is or belongs to; "" for the file as a whole
 fn readable(node: &Node, key: &str) -> Node {
     let is_read = |member: &&Member| match member.key.as_str() {
-        // Extensions are read by their own readers.
+        // Extensions have readers of their own.
         "extras" | "extensions" => false,
         "animations" => !key.is_empty(),
         name if key == "attributes" => ATTRIBUTES.iter().any(|known| name.starts_with(known)),
         _ => member.node.value != Value::Null,
     };
     let copy = |member: &Member| {
-        let Member { key, key_place, node } = member;
-        Member { key: key.clone(), key_place: key_place.clone(), node: readable(node, key) }
+        let Member { key, key_location, node } = member;
+        Member { key: key.clone(), key_location: key_location.clone(), node: readable(node, key) }
     };
     let value = match &node.value {
         Value::Array(items) => Value::Array(items.iter().map(|item| readable(item, key)).collect()),
         Value::Object(members) => Value::Object(members.iter().filter(is_read).map(copy).collect()),
         plain => plain.clone(),
     };
-    Node { value, place: node.place.clone() }
+    Node { value, location: node.location.clone() }
 }
 
-/// Why an extension that a file needs cannot be done without; Draco and meshopt hold triangles that stand nowhere else.
+/// Reason why a required extension cannot be left out. Draco and meshopt hold triangles that are nowhere else.
 fn needed(name: &str) -> String {
     let advice = if name.ends_with("_compression") { UNPACK } else { "" };
     format!("the file needs the extension {name}, which pt does not read{advice}")
 }
 
-/// A name of the file as a message shows it.
+/// Name of the file, shortened for messages.
 pub fn shown(name: &str) -> String {
     name.chars().filter(|c| !c.is_control()).take(60).collect()
 }
 
-/// Of all primitives: where each attribute stands, and its accessor.
+/// Pointer and accessor of each attribute, for all primitives.
 fn attributes(root: &json::Root) -> impl Iterator<Item = (String, usize)> {
     let of_mesh = |(m, mesh): (usize, &json::Mesh)| {
         let of_primitive = |(p, primitive): (usize, &json::mesh::Primitive)| {
@@ -132,15 +132,15 @@ fn attributes(root: &json::Root) -> impl Iterator<Item = (String, usize)> {
     root.meshes.iter().enumerate().flat_map(of_mesh)
 }
 
-/// `meshes[0].primitives[1].attributes["POSITION"] = "…"` is /meshes/0/primitives/1/attributes/POSITION.
+/// Converts `meshes[0].primitives[1].attributes["POSITION"] = "…"` to /meshes/0/primitives/1/attributes/POSITION.
 fn pointer(path: &str) -> String {
     let path = path.split(" = ").next().unwrap_or_default();
     let steps = path.split(['.', '[']).map(|step| step.trim_end_matches(']').trim_matches('"'));
     steps.filter(|step| !step.is_empty()).map(crate::reader::escaped).collect()
 }
 
-/// What no reading depends on: bounds of accessors, extensions (ours is the list above), positions of what is then left out,
-/// pictures of textures, which extensions may give, and the bytes of accessors, which are zeros where there are none.
+/// Returns whether a fault does not affect the reading: bounds of accessors, extensions (the list above decides), positions of
+/// parts that are left out, pictures of textures, which extensions may supply, and missing bytes of accessors, which are zeros.
 fn is_forgiven(pointer: &str, wrong: Wrong) -> bool {
     let may_lack = ["/min", "/max", "/source", "/attributes/POSITION", "/bufferView"].iter().any(|key| pointer.ends_with(key));
     wrong == Wrong::Unsupported || (wrong == Wrong::Missing && may_lack)
@@ -156,46 +156,49 @@ fn explained(wrong: Wrong) -> &'static str {
     }
 }
 
-/// A checked file, and the bytes that belong to it.
+/// A checked file with its bytes.
 pub struct Document<'a> {
+    /// The document as the crate gltf reads it.
     pub gltf: &'a gltf::Document,
-    pub root: View<'a>,
+    /// Root of the JSON tree.
+    pub root: JsonCursor<'a>,
+    /// Buffers.
     pub buffers: Buffers,
-    /// Sentences, with where each holds first and how often.
-    notes: RefCell<BTreeMap<String, (View<'a>, usize)>>,
-    /// By index: the pictures, `None` where there is a fault.
+    /// Notes, with the first place where each holds and the number of places.
+    notes: RefCell<BTreeMap<String, (JsonCursor<'a>, usize)>>,
+    /// Pictures by index; `None` if a picture has a fault.
     pub pictures: RefCell<BTreeMap<usize, Option<Picture>>>,
 }
 
 impl<'a> Document<'a> {
-    /// `None` where a buffer is missing, which is noted.
+    /// Reads the buffers; `None` if one is missing, which is noted.
     ///
     /// # Errors
     /// `Io`: a buffer that cannot be read.
-    pub fn new(tree: &'a Tree, foreign: &'a Foreign) -> Result<Option<Document<'a>>> {
-        let root = View::root(&tree.places, foreign);
+    pub fn new(tree: &'a Tree, context: &'a ImportContext) -> Result<Option<Document<'a>>> {
+        let root = JsonCursor::root(&tree.places, context);
         let Some(buffers) = Buffers::read(&tree.gltf, tree.binary.as_deref(), &root)? else { return Ok(None) };
         let document = Document { gltf: &tree.gltf, root, buffers, notes: RefCell::default(), pictures: RefCell::default() };
         document.note_extensions();
         Ok(Some(document))
     }
 
-    /// A value of the file; the file as a whole where there is none.
-    pub fn at(&self, path: &[&str]) -> View<'a> {
+    /// Value of the file at a path; the root if there is none.
+    pub fn at(&self, path: &[&str]) -> JsonCursor<'a> {
         path.iter().try_fold(self.root.clone(), |view, key| view.get(&[key])).unwrap_or_else(|| self.root.clone())
     }
 
-    /// A member of one of the file's lists.
-    pub fn item(&self, list: &str, i: usize) -> View<'a> {
+    /// Element of one of the file's lists.
+    pub fn item(&self, list: &str, i: usize) -> JsonCursor<'a> {
         self.at(&[list, &i.to_string()])
     }
 
-    /// What is left out or done in another way; things that are alike are told once.
-    pub fn note(&self, at: &View<'a>, message: impl Into<String>) {
+    /// Notes something that is left out or done in another way; equal notes are joined.
+    pub fn note(&self, at: &JsonCursor<'a>, message: impl Into<String>) {
         self.notes.borrow_mut().entry(message.into()).or_insert_with(|| (at.clone(), 0)).1 += 1;
     }
 
-    /// Tells the notes.
+    /// Passes the notes on to the import context.
     pub fn tell(self) {
         for (message, (at, count)) in self.notes.into_inner() {
             let more = if count > 1 { format!(" (here and {} more)", count - 1) } else { String::new() };

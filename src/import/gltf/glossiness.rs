@@ -1,7 +1,7 @@
-//! KHR_materials_pbrSpecularGlossiness as metalness and roughness: factors by numbers, textures pixel by pixel.
+//! Conversion of KHR_materials_pbrSpecularGlossiness to metalness and roughness: factors as numbers, textures pixel by pixel.
 //!
-//! A reflectance of 4 % is that of plastic; what reflects more is a metal in part, m, so that perceived brightness and the share that is
-//! not reflected stay what they are.
+//! A reflectance of 4 % is that of plastic. A material that reflects more is in part a metal, by a share m for which the perceived
+//! brightness and the share of light that is not reflected stay the same.
 //!
 //! Source: Khronos, *KHR_materials_pbrSpecularGlossiness*, its example convert-between-workflows, `ConvertToMetallicRoughness`.
 
@@ -11,22 +11,22 @@ use image::{ImageFormat, RgbaImage};
 use super::material::Reader;
 use super::texture::{Kind, numbers};
 use crate::describe::{Channel, Encoding, picture};
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 use crate::output::tonemap::srgb;
 use crate::reader::Node;
 use crate::texture::image::Pixels;
 
-/// The reflectance of plastic, straight on.
+/// Reflectance of plastic at normal incidence.
 const PLASTIC: f64 = 0.04;
 
-/// What stands in the file, without textures.
+/// Factors of the file, without textures.
 struct Factors {
     diffuse: DVec3,
     specular: DVec3,
     glossiness: f64,
 }
 
-/// A texture of the file, decoded.
+/// Decoded texture of the file.
 struct Layer {
     color: Pixels,
     alpha: Pixels,
@@ -40,7 +40,7 @@ struct Converted {
 }
 
 impl<'a> Reader<'_, 'a> {
-    /// Base colour, metalness and roughness where the material has specular and glossiness; `None` where it has not.
+    /// Base colour, metalness and roughness of a material with specular and glossiness; `None` for other materials.
     pub(super) fn of_glossiness(&self) -> Option<[Node; 3]> {
         let at = self.glossy.as_ref()?;
         self.document.note(at, "specular and glossiness become metalness and roughness, as Khronos converts them: colours shift a little");
@@ -61,12 +61,12 @@ impl<'a> Reader<'_, 'a> {
         Some([self.colored(base), metallic, roughness])
     }
 
-    /// The picture of a texture; `None` where there is none, with a note or a fault.
-    fn layer(&self, info: &View<'a>) -> Option<Layer> {
+    /// Picture of a texture; `None` if there is none, with a note or a fault.
+    fn layer(&self, info: &JsonCursor<'a>) -> Option<Layer> {
         let node = self.document.texture(info, Kind::Color)?;
         let file = node.child("file")?.as_str()?;
         let read = |channel| {
-            let bytes = info.foreign().bytes(file).map_err(|error| info.fault(error.to_string())).ok()?;
+            let bytes = info.context().bytes(file).map_err(|error| info.fault(error.to_string())).ok()?;
             let decoded = picture::read(std::io::Cursor::new(bytes), file, Encoding::Auto, channel);
             decoded.map_err(|error| info.fault(error.to_string())).ok().map(|(pixels, _)| pixels)
         };
@@ -74,14 +74,14 @@ impl<'a> Reader<'_, 'a> {
     }
 
     /// Two pictures that come with the scene, and the three channels that are read from them.
-    fn baked(&self, at: &View<'a>, info: &View<'a>, factors: &Factors, layers: &[Option<Layer>; 2]) -> Option<[Node; 3]> {
+    fn baked(&self, at: &JsonCursor<'a>, info: &JsonCursor<'a>, factors: &Factors, layers: &[Option<Layer>; 2]) -> Option<[Node; 3]> {
         let sizes = layers.iter().flatten().map(|layer| layer.color.size());
         let size = sizes.reduce(|a, b| a.max(b))?;
         let (mut color, mut shares) = (RgbaImage::new(size.x, size.y), RgbaImage::new(size.x, size.y));
         let level = |share: f64| (255.0 * share).round().clamp(0.0, 255.0) as u8;
         for (x, y, texel) in color.enumerate_pixels_mut() {
-            let place = [(f64::from(x) + 0.5) / f64::from(size.x), (f64::from(y) + 0.5) / f64::from(size.y)];
-            let Converted { base, metallic, roughness } = factors.at(layers, place);
+            let location = [(f64::from(x) + 0.5) / f64::from(size.x), (f64::from(y) + 0.5) / f64::from(size.y)];
+            let Converted { base, metallic, roughness } = factors.at(layers, location);
             let [r, g, b] = base.to_array().map(|c| level(f64::from(srgb(c as f32))));
             *texel = image::Rgba([r, g, b, 255]);
             shares.put_pixel(x, y, image::Rgba([0, level(roughness), level(metallic), 255]));
@@ -91,7 +91,7 @@ impl<'a> Reader<'_, 'a> {
             let mut bytes = std::io::Cursor::new(vec![]);
             picture.write_to(&mut bytes, ImageFormat::Png).ok()?;
             let file = self.document.made_name(&format!("material-{stem}-{what}"), "png");
-            at.foreign().make(&*file, bytes.into_inner());
+            at.context().make(&*file, bytes.into_inner());
             Some(file)
         });
         let (color, shares) = (color?, shares?);
@@ -107,10 +107,11 @@ impl<'a> Reader<'_, 'a> {
 }
 
 impl Factors {
-    /// Converted at a place of the pictures, from their upper left corner; of pictures of two sizes the nearest pixel counts.
-    fn at(&self, [diffuse, specular]: &[Option<Layer>; 2], place: [f64; 2]) -> Converted {
-        let color = |layer: &Option<Layer>| layer.as_ref().map_or(DVec3::ONE, |layer| nearest(&layer.color, place));
-        let glossiness = specular.as_ref().map_or(1.0, |layer| nearest(&layer.alpha, place).x) * self.glossiness;
+    /// Converted values at a point of the pictures, from the upper left corner. If the pictures differ in size, the nearest pixels
+    /// are used.
+    fn at(&self, [diffuse, specular]: &[Option<Layer>; 2], location: [f64; 2]) -> Converted {
+        let color = |layer: &Option<Layer>| layer.as_ref().map_or(DVec3::ONE, |layer| nearest(&layer.color, location));
+        let glossiness = specular.as_ref().map_or(1.0, |layer| nearest(&layer.alpha, location).x) * self.glossiness;
         let (base, metallic) = converted(self.diffuse * color(diffuse), self.specular * color(specular));
         Converted { base, metallic, roughness: 1.0 - glossiness.clamp(0.0, 1.0) }
     }
@@ -133,7 +134,7 @@ fn converted(diffuse: DVec3, specular: DVec3) -> (DVec3, f64) {
     (base.clamp(DVec3::ZERO, DVec3::ONE), metallic)
 }
 
-/// The root of a quadratic equation in the metalness, 0 for what reflects no more than plastic.
+/// Root of a quadratic equation in the metalness; 0 for a reflectance of at most that of plastic.
 fn metalness(diffuse: f64, specular: f64, kept: f64) -> f64 {
     if specular < PLASTIC {
         return 0.0;
@@ -143,7 +144,7 @@ fn metalness(diffuse: f64, specular: f64, kept: f64) -> f64 {
     ((-b + (b * b - 4.0 * a * c).max(0.0).sqrt()) / (2.0 * a)).clamp(0.0, 1.0)
 }
 
-/// As the eye weighs the colours (HSP).
+/// Perceived brightness (HSP).
 fn brightness(color: DVec3) -> f64 {
     (DVec3::new(0.299, 0.587, 0.114) * color * color).element_sum().sqrt()
 }

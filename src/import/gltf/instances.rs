@@ -1,13 +1,13 @@
-//! Copies of a node's mesh (EXT_mesh_gpu_instancing): each is a shape of its own.
+//! Instances of a node's mesh (EXT_mesh_gpu_instancing): each becomes a shape.
 
 use glam::{DMat4, DQuat, DVec3, DVec4};
 
 use super::document::Document;
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 
 impl Document<'_> {
-    /// Where the copies of a node's mesh stand in the node's space, in the order of the file; one at its origin where nothing is said.
-    /// `None` with a fault noted.
+    /// Transforms of the instances in the node's space, in the order of the file; the identity if there is no extension. `None`
+    /// with a fault noted.
     pub fn instances(&self, node: &gltf::Node) -> Option<Vec<DMat4>> {
         let extension = self.item("nodes", node.index()).get(&["extensions"]).and_then(|all| all.get(&["EXT_mesh_gpu_instancing"]));
         let Some(attributes) = extension.and_then(|extension| extension.get(&["attributes"])) else { return Some(vec![DMat4::IDENTITY]) };
@@ -29,8 +29,8 @@ impl Document<'_> {
         Some((0..count).map(at).collect())
     }
 
-    /// The rows of an attribute of the copies, none where it is not there; `None` with a fault noted.
-    fn instanced<const N: usize, T>(&self, attributes: &View, key: &str, read: impl Fn([f32; N]) -> T) -> Option<Vec<T>> {
+    /// Rows of an attribute of the instances, empty if it is missing; `None` with a fault noted.
+    fn instanced<const N: usize, T>(&self, attributes: &JsonCursor, key: &str, read: impl Fn([f32; N]) -> T) -> Option<Vec<T>> {
         let Some(at) = attributes.get(&[key]) else { return Some(vec![]) };
         let index = at.whole()?;
         let Some(accessor) = usize::try_from(index).ok().and_then(|i| self.gltf.accessors().nth(i)) else {

@@ -1,21 +1,21 @@
-//! Lights without a surface (KHR_lights_punctual). They shine down −z of their node; its scale is not theirs.
+//! Lights without a surface (KHR_lights_punctual). They shine down −z of their node; its scale does not affect them.
 //!
-//! The file counts light as the eye does: candela and lux. pt counts watts: 683 lm = 1 W, whatever the colour, as importers of other
-//! programs have it, so that a scene that went through glTF is as bright as it was. What surfaces emit is taken as it is, for the
-//! same reason.
+//! The file has photometric units: candela and lux. pt has radiometric ones. All light is converted with 683 lm = 1 W, whatever its
+//! colour, as the importers of other programs do, so that a scene is as bright after a detour through glTF as before. Emission of
+//! surfaces is not converted, for the same reason.
 
 use glam::{DMat4, DVec3};
 
 use super::document::Document;
 use super::texture::numbers;
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 use crate::reader::Node;
 
-/// Luminous efficacy (lm·W⁻¹): of light of 555 nm; by agreement, of all.
+/// Luminous efficacy (lm·W⁻¹) of light of 555 nm, used for all light.
 pub const LUMENS_PER_WATT: f64 = 683.0;
 
 impl<'a> Document<'a> {
-    /// The light that a node carries, if it carries one; a fault noted where it is none.
+    /// Light of a node, if it has one; a fault is noted if it is invalid.
     pub fn light(&self, node: &gltf::Node, to_world: &DMat4) -> Option<Node> {
         let reference = self.item("nodes", node.index()).get(&["extensions"])?.get(&["KHR_lights_punctual"])?.need(&["light"])?;
         let index = reference.whole()?;
@@ -28,7 +28,7 @@ impl<'a> Document<'a> {
         self.described(&light, node, to_world)
     }
 
-    fn described(&self, light: &View<'a>, node: &gltf::Node, to_world: &DMat4) -> Option<Node> {
+    fn described(&self, light: &JsonCursor<'a>, node: &gltf::Node, to_world: &DMat4) -> Option<Node> {
         let color = light.get(&["color"]).and_then(|color| numbers(&color)).unwrap_or([1.0; 3]);
         let intensity = light.get(&["intensity"]).map_or(Some(1.0), |at| at.number())?;
         let watts = light.make_numbers(color.map(|c| c * intensity / LUMENS_PER_WATT));

@@ -1,11 +1,11 @@
 //! Materials: metallic-roughness and its extensions as `principled`, `dielectric` and `thin_dielectric`.
 //!
-//! pt's `principled` was made for these parameters: roughness is perceptual in both (alpha = roughness²), and every factor multiplies
-//! its texture. What light goes through is told apart by its thickness: without KHR_materials_volume a surface is a pane.
+//! pt's `principled` has the same parameters: roughness is perceptual in both (alpha = roughness²), and every factor multiplies its
+//! texture. The thickness decides between kinds of glass: without KHR_materials_volume a surface is a thin pane.
 
 use super::document::Document;
 use super::texture::{Kind, Mapping, numbers};
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 use crate::reader::Node;
 
 /// Extensions that pt has nothing for.
@@ -16,16 +16,19 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ("KHR_materials_unlit", "an unlit material is lit like any other: it has shades and is as bright as its light"),
 ];
 
-/// The colours that vertices have, which multiply those of the material.
+/// Vertex colours, which multiply those of the material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Colors {
+    /// No vertex colours.
     None,
+    /// Colours without opacity.
     Opaque,
-    /// With an opacity.
+    /// Colours with opacity.
     Blended,
 }
 
 impl Colors {
+    /// Kind of the vertex colours of a primitive.
     pub fn of(primitive: &gltf::Primitive) -> Colors {
         match primitive.get(&gltf::Semantic::Colors(0)).map(|accessor| accessor.dimensions().multiplicity()) {
             None => Colors::None,
@@ -35,19 +38,21 @@ impl Colors {
     }
 }
 
-/// A material, and what a shape needs to know of it.
-pub struct Worn {
+/// Converted material, with the properties that a shape needs.
+pub struct PreparedMaterial {
+    /// Material node.
     pub node: Node,
+    /// Emission node, if the material emits.
     pub emission: Option<Node>,
-    /// Whether it is to light others.
+    /// Whether the emission is meant to light other surfaces.
     pub is_lamp: bool,
-    /// For the texture coordinates of whoever wears it.
+    /// Map for the texture coordinates of shapes with this material.
     pub mapping: Mapping,
 }
 
 impl<'a> Document<'a> {
-    /// A material by index, or the one of what has none, on vertices with such colours.
-    pub fn material(&self, index: Option<usize>, colors: Colors) -> Worn {
+    /// Converts a material by index, or the default material, for these vertex colours.
+    pub fn material(&self, index: Option<usize>, colors: Colors) -> PreparedMaterial {
         let at = index.map_or_else(|| self.root.clone(), |i| self.item("materials", i));
         let pbr = index.and_then(|_| at.get(&["pbrMetallicRoughness"]));
         let own = index.map(|_| at.clone());
@@ -59,29 +64,29 @@ impl<'a> Document<'a> {
         reader.note_textures();
         let (emission, is_lamp) = reader.emission();
         let node = reader.masked(reader.bumped(reader.surface()), emission.is_some());
-        Worn { node, emission, is_lamp, mapping: reader.mapping() }
+        PreparedMaterial { node, emission, is_lamp, mapping: reader.mapping() }
     }
 }
 
 pub(super) struct Reader<'d, 'a> {
     pub(super) document: &'d Document<'a>,
-    /// The material; the file where there is none.
-    pub(super) at: View<'a>,
-    /// The material, where there is one.
-    own: Option<View<'a>>,
-    pbr: Option<View<'a>>,
-    /// What stands in the place of metalness and roughness, where the file has it.
-    pub(super) glossy: Option<View<'a>>,
+    /// Cursor at the material; at the file if there is none.
+    pub(super) at: JsonCursor<'a>,
+    /// Cursor at the material, if there is one.
+    own: Option<JsonCursor<'a>>,
+    pbr: Option<JsonCursor<'a>>,
+    /// Specular and glossiness, which replace metalness and roughness if the file has them.
+    pub(super) glossy: Option<JsonCursor<'a>>,
     colors: Colors,
 }
 
 impl<'a> Reader<'_, 'a> {
-    fn extension(&self, name: &str) -> Option<View<'a>> {
+    fn extension(&self, name: &str) -> Option<JsonCursor<'a>> {
         self.own.as_ref()?.get(&["extensions"])?.get(&[name])
     }
 
-    /// A texture times a factor, each where it is there.
-    fn textured(&self, of: Option<&View<'a>>, texture: &str, kind: Kind, factor: Node, is_one: bool) -> Node {
+    /// Product of a texture and a factor, without those that are missing.
+    fn textured(&self, of: Option<&JsonCursor<'a>>, texture: &str, kind: Kind, factor: Node, is_one: bool) -> Node {
         let image = of.and_then(|of| of.get(&[texture])).and_then(|info| Some((self.document.texture(&info, kind)?, info)));
         match image {
             None => factor,
@@ -90,27 +95,27 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    /// A share times a channel of a texture.
-    fn share(&self, of: Option<&View<'a>>, key: &str, default: f64, [texture, channel]: [&'static str; 2]) -> Node {
+    /// Product of a factor and a channel of a texture.
+    fn share(&self, of: Option<&JsonCursor<'a>>, key: &str, default: f64, [texture, channel]: [&'static str; 2]) -> Node {
         let (factor, at) = self.number(of, key, default);
         self.textured(of, texture, Kind::Share(channel), at.make_number(factor), factor == 1.0)
     }
 
-    fn color(&self, of: Option<&View<'a>>, key: &str, default: [f64; 3], texture: &str) -> Node {
+    fn color(&self, of: Option<&JsonCursor<'a>>, key: &str, default: [f64; 3], texture: &str) -> Node {
         let at = of.and_then(|of| of.get(&[key]));
         let factor = at.as_ref().and_then(numbers).unwrap_or(default);
-        let place = at.unwrap_or(self.at.clone());
-        self.textured(of, texture, Kind::Color, place.make_numbers(factor), factor == [1.0; 3])
+        let location = at.unwrap_or(self.at.clone());
+        self.textured(of, texture, Kind::Color, location.make_numbers(factor), factor == [1.0; 3])
     }
 
-    /// A number, and where it stands.
-    fn number(&self, of: Option<&View<'a>>, key: &str, default: f64) -> (f64, View<'a>) {
+    /// A number, and the cursor at it.
+    fn number(&self, of: Option<&JsonCursor<'a>>, key: &str, default: f64) -> (f64, JsonCursor<'a>) {
         let at = of.and_then(|of| of.get(&[key]));
-        (at.as_ref().and_then(View::number).unwrap_or(default), at.or_else(|| of.cloned()).unwrap_or_else(|| self.at.clone()))
+        (at.as_ref().and_then(JsonCursor::number).unwrap_or(default), at.or_else(|| of.cloned()).unwrap_or_else(|| self.at.clone()))
     }
 
-    /// Where the colour stands, and the keys of its texture and its factor.
-    fn base(&self) -> (Option<&View<'a>>, [&'static str; 2]) {
+    /// Cursor at the object of the base colour, and the keys of its texture and its factor.
+    fn base(&self) -> (Option<&JsonCursor<'a>>, [&'static str; 2]) {
         match &self.glossy {
             Some(glossy) => (Some(glossy), ["diffuseTexture", "diffuseFactor"]),
             None => (self.pbr.as_ref(), ["baseColorTexture", "baseColorFactor"]),
@@ -118,7 +123,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     /// Red, green, blue and opacity.
-    fn base_factor(&self) -> ([f64; 4], View<'a>) {
+    fn base_factor(&self) -> ([f64; 4], JsonCursor<'a>) {
         let (of, [_, factor]) = self.base();
         let at = of.and_then(|of| of.get(&[factor]));
         (at.as_ref().and_then(numbers).unwrap_or([1.0; 4]), at.unwrap_or_else(|| self.at.clone()))
@@ -131,7 +136,7 @@ impl<'a> Reader<'_, 'a> {
         self.colored(color)
     }
 
-    /// A colour times that of the vertices.
+    /// Product of a colour and that of the vertices.
     pub(super) fn colored(&self, color: Node) -> Node {
         match self.colors {
             Colors::None => color,
@@ -146,7 +151,7 @@ impl<'a> Reader<'_, 'a> {
         at.make_object([("type", at.make_text("product")), ("a", vertices), ("b", factor)])
     }
 
-    /// What light meets, without relief and holes.
+    /// Material without normal map and opacity.
     fn surface(&self) -> Node {
         let glass = self.extension("KHR_materials_transmission");
         let volume = self.extension("KHR_materials_volume");
@@ -166,7 +171,7 @@ impl<'a> Reader<'_, 'a> {
         }
     }
 
-    fn metallic(&self) -> (f64, View<'a>) {
+    fn metallic(&self) -> (f64, JsonCursor<'a>) {
         self.number(self.pbr.as_ref(), "metallicFactor", 1.0)
     }
 
@@ -184,8 +189,10 @@ impl<'a> Reader<'_, 'a> {
         at.make_number(100.0)
     }
 
-    /// - `glass`: its share, and the volume behind it
-    fn principled(&self, glass: Option<(Node, Option<View<'a>>)>) -> Node {
+    /// Converts to `principled`.
+    ///
+    /// - `glass`: share of the transmission, and the volume behind the surface
+    fn principled(&self, glass: Option<(Node, Option<JsonCursor<'a>>)>) -> Node {
         let at = &self.at;
         let pbr = self.pbr.as_ref();
         let [base_color, metallic, roughness] = self.of_glossiness().unwrap_or_else(|| {
@@ -224,15 +231,15 @@ impl<'a> Reader<'_, 'a> {
             }
         }
         if let Some(brushed) = self.extension("KHR_materials_anisotropy") {
-            let (strength, place) = self.number(Some(&brushed), "anisotropyStrength", 0.0);
-            members.push(("anisotropy", place.make_number(strength)));
+            let (strength, location) = self.number(Some(&brushed), "anisotropyStrength", 0.0);
+            members.push(("anisotropy", location.make_number(strength)));
             self.document.note(&brushed, "anisotropy runs along u, with pt's own widths; its rotation and texture are left out");
         }
         at.make_object(members)
     }
 
-    /// Glass through and through; colour / distance as KHR_materials_volume and pt alike have them.
-    fn body(&self, volume: Option<View<'a>>) -> Node {
+    /// Solid glass; the absorption is given by colour and distance, as in KHR_materials_volume.
+    fn body(&self, volume: Option<JsonCursor<'a>>) -> Node {
         let at = &self.at;
         let mut members =
             vec![("type", at.make_text("dielectric")), ("color", self.base_color()), ("roughness", self.roughness()), ("eta", self.eta())];
@@ -245,8 +252,8 @@ impl<'a> Reader<'_, 'a> {
         at.make_object(members)
     }
 
-    /// A pane without thickness, or a surface that is one in part.
-    fn pane(&self, glass: &View<'a>, share: Node) -> Node {
+    /// Pane without thickness, or a mix with one.
+    fn pane(&self, glass: &JsonCursor<'a>, share: Node) -> Node {
         let at = &self.at;
         let kind = |kind: &str| ("type", at.make_text(kind));
         let has_texture = self.pbr.as_ref().is_some_and(|pbr| pbr.has("metallicRoughnessTexture"));
@@ -291,9 +298,9 @@ impl<'a> Reader<'_, 'a> {
         let opacity = self.textured(of, texture, Kind::Share("a"), at.make_number(alpha), alpha == 1.0);
         let opacity = if self.colors == Colors::Blended { self.times_vertices(opacity, Some("a")) } else { opacity };
         let opacity = if word == "MASK" {
-            let (cutoff, place) = self.number(self.own.as_ref(), "alphaCutoff", 0.5);
-            let at = place.make_number(cutoff);
-            place.make_object([("type", place.make_text("threshold")), ("by", opacity), ("at", at)])
+            let (cutoff, location) = self.number(self.own.as_ref(), "alphaCutoff", 0.5);
+            let at = location.make_number(cutoff);
+            location.make_object([("type", location.make_text("threshold")), ("by", opacity), ("at", at)])
         } else {
             self.document.note(&mode, "what is blended covers its share of the rays, in no order");
             opacity
@@ -308,7 +315,7 @@ impl<'a> Reader<'_, 'a> {
         mode.make_object([("type", mode.make_text("masked")), ("surface", surface), ("opacity", opacity)])
     }
 
-    /// What it emits, and whether that is meant to light others: whoever gives a strength says so.
+    /// Emission, and whether it is meant to light others: a file that gives a strength means so.
     fn emission(&self) -> (Option<Node>, bool) {
         let Some(own) = &self.own else { return (None, false) };
         let extension = self.extension("KHR_materials_emissive_strength");
@@ -319,15 +326,15 @@ impl<'a> Reader<'_, 'a> {
         let radiance = factor.map(|c| c * strength);
         let mut members = vec![("radiance", at.make_numbers(radiance)), ("two_sided", at.make_flag(two_sided))];
         if let Some(info) = own.get(&["emissiveTexture"]) {
-            // Without its picture all of the surface would shine.
+            // Without its picture the whole surface would emit.
             let Some(texture) = self.document.texture(&info, Kind::Emission) else { return (None, false) };
             members.push(("texture", texture));
         }
         (Some(at.make_object(members)), extension.is_some() && radiance.iter().any(|c| *c > 0.0))
     }
 
-    /// All references to textures, the most telling first.
-    fn references(&self) -> Vec<View<'a>> {
+    /// All references to textures, the most important first.
+    fn references(&self) -> Vec<JsonCursor<'a>> {
         let base = self.pbr.iter().flat_map(|pbr| [pbr.get(&["baseColorTexture"]), pbr.get(&["metallicRoughnessTexture"])]);
         let own = self.own.iter().flat_map(|own| [own.get(&["normalTexture"]), own.get(&["emissiveTexture"])]);
         let extensions = self.own.iter().filter_map(|own| own.get(&["extensions"])?.members()).flatten();
@@ -340,7 +347,7 @@ impl<'a> Reader<'_, 'a> {
         self.references().first().map(Mapping::of).unwrap_or_default()
     }
 
-    /// A mesh of pt has one set of texture coordinates.
+    /// Notes texture coordinates that are left out: a mesh of pt has one set.
     fn note_textures(&self) {
         let mapping = self.mapping();
         for other in self.references().iter().filter(|info| Mapping::of(info) != mapping) {

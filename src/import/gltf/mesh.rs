@@ -1,4 +1,4 @@
-//! Triangles: attributes put together, in the pose that the file shows.
+//! Triangles with their attributes, in the pose that the file shows.
 
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3, Vec4};
 use gltf::Semantic;
@@ -8,21 +8,22 @@ use super::buffer::is_compressed;
 use super::document::Document;
 use super::pose::Pose;
 use super::texture::Mapping;
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 use crate::shape::MeshData;
-use crate::shape::mesh_data::Part;
+use crate::shape::mesh_data::MeshPart;
 
-/// A primitive's triangles.
+/// Triangles of a primitive.
 pub struct Geometry {
+    /// The mesh.
     pub mesh: MeshData,
-    /// In the world by its skin; the place of its node does not count then.
+    /// Whether a skin has placed the mesh in the world, so that the transform of its node does not count.
     pub is_posed: bool,
 }
 
 impl<'a> Document<'a> {
-    /// The triangles of a primitive of a node's mesh; `None` where there are none, with a note, or a fault.
+    /// Triangles of a primitive of a node's mesh; `None` if there are none, with a note, or a fault.
     ///
-    /// - `mapping`: from the file's texture coordinates to those of the material
+    /// - `mapping`: map from the file's texture coordinates to those of the material
     pub fn geometry(
         &self,
         node: &gltf::Node,
@@ -67,7 +68,7 @@ impl<'a> Document<'a> {
         let triangles = self.triangles(primitive, count, &at)?;
         self.morph(node, mesh, primitive, &mut positions, &mut normals, &at)?;
         let is_posed = self.bend(node, primitive, pose, &mut positions, &mut normals, &at)?;
-        let whole = Part { triangles: 0..triangles.len() as u32, ..Part::default() };
+        let whole = MeshPart { triangles: 0..triangles.len() as u32, ..MeshPart::default() };
         let mesh = MeshData { positions, normals, uvs, colors, triangles, parts: vec![whole] };
         if !mesh.triangles.iter().any(|&triangle| mesh.cross(triangle) != DVec3::ZERO) {
             self.note(&at, "a primitive without area is left out");
@@ -80,7 +81,7 @@ impl<'a> Document<'a> {
         Some(self.rows(accessor)?.into_iter().map(Vec3::from).collect())
     }
 
-    /// Linear red, green, blue and, where there is one, opacity.
+    /// Linear red, green, blue and opacity, if there is one.
     fn colors(&self, accessor: &gltf::Accessor) -> Option<Vec<Vec4>> {
         let share = |color: Vec4| color.clamp(Vec4::ZERO, Vec4::ONE);
         Some(match accessor.dimensions().multiplicity() {
@@ -89,8 +90,9 @@ impl<'a> Document<'a> {
         })
     }
 
-    /// Source: glTF 2.0, §3.7.2.1: strips and fans turn every second triangle, so that all face alike.
-    fn triangles(&self, primitive: &gltf::Primitive, count: usize, at: &View<'a>) -> Option<Vec<[u32; 3]>> {
+    /// Indices of the triangles. Source: glTF 2.0, §3.7.2.1: every second triangle of strips and fans is reversed, so that all have
+    /// the same orientation.
+    fn triangles(&self, primitive: &gltf::Primitive, count: usize, at: &JsonCursor<'a>) -> Option<Vec<[u32; 3]>> {
         let corners: Vec<u32> = match primitive.indices() {
             Some(accessor) => self.indices(&accessor)?,
             None => (0..u32::try_from(count).ok()?).collect(),
@@ -110,7 +112,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// p + Σ wₖ Δₖ, by the weights that the node or the mesh has without animation.
+    /// Morphed positions p + Σ wₖ Δₖ, with the weights that the node or the mesh has without animation.
     fn morph(
         &self,
         node: &gltf::Node,
@@ -118,7 +120,7 @@ impl<'a> Document<'a> {
         primitive: &gltf::Primitive,
         positions: &mut [Vec3],
         normals: &mut [Vec3],
-        at: &View<'a>,
+        at: &JsonCursor<'a>,
     ) -> Option<()> {
         let weights = node.weights().or_else(|| mesh.weights()).unwrap_or_default();
         for (target, &weight) in primitive.morph_targets().zip(weights).filter(|(_, weight)| **weight != 0.0) {
@@ -135,7 +137,7 @@ impl<'a> Document<'a> {
         Some(())
     }
 
-    /// Σ wₖ Jₖ Bₖ p, with Jₖ a joint's pose and Bₖ its inverse bind matrix; whether there is a skin.
+    /// Skinned positions Σ wₖ Jₖ Bₖ p, with Jₖ a joint's pose and Bₖ its inverse bind matrix; returns whether there is a skin.
     fn bend(
         &self,
         node: &gltf::Node,
@@ -143,7 +145,7 @@ impl<'a> Document<'a> {
         pose: &Pose,
         positions: &mut [Vec3],
         normals: &mut [Vec3],
-        at: &View<'a>,
+        at: &JsonCursor<'a>,
     ) -> Option<bool> {
         let attributes = primitive.get(&Semantic::Joints(0)).zip(primitive.get(&Semantic::Weights(0)));
         let Some((skin, (joints, weights))) = node.skin().zip(attributes) else { return Some(false) };

@@ -1,15 +1,15 @@
-//! Where every node stands: the product of the transforms from its root down to it.
+//! World transforms of the nodes: the product of the transforms from the root down.
 
 use glam::{DMat4, DQuat, DVec3, DVec4};
 use gltf::scene::Transform;
 
 use super::document::Document;
 
-/// By node: from its own space to the world.
+/// Transforms from node space to the world, by node.
 pub struct Pose(Vec<DMat4>);
 
 impl Pose {
-    /// `None` where the nodes are no trees, which is noted.
+    /// Transforms of all nodes; `None` if the nodes are not trees, which is noted.
     pub fn new(document: &Document) -> Option<Pose> {
         let count = document.gltf.nodes().len();
         let mut has_parent = vec![false; count];
@@ -39,12 +39,13 @@ impl Pose {
         all.map(Pose)
     }
 
+    /// Transform of a node.
     pub fn of(&self, node: &gltf::Node) -> DMat4 {
         self.0[node.index()]
     }
 }
 
-/// From a node's space to its parent's, in f64.
+/// Transform from a node's space to its parent's, in f64.
 fn own(node: &gltf::Node) -> DMat4 {
     match node.transform() {
         Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),

@@ -1,4 +1,4 @@
-//! The scene that the file shows: its nodes, from the roots down.
+//! Conversion of the file's scene, node by node.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -6,9 +6,9 @@ use std::sync::Arc;
 use glam::{DMat4, Vec3};
 
 use super::document::Document;
-use super::material::{Colors, Worn};
+use super::material::{Colors, PreparedMaterial};
 use super::pose::Pose;
-use crate::import::framing::{self, Bounds, Lacking};
+use crate::import::auto_camera::{self, Bounds, MissingParts};
 use crate::reader::Node;
 
 /// pt's tree of the file's scene; `None` with a fault noted.
@@ -24,7 +24,7 @@ pub fn scene(document: &Document) -> Option<Node> {
         lights: vec![],
         cameras: vec![],
         lit: false,
-        bounds: Bounds::empty(&document.root.foreign().framing),
+        bounds: Bounds::empty(&document.root.context().auto_camera),
     };
     for node in shown(document) {
         found.node(&node);
@@ -32,7 +32,7 @@ pub fn scene(document: &Document) -> Option<Node> {
     Some(found.root())
 }
 
-/// The nodes of the default scene, or of the first, or all; parents before their children, in the order of the file.
+/// Nodes of the default scene, or of the first one, or all nodes; parents before their children, in the order of the file.
 fn shown<'a>(document: &Document<'a>) -> Vec<gltf::Node<'a>> {
     let gltf = document.gltf;
     let Some(scene) = gltf.default_scene().or_else(|| gltf.scenes().next()) else { return gltf.nodes().collect() };
@@ -51,7 +51,7 @@ fn shown<'a>(document: &Document<'a>) -> Vec<gltf::Node<'a>> {
     nodes
 }
 
-/// A primitive's mesh file.
+/// Mesh file of a primitive.
 #[derive(Clone)]
 struct Made {
     file: String,
@@ -59,21 +59,21 @@ struct Made {
     is_posed: bool,
 }
 
-/// What has been found so far.
+/// State of the conversion.
 struct Found<'d, 'a> {
     document: &'d Document<'a>,
     pose: &'d Pose,
-    /// By mesh, primitive, and the node where its pose is its own.
+    /// Mesh files by mesh, primitive, and the node if its pose changes the mesh.
     meshes: BTreeMap<(usize, usize, Option<usize>), Option<Made>>,
-    /// By index, and what the vertices add to it: what shapes call it.
-    materials: BTreeMap<(Option<usize>, Colors), (String, Worn)>,
-    /// Of the materials.
+    /// Names and materials, by index and vertex colours.
+    materials: BTreeMap<(Option<usize>, Colors), (String, PreparedMaterial)>,
+    /// Names of the materials.
     names: Vec<String>,
     shapes: Vec<Node>,
     lights: Vec<Node>,
-    /// With width over height.
+    /// Cameras with the ratio of width to height and their index.
     cameras: Vec<(Node, f64, usize)>,
-    /// Whether anything lights the scene.
+    /// Whether a surface lights the scene.
     lit: bool,
     bounds: Bounds,
 }
@@ -94,25 +94,25 @@ impl Found<'_, '_> {
     }
 
     fn primitive(&mut self, node: &gltf::Node, mesh: &gltf::Mesh, primitive: &gltf::Primitive) {
-        let dress = (primitive.material().index(), Colors::of(primitive));
-        self.dress(dress);
-        let Some((name, worn)) = self.materials.get(&dress) else { return };
+        let material_key = (primitive.material().index(), Colors::of(primitive));
+        self.read_material(material_key);
+        let Some((name, prepared)) = self.materials.get(&material_key) else { return };
         let own_pose = (node.skin().is_some() || node.weights().is_some()).then_some(node.index());
         let key = (mesh.index(), primitive.index(), own_pose);
         let made = match self.meshes.get(&key) {
             Some(known) => known.clone(),
             None => {
-                let made = self.made(node, mesh, primitive, worn, own_pose);
+                let made = self.made(node, mesh, primitive, prepared, own_pose);
                 self.meshes.insert(key, made.clone());
                 made
             }
         };
         let Some(made) = made else { return };
         let own = if made.is_posed { DMat4::IDENTITY } else { self.pose.of(node) };
-        self.lit |= worn.is_lamp;
+        self.lit |= prepared.is_lamp;
         for instance in self.document.instances(node).unwrap_or_default() {
             let to_world = own * instance;
-            let shape = self.placed(node, mesh, &made, (name, worn), &to_world);
+            let shape = self.placed(node, mesh, &made, (name, prepared), &to_world);
             if shape.is_some() {
                 made.positions.iter().for_each(|p| self.bounds.add(to_world.transform_point3(p.as_dvec3())));
             }
@@ -120,8 +120,15 @@ impl Found<'_, '_> {
         }
     }
 
-    /// The shape of a primitive at a place; `None` where it is scaled to nothing, with a note.
-    fn placed(&self, node: &gltf::Node, mesh: &gltf::Mesh, made: &Made, (name, worn): (&str, &Worn), to_world: &DMat4) -> Option<Node> {
+    /// Shape of an instance of a primitive; `None` if it is scaled to nothing, with a note.
+    fn placed(
+        &self,
+        node: &gltf::Node,
+        mesh: &gltf::Mesh,
+        made: &Made,
+        (name, prepared): (&str, &PreparedMaterial),
+        to_world: &DMat4,
+    ) -> Option<Node> {
         let at = self.document.item("nodes", node.index());
         if to_world.determinant() == 0.0 {
             self.document.note(&at, "what is scaled to nothing is left out: it does not show");
@@ -130,7 +137,7 @@ impl Found<'_, '_> {
         let mut members = vec![("type", at.make_text("mesh"))];
         members.extend(node.name().or(mesh.name()).map(|name| ("name", at.make_text(name))));
         members.extend([("file", at.make_text(&*made.file)), ("material", at.make_text(name))]);
-        members.extend(worn.emission.clone().map(|emission| ("emission", emission)));
+        members.extend(prepared.emission.clone().map(|emission| ("emission", emission)));
         if *to_world != DMat4::IDENTITY {
             // Row by row.
             let matrix = at.make_numbers(to_world.transpose().to_cols_array());
@@ -139,35 +146,35 @@ impl Found<'_, '_> {
         Some(at.make_object(members))
     }
 
-    /// Reads the material, once.
-    fn dress(&mut self, dress: (Option<usize>, Colors)) {
-        if self.materials.contains_key(&dress) {
+    /// Reads a material, once.
+    fn read_material(&mut self, material_key: (Option<usize>, Colors)) {
+        if self.materials.contains_key(&material_key) {
             return;
         }
-        let (index, colors) = dress;
+        let (index, colors) = material_key;
         let given = index.and_then(|i| self.document.gltf.materials().nth(i)).and_then(|material| material.name().map(str::to_owned));
         let otherwise = index.map_or("default".to_owned(), |i| format!("material {i}"));
         let name = given.filter(|name| !name.is_empty() && !self.names.contains(name)).unwrap_or(otherwise);
         let name = if self.names.contains(&name) { format!("{name} ({})", self.names.len()) } else { name };
         self.names.push(name.clone());
-        self.materials.insert(dress, (name, self.document.material(index, colors)));
+        self.materials.insert(material_key, (name, self.document.material(index, colors)));
     }
 
-    /// The triangles as a file; `None` where there are none.
+    /// Writes the triangles as a file; `None` if there are none.
     fn made(
         &self,
         node: &gltf::Node,
         mesh: &gltf::Mesh,
         primitive: &gltf::Primitive,
-        worn: &Worn,
+        prepared: &PreparedMaterial,
         own_pose: Option<usize>,
     ) -> Option<Made> {
-        let geometry = self.document.geometry(node, mesh, primitive, &worn.mapping, self.pose)?;
+        let geometry = self.document.geometry(node, mesh, primitive, &prepared.mapping, self.pose)?;
         let of_node = own_pose.map_or(String::new(), |node| format!("-node-{node}"));
         let file = self.document.made_name(&format!("mesh-{}-{}{of_node}", mesh.index(), primitive.index()), "ply");
         let mut bytes = vec![];
         geometry.mesh.write_ply_binary(&mut bytes).ok()?;
-        self.document.root.foreign().make(&*file, bytes);
+        self.document.root.context().make(&*file, bytes);
         Some(Made { file, positions: geometry.mesh.positions.into(), is_posed: geometry.is_posed })
     }
 
@@ -178,23 +185,23 @@ impl Found<'_, '_> {
         }
         let bounds = self.bounds.or_unit();
         let own = self.camera();
-        let camera = own.as_ref().map_or_else(|| framing::camera(&at, &bounds), |(camera, _)| camera.clone());
+        let camera = own.as_ref().map_or_else(|| auto_camera::camera(&at, &bounds), |(camera, _)| camera.clone());
         let placed = camera.child("look_at").filter(|_| own.is_none()).cloned();
-        at.foreign().lacks(Lacking { bounds, placed, light: self.lights.is_empty() && !self.lit });
-        let film = framing::film(&at, own.map_or(framing::ASPECT, |(_, aspect)| aspect));
+        at.context().set_missing(MissingParts { bounds, placed, light: self.lights.is_empty() && !self.lit });
+        let film = auto_camera::film(&at, own.map_or(auto_camera::ASPECT, |(_, aspect)| aspect));
         let mut root = vec![("pt", at.make_number(1.0)), ("camera", camera), ("film", film)];
-        let materials: Vec<(String, Node)> = self.materials.into_values().map(|(name, worn)| (name, worn.node)).collect();
+        let materials: Vec<(String, Node)> = self.materials.into_values().map(|(name, prepared)| (name, prepared.node)).collect();
         root.push(("materials", at.make_object(materials)));
         root.push(("lights", at.make_array(self.lights)));
         root.push(("shapes", at.make_array(self.shapes)));
         at.make_object(root)
     }
 
-    /// The first camera, with width over height of its picture; `None` where there is none, or where another view is asked for.
+    /// First camera, with the ratio of width to height of its picture; `None` if there is none, or if another view is requested.
     fn camera(&mut self) -> Option<(Node, f64)> {
         let at = self.document.at(&["cameras"]);
-        let framing = &self.document.root.foreign().framing;
-        if framing.view.is_some() || framing.up.is_some() {
+        let auto_camera = &self.document.root.context().auto_camera;
+        if auto_camera.view.is_some() || auto_camera.up.is_some() {
             return None;
         }
         if self.cameras.len() > 1 {

@@ -1,23 +1,23 @@
-//! Textures: pictures by index, a channel of them, and the coordinates they lie on.
+//! Textures: pictures by index, one channel or all, and their coordinates.
 
 use glam::Vec2;
 
 use super::buffer::{file_name, of_data};
 use super::document::Document;
 use crate::describe::picture::{READ, unread_format};
-use crate::import::view::View;
+use crate::import::json_cursor::JsonCursor;
 use crate::reader::Node;
 
-/// From the texture coordinates of the file to those of pt.
+/// Map from the texture coordinates of the file to those of pt.
 ///
-/// (u′, v′) = offset + R scale (u, v), and then v upwards: 1 − v′. R (u, v) = (c u + s v, c v − s u): counter-clockwise as one sees a
+/// (u′, v′) = offset + R scale (u, v), and then v upwards: 1 − v′. R (u, v) = (c u + s v, c v − s u): counter-clockwise in a
 /// picture whose v runs down.
 ///
-/// Source: Khronos, *KHR_texture_transform*, by its text; its listing turns the other way, which is a known mistake of it
+/// Source: Khronos, *KHR_texture_transform*, by its text; its listing rotates in the other direction, which is a known mistake
 /// (KhronosGroup/glTF, issue 1563).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mapping {
-    /// TEXCOORD_⟨set⟩.
+    /// Index of the set: TEXCOORD_⟨set⟩.
     pub set: u32,
     offset: [f64; 2],
     rotation: f64,
@@ -31,10 +31,10 @@ impl Default for Mapping {
 }
 
 impl Mapping {
-    /// What a reference to a texture says.
-    pub fn of(info: &View) -> Mapping {
+    /// Map of a reference to a texture.
+    pub fn of(info: &JsonCursor) -> Mapping {
         let transform = info.get(&["extensions"]).and_then(|all| all.get(&["KHR_texture_transform"]));
-        let set = |of: &View| of.get(&["texCoord"]).and_then(|set| set.whole()).and_then(|set| u32::try_from(set).ok());
+        let set = |of: &JsonCursor| of.get(&["texCoord"]).and_then(|set| set.whole()).and_then(|set| u32::try_from(set).ok());
         let pair = |key, default| transform.as_ref().and_then(|t| t.get(&[key])).and_then(|at| numbers(&at)).unwrap_or(default);
         Mapping {
             set: transform.as_ref().and_then(set).or_else(|| set(info)).unwrap_or(0),
@@ -44,7 +44,7 @@ impl Mapping {
         }
     }
 
-    /// The coordinates of pt.
+    /// Converts coordinates to those of pt.
     pub fn upwards(&self, uv: Vec2) -> Vec2 {
         let (s, c) = self.rotation.sin_cos();
         let [u, v] = [f64::from(uv.x) * self.scale[0], f64::from(uv.y) * self.scale[1]];
@@ -54,9 +54,9 @@ impl Mapping {
 }
 
 /// `N` numbers in a list; `None` with a fault noted.
-pub fn numbers<const N: usize>(at: &View) -> Option<[f64; N]> {
+pub fn numbers<const N: usize>(at: &JsonCursor) -> Option<[f64; N]> {
     let items = at.items()?;
-    let numbers: Option<Vec<f64>> = items.iter().map(View::number).collect();
+    let numbers: Option<Vec<f64>> = items.iter().map(JsonCursor::number).collect();
     let numbers = numbers?.try_into().ok();
     if numbers.is_none() {
         at.fault(format!("expected {N} numbers, found {}", items.len()));
@@ -64,18 +64,21 @@ pub fn numbers<const N: usize>(at: &View) -> Option<[f64; N]> {
     numbers
 }
 
-/// What the numbers of a picture mean, and which of them count.
+/// Meaning of a picture's numbers.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Kind {
+    /// Colour.
     Color,
+    /// Emission.
     Emission,
+    /// Normal map.
     Normal,
     /// One channel: "r", "g", "b" or "a".
     Share(&'static str),
 }
 
 impl Kind {
-    /// What shows where a picture of this kind is left out.
+    /// Effect of a missing picture of this kind, for notes.
     fn without(self) -> &'static str {
         match self {
             Kind::Color => "a plain colour shows in its place",
@@ -86,18 +89,18 @@ impl Kind {
     }
 }
 
-/// What there is of a picture.
+/// State of a picture.
 #[derive(Clone)]
 pub enum Picture {
-    /// A file that pt reads: beside the scene, or made.
+    /// A file that pt reads: beside the scene, or made for it.
     File(String),
-    /// Of this format, which pt does not read.
+    /// A picture of this format, which pt does not read.
     Unread(String),
 }
 
 impl<'a> Document<'a> {
-    /// The texture that `info` refers to, as pt's; `None` where there is none, with a note or a fault.
-    pub fn texture(&self, info: &View<'a>, kind: Kind) -> Option<Node> {
+    /// pt's texture for the one that `info` refers to; `None` if there is none, with a note or a fault.
+    pub fn texture(&self, info: &JsonCursor<'a>, kind: Kind) -> Option<Node> {
         let index = info.need(&["index"])?;
         let number = index.whole()?;
         let Some(texture) = self.gltf.textures().nth(usize::try_from(number).ok()?) else {
@@ -116,7 +119,7 @@ impl<'a> Document<'a> {
         Some(info.make_object(members))
     }
 
-    fn sampler(&self, at: &View<'a>, texture: &gltf::Texture, info: &View) -> Vec<(&'static str, Node)> {
+    fn sampler(&self, at: &JsonCursor<'a>, texture: &gltf::Texture, info: &JsonCursor) -> Vec<(&'static str, Node)> {
         use gltf::texture::{MagFilter, WrappingMode};
         let sampler = texture.sampler();
         if sampler.wrap_s() != sampler.wrap_t() {
@@ -132,9 +135,9 @@ impl<'a> Document<'a> {
         wrap.into_iter().chain(filter.map(|filter| ("filter", info.make_text(filter)))).collect()
     }
 
-    /// The file of the first of a texture's pictures that pt can read: its own, then those of extensions. `None` where there is none,
-    /// with a fault, or a note that says what shows instead.
-    fn first_picture(&self, at: &View<'a>, kind: Kind) -> Option<String> {
+    /// File of the first picture of a texture that pt can read: its own, then those of extensions. `None` if there is none, with a
+    /// fault, or a note about what shows instead.
+    fn first_picture(&self, at: &JsonCursor<'a>, kind: Kind) -> Option<String> {
         let extensions = at.get(&["extensions"]).and_then(|all| all.members()).unwrap_or_default();
         let sources = std::iter::once(at.clone()).chain(extensions.into_iter().map(|(_, extension)| extension));
         let mut unread = None;
@@ -151,7 +154,7 @@ impl<'a> Document<'a> {
         None
     }
 
-    /// What there is of a picture; `None` with a fault noted.
+    /// Picture of an index; `None` with a fault noted.
     fn picture(&self, index: usize) -> Option<Picture> {
         if let Some(known) = self.pictures.borrow().get(&index) {
             return known.clone();
@@ -170,11 +173,11 @@ impl<'a> Document<'a> {
         let view = image.buffer_view.and_then(|view| self.gltf.views().nth(view.value()));
         let bytes = match (&image.uri, view) {
             (Some(uri), _) => {
-                let place = at.get(&["uri"])?;
+                let location = at.get(&["uri"])?;
                 if !uri.starts_with("data:") {
-                    return Some(self.beside(file_name(&place, uri)?));
+                    return Some(self.beside(file_name(&location, uri)?));
                 }
-                of_data(&place, uri)?
+                of_data(&location, uri)?
             }
             (None, Some(view)) => match self.buffers.view(&view) {
                 Some(bytes) => bytes.to_vec(),
@@ -197,17 +200,17 @@ impl<'a> Document<'a> {
             _ => "png",
         };
         let file = self.made_name(&format!("picture-{index}"), extension);
-        self.root.foreign().make(&*file, bytes);
+        self.root.context().make(&*file, bytes);
         Some(Picture::File(file))
     }
 
-    /// A picture in a file beside the scene; what is wrong with the file is told by whoever reads it.
+    /// Picture in a file beside the scene. What is wrong with the file is reported when it is read.
     fn beside(&self, file: String) -> Picture {
-        let format = self.root.foreign().files.bytes(&file).ok().and_then(|bytes| unread_format(&bytes));
+        let format = self.root.context().files.bytes(&file).ok().and_then(|bytes| unread_format(&bytes));
         format.map_or(Picture::File(file), Picture::Unread)
     }
 
-    /// A name for a file that comes with the scene, and that no picture beside it has.
+    /// Name for a file that comes with the scene, different from those of all pictures beside it.
     pub fn made_name(&self, stem: &str, extension: &str) -> String {
         let mut name = format!("{stem}.{extension}");
         let is_taken = |name: &str| self.gltf.as_json().images.iter().any(|image| image.uri.as_deref() == Some(name));

@@ -1,12 +1,12 @@
-//! MTL: what a library says of its materials, line by line. (tobj's reader says no line and knows no `Ke`.)
+//! MTL: the materials of a library, read line by line. (The reader of the crate tobj reports no lines and does not know `Ke`.)
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::Foreign;
+use super::ImportContext;
 use crate::error::{Error, Fault, Result};
 
-/// A material as it stands in the library; `None` where it says nothing.
+/// A material as the library has it; `None` stands for a missing statement.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Entry {
     /// `Kd`.
@@ -23,30 +23,37 @@ pub struct Entry {
     pub eta: Option<f64>,
     /// `Tf`.
     pub filter: Option<[f64; 3]>,
+    /// `illum`, the model of illumination.
     pub illum: u32,
-    /// `Pr` and `Pm`.
+    /// `Pr`.
     pub roughness: Option<f64>,
+    /// `Pm`.
     pub metallic: Option<f64>,
-    /// `map_Kd`, `map_d`, `norm`: files, as the scene calls them.
+    /// `map_Kd`: a file, as the scene names it.
     pub diffuse_map: Option<String>,
+    /// `map_d`: a file.
     pub opacity_map: Option<String>,
+    /// `norm`: a file.
     pub normal_map: Option<String>,
 }
 
 impl Entry {
+    /// Returns whether the material emits light.
     pub fn emits(&self) -> bool {
         self.emission.iter().any(|e| *e > 0.0)
     }
 }
 
-/// How many words each option of a map takes: `-s u v w`, of which the last two may be missing, is told by being numbers.
+/// Words that each option of a map takes. `-s u v w`, of which the last two may be missing, is recognised by its numbers.
 const OPTIONS: &[&str] = &["-blendu", "-blendv", "-bm", "-boost", "-cc", "-clamp", "-imfchan", "-mm", "-o", "-s", "-t", "-texres", "-type"];
 
-/// - `file`: as the scene calls it; its maps lie beside it
+/// Reads a library.
+///
+/// - `file`: its name in the scene; its maps lie beside it
 ///
 /// # Errors
-/// `Invalid`: a number that is none, with its line.
-pub fn read(bytes: &[u8], file: &str, foreign: &Foreign) -> Result<BTreeMap<String, Entry>> {
+/// `Invalid`: a value that is not a number, with its line.
+pub fn read(bytes: &[u8], file: &str, context: &ImportContext) -> Result<BTreeMap<String, Entry>> {
     let text = String::from_utf8_lossy(bytes);
     let mut entries: BTreeMap<String, Entry> = BTreeMap::new();
     let mut current: Option<(String, Entry)> = None;
@@ -59,8 +66,8 @@ pub fn read(bytes: &[u8], file: &str, foreign: &Foreign) -> Result<BTreeMap<Stri
         } else if let Some((_, entry)) = &mut current {
             match entry.take(keyword, rest.trim(), file).map_err(|message| Error::invalid(at(message)))? {
                 Taken::Known => {}
-                Taken::Option(option) => foreign.note(at(format!("{keyword}: the option {option} is left out"))),
-                Taken::Unknown => foreign.note(at(format!("{keyword} is left out"))),
+                Taken::Option(option) => context.note(at(format!("{keyword}: the option {option} is left out"))),
+                Taken::Unknown => context.note(at(format!("{keyword} is left out"))),
             }
         }
     }
@@ -71,7 +78,7 @@ pub fn read(bytes: &[u8], file: &str, foreign: &Foreign) -> Result<BTreeMap<Stri
 enum Taken {
     Known,
     Unknown,
-    /// A map is taken, but for this option.
+    /// A map is used, but this option is ignored.
     Option(String),
 }
 
@@ -92,7 +99,7 @@ impl Entry {
             "map_Kd" => return Ok(map(rest, file, &mut self.diffuse_map)),
             "map_d" => return Ok(map(rest, file, &mut self.opacity_map)),
             "norm" => return Ok(map(rest, file, &mut self.normal_map)),
-            // What light from everywhere is multiplied by: here light finds its way by itself.
+            // Factor of ambient light. Here indirect light is computed instead.
             "" | "Ka" => {}
             comment if comment.starts_with('#') => {}
             _ => return Ok(Taken::Unknown),
@@ -109,7 +116,7 @@ fn number(text: &str) -> Result<f64, String> {
     })
 }
 
-/// One number is a grey.
+/// Three numbers, or one for a grey.
 fn color(text: &str) -> Result<[f64; 3], String> {
     let words: Vec<&str> = text.split_whitespace().collect();
     match words.as_slice() {
@@ -119,14 +126,14 @@ fn color(text: &str) -> Result<[f64; 3], String> {
     }
 }
 
-/// A file name, which may contain spaces, after options.
+/// File name, which may contain spaces, after options.
 fn map(rest: &str, file: &str, slot: &mut Option<String>) -> Taken {
     let mut name = rest;
     let mut left_out = None;
     while let Some((option, after)) = name.split_once(char::is_whitespace).filter(|(word, _)| OPTIONS.contains(word)) {
         left_out.get_or_insert_with(|| option.to_owned());
         name = after.trim_start();
-        // Its values: words such as `on`, or numbers.
+        // Values of an option: words such as `on`, or numbers.
         while let Some((_, more)) = name.split_once(char::is_whitespace).filter(|(word, _)| is_value(word)) {
             name = more.trim_start();
         }

@@ -1,16 +1,17 @@
-//! What a material of a library becomes.
+//! Conversion of a library's materials.
 //!
 //! Phong's exponent n and a microfacet's width α fit at α² = 2/(n + 2) (Walter et al. 2007), and α = roughness².
 
 use super::library::Entry;
+use crate::import::json_cursor::JsonCursor;
 use crate::import::model::DIFFUSE;
-use crate::import::view::View;
 use crate::reader::Node;
 
-/// Models of illumination that are glass: ray-traced refraction.
+/// Models of illumination for glass: ray-traced refraction.
 const GLASS: [u32; 4] = [4, 6, 7, 9];
 
-pub fn material(at: &View, name: &str, entry: &Entry) -> Node {
+/// Converts a material.
+pub fn material(at: &JsonCursor, name: &str, entry: &Entry) -> Node {
     let surface = surface(at, name, entry);
     let image = |file: &String| at.make_object([("type", at.make_text("image")), ("file", at.make_text(file))]);
     let bumped = match &entry.normal_map {
@@ -33,7 +34,7 @@ pub fn material(at: &View, name: &str, entry: &Entry) -> Node {
     kind(at, "masked", [("surface", bumped), ("opacity", opacity)])
 }
 
-fn surface(at: &View, name: &str, entry: &Entry) -> Node {
+fn surface(at: &JsonCursor, name: &str, entry: &Entry) -> Node {
     let roughness = ("roughness", at.make_number(roughness(entry)));
     let eta = entry.eta.filter(|eta| (1.0..=100.0).contains(eta) && *eta != 1.0).unwrap_or(1.5);
     let eta = ("eta", at.make_number(eta));
@@ -66,8 +67,8 @@ fn roughness(entry: &Entry) -> f64 {
     }
 }
 
-/// `map_Kd` times `Kd`; a map under a black `Kd` is meant as it is.
-fn diffuse(at: &View, name: &str, entry: &Entry) -> Node {
+/// `map_Kd` times `Kd`; with a black `Kd` the map is used alone, as programs mean it.
+fn diffuse(at: &JsonCursor, name: &str, entry: &Entry) -> Node {
     let color = |kd| fractions(at, name, kd);
     let kd = entry.diffuse;
     match &entry.diffuse_map {
@@ -82,13 +83,13 @@ fn diffuse(at: &View, name: &str, entry: &Entry) -> Node {
     }
 }
 
-fn fractions(at: &View, name: &str, color: [f64; 3]) -> Node {
+fn fractions(at: &JsonCursor, name: &str, color: [f64; 3]) -> Node {
     if color.iter().any(|x| *x > 1.0) {
         at.note(format!("material {name:?}: a colour above 1 is taken as 1"));
     }
     at.make_numbers(color.map(|x| x.min(1.0)))
 }
 
-fn kind<const N: usize>(at: &View, kind: &str, members: [(&'static str, Node); N]) -> Node {
+fn kind<const N: usize>(at: &JsonCursor, kind: &str, members: [(&'static str, Node); N]) -> Node {
     at.make_object(std::iter::once(("type", at.make_text(kind))).chain(members))
 }

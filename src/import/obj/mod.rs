@@ -1,29 +1,30 @@
-//! A model by itself: Wavefront OBJ and its library of materials (MTL), with a camera and light chosen for it.
+//! Wavefront OBJ with its library of materials (MTL). A camera and light are added.
 
 mod library;
 mod material;
 
 use std::collections::BTreeMap;
 
-use super::framing::Up;
+use super::auto_camera::Up;
+use super::json_cursor::JsonCursor;
 use super::model;
-use super::view::View;
-use super::{Content, Dialect, Foreign};
+use super::{Content, Dialect, ImportContext};
 use crate::error::{Error, Fault, Result};
-use crate::reader::{Node, Place, Value};
+use crate::reader::{Location, Node, Value};
 use crate::shape::MeshData;
-use crate::shape::mesh_data::Part;
+use crate::shape::mesh_data::MeshPart;
 use library::Entry;
 
+/// Dialect `obj`.
 pub const DIALECT: Dialect = Dialect { name: "obj", about: "Wavefront OBJ with its MTL: a model by itself", is, read };
 
-/// What an OBJ's first statement may be.
+/// Statements that an OBJ may begin with.
 const KEYWORDS: &[&str] = &["v", "vn", "vt", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl"];
 
-/// So much of a file is looked at to recognise it (bytes).
+/// Number of bytes that are examined to recognise a file.
 const LOOK: usize = 1 << 16;
 
-/// Whether the first line that is no comment is a statement of an OBJ.
+/// Returns whether the first line that is not a comment is a statement of an OBJ.
 fn is(content: &Content) -> bool {
     let start = &content.bytes[..content.bytes.len().min(LOOK)];
     let mut words = start.split(|&b| b == b'\n').filter_map(|line| {
@@ -33,12 +34,12 @@ fn is(content: &Content) -> bool {
     words.find(|word| !word.starts_with(b"#")).is_some_and(|word| KEYWORDS.iter().any(|keyword| keyword.as_bytes() == word))
 }
 
-fn read(content: &Content, foreign: &Foreign) -> Result<Option<Node>> {
-    let whole = Node { value: Value::Object(vec![]), place: Place::Whole("".into()) };
-    let at = View::root(&whole, foreign);
-    let name = model::file_name(content, foreign, "obj");
-    let (mesh, _) = crate::describe::mesh::read(std::io::Cursor::new(&content.bytes), foreign.file)?;
-    let library = libraries(content, foreign)?;
+fn read(content: &Content, context: &ImportContext) -> Result<Option<Node>> {
+    let whole = Node { value: Value::Object(vec![]), location: Location::Whole("".into()) };
+    let at = JsonCursor::root(&whole, context);
+    let name = model::file_name(content, context, "obj");
+    let (mesh, _) = crate::describe::mesh::read(std::io::Cursor::new(&content.bytes), context.file)?;
+    let library = libraries(content, context)?;
     let used: BTreeMap<&str, &Entry> =
         parts_of(&mesh).into_iter().filter_map(|name| library.get_key_value(name)).map(|(k, e)| (&**k, e)).collect();
     let unknown: Vec<&str> = parts_of(&mesh).into_iter().filter(|name| !library.contains_key(*name)).collect();
@@ -48,25 +49,25 @@ fn read(content: &Content, foreign: &Foreign) -> Result<Option<Node>> {
     let lamps: Vec<&str> = used.iter().filter(|(_, entry)| entry.emits()).map(|(name, _)| *name).collect();
     let shapes = shapes(&at, &mesh, &name, &used, &lamps)?;
     let materials = used.iter().map(|(name, entry)| (*name, material::material(&at, name, entry))).collect();
-    Ok(Some(model::scene(&at, model::bounds(&mesh, foreign, Up::Y), materials, shapes, !lamps.is_empty())))
+    Ok(Some(model::scene(&at, model::bounds(&mesh, context, Up::Y), materials, shapes, !lamps.is_empty())))
 }
 
-/// The entries of all libraries that the file names; a library that is not there is noted.
-fn libraries(content: &Content, foreign: &Foreign) -> Result<BTreeMap<String, Entry>> {
+/// Materials of all libraries that the file names; a missing library is noted.
+fn libraries(content: &Content, context: &ImportContext) -> Result<BTreeMap<String, Entry>> {
     let text = String::from_utf8_lossy(&content.bytes);
     let mut entries = BTreeMap::new();
     for (i, line) in text.lines().enumerate() {
         let Some(files) = line.trim().strip_prefix("mtllib").filter(|rest| rest.starts_with(char::is_whitespace)) else { continue };
-        let place = |message: String| Fault::new(message).in_file(foreign.file).at_line(i + 1);
-        for file in named(files.trim(), foreign) {
-            if let Some(why) = foreign.files.why_not(&file) {
-                return Err(Error::invalid(place(why)));
+        let location = |message: String| Fault::new(message).in_file(context.file).at_line(i + 1);
+        for file in named(files.trim(), context) {
+            if let Some(why) = context.files.why_not(&file) {
+                return Err(Error::invalid(location(why)));
             }
-            match foreign.files.bytes(&file) {
-                Ok(bytes) => entries.extend(library::read(&bytes, &file, foreign)?),
+            match context.files.bytes(&file) {
+                Ok(bytes) => entries.extend(library::read(&bytes, &file, context)?),
                 Err(Error::Invalid(faults)) => {
                     let why = faults.first().map(|fault| fault.message.clone()).unwrap_or_default();
-                    foreign.note(place(format!("material library {file}: {why}; its materials are left out")));
+                    context.note(location(format!("material library {file}: {why}; its materials are left out")));
                 }
                 Err(other) => return Err(other),
             }
@@ -75,13 +76,13 @@ fn libraries(content: &Content, foreign: &Foreign) -> Result<BTreeMap<String, En
     Ok(entries)
 }
 
-/// One file whose name may contain spaces, or several between spaces.
-fn named(files: &str, foreign: &Foreign) -> Vec<String> {
-    let is_one = !files.contains(char::is_whitespace) || (foreign.files.why_not(files).is_none() && foreign.files.bytes(files).is_ok());
+/// Files of a statement: one whose name may contain spaces, or several separated by spaces.
+fn named(files: &str, context: &ImportContext) -> Vec<String> {
+    let is_one = !files.contains(char::is_whitespace) || (context.files.why_not(files).is_none() && context.files.bytes(files).is_ok());
     if is_one { vec![files.to_owned()] } else { files.split_whitespace().map(str::to_owned).collect() }
 }
 
-/// The names of materials that its faces have.
+/// Names of the materials of the mesh's faces.
 fn parts_of(mesh: &MeshData) -> Vec<&str> {
     let mut names: Vec<&str> = mesh.parts.iter().filter_map(|part| part.material.as_deref()).collect();
     names.sort_unstable();
@@ -89,8 +90,8 @@ fn parts_of(mesh: &MeshData) -> Vec<&str> {
     names
 }
 
-/// The file as it is, where nothing of it shines; else each lamp by itself, and all else.
-fn shapes(at: &View, mesh: &MeshData, name: &str, used: &BTreeMap<&str, &Entry>, lamps: &[&str]) -> Result<Vec<Node>> {
+/// The file as it is if nothing in it emits; otherwise a mesh for each lamp, and one for all else.
+fn shapes(at: &JsonCursor, mesh: &MeshData, name: &str, used: &BTreeMap<&str, &Entry>, lamps: &[&str]) -> Result<Vec<Node>> {
     let mesh_shape = |file: &str| vec![("type", at.make_text("mesh")), ("file", at.make_text(file))];
     let white = at.make_object([("type", at.make_text("diffuse")), ("albedo", at.make_number(model::DIFFUSE))]);
     let all = |file: &str| {
@@ -101,15 +102,15 @@ fn shapes(at: &View, mesh: &MeshData, name: &str, used: &BTreeMap<&str, &Entry>,
         return Ok(vec![all(name)]);
     }
     let mut shapes = vec![];
-    let is_lamp = |part: &Part| part.material.as_deref().is_some_and(|name| lamps.contains(&name));
+    let is_lamp = |part: &MeshPart| part.material.as_deref().is_some_and(|name| lamps.contains(&name));
     if let Some(bytes) = written(mesh, |part| !is_lamp(part))? {
-        at.foreign().make("rest.obj", bytes);
+        at.context().make("rest.obj", bytes);
         shapes.push(all("rest.obj"));
     }
     for (i, lamp) in lamps.iter().enumerate() {
         let Some(bytes) = written(mesh, |part| part.material.as_deref() == Some(lamp))? else { continue };
         let file = format!("lamp-{i}.obj");
-        at.foreign().make(&*file, bytes);
+        at.context().make(&*file, bytes);
         let emission = [("radiance", at.make_numbers(used[lamp].emission)), ("two_sided", at.make_flag(true))];
         let more = vec![("name", at.make_text(*lamp)), ("material", at.make_text(*lamp)), ("emission", at.make_object(emission))];
         shapes.push(at.make_object([mesh_shape(&file), more].concat()));
@@ -117,13 +118,13 @@ fn shapes(at: &View, mesh: &MeshData, name: &str, used: &BTreeMap<&str, &Entry>,
     Ok(shapes)
 }
 
-/// The parts of a mesh as an OBJ file; `None` where there are none.
-fn written(mesh: &MeshData, wanted: impl Fn(&Part) -> bool) -> Result<Option<Vec<u8>>> {
+/// The wanted parts of a mesh as an OBJ file; `None` if there are none.
+fn written(mesh: &MeshData, wanted: impl Fn(&MeshPart) -> bool) -> Result<Option<Vec<u8>>> {
     let mut chosen = MeshData { triangles: vec![], parts: vec![], ..mesh.clone() };
     for part in mesh.parts.iter().filter(|part| wanted(part)) {
         let start = chosen.triangles.len() as u32;
         chosen.triangles.extend(&mesh.triangles[part.triangles.start as usize..part.triangles.end as usize]);
-        chosen.parts.push(Part { triangles: start..chosen.triangles.len() as u32, ..part.clone() });
+        chosen.parts.push(MeshPart { triangles: start..chosen.triangles.len() as u32, ..part.clone() });
     }
     let (chosen, _) = chosen.clean();
     let mut bytes = vec![];

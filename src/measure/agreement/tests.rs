@@ -6,7 +6,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use statrs::distribution::{DiscreteCDF, Poisson};
 
-use super::block::Sum;
+use super::pixel_group::GroupSum;
 use super::*;
 use crate::film::Channel;
 
@@ -37,10 +37,10 @@ fn noise(seed: u64, mean: impl Fn(usize, usize) -> f64) -> Image {
 }
 
 fn compare(a: &Image, b: &Image) -> Agreement {
-    agreement(Render { image: a, samples: SAMPLES }, Render { image: b, samples: SAMPLES }, ALPHA).unwrap()
+    agreement(SampledImage { image: a, samples: SAMPLES }, SampledImage { image: b, samples: SAMPLES }, ALPHA).unwrap()
 }
 
-/// In how many of `RUNS` pairs each test, and any, says no.
+/// In how many of `RUNS` pairs each test refuses, and in how many any of them does.
 fn refusals(planted: impl Fn(usize, usize) -> f64) -> [usize; 5] {
     let mut count = [0; 5];
     for run in 0..RUNS {
@@ -65,7 +65,7 @@ fn put(image: &mut Image, pixel: usize, value: f64, error: f64) {
     }
 }
 
-/// What 16 scramblings found of a light of mean `mean` that `hits` of a pixel's samples meet, on average.
+/// Picture that 16 scramblings give of a light of mean `mean`, which `hits` of the samples of a pixel meet on average.
 fn rare(seed: u64, hits: f64, mean: impl Fn(usize, usize) -> f64) -> Image {
     let mut uniform = uniform(seed);
     let mut image = noise(seed, |_, _| 1.0);
@@ -79,14 +79,14 @@ fn rare(seed: u64, hits: f64, mean: impl Fn(usize, usize) -> f64) -> Image {
     image
 }
 
-/// A picture of rare samples against one that is known to 9 %.
+/// Compares a picture of rare samples with one that is known to 9 %.
 fn against_noise(rare: &Image, run: u64) -> Agreement {
     let sure = noise(run + 1000, |_, _| 1.0);
-    agreement(Render { image: rare, samples: 16 }, Render { image: &sure, samples: SAMPLES }, ALPHA).unwrap()
+    agreement(SampledImage { image: rare, samples: 16 }, SampledImage { image: &sure, samples: SAMPLES }, ALPHA).unwrap()
 }
 
-/// Squares of 8×8 pixels with some fifteen samples that found light, or three: too few for the normal law, and some have found next to
-/// nothing.
+/// Squares of 8×8 pixels with some fifteen samples that found light, or with three. These are too few for a normal distribution,
+/// and some squares found next to nothing.
 #[test]
 fn light_that_is_rarely_found_is_no_difference() {
     for hits in [0.25, 0.05] {
@@ -96,7 +96,7 @@ fn light_that_is_rarely_found_is_no_difference() {
     }
 }
 
-/// A corner of the picture, a quarter of it, half as bright again.
+/// A quarter of the picture, in a corner, is half as bright again.
 #[test]
 fn light_that_is_rarely_found_can_be_wrong() {
     let corner = |x, y| if x < SIZE / 2 && y < SIZE / 2 { 1.5 } else { 1.0 };
@@ -109,18 +109,18 @@ fn light_that_is_rarely_found_can_be_wrong() {
 /// A pixel that sees the lamp with half of its 512 samples.
 const EDGE: Mean = Mean { value: 8.0, variance: 8.0 * 8.0 / 512.0, samples: 512.0 };
 
-/// Its few pixels are known by hundreds of samples each.
+/// The few pixels of the edge are known by hundreds of samples each.
 #[test]
 fn the_edge_of_a_lamp_is_a_block_of_its_own() {
     let wall = Mean { value: 0.5, variance: 0.0, samples: 512.0 };
-    let sum = Sum::of((0..64).map(|i| if i < 3 { EDGE } else { wall }));
+    let sum = GroupSum::of((0..64).map(|i| if i < 3 { EDGE } else { wall }));
     // h = ((8 - 0.5)/8)² 512 = 450 samples in each of three pixels
     assert_relative_eq!(sum.samples(), 3.0 * 450.0, max_relative = 1e-12);
     assert_relative_eq!(sum.third, 3.0 * EDGE.variance.powf(1.5) / 450f64.sqrt(), max_relative = 1e-12);
 }
 
-/// All the noise in one pixel: of a lamp's edge there is much to know, of one sample that met the lamp there is not, and of nothing at
-/// all even less.
+/// One pixel holds all the noise. The edge of a lamp is known by many samples, one sample that met the lamp tells little, and a
+/// black picture tells nothing.
 #[test]
 fn noise_of_a_few_samples_is_a_heavy_tail() {
     let flat = |value: f64| {
@@ -140,7 +140,8 @@ fn noise_of_a_few_samples_is_a_heavy_tail() {
     assert_eq!(heavy(&flat(0.0)), [true, false]);
 }
 
-/// k hits where 60 were to be expected: no surer than the law of Poisson, that is here known to the last, but surer than its root.
+/// k hits where 60 were expected: no more significant than Poisson's distribution, which is known exactly here, but more
+/// significant than its root.
 #[test]
 fn too_few_hits_are_as_improbable_as_poisson_has_it() {
     let expected = 60.0;
@@ -149,7 +150,7 @@ fn too_few_hits_are_as_improbable_as_poisson_has_it() {
         let hits = k as f64;
         let found = Mean { value: hits, variance: hits, samples: 1e6 };
         let known = Mean { value: expected, variance: 0.0, samples: 1e6 };
-        let p = Tested { means: [found, known], third: [hits, 0.0] }.p();
+        let p = MeanTest { means: [found, known], third: [hits, 0.0] }.p();
         let exact = poisson.cdf(k);
         assert!(exact <= p && p <= 2.0 * exact.sqrt(), "{k}: {p:e}, {exact:e}");
     }
@@ -185,7 +186,7 @@ fn shared_noise_is_found() {
     assert!(!found.spread.accepts());
 }
 
-/// Light that needs no chance: equal but for the last bits of f32.
+/// Light without noise: the pictures are equal except for the last bits of f32.
 #[test]
 fn pictures_without_noise_agree_up_to_rounding() {
     let still = |by: f32| {
@@ -209,7 +210,7 @@ fn what_cannot_be_compared_is_an_error() {
     let a = noise(1, |_, _| 1.0);
     let bare = Image { channels: a.channels[..3].to_vec(), ..a.clone() };
     let cut = Image { size: UVec2::new(64, 256), ..a.clone() };
-    let render = |image, samples| Render { image, samples };
+    let render = |image, samples| SampledImage { image, samples };
     assert!(agreement(render(&a, 8), render(&bare, 8), 0.01).is_err());
     assert!(agreement(render(&a, 8), render(&cut, 8), 0.01).is_err());
     assert!(agreement(render(&a, 8), render(&a, 1), 0.01).is_err());

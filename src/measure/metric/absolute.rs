@@ -1,19 +1,19 @@
-//! Absolute differences, alone and relative: one wrong pixel counts once, not squared.
+//! Absolute differences, plain and relative. One wrong pixel counts once, not squared.
 
-use super::Pair;
+use super::ImagePair;
 
-/// Of JERI's MAPE and SMAPE.
+/// ε of JERI's MAPE and SMAPE.
 const EPSILON: f64 = 0.01;
 
 /// |a − r|
-pub fn difference(pair: &Pair, _: Option<f64>) -> Vec<f64> {
+pub fn difference(pair: &ImagePair, _: Option<f64>) -> Vec<f64> {
     pair.map(|a, r| (a - r).abs())
 }
 
 /// |a − r|/(|r| + ε)
 ///
 /// Source: JERI, with ε = 0.01.
-pub fn mape(pair: &Pair, epsilon: Option<f64>) -> Vec<f64> {
+pub fn mape(pair: &ImagePair, epsilon: Option<f64>) -> Vec<f64> {
     let epsilon = epsilon.unwrap_or(EPSILON);
     pair.map(|a, r| over((a - r).abs(), r.abs() + epsilon))
 }
@@ -21,12 +21,12 @@ pub fn mape(pair: &Pair, epsilon: Option<f64>) -> Vec<f64> {
 /// 2|a − r|/(|a| + |r| + 2ε),    at most 2
 ///
 /// Source: JERI, with ε = 0.01.
-pub fn smape(pair: &Pair, epsilon: Option<f64>) -> Vec<f64> {
+pub fn smape(pair: &ImagePair, epsilon: Option<f64>) -> Vec<f64> {
     let epsilon = epsilon.unwrap_or(EPSILON);
     pair.map(|a, r| over(2.0 * (a - r).abs(), a.abs() + r.abs() + 2.0 * epsilon))
 }
 
-/// x/y, where 0/0 is 0: no difference is no error.
+/// x/y, where 0/0 is 0.
 pub(super) fn over(difference: f64, by: f64) -> f64 {
     if difference == 0.0 { 0.0 } else { difference / by }
 }

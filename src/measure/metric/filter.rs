@@ -1,30 +1,30 @@
 //! Separable convolutions over one channel of a picture.
 
-/// An odd number of weights, the middle one for the pixel itself.
+/// Odd number of weights; the one in the middle is for the pixel itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kernel(Vec<f64>);
 
-/// What lies beyond the border.
+/// Treatment of pixels beyond the border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Border {
-    /// The nearest pixel.
+    /// They have the value of the nearest pixel.
     Nearest,
-    /// Nothing; the weights that are left count for all.
+    /// They do not count; the other weights are scaled up.
     Renormalise,
 }
 
 impl Kernel {
-    /// Weights `f(−radius) … f(radius)`.
+    /// Kernel with the weights `f(−radius) … f(radius)`.
     pub fn new(radius: i32, f: impl Fn(f64) -> f64) -> Kernel {
         Kernel((-radius..=radius).map(|x| f(x.into())).collect())
     }
 
-    /// exp(−x²/2σ²), so scaled that the weights add up to 1.
+    /// Gaussian exp(−x²/2σ²), scaled so that the weights add up to 1.
     pub fn gaussian(radius: i32, sigma: f64) -> Kernel {
         Kernel::new(radius, |x| (-x * x / (2.0 * sigma * sigma)).exp()).normalised()
     }
 
-    /// Positive weights add up to 1, negative ones, where there are any, to −1.
+    /// Scales positive weights to a sum of 1, and negative ones, if there are any, to a sum of −1.
     pub fn normalised(mut self) -> Kernel {
         let sum = |sign: f64| self.0.iter().filter(|w| **w * sign > 0.0).sum::<f64>().abs();
         let (positive, negative) = (sum(1.0), sum(-1.0));
@@ -37,9 +37,9 @@ impl Kernel {
     }
 }
 
-/// Every value's neighbours along its row weighted by `along`, then those along its column by `down`.
+/// Convolves the rows with `along`, then the columns with `down`.
 ///
-/// - `values`: `width` of them in a row
+/// - `values`: rows of `width` values
 pub fn convolve(values: &[f64], width: usize, along: &Kernel, down: &Kernel, border: Border) -> Vec<f64> {
     let rows: Vec<f64> = values.chunks(width).flat_map(|row| line(row, along, border)).collect();
     let height = values.len() / width;

@@ -1,10 +1,10 @@
-//! FLIP: the difference that one sees when two pictures take turns on a screen.
+//! FLIP: the visible difference between two pictures that alternate on a screen.
 //!
 //! FLIP = ΔEc^(1 − ΔEf)
 //!
-//! - ΔEc, colour: both pictures are blurred as eyes at that distance blur them (a Gaussian for each of brightness, red–green and
-//!   blue–yellow), then compared in L*a*b* with the Hunt effect by the HyAB distance, which is pressed into 0 … 1
-//! - ΔEf, features: how much edges and points of the brightness differ
+//! - ΔEc, colour: both pictures are blurred as an eye at that distance blurs them (a Gaussian for each of brightness, red–green and
+//!   blue–yellow). They are compared in L*a*b* with the Hunt effect by the HyAB distance, which is mapped to 0 … 1
+//! - ΔEf, features: difference of the edges and points of the brightness
 //!
 //! Source: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, *FLIP: A Difference Evaluator for Alternating Images*
 //! (2020), with the constants of its published implementation. Tests: black against white by hand, and pictures against that
@@ -12,14 +12,14 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use super::Pair;
+use super::ImagePair;
 use super::filter::{Border, Kernel, convolve};
 
-/// A screen 0.7 m wide with 3840 pixels, from 0.7 m: 0.7·3840/0.7·π/180.
+/// Resolution of a screen that is 0.7 m wide, has 3840 pixels and is seen from 0.7 m: 0.7·3840/0.7·π/180.
 const PIXELS_PER_DEGREE: f64 = 3840.0 * PI / 180.0;
 
 /// FLIP of every pixel, 0 to 1.
-pub fn flip(pair: &Pair) -> Vec<f64> {
+pub fn flip(pair: &ImagePair) -> Vec<f64> {
     let [width, _] = pair.size();
     let [a, r] = pair.displayed().map(|pixels| Opponent::of(&pixels, width));
     let (colour_a, colour_r) = (a.blurred(), r.blurred());
@@ -34,22 +34,24 @@ pub fn flip(pair: &Pair) -> Vec<f64> {
     (0..colour_a.len()).map(error).collect()
 }
 
-/// A picture in YCxCz, one channel after the other: linear in light, opponent like the eye's channels.
+/// A picture in YCxCz, one channel after the other. The space is linear in light, and opponent like the channels of the eye.
 struct Opponent {
     width: usize,
     channels: [Vec<f64>; 3],
 }
 
 impl Opponent {
+    /// Converts a picture.
+    ///
     /// - `pixels`: sRGB, 0 to 1
     fn of(pixels: &[[f32; 3]], width: usize) -> Opponent {
         let pixels: Vec<[f64; 3]> = pixels.iter().map(|rgb| to_opponent(to_xyz(rgb.map(|c| linear(c.into()))))).collect();
         Opponent { width, channels: [0, 1, 2].map(|c| pixels.iter().map(|p| p[c]).collect()) }
     }
 
-    /// As the eye passes it on, in Hunt-adjusted L*a*b*.
+    /// The picture as the eye sees it, in Hunt-adjusted L*a*b*.
     fn blurred(&self) -> Vec<[f64; 3]> {
-        // Weights and widths of the contrast sensitivities' Gaussians, in degrees².
+        // Weights and widths (degrees²) of the Gaussians of the contrast sensitivities.
         let sensitivities: [&[(f64, f64)]; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
         let mut blurred = self.channels.iter().zip(sensitivities).map(|(channel, gaussians)| self.blur(channel, gaussians));
         let [y, cx, cz] = std::array::from_fn(|_| blurred.next().unwrap_or_default());
@@ -57,13 +59,14 @@ impl Opponent {
         (0..y.len()).map(seen).collect()
     }
 
-    /// Σ a √(π/b) exp(−π² d²/b) over distances d in degrees, weights adding up to 1.
+    /// Convolution with Σ a √(π/b) exp(−π² d²/b) over distances d in degrees, with weights that add up to 1.
     fn blur(&self, channel: &[f64], gaussians: &[(f64, f64)]) -> Vec<f64> {
         const WIDEST: f64 = 0.04;
         let radius = (3.0 * (WIDEST / (2.0 * PI * PI)).sqrt() * PIXELS_PER_DEGREE).ceil() as i32;
         let degrees = |x: f64| x / PIXELS_PER_DEGREE;
         let bell = |b: f64, x: f64| (-PI * PI * degrees(x) * degrees(x) / b).exp();
-        // A Gaussian of two dimensions is that of one squared: its sum over the square is the line's sum squared.
+        // A Gaussian of two dimensions is a product of two of one dimension, so its sum over the square is the square of the sum
+        // over a line.
         let mass = |a: f64, b: f64| a * (PI / b).sqrt() * (-radius..=radius).map(|x| bell(b, x.into())).sum::<f64>().powi(2);
         let total: f64 = gaussians.iter().map(|&(a, b)| mass(a, b)).sum();
         let mut sum = vec![0.0; channel.len()];
@@ -75,7 +78,7 @@ impl Opponent {
         sum
     }
 
-    /// Strength of edges and of points: gradients and second derivatives of the brightness at the scale that eyes look for.
+    /// Strength of edges and of points: gradients and second derivatives of the brightness, at the scale that the eye responds to.
     fn features(&self) -> Vec<[f64; 2]> {
         const WIDTH: f64 = 0.082;
         let sigma = 0.5 * WIDTH * PIXELS_PER_DEGREE;
@@ -94,13 +97,13 @@ impl Opponent {
     }
 }
 
-/// From distances of colours, raised to 0.7, to 0 … 1: the lower 0.4 of what is possible take 0.95 of the room.
+/// Map of colour distances, raised to 0.7, to 0 … 1: the lower 0.4 of the possible distances take 0.95 of the range.
 struct Redistribution {
     largest: f64,
 }
 
 impl Redistribution {
-    /// No two colours of a screen are farther apart than green and blue.
+    /// Map whose maximum is the distance of green and blue, the largest of a screen.
     fn new() -> Redistribution {
         let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rgb| hunt(to_lab(to_xyz(rgb))));
         Redistribution { largest: Redistribution::pressed(hyab(green, blue)) }
@@ -121,7 +124,7 @@ fn hyab(x: [f64; 3], y: [f64; 3]) -> f64 {
     (x[0] - y[0]).abs() + (x[1] - y[1]).hypot(x[2] - y[2])
 }
 
-/// Colours look the more colourful the brighter they are: a and b are multiplied by L/100.
+/// Hunt effect: colours look more colourful when they are brighter. a and b are multiplied by L/100.
 fn hunt([l, a, b]: [f64; 3]) -> [f64; 3] {
     [l, 0.01 * l * a, 0.01 * l * b]
 }
@@ -137,7 +140,7 @@ const XYZ: [[f64; 3]; 3] = [
     [1_425_312.0 / 73_733_382.0, 8_788_810.0 / 73_733_382.0, 70_074_185.0 / 73_733_382.0],
 ];
 
-/// Its inverse.
+/// XYZ to linear Rec. 709.
 const RGB: [[f64; 3]; 3] = [
     [3.241_003_275, -1.537_398_934, -0.498_615_861],
     [-0.969_224_334, 1.875_930_071, 0.041_554_224],

@@ -1,20 +1,19 @@
-//! How far a picture is from another: every error measure by its own name, with its formula.
+//! Error measures between two pictures, each with its own name and formula.
 //!
-//! The same word means different formulas in different programs, so every name here is one formula, and
-//! whoever prints a number prints [`Metric::formula`] with it.
+//! The same word means different formulas in different programs. Here every name stands for one formula, and whoever prints a
+//! number prints [`Metric::formula`] with it.
 //!
-//! - every measure is an error: 0 for equal pictures, larger is worse
-//! - an error belongs to a pixel first (the mean over red, green and blue where a formula is per value), then the mean
-//!   over all pixels is taken
-//! - pt's own is `relmse` without options: its ε follows the reference, so that scaling both pictures changes nothing.
-//!   The constants of the others are theirs
+//! - every measure is an error: 0 for equal pictures, and larger is worse
+//! - each pixel has an error (the mean over red, green and blue if a formula is per value); the mean over all pixels is the result
+//! - pt's own measure is `relmse` without options: its ε follows the reference, so that scaling both pictures changes nothing. The
+//!   other measures have the constants of the programs they come from
 //!
 //! To add one: a function in a file beside this one, and a row in [`ALL`].
 
 mod absolute;
 mod filter;
 mod flip;
-mod pair;
+mod image_pair;
 mod relative;
 mod squared;
 mod ssim;
@@ -22,28 +21,30 @@ mod ssim;
 use crate::reader::unknown;
 use crate::{Error, Result};
 
-pub use pair::{Named, Pair};
+pub use image_pair::{ImagePair, Named};
 
-/// A kind of error: a row of [`ALL`].
+/// A kind of error measure: a row of [`ALL`].
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
+    /// Name on the command line.
     pub name: &'static str,
-    /// Of a pixel, with `a` for the first picture's values, `r` for the second's; the mean over pixels follows.
+    /// Error of a pixel, with `a` for the values of the first picture and `r` for those of the second. The mean over pixels
+    /// follows.
     pub formula: &'static str,
-    /// What the first picture is.
+    /// Role of the first picture.
     pub first: &'static str,
-    /// What the second picture is.
+    /// Role of the second picture.
     pub second: &'static str,
-    /// The error of every pixel, rows from the top.
-    error: fn(&Pair, Option<f64>) -> Vec<f64>,
-    /// Of formulas with an ε of one's choice: what it is without one, in words.
+    /// Function that returns the error of every pixel, rows from the top.
+    error: fn(&ImagePair, Option<f64>) -> Vec<f64>,
+    /// Default of ε in words, for formulas whose ε can be chosen.
     epsilon: Option<&'static str>,
     /// Whether the square root of the mean is taken.
     root: bool,
 }
 
 impl Kind {
-    /// The formula of a pixel's error, its ε, and what `a` and `r` are where it matters which.
+    /// Formula of a pixel's error, its ε, and the roles of `a` and `r` if they differ.
     pub fn about(&self) -> String {
         let epsilon = self.epsilon.map_or(String::new(), |epsilon| format!(", ε = {epsilon}, or :eps=NUMBER"));
         let root = if self.root { ", root of the mean" } else { "" };
@@ -57,7 +58,7 @@ const PICTURE: &str = "picture";
 const REFERENCE: &str = "reference";
 const EITHER: &str = "either";
 
-/// Every kind of error, in the order in which they are listed.
+/// Every kind of error measure, in the order of `pt list metrics`.
 pub const ALL: &[Kind] = &[
     Kind { name: "mse", formula: "(a − r)²", first: EITHER, second: EITHER, ..PLAIN },
     Kind { name: "rmse", formula: "(a − r)²", first: EITHER, second: EITHER, root: true, ..PLAIN },
@@ -106,7 +107,7 @@ pub const ALL: &[Kind] = &[
     },
 ];
 
-/// A kind of error with its options: `relmse`, `relmse:eps=1e-2`, `mse:robust`, `mape:eps=1e-3,robust`.
+/// A kind of error measure with its options: `relmse`, `relmse:eps=1e-2`, `mse:robust`, `mape:eps=1e-3,robust`.
 #[derive(Clone, Copy, Debug)]
 pub struct Metric {
     kind: Kind,
@@ -114,26 +115,27 @@ pub struct Metric {
     robust: bool,
 }
 
-/// What a metric says of two pictures.
+/// Error between two pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
+    /// The error, as one number.
     pub value: f64,
-    /// The error of every pixel, rows from the top.
+    /// Error of every pixel, rows from the top.
     pub map: Vec<f64>,
 }
 
 impl Default for Metric {
-    /// pt's own: `relmse`.
+    /// pt's own measure: `relmse`.
     fn default() -> Metric {
         Metric { kind: ALL.iter().find(|kind| kind.name == "relmse").copied().unwrap_or(PLAIN), epsilon: None, robust: false }
     }
 }
 
 impl Metric {
-    /// From its name, and options after a colon, separated by commas.
+    /// Reads a name, and options after a colon, separated by commas.
     ///
     /// # Errors
-    /// `Usage` for names and options that there are not.
+    /// `Usage` for unknown names and options.
     pub fn parse(text: &str) -> Result<Metric> {
         let (name, options) = text.split_once(':').unwrap_or((text, ""));
         let known = || ALL.iter().map(|kind| kind.name).collect::<Vec<_>>();
@@ -160,7 +162,7 @@ impl Metric {
         Ok(())
     }
 
-    /// As [`Metric::parse`] reads it.
+    /// Name with options, as [`Metric::parse`] reads it.
     pub fn name(&self) -> String {
         let epsilon = self.epsilon.map(|epsilon| format!("eps={epsilon}"));
         let options: Vec<String> = epsilon.into_iter().chain(self.robust.then(|| "robust".to_owned())).collect();
@@ -168,7 +170,7 @@ impl Metric {
         format!("{}{colon}{}", self.kind.name, options.join(","))
     }
 
-    /// In full, with the numbers that are used.
+    /// Formula in full, with the numbers that are used.
     pub fn formula(&self) -> String {
         let epsilon = self.epsilon.map(|epsilon| epsilon.to_string()).or(self.kind.epsilon.map(str::to_owned));
         let epsilon = epsilon.map_or(String::new(), |epsilon| format!(", ε = {epsilon}"));
@@ -177,24 +179,25 @@ impl Metric {
         format!("{root}mean over {pixels} of {}{epsilon}", self.kind.formula)
     }
 
+    /// Kind of measure, without options.
     pub fn kind(&self) -> &Kind {
         &self.kind
     }
 
-    /// The error between two pictures, as one number and of every pixel.
-    pub fn measure(&self, pair: &Pair) -> Measured {
+    /// Error between two pictures, as one number and for every pixel.
+    pub fn measure(&self, pair: &ImagePair) -> Measured {
         let map = (self.kind.error)(pair, self.epsilon);
         let mean = if self.robust { trimmed_mean(&map) } else { mean(&map) };
         Measured { value: if self.kind.root { mean.sqrt() } else { mean }, map }
     }
 }
 
-/// Σx/n; 0 of nothing.
+/// Σx/n; 0 for no values.
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// The mean without the largest n/1000 values, rounded down: none below a thousand.
+/// Mean without the largest n/1000 values, rounded down: fewer than a thousand values are all used.
 ///
 /// Source: SeeSharp's RelMSE_OutlierRejection, which leaves out as many. Tests: trimmed_mean_by_hand.
 fn trimmed_mean(values: &[f64]) -> f64 {

@@ -1,21 +1,21 @@
-//! Structural similarity: are brightness, contrast and structure of every neighbourhood the same?
+//! Structural similarity: compares brightness, contrast and structure of every neighbourhood.
 //!
 //! SSIM = (2 μa μr + C₁)(2 σar + C₂) / ((μa² + μr² + C₁)(σa² + σr² + C₂)),    C₁ = 0.01², C₂ = 0.03²
 //!
-//! Means, variances and covariance over a Gaussian window. Source: Wang, Bovik, Sheikh, Simoncelli, *Image Quality Assessment: From
-//! Error Visibility to Structural Similarity* (2004). There, only windows that lie wholly within the picture count; here every
-//! pixel has its own, and at the border the weights that are left count for all.
+//! Means, variances and covariance are taken over a Gaussian window. Source: Wang, Bovik, Sheikh, Simoncelli, *Image Quality
+//! Assessment: From Error Visibility to Structural Similarity* (2004). That paper uses only windows that lie wholly within the
+//! picture; here every pixel has its own window, and at the border the remaining weights are scaled up.
 
-use super::Pair;
+use super::ImagePair;
 use super::filter::{Border, Kernel, convolve};
 
 const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
 
-/// 1 − SSIM of the luma of what a screen shows, of every pixel.
+/// 1 − SSIM of the luma of the tone-mapped pictures, for every pixel.
 ///
 /// Tests: flat pictures by hand, against an independent evaluation, symmetric.
-pub fn ssim(pair: &Pair) -> Vec<f64> {
+pub fn ssim(pair: &ImagePair) -> Vec<f64> {
     let [width, _] = pair.size();
     let [a, r] = pair.displayed().map(|pixels| pixels.iter().map(luma).collect::<Vec<f64>>());
     let window = Kernel::gaussian(5, 1.5);

@@ -1,4 +1,5 @@
-//! Delta lobes: the list is complete, its shares are the chances of sampling times the weights, and light goes back as it came.
+//! Law of delta lobes: the list is complete, each weight is the probability of sampling the lobe times the weight of the sample,
+//! and light returns along its path.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -6,15 +7,16 @@ use super::{Case, Outcome, chance, colors, random_inputs, same_direction, show};
 use crate::bsdf::{BsdfSample, TransportMode};
 use crate::math::{Local, Spectrum};
 use crate::proof::report::{CERTAIN, CounterExample};
-use crate::proof::{Drawn, Model};
+use crate::proof::{Model, SampledDirections};
 
-/// Of a lobe's weight, by rounding.
+/// Tolerance for the rounding of a lobe's weight.
 const ROUNDING: f64 = 1e-5;
 
+/// Tests the law `delta`.
 pub fn delta(case: &Case) -> Outcome {
-    let lobes: usize = case.drawn.iter().map(|drawn| drawn.lobes.len()).sum();
+    let lobes: usize = case.sampled.iter().map(|sampled| sampled.lobes.len()).sum();
     let level = case.level();
-    let mut refusal = case.drawn.iter().find_map(|drawn| unlisted(drawn).or_else(|| wrong_share(drawn, level)));
+    let mut refusal = case.sampled.iter().find_map(|sampled| unlisted(sampled).or_else(|| wrong_share(sampled, level)));
     let mut traced = 0u64;
     for input in random_inputs(case, 3) {
         for lobe in case.model.delta_lobes(input.wo, TransportMode::Importance) {
@@ -25,40 +27,42 @@ pub fn delta(case: &Case) -> Outcome {
     if lobes == 0 && traced == 0 && refusal.is_none() {
         return Outcome::exempt("no delta lobes".into());
     }
-    Outcome::new(refusal, vec![format!("{lobes} lobes at {} incidences, {traced} followed back", case.drawn.len())])
+    Outcome::new(refusal, vec![format!("{lobes} lobes at {} incidences, {traced} followed back", case.sampled.len())])
 }
 
-fn unlisted(drawn: &Drawn) -> Option<CounterExample> {
-    drawn.stray.map(|sample| CounterExample {
-        inputs: format!("wo = {}", show(drawn.wo)),
-        expected: format!("one of the {} lobes that delta_lobes lists", drawn.lobes.len()),
+fn unlisted(sampled: &SampledDirections) -> Option<CounterExample> {
+    sampled.stray.map(|sample| CounterExample {
+        inputs: format!("wo = {}", show(sampled.wo)),
+        expected: format!("one of the {} lobes that delta_lobes lists", sampled.lobes.len()),
         found: format!("a delta sample into wi = {}", show(sample.wi)),
         sure: CERTAIN.into(),
     })
 }
 
-fn wrong_share(drawn: &Drawn, level: f64) -> Option<CounterExample> {
-    drawn.lobes.iter().find_map(|lobe| {
+fn wrong_share(sampled: &SampledDirections, level: f64) -> Option<CounterExample> {
+    sampled.lobes.iter().find_map(|lobe| {
         let share = f64::from(lobe.listed.weight.average());
         let off = (lobe.weight.value - share).abs() - ROUNDING * share.max(lobe.weight.value);
-        // A lobe of small chance may not be met: its variance is that of the listed share, if nothing else is known.
-        let spread = lobe.weight.standard_error().max((share * (1.0 - share).max(0.0) / drawn.samples as f64).sqrt());
+        // An improbable lobe may not be sampled at all; then its variance is taken to be that of the listed weight.
+        let spread = lobe.weight.standard_error().max((share * (1.0 - share).max(0.0) / sampled.samples as f64).sqrt());
         let p = if off > 0.0 { 2.0 * Normal::standard().sf(off / spread) } else { 1.0 };
         (p < level || p.is_nan()).then(|| CounterExample {
-            inputs: format!("wo = {}, the lobe into wi = {}", show(drawn.wo), show(lobe.listed.wi)),
+            inputs: format!("wo = {}, the lobe into wi = {}", show(sampled.wo), show(lobe.listed.wi)),
             expected: format!("chance · weight of its samples = the listed share {share:.6}"),
             found: format!("{:.6} ± {:.1e}", lobe.weight.value, lobe.weight.standard_error()),
-            sure: chance(p, level, drawn.samples),
+            sure: chance(p, level, sampled.samples),
         })
     })
 }
 
-/// A reciprocal model leads from `lobe.wi` back to `wo`, with the same share of importance (Stokes), and with the inverse index.
+/// Checks that a reciprocal model leads from `lobe.wi` back to `wo`, with the same share of importance (Stokes) and the inverse
+/// index.
 fn retrace(model: &dyn Model, wo: Local, lobe: &BsdfSample) -> Option<CounterExample> {
     if !model.reciprocal() {
         return None;
     }
-    // A cosine rounded by one part in 2²⁴ turns a refracted direction by that over the other cosine, and moves Fresnel's share alike.
+    // A cosine rounded by one part in 2²⁴ turns a refracted direction by that, divided by the other cosine, and changes the Fresnel
+    // reflectance as much.
     let index = lobe.eta.max(1.0 / lobe.eta);
     let tolerance = 64.0 * f32::EPSILON * index * index / wo.abs_cos().min(lobe.wi.abs_cos());
     if tolerance > 0.01 {

@@ -1,4 +1,4 @@
-//! Whatever the input, the output makes sense.
+//! Law of inputs: every input gives a valid output.
 
 use glam::Vec2;
 
@@ -12,9 +12,10 @@ use crate::proof::{Model, at};
 /// The ends of [0, 1), their neighbours, a number that vanishes beside 1, and the middle, where maps of the square have seams.
 const UNIFORM: [f32; 8] = [0.0, ROUNDING, 1e-30, 0.25, 0.5 - ROUNDING, 0.5, 0.5 + ROUNDING, ONE_MINUS_EPSILON];
 
-/// Steep, slanting, grazing, in the surface.
+/// Steep, oblique and grazing directions, and directions in the surface.
 const COSINES: [f64; 10] = [1.0, 1.0 - 1e-7, 0.7, 0.1, 1e-3, 1e-5, 1e-7, 1e-20, 1e-38, 0.0];
 
+/// Tests the law `inputs`.
 pub fn inputs(case: &Case) -> Outcome {
     let directions = adversarial_directions();
     let mut tried = 0u64;
@@ -52,10 +53,10 @@ fn adversarial_directions() -> Vec<Local> {
     both.flat_map(|cosine| azimuths.map(|phi| at(cosine, phi))).collect()
 }
 
-/// The law `inputs` for one input.
+/// Tests the law `inputs` for one input.
 ///
-/// `eval` and `pdf` are finite and not negative, and where there is light `pdf` is not 0. A sample is a unit direction on
-/// the side that its lobe says, with a finite weight, a density above 0, and a finite index above 0.
+/// `eval` and `pdf` are finite and not negative, and `pdf` is not 0 where there is light. A sample is a unit direction on the side
+/// of its lobe, with a finite weight, a density above 0, and a finite index above 0.
 ///
 /// # Errors
 /// The counter-example.
@@ -71,36 +72,36 @@ pub fn inputs_at(model: &dyn Model, wo: Local, wi: Local, choice: f32, u: Vec2, 
     if !(pdf >= 0.0 && pdf.is_finite()) {
         return refuse(pair(), "pdf finite and not negative", format!("pdf = {pdf:?}"));
     }
-    // Smaller numbers have lost their digits.
+    // Subnormal numbers have lost digits.
     if f.max() >= f32::MIN_POSITIVE && pdf == 0.0 {
         return refuse(pair(), "pdf above 0 wherever eval is: sampling must find all light", format!("eval = {}, pdf = 0", colors(f)));
     }
     let Some(sample) = model.sample(wo, choice, u, mode) else { return Ok(()) };
     let wi = sample.wi;
-    let drawn = || format!("{}, {mode:?}", Input { wo, choice, u });
+    let sampled = || format!("{}, {mode:?}", Input { wo, choice, u });
     // Four roundings of the coordinates, squared and summed.
     let length = wi.0.as_dvec3().length();
     if (length - 1.0).abs() > f64::from(8.0 * f32::EPSILON) || length.is_nan() {
-        return refuse(drawn(), "wi of length 1", format!("wi = {} of length {length}", show(wi)));
+        return refuse(sampled(), "wi of length 1", format!("wi = {} of length {length}", show(wi)));
     }
     // A direction in the surface is on neither side.
     let sided = wo.cos() != 0.0 && wi.cos() != 0.0;
     if sided && wo.same_side(wi) != (sample.lobe == Lobe::Reflection) {
         return refuse(
-            drawn(),
+            sampled(),
             "reflection on the side of wo, transmission on the other",
             format!("{:?} into wi = {}", sample.lobe, show(wi)),
         );
     }
     if !sample.weight.is_valid() {
-        return refuse(drawn(), "a weight finite and nowhere negative", format!("weight {}", colors(sample.weight)));
+        return refuse(sampled(), "a weight finite and nowhere negative", format!("weight {}", colors(sample.weight)));
     }
     if !(sample.eta > 0.0 && sample.eta.is_finite()) {
-        return refuse(drawn(), "an index of refraction above 0", format!("eta {:?}", sample.eta));
+        return refuse(sampled(), "an index of refraction above 0", format!("eta {:?}", sample.eta));
     }
     match sample.density {
         Density::Smooth(pdf) if !(pdf.get() > 0.0 && pdf.get().is_finite()) => {
-            refuse(drawn(), "the density of what was drawn finite and above 0", format!("density {:?}", pdf.get()))
+            refuse(sampled(), "the density of what was drawn finite and above 0", format!("density {:?}", pdf.get()))
         }
         _ => Ok(()),
     }

@@ -1,4 +1,4 @@
-//! The density of a map is one over how much it stretches.
+//! Law of the Jacobian: the density of a map is one over its stretch.
 
 use glam::{DVec2, DVec3, Vec2};
 
@@ -9,14 +9,14 @@ use crate::math::{Density, Local};
 use crate::proof::Model;
 use crate::proof::report::{CERTAIN, CounterExample};
 
-/// Half the difference of u that derivatives are taken over, and half of that again: how much the two differ is the error.
+/// Half the step of u for derivatives. They are computed again with half of it, and the difference is the error.
 const STEP: f64 = 1.0 / 512.0;
-/// Beyond this error a point says too little. It is near a seam, or the lobe too narrow for f32.
+/// Largest error at which a point is used. Beyond it the point is near a seam, or the lobe is too narrow for f32.
 const LARGEST_ERROR: f64 = 0.02;
-/// What the estimate of the error may have missed.
+/// Allowance for what the estimate of the error may miss.
 const MARGIN: f64 = 2e-3;
 
-/// pdf · |J| of one sample, and the chance of its lobe.
+/// pdf · |J| of one sample, and the probability of its lobe.
 #[derive(Clone, Copy)]
 struct Stretch {
     input: Input,
@@ -27,6 +27,7 @@ struct Stretch {
     error: f64,
 }
 
+/// Tests the law `jacobian`.
 pub fn jacobian(case: &Case) -> Outcome {
     let tried = random_inputs(case, 5).filter(|input| input.wo.abs_cos() > 1e-3).take(POINTS);
     let points: Vec<Stretch> = tried.filter_map(|input| stretch(case.model, input)).collect();
@@ -40,11 +41,12 @@ pub fn jacobian(case: &Case) -> Outcome {
     Outcome::new(refusal, vec![format!("{} points where the map is smooth; pdf · |J| / chance must be {demand} 1", points.len())])
 }
 
-/// Each takes some hundred samples.
+/// Number of points. Each takes some hundred samples.
 const POINTS: usize = 2000;
 
 impl Stretch {
-    /// With the chance of its lobe found by many more choices: too many for every point, few for one that is to be refused.
+    /// Finds the probability of the lobe again, with many more choices. That is too slow for every point, but not for one that
+    /// seems to break the law.
     fn again(&self, model: &dyn Model) -> Stretch {
         Stretch { share: chance_of(model, self.input, self.wi, FINE_CELLS), ..*self }
     }
@@ -88,11 +90,11 @@ fn stretch(model: &dyn Model, input: Input) -> Option<Stretch> {
     };
     let area = |step: f64| -> Option<(f64, DVec3, DVec3)> {
         let (du, dv) = (derivative(DVec2::X, step)?, derivative(DVec2::Y, step)?);
-        // dω = |ω · (∂ω/∂u × ∂ω/∂v)|: along ω the noise of a coordinate near 1 does not count.
+        // dω = |ω · (∂ω/∂u × ∂ω/∂v)|: the rounding of a coordinate near 1 does not count along ω.
         Some((wi.0.as_dvec3().dot(du.cross(dv)).abs(), du, dv))
     };
     let ((wide, ..), (jacobian, du, dv)) = (area(STEP)?, area(0.5 * STEP)?);
-    // Rounded twice over a step, on either side.
+    // Rounded on both sides of a step.
     let noise = f64::from(f32::EPSILON) / STEP * (du.length() + dv.length()) / jacobian;
     let error = ((wide - jacobian) / jacobian).abs() + noise;
     let settled = error < LARGEST_ERROR && jacobian > 0.0;
@@ -106,20 +108,20 @@ fn smooth(sample: BsdfSample) -> Option<(Local, f32)> {
     }
 }
 
-/// The measure of the choices that lead to the same direction as `input`.
+/// Measure of the choices that lead to the same direction as `input`.
 fn chance_of(model: &dyn Model, Input { wo, choice, u }: Input, wi: Local, cells: usize) -> f64 {
     let found = |c: f32| model.sample(wo, c, u, TransportMode::Importance).and_then(smooth);
     share(|c| found(c).map(|(w, _)| w) == Some(wi), choice, cells)
 }
 
 const CELLS: usize = 32;
-/// What falls between these is far below [`MARGIN`].
+/// Number of intervals of the fine search. What falls between them is far below [`MARGIN`].
 const FINE_CELLS: usize = 1 << 14;
 
-/// The measure of the choices that are the `same` as `own`: intervals, whose ends are found by halving.
+/// Measure of the choices that are the `same` as `own`: intervals, whose ends are found by bisection.
 ///
-/// Several where a model chooses among models that have the same lobe. An interval narrower than a grid's cell may be missed,
-/// and so may a gap between two: then less, or more, is demanded than is due.
+/// There are several intervals where a model chooses among models with the same lobe. An interval, or a gap, that is narrower than
+/// a cell of the grid may be missed; the demanded density is then too small, or too large.
 fn share(same: impl Fn(f32) -> bool, own: f32, cells: usize) -> f64 {
     const HALVINGS: u32 = 24;
     let grid = |k: usize| (k as f32 / cells as f32).min(ONE_MINUS_EPSILON);

@@ -1,4 +1,4 @@
-//! The laws, one file each.
+//! Laws of scattering, one file each.
 //!
 //! To add one: a file beside these with a function from a [`Case`] to an [`Outcome`], and a row in [`LAWS`].
 
@@ -24,20 +24,23 @@ pub use inputs::inputs_at;
 pub use reciprocity::reciprocity_at;
 pub use weight::weight_at;
 
-/// A law: its name, what it demands, how it is tested.
+/// A law: its name, its demand, and its test.
 pub struct Law {
+    /// Name in one word.
     pub name: &'static str,
+    /// Demand, as a formula if there is one.
     pub demands: &'static str,
     run: fn(&Case) -> Outcome,
 }
 
-/// What a law found, before it has a name.
+/// Result of the test of a law.
 pub(super) struct Outcome {
     verdict: Verdict,
     notes: Vec<String>,
 }
 
 impl Law {
+    /// Tests a model.
     pub fn test(&self, case: &Case) -> Finding {
         let Outcome { verdict, notes } = (self.run)(case);
         Finding { law: self.name, demands: self.demands, verdict, notes }
@@ -67,7 +70,7 @@ impl Outcome {
     }
 }
 
-/// Everything a model is asked: what laws of single inputs are tested with.
+/// Input for a law of single inputs.
 #[derive(Clone, Copy, Debug)]
 struct Input {
     wo: Local,
@@ -75,7 +78,8 @@ struct Input {
     u: Vec2,
 }
 
-/// `options.cases` random inputs: cosines of `wo` evenly spread, every eighth grazing (down to 10⁻⁷), half below.
+/// `options.cases` random inputs. The cosines of `wo` are evenly distributed; every eighth direction is grazing (down to 10⁻⁷), and
+/// half of them are below the surface.
 fn random_inputs(case: &Case, stream: u64) -> impl Iterator<Item = Input> {
     let mut bits = Xoshiro256PlusPlus::seed_from_u64(case.options.seed ^ stream << 32);
     let mut unit = move || unit_f32(bits.next_u32());
@@ -89,21 +93,21 @@ fn random_inputs(case: &Case, stream: u64) -> impl Iterator<Item = Input> {
 
 const MODES: [TransportMode; 2] = [TransportMode::Radiance, TransportMode::Importance];
 
-/// Equal up to the rounding of the direction's own computation.
+/// Returns whether two directions are equal up to the rounding of their computation.
 pub(super) fn same_direction(a: Local, b: Local) -> bool {
     (a.0 - b.0).abs().max_element() <= 8.0 * f32::EPSILON
 }
 
-/// |a − b| ≤ relative · max(|a|, |b|) + slack, in every coefficient; never for NaN.
+/// |a − b| ≤ relative · max(|a|, |b|) + slack, in every coefficient; never true for NaN.
 ///
-/// Differences too small for a number with all its digits are none.
+/// Differences below the smallest normal number count as 0.
 fn near(a: Spectrum, b: Spectrum, relative: f32, slack: Spectrum) -> bool {
     let excess = a.zip(b, |a, b| (a - b).abs() - (relative * a.abs().max(b.abs())).max(f32::MIN_POSITIVE));
     excess.zip(slack, |excess, slack| if excess <= slack { 0.0 } else { 1.0 }).is_black()
 }
 
-/// By how much rounding the inputs of `f` moves its value: the range over neighbours, doubled for those not tried.
-fn wobble(centre: Spectrum, neighbours: impl IntoIterator<Item = Spectrum>) -> Spectrum {
+/// Change of a value under rounding of the inputs: the range over the neighbours, doubled for the neighbours that were not tried.
+fn rounding_sensitivity(centre: Spectrum, neighbours: impl IntoIterator<Item = Spectrum>) -> Spectrum {
     let largest = |a: Spectrum, b: Spectrum| a.zip(b, f32::max);
     let off = |value: Spectrum| value.zip(centre, |a, b| 2.0 * (a - b).abs());
     neighbours.into_iter().map(off).fold(Spectrum::BLACK, largest)
@@ -124,7 +128,7 @@ pub(super) fn shifted(w: Local, roundings: f32) -> [Local; 8] {
     [0, 1, 2, 3, 4, 5, 6, 7].map(|k| Local(w.0 + Vec3::new(sign(k, 0), sign(k, 1), sign(k, 2))))
 }
 
-/// A direction with all its digits.
+/// A direction with all digits.
 fn show(w: Local) -> String {
     format!("({:?}, {:?}, {:?})", w.0.x, w.0.y, w.0.z)
 }
@@ -140,7 +144,7 @@ fn colors(value: Spectrum) -> String {
     if r == g && g == b { format!("{r:?}") } else { format!("({r:?}, {g:?}, {b:?})") }
 }
 
-/// How a statistical refusal says how sure it is.
+/// Certainty of a statistical refusal, as text.
 fn chance(p: f64, level: f64, samples: u64) -> String {
     format!("chance alone goes so far with p = {p:.1e}; the level of each test is {level:.1e}; {samples} samples")
 }

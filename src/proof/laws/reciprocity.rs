@@ -1,14 +1,15 @@
-//! Light goes back as it came.
+//! Law of reciprocity: light returns along its path.
 
-use super::{Case, Input, Outcome, colors, near, random_inputs, rounded, show, wobble};
+use super::{Case, Input, Outcome, colors, near, random_inputs, rounded, rounding_sensitivity, show};
 use crate::bsdf::TransportMode::{Importance, Radiance};
 use crate::math::{Density, Local, Spectrum};
 use crate::proof::report::{CERTAIN, CounterExample};
 use crate::proof::{Model, at};
 
-/// Of f, relative: thirty roundings.
+/// Relative tolerance for f: thirty roundings.
 const TOLERANCE: f32 = 4e-6;
 
+/// Tests the law `reciprocity`.
 pub fn reciprocity(case: &Case) -> Outcome {
     let mut compared = 0u64;
     let mut refusal = None;
@@ -30,32 +31,33 @@ pub fn reciprocity(case: &Case) -> Outcome {
     })
 }
 
-/// A direction that sampling gives for `wo`, with its index, and one from anywhere on the side of `wo`.
+/// A sampled direction for `wo` with its index, and a random direction on the side of `wo`.
 fn partners(model: &dyn Model, Input { wo, choice, u }: Input) -> Vec<(Local, f32)> {
     let sampled = model.sample(wo, choice, u, Radiance).filter(|sample| matches!(sample.density, Density::Smooth(_)));
     let anywhere = at(f64::from((1.0 - u.x) * wo.cos().signum()), f64::from(7.0 * u.y));
     sampled.map(|sample| (sample.wi, sample.eta)).into_iter().chain([(anywhere, 1.0)]).collect()
 }
 
-/// The law `reciprocity` for one pair of directions.
+/// Tests the law `reciprocity` for one pair of directions.
 ///
-/// With f = eval/|cos θi|: importance one way is radiance the other way, f*(a, b) = f(b, a), and importance is radiance
-/// uncompressed, f*(a, b) = η² f(a, b). Together f(b, a) = η² f(a, b), which for η = 1 is Helmholtz's f(a, b) = f(b, a).
+/// With f = eval/|cos θi|: importance one way is radiance the other way, f*(a, b) = f(b, a), and importance is radiance without the
+/// compression, f*(a, b) = η² f(a, b). Together f(b, a) = η² f(a, b), which for η = 1 is Helmholtz's f(a, b) = f(b, a).
 ///
-/// - `eta`: the index on the side of `b` over that on the side of `a`, as a sample from `a` to `b` says it; 1 for reflection
+/// - `eta`: the index on the side of `b` over that on the side of `a`, as a sample from `a` to `b` has it; 1 for reflection
 ///
 /// # Errors
 /// The counter-example.
 ///
 /// Source: Veach, thesis (1997), §5.2.
 pub fn reciprocity_at(model: &dyn Model, a: Local, b: Local, eta: f32) -> Result<(), CounterExample> {
-    // Times both cosines, so that none divides.
+    // Both sides are multiplied with both cosines, so that nothing is divided by them.
     let there = |a: Local, b: Local| model.eval(a, b, Importance) * a.abs_cos();
     let back = |a: Local, b: Local| model.eval(b, a, Radiance) * b.abs_cos();
     let radiance = |a: Local, b: Local| model.eval(a, b, Radiance) * (eta * eta * a.abs_cos());
     let forth = there(a, b);
-    let slack =
-        |f: &dyn Fn(Local, Local) -> Spectrum| wobble(f(a, b), rounded(a).map(|a| f(a, b)).into_iter().chain(rounded(b).map(|b| f(a, b))));
+    let slack = |f: &dyn Fn(Local, Local) -> Spectrum| {
+        rounding_sensitivity(f(a, b), rounded(a).map(|a| f(a, b)).into_iter().chain(rounded(b).map(|b| f(a, b))))
+    };
     let both = |f: &dyn Fn(Local, Local) -> Spectrum| {
         let value = f(a, b);
         near(forth, value, TOLERANCE, Spectrum::BLACK) || near(forth, value, TOLERANCE, slack(&there) + slack(f))

@@ -1,15 +1,16 @@
-//! What a sample says about itself is what `eval` and `pdf` say about it.
+//! Law of weights: the weight and density of a sample agree with `eval` and `pdf`.
 
-use super::{Case, Input, MODES, Outcome, colors, near, random_inputs, shifted, show, wobble};
+use super::{Case, Input, MODES, Outcome, colors, near, random_inputs, rounding_sensitivity, shifted, show};
 use crate::bsdf::TransportMode;
 use crate::math::{Density, Local, Spectrum};
 use crate::proof::Model;
 use crate::proof::report::{CERTAIN, CounterExample};
 use glam::Vec2;
 
-/// Of weights and densities, relative: some hundred roundings, and far below what a picture shows.
+/// Relative tolerance of weights and densities: some hundred roundings, far below what a picture shows.
 const TOLERANCE: f32 = 1e-4;
 
+/// Tests the law `weight`.
 pub fn weight(case: &Case) -> Outcome {
     let mut smooth = 0u64;
     let mut refusal = None;
@@ -24,9 +25,9 @@ pub fn weight(case: &Case) -> Outcome {
     Outcome::new(refusal, vec![format!("{smooth} samples with a density compared")])
 }
 
-/// The law `weight` for one input: density = pdf(wo, wi) and weight · density = eval(wo, wi), to 10⁻⁴.
+/// Tests the law `weight` for one input: density = pdf(wo, wi) and weight · density = eval(wo, wi), to 10⁻⁴.
 ///
-/// Where the values jump or climb steeply, they may be those of a direction that differs by a few roundings.
+/// Where the functions jump or are steep, their values may be those of a direction that differs by a few roundings.
 ///
 /// # Errors
 /// The counter-example.
@@ -54,8 +55,9 @@ pub fn weight_at(model: &dyn Model, wo: Local, choice: f32, u: Vec2, mode: Trans
     Ok(())
 }
 
-/// Equal to the function's value at `wi`, or within the range of its values next to it.
+/// Returns whether a value equals that of the function at `wi`, or lies within the range of its values next to `wi`.
 fn agrees(value: Spectrum, of: impl Fn(Local) -> Spectrum, wi: Local) -> bool {
     let centre = of(wi);
-    near(value, centre, TOLERANCE, Spectrum::BLACK) || near(value, centre, TOLERANCE, wobble(centre, shifted(wi, 4.0).map(of)))
+    near(value, centre, TOLERANCE, Spectrum::BLACK)
+        || near(value, centre, TOLERANCE, rounding_sensitivity(centre, shifted(wi, 4.0).map(of)))
 }

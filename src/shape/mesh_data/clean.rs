@@ -1,19 +1,19 @@
-//! Cleaning of a mesh: what it drops, what it repairs, and how it says so.
+//! Cleaning of meshes, and the report about it.
 
 use glam::{DVec3, Vec3};
 
 use super::MeshData;
 
-/// What cleaning changed; all zero for a sound mesh.
+/// Numbers of changes by cleaning; all zero for a sound mesh.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct CleanReport {
-    /// Triangles without area, dropped.
+    /// Removed triangles without area.
     pub degenerate: usize,
-    /// Triangles that lay exactly on another, dropped.
+    /// Removed triangles that were equal to another.
     pub duplicate: usize,
-    /// Normals that gave no direction (zero length, or no numbers), now flat.
+    /// Normals without direction (zero or not finite), which now mark a flat surface.
     pub directionless: usize,
-    /// Triangles whose corner normals all point away from their geometric normal; left as they are.
+    /// Triangles whose corner normals all point away from their geometric normal. They are not changed.
     pub opposed: usize,
 }
 
@@ -46,8 +46,8 @@ pub(super) fn clean(mut mesh: MeshData) -> (MeshData, CleanReport) {
         report.opposed += usize::from(usable && opposes_normals(&mesh, triangle, cross));
         keep.push(usable);
     }
-    for twin in duplicates(&mesh, &keep) {
-        keep[twin as usize] = false;
+    for triangle in duplicates(&mesh, &keep) {
+        keep[triangle as usize] = false;
         report.duplicate += 1;
     }
     if report.degenerate + report.duplicate > 0 {
@@ -57,7 +57,7 @@ pub(super) fn clean(mut mesh: MeshData) -> (MeshData, CleanReport) {
     (mesh, report)
 }
 
-/// Sets normals that are no numbers to zero and counts them; an array of zeros says nothing and is emptied.
+/// Sets normals that are not finite to zero and counts them. Empties an array of zeros, which has no information.
 fn flatten_directionless(normals: &mut Vec<Vec3>) -> usize {
     let mut count = 0;
     for normal in normals.iter_mut().filter(|n| !n.is_finite()) {
@@ -70,11 +70,12 @@ fn flatten_directionless(normals: &mut Vec<Vec3>) -> usize {
     count
 }
 
+/// Whether all corner normals point away from the geometric normal.
 fn opposes_normals(mesh: &MeshData, triangle: [u32; 3], cross: DVec3) -> bool {
     !mesh.normals.is_empty() && triangle.iter().all(|&i| mesh.normals[i as usize].as_dvec3().dot(cross) < 0.0)
 }
 
-/// The positions' bits, rotated so that the smallest comes first: equal for equal triangles, and −0 equals 0.
+/// Bits of the positions, rotated so that the smallest comes first. They are equal for equal triangles, and −0 equals 0.
 fn outline(mesh: &MeshData, triangle: [u32; 3]) -> [[u32; 3]; 3] {
     let mut corners = triangle.map(|i| (mesh.positions[i as usize] + 0.0).to_array().map(f32::to_bits));
     let first = (0..3).min_by_key(|&i| corners[i]).unwrap_or(0);
@@ -82,10 +83,10 @@ fn outline(mesh: &MeshData, triangle: [u32; 3]) -> [[u32; 3]; 3] {
     corners
 }
 
-/// The kept triangles that repeat an earlier one of their part.
+/// Kept triangles that are equal to an earlier one of their part.
 ///
-/// Sorting by hash brings equals together with 12 bytes per triangle; only equal hashes are compared in full, by
-/// sorting again, so that no input makes it quadratic.
+/// Sorting by hash groups equal triangles with 12 bytes per triangle. Triangles with equal hashes are compared in full by sorting
+/// again, so that no input takes quadratic time.
 fn duplicates(mesh: &MeshData, keep: &[bool]) -> Vec<u32> {
     let key = |part: usize, t: u32| (part, outline(mesh, mesh.triangles[t as usize]));
     let mut hashed = Vec::with_capacity(mesh.triangles.len());
@@ -96,22 +97,22 @@ fn duplicates(mesh: &MeshData, keep: &[bool]) -> Vec<u32> {
     }
     hashed.sort_unstable();
     let part_of = |t: u32| mesh.parts.partition_point(|p| p.triangles.end <= t);
-    let mut twins = Vec::new();
+    let mut repeated = Vec::new();
     for equal_hash in hashed.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
         let mut run: Vec<_> = equal_hash.iter().map(|&(_, t)| (key(part_of(t), t), t)).collect();
         run.sort_unstable();
-        twins.extend(run.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1));
+        repeated.extend(run.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1));
     }
-    twins
+    repeated
 }
 
-/// Multiplicative hashing (Knuth), enough to tell triangles apart; equal hashes are compared in full.
+/// Multiplicative hash (Knuth) of a triangle.
 fn hash((part, outline): (usize, [[u32; 3]; 3])) -> u64 {
     let mix = |hash: u64, &word: &u32| (hash ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
     outline.as_flattened().iter().fold(part as u64, mix)
 }
 
-/// Keeps the marked triangles; parts shrink with them, and those that become empty go.
+/// Removes the triangles that are not marked, and the parts that become empty.
 fn retain(mesh: &mut MeshData, keep: &[bool]) {
     let mut kept = 0;
     for part in &mut mesh.parts {
@@ -124,7 +125,7 @@ fn retain(mesh: &mut MeshData, keep: &[bool]) {
     mesh.triangles.retain(|_| marks.next() == Some(&true));
 }
 
-/// Drops the vertices that no triangle uses: they would stretch the bounds.
+/// Removes the vertices that no triangle uses, because they would enlarge the bounds.
 fn drop_unused_vertices(mesh: &mut MeshData) {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|&i| used[i as usize] = true);

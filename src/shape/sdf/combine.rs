@@ -1,4 +1,4 @@
-//! Fields made of fields.
+//! Boolean operations on fields.
 
 use glam::DVec3;
 
@@ -6,10 +6,10 @@ use super::dual::Scalar;
 use super::flat::ChebyshevBox;
 use super::{Field, everywhere};
 
-/// min over the parts
+/// Union: min over the parts
 ///
-/// A part is not asked where its box is farther away than another part is: no distance is less than Chebyshev's to
-/// the box around the field.
+/// A part is not evaluated where the Chebyshev distance to its bounding box exceeds the distance of another part, because no distance
+/// is less than that.
 ///
 /// Tests: boxes_are_nearer_than_fields.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +17,7 @@ pub struct Union {
     members: Vec<Member>,
 }
 
+/// Part of a union with its bounding box.
 #[derive(Clone, Debug, PartialEq)]
 struct Member {
     field: Field,
@@ -24,7 +25,7 @@ struct Member {
 }
 
 impl Union {
-    /// - `of`: at least one
+    /// The union of at least one field.
     pub fn new(of: Vec<Field>) -> Union {
         let member = |field: Field| {
             let [low, high] = if field.keeps_its_box() { field.bounds(0.0) } else { everywhere() };
@@ -33,15 +34,16 @@ impl Union {
         Union { members: of.into_iter().map(member).collect() }
     }
 
+    /// Parts of the union.
     pub fn of(&self) -> impl Iterator<Item = &Field> {
         self.members.iter().map(|member| &member.field)
     }
 
-    /// The least distance, and the first member that has it; infinitely far away where there is none.
+    /// Least distance, and the first part that has it; infinity if there are no parts.
     pub fn nearest<S: Scalar>(&self, p: [S; 3]) -> (S, usize) {
         let place = p.map(S::value);
         let mut best = (S::constant(f64::INFINITY), 0);
-        // From the last: large things, of simple distances, tend to come last.
+        // The last parts are evaluated first, because large parts with simple formulas tend to come last.
         for (k, member) in self.members.iter().enumerate().rev() {
             if member.bounds.distance(place) <= best.0.value() {
                 let distance = member.field.distance(p);
@@ -60,10 +62,10 @@ impl Union {
     }
 }
 
-/// max over the parts
+/// Intersection: max over the parts
 #[derive(Clone, Debug, PartialEq)]
 pub struct Intersection {
-    /// At least one.
+    /// Parts, at least one.
     pub of: Vec<Field>,
 }
 
@@ -78,11 +80,12 @@ impl Intersection {
     }
 }
 
-/// What is left when the others are carved out: max(d, −min over the others)
+/// Difference: max(d, −min over the subtracted fields)
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
+    /// Field from which the others are subtracted.
     pub from: Box<Field>,
-    /// At least one.
+    /// Subtracted fields, at least one.
     pub minus: Vec<Field>,
 }
 
@@ -96,9 +99,10 @@ impl Difference {
     }
 }
 
-/// Everything else: −d
+/// Complement: −d
 #[derive(Clone, Debug, PartialEq)]
 pub struct Complement {
+    /// Field whose complement this is.
     pub of: Box<Field>,
 }
 
@@ -107,22 +111,23 @@ impl Complement {
         -self.of.distance(p)
     }
 
-    /// Of a half-space it would be another; of nothing else it is finite.
+    /// Bounds of all space. Only the complement of a half-space could have smaller ones.
     pub(super) fn bounds(&self, _: f64) -> [DVec3; 2] {
         everywhere()
     }
 }
 
-/// A union that fills its creases: min(a, b) − h² k / 4,  h = max(1 − |a − b| / k, 0)
+/// Smooth union, which fills creases: min(a, b) − h² k / 4,  h = max(1 − |a − b| / k, 0)
 ///
-/// One after the other. Its slope lies between those of a and b: the sum of ∂/∂a and ∂/∂b is 1, neither is negative.
+/// More than two parts are joined one after the other. The gradient is a convex combination of those of a and b, because ∂/∂a and ∂/∂b
+/// are not negative and their sum is 1.
 ///
 /// Source: Quílez, *Smooth minimum* (2013), the quadratic one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SmoothUnion {
-    /// At least one.
+    /// Parts, at least one.
     pub of: Vec<Field>,
-    /// k: creases are filled where the distances differ by less (m).
+    /// Width k: creases are filled where the distances differ by less (m).
     pub width: f64,
 }
 
@@ -136,18 +141,18 @@ impl SmoothUnion {
         self.of.iter().map(|field| field.distance(p)).reduce(join).unwrap_or(S::constant(f64::INFINITY))
     }
 
-    /// Each joining lowers the distance by k/4 at most.
+    /// Bounds. Each join lowers the distance by k/4 at most.
     pub(super) fn bounds(&self, grow: f64) -> [DVec3; 2] {
         hull(self.of.iter(), grow + 0.25 * self.width * (self.of.len() as f64 - 1.0))
     }
 }
 
-/// The least distance, the first of equals; infinitely far away where there is none.
+/// Least distance, the first of equal ones; infinity if there are none.
 fn least<S: Scalar>(distances: impl Iterator<Item = S>) -> S {
     distances.reduce(S::min).unwrap_or(S::constant(f64::INFINITY))
 }
 
-/// The box around the boxes.
+/// Bounding box of the bounding boxes.
 fn hull<'a>(fields: impl Iterator<Item = &'a Field>, grow: f64) -> [DVec3; 2] {
     let boxes = fields.map(|field| field.bounds(grow));
     boxes.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or(everywhere())

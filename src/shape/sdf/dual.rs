@@ -1,40 +1,44 @@
-//! Numbers with derivatives.
+//! Dual numbers for automatic differentiation.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
 use glam::DVec3;
 
-/// What the formula of a distance is made of: plain numbers, or numbers that know their gradient.
+/// Number type of distance formulas: f64, or [`Dual`] numbers with a gradient.
 pub trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
-    /// A number that does not depend on the point.
+    /// Constant, whose gradient is 0.
     fn constant(v: f64) -> Self;
 
+    /// Value without the gradient.
     fn value(self) -> f64;
 
-    /// Of 0: 0, with the gradient 0, for there is none.
+    /// Square root. At 0, where the gradient is not defined, the gradient is 0.
     fn sqrt(self) -> Self;
 
-    /// self / by; `by` is not 0.
+    /// Quotient self / by, where `by` is not 0.
     fn over(self, by: Self) -> Self;
 
+    /// Absolute value.
     fn abs(self) -> Self {
         if self.value() < 0.0 { -self } else { self }
     }
 
-    /// The smaller one; of equals the first.
+    /// Smaller of both numbers; `self` if they are equal.
     fn min(self, other: Self) -> Self {
         if other.value() < self.value() { other } else { self }
     }
 
-    /// The larger one; of equals the first.
+    /// Larger of both numbers; `self` if they are equal.
     fn max(self, other: Self) -> Self {
         if other.value() > self.value() { other } else { self }
     }
 
+    /// Sum with a constant.
     fn plus(self, v: f64) -> Self {
         self + Self::constant(v)
     }
 
+    /// Product with a constant.
     fn times(self, v: f64) -> Self {
         self * Self::constant(v)
     }
@@ -58,17 +62,19 @@ impl Scalar for f64 {
     }
 }
 
-/// v + g·dp: a function's value at a point, and its gradient there.
+/// Dual number v + g·dp: value and gradient of a function at a point.
 ///
 /// Source: Clifford, *Preliminary Sketch of Biquaternions* (1873). Tests: gradients_are_finite_differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual {
+    /// Value v.
     pub value: f64,
+    /// Gradient g.
     pub gradient: DVec3,
 }
 
 impl Dual {
-    /// The coordinates of `p`, as functions of `p`.
+    /// Coordinates of `p` as functions of `p`.
     pub fn coordinates(p: DVec3) -> [Dual; 3] {
         let along = |value, gradient| Dual { value, gradient };
         [along(p.x, DVec3::X), along(p.y, DVec3::Y), along(p.z, DVec3::Z)]

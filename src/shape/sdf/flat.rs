@@ -5,12 +5,14 @@ use glam::DVec3;
 use super::dual::Scalar;
 use super::space::{dot, length, offset};
 
-/// A box with rounded edges: |max(q, 0)| + min(max q, 0) − r,  q = |p − c| − h + r, h half the size.
+/// Box with rounded edges: |max(q, 0)| + min(max q, 0) − r,  q = |p − c| − h + r, where h is half the size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cuboid {
+    /// Lower corner (m).
     pub low: DVec3,
+    /// Upper corner (m).
     pub high: DVec3,
-    /// r, of the edges, within the box (m).
+    /// Radius r of the rounded edges, which lie within the box (m).
     pub rounding: f64,
 }
 
@@ -30,13 +32,15 @@ impl Cuboid {
     }
 }
 
-/// The same box without rounding by the largest of six plane distances: max over axes of max(low − p, p − high).
+/// Box by the greatest of six plane distances: max over axes of max(low − p, p − high).
 ///
-/// Chebyshev's distance: outside, beyond an edge or a corner, it is less than Euclid's, so that marching is slower
-/// there. Within the box they are the same.
+/// Outside, near an edge or a corner, this Chebyshev distance is less than the Euclidean distance, so that marching is slower. Inside
+/// the box they are equal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChebyshevBox {
+    /// Lower corner (m).
     pub low: DVec3,
+    /// Upper corner (m).
     pub high: DVec3,
 }
 
@@ -52,11 +56,12 @@ impl ChebyshevBox {
     }
 }
 
-/// The half-space behind a plane: (p − a)·n
+/// Half-space behind a plane: (p − a)·n
 #[derive(Clone, Debug, PartialEq)]
 pub struct HalfSpace {
+    /// Point a of the plane (m).
     pub point: DVec3,
-    /// Unit, out of the half-space.
+    /// Unit normal n, pointing out of the half-space.
     pub normal: DVec3,
 }
 
@@ -65,7 +70,7 @@ impl HalfSpace {
         dot(offset(p, self.point), self.normal)
     }
 
-    /// Finite on one side where the plane lies along the axes.
+    /// Bounds, which are finite on one side if the plane is perpendicular to an axis.
     pub(super) fn bounds(&self, grow: f64) -> [DVec3; 2] {
         let (mut low, mut high) = (DVec3::NEG_INFINITY, DVec3::INFINITY);
         for axis in 0..3 {

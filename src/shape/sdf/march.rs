@@ -1,45 +1,50 @@
-//! Where a line meets a distance field.
+//! Intersection of lines with distance fields.
 
 use glam::DVec3;
 
 use super::{Dual, Sdf};
 
-/// How a surface is looked for along a ray.
+/// Method of finding the surface along a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum March {
-    /// To where the field changes its sign, within rounding.
+    /// Finds the change of sign of the field, up to rounding.
     #[default]
     Exact,
+    /// Stops at a fixed distance from the surface.
     Fixed(Fixed),
 }
 
-/// As short programs do it: at a fixed distance before the surface, with numbers that suit one scene.
+/// Sphere tracing with a fixed stop distance, as in very short programs, with constants that suit one scene.
 ///
-/// A step is the whole distance; what is nearer than `stop` is hit, inside too, and so is what has not been reached
-/// after `most_steps`. The surface that is met is `stop` thicker than it is said to be, and its edges are as round as
-/// `normal_step`.
+/// Each step is the whole distance. A ray hits where the distance is below `stop`, also inside, or after `most_steps` steps. The solid
+/// is thicker than described by `stop`, and its edges are rounded by about `normal_step`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fixed {
-    /// (m)
+    /// Distance below which the surface counts as hit (m).
     pub stop: f64,
+    /// Number of steps after which the surface counts as hit.
     pub most_steps: u32,
-    /// How far a ray sees (m).
+    /// Greatest length of a ray (m).
     pub reach: f64,
-    /// Normals are differences over this (m), forward along each axis.
+    /// Step of the forward differences that give normals (m).
     pub normal_step: f64,
 }
 
-/// The points origin + t direction with from ≤ t ≤ to, in the field's own space; t is the world's.
+/// Points origin + t direction with from ≤ t ≤ to in the space of the field. t is that of world space.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
+    /// Point at t = 0.
     pub origin: DVec3,
-    /// Of any length.
+    /// Direction, of any length.
     pub direction: DVec3,
+    /// Least t.
     pub from: f64,
+    /// Greatest t.
     pub to: f64,
 }
 
 impl Line {
+    /// Point at t.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + self.direction * t
     }
@@ -48,16 +53,16 @@ impl Line {
 impl Sdf {
     /// The first t at which the field changes its sign.
     ///
-    /// Sphere tracing: at the distance d nothing is nearer than |d|, so the line may go on by it. Such steps shrink for
-    /// ever as the surface comes near. Below `floor`, the rounding of the points from which rays come, one step of
-    /// Newton's and as far again crosses it, if anything does there; what is between is found by its sign. So a hit is
-    /// a change of sign between two places, never a small distance.
+    /// Sphere tracing: the surface is no nearer than |d|, so that the line may advance by |d|. These steps become ever smaller near the
+    /// surface. Where the distance is below `floor`, the rounding error of the points from which rays start, twice a Newton step leads
+    /// to the other side if the line crosses the surface there, and the zero is found between the two signs. A hit is therefore always
+    /// a change of sign between two points, never merely a small distance.
     ///
-    /// - `floor`: in the field's space (m); no step is shorter, nor shorter than what f64 resolves of t
+    /// - `floor`: least step in the space of the field (m); a step is also no shorter than f64 resolves t
     ///
-    /// A line that stays very near to the surface without meeting it would take steps for ever: after every 128 the
-    /// shortest step doubles, and with it what may be passed unseen. Few lines take more than a hundred, and none more than
-    /// 128 · 53, whatever the scale: then the shortest step is the whole line.
+    /// A line that stays very near to the surface without hitting it would never end. The least step is therefore doubled after every
+    /// 128 steps, and thinner features may then be missed. Few lines take more than a hundred steps, and none more than 128 · 53, because
+    /// the least step is then the whole line, whatever the scale.
     ///
     /// Source: Hart, *Sphere Tracing* (1996). Tests: hits_are_the_analytic_ones, hits_lie_on_the_surface.
     pub(super) fn crossing(&self, line: &Line, floor: f64) -> Option<f64> {
@@ -68,7 +73,7 @@ impl Sdf {
         let mut d = value(t);
         let side = if d == 0.0 { self.heading(line, t) } else { 1f64.copysign(d) };
         for n in 0.. {
-            let shortest = floor * 2f64.powi(n / PATIENCE);
+            let shortest = floor * 2f64.powi(n / STEPS_PER_DOUBLING);
             if side * d <= floor
                 && let Some(ahead) = self.ahead(line, t, side, floor / speed)
             {
@@ -76,7 +81,7 @@ impl Sdf {
             }
             let next = t + (side * d).max(shortest) / speed;
             if !(next > t && next <= line.to) {
-                // The end itself may lie beyond the surface.
+                // The end of the line may lie beyond the surface.
                 return (side * value(line.to) < 0.0).then(|| root(value, side, t, line.to));
             }
             d = value(next);
@@ -88,13 +93,13 @@ impl Sdf {
         None
     }
 
-    /// The side on which a line that starts on the surface is about to be: 1 outside, −1 inside.
+    /// Side to which a line leads that starts on the surface: 1 outside, −1 inside.
     fn heading(&self, line: &Line, t: f64) -> f64 {
         let slope = self.distance(Dual::coordinates(line.at(t))).gradient.dot(line.direction);
         if slope < 0.0 { -1.0 } else { 1.0 }
     }
 
-    /// A place on the other side of the surface, twice as far as the slope says that the surface is.
+    /// Point on the other side of the surface, at twice the distance to the surface that the slope predicts; `None` if there is none.
     fn ahead(&self, line: &Line, t: f64, side: f64, floor: f64) -> Option<f64> {
         let here = self.distance(Dual::coordinates(line.at(t)));
         let slope = side * here.gradient.dot(line.direction);
@@ -103,39 +108,37 @@ impl Sdf {
         crosses.then_some(far)
     }
 
-    /// As [`Fixed`] has it: t of the place that counts as hit.
+    /// t of the hit by the method of [`Fixed`].
     pub(super) fn stop(&self, line: &Line, fixed: &Fixed) -> Option<f64> {
         let speed = line.direction.length();
-        let mut way = 0.0;
+        let mut length = 0.0;
         for step in 0.. {
-            let t = way / speed;
-            if !(way < fixed.reach && t <= line.to) {
+            let t = length / speed;
+            if !(length < fixed.reach && t <= line.to) {
                 return None;
             }
             let d = self.distance(line.at(t).to_array());
             if d < fixed.stop || step >= fixed.most_steps {
                 return Some(t);
             }
-            // Where t no longer changes, nothing does until the steps are used up.
-            if way + d == way {
+            // If t no longer changes, the result is the same after all steps.
+            if length + d == length {
                 return Some(t);
             }
-            way += d;
+            length += d;
         }
         None
     }
 }
 
-/// Steps after which the shortest one doubles.
-const PATIENCE: i32 = 128;
+/// Number of steps after which the least step is doubled.
+const STEPS_PER_DOUBLING: i32 = 128;
 
-/// A zero between `a`, where the value has the sign `side`, and `b`, where it has not: regula falsi, where the end
-/// that stays counts half each time (Illinois), and bisection should that be slow.
-///
-/// To 2⁻⁴⁸ of t, far below what f32 holds.
+/// Zero between `a`, where the value has the sign `side`, and `b`, where it has not, with a relative precision of 2⁻⁴⁸. The method is
+/// the Illinois variant of regula falsi, with bisection if it converges slowly.
 fn root(value: impl Fn(f64) -> f64, side: f64, mut a: f64, mut b: f64) -> f64 {
     let (mut fa, mut fb) = (side * value(a), side * value(b));
-    let mut stayed = 0;
+    let mut kept = 0;
     for n in 0..200 {
         if fb == 0.0 || (b - a).abs() <= 2f64.powi(-48) * b.abs() {
             break;
@@ -149,11 +152,11 @@ fn root(value: impl Fn(f64) -> f64, side: f64, mut a: f64, mut b: f64) -> f64 {
         } else {
             (b, fb) = (middle, f);
         }
-        // Positive: the far end stayed this often in a row; negative: the near end.
-        stayed = if outside { i32::max(stayed, 0) + 1 } else { i32::min(stayed, 0) - 1 };
-        if stayed >= 2 {
+        // Number of consecutive iterations that kept the far end (positive) or the near end (negative).
+        kept = if outside { i32::max(kept, 0) + 1 } else { i32::min(kept, 0) - 1 };
+        if kept >= 2 {
             fb *= 0.5;
-        } else if stayed <= -2 {
+        } else if kept <= -2 {
             fa *= 0.5;
         }
     }

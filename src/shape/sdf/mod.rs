@@ -1,12 +1,12 @@
-//! Surfaces given by their distance: where a field is 0, with the inside where it is negative.
+//! Signed distance fields: surfaces at the zeros of a function that is negative inside.
 //!
-//! A [`Field`] is a tree of primitives and operations. Its law: it changes by no more than a metre per metre (its
-//! Lipschitz bound is 1), so that |d| is never more than the distance to the surface and a ray may go on by |d| without
-//! passing anything. Primitives have it, operations keep it, stretches are divided by. Bounds of fields are those of
-//! {d ≤ grow}, which is what operations need of their parts.
+//! A [`Field`] is a tree of primitives and operations. Every field has the Lipschitz bound 1: it changes by no more than one metre per
+//! metre. |d| is therefore never more than the distance to the surface, and a ray may advance by |d| without crossing it. Primitives
+//! have this bound, operations keep it, and transforms divide by their stretch. The bounds of a field enclose {d ≤ grow}, because
+//! operations need enlarged bounds of their parts.
 //!
-//! To add a node: a struct with `distance` and `bounds` in one of these files (its formula on top), a variant and its
-//! arms here, a struct in `describe::field`, an arm in its builder, a row in `tests/it/fields/zoo.rs`.
+//! A new node is a struct with `distance` and `bounds` in one of these files, documented by its formula, a variant with its arms here, a
+//! struct in `describe::field`, an arm in its builder, and a row in `tests/it/fields/zoo.rs`.
 
 mod combine;
 mod dual;
@@ -29,23 +29,38 @@ pub use march::{Fixed, March};
 pub use round::{Ball, Capsule, Ring};
 pub use space::{Extruded, Mirrored, Placed, Repeated};
 
-/// A signed distance, or a bound of it.
+/// Signed distance, or a lower bound of its absolute value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Field {
+    /// Ball.
     Ball(Ball),
+    /// Segment with a radius.
     Capsule(Capsule),
+    /// Torus or half of one.
     Ring(Ring),
+    /// Box with rounded edges.
     Cuboid(Cuboid),
+    /// Box by the Chebyshev distance.
     ChebyshevBox(ChebyshevBox),
+    /// Half-space.
     HalfSpace(HalfSpace),
+    /// Union.
     Union(Union),
+    /// Intersection.
     Intersection(Intersection),
+    /// Difference.
     Difference(Difference),
+    /// Complement.
     Complement(Complement),
+    /// Union with filled creases.
     SmoothUnion(SmoothUnion),
+    /// Transformed field.
     Placed(Box<Placed>),
+    /// Field and its mirror image.
     Mirrored(Mirrored),
+    /// Row of copies.
     Repeated(Repeated),
+    /// Extruded cross-section.
     Extruded(Extruded),
 }
 
@@ -73,18 +88,18 @@ macro_rules! of_each {
 }
 
 impl Field {
-    /// At `p` (m), with whatever derivatives the numbers carry.
+    /// Distance at `p` (m), with the derivatives that the number type carries.
     pub fn distance<S: Scalar>(&self, p: [S; 3]) -> S {
         of_each!(self, node => node.distance(p))
     }
 
-    /// At `p`, negative inside (m).
+    /// Distance at `p`, negative inside (m).
     pub fn at(&self, p: DVec3) -> f64 {
         self.distance(p.to_array())
     }
 
-    /// Whether the distance is nowhere less than Chebyshev's to the box around the field: not where space is turned or
-    /// stretched.
+    /// Whether the distance is nowhere less than the Chebyshev distance to the bounding box. Rotated and stretched fields do not
+    /// guarantee this.
     fn keeps_its_box(&self) -> bool {
         match self {
             Field::Ball(_) | Field::Capsule(_) | Field::Ring(_) | Field::Cuboid(_) | Field::ChebyshevBox(_) => true,
@@ -100,32 +115,35 @@ impl Field {
         }
     }
 
-    /// The box around all points of distance ≤ `grow`: low and high corner, infinite where there is no end (m).
+    /// Lower and upper corner of the bounding box of all points with distance ≤ `grow`, infinite where the field has no end (m).
     pub fn bounds(&self, grow: f64) -> [DVec3; 2] {
         of_each!(self, node => node.bounds(grow))
     }
 }
 
+/// Bounds of all space.
 fn everywhere() -> [DVec3; 2] {
     [DVec3::NEG_INFINITY, DVec3::INFINITY]
 }
 
-/// A solid that a field describes, or several that meet: the first of the nearest is the part that a ray meets.
+/// Solid of one or more parts, each described by a field. Where several parts are equally near, the first one is hit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sdf {
+    /// Parts of the solid.
     pub parts: Union,
-    /// What lies outside of these corners is cut away (m); a cut shows no surface.
+    /// Lower and upper corner of a box outside of which the solid is cut away (m). The cuts have no surface.
     pub within: [DVec3; 2],
+    /// Method of intersection with rays.
     pub march: March,
 }
 
 impl Sdf {
-    /// One solid, whole.
+    /// A solid of one part, not cut.
     pub fn new(field: Field) -> Sdf {
         Sdf { parts: Union::new(vec![field]), within: everywhere(), march: March::Exact }
     }
 
-    /// The distance at `p`, and which part has it.
+    /// Distance at `p` (m), and the index of the nearest part.
     pub fn nearest(&self, p: DVec3) -> (f64, usize) {
         self.parts.nearest(p.to_array())
     }
@@ -134,13 +152,14 @@ impl Sdf {
         self.parts.distance(p)
     }
 
-    /// The box in which the surface lies, object space: infinite where nothing ends it, empty where `low` > `high`.
+    /// Lower and upper corner of the bounding box of the surface in object space: infinite where the surface has no end, empty if
+    /// `low` > `high`.
     pub fn extent(&self) -> [DVec3; 2] {
         let [low, high] = self.parts.bounds(0.0);
         [low.max(self.within[0]), high.min(self.within[1])]
     }
 
-    /// Along which axes it has an end.
+    /// Axes along which the surface has an end.
     pub fn ends(&self) -> BVec3 {
         let [low, high] = self.extent();
         low.is_finite_mask() & high.is_finite_mask()
@@ -154,7 +173,7 @@ impl Geometry for Sdf {
     }
 
     /// # Errors
-    /// `Invalid` where it has no end, or is nowhere.
+    /// `Invalid` if the surface has no end or is empty.
     fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>> {
         let [low, high] = self.extent();
         if !self.ends().all() {

@@ -1,15 +1,16 @@
-//! Round primitives: what lies within a distance of a point, a segment, a ring.
+//! Round primitives: points within a distance of a point, a segment or a ring.
 
 use glam::DVec3;
 
 use super::dual::Scalar;
 use super::space::{dot, length, offset};
 
-/// |p − c| − r
+/// Ball: |p − c| − r
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ball {
+    /// Centre c (m).
     pub center: DVec3,
-    /// (m)
+    /// Radius r (m).
     pub radius: f64,
 }
 
@@ -24,27 +25,28 @@ impl Ball {
     }
 }
 
-/// A segment with a radius: |p − a − h (b − a)| − r,  h = (p − a)·(b − a) / |b − a|² in [0, 1]
+/// Capsule, a segment with a radius: |p − a − h (b − a)| − r,  h = (p − a)·(b − a) / |b − a|² in [0, 1]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capsule {
     from: DVec3,
     line: DVec3,
-    /// line / |line|²: h is the product with it.
-    share: DVec3,
+    /// line / |line|², whose product with p − a is h.
+    scaled_line: DVec3,
     radius: f64,
 }
 
 impl Capsule {
-    /// - `from`, `to`: different points
-    /// - `radius`: (m)
+    /// A capsule around the segment between two different points.
+    ///
+    /// - `radius`: in metres
     pub fn new(from: DVec3, to: DVec3, radius: f64) -> Capsule {
         let line = to - from;
-        Capsule { from, line, share: line / line.length_squared(), radius }
+        Capsule { from, line, scaled_line: line / line.length_squared(), radius }
     }
 
     pub(super) fn distance<S: Scalar>(&self, p: [S; 3]) -> S {
         let from = offset(p, self.from);
-        let share = dot(from, self.share).max(S::constant(0.0)).min(S::constant(1.0));
+        let share = dot(from, self.scaled_line).max(S::constant(0.0)).min(S::constant(1.0));
         let apart = |axis: usize| from[axis] - share.times(self.line[axis]);
         length([apart(0), apart(1), apart(2)]).plus(-self.radius)
     }
@@ -56,17 +58,18 @@ impl Capsule {
     }
 }
 
-/// A ring in the plane z = c.z around c: √((√(x² + y²) − R)² + z²) − r, or its half at x > 0, with round ends.
+/// Torus around c in the plane z = c.z: √((√(x² + y²) − R)² + z²) − r, or its half at x > 0 with round ends.
 ///
-/// The half's distance at x ≤ 0 is that to the nearer end (0, ±R, 0).
+/// The distance to the half at x ≤ 0 is that to the nearer end (0, ±R, 0).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ring {
+    /// Centre c (m).
     pub center: DVec3,
-    /// R, of the circle (m).
+    /// Radius R of the circle (m).
     pub radius: f64,
-    /// r, about the circle (m).
+    /// Radius r of the tube (m).
     pub tube: f64,
-    /// Whether only x > c.x is there.
+    /// Whether only the half with x > c.x exists.
     pub half: bool,
 }
 

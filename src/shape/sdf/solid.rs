@@ -1,4 +1,4 @@
-//! A distance field in the world.
+//! Distance fields in world space.
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
@@ -8,24 +8,27 @@ use super::{Dual, Sdf};
 use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
 use crate::shape::{Facet, Shape, ShapeHit, SurfacePoint, VertexColor, offset_bound};
 
-/// Rays are taken into the field's own space, in f64, and keep the world's t: whatever the transform, |d| there is no
-/// more than the way to the surface there.
+/// Solid in world space.
 ///
-/// The `uv` of a hit is (part, 0).
+/// Rays are transformed to the space of the field in f64 and keep the t of world space. |d| is a bound of distances in the space of the
+/// field, whatever the transform.
+///
+/// The `uv` of a hit is (index of the part, 0).
 pub struct Solid {
     sdf: Sdf,
     to_world: Transform,
     to_object: DAffine3,
-    /// The box that is marched through, in the field's space.
+    /// Bounding box within which rays are marched, in the space of the field.
     extent: [DVec3; 2],
     bounds: Aabb,
-    /// Half an ulp of the largest coordinate: what f32 leaves of a point (m), in the world and in the field's space.
+    /// Half an ulp of the greatest coordinate, the rounding error of a point in f32 (m): in world space.
     rounding: f64,
+    /// The same length in the space of the field.
     floor: f64,
 }
 
 impl Solid {
-    /// `sdf` has an end along every axis.
+    /// A solid whose extent is finite along every axis.
     pub fn new(sdf: Sdf, to_world: &Transform) -> Solid {
         let extent = sdf.extent();
         let [low, high] = around(extent, to_world);
@@ -35,7 +38,7 @@ impl Solid {
         Solid { sdf, to_world: *to_world, to_object: to_world.inverse().matrix(), extent, bounds, rounding, floor }
     }
 
-    /// The part of a ray within the box.
+    /// Segment of a ray within the bounding box.
     fn line(&self, ray: &Ray) -> Option<Line> {
         let origin = self.to_object.transform_point3(ray.origin.as_dvec3());
         let direction = self.to_object.transform_vector3(ray.direction.as_dvec3());
@@ -44,10 +47,10 @@ impl Solid {
         for axis in 0..3 {
             let (a, b) = ((low[axis] - origin[axis]) / direction[axis], (high[axis] - origin[axis]) / direction[axis]);
             if direction[axis] == 0.0 {
-                let beside = origin[axis] < low[axis] || origin[axis] > high[axis];
-                to = if beside { f64::NEG_INFINITY } else { to };
+                let is_outside = origin[axis] < low[axis] || origin[axis] > high[axis];
+                to = if is_outside { f64::NEG_INFINITY } else { to };
             } else {
-                // A little more: a surface may lie in a side of the box.
+                // The slack covers surfaces that lie in a side of the box.
                 let slack = self.floor / direction[axis].abs();
                 (from, to) = (from.max(a.min(b) - slack), to.min(a.max(b) + slack));
             }
@@ -55,8 +58,8 @@ impl Solid {
         (from <= to && to.is_finite() && origin.is_finite() && direction.is_finite()).then_some(Line { origin, direction, from, to })
     }
 
-    /// Onto the surface along the gradient; with the distance that is left, and the gradient there.
-    fn settled(&self, mut p: DVec3) -> (DVec3, Dual) {
+    /// Moves a point to the surface along the gradient, and returns it with the remaining distance and the gradient.
+    fn project(&self, mut p: DVec3) -> (DVec3, Dual) {
         let mut here = self.sdf.distance(Dual::coordinates(p));
         for _ in 0..2 {
             let square = here.gradient.length_squared();
@@ -69,16 +72,18 @@ impl Solid {
         (p, here)
     }
 
-    /// - `apart`: how far from the surface `p` may be, beyond its rounding (m)
+    /// Surface point.
+    ///
+    /// - `apart`: greatest distance of `p` from the surface beyond its rounding (m)
     fn surface(&self, p: DVec3, gradient: DVec3, apart: f64, ray: &Ray) -> SurfacePoint {
         let normal = self.to_world.normal(gradient).as_vec3();
-        // A field may have no slope at a point: at the tip of a cone, or between equals.
+        // The gradient may be 0, for example at the tip of a cone or between two equal distances.
         let ng = if normal == Vec3::ZERO { -ray.direction } else { normal };
         let offset = offset_bound(ng, self.bounds.magnitude()) + (4.0 * self.rounding + apart) as f32;
         SurfacePoint { p: self.to_world.point(p).as_vec3(), offset, ng, ns: ng, uv: Vec2::ZERO, color: VertexColor::WHITE }
     }
 
-    /// (d(p + hx) − d, d(p + hy) − d, d(p + hz) − d), in the direction of the gradient.
+    /// Forward differences (d(p + hx) − d, d(p + hy) − d, d(p + hz) − d), which point in the direction of the gradient.
     fn forward_difference(&self, p: DVec3, h: f64) -> DVec3 {
         let d = |p: DVec3| self.sdf.distance(p.to_array());
         DVec3::new(d(p + DVec3::X * h), d(p + DVec3::Y * h), d(p + DVec3::Z * h)) - d(p)
@@ -94,7 +99,7 @@ impl Shape for Solid {
         self.bounds
     }
 
-    /// Not known.
+    /// The area is unknown.
     fn area(&self, _: u32) -> f32 {
         0.0
     }
@@ -110,7 +115,7 @@ impl Shape for Solid {
             March::Fixed(fixed) => self.sdf.stop(&line, fixed)?,
         };
         let (_, part) = self.sdf.nearest(line.at(t));
-        // Rays start off the surface; what is met at once is met a little later.
+        // Rays start off the surface. A hit at t = 0 is moved to the smallest positive t.
         let hit = ShapeHit { t: (t as f32).max(f32::MIN_POSITIVE), uv: Vec2::new(part as f32, 0.0) };
         (hit.t < ray.t_max).then_some(hit)
     }
@@ -120,12 +125,12 @@ impl Shape for Solid {
         let p = self.to_object.transform_point3(p);
         match self.sdf.march {
             March::Exact => {
-                let (p, left) = self.settled(p);
+                let (p, left) = self.project(p);
                 let apart = left.value.abs() * self.rounding / self.floor;
                 self.surface(p, left.gradient, apart, ray)
             }
             March::Fixed(Fixed { stop, normal_step, .. }) => {
-                // Twice what the march stops at, so that a ray that leaves is not stopped at once.
+                // Twice the stop distance of the march, so that a ray which leaves the surface does not stop at once.
                 let apart = 2.0 * stop * self.rounding / self.floor;
                 self.surface(p, self.forward_difference(p, normal_step), apart, ray)
             }
@@ -145,7 +150,7 @@ impl Shape for Solid {
         false
     }
 
-    /// Never asked for: no light is chosen that cannot be sampled.
+    /// Never called, because a light that cannot be sampled is never chosen.
     fn sample_area(&self, _: u32, _: Vec2) -> (SurfacePoint, AreaPdf) {
         let point =
             SurfacePoint { p: self.bounds.center(), offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO, color: VertexColor::WHITE };

@@ -1,4 +1,4 @@
-//! Fields seen through a change of space.
+//! Transformations of the space of a field.
 
 use glam::{DMat3, DVec3};
 
@@ -6,20 +6,21 @@ use super::dual::Scalar;
 use super::{Field, everywhere};
 use crate::math::Transform;
 
-/// A field moved, turned, stretched: s · d(M⁻¹ p),  s the least factor by which M stretches a length
+/// Field under an affine transform M: s · d(M⁻¹ p), where s is the least factor by which M stretches a length
 ///
-/// With s every stretch keeps the field's slope within 1; exact where M keeps shapes.
+/// The factor s keeps the slope of the field within 1. The distance is exact if M is a similarity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
     of: Box<Field>,
     to_world: Transform,
-    /// Of M⁻¹: its rows, and what is added.
+    /// Rows and translation of M⁻¹.
     rows: [DVec3; 3],
     shift: DVec3,
     scale: f64,
 }
 
 impl Placed {
+    /// The field under a transform.
     pub fn new(of: Field, to_world: Transform) -> Placed {
         let back = to_world.inverse().matrix();
         let rows = back.matrix3.transpose();
@@ -37,7 +38,7 @@ impl Placed {
     }
 }
 
-/// The box around a box that is moved; everywhere, where it has no end.
+/// Bounding box of a transformed box; all space if the box is not finite.
 pub(super) fn around([low, high]: [DVec3; 2], to_world: &Transform) -> [DVec3; 2] {
     if !(low.is_finite() && high.is_finite()) {
         return everywhere();
@@ -47,11 +48,11 @@ pub(super) fn around([low, high]: [DVec3; 2], to_world: &Transform) -> [DVec3; 2
     corners.map(|p| to_world.point(p)).fold(nothing, |[low, high], p| [low.min(p), high.max(p)])
 }
 
-/// The most by which a matrix stretches a length: exactly where it keeps shapes, else √(‖M‖₁ ‖M‖∞), which is no less.
+/// Upper bound of the factor by which a matrix stretches a length: exact for similarities, otherwise √(‖M‖₁ ‖M‖∞).
 pub(super) fn greatest_stretch(m: DMat3) -> f64 {
     let square = m.transpose() * m;
     let s2 = square.x_axis.x.max(square.y_axis.y).max(square.z_axis.z);
-    // A few roundings of each entry.
+    // The tolerance covers a few roundings of each entry.
     let near = |column: DVec3, e: DVec3| (column - e * s2).abs().max_element() <= 16.0 * f64::EPSILON * s2;
     if near(square.x_axis, DVec3::X) && near(square.y_axis, DVec3::Y) && near(square.z_axis, DVec3::Z) {
         return s2.sqrt();
@@ -60,11 +61,12 @@ pub(super) fn greatest_stretch(m: DMat3) -> f64 {
     (norm(m) * norm(m.transpose())).sqrt()
 }
 
-/// What lies at positive coordinates, and its mirror image: d(|x|, y, z)
+/// Part of a field at positive coordinates and its mirror image: d(|x|, y, z)
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mirrored {
+    /// Mirrored field.
     pub of: Box<Field>,
-    /// The axis across the mirror: 0, 1, 2.
+    /// Axis perpendicular to the mirror: 0, 1, 2.
     pub axis: usize,
 }
 
@@ -82,32 +84,33 @@ impl Mirrored {
     }
 }
 
-/// Copies in a row, one in each cell of the width `period`: the least of d(x − k T) over two neighbours
+/// Row of copies, one in each cell of the width `period`: the least of d(x − k T) over two neighbouring cells
 ///
-/// The cells are centred about the field, which must fit in one. The copy in the point's own cell may be farther away
-/// than one next door, on the side of the cell's middle on which the point lies: that is looked at too.
+/// The cells are centred on the field, which must fit in one cell. The copy in the cell of a point may be farther away than the copy in
+/// the neighbouring cell on the point's side of the centre, so that both are evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Repeated {
     of: Box<Field>,
     axis: usize,
     period: f64,
     copies: [f64; 2],
-    /// Of the cell k = 0.
+    /// Centre of the cell k = 0.
     middle: f64,
 }
 
 impl Repeated {
+    /// A row of copies; `None` if the field does not fit into a cell.
+    ///
     /// - `axis`: 0, 1, 2
     /// - `period`: T (m)
-    /// - `copies`: the first and the last k; without end where they are infinite
-    ///
-    /// `None` where the field does not fit into a cell.
+    /// - `copies`: first and last k, which may be infinite
     pub fn new(of: Field, axis: usize, period: f64, copies: [f64; 2]) -> Option<Repeated> {
         let [low, high] = of.bounds(0.0).map(|corner| corner[axis]);
         let fits = high - low <= period;
         fits.then(|| Repeated { of: Box::new(of), axis, period, copies, middle: 0.5 * (low + high) })
     }
 
+    /// Repeated field.
     pub fn of(&self) -> &Field {
         &self.of
     }
@@ -133,16 +136,17 @@ impl Repeated {
     }
 }
 
-/// The cross-section of a field at z = 0 as a bar along a tube: (max(d, 0)ᵖ + |z|ᵖ)^(1/p) − t,  d = d(x, y, 0)
+/// Extruded cross-section of a field at z = 0: (max(d, 0)ᵖ + |z|ᵖ)^(1/p) − t,  d = d(x, y, 0)
 ///
-/// All points within t of the section, by the p-norm: p = 2 rounds the edges to half circles, larger powers make them
-/// sharper. Its slope is at most 1, for the p-norm of a vector is at most its length.
+/// The solid contains all points within t of the section by the p-norm: p = 2 rounds the edges to half circles, and larger powers make
+/// them sharper. The slope is at most 1, because the p-norm of a vector for p ≥ 2 is at most its length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extruded {
+    /// Field whose cross-section is extruded.
     pub of: Box<Field>,
-    /// t (m)
+    /// Half of the thickness, t (m).
     pub half_thickness: f64,
-    /// log₂ p, at least 1: powers and roots are squares and square roots then, the same on every machine.
+    /// log₂ p, at least 1, so that powers and roots are repeated squares and square roots, which have the same bits on all machines.
     pub log_power: u32,
 }
 
@@ -154,7 +158,7 @@ impl Extruded {
         if more.value() == 0.0 {
             return S::constant(-self.half_thickness);
         }
-        // By their quotient, so that no power overflows or vanishes.
+        // The power is taken of the quotient, so that it neither overflows nor underflows.
         let squared = |q: S| q * q;
         let power = (0..self.log_power).fold(less.over(more), |q, _| squared(q)).plus(1.0);
         let root = (0..self.log_power).fold(power, |q, _| q.sqrt());

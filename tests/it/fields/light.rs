@@ -17,7 +17,7 @@ use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 use pt::shape::sdf::*;
 use pt::shape::{Quad, Sdf};
-use pt::world::{Wear, World, WorldBuilder};
+use pt::world::{PartAppearance, World, WorldBuilder};
 
 use crate::scenes::{Depth, Effort, Law, black, confirm, facing, glow, gray, measure, picture, probe};
 
@@ -41,7 +41,7 @@ fn glass_vanishes_in_a_furnace() {
         let place = Transform::look_at(DVec3::new(0.4, 0.3, 3.0), DVec3::new(0.1, 0.2, 0.0), DVec3::Y).expect("a view");
         let mut world = World::builder(Camera::Perspective(Perspective::new(Pose::new(&place), 50.0, 0.0, 1.0)));
         let glass = world.material(Material::glass(1.5));
-        world.solid(Sdf::new(field.clone()), Transform::IDENTITY, vec![Wear { material: glass, emitter: None }]);
+        world.solid(Sdf::new(field.clone()), Transform::IDENTITY, vec![PartAppearance { material: glass, emitter: None }]);
         world.light(Light::Environment(Environment { radiance: Spectrum::ONE }));
         let path = Path { max_depth: 1000, roulette_depth: 1000 };
         let image = picture(Arc::new(world.build().expect("a world")), &path, FilmSpec::new(16, 16), sampler(16));
@@ -56,7 +56,8 @@ fn lamp(radius: f64, height: f64) -> WorldBuilder {
     let (matte, dark) = (world.material(Material::diffuse(gray(0.5))), world.material(black()));
     world.shape(Quad { size: [20.0; 2] }, facing(DVec3::ZERO, DVec3::Y), matte, None);
     let lamp = Sdf { parts: Union::new(vec![ball(radius), ball(0.5 * radius)]), ..Sdf::new(ball(radius)) };
-    let parts = vec![Wear { material: dark, emitter: glow(4.0).map(Emitter::from) }, Wear { material: dark, emitter: None }];
+    let parts =
+        vec![PartAppearance { material: dark, emitter: glow(4.0).map(Emitter::from) }, PartAppearance { material: dark, emitter: None }];
     world.solid(lamp, Transform::translate(DVec3::Y * height).expect("finite"), parts);
     world
 }
@@ -71,7 +72,7 @@ fn emission_is_met_by_chance() {
     confirm(vec![law.resolution(5e-3, 5e-3).by_chance(5e-3).not_by_lights_alone()], Effort::Quick);
 
     let scene = lamp(radius, height).build().expect("a world");
-    assert!(scene.effects().contains(Effects::FOUND_LIGHT) && scene.lights().shine());
+    assert!(scene.effects().contains(Effects::UNSAMPLED_EMITTER) && scene.lights().has_emission());
     assert!(scene.lights().sample(glam::Vec3::ZERO, 0.5, glam::Vec2::splat(0.5)).is_none(), "nothing to sample");
 }
 

@@ -18,7 +18,7 @@ use pt::film::FilmSpec;
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
 use pt::integrators::whitted::Whitted;
 use pt::math::{Frame, Ray, Spectrum, fresnel};
-use pt::measure::{Render, agreement};
+use pt::measure::{SampledImage, agreement};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 
@@ -152,7 +152,7 @@ fn the_comparison_refuses_every_mistake() {
     let pt = image(&Whitted { max_depth: 2, ..Whitted::default() }, 1);
     for (refraction, _) in ALL {
         let other = image(&Tracer(refraction), 2);
-        let found = agreement(Render { image: &pt, samples: 64 }, Render { image: &other, samples: 64 }, 1e-3).unwrap();
+        let found = agreement(SampledImage { image: &pt, samples: 64 }, SampledImage { image: &other, samples: 64 }, 1e-3).unwrap();
         assert_eq!(found.accepts(), refraction == Refraction::Right, "{refraction:?}: {found}");
     }
 }

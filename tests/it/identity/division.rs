@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 use proptest::prelude::*;
-use pt::film::{Block, Crop, Film, FilmSpec, MomentFilm, Moments, Tree, Wave};
+use pt::film::{Crop, Film, FilmSpec, MomentFilm, Moments, PixelSums, Tree, Wave};
 use pt::integrators::ALL;
 use pt::math::Spectrum;
 use pt::sampler::{Kind, SamplerSpec};
@@ -98,7 +98,7 @@ proptest! {
             let mut film = MomentFilm::new(FilmSpec::new(1, 1));
             for first in 0..count {
                 let value = Spectrum::gray((random.unit() * random.decade(-3.0, 3.0)) as f32 * factor);
-                film.add(Wave { first, level: 0 }, Block::of_samples(&[Moments::of(value)]));
+                film.add(Wave { first, level: 0 }, PixelSums::of_samples(&[Moments::of(value)]));
             }
             film.image().channels.iter().filter(|c| c.name != "SampleCount.Y").map(|c| c.values[0]).collect::<Vec<f32>>()
         };

@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
-use pt::bsdf::microfacet::finish::{Alpha, Finish};
+use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{Element, Material, NormalModifier, Principled, SurfaceMaterial, textured};
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::Integrator;
 use pt::light::{Directional, Emission, Environment, Falloff, Light, Point, Spot};
 use pt::math::{Spectrum, Transform};
-use pt::render::{Report, Settings, Silent, render};
+use pt::render::{RenderReport, Settings, Silent, render};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 use pt::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
@@ -69,7 +69,7 @@ impl Zoo {
         let mirror = world.material(Material::mirror(Spectrum::rgb(0.9, 0.95, 1.0)));
         let gold = world.material(Material::metal((Spectrum::rgb(0.2, 0.9, 1.1), Spectrum::rgb(3.9, 2.4, 2.2)), None, true));
         let glass = world.material(Material::glass(1.5));
-        let finish = |alpha: Vec2, distribution| Finish { alpha: Alpha::Constant(alpha), distribution };
+        let finish = |alpha: Vec2, distribution| Roughness { alpha: Alpha::Constant(alpha), distribution };
         let brushed = world.material(Material::metal(Element::Cu.index(), Some(finish(Vec2::new(0.3, 0.06), Distribution::Ggx)), true));
         let frosted = textured::Dielectric::new(1.5, Spectrum::ONE, Some(finish(Vec2::splat(0.2), Distribution::Beckmann)), true);
         let absorption = Spectrum::rgb(0.3, 1.0, 2.0) * (1.0 / self.scale) as f32;
@@ -103,7 +103,7 @@ impl Zoo {
 
     /// Materials within materials, on a surface with a relief.
     fn paint(&self, color: Texture) -> SurfaceMaterial {
-        let finish = |alpha: f32| Some(Finish { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
+        let finish = |alpha: f32| Some(Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
         let paint = Principled {
             base_color: color.clone(),
             metallic: 0.5.into(),
@@ -119,8 +119,8 @@ impl Zoo {
             sheen_roughness: 0.45.into(),
             multiscatter: true,
         };
-        let relief = NormalModifier::Heights { map: color, scale: ((1e-3 * self.scale) as f32).into() };
-        SurfaceMaterial { relief: Some(relief), ..Material::from(paint).into() }
+        let normal_modifier = NormalModifier::BumpMap { map: color, scale: ((1e-3 * self.scale) as f32).into() };
+        SurfaceMaterial { normal_modifier: Some(normal_modifier), ..Material::from(paint).into() }
     }
 
     fn add_lights(
@@ -128,15 +128,15 @@ impl Zoo {
         world: &mut pt::world::WorldBuilder,
         at: &dyn Fn(f64, f64, f64) -> Transform,
         down: &Transform,
-        worn: pt::world::MaterialId,
+        material: pt::world::MaterialId,
     ) {
         let glow = |r, g, b| Spectrum::rgb(r, g, b) * self.emission;
         let square = (self.scale * self.scale) as f32;
         let has = |which| self.lights == Which::All || self.lights == which;
         let lamp = has(Which::AreaOnly).then(|| Emission::new(glow(6.0, 5.0, 4.0)));
-        world.shape(Quad { size: [0.8, 0.6] }, self.place(down.then(&at(0.3, 2.5, 0.2))), worn, lamp);
+        world.shape(Quad { size: [0.8, 0.6] }, self.place(down.then(&at(0.3, 2.5, 0.2))), material, lamp);
         let bulb = has(Which::AreaOnly).then(|| Emission { radiance: glow(2.0, 8.0, 3.0), two_sided: true });
-        world.shape(Sphere { radius: 0.1 }, self.place(at(-0.4, 1.4, 0.5)), worn, bulb);
+        world.shape(Sphere { radius: 0.1 }, self.place(at(-0.4, 1.4, 0.5)), material, bulb);
         if has(Which::DirectionalOnly) {
             let direction = Vec3::new(0.5, -0.75, -0.4).normalize();
             world.light(Light::Directional(Directional { direction, irradiance: glow(0.5, 0.4, 0.3) }));
@@ -208,7 +208,7 @@ pub fn bits(image: &Image) -> Bits {
 pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, shot: &Shot) -> Image {
     let mut film = MomentFilm::new(shot.film.clone());
     let settings = Settings { tile: shot.tile, ..Settings::new(shot.sampler) };
-    let report: Report = render(scene, integrator, &mut film, &settings, &Silent);
+    let report: RenderReport = render(scene, integrator, &mut film, &settings, &Silent);
     assert_eq!(report.invalid, 0, "{:?} {shot:?}", report.first_invalid);
     assert_eq!(report.samples, shot.sampler.spp);
     film.image()

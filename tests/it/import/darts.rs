@@ -1,7 +1,7 @@
 //! Scenes of dirt and darts.
 
 mod commands;
-mod course;
+mod coursework;
 mod shared_scenes;
 mod table;
 mod textures;
@@ -14,7 +14,7 @@ use pt::describe::{self, Source};
 use pt::film::{Image, MomentFilm};
 use pt::import::{Imported, import};
 use pt::integrator::choose;
-use pt::measure::{Render, agreement, sidak};
+use pt::measure::{SampledImage, agreement, sidak};
 use pt::render::{Settings, Silent, render};
 use pt::sampler::SamplerSpec;
 
@@ -110,13 +110,13 @@ fn its_integrators_agree_within_their_error_bars() {
     let images: Vec<Image> = methods.iter().zip(1..).map(|(method, seed)| by(method, 5, seed)).collect();
     let pairs = methods.len() - 1;
     for (method, image) in methods.iter().zip(&images).filter(|(method, _)| **method != "path tracer mis") {
-        let side = |image| Render { image, samples: SAMPLES };
+        let side = |image| SampledImage { image, samples: SAMPLES };
         let found = agreement(side(image), side(&images[2]), sidak(0.01, pairs)).expect("two sides");
         assert!(found.accepts(), "{method}: {found}");
     }
     // And the question has an answer: less light by one bounce is seen.
     let short = by("path tracer nee", 4, 9);
-    let side = |image| Render { image, samples: SAMPLES };
+    let side = |image| SampledImage { image, samples: SAMPLES };
     assert!(!agreement(side(&short), side(&images[2]), 0.01).expect("two sides").accepts());
 }
 

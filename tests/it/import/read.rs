@@ -4,7 +4,7 @@ use std::path::Path;
 
 use pt::bsdf::TransportMode;
 use pt::describe::{self, Built, Files, Source};
-use pt::import::{Framing, import_with};
+use pt::import::{AutoCamera, import_with};
 use pt::math::{Ray, Spectrum};
 use pt::scene::{Scene, Surface};
 use pt::shape::MeshData;
@@ -20,12 +20,13 @@ pub struct Read {
 
 /// Reads a scene, as the command line does before it renders.
 pub fn try_read(path: &Path) -> pt::Result<Read> {
-    try_read_with(path, Framing::default(), &[])
+    try_read_with(path, AutoCamera::default(), &[])
 }
 
 /// As [`try_read`], with a view of one's own and values that override those of the file.
-pub fn try_read_with(path: &Path, framing: Framing, overrides: &[(&str, &str)]) -> pt::Result<Read> {
-    let imported = import_with(path, false, framing, |root, _| overrides.iter().try_for_each(|(pointer, value)| root.set(pointer, value)))?;
+pub fn try_read_with(path: &Path, auto_camera: AutoCamera, overrides: &[(&str, &str)]) -> pt::Result<Read> {
+    let imported =
+        import_with(path, false, auto_camera, |root, _| overrides.iter().try_for_each(|(pointer, value)| root.set(pointer, value)))?;
     describe::read(&imported.root, &imported.file)?;
     let tree = serde_json::from_str(&imported.root.to_string()).expect("JSON");
     Ok(Read { tree, root: imported.root, files: imported.files, notes: imported.notes.iter().map(|note| note.to_string()).collect() })

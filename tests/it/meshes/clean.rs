@@ -1,10 +1,10 @@
 //! Cleaning: what goes, what stays, and what it says.
 
 use super::*;
-use pt::shape::mesh_data::{CleanReport, Part};
+use pt::shape::mesh_data::{CleanReport, MeshPart};
 
 fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> MeshData {
-    let part = Part { triangles: 0..triangles.len() as u32, ..Part::default() };
+    let part = MeshPart { triangles: 0..triangles.len() as u32, ..MeshPart::default() };
     MeshData {
         positions: positions.iter().copied().map(Vec3::from).collect(),
         triangles: triangles.to_vec(),
@@ -34,7 +34,7 @@ fn duplicates_merge_within_their_part_only() {
     // The last vertex is the first again; the reversed triangle is another side, and stays.
     let triangles = [[0, 1, 2], [1, 2, 3], [2, 0, 1], [0, 2, 1], [0, 1, 2], [3, 1, 2]];
     let mut two_parts = mesh(&corners, &triangles);
-    two_parts.parts = vec![Part { triangles: 0..4, ..Part::default() }, Part { triangles: 4..6, ..Part::default() }];
+    two_parts.parts = vec![MeshPart { triangles: 0..4, ..MeshPart::default() }, MeshPart { triangles: 4..6, ..MeshPart::default() }];
     let (clean, report) = two_parts.clean();
     assert_eq!(report, CleanReport { duplicate: 3, ..CleanReport::default() });
     assert_eq!(clean.triangles, [[0, 1, 2], [0, 2, 1], [0, 1, 2]]);
@@ -45,7 +45,7 @@ fn duplicates_merge_within_their_part_only() {
 #[test]
 fn empty_parts_and_unused_vertices_go() {
     let mut spotty = mesh(&[[9.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[1, 1, 2], [1, 2, 3]]);
-    spotty.parts = vec![Part { triangles: 0..1, ..Part::default() }, Part { triangles: 1..2, ..Part::default() }];
+    spotty.parts = vec![MeshPart { triangles: 0..1, ..MeshPart::default() }, MeshPart { triangles: 1..2, ..MeshPart::default() }];
     spotty.uvs = (0..4).map(|i| Vec2::splat(i as f32)).collect();
     let (clean, report) = spotty.clean();
     assert_sound(&clean);

@@ -17,7 +17,7 @@ fn meshes() -> impl Strategy<Value = MeshData> {
             let triangles: Vec<_> = triangles.into_iter().map(|t| t.map(|i| i % count)).collect();
             let (end, cut) = (triangles.len() as u32, cut.min(triangles.len() as u32));
             let name = |s: &str| Some(s.to_string());
-            let part = |range, material| pt::shape::mesh_data::Part { material, group: name("group of parts"), triangles: range };
+            let part = |range, material| pt::shape::mesh_data::MeshPart { material, group: name("group of parts"), triangles: range };
             MeshData {
                 positions: vertices.iter().map(|v| v.0).collect(),
                 normals: vertices.iter().filter(|_| has_normals).map(|v| v.1).collect(),

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use pt::film::{FilmSpec, MomentFilm};
 use pt::integrators::ALL;
-use pt::measure::{Course, Target, Until, Watcher, follow, follow_on};
-use pt::render::{Observer, Render, Report, Settings, Silent};
+use pt::measure::{ErrorHistory, ErrorObserver, ErrorTarget, StopCondition, render_until, resume_until};
+use pt::render::{Observer, Render, RenderReport, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
 
@@ -23,10 +23,10 @@ fn film() -> FilmSpec {
 }
 
 /// Samples `from` … `to − 1`, on so many threads and tiles of this edge.
-fn taken(scene: &Arc<dyn Scene>, sampler: SamplerSpec, from: u64, to: u64, threads: usize, tile: u32) -> (MomentFilm, Report) {
+fn taken(scene: &Arc<dyn Scene>, sampler: SamplerSpec, from: u64, to: u64, threads: usize, tile: u32) -> (MomentFilm, RenderReport) {
     let mut moments = MomentFilm::new(film());
     let settings = Settings { tile, ..Settings::new(sampler) };
-    let mut render = Render::new(scene.clone(), &*nee(), &film(), &settings).resumed(from, Report::default());
+    let mut render = Render::new(scene.clone(), &*nee(), &film(), &settings).resumed(from, RenderReport::default());
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had");
     pool.install(|| render.advance(to, &mut moments, &Silent));
     (moments, render.report().clone())
@@ -50,7 +50,7 @@ proptest! {
         for pair in ends.windows(2) {
             let path = folder.path().join(format!("{}.ptc", pair[0]));
             let (film, report) = taken(&scene, sampler, pair[0], pair[1], 1 + random.below(3), 1 + random.below(7) as u32);
-            write(&path, &about(&super::bits::film(), &sampler), &film, &report, &Course::default());
+            write(&path, &about(&super::bits::film(), &sampler), &film, &report, &ErrorHistory::default());
             paths.insert(random.below(paths.len() + 1), path);
         }
         // First some of them, then what that gave with the others.
@@ -60,7 +60,7 @@ proptest! {
             let sum = merged(some.iter().map(|path| stored(path)).collect());
             let path = folder.path().join("some.ptc");
             let films: Vec<&MomentFilm> = sum.films.iter().collect();
-            pt::part::write(&path, &sum.about, &films, &sum.report, &sum.course).expect("written");
+            pt::part::write(&path, &sum.about, &films, &sum.report, &sum.history).expect("written");
             all.push(stored(&path));
         }
         let sum = merged(all);
@@ -86,7 +86,7 @@ impl Observer for Impatient {
     }
 }
 
-impl Watcher for Impatient {}
+impl ErrorObserver for Impatient {}
 
 /// Stopped after each of its waves in turn, written, read and taken on, a render to a target stops where it would have, with the
 /// same numbers and the same looks at its error.
@@ -98,25 +98,25 @@ fn a_render_that_pauses_at_any_wave_is_one_that_never_did() {
     let sampler = SamplerSpec { seed: 5, kind: Kind::Sobol, spp: 0, scramblings: 2 };
     // An error that is met on the way, one that is not, and none.
     for (target, samples) in [(Some(0.5), 96), (Some(1e-3), 75), (None, 75)] {
-        let until = Until { samples, time: None, target: target.map(|error| Target { error, confidence: 0.95 }) };
+        let until = StopCondition { samples, time: None, target: target.map(|error| ErrorTarget { error, confidence: 0.95 }) };
         let start = || Render::new(scene.clone(), &*nee(), &film(), &Settings::new(sampler));
         let (mut whole, mut render) = (MomentFilm::new(film()), start());
-        let looks = |course: &Course| course.checkpoints.iter().map(|c| (c.samples, c.error)).collect::<Vec<_>>();
-        let wanted = follow(&mut render, &mut whole, &until, &Silent);
+        let looks = |history: &ErrorHistory| history.checkpoints.iter().map(|c| (c.samples, c.error)).collect::<Vec<_>>();
+        let wanted = render_until(&mut render, &mut whole, &until, &Silent);
         for waves in 1.. {
             let (mut moments, mut render) = (MomentFilm::new(film()), start());
-            let course = follow(&mut render, &mut moments, &until, &Impatient { waves: waves.into() });
+            let history = render_until(&mut render, &mut moments, &until, &Impatient { waves: waves.into() });
             if !render.report().cancelled {
                 break;
             }
-            write(&path, &about(&film(), &sampler), &moments, render.report(), &course);
+            write(&path, &about(&film(), &sampler), &moments, render.report(), &history);
             let mut state = merged(vec![stored(&path)]);
             let mut moments = state.films.remove(0);
             let mut render = start().resumed(moments.range().end, state.report);
-            let course = follow_on(state.course, &mut render, &mut moments, &until, &Silent);
+            let history = resume_until(state.history, &mut render, &mut moments, &until, &Silent);
             assert_eq!(numbers(&moments), numbers(&whole), "{target:?} after {waves} waves");
             // Without a target the interrupt itself may have been a look more.
-            let (found, wanted) = (looks(&course), looks(&wanted));
+            let (found, wanted) = (looks(&history), looks(&wanted));
             assert_eq!(found.last(), wanted.last(), "{target:?} after {waves} waves");
             assert!(target.is_none() || found == wanted, "{target:?} after {waves} waves: {found:?} for {wanted:?}");
             assert_eq!(render.report().samples, whole.samples());

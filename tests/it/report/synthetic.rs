@@ -5,7 +5,7 @@
 //! ```
 
 use glam::UVec2;
-use pt::compare::{Comparison, Cost, Measurement, Method, Point, Reference, TARGETS};
+use pt::compare::{CheckpointStats, Comparison, Cost, Measurement, Method, Reference, TARGETS};
 use pt::film::{Channel, Image};
 use pt::measure::Metric;
 
@@ -18,10 +18,10 @@ const CHECKPOINTS: u32 = 9;
 /// Four methods, one of them biased, one faster than the others with many samples.
 pub fn comparison() -> Comparison {
     let methods = vec![
-        method(1, "path", "independent", Course { variance: 4.0, order: 1.0, bias: 0.0, cost: 0.004 }),
-        method(2, "nee", "independent", Course { variance: 0.35, order: 1.0, bias: 0.0, cost: 0.006 }),
-        method(3, "nee · sobol", "sobol", Course { variance: 0.45, order: 1.3, bias: 0.0, cost: 0.007 }),
-        method(4, "whitted", "independent", Course { variance: 0.02, order: 1.0, bias: 0.11, cost: 0.0045 }),
+        method(1, "path", "independent", ErrorModel { variance: 4.0, order: 1.0, bias: 0.0, cost: 0.004 }),
+        method(2, "nee", "independent", ErrorModel { variance: 0.35, order: 1.0, bias: 0.0, cost: 0.006 }),
+        method(3, "nee · sobol", "sobol", ErrorModel { variance: 0.45, order: 1.3, bias: 0.0, cost: 0.007 }),
+        method(4, "whitted", "independent", ErrorModel { variance: 0.02, order: 1.0, bias: 0.11, cost: 0.0045 }),
     ];
     Comparison {
         scene: "cornell-box".into(),
@@ -38,14 +38,14 @@ pub fn comparison() -> Comparison {
 }
 
 #[derive(Clone, Copy)]
-struct Course {
+struct ErrorModel {
     variance: f64,
     order: f64,
     bias: f64,
     cost: f64,
 }
 
-impl Course {
+impl ErrorModel {
     fn relmse(&self, samples: f64) -> f64 {
         self.variance * samples.powf(-self.order) + self.bias * self.bias
     }
@@ -59,36 +59,36 @@ impl Course {
     }
 }
 
-fn method(seed: u32, name: &str, sampler: &str, course: Course) -> Method {
+fn method(seed: u32, name: &str, sampler: &str, model: ErrorModel) -> Method {
     let measure = |checkpoint: u32, replicate: u32| {
         let samples = 1u64 << checkpoint;
         let noise = 1.0 + 0.2 * normal(seed, 1000 * checkpoint + replicate);
-        let relmse = course.relmse(samples as f64) * noise;
-        let seconds = course.cost * samples as f64 * (1.0 + 0.01 * normal(seed + 50, 1000 * checkpoint + replicate));
+        let relmse = model.relmse(samples as f64) * noise;
+        let seconds = model.cost * samples as f64 * (1.0 + 0.01 * normal(seed + 50, 1000 * checkpoint + replicate));
         let others = vec![2.0 * relmse, relmse.sqrt()];
         Measurement { replicate, samples, seconds, mse: 0.3 * relmse, relmse, trimmed: 0.8 * relmse, others }
     };
     let measurements: Vec<Measurement> = (0..CHECKPOINTS).flat_map(|c| (0..REPLICATES).map(move |r| measure(c, r))).collect();
     let curve = measurements.chunks(REPLICATES as usize).map(point).collect();
-    let last = course.relmse(f64::from(1u32 << (CHECKPOINTS - 1))) - course.bias * course.bias;
-    let sample = picture(seed, course.bias, last.sqrt());
+    let last = model.relmse(f64::from(1u32 << (CHECKPOINTS - 1))) - model.bias * model.bias;
+    let sample = picture(seed, model.bias, last.sqrt());
     Method {
         name: name.into(),
         integrator: name.split(' ').next().unwrap_or(name).into(),
         sampler: sampler.into(),
         measurements,
         curve,
-        image: picture(seed + 100, course.bias, (last / f64::from(REPLICATES)).sqrt()),
+        image: picture(seed + 100, model.bias, (last / f64::from(REPLICATES)).sqrt()),
         sample,
-        slope: Some((if course.bias > 0.0 { 0.04 } else { course.order }, 0.02)),
-        bias: Some((course.bias, 0.002)).filter(|(bias, _)| *bias > 0.0),
-        prices: TARGETS.into_iter().map(|target| course.price(target)).collect(),
-        lacks: if course.bias > 0.0 { "diffuse interreflection".into() } else { String::new() },
+        slope: Some((if model.bias > 0.0 { 0.04 } else { model.order }, 0.02)),
+        bias: Some((model.bias, 0.002)).filter(|(bias, _)| *bias > 0.0),
+        prices: TARGETS.into_iter().map(|target| model.price(target)).collect(),
+        lacks: if model.bias > 0.0 { "diffuse interreflection".into() } else { String::new() },
     }
 }
 
 /// Mean and its standard error.
-fn point(replicates: &[Measurement]) -> Point {
+fn point(replicates: &[Measurement]) -> CheckpointStats {
     let count = replicates.len() as f64;
     let mean = |value: fn(&Measurement) -> f64| replicates.iter().map(value).sum::<f64>() / count;
     let estimate = |value: fn(&Measurement) -> f64| {
@@ -96,7 +96,7 @@ fn point(replicates: &[Measurement]) -> Point {
         let square = replicates.iter().map(|m| (value(m) - mean).powi(2)).sum::<f64>() / (count - 1.0);
         (mean, (square / count).sqrt())
     };
-    Point {
+    CheckpointStats {
         samples: replicates[0].samples,
         seconds: mean(|m| m.seconds),
         mse: estimate(|m| m.mse),

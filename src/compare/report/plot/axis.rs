@@ -1,6 +1,6 @@
-//! Logarithmic axes and where they are labelled.
+//! Logarithmic axes and their labels.
 
-/// From value to pixel: equal ratios are equal lengths.
+/// Map from value to pixel: equal ratios are equal lengths.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
     values: [f64; 2],
@@ -8,7 +8,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Over all positive values, with some air on both sides.
+    /// Axis that holds all positive values, with a margin on both sides.
     pub fn over(values: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Axis {
         let logs = values.filter(|v| v.is_finite() && *v > 0.0).map(f64::log10);
         let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
@@ -17,7 +17,7 @@ impl Axis {
         Axis { values: [low - air, high + air], pixels }
     }
 
-    /// Values beyond the ends are drawn at the ends.
+    /// Pixel of a value. Values beyond the ends are drawn at the ends.
     pub fn at(&self, value: f64) -> f64 {
         let [low, high] = self.values;
         let [from, to] = self.pixels;
@@ -25,20 +25,21 @@ impl Axis {
         from + share.clamp(0.0, 1.0) * (to - from)
     }
 
+    /// Value at a pixel.
     pub fn value(&self, pixel: f64) -> f64 {
         let [low, high] = self.values;
         let [from, to] = self.pixels;
         10f64.powf(low + (pixel - from) / (to - from) * (high - low))
     }
 
-    /// As many round values as have room for `most` labels.
+    /// Round values, as many as `most` labels allow.
     pub fn ticks(&self, most: usize) -> Vec<f64> {
         let fine = [&[1.0, 2.0, 5.0][..], &[1.0, 3.0], &[1.0]].into_iter().map(|steps| self.decades(steps, 1));
         let coarse = (2..).map(|stride| self.decades(&[1.0], stride));
         fine.chain(coarse).find(|ticks| ticks.len() <= most).unwrap_or_default()
     }
 
-    /// Powers of two, every second, every third … where they crowd.
+    /// Powers of two; every second, every third … where they are crowded.
     pub fn doublings(&self, most: usize) -> Vec<f64> {
         let [low, high] = self.values.map(|v| v / 2f64.log10());
         let every = |stride: i32| -> Vec<f64> {
@@ -47,14 +48,14 @@ impl Axis {
         (1..).map(every).find(|ticks| ticks.len() <= most).unwrap_or_default()
     }
 
-    /// Round times in the units in which they are told: 10 s, 1 min, 10 min, 1 h.
+    /// Times that are round in the unit of their label: 10 s, 1 min, 10 min, 1 h.
     pub fn times(&self, most: usize) -> Vec<f64> {
         let fine = [&[1.0, 2.0, 5.0][..], &[1.0, 3.0], &[1.0]].into_iter().map(|steps| self.clock(steps));
         let coarse = (2..).map(|stride| self.clock(&[1.0]).into_iter().step_by(stride).collect());
         fine.chain(coarse).find(|ticks: &Vec<f64>| ticks.len() <= most.max(1)).unwrap_or_default()
     }
 
-    /// Steps times powers of ten of seconds, minutes, hours, days, each as long as it is less than the next unit.
+    /// Steps times powers of ten of seconds, minutes, hours and days, each below the next unit.
     fn clock(&self, steps: &[f64]) -> Vec<f64> {
         const UNITS: [(f64, i32, f64); 4] = [(1.0, -9, 60.0), (60.0, 0, 3600.0), (3600.0, 0, 86400.0), (86400.0, 0, f64::INFINITY)];
         let [low, high] = self.values.map(|v| 10f64.powf(v));
@@ -73,7 +74,7 @@ impl Axis {
     }
 }
 
-/// step · 10^k: written, not computed, so that 3 · 10⁻³ is the nearest number to 0.003.
+/// step · 10^k, parsed from text so that 3 · 10⁻³ is the nearest number to 0.003.
 fn decimal(step: f64, k: i32) -> f64 {
     format!("{step}e{k}").parse().unwrap_or(f64::NAN)
 }

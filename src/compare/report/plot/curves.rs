@@ -1,47 +1,49 @@
-//! Error against samples, and against time.
+//! Curves of error over samples, and over time.
 
-use super::course::{Checkpoint, course};
-use super::drawing::{Anchor, Dashes, Drawing, Ink, Spot};
+use super::drawing::{Anchor, Color, Dashes, Drawing, Point};
+use super::error_curve::{ErrorPoint, error_curve};
 use super::frame::{Entry, Format, Frame, Quantity};
 use crate::compare::{Comparison, Method};
-use crate::measure::words;
+use crate::measure::format;
 
+/// Draws error over samples.
 pub fn against_samples(comparison: &Comparison, format: Format) -> Drawing {
     draw(comparison, format, "Error against samples", Quantity::Samples)
 }
 
+/// Draws error over time.
 pub fn against_time(comparison: &Comparison, format: Format) -> Drawing {
     draw(comparison, format, "Error against time", Quantity::Seconds)
 }
 
 fn draw(comparison: &Comparison, format: Format, title: &str, across: Quantity) -> Drawing {
-    let courses: Vec<Vec<Checkpoint>> = comparison.methods.iter().map(|method| course(method, comparison.confidence)).collect();
-    let x = |checkpoint: &Checkpoint| if across == Quantity::Samples { checkpoint.samples } else { checkpoint.seconds };
+    let curves: Vec<Vec<ErrorPoint>> = comparison.methods.iter().map(|method| error_curve(method, comparison.confidence)).collect();
+    let x = |checkpoint: &ErrorPoint| if across == Quantity::Samples { checkpoint.samples } else { checkpoint.seconds };
     let biases = comparison.methods.iter().filter_map(|method| method.bias).map(|(bias, _)| bias);
-    let points = extent(&courses, x, biases);
+    let points = extent(&curves, x, biases);
     let legend: Vec<Entry> = comparison.methods.iter().enumerate().map(|(place, method)| Entry { place, text: name(method) }).collect();
     let mut frame = Frame::new(format, title, &legend, across, &points);
     guide(&mut frame);
-    for (place, course) in courses.iter().enumerate() {
-        band(&mut frame, place, course, x);
+    for (place, error_curve) in curves.iter().enumerate() {
+        band(&mut frame, place, error_curve, x);
     }
     plateaus(&mut frame, comparison);
-    for (place, (course, method)) in courses.iter().zip(&comparison.methods).enumerate() {
-        curve(&mut frame, place, course, x, &method.name);
+    for (place, (error_curve, method)) in curves.iter().zip(&comparison.methods).enumerate() {
+        curve(&mut frame, place, error_curve, x, &method.name);
     }
-    frame.drawing.description = describe(comparison, &courses, title);
+    frame.drawing.description = describe(comparison, &curves, title);
     frame.drawing
 }
 
-/// Values that the axes must hold: the points, and of their intervals what does not dwarf them.
-fn extent(courses: &[Vec<Checkpoint>], x: impl Fn(&Checkpoint) -> f64, biases: impl Iterator<Item = f64>) -> Vec<Spot> {
-    let checkpoints = || courses.iter().flatten();
-    let ends = |c: &Checkpoint| [[x(c), c.error], [x(c), c.low.max(0.5 * c.error)], [x(c), c.high.min(2.0 * c.error)]];
+/// Values that the axes must hold: the points, and the part of their intervals within a factor of two.
+fn extent(curves: &[Vec<ErrorPoint>], x: impl Fn(&ErrorPoint) -> f64, biases: impl Iterator<Item = f64>) -> Vec<Point> {
+    let checkpoints = || curves.iter().flatten();
+    let ends = |c: &ErrorPoint| [[x(c), c.error], [x(c), c.low.max(0.5 * c.error)], [x(c), c.high.min(2.0 * c.error)]];
     let anywhere = checkpoints().next().map_or(1.0, &x);
     checkpoints().flat_map(ends).chain(biases.map(|bias| [anywhere, bias])).collect()
 }
 
-/// `nee: slope −0.98 ± 0.02`
+/// Label of a method with its slope: `nee: slope −0.98 ± 0.02`.
 fn name(method: &Method) -> String {
     match method.slope {
         Some(slope) => format!("{}: slope {}", method.name, super::slope(slope)),
@@ -49,66 +51,66 @@ fn name(method: &Method) -> String {
     }
 }
 
-/// How steeply plain Monte Carlo falls: half the error for four times the work.
+/// Draws the slope of plain Monte Carlo: half the error for four times the work.
 fn guide(frame: &mut Frame) {
     let [left, right] = [frame.left, frame.right].map(|pixel| frame.x.value(pixel));
-    // Through the middle of the picture, in the lower left, where no curve is.
+    // The line is in the lower left, where no curve is.
     let start = frame.y.value(frame.top + 0.75 * (frame.bottom - frame.top));
     let end = frame.y.value(frame.bottom);
     let across = (right / left).min((start / end).powi(2));
     let points = vec![frame.place([left, start]), frame.place([left * across, start / across.sqrt()])];
-    frame.drawing.line(points.clone(), Ink::Muted, 1.0, Dashes::Short);
-    let letters = frame.format.letters - 1.0;
-    let at = [frame.left + 6.0, frame.bottom - 0.6 * letters];
-    frame.drawing.text(at, "½ error for 4 × work", Ink::Muted, letters, Anchor::Start);
+    frame.drawing.line(points.clone(), Color::Muted, 1.0, Dashes::Short);
+    let font_size = frame.format.font_size - 1.0;
+    let at = [frame.left + 6.0, frame.bottom - 0.6 * font_size];
+    frame.drawing.text(at, "½ error for 4 × work", Color::Muted, font_size, Anchor::Start);
 }
 
-fn band(frame: &mut Frame, place: usize, course: &[Checkpoint], x: impl Fn(&Checkpoint) -> f64) {
-    let upper = course.iter().map(|c| frame.place([x(c), c.high]));
-    let lower = course.iter().rev().map(|c| frame.place([x(c), c.low]));
-    let points: Vec<Spot> = upper.chain(lower).collect();
+fn band(frame: &mut Frame, place: usize, error_curve: &[ErrorPoint], x: impl Fn(&ErrorPoint) -> f64) {
+    let upper = error_curve.iter().map(|c| frame.place([x(c), c.high]));
+    let lower = error_curve.iter().rev().map(|c| frame.place([x(c), c.low]));
+    let points: Vec<Point> = upper.chain(lower).collect();
     if points.len() > 2 {
-        frame.drawing.area(points, Ink::Method(place), 0.18, "");
+        frame.drawing.area(points, Color::Method(place), 0.18, "");
     }
 }
 
-/// A line that the curve cannot cross, however long one waits. Labels that would touch move apart.
+/// Draws the bias of each method as a line that its curve never crosses. Labels that would overlap are moved apart.
 fn plateaus(frame: &mut Frame, comparison: &Comparison) {
-    let letters = frame.format.letters - 1.0;
+    let font_size = frame.format.font_size - 1.0;
     let mut biased: Vec<(usize, &Method, f64)> =
         comparison.methods.iter().enumerate().filter_map(|(i, m)| m.bias.map(|bias| (i, m, bias.0))).collect();
     biased.sort_by(|a, b| b.2.total_cmp(&a.2));
     let mut above = frame.top;
     for (place, method, bias) in biased {
         let y = frame.y.at(bias);
-        frame.drawing.line(vec![[frame.left, y], [frame.right, y]], Ink::Method(place), 1.5, Dashes::Long);
-        let text = format!("bias of {}: {} %", method.name, words::per_cent(bias));
-        // Below the line, where its own curve never is.
-        let baseline = (y + 1.15 * letters).max(above + 1.1 * letters);
-        frame.drawing.text([frame.left + 6.0, baseline], text, Ink::Text, letters, Anchor::Start);
+        frame.drawing.line(vec![[frame.left, y], [frame.right, y]], Color::Method(place), 1.5, Dashes::Long);
+        let text = format!("bias of {}: {} %", method.name, format::per_cent(bias));
+        // The label is below the line, where the method's own curve never is.
+        let baseline = (y + 1.15 * font_size).max(above + 1.1 * font_size);
+        frame.drawing.text([frame.left + 6.0, baseline], text, Color::Text, font_size, Anchor::Start);
         above = baseline;
     }
 }
 
-fn curve(frame: &mut Frame, place: usize, course: &[Checkpoint], x: impl Fn(&Checkpoint) -> f64, name: &str) {
-    let points: Vec<Spot> = course.iter().map(|c| frame.place([x(c), c.error])).collect();
-    frame.drawing.line(points.clone(), Ink::Method(place), 2.0, Dashes::None);
-    for (point, checkpoint) in points.into_iter().zip(course) {
-        frame.drawing.symbol(place, point, 0.32 * frame.format.letters, 1.0, hint(name, checkpoint));
+fn curve(frame: &mut Frame, place: usize, error_curve: &[ErrorPoint], x: impl Fn(&ErrorPoint) -> f64, name: &str) {
+    let points: Vec<Point> = error_curve.iter().map(|c| frame.place([x(c), c.error])).collect();
+    frame.drawing.line(points.clone(), Color::Method(place), 2.0, Dashes::None);
+    for (point, checkpoint) in points.into_iter().zip(error_curve) {
+        frame.drawing.symbol(place, point, 0.32 * frame.format.font_size, 1.0, hint(name, checkpoint));
     }
 }
 
-/// `nee: 64 samples, 1.2 s, 3.1 % (2.9–3.3 %)`
-pub fn hint(name: &str, c: &Checkpoint) -> String {
-    let [error, low, high] = [c.error, c.low, c.high].map(words::per_cent);
-    format!("{name}: {} samples, {}, {error} % ({low}–{high} %)", c.samples, words::duration(c.seconds))
+/// Text of a point: `nee: 64 samples, 1.2 s, 3.1 % (2.9–3.3 %)`.
+pub fn hint(name: &str, c: &ErrorPoint) -> String {
+    let [error, low, high] = [c.error, c.low, c.high].map(format::per_cent);
+    format!("{name}: {} samples, {}, {error} % ({low}–{high} %)", c.samples, format::duration(c.seconds))
 }
 
-fn describe(comparison: &Comparison, courses: &[Vec<Checkpoint>], title: &str) -> String {
-    let one = |(method, course): (&Method, &Vec<Checkpoint>)| {
-        let [first, last] = [course.first(), course.last()].map(|c| c.map_or("–".into(), |c| hint("", c)));
+fn describe(comparison: &Comparison, curves: &[Vec<ErrorPoint>], title: &str) -> String {
+    let one = |(method, error_curve): (&Method, &Vec<ErrorPoint>)| {
+        let [first, last] = [error_curve.first(), error_curve.last()].map(|c| c.map_or("–".into(), |c| hint("", c)));
         format!("{} from{} to{}", method.name, first.trim_start_matches(':'), last.trim_start_matches(':'))
     };
-    let each: Vec<String> = comparison.methods.iter().zip(courses).map(one).collect();
+    let each: Vec<String> = comparison.methods.iter().zip(curves).map(one).collect();
     format!("{title}, both axes logarithmic. {}.", each.join("; "))
 }

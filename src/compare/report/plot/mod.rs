@@ -1,12 +1,12 @@
-//! The plots of a report.
+//! Plots of a report.
 
 mod axis;
 mod bars;
-mod course;
 mod curves;
 mod drawing;
+mod error_curve;
+mod font;
 mod frame;
-mod letters;
 mod pareto;
 mod raster;
 mod svg;
@@ -14,13 +14,13 @@ mod svg;
 use super::Files;
 use crate::compare::{Comparison, Cost, Method};
 use crate::error::Result;
-use crate::measure::words;
+use crate::measure::format;
 
-pub use course::course;
 use drawing::Drawing;
+pub use error_curve::error_curve;
 use frame::{Format, NARROW, WIDE};
 
-/// A plot and the stem of its files.
+/// A plot, with the stem of its file names.
 struct Plot {
     name: &'static str,
     draw: fn(&Comparison, Format) -> Drawing,
@@ -33,7 +33,7 @@ const ALL: &[Plot] = &[
     Plot { name: "pareto-front", draw: pareto::front },
 ];
 
-/// All plots as SVG and as PNG.
+/// Returns all plots as SVG and PNG files.
 pub fn files(comparison: &Comparison) -> Result<Files> {
     let mut files = Files::new();
     for plot in ALL {
@@ -44,24 +44,24 @@ pub fn files(comparison: &Comparison) -> Result<Files> {
     Ok(files)
 }
 
-/// All plots for a page, each once for wide windows and once for narrow ones.
+/// Returns all plots for the page, each for wide windows and for narrow ones.
 pub fn elements(comparison: &Comparison) -> Vec<[String; 2]> {
     ALL.iter().map(|plot| [WIDE, NARROW].map(|format| svg::element(&(plot.draw)(comparison, format)))).collect()
 }
 
-/// `−0.98 ± 0.02`: how relMSE follows time.
+/// Slope of relMSE over time: `−0.98 ± 0.02`.
 pub fn slope((b, deviation): (f64, f64)) -> String {
     let sign = if b > 0.0 { "−" } else { "" };
     format!("{sign}{:.2} ± {:.2}", b.abs(), deviation)
 }
 
-/// `14 s (12 s–17 s)`, foretold ones with `≈`.
+/// Time with its interval: `14 s (12 s–17 s)`, with `≈` before extrapolated ones.
 pub fn price(cost: &Cost) -> String {
-    let (seconds, interval) = (words::duration(cost.seconds), words::between(cost.low, cost.high));
+    let (seconds, interval) = (format::duration(cost.seconds), format::between(cost.low, cost.high));
     format!("{}{seconds} ({interval})", if cost.extrapolated { "≈ " } else { "" })
 }
 
-/// Why no time buys this error.
+/// Reason why a method never reaches an error.
 pub fn unpriced(method: &Method, target: f64) -> String {
     if method.bias.is_some_and(|(bias, _)| bias >= target) { "never: bias".into() } else { "not known".into() }
 }

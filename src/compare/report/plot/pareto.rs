@@ -1,25 +1,26 @@
-//! Time against error, all methods together: no point of the front is beaten in both.
+//! Time against error for all methods. The front holds the points that no other point beats in both.
 
-use super::course::{Checkpoint, course};
 use super::curves::hint;
-use super::drawing::{Dashes, Drawing, Ink, Spot};
+use super::drawing::{Color, Dashes, Drawing, Point};
+use super::error_curve::{ErrorPoint, error_curve};
 use super::frame::{Entry, Format, Frame, Quantity};
 use crate::compare::Comparison;
 
-/// A method's place and one of its checkpoints.
-type Candidate = (usize, Checkpoint);
+/// Index of a method, and one of its checkpoints.
+type Candidate = (usize, ErrorPoint);
 
+/// Draws the Pareto front.
 pub fn front(comparison: &Comparison, format: Format) -> Drawing {
-    let of = |(place, method)| course(method, comparison.confidence).into_iter().map(move |c| (place, c));
+    let of = |(place, method)| error_curve(method, comparison.confidence).into_iter().map(move |c| (place, c));
     let all: Vec<Candidate> = comparison.methods.iter().enumerate().flat_map(of).collect();
     let best = unbeaten(&all);
-    let points: Vec<Spot> = all.iter().map(|(_, c)| [c.seconds, c.error]).collect();
+    let points: Vec<Point> = all.iter().map(|(_, c)| [c.seconds, c.error]).collect();
     let entry = |(place, method): (usize, &crate::compare::Method)| Entry { place, text: method.name.clone() };
     let legend: Vec<Entry> = comparison.methods.iter().enumerate().map(entry).collect();
     let mut frame = Frame::new(format, "The best for the time: Pareto front", &legend, Quantity::Seconds, &points);
     stairs(&mut frame, &best);
     let name = |place: usize| &comparison.methods[place].name;
-    let radius = 0.36 * format.letters;
+    let radius = 0.36 * format.font_size;
     for (place, c) in &all {
         let (at, is_best) = (frame.place([c.seconds, c.error]), best.iter().any(|(p, b)| p == place && b == c));
         let (size, opacity) = if is_best { (radius, 1.0) } else { (0.8 * radius, 0.3) };
@@ -30,7 +31,7 @@ pub fn front(comparison: &Comparison, format: Format) -> Drawing {
     frame.drawing
 }
 
-/// By time, each with a smaller error than all that are faster.
+/// Points of the front in order of time: each has a smaller error than all faster ones.
 fn unbeaten(all: &[Candidate]) -> Vec<Candidate> {
     let mut sorted = all.to_vec();
     sorted.sort_by(|(_, a), (_, b)| a.seconds.total_cmp(&b.seconds).then(a.error.total_cmp(&b.error)));
@@ -43,24 +44,24 @@ fn unbeaten(all: &[Candidate]) -> Vec<Candidate> {
     best
 }
 
-/// Between two points of the front the earlier one is what one has.
+/// Draws the front as steps: between two points the earlier one is the best.
 fn stairs(frame: &mut Frame, best: &[Candidate]) {
-    let mut points: Vec<Spot> = vec![];
+    let mut points: Vec<Point> = vec![];
     for (_, c) in best {
         let at = frame.place([c.seconds, c.error]);
-        let before = points.last().map_or([at[0], frame.top], |last: &Spot| [at[0], last[1]]);
+        let before = points.last().map_or([at[0], frame.top], |last: &Point| [at[0], last[1]]);
         points.extend([before, at]);
     }
     if let Some(last) = points.last().copied() {
         points.push([frame.right, last[1]]);
     }
-    // What lies above is beaten.
+    // The area above is beaten.
     let mut beaten = points.clone();
     if !beaten.is_empty() {
         beaten.push([frame.right, frame.top]);
     }
-    frame.drawing.area(beaten, Ink::Muted, 0.08, "");
-    frame.drawing.line(points, Ink::Text, 1.5, Dashes::None);
+    frame.drawing.area(beaten, Color::Muted, 0.08, "");
+    frame.drawing.line(points, Color::Text, 1.5, Dashes::None);
 }
 
 #[cfg(test)]
@@ -69,7 +70,7 @@ mod tests {
 
     #[test]
     fn the_front_beats_all_others() {
-        let at = |seconds, error| (0, Checkpoint { samples: 1.0, seconds, error, low: error, high: error });
+        let at = |seconds, error| (0, ErrorPoint { samples: 1.0, seconds, error, low: error, high: error });
         let all = [at(4.0, 0.1), at(1.0, 0.3), at(2.0, 0.4), at(3.0, 0.1), at(8.0, 0.05), at(1.0, 0.5)];
         assert_eq!(unbeaten(&all), [at(1.0, 0.3), at(3.0, 0.1), at(8.0, 0.05)]);
     }

@@ -1,21 +1,21 @@
-//! Plots as SVG: to stand in a page, where its style sheet may change the colours, or alone.
+//! Plots as SVG, for a page whose style sheet may change the colours, or as files.
 
 use std::fmt::Write as _;
 
-use super::drawing::{Anchor, Drawing, Ink, MARGIN, Mark, Spot};
+use super::drawing::{Anchor, Color, Drawing, MARGIN, Mark, Point};
 use crate::compare::report::escape;
 
 const FONTS: &str = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif";
 
-/// An element of a page.
+/// Element for a page.
 pub fn element(drawing: &Drawing) -> String {
     svg(drawing, "", "", 0.0)
 }
 
-/// A file: on paper, or dark where the reader's window is.
+/// File with a white background, or a dark one where the reader's window is dark.
 pub fn file(drawing: &Drawing) -> Vec<u8> {
     let style = format!("<style>@media (prefers-color-scheme: dark) {{\n{}}}</style>\n", include_str!("../assets/dark.css"));
-    let paper = format!("{style}<rect x=\"-{MARGIN}\" y=\"-{MARGIN}\" width=\"100%\" height=\"100%\" {}/>\n", fill(Ink::Paper));
+    let paper = format!("{style}<rect x=\"-{MARGIN}\" y=\"-{MARGIN}\" width=\"100%\" height=\"100%\" {}/>\n", fill(Color::Paper));
     svg(drawing, " xmlns=\"http://www.w3.org/2000/svg\"", &paper, MARGIN).into_bytes()
 }
 
@@ -37,10 +37,10 @@ fn svg(drawing: &Drawing, namespace: &str, ground: &str, margin: f64) -> String 
 
 fn element_of(mark: &Mark) -> String {
     match mark {
-        Mark::Line { points, ink, width, dashes } => {
+        Mark::Line { points, color, width, dashes } => {
             let dash = dashes.pattern().map(|[on, off]| format!(" stroke-dasharray=\"{} {}\"", on * width, off * width));
             let dash = dash.unwrap_or_default();
-            let [class, color] = [ink.class(), hex(*ink)];
+            let [class, color] = [color.class(), hex(*color)];
             format!(
                 "<polyline points=\"{}\" fill=\"none\" class=\"s-{class}\" stroke=\"{color}\" stroke-width=\"{width}\" \
                  stroke-linejoin=\"round\" stroke-linecap=\"{}\"{dash}/>",
@@ -48,11 +48,11 @@ fn element_of(mark: &Mark) -> String {
                 if dash.is_empty() { "round" } else { "butt" }
             )
         }
-        Mark::Area { points, ink, opacity, hint } => {
-            let start = format!("<polygon points=\"{}\" {} fill-opacity=\"{opacity}\"", list(points), fill(*ink));
+        Mark::Area { points, color, opacity, hint } => {
+            let start = format!("<polygon points=\"{}\" {} fill-opacity=\"{opacity}\"", list(points), fill(*color));
             if hint.is_empty() { format!("{start}/>") } else { format!("{start}><title>{}</title></polygon>", escape::xml(hint)) }
         }
-        Mark::Text { at, text, ink, size, anchor } => {
+        Mark::Text { at, text, color, size, anchor } => {
             let anchor = match anchor {
                 Anchor::Start => "start",
                 Anchor::Middle => "middle",
@@ -60,25 +60,25 @@ fn element_of(mark: &Mark) -> String {
             };
             let [x, y] = at.map(short);
             let text = escape::xml(text);
-            format!("<text x=\"{x}\" y=\"{y}\" {} font-size=\"{size}\" text-anchor=\"{anchor}\">{text}</text>", fill(*ink))
+            format!("<text x=\"{x}\" y=\"{y}\" {} font-size=\"{size}\" text-anchor=\"{anchor}\">{text}</text>", fill(*color))
         }
     }
 }
 
-fn fill(ink: Ink) -> String {
-    format!("class=\"f-{}\" fill=\"{}\"", ink.class(), hex(ink))
+fn fill(color: Color) -> String {
+    format!("class=\"f-{}\" fill=\"{}\"", color.class(), hex(color))
 }
 
-fn hex(ink: Ink) -> String {
-    let [r, g, b] = ink.rgb();
+fn hex(color: Color) -> String {
+    let [r, g, b] = color.rgb();
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-fn list(points: &[Spot]) -> String {
+fn list(points: &[Point]) -> String {
     points.iter().map(|p| format!("{},{}", short(p[0]), short(p[1]))).collect::<Vec<_>>().join(" ")
 }
 
-/// A hundredth of a pixel is enough.
+/// Rounds to a hundredth of a pixel.
 fn short(x: f64) -> f64 {
     (x * 100.0).round() / 100.0
 }

@@ -4,7 +4,7 @@ mod texture;
 
 use super::Builder;
 use crate::bsdf::description::{Description, Prepare};
-use crate::bsdf::microfacet::{Distribution, Microfacets, finish};
+use crate::bsdf::microfacet::{Distribution, Microfacets, roughness};
 use crate::bsdf::{MAX_DELTA_LOBES, Material, SurfaceMaterial};
 use crate::describe::{self, MaterialRef, Textured};
 use crate::effects::Effects;
@@ -52,7 +52,7 @@ impl Builder<'_> {
         for (key, roughness) in described.roughnesses() {
             let Textured::Color(color) = roughness else { continue };
             let value = super::spectrum(color).average();
-            if value > 0.0 && Microfacets::new(finish::alpha(value, 0.0), Distribution::Ggx).is_none() {
+            if value > 0.0 && Microfacets::new(roughness::alpha(value, 0.0), Distribution::Ggx).is_none() {
                 self.warnings.push(format!("{}: {pointer}/{key}: {value} is as good as 0, the surface is smooth", self.source.file));
             }
         }

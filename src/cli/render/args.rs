@@ -1,0 +1,195 @@
+//! Arguments of a render.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::pixel::PixelPlan;
+use super::{resized, sampler_named};
+use crate::cli::load::{Override, SceneArgs};
+use crate::cli::parse::{above_zero, duration, numbers, share, size, whole};
+use crate::cli::progress::WorkArgs;
+use crate::cli::stats::TextOrJson;
+use crate::cli::tone_mapping::ToneMapping;
+use crate::error::{Error, Result};
+use crate::film::Layer;
+
+/// Render SCENE.
+#[derive(clap::Args, Debug)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Samples per pixel, the same as --spp.
+    #[arg(value_name = "SPP", value_parser = whole(1, u32::MAX), conflicts_with = "spp", allow_negative_numbers = true)]
+    count: Option<u32>,
+    /// Integrator: see `pt list integrators`. Default: the scene's, or nee.
+    #[arg(short, long, value_name = "NAME")]
+    pub integrator: Option<String>,
+    /// Output file: .exr (linear, float), .png, .ppm, .pfm. May be repeated. Default: SCENE.exr and SCENE.png here.
+    #[arg(short, long, value_name = "FILE", alias = "outfile")]
+    pub output: Vec<PathBuf>,
+    /// Name the picture by the time at which it is begun, YY_MM_DD-hh_mm_ss.exr and .png.
+    #[arg(long, conflicts_with_all = ["output", "shard", "samples", "pixel"])]
+    pub clock_name: bool,
+    /// Samples per pixel.
+    #[arg(long, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
+    spp: Option<u32>,
+    /// Render until this time has passed (or until --spp): `30s`, `1h30m`, or a number of seconds. Reading and building do not
+    /// count. The first sample of every pixel is finished, unless even that takes over twice as long, and over 10 s: then nothing
+    /// is written, exit code 7.
+    #[arg(long, value_name = "DURATION", value_parser = duration, allow_negative_numbers = true, alias = "timeout")]
+    pub time: Option<Duration>,
+    /// Seed of the random numbers: another seed gives another, independent picture.
+    #[arg(long, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
+    pub seed: Option<u64>,
+    /// Sampler of the random numbers: see `pt list samplers`.
+    #[arg(long, value_name = "NAME")]
+    pub sampler: Option<String>,
+    /// Number of independent scramblings that share the samples of a pixel, from which the error is estimated (all samplers but
+    /// `independent`): 1 to 64.
+    #[arg(long, value_name = "K")]
+    pub scramblings: Option<u32>,
+    /// Stop when the relative error of the picture is at most this, such as 1% or 0.01. Exit code 7 if it is not reached.
+    #[arg(long, value_name = "ERROR", value_parser = share)]
+    pub target: Option<f64>,
+    /// Adaptive sampling by a short pilot: noisy pixels get up to 64 times as many samples as others. Unbiased, and with the right
+    /// error bars.
+    #[arg(long, conflicts_with_all = ["pixel", "clamp", "shard", "samples", "checkpoint", "resume"])]
+    pub adaptive: bool,
+    /// Confidence of errors and targets.
+    #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
+    pub confidence: f64,
+    /// Render part I of N of the samples, I from 1, into a .ptc file for `pt merge`: 3/8 in the third of eight jobs.
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["time", "target", "pixel", "pilot"], allow_hyphen_values = true)]
+    pub shard: Option<Shard>,
+    /// Render samples A to B - 1 of every pixel, A from 0, into a .ptc file for `pt merge`.
+    #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with_all = ["shard", "time", "target", "pixel", "pilot"], allow_hyphen_values = true)]
+    pub samples: Option<Range<u64>>,
+    /// Write the state of the render this often, on an interrupt and at the end, to the .ptc beside the first output.
+    #[arg(long, value_name = "DURATION", value_parser = duration, conflicts_with = "pixel", allow_negative_numbers = true)]
+    pub checkpoint: Option<Duration>,
+    /// Continue from a saved state, bit for bit as if the render had never paused: --resume takes the .ptc beside the first output,
+    /// if it exists; --resume=FILE takes that file. The time spent before counts for --time.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, conflicts_with = "pixel")]
+    pub resume: Option<Option<PathBuf>>,
+    /// First render this long with each of --integrators, and list what errors of 10 %, 3 %, 1 % and 0.3 % cost in time.
+    #[arg(long, value_name = "DURATION", value_parser = duration, conflicts_with = "pixel")]
+    pub pilot: Option<Duration>,
+    /// With --pilot: integrators to list, such as path,nee. Default: the one that renders.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "pilot")]
+    pub integrators: Vec<String>,
+    /// Layers beside the picture in .exr files, such as albedo,n,z, or `all`: see `pt list aovs`. The picture does not change.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', alias = "layers")]
+    pub aov: Vec<String>,
+    /// Size of the picture, such as 640x480.
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
+    pub size: Option<[u32; 2]>,
+    /// Render only these pixels of the picture.
+    #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = numbers::<4>, alias = "pixelbounds", allow_hyphen_values = true)]
+    pub crop: Option<[u32; 4]>,
+    /// Compute and print only this pixel; no file is written.
+    #[arg(long, value_name = "X,Y", value_parser = numbers::<2>, conflicts_with_all = ["output", "crop", "time"], allow_hyphen_values = true)]
+    pub pixel: Option<[u32; 2]>,
+    /// With --pixel: only this sample.
+    #[arg(long, value_name = "K", requires = "pixel", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
+    pub sample: Option<u64>,
+    /// With --sample: print its paths, vertex by vertex: the point, the sampled direction, the light that counted and why the path
+    /// ended. As text, or with =json as JSON.
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "text", value_name = "FORMAT", requires = "sample")]
+    pub trace: Option<TextOrJson>,
+    /// After the render: list the N samples that add most to the noise, each with the command that shows its paths.
+    #[arg(long, value_name = "N", conflicts_with = "pixel", value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
+    pub worst: Option<u32>,
+    /// After the render: estimate how much light each limit of the method removes. This takes up to 5 % of the render time; without
+    /// it 1 % is spent, and only what is found is reported.
+    #[arg(long, conflicts_with = "pixel")]
+    pub ledger: bool,
+    /// Limit the radiance of each contribution of indirect light to this. It removes noise and adds bias; the removed light is
+    /// counted and reported.
+    #[arg(long, conflicts_with_all = ["shard", "samples", "checkpoint", "resume"], value_name = "RADIANCE", value_parser = above_zero, allow_negative_numbers = true)]
+    pub clamp: Option<f32>,
+    #[command(flatten)]
+    pub work: WorkArgs,
+    #[command(flatten)]
+    pub tone_mapping: ToneMapping,
+    /// Show the picture in tev while it renders. tev usually listens at 127.0.0.1:14158.
+    #[arg(long, value_name = "HOST:PORT", alias = "tev", conflicts_with = "pixel")]
+    pub display_server: Option<String>,
+    /// Print time, rays and memory of the render: as text, or with =json as JSON.
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "text", value_name = "FORMAT")]
+    pub stats: Option<TextOrJson>,
+    /// Print more: before rendering the output of `pt check`.
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub verbose: bool,
+}
+
+impl RenderArgs {
+    /// Samples per pixel, however they were asked for.
+    pub fn spp(&self) -> Option<u32> {
+        self.spp.or(self.count)
+    }
+
+    /// Overrides by flags that replace a key of the scene.
+    pub fn overrides(&self) -> Result<Vec<Override>> {
+        let mut list = self.size.map(resized).unwrap_or_default();
+        let mut set = |words: String, pointer, value: String| list.push(Override { words, pointer, value });
+        if let Some([x0, x1, y0, y1]) = self.crop {
+            set(format!("--crop {x0},{x1},{y0},{y1}"), "/film/crop", format!("{:?}", [x0, x1, y0, y1]));
+        }
+        if let Some(spp) = self.spp() {
+            set(format!("--spp {spp}"), "/sampler/spp", spp.to_string());
+        }
+        if let Some(seed) = self.seed {
+            set(format!("--seed {seed}"), "/sampler/seed", seed.to_string());
+        }
+        if let Some(k) = self.scramblings {
+            set(format!("--scramblings {k}"), "/sampler/scramblings", k.to_string());
+        }
+        if !self.aov.is_empty() {
+            let names = layers_named(&self.aov)?;
+            set(format!("--aov {}", self.aov.join(",")), "/film/layers", format!("{names:?}"));
+        }
+        if let Some(name) = &self.sampler {
+            sampler_named(name)?;
+            set(format!("--sampler {name}"), "/sampler/type", name.clone());
+        }
+        Ok(list)
+    }
+
+    /// Plan for `--pixel`, if it is given.
+    pub fn pixel_plan(&self) -> Option<PixelPlan> {
+        let pixel = self.pixel.map(<(u32, u32)>::from)?;
+        Some(PixelPlan { pixel, sample: self.sample, trace: self.trace, clamp: self.clamp })
+    }
+}
+
+/// Layers of these names; `all` stands for those that do not depend on the clock.
+fn layers_named(names: &[String]) -> Result<Vec<&'static str>> {
+    const EVERY: &str = "all";
+    let known: Vec<&str> = Layer::ALL.iter().map(|row| row.1).chain([EVERY]).collect();
+    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+        return Err(Error::Usage(format!("--aov: {}", crate::reader::unknown("layer", name, &known))));
+    }
+    let has = |name: &str| names.iter().any(|other| other == name);
+    let rows = Layer::ALL.iter().filter(|(layer, name, _)| has(name) || has(EVERY) && layer.is_reproducible());
+    Ok(rows.map(|row| row.1).collect())
+}
+
+/// Part `index` of `count` parts, counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    pub index: u32,
+    pub count: u32,
+}
+
+fn shard(text: &str) -> std::result::Result<Shard, String> {
+    let parsed = text.split_once('/').and_then(|(index, count)| Some(Shard { index: index.parse().ok()?, count: count.parse().ok()? }));
+    let counted = parsed.filter(|shard| (1..=shard.count).contains(&shard.index));
+    counted.ok_or("expected a part and how many there are, such as 1/8; the last is 8/8".to_owned())
+}
+
+fn samples(text: &str) -> std::result::Result<Range<u64>, String> {
+    let parsed = text.split_once("..").and_then(|(start, end)| Some(start.parse().ok()?..end.parse().ok()?));
+    let some = parsed.filter(|samples: &Range<u64>| !samples.is_empty() && samples.end <= u32::MAX.into());
+    some.ok_or(format!("expected samples such as 64..128: from the first to before the last, at most {}", u32::MAX))
+}

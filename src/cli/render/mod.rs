@@ -1,0 +1,77 @@
+//! `pt SCENE`: loads, renders and writes.
+
+mod args;
+mod picture;
+mod pixel;
+pub mod plan;
+mod remarks;
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use super::load::{Override, load};
+use super::{check, note, signals};
+use crate::error::{Error, Fault, Result};
+use crate::film::{FilmSpec, Image};
+use crate::integrator::Entry;
+use crate::sampler::Kind;
+
+pub use args::RenderArgs;
+use picture::render_picture;
+use plan::RenderPlan;
+use remarks::remark_missing_effects;
+
+/// Runs the command.
+pub fn render(args: &RenderArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
+    let start = Instant::now();
+    let loaded = load(&args.scene, &args.overrides()?, args.integrator.as_deref(), tables)?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    remark_missing_effects(&loaded);
+    if args.verbose {
+        note(&check::contents(&loaded));
+    }
+    let pool = pool(args.work.threads)?;
+    if let Some(plan) = args.pixel_plan() {
+        return pool.install(|| pixel::pixel(&plan, loaded)).map(|()| ExitCode::SUCCESS);
+    }
+    let plan = RenderPlan::new(args, &loaded, tables)?;
+    signals::catch()?;
+    pool.install(|| render_picture(&plan, loaded, load_seconds))
+}
+
+/// Overrides of `--size`.
+pub fn resized([width, height]: [u32; 2]) -> Vec<Override> {
+    let set = |pointer, value: String| Override { words: format!("--size {width}x{height}"), pointer, value };
+    // The scene's own crop belongs to a picture of another size.
+    let crop = format!("{:?}", [0, width, 0, height]);
+    vec![set("/film/width", width.to_string()), set("/film/height", height.to_string()), set("/film/crop", crop)]
+}
+
+/// Checks that a picture from a file shows the pixels of the scene's film.
+///
+/// # Errors
+/// `Invalid` if it does not.
+pub fn same_pixels(path: &Path, image: &Image, film: &FilmSpec) -> Result<()> {
+    let (expected, found) = (film.crop.size(), image.size);
+    if (found, image.origin) == (expected, film.crop.min) {
+        return Ok(());
+    }
+    let text = format!("expected {} × {} pixels as the scene has, found {} × {}", expected.x, expected.y, found.x, found.y);
+    Err(Error::invalid(Fault::new(text).in_file(path)))
+}
+
+/// Thread pool with this number of threads, or one for each core.
+pub fn pool(threads: Option<u32>) -> Result<rayon::ThreadPool> {
+    let threads = threads.map_or(0, |n| n as usize);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|e| Error::Limit(Fault::new(format!("cannot start {threads} threads: {e}"))))
+}
+
+/// Sampler of this name.
+pub fn sampler_named(name: &str) -> Result<Kind> {
+    let known: Vec<&str> = Kind::ALL.iter().map(|(_, name, _)| *name).collect();
+    let found = Kind::ALL.iter().find(|row| row.1 == name).map(|row| row.0);
+    found.ok_or_else(|| Error::Usage(crate::reader::unknown("sampler", name, &known)))
+}

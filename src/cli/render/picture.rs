@@ -1,0 +1,214 @@
+//! Render of a picture, or of a part of its samples, in steps.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use super::plan::{self, PriceList, RenderPlan, Start};
+use super::remarks::{one_sided, remark_darkness, remark_exposure};
+use crate::cli::checkpoint::CheckpointObserver;
+use crate::cli::display::Displayed;
+use crate::cli::forensics::{self, RenderedPicture};
+use crate::cli::load::Loaded;
+use crate::cli::progress::{Progress, ProgressForm};
+use crate::cli::stats::{Counted, Summary};
+use crate::cli::summary::{self, attributes, summarise};
+use crate::cli::{INCONCLUSIVE, insist, is_quiet, note, pilot, say, signals};
+use crate::describe::{self, Names};
+use crate::error::{Error, Result};
+use crate::film::{FilmSpec, Image, MomentFilm};
+use crate::integrator::{Entry, Integrator};
+use crate::measure::{self, ErrorHistory, ErrorObserver, ErrorTarget, Outcome, StopCondition, adaptive, format};
+use crate::output::{self, Attributes, Tonemap};
+use crate::render::{self, Render, RenderReport, Settings};
+use crate::scene::Scene;
+use crate::world::World;
+
+/// A picture that is about to be rendered.
+struct Picture<'a> {
+    plan: &'a RenderPlan,
+    entry: Entry,
+    integrator: Arc<dyn Integrator>,
+    world: Arc<dyn Scene>,
+    /// World without smooth shadows, and the number of meshes that have them, if all biases are requested.
+    facets: Option<(World, usize)>,
+    description: describe::Scene,
+    /// Name of the scene.
+    stem: String,
+    spec: FilmSpec,
+    settings: Settings,
+    until: StopCondition,
+    primitives: u64,
+    /// Time for reading and building the scene (s).
+    load_seconds: f64,
+}
+
+/// A picture after its last sample.
+struct Rendered {
+    render: Render,
+    displayed: Displayed,
+    history: ErrorHistory,
+    /// Report of the runs before this one.
+    before: RenderReport,
+    /// Counter of the rays, if statistics are requested.
+    counted: Option<Arc<Counted>>,
+}
+
+/// Renders a picture, writes its files and prints the reports.
+///
+/// # Errors
+/// Those of [`RenderPlan::start`], `Io` for files that cannot be written, `Interrupted`.
+pub fn render_picture(plan: &RenderPlan, loaded: Loaded, load_seconds: f64) -> Result<ExitCode> {
+    let mut picture = Picture::new(plan, loaded, load_seconds)?;
+    let mut start = plan.start(MomentFilm::new(picture.spec.clone()))?;
+    picture.print_price_list();
+    if plan.adaptive {
+        start = picture.allocate_samples(start);
+    }
+    let mut rendered = picture.take_samples(start);
+    picture.write(&rendered)?;
+    picture.report(&rendered)?;
+    rendered.displayed.finish();
+    match signals::caught() {
+        Some(signal) => Err(Error::Interrupted(signal)),
+        None => Ok(picture.exit_code(&rendered)),
+    }
+}
+
+impl<'a> Picture<'a> {
+    fn new(plan: &'a RenderPlan, loaded: Loaded, load_seconds: f64) -> Result<Picture<'a>> {
+        let facets = if plan.reports.bias { loaded.without_smooth_shadows()? } else { None };
+        let Loaded { built, entry, integrator, stem, description, .. } = loaded;
+        let settings = Settings { clamp: plan.clamp, wave_time: Some(render::SHORT_WAVE), ..Settings::new(built.sampler) };
+        let primitives = built.world.primitive_count();
+        let (world, spec, until) = (Arc::new(built.world), built.film, plan.until);
+        Ok(Picture { plan, entry, integrator, world, facets, description, stem, spec, settings, until, primitives, load_seconds })
+    }
+
+    /// Prints the price list, if it is requested.
+    fn print_price_list(&self) {
+        let Some(PriceList { time, integrators }) = &self.plan.price_list else { return };
+        let progress = Progress::new(self.plan.progress, &self.spec, u32::MAX.into(), Some(*time * integrators.len() as u32));
+        let list = pilot::price_list(&self.world, &self.spec, &self.settings, integrators, *time, self.plan.confidence, &progress);
+        progress.finish();
+        insist(&list);
+    }
+
+    /// Distributes the samples over the pixels by a pilot, and returns an empty film for them.
+    fn allocate_samples(&mut self, mut start: Start) -> Start {
+        let Picture { world, integrator, spec, settings, until, .. } = self;
+        let progress = Progress::new(ProgressForm::None, spec, until.samples, None);
+        (spec.allocation, start.report.elapsed) =
+            adaptive::pilot_allocation(world, &**integrator, spec, settings, until.samples, &progress);
+        until.samples = ((until.samples as f64 / spec.allocation.mean()).round() as u64).max(1);
+        Start { film: MomentFilm::new(spec.clone()), ..start }
+    }
+
+    /// Takes the samples, with progress, checkpoints and the viewer.
+    fn take_samples(&self, start: Start) -> Rendered {
+        let Picture { plan, spec, until, .. } = self;
+        let counted = plan.reports.stats.map(|_| Arc::new(Counted::new(self.world.clone(), rayon::current_num_threads())));
+        let scene = counted.clone().map_or(self.world.clone(), |counted| counted as Arc<dyn Scene>);
+        let before = start.report.clone();
+        let progress = Progress::new(plan.progress, spec, until.samples - plan.samples.start, until.time).resumed(&before);
+        let observer = CheckpointObserver::new(&progress, plan, until.time.filter(|_| before.samples == 0));
+        let has_prices = !is_quiet() && plan.price_list.is_none() && !plan.is_part;
+        let observer = if has_prices { observer.with_prices(self.entry.name, plan.confidence) } else { observer };
+        let mut displayed = Displayed::new(start.film, plan.display_server.as_deref(), &self.stem);
+        let mut render = Render::new(scene, &*self.integrator, spec, &self.settings).resumed(start.next, start.report);
+        let history = match plan.is_part {
+            true => take_part(&mut render, &mut displayed, until, &observer),
+            false => measure::resume_until(start.history, &mut render, &mut displayed, until, &observer),
+        };
+        progress.finish();
+        Rendered { render, displayed, history, before, counted }
+    }
+
+    /// Writes parts and pictures. Both are tried, so that a failure does not affect the others.
+    fn write(&self, rendered: &Rendered) -> Result<()> {
+        let Rendered { render, displayed, history, .. } = rendered;
+        let (film, report) = (&displayed.film, render.report());
+        if report.samples == 0 {
+            return Ok(());
+        }
+        let parts = self.plan.write_parts(film, report, history);
+        if !self.plan.is_part {
+            self.write_pictures(film, report, history)?;
+        }
+        parts
+    }
+
+    fn write_pictures(&self, film: &MomentFilm, report: &RenderReport, history: &ErrorHistory) -> Result<()> {
+        let plan = self.plan;
+        let image = film.image();
+        let error = history.last().and_then(|last| last.error);
+        let clamped = forensics::clamped(plan.clamp, film, report);
+        let attributes = attributes(&plan.about, film, error, plan.confidence, clamped.as_ref());
+        let tonemap = plan.tone_mapping.tonemap(&image);
+        write_all(&plan.pictures, &image, &attributes, &tonemap)?;
+        if !is_quiet() {
+            remark_darkness(&image, self.entry.name, || one_sided(&Names::of(&self.description), self.world.lights()));
+            remark_exposure(&plan.tone_mapping, &plan.pictures, &image, &tonemap);
+        }
+        Ok(())
+    }
+
+    /// Prints the closing line, the analysis and the statistics.
+    fn report(&mut self, rendered: &Rendered) -> Result<()> {
+        let Rendered { render, displayed, history, before, counted } = rendered;
+        let (plan, film, report) = (self.plan, &displayed.film, render.report());
+        if !is_quiet() || rendered.is_late() {
+            let samples = if plan.is_part { format!("samples {}", plan::ranges(&[film.range()])) } else { summary::samples(film) };
+            summarise(&plan.about, &samples, report, history, plan.confidence, plan.written());
+            self.outcome(rendered).iter().for_each(|(target, outcome)| note(&format::outcome(target, *outcome)));
+        }
+        if report.samples > 0 && !report.cancelled && !plan.is_part {
+            let facets = self.facets.take();
+            forensics::tell(&RenderedPicture { plan, scene: &self.world, integrator: &*self.integrator, render, film, history }, facets)?;
+        }
+        if let (Some(format), Some(counted)) = (plan.reports.stats, counted) {
+            let summary = Summary {
+                report: &report.since(before),
+                spp: film.mean_samples(),
+                pixels: self.spec.crop.pixel_count(),
+                primitives: self.primitives,
+                rays: counted.rays(),
+                threads: rayon::current_num_threads(),
+                load: self.load_seconds,
+            };
+            say(&summary.print(format))?;
+        }
+        Ok(())
+    }
+
+    /// Target and its outcome, if there is a target.
+    fn outcome(&self, rendered: &Rendered) -> Option<(ErrorTarget, Outcome)> {
+        self.until.target.map(|target| (target, target.outcome(&rendered.history)))
+    }
+
+    fn exit_code(&self, rendered: &Rendered) -> ExitCode {
+        let is_missed = self.outcome(rendered).is_some_and(|(_, outcome)| outcome != Outcome::Met);
+        if is_missed || rendered.is_late() { ExitCode::from(INCONCLUSIVE) } else { ExitCode::SUCCESS }
+    }
+}
+
+impl Rendered {
+    /// Whether time ran out before each pixel had a sample.
+    fn is_late(&self) -> bool {
+        self.render.report().samples == 0 && signals::caught().is_none()
+    }
+}
+
+/// Renders some samples of each pixel. Their error is not reported, as they are not the whole picture.
+fn take_part(render: &mut Render, displayed: &mut Displayed, until: &StopCondition, observer: &CheckpointObserver) -> ErrorHistory {
+    while render.step(until.samples, None, displayed, observer) {
+        observer.wave_finished(render.report(), &displayed.film, &ErrorHistory::default());
+    }
+    ErrorHistory::default()
+}
+
+fn write_all(outputs: &[PathBuf], image: &Image, attributes: &Attributes, tonemap: &Tonemap) -> Result<()> {
+    // All files are tried, so that a failure does not affect the others.
+    let results: Vec<Result<()>> = outputs.iter().map(|path| output::write(path, image, attributes, tonemap)).collect();
+    results.into_iter().collect()
+}

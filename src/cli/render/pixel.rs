@@ -1,0 +1,58 @@
+//! `--pixel`: computes and prints one pixel, or one sample of it.
+
+use std::sync::Arc;
+
+use crate::cli::load::Loaded;
+use crate::cli::say;
+use crate::cli::stats::TextOrJson;
+use crate::cli::trace::Trace;
+use crate::describe::{Built, Names};
+use crate::error::{Error, Result};
+use crate::film::{Crop, FilmSpec, MomentFilm};
+use crate::render::{self, Render, SampleId, Settings};
+use crate::scene::Scene;
+use crate::recorder::Event;
+
+/// Plan for one pixel.
+pub struct PixelPlan {
+    pub pixel: (u32, u32),
+    /// The only sample to compute; `None` for all.
+    pub sample: Option<u64>,
+    /// Format of the paths of the sample, if they are to be printed.
+    pub trace: Option<TextOrJson>,
+    pub clamp: Option<f32>,
+}
+
+/// Computes and prints one pixel, or one sample of it.
+pub fn pixel(plan: &PixelPlan, loaded: Loaded) -> Result<()> {
+    let (x, y) = plan.pixel;
+    let Built { world, film, sampler, .. } = loaded.built;
+    let settings = Settings { clamp: plan.clamp, ..Settings::new(sampler) };
+    if x >= film.size.x || y >= film.size.y {
+        return Err(Error::Usage(format!("--pixel {x},{y}: the picture is {} × {}", film.size.x, film.size.y)));
+    }
+    let origin = world.origin();
+    let scene: Arc<dyn Scene> = Arc::new(world);
+    if let Some(index) = plan.sample {
+        let (id, render) = (SampleId { pixel: (x, y), index }, Render::new(scene.clone(), &*loaded.integrator, &film, &settings));
+        let mut events: Vec<Event> = vec![];
+        let value = render.replay(id, plan.trace.is_some().then_some(&mut events));
+        let Some(form) = plan.trace else {
+            let [r, g, b] = value.to_rgb();
+            return say(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n"));
+        };
+        let (camera, names, integrator) = (render.camera(id), Names::of(&loaded.description), loaded.entry.name);
+        let trace = Trace { integrator, id, camera, value, events: &events, names: &names, lights: scene.lights(), origin };
+        return say(&trace.print(form));
+    }
+    let min = glam::UVec2::new(x, y);
+    let mut film = MomentFilm::new(FilmSpec { crop: Crop { min, max: min + 1 }, ..film.without_layers() });
+    render::render(scene, &*loaded.integrator, &mut film, &settings, &render::Silent);
+    let image = film.image();
+    let [r, g, b] = image.rgb(0, 0);
+    let error = image.channel("StdErr.R").map(|_| {
+        let [r, g, b] = ["StdErr.R", "StdErr.G", "StdErr.B"].map(|name| image.channel(name).map_or(0.0, |c| c[0]));
+        format!("  standard error {r:?} {g:?} {b:?}")
+    });
+    say(&format!("pixel {x},{y} of {} samples: {r:?} {g:?} {b:?}{}\n", film.samples(), error.unwrap_or_default()))
+}

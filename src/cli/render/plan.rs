@@ -1,0 +1,268 @@
+//! Plan of a render: what the command line asks for, checked once before any work.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::args::{RenderArgs, Shard};
+use crate::cli::load::Loaded;
+use crate::cli::outputs::{Takes, check_outputs, is_part};
+use crate::cli::progress::ProgressForm;
+use crate::cli::stats::TextOrJson;
+use crate::cli::tone_mapping::ToneMapping;
+use crate::cli::{note, pilot};
+use crate::error::{Error, Fault, Result};
+use crate::film::MomentFilm;
+use crate::integrator::{Entry, Integrator};
+use crate::measure::{ErrorHistory, ErrorTarget, StopCondition};
+use crate::output::Format;
+use crate::output::attributes::of_camera;
+use crate::part::{self, About, Part, Stored};
+use crate::render::RenderReport;
+use crate::sampler::{Kind, SamplerSpec};
+
+/// Plan of a render. Everything after it is made reads the plan, not the arguments.
+pub struct RenderPlan {
+    /// Samples of every pixel.
+    pub samples: Range<u64>,
+    /// Whether these samples are a part of the picture, by `--shard` or `--samples`.
+    pub is_part: bool,
+    /// Facts about the picture.
+    pub about: About,
+    /// Output files for pictures.
+    pub pictures: Vec<PathBuf>,
+    /// Output files for parts.
+    pub parts: Vec<PathBuf>,
+    /// File for the state, written from time to time and at the end.
+    pub checkpoint: Option<PathBuf>,
+    /// Time between checkpoints, if there are any.
+    pub checkpoint_interval: Option<Duration>,
+    /// Condition at which the render stops.
+    pub until: StopCondition,
+    /// Whether the numbers of samples of the pixels follow from a pilot.
+    pub adaptive: bool,
+    /// Limit of the radiance of indirect contributions.
+    pub clamp: Option<f32>,
+    /// Confidence of errors and targets.
+    pub confidence: f64,
+    /// Price list to print before the render.
+    pub price_list: Option<PriceList>,
+    /// Conversion to 8-bit pictures.
+    pub tone_mapping: ToneMapping,
+    /// Form of the progress.
+    pub progress: ProgressForm,
+    /// Address of a viewer.
+    pub display_server: Option<String>,
+    /// What is printed after the render.
+    pub reports: Reports,
+    resume: Option<PathBuf>,
+}
+
+/// Integrators of the price list, and the render time of each.
+pub struct PriceList {
+    pub time: Duration,
+    pub integrators: Vec<(Entry, Arc<dyn Integrator>)>,
+}
+
+/// What is printed after the render.
+pub struct Reports {
+    /// Number of outliers to list, if they are requested.
+    pub outliers: Option<u32>,
+    /// Whether all biases are requested.
+    pub bias: bool,
+    /// Whether to print more.
+    pub is_verbose: bool,
+    /// Format of the statistics, if they are requested.
+    pub stats: Option<TextOrJson>,
+    /// Start of the command that replays a sample of this render.
+    pub replay: String,
+}
+
+/// State before the first sample of this run.
+pub struct Start {
+    /// Film with the samples so far.
+    pub film: MomentFilm,
+    /// Index of the next sample.
+    pub next: u64,
+    /// Report so far.
+    pub report: RenderReport,
+    /// History so far.
+    pub history: ErrorHistory,
+}
+
+impl RenderPlan {
+    /// Checks the arguments and makes a plan.
+    ///
+    /// # Errors
+    /// `Usage` for samples that do not exist and for outputs that cannot be written; `Io`.
+    pub fn new(args: &RenderArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<RenderPlan> {
+        let samples = samples(args, &loaded.built.sampler)?;
+        let is_part = args.shard.is_some() || args.samples.is_some();
+        let outputs = match (&args.output[..], is_part) {
+            ([], true) => vec![format!("{}.{}-{}.ptc", loaded.stem, samples.start, samples.end).into()],
+            ([], false) => {
+                let stem = if args.clock_name { by_the_clock() } else { loaded.stem.clone() };
+                vec![format!("{stem}.exr").into(), format!("{stem}.png").into()]
+            }
+            (given, _) => given.to_vec(),
+        };
+        let takes = if is_part { Takes::Parts } else { Takes::Both };
+        check_outputs(&outputs, takes, &[args.scene.path()?], "is the scene file")?;
+        let state = || outputs.iter().find(|path| self::is_part(path)).cloned().unwrap_or_else(|| outputs[0].with_extension("ptc"));
+        let checkpoint = args.checkpoint.map(|_| state());
+        if let Some(path) = &checkpoint {
+            check_outputs(std::slice::from_ref(path), Takes::Parts, &[args.scene.path()?], "is the scene file")?;
+        }
+        let resume = match &args.resume {
+            Some(None) if !state().exists() => {
+                note(&format!("{}: not there, so this starts at the beginning", state().display()));
+                None
+            }
+            Some(given) => Some(given.clone().unwrap_or_else(state)),
+            None => None,
+        };
+        if let Some(path) = outputs.iter().find(|path| self::is_part(path)) {
+            let lost = if args.adaptive { Some("how many samples each pixel has") } else { args.clamp.map(|_| "what clamping took") };
+            if let Some(lost) = lost {
+                return Err(Error::Usage(format!("{}: a part does not keep {lost}", path.display())));
+            }
+        }
+        let built = &loaded.built;
+        let about = About::new(loaded.identity()?, &built.film, built.sampler.error_estimator(), of_camera(&built.world, &built.film));
+        let (parts, pictures): (Vec<PathBuf>, Vec<PathBuf>) = outputs.into_iter().partition(|path| self::is_part(path));
+        if !built.film.layers.is_empty() && !pictures.iter().any(|path| Format::of(path) == Some(Format::Exr)) {
+            note("warning: layers are written to .exr files, and none is asked for");
+        }
+        let integrators = pilot::selected_integrators(loaded, &args.integrators, tables)?;
+        Ok(RenderPlan {
+            until: until(args, samples.end),
+            samples,
+            is_part,
+            about,
+            pictures,
+            parts,
+            checkpoint,
+            checkpoint_interval: args.checkpoint,
+            adaptive: args.adaptive,
+            clamp: args.clamp,
+            confidence: args.confidence,
+            price_list: args.pilot.map(|time| PriceList { time, integrators }),
+            tone_mapping: args.tone_mapping,
+            progress: args.work.progress,
+            display_server: args.display_server.clone(),
+            reports: Reports {
+                outliers: args.worst,
+                bias: args.ledger,
+                is_verbose: args.verbose,
+                stats: args.stats,
+                replay: replay_command(args)?,
+            },
+            resume,
+        })
+    }
+
+    /// Empty state, or the state that `--resume` found.
+    ///
+    /// # Errors
+    /// `Invalid` for a state of another picture, or one without its first samples; `Usage` for one with more samples than
+    /// requested.
+    pub fn start(&self, film: MomentFilm) -> Result<Start> {
+        let nothing = |film| Start { film, next: self.samples.start, report: RenderReport::default(), history: ErrorHistory::default() };
+        let Some(path) = &self.resume else { return Ok(nothing(film)) };
+        let stored = Stored::open(path)?;
+        let refused = |message: String| Error::invalid(Fault::new(message).in_file(path));
+        if let Some(difference) = stored.about.difference(&self.about) {
+            return Err(refused(format!("not of this picture: {difference}")));
+        }
+        let found = stored.ranges();
+        let [run] = &found[..] else { return Err(refused(format!("has gaps: it holds samples {}", ranges(&found)))) };
+        if run.start != self.samples.start {
+            return Err(refused(format!("begins at sample {}, expected {}", run.start, self.samples.start)));
+        }
+        if run.end > self.until.samples {
+            let (path, end, asked) = (path.display(), run.end, self.until.samples);
+            return Err(Error::Usage(format!("{path} holds {end} samples per pixel, more than the {asked} that are asked for")));
+        }
+        let next = run.end;
+        let Part { films, report, history, .. } = part::merge(vec![stored])?;
+        let film = films.into_iter().next().unwrap_or(film);
+        Ok(Start { film, next, report, history })
+    }
+
+    /// Writes the sums of all samples so far to every file that takes them.
+    ///
+    /// # Errors
+    /// `Io`.
+    pub fn write_parts(&self, film: &MomentFilm, report: &RenderReport, history: &ErrorHistory) -> Result<()> {
+        let also = self.checkpoint.iter().filter(|path| !self.parts.contains(path));
+        let write = |path: &PathBuf| part::write(path, &self.about, &[film], report, history);
+        // All files are tried, so that a failure does not affect the others.
+        self.parts.iter().chain(also).map(write).collect::<Vec<_>>().into_iter().collect()
+    }
+
+    /// Files that the run writes.
+    pub fn written(&self) -> impl Iterator<Item = &Path> {
+        self.pictures.iter().chain(&self.parts).map(PathBuf::as_path)
+    }
+}
+
+/// File name from the local time: `26_11_21-09_05_00`.
+fn by_the_clock() -> String {
+    jiff::Zoned::now().strftime("%y_%m_%d-%H_%M_%S").to_string()
+}
+
+/// Ranges as text: `0..16, 32..64`.
+pub fn ranges(runs: &[Range<u64>]) -> String {
+    runs.iter().map(|run| format!("{}..{}", run.start, run.end)).collect::<Vec<_>>().join(", ")
+}
+
+/// Condition at which the render stops. If only a time or an accuracy is requested, the scene's number of samples is not a limit.
+fn until(args: &RenderArgs, planned: u64) -> StopCondition {
+    let free = (args.time.is_some() || args.target.is_some()) && args.spp().is_none();
+    let samples = if free { u32::MAX.into() } else { planned };
+    StopCondition { samples, time: args.time, target: args.target.map(|error| ErrorTarget { error, confidence: args.confidence }) }
+}
+
+/// Start of the command that replays a sample: all options that decide the samples.
+fn replay_command(args: &RenderArgs) -> Result<String> {
+    let mut words = vec!["pt".to_owned(), args.scene.path()?.display().to_string()];
+    let mut flag = |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
+    args.scene.overrides.iter().for_each(|text| flag("-D", Some(text.clone())));
+    flag("--integrator", args.integrator.clone());
+    flag("--size", args.size.map(|[width, height]| format!("{width}x{height}")));
+    flag("--spp", args.spp().map(|spp| spp.to_string()));
+    flag("--seed", args.seed.map(|seed| seed.to_string()));
+    flag("--sampler", args.sampler.clone());
+    flag("--scramblings", args.scramblings.map(|k| k.to_string()));
+    flag("--clamp", args.clamp.map(|limit| limit.to_string()));
+    let mut command: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+    if args.scene.allow_outside {
+        command.push("--allow-outside".into());
+    }
+    Ok(command.join(" "))
+}
+
+/// Quotes a word for a shell.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
+/// Range of samples that the run takes.
+fn samples(args: &RenderArgs, sampler: &SamplerSpec) -> Result<Range<u64>> {
+    let spp = sampler.spp;
+    if let Some(Shard { index, count }) = args.shard {
+        if u64::from(count) > spp {
+            return Err(Error::Usage(format!("--shard {index}/{count}: there are only {spp} samples per pixel to share out")));
+        }
+        let at = |i: u32| (u128::from(spp) * u128::from(i) / u128::from(count)) as u64;
+        return Ok(at(index - 1)..at(index));
+    }
+    let samples = args.samples.clone().unwrap_or(0..spp);
+    if samples.end > spp && sampler.kind == Kind::Stratified {
+        let (start, end) = (samples.start, samples.end);
+        return Err(Error::Usage(format!("--samples {start}..{end}: stratified spreads {spp} samples (--spp) and has no more")));
+    }
+    Ok(samples)
+}

@@ -1,0 +1,113 @@
+//! Estimates of how much light the biases of an integrator remove from a picture.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+use super::Mean;
+use crate::film::FilmSpec;
+use crate::integrator::{Bias, Integrator};
+use crate::render::{Render, SampleId, Settings};
+use crate::sampler::{Kind, SamplerSpec, hash};
+use crate::scene::Scene;
+
+/// Light that one bias removes, as a share of the light that the picture would have without the bias.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BiasEstimate {
+    /// Setting that causes the bias, such as `max_depth 7`.
+    pub setting: String,
+    /// BiasEstimate share of the light; negative if the bias adds light.
+    pub share: f64,
+    /// Standard error of the share; 0 if the share was counted, not estimated.
+    pub error: f64,
+    /// Number of camera samples of the estimate; 0 if the share was counted.
+    pub samples: u64,
+}
+
+/// Limits for the work of one bias estimate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BiasBudget {
+    /// Camera samples at most.
+    pub samples: u64,
+    /// Time at most. The clock is checked after every [`BATCH`] samples.
+    pub time: Duration,
+}
+
+/// Camera samples between two checks of the clock; at least one batch is taken.
+pub const BATCH: u64 = 32;
+
+/// Estimates what each bias of an integrator removes, after a render.
+///
+/// ```text
+/// share = D / (P + D),   D = E[L_without − L_with]
+/// ```
+///
+/// P is the mean of the picture. D is estimated at random pixels by the integrator with and without its bias, on the same random
+/// numbers, so that the two differ by the bias only and even a small share is found. Those numbers are not the picture's. The error
+/// of the share is that of D, as P is known much better.
+///
+/// - `seed`: the picture's seed
+/// - `mean`: P, over the pixels of the crop and the colours
+///
+/// Tests: `the_depth_limit_removes_what_the_series_says`.
+pub fn bias_report(
+    scene: &Arc<dyn Scene>,
+    integrator: &dyn Integrator,
+    spec: &FilmSpec,
+    seed: u64,
+    mean: f64,
+    budget: BiasBudget,
+) -> Vec<BiasEstimate> {
+    let removed =
+        |Bias { setting, without }: Bias| estimate_bias(setting, (scene, integrator), (scene, &*without), spec, seed, mean, budget);
+    integrator.biases().into_iter().map(removed).collect()
+}
+
+/// Estimates the light that one of two methods lacks. They differ by a bias: two integrators, or one integrator on two scenes.
+///
+/// The share is negative where the bias adds light.
+///
+/// - `with`, `without`: the method with the bias and without it
+/// - the other parameters are those of [`bias_report`]
+pub fn estimate_bias(
+    setting: String,
+    with: SceneAndIntegrator,
+    without: SceneAndIntegrator,
+    spec: &FilmSpec,
+    seed: u64,
+    mean: f64,
+    budget: BiasBudget,
+) -> BiasEstimate {
+    let own = hash::dimension_key(!seed, OWN_NUMBERS);
+    let settings = Settings::new(SamplerSpec { kind: Kind::Independent, seed: own, ..SamplerSpec::default() });
+    let [with, without] = [with, without].map(|(scene, integrator)| Render::new(scene.clone(), integrator, spec, &settings));
+    let (mut sum, mut square, mut samples) = (0.0, 0.0, 0);
+    let start = Instant::now();
+    while samples < budget.samples && (samples == 0 || start.elapsed() < budget.time) {
+        let batch = (samples..samples + BATCH).into_par_iter().map(|i| difference(&with, &without, spec, own, i)).collect::<Vec<_>>();
+        batch.into_iter().for_each(|d| (sum, square) = (sum + d, square + d * d));
+        samples += BATCH;
+    }
+    let removed = Mean::from_sums(sum, square, samples);
+    let part = |x: f64| if mean + removed.value > 0.0 { x / (mean + removed.value) } else { 0.0 };
+    BiasEstimate { setting, share: part(removed.value), error: part(removed.standard_error()) * part(mean), samples }
+}
+
+/// A scene and the integrator that renders it.
+pub type SceneAndIntegrator<'a> = (&'a Arc<dyn Scene>, &'a dyn Integrator);
+
+/// Number that no scrambling of a picture's pixel has.
+const OWN_NUMBERS: u32 = u32::MAX;
+
+/// Difference that sample i shows: the mean over the colours. Invalid samples count as 0 here, as the render itself reports them.
+fn difference(with: &Render, without: &Render, spec: &FilmSpec, key: u64, i: u64) -> f64 {
+    let crop = spec.crop;
+    let place = hash::dimension_key(key, i as u32) % crop.pixel_count();
+    let width = u64::from(crop.size().x);
+    let (x, y) = ((place % width) as u32, (place / width) as u32);
+    let id = SampleId { pixel: (crop.min.x + x, crop.min.y + y), index: i };
+    let [with, without] = [with, without].map(|render| render.replay(id, None));
+    let difference = without - with;
+    if difference.is_finite() { difference.to_rgb().into_iter().map(f64::from).sum::<f64>() / 3.0 } else { 0.0 }
+}

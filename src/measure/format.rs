@@ -1,0 +1,169 @@
+//! Errors, times and prices as text for people.
+
+use super::{ErrorHistory, ErrorTarget, Outcome, Price, RelativeError};
+
+/// Relative errors whose prices are listed.
+pub const TARGETS: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
+
+/// A share as a number of per cent with two digits: `2.1`, `0.3`, `12`.
+pub fn per_cent(share: f64) -> String {
+    two_digits(100.0 * share)
+}
+
+/// A number with this many digits: `0.0123450`, `12.5000`, `1.50000e9`.
+pub fn number(x: f64, digits: i32) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return x.to_string();
+    }
+    let (exponent, decimals) = (x.abs().log10().floor() as i32, digits - 1);
+    if (-4..digits).contains(&exponent) { format!("{x:.*}", (decimals - exponent) as usize) } else { format!("{x:.*e}", decimals as usize) }
+}
+
+/// An error with its interval: `2.1 % (95 %: 2.0–2.2)`.
+pub fn error(error: &RelativeError, confidence: f64) -> String {
+    if error.is_vague() {
+        return format!("about {} % (still too noisy to say how sure)", per_cent(error.value));
+    }
+    let [low, high] = error.interval(confidence).map(per_cent);
+    format!("{} % ({} %: {low}–{high})", per_cent(error.value), per_cent(confidence))
+}
+
+/// The price of the next smaller error: `1 % would take about 14 s`.
+pub fn next_price(history: &ErrorHistory, confidence: f64) -> Option<String> {
+    let error = history.last()?.error?;
+    let target = TARGETS.into_iter().rev().filter(|target| *target < 0.8 * error.value).find(|target| *target >= 0.01);
+    let target = target.or_else(|| TARGETS.into_iter().find(|target| *target < 0.8 * error.value))?;
+    let price = history.price(target, confidence)?;
+    Some(format!("{} % would take about {}", per_cent(target), duration(price.seconds)))
+}
+
+/// A price with its interval: `38 s (35 s–41 s)`.
+pub fn price(price: &Price) -> String {
+    format!("{} ({})", duration(price.seconds), between(price.low, price.high))
+}
+
+/// An interval of times: `35 s–41 s`. If both ends read the same, their distance from the middle is given: `± 3 %`.
+pub fn between(low: f64, high: f64) -> String {
+    let [from, to] = [low, high].map(duration);
+    match from == to {
+        true if high.is_finite() => format!("± {} %", per_cent(((high - low) / (high + low)).max(0.0))),
+        true => from,
+        false => format!("{from}–{to}"),
+    }
+}
+
+/// The outcome of a target: `target 1 %: met (95 % sure)`.
+pub fn outcome(target: &ErrorTarget, outcome: Outcome) -> String {
+    let what = format!("target {} %", per_cent(target.error));
+    match outcome {
+        Outcome::Met => format!("{what}: met ({} % sure)", per_cent(target.confidence)),
+        Outcome::NotMet => format!("{what}: not met"),
+        Outcome::NotEstablished => format!("{what}: cannot be established (heavy tail: a few pixels hold all the noise)"),
+    }
+}
+
+/// A time as precise as a forecast is: `0.8 s`, `14 s`, `3 min 40 s`, `2 h 5 min`, `3 days`.
+pub fn duration(seconds: f64) -> String {
+    let whole = seconds.round();
+    match seconds {
+        s if !s.is_finite() => "for ever".into(),
+        s if s < 0.0095 => format!("{} ms", two_digits(1e3 * s)),
+        s if s < 9.95 => format!("{} s", two_digits(s)),
+        s if s < 119.5 => format!("{whole} s"),
+        s if s < 3570.0 => format!("{} min {:02} s", (whole / 60.0).floor(), whole % 60.0),
+        s if s < 2.0 * 86400.0 => {
+            let minutes = (s / 60.0).round();
+            format!("{} h {:02} min", (minutes / 60.0).floor(), minutes % 60.0)
+        }
+        s if s < 2.0 * 365.25 * 86400.0 => format!("{} days", (s / 86400.0).round()),
+        s => format!("{} years", two_digits(s / (365.25 * 86400.0))),
+    }
+}
+
+/// A number with two significant digits, or more if they stand before the decimal point.
+fn two_digits(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return format!("{x}");
+    }
+    let places = (1 - x.abs().log10().floor() as i32).max(0);
+    let rounded = format!("{x:.*}", places as usize);
+    // 9.96 has become 10.0.
+    let places = (1 - rounded.parse().unwrap_or(x).abs().log10().floor() as i32).max(0);
+    let text = format!("{x:.*}", places as usize);
+    // 1.0 reads as 1, 0.30 as 0.3.
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (share, text) in [
+            (0.0213, "2.1"),
+            (0.01, "1"),
+            (0.003, "0.3"),
+            (0.95, "95"),
+            (0.999, "100"),
+            (0.0996, "10"),
+            (1.234, "123"),
+            (0.0, "0"),
+            (2e-6, "0.0002"),
+        ] {
+            assert_eq!(per_cent(share), text, "{share}");
+        }
+    }
+
+    /// ln 10 / 1.96 = 1.175 is the spread of an interval from a tenth to ten times the error.
+    #[test]
+    fn an_error_has_an_interval_where_that_says_something() {
+        let told = |value, spread| error(&RelativeError { value, spread, effective_pixels: 1e4 }, 0.95);
+        assert_eq!(told(0.021, 0.025), "2.1 % (95 %: 2–2.2)");
+        assert_eq!(told(2.0, 1.17), "200 % (95 %: 20–1981)");
+        assert_eq!(told(2.67, 1.18), "about 267 % (still too noisy to say how sure)");
+    }
+
+    #[test]
+    fn times_are_as_long_as_they_need_be() {
+        for (seconds, text) in [
+            (0.0031, "3.1 ms"),
+            (0.5, "0.5 s"),
+            (9.97, "10 s"),
+            (14.2, "14 s"),
+            (220.0, "3 min 40 s"),
+            (119.7, "2 min 00 s"),
+            (7500.0, "2 h 05 min"),
+            (3599.0, "1 h 00 min"),
+            (3.0 * 86400.0, "3 days"),
+            (f64::INFINITY, "for ever"),
+        ] {
+            assert_eq!(duration(seconds), text, "{seconds}");
+        }
+    }
+
+    #[test]
+    fn intervals_of_times_have_two_ends_or_a_width() {
+        let day = 86400.0;
+        for (low, high, text) in [
+            (35.0, 41.0, "35 s–41 s"),
+            (1.8 * day, 3.2 * day, "43 h 12 min–3 days"),
+            (2.1 * day, 2.3 * day, "± 4.5 %"),
+            (14.0, 14.2, "± 0.71 %"),
+            (5.0, 5.0, "± 0 %"),
+            (3.0 * day, f64::INFINITY, "3 days–for ever"),
+            (f64::INFINITY, f64::INFINITY, "for ever"),
+        ] {
+            assert_eq!(between(low, high), text, "{low} to {high}");
+        }
+    }
+
+    #[test]
+    fn numbers_have_so_many_digits() {
+        let table = [(0.0, "0"), (1.0, "1.00000"), (-12.5, "-12.5000"), (1e-5, "1.00000e-5"), (123_456.7, "123457"), (1.5e9, "1.50000e9")];
+        for (x, text) in table {
+            assert_eq!(number(x, 6), text);
+        }
+        assert_eq!((number(0.012_345, 2), number(f64::INFINITY, 6), number(f64::NAN, 6)), ("0.012".into(), "inf".into(), "NaN".into()));
+    }
+}

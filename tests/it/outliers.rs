@@ -1,0 +1,126 @@
+//! The samples that make the noise are found, all of them, by computing a few pixels again.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use pt::film::{Film, FilmSpec, MomentFilm};
+use pt::integrator::{CameraSample, Context, Estimator, Integrator};
+use pt::math::{Spectrum, Vec2};
+use pt::measure::{Outliers, find_outliers};
+use pt::render::{Render, SampleId, Settings, Silent};
+use pt::sampler::dimension::{self, Use};
+use pt::sampler::{Kind, SamplerSpec};
+use pt::scene::Scene;
+use pt::world::World;
+
+use crate::scenes::probe;
+
+/// Pictures of nothing but noise.
+#[derive(Clone, Copy)]
+enum Speckle {
+    /// 1 everywhere.
+    Even,
+    /// Uniform, but for one sample: the one that falls there.
+    Firefly(Vec2),
+    /// 1/(u + 10⁻⁴), twice as bright on the right.
+    Heavy,
+}
+
+impl Integrator for Speckle {
+    fn prepare(&self, _: Arc<dyn Scene>, _: &FilmSpec) -> Box<dyn Estimator> {
+        Box::new(*self)
+    }
+}
+
+impl Estimator for Speckle {
+    fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
+        cx.sampler.at(dimension::vertex(0, Use::Bsdf));
+        let u = cx.sampler.next_1d();
+        Spectrum::gray(match *self {
+            Speckle::Even => 1.0,
+            Speckle::Firefly(raster) if camera.raster == raster => 1000.0,
+            Speckle::Firefly(_) => u,
+            Speckle::Heavy => (1.0 + (camera.raster.x / WIDTH as f32).round()) / (u + 1e-4),
+        })
+    }
+}
+
+const WIDTH: u32 = 90;
+const HEIGHT: u32 = 70;
+
+fn rendered(speckle: Speckle, kind: Kind) -> (Render, MomentFilm) {
+    let scene: Arc<dyn Scene> = Arc::new(World::builder(probe(DVec3::ZERO, DVec3::X)).build().expect("an empty scene"));
+    let sampler = SamplerSpec { kind, seed: 9, spp: 20, scramblings: 2 };
+    let mut film = MomentFilm::new(FilmSpec::new(WIDTH, HEIGHT));
+    let mut render = Render::new(scene, &speckle, film.spec(), &Settings::new(sampler));
+    render.advance(20, &mut film, &Silent);
+    (render, film)
+}
+
+fn on(threads: usize, work: impl FnOnce() -> Outliers + Send) -> Outliers {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had").install(work)
+}
+
+#[test]
+fn a_planted_firefly_is_the_worst_sample() {
+    for kind in [Kind::Independent, Kind::Sobol] {
+        let id = SampleId { pixel: (61, 7), index: 13 };
+        let raster = rendered(Speckle::Even, kind).0.camera(id).raster;
+        let (render, film) = rendered(Speckle::Firefly(raster), kind);
+        let found = on(1, || find_outliers(&render, &film, 3));
+        let first = found.samples[0];
+        assert_eq!((first.id, first.value), (id, Spectrum::gray(1000.0)));
+        // 1000² · 19/20 against 126000 samples of variance 1/12, both in the measure of the same mean.
+        assert!((0.9..1.0).contains(&first.share), "{first:?}");
+        assert_eq!(on(3, || find_outliers(&render, &film, 3)), found);
+    }
+}
+
+/// Every sample computed again and judged by the formula: the same list, and the shares of all samples are 1.
+#[test]
+fn the_worst_are_those_of_a_search_of_all_samples() {
+    let (render, film) = rendered(Speckle::Heavy, Kind::Independent);
+    let values: Vec<Vec<f64>> = (0..WIDTH * HEIGHT)
+        .map(|p| {
+            (0..20).map(|index| f64::from(render.replay(SampleId { pixel: (p % WIDTH, p / WIDTH), index }, None).to_rgb()[0])).collect()
+        })
+        .collect();
+    let means: Vec<f64> = values.iter().map(|pixel| pixel.iter().sum::<f64>() / 20.0).collect();
+    let floor = 0.01 * (means.iter().sum::<f64>() / means.len() as f64).powi(2);
+    let below = |p: u32| {
+        let near = |q: &u32| (q % WIDTH).abs_diff(p % WIDTH) <= 1 && (q / WIDTH).abs_diff(p / WIDTH) <= 1;
+        let mut around: Vec<f64> = (0..WIDTH * HEIGHT).filter(near).map(|q| means[q as usize].powi(2)).collect();
+        around.sort_by(f64::total_cmp);
+        around[around.len() / 2] + floor
+    };
+    let mut all: Vec<(f64, SampleId)> = vec![];
+    for p in 0..WIDTH * HEIGHT {
+        let below = below(p);
+        let noise = |(index, y): (usize, &f64)| {
+            let id = SampleId { pixel: (p % WIDTH, p / WIDTH), index: index as u64 };
+            ((y - means[p as usize]).powi(2) / below, id)
+        };
+        all.extend(values[p as usize].iter().enumerate().map(noise));
+    }
+    let total: f64 = all.iter().map(|(noise, _)| noise).sum();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+
+    let found = find_outliers(&render, &film, 12);
+    assert!(found.complete);
+    assert_eq!(found.samples.len(), 12);
+    for (found, (noise, id)) in found.samples.iter().zip(&all) {
+        assert_eq!(found.id, *id);
+        assert!((found.share - noise / total).abs() < 1e-9, "{found:?}: {}", noise / total);
+    }
+}
+
+/// Where all samples are alike there is nothing to list; where they are alike but for chance, the list says that it may not be all.
+#[test]
+fn even_pictures_have_no_worst_sample() {
+    let (render, film) = rendered(Speckle::Even, Kind::Independent);
+    assert_eq!(find_outliers(&render, &film, 5), Outliers { samples: vec![], complete: true });
+    let (render, film) = rendered(Speckle::Firefly(Vec2::NEG_ONE), Kind::Independent);
+    let found = find_outliers(&render, &film, 5);
+    assert!(!found.complete && found.samples.len() == 5, "{found:?}");
+    assert!(found.samples[0].share < 1e-3);
+}

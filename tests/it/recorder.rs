@@ -1,0 +1,249 @@
+//! What integrators tell of their paths: it adds up to the radiance, and follows from its own numbers.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use pt::describe::{self, Built, Files, Source};
+use pt::integrator::choose;
+use pt::integrators::ALL;
+use pt::math::{Density, Spectrum, Vec3};
+use pt::recorder::{Contribution, End, Event, LightSplit, PathRecorder, Scattering, Technique, Vertex};
+use pt::render::{Render, SampleId, Settings};
+use pt::sampler::{Kind, SamplerSpec};
+use pt::scene::Scene;
+
+use crate::random::Random;
+
+/// Nearer to the table's size than anyone needs: 32 × 24 pixels of every scene that comes with pt.
+fn scenes() -> Vec<(PathBuf, Built)> {
+    let entries = std::fs::read_dir("scenes").expect("the folder of scenes").map(|entry| entry.expect("an entry").path());
+    let mut paths: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|e| e == "json")).collect();
+    paths.sort();
+    assert!(paths.len() >= 9, "{paths:?}");
+    paths.into_iter().map(|path| (path.clone(), load(&path, [32, 24]))).collect()
+}
+
+pub fn load(path: &Path, [width, height]: [u32; 2]) -> Built {
+    let file = path.display().to_string();
+    let mut root = describe::load(path).expect(&file);
+    for (side, length) in [("/film/width", width), ("/film/height", height)] {
+        root.set(side, &length.to_string()).expect(side);
+    }
+    let scene = describe::read(&root, &file).unwrap_or_else(|e| panic!("{e}"));
+    let source = Source { root: &root, file: &file, files: &Files::within("scenes") };
+    describe::build(&scene, source).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Every integrator on every scene: `law` judges what is told of a few hundred samples of each.
+fn told(samples: usize, mut law: impl FnMut(&str, &dyn Scene, &Render, SampleId, &[Event])) {
+    for (path, built) in scenes() {
+        let world: Arc<dyn Scene> = Arc::new(built.world);
+        for entry in ALL {
+            let (_, integrator) = choose(&[ALL], None, Some(entry.name), "").expect("defaults are valid");
+            let mut random = Random::new(7);
+            let sampler = SamplerSpec { kind: random.pick(&[Kind::Independent, Kind::Sobol]), seed: 3, spp: 16, scramblings: 2 };
+            let render = Render::new(world.clone(), &*integrator, &built.film, &Settings::new(sampler));
+            for _ in 0..samples {
+                let id = SampleId { pixel: (random.below(32) as u32, random.below(24) as u32), index: random.below(16) as u64 };
+                let mut events: Vec<Event> = vec![];
+                render.replay(id, Some(&mut events));
+                law(&format!("{} {} {id:?}", path.display(), entry.name), &*world, &render, id, &events);
+            }
+        }
+    }
+}
+
+fn contributions(events: &[Event]) -> impl Iterator<Item = &Contribution> {
+    events.iter().filter_map(|event| if let Event::Light(contribution) = event { Some(contribution) } else { None })
+}
+
+/// Who is watched computes what nobody sees, and the light that is told is all of it, bit for bit.
+#[test]
+fn what_is_told_adds_up_to_the_radiance() {
+    let (mut bright, mut silent) = (0, 0);
+    told(150, |name, _, render, id, events| {
+        let (alone, mut again) = (render.replay(id, None), Vec::<Event>::new());
+        let watched = render.replay(id, Some(&mut again));
+        assert_eq!(watched.to_rgb().map(f32::to_bits), alone.to_rgb().map(f32::to_bits), "{name}");
+        if events.is_empty() {
+            assert!(name.contains(" normals ") || name.contains(" ao "), "{name} tells nothing");
+            silent += 1;
+            return;
+        }
+        let sum = contributions(events).fold(Spectrum::BLACK, |sum, c| sum + c.value) * render.camera(id).weight;
+        assert_eq!(sum.to_rgb().map(f32::to_bits), alone.to_rgb().map(f32::to_bits), "{name}");
+        bright += u32::from(!sum.is_black());
+    });
+    assert!(bright > 1000 && silent > 1000, "{bright} bright, {silent} silent");
+}
+
+/// What a path's vertices must be, one after the other, by integrators that do not branch.
+///
+/// - throughput: β' = β · weight / survival, to the bit
+/// - weight = f·cos/density, for models whose sampling has a density; f32 numbers of four operations each, and lobes far narrower
+///   than a radian lose digits in both
+/// - the next vertex lies where the direction and the distance say
+#[test]
+fn throughputs_follow_from_the_vertices() {
+    let (mut smooth, mut vertices) = (0, 0);
+    told(100, |name, _, _, _, events| {
+        if !name.contains(" path ") && !name.contains(" nee ") {
+            return;
+        }
+        let mut last: Option<(&Vertex, Option<&Scattering>)> = None;
+        for event in events {
+            match event {
+                Event::Vertex(vertex) => {
+                    if let Some((before, Some(scattering))) = last {
+                        let beta = before.beta * scattering.weight * (1.0 / scattering.survival);
+                        assert_eq!(vertex.beta, beta, "{name} {vertex:?}");
+                        assert_eq!(vertex.depth, before.depth + 1, "{name}");
+                        let met = before.point + scattering.wi * vertex.distance;
+                        let size = vertex.point.abs().max_element().max(before.point.abs().max_element());
+                        // A march that stops 0.01 m before a surface lets rays start up to five such steps off it, and a little.
+                        let off = if name.contains("postcard") { 0.06 } else { 0.0 };
+                        assert!((met - vertex.point).length() < 1e-4 * size.max(vertex.distance) + off, "{name}: {met} {vertex:?}");
+                        assert!((vertex.wo + scattering.wi).length() < 1e-6, "{name}");
+                    } else {
+                        assert_eq!((vertex.depth, vertex.beta), (0, Spectrum::ONE), "{name}");
+                    }
+                    vertices += 1;
+                    last = Some((vertex, None));
+                }
+                Event::Scattering(scattering) => {
+                    let (vertex, _) = last.take().expect("a vertex before");
+                    assert_eq!(scattering.cos, vertex.ns.dot(scattering.wi), "{name}");
+                    if let Density::Smooth(pdf) = scattering.density {
+                        let weight = scattering.value / pdf.get();
+                        let off = (weight - scattering.weight).map(f32::abs).max() / scattering.weight.max();
+                        assert!(off < 2e-3, "{name}: {} · {scattering:?}: {weight:?}", vertex.model);
+                        smooth += 1;
+                    }
+                    last = Some((vertex, Some(scattering)));
+                }
+                Event::Light(_) | Event::End { .. } => {}
+            }
+        }
+        let ends = events.iter().filter(|event| matches!(event, Event::End { .. })).count();
+        assert!(ends == 1 && matches!(events.last(), Some(Event::End { .. })), "{name}: {ends} ends");
+    });
+    assert!(smooth > 2000 && vertices > 3000, "{smooth} smooth of {vertices}");
+}
+
+/// Depths count scattering events, lights are those of the scene, weights are shares; a path that ends at the limit has reached it.
+#[test]
+fn contributions_know_where_they_come_from() {
+    told(60, |name, scene, _, _, events| {
+        let mut depth = 0;
+        for event in events {
+            match event {
+                Event::Vertex(vertex) => depth = vertex.depth,
+                Event::Light(c) => {
+                    assert!(c.origin.light.is_some_and(|light| (light as usize) < scene.lights().len()), "{name}: {c:?}");
+                    assert!((0.0..=1.0).contains(&c.origin.weight) && c.value == c.whole, "{name}: {c:?}");
+                    match c.origin.technique {
+                        Technique::Light { .. } => assert_eq!(c.depth, depth + 1, "{name}"),
+                        Technique::Emission => assert!(c.depth == depth || c.depth == depth + 1 || name.contains(" whitted "), "{name}"),
+                    }
+                }
+                Event::End { depth, why: End::DepthLimit } => assert_eq!(*depth, 64, "{name}"),
+                Event::Scattering(_) | Event::End { .. } => {}
+            }
+        }
+    });
+}
+
+/// The two techniques of a direction share it: where nee meets an emitter that a light sample could have found, and the other
+/// way round, weights lie strictly between; what the camera sees itself counts whole.
+#[test]
+fn weights_are_those_of_two_techniques() {
+    let (mut shared, mut whole) = (0, 0);
+    told(100, |name, _, _, _, events| {
+        for c in contributions(events).filter(|_| name.contains(" nee ")) {
+            if c.depth == 0 {
+                assert_eq!(c.origin.weight, 1.0, "{name}");
+                whole += 1;
+            }
+            shared += u32::from(c.origin.weight > 0.0 && c.origin.weight < 1.0);
+        }
+    });
+    assert!(shared > 100 && whole > 10, "{shared} {whole}");
+}
+
+/// A limit holds for each piece of indirect light, and for nothing else; hues stay; what is held back is remembered to the bit.
+#[test]
+fn clamping_holds_back_indirect_light_alone() {
+    const LIMIT: f32 = 0.05;
+    let mut held = 0;
+    told(60, |name, _, render, id, events| {
+        let mut inner: Vec<Event> = vec![];
+        let mut clamp = pt::recorder::Clamp::new(LIMIT, Some(&mut inner));
+        render.replay(id, Some(&mut clamp));
+        let (acted, unclamped) = (clamp.acted(), clamp.unclamped() * render.camera(id).weight);
+        if !events.is_empty() {
+            assert_eq!(unclamped, render.replay(id, None), "{name}");
+        }
+        for (c, before) in contributions(&inner).zip(contributions(events)) {
+            assert_eq!((c.whole, c.depth), (before.value, before.depth), "{name}");
+            if c.depth < 2 || c.whole.max() <= LIMIT {
+                assert_eq!(c.value, c.whole, "{name}");
+            } else {
+                assert!((c.value.max() - LIMIT).abs() < 1e-6 * LIMIT, "{name}: {c:?}");
+                let ratio = c.whole * (c.value.max() / c.whole.max());
+                assert!((ratio - c.value).map(f32::abs).max() < 1e-6 * LIMIT, "{name}: {c:?}");
+                held += 1;
+                assert!(acted);
+            }
+        }
+    });
+    assert!(held > 100, "{held}");
+}
+
+/// Emission, direct and indirect light are all the light, and so are the lights; each sum is rounded as often as it has parts.
+#[test]
+fn sorted_light_is_all_the_light() {
+    let (mut indirect, mut several) = (0, 0);
+    told(100, |name, scene, render, id, events| {
+        let group_of: std::sync::Arc<[u32]> = (0..scene.lights().len() as u32).collect();
+        let mut split = LightSplit::new(group_of);
+        render.replay(id, Some(&mut split));
+        if events.is_empty() {
+            return;
+        }
+        let whole = contributions(events).fold(Spectrum::BLACK, |sum, c| sum + c.value);
+        let parts = contributions(events).count() as f32;
+        for sum in [split.emission + split.direct + split.indirect, split.groups.iter().copied().sum()] {
+            let off = (sum - whole).map(f32::abs).max();
+            assert!(off <= parts * f32::EPSILON * whole.max(), "{name}: {sum:?} {whole:?}");
+        }
+        let depths = |least: u32, most: u32| {
+            contributions(events).filter(|c| (least..=most).contains(&c.depth)).fold(Spectrum::BLACK, |sum, c| sum + c.value)
+        };
+        assert_eq!([split.emission, split.direct, split.indirect], [depths(0, 0), depths(1, 1), depths(2, u32::MAX)], "{name}");
+        indirect += u32::from(!split.indirect.is_black());
+        several += u32::from(split.groups.iter().filter(|light| !light.is_black()).count() > 1);
+        split.clear();
+        assert!(split.emission.is_black() && split.groups.iter().all(|light| light.is_black()));
+    });
+    assert!(indirect > 100 && several > 10, "{indirect} {several}");
+}
+
+/// An event is plain data.
+#[test]
+fn a_witness_may_be_anyone() {
+    #[derive(Default)]
+    struct Farthest(f32);
+    impl PathRecorder for Farthest {
+        fn record(&mut self, event: Event) {
+            if let Event::Vertex(vertex) = event {
+                self.0 = self.0.max(vertex.point.distance(Vec3::ZERO));
+            }
+        }
+    }
+    let built = load(Path::new("scenes/cornell-box.json"), [32, 24]);
+    let (_, integrator) = choose(&[ALL], None, Some("nee"), "").expect("defaults are valid");
+    let render = Render::new(Arc::new(built.world), &*integrator, &built.film, &Settings::new(SamplerSpec::default()));
+    let mut farthest = Farthest::default();
+    render.replay(SampleId { pixel: (16, 12), index: 0 }, Some(&mut farthest));
+    assert!(farthest.0 > 0.5 && farthest.0 < 5.0, "{}", farthest.0);
+}
