@@ -245,6 +245,7 @@ materials! {
         Mirror = mirror,
         MatteCone = matte_cone,
         OrenNayar = oren_nayar,
+        LommelSeeliger = lommel_seeliger,
         Phong = phong,
         BlinnPhong = blinn_phong,
         Metal = metal,

@@ -9,8 +9,8 @@ use proptest::prelude::*;
 
 use super::at;
 use crate::bsdf::{
-    Bsdf, Conductor, Dielectric, Diffuse, DiffuseTransmission, MatteCone, Mirror, OrenNayar, Plastic, Reflectance, ThinDielectric,
-    TransportMode,
+    Bsdf, Conductor, Dielectric, Diffuse, DiffuseTransmission, LommelSeeliger, MatteCone, Mirror, OrenNayar, Plastic, Reflectance,
+    ThinDielectric, TransportMode,
 };
 use crate::math::float::{ONE_MINUS_EPSILON, ROUNDING, unit_f32};
 use crate::math::{Local, Spectrum};
@@ -20,6 +20,7 @@ pub fn any_bsdf() -> impl Strategy<Value = Bsdf<'static>> {
     prop_oneof![
         5 => simple_bsdf(),
         1 => (color(), fraction()).prop_map(|(albedo, roughness)| Bsdf::OrenNayar(OrenNayar { albedo, roughness })),
+        1 => color().prop_map(|albedo| Bsdf::LommelSeeliger(LommelSeeliger { albedo })),
         1 => (color(), 1f32..4.0).prop_map(|(albedo, eta)| Bsdf::Plastic(Plastic { albedo, eta, internal: Plastic::internal(eta) })),
         1 => (color(), eta()).prop_map(|(color, eta)| Bsdf::ThinDielectric(ThinDielectric { eta, color })),
         1 => (color(), fraction()).prop_map(|(color, share)| {

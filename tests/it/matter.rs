@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use glam::Vec2;
 use proptest::prelude::*;
-use pt::bsdf::{BlinnPhong, Bsdf, DiffuseTransmission, Lobe, Metal, OrenNayar, Phong, Plastic, TransportMode};
+use pt::bsdf::{BlinnPhong, Bsdf, DiffuseTransmission, Lobe, LommelSeeliger, Metal, OrenNayar, Phong, Plastic, TransportMode};
 use pt::math::float::unit_f32;
 use pt::math::fresnel::{dielectric, dielectric_mean};
 use pt::math::{Density, Local, Spectrum};
@@ -24,6 +24,7 @@ fn model() -> impl Strategy<Value = Bsdf<'static>> {
     let eta = prop_oneof![Just(1f32), Just(1.5), 1f32..=4.0];
     prop_oneof![
         share.clone().prop_map(|roughness| Bsdf::OrenNayar(OrenNayar { albedo: COLOR, roughness })),
+        Just(Bsdf::LommelSeeliger(LommelSeeliger { albedo: COLOR })),
         exponent.clone().prop_map(|exponent| Bsdf::Phong(Phong { color: COLOR, exponent })),
         exponent.prop_map(|exponent| Bsdf::BlinnPhong(BlinnPhong { color: COLOR, exponent })),
         share.prop_map(|roughness| Bsdf::Metal(Metal { color: COLOR, roughness })),
@@ -112,6 +113,7 @@ fn densities_integrate_to_the_share_of_samples() {
     let others = [
         plastic(COLOR, 1.5),
         Bsdf::OrenNayar(OrenNayar { albedo: COLOR, roughness: 1.0 }),
+        Bsdf::LommelSeeliger(LommelSeeliger { albedo: COLOR }),
         Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance: COLOR * 0.5, transmittance: COLOR * 0.1 }),
     ];
     let mut random = Random::new(1);
@@ -195,6 +197,25 @@ fn rough_matte_is_white() {
             assert!(albedo(0.5) <= 0.5 + tolerance, "{} at μ = {mu}, σ = {roughness}", albedo(0.5));
         }
     }
+}
+
+/// The albedo of dust is ω/2 · (1 − μ ln((1 + μ)/μ)), which the integral of f over directions must give.
+#[test]
+fn dust_reflects_as_the_formula_says() {
+    let model = Bsdf::LommelSeeliger(LommelSeeliger { albedo: Spectrum::ONE });
+    for mu in [1.0f64, 0.8, 0.5, 0.2, 0.05] {
+        let wo = Local::new(((1.0 - mu) * (1.0 + mu)).sqrt() as f32, 0.0, mu as f32);
+        let albedo = integral(|wi| f64::from(model.eval(wo, wi, TransportMode::Radiance).max()));
+        let expected = 0.5 * (1.0 - mu * ((1.0 + mu) / mu).ln());
+        // The quadrature's own error, see `rough_matte_is_white`.
+        assert!((albedo - expected).abs() < 2e-5, "{albedo} for {expected} at μ = {mu}");
+    }
+    // The full moon: seen from where the light comes from, a ball is as bright at its edge as at its middle.
+    let radiance = |mu: f32| {
+        let w = Local::new(((1.0 - mu) * (1.0 + mu)).sqrt(), 0.0, mu);
+        model.eval(w, w, TransportMode::Radiance).max()
+    };
+    assert!([0.9, 0.5, 0.1, 0.01].into_iter().all(|mu| (radiance(mu) / radiance(1.0) - 1.0).abs() < 2.0 * ULP));
 }
 
 /// Fujii's form at ρ → 0, where grooves do not light each other: f·π/ρ = A (1 + σ s/t).

@@ -7,8 +7,9 @@ use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{
-    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, HitContext, Material,
-    MatteCone, Metal, Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen, ThinDielectric, TwoSided, textured,
+    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, HitContext, LommelSeeliger,
+    Material, MatteCone, Metal, Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen, ThinDielectric, TwoSided,
+    textured,
 };
 use pt::math::Spectrum;
 use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
@@ -51,8 +52,9 @@ fn models() -> Vec<(Bsdf<'static>, bool)> {
         (Bsdf::Plastic(Plastic { albedo: Spectrum::ONE, eta, internal }), true)
     });
     let (reflectance, transmittance) = (Spectrum::gray(0.25), Spectrum::gray(0.75));
+    let dust = (Bsdf::LommelSeeliger(LommelSeeliger { albedo: COLOR }), false);
     let paper = (Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance, transmittance }), true);
-    colored.chain([(Bsdf::Conductor(gold), false), paper]).chain(matte).chain(lobes).chain(shaken).chain(coated).collect()
+    colored.chain([(Bsdf::Conductor(gold), false), paper, dust]).chain(matte).chain(lobes).chain(shaken).chain(coated).collect()
 }
 
 /// A material at a point; kept for the life of the tests.

@@ -9,9 +9,9 @@ use crate::cli::trace::Trace;
 use crate::describe::{Built, Names};
 use crate::error::{Error, Result};
 use crate::film::{Crop, FilmSpec, MomentFilm};
+use crate::recorder::Event;
 use crate::render::{self, Render, SampleId, Settings};
 use crate::scene::Scene;
-use crate::recorder::Event;
 
 /// Plan for one pixel.
 pub struct PixelPlan {
