@@ -1,6 +1,9 @@
 //! Errors: one type with a message for the user and an exit code.
 
+#[cfg(feature = "cli")]
+pub mod allocator;
 pub mod memory;
+#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "only a program catches every panic at its door"))]
 pub mod panic;
 pub mod text;
 

@@ -181,6 +181,7 @@ impl<'a> Surface<'a> {
     }
 
     /// Shadow ray to `target` in the direction `wi`.
+    #[inline]
     pub fn shadow_ray(&self, wi: Vec3, target: &ShadowTarget, time: f32) -> Ray {
         let [from, origin] = self.ray_start(wi);
         let end = match target {

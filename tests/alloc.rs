@@ -4,6 +4,7 @@
 //! result and sums, its sampler), nothing more. Doubling the samples makes one wave more of twice the
 //! length: however many samples there are, each doubling adds no more than one wave's share, which is
 //! at most nine allocations for each tile and eight for the film. The length of paths has no say.
+#![allow(unsafe_code, reason = "an allocator is an unsafe trait; every call is the system allocator's own")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

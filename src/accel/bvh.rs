@@ -157,6 +157,7 @@ impl Primitive for Bvh {
             Set::Plain => self.nearest::<Halves>(ray),
             // SAFETY: `set` is AVX2 only if this machine has it.
             #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code, reason = "sound: the set is what this machine was found to have")]
             Set::Avx2 => unsafe { self.nearest_avx2(ray) },
         }
     }
@@ -166,6 +167,7 @@ impl Primitive for Bvh {
             Set::Plain => self.any::<Halves>(ray),
             // SAFETY: `set` is AVX2 only if this machine has it.
             #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code, reason = "sound: the set is what this machine was found to have")]
             Set::Avx2 => unsafe { self.any_avx2(ray) },
         }
     }

@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use glam::{Vec3, Vec3A};
 
 use super::bits;
-use super::simd::Lanes;
+use super::simd::{Lanes, splat};
 use crate::math::{Aabb, Ray};
 
 /// Number of children of a node.
@@ -72,9 +72,9 @@ impl<L: Lanes> Slabs<L> {
         let inverse = (1.0 / Vec3A::from(ray.direction)).max(Vec3A::splat(-BOUND)).min(Vec3A::splat(BOUND)).to_array();
         let upper = direction.map(|d| if d.is_sign_negative() { 3 } else { 0 });
         Slabs {
-            origin: ray.origin.to_array().map(L::splat),
-            inverse: inverse.map(L::splat),
-            widened: inverse.map(|i| L::splat(i * WIDEN)),
+            origin: splat(ray.origin.to_array()),
+            inverse: splat(inverse),
+            widened: splat([inverse[0] * WIDEN, inverse[1] * WIDEN, inverse[2] * WIDEN]),
             enter: std::array::from_fn(|axis| axis + upper[axis]),
             leave: std::array::from_fn(|axis| axis + 3 - upper[axis]),
         }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::simd::Lanes;
+use super::simd::{Lanes, splat};
 use crate::math::Ray;
 use crate::math::float::ROUNDING;
 use crate::shape::ShapeHit;
@@ -51,13 +51,13 @@ impl Packet {
     /// Tests: watertight, hierarchy_is_the_list.
     #[inline(always)]
     pub fn candidates<L: Lanes>(&self, ray: &Ray, t_max: f32) -> u32 {
-        let (o, d) = (ray.origin.to_array().map(L::splat), ray.direction.to_array().map(L::splat));
+        let (o, d) = (splat(ray.origin.to_array()), splat(ray.direction.to_array()));
         let corner = |k: usize| [L::load(&self.corner[k][0]), L::load(&self.corner[k][1]), L::load(&self.corner[k][2])];
         let (a, edge) = (corner(0), L::load(&self.edge));
         let (e1, e2, s) = (minus(corner(1), a), minus(corner(2), a), minus(o, a));
         let (p, q) = (cross(d, e2), cross(s, e1));
         let det = dot(e1, p);
-        let [u, v, t] = [dot(s, p), dot(d, q), dot(e2, q)].map(|x| x.signed_by(det));
+        let (u, v, t) = (dot(s, p).signed_by(det), dot(d, q).signed_by(det), dot(e2, q).signed_by(det));
         let det = det.signed_by(det);
         let far = s[0].size().larger(s[1].size()).larger(s[2].size());
         let slack = L::splat(128.0 * ROUNDING).times(far.plus(edge)).times(edge);

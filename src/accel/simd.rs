@@ -35,6 +35,14 @@ pub trait Lanes: Copy {
     fn to_array(self) -> [f32; 8];
 }
 
+/// Three numbers, each in all lanes.
+///
+/// Without `array::map`: a call of it is not sure to be inlined, and then its closure is compiled without AVX2.
+#[inline(always)]
+pub fn splat<L: Lanes>(numbers: [f32; 3]) -> [L; 3] {
+    [L::splat(numbers[0]), L::splat(numbers[1]), L::splat(numbers[2])]
+}
+
 /// Two vectors of four, available on every x86-64 processor and every other machine that glam supports.
 #[derive(Clone, Copy)]
 pub struct Halves([Vec4; 2]);
@@ -113,6 +121,7 @@ impl Lanes for Halves {
 pub use avx::Whole;
 
 #[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "the instructions exist only where the processor has AVX2, which `Set::found` asks")]
 mod avx {
     use std::arch::x86_64::*;
 

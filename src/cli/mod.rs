@@ -38,7 +38,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::error::memory::set_message;
+use crate::error::allocator::set_message;
 use crate::error::text::printable;
 use crate::error::{Error, Fault, Result, panic};
 use crate::integrator::Entry;

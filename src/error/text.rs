@@ -15,6 +15,7 @@ pub fn one_line(text: &str) -> Cow<'_, str> {
 }
 
 /// The text with control characters other than newline and tab written as escapes.
+#[cfg(feature = "cli")]
 pub fn printable(text: &str) -> Cow<'_, str> {
     escaped(text, |c| is_control(c) && c != '\n' && c != '\t')
 }

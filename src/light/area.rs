@@ -80,6 +80,7 @@ const LOOKUPS: u32 = 4;
 const MIN_POWER: f32 = 1.0 / 1024.0;
 
 impl Area {
+    #[inline]
     pub(super) fn sample(&self, shapes: &[Box<dyn Shape>], from: Vec3, u: Vec2) -> Option<LightLiSample> {
         let (point, pdf) = shapes[self.shape as usize].sample_from(self.primitive, from, u)?;
         let wi = towards(from, &point)?;

@@ -128,6 +128,7 @@ impl Lights {
     /// - `u`: uniform numbers that choose the direction
     ///
     /// `None` if the chosen light sends no light from the sampled direction.
+    #[inline]
     pub fn sample(&self, from: Vec3, choice: f32, u: Vec2) -> Option<LightSample> {
         let (index, probability, _) = self.choice.as_ref()?.sample(choice);
         let sample = self.lights[index].sample(&self.shapes, from, u)?;

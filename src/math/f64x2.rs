@@ -13,6 +13,7 @@ pub use plain::F64x2;
 
 /// One register.
 #[cfg(target_arch = "x86_64")]
+#[allow(unsafe_code, reason = "the instructions are part of every x86-64 processor")]
 mod register {
     use std::arch::x86_64::*;
 

@@ -10,6 +10,7 @@ pub mod layer;
 pub mod pfm;
 pub mod png;
 mod read;
+#[cfg(feature = "cli")]
 pub mod tev;
 pub mod tonemap;
 
