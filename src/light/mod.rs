@@ -189,6 +189,7 @@ fn selection_weights(power: &[f64]) -> Vec<f32> {
 }
 
 impl Light {
+    #[inline]
     fn sample(&self, shapes: &[Box<dyn Shape>], from: Vec3, u: Vec2) -> Option<LightLiSample> {
         match self {
             Light::Area(area) => area.sample(shapes, from, u),
