@@ -1,4 +1,4 @@
-//! Do error bars and prices keep their word? The tables of docs/accuracy.md.
+//! Accuracy of error bars and of predicted render times: the tables of docs/accuracy.md.
 //!
 //! `cargo bench --bench accuracy [-- coverage|prices|adaptive] [SEEDS] [SCENES]`: all tables, 100 seeds, six scenes, unless told
 //! otherwise; three samplers each:
@@ -14,20 +14,20 @@ use std::time::Duration;
 
 use pt::film::{Image, MomentFilm};
 use pt::measure::adaptive::pilot_allocation;
-use pt::measure::{Distance, ErrorHistory, RelativeError, StopCondition, render_until};
+use pt::measure::{ErrorHistory, Distance, RelativeError, StopCondition, render_until};
 use pt::render::{Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 use rayon::prelude::*;
 use subject::Subject;
 
 const SCENES: [&str; 6] = ["cornell-box", "mirror-balls", "mis-plates", "statue", "triangle-stacks", "matter"];
-/// Samples of the picture that stands for the truth.
+/// Number of samples of the reference picture.
 const REFERENCE: u64 = 1 << 14;
 const SAMPLERS: [Kind; 3] = [Kind::Independent, Kind::Halton, Kind::Sobol];
-/// Per pixel: as they are when one looks for the first time, and when one stays.
+/// Samples per pixel of an early and of a late look.
 const SAMPLES: [u64; 2] = [64, 256];
 
-/// Without a clock and a target.
+/// A limit by samples only, without time and target.
 const fn after(samples: u64) -> StopCondition {
     StopCondition { samples, time: None, target: None }
 }
@@ -101,16 +101,16 @@ fn counted(subject: &Subject, kind: Kind, samples: u64, reference: &Image, seeds
     count
 }
 
-/// What was stated and what was true, over some seeds.
+/// Comparison of stated and true errors over some seeds.
 #[derive(Default)]
 struct Count {
     established: u32,
     held: u32,
     stated_square: f64,
-    /// Of the established ones.
+    /// Sum over the established statements.
     true_square: f64,
     square: f64,
-    /// Of pictures without error bars.
+    /// Sum over pictures without error bars.
     plain_square: f64,
 }
 
@@ -131,12 +131,12 @@ impl Count {
         self.held += other.held;
     }
 
-    /// How often the interval holds (%).
+    /// Fraction of intervals that contain the true error (%).
     fn share(&self) -> f64 {
         100.0 * f64::from(self.held) / f64::from(self.established)
     }
 
-    /// What that share would be for infinitely many seeds, with 95 % confidence (%): Wilson's interval.
+    /// Wilson's 95 % confidence interval of that fraction (%).
     fn share_between(&self) -> [f64; 2] {
         let (n, p, z) = (f64::from(self.established), self.share() / 100.0, 1.96);
         let middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
@@ -200,13 +200,13 @@ fn prices(scenes: &[&str]) -> pt::Result<()> {
     Ok(())
 }
 
-/// Foretold by a pilot of two seconds, what it takes, and the ratio.
+/// Time predicted by a pilot of two seconds, time that it takes, and their ratio.
 fn price(subject: &Subject, kind: Kind) -> String {
     const TARGET: f64 = 0.01;
     let pilot = StopCondition { samples: u32::MAX.into(), time: Some(Duration::from_secs(2)), target: None };
     let (_, history) = taken(subject, kind, 2, 1, &pilot);
     let Some(price) = history.price(TARGET, 0.95) else { return "cannot be established | – | –".into() };
-    // As long as foretold and half as long again, then where the course crosses the target.
+    // The render takes half as long again as predicted, and the time is where the error crosses the target.
     let long = StopCondition { time: Some(Duration::from_secs_f64(1.5 * price.seconds)), ..pilot };
     let (_, history) = taken(subject, kind, 2, 2, &long);
     let taken = history.price(TARGET, 0.95).map(|_| crossing(&history, TARGET));
@@ -214,7 +214,7 @@ fn price(subject: &Subject, kind: Kind) -> String {
     format!("{:.1} | {}", price.seconds, taken.flatten().map_or("not reached | –".into(), ratio))
 }
 
-/// When the error fell below the target, between checkpoints by the power law that joins them.
+/// Time at which the error fell below the target, interpolated between checkpoints by a power law.
 fn crossing(history: &ErrorHistory, target: f64) -> Option<f64> {
     let points: Vec<(f64, f64)> = history.checkpoints.iter().filter_map(|c| c.error.map(|e| (c.seconds.ln(), e.value.ln()))).collect();
     let goal = target.ln();

@@ -1,4 +1,4 @@
-//! What the models cost: nanoseconds of CPU time to sample one direction, and to evaluate f and pdf for it.
+//! Cost of the scattering models: nanoseconds of CPU time to sample a direction, and to evaluate f and pdf for it.
 //!
 //! `cargo bench --bench bsdfs`. Directions and numbers are prepared beforehand; the fastest of several rounds counts. A sample
 //! stays where the model wrote it: handing it on by value would add some 3 ns to every model, the time of a copy that waits for
@@ -82,7 +82,7 @@ fn inputs() -> Vec<Input> {
 
 fn sample_all(model: &Bsdf, inputs: &[Input]) {
     for input in inputs {
-        // By reference: what is measured is the model, not a copy of its answer.
+        // The result is passed by reference, so that the measurement does not include a copy of it.
         black_box(&black_box(model).sample(input.wo, input.choice, input.u, TransportMode::Radiance));
     }
 }
@@ -93,7 +93,7 @@ fn evaluate_all(model: &Bsdf, inputs: &[Input]) {
     }
 }
 
-/// Per input (ns).
+/// Time per input of the fastest round (ns).
 fn fastest(mut run: impl FnMut()) -> f64 {
     let mut round = || {
         let start = ProcessTime::now();

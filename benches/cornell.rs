@@ -1,4 +1,4 @@
-//! How fast: the Cornell box at 512², 64 samples per pixel, max_depth 7, per CPU second.
+//! Speed of the Cornell box at 512², 64 samples per pixel, max_depth 7, per CPU second.
 //!
 //! `cargo bench --bench cornell [-- SPP]`. Rates are per second of CPU time, so that a busy machine
 //! disturbs them less; quote ratios within one run.

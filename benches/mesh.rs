@@ -1,4 +1,4 @@
-//! How fast and how large: a million triangles, from file to hierarchy.
+//! Time and memory for a million triangles, from file to hierarchy.
 //!
 //! `cargo bench --bench mesh`. The file is a wavy square, made here.
 
@@ -59,7 +59,7 @@ fn wavy() -> MeshData {
     MeshData { positions, triangles, parts: vec![whole], ..MeshData::default() }
 }
 
-/// The most memory that this process has held; 0 where the system does not tell.
+/// Peak memory of this process (MB); 0 if the system does not report it.
 fn peak_megabytes() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let kib = status.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB")?.trim().parse().ok());

@@ -1,4 +1,4 @@
-//! What a viewer costs a render: CPU time of the Cornell box at 512², 32 samples per pixel, watched over unwatched.
+//! Cost of a viewer: CPU time of the Cornell box at 512² with 32 samples per pixel, with a viewer relative to without.
 //!
 //! `cargo bench --bench viewer [-- PAIRS]`: so many pairs (16 unless told otherwise), in changing order. The viewer is another process,
 //! which takes all it is sent; what it does with it is not counted.
@@ -19,7 +19,7 @@ use subject::Subject;
 
 const SAMPLES: u64 = 32;
 
-/// Tells a copy of this program to be the viewer.
+/// Argument that makes a copy of this program the viewer.
 const LISTEN: &str = "--listen";
 
 fn main() -> pt::Result<()> {
@@ -44,7 +44,7 @@ fn main() -> pt::Result<()> {
     Ok(())
 }
 
-/// Reads and forgets, one caller after the other.
+/// Reads and discards data from one connection after the other.
 fn listen() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     println!("{}", listener.local_addr().expect("bound"));
@@ -54,7 +54,7 @@ fn listen() {
     }
 }
 
-/// The other process, and where it listens.
+/// Viewer process and its address.
 fn viewer() -> (Child, String) {
     let program = std::env::current_exe().expect("a program");
     let mut child = Command::new(program).arg(LISTEN).stdout(Stdio::piped()).spawn().expect("a process");
@@ -73,7 +73,7 @@ fn cpu_seconds(subject: &Subject, address: Option<&String>) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// As `pt --display-server` does it.
+/// Film that sends the picture to a viewer, as `pt --display-server` does.
 struct Watched {
     film: MomentFilm,
     viewer: Option<Viewer>,
@@ -92,7 +92,7 @@ impl Film for Watched {
     }
 }
 
-/// Of the mean ratio, by Student's t over the logarithms.
+/// Mean ratio and its confidence interval, by Student's t over the logarithms.
 fn interval(logs: &[f64]) -> (f64, f64, f64) {
     let n = logs.len() as f64;
     let mean = logs.iter().sum::<f64>() / n;

@@ -1,4 +1,4 @@
-//! A scene built and rendered in Rust, without a scene file: `cargo run --release --example build_scene [-- SPP]`.
+//! Builds and renders a scene in Rust, without a scene file: `cargo run --release --example build_scene [-- SPP]`.
 //!
 //! A room of 2 m with a red and a green wall; in it a ball of plaster and a ball of glass.
 
@@ -21,7 +21,7 @@ use pt::world::World;
 fn main() -> pt::Result<()> {
     let spp = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(64);
 
-    // Nothing fails from here on: a world that is built can be rendered.
+    // Nothing fails from here on, because a built world can always be rendered.
     let world = Arc::new(world()?);
     let mut film = MomentFilm::new(FilmSpec::new(256, 256));
     let settings = Settings::new(SamplerSpec { spp, ..SamplerSpec::default() });
@@ -57,18 +57,18 @@ fn world() -> pt::Result<World> {
     world.shape(Sphere { radius: 0.35 }, at(-0.4, 0.35, -0.3)?, white, None);
     world.shape(Sphere { radius: 0.35 }, at(0.4, 0.35, 0.3)?, glass, None);
 
-    // What emits is a light; its radiance is in W·m⁻²·sr⁻¹.
+    // A shape with an emission is a light. Its radiance is in W·m⁻²·sr⁻¹.
     let lamp = Emission::new(Spectrum::rgb(17.0, 14.0, 10.0));
     world.shape(Quad { size: [0.6, 0.6] }, turned(DVec3::X, 90.0, at(0.0, 1.998, 0.0)?)?, white, Some(lamp));
     world.build()
 }
 
-/// Metres. An error says which numbers are no place.
+/// Translation (m). Fails for numbers that are not finite.
 fn at(x: f64, y: f64, z: f64) -> pt::Result<Transform> {
     Transform::translate(DVec3::new(x, y, z))
 }
 
-/// Turned counter-clockwise about an axis that points at the viewer, then moved.
+/// Rotation, counter-clockwise about an axis that points at the viewer, followed by `to`.
 fn turned(axis: DVec3, degrees: f64, to: Transform) -> pt::Result<Transform> {
     Ok(Transform::rotate(axis, degrees)?.then(&to))
 }

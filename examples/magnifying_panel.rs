@@ -1,4 +1,4 @@
-//! The mistake that made a glass panel magnify, as an integrator: docs/glass-panel.md tells its story.
+//! Integrator with the mistake that made a glass panel magnify: see docs/glass-panel.md.
 //!
 //! ```sh
 //! cargo run --release --example magnifying_panel -- --integrator magnifying scenes/glass-panel.json
@@ -17,7 +17,7 @@ use pt::scene::Scene;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A path tracer that samples lights, and leaves glass with a normal that points the wrong way.
+/// Path tracer with light sampling that leaves glass with a normal on the wrong side.
 ///
 /// t = ηd + (η cos θ − cos θt) n holds where n opposes d. On leaving, η is inverted and |cos θ| taken, but n still points along d: the
 /// direction has the wrong length, which normalising hides, and a small angle θ' within leaves at θ'·n/(2n − 1).
@@ -25,7 +25,7 @@ use serde::Deserialize;
 #[serde(default)]
 #[schemars(deny_unknown_fields)]
 struct Magnifying {
-    /// The most scattering events on a path.
+    /// Greatest number of scattering events on a path.
     max_depth: u32,
 }
 

@@ -1,7 +1,7 @@
 //! Renders `reference/*.exr`: `cargo run --release --example make_references [-- NAME …]`.
 //!
-//! Each picture is made by another integrator than the one it judges, with 64 times the samples
-//! or more, so that its own noise hardly counts. The `.json` beside it says how it was made.
+//! Each picture is made by another integrator than the one it is compared with, with at least 64 times the samples, so that its own noise
+//! is negligible. The `.json` file next to it describes how it was made.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use pt::integrator::choose;
 use pt::render::{Settings, Silent, render};
 use serde_json::json;
 
-/// Scene, the integrator that makes the picture, the one that it judges, samples per pixel of the judged.
+/// Scene, integrator of the reference, integrator that is compared with it, and samples per pixel of the latter.
 const REFERENCES: &[(&str, &str, &str, u32)] = &[
     ("cornell-box", "path", "nee", 128),
     ("mirror-balls", "path", "nee", 128),
@@ -23,7 +23,7 @@ const REFERENCES: &[(&str, &str, &str, u32)] = &[
 ];
 
 const FACTOR: u32 = 64;
-/// Another stream of random numbers than any test's.
+/// Seed that no test uses.
 const SEED: u64 = 20_260_101;
 const SIZE: [u32; 2] = [64, 64];
 
@@ -82,7 +82,7 @@ fn mean(image: &Image, name: &str, f: impl Fn(f64) -> f64) -> f64 {
     values.iter().map(|&v| f(v.into())).sum::<f64>() / values.len() as f64
 }
 
-/// Of the mean over the picture, whose pixels are independent.
+/// Standard error of the mean over the picture, whose pixels are independent.
 fn standard_error(image: &Image, name: &str) -> f64 {
     (mean(image, &format!("StdErr.{name}"), |e| e * e) / (image.size.x * image.size.y) as f64).sqrt()
 }

@@ -1,6 +1,6 @@
-//! An integrator of one's own, with the whole command line of pt: `cargo run --release --example plug_in -- --help`.
+//! A custom integrator with the complete command line of pt: `cargo run --release --example plug_in -- --help`.
 //!
-//! A crate of one's own depends on pt alone: `pt::serde`, `pt::schemars` and `pt::glam` are the versions that pt speaks.
+//! Such a crate depends on pt alone: `pt::serde`, `pt::schemars` and `pt::glam` are the versions that pt uses.
 //!
 //! ```sh
 //! cargo run --release --example plug_in -- --integrator depth scenes/cornell-box.json
@@ -19,20 +19,20 @@ use pt::scene::Scene;
 use pt::schemars::JsonSchema;
 use pt::serde::Deserialize;
 
-/// How near things are, as grey.
+/// Nearness of the first surface, as grey.
 ///
 /// L = h / (h + distance): 1 at the camera, ½ at the distance h, 0 at infinity
 ///
-/// The fields are the integrator's options in a scene file; their types say what is allowed there.
+/// The fields are the options of the integrator in a scene file, and their types determine which values are allowed.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, crate = "pt::serde")]
 #[schemars(deny_unknown_fields, crate = "pt::schemars")]
 struct Depth {
-    /// The distance that is shown as ½ [m]. Default: 1.
+    /// Distance that is shown as ½ [m]. Default: 1.
     half_distance: Option<Positive>,
 }
 
-/// Settings meet a scene: here is the place for what is done once, such as tables of the lights.
+/// Prepares the integrator for a scene. Work that is done once, such as tables of the lights, belongs here.
 impl Integrator for Depth {
     fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
         Box::new(View { scene, half: self.half_distance.map_or(1.0, |d| d.get() as f32) })
@@ -44,7 +44,7 @@ struct View {
     half: f32,
 }
 
-/// Called for every sample of every pixel, from all threads. Random numbers come from `Context`.
+/// Computes the radiance of every sample of every pixel, on all threads. Random numbers come from `Context`.
 impl Estimator for View {
     fn li(&self, camera: &CameraSample, _: &mut Context) -> Spectrum {
         match self.scene.intersect(&camera.ray) {
@@ -55,7 +55,7 @@ impl Estimator for View {
     }
 }
 
-/// The row that the command line, its help and its lists take it from. Of light it shows nothing: no effects.
+/// Row of the table of integrators, for the command line and its help. The pictures show no light, hence no effects.
 const DEPTH: Entry = Entry::of::<Depth>("depth", "how near things are, as grey", Effects::NONE);
 
 fn main() -> ExitCode {

@@ -1,4 +1,4 @@
-//! A scattering model of one's own, proved; and the same with a bug, refused: `cargo run --release --example prove_my_bsdf`.
+//! Proves a custom scattering model, and finds the bug in a faulty version of it: `cargo run --release --example prove_my_bsdf`.
 
 use std::f32::consts::PI;
 use std::process::ExitCode;
@@ -14,12 +14,12 @@ use pt::proof::{Model, Options, prove};
 struct Phong {
     albedo: f32,
     exponent: f32,
-    /// The bug: the factor of f, n + 2, in place of the density's own, n + 1. At n = 20 that is 5 %.
+    /// Whether the density has a bug: the factor n + 2 of f instead of its own, n + 1, which is an error of 5 % at n = 20.
     confuses_factors: bool,
 }
 
 impl Phong {
-    /// cosⁿ/(2π) about the mirror direction.
+    /// cosⁿ/(2π) of the angle to the mirror direction.
     fn lobe(&self, wo: Local, wi: Local) -> f32 {
         if wo.same_side(wi) { mirror(wo).dot(wi.0).max(0.0).powf(self.exponent) / (2.0 * PI) } else { 0.0 }
     }
@@ -39,7 +39,7 @@ impl Model for Phong {
         let around = Local(warp::cos_power_hemisphere(u, self.exponent));
         let wi = Local(Frame::around(mirror(wo)).to_world(around));
         let pdf = self.pdf(wo, wi);
-        // What falls below the surface is lost; so is what rounding leaves without a density.
+        // Directions below the surface are lost, and so are directions whose density rounds to 0.
         let found = pdf > SolidAnglePdf::ZERO;
         let weight = self.eval(wo, wi, mode) / pdf.get();
         found.then_some(BsdfSample { wi, weight, density: Density::Smooth(pdf), lobe: Lobe::Reflection, eta: 1.0 })

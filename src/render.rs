@@ -2,6 +2,7 @@
 
 mod first_hit;
 mod light_aovs;
+mod pixel;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,14 +11,14 @@ use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
 use crate::effects::Effects;
-use crate::film::{Crop, Film, FilmSpec, Layer, Moments, PixelLayout, PixelSums, Tree, Wave};
+use crate::film::{Crop, Film, FilmSpec, Layer, PixelLayout, PixelSums, Wave};
 use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt};
 use crate::math::{ExactSum, Spectrum};
 use crate::recorder::{Clamp, PathRecorder};
 use crate::sampler::{Sampler, SamplerSpec, dimension};
 use crate::scene::Scene;
 use first_hit::SampleRecord;
-use light_aovs::LightAovBuffer;
+use pixel::PixelAccumulator;
 
 /// Settings of the sampling of a picture.
 #[derive(Clone, Debug)]
@@ -271,43 +272,33 @@ impl Render {
     fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<TileResult> {
         let mut sequences = self.sampler.sequences();
         let k = sequences.len() as u64;
-        let (mut trees, mut gray, mut moments) = (vec![Tree::default(); sequences.len()], Tree::default(), vec![]);
+        let mut accumulator = PixelAccumulator::new(&self.spec, sequences.len());
         let sums = PixelSums::with_capacity(self.layout(), tile.pixel_count() as usize);
         let mut result = TileResult { sums, samples: 0, invalid: vec![], clamped: ExactSum::default() };
-        let (mut terms, is_timed) = (vec![], self.spec.layers.contains(&Layer::Time));
-        let mut light_aovs = LightAovBuffer::new(&self.spec.layers, &self.spec.lights.of);
+        let is_timed = self.spec.layers.contains(&Layer::Time);
         let is_cancelled = || observer.cancelled();
         let interrupt = Interrupt::new(&is_cancelled);
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             let wave = wave.scaled(self.spec.allocation.level(self.spec.crop.index(UVec2::new(x, y))));
             let start = is_timed.then(Instant::now);
-            trees.iter_mut().for_each(Tree::clear);
-            gray.clear();
-            light_aovs.iter_mut().for_each(LightAovBuffer::clear);
+            accumulator.clear();
             for index in wave.range() {
                 if is_cancelled() {
                     return None;
                 }
                 // Sample i of the pixel is sample i div K of sequence i mod K.
                 let r = (index % k) as usize;
-                let recorder = light_aovs.as_mut().map(LightAovBuffer::recorder);
-                let mut value = self.sample(UVec2::new(x, y), index / k, &mut *sequences[r], recorder, interrupt, &mut result.clamped);
-                light_aovs.iter_mut().for_each(|light_aovs| light_aovs.store_sample(value.is_finite()));
-                if !value.is_finite() {
+                let (sequence, recorder) = (&mut *sequences[r], accumulator.recorder());
+                let value = self.sample(UVec2::new(x, y), index / k, sequence, recorder, interrupt, &mut result.clamped);
+                if !accumulator.add(r, value) {
                     result.invalid.push(SampleId { pixel: (x, y), index });
-                    value = Spectrum::BLACK;
                 }
-                let sample = Moments::of(value);
-                gray.push(0, sample.gray, Moments::join_gray);
-                trees[r].push(0, sample, Moments::join);
             }
-            moments.clear();
-            moments.extend(trees.iter().map(|tree| tree.total(Moments::join).unwrap_or_default()));
-            result.sums.push(&moments, gray.total(Moments::join_gray).unwrap_or_default());
+            accumulator.push_colors(&mut result.sums);
             result.samples += wave.samples();
             if !self.spec.layers.is_empty() {
                 let seconds = start.map_or(0.0, |start| start.elapsed().as_secs_f64());
-                result.sums.push_layers(self.layers(UVec2::new(x, y), wave, &mut sequences, light_aovs.as_ref(), seconds, &mut terms));
+                result.sums.push_layers(self.layers(UVec2::new(x, y), wave, &mut sequences, &mut accumulator, seconds));
             }
         }
         // The last sample may have been given up midway.
@@ -316,23 +307,23 @@ impl Render {
 
     /// Layer sums of a pixel. The camera rays of its samples are traced again, after the picture has used its random numbers.
     ///
-    /// - `light_aovs`: light recorded by the samples
+    /// - `accumulator`: accumulator with the light that was recorded by the samples
     /// - `seconds`: time that the samples took
     fn layers<'t>(
         &self,
         pixel: UVec2,
         wave: Wave,
         sequences: &mut [Box<dyn Sampler>],
-        light_aovs: Option<&LightAovBuffer>,
+        accumulator: &'t mut PixelAccumulator,
         seconds: f64,
-        terms: &'t mut Vec<f64>,
     ) -> &'t [f64] {
+        let PixelAccumulator { light_aovs, layer_terms: terms, .. } = accumulator;
         terms.clear();
         let (k, seconds) = (sequences.len() as u64, seconds / wave.samples() as f64);
         for (nth, i) in wave.range().enumerate() {
             let sequence = &mut *sequences[(i % k) as usize];
             let camera = self.camera_sample(pixel, i / k, sequence);
-            let light = light_aovs.map_or(&[][..], |light_aovs| light_aovs.sample(nth));
+            let light = light_aovs.as_ref().map_or(&[][..], |light_aovs| light_aovs.sample(nth));
             first_hit::add_terms(&*self.scene, &self.spec.layers, &camera, sequence, SampleRecord { seconds, light }, terms);
         }
         first_hit::joined(terms, self.layout().layers)

@@ -1,4 +1,4 @@
-//! What is measured: a scene of `scenes/`, by `nee`.
+//! Subject of a benchmark: a scene of `scenes/`, rendered by `nee`.
 
 use std::path::Path;
 use std::sync::Arc;

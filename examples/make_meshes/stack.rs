@@ -11,7 +11,7 @@ pub fn triangles() -> MeshData {
     stacked(&[DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 0.0, 0.0), DVec3::new(-0.5, 1.0, 0.0)], &[[0, 1, 2]])
 }
 
-/// The same triangles as closed prisms, 10 cm thick: glass must have an inside.
+/// The triangles as closed prisms 10 cm thick, because glass must have an inside.
 pub fn prisms() -> MeshData {
     let face = [[-0.5, 0.0], [0.5, 0.0], [-0.5, 1.0]];
     let corners: Vec<DVec3> = [0.05, -0.05].into_iter().flat_map(|z| face.map(|[x, y]| DVec3::new(x, y, z))).collect();

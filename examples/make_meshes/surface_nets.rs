@@ -15,7 +15,7 @@ impl Grid {
         self.min + c.as_dvec3() * self.edge
     }
 
-    /// Of cells and of corners; there is one corner more than cells along each axis.
+    /// Index of a cell or corner. There is one more corner than cells along each axis.
     fn index(&self, c: IVec3) -> usize {
         let size = self.cells + 1;
         ((c.z * size.y + c.y) * size.x + c.x) as usize

@@ -2,7 +2,7 @@
 
 use super::load::SceneArgs;
 use super::load::{Loaded, load};
-use super::say;
+use super::print_stdout;
 use crate::describe;
 use crate::effects::Effects;
 use crate::error::Result;
@@ -26,7 +26,7 @@ pub fn check(args: &CheckArgs, tables: &[&[Entry]]) -> Result<()> {
     for warning in &loaded.built.warnings {
         text += &format!("\nwarning: {warning}");
     }
-    say(&text)
+    print_stdout(&text)
 }
 
 /// Returns what is in the scene, which effects it needs and which parts need them. `--verbose` prints it too.
@@ -48,16 +48,16 @@ pub fn contents(loaded: &Loaded) -> String {
     let effects = built.world.effects();
     text += "\ncalled for\n";
     for effect in effects.iter() {
-        text += &line(effect, &askers(&built.needs, effect), loaded.entry.simulates);
+        text += &line(effect, &needed_by(&built.needs, effect), loaded.entry.simulates);
     }
     text + &format!("\nnot called for, and off\n  {}\n", Effects::ALL - effects)
 }
 
 /// Line of an effect: the parts that need it, its cost, and whether the integrator simulates it.
-fn line(effect: Effects, askers: &[&str], simulates: Effects) -> String {
+fn line(effect: Effects, needed_by: &[&str], simulates: Effects) -> String {
     const SHOWN: usize = 4;
-    let more = askers.len().saturating_sub(SHOWN);
-    let mut who = askers[..askers.len() - more].iter().map(|name| one_line(name)).collect::<Vec<_>>().join("; ");
+    let more = needed_by.len().saturating_sub(SHOWN);
+    let mut who = needed_by[..needed_by.len() - more].iter().map(|name| one_line(name)).collect::<Vec<_>>().join("; ");
     if more > 0 {
         who += &format!("; and {more} more");
     }
@@ -65,6 +65,6 @@ fn line(effect: Effects, askers: &[&str], simulates: Effects) -> String {
     format!("  {effect}\n      by    {who}\n      costs {}{lacks}\n", effect.cost())
 }
 
-fn askers(needs: &[(String, Effects)], effect: Effects) -> Vec<&str> {
+fn needed_by(needs: &[(String, Effects)], effect: Effects) -> Vec<&str> {
     needs.iter().filter(|(_, needed)| needed.contains(effect)).map(|(name, _)| name.as_str()).collect()
 }

@@ -27,7 +27,7 @@ pub struct CheckpointObserver<'a> {
 struct Prices<'a> {
     integrator: &'a str,
     confidence: f64,
-    told: AtomicBool,
+    printed: AtomicBool,
 }
 
 /// Render time after which the render's own samples serve as a pilot for the price list.
@@ -36,7 +36,7 @@ const PILOT: Duration = Duration::from_secs(5);
 const LONG: Duration = Duration::from_secs(60);
 
 /// Smallest limit for the time of the first sample of each pixel; the limit is twice the time of the render.
-const PATIENCE: Duration = Duration::from_secs(10);
+const MIN_DEADLINE: Duration = Duration::from_secs(10);
 
 impl<'a> CheckpointObserver<'a> {
     /// Observer without a price list.
@@ -44,30 +44,30 @@ impl<'a> CheckpointObserver<'a> {
     /// - `time`: time limit of the render, if it starts from the beginning
     pub fn new(progress: &'a Progress, plan: &'a RenderPlan, time: Option<Duration>) -> CheckpointObserver<'a> {
         let now = Instant::now();
-        let deadline = time.and_then(|time| now.checked_add(time.saturating_mul(2).max(PATIENCE)));
+        let deadline = time.and_then(|time| now.checked_add(time.saturating_mul(2).max(MIN_DEADLINE)));
         CheckpointObserver { progress, plan, last: Mutex::new(now), deadline, prices: None }
     }
 
     /// Makes the observer print the price list of a long render, from its first seconds.
     pub fn with_prices(self, integrator: &'a str, confidence: f64) -> CheckpointObserver<'a> {
-        CheckpointObserver { prices: Some(Prices { integrator, confidence, told: false.into() }), ..self }
+        CheckpointObserver { prices: Some(Prices { integrator, confidence, printed: false.into() }), ..self }
     }
 
-    fn tell_prices(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
-        let Some(prices) = self.prices.as_ref().filter(|prices| !prices.told.load(Ordering::Relaxed)) else { return };
+    fn print_prices(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
+        let Some(prices) = self.prices.as_ref().filter(|prices| !prices.printed.load(Ordering::Relaxed)) else { return };
         let is_long = report.elapsed >= PILOT && self.progress.remaining().is_some_and(|seconds| seconds >= LONG.as_secs_f64());
         let Some(error) = is_long.then(|| RelativeError::of(film)).flatten() else { return };
         // A pilot with few samples gives no prices yet, however long it took.
         if error.is_established() && error.is_vague() {
             return;
         }
-        prices.told.store(true, Ordering::Relaxed);
+        prices.printed.store(true, Ordering::Relaxed);
         let now = Checkpoint { samples: film.samples(), seconds: report.elapsed.as_secs_f64(), error: Some(error) };
         let checkpoints = history.checkpoints.iter().copied().chain([now]).collect();
-        self.progress.tell(&pilot::print(&[(prices.integrator, ErrorHistory { checkpoints })], prices.confidence));
+        self.progress.note(&pilot::print(&[(prices.integrator, ErrorHistory { checkpoints })], prices.confidence));
     }
 
-    fn keep(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
+    fn write_checkpoint(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
         let (Some(every), Some(path), Ok(mut last)) = (self.plan.checkpoint_interval, &self.plan.checkpoint, self.last.lock()) else {
             return;
         };
@@ -76,7 +76,7 @@ impl<'a> CheckpointObserver<'a> {
         }
         // The render is worth more than its checkpoint. The next checkpoint may succeed, and an error of the last is reported.
         if let Err(error) = part::write(path, &self.plan.about, &[film], report, history) {
-            self.progress.tell(&format!("warning: no checkpoint: {error}"));
+            self.progress.note(&format!("warning: no checkpoint: {error}"));
         }
         *last = Instant::now();
     }
@@ -102,7 +102,7 @@ impl ErrorObserver for CheckpointObserver<'_> {
     }
 
     fn wave_finished(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
-        self.tell_prices(report, film, history);
-        self.keep(report, film, history);
+        self.print_prices(report, film, history);
+        self.write_checkpoint(report, film, history);
     }
 }

@@ -11,7 +11,7 @@ use super::parse::{duration as parse_duration, share, size};
 use super::progress::Progress;
 use super::progress::{ProgressForm, WorkArgs};
 use super::reference::{self, ReferenceRenderer};
-use super::{note, render, say, signals};
+use super::{note, print_stdout, render, signals};
 use crate::compare::{self, Budget, Comparison, MethodConfig, Reference, conclusions};
 use crate::error::{Error, Fault, Result};
 use crate::film::FilmSpec;
@@ -79,11 +79,11 @@ const TIME: Duration = Duration::from_secs(8);
 
 /// Runs the command.
 pub fn compare(args: &CompareArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
-    let loaded = sized(args, tables)?;
+    let loaded = load_resized(args, tables)?;
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     args.metric.iter().try_for_each(|name| Metric::parse(name).map(drop))?;
     let configs = configs(args, &loaded, tables)?;
-    let given = args.reference.as_deref().map(|path| given(path, &loaded.built.film)).transpose()?;
+    let given = args.reference.as_deref().map(|path| read_reference(path, &loaded.built.film)).transpose()?;
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}-report", loaded.stem)));
     std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
     signals::catch()?;
@@ -91,7 +91,7 @@ pub fn compare(args: &CompareArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
 }
 
 /// Loads the scene, in a smaller size unless one is requested: the decrease of the error does not depend on the size.
-fn sized(args: &CompareArgs, tables: &[&[Entry]]) -> Result<Loaded> {
+fn load_resized(args: &CompareArgs, tables: &[&[Entry]]) -> Result<Loaded> {
     if let Some(size) = args.size {
         return load(&args.scene, &render::resized(size), None, tables);
     }
@@ -134,7 +134,7 @@ fn configs(args: &CompareArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<V
 }
 
 /// Reads a reference: it must have the same pixels and only finite values.
-fn given(path: &Path, film: &FilmSpec) -> Result<Reference> {
+fn read_reference(path: &Path, film: &FilmSpec) -> Result<Reference> {
     let (image, _) = exr::read(path)?;
     let refused = |text: String| Error::invalid(Fault::new(text).in_file(path));
     render::same_pixels(path, &image, film)?;
@@ -167,7 +167,7 @@ fn measure(
         Some(reference) => reference,
         None => {
             let time = args.reference_time.unwrap_or(time);
-            computed(&scene, &renderer, cached, time)?.ok_or_else(interrupted)?
+            compute_reference(&scene, &renderer, cached, time)?.ok_or_else(interrupted)?
         }
     };
     if reference.image.pixels().flatten().all(|value| value == 0.0) {
@@ -189,20 +189,25 @@ fn measure(
     output::write(&folder.join("reference.exr"), &comparison.reference.image, &vec![], &output::Tonemap::default())?;
     compare::report::write(&comparison, folder, args.jeri)?;
     remark_coarse_reference(&comparison);
-    say(&summary(&comparison, folder))?;
+    print_stdout(&summary(&comparison, folder))?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Computes a reference: from the cached one if it exists, which is improved, and by rendering otherwise.
-fn computed(scene: &Arc<dyn Scene>, renderer: &ReferenceRenderer, cached: Option<PathBuf>, time: Duration) -> Result<Option<Reference>> {
+fn compute_reference(
+    scene: &Arc<dyn Scene>,
+    renderer: &ReferenceRenderer,
+    cached: Option<PathBuf>,
+    time: Duration,
+) -> Result<Option<Reference>> {
     let progress = Progress::new(ProgressForm::None, &renderer.spec, u32::MAX.into(), Some(time));
-    let before = cached.as_ref().and_then(|path| renderer.cached(path));
+    let before = cached.as_ref().and_then(|path| renderer.read(path));
     let (known, origin) =
         (before.as_ref().map_or(0, |cached| cached.report.samples), if before.is_some() { "the kept reference" } else { "a reference" });
     let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None };
-    let made = renderer.rendered(scene, before, &until, &progress);
+    let made = renderer.render(scene, before, &until, &progress);
     if let Some(path) = cached.filter(|_| known > 0 && made.report.samples > known) {
-        renderer.keep(&path, &made)?;
+        renderer.write(&path, &made)?;
     }
     if made.report.cancelled {
         return Ok(None);

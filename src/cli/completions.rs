@@ -3,7 +3,7 @@
 use clap::CommandFactory;
 
 use super::CommandLine;
-use super::say;
+use super::print_stdout;
 use crate::error::{Error, Result};
 use clap::ValueEnum;
 
@@ -31,5 +31,5 @@ impl From<Shell> for clap_complete::Shell {
 pub fn completions(shell: Shell) -> Result<()> {
     let mut script = vec![];
     clap_complete::generate(clap_complete::Shell::from(shell), &mut CommandLine::command(), "pt", &mut script);
-    say(&String::from_utf8(script).map_err(|e| Error::Internal(format!("completions are no text: {e}")))?)
+    print_stdout(&String::from_utf8(script).map_err(|e| Error::Internal(format!("completions are no text: {e}")))?)
 }

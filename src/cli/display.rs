@@ -6,20 +6,20 @@ use crate::measure::render_until::HasMoments;
 use crate::output::tev::Viewer;
 
 /// Film that offers the picture to the viewer after every wave.
-pub struct Displayed {
+pub struct DisplayedFilm {
     /// The film.
     pub film: MomentFilm,
     viewer: Option<Viewer>,
 }
 
-impl Displayed {
+impl DisplayedFilm {
     /// Connects a film to a viewer.
     ///
     /// - `address`: address of a viewer, if there is one
     /// - `name`: name of the picture
-    pub fn new(film: MomentFilm, address: Option<&str>, name: &str) -> Displayed {
+    pub fn new(film: MomentFilm, address: Option<&str>, name: &str) -> DisplayedFilm {
         let warn = |text: &str| note(&format!("warning: {text}"));
-        Displayed { film, viewer: address.map(|address| Viewer::start(address, name, warn)) }
+        DisplayedFilm { film, viewer: address.map(|address| Viewer::start(address, name, warn)) }
     }
 
     /// Shows the last picture and ends the connection.
@@ -31,7 +31,7 @@ impl Displayed {
     }
 }
 
-impl Film for Displayed {
+impl Film for DisplayedFilm {
     fn spec(&self) -> &FilmSpec {
         self.film.spec()
     }
@@ -44,7 +44,7 @@ impl Film for Displayed {
     }
 }
 
-impl HasMoments for Displayed {
+impl HasMoments for DisplayedFilm {
     fn moments(&self) -> &MomentFilm {
         &self.film
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::render::plan::RenderPlan;
-use super::{insist, is_quiet, note, say};
+use super::{is_quiet, note, print_stderr, print_stdout};
 use crate::error::Result;
 use crate::film::{Film, MomentFilm};
 use crate::integrator::Integrator;
@@ -39,15 +39,15 @@ pub struct RenderedPicture<'a> {
 /// Prints what the arguments ask for, and what the user should know in any case.
 ///
 /// - `facets`: the scene without smooth shadows, and the number of meshes that have them
-pub fn tell(picture: &RenderedPicture, facets: Option<(World, usize)>) -> Result<()> {
+pub fn print_reports(picture: &RenderedPicture, facets: Option<(World, usize)>) -> Result<()> {
     let RenderedPicture { plan, render, film, history, .. } = *picture;
     if !is_quiet() || plan.reports.bias {
         let matters = |removed: &BiasEstimate| plan.reports.bias || plan.reports.is_verbose || removed.samples == 0 || removed.share > 0.0;
-        picture.biases(facets).iter().filter(|removed| matters(removed)).for_each(|removed| insist(&told(removed)));
+        picture.biases(facets).iter().filter(|removed| matters(removed)).for_each(|removed| print_stderr(&bias_line(removed)));
     }
     let unknown = history.last().and_then(|last| last.error).is_some_and(|error| !error.is_established());
     match plan.reports.outliers {
-        Some(count) => say(&worst_samples(plan, &find_outliers(render, film, count as usize))),
+        Some(count) => print_stdout(&worst_samples(plan, &find_outliers(render, film, count as usize))),
         None if unknown && !is_quiet() => {
             picture.noisiest_sample().iter().for_each(|line| note(line));
             Ok(())
@@ -103,9 +103,9 @@ fn worst_samples(plan: &RenderPlan, found: &Outliers) -> String {
 /// Light that `--clamp` removed, which is counted exactly.
 pub fn clamped(limit: Option<f32>, film: &MomentFilm, report: &RenderReport) -> Option<BiasEstimate> {
     let limit = limit?;
-    let taken = report.clamped.get() / numbers(film);
-    let total = mean(film) + taken;
-    Some(BiasEstimate { setting: format!("clamp {limit}"), share: if total > 0.0 { taken / total } else { 0.0 }, error: 0.0, samples: 0 })
+    let removed = report.clamped.get() / numbers(film);
+    let total = mean(film) + removed;
+    Some(BiasEstimate { setting: format!("clamp {limit}"), share: if total > 0.0 { removed / total } else { 0.0 }, error: 0.0, samples: 0 })
 }
 
 /// Mean of the picture over its pixels and colours.
@@ -120,7 +120,7 @@ fn numbers(film: &MomentFilm) -> f64 {
 }
 
 /// Text of a bias: `bias: max_depth 3 removes 4.1 ± 0.2 % of the energy`.
-pub fn told(removed: &BiasEstimate) -> String {
+pub fn bias_line(removed: &BiasEstimate) -> String {
     let BiasEstimate { setting, share, error, samples } = removed;
     let verb = if *share < 0.0 { "adds" } else { "removes" };
     let energy = per_cent(share.abs());

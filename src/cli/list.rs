@@ -1,6 +1,6 @@
 //! `pt list`: lists what can be chosen, with one line each.
 
-use super::say;
+use super::print_stdout;
 use crate::describe;
 use crate::error::Result;
 use crate::film::Layer;
@@ -53,7 +53,7 @@ pub fn list(what: Option<Family>, tables: &[&[Entry]]) -> Result<()> {
             text += &format!("  {name:width$}  {about}\n");
         }
     }
-    say(&text)
+    print_stdout(&text)
 }
 
 fn rows(family: Family, tables: &[&[Entry]]) -> Vec<(String, String)> {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::memory;
-use super::voice::Loading;
+use super::messages::Loading;
 use crate::describe::{self, Built, Files, Identity, Shape, Source};
 use crate::error::text::one_line;
 use crate::error::{Error, Fault, MAX_FAULTS, Result};
@@ -132,7 +132,7 @@ pub fn load(scene: &SceneArgs, more: &[Override], integrator: Option<&str>, tabl
     let _loading = Loading::start(&describe::name(scene.path()?));
     let Imported { root, file, files, notes, .. } = imported(scene, more)?;
     let chosen = integrator::choose(tables, root.child("integrator"), integrator, &file);
-    let (description, (entry, integrator)) = together(describe::read_with(&root, &file, &files), chosen)?;
+    let (description, (entry, integrator)) = both_or_all_faults(describe::read_with(&root, &file, &files), chosen)?;
     memory::check(&description, &root, &file)?;
     let mut built = describe::build(&description, Source { root: &root, file: &file, files: &files })?;
     built.warnings.splice(..0, notes.iter().map(Fault::to_string));
@@ -143,7 +143,7 @@ pub fn load(scene: &SceneArgs, more: &[Override], integrator: Option<&str>, tabl
 }
 
 /// Returns both results, or the faults of both in file order.
-fn together<A, B>(a: Result<A>, b: Result<B>) -> Result<(A, B)> {
+fn both_or_all_faults<A, B>(a: Result<A>, b: Result<B>) -> Result<(A, B)> {
     match (a, b) {
         (Ok(a), Ok(b)) => Ok((a, b)),
         (Err(Error::Invalid(mut faults)), Err(Error::Invalid(more))) => {
@@ -173,17 +173,17 @@ fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
 /// The errors of [`import_with`], and `Usage` for overrides without a place.
 pub fn imported(scene: &SceneArgs, more: &[Override]) -> Result<Imported> {
     import_with(scene.path()?, scene.allow_outside, scene.auto_camera(), |root, file| {
-        overridden(root, scene, more).map_err(|refusal| deeper(refusal, root, file))
+        apply_overrides(root, scene, more).map_err(|refusal| scene_faults_or(refusal, root, file))
     })
 }
 
-fn overridden(root: &mut Node, scene: &SceneArgs, more: &[Override]) -> Result<()> {
+fn apply_overrides(root: &mut Node, scene: &SceneArgs, more: &[Override]) -> Result<()> {
     scene.overrides()?.into_iter().try_for_each(|(pointer, text)| root.set(pointer, text))?;
     more.iter().try_for_each(|flag| root.set_by(&flag.words, flag.pointer, &flag.value))
 }
 
 /// Error for an override without a place: if the scene itself is invalid, its faults are reported instead.
-fn deeper(refusal: Error, root: &Node, file: &str) -> Error {
+fn scene_faults_or(refusal: Error, root: &Node, file: &str) -> Error {
     match describe::read(root, file) {
         Err(wrong @ Error::Invalid(_)) => wrong,
         _ => refusal,

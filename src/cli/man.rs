@@ -3,7 +3,7 @@
 use clap::{Command, CommandFactory};
 
 use super::CommandLine;
-use super::say;
+use super::print_stdout;
 use crate::error::{Error, Result};
 use crate::reader::unknown;
 
@@ -23,7 +23,7 @@ pub fn man(command: Option<&str>) -> Result<()> {
     };
     let mut roff = vec![];
     clap_mangen::Man::new(page).render(&mut roff).map_err(|e| Error::Internal(format!("the manual page cannot be written: {e}")))?;
-    say(&String::from_utf8(roff).map_err(|e| Error::Internal(format!("the manual page is no text: {e}")))?)
+    print_stdout(&String::from_utf8(roff).map_err(|e| Error::Internal(format!("the manual page is no text: {e}")))?)
 }
 
 fn subcommand(pt: &Command, name: &str) -> Result<Command> {

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::note;
-use super::outputs::{Takes, check_outputs, is_part};
+use super::outputs::{OutputKinds, check_outputs, is_part};
 use super::parse::share;
 use super::render::plan;
-use super::summary::{attributes, summarise};
+use super::summary::{attributes, print_summary};
 use super::tone_mapping::ToneMapping;
 use crate::error::{Error, Fault, Result};
 use crate::film::MomentFilm;
@@ -33,7 +33,7 @@ pub struct MergeArgs {
 /// Runs the command.
 pub fn merge(args: &MergeArgs) -> Result<ExitCode> {
     let inputs: Vec<&Path> = args.parts.iter().map(PathBuf::as_path).collect();
-    check_outputs(&args.output, Takes::Both, &inputs, "is one of the parts")?;
+    check_outputs(&args.output, OutputKinds::Both, &inputs, "is one of the parts")?;
     let (parts, pictures): (Vec<&PathBuf>, Vec<&PathBuf>) = args.output.iter().partition(|path| is_part(path));
     let sum = part::merge(args.parts.iter().map(|path| Stored::open(path)).collect::<Result<_>>()?)?;
     let (samples, history) = match sum.whole() {
@@ -47,7 +47,7 @@ pub fn merge(args: &MergeArgs) -> Result<ExitCode> {
     };
     let films: Vec<&MomentFilm> = sum.films.iter().collect();
     parts.iter().try_for_each(|path| part::write(path, &sum.about, &films, &sum.report, &sum.history))?;
-    summarise(&sum.about, &samples, &sum.report, &history, args.confidence, args.output.iter().map(PathBuf::as_path));
+    print_summary(&sum.about, &samples, &sum.report, &history, args.confidence, args.output.iter().map(PathBuf::as_path));
     Ok(ExitCode::SUCCESS)
 }
 

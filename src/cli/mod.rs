@@ -15,6 +15,7 @@ mod load;
 mod man;
 mod memory;
 mod merge;
+mod messages;
 mod outputs;
 mod parse;
 mod pilot;
@@ -30,7 +31,6 @@ mod tone_mapping;
 mod trace;
 mod usage_error;
 mod verify;
-mod voice;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -47,13 +47,13 @@ use compare::CompareArgs;
 use convert::ConvertArgs;
 use load::SceneArgs;
 use merge::MergeArgs;
+use messages::{is_quiet, note, print_stderr};
 use reference::ReferenceArgs;
 use render::RenderArgs;
 use sample::SampleArgs;
 use schema::SchemaArgs;
 use std::path::PathBuf;
 use verify::VerifyArgs;
-use voice::{insist, is_quiet, note};
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
 
@@ -139,10 +139,10 @@ const INCONCLUSIVE: u8 = 7;
 pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
     let args = match CommandLine::try_parse_from(command_first(std::env::args_os().collect())) {
         Ok(args) => args,
-        Err(usage_error) => return usage_error::answer(&usage_error),
+        Err(usage_error) => return usage_error::print(&usage_error),
     };
     let (json, file) = (args.json_errors, args.file());
-    voice::follow(&args);
+    messages::configure(&args);
     panic::silence();
     signals::let_writing_fail();
     set_message(lines(&Error::Limit(Fault::new("out of memory").in_file(&file)), json));
@@ -163,7 +163,7 @@ fn finish(result: Result<ExitCode>, json: bool) -> ExitCode {
     match result {
         Ok(code) => code,
         Err(error) => {
-            insist(&lines(&error, json));
+            print_stderr(&lines(&error, json));
             ExitCode::from(error.exit_code())
         }
     }
@@ -199,7 +199,7 @@ fn lines(error: &Error, json: bool) -> String {
 
 /// Prints to stdout. It is not an error if the reader closes the pipe. Control characters, such as those of names from files, are
 /// made harmless.
-fn say(text: &str) -> Result<()> {
+fn print_stdout(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
     printed(stdout.write_all(printable(text).as_bytes()).and_then(|()| stdout.flush()))
 }

@@ -7,22 +7,22 @@ use crate::output::{self, Format};
 
 /// Kinds of files that a command can write.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Takes {
+pub enum OutputKinds {
     Pictures,
     Parts,
     Both,
 }
 
-impl Takes {
-    fn takes(self, path: &Path) -> bool {
-        self != Takes::Parts && Format::of(path).is_some() || self != Takes::Pictures && is_part(path)
+impl OutputKinds {
+    fn accept(self, path: &Path) -> bool {
+        self != OutputKinds::Parts && Format::of(path).is_some() || self != OutputKinds::Pictures && is_part(path)
     }
 
     fn names(self) -> String {
         match self {
-            Takes::Pictures => Format::EXTENSIONS.into(),
-            Takes::Parts => ".ptc: some samples of each pixel are no picture yet".into(),
-            Takes::Both => format!("{}, or .ptc", Format::EXTENSIONS),
+            OutputKinds::Pictures => Format::EXTENSIONS.into(),
+            OutputKinds::Parts => ".ptc: some samples of each pixel are no picture yet".into(),
+            OutputKinds::Both => format!("{}, or .ptc", Format::EXTENSIONS),
         }
     }
 }
@@ -38,14 +38,14 @@ pub fn is_part(path: &Path) -> bool {
 ///
 /// # Errors
 /// `Usage` for a name given twice, an unknown extension, a folder, an input; `Io` if the folder is missing or read-only.
-pub fn check_outputs(outputs: &[PathBuf], takes: Takes, inputs: &[&Path], is_input: &str) -> Result<()> {
+pub fn check_outputs(outputs: &[PathBuf], kinds: OutputKinds, inputs: &[&Path], is_input: &str) -> Result<()> {
     for (i, path) in outputs.iter().enumerate() {
         let usage = |message: &str| Error::Usage(format!("{}: {message}", path.display()));
         if outputs[..i].iter().any(|other| is_same_file(other, path)) {
             return Err(usage("given twice as an output"));
         }
-        if !takes.takes(path) {
-            return Err(usage(&format!("expected a name that ends in {}", takes.names())));
+        if !kinds.accept(path) {
+            return Err(usage(&format!("expected a name that ends in {}", kinds.names())));
         }
         if path.is_dir() {
             return Err(usage("is a folder, expected a file"));

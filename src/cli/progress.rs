@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::parse::threads;
-use super::{insist, is_quiet, note, signals};
+use super::{is_quiet, note, print_stderr, signals};
 use crate::film::{Film, FilmSpec};
 use crate::measure::{ErrorHistory, ErrorObserver};
 use crate::render::{Observer, RenderReport};
@@ -92,13 +92,13 @@ impl Progress {
     pub fn finish(&self) {
         match &self.style {
             Style::Bar(bar) => bar.finish_and_clear(),
-            Style::Json(_) => insist(&self.json()),
+            Style::Json(_) => print_stderr(&self.json()),
             Style::Lines(_) | Style::Silent => {}
         }
     }
 
     /// Prints lines on stderr, above the bar.
-    pub fn tell(&self, text: &str) {
+    pub fn note(&self, text: &str) {
         match &self.style {
             Style::Bar(bar) => bar.suspend(|| note(text)),
             Style::Lines(_) | Style::Json(_) | Style::Silent => note(text),
@@ -172,7 +172,7 @@ impl Observer for Progress {
                 bar.set_message(self.words());
             }
             Style::Lines(every) if self.due(*every) => note(&format!("{:3.0} %  {}", 100.0 * self.share(), self.words())),
-            Style::Json(every) if self.due(*every) => insist(&self.json()),
+            Style::Json(every) if self.due(*every) => print_stderr(&self.json()),
             _ => {}
         }
     }

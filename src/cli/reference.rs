@@ -9,11 +9,11 @@ use serde_json::json;
 
 use super::load::SceneArgs;
 use super::load::{Loaded, load};
-use super::outputs::{Takes, check_outputs};
+use super::outputs::{OutputKinds, check_outputs};
 use super::parse::{duration, share, size, whole};
 use super::progress::Progress;
 use super::progress::WorkArgs;
-use super::summary::{attributes, summarise};
+use super::summary::{attributes, print_summary};
 use super::{INCONCLUSIVE, note, render, signals};
 use crate::describe::Identity;
 use crate::error::{Error, Result};
@@ -110,7 +110,7 @@ impl ReferenceRenderer {
     }
 
     /// Reads the cached reference; `None` if there is none, or if it is unusable, which is noted.
-    pub fn cached(&self, path: &Path) -> Option<CachedReference> {
+    pub fn read(&self, path: &Path) -> Option<CachedReference> {
         path.exists().then_some(())?;
         let usable = || -> Result<CachedReference> {
             let stored = Stored::open(path)?;
@@ -127,18 +127,15 @@ impl ReferenceRenderer {
     }
 
     /// Renders a reference, from the beginning or from a cached one.
-    pub fn rendered(
+    pub fn render(
         &self,
         scene: &Arc<dyn Scene>,
         cached: Option<CachedReference>,
         until: &StopCondition,
         observer: &dyn ErrorObserver,
     ) -> CachedReference {
-        let nothing = || CachedReference {
-            film: MomentFilm::new(self.spec.clone()),
-            report: RenderReport::default(),
-            history: ErrorHistory::default(),
-        };
+        let nothing =
+            || CachedReference { film: MomentFilm::new(self.spec.clone()), report: RenderReport::default(), history: ErrorHistory::default() };
         let CachedReference { mut film, report, history } = cached.unwrap_or_else(nothing);
         let settings = Settings { wave_time: Some(SHORT_WAVE), ..Settings::new(self.sampler) };
         let render = Render::new(scene.clone(), &*self.integrator, &self.spec, &settings);
@@ -151,7 +148,7 @@ impl ReferenceRenderer {
     ///
     /// # Errors
     /// `Io`.
-    pub fn keep(&self, path: &Path, cached: &CachedReference) -> Result<()> {
+    pub fn write(&self, path: &Path, cached: &CachedReference) -> Result<()> {
         let folder = output::folder(path);
         std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
         part::write(path, &self.about, &[&cached.film], &cached.report, &cached.history)
@@ -174,28 +171,28 @@ pub fn reference(args: &ReferenceArgs, tables: &[&[Entry]]) -> Result<ExitCode> 
     let resized = args.size.map(render::resized).unwrap_or_default();
     let loaded = load(&args.scene, &resized, None, tables)?;
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
-    check_outputs(&args.output, Takes::Pictures, &[args.scene.path()?], "is the scene file")?;
+    check_outputs(&args.output, OutputKinds::Pictures, &[args.scene.path()?], "is the scene file")?;
     let renderer = ReferenceRenderer::new(&loaded, args.integrator.as_deref(), tables)?;
     let path = renderer.path(&cache(args.cache.as_deref())?);
     signals::catch()?;
-    render::pool(args.work.threads)?.install(|| made(args, loaded, &renderer, &path))
+    render::pool(args.work.threads)?.install(|| render_reference(args, loaded, &renderer, &path))
 }
 
-fn made(args: &ReferenceArgs, loaded: Loaded, renderer: &ReferenceRenderer, path: &Path) -> Result<ExitCode> {
+fn render_reference(args: &ReferenceArgs, loaded: Loaded, renderer: &ReferenceRenderer, path: &Path) -> Result<ExitCode> {
     let scene: Arc<dyn Scene> = Arc::new(loaded.built.world);
     let is_open = args.error.is_none() && args.spp.is_none();
     let time = args.time.or(is_open.then_some(TIME));
     let target = args.error.map(|error| ErrorTarget { error, confidence: args.confidence });
-    let cached = renderer.cached(path);
+    let cached = renderer.read(path);
     let before = cached.as_ref().map_or(RenderReport::default(), |cached| cached.report.clone());
     // A cached reference is never replaced by one with fewer samples.
     let samples = args.spp.map_or(u32::MAX.into(), u64::from).max(before.samples);
     let until = StopCondition { samples, time, target };
     let progress = Progress::new(args.work.progress, &renderer.spec, samples, time).resumed(&before);
-    let cached = renderer.rendered(&scene, cached, &until, &progress);
+    let cached = renderer.render(&scene, cached, &until, &progress);
     progress.finish();
     if cached.report.samples > before.samples {
-        renderer.keep(path, &cached)?;
+        renderer.write(path, &cached)?;
     }
     let error = cached.history.last().and_then(|last| last.error);
     let attributes = attributes(&renderer.about, &cached.film, error, args.confidence, None);
@@ -205,7 +202,7 @@ fn made(args: &ReferenceArgs, loaded: Loaded, renderer: &ReferenceRenderer, path
     }
     let files = args.output.iter().map(PathBuf::as_path).chain([path]);
     let samples = format!("{} spp, {} of them kept", cached.report.samples, before.samples);
-    summarise(&renderer.about, &samples, &cached.report, &cached.history, args.confidence, files);
+    print_summary(&renderer.about, &samples, &cached.report, &cached.history, args.confidence, files);
     if let Some(signal) = signals::caught() {
         return Err(Error::Interrupted(signal));
     }

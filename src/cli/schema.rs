@@ -1,6 +1,6 @@
 //! `pt schema`: prints the scene format, for editors and for readers.
 
-use super::say;
+use super::print_stdout;
 use crate::describe;
 use crate::error::Result;
 use crate::integrator::Entry;
@@ -14,5 +14,5 @@ pub struct SchemaArgs {
 
 /// Runs the command.
 pub fn schema(args: &SchemaArgs, tables: &[&[Entry]]) -> Result<()> {
-    say(&if args.markdown { describe::reference(tables) } else { format!("{:#}\n", describe::schema(tables).as_value()) })
+    print_stdout(&if args.markdown { describe::reference(tables) } else { format!("{:#}\n", describe::schema(tables).as_value()) })
 }

@@ -16,9 +16,9 @@ use crate::error::{Error, Fault, Result};
 static CAUGHT: OnceLock<Arc<AtomicUsize>> = OnceLock::new();
 
 /// Signals within this time count as one: `timeout` and terminals signal a process and its group.
-const ONE: Duration = Duration::from_secs(1);
+const SAME_SIGNAL: Duration = Duration::from_secs(1);
 /// Time between checks for the first signal.
-const LOOK: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Catches signals of users, of the system, and of terminals that close, from now on.
 ///
@@ -38,9 +38,9 @@ pub fn catch() -> Result<()> {
     }
     let wait = move || {
         while self::caught().is_none() {
-            thread::sleep(LOOK);
+            thread::sleep(POLL_INTERVAL);
         }
-        thread::sleep(ONE);
+        thread::sleep(SAME_SIGNAL);
         is_final.store(true, Ordering::Relaxed);
     };
     let started = thread::Builder::new().name("signals".into()).spawn(wait);

@@ -22,7 +22,7 @@ pub enum TextOrJson {
 }
 
 /// Scene that counts the rays that it traces; used only if they are to be reported.
-pub struct Counted {
+pub struct RayCounter {
     scene: Arc<dyn Scene>,
     /// Counts per thread, each in its own cache line, so that threads do not disturb each other.
     counts: Vec<Line>,
@@ -35,10 +35,10 @@ struct Line {
     shadow: AtomicU64,
 }
 
-impl Counted {
+impl RayCounter {
     /// Counter for a scene.
-    pub fn new(scene: Arc<dyn Scene>, threads: usize) -> Counted {
-        Counted { scene, counts: (0..threads + 1).map(|_| Line::default()).collect() }
+    pub fn new(scene: Arc<dyn Scene>, threads: usize) -> RayCounter {
+        RayCounter { scene, counts: (0..threads + 1).map(|_| Line::default()).collect() }
     }
 
     /// Numbers of rays for the nearest hit, and of shadow rays.
@@ -53,7 +53,7 @@ impl Counted {
     }
 }
 
-impl Scene for Counted {
+impl Scene for RayCounter {
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.line().nearest.fetch_add(1, Ordering::Relaxed);
         self.scene.intersect(ray)
@@ -95,7 +95,7 @@ pub struct Summary<'a> {
     pub pixels: u64,
     /// Number of primitives.
     pub primitives: u64,
-    /// Numbers of rays, as [`Counted::rays`] returns them.
+    /// Numbers of rays, as [`RayCounter::rays`] returns them.
     pub rays: (u64, u64),
     /// Number of threads.
     pub threads: usize,

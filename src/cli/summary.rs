@@ -8,7 +8,7 @@ use crate::output::{Attributes, Value};
 use crate::part::About;
 use crate::render::RenderReport;
 
-use super::{insist, note, signals};
+use super::{note, print_stderr, signals};
 
 /// Attributes of a picture. They are functions of scene and settings only.
 ///
@@ -52,7 +52,7 @@ pub fn attributes(
 ///
 /// - `samples`: `64 spp`, or a range of samples
 /// - `history`: history of the error; without checkpoints no error is printed
-pub fn summarise<'p>(
+pub fn print_summary<'p>(
     about: &About,
     samples: &str,
     report: &RenderReport,
@@ -68,7 +68,7 @@ pub fn summarise<'p>(
     match (report.samples, report.cancelled) {
         (0, _) => {
             let why = if signals::caught().is_some() { "interrupted" } else { "out of time" };
-            insist(&format!("{what} · {why} before each pixel had a sample: nothing written"));
+            print_stderr(&format!("{what} · {why} before each pixel had a sample: nothing written"));
         }
         (_, true) => note(&format!("{what} · interrupted{} · {files}", accuracy(history, confidence))),
         (_, false) => note(&format!("{what}{} · {files}", accuracy(history, confidence))),

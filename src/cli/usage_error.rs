@@ -12,13 +12,13 @@ use crate::error::Error;
 use crate::reader::closest;
 
 /// Prints help and version on stdout, and errors of the call on stderr.
-pub fn answer(usage_error: &clap::Error) -> ExitCode {
+pub fn print(usage_error: &clap::Error) -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let json = words.iter().take_while(|word| *word != "--").any(|word| word == "--json-errors");
     if !usage_error.use_stderr() {
         return finish(printed(usage_error.print()).map(|()| ExitCode::SUCCESS), json);
     }
-    if let Some(message) = stray(usage_error, &words) {
+    if let Some(message) = unexpected_word(usage_error, &words) {
         return finish(Err(Error::Usage(message)), json);
     }
     if json {
@@ -33,7 +33,7 @@ const SPP: &str = "[SPP]";
 
 /// Message for an unexpected word after the scene. clap would call it a command that "cannot be used with" the scene, or an invalid
 /// number of samples, whatever was meant.
-fn stray(usage_error: &clap::Error, words: &[String]) -> Option<String> {
+fn unexpected_word(usage_error: &clap::Error, words: &[String]) -> Option<String> {
     let told = |kind| match usage_error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.as_str()),
         _ => None,

@@ -9,7 +9,7 @@ use super::load::{Loaded, load};
 use super::parse::{duration as parse_duration, share, size};
 use super::progress::Progress;
 use super::progress::WorkArgs;
-use super::{INCONCLUSIVE, note, render, say, signals};
+use super::{INCONCLUSIVE, note, print_stdout, render, signals};
 use crate::describe::Built;
 use crate::error::{Error, Fault, Result};
 use crate::film::{FilmSpec, Image, MomentFilm};
@@ -69,11 +69,11 @@ pub fn verify(args: &VerifyArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
         output::check_folder(path)?;
     }
     signals::catch()?;
-    render::pool(args.work.threads)?.install(|| judge(args, loaded, tables))
+    render::pool(args.work.threads)?.install(|| compare_sides(args, loaded, tables))
 }
 
-fn judge(args: &VerifyArgs, loaded: Loaded, tables: &[&[Entry]]) -> Result<ExitCode> {
-    let methods = args.sides.iter().map(|name| side_named(name, &loaded, tables)).collect::<Result<Vec<_>>>()?;
+fn compare_sides(args: &VerifyArgs, loaded: Loaded, tables: &[&[Entry]]) -> Result<ExitCode> {
+    let methods = args.sides.iter().map(|name| parse_side(name, &loaded, tables)).collect::<Result<Vec<_>>>()?;
     let Built { world, film, sampler, .. } = loaded.built;
     let film = film.without_layers();
     let effects = world.effects();
@@ -90,7 +90,7 @@ fn judge(args: &VerifyArgs, loaded: Loaded, tables: &[&[Entry]]) -> Result<ExitC
                 // The random numbers differ from those of the other side, and from those of a picture with the scene's own seed:
                 // with shared numbers the sides would agree more than chance allows.
                 let sampler = SamplerSpec { seed: sampler.seed.wrapping_add(0x5eed * (k as u64 + 1)), scramblings: SCRAMBLINGS, ..sampler };
-                rendered(args, &scene, &film, entry, &*integrator, sampler)?
+                render_side(args, &scene, &film, entry, &*integrator, sampler)?
             }
         });
     }
@@ -105,15 +105,15 @@ enum Method {
 }
 
 /// Method of a name: an integrator of the tables, or a picture with error bars.
-fn side_named(name: &str, loaded: &Loaded, tables: &[&[Entry]]) -> Result<Method> {
+fn parse_side(name: &str, loaded: &Loaded, tables: &[&[Entry]]) -> Result<Method> {
     if Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
-        return pictured(Path::new(name), &loaded.built.film).map(Method::Picture);
+        return read_side(Path::new(name), &loaded.built.film).map(Method::Picture);
     }
     loaded.choose(tables, name).map(|(entry, integrator)| Method::Integrator(entry, integrator))
 }
 
 /// Reads a picture with standard errors, which must have the same pixels.
-fn pictured(path: &Path, film: &FilmSpec) -> Result<Side> {
+fn read_side(path: &Path, film: &FilmSpec) -> Result<Side> {
     let (image, attributes) = exr::read(path)?;
     let refused = |text: String| Error::invalid(Fault::new(text).in_file(path));
     render::same_pixels(path, &image, film)?;
@@ -130,7 +130,7 @@ fn pictured(path: &Path, film: &FilmSpec) -> Result<Side> {
     Ok(Side { name: path.display().to_string(), image, samples: freedom + 1 })
 }
 
-fn rendered(
+fn render_side(
     args: &VerifyArgs,
     scene: &Arc<dyn Scene>,
     film: &FilmSpec,
@@ -190,6 +190,6 @@ fn report(args: &VerifyArgs, a: &Side, b: &Side, agreement: &Agreement) -> Resul
         true => String::new(),
         false => format!("heavy tail: a few samples hold all the noise of {}\n", unsure.join(" and ")),
     };
-    say(&format!("{} and {}: {word}\n{tests}{why}{power}", a.name, b.name))?;
+    print_stdout(&format!("{} and {}: {word}\n{tests}{why}{power}", a.name, b.name))?;
     Ok(code)
 }

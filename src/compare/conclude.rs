@@ -35,8 +35,10 @@ fn cheapest(methods: &[Method], k: usize) -> Option<String> {
         let ratio = theirs.seconds / cost.seconds;
         let (low, high) = ratio_interval((cost.seconds, cost.low, cost.high), (theirs.seconds, theirs.low, theirs.high));
         text += &match low > 1.0 {
-            true => format!("; {} takes {} ({}–{}) times as long", other.name, two(ratio), two(low), two(high)),
-            false => format!("; {} takes about as long ({} times, {}–{})", other.name, two(ratio), two(low), two(high)),
+            true => format!("; {} takes {} ({}–{}) times as long", other.name, two_digits(ratio), two_digits(low), two_digits(high)),
+            false => {
+                format!("; {} takes about as long ({} times, {}–{})", other.name, two_digits(ratio), two_digits(low), two_digits(high))
+            }
         };
     }
     let unable: Vec<&str> = methods.iter().filter(|method| priced(method).is_none()).map(|method| method.name.as_str()).collect();
@@ -75,7 +77,7 @@ fn crossings(methods: &[Method]) -> Vec<String> {
     found
 }
 
-fn two(x: f64) -> String {
+fn two_digits(x: f64) -> String {
     per_cent(x / 100.0)
 }
 

@@ -247,7 +247,7 @@ fn object(cursor: &JsonCursor, materials: &[Option<Surface>], meshes: &Meshes) -
         }
     });
     let path = cursor.need(&["path"]).and_then(|path| path.text().map(|text| (text, path)));
-    let surface = cursor.need(&["materialIndex"]).and_then(|index| chosen(&index, materials));
+    let surface = cursor.need(&["materialIndex"]).and_then(|index| material_at(&index, materials));
     let placement = MeshPlacement::of(cursor);
     let ((path, path_view), surface, placement) = (path?, surface?, placement?);
     kind?;
@@ -269,7 +269,7 @@ fn object(cursor: &JsonCursor, materials: &[Option<Surface>], meshes: &Meshes) -
 }
 
 /// Material of an index; `None` also if the material itself has a fault, which is reported there.
-fn chosen<'m>(index: &JsonCursor, materials: &'m [Option<Surface>]) -> Option<&'m Surface> {
+fn material_at<'m>(index: &JsonCursor, materials: &'m [Option<Surface>]) -> Option<&'m Surface> {
     let i = index.whole()?;
     if i >= materials.len() as u64 {
         index.fault(format!("expected the number of a material, below {}, found {i}", materials.len()));

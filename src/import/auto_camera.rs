@@ -221,7 +221,7 @@ impl MissingParts {
         let look_at = root.get("/camera/look_at").cloned();
         if look_at.is_some() && look_at == self.placed {
             let [from, to] = ["from", "to"].map(|key| look_at.as_ref().and_then(|l| point(l.child(key))).unwrap_or_default());
-            at.note(format!("no camera: placed at {}, looking at {}; --view and --up turn it", told(from), told(to)));
+            at.note(format!("no camera: placed at {}, looking at {}; --view and --up turn it", rounded_point(from), rounded_point(to)));
         }
         let has = |key: &str| root.child(key).is_some_and(|node| !matches!(&node.value, Value::Array(list) if list.is_empty()));
         let mut shapes = vec![];
@@ -247,7 +247,7 @@ impl MissingParts {
         let behind = eye.map_or(0.0, |(from, ..)| (from - middle).dot(back) / slope);
         let distance = (KEY_DISTANCE * radius).max(1.05 * behind);
         let from = middle + towards * distance;
-        at.note(format!("no light: a sky of radiance {SKY} and a key light at {} were added", told(from)));
+        at.note(format!("no light: a sky of radiance {SKY} and a key light at {} were added", rounded_point(from)));
         // The disk fills a cone of half angle θ with tan θ = r/d: E = π L sin² θ.
         let radiance = KEY_IRRADIANCE / PI * (1.0 + KEY_DISTANCE * KEY_DISTANCE);
         disk(
@@ -315,11 +315,11 @@ fn point(node: Option<&Node>) -> Option<DVec3> {
 }
 
 /// Point with three digits per coordinate, for messages.
-fn told(p: DVec3) -> String {
-    let [x, y, z] = p.to_array().map(brief);
+fn rounded_point(p: DVec3) -> String {
+    let [x, y, z] = p.to_array().map(rounded);
     format!("({x}, {y}, {z})")
 }
 
-fn brief(x: f64) -> f64 {
+fn rounded(x: f64) -> f64 {
     format!("{x:.2e}").parse().unwrap_or(x)
 }

@@ -171,11 +171,11 @@ impl<'a> JsonCursor<'a> {
 
     /// Notes that something is left out or done in another way.
     pub fn note(&self, message: impl Into<String>) {
-        self.context.note(self.told(message));
+        self.context.note(self.fault_here(message));
     }
 
     /// Sentence about this value, with its location.
-    fn told(&self, message: impl Into<String>) -> Fault {
+    fn fault_here(&self, message: impl Into<String>) -> Fault {
         let placed = locate(self.node, self.context.file, "", message);
         placed.pointing(self.pointer.clone())
     }

@@ -8,7 +8,7 @@ use exr::meta::header::Header;
 use exr::prelude::*;
 use glam::UVec2;
 
-use super::read::Refusal;
+use super::read::DecodeError;
 use super::{Attributes, Value};
 use crate::error::{Error, Result as PtResult};
 use crate::film::{Channel, Image};
@@ -95,8 +95,8 @@ pub fn read(path: &Path) -> PtResult<(Image, Attributes)> {
 }
 
 /// Decodes the bytes of a file.
-pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
-    let broken = |e: exr::error::Error| Refusal::Invalid(format!("not a readable EXR picture: {e}"));
+pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), DecodeError> {
+    let broken = |e: exr::error::Error| DecodeError::Invalid(format!("not a readable EXR picture: {e}"));
     check_size(&MetaData::read_from_buffered(bytes, false).map_err(broken)?)?;
     let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
     let file = reader.from_buffered(Cursor::new(bytes)).map_err(broken)?;
@@ -108,7 +108,7 @@ pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
     let [width, height] = [layer.size.x() as i64, layer.size.y() as i64];
     if x < 0 || y < 0 || x + width > display.size.x() as i64 || y + height > display.size.y() as i64 {
         let message = format!("the data window, {width} × {height} from ({x}, {y}), reaches beyond the display window");
-        return Err(Refusal::Invalid(message));
+        return Err(DecodeError::Invalid(message));
     }
     let image = Image {
         full_size: UVec2::new(display.size.x() as u32, display.size.y() as u32),
@@ -120,10 +120,10 @@ pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), Refusal> {
 }
 
 /// Refuses a picture that is too large, before it is decoded.
-fn check_size(meta: &MetaData) -> PtResult<(), Refusal> {
+fn check_size(meta: &MetaData) -> PtResult<(), DecodeError> {
     let bytes = |header: &Header| header.layer_size.x() as u128 * header.layer_size.y() as u128 * header.channels.list.len() as u128 * 4;
     match meta.headers.iter().map(bytes).max() {
-        Some(most) if most > super::decode::MOST_MEMORY.into() => Err(Refusal::TooLarge),
+        Some(most) if most > super::decode::MOST_MEMORY.into() => Err(DecodeError::TooLarge),
         _ => Ok(()),
     }
 }

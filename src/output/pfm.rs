@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 
-use super::read::{Refusal, rgb_image};
+use super::read::{DecodeError, rgb_image};
 use crate::film::Image;
 
 /// Encodes a picture: little-endian (scale −1), rows from the bottom.
@@ -17,7 +17,7 @@ pub fn encode(image: &Image) -> Vec<u8> {
 
 /// Decodes the bytes of a file: three values per pixel after `PF`, one after `Pf`, which is a grey. Only the sign of the scale is
 /// used.
-pub(super) fn decode(bytes: &[u8]) -> Result<Image, Refusal> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Image, DecodeError> {
     let (header, data) = header(bytes).ok_or_else(|| invalid("its header is not PF or Pf, width, height and scale"))?;
     let Header { colours, size, little_endian } = header;
     let [width, height] = size.to_array().map(|n| n as usize);
@@ -35,8 +35,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image, Refusal> {
     Ok(rgb_image(size, &pixels))
 }
 
-fn invalid(message: &str) -> Refusal {
-    Refusal::Invalid(format!("not a readable PFM picture: {message}"))
+fn invalid(message: &str) -> DecodeError {
+    DecodeError::Invalid(format!("not a readable PFM picture: {message}"))
 }
 
 struct Header {

@@ -8,7 +8,7 @@ use image::{ImageEncoder, ImageFormat, ImageReader};
 
 use super::Tonemap;
 use super::decode::{self, Undecoded};
-use super::read::{Refusal, rgb_image};
+use super::read::{DecodeError, rgb_image};
 use super::tonemap::linear;
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
@@ -31,10 +31,11 @@ pub fn encode_ppm(image: &Image, tonemap: &Tonemap) -> Vec<u8> {
 }
 
 /// Decodes the bytes of a PNG, JPEG or PPM to linear values, with a channel `A` if there is transparency.
-pub(super) fn decode(bytes: &[u8], format: ImageFormat) -> Result<Image, Refusal> {
-    let unreadable = |why: String| Refusal::Invalid(format!("not a readable {} picture: {why}", format.extensions_str()[0].to_uppercase()));
+pub(super) fn decode(bytes: &[u8], format: ImageFormat) -> Result<Image, DecodeError> {
+    let unreadable =
+        |why: String| DecodeError::Invalid(format!("not a readable {} picture: {why}", format.extensions_str()[0].to_uppercase()));
     let picture = decode::decode(ImageReader::with_format(Cursor::new(bytes), format)).map_err(|refusal| match refusal {
-        Undecoded::TooLarge => Refusal::TooLarge,
+        Undecoded::TooLarge => DecodeError::TooLarge,
         Undecoded::Unread(error) => unreadable(error.to_string()),
         Undecoded::Invalid(why) => unreadable(why),
     })?;

@@ -12,20 +12,20 @@ use super::{Attributes, exr, pfm, png};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Channel, Image};
 
-/// Reason why bytes are not a picture. [`Refusal::of`] adds the name of the file.
+/// Reason why bytes are not a picture. [`DecodeError::of`] adds the name of the file.
 #[derive(Debug)]
-pub(super) enum Refusal {
+pub(super) enum DecodeError {
     /// The bytes are not a valid picture.
     Invalid(String),
     /// The picture is too large.
     TooLarge,
 }
 
-impl Refusal {
+impl DecodeError {
     pub(super) fn of(self, path: &Path) -> Error {
         match self {
-            Refusal::Invalid(message) => Error::invalid(Fault::new(message).in_file(path)),
-            Refusal::TooLarge => Error::Limit(Fault::new("the picture would take more than 4 GiB").in_file(path)),
+            DecodeError::Invalid(message) => Error::invalid(Fault::new(message).in_file(path)),
+            DecodeError::TooLarge => Error::Limit(Fault::new("the picture would take more than 4 GiB").in_file(path)),
         }
     }
 }
@@ -56,7 +56,7 @@ pub fn facts(path: &Path) -> Result<Vec<(String, String)>> {
     Ok(facts)
 }
 
-fn decode(bytes: &[u8]) -> Result<(Image, Attributes), Refusal> {
+fn decode(bytes: &[u8]) -> Result<(Image, Attributes), DecodeError> {
     let plain = |image| (image, vec![]);
     match Kind::of(bytes).ok_or_else(unknown)? {
         Kind::Exr => exr::decode(bytes),
@@ -65,8 +65,8 @@ fn decode(bytes: &[u8]) -> Result<(Image, Attributes), Refusal> {
     }
 }
 
-fn unknown() -> Refusal {
-    Refusal::Invalid("unknown picture format: expected EXR, PNG, JPEG, PPM or PFM".into())
+fn unknown() -> DecodeError {
+    DecodeError::Invalid("unknown picture format: expected EXR, PNG, JPEG, PPM or PFM".into())
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -104,7 +104,7 @@ pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
     let mut file = regular(path)?;
     let length = file.metadata().map_err(|e| Error::io(path, e))?.len();
     if length > MOST_MEMORY {
-        return Err(Refusal::TooLarge.of(path));
+        return Err(DecodeError::TooLarge.of(path));
     }
     let mut bytes = Vec::with_capacity(length as usize);
     file.read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;

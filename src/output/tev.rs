@@ -30,9 +30,9 @@ const SHARE: f64 = 0.01;
 /// Time before the next attempt after a failure.
 const RETRY: Duration = Duration::from_secs(5);
 /// Time after which a viewer that accepts nothing is given up.
-const PATIENCE: Duration = Duration::from_secs(3);
+const SEND_TIMEOUT: Duration = Duration::from_secs(3);
 /// Time that [`Viewer::finish`] waits for the last picture to be sent.
-const FAREWELL: Duration = Duration::from_secs(10);
+const FINISH_TIMEOUT: Duration = Duration::from_secs(10);
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
 /// Connection to a viewer, which may not be there.
@@ -117,7 +117,7 @@ impl Drop for Viewer {
         let mut state = self.shared.lock();
         state.is_last = true;
         self.shared.changed.notify_all();
-        let waited = self.shared.changed.wait_timeout_while(state, FAREWELL, |state| !state.is_over);
+        let waited = self.shared.changed.wait_timeout_while(state, FINISH_TIMEOUT, |state| !state.is_over);
         let (state, _) = waited.unwrap_or_else(PoisonError::into_inner);
         // A thread that still waits for a viewer is left alone; it ends with the program.
         let is_over = state.is_over;
@@ -151,9 +151,9 @@ impl Shared {
 }
 
 /// Marks the thread as ended, however it ends.
-struct Leave<'a>(&'a Shared);
+struct EndGuard<'a>(&'a Shared);
 
-impl Drop for Leave<'_> {
+impl Drop for EndGuard<'_> {
     fn drop(&mut self) {
         self.0.lock().is_over = true;
         self.0.changed.notify_all();
@@ -174,7 +174,7 @@ struct Sender {
 
 impl Sender {
     fn run(mut self, shared: &Shared) {
-        let _leave = Leave(shared);
+        let _leave = EndGuard(shared);
         loop {
             let (image, is_last) = shared.next(RETRY);
             self.unsent = image.map(Arc::new).or(self.unsent);
@@ -201,12 +201,12 @@ impl Sender {
             Ok(connection) => (self.connection, self.failed) = (Some(connection), None),
             Err(error) => {
                 (self.unsent, self.failed) = (Some(image), Some(Instant::now()));
-                self.complain(was_there, &error);
+                self.warn_once(was_there, &error);
             }
         }
     }
 
-    fn complain(&mut self, was_there: bool, error: &io::Error) {
+    fn warn_once(&mut self, was_there: bool, error: &io::Error) {
         if !std::mem::replace(&mut self.has_warned, true) {
             let what = if was_there { "went away" } else { "cannot be reached" };
             (self.warn)(&format!("the viewer at {} {what} ({error}); the render goes on", self.address));
@@ -226,9 +226,9 @@ impl Connection {
     fn open(address: &str) -> io::Result<Connection> {
         let mut refusal = io::Error::new(io::ErrorKind::NotFound, "no such address");
         for address in address.to_socket_addrs()? {
-            match TcpStream::connect_timeout(&address, PATIENCE) {
+            match TcpStream::connect_timeout(&address, SEND_TIMEOUT) {
                 Ok(stream) => {
-                    stream.set_write_timeout(Some(PATIENCE))?;
+                    stream.set_write_timeout(Some(SEND_TIMEOUT))?;
                     stream.set_nodelay(true)?;
                     return Ok(Connection { client: TevClient::wrap(stream.try_clone()?), stream, shown: None });
                 }
@@ -275,8 +275,8 @@ impl Connection {
 
     /// Signals the end, and waits until the viewer has read everything: a socket that is closed at once may lose data.
     fn close(mut self) {
-        let end = Instant::now() + PATIENCE;
-        let said = self.stream.shutdown(Shutdown::Write).and_then(|()| self.stream.set_read_timeout(Some(PATIENCE)));
+        let end = Instant::now() + SEND_TIMEOUT;
+        let said = self.stream.shutdown(Shutdown::Write).and_then(|()| self.stream.set_read_timeout(Some(SEND_TIMEOUT)));
         let mut answer = [0; 256];
         // The content of an answer is ignored; the end of the answers is awaited.
         while said.is_ok() && Instant::now() < end && self.stream.read(&mut answer).is_ok_and(|count| count > 0) {}

@@ -82,9 +82,9 @@ pub struct SampledDirections {
 }
 
 /// Random numbers of one incidence.
-struct Numbers(Xoshiro256PlusPlus);
+struct RandomNumbers(Xoshiro256PlusPlus);
 
-impl Numbers {
+impl RandomNumbers {
     fn next(&mut self) -> (f32, Vec2) {
         let [choice, x, y] = [(); 3].map(|()| unit_f32(self.0.next_u32()));
         (choice, Vec2::new(x, y))
@@ -94,7 +94,7 @@ impl Numbers {
 impl SampledDirections {
     /// Samples the model at `wo`; `stream` makes the random numbers of incidences independent.
     pub fn new(model: &dyn Model, wo: Local, stream: u64, options: &Options) -> SampledDirections {
-        let mut numbers = Numbers(Xoshiro256PlusPlus::seed_from_u64(options.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ stream));
+        let mut numbers = RandomNumbers(Xoshiro256PlusPlus::seed_from_u64(options.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ stream));
         let mut draw = || {
             let (choice, u) = numbers.next();
             model.sample(wo, choice, u, TransportMode::Importance)
@@ -102,28 +102,39 @@ impl SampledDirections {
         let guides: Vec<BsdfSample> = (0..GUIDES).filter_map(|_| draw()).filter(|s| smooth_point(*s).is_some()).collect();
         let blur = blur(model, wo, &guides[..guides.len().min(BLUR_SAMPLES)]);
         let guides = guides.into_iter().filter_map(smooth_point).collect();
-        let (cells, tree) = equal(guides);
-        let mut fine = Count::new((0..FINE[0] * FINE[1]).map(|i| Rect::bin(i, FINE[0], FINE[1])).collect());
-        let mut equal = Count::new(cells);
-        let mut tally = Tally::new(model.delta_lobes(wo, TransportMode::Importance));
+        let (cells, tree) = equal_probability_cells(guides);
+        let mut fine = BinCounts::new((0..FINE[0] * FINE[1]).map(|i| Rect::bin(i, FINE[0], FINE[1])).collect());
+        let mut cells_of_equal_probability = BinCounts::new(cells);
+        let mut tally = LobeTally::new(model.delta_lobes(wo, TransportMode::Importance));
         for _ in 0..options.samples {
             if let Some(at) = tally.add(draw()) {
                 fine.add(Rect::bin_of(at, FINE[0], FINE[1]), at);
-                equal.add(tree.leaf(at), at);
+                cells_of_equal_probability.add(tree.leaf(at), at);
             }
         }
         let pdf = |at: CylinderPoint| f64::from(model.pdf(wo, direction(at)).get());
-        let fine = fine.against(&pdf, "80×160", options.samples);
-        let equal = equal.against(&pdf, "equal chance", options.samples);
+        let fine = fine.integrate_density(&pdf, "80×160", options.samples);
+        let cells_of_equal_probability = cells_of_equal_probability.integrate_density(&pdf, "equal chance", options.samples);
         let coarse = coarse(&fine);
         let n = options.samples;
         let lobes = tally.lobes.into_iter().map(|(listed, sums)| SampledLobe { listed, weight: sums.mean(n) }).collect();
         let share = tally.smooth as f64 / n as f64;
-        let masses = [&fine, &equal].map(|division| division.shares.iter().sum::<f64>());
+        let masses = [&fine, &cells_of_equal_probability].map(|division| division.shares.iter().sum::<f64>());
         let mass = if (masses[0] - share).abs() <= (masses[1] - share).abs() { masses[0] } else { masses[1] };
         let albedo = tally.weights.map(|sums| sums.mean(n));
         let (failed, smooth, stray) = (tally.failed, tally.smooth, tally.stray);
-        SampledDirections { wo, samples: n, failed, smooth, lobes, stray, albedo, mass, blur, divisions: [fine, coarse, equal] }
+        SampledDirections {
+            wo,
+            samples: n,
+            failed,
+            smooth,
+            lobes,
+            stray,
+            albedo,
+            mass,
+            blur,
+            divisions: [fine, coarse, cells_of_equal_probability],
+        }
     }
 }
 
@@ -169,7 +180,7 @@ impl Sums {
     }
 }
 
-struct Tally {
+struct LobeTally {
     failed: u64,
     smooth: u64,
     lobes: Vec<(BsdfSample, Sums)>,
@@ -177,10 +188,10 @@ struct Tally {
     weights: [Sums; 3],
 }
 
-impl Tally {
-    fn new(lobes: Vec<BsdfSample>) -> Tally {
+impl LobeTally {
+    fn new(lobes: Vec<BsdfSample>) -> LobeTally {
         let lobes = lobes.into_iter().map(|lobe| (lobe, Sums::default())).collect();
-        Tally { failed: 0, smooth: 0, lobes, stray: None, weights: [Sums::default(); 3] }
+        LobeTally { failed: 0, smooth: 0, lobes, stray: None, weights: [Sums::default(); 3] }
     }
 
     /// Counts a sample. Returns its point if it has a density.
@@ -202,16 +213,16 @@ impl Tally {
 }
 
 /// Bins with counts.
-struct Count {
+struct BinCounts {
     bins: Vec<Rect>,
     counts: Vec<u64>,
     /// First samples of each bin.
     hints: Vec<Vec<CylinderPoint>>,
 }
 
-impl Count {
-    fn new(bins: Vec<Rect>) -> Count {
-        Count { counts: vec![0; bins.len()], hints: vec![vec![]; bins.len()], bins }
+impl BinCounts {
+    fn new(bins: Vec<Rect>) -> BinCounts {
+        BinCounts { counts: vec![0; bins.len()], hints: vec![vec![]; bins.len()], bins }
     }
 
     fn add(&mut self, bin: usize, at: CylinderPoint) {
@@ -225,14 +236,14 @@ impl Count {
     ///
     /// Each expectation may be wrong by ε standard deviations, so that all of them add Σε² = 0.05 √(2 bins) to a statistic with a
     /// standard deviation of √(2 bins).
-    fn against(self, pdf: &(impl Fn(CylinderPoint) -> f64 + Sync), name: &'static str, samples: u64) -> Division {
+    fn integrate_density(self, pdf: &(impl Fn(CylinderPoint) -> f64 + Sync), name: &'static str, samples: u64) -> Division {
         let (n, bins) = (samples as f64, self.bins.len() as f64);
         let epsilon = (0.05 * (2.0 * bins).sqrt() / bins).sqrt();
         let share = |((&bin, &count), hints): ((&Rect, &u64), &Vec<CylinderPoint>)| {
             // Bins that expect fewer than 5 are pooled, so an error below that of 5 does not matter.
             let spread = count.max(5) as f64;
             let mut hints: Vec<Hint> = hints.iter().map(|&point| Hint { point, density: pdf(point) }).collect();
-            in_pieces(pdf, bin, &mut hints, Limits { tolerance: epsilon * spread.sqrt() / n, max_error_depth: MAX_ERROR_DEPTH })
+            integrate_bin(pdf, bin, &mut hints, Limits { tolerance: epsilon * spread.sqrt() / n, max_error_depth: MAX_ERROR_DEPTH })
         };
         let shares = self.bins.iter().zip(&self.counts).zip(&self.hints).map(share).collect();
         Division { name, bins: self.bins, shares, counts: self.counts }
@@ -240,7 +251,7 @@ impl Count {
 }
 
 /// ∫ pdf over a bin, which is first cut into pieces about as small as the bins of the fine grid.
-fn in_pieces(pdf: &impl Fn(CylinderPoint) -> f64, bin: Rect, hints: &mut [Hint], limits: Limits) -> f64 {
+fn integrate_bin(pdf: &impl Fn(CylinderPoint) -> f64, bin: Rect, hints: &mut [Hint], limits: Limits) -> f64 {
     let widths = bin.extent();
     let axis = usize::from(widths[1] > widths[0]);
     if widths[axis] <= WIDEST {
@@ -251,11 +262,11 @@ fn in_pieces(pdf: &impl Fn(CylinderPoint) -> f64, bin: Rect, hints: &mut [Hint],
     let (low, high) = hints.split_at_mut(hints.partition_point(|hint| hint.point[axis] < at));
     let [first, second] = bin.cut(axis, at);
     let limits = Limits { tolerance: limits.tolerance * FRAC_1_SQRT_2, ..limits };
-    in_pieces(pdf, first, low, limits) + in_pieces(pdf, second, high, limits)
+    integrate_bin(pdf, first, low, limits) + integrate_bin(pdf, second, high, limits)
 }
 
 /// Cells with equal numbers of guides, and the tree that finds them.
-fn equal(mut guides: Vec<CylinderPoint>) -> (Vec<Rect>, Tree) {
+fn equal_probability_cells(mut guides: Vec<CylinderPoint>) -> (Vec<Rect>, Tree) {
     guides.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
     let surface = guides.partition_point(|at| at[0] < 0.0);
     let (below, above) = guides.split_at_mut(surface);

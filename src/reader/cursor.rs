@@ -34,7 +34,7 @@ pub fn read_options<T: DeserializeOwned>(node: &Node, pointer: &str, keys: Unkno
 }
 
 fn read_from<T: DeserializeOwned>(node: &Node, pointer: &str, keys: UnknownKeys, faults: &Faults, tagged: bool) -> Option<T> {
-    let context = Context { faults, keys, base: pointer, path: RefCell::default(), supplied: RefCell::default() };
+    let context = Context { faults, keys, base: pointer, path: RefCell::default(), placeholder_keys: RefCell::default() };
     Cursor { node, context: &context, tagged }.read().ok()
 }
 
@@ -81,7 +81,7 @@ pub(super) struct Context<'n> {
     base: &'n str,
     path: RefCell<Vec<Segment<'n>>>,
     /// Missing keys, by node, that placeholders replace from now on.
-    supplied: RefCell<BTreeMap<*const Node, Vec<&'static str>>>,
+    placeholder_keys: RefCell<BTreeMap<*const Node, Vec<&'static str>>>,
 }
 
 pub(super) enum Segment<'n> {
@@ -128,7 +128,7 @@ impl<'n> Cursor<'n> {
             match T::deserialize(self) {
                 Ok(value) => return Ok(value),
                 // The value is read again with a placeholder for the key, since other keys may be missing too.
-                Err(ReadError::Missing(key)) if self.supply(key) => {
+                Err(ReadError::Missing(key)) if self.add_placeholder_key(key) => {
                     self.context.faults.add_missing(&self.node.location, self.context.pointer(), key)
                 }
                 Err(ReadError::Because(message)) => {
@@ -149,9 +149,9 @@ impl<'n> Cursor<'n> {
     }
 
     /// Marks `key` as replaced by a placeholder from now on; false if it was marked already.
-    fn supply(self, key: &'static str) -> bool {
-        let mut supplied = self.context.supplied.borrow_mut();
-        let keys = supplied.entry(self.node).or_default();
+    fn add_placeholder_key(self, key: &'static str) -> bool {
+        let mut placeholder_keys = self.context.placeholder_keys.borrow_mut();
+        let keys = placeholder_keys.entry(self.node).or_default();
         let new = !keys.contains(&key);
         if new {
             keys.push(key);
@@ -160,8 +160,8 @@ impl<'n> Cursor<'n> {
     }
 
     /// Missing keys that have been reported and are replaced by placeholders.
-    pub(super) fn supplied(self) -> Vec<&'static str> {
-        self.context.supplied.borrow().get(&(self.node as *const Node)).cloned().unwrap_or_default()
+    pub(super) fn placeholder_keys(self) -> Vec<&'static str> {
+        self.context.placeholder_keys.borrow().get(&(self.node as *const Node)).cloned().unwrap_or_default()
     }
 
     /// Reads a value one level down, as `read` does.

@@ -205,7 +205,7 @@ struct Members<'n> {
     cursor: Cursor<'n>,
     members: vec::IntoIter<&'n Member>,
     /// Keys that placeholders replace, after the existing ones.
-    supplied: vec::IntoIter<&'static str>,
+    placeholder_keys: vec::IntoIter<&'static str>,
     /// Member whose key was last read; `None` for a placeholder.
     current: Option<&'n Member>,
 }
@@ -213,7 +213,7 @@ struct Members<'n> {
 impl<'n> Members<'n> {
     fn new(cursor: Cursor<'n>, known: Option<&[&str]>) -> Result<Members<'n>, ReadError> {
         let members = cursor.members(known)?.into_iter();
-        Ok(Members { cursor, members, supplied: cursor.supplied().into_iter(), current: None })
+        Ok(Members { cursor, members, placeholder_keys: cursor.placeholder_keys().into_iter(), current: None })
     }
 }
 
@@ -222,7 +222,7 @@ impl<'n> MapAccess<'n> for Members<'n> {
 
     fn next_key_seed<K: DeserializeSeed<'n>>(&mut self, seed: K) -> Result<Option<K::Value>, ReadError> {
         self.current = self.members.next();
-        match self.current.map(|member| member.key.as_str()).or_else(|| self.supplied.next()) {
+        match self.current.map(|member| member.key.as_str()).or_else(|| self.placeholder_keys.next()) {
             Some(key) => seed.deserialize(key_deserializer(key)).map(Some),
             None => Ok(None),
         }

@@ -1,4 +1,4 @@
-//! The film and its files: filters, waves, means and errors, tone curves, formats.
+//! Films and picture files: filters, waves, means and errors, tone curves, formats.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use pt::world::World;
 use crate::random::cases;
 use crate::scenes::{self, probe};
 
-/// A filter, its radius, and its formula.
+/// Name, filter, radius and formula of a filter.
 type Known = (&'static str, Filter, f64, Box<dyn Fn(f64) -> f64>);
 
 fn filters() -> Vec<Known> {
@@ -45,7 +45,7 @@ fn cubic(x: f64, b: f64, c: f64) -> f64 {
     }
 }
 
-/// ∫f over [−r, r], midpoints: the error is below 10⁻⁷ for the functions here.
+/// ∫f over [−r, r] by the midpoint rule, with an error below 10⁻⁷ for the functions here.
 fn integral(radius: f64, f: impl Fn(f64) -> f64) -> f64 {
     let n = 20_000;
     let width = 2.0 * radius / f64::from(n);
@@ -63,7 +63,7 @@ fn mean(filter: &Filter, g: impl Fn(DVec2, f64) -> f64) -> f64 {
     (0..n).map(each).sum::<f64>() / f64::from(n)
 }
 
-/// The points err by about 17/2¹⁶.
+/// Integration error of the points, about 17/2¹⁶.
 const POINTS: f64 = 4e-4;
 
 /// The weighted mean of g(x)·h(y) is ∫fg ∫fh / (∫f)².
@@ -85,7 +85,7 @@ fn filters_are_their_formulas() {
     }
 }
 
-/// Offsets are distributed as |f|, and the mean of |weight| is (∫|f|/∫f)².
+/// Offsets have a density proportional to |f|, and the mean of |weight| is (∫|f|/∫f)².
 #[test]
 fn offsets_follow_the_filters_size() {
     for (name, filter, radius, f) in filters() {
@@ -99,7 +99,7 @@ fn offsets_follow_the_filters_size() {
     }
 }
 
-/// An offset is where the integral of |f| from the left reaches its share u: as exactly as f32 holds the offset.
+/// The integral of |f| up to the offset is the fraction u, up to the rounding of the offset to f32.
 #[test]
 fn offsets_invert_the_integral() {
     for (name, filter, radius, f) in filters() {
@@ -110,13 +110,13 @@ fn offsets_invert_the_integral() {
             // From the left end to the offset, by the same midpoint rule.
             let half = 0.5 * (f64::from(offset.x) + radius);
             let share = integral(half, |x| f(x + half - radius).abs()) / whole;
-            // The midpoints err by 10⁻⁷.
+            // The midpoint rule has an error of 10⁻⁷.
             assert!((share - f64::from(u)).abs() < 1e-6, "{name}: {share} of it lies left of {}, not {u}", offset.x);
         }
     }
 }
 
-/// Weights are ±(∫|f|/∫f)² and nothing else: exactly 1 where no lobe is negative, so that a constant stays constant.
+/// All weights are ±(∫|f|/∫f)², exactly 1 for filters without negative lobes, so that a constant stays constant.
 #[test]
 fn weights_have_one_size() {
     for (name, filter, radius, f) in filters() {
@@ -129,7 +129,7 @@ fn weights_have_one_size() {
     }
 }
 
-/// A sky of one brightness is a picture of one brightness, to the last bit, for each filter without negative lobes.
+/// A uniform sky gives a uniform picture, to the last bit, for each filter without negative lobes.
 #[test]
 fn a_constant_picture_stays_constant() {
     let mut world = World::builder(probe(DVec3::Z, DVec3::ZERO));
@@ -145,7 +145,7 @@ fn a_constant_picture_stays_constant() {
     }
 }
 
-/// r²/3 and r²/6 by hand; for B + 2C = 1 the cubic's second moment is B/3: 1/3 of the B-spline, 0 of Catmull–Rom.
+/// Second moments are r²/3 and r²/6 for box and tent. For B + 2C = 1 that of the cubic is B/3: 1/3 for the B-spline, 0 for Catmull–Rom.
 #[test]
 fn known_variances() {
     let variance = |filter: &Filter| mean(filter, |p, weight| weight * p.x * p.x);
@@ -172,7 +172,7 @@ fn only_mitchell_weighs_negatively() {
 proptest! {
     #![proptest_config(cases(10_000))]
 
-    /// Whatever the parameters: finite, inside the radius, at the corners of the square too.
+    /// Samples are finite and inside the radius for all parameters, also at the corners of the square.
     #[test]
     fn offsets_stay_inside(radius in -20i32..20, sigma in -60i32..60, [b, c] in [0f32..=1.0, 0f32..=1.0], u in [0f32..1.0, 0f32..1.0]) {
         let (radius, sigma) = (2f32.powi(radius), 2f32.powi(sigma));
@@ -199,7 +199,7 @@ proptest! {
         prop_assert_eq!(done, total);
     }
 
-    /// The first wave is one sample, so that a picture shows at once; then a wave is as long as it can be.
+    /// The first wave is one sample, so that a picture is shown at once. All others are as long as possible.
     #[test]
     fn waves_are_the_longest(done: u64, left: u64, shift in 0u32..64, max_level in 0u32..63) {
         let done = done >> shift << (shift / 2);
@@ -218,7 +218,7 @@ proptest! {
         let n = samples.len() as f64;
         let mean = samples.iter().map(|&x| f64::from(x)).sum::<f64>() / n;
         let error = (samples.iter().map(|&x| (f64::from(x) - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
-        // One rounding to f32; the error also loses what Σx² − (Σx)²/n cancels: √(2⁻⁵³·40·10⁴) at most.
+        // One rounding to f32. The standard error also has the cancellation of Σx² − (Σx)²/n: √(2⁻⁵³·40·10⁴) at most.
         let near = |found: f32, exact: f64, lost: f64| (f64::from(found) - exact).abs() <= exact * 1e-6 + lost;
         prop_assert!(near(image.channel("R").expect("red")[0], mean, 0.0));
         prop_assert!(near(image.channel("StdErr.R").expect("an error")[0], error, 1e-5));
@@ -227,7 +227,7 @@ proptest! {
     }
 }
 
-/// A film of two pixels: the samples in the first, three times as much in the second.
+/// Film of two pixels, with the samples in the first and three times the samples in the second.
 fn filmed(samples: &[f32], max_level: u32) -> MomentFilm {
     let mut film = MomentFilm::new(FilmSpec::new(2, 1));
     while let Some(wave) = Wave::next(film.samples(), samples.len() as u64, max_level) {
@@ -244,7 +244,7 @@ fn textbook_samples() {
     let image = filmed(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0], 3).image();
     assert_eq!(image.rgb(0, 0), [5.0; 3]);
     assert_eq!(image.channel("StdErr.B").expect("an error")[0], (4f64 / 7.0).sqrt() as f32);
-    // Equal samples have no error; the rounding of .1² does not make one.
+    // Equal samples have no error, in spite of the rounding of 0.1².
     let equal = filmed(&[0.1; 37], 6).image();
     assert!(equal.channel("StdErr.R").expect("an error")[0] < 1e-8);
     assert_eq!(filmed(&[1.0], 0).image().channel("StdErr.R"), None, "one sample tells nothing of its error");
@@ -261,14 +261,14 @@ fn scramblings_tell_the_error_by_their_means() {
         assert_eq!(image.rgb(0, 0), [3.0; 3], "{n} samples");
         assert_eq!(image.channel("StdErr.G").expect("an error")[0], (14f64 / 12.0).sqrt() as f32, "{n} samples");
     }
-    // What varies within a scrambling says nothing of its mean.
+    // Variation within a scrambling does not change its mean.
     let even = dealt(2, &[0.0, 9.0, 9.0, 0.0, 0.0, 9.0, 9.0, 0.0], 6);
     assert_eq!((even.rgb(0, 0), even.channel("StdErr.R")), ([4.5; 3], Some([0.0].as_slice())));
     assert_eq!(dealt(4, &samples(7), 6).channel("StdErr.R"), None, "two samples each at least");
     assert_eq!(dealt(1, &samples(64), 6).channel("StdErr.R"), None, "one scrambling tells nothing");
 }
 
-/// The samples of one pixel, dealt to k scramblings.
+/// Film of one pixel whose samples are dealt to k scramblings in turn.
 fn dealt(k: u32, samples: &[f32], max_level: u32) -> Image {
     let mut film = MomentFilm::new(FilmSpec::new(1, 1));
     while let Some(wave) = Wave::next(film.samples(), samples.len() as u64, max_level) {
@@ -295,7 +295,7 @@ fn a_crop_knows_its_place() {
     assert_eq!(image.pixels().count(), 12);
 }
 
-/// A picture of so many gray pixels in one row.
+/// Picture of gray pixels in one row.
 fn grays(values: &[f32]) -> Image {
     picture(UVec2::new(values.len() as u32, 1), |_, i| values[i])
 }
@@ -320,7 +320,7 @@ fn srgb_is_the_standards() {
     assert_eq!(toned(&[0.18, 0.5, 1.0, 2.0], 0.0, Curve::None), [118, 188, 255, 255]);
 }
 
-/// One stop more is twice the radiance; the brightest pixel of a normalised picture is white at any exposure.
+/// One stop doubles the radiance, and the brightest pixel of a normalised picture is white at any exposure.
 #[test]
 fn exposure_counts_stops() {
     let values = [0.0, 0.001, 0.02, 0.17, 0.3, 0.45];
@@ -333,7 +333,7 @@ fn exposure_counts_stops() {
     }
 }
 
-/// More light is never darker, from none at all to infinitely much.
+/// Tone curves are monotonic, from black to infinity.
 #[test]
 fn curves_only_rise() {
     let mut values: Vec<f32> = (-40..=127).map(|e| 2f32.powi(e)).chain([f32::MAX, f32::INFINITY]).collect();
@@ -355,7 +355,7 @@ fn what_is_no_number_is_black() {
     assert_eq!(toned(&[0.0, 0.0], 0.0, Curve::Normalize), [0, 0], "a black picture stays black");
 }
 
-/// Values that a careless format would lose: negative ones, zeros with a sign, subnormals, infinities.
+/// Values that a careless format would lose: negative numbers, signed zeros, subnormals, infinities.
 fn delicate() -> Image {
     let hard = [0.0, -0.0, 1.0, -1.5, 1e-45, -1e-40, f32::MIN_POSITIVE, f32::MAX, f32::MIN, f32::INFINITY, 0.1, 1.0 / 3.0];
     let mut image = picture(UVec2::new(4, 3), |c, i| hard[(i + c) % 12]);
@@ -423,7 +423,7 @@ fn a_file_is_whole_or_not_at_all() {
 
     assert_eq!(replace(&folder.path().join("missing/picture.png"), b"x").map_err(|e| e.exit_code()), Err(5));
     assert_eq!(write(&folder.path().join("picture.jpg"), &grays(&[1.0]), &vec![], &Tonemap::default()).map_err(|e| e.exit_code()), Err(2));
-    // The last step fails: a folder has the name.
+    // The last step fails, because a folder has the name of the file.
     let taken = folder.path().join("taken.exr");
     std::fs::create_dir(&taken).expect("made");
     assert_eq!(replace(&taken, b"x").map_err(|e| e.exit_code()), Err(5));
@@ -432,7 +432,7 @@ fn a_file_is_whole_or_not_at_all() {
     assert_eq!(left, ["picture.png", "taken.exr"], "nothing half-done stays behind");
 }
 
-/// A folder that cannot be written to keeps its old file (which the superuser's rights would overrule).
+/// A folder that cannot be written to keeps its old file. (A superuser could write to it.)
 #[cfg(unix)]
 #[test]
 fn a_refused_write_keeps_the_old_file() {

@@ -1,4 +1,4 @@
-//! A lamp that shines away from all there is to see is told of before the render, by its place and with the way out.
+//! Warnings about lamps that face away from everything in the scene.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ fn scene(lamp: &str, others: &str, camera: &str) -> String {
     )
 }
 
-/// At y = 2, over a floor, by default looked at from below; it shines along +z turned by the `steps`.
+/// Lamp at y = 2, which emits along +z rotated by the `steps`.
 fn lamp(shape: &str, steps: &str, two_sided: bool) -> String {
     format!(
         r#"{{"type": {shape}, "emission": {{"radiance": 9, "two_sided": {two_sided}}}, "transform": [{steps}{{"translate": [0, 2, 0]}}]}}"#
@@ -28,7 +28,7 @@ const FROM_BELOW: &str = r#"{"fov": 90, "look_at": {"from": [0, 1, 3], "to": [0,
 const FROM_ABOVE: &str = r#"{"fov": 90, "look_at": {"from": [0, 5, 3], "to": [0, 1, 0]}}"#;
 const AS_A_PLAN: &str = r#"{"type": "orthographic", "height": 4, "look_at": {"from": [0, 5, 0], "to": [0, 0, 0], "up": [0, 0, 1]}}"#;
 
-/// The warnings of a scene that tell of a lamp.
+/// Warnings of a scene about lamps.
 fn warnings(text: &str) -> Vec<String> {
     let root = describe::root(text.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
@@ -43,11 +43,11 @@ fn is_black(folder: &Path, text: &str) -> bool {
     pt::output::exr::read(&folder.join("x.exr")).expect("a picture").0.pixels().flatten().all(|value| value == 0.0)
 }
 
-/// The warning comes where the picture is black for it, and nowhere else.
+/// There is a warning exactly if the picture is black because of the lamp.
 #[test]
 fn a_lamp_is_told_of_where_it_lights_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
-    // Rounding: 0.1 + 0.2 is not 0.3, and sines of odd angles are not exact.
+    // Positions and sines that are not exact because of rounding.
     let odd = r#", {"type": "quad", "size": 4, "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": -90}}, {"translate": [0, 2, 0]}]}"#;
     let tilted = r#"{"rotate": {"axis": [1, 0, 0], "degrees": -53}},"#;
     let mirrored = r#"{"scale": [1, 1, -1]}, {"rotate": {"axis": [1, 0, 0], "degrees": 90}},"#;
@@ -56,17 +56,17 @@ fn a_lamp_is_told_of_where_it_lights_nothing() {
         (r#""disk""#, UP, false, FLOOR, FROM_BELOW, true),
         (r#""quad""#, DOWN, false, FLOOR, FROM_BELOW, false),
         (r#""quad""#, UP, true, FLOOR, FROM_BELOW, false),
-        // Mirrored along its normal it shines the other way.
+        // A lamp that is mirrored along its normal emits in the opposite direction.
         (r#""quad""#, mirrored, false, FLOOR, FROM_BELOW, true),
-        // Flush with a ceiling, over the floor.
+        // A lamp in the plane of the ceiling, over the floor.
         (r#""quad""#, UP, false, &[FLOOR, odd].concat(), FROM_BELOW, true),
-        // The floor reaches in front of it, or the camera sees it.
+        // The floor extends in front of the lamp, or the camera sees it.
         (r#""quad""#, tilted, false, FLOOR, FROM_BELOW, false),
         (r#""quad""#, UP, false, FLOOR, FROM_ABOVE, false),
         (r#""quad""#, UP, false, FLOOR, AS_A_PLAN, false),
         (r#""quad""#, DOWN, false, FLOOR, AS_A_PLAN, false),
         (r#""disk""#, UP, false, BALL, FROM_BELOW, true),
-        // Not a flat one: something of it always shines this way.
+        // A curved lamp always emits towards the scene with some part.
         (r#""sphere", "radius": 0.2"#, UP, false, FLOOR, FROM_BELOW, false),
     ] {
         let text = scene(&lamp(shape, steps, two_sided), others, camera);
@@ -81,11 +81,11 @@ fn a_lamp_is_told_of_where_it_lights_nothing() {
     }
 }
 
-/// Of a picture that is black all the same the lamps are named that might shine to the wrong side.
+/// For a black picture, the lamps that may emit to the wrong side are named.
 #[test]
 fn a_black_picture_names_its_one_sided_lamps() {
     let folder = tempfile::tempdir().expect("a folder");
-    // In a corner out of sight it lights a ball that nobody sees.
+    // The lamp lights a ball that the camera does not see.
     let others =
         r#", {"type": "sphere", "center": [0, 9, 0]}, {"type": "quad", "name": "floor", "transform": [{"translate": [0, 0, -9]}]}"#;
     let lamp = lamp(r#""quad", "name": "lamp", "size": 0.1"#, UP, false);

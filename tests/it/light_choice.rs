@@ -1,7 +1,7 @@
-//! Lights as they are sampled, without a picture: their choice by power, their densities, their closed forms.
+//! Light sampling without a picture: choice by power, densities, and irradiance against closed forms.
 //!
-//! E = ∫ L cos θ dω = mean over u of weight·cos θ, at the middles of a regular grid: f32 leaves some 1e-6,
-//! and a kink of the integrand c/n² for n×n points. All radiances are 1 where not said otherwise.
+//! E = ∫ L cos θ dω is the mean of weight·cos θ at the centres of a regular grid. The error of f32 is about 10⁻⁶, and that of a kink in
+//! the integrand is c/n² for n×n points. All radiances are 1 unless noted otherwise.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,7 +14,7 @@ use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, TriangleMesh};
 use crate::geometry::{icosphere, mesh};
 use crate::random::Random;
 
-/// What one shape gives as light; the index of a light is that of its primitive.
+/// Lights of one shape. The index of a light is that of its primitive.
 fn lit(geometry: &dyn Geometry, to_world: &Transform, two_sided: bool) -> Lights {
     let shape = geometry.bake(to_world).expect("the shape can be hit");
     let emission = Emission { radiance: Spectrum::ONE, two_sided };
@@ -44,7 +44,7 @@ fn grid(n: usize) -> impl Iterator<Item = Vec2> {
     (0..n).flat_map(move |i| (0..n).map(move |j| Vec2::new(middle(i), middle(j))))
 }
 
-/// E of a surface at `from`, where all lights have the same power [W·m⁻²].
+/// Irradiance of a surface at `from`, where all lights have the same power [W·m⁻²].
 fn irradiance(lights: &Lights, from: DVec3, normal: DVec3, n: usize) -> f64 {
     let count = lights.len();
     let choices = (0..count).map(|k| (k as f32 + 0.5) / count as f32);
@@ -70,17 +70,17 @@ fn smooth(sample: &LightSample) -> f64 {
 #[test]
 fn ellipsoids_on_axis() {
     for ([b, c, a], d) in [([1.0, 0.6, 1.5], 3.0), ([2.0, 0.5, 0.2], 0.5), ([1.0, 1.0, 3.0], 4.0), ([1.5, 0.6, 1.0], 1e4)] {
-        // The sphere's own poles to the sides: there the grid is at its coarsest.
+        // The poles of the sphere, where the grid is coarsest, point to the sides.
         let place = turn(DVec3::X, 90.0).then(&scaled(b, c, a)).then(&moved(0.0, 0.0, d));
         let lights = lit(&Sphere { radius: 1.0 }, &place, false);
         let slope = |b: f64| (d * d - a * a) / (b * b);
         let exact = PI / ((1.0 + slope(b)) * (1.0 + slope(c))).sqrt();
-        // What faces the viewer ends in a kink.
+        // The integrand has a kink at the edge of the visible side.
         assert_near(irradiance(&lights, DVec3::ZERO, DVec3::Z, 1024), exact, 1e-4, &format!("ellipsoid {a} {b} {c} at {d}"));
     }
 }
 
-/// Inside of what glows everywhere: E = πL, wherever one stands and looks.
+/// Inside a shape that emits everywhere, E = πL at every point and for every normal.
 #[test]
 fn from_within() {
     let squash = scaled(1.5, 0.6, 1.0).then(&turn(DVec3::Y, 30.0));
@@ -91,14 +91,14 @@ fn from_within() {
         let (two_sided, outward) = (lit(geometry, &to_world, true), lit(geometry, &to_world, false));
         for _ in 0..4 {
             let (inside, normal) = (to_world.point(random.direction() * 0.5), random.direction());
-            // The horizon is a kink, and what is nearest is coarsest.
+            // The integrand has a kink at the horizon, and the grid is coarsest on the nearest part.
             assert_near(irradiance(&two_sided, inside, normal, 200), PI, 1e-3, &format!("shape {k} from {inside}"));
             assert_eq!(irradiance(&outward, inside, normal, 16), 0.0, "shape {k} shines outward");
         }
     }
 }
 
-/// A wall that meets the floor, and a triangle askew: E = ½ Σ θᵢ (nᵢ·n) over the edges.
+/// Irradiance of a wall that touches the floor and of an oblique triangle: E = ½ Σ θᵢ (nᵢ·n) over the edges.
 #[test]
 fn polygons() {
     let wall = lit(&Quad { size: [2.0, 2.0] }, &turn(DVec3::Y, -90.0).then(&moved(1.0, 0.0, 1.0)), false);
@@ -113,7 +113,7 @@ fn polygons() {
     assert_near(irradiance(&triangle, DVec3::ZERO, DVec3::Z, 512), lambert(&corners), 1e-4, "triangle");
 }
 
-/// Above the floor z = 0 at the origin.
+/// Irradiance at the origin on the floor z = 0.
 fn lambert(corners: &[DVec3]) -> f64 {
     let edge = |i: usize| {
         let (a, b) = (corners[i].normalize(), corners[(i + 1) % corners.len()].normalize());
@@ -122,7 +122,7 @@ fn lambert(corners: &[DVec3]) -> f64 {
     (0.5 * (0..corners.len()).map(edge).sum::<f64>()).abs()
 }
 
-/// The families, somewhere: shape, place.
+/// Name, shape and placement of each kind of shape.
 fn families() -> Vec<(&'static str, Box<dyn Geometry>, Transform)> {
     let askew = turn(DVec3::new(1.0, 2.0, -0.5), 50.0).then(&moved(0.2, -0.1, 0.3));
     vec![
@@ -134,7 +134,7 @@ fn families() -> Vec<(&'static str, Box<dyn Geometry>, Transform)> {
     ]
 }
 
-/// The density of a sample is what `pdf` says of its point, the choice included; weight·density is the radiance, 1.
+/// The density of a sample equals `pdf` at its point, including the choice of the light, and weight·density is the radiance, 1.
 #[test]
 fn pdf_is_the_density() {
     let mut random = Random::new(5);
@@ -147,7 +147,7 @@ fn pdf_is_the_density() {
             let Some(sample) = lights.sample(from, choice, random.square()) else { continue };
             let ShadowTarget::Surface(point) = sample.target else { panic!("{name}: a light on a surface") };
             let (density, pdf) = (smooth(&sample), f64::from(lights.pdf(index as u32, from, &point).get()));
-            // Seen at a flat angle, what is known of the point's normal and place to 6e-8 is magnified.
+            // A grazing angle magnifies the rounding of the point's normal and position, 6·10⁻⁸.
             let flat = f64::from(point.ng.dot(sample.wi).abs());
             assert!((density - pdf).abs() <= pdf * (1e-5 + 1e-6 / flat), "{name} from {from}: {density} or {pdf}, cos {flat}");
             assert_near(f64::from(sample.weight.average()) * density, 1.0, 1e-6, name);
@@ -155,7 +155,7 @@ fn pdf_is_the_density() {
     }
 }
 
-/// In its plane, and closer to it than f32 can square: nothing, or something finite.
+/// In the plane of a light, and closer to it than f32 can square, samples are absent or finite.
 #[test]
 fn nothing_is_infinite() {
     let mut random = Random::new(7);
@@ -173,7 +173,7 @@ fn nothing_is_infinite() {
 
 const REFERENCE: DVec3 = DVec3::new(3.0, 4.0, 5.0);
 
-/// How often `light` is chosen beside a point light of the given power (W), over all choices.
+/// Fraction of choices in which `light` is chosen, together with a point light of the given power (W).
 fn share(light: Light, shapes: Vec<Box<dyn Shape>>, radius: f32, power: f64) -> f64 {
     let reference = Light::Point(Point { position: REFERENCE, intensity: Spectrum::gray((power / (2.0 * TAU)) as f32) });
     let lights = Lights::new(vec![light, reference], shapes.into(), radius);
@@ -185,7 +185,7 @@ fn share(light: Light, shapes: Vec<Box<dyn Shape>>, radius: f32, power: f64) -> 
     1.0 - (0..N).filter(|&k| is_reference((k as f32 + 0.5) / N as f32)).count() as f64 / N as f64
 }
 
-/// Φ/(Φ + Φ′): flux by formula, and the choice follows.
+/// The probability of a light follows from the formulas of flux: Φ/(Φ + Φ′).
 #[test]
 fn lights_are_chosen_by_power() {
     let gray = Spectrum::rgb(1.0, 2.0, 6.0); // 3 in the mean
@@ -211,19 +211,19 @@ fn lights_are_chosen_by_power() {
         ("environment", Light::Environment(Environment { radiance: gray }), vec![], 4.0 * PI * PI * 100.0 * 3.0),
     ];
     for (name, light, shapes, power) in cases {
-        // An eighth of the choices goes to both alike: ⅞ · ¼ + ⅛ · ½.
+        // An eighth of the choices is divided equally: ⅞ · ¼ + ⅛ · ½.
         let found = share(light, shapes, 10.0, 3.0 * power);
-        // One choice of 2¹⁴ either way.
+        // The tolerance is one choice in 2¹⁴.
         assert!((found - 9.0 / 32.0).abs() <= 2.0 / 16384.0, "{name}: {found} is not 9/32");
     }
 }
 
-/// E = πL under a uniform sky; 1/4π is its density, times the probability of its choice.
+/// Under a uniform sky E = πL, and the density is 1/4π times the probability of the sky.
 #[test]
 fn the_sky_and_its_choice() {
     let sky = Light::Environment(Environment { radiance: Spectrum::ONE });
     let alone = Lights::new(vec![sky.clone()], Vec::new().into(), 1.0);
-    // Half of the sphere is below the horizon: a kink.
+    // Half of the sphere is below the horizon, where the integrand has a kink.
     assert_near(irradiance(&alone, DVec3::X, DVec3::new(0.6, 0.0, 0.8), 256), PI, 1e-3, "sky");
     // Φ = 4π²R²L; a point light of three times that leaves the sky ⅞ · ¼ + ⅛ · ½ of the choices.
     let point = Light::Point(Point { position: REFERENCE, intensity: Spectrum::gray(3.0 * std::f32::consts::PI) });
@@ -233,7 +233,7 @@ fn the_sky_and_its_choice() {
     assert_near(smooth(&sample), 9.0 / 32.0 / (2.0 * TAU), 1e-6, "density of the sample");
 }
 
-/// s = (outer − θ)/(outer − inner), for cones whose cosines f32 calls 1.
+/// Falloff s = (outer − θ)/(outer − inner) for cones whose cosines round to 1 in f32.
 #[test]
 fn narrow_cones_fall_off_in_the_angle() {
     let (inner, outer) = (0.01, 0.05);
@@ -251,7 +251,7 @@ fn narrow_cones_fall_off_in_the_angle() {
     assert!(lights.sample(Vec3::new(f64::to_radians(0.051).tan() as f32, 0.0, -1.0), 0.5, Vec2::splat(0.5)).is_none(), "beyond");
 }
 
-/// s², with s linear in the cosine: half way between the cosines a quarter is left.
+/// Falloff s² with s linear in the cosine: half way between the cosines it is ¼.
 #[test]
 fn cones_fall_off_with_the_square() {
     let (cos_inner, cos_outer) = (0.9, 0.5);
@@ -264,7 +264,7 @@ fn cones_fall_off_with_the_square() {
     }
 }
 
-/// A lamp of two halves, one white and one black, lights as half a lamp does; and so it does where the chance to see light is a guess.
+/// A lamp with a white half and a black half lights like half a lamp, also if the estimated probability of its light is wrong.
 #[test]
 fn textured_lamps_light_as_their_bright_part_does() {
     use pt::light::Emitter;
@@ -283,10 +283,10 @@ fn textured_lamps_light_as_their_bright_part_does() {
         each.map(|sample| f64::from(sample.weight.to_rgb()[0] * sample.wi.z.max(0.0))).sum::<f64>() / f64::from(N * N)
     };
     let whole = irradiance([2.0, 2.0], 0.0, textured);
-    // The lamp looks down, so that its u runs along −x or x: one of both halves is it.
+    // The lamp faces down, so that u runs along −x or x. One of the two halves is white.
     let halves = [-0.5, 0.5].map(|x| irradiance([1.0, 2.0], x, emission.into()));
     let nearest = halves.iter().map(|half| (whole / half - 1.0).abs()).fold(f64::INFINITY, f64::min);
-    // Of the grid a column may fall on either side of the edge: 1/256 of the light.
+    // A column of the grid may be on either side of the edge, which is 1/256 of the light.
     assert!(nearest < 0.01, "{whole}, expected one of {halves:?}");
     assert!((halves[0] / halves[1] - 1.0).abs() > 0.1, "the halves are told apart");
 }

@@ -1,4 +1,4 @@
-//! Layers of light by the way it came: against pictures that have no other light.
+//! Layers of light, compared with pictures that have no other light.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use pt::integrators::ALL;
 use pt::render::{Render, Settings, Silent};
 use pt::sampler::SamplerSpec;
 
-/// A matte and a mirror ball between two lamps, one of them two triangles, and a little sky.
+/// A matte ball and a mirror ball between two lamps, one of which is two triangles, under a dim sky.
 const SCENE: &str = r#"{ "pt": 1,
     "camera": { "look_at": { "from": [0, 1, 6], "to": [0, 0, 0] } },
     "film": { "width": 24, "height": 16, "layers": ["emission", "direct", "indirect", "lights"] },
@@ -29,7 +29,7 @@ fn built(scene: &str) -> Built {
     describe::build(&described, Source { root: &root, file: "s.json", files: &Files::within("") }).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// - `options`: of the integrator
+/// - `options`: options of the integrator
 fn picture(scene: &str, name: &str, options: &str, filter: Filter) -> Image {
     let Built { world, film, .. } = built(scene);
     let spec = FilmSpec { filter, ..film };
@@ -51,8 +51,8 @@ fn sum(layers: &[Vec<[f32; 3]>]) -> Vec<[f64; 3]> {
     (0..layers[0].len()).map(|i| std::array::from_fn(|c| layers.iter().map(|layer| f64::from(layer[i][c])).sum())).collect()
 }
 
-/// Equal but for the rounding of a sample's sum of a few tens of f32, of layers to f32, and of their sum: 2⁻²⁴ each,
-/// of the largest sample of the pixel, which is below 16 times its weight here.
+/// Asserts equality up to rounding: of a sample's sum of a few tens of f32, of layers to f32, and of their sum. Each is 2⁻²⁴ of the
+/// largest sample of the pixel, which is below 16 times its weight here.
 fn close(found: &[[f64; 3]], wanted: &[[f64; 3]], about: &str) {
     assert!(wanted.iter().flatten().any(|x| *x > 0.1), "{about}: black");
     for (i, (a, b)) in found.iter().zip(wanted).enumerate() {
@@ -66,7 +66,7 @@ fn colors(image: &Image) -> Vec<[f64; 3]> {
 
 const TELLING: [&str; 3] = ["path", "nee", "whitted"];
 
-/// By depth and by light, also where a filter weighs samples below 0.
+/// The layers by depth and by light add up to the picture, also with a filter that has negative weights.
 #[test]
 fn layers_of_light_add_up_to_the_picture() {
     for name in TELLING {
@@ -79,7 +79,7 @@ fn layers_of_light_add_up_to_the_picture() {
     }
 }
 
-/// Depths are the picture's own: a limit on the same random numbers cuts off what comes after it.
+/// The layers by depth match pictures with a depth limit on the same random numbers.
 #[test]
 fn depths_are_what_a_limit_leaves() {
     for name in TELLING {
@@ -90,7 +90,7 @@ fn depths_are_what_a_limit_leaves() {
     }
 }
 
-/// Whose light it is: found by chance, one light's is what is left when all others are out.
+/// The layer of a light equals the picture without all other lights.
 #[test]
 fn a_lights_layer_is_the_picture_without_the_others() {
     let whole = picture(SCENE, "path", "", Filter::default());
@@ -103,7 +103,7 @@ fn a_lights_layer_is_the_picture_without_the_others() {
     }
 }
 
-/// Each once, in the order of the lights; those without a name by pointer.
+/// Each name is listed once, in the order of the lights. Lights without a name are listed by their pointer.
 #[test]
 fn every_light_has_its_name() {
     let film = built(&SCENE.replace(r#""name": "ball", "#, "")).film;

@@ -18,7 +18,7 @@ use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, 
 
 const DIRECT: Depth = Depth { max: 1, roulette: u32::MAX };
 
-/// A white tile at the origin, facing up, seen at 60° from a hundredth of `scale` away.
+/// White tile at the origin, facing up, seen at 60° from a distance of a hundredth of `scale`.
 fn tile(scale: f64) -> WorldBuilder {
     let mut world = World::builder(probe(DVec3::new(3f64.sqrt(), 1.0, 0.0) * (0.005 * scale), DVec3::ZERO));
     let white = world.material(Material::diffuse(gray(1.0)));
@@ -26,7 +26,7 @@ fn tile(scale: f64) -> WorldBuilder {
     world
 }
 
-/// L5. Tiny, far and huge: from 10⁻⁹ of the sky to all of it; E is known for each.
+/// Lamps that cover from 10⁻⁹ of the sky to all of it give the known irradiance E.
 #[test]
 fn tiny_far_and_huge_lights() {
     let sphere = |r: f64, d: f64| {
@@ -44,12 +44,12 @@ fn tiny_far_and_huge_lights() {
     let spheres = [(1e-5, 1.0), (1e-3, 1.0), (1.0, 1e5), (1e3, 1.001e3), (1e6, 1e7), (1e-9, 1e-6)].map(|(r, d)| sphere(r, d));
     let disks = [(1e-5, 1.0), (1.0, 1e4), (1e-9, 1e-7), (1e9, 1e10)].map(|(r, h)| disk(r, h));
     confirm(spheres.into_iter().chain(disks).collect(), Effort::Quick);
-    // As good as the whole sky: a sample by area is all but never near.
+    // The lamp covers nearly the whole sky, but samples by area are almost never near.
     let sky = [disk(1e3, 1.0), disk(1e5, 1.0)].map(|law| law.by_chance(1e-3).not_by_lights_alone());
     confirm(sky.into(), Effort::Quick);
 }
 
-/// L6, L8. Light that cannot come: edge-on, from behind the horizon, from the dark side; exactly none, and all finite.
+/// Lamps seen edge-on, below the horizon or from their dark side give exactly no light, and all numbers are finite.
 #[test]
 fn light_that_cannot_come() {
     type Place = fn(&mut WorldBuilder);
@@ -86,14 +86,14 @@ fn light_that_cannot_come() {
         for entry in ALL {
             let Some(integrator) = integrator(entry, DIRECT) else { continue };
             let mean = measure(scene.clone(), &*integrator, 1 << 15, 1);
-            // The plane of what is seen edge-on misses the tile by a rounding.
+            // The plane of a lamp seen edge-on misses the tile by a rounding error.
             let rounding = if name.starts_with("edge-on") { 1e-7 } else { 0.0 };
             assert!(mean.value <= rounding, "{name} by {}: {}", entry.name, mean.value);
         }
     }
 }
 
-/// L7. Inside a lamp the whole sky glows: E = π L; and if it glows outwards only, not at all.
+/// Inside a lamp the irradiance is E = π L, or 0 if the lamp emits only outwards.
 #[test]
 fn inside_a_sphere_light() {
     let inside = |center: DVec3, radius: f64| {
@@ -101,7 +101,7 @@ fn inside_a_sphere_light() {
         let dark = world.material(black());
         world.shape(Sphere { radius }, at(center), dark, two_sided(1.0));
         let law = Law::new(format!("inside a sphere around {center}"), world, 1.0, DIRECT).resolution(1e-3, 3e-3).by_chance(1e-3);
-        // Off the centre the wall comes near, and samples of it by area differ much.
+        // Off the centre the wall is near, and samples by area vary strongly.
         if center == DVec3::ZERO { law } else { law.not_by_lights_alone() }
     };
     confirm(vec![inside(DVec3::ZERO, 1.0), inside(DVec3::new(0.5, 0.3, 0.2), 1.0), inside(DVec3::Y * 99.0, 100.0)], Effort::Quick);
@@ -116,7 +116,7 @@ fn inside_a_sphere_light() {
     }
 }
 
-/// A lamp whose surface one stands on lights nothing there: a sphere does not see itself from outside.
+/// A lamp does not light its own surface: a sphere does not see itself from outside.
 #[test]
 fn a_sphere_light_does_not_light_itself() {
     let mut world = World::builder(probe(DVec3::new(0.0, 0.5, 3.0), DVec3::new(0.0, 0.4, 0.9)));
@@ -129,7 +129,7 @@ fn a_sphere_light_does_not_light_itself() {
     }
 }
 
-/// Samples of the lights of a scene at the user's origin, over a grid of random numbers with 0 and 1 − 2⁻²⁴.
+/// Samples of the lights of a scene at the user's origin, over a grid of uniform numbers that includes 0 and 1 − 2⁻²⁴.
 fn samples(scene: &World) -> Vec<Option<LightSample>> {
     let grid: Vec<f32> = (0..16).map(|k| k as f32 / 16.0).chain([1.0 - f32::EPSILON / 2.0]).collect();
     let mut found = vec![];
@@ -141,7 +141,7 @@ fn samples(scene: &World) -> Vec<Option<LightSample>> {
     found
 }
 
-/// Lamps without power are never chosen: every sample leads to the one that shines.
+/// Lamps without power are never chosen: every sample is of the lamp that emits.
 #[test]
 fn lights_without_power_are_never_chosen() {
     for place in 0..3 {
@@ -162,7 +162,7 @@ fn lights_without_power_are_never_chosen() {
     }
 }
 
-/// No lights, or none with power: no light, and no panic. A point light at the very point: none either.
+/// Without lights, without power, and at the position of a point light, there is no sample and no panic.
 #[test]
 fn no_light_is_no_light() {
     let scene = |light: Option<Point>| {
@@ -179,7 +179,7 @@ fn no_light_is_no_light() {
     }
 }
 
-/// A floor, lit by one light without extent, seen at the origin; nothing is left to chance.
+/// Floor lit by one light without extent, seen at the origin, so that the radiance has no noise.
 fn floor_under(name: String, light: Light, radiance: f64) -> Law {
     let mut world = World::builder(probe(DVec3::new(0.6, 0.9, 0.3), DVec3::ZERO));
     let white = world.material(Material::diffuse(gray(0.5)));
@@ -190,7 +190,7 @@ fn floor_under(name: String, light: Light, radiance: f64) -> Law {
     law
 }
 
-/// From height 2 straight down but for a tilt of the axis; inner cone 20°, outer 30°.
+/// Spotlight at the height 2 with a tilted axis, an inner cone of 20° and an outer cone of 30°.
 fn spot(tilt: f64) -> Light {
     let cos = |degrees: f64| degrees.to_radians().cos();
     let axis = DVec3::new(tilt.to_radians().sin(), -tilt.to_radians().cos(), 0.0).as_vec3().normalize();
@@ -204,7 +204,7 @@ fn spot(tilt: f64) -> Light {
     })
 }
 
-/// L = ρ/π · I/d² within the inner cone, nothing beyond the outer, the smooth step s²(3 − 2s) of the cosine between.
+/// L = ρ/π · I/d² within the inner cone, 0 beyond the outer cone, and the smooth step s²(3 − 2s) of the cosine between.
 #[test]
 fn spot_lights() {
     let full = 0.5 / PI * 10.0 / 4.0;
@@ -217,7 +217,7 @@ fn spot_lights() {
     confirm(tilts.map(|tilt| floor_under(format!("spot tilted by {tilt}°"), spot(tilt), full * step(tilt))).into(), Effort::Quick);
 }
 
-/// L = ρ/π · E cos θ, down to grazing, and nothing from below.
+/// L = ρ/π · E cos θ down to grazing angles, and 0 from below.
 #[test]
 fn directional_lights() {
     let law = |degrees: f64| {
@@ -228,7 +228,7 @@ fn directional_lights() {
     confirm([0.0, 30.0, 60.0, 85.0, 89.0, 120.0, 180.0].map(law).into(), Effort::Quick);
 }
 
-/// What stands between is a shadow: exactly black, for every kind of light; what stands behind the light is none.
+/// An occluder casts an exactly black shadow for every kind of light. An object behind the light casts none.
 #[test]
 fn shadows_are_black() {
     let lights = [

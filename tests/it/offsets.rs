@@ -1,4 +1,4 @@
-//! Rays that leave a surface do not meet it again, and start no farther off than they must (reliability G4–G6, table A.4).
+//! Origins of spawned rays: a ray does not hit the surface that it leaves, and starts no farther off than necessary.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::geometry::{baked, mesh};
 use crate::random::Random;
 
-/// A family of primitives, placed at random.
+/// Kind of shape, placed at random.
 #[derive(Clone, Copy, Debug)]
 enum Family {
     Triangle,
@@ -26,7 +26,7 @@ enum Family {
 const FAMILIES: [Family; 5] = [Family::Triangle, Family::Quad, Family::Disk, Family::Sphere, Family::Ellipsoid];
 
 impl Family {
-    /// Flat ones are met at most once; curved ones may be met again on their far side.
+    /// Whether it is flat. A ray hits a flat shape at most once and may hit a curved shape again on its far side.
     fn is_flat(self) -> bool {
         matches!(self, Family::Triangle | Family::Quad | Family::Disk)
     }
@@ -44,7 +44,7 @@ impl Family {
         let place = Transform::scale(stretch * size).expect("not zero").then(&random.rotation());
         let place = place.then(&Transform::translate(corners[0]).expect("finite"));
         let shape = match self {
-            // Far out, all corners may round to one line: another one, then.
+            // Far out, all corners may round to a line. Another shape is then tried.
             Family::Triangle if pt::shape::triangle::normal(corners.map(|c| c.as_vec3())).is_none() => {
                 return self.place(coordinate, random);
             }
@@ -61,7 +61,7 @@ fn surface(point: SurfacePoint) -> Surface<'static> {
     Surface::new(point, Bsdf::Diffuse(Diffuse { albedo: Spectrum::ONE }), None)
 }
 
-/// A point as sampling gives it, or as a ray finds it.
+/// Point on the shape, sampled or hit by a ray.
 fn point(shape: &dyn Shape, random: &mut Random) -> SurfacePoint {
     let (point, _) = shape.sample_area(0, random.square());
     if random.below(2) == 0 {
@@ -74,9 +74,9 @@ fn point(shape: &dyn Shape, random: &mut Random) -> SurfacePoint {
     shape.intersect(0, &ray).map_or(point, |hit| shape.point(0, &ray, &hit))
 }
 
-/// Whether the spawned ray meets the surface where it started.
+/// Whether the spawned ray hits the surface at its start.
 ///
-/// From the inside of a curved surface its far side is met, truly: by a ray that leaves, not one that enters.
+/// A ray from the inside of a curved surface correctly hits its far side, which it leaves and does not enter.
 fn is_false_hit(family: Family, shape: &dyn Shape, point: &SurfacePoint, ray: &Ray) -> bool {
     let Some(hit) = shape.intersect(0, ray) else { return false };
     let inwards = point.ng.dot(ray.direction) < 0.0;
@@ -84,7 +84,7 @@ fn is_false_hit(family: Family, shape: &dyn Shape, point: &SurfacePoint, ray: &R
     family.is_flat() || !inwards || (enters && hit.t <= point.offset)
 }
 
-/// 0 of 10⁷: from both sides, at home and far out, near the rims too.
+/// 0 of 10⁷ rays hit their own surface: from both sides, at small and large coordinates, also near edges.
 #[test]
 fn no_self_hits() {
     const SHAPES: u64 = 100;
@@ -96,7 +96,7 @@ fn no_self_hits() {
             let (shape, size) = family.place(place, &mut random);
             let is_false = |_: &u64| {
                 let point = point(&*shape, &mut random);
-                // What is thinner than its own uncertainty has no inside to start from.
+                // A shape thinner than its error bound has no inside to start from.
                 if !family.is_flat() && 0.1 * size < 4.0 * point.offset as f64 {
                     return false;
                 }
@@ -110,7 +110,7 @@ fn no_self_hits() {
     }
 }
 
-/// A sampled point of a light is seen from wherever nothing stands between: neither end shadows itself.
+/// A sampled point of a light is visible from every point without an occluder between: neither end shadows itself.
 #[test]
 fn shadow_rays_end_before_the_light() {
     const PAIRS: u64 = 200;
@@ -124,11 +124,11 @@ fn shadow_rays_end_before_the_light() {
                 let from = point(&*lit, &mut random);
                 let Some((target, _)) = light.sample_from(0, from.p, random.square()) else { return false };
                 let Some(wi) = (target.p - from.p).try_normalize() else { return false };
-                // The far side of a curved light is hidden by its near side, truly.
+                // The far side of a curved light is correctly hidden by its near side.
                 if !family.is_flat() && target.ng.dot(-wi) <= 0.0 {
                     return false;
                 }
-                // Where one end lies in the other's plane, within the uncertainty of both, its side is not known.
+                // If one end lies in the plane of the other, within the error bounds, its side is unknown.
                 let line = target.p.as_dvec3() - from.p.as_dvec3();
                 let apart = line.dot(from.ng.as_dvec3()).abs().min(line.dot(target.ng.as_dvec3()).abs());
                 let stray = 4.0 * f32::EPSILON * line.length() as f32;
@@ -148,8 +148,8 @@ fn shadow_rays_end_before_the_light() {
     }
 }
 
-/// A small light in the middle of the scene has a small offset; from far away, at a grazing angle, the rounding
-/// of the shadow ray's direction alone would carry the ray through it.
+/// A small light at the centre of the scene has a small offset. From far away at a grazing angle, the rounding of the direction alone
+/// could carry the shadow ray through it.
 #[test]
 fn a_small_light_far_away_does_not_shadow_itself() {
     for seed in 0..1_000_000 {
@@ -167,7 +167,7 @@ fn a_small_light_far_away_does_not_shadow_itself() {
     }
 }
 
-/// G6: the start is at most 10⁻⁵ off at coordinates of 1, 5·10⁻³ at 10³, 5 at 10⁶; and grows with them, nothing else.
+/// The start is at most 10⁻⁵ off the surface at coordinates of 1, 5·10⁻³ at 10³ and 5 at 10⁶, and is proportional to the coordinates.
 #[test]
 fn offsets_are_small() {
     for (coordinate, bound) in [(0.0, 1e-5), (1e3, 5e-3), (1e6, 5.0)] {
@@ -177,14 +177,14 @@ fn offsets_are_small() {
             let shape = baked(mesh(corners.to_vec(), vec![[0, 1, 2]]));
             let (point, _) = shape.sample_area(0, random.square());
             let moved = surface(point).spawn(point.ng, 0.0).origin.as_dvec3() - point.p.as_dvec3();
-            // Adding the offset rounds once more, by half a float's spacing per axis.
+            // Adding the offset rounds once more, by half an ulp per axis.
             let rounding = 3f64.sqrt() * 0.5 * f32::EPSILON as f64 * (coordinate + 1.0);
             assert!(moved.length() <= bound + rounding, "{} at {coordinate}", moved.length());
         }
     }
 }
 
-/// G5: a shell 4·10⁻⁵ above a unit sphere; from between them each is met in its turn.
+/// Rays between a unit sphere and a shell 4·10⁻⁵ above it hit both in turn.
 #[test]
 fn a_narrow_gap_is_seen() {
     let gap = 4e-5;
@@ -199,16 +199,16 @@ fn a_narrow_gap_is_seen() {
         let second = inner.intersect(0, &entered).expect("the sphere within the shell");
         let far = outer.intersect(0, &entered).expect("the shell's other side");
         assert!(second.t < far.t, "seed {seed}");
-        // The way through the gap is its width at least, less what the offsets take.
+        // The path through the gap is at least its width minus the offsets.
         assert!(second.t as f64 > 0.5 * gap, "seed {seed}: {}", second.t);
-        // And back out again from the inner sphere: the shell, not the sphere itself.
+        // From the inner sphere outwards the ray hits the shell, not the sphere itself.
         let back = surface(inner.point(0, &entered, &second)).spawn(-ray.direction, 0.0);
         assert!(inner.intersect(0, &back).is_none(), "seed {seed}");
         assert!(outer.intersect(0, &back).is_some_and(|hit| hit.t < 1.0), "seed {seed}");
     }
 }
 
-/// A floor of whole coordinates has no error at all, and none is made: the ray starts on it and does not meet it.
+/// A floor through the origin has no error and so no offset: the ray starts on it and does not hit it.
 #[test]
 fn exact_planes_are_left() {
     let floor = Quad { size: [2.0, 2.0] }.bake(&Transform::IDENTITY).expect("an area");

@@ -1,4 +1,4 @@
-//! What integrators tell of their paths: it adds up to the radiance, and follows from its own numbers.
+//! Recorded paths of integrators: the light adds up to the radiance, and the numbers of a path are consistent.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use pt::scene::Scene;
 
 use crate::random::Random;
 
-/// Nearer to the table's size than anyone needs: 32 × 24 pixels of every scene that comes with pt.
+/// Every scene that comes with pt, with 32 × 24 pixels.
 fn scenes() -> Vec<(PathBuf, Built)> {
     let entries = std::fs::read_dir("scenes").expect("the folder of scenes").map(|entry| entry.expect("an entry").path());
     let mut paths: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|e| e == "json")).collect();
@@ -34,7 +34,7 @@ pub fn load(path: &Path, [width, height]: [u32; 2]) -> Built {
     describe::build(&scene, source).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Every integrator on every scene: `law` judges what is told of a few hundred samples of each.
+/// Applies `law` to the recorded events of a few hundred samples of every integrator on every scene.
 fn told(samples: usize, mut law: impl FnMut(&str, &dyn Scene, &Render, SampleId, &[Event])) {
     for (path, built) in scenes() {
         let world: Arc<dyn Scene> = Arc::new(built.world);
@@ -57,7 +57,7 @@ fn contributions(events: &[Event]) -> impl Iterator<Item = &Contribution> {
     events.iter().filter_map(|event| if let Event::Light(contribution) = event { Some(contribution) } else { None })
 }
 
-/// Who is watched computes what nobody sees, and the light that is told is all of it, bit for bit.
+/// Recording does not change the radiance of a sample, and the recorded light is all of it, bit for bit.
 #[test]
 fn what_is_told_adds_up_to_the_radiance() {
     let (mut bright, mut silent) = (0, 0);
@@ -77,12 +77,12 @@ fn what_is_told_adds_up_to_the_radiance() {
     assert!(bright > 1000 && silent > 1000, "{bright} bright, {silent} silent");
 }
 
-/// What a path's vertices must be, one after the other, by integrators that do not branch.
+/// Consecutive vertices of paths that do not branch are consistent.
 ///
 /// - throughput: β' = β · weight / survival, to the bit
-/// - weight = f·cos/density, for models whose sampling has a density; f32 numbers of four operations each, and lobes far narrower
-///   than a radian lose digits in both
-/// - the next vertex lies where the direction and the distance say
+/// - weight = f·cos/density, for models with a density. Both sides are f32 numbers of four operations each, and lobes much narrower
+///   than a radian lose digits in both.
+/// - the next vertex lies at the recorded distance in the recorded direction
 #[test]
 fn throughputs_follow_from_the_vertices() {
     let (mut smooth, mut vertices) = (0, 0);
@@ -100,7 +100,7 @@ fn throughputs_follow_from_the_vertices() {
                         assert_eq!(vertex.depth, before.depth + 1, "{name}");
                         let met = before.point + scattering.wi * vertex.distance;
                         let size = vertex.point.abs().max_element().max(before.point.abs().max_element());
-                        // A march that stops 0.01 m before a surface lets rays start up to five such steps off it, and a little.
+                        // A march that stops 0.01 m before a surface lets rays start slightly more than five times that far off it.
                         let off = if name.contains("postcard") { 0.06 } else { 0.0 };
                         assert!((met - vertex.point).length() < 1e-4 * size.max(vertex.distance) + off, "{name}: {met} {vertex:?}");
                         assert!((vertex.wo + scattering.wi).length() < 1e-6, "{name}");
@@ -130,7 +130,7 @@ fn throughputs_follow_from_the_vertices() {
     assert!(smooth > 2000 && vertices > 3000, "{smooth} smooth of {vertices}");
 }
 
-/// Depths count scattering events, lights are those of the scene, weights are shares; a path that ends at the limit has reached it.
+/// Depths count scattering events, light indices are valid, weights are from 0 to 1, and a path that ends at the depth limit has reached it.
 #[test]
 fn contributions_know_where_they_come_from() {
     told(60, |name, scene, _, _, events| {
@@ -153,8 +153,8 @@ fn contributions_know_where_they_come_from() {
     });
 }
 
-/// The two techniques of a direction share it: where nee meets an emitter that a light sample could have found, and the other
-/// way round, weights lie strictly between; what the camera sees itself counts whole.
+/// Where both techniques of nee can find an emitter, their weights are strictly between 0 and 1. Emission seen by the camera directly has
+/// the weight 1.
 #[test]
 fn weights_are_those_of_two_techniques() {
     let (mut shared, mut whole) = (0, 0);
@@ -170,7 +170,7 @@ fn weights_are_those_of_two_techniques() {
     assert!(shared > 100 && whole > 10, "{shared} {whole}");
 }
 
-/// A limit holds for each piece of indirect light, and for nothing else; hues stay; what is held back is remembered to the bit.
+/// The clamp limits each contribution of indirect light and nothing else, keeps hues, and keeps the unclamped sum to the bit.
 #[test]
 fn clamping_holds_back_indirect_light_alone() {
     const LIMIT: f32 = 0.05;
@@ -199,7 +199,7 @@ fn clamping_holds_back_indirect_light_alone() {
     assert!(held > 100, "{held}");
 }
 
-/// Emission, direct and indirect light are all the light, and so are the lights; each sum is rounded as often as it has parts.
+/// Emission, direct and indirect light add up to all light, and so do the lights, up to one rounding per term.
 #[test]
 fn sorted_light_is_all_the_light() {
     let (mut indirect, mut several) = (0, 0);
@@ -228,7 +228,7 @@ fn sorted_light_is_all_the_light() {
     assert!(indirect > 100 && several > 10, "{indirect} {several}");
 }
 
-/// An event is plain data.
+/// Events are plain data.
 #[test]
 fn a_witness_may_be_anyone() {
     #[derive(Default)]

@@ -1,4 +1,4 @@
-//! Numbers in [0, 1): pure, even, independent.
+//! Samplers: their numbers are pure functions of the place, evenly distributed and independent.
 
 use glam::{UVec2, Vec2};
 use proptest::prelude::*;
@@ -30,7 +30,7 @@ fn point(sampler: &mut dyn Sampler, pixel: UVec2, index: u64, dimension: u32) ->
     sampler.next_2d()
 }
 
-/// The dimensions that renderers use: the camera's, and those of the first vertices and of a few far ones.
+/// Dimensions that renders use: those of the camera, of the first vertices, and of a few late vertices.
 fn used_dimensions() -> Vec<u32> {
     let vertices = [0, 1, 2, 3, 7, 30, 100, 200];
     let uses = [Use::Bsdf, Use::Light, Use::Roulette, Use::Medium];
@@ -42,7 +42,7 @@ fn used_dimensions() -> Vec<u32> {
 fn assert_even(points: &[Vec2], cells: (u32, u32), what: &str) {
     let mut counts = vec![0usize; (cells.0 * cells.1) as usize];
     for p in points {
-        // Cells need not be dyadic: in f64 the product of f32 by a small integer is exact.
+        // Cells need not be dyadic, because the product of an f32 and a small integer is exact in f64.
         let (x, y) = ((f64::from(p.x) * f64::from(cells.0)) as u32, (f64::from(p.y) * f64::from(cells.1)) as u32);
         counts[(y * cells.0 + x) as usize] += 1;
     }
@@ -79,7 +79,7 @@ fn blocks_of_dimensions_do_not_overlap() {
 proptest! {
     #![proptest_config(cases(10_000))]
 
-    /// Whatever was asked before, and of whatever instance, a number depends on its place alone.
+    /// A number does not depend on previous calls or on the instance.
     #[test]
     fn numbers_are_pure(
         seed: u64, x: u32, y: u32, index: u64, small_index in 0u64..5000, spp in 1u64..5000, dimensions in prop::collection::vec(0u32..3000, 1..8),
@@ -104,7 +104,7 @@ proptest! {
         }
     }
 
-    /// `next_1d` moves on by one dimension, `next_2d` by two.
+    /// `next_1d` advances by one dimension, `next_2d` by two.
     #[test]
     fn dimensions_are_consumed_in_order(seed: u64, index in 0u64..1 << 40, from in 0u32..2000) {
         for kind in kinds() {
@@ -120,7 +120,7 @@ proptest! {
         }
     }
 
-    /// Numbers drawn or not drawn in one block leave all others as they are.
+    /// Drawing numbers in one block does not change those of other blocks.
     #[test]
     fn blocks_are_independent(seed: u64, index in 0u64..1 << 34, draws in 0usize..20, depth in 0u32..300) {
         for kind in kinds() {
@@ -137,13 +137,13 @@ proptest! {
         }
     }
 
-    /// Neither the seed, nor the pixel, nor the sample, nor the dimension is ignored.
+    /// Numbers depend on seed, pixel, sample and dimension.
     #[test]
     fn every_coordinate_matters(seed: u64, x in 0u32..10_000, y in 0u32..10_000, index in 0u64..1 << 36, d in 0u32..2000) {
         for kind in kinds() {
             let at = |seed, x, y, index, d| {
                 let mut sampler = build(kind, seed, 1000);
-                // Three numbers: one alone is equal by chance in 1 of 2²⁴ cases.
+                // Three numbers are compared, because one alone is equal by chance in 1 of 2²⁴ cases.
                 sampler.start(UVec2::new(x, y), index);
                 sampler.at(d);
                 (sampler.next_1d(), sampler.next_1d(), sampler.next_1d())
@@ -189,12 +189,12 @@ fn halton_points_fill_every_box_of_prime_powers() {
                 for (j, k) in [(1, 0), (1, 1), (2, 1), (1, 2), (2, 2), (3, 1), (4, 1), (6, 1)] {
                     let cells = (base.pow(j), other_base.pow(k));
                     let Some(n) = u64::from(cells.0).checked_mul(u64::from(cells.1)).filter(|&n| n <= 2000) else { continue };
-                    // From any sample on, not only from multiples of n.
+                    // The interval may start at any sample, not only at multiples of n.
                     for first in [0, 1, 12_345] {
                         let points: Vec<_> = (first..first + n)
                             .map(|i| Vec2::new(number(&mut *sampler, PIXEL, i, d as u32), number(&mut *sampler, PIXEL, i, other as u32)))
                             .collect();
-                        // A radical inverse is a sequence over all indices, so one-dimensional intervals hold from anywhere, too.
+                        // One-dimensional intervals of a radical inverse are even from any index on.
                         assert_even(&points, cells, &format!("bases {base} and {other_base} from {first}"));
                     }
                 }
@@ -234,7 +234,7 @@ fn stratified_samples_take_each_stratum_once() {
 fn later_stratifications_are_other_ones() {
     let mut sampler = build(Kind::Stratified, 3, 16);
     let mut at = |index| point(&mut *sampler, PIXEL, index, 2);
-    // One in 256 agrees in its cell by chance; in its bits, none.
+    // One in 256 numbers has the same cell by chance, and none has the same bits.
     assert!((0..1000).all(|i| at(i) != at(i + 16)));
 }
 
@@ -264,7 +264,7 @@ fn dimensions_are_not_correlated() {
     for kind in kinds() {
         for (seed, n) in [(1, 64u64), (2, 256), (3, 1024), (4, 1000)] {
             let mut sampler = build(kind, seed, n);
-            // Each column: one dimension's numbers, centred and at unit variance.
+            // Each column has the numbers of one dimension, normalized to mean 0 and variance 1.
             let mut columns: Vec<Vec<f64>> = Vec::new();
             for &d in &dimensions {
                 let points: Vec<_> = (0..n).map(|i| point(&mut *sampler, PIXEL, i, d)).collect();
@@ -282,13 +282,13 @@ fn dimensions_are_not_correlated() {
                     }
                 }
             }
-            // 4/√N alone is passed by one in 16 000 independent pairs; of these 5 000 pairs 16 times over, 5/√N by one in 20 runs.
+            // One in 16 000 independent pairs exceeds 4/√N. Of these 5 000 pairs in 16 repetitions, one exceeds 5/√N in one of 20 runs.
             assert!(worst < 5.0 / (n as f64).sqrt(), "{kind:?}, {n} samples: |r| = {worst}");
         }
     }
 }
 
-/// Whether two columns hold the same dimension: column 3k is dimension dₖ, 3k + 1 the same, 3k + 2 its successor.
+/// Whether two columns have the same dimension: columns 3k and 3k + 1 have dimension dₖ, and column 3k + 2 the next one.
 fn shared(dimensions: &[u32], i: usize, j: usize) -> bool {
     let dimension_of = |column: usize| dimensions[column / 3] + u32::from(column % 3 == 2);
     dimension_of(i) == dimension_of(j)
@@ -301,7 +301,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     product(a, ma, b, mb) / (product(a, ma, a, ma) * product(b, mb, b, mb)).sqrt()
 }
 
-/// Over many pixels each single sample is uniform: that is what makes the estimate of each pixel unbiased.
+/// Each single sample is uniform over many pixels, which makes the estimate of each pixel unbiased.
 #[test]
 fn each_sample_is_uniform_over_pixels() {
     const CELLS: u32 = 16;
@@ -329,7 +329,7 @@ fn each_sample_is_uniform_over_pixels() {
     }
 }
 
-/// Owen's scrambling: two samples agree in as many digits as their indices make them, and are independent after that.
+/// Owen scrambling: two samples agree in the digits that their indices determine, and are independent in the following digits.
 #[test]
 fn scrambled_digits_are_independent_beyond_the_common_ones() {
     // Samples 0 and 1 lie in different halves (base 2) or thirds (base 3); within them, 8 × 8 cells each.
@@ -346,7 +346,7 @@ fn scrambled_digits_are_independent_beyond_the_common_ones() {
         }
         let p = uniformity(&counts);
         assert!(p > sidak(8), "{kind:?} base {base}: p = {p}");
-        // All ordered pairs of different first digits are equally likely, equal ones impossible.
+        // All ordered pairs of different first digits are equally likely, and pairs of equal ones are impossible.
         let (equal, different): (Vec<_>, Vec<_>) = (0..firsts.len()).partition(|i| i % (base as usize + 1) == 0);
         assert!(equal.iter().all(|&i| firsts[i] == 0), "{kind:?}");
         let p = uniformity(&different.iter().map(|&i| firsts[i]).collect::<Vec<_>>());
@@ -354,7 +354,7 @@ fn scrambled_digits_are_independent_beyond_the_common_ones() {
     }
 }
 
-/// Few strata: every order of them is equally likely.
+/// All orders of few strata are equally likely.
 #[test]
 fn strata_come_in_every_order() {
     for (spp, orders) in [(2u64, 2), (3, 6), (4, 24), (5, 120)] {
@@ -412,14 +412,14 @@ fn integration_gains_what_stratification_promises() {
         "{}",
         deviation(Kind::Stratified, 256) / jittered(256.0)
     );
-    // Nets converge like N^(−3/2) up to a logarithm: better than jittering, and 4 times the points gain more than 4.
+    // Nets converge like N^(−3/2) up to a logarithm, faster than jittering, and 4 times the points gain more than a factor of 4.
     assert!(deviation(Kind::Sobol, 256) < jittered(256.0) / 2.0);
     // Halton's nets in bases 2 and 3 have 2ʲ 3ᵏ points.
     assert!(deviation(Kind::Halton, 16 * 81) < jittered(16.0 * 81.0) / 2.0);
     assert!(deviation(Kind::Sobol, 1024) < deviation(Kind::Sobol, 256) / 5.0);
 }
 
-/// Pictures of neighbouring seeds are independent: not one of their scramblings is the same.
+/// Pictures of neighbouring seeds are independent, because they have no scrambling in common.
 #[test]
 fn seeds_share_no_scrambling() {
     for kind in [Kind::Stratified, Kind::Halton, Kind::Sobol] {

@@ -1,4 +1,4 @@
-//! Laws of every family of surfaces: areas, samples and densities agree; placing keeps sides (reliability G12, T2, T3).
+//! Laws of all shapes: areas, samples and densities are consistent, and transforms keep the sides of normals.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,7 +13,7 @@ fn stretch(by: [f64; 3]) -> Transform {
     Transform::scale(DVec3::from(by)).expect("no factor is zero")
 }
 
-/// Each family, as it is, stretched, and mirrored.
+/// Each kind of shape: untransformed, stretched and mirrored.
 fn families() -> Vec<(&'static str, Box<dyn Geometry>, Transform)> {
     let mut all = vec![];
     let mut random = Random::new(11);
@@ -46,7 +46,7 @@ fn mean(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (mean, ((square / n - mean * mean).max(0.0) / n).sqrt())
 }
 
-/// ∫ dA / p over samples is the area; every sample lies within the bounds and on the surface, and normals are unit.
+/// ∫ dA / p over samples is the area. All samples are within the bounds and on the surface, and normals are unit vectors.
 #[test]
 fn samples_cover_the_area() {
     for family in families() {
@@ -60,12 +60,12 @@ fn samples_cover_the_area() {
             assert!((point.ng.length() - 1.0).abs() < 4.0 * f32::EPSILON && point.ns.dot(point.ng) > 0.0);
             1.0 / pdf.get() as f64
         }));
-        // Five standard errors: one false alarm in 10⁶, the seed fixed; 10⁻⁵ where nothing varies.
+        // Five standard errors, which is one false alarm in 10⁶, with a fixed seed; 10⁻⁵ if there is no variance.
         assert!((area - shape.area(0) as f64).abs() <= 5.0 * error + 1e-5 * area, "{}: {area} ± {error}, not {}", family.0, shape.area(0));
     }
 }
 
-/// What `sample_from` says is what `pdf_from` says, and the ray to the sample finds it.
+/// The density of `sample_from` equals `pdf_from`, and the ray to the sample hits it.
 #[test]
 fn sampled_densities_are_the_asked_ones() {
     for family in families() {
@@ -76,7 +76,7 @@ fn sampled_densities_are_the_asked_ones() {
             let Some((point, pdf)) = shape.sample_from(0, from, random.square()) else { continue };
             let asked = shape.pdf_from(0, from, &point).get();
             assert!(pdf.get() > 0.0 && pdf.get().is_finite());
-            // The point is rounded to f32 before its density is asked: seen edge-on by cos, that counts 1/cos.
+            // The point is rounded to f32 before its density is computed. Seen nearly edge-on, the error grows with 1/cos.
             let line = (point.p - from).as_dvec3();
             let cos = (point.ng.as_dvec3().dot(line) / line.length()).abs();
             assert!((asked / pdf.get() - 1.0).abs() as f64 <= 1e-5 + 1e-5 / cos, "{}: {} but {asked}", family.0, pdf.get());
@@ -84,8 +84,8 @@ fn sampled_densities_are_the_asked_ones() {
     }
 }
 
-/// ∫ pdf over the directions in which the primitive is seen = 1, directions by chance. Points near, far and, of
-/// the sphere, inside: there all is seen, once.
+/// ∫ pdf over the directions in which the primitive is visible is 1, estimated with random directions from points near, far and, for
+/// the sphere, inside.
 #[test]
 fn densities_integrate_to_one() {
     for family in families() {
@@ -100,7 +100,7 @@ fn densities_integrate_to_one() {
             }
             let (integral, error) = mean((0..400_000).map(|_| {
                 let ray = Ray::new(from, random.direction().as_vec3());
-                // By area both sides of an ellipsoid are drawn: all its hits count.
+                // Sampling by area covers both sides of an ellipsoid, so that all hits count.
                 let (mut sum, mut start) = (0.0, ray);
                 while let Some(hit) = shape.intersect(0, &start) {
                     let point = shape.point(0, &start, &hit);
@@ -114,13 +114,13 @@ fn densities_integrate_to_one() {
                 }
                 sum
             }));
-            // One sample in 10⁴ may sit on a rim; five standard errors else.
+            // Five standard errors, and one sample in 10⁴ that may be on an edge.
             assert!((integral - 1.0).abs() <= 5.0 * error + 1e-3, "{} from {distance}: {integral} ± {error}", family.0);
         }
     }
 }
 
-/// G12: the solid angle of a distant sphere, 2π s²/(1 + c), to 3·10⁻⁷; the naive 2π(1 − c) is 0 in f32.
+/// The solid angle of a distant sphere, 2π s²/(1 + c), to 3·10⁻⁷; the naive 2π(1 − c) is 0 in f32.
 #[test]
 fn distant_spheres_keep_their_solid_angle() {
     for (sine, exact) in [(1e-2, 3.14167e-4), (1e-3, 3.141_593_4e-6), (1e-4, 3.141_592_7e-8), (1e-5, 3.141_592_7e-10)] {
@@ -133,7 +133,7 @@ fn distant_spheres_keep_their_solid_angle() {
     }
 }
 
-/// A lit point on the sphere itself, or within: finite, and never a density of 0 for a sample that was given.
+/// For points on the sphere or inside, densities are finite, and the density of a returned sample is never 0.
 #[test]
 fn spheres_are_sampled_from_their_surface_and_inside() {
     let sphere = Sphere { radius: 1.0 }.bake(&Transform::IDENTITY).expect("a sphere");
@@ -145,9 +145,9 @@ fn spheres_are_sampled_from_their_surface_and_inside() {
     }
 }
 
-/// T2, T3: normals stay perpendicular under uneven scales and keep their side under mirrors.
+/// Normals stay perpendicular under non-uniform scaling and keep their side under mirroring transforms.
 ///
-/// The side: a small step along the object-space normal, mapped as a vector, leads to where `ng` points.
+/// The side is tested by a small step along the normal in object space, transformed as a vector, which must lead to the side of `ng`.
 #[test]
 fn normals_keep_their_side() {
     let (points, triangles) = icosphere(2);

@@ -1,4 +1,4 @@
-//! Triangles and rectangles as they are seen from a point: what they cover, and directions uniform in it.
+//! Spherical triangles and rectangles: solid angles and uniform sampling.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -10,7 +10,7 @@ use pt::proof::chi2;
 use crate::random::Random;
 use crate::statistics::sidak;
 
-/// A parallelogram or half of it: a corner and the edges from there.
+/// Parallelogram or half of it: a corner and the edges from there.
 #[derive(Clone, Copy, Debug)]
 struct Flat {
     corner: DVec3,
@@ -18,7 +18,7 @@ struct Flat {
     is_triangle: bool,
 }
 
-/// What both families can do.
+/// Interface of both shapes.
 struct Region {
     flat: Flat,
     solid_angle: f32,
@@ -58,18 +58,19 @@ impl Flat {
         self.corner + x * self.edges[0] + y * self.edges[1]
     }
 
-    /// Where a direction meets the plane, in units of the edges.
+    /// Intersection of a direction with the plane, in units of the edges.
     fn coordinates(&self, w: Vec3) -> [f64; 2] {
         let (w, [x, y]) = (w.as_dvec3(), self.edges);
         let normal = x.cross(y);
-        // In the plane, from the corner: t w − corner.
+        // The vector t w − corner in the plane.
         let from_corner = w * (self.corner.dot(normal) / w.dot(normal)) - self.corner;
         let square = normal.length_squared();
         [from_corner.cross(y).dot(normal) / square, x.cross(from_corner).dot(normal) / square]
     }
 }
 
-/// tan²(Ω/4) = tan(s/2) tan((s − a)/2) tan((s − b)/2) tan((s − c)/2), s half the sum of the three sides: L'Huilier.
+/// Solid angle by L'Huilier's formula tan²(Ω/4) = tan(s/2) tan((s − a)/2) tan((s − b)/2) tan((s − c)/2), where s is half the sum of the
+/// sides.
 fn lhuilier(corners: [DVec3; 3]) -> f64 {
     let side = |i: usize| {
         let (p, q) = (corners[i], corners[(i + 1) % 3]);
@@ -81,8 +82,8 @@ fn lhuilier(corners: [DVec3; 3]) -> f64 {
     4.0 * ((0.5 * half).tan() * product).max(0.0).sqrt().atan()
 }
 
-/// Triangles and rectangles of all sizes and places, and which of them are so small that they must lie about z, where an f32
-/// tells directions apart.
+/// Triangles and rectangles of all sizes and positions, and whether each is so small that it must lie near the z axis, where an f32
+/// resolves its directions.
 fn regions() -> Vec<Region> {
     let mut random = Random::new(71);
     let mut all = vec![
@@ -90,7 +91,7 @@ fn regions() -> Vec<Region> {
         // Nearly all of a hemisphere.
         triangle(Vec3::new(1.0, 0.0, 0.01), Vec3::new(-0.5, 0.9, 0.01), Vec3::new(-0.5, -0.9, 0.01)),
         rectangle(Vec3::new(-1.0, -1.0, 0.003), Vec3::new(2.0, 0.0, 0.0), Vec3::new(0.0, 2.0, 0.0)),
-        // Long ones, at grazing incidence.
+        // Long shapes at grazing incidence.
         triangle(Vec3::new(1.0, 0.0, 0.1), Vec3::new(90.0, 1.0, 0.1), Vec3::new(1.0, 1.0, 0.1)),
         rectangle(Vec3::new(0.2, 0.3, 0.01), Vec3::new(70.0, 0.0, 0.0), Vec3::new(0.0, 0.7, 0.0)),
         rectangle(Vec3::new(0.2, 0.3, 0.01), Vec3::new(0.0, 0.7, 0.0), Vec3::new(70.0, 0.0, 0.0)),
@@ -113,7 +114,7 @@ fn regions() -> Vec<Region> {
 
 #[test]
 fn solid_angles_of_triangles() {
-    // The first is an eighth of the sphere; of the others, tan(Ω/2) = e² / (ll + 2l + 1), l² = 1 + e², with 50 digits.
+    // The first is an eighth of the sphere. For the others tan(Ω/2) = e² / (l² + 2l + 1), l² = 1 + e², computed with 50 digits.
     let cases =
         [(1.0, 0.339_836_909_454), (0.1, 4.975_144_893e-3), (0.01, 4.999_750_014_6e-5), (1e-3, 4.999_997_5e-7), (1e-4, 4.999_999_975e-9)];
     let octant = SphericalTriangle::new([Vec3::X, Vec3::Y, Vec3::Z]).expect("seen").solid_angle();
@@ -126,7 +127,7 @@ fn solid_angles_of_triangles() {
     }
 }
 
-/// Ω = 4 atan(a b / (d √(a² + b² + d²))) of a rectangle of 2a by 2b straight ahead.
+/// The solid angle of a centred rectangle of 2a by 2b is Ω = 4 atan(a b / (d √(a² + b² + d²))).
 #[test]
 fn solid_angles_of_rectangles() {
     for (a, b, d) in [(1.0, 1.0, 1.0), (3.0, 0.1, 2.0), (1e-4, 2e-5, 1.0), (1.0, 1e3, 1e-3), (50.0, 50.0, 1e-2f32)] {
@@ -137,7 +138,7 @@ fn solid_angles_of_rectangles() {
     }
 }
 
-/// From within, the faces of a tetrahedron and of a box cover the sphere once.
+/// Seen from inside, the faces of a tetrahedron and of a box cover the sphere once.
 #[test]
 fn closed_surfaces_cover_the_sphere() {
     let mut random = Random::new(72);
@@ -148,7 +149,7 @@ fn closed_surfaces_cover_the_sphere() {
             [-1.0, 1.0].map(|side| rectangle((side * axis - x - y - inside).as_vec3(), (2.0 * x).as_vec3(), (2.0 * y).as_vec3()))
         });
         let sum: f64 = faces.as_flattened().iter().flatten().map(|face| f64::from(face.solid_angle)).sum();
-        // Corners rounded to f32 where the nearest face is 10⁻³ away.
+        // The corners are rounded to f32, and the nearest face is 10⁻³ away.
         assert!((sum / (4.0 * PI) - 1.0).abs() < 1e-4, "box at {inside}: {sum}");
     }
     for _ in 0..1000 {
@@ -165,7 +166,7 @@ fn closed_surfaces_cover_the_sphere() {
     }
 }
 
-/// Cells of the plane against what each covers on the sphere, by a formula that is not the one in use.
+/// Sampled directions are uniform: counts in cells of the plane are compared with the solid angles of the cells by an independent formula.
 #[test]
 fn directions_are_uniform() {
     const SIDE: usize = 8;
@@ -187,12 +188,12 @@ fn directions_are_uniform() {
         for _ in 0..SAMPLES {
             let [x, y] = flat.coordinates(sample(random.uniform_square())).map(|c| c.clamp(0.0, ONE_MINUS_EPSILON.into()) * SIDE as f64);
             let cell = index(y as usize, x as usize, x.fract() + y.fract() > 1.0);
-            // Rounding may carry a point over the hypotenuse.
+            // Rounding may move a point beyond the hypotenuse.
             let cell = if shares[cell] == 0.0 { cell - 1 } else { cell };
             counts[cell] += 1;
         }
         let total: f64 = shares.iter().sum();
-        // Cells that are seen edge-on lose digits in L'Huilier's formula.
+        // L'Huilier's formula loses precision for cells seen nearly edge-on.
         assert!((f64::from(*solid_angle) / total - 1.0).abs() < 1e-5, "{flat:?}: {solid_angle} sr, expected {total}");
         assert!((f64::from(*pdf) * f64::from(*solid_angle) - 1.0).abs() < 2e-7);
         let test = chi2(&shares, &counts);
@@ -207,7 +208,7 @@ fn squares(random: &mut Random) -> Vec<Vec2> {
     corners.chain((0..5000).map(|_| random.uniform_square())).collect()
 }
 
-/// How far a direction lies outside of a region, as an angle: beyond the planes through the eye and the edges.
+/// Angle by which a direction lies outside a region, beyond the planes through the viewer and the edges.
 fn outside(flat: &Flat, w: Vec3) -> f64 {
     let corners: &[[f64; 2]] = if flat.is_triangle { &[[0., 0.], [1., 0.], [0., 1.]] } else { &[[0., 0.], [1., 0.], [1., 1.], [0., 1.]] };
     let corner = |i: usize| flat.at(corners[i % corners.len()][0], corners[i % corners.len()][1]);
@@ -223,7 +224,7 @@ fn outside(flat: &Flat, w: Vec3) -> f64 {
 fn directions_lie_inside() {
     let mut random = Random::new(74);
     for Region { flat, sample, solid_angle, .. } in regions() {
-        // The rounding of three coordinates below 1; about z, those of x and y, which are as small as the region.
+        // Rounding of three coordinates below 1; near the z axis, of x and y, which are as small as the region.
         let rounding = if solid_angle < 1e-5 { 2e-7 * f64::from(solid_angle).sqrt() } else { 6e-8 };
         for u in squares(&mut random) {
             let w = sample(u);
@@ -235,7 +236,7 @@ fn directions_lie_inside() {
     }
 }
 
-/// Directions inside by more than their rounding are contained, those outside by more are not.
+/// `contains` is true for directions inside by more than their rounding error, and false for those outside by more.
 #[test]
 fn regions_contain_what_is_inside() {
     let mut random = Random::new(77);
@@ -257,7 +258,7 @@ fn regions_contain_what_is_inside() {
     }
 }
 
-/// Back and forth: what an f32 tells of a direction is 6·10⁻⁸, more of a region the smaller it is.
+/// `sample_inverse` inverts `sample` up to the rounding of a direction, 6·10⁻⁸, relative to the size of the region.
 #[test]
 fn round_trip() {
     let mut random = Random::new(75);
@@ -270,13 +271,13 @@ fn round_trip() {
             assert!(sample(back).distance(w) < 1e-6 * solid_angle.sqrt().max(0.3), "{flat:?} at {u}: {w}, then {}", sample(back));
             let tolerance = 1e-5 / (size * size);
             assert!((back.y - u.y).abs() < tolerance, "{flat:?}: {u} came back as {back}");
-            // Towards the second corner of a triangle all u.x come together.
+            // At the second corner of a triangle u.x is arbitrary.
             assert!((back.x - u.x).abs() < tolerance / u.y.sqrt(), "{flat:?}: {u} came back as {back}");
         }
     }
 }
 
-/// The mirror image of a region has the mirror images of its directions, to the last bit.
+/// A mirrored region has the mirrored directions, to the last bit.
 #[test]
 fn mirror_images() {
     let mut random = Random::new(76);
@@ -297,7 +298,7 @@ fn mirror_images() {
     }
 }
 
-/// Edge-on, without extent, too small for a density, at the eye: nothing to sample, and no NaN.
+/// Regions that are seen edge-on, have no extent, are too small for a density, or touch the viewer cannot be sampled and give no NaN.
 #[test]
 fn what_is_not_seen_has_no_samples() {
     let flat = Vec3::new(1.0, 2.0, 0.0);

@@ -1,4 +1,4 @@
-//! Coarse meshes with smooth normals, lit as the surfaces for which they stand (reliability N22).
+//! Shadow terminator: coarse meshes with smooth normals are lit like the smooth surfaces that they represent.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 use std::sync::Arc;
@@ -29,7 +29,7 @@ fn wide(from: DVec3, to: DVec3) -> Camera {
     Camera::Perspective(Perspective::new(Pose::new(&pose), 90.0, 0.0, 1.0))
 }
 
-/// The mesh in the middle of nothing, of one material.
+/// Scene of one mesh with one material.
 fn alone(data: &MeshData, smooth_shadows: bool, place: Transform, material: Material) -> WorldBuilder {
     let mut world = World::builder(probe(DVec3::Z * 5.0, DVec3::ZERO));
     let material = world.material(material);
@@ -41,7 +41,7 @@ fn matte(data: &MeshData, smooth_shadows: bool) -> World {
     alone(data, smooth_shadows, Transform::IDENTITY, Material::diffuse(gray(ALBEDO))).build().expect("a mesh")
 }
 
-/// A ball: its corners on the unit sphere, its normals those of the sphere.
+/// Ball with its corners on the unit sphere and the normals of the sphere.
 fn ball((points, triangles): (Vec<DVec3>, Vec<[u32; 3]>)) -> MeshData {
     let positions: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
     MeshData { normals: positions.clone(), positions, triangles, ..MeshData::default() }
@@ -55,7 +55,7 @@ fn octahedron() -> MeshData {
 
 const SEGMENTS: u32 = 20;
 
-/// The radius of 1 around y, long, its first edge turned by `turn` degrees; the normals are those of a true cylinder.
+/// Long cylinder of radius 1 around y whose first edge is rotated by `turn` degrees, with the normals of an exact cylinder.
 fn cylinder(turn: f64) -> MeshData {
     let normals: Vec<Vec3> = (0..2 * SEGMENTS).map(|k| around(turn.to_radians() + edge(k / 2)).as_vec3()).collect();
     let positions = normals.iter().enumerate().map(|(k, n)| n.with_y(if k % 2 == 0 { -100.0 } else { 100.0 })).collect();
@@ -68,12 +68,12 @@ fn edge(k: u32) -> f64 {
     f64::from(k) * TAU / f64::from(SEGMENTS)
 }
 
-/// Of a circle in the plane y = 0, from z towards x.
+/// Point at an angle on a circle in the plane y = 0, from z towards x.
 fn around(azimuth: f64) -> DVec3 {
     DVec3::new(azimuth.sin(), 0.0, azimuth.cos())
 }
 
-/// What the ray sees of parallel light from `sun`, of irradiance 1; and the shading normal there.
+/// Radiance along the ray for parallel light from `sun` with irradiance 1, and the shading normal at the hit.
 fn lit(scene: &World, ray: &Ray, sun: DVec3) -> Option<(f64, DVec3)> {
     let surface = scene.surface(ray, &scene.intersect(ray)?);
     let wi = sun.as_vec3();
@@ -82,19 +82,19 @@ fn lit(scene: &World, ray: &Ray, sun: DVec3) -> Option<(f64, DVec3)> {
     Some((if lit { f.average().into() } else { 0.0 }, surface.point.ns.as_dvec3()))
 }
 
-/// The largest step of radiance from one facet of the cylinder to the next, and the largest error against the formula
+/// Greatest step of radiance from one facet of the cylinder to the next, and greatest deviation from the formula
 ///
 /// L = ρ/π E max(0, n·ω)
 ///
-/// of a true cylinder, both as shares of ρ/π E.
+/// of an exact cylinder, both relative to ρ/π E.
 ///
-/// Seen along −z, lit from 80° beside the eye: light and dark meet at an azimuth of −10°, in full view. `turn`
-/// puts the facets' edges anywhere about it. What is seen edge-on, beyond 60°, is left out.
+/// The view is along −z and the light comes from 80° beside the viewer, so that the terminator is visible at an azimuth of −10°. `turn`
+/// moves the edges of the facets relative to it. Azimuths beyond 60°, seen nearly edge-on, are left out.
 fn step_and_error(smooth_shadows: bool, turn: f64, above: f64) -> (f64, f64) {
     let scene = matte(&cylinder(turn), smooth_shadows);
     let sun = (around(80f64.to_radians()) * above.cos() + DVec3::Y * above.sin()).normalize();
     let seen = |azimuth: f64| {
-        // On the facet at this azimuth, not on the circle.
+        // The point is on the facet at this azimuth, not on the circle.
         let beside = (azimuth - turn.to_radians()).rem_euclid(edge(1)) - 0.5 * edge(1);
         let p = around(azimuth) * ((0.5 * edge(1)).cos() / beside.cos());
         let ray = Ray::new((p + DVec3::Z * 3.0).as_vec3(), -Vec3::Z);
@@ -108,10 +108,10 @@ fn step_and_error(smooth_shadows: bool, turn: f64, above: f64) -> (f64, f64) {
     (step, error)
 }
 
-/// N22. A cylinder of 20 facets, lit from 80° beside the eye, straight and from above: steps of at most 2 %.
+/// A cylinder of 20 facets, lit from 80° beside the viewer, horizontally and from above, has steps of radiance of at most 2 %.
 ///
-/// The radiance of the true cylinder itself, within the rounding of a normal; without the fix, a facet that
-/// just faces away is black up to its edge: sin 9° = 16 % there, for the worst of 18 turns at least 12 %.
+/// With the offset, the radiance is that of the exact cylinder within the rounding of a normal. Without it, a facet that just faces away
+/// is black up to its edge, where the radiance should be sin 9° = 16 %. In the worst of 18 turns the step is at least 12 %.
 #[test]
 fn smooth_cylinder() {
     for above in [0f64, 10.0, 60.0].map(f64::to_radians) {
@@ -120,7 +120,7 @@ fn smooth_cylinder() {
             turns.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1))).expect("some turns")
         };
         let (step, error) = worst(true);
-        // Between the two sides of an edge, 2·10⁻⁴ rad apart, the formula itself moves by as much.
+        // The two sides of an edge are 2·10⁻⁴ rad apart, over which the formula itself changes by as much.
         assert!(step < 3e-4, "{step}");
         assert!(error < 1e-5, "{error}");
         let (step, error) = worst(false);
@@ -128,12 +128,12 @@ fn smooth_cylinder() {
     }
 }
 
-/// Convex meshes, from the coarsest.
+/// Convex meshes, the coarsest first.
 fn convex() -> [MeshData; 4] {
     [octahedron(), ball(icosphere(0)), ball(icosphere(1)), cylinder(7.0)]
 }
 
-/// A point of the mesh that a ray from outside met, by both normals, and the way back.
+/// Surface point of the mesh that a ray from outside hits, from outside by both normals, and the direction back.
 fn met<'a>(scene: &'a World, random: &mut Random) -> Option<(Surface<'a>, Vec3)> {
     let (from, to) = (random.direction() * 4.0, random.in_cube());
     let ray = Ray::new(from.as_vec3(), (to - from).normalize().as_vec3());
@@ -142,9 +142,8 @@ fn met<'a>(scene: &'a World, random: &mut Random) -> Option<(Surface<'a>, Vec3)>
     (surface.point.ng.dot(wo) > 0.0 && surface.point.ns.dot(wo) > 0.0).then_some((surface, wo))
 }
 
-/// Whatever direction the shading normal allows, the ray leaves: the smooth surface is convex, and does not shade itself.
-///
-/// Directions within 10⁻⁵ of the horizon are left to rounding.
+/// Rays in all directions above the horizon of the shading normal leave the mesh, because the convex smooth surface does not shadow
+/// itself. Directions within 10⁻⁵ of the horizon are excluded because of rounding.
 #[test]
 fn lifted_rays_clear_a_convex_mesh() {
     let squash = Transform::scale(DVec3::new(1.5, 0.4, 0.8)).expect("not zero");
@@ -207,7 +206,7 @@ fn outlines_have_no_fringe() {
     }
 }
 
-/// In uniform light a convex body shows its albedo, whoever looks for the light: L = ρ Le.
+/// In uniform light a convex body has the radiance L = ρ Le with every integrator.
 #[test]
 fn furnace() {
     let seen = |data: &MeshData, from: DVec3| {
@@ -252,7 +251,7 @@ fn crooked() -> MeshData {
     MeshData { normals: data.normals.iter().map(lean).collect(), ..data }
 }
 
-/// No light leaves a closed body, and none enters: however its normals lie, exactly 0.
+/// Exactly no light enters or leaves a closed body, for arbitrary shading normals.
 #[test]
 fn nothing_leaks() {
     let bodies = [octahedron(), ball(icosphere(0)), ball(icosphere(2)), crooked()];
@@ -276,7 +275,7 @@ fn nothing_leaks() {
     }
 }
 
-/// Lit from above, seen from below: exactly 0 wherever the smooth ball has turned away, Lambert's law before that.
+/// A ball lit from above and seen from below has exactly 0 radiance where the smooth ball faces away, and follows Lambert's law elsewhere.
 #[test]
 fn the_far_side_stays_dark() {
     for data in [octahedron(), ball(icosphere(0)), ball(icosphere(2))] {
@@ -302,7 +301,7 @@ fn the_far_side_stays_dark() {
     }
 }
 
-/// What leaves inwards, and what comes from within, is the same to the bit; refraction through and through.
+/// Rays to the inside and from the inside are the same to the bit, and so is refraction through the body.
 #[test]
 fn refraction_stays() {
     for data in convex() {
@@ -358,7 +357,7 @@ fn pictures(data: &MeshData, smooth_shadows: bool, place: Transform) -> Vec<Bits
     ALL.iter().filter_map(taken).collect()
 }
 
-/// Normals that say nothing but what the facets say themselves, or none at all: the same picture, bit for bit.
+/// Vertex normals equal to the facet normals, and no vertex normals, give the same picture, bit for bit.
 #[test]
 fn consistent_normals_change_no_bit() {
     let (points, triangles) = icosphere(1);
@@ -377,7 +376,7 @@ fn consistent_normals_change_no_bit() {
     }
 }
 
-/// The key of the scene format, and its default.
+/// The key of the scene format and its default are respected.
 #[test]
 fn the_key_switches_it_on() {
     let lifted = |key: &str| {
@@ -393,7 +392,7 @@ fn the_key_switches_it_on() {
     assert_eq!(["", r#""smooth_shadows": false,"#, r#""smooth_shadows": true,"#].map(lifted), [false, false, true]);
 }
 
-/// Twice the height of a sphere over its facet, none over a hollow one, and bounded where normals make no sense.
+/// The offset is twice the height of a sphere over its facet, 0 over a concave facet, and bounded for implausible normals.
 #[test]
 fn lifts_have_bounds() {
     let shape = |normals: [Vec3; 3]| {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::note;
-use crate::cli::outputs::{Takes, check_outputs};
+use crate::cli::outputs::{OutputKinds, check_outputs};
 use crate::cli::tone_mapping::ToneMapping;
 use crate::error::Result;
 use crate::film::Image;
@@ -25,7 +25,7 @@ pub struct AverageArgs {
 /// Runs the command.
 pub fn average(args: &AverageArgs) -> Result<()> {
     let inputs: Vec<&Path> = args.inputs.iter().map(PathBuf::as_path).collect();
-    check_outputs(&args.output, Takes::Pictures, &inputs, "is one of the inputs")?;
+    check_outputs(&args.output, OutputKinds::Pictures, &inputs, "is one of the inputs")?;
     let read: Vec<(Image, Attributes)> = inputs.iter().map(|path| output::read(path)).collect::<Result<_>>()?;
     let names: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
     let named: Vec<Named> = names.iter().zip(&read).map(|(name, (image, _))| Named { name, image }).collect();

@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use super::falsecolor::{Scale, painted};
+use super::falsecolor::{Scale, false_color_image};
 use super::{LayerArgs, ToneArgs};
-use super::{number, picked};
-use crate::cli::outputs::{Takes, check_outputs};
-use crate::cli::say;
+use super::{number, read_layer};
+use crate::cli::outputs::{OutputKinds, check_outputs};
+use crate::cli::print_stdout;
 use crate::error::Result;
 use crate::film::{Channel, Image};
 use crate::measure::Metric;
@@ -45,9 +45,9 @@ fn tolerance(text: &str) -> std::result::Result<f64, String> {
 /// Prints every measure with its formula. The exit code is 1 if a measure exceeds the tolerance.
 pub fn diff(args: &DiffArgs) -> Result<ExitCode> {
     let metrics: Vec<Metric> = args.metric.iter().map(|name| Metric::parse(name)).collect::<Result<_>>()?;
-    check_outputs(args.output.as_slice(), Takes::Pictures, &[&args.first, &args.second], "is one of the pictures")?;
+    check_outputs(args.output.as_slice(), OutputKinds::Pictures, &[&args.first, &args.second], "is one of the pictures")?;
     let pick = args.layer.pick();
-    let (a, r) = (picked(&args.first, &pick)?, picked(&args.second, &pick)?);
+    let (a, r) = (read_layer(&args.first, &pick)?, read_layer(&args.second, &pick)?);
     let names = [&args.first, &args.second].map(|path| path.display().to_string());
     let pair = ImagePair::new(Named { name: &names[0], image: &a }, Named { name: &names[1], image: &r }, args.tone.map())?;
 
@@ -64,7 +64,7 @@ pub fn diff(args: &DiffArgs) -> Result<ExitCode> {
     if let Some(path) = &args.output {
         text += &write(path, &a, &measured)?;
     }
-    say(&text)?;
+    print_stdout(&text)?;
     Ok(ExitCode::from(u8::from(is_worse)))
 }
 
@@ -93,7 +93,7 @@ fn write(path: &Path, window: &Image, measured: &[(Metric, Measured)]) -> Result
         }
         _ => {
             let scale = Scale::around(&first.map, None, false, Colormap::default());
-            output::write(path, &painted(&first.map, window.size, &scale), &about, &Tonemap::default())?;
+            output::write(path, &false_color_image(&first.map, window.size, &scale), &about, &Tonemap::default())?;
             Ok(format!("{}: {}, {}\n", path.display(), metric.name(), scale.sentence(&first.map)))
         }
     }

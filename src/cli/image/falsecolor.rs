@@ -3,9 +3,9 @@
 use glam::UVec2;
 
 use super::{LayerArgs, ToneArgs};
-use super::{label, number, picked};
-use crate::cli::outputs::{Takes, check_outputs};
-use crate::cli::say;
+use super::{label, number, read_layer};
+use crate::cli::outputs::{OutputKinds, check_outputs};
+use crate::cli::print_stdout;
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
 use crate::measure::Metric;
@@ -77,25 +77,25 @@ fn range(text: &str) -> Result<[f64; 2], String> {
 pub fn falsecolor(args: &FalsecolorArgs) -> Result<()> {
     let metric = Metric::parse(&args.metric)?;
     let inputs: Vec<_> = [Some(&args.first), args.second.as_ref()].into_iter().flatten().map(|path| path.as_path()).collect();
-    check_outputs(std::slice::from_ref(&args.output), Takes::Pictures, &inputs, "is one of the pictures")?;
+    check_outputs(std::slice::from_ref(&args.output), OutputKinds::Pictures, &inputs, "is one of the pictures")?;
     if args.log && args.range.is_some_and(|[low, _]| low <= 0.0) {
         return Err(Error::Usage("--log: expected a --range above 0".into()));
     }
     let pick = args.layer.pick();
-    let image = picked(&args.first, &pick)?;
+    let image = read_layer(&args.first, &pick)?;
     let name = args.first.display().to_string();
     let (values, what) = match &args.second {
         None => (image.pixels().map(luminance).collect(), format!("luminance of {pick} of {name}")),
         Some(path) => {
-            let (reference, other) = (picked(path, &pick)?, path.display().to_string());
+            let (reference, other) = (read_layer(path, &pick)?, path.display().to_string());
             let pair = ImagePair::new(Named { name: &name, image: &image }, Named { name: &other, image: &reference }, args.tone.map())?;
             let what = format!("{} of a = {name}, r = {other}: {}", metric.name(), metric.formula());
             (metric.measure(&pair).map, what)
         }
     };
     let scale = Scale::around(&values, args.range, args.log, args.map.into());
-    output::write(&args.output, &painted(&values, image.size, &scale), &vec![], &Tonemap::default())?;
-    say(&format!("{what}\n{}\n", scale.sentence(&values)))
+    output::write(&args.output, &false_color_image(&values, image.size, &scale), &vec![], &Tonemap::default())?;
+    print_stdout(&format!("{what}\n{}\n", scale.sentence(&values)))
 }
 
 /// Luminance of linear Rec. 709; the value itself for a grey.
@@ -162,7 +162,7 @@ const LEGEND: usize = 3 * GAP + BAR + label::HEIGHT;
 /// Picture of the values in colours, with the scale below.
 ///
 /// - `values`: rows from the top, `size.x` in each
-pub fn painted(values: &[f64], size: UVec2, scale: &Scale) -> Image {
+pub fn false_color_image(values: &[f64], size: UVec2, scale: &Scale) -> Image {
     let width = size.x as usize;
     let mut pixels: Vec<[u8; 3]> = values.iter().map(|&value| scale.color(value)).collect();
     pixels.extend(legend(width, scale));

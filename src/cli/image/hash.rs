@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use crate::cli::say;
+use crate::cli::print_stdout;
 use crate::error::Result;
 use crate::output;
 
 /// Runs the command.
 pub fn hash(files: &[PathBuf]) -> Result<()> {
-    files.iter().try_for_each(|path| say(&format!("{}  {}\n", output::hash(&output::read(path)?.0), path.display())))
+    files.iter().try_for_each(|path| print_stdout(&format!("{}  {}\n", output::hash(&output::read(path)?.0), path.display())))
 }

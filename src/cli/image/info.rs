@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use super::number;
-use crate::cli::say;
+use crate::cli::print_stdout;
 use crate::error::Result;
 use crate::film::Channel;
 use crate::output::{self, window};
 
 /// Runs the command.
 pub fn info(files: &[PathBuf]) -> Result<()> {
-    files.iter().try_for_each(|path| say(&about(path)?))
+    files.iter().try_for_each(|path| print_stdout(&about(path)?))
 }
 
 fn about(path: &Path) -> Result<String> {

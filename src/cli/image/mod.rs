@@ -114,11 +114,11 @@ pub fn image(verb: &Verb) -> Result<ExitCode> {
 }
 
 /// Reads a picture and selects a layer.
-fn picked(path: &Path, pick: &Pick) -> Result<Image> {
-    only(pick, &output::read(path)?.0, path)
+fn read_layer(path: &Path, pick: &Pick) -> Result<Image> {
+    select_layer(pick, &output::read(path)?.0, path)
 }
 
-fn only(pick: &Pick, image: &Image, path: &Path) -> Result<Image> {
+fn select_layer(pick: &Pick, image: &Image, path: &Path) -> Result<Image> {
     pick.of(image).map_err(|message| Error::invalid(Fault::new(message).in_file(path)))
 }
 

@@ -7,13 +7,13 @@ use std::sync::Arc;
 use super::plan::{self, PriceList, RenderPlan, Start};
 use super::remarks::{one_sided, remark_darkness, remark_exposure};
 use crate::cli::checkpoint::CheckpointObserver;
-use crate::cli::display::Displayed;
+use crate::cli::display::DisplayedFilm;
 use crate::cli::forensics::{self, RenderedPicture};
 use crate::cli::load::Loaded;
 use crate::cli::progress::{Progress, ProgressForm};
-use crate::cli::stats::{Counted, Summary};
-use crate::cli::summary::{self, attributes, summarise};
-use crate::cli::{INCONCLUSIVE, insist, is_quiet, note, pilot, say, signals};
+use crate::cli::stats::{RayCounter, Summary};
+use crate::cli::summary::{self, attributes, print_summary};
+use crate::cli::{INCONCLUSIVE, is_quiet, note, pilot, print_stderr, print_stdout, signals};
 use crate::describe::{self, Names};
 use crate::error::{Error, Result};
 use crate::film::{FilmSpec, Image, MomentFilm};
@@ -46,12 +46,12 @@ struct Picture<'a> {
 /// A picture after its last sample.
 struct Rendered {
     render: Render,
-    displayed: Displayed,
+    displayed: DisplayedFilm,
     history: ErrorHistory,
     /// Report of the runs before this one.
     before: RenderReport,
     /// Counter of the rays, if statistics are requested.
-    counted: Option<Arc<Counted>>,
+    counter: Option<Arc<RayCounter>>,
 }
 
 /// Renders a picture, writes its files and prints the reports.
@@ -91,7 +91,7 @@ impl<'a> Picture<'a> {
         let progress = Progress::new(self.plan.progress, &self.spec, u32::MAX.into(), Some(*time * integrators.len() as u32));
         let list = pilot::price_list(&self.world, &self.spec, &self.settings, integrators, *time, self.plan.confidence, &progress);
         progress.finish();
-        insist(&list);
+        print_stderr(&list);
     }
 
     /// Distributes the samples over the pixels by a pilot, and returns an empty film for them.
@@ -107,21 +107,21 @@ impl<'a> Picture<'a> {
     /// Takes the samples, with progress, checkpoints and the viewer.
     fn take_samples(&self, start: Start) -> Rendered {
         let Picture { plan, spec, until, .. } = self;
-        let counted = plan.reports.stats.map(|_| Arc::new(Counted::new(self.world.clone(), rayon::current_num_threads())));
-        let scene = counted.clone().map_or(self.world.clone(), |counted| counted as Arc<dyn Scene>);
+        let counter = plan.reports.stats.map(|_| Arc::new(RayCounter::new(self.world.clone(), rayon::current_num_threads())));
+        let scene = counter.clone().map_or(self.world.clone(), |counter| counter as Arc<dyn Scene>);
         let before = start.report.clone();
         let progress = Progress::new(plan.progress, spec, until.samples - plan.samples.start, until.time).resumed(&before);
         let observer = CheckpointObserver::new(&progress, plan, until.time.filter(|_| before.samples == 0));
         let has_prices = !is_quiet() && plan.price_list.is_none() && !plan.is_part;
         let observer = if has_prices { observer.with_prices(self.entry.name, plan.confidence) } else { observer };
-        let mut displayed = Displayed::new(start.film, plan.display_server.as_deref(), &self.stem);
+        let mut displayed = DisplayedFilm::new(start.film, plan.display_server.as_deref(), &self.stem);
         let mut render = Render::new(scene, &*self.integrator, spec, &self.settings).resumed(start.next, start.report);
         let history = match plan.is_part {
             true => take_part(&mut render, &mut displayed, until, &observer),
             false => measure::resume_until(start.history, &mut render, &mut displayed, until, &observer),
         };
         progress.finish();
-        Rendered { render, displayed, history, before, counted }
+        Rendered { render, displayed, history, before, counter }
     }
 
     /// Writes parts and pictures. Both are tried, so that a failure does not affect the others.
@@ -155,28 +155,31 @@ impl<'a> Picture<'a> {
 
     /// Prints the closing line, the analysis and the statistics.
     fn report(&mut self, rendered: &Rendered) -> Result<()> {
-        let Rendered { render, displayed, history, before, counted } = rendered;
+        let Rendered { render, displayed, history, before, counter } = rendered;
         let (plan, film, report) = (self.plan, &displayed.film, render.report());
         if !is_quiet() || rendered.is_late() {
             let samples = if plan.is_part { format!("samples {}", plan::ranges(&[film.range()])) } else { summary::samples(film) };
-            summarise(&plan.about, &samples, report, history, plan.confidence, plan.written());
+            print_summary(&plan.about, &samples, report, history, plan.confidence, plan.written());
             self.outcome(rendered).iter().for_each(|(target, outcome)| note(&format::outcome(target, *outcome)));
         }
         if report.samples > 0 && !report.cancelled && !plan.is_part {
             let facets = self.facets.take();
-            forensics::tell(&RenderedPicture { plan, scene: &self.world, integrator: &*self.integrator, render, film, history }, facets)?;
+            forensics::print_reports(
+                &RenderedPicture { plan, scene: &self.world, integrator: &*self.integrator, render, film, history },
+                facets,
+            )?;
         }
-        if let (Some(format), Some(counted)) = (plan.reports.stats, counted) {
+        if let (Some(format), Some(counter)) = (plan.reports.stats, counter) {
             let summary = Summary {
                 report: &report.since(before),
                 spp: film.mean_samples(),
                 pixels: self.spec.crop.pixel_count(),
                 primitives: self.primitives,
-                rays: counted.rays(),
+                rays: counter.rays(),
                 threads: rayon::current_num_threads(),
                 load: self.load_seconds,
             };
-            say(&summary.print(format))?;
+            print_stdout(&summary.print(format))?;
         }
         Ok(())
     }
@@ -200,7 +203,7 @@ impl Rendered {
 }
 
 /// Renders some samples of each pixel. Their error is not reported, as they are not the whole picture.
-fn take_part(render: &mut Render, displayed: &mut Displayed, until: &StopCondition, observer: &CheckpointObserver) -> ErrorHistory {
+fn take_part(render: &mut Render, displayed: &mut DisplayedFilm, until: &StopCondition, observer: &CheckpointObserver) -> ErrorHistory {
     while render.step(until.samples, None, displayed, observer) {
         observer.wave_finished(render.report(), &displayed.film, &ErrorHistory::default());
     }

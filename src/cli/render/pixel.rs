@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::cli::load::Loaded;
-use crate::cli::say;
+use crate::cli::print_stdout;
 use crate::cli::stats::TextOrJson;
 use crate::cli::trace::Trace;
 use crate::describe::{Built, Names};
@@ -39,11 +39,11 @@ pub fn pixel(plan: &PixelPlan, loaded: Loaded) -> Result<()> {
         let value = render.replay(id, plan.trace.is_some().then_some(&mut events));
         let Some(form) = plan.trace else {
             let [r, g, b] = value.to_rgb();
-            return say(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n"));
+            return print_stdout(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n"));
         };
         let (camera, names, integrator) = (render.camera(id), Names::of(&loaded.description), loaded.entry.name);
         let trace = Trace { integrator, id, camera, value, events: &events, names: &names, lights: scene.lights(), origin };
-        return say(&trace.print(form));
+        return print_stdout(&trace.print(form));
     }
     let min = glam::UVec2::new(x, y);
     let mut film = MomentFilm::new(FilmSpec { crop: Crop { min, max: min + 1 }, ..film.without_layers() });
@@ -54,5 +54,5 @@ pub fn pixel(plan: &PixelPlan, loaded: Loaded) -> Result<()> {
         let [r, g, b] = ["StdErr.R", "StdErr.G", "StdErr.B"].map(|name| image.channel(name).map_or(0.0, |c| c[0]));
         format!("  standard error {r:?} {g:?} {b:?}")
     });
-    say(&format!("pixel {x},{y} of {} samples: {r:?} {g:?} {b:?}{}\n", film.samples(), error.unwrap_or_default()))
+    print_stdout(&format!("pixel {x},{y} of {} samples: {r:?} {g:?} {b:?}{}\n", film.samples(), error.unwrap_or_default()))
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::args::{RenderArgs, Shard};
 use crate::cli::load::Loaded;
-use crate::cli::outputs::{Takes, check_outputs, is_part};
+use crate::cli::outputs::{OutputKinds, check_outputs, is_part};
 use crate::cli::progress::ProgressForm;
 use crate::cli::stats::TextOrJson;
 use crate::cli::tone_mapping::ToneMapping;
@@ -107,12 +107,12 @@ impl RenderPlan {
             }
             (given, _) => given.to_vec(),
         };
-        let takes = if is_part { Takes::Parts } else { Takes::Both };
-        check_outputs(&outputs, takes, &[args.scene.path()?], "is the scene file")?;
+        let kinds = if is_part { OutputKinds::Parts } else { OutputKinds::Both };
+        check_outputs(&outputs, kinds, &[args.scene.path()?], "is the scene file")?;
         let state = || outputs.iter().find(|path| self::is_part(path)).cloned().unwrap_or_else(|| outputs[0].with_extension("ptc"));
         let checkpoint = args.checkpoint.map(|_| state());
         if let Some(path) = &checkpoint {
-            check_outputs(std::slice::from_ref(path), Takes::Parts, &[args.scene.path()?], "is the scene file")?;
+            check_outputs(std::slice::from_ref(path), OutputKinds::Parts, &[args.scene.path()?], "is the scene file")?;
         }
         let resume = match &args.resume {
             Some(None) if !state().exists() => {

@@ -9,7 +9,7 @@ use super::SampleArgs;
 use super::globe::{COLUMNS, Density, Histogram, ROWS, pictures};
 use super::material::of_sphere;
 use crate::bsdf::TransportMode;
-use crate::cli::{note, say};
+use crate::cli::{note, print_stdout};
 use crate::describe::{self, Source};
 use crate::error::Result;
 use crate::import::darts::coursework::{self, ExpectedHit, Test, TestKind, Tests};
@@ -34,10 +34,10 @@ pub fn tests(path: &Path, args: &SampleArgs) -> Result<ExitCode> {
     for test in &read.tests {
         let verdict = run(test, &read, args)?;
         let word = if verdict.passes { "passed" } else { "FAILED" };
-        say(&format!("{}\n{}  {word}\n", test.name, verdict.lines.iter().map(|line| format!("  {line}\n")).collect::<String>()))?;
+        print_stdout(&format!("{}\n{}  {word}\n", test.name, verdict.lines.iter().map(|line| format!("  {line}\n")).collect::<String>()))?;
         passed += usize::from(verdict.passes);
     }
-    say(&format!("{passed} of {} tests passed\n", read.tests.len()))?;
+    print_stdout(&format!("{passed} of {} tests passed\n", read.tests.len()))?;
     Ok(ExitCode::from(u8::from(passed < read.tests.len())))
 }
 

@@ -8,7 +8,7 @@ use glam::Vec2;
 use super::SampleArgs;
 use super::points::{Directions, Map, Parameters, Warp};
 use crate::bsdf::{BsdfSample, Lobe, TransportMode};
-use crate::cli::say;
+use crate::cli::print_stdout;
 use crate::error::{Error, Result};
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
 use crate::measure::sidak;
@@ -22,7 +22,7 @@ pub fn judge(warp: &Warp, parameters: &Parameters, args: &SampleArgs) -> Result<
     let options = Options { samples: args.samples, seed: args.seed, ..Options::default() };
     let sampled = SampledDirections::new(&Scattering { warp, directions }, Local::NORMAL, 0, &options);
     let tests = tests(&sampled);
-    say(&format!("samples        {}\n∫ pdf          {:.5}\nchi² p         {}\n", sampled.samples, sampled.mass, figures(&tests)))?;
+    print_stdout(&format!("samples        {}\n∫ pdf          {:.5}\nchi² p         {}\n", sampled.samples, sampled.mass, figures(&tests)))?;
     let refused = tests.iter().any(|(_, test)| test.p < sidak(options.alpha, tests.len()));
     Ok(ExitCode::from(u8::from(refused)))
 }

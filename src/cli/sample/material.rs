@@ -8,7 +8,7 @@ use glam::{UVec2, Vec3};
 use super::SampleArgs;
 use super::directions::{figures, tests};
 use crate::bsdf::Bsdf;
-use crate::cli::say;
+use crate::cli::print_stdout;
 use crate::describe::{self, Source};
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
@@ -31,7 +31,7 @@ pub fn material(scene: &str, args: &SampleArgs) -> Result<ExitCode> {
     let options = Options { samples: args.samples, seed: args.seed, incidences: vec![at(theta.cos(), phi)], ..Options::default() };
     let case = Case::new(&bsdf, &options);
     let report = case.report();
-    say(&format!("{}\n{report}", summary(&case, args)))?;
+    print_stdout(&format!("{}\n{report}", summary(&case, args)))?;
     pictures(&case.sampled[0].divisions[0], case.sampled[0].smooth, &stem(name, args))?;
     Ok(ExitCode::from(u8::from(!report.accepts())))
 }

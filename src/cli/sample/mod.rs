@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use glam::Vec3;
 
 use super::parse::whole;
-use super::say;
+use super::print_stdout;
 use crate::error::{Error, Result};
 use crate::output;
 use crate::reader::unknown;
@@ -103,7 +103,7 @@ fn angles(text: &str) -> std::result::Result<[f64; 2], String> {
 /// Runs the command. The exit code is 1 if the samples are wrong.
 pub fn sample(args: &SampleArgs) -> Result<ExitCode> {
     match (args.what.as_deref(), args.scene.as_deref()) {
-        (None, _) => say(&list()).map(|()| ExitCode::SUCCESS),
+        (None, _) => print_stdout(&list()).map(|()| ExitCode::SUCCESS),
         (Some("material"), Some(scene)) => material::material(scene, args),
         (Some("material"), None) => Err(Error::Usage("expected a scene and a material of it, such as scene.json#glass".into())),
         (Some(file), None) if is_file(file) => coursework::tests(Path::new(file), args),
@@ -152,7 +152,7 @@ fn draw(name: &str, args: &SampleArgs) -> Result<ExitCode> {
         return directions::judge(warp, &parameters, args);
     }
     let drawn = points::draw(warp, &parameters, sampler, args.seed, args.count)?;
-    let Some(path) = &args.output else { return say(&points::csv(&drawn, warp)).map(|()| ExitCode::SUCCESS) };
+    let Some(path) = &args.output else { return print_stdout(&points::csv(&drawn, warp)).map(|()| ExitCode::SUCCESS) };
     let bytes = match extension(path) {
         Some("csv") => points::csv(&drawn, warp).into_bytes(),
         Some("png") => marks::png(&marks::marks(&drawn, warp.domain), warp.domain)?,

@@ -26,7 +26,7 @@ pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
         "reference" => reference(comparison),
         "confidence" => format::per_cent(comparison.confidence),
         "targets" => TARGETS.iter().map(|t| format!("<th scope=\"col\">{} %</th>\n", format::per_cent(*t))).collect(),
-        "methods" => (0..comparison.methods.len()).map(|place| row(comparison, place)).collect(),
+        "methods" => (0..comparison.methods.len()).map(|index| row(comparison, index)).collect(),
         "measures" => measures(comparison),
         "plots" => plot::elements(comparison).iter().map(figure).collect(),
         "epsilon" => EPSILON.to_string(),
@@ -73,22 +73,22 @@ fn figure([wide, narrow]: &[String; 2]) -> String {
 }
 
 /// Row of the table for one method.
-fn row(comparison: &Comparison, place: usize) -> String {
-    let method = &comparison.methods[place];
+fn row(comparison: &Comparison, index: usize) -> String {
+    let method = &comparison.methods[index];
     let cell =
         |class: &str, label: &str, value: String| format!("<td class=\"{class}\" data-label=\"{label}\"><span>{value}</span></td>\n");
     let mut cells = cell("", "Sampler", xml(&method.sampler));
     cells += &cell("", "Error at the end", last(comparison, method));
     cells += &cell("", "Slope", method.slope.map_or("–".into(), plot::slope));
     for (i, target) in TARGETS.into_iter().enumerate() {
-        let class = if is_cheapest(comparison, place, i) { "price best" } else { "price" };
+        let class = if is_cheapest(comparison, index, i) { "price best" } else { "price" };
         cells += &cell(class, &format!("Time to {} %", format::per_cent(target)), price(method, i, target));
     }
     let bias = method.bias.map(|(bias, deviation)| format!("{} ± {} %", format::per_cent(bias), format::per_cent(deviation)));
     cells += &cell("", "Bias", bias.unwrap_or("none seen".into()));
     let lacks = if method.lacks.is_empty() { "nothing".into() } else { xml(&method.lacks) };
     cells += &cell("lacks", "Leaves out", lacks);
-    let swatch = format!("<i class=\"swatch f-m{}\"></i>", place % 6);
+    let swatch = format!("<i class=\"swatch f-m{}\"></i>", index % 6);
     format!("<tr><th scope=\"row\">{swatch}{}</th>\n{cells}</tr>\n", xml(&method.name))
 }
 
@@ -102,10 +102,10 @@ fn measures(comparison: &Comparison) -> String {
         let label = xml(&metric.name());
         format!("<td data-label=\"{label}\"><span>{} <small>± {}</small></span></td>", format::number(*value, 4), format::number(*error, 2))
     };
-    let row = |(place, method): (usize, &Method)| {
+    let row = |(index, method): (usize, &Method)| {
         let others = method.curve.last().map_or(&[][..], |last| &last.others);
         let cells: String = comparison.metrics.iter().zip(others).map(cell).collect();
-        format!("<tr><th scope=\"row\"><i class=\"swatch f-m{}\"></i>{}</th>{cells}</tr>\n", place % 6, xml(&method.name))
+        format!("<tr><th scope=\"row\"><i class=\"swatch f-m{}\"></i>{}</th>{cells}</tr>\n", index % 6, xml(&method.name))
     };
     let rows: String = comparison.methods.iter().enumerate().map(row).collect();
     let formulas: String = comparison.metrics.iter().map(|m| format!("<li>{}: {}</li>\n", xml(&m.name()), xml(&m.formula()))).collect();
@@ -134,10 +134,10 @@ fn price(method: &Method, i: usize, target: f64) -> String {
     }
 }
 
-fn is_cheapest(comparison: &Comparison, place: usize, i: usize) -> bool {
+fn is_cheapest(comparison: &Comparison, index: usize, i: usize) -> bool {
     let seconds = |method: &Method| method.prices.get(i).copied().flatten().map(|cost| cost.seconds);
     let least = comparison.methods.iter().filter_map(seconds).min_by(f64::total_cmp);
-    comparison.methods.len() > 1 && least.is_some() && seconds(&comparison.methods[place]) == least
+    comparison.methods.len() > 1 && least.is_some() && seconds(&comparison.methods[index]) == least
 }
 
 /// Pictures for the viewer; the reference comes first.
@@ -172,9 +172,9 @@ fn pictures(comparison: &Comparison) -> Pictures {
     let image = &comparison.reference.image;
     let reference = Picture { name: names::REFERENCE.into(), color: None, render: None, mean: view(image) };
     let methods = names::titles(comparison).into_iter().zip(&comparison.methods).enumerate();
-    let method = |(place, (name, method)): (usize, (String, &Method))| Picture {
+    let method = |(index, (name, method)): (usize, (String, &Method))| Picture {
         name,
-        color: Some(place % 6),
+        color: Some(index % 6),
         render: Some(view(&method.sample)),
         mean: view(&method.image),
     };

@@ -87,24 +87,24 @@ fn radians(cursor: &JsonCursor, number: Node) -> Node {
 }
 
 /// Coordinates that a pattern varies over.
-struct Over {
+struct PatternSpace {
     on: &'static str,
     /// Map from the coordinates into the pattern.
     into: Option<Transform>,
 }
 
-impl Over {
-    const POSITION: Over = Over { on: "position", into: None };
+impl PatternSpace {
+    const POSITION: PatternSpace = PatternSpace { on: "position", into: None };
 
     /// Coordinates with another map before this one.
-    fn then(self, map: Transform) -> Over {
-        Over { into: Some(self.into.map_or(map, |before| before.then(&map))), ..self }
+    fn then(self, map: Transform) -> PatternSpace {
+        PatternSpace { into: Some(self.into.map_or(map, |before| before.then(&map))), ..self }
     }
 }
 
 /// Coordinates that a pattern varies over, as members of pt's texture.
 fn space<'k>(cursor: &JsonCursor) -> Option<Vec<(&'k str, Node)>> {
-    let mut over = cursor.get(&["vector"]).map_or(Some(Over::POSITION), |vector| coordinates(&vector))?;
+    let mut over = cursor.get(&["vector"]).map_or(Some(PatternSpace::POSITION), |vector| coordinates(&vector))?;
     if let Some(placed) = cursor.get(&["transform"]) {
         over = over.then(invertible(&placed)?);
     }
@@ -133,7 +133,7 @@ fn matrix(cursor: &JsonCursor, map: &Transform) -> Node {
     cursor.make_object([("matrix", cursor.make_numbers(rows))])
 }
 
-fn coordinates(vector: &JsonCursor) -> Option<Over> {
+fn coordinates(vector: &JsonCursor) -> Option<PatternSpace> {
     if !vector.is_object() {
         return named(vector);
     }
@@ -148,21 +148,21 @@ fn coordinates(vector: &JsonCursor) -> Option<Over> {
     }
 }
 
-fn named(kind: &JsonCursor) -> Option<Over> {
+fn named(kind: &JsonCursor) -> Option<PatternSpace> {
     match kind.text()? {
-        "uv" => Some(Over { on: "uv", into: None }),
-        "point" | "position" | "world" => Some(Over::POSITION),
+        "uv" => Some(PatternSpace { on: "uv", into: None }),
+        "point" | "position" | "world" => Some(PatternSpace::POSITION),
         other => {
             kind.note(format!("the coordinates {other:?} are approximated by positions in the world"));
-            Some(Over::POSITION)
+            Some(PatternSpace::POSITION)
         }
     }
 }
 
 /// Coordinates with a map: the vector type `point` applies it, `texture` its inverse.
-fn mapping(vector: &JsonCursor) -> Option<Over> {
+fn mapping(vector: &JsonCursor) -> Option<PatternSpace> {
     vector.leave_out_others(&["type", "name", "vector type", "transform", "vector"]);
-    let over = vector.get(&["vector"]).map_or(Some(Over::POSITION), |inner| coordinates(&inner))?;
+    let over = vector.get(&["vector"]).map_or(Some(PatternSpace::POSITION), |inner| coordinates(&inner))?;
     let Some(placed) = vector.get(&["transform"]) else { return Some(over) };
     let map = invertible(&placed)?;
     let back = match vector.get(&["vector type"]) {

@@ -14,7 +14,7 @@ use crate::reader::Node;
 /// pt's tree of the file's scene; `None` with a fault noted.
 pub fn scene(document: &Document) -> Option<Node> {
     let pose = Pose::new(document)?;
-    let mut found = Found {
+    let mut found = SceneBuilder {
         document,
         pose: &pose,
         meshes: BTreeMap::new(),
@@ -26,14 +26,14 @@ pub fn scene(document: &Document) -> Option<Node> {
         lit: false,
         bounds: Bounds::empty(&document.root.context().auto_camera),
     };
-    for node in shown(document) {
+    for node in scene_nodes(document) {
         found.node(&node);
     }
     Some(found.root())
 }
 
 /// Nodes of the default scene, or of the first one, or all nodes; parents before their children, in the order of the file.
-fn shown<'a>(document: &Document<'a>) -> Vec<gltf::Node<'a>> {
+fn scene_nodes<'a>(document: &Document<'a>) -> Vec<gltf::Node<'a>> {
     let gltf = document.gltf;
     let Some(scene) = gltf.default_scene().or_else(|| gltf.scenes().next()) else { return gltf.nodes().collect() };
     if gltf.scenes().len() > 1 {
@@ -53,18 +53,18 @@ fn shown<'a>(document: &Document<'a>) -> Vec<gltf::Node<'a>> {
 
 /// Mesh file of a primitive.
 #[derive(Clone)]
-struct Made {
+struct MeshFile {
     file: String,
     positions: Arc<[Vec3]>,
     is_posed: bool,
 }
 
 /// State of the conversion.
-struct Found<'d, 'a> {
+struct SceneBuilder<'d, 'a> {
     document: &'d Document<'a>,
     pose: &'d Pose,
     /// Mesh files by mesh, primitive, and the node if its pose changes the mesh.
-    meshes: BTreeMap<(usize, usize, Option<usize>), Option<Made>>,
+    meshes: BTreeMap<(usize, usize, Option<usize>), Option<MeshFile>>,
     /// Names and materials, by index and vertex colours.
     materials: BTreeMap<(Option<usize>, Colors), (String, PreparedMaterial)>,
     /// Names of the materials.
@@ -78,7 +78,7 @@ struct Found<'d, 'a> {
     bounds: Bounds,
 }
 
-impl Found<'_, '_> {
+impl SceneBuilder<'_, '_> {
     fn node(&mut self, node: &gltf::Node) {
         let to_world = self.pose.of(node);
         if let Some(mesh) = node.mesh() {
@@ -102,7 +102,7 @@ impl Found<'_, '_> {
         let made = match self.meshes.get(&key) {
             Some(known) => known.clone(),
             None => {
-                let made = self.made(node, mesh, primitive, prepared, own_pose);
+                let made = self.write_mesh(node, mesh, primitive, prepared, own_pose);
                 self.meshes.insert(key, made.clone());
                 made
             }
@@ -125,7 +125,7 @@ impl Found<'_, '_> {
         &self,
         node: &gltf::Node,
         mesh: &gltf::Mesh,
-        made: &Made,
+        made: &MeshFile,
         (name, prepared): (&str, &PreparedMaterial),
         to_world: &DMat4,
     ) -> Option<Node> {
@@ -161,21 +161,21 @@ impl Found<'_, '_> {
     }
 
     /// Writes the triangles as a file; `None` if there are none.
-    fn made(
+    fn write_mesh(
         &self,
         node: &gltf::Node,
         mesh: &gltf::Mesh,
         primitive: &gltf::Primitive,
         prepared: &PreparedMaterial,
         own_pose: Option<usize>,
-    ) -> Option<Made> {
+    ) -> Option<MeshFile> {
         let geometry = self.document.geometry(node, mesh, primitive, &prepared.mapping, self.pose)?;
         let of_node = own_pose.map_or(String::new(), |node| format!("-node-{node}"));
         let file = self.document.made_name(&format!("mesh-{}-{}{of_node}", mesh.index(), primitive.index()), "ply");
         let mut bytes = vec![];
         geometry.mesh.write_ply_binary(&mut bytes).ok()?;
         self.document.root.context().make(&*file, bytes);
-        Some(Made { file, positions: geometry.mesh.positions.into(), is_posed: geometry.is_posed })
+        Some(MeshFile { file, positions: geometry.mesh.positions.into(), is_posed: geometry.is_posed })
     }
 
     fn root(mut self) -> Node {

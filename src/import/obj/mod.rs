@@ -44,7 +44,7 @@ fn read(content: &Content, context: &ImportContext) -> Result<Option<Node>> {
         parts_of(&mesh).into_iter().filter_map(|name| library.get_key_value(name)).map(|(k, e)| (&**k, e)).collect();
     let unknown: Vec<&str> = parts_of(&mesh).into_iter().filter(|name| !library.contains_key(*name)).collect();
     if !unknown.is_empty() {
-        at.note(format!("materials that no library has, taken as matte, albedo 0.8: {}", listed(&unknown)));
+        at.note(format!("materials that no library has, taken as matte, albedo 0.8: {}", quoted_list(&unknown)));
     }
     let lamps: Vec<&str> = used.iter().filter(|(_, entry)| entry.emits()).map(|(name, _)| *name).collect();
     let shapes = shapes(&at, &mesh, &name, &used, &lamps)?;
@@ -59,7 +59,7 @@ fn libraries(content: &Content, context: &ImportContext) -> Result<BTreeMap<Stri
     for (i, line) in text.lines().enumerate() {
         let Some(files) = line.trim().strip_prefix("mtllib").filter(|rest| rest.starts_with(char::is_whitespace)) else { continue };
         let location = |message: String| Fault::new(message).in_file(context.file).at_line(i + 1);
-        for file in named(files.trim(), context) {
+        for file in file_names(files.trim(), context) {
             if let Some(why) = context.files.why_not(&file) {
                 return Err(Error::invalid(location(why)));
             }
@@ -77,7 +77,7 @@ fn libraries(content: &Content, context: &ImportContext) -> Result<BTreeMap<Stri
 }
 
 /// Files of a statement: one whose name may contain spaces, or several separated by spaces.
-fn named(files: &str, context: &ImportContext) -> Vec<String> {
+fn file_names(files: &str, context: &ImportContext) -> Vec<String> {
     let is_one = !files.contains(char::is_whitespace) || (context.files.why_not(files).is_none() && context.files.bytes(files).is_ok());
     if is_one { vec![files.to_owned()] } else { files.split_whitespace().map(str::to_owned).collect() }
 }
@@ -103,12 +103,12 @@ fn shapes(at: &JsonCursor, mesh: &MeshData, name: &str, used: &BTreeMap<&str, &E
     }
     let mut shapes = vec![];
     let is_lamp = |part: &MeshPart| part.material.as_deref().is_some_and(|name| lamps.contains(&name));
-    if let Some(bytes) = written(mesh, |part| !is_lamp(part))? {
+    if let Some(bytes) = obj_bytes(mesh, |part| !is_lamp(part))? {
         at.context().make("rest.obj", bytes);
         shapes.push(all("rest.obj"));
     }
     for (i, lamp) in lamps.iter().enumerate() {
-        let Some(bytes) = written(mesh, |part| part.material.as_deref() == Some(lamp))? else { continue };
+        let Some(bytes) = obj_bytes(mesh, |part| part.material.as_deref() == Some(lamp))? else { continue };
         let file = format!("lamp-{i}.obj");
         at.context().make(&*file, bytes);
         let emission = [("radiance", at.make_numbers(used[lamp].emission)), ("two_sided", at.make_flag(true))];
@@ -119,7 +119,7 @@ fn shapes(at: &JsonCursor, mesh: &MeshData, name: &str, used: &BTreeMap<&str, &E
 }
 
 /// The wanted parts of a mesh as an OBJ file; `None` if there are none.
-fn written(mesh: &MeshData, wanted: impl Fn(&MeshPart) -> bool) -> Result<Option<Vec<u8>>> {
+fn obj_bytes(mesh: &MeshData, wanted: impl Fn(&MeshPart) -> bool) -> Result<Option<Vec<u8>>> {
     let mut chosen = MeshData { triangles: vec![], parts: vec![], ..mesh.clone() };
     for part in mesh.parts.iter().filter(|part| wanted(part)) {
         let start = chosen.triangles.len() as u32;
@@ -132,7 +132,7 @@ fn written(mesh: &MeshData, wanted: impl Fn(&MeshPart) -> bool) -> Result<Option
     Ok(if chosen.triangles.is_empty() { None } else { Some(bytes) })
 }
 
-fn listed(names: &[&str]) -> String {
+fn quoted_list(names: &[&str]) -> String {
     const SHOWN: usize = 5;
     let more = names.len().saturating_sub(SHOWN);
     let shown: Vec<String> = names.iter().take(SHOWN).map(|name| format!("{name:?}")).collect();

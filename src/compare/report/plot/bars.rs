@@ -33,11 +33,11 @@ pub fn bars(comparison: &Comparison, format: Format) -> Drawing {
     for (i, target) in TARGETS.into_iter().enumerate() {
         let y = top + i as f64 * group;
         drawing.text([0.0, y + 1.5 * font_size], format!("{} %", format::per_cent(target)), Color::Text, font_size, Anchor::Start);
-        for (place, method) in comparison.methods.iter().enumerate() {
-            let middle = y + 2.1 * font_size + (place as f64 + 0.5) * row;
+        for (index, method) in comparison.methods.iter().enumerate() {
+            let middle = y + 2.1 * font_size + (index as f64 + 0.5) * row;
             let cost = method.prices.get(i).copied().flatten();
             drawing.text([0.0, middle + 0.35 * font_size], &method.name, Color::Muted, font_size, Anchor::Start);
-            bar(&mut drawing, &axis, [left, middle], font_size, (place, method), cost, target);
+            bar(&mut drawing, &axis, [left, middle], font_size, (index, method), cost, target);
         }
     }
     drawing.description = describe(comparison);
@@ -49,7 +49,7 @@ fn bar(
     axis: &Axis,
     [left, middle]: [f64; 2],
     font_size: f64,
-    (place, method): (usize, &Method),
+    (index, method): (usize, &Method),
     cost: Option<Cost>,
     target: f64,
 ) {
@@ -62,9 +62,9 @@ fn bar(
     let [low, end, high] = [cost.low, cost.seconds, cost.high].map(|s| axis.at(s));
     let corners = vec![[left, middle - half], [end, middle - half], [end, middle + half], [left, middle + half]];
     let opacity = if cost.extrapolated { 0.3 } else { 0.85 };
-    drawing.area(corners, Color::Method(place), opacity, format!("{}: {}", method.name, super::price(&cost)));
+    drawing.area(corners, Color::Method(index), opacity, format!("{}: {}", method.name, super::price(&cost)));
     if cost.extrapolated {
-        drawing.line(vec![[end, middle - half], [end, middle + half]], Color::Method(place), 1.5, Dashes::Long);
+        drawing.line(vec![[end, middle - half], [end, middle + half]], Color::Method(index), 1.5, Dashes::Long);
     }
     drawing.line(vec![[low, middle], [high, middle]], Color::Text, 1.2, Dashes::None);
     for x in [low, high] {

@@ -21,15 +21,15 @@ fn draw(comparison: &Comparison, format: Format, title: &str, across: Quantity) 
     let x = |checkpoint: &ErrorPoint| if across == Quantity::Samples { checkpoint.samples } else { checkpoint.seconds };
     let biases = comparison.methods.iter().filter_map(|method| method.bias).map(|(bias, _)| bias);
     let points = extent(&curves, x, biases);
-    let legend: Vec<Entry> = comparison.methods.iter().enumerate().map(|(place, method)| Entry { place, text: name(method) }).collect();
+    let legend: Vec<Entry> = comparison.methods.iter().enumerate().map(|(index, method)| Entry { index, text: name(method) }).collect();
     let mut frame = Frame::new(format, title, &legend, across, &points);
     guide(&mut frame);
-    for (place, error_curve) in curves.iter().enumerate() {
-        band(&mut frame, place, error_curve, x);
+    for (index, error_curve) in curves.iter().enumerate() {
+        band(&mut frame, index, error_curve, x);
     }
     plateaus(&mut frame, comparison);
-    for (place, (error_curve, method)) in curves.iter().zip(&comparison.methods).enumerate() {
-        curve(&mut frame, place, error_curve, x, &method.name);
+    for (index, (error_curve, method)) in curves.iter().zip(&comparison.methods).enumerate() {
+        curve(&mut frame, index, error_curve, x, &method.name);
     }
     frame.drawing.description = describe(comparison, &curves, title);
     frame.drawing
@@ -65,12 +65,12 @@ fn guide(frame: &mut Frame) {
     frame.drawing.text(at, "½ error for 4 × work", Color::Muted, font_size, Anchor::Start);
 }
 
-fn band(frame: &mut Frame, place: usize, error_curve: &[ErrorPoint], x: impl Fn(&ErrorPoint) -> f64) {
+fn band(frame: &mut Frame, index: usize, error_curve: &[ErrorPoint], x: impl Fn(&ErrorPoint) -> f64) {
     let upper = error_curve.iter().map(|c| frame.place([x(c), c.high]));
     let lower = error_curve.iter().rev().map(|c| frame.place([x(c), c.low]));
     let points: Vec<Point> = upper.chain(lower).collect();
     if points.len() > 2 {
-        frame.drawing.area(points, Color::Method(place), 0.18, "");
+        frame.drawing.area(points, Color::Method(index), 0.18, "");
     }
 }
 
@@ -81,9 +81,9 @@ fn plateaus(frame: &mut Frame, comparison: &Comparison) {
         comparison.methods.iter().enumerate().filter_map(|(i, m)| m.bias.map(|bias| (i, m, bias.0))).collect();
     biased.sort_by(|a, b| b.2.total_cmp(&a.2));
     let mut above = frame.top;
-    for (place, method, bias) in biased {
+    for (index, method, bias) in biased {
         let y = frame.y.at(bias);
-        frame.drawing.line(vec![[frame.left, y], [frame.right, y]], Color::Method(place), 1.5, Dashes::Long);
+        frame.drawing.line(vec![[frame.left, y], [frame.right, y]], Color::Method(index), 1.5, Dashes::Long);
         let text = format!("bias of {}: {} %", method.name, format::per_cent(bias));
         // The label is below the line, where the method's own curve never is.
         let baseline = (y + 1.15 * font_size).max(above + 1.1 * font_size);
@@ -92,11 +92,11 @@ fn plateaus(frame: &mut Frame, comparison: &Comparison) {
     }
 }
 
-fn curve(frame: &mut Frame, place: usize, error_curve: &[ErrorPoint], x: impl Fn(&ErrorPoint) -> f64, name: &str) {
+fn curve(frame: &mut Frame, index: usize, error_curve: &[ErrorPoint], x: impl Fn(&ErrorPoint) -> f64, name: &str) {
     let points: Vec<Point> = error_curve.iter().map(|c| frame.place([x(c), c.error])).collect();
-    frame.drawing.line(points.clone(), Color::Method(place), 2.0, Dashes::None);
+    frame.drawing.line(points.clone(), Color::Method(index), 2.0, Dashes::None);
     for (point, checkpoint) in points.into_iter().zip(error_curve) {
-        frame.drawing.symbol(place, point, 0.32 * frame.format.font_size, 1.0, hint(name, checkpoint));
+        frame.drawing.symbol(index, point, 0.32 * frame.format.font_size, 1.0, hint(name, checkpoint));
     }
 }
 

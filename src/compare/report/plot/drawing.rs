@@ -127,9 +127,9 @@ impl Drawing {
     }
 
     /// Adds the symbol of a method. Six colours and five shapes repeat, so that thirty methods differ.
-    pub fn symbol(&mut self, place: usize, at: Point, radius: f64, opacity: f64, hint: impl Into<String>) {
-        let points = symbol(place).iter().map(|[x, y]| [at[0] + radius * x, at[1] + radius * y]).collect();
-        self.area(points, Color::Method(place), opacity, hint);
+    pub fn symbol(&mut self, index: usize, at: Point, radius: f64, opacity: f64, hint: impl Into<String>) {
+        let points = symbol(index).iter().map(|[x, y]| [at[0] + radius * x, at[1] + radius * y]).collect();
+        self.area(points, Color::Method(index), opacity, hint);
     }
 
     /// Width of a text in any font that the reader may have: common fonts are at most a fifth wider than ours.
@@ -139,12 +139,12 @@ impl Drawing {
 }
 
 /// Unit polygons of about equal area.
-fn symbol(place: usize) -> Vec<Point> {
+fn symbol(index: usize) -> Vec<Point> {
     let polygon = |corners: usize, radius: f64, start: f64| -> Vec<Point> {
         let angle = |i: usize| (start + i as f64 / corners as f64) * std::f64::consts::TAU;
         (0..corners).map(|i| [radius * angle(i).sin(), -radius * angle(i).cos()]).collect()
     };
-    match place % 5 {
+    match index % 5 {
         0 => polygon(24, 1.0, 0.0),
         1 => polygon(4, 1.25, 0.125),
         2 => polygon(3, 1.5, 0.0),

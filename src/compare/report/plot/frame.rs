@@ -23,7 +23,7 @@ pub const NARROW: Format = Format { width: 350.0, height: 340.0, font_size: 12.0
 /// Entry of the legend: the symbol of a method, and a text.
 pub struct Entry {
     /// Index of the method.
-    pub place: usize,
+    pub index: usize,
     /// Text of the entry.
     pub text: String,
 }
@@ -130,12 +130,12 @@ impl Frame {
 fn draw_legend(drawing: &mut Drawing, format: Format, legend: &[Entry], top: f64) -> f64 {
     let (font_size, gap) = (format.font_size, 1.6 * format.font_size);
     let mut pen = [0.0, top + font_size];
-    for Entry { place, text } in legend {
+    for Entry { index, text } in legend {
         let width = 1.4 * font_size + Drawing::width_of(text, font_size);
         if pen[0] > 0.0 && pen[0] + width > format.width {
             pen = [0.0, pen[1] + 1.6 * font_size];
         }
-        drawing.symbol(*place, [pen[0] + 0.55 * font_size, pen[1] - 0.35 * font_size], 0.36 * font_size, 1.0, "");
+        drawing.symbol(*index, [pen[0] + 0.55 * font_size, pen[1] - 0.35 * font_size], 0.36 * font_size, 1.0, "");
         drawing.text([pen[0] + 1.4 * font_size, pen[1]], text, Color::Text, font_size, Anchor::Start);
         pen[0] += width + gap;
     }

@@ -11,22 +11,22 @@ type Candidate = (usize, ErrorPoint);
 
 /// Draws the Pareto front.
 pub fn front(comparison: &Comparison, format: Format) -> Drawing {
-    let of = |(place, method)| error_curve(method, comparison.confidence).into_iter().map(move |c| (place, c));
+    let of = |(index, method)| error_curve(method, comparison.confidence).into_iter().map(move |c| (index, c));
     let all: Vec<Candidate> = comparison.methods.iter().enumerate().flat_map(of).collect();
     let best = unbeaten(&all);
     let points: Vec<Point> = all.iter().map(|(_, c)| [c.seconds, c.error]).collect();
-    let entry = |(place, method): (usize, &crate::compare::Method)| Entry { place, text: method.name.clone() };
+    let entry = |(index, method): (usize, &crate::compare::Method)| Entry { index, text: method.name.clone() };
     let legend: Vec<Entry> = comparison.methods.iter().enumerate().map(entry).collect();
     let mut frame = Frame::new(format, "The best for the time: Pareto front", &legend, Quantity::Seconds, &points);
     stairs(&mut frame, &best);
-    let name = |place: usize| &comparison.methods[place].name;
+    let name = |index: usize| &comparison.methods[index].name;
     let radius = 0.36 * format.font_size;
-    for (place, c) in &all {
-        let (at, is_best) = (frame.place([c.seconds, c.error]), best.iter().any(|(p, b)| p == place && b == c));
+    for (index, c) in &all {
+        let (at, is_best) = (frame.place([c.seconds, c.error]), best.iter().any(|(p, b)| p == index && b == c));
         let (size, opacity) = if is_best { (radius, 1.0) } else { (0.8 * radius, 0.3) };
-        frame.drawing.symbol(*place, at, size, opacity, hint(name(*place), c));
+        frame.drawing.symbol(*index, at, size, opacity, hint(name(*index), c));
     }
-    let each: Vec<String> = best.iter().map(|(place, c)| hint(name(*place), c)).collect();
+    let each: Vec<String> = best.iter().map(|(index, c)| hint(name(*index), c)).collect();
     frame.drawing.description = format!("Pareto front of time against error: {}.", each.join("; "));
     frame.drawing
 }

@@ -15,7 +15,7 @@ static IS_QUIET: AtomicBool = AtomicBool::new(false);
 static SHOWS_PROGRESS: AtomicBool = AtomicBool::new(true);
 
 /// Applies `--quiet` and `--progress`.
-pub fn follow(args: &CommandLine) {
+pub fn configure(args: &CommandLine) {
     let work = match &args.command {
         None => Some(&args.render.work),
         Some(Command::Compare(args)) => Some(&args.work),
@@ -35,12 +35,12 @@ pub fn is_quiet() -> bool {
 /// Prints a note on stderr.
 pub fn note(text: &str) {
     if !is_quiet() {
-        insist(text);
+        print_stderr(text);
     }
 }
 
 /// Prints requested output on stderr.
-pub fn insist(text: &str) {
+pub fn print_stderr(text: &str) {
     let width = if stderr().is_terminal() { terminal_size::terminal_size_of(stderr()) } else { None };
     // Control characters are made harmless.
     let text = printable(text);
@@ -84,8 +84,8 @@ pub struct Loading {
 }
 
 /// Time before the first message, and between messages.
-const PATIENCE: Duration = Duration::from_secs(1);
-const AGAIN: Duration = Duration::from_secs(10);
+const FIRST_MESSAGE_AFTER: Duration = Duration::from_secs(1);
+const MESSAGE_INTERVAL: Duration = Duration::from_secs(10);
 
 impl Loading {
     /// Starts the messages, which end when the value is dropped.
@@ -96,10 +96,10 @@ impl Loading {
         let tell = {
             let file = file.to_owned();
             move || {
-                let (start, mut patience) = (Instant::now(), PATIENCE);
+                let (start, mut patience) = (Instant::now(), FIRST_MESSAGE_AFTER);
                 while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(patience) {
                     note(&format!("loading {file}: {:.0} s so far", start.elapsed().as_secs_f64()));
-                    patience = AGAIN;
+                    patience = MESSAGE_INTERVAL;
                 }
             }
         };

@@ -1,0 +1,66 @@
+//! Sums over the samples of one pixel.
+
+use super::light_aovs::LightAovBuffer;
+use crate::film::{FilmSpec, Moments, PixelSums, Tree};
+use crate::math::Spectrum;
+use crate::recorder::PathRecorder;
+
+/// Accumulator of the samples of one pixel, reused for all pixels of a tile.
+pub struct PixelAccumulator {
+    /// Colour moments of each sequence.
+    sequences: Vec<Tree<Moments>>,
+    /// Σy² and Σy³ over all samples, in sample order.
+    gray: Tree<[f64; 2]>,
+    /// Totals of the sequences; kept to reuse its memory.
+    totals: Vec<Moments>,
+    /// Light of the samples, if a layer needs it.
+    pub light_aovs: Option<LightAovBuffer>,
+    /// Layer terms of the samples; kept to reuse its memory.
+    pub layer_terms: Vec<f64>,
+}
+
+impl PixelAccumulator {
+    /// An accumulator without samples.
+    ///
+    /// - `sequences`: number of sequences among which the samples are divided
+    pub fn new(spec: &FilmSpec, sequences: usize) -> PixelAccumulator {
+        PixelAccumulator {
+            sequences: vec![Tree::default(); sequences],
+            gray: Tree::default(),
+            totals: vec![],
+            light_aovs: LightAovBuffer::new(&spec.layers, &spec.lights.of),
+            layer_terms: vec![],
+        }
+    }
+
+    /// Removes all samples, for the next pixel.
+    pub fn clear(&mut self) {
+        self.sequences.iter_mut().for_each(Tree::clear);
+        self.gray.clear();
+        self.light_aovs.iter_mut().for_each(LightAovBuffer::clear);
+    }
+
+    /// Recorder for the next sample, if a layer needs its light.
+    pub fn recorder(&mut self) -> Option<&mut dyn PathRecorder> {
+        self.light_aovs.as_mut().map(LightAovBuffer::recorder)
+    }
+
+    /// Adds the next sample, which belongs to the given sequence. A value that is not finite counts as black. Returns whether it is
+    /// finite.
+    #[inline(always)]
+    pub fn add(&mut self, sequence: usize, value: Spectrum) -> bool {
+        let is_valid = value.is_finite();
+        self.light_aovs.iter_mut().for_each(|light_aovs| light_aovs.store_sample(is_valid));
+        let sample = Moments::of(if is_valid { value } else { Spectrum::BLACK });
+        self.gray.push(0, sample.gray, Moments::join_gray);
+        self.sequences[sequence].push(0, sample, Moments::join);
+        is_valid
+    }
+
+    /// Appends the colour sums of the pixel.
+    pub fn push_colors(&mut self, sums: &mut PixelSums) {
+        self.totals.clear();
+        self.totals.extend(self.sequences.iter().map(|tree| tree.total(Moments::join).unwrap_or_default()));
+        sums.push(&self.totals, self.gray.total(Moments::join_gray).unwrap_or_default());
+    }
+}
