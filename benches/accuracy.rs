@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use pt::film::{Image, MomentFilm};
 use pt::measure::adaptive::pilot_allocation;
-use pt::measure::{ErrorHistory, Distance, RelativeError, StopCondition, render_until};
+use pt::measure::{Distance, ErrorHistory, RelativeError, StopCondition, render_until};
 use pt::render::{Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 use rayon::prelude::*;

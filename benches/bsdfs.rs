@@ -11,7 +11,7 @@ use glam::{Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{Bsdf, Element, HitContext, Material, TransportMode, textured};
-use pt::math::{Local, Spectrum, warp};
+use pt::math::{Local, Rgb, warp};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::shape::SurfacePoint;
 
@@ -19,7 +19,7 @@ const COUNT: usize = 1 << 14;
 const ROUNDS: usize = 400;
 
 fn main() {
-    let gray = || Spectrum::gray(0.5);
+    let gray = || Rgb::gray(0.5);
     let (eta, k) = Element::Au.index();
     let finish = |alpha: Vec2, distribution| Roughness { alpha: Alpha::Constant(alpha), distribution };
     let round = || finish(Vec2::splat(0.3), Distribution::Ggx);
@@ -33,9 +33,9 @@ fn main() {
         ("conductor, GGX 4:1", Material::metal((eta, k), Some(finish(Vec2::new(0.6, 0.15), Distribution::Ggx)), false)),
         ("conductor, Beckmann", Material::metal((eta, k), Some(finish(Vec2::splat(0.3), Distribution::Beckmann)), false)),
         ("dielectric", Material::glass(1.5)),
-        ("dielectric, GGX", Material::rough_glass(1.5, Spectrum::ONE, round(), false)),
-        ("dielectric, GGX, multiscatter", Material::rough_glass(1.5, Spectrum::ONE, round(), true)),
-        ("thin_dielectric", Material::ThinDielectric(textured::ThinDielectric { eta: 1.5.into(), color: Spectrum::ONE.into() })),
+        ("dielectric, GGX", Material::rough_glass(1.5, Rgb::WHITE, round(), false)),
+        ("dielectric, GGX, multiscatter", Material::rough_glass(1.5, Rgb::WHITE, round(), true)),
+        ("thin_dielectric", Material::ThinDielectric(textured::ThinDielectric { eta: 1.5.into(), color: Rgb::WHITE.into() })),
         ("matte_cone", Material::MatteCone(textured::MatteCone { color: gray().into(), mattness: 0.3.into() })),
         ("phong", Material::Phong(textured::Phong { color: gray().into(), exponent: 30.0.into() })),
         ("blinn_phong", Material::BlinnPhong(textured::BlinnPhong { color: gray().into(), exponent: 30.0.into() })),

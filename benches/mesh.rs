@@ -9,7 +9,7 @@ use glam::Vec3;
 use pt::bsdf::Material;
 use pt::camera::{Camera, Pose, Spherical};
 use pt::describe::mesh;
-use pt::math::{Spectrum, Transform, float};
+use pt::math::{Rgb, Transform, float};
 use pt::shape::{MeshData, MeshPart, TriangleMesh};
 use pt::world::World;
 
@@ -30,7 +30,7 @@ fn main() -> pt::Result<()> {
         let (data, _) = mesh::load(&path, name)?;
         let (loaded, triangles) = (start.elapsed().as_secs_f64(), data.triangles.len());
         let mut world = World::builder(Camera::Spherical(Spherical { pose: Pose::new(&Transform::IDENTITY) }));
-        let gray = world.material(Material::diffuse(Spectrum::gray(0.5)));
+        let gray = world.material(Material::diffuse(Rgb::gray(0.5)));
         world.shape(TriangleMesh::new(data), Transform::IDENTITY, gray, None);
         let world = world.build()?;
         let total = start.elapsed().as_secs_f64();

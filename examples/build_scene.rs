@@ -11,7 +11,7 @@ use pt::film::{FilmSpec, MomentFilm};
 use pt::glam::DVec3;
 use pt::integrators::nee::Nee;
 use pt::light::Emission;
-use pt::math::{Spectrum, Transform};
+use pt::math::{Rgb, Spectrum, Transform};
 use pt::output::{self, Tonemap};
 use pt::render::{Settings, Silent, render};
 use pt::sampler::SamplerSpec;
@@ -41,9 +41,9 @@ fn world() -> pt::Result<World> {
     let mut world = World::builder(Camera::Perspective(Perspective::new(pose, fov, lens_radius, focus_distance)));
 
     // Colours are linear, with the primaries of Rec. 709.
-    let white = world.material(Material::diffuse(Spectrum::gray(0.73)));
-    let red = world.material(Material::diffuse(Spectrum::rgb(0.63, 0.06, 0.05)));
-    let green = world.material(Material::diffuse(Spectrum::rgb(0.14, 0.45, 0.09)));
+    let white = world.material(Material::diffuse(Rgb::gray(0.73)));
+    let red = world.material(Material::diffuse(Rgb::new(0.63, 0.06, 0.05)));
+    let green = world.material(Material::diffuse(Rgb::new(0.14, 0.45, 0.09)));
     let glass = world.material(Material::glass(1.5));
 
     // A quad lies about the origin and faces +z: it is turned into the room, then moved.

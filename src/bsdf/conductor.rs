@@ -9,7 +9,7 @@ use super::{
 };
 use crate::effects::Effects;
 use crate::format::{Textured, VaryingPerChannel};
-use crate::math::{Local, Spectrum, fresnel};
+use crate::math::{Local, Rgb, Spectrum, fresnel};
 use crate::texture::Texture;
 
 /// What metal reflects of light at an angle.
@@ -24,6 +24,11 @@ pub enum Reflectance {
 }
 
 impl Reflectance {
+    /// The reflectance of a metal by its index of refraction η + ik, stored for red, green and blue.
+    pub fn of_index(eta: Rgb, k: Rgb) -> Reflectance {
+        Reflectance::Index { eta: Spectrum::from_coefficients(eta), k: Spectrum::from_coefficients(k) }
+    }
+
     /// - `cos`: of the angle to the normal, its sign does not matter
     #[inline(always)]
     pub fn at(&self, cos: f32) -> Spectrum {
@@ -184,8 +189,8 @@ impl Description for described::Conductor {
             (Some(color), _) => builder.texture("color", color).into(),
             (None, Some(metal)) => metal.index().into(),
             (None, None) => {
-                let eta = self.eta.as_ref().map_or(Spectrum::BLACK.into(), |eta| builder.channels("eta", eta));
-                let k = self.k.as_ref().map_or(Spectrum::BLACK.into(), |k| builder.channels("k", k));
+                let eta = self.eta.as_ref().map_or(0.0.into(), |eta| builder.channels("eta", eta));
+                let k = self.k.as_ref().map_or(0.0.into(), |k| builder.channels("k", k));
                 Metallic::from((eta, k))
             }
         };
@@ -264,8 +269,8 @@ impl Metallic {
     fn at(&self, at: &HitContext) -> Reflectance {
         match self {
             Metallic::Index { reflectance, .. } => *reflectance,
-            Metallic::Indices { eta, k } => Reflectance::Index { eta: eta.at(&at.point), k: k.at(&at.point) },
-            Metallic::Color(color) => Reflectance::Schlick { normal: color.at(&at.point) },
+            Metallic::Indices { eta, k } => Reflectance::of_index(eta.at(&at.point), k.at(&at.point)),
+            Metallic::Color(color) => Reflectance::Schlick { normal: Spectrum::from_albedo(color.at(&at.point)) },
         }
     }
 
@@ -302,9 +307,9 @@ impl From<Texture> for Metallic {
 }
 
 /// eta and k.
-impl From<(Spectrum, Spectrum)> for Metallic {
-    fn from((eta, k): (Spectrum, Spectrum)) -> Metallic {
-        let reflectance = Reflectance::Index { eta, k };
+impl From<(Rgb, Rgb)> for Metallic {
+    fn from((eta, k): (Rgb, Rgb)) -> Metallic {
+        let reflectance = Reflectance::of_index(eta, k);
         Metallic::Index { reflectance, mean: reflectance.mean() }
     }
 }

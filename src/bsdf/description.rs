@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::microfacet::RoughnessKeys;
 use super::{Material as Prepared, SurfaceMaterial};
 use crate::format::{Textured, Varying, VaryingPerChannel};
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::reader::by_kind;
 use crate::texture::{Number, Texture};
 
@@ -80,11 +80,11 @@ impl dyn Prepare + '_ {
     /// Three numbers, for red, green and blue.
     pub fn channels<T: Copy + Into<f64>>(&mut self, key: &str, described: &VaryingPerChannel<T>) -> Texture {
         match described {
-            VaryingPerChannel::Equal(value) => Texture::Constant(Spectrum::gray((*value).into() as f32)),
-            VaryingPerChannel::Each(values) => Texture::Constant(Spectrum::from_f64(values.map(Into::into))),
+            VaryingPerChannel::Equal(value) => Texture::Constant(Rgb::gray((*value).into() as f32)),
+            VaryingPerChannel::Each(values) => Texture::Constant(Rgb::from_f64(values.map(Into::into))),
             VaryingPerChannel::Between(b) => {
                 let by = self.texture(&format!("{key}/by"), &b.by);
-                Texture::between(Spectrum::from_f64(b.from.each()), Spectrum::from_f64(b.to.each()), by)
+                Texture::between(Rgb::from_f64(b.from.each()), Rgb::from_f64(b.to.each()), by)
             }
         }
     }

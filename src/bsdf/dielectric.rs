@@ -10,7 +10,7 @@ use super::{
 };
 use crate::effects::Effects;
 use crate::format::Textured;
-use crate::math::{Density, Local, Spectrum, float, fresnel};
+use crate::math::{Density, Local, Rgb, Spectrum, float, fresnel};
 use crate::texture::{Number, Texture};
 
 /// A smooth interface between two clear media.
@@ -170,7 +170,7 @@ impl Description for described::Dielectric {
         match &self.absorption {
             None => surface.into(),
             Some(absorption) => {
-                let left = Spectrum::from_f64(absorption.color.linear());
+                let left = Rgb::from_f64(absorption.color.linear());
                 surface.absorbing(left.map(|left| -float::ln(left) / absorption.distance.get() as f32)).into()
             }
         }
@@ -179,7 +179,7 @@ impl Description for described::Dielectric {
 
 /// With its pictures read.
 pub mod textured {
-    use super::{Number, Roughness, Spectrum, TableRange, Texture, rough_dielectric};
+    use super::{Number, Rgb, Roughness, TableRange, Texture, rough_dielectric};
 
     /// The model with textures for parameters: smooth, rough, or one of them from point to point.
     #[derive(Clone, Debug, PartialEq)]
@@ -190,7 +190,7 @@ pub mod textured {
         /// The tables for light that meets more than one facet.
         pub(super) losses: Option<TableRange<rough_dielectric::Losses>>,
         /// σ of the body behind the surface: e^(−σ d) of the light passes the distance d inside (1/m).
-        pub(super) absorption: Option<Spectrum>,
+        pub(super) absorption: Option<Rgb>,
     }
 }
 
@@ -214,16 +214,16 @@ impl textured::Dielectric {
     /// The surface of a body that absorbs: e^(−σ d) of the light passes the distance d inside.
     ///
     /// - `absorption`: σ (1/m)
-    pub fn absorbing(self, absorption: Spectrum) -> textured::Dielectric {
+    pub fn absorbing(self, absorption: Rgb) -> textured::Dielectric {
         textured::Dielectric { absorption: Some(absorption), ..self }
     }
 
     /// The colour of the surface, darker by what the body took of the light on its way to it.
     fn color_at(&self, at: &HitContext) -> Spectrum {
-        let color = self.color.at(&at.point);
+        let color = Spectrum::from_albedo(self.color.at(&at.point));
         match self.absorption.filter(|_| at.inside > 0.0) {
             None => color,
-            Some(absorption) => color * absorption.map(|sigma| float::exp(-sigma * at.inside)),
+            Some(absorption) => color * Spectrum::from_coefficients(absorption).map(|sigma| float::exp(-sigma * at.inside)),
         }
     }
 }

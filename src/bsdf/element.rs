@@ -19,7 +19,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::math::Spectrum;
+use crate::math::Rgb;
 
 /// A metal, by its chemical symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -53,9 +53,9 @@ impl Element {
         [Element::Ag, Element::Al, Element::Au, Element::Cr, Element::Cu, Element::Fe, Element::Ni, Element::Ti, Element::W];
 
     /// η and k of the complex index, for each coefficient of the spectrum.
-    pub fn index(self) -> (Spectrum, Spectrum) {
+    pub fn index(self) -> (Rgb, Rgb) {
         let [red, green, blue] = PRIMARIES.map(|row| self.reduced(row));
-        let spectrum = |of: fn((f64, f64)) -> f64| Spectrum::rgb(of(red) as f32, of(green) as f32, of(blue) as f32);
+        let spectrum = |of: fn((f64, f64)) -> f64| Rgb::new(of(red) as f32, of(green) as f32, of(blue) as f32);
         (spectrum(|(n, _)| n), spectrum(|(_, k)| k))
     }
 

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::microfacet::Roughness;
 use super::{Bsdf, Compound, Material, Metallic, Mix, Share, textured};
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::shape::{SurfacePoint, VertexColor};
 use crate::texture::{Number, Texture};
 
@@ -63,7 +63,7 @@ impl Material {
 
     /// Clear glass with the index of refraction `eta`, inside over outside.
     pub fn glass(eta: f32) -> Material {
-        textured::Dielectric::smooth(eta, Spectrum::ONE).into()
+        textured::Dielectric::smooth(eta, 1.0).into()
     }
 
     /// A matte base under a clear coat with the index of refraction `eta`, at least 1.
@@ -89,8 +89,8 @@ impl Material {
     /// [`Material::mix`] of what is made only where there is some of it: facets come with tables.
     pub(super) fn mixed(a: impl FnOnce() -> Material, b: impl FnOnce() -> Material, share: Texture) -> Material {
         match share {
-            Texture::Constant(none) if none == Spectrum::BLACK => a(),
-            Texture::Constant(all) if all == Spectrum::ONE => b(),
+            Texture::Constant(none) if none == Rgb::BLACK => a(),
+            Texture::Constant(all) if all == Rgb::WHITE => b(),
             share => Compound::Mix(Mix { a: a(), b: b(), share: Share::Texture(share) }).into(),
         }
     }

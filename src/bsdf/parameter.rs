@@ -62,7 +62,7 @@ impl Parameter for Color {
 
     #[inline]
     fn at(textured: &Texture, at: &HitContext) -> Spectrum {
-        textured.at(&at.point)
+        Spectrum::from_albedo(textured.at(&at.point))
     }
 
     fn recentred(textured: Texture, origin: DVec3) -> Texture {

@@ -152,7 +152,7 @@ impl Description for described::Plastic {
         let (albedo, eta) = (builder.texture("albedo", &self.albedo), builder.number("eta", &self.eta));
         match roughness_keys!(self).prepare(builder) {
             None => textured::Plastic::new(albedo, eta).into(),
-            finish => Compound::Coated(Coated { ground: Material::diffuse(albedo), coat: Coat::new(eta, Spectrum::ONE, finish) }).into(),
+            finish => Compound::Coated(Coated { ground: Material::diffuse(albedo), coat: Coat::new(eta, 1.0, finish) }).into(),
         }
     }
 }
@@ -185,7 +185,7 @@ impl Lookup for textured::Plastic {
     fn at(&self, at: &HitContext) -> Bsdf<'static> {
         let eta = self.eta.at(&at.point);
         let internal = self.internal.unwrap_or_else(|| Plastic::internal(eta));
-        Bsdf::Plastic(Plastic { albedo: self.albedo.at(&at.point), eta, internal })
+        Bsdf::Plastic(Plastic { albedo: Spectrum::from_albedo(self.albedo.at(&at.point)), eta, internal })
     }
 
     fn textures(&self) -> Vec<&Texture> {

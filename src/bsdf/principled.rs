@@ -4,7 +4,6 @@ use super::description::{Description, Prepare, given};
 use super::microfacet::{Distribution, Roughness, roughened};
 use super::{Coat, Coated, Compound, Material, Sheen, textured};
 use crate::format::Textured;
-use crate::math::Spectrum;
 use crate::texture::{Number, Texture};
 
 /// Metal, plastic, glass, lacquer and velvet by a base colour and some shares.
@@ -47,7 +46,7 @@ pub struct Principled {
 impl From<Principled> for Material {
     fn from(p: Principled) -> Material {
         let ground = || Material::diffuse(p.base_color.clone());
-        let glaze = || Coat::new(p.eta.clone(), Spectrum::ONE, p.finish.clone()).keep_base_color();
+        let glaze = || Coat::new(p.eta.clone(), 1.0, p.finish.clone()).keep_base_color();
         let glazed = || Compound::Coated(Coated { ground: ground(), coat: glaze() }).into();
         let plastic = || Material::mixed(ground, glazed, p.specular.clone());
         let glass = || textured::Dielectric::new(p.eta.clone(), p.base_color.clone(), p.finish.clone(), p.multiscatter).into();
@@ -179,7 +178,7 @@ mod tests {
 
     #[test]
     fn what_is_not_there_is_not_made() {
-        let [black, white] = [Spectrum::BLACK, Spectrum::ONE].map(Material::diffuse);
+        let [black, white] = [0.0, 1.0].map(Material::diffuse);
         assert_eq!(Material::mixed(|| black.clone(), || unreachable!("a share of 0"), 0.0.into()), black);
         assert_eq!(Material::mixed(|| unreachable!("a share of 1"), || white.clone(), 1.0.into()), white);
     }

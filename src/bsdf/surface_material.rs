@@ -6,7 +6,7 @@ use super::Material;
 use super::description::{Description, MaterialRef, Prepare, given};
 use crate::effects::Effects;
 use crate::format::Textured;
-use crate::math::{Frame, Spectrum};
+use crate::math::Frame;
 use crate::shape::{SurfacePoint, bent};
 use crate::texture::{Number, Product, Texture};
 
@@ -75,7 +75,7 @@ fn mapped(map: &Texture, strength: f32, point: &SurfacePoint, [du, dv]: [Vec3; 2
     let frame = Frame::along(point.ns, du)?;
     // Pictures are mirrored where their coordinates are.
     let hand = 1f32.copysign(frame.y.dot(dv));
-    let [x, y, z] = map.at(point).to_rgb().map(|c| 2.0 * c - 1.0);
+    let [x, y, z] = map.at(point).to_array().map(|c| 2.0 * c - 1.0);
     Some(frame.x * (strength * x) + frame.y * (strength * y * hand) + frame.z * z)
 }
 
@@ -188,7 +188,7 @@ impl Description for described::Bumped {
 
     /// A scene that puts it within another material is refused when it is checked.
     fn prepare(&self, _builder: &mut dyn Prepare) -> Material {
-        Material::diffuse(Spectrum::BLACK)
+        Material::diffuse(0.0)
     }
 
     fn surface(&self, builder: &mut dyn Prepare) -> SurfaceMaterial {
@@ -212,7 +212,7 @@ impl Description for described::Masked {
 
     /// A scene that puts it within another material is refused when it is checked.
     fn prepare(&self, _builder: &mut dyn Prepare) -> Material {
-        Material::diffuse(Spectrum::BLACK)
+        Material::diffuse(0.0)
     }
 
     fn surface(&self, builder: &mut dyn Prepare) -> SurfaceMaterial {

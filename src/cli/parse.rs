@@ -22,6 +22,7 @@ where
     }
 }
 
+/// Parses `N` whole numbers separated by commas.
 pub fn numbers<const N: usize>(text: &str) -> Result<[u32; N], String> {
     let parsed: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     let example = (1..=N).map(|n| (100 * n).to_string()).collect::<Vec<_>>().join(",");
@@ -34,10 +35,12 @@ pub fn threads(text: &str) -> Result<u32, String> {
     text.parse().ok().filter(|n| (1..=1024).contains(n)).ok_or(expected)
 }
 
+/// Parses a finite number.
 pub fn finite(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|x: &f32| x.is_finite()).ok_or("expected a number".to_owned())
 }
 
+/// Parses a finite number above 0.
 pub fn above_zero(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|x: &f32| x.is_finite() && *x > 0.0).ok_or("expected a number above 0".to_owned())
 }
@@ -49,6 +52,7 @@ pub fn share(text: &str) -> Result<f64, String> {
     parsed.filter(|x| *x > 0.0 && *x < 1.0).ok_or("expected a share such as 1% or 0.01, above 0 and below 1".to_owned())
 }
 
+/// Parses a duration: `30s`, `1h30m`, or a number of seconds.
 pub fn duration(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().and_then(|s: f64| Duration::try_from_secs_f64(s).ok());
     let parsed = seconds.or_else(|| humantime::parse_duration(text).ok());

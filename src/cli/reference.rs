@@ -134,8 +134,11 @@ impl ReferenceRenderer {
         until: &StopCondition,
         observer: &dyn ErrorObserver,
     ) -> CachedReference {
-        let nothing =
-            || CachedReference { film: MomentFilm::new(self.spec.clone()), report: RenderReport::default(), history: ErrorHistory::default() };
+        let nothing = || CachedReference {
+            film: MomentFilm::new(self.spec.clone()),
+            report: RenderReport::default(),
+            history: ErrorHistory::default(),
+        };
         let CachedReference { mut film, report, history } = cached.unwrap_or_else(nothing);
         let settings = Settings { wave_time: Some(SHORT_WAVE), ..Settings::new(self.sampler) };
         let render = Render::new(scene.clone(), &*self.integrator, &self.spec, &settings);

@@ -17,9 +17,12 @@ pub struct ToneMapping {
     pub tonemap: Curve,
 }
 
+/// Exposure of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
+    /// Stops of exposure.
     Stops(f32),
+    /// Exposure chosen from the picture.
     Auto,
 }
 
@@ -36,7 +39,7 @@ pub enum Curve {
 }
 
 impl ToneMapping {
-    /// How a picture is developed.
+    /// Tone mapping of a picture with these options.
     pub fn tonemap(&self, image: &Image) -> output::Tonemap {
         let exposure = match self.exposure {
             Exposure::Stops(stops) => stops,

@@ -51,7 +51,9 @@ impl Emitter {
     pub fn at(&self, point: &SurfacePoint) -> Emission {
         match &self.texture {
             None => self.emission,
-            Some(texture) => Emission { radiance: self.emission.radiance * texture.at(point), ..self.emission },
+            Some(texture) => {
+                Emission { radiance: self.emission.radiance * Spectrum::from_coefficients(texture.at(point)), ..self.emission }
+            }
         }
     }
 

@@ -5,6 +5,8 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Sub};
 
 use glam::{Vec3, Vec3A};
 
+use super::Rgb;
+
 /// Spectral quantity such as radiance, reflectance or throughput.
 ///
 /// It has three coefficients: linear RGB with the primaries of Rec. 709. Only the film uses the coefficients ([`Spectrum::to_rgb`]).
@@ -28,10 +30,19 @@ impl Spectrum {
         Spectrum(Vec3::new(r, g, b))
     }
 
-    /// A spectrum from linear RGB (Rec. 709) in f64, rounded.
-    pub fn from_f64(rgb: [f64; 3]) -> Spectrum {
-        let [r, g, b] = rgb.map(|c| c as f32);
-        Spectrum::rgb(r, g, b)
+    /// The spectrum of a stored colour that is a share of light: reflected, transmitted or left over.
+    pub fn from_albedo(color: Rgb) -> Spectrum {
+        Spectrum(color.0)
+    }
+
+    /// The spectrum of a stored colour that is light: what a lamp emits.
+    pub fn from_illuminant(color: Rgb) -> Spectrum {
+        Spectrum(color.0)
+    }
+
+    /// The spectrum of a property that is stored for red, green and blue, such as an index of refraction.
+    pub fn from_coefficients(color: Rgb) -> Spectrum {
+        Spectrum(color.0)
     }
 
     /// Linear RGB (Rec. 709), for the film.

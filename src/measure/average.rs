@@ -39,7 +39,7 @@ pub fn average(pictures: &[Named]) -> Result<Image> {
     Ok(Image { channels, ..*first.image })
 }
 
-/// How the values of a channel are combined.
+/// Rule by which the values of a channel are combined.
 #[derive(Clone, Copy)]
 enum Rule {
     Mean,

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::{Space, Texture};
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
 /// Cells of size 1 in the space of the texture; `even` where ⌊x⌋ + ⌊y⌋ + ⌊z⌋ is even.
@@ -17,7 +17,7 @@ pub struct Checker {
 }
 
 impl Checker {
-    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+    pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let cell = (self.space.coordinates(point) * self.scale.as_dvec3()).map(f64::floor);
         if is_even(cell) { self.even.at(point) } else { self.odd.at(point) }
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{UVec2, Vec2};
 
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
 /// Pixels, interpolated between their centres.
@@ -70,14 +70,14 @@ impl Pixels {
         &self.values
     }
 
-    fn get(&self, x: usize, y: usize) -> Spectrum {
+    fn get(&self, x: usize, y: usize) -> Rgb {
         let [r, g, b] = self.values[y * self.size.x as usize + x];
-        Spectrum::rgb(r, g, b)
+        Rgb::new(r, g, b)
     }
 }
 
 impl Image {
-    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+    pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let size = self.pixels.size;
         // In f64: far from the origin of the coordinates there is still a place within the picture.
         let uv = point.uv.as_dvec2() * self.scale.as_dvec2();

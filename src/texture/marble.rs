@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::noise::Turbulence;
 use super::{Space, Texture};
-use crate::math::{Spectrum, float};
+use crate::math::{Rgb, float};
 use crate::shape::SurfacePoint;
 
 /// Layers across z, stirred by turbulence: from `base` to `veins` by the share ½ (1 + sin(scale·z + 10·turbulence(p))).
@@ -24,7 +24,7 @@ pub struct Marble {
 const OCTAVES: u32 = 7;
 
 impl Marble {
-    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+    pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let p = self.space.coordinates(point);
         let phase = self.scale * p.z + 10.0 * self.turbulence.at(p, OCTAVES);
         self.base.at(point).mix(self.veins.at(point), 0.5 * (1.0 + float::sin(phase as f32)))

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::Texture;
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
 /// (1 − t) a + t b, coefficient by coefficient.
@@ -31,7 +31,7 @@ pub struct Threshold {
 }
 
 impl Threshold {
-    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+    pub fn at(&self, point: &SurfacePoint) -> Rgb {
         self.by.at(point).map(|a| if a >= self.at { 1.0 } else { 0.0 })
     }
 
@@ -41,9 +41,9 @@ impl Threshold {
 }
 
 impl Mix {
-    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+    pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let share = self.share.at(point);
-        self.a.at(point) * (Spectrum::ONE - share) + self.b.at(point) * share
+        self.a.at(point) * (Rgb::WHITE - share) + self.b.at(point) * share
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Mix {
@@ -52,7 +52,7 @@ impl Mix {
 }
 
 impl Product {
-    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+    pub fn at(&self, point: &SurfacePoint) -> Rgb {
         self.a.at(point) * self.b.at(point)
     }
 

@@ -13,7 +13,7 @@ pub mod vertex;
 
 use glam::DVec3;
 
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
 pub use checker::Checker;
@@ -27,7 +27,7 @@ pub use vertex::Vertex;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
-    Constant(Spectrum),
+    Constant(Rgb),
     Checker(Box<Checker>),
     Image(Image),
     Noise(Box<Noise>),
@@ -39,7 +39,7 @@ pub enum Texture {
 }
 
 impl Texture {
-    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+    pub fn at(&self, point: &SurfacePoint) -> Rgb {
         match self {
             Texture::Constant(value) => *value,
             Texture::Checker(checker) => checker.at(point),
@@ -72,9 +72,9 @@ impl Texture {
     }
 
     /// From `a` to `b` by `share`, coefficient by coefficient; constant where `share` is.
-    pub fn between(a: Spectrum, b: Spectrum, share: Texture) -> Texture {
+    pub fn between(a: Rgb, b: Rgb, share: Texture) -> Texture {
         match share {
-            Texture::Constant(share) => Texture::Constant(a * (Spectrum::ONE - share) + b * share),
+            Texture::Constant(share) => Texture::Constant(a * (Rgb::WHITE - share) + b * share),
             share => Texture::Mix(Box::new(Mix { a: a.into(), b: b.into(), share })),
         }
     }
@@ -84,8 +84,8 @@ impl Texture {
     }
 }
 
-impl From<Spectrum> for Texture {
-    fn from(value: Spectrum) -> Texture {
+impl From<Rgb> for Texture {
+    fn from(value: Rgb) -> Texture {
         Texture::Constant(value)
     }
 }
@@ -93,6 +93,6 @@ impl From<Spectrum> for Texture {
 /// A number, the same everywhere.
 impl From<f32> for Texture {
     fn from(value: f32) -> Texture {
-        Texture::Constant(Spectrum::gray(value))
+        Texture::Constant(Rgb::gray(value))
     }
 }

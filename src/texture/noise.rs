@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::{DVec3, IVec3};
 
 use super::{Space, Texture};
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
 /// From `low` to `high` by the share ½ (1 + fbm), between 0 and 1.
@@ -20,7 +20,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+    pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let share = 0.5 * (1.0 + fbm(self.space.coordinates(point) * self.scale, self.octaves));
         self.low.at(point).mix(self.high.at(point), share.clamp(0.0, 1.0) as f32)
     }

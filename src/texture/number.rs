@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::Texture;
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
 /// One number, or from + (to − from) · t by a texture t (of a colour, the mean).
@@ -74,7 +74,7 @@ impl Number {
 }
 
 /// Both ends exactly, and nothing beyond them.
-fn mixed(from: f32, to: f32, share: Spectrum) -> f32 {
+fn mixed(from: f32, to: f32, share: Rgb) -> f32 {
     let t = share.average();
     (from * (1.0 - t) + to * t).clamp(from.min(to), from.max(to))
 }

@@ -1,6 +1,6 @@
 //! The colours of a mesh's vertices.
 
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
 /// The colour that the mesh has at a point, or one channel of it; 1 on what has none.
@@ -13,11 +13,11 @@ pub struct Vertex {
 }
 
 impl Vertex {
-    pub fn at(&self, point: &SurfacePoint) -> Spectrum {
+    pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let [r, g, b, a] = point.color.to_array();
         match self.channel {
-            None => Spectrum::rgb(r, g, b),
-            Some(k) => Spectrum::gray([r, g, b, a][k]),
+            None => Rgb::new(r, g, b),
+            Some(k) => Rgb::gray([r, g, b, a][k]),
         }
     }
 }

@@ -6,12 +6,12 @@ use pt::bsdf::microfacet::roughness::{Alpha, Roughness, alpha};
 use pt::bsdf::{Bsdf, Element, Lobe, Material, ThinDielectric, TransportMode, textured};
 use pt::light::{Environment, Light};
 use pt::math::fresnel::{conductor, dielectric};
-use pt::math::{Local, Ray, Spectrum, Transform};
+use pt::math::{Local, Ray, Rgb, Spectrum, Transform};
 use pt::scene::Scene;
 use pt::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
 use pt::world::World;
 
-use crate::scenes::{Depth, Effort, Law, at, confirm, gray, probe};
+use crate::scenes::{Depth, Effort, Law, at, confirm, gray, probe, stored};
 
 /// The CIE 1931 observer by another road than the library's table: a fit of a few bell curves, good to 1 %.
 ///
@@ -59,6 +59,7 @@ fn metals_have_the_colour_of_their_spectrum() {
             ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k)
         };
         let (eta, k) = metal.index();
+        let (eta, k) = (Spectrum::from_coefficients(eta), Spectrum::from_coefficients(k));
         let found = eta.zip_all(k, |eta, k| conductor(1.0, eta, k)).to_rgb();
         let greatest = (380..=700).map(|w| reflectance(f64::from(w))).fold(0.0, f64::max);
         for (c, row) in RGB.iter().enumerate() {
@@ -114,7 +115,7 @@ fn in_white_light(name: String, material: Material, radiance: f64) -> Law {
 fn glass_absorbs_by_the_way() {
     let row = |(eta, left): (f32, f64)| {
         let absorption = gray(-left.ln() / 2.0);
-        let body = Material::from(textured::Dielectric::smooth(eta, Spectrum::ONE).absorbing(absorption));
+        let body = Material::from(textured::Dielectric::smooth(eta, Rgb::WHITE).absorbing(stored(absorption)));
         let r = f64::from(dielectric(1.0, eta));
         let exact = r + (1.0 - r) * (1.0 - r) * left / (1.0 - r * left);
         in_white_light(format!("glass {eta} that leaves {left}"), body, exact).resolution(1e-3, 2e-3)
@@ -131,11 +132,11 @@ fn round(alpha: f32, distribution: Distribution) -> Roughness {
 #[test]
 fn rough_bodies_vanish_in_white_light() {
     let white = |alpha, distribution| {
-        let metal = Material::metal((Spectrum::ONE, Spectrum::gray(1e4)), Some(round(alpha, distribution)), true);
+        let metal = Material::metal((Rgb::WHITE, Rgb::gray(1e4)), Some(round(alpha, distribution)), true);
         in_white_light(format!("metal {alpha} {distribution:?}"), metal, 1.0).resolution(2e-3, 4e-3)
     };
     let clear = |eta, alpha, distribution| {
-        let glass = Material::rough_glass(eta, Spectrum::ONE, round(alpha, distribution), true);
+        let glass = Material::rough_glass(eta, Rgb::WHITE, round(alpha, distribution), true);
         in_white_light(format!("glass {eta} {alpha} {distribution:?}"), glass, 1.0).resolution(3e-3, 6e-3).by_chance(6e-3)
     };
     let laws = vec![

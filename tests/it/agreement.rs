@@ -10,7 +10,7 @@ use pt::integrator::{CameraSample, Context, Estimator, Integrator};
 use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::{ALL, path::Path};
 use pt::light::{Emission, Environment, Light};
-use pt::math::{Spectrum, Transform, Vec3};
+use pt::math::{Rgb, Spectrum, Transform, Vec3};
 use pt::measure::{SampledImage, agreement, sidak};
 use pt::sampler::dimension::{self, Use};
 use pt::sampler::{Sampler, SamplerSpec};
@@ -19,7 +19,7 @@ use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
 use pt::world::{MaterialId, World, WorldBuilder};
 
 use crate::glass::{block, round_mesh};
-use crate::scenes::{Depth, at, facing, integrator, needs, picture};
+use crate::scenes::{Depth, at, facing, integrator, needs, picture, stored};
 
 /// Cut where all methods must cut alike.
 const DEPTH: Depth = Depth { max: 12, roulette: 3 };
@@ -63,12 +63,13 @@ impl Dice {
 fn substance(kind: u32, dice: &mut Dice) -> Material {
     match kind {
         0 => Material::glass(dice.within(1.1, 2.4) as f32),
-        1 => Material::mirror(dice.color(0.6, 1.0)),
-        2 => Material::metal((dice.color(0.1, 2.0), dice.color(2.0, 5.0)), None, true),
-        3 => {
-            Material::MatteCone(textured::MatteCone { color: dice.color(0.3, 0.9).into(), mattness: (dice.within(0.1, 1.0) as f32).into() })
-        }
-        _ => Material::diffuse(dice.color(0.2, 0.8)),
+        1 => Material::mirror(stored(dice.color(0.6, 1.0))),
+        2 => Material::metal((stored(dice.color(0.1, 2.0)), stored(dice.color(2.0, 5.0))), None, true),
+        3 => Material::MatteCone(textured::MatteCone {
+            color: stored(dice.color(0.3, 0.9)).into(),
+            mattness: (dice.within(0.1, 1.0) as f32).into(),
+        }),
+        _ => Material::diffuse(stored(dice.color(0.2, 0.8))),
     }
 }
 
@@ -95,11 +96,11 @@ pub fn generated(scene: u64, matte: bool) -> Arc<World> {
     let kinds = if matte { 6 } else { 3 };
     for (axis, side) in [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0), (2, -1.0)] {
         let out = DVec3::AXES[axis] * side;
-        let wall = if matte { Material::diffuse(dice.color(0.2, 0.8)) } else { Material::mirror(dice.color(0.3, 0.9)) };
+        let wall = if matte { Material::diffuse(stored(dice.color(0.2, 0.8))) } else { Material::mirror(stored(dice.color(0.3, 0.9))) };
         let wall = world.material(wall);
         world.shape(Quad { size: [2.0; 2] }, facing(out, -out), wall, None);
     }
-    let dark = world.material(Material::mirror(Spectrum::gray(0.1)));
+    let dark = world.material(Material::mirror(Rgb::gray(0.1)));
     lamp(&mut world, scene, &mut dice, dark);
     if scene.is_multiple_of(3) || !matte {
         world.light(Light::Environment(Environment { radiance: dice.color(0.2, 0.8) }));

@@ -10,7 +10,7 @@ use pt::light::{Light, Point};
 use pt::shape::{Disk, Quad, Sphere};
 use pt::world::{World, WorldBuilder};
 
-use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, probe, room, two_sided};
+use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, probe, room, stored, two_sided};
 
 /// As users have it.
 const DEFAULT: Depth = Depth { max: 64, roulette: 4 };
@@ -23,7 +23,7 @@ fn terms(albedo: f64, depth: u32) -> f64 {
 /// Inside a box all of which glows and reflects: L = Le/(1 − ρ), cut after `depth` scattering events.
 fn glowing_box(albedo: f64) -> WorldBuilder {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(1.0, 0.4, 0.1)));
-    let wall = world.material(Material::diffuse(gray(albedo)));
+    let wall = world.material(Material::diffuse(stored(gray(albedo))));
     room(&mut world, DVec3::ZERO, DVec3::new(1.0, 1.5, 1.0), |_, _| (wall, glow(1.0)));
     world
 }
@@ -31,7 +31,7 @@ fn glowing_box(albedo: f64) -> WorldBuilder {
 /// The same in a sphere, whose light is found from within.
 fn glowing_sphere(albedo: f64) -> WorldBuilder {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(1.0, 0.4, 0.1)));
-    let wall = world.material(Material::diffuse(gray(albedo)));
+    let wall = world.material(Material::diffuse(stored(gray(albedo))));
     world.shape(Sphere { radius: 1.5 }, at(DVec3::ZERO), wall, two_sided(1.0));
     world
 }
@@ -76,7 +76,7 @@ fn depth() -> Vec<Law> {
 /// W3. A point light I = π in the middle of a unit sphere: L = ρ I / (π r² (1 − ρ)) = 1 for ρ = ½.
 fn point_in_sphere() -> Vec<Law> {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(0.9, 0.4, 0.1)));
-    let wall = world.material(Material::diffuse(gray(0.5)));
+    let wall = world.material(Material::diffuse(stored(gray(0.5))));
     world.shape(Sphere { radius: 1.0 }, at(DVec3::ZERO), wall, None);
     world.light(Light::Point(Point { position: DVec3::ZERO, intensity: gray(PI) }));
     vec![Law::new("W3", world, 1.0, DEFAULT).resolution(1e-3, 2e-3)]
@@ -87,7 +87,7 @@ fn point_above_floor() -> Vec<Law> {
     let law = |x: f64| {
         let spot = DVec3::new(x, 0.0, 0.0);
         let mut world = World::builder(probe(spot + DVec3::new(0.5, 1.0, 0.5), spot));
-        let floor = world.material(Material::diffuse(gray(0.5)));
+        let floor = world.material(Material::diffuse(stored(gray(0.5))));
         world.shape(Quad { size: [40.0, 40.0] }, facing(DVec3::ZERO, DVec3::Y), floor, None);
         world.light(Light::Point(Point { position: DVec3::Y * 2.0, intensity: gray(10.0) }));
         let irradiance = 20.0 / (4.0 + x * x).powf(1.5);
@@ -100,7 +100,7 @@ fn point_above_floor() -> Vec<Law> {
 fn tile(scale: f64, degrees: f64) -> WorldBuilder {
     let away = |degrees: f64| DVec3::new(degrees.to_radians().sin(), degrees.to_radians().cos(), 0.0);
     let mut world = World::builder(probe(away(degrees + 60.0) * (0.01 * scale), DVec3::ZERO));
-    let white = world.material(Material::diffuse(gray(1.0)));
+    let white = world.material(Material::diffuse(stored(gray(1.0))));
     world.shape(Quad { size: [0.005 * scale; 2] }, facing(DVec3::ZERO, away(degrees)), white, None);
     world
 }
@@ -208,8 +208,8 @@ fn mirror_tube() -> Vec<Law> {
     let (first, second) = (0.3, 0.7);
     let row = |(side, radiance): (f64, f64)| {
         let mut world = World::builder(probe(DVec3::new(0.1, 0.2, 0.0), DVec3::new(0.3, 0.1, side)));
-        let mirror = world.material(Material::mirror(gray(1.0)));
-        let plates = [first, second].map(|albedo| world.material(Material::diffuse(gray(albedo))));
+        let mirror = world.material(Material::mirror(stored(gray(1.0))));
+        let plates = [first, second].map(|albedo| world.material(Material::diffuse(stored(gray(albedo)))));
         room(&mut world, DVec3::ZERO, DVec3::new(0.5, 0.5, 1.0), |axis, side| match (axis, side < 0.0) {
             (2, true) => (plates[0], glow(1.0)),
             (2, false) => (plates[1], None),
@@ -231,7 +231,7 @@ fn integrating_sphere() -> Vec<Law> {
     let (f, radius) = (0.1f64, 1.0);
     let row = |(albedo, shines_back): (f64, bool)| {
         let mut world = World::builder(probe(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.9, -0.3, 0.1)));
-        let wall = world.material(Material::diffuse(gray(albedo)));
+        let wall = world.material(Material::diffuse(stored(gray(albedo))));
         let lamp = if shines_back { wall } else { world.material(black()) };
         // A cap of height 2 r f has the share f; the wall behind the lamp stays dark.
         let (h, rim) = (1.0 - 2.0 * f, (1.0 - (1.0 - 2.0 * f) * (1.0 - 2.0 * f)).sqrt());

@@ -1,4 +1,4 @@
-//! Layers beside the picture: against formulas, and without a trace in the picture itself.
+//! Layers: compared with formulas, and without influence on the picture itself.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ use pt::integrator::choose;
 use pt::integrators::ALL;
 use pt::integrators::path::Path as ByChance;
 use pt::light::Emission;
-use pt::math::{Spectrum, Transform};
+use pt::math::{Rgb, Spectrum, Transform};
 use pt::output::attributes::of_camera;
 use pt::output::{self, Value};
 use pt::render::{Render, Settings, Silent};
@@ -23,18 +23,18 @@ use pt::texture::{Checker, Space, Texture};
 use pt::world::{World, WorldBuilder};
 
 use crate::identity::zoo::{self, Lens, Shot, Zoo, bits};
-use crate::scenes::{at, facing, gray, picture};
+use crate::scenes::{at, facing, gray, picture, stored};
 
-/// Half of the fraction of a pixel that samples keep to where a pixel is to be a point [pixels].
+/// Radius of the box filter that makes a pixel nearly a point [pixels].
 const POINT: f32 = 1e-5;
-/// What a point and f32 leave of coordinates of about 30 that change by 0.1 per pixel, with room to spare.
+/// Tolerance for coordinates of about 30 in f32 that change by 0.1 per pixel.
 const CLOSE: f64 = 2e-5;
 
 fn all() -> Vec<Layer> {
     Layer::ALL.iter().map(|row| row.0).filter(|layer| layer.is_reproducible()).collect()
 }
 
-/// All layers; every pixel is a point.
+/// Film with all layers, in which every pixel is nearly a point.
 fn points(width: u32, height: u32) -> FilmSpec {
     FilmSpec { filter: Filter::pixel_box(POINT), layers: all(), ..FilmSpec::new(width, height) }
 }
@@ -52,7 +52,7 @@ fn built(world: WorldBuilder) -> Arc<World> {
     Arc::new(world.build().expect("a scene"))
 }
 
-/// The numbers of a layer in pixel i, as many as it has.
+/// Numbers of a layer in pixel i.
 fn numbers(image: &Image, layer: Layer, i: usize) -> Vec<f64> {
     layer
         .channels(&LightNames::default())
@@ -75,7 +75,7 @@ fn straight(center: DVec3, distance: f64) -> Camera {
     Camera::Orthographic(Orthographic { pose: Pose::new(&at(center + distance * DVec3::Z)), height: 2.0 })
 }
 
-/// The school formula for the nearest hit, in the user's own coordinates.
+/// Nearest hit with a sphere by the quadratic formula, in the user's coordinates.
 #[test]
 fn a_sphere_is_where_it_is() {
     const FOV: f64 = 40.0;
@@ -83,7 +83,7 @@ fn a_sphere_is_where_it_is() {
     let eye = center + DVec3::new(0.5, 0.25, 5.0);
     let pose = Pose::new(&at(eye));
     let mut world = World::builder(Camera::Perspective(Perspective::new(pose, FOV, 0.0, 1.0)));
-    let matte = world.material(Material::diffuse(Spectrum::rgb(0.25, 0.5, 0.75)));
+    let matte = world.material(Material::diffuse(Rgb::new(0.25, 0.5, 0.75)));
     world.shape(Sphere { radius }, at(center), matte, None);
     // Moves the middle of the scene away from its only other shape.
     world.shape(Sphere { radius: 0.1 }, at(center + DVec3::new(0.0, 0.0, 90.0)), matte, None);
@@ -115,11 +115,11 @@ fn a_sphere_is_where_it_is() {
     assert!(met > 50, "{met}");
 }
 
-/// u and v run along the sides, and the checker's colours follow them.
+/// u and v run along the sides of a quad, and the colours of the checker follow them.
 #[test]
 fn a_textured_quad_has_its_coordinates_and_colours() {
     let colors = [Spectrum::rgb(0.9, 0.5, 0.125), Spectrum::rgb(0.25, 0.375, 0.75)];
-    let [even, odd] = colors.map(Texture::Constant);
+    let [even, odd] = colors.map(|color| Texture::from(stored(color)));
     let checker = Checker { even, odd, scale: Vec3::splat(3.0), space: Space::Uv };
     let mut world = World::builder(straight(DVec3::ZERO, 5.0));
     let matte = world.material(Material::diffuse(Texture::Checker(Box::new(checker))));
@@ -139,14 +139,14 @@ fn a_textured_quad_has_its_coordinates_and_colours() {
     }
 }
 
-/// The shading normal is the interpolated one, the geometric one that of the triangle.
+/// The layer ns has the interpolated normal, and n that of the triangle.
 #[test]
 fn normals_are_told_apart() {
     let positions = [Vec3::new(-2.0, -2.0, 0.0), Vec3::new(2.0, -2.0, 0.0), Vec3::new(0.0, 2.0, 0.0)];
     let normals = [Vec3::new(-0.6, 0.0, 0.8), Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.8)];
     let data = MeshData { positions: positions.into(), normals: normals.into(), triangles: vec![[0, 1, 2]], ..MeshData::default() };
     let mut world = World::builder(straight(DVec3::ZERO, 3.0));
-    let matte = world.material(Material::diffuse(gray(0.5)));
+    let matte = world.material(Material::diffuse(stored(gray(0.5))));
     world.shape(TriangleMesh::new(data), Transform::IDENTITY, matte, None);
     let image = taken(built(world), points(9, 9), spp(2));
     for i in [13, 31, 40, 44, 58, 76] {
@@ -161,11 +161,11 @@ fn normals_are_told_apart() {
     }
 }
 
-/// Half of a pixel: colours and normals fade with the share that is met, places do not.
+/// In a pixel that is half covered, colours and normals are weighted by the coverage, and positions are not.
 #[test]
 fn places_are_means_over_hits_and_colours_over_samples() {
     let mut world = World::builder(straight(DVec3::ZERO, 5.0));
-    let matte = world.material(Material::diffuse(gray(0.5)));
+    let matte = world.material(Material::diffuse(stored(gray(0.5))));
     // Ends in the middle of a column of pixels, each 0.25 m wide.
     world.shape(Quad { size: [1.25, 2.0] }, at(DVec3::new(-0.5, 0.0, 0.0)), matte, None);
     let scene = built(world);
@@ -187,11 +187,11 @@ fn places_are_means_over_hits_and_colours_over_samples() {
     }
 }
 
-/// White light of radiance 1 and the colour of light are the same number: layers have the picture's own weights.
+/// Layers have the weights of the picture: for white light of radiance 1, the albedo layer of a lamp equals the picture.
 #[test]
 fn layers_have_the_weights_of_the_picture() {
     let mut world = World::builder(straight(DVec3::ZERO, 5.0));
-    let black = world.material(Material::diffuse(Spectrum::BLACK));
+    let black = world.material(Material::diffuse(Rgb::BLACK));
     world.shape(Sphere { radius: 0.7 }, at(DVec3::ZERO), black, Some(Emission::new(Spectrum::ONE)));
     let scene = built(world);
     for filter in [Filter::default(), Filter::tent(1.0), Filter::gaussian(1.5, 0.5), Filter::mitchell(2.0, 1.0 / 3.0, 1.0 / 3.0)] {
@@ -207,7 +207,7 @@ fn layers_have_the_weights_of_the_picture() {
     }
 }
 
-/// The mean of a layer over a wall that fills the picture, seen straight on.
+/// Mean of a layer over a wall that fills the picture, seen perpendicularly.
 fn wall(material: Material, emission: Option<Emission>) -> DVec3 {
     let mut world = World::builder(straight(DVec3::ZERO, 5.0));
     let material = world.material(material);
@@ -217,14 +217,14 @@ fn wall(material: Material, emission: Option<Emission>) -> DVec3 {
     (0..256).map(|i| vector(&image, Layer::Albedo, i)).sum::<DVec3>() / 256.0
 }
 
-/// What the models scatter of light that comes along the normal.
+/// The albedo layer has the albedo of each model for light along the normal.
 #[test]
 fn albedos_are_what_is_scattered() {
     let color = Spectrum::rgb(0.25, 0.5, 0.75);
     let expected = DVec3::new(0.25, 0.5, 0.75);
-    assert_eq!(wall(Material::diffuse(color), None), expected);
-    assert_eq!(wall(Material::mirror(color), None), expected);
-    assert_eq!(wall(Material::mirror(Spectrum::BLACK), None), DVec3::ZERO);
+    assert_eq!(wall(Material::diffuse(stored(color)), None), expected);
+    assert_eq!(wall(Material::mirror(stored(color)), None), expected);
+    assert_eq!(wall(Material::mirror(Rgb::BLACK), None), DVec3::ZERO);
     // Glass loses nothing, though radiance is compressed within it.
     assert!(wall(Material::glass(1.5), None).distance(DVec3::ONE) < 1e-6);
     // Plastic: F₀ + (1 − F₀)(1 − F̄ᵢ) ρ/(1 − ρ F̄ᵢ).
@@ -233,10 +233,10 @@ fn albedos_are_what_is_scattered() {
     let internal = 1.0 - (1.0 - mean_fresnel(eta)) / (eta * eta);
     let plastic = f0 + (1.0 - f0) * (1.0 - internal) * rho / (1.0 - rho * internal);
     // 16384 drawn directions, whose weights differ by a tenth.
-    near(wall(Material::plastic(gray(rho), eta as f32), None).x, plastic, 3e-3, "plastic");
-    // What shines has the colour of its light, however bright.
+    near(wall(Material::plastic(stored(gray(rho)), eta as f32), None).x, plastic, 3e-3, "plastic");
+    // An emitting surface has the colour of its light, independent of its brightness.
     let light = Some(Emission::new(Spectrum::rgb(2e6, 4e6, 1e6)));
-    assert_eq!(wall(Material::diffuse(color), light), DVec3::new(0.5, 1.0, 0.25));
+    assert_eq!(wall(Material::diffuse(stored(color)), light), DVec3::new(0.5, 1.0, 0.25));
 }
 
 /// 2 ∫ F(μ) μ dμ, by the midpoint rule.
@@ -250,12 +250,12 @@ fn mean_fresnel(eta: f64) -> f64 {
     (0..STEPS).map(|k| (k as f64 + 0.5) / STEPS as f64).map(|mu| 2.0 * f(mu) * mu).sum::<f64>() / STEPS as f64
 }
 
-/// A panorama has no axis: its depth is the distance.
+/// The depth in a panorama is the distance.
 #[test]
 fn the_depth_of_a_panorama_is_the_distance() {
     let middle = DVec3::new(1.0, 2.0, 3.0);
     let mut world = World::builder(Camera::Spherical(Spherical { pose: Pose::new(&at(middle)) }));
-    let matte = world.material(Material::diffuse(gray(0.5)));
+    let matte = world.material(Material::diffuse(stored(gray(0.5))));
     world.shape(Sphere { radius: 3.0 }, at(middle), matte, None);
     let scene = built(world);
     let film = FilmSpec { layers: vec![Layer::Depth, Layer::Position], ..FilmSpec::new(16, 8) };
@@ -265,7 +265,7 @@ fn the_depth_of_a_panorama_is_the_distance() {
     assert_eq!(names, ["worldToCamera"], "no matrix makes a panorama");
 }
 
-/// OpenEXR's matrices take places, as rows, to the camera and to the pixels that show them.
+/// The matrices of OpenEXR map positions, as row vectors, to camera space and to pixels.
 #[test]
 fn matrices_find_the_pixel() {
     let (eye, target) = (DVec3::new(3.0, 4.0, 9.0), DVec3::new(5.0, 1.0, 2.0));
@@ -278,7 +278,7 @@ fn matrices_find_the_pixel() {
         (Camera::Orthographic(Orthographic { pose, height: 3.0 }), None, None),
     ] {
         let mut world = World::builder(camera);
-        let matte = world.material(Material::diffuse(gray(0.5)));
+        let matte = world.material(Material::diffuse(stored(gray(0.5))));
         world.shape(Quad { size: [90.0, 90.0] }, facing(target, DVec3::new(0.3, 0.5, 1.0)), matte, None);
         let scene = built(world);
         let crop = Crop { min: UVec2::new(2, 3), max: UVec2::new(12, 7) };
@@ -309,7 +309,7 @@ fn matrices_find_the_pixel() {
     }
 }
 
-/// Nothing that layers look at has a say in the picture: with a lens, holes, all integrators and samplers.
+/// Layers do not change the picture, with a lens, with holes, and with all integrators and samplers.
 #[test]
 fn layers_change_no_bit_of_the_picture() {
     for (entry, (kind, ..)) in ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
@@ -324,7 +324,7 @@ fn layers_change_no_bit_of_the_picture() {
     }
 }
 
-/// Threads, tiles, crops and pauses.
+/// Layers do not depend on threads, tiles, crops and pauses.
 #[test]
 fn layers_are_the_same_bits_however_they_are_divided() {
     let integrator = ByChance { max_depth: 1, ..ByChance::default() };
@@ -378,7 +378,7 @@ fn names(image: &Image) -> Vec<&str> {
     image.channels.iter().map(|c| c.name.as_str()).collect()
 }
 
-/// `all` and single names, by flag and by key; the clock only by name, and in no hash.
+/// Layers are chosen by `all` or by name, by flag or by key. The layer of time is chosen only by name and is in no hash.
 #[test]
 fn layers_are_asked_for_by_name() {
     let folder = folder();
@@ -430,7 +430,7 @@ fn wrong_layers_are_refused_in_one_line() {
     assert!(said.contains("warning: layers are written to .exr files, and none is asked for"), "{said}");
 }
 
-/// Colours, vectors, coordinates and single numbers become pictures.
+/// Layers of colours, vectors, coordinates and single numbers can be shown as pictures.
 #[test]
 fn layers_become_pictures() {
     let folder = folder();

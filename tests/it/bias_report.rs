@@ -20,7 +20,7 @@ use pt::shape::Sphere;
 use pt::world::World;
 
 use crate::recorder::load;
-use crate::scenes::{at, glow, gray, probe, room, two_sided};
+use crate::scenes::{at, glow, gray, probe, room, stored, two_sided};
 
 const HOUR: Duration = Duration::from_secs(3600);
 
@@ -32,7 +32,7 @@ fn terms(albedo: f64, depth: u32) -> f64 {
 /// A closed room all of which glows and reflects: L = Σ ρᵏ.
 fn glowing(albedo: f64) -> Arc<dyn Scene> {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(1.0, 0.4, 0.1)));
-    let wall = world.material(Material::diffuse(gray(albedo)));
+    let wall = world.material(Material::diffuse(stored(gray(albedo))));
     room(&mut world, DVec3::ZERO, DVec3::new(1.0, 1.5, 1.0), |_, _| (wall, glow(1.0)));
     Arc::new(world.build().expect("a room"))
 }
@@ -72,7 +72,7 @@ fn the_depth_limit_removes_what_the_series_says() {
 #[test]
 fn a_branching_method_has_its_limit_too() {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(1.0, 0.4, 0.1)));
-    let wall = world.material(Material::mirror(gray(0.5)));
+    let wall = world.material(Material::mirror(stored(gray(0.5))));
     world.shape(Sphere { radius: 1.5 }, at(DVec3::ZERO), wall, two_sided(1.0));
     let scene: Arc<dyn Scene> = Arc::new(world.build().expect("a sphere"));
     let removed = only(&scene, &Whitted { max_depth: 3, branch_depth: 4 }, terms(0.5, 3), 32);

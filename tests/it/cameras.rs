@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use pt::bsdf::Material;
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use pt::effects::Effects;
-use pt::math::{Ray, Spectrum, Transform, float::ONE_MINUS_EPSILON};
+use pt::math::{Ray, Rgb, Transform, float::ONE_MINUS_EPSILON};
 use pt::scene::Scene;
 use pt::shape::{Disk, Quad, Sphere};
 use pt::world::World;
@@ -273,7 +273,7 @@ fn moved(kind: usize, by: DVec3) -> World {
         Camera::Spherical(Spherical { pose }),
     ][kind];
     let mut builder = World::builder(camera);
-    let white = builder.material(Material::diffuse(Spectrum::ONE));
+    let white = builder.material(Material::diffuse(Rgb::WHITE));
     let at = |x, y, z| Transform::translate(DVec3::new(x, y, z) + by).expect("finite");
     builder.shape(Sphere { radius: 0.5 }, at(-0.5, 0.25, 0.0), white, None);
     builder.shape(Disk { radius: 0.75 }, at(0.75, 0.5, -0.25), white, None);

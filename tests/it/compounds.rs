@@ -14,7 +14,7 @@ use pt::bsdf::{
 use pt::camera::Camera;
 use pt::light::Emission;
 use pt::math::fresnel::dielectric;
-use pt::math::{Local, Ray, Spectrum, Transform};
+use pt::math::{Local, Ray, Rgb, Spectrum, Transform};
 use pt::proof::at;
 use pt::proof::strategies::{color, fraction, sphere};
 use pt::scene::{Scene, Surface};
@@ -25,6 +25,7 @@ use pt::world::World;
 
 use crate::random::{Random, cases};
 use crate::scenes::probe;
+use crate::scenes::stored;
 
 const MODE: TransportMode = TransportMode::Radiance;
 
@@ -74,7 +75,7 @@ proptest! {
     fn mixes_are_sums(a in color(), b in color(), t in fraction(), alpha in prop::sample::select(vec![0.1f32, 0.3, 1.0]), wo in sphere(), wi in sphere()) {
         // As a texture says it, up to rounding: of 1 − t there may be little.
         let t = Spectrum::gray(t).average();
-        let (first, second) = (Material::diffuse(a), Material::metal(Texture::from(b), Some(round(alpha)), true));
+        let (first, second) = (Material::diffuse(stored(a)), Material::metal(Texture::from(stored(b)), Some(round(alpha)), true));
         let mix = Material::from(Compound::Mix(Mix { a: first.clone(), b: second.clone(), share: Share::Texture(t.into()) }));
         let (mix, first, second) = (center(&mix), center(&first), center(&second));
         let sum = first.eval(wo, wi, MODE) * (1.0 - t) + second.eval(wo, wi, MODE) * t;
@@ -88,7 +89,7 @@ proptest! {
     fn mixed_lobes_are_sums(a in color(), b in color(), t in fraction(), wo in sphere()) {
         // As a texture says it, up to rounding: of 1 − t there may be little.
         let t = Spectrum::gray(t).average();
-        let (first, second) = (Material::from(textured::Dielectric::smooth(1.5, a)), Material::mirror(b));
+        let (first, second) = (Material::from(textured::Dielectric::smooth(1.5, stored(a))), Material::mirror(stored(b)));
         let mix = Material::from(Compound::Mix(Mix { a: first.clone(), b: second.clone(), share: Share::Texture(t.into()) }));
         let lobes = |material: &Material| center(material).delta_lobes(wo, MODE).collect::<Vec<_>>();
         let parts = [(lobes(&first), 1.0 - t), (lobes(&second), t)];
@@ -106,7 +107,7 @@ proptest! {
     /// By Fresnel, f = (1 − max(F(θo), F(θi))) f_a + min(F(θo), F(θi)) f_b.
     #[test]
     fn fresnel_mixes_are_sums(a in color(), b in color(), eta in 1f32..3.0, wo in sphere(), wi in sphere()) {
-        let (first, second) = (Material::diffuse(a), Material::metal(Texture::from(b), Some(round(0.3)), true));
+        let (first, second) = (Material::diffuse(stored(a)), Material::metal(Texture::from(stored(b)), Some(round(0.3)), true));
         let mix = Material::from(Compound::Mix(Mix { a: first.clone(), b: second.clone(), share: Share::Fresnel { eta: eta.into() } }));
         let [o, i] = [wo, wi].map(|w| dielectric(w.abs_cos(), eta));
         let sum = center(&first).eval(wo, wi, MODE) * (1.0 - o.max(i)) + center(&second).eval(wo, wi, MODE) * o.min(i);
@@ -116,7 +117,7 @@ proptest! {
     /// Over a Lambertian ground a smooth coat is what `plastic` derives by itself, with its lobes.
     #[test]
     fn a_coat_over_matte_is_plastic(albedo in color(), eta in 1f32..3.0, wo in sphere(), wi in sphere()) {
-        let coat = coated(Material::diffuse(albedo), Coat::new(eta, Spectrum::ONE, None));
+        let coat = coated(Material::diffuse(stored(albedo)), Coat::new(eta, Rgb::WHITE, None));
         let plastic = Bsdf::Plastic(Plastic { albedo, eta, internal: Plastic::internal(eta) });
         let coat = center(&coat);
         prop_assert!(near(coat.eval(wo, wi, MODE), plastic.eval(wo, wi, MODE), 2e-5));
@@ -129,7 +130,7 @@ proptest! {
     /// Each side is as its material alone; nothing goes through.
     #[test]
     fn sides_are_their_own(front in color(), back in color(), wo in sphere(), wi in sphere()) {
-        let sides = Compound::TwoSided(TwoSided { front: Some(Material::diffuse(front)), back: Some(Material::diffuse(back)) });
+        let sides = Compound::TwoSided(TwoSided { front: Some(Material::diffuse(stored(front))), back: Some(Material::diffuse(stored(back))) });
         let sides = Material::from(sides);
         let expected = Bsdf::Diffuse(Diffuse { albedo: if wo.cos() > 0.0 { front } else { back } });
         prop_assert_eq!(center(&sides).eval(wo, wi, MODE), expected.eval(wo, wi, MODE));
@@ -157,11 +158,11 @@ fn importance_is_adjoint() {
 /// The quadrature is good to 1e-3 for these widths; the tables of the coat to as much.
 #[test]
 fn coated_white_is_white() {
-    let white = || Material::diffuse(Spectrum::ONE);
+    let white = || Material::diffuse(Rgb::WHITE);
     for eta in [1.2, 1.5, 2.4] {
         for finish in [None, Some(round(0.25)), Some(round(0.6)), Some(round(1.0))] {
             for cos in [1.0, 0.7, 0.3] {
-                let material = coated(white(), Coat::new(eta, Spectrum::ONE, finish.clone()));
+                let material = coated(white(), Coat::new(eta, Rgb::WHITE, finish.clone()));
                 let found = albedo(&center(&material), at(cos, 0.4)).average();
                 assert!((found - 1.0).abs() < 2e-3, "eta {eta}, {finish:?}, cos {cos}: {found}");
             }
@@ -177,7 +178,7 @@ fn coated_white_is_white_along_the_surface() {
     let mut random = Random::new(31);
     for eta in [1.05, 1.5, 3.0] {
         for alpha in [1e-6, 1e-4, 1e-2, 0.05, 0.25] {
-            let material = coated(Material::diffuse(Spectrum::ONE), Coat::new(eta, Spectrum::ONE, Some(round(alpha))));
+            let material = coated(Material::diffuse(Rgb::WHITE), Coat::new(eta, Rgb::WHITE, Some(round(alpha))));
             let model = center(&material);
             for cos in [0.3, 0.05, 0.0087, 1e-3] {
                 let wo = at(cos, 0.4);
@@ -230,11 +231,11 @@ fn extremes(material: &Material) -> [f32; 2] {
 #[test]
 fn layers_on_white_are_white() {
     const TABLES: f32 = 2e-3;
-    let matte = || Material::diffuse(Spectrum::ONE);
-    let mirror = || Material::mirror(Spectrum::ONE);
+    let matte = || Material::diffuse(Rgb::WHITE);
+    let mirror = || Material::mirror(Rgb::WHITE);
     let clay = || Material::OrenNayar(textured::OrenNayar { albedo: 1.0.into(), roughness: 1.0.into() });
-    let metal = |alpha: f32| Material::metal(Texture::from(Spectrum::ONE), Some(round(alpha)), true);
-    let coat = |eta: f32, alpha: f32| Coat::new(eta, Spectrum::ONE, (alpha > 0.0).then(|| round(alpha)));
+    let metal = |alpha: f32| Material::metal(Texture::from(Rgb::WHITE), Some(round(alpha)), true);
+    let coat = |eta: f32, alpha: f32| Coat::new(eta, Rgb::WHITE, (alpha > 0.0).then(|| round(alpha)));
     let paper = || Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: 1.0.into(), transmittance: 0.0.into() });
     let with_coat = || Principled { coat: 1.0.into(), ..white(0.25) };
     let rough_coat = || Principled { coat_finish: Some(round(0.3)), ..with_coat() };
@@ -247,8 +248,8 @@ fn layers_on_white_are_white() {
         ("two coats over matte", coated(coated(matte(), coat(1.3, 0.0)), coat(1.6, 0.0)), TABLES),
         ("three", coated(coated(coated(matte(), coat(1.3, 0.4)), coat(2.4, 0.0)), coat(1.5, 0.6)), 3e-3),
         ("two coats over a mirror", coated(coated(mirror(), coat(1.3, 0.0)), coat(1.6, 0.0)), TABLES),
-        ("coat over plastic", coated(Material::plastic(Spectrum::ONE, 1.4), coat(1.5, 0.0)), TABLES),
-        ("coat over a mix", coated(Material::mix(matte(), Material::plastic(Spectrum::ONE, 1.4), 0.5), coat(1.5, 0.4)), TABLES),
+        ("coat over plastic", coated(Material::plastic(Rgb::WHITE, 1.4), coat(1.5, 0.0)), TABLES),
+        ("coat over a mix", coated(Material::mix(matte(), Material::plastic(Rgb::WHITE, 1.4), 0.5), coat(1.5, 0.4)), TABLES),
         ("coat over paper", coated(paper(), coat(1.5, 0.0)), TABLES),
         ("principled", white(0.25).into(), TABLES),
         ("principled, rough coat", rough_coat().into(), TABLES),
@@ -283,9 +284,9 @@ fn coats_deepen_colors() {
     let internal = Plastic::internal(eta);
     let deep = rho * (1.0 - internal) / (1.0 - rho * internal);
     let wo = at(0.8, 0.0);
-    let coat = || Coat::new(eta, Spectrum::ONE, None);
+    let coat = || Coat::new(eta, Rgb::WHITE, None);
     let shares = [(coat(), deep), (coat().keep_base_color(), rho)].map(|(coat, expected)| {
-        let material = coated(Material::diffuse(Spectrum::gray(rho)), coat);
+        let material = coated(Material::diffuse(Rgb::gray(rho)), coat);
         let model = center(&material);
         let reflected: Spectrum = model.delta_lobes(wo, MODE).map(|lobe| lobe.weight).sum();
         ((albedo(&model, wo) - reflected).average() / (1.0 - reflected.average()), expected)
@@ -300,7 +301,7 @@ fn coats_deepen_colors() {
 #[test]
 fn sheen_returns_what_it_says() {
     for roughness in [0.22, 0.45, 0.77, 1.0] {
-        let sheen = Material::from(Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), Spectrum::ONE, roughness)));
+        let sheen = Material::from(Compound::Sheen(Sheen::new(Material::mirror(Rgb::WHITE), Rgb::WHITE, roughness)));
         for cos in [1.0, 0.6, 0.25] {
             let found = albedo(&center(&sheen), at(cos, 0.0)).average();
             assert!((found - 1.0).abs() < 5e-3, "roughness {roughness}, cos {cos}: {found}");
@@ -313,7 +314,7 @@ fn sheen_returns_what_it_says() {
 fn principled_is_what_it_names() {
     let (base, tint) = (Spectrum::rgb(0.9, 0.5, 0.2), Spectrum::rgb(0.3, 0.8, 0.9));
     let principled = || Principled {
-        base_color: base.into(),
+        base_color: stored(base).into(),
         metallic: 0.0.into(),
         transmission: 0.0.into(),
         specular: 1.0.into(),
@@ -321,18 +322,18 @@ fn principled_is_what_it_names() {
         eta: 1.4.into(),
         coat: 0.0.into(),
         coat_eta: 1.7.into(),
-        coat_color: tint.into(),
+        coat_color: stored(tint).into(),
         coat_finish: Some(round(0.1)),
         sheen_color: 0.0.into(),
         sheen_roughness: 0.55.into(),
         multiscatter: true,
     };
-    let matte = || Material::diffuse(base);
-    let plastic = || coated(matte(), Coat::new(1.4, Spectrum::ONE, Some(round(0.3))).keep_base_color());
-    let metal = |multiscatter| Material::metal(Texture::from(base), Some(round(0.3)), multiscatter);
-    let glass = |multiscatter| Material::rough_glass(1.4, base, round(0.3), multiscatter);
-    let velvet = |ground| Material::from(Compound::Sheen(Sheen::new(ground, tint, 0.55)));
-    let lacquer = || Coat::new(1.7, tint, Some(round(0.1)));
+    let matte = || Material::diffuse(stored(base));
+    let plastic = || coated(matte(), Coat::new(1.4, Rgb::WHITE, Some(round(0.3))).keep_base_color());
+    let metal = |multiscatter| Material::metal(Texture::from(stored(base)), Some(round(0.3)), multiscatter);
+    let glass = |multiscatter| Material::rough_glass(1.4, stored(base), round(0.3), multiscatter);
+    let velvet = |ground| Material::from(Compound::Sheen(Sheen::new(ground, stored(tint), 0.55)));
+    let lacquer = || Coat::new(1.7, stored(tint), Some(round(0.1)));
     let blend = Material::mix(Material::mix(Material::mix(matte(), plastic(), 0.7), glass(true), 0.4), metal(true), 0.3);
     let (metallic, clear) = (Principled { metallic: 1.0.into(), ..principled() }, Principled { transmission: 1.0.into(), ..principled() });
     let cases: [(Principled, Material); 11] = [
@@ -343,11 +344,11 @@ fn principled_is_what_it_names() {
         (Principled { multiscatter: false, ..metallic }, metal(false)),
         (clear.clone(), glass(true)),
         (Principled { multiscatter: false, ..clear.clone() }, glass(false)),
-        (Principled { finish: None, ..clear }, Material::from(textured::Dielectric::smooth(1.4, base))),
+        (Principled { finish: None, ..clear }, Material::from(textured::Dielectric::smooth(1.4, stored(base)))),
         (Principled { metallic: 0.3.into(), transmission: 0.4.into(), specular: 0.7.into(), ..principled() }, blend),
-        (Principled { sheen_color: tint.into(), ..principled() }, velvet(plastic())),
+        (Principled { sheen_color: stored(tint).into(), ..principled() }, velvet(plastic())),
         (
-            Principled { coat: 0.6.into(), sheen_color: tint.into(), ..principled() },
+            Principled { coat: 0.6.into(), sheen_color: stored(tint).into(), ..principled() },
             Material::mix(velvet(plastic()), coated(velvet(plastic()), lacquer()), 0.6),
         ),
     ];
@@ -369,7 +370,7 @@ fn principled_is_what_it_names() {
 fn a_texture_mixes() {
     let squares = Checker { even: 0.0.into(), odd: 1.0.into(), scale: Vec3::ONE, space: Space::Uv };
     let share = Texture::Checker(Box::new(squares));
-    let material = Material::mix(Material::diffuse(Spectrum::ONE), Material::mirror(Spectrum::ONE), share);
+    let material = Material::mix(Material::diffuse(Rgb::WHITE), Material::mirror(Rgb::WHITE), share);
     assert_eq!(material.bsdf_at(&HitContext::from_outside(point(Vec2::new(0.5, 0.5)))), Bsdf::Diffuse(Diffuse { albedo: Spectrum::ONE }));
     assert_eq!(material.bsdf_at(&HitContext::from_outside(point(Vec2::new(1.5, 0.5)))), Bsdf::Mirror(Mirror { color: Spectrum::ONE }));
 }
@@ -401,10 +402,8 @@ fn heights_lean_as_planes() {
     // Twice the slope between the pixels of the ramp: from 0 to 1 over half of the two metres.
     for scale in [0.1f32, -0.3, 1.0] {
         let normal_modifier = NormalModifier::BumpMap { map: ramp(0.0, 1.0), scale: scale.into() };
-        let world = quad(
-            SurfaceMaterial { normal_modifier: Some(normal_modifier), ..Material::diffuse(Spectrum::ONE).into() },
-            Transform::IDENTITY,
-        );
+        let world =
+            quad(SurfaceMaterial { normal_modifier: Some(normal_modifier), ..Material::diffuse(Rgb::WHITE).into() }, Transform::IDENTITY);
         let normal = seen(&world, Vec3::NEG_Z);
         let expected = Vec3::new(-scale, 0.0, 1.0).normalize();
         assert!((normal - expected).length() < 1e-3, "{normal} {expected}");
@@ -416,10 +415,8 @@ fn heights_lean_as_planes() {
 fn no_slope_is_too_steep() {
     for scale in [1e4f32, 1e18, 1e30, 3e38, -1e30] {
         let normal_modifier = NormalModifier::BumpMap { map: ramp(0.0, 1.0), scale: scale.into() };
-        let world = quad(
-            SurfaceMaterial { normal_modifier: Some(normal_modifier), ..Material::diffuse(Spectrum::ONE).into() },
-            Transform::IDENTITY,
-        );
+        let world =
+            quad(SurfaceMaterial { normal_modifier: Some(normal_modifier), ..Material::diffuse(Rgb::WHITE).into() }, Transform::IDENTITY);
         let normal = seen(&world, Vec3::NEG_Z);
         assert!((normal - Vec3::new(-scale.signum(), 0.0, 0.0)).length() < 0.02, "{scale}: {normal}");
     }
@@ -431,11 +428,11 @@ fn normal_maps_turn_normals() {
     let n = Vec3::new(0.36, 0.48, 0.8);
     let constant = |n: Vec3| {
         let [r, g, b] = (0.5 * n + 0.5).to_array();
-        Texture::Constant(Spectrum::rgb(r, g, b))
+        Texture::Constant(Rgb::new(r, g, b))
     };
     let material = |n: Vec3| SurfaceMaterial {
         normal_modifier: Some(NormalModifier::NormalMap { map: constant(n), strength: 1.0.into() }),
-        ..Material::diffuse(Spectrum::ONE).into()
+        ..Material::diffuse(Rgb::WHITE).into()
     };
     let turned = seen(&quad(material(n), Transform::IDENTITY), Vec3::NEG_Z);
     assert!((turned - n).length() < 1e-6, "{turned}");
@@ -455,7 +452,7 @@ fn turned_normals_are_seen() {
     let mut random = Random::new(8);
     for _ in 0..10_000 {
         let [x, y] = [random.range(-1.0, 1.0), random.range(-1.0, 1.0)].map(|x| x as f32);
-        let map = Texture::Constant(Spectrum::rgb(0.5 + 0.5 * x, 0.5 + 0.5 * y, random.range(0.5, 1.0) as f32));
+        let map = Texture::Constant(Rgb::new(0.5 + 0.5 * x, 0.5 + 0.5 * y, random.range(0.5, 1.0) as f32));
         let normal_modifier = NormalModifier::NormalMap { map, strength: 3.0.into() };
         let wo = at(random.range(1e-3, 1.0), random.range(0.0, 6.3)).0;
         for wo in [wo, -wo] {
@@ -473,8 +470,8 @@ fn holes_let_light_through() {
     };
     let world = |opacity: Texture| {
         let mut world = World::builder(eye());
-        let wall = world.material(Material::diffuse(Spectrum::ONE));
-        let lace = world.material(SurfaceMaterial { opacity: Some(opacity), ..Material::diffuse(Spectrum::ONE).into() });
+        let wall = world.material(Material::diffuse(Rgb::WHITE));
+        let lace = world.material(SurfaceMaterial { opacity: Some(opacity), ..Material::diffuse(Rgb::WHITE).into() });
         for z in [1.0, 2.0, 3.0] {
             let up = Transform::translate(DVec3::new(0.0, 0.0, z)).expect("near");
             world.shape(Quad { size: [2.0; 2] }, up, lace, None);
@@ -516,7 +513,7 @@ fn holes_let_light_through() {
 fn a_veiled_ball_is_met_twice() {
     const RAYS: u32 = 100_000;
     let mut world = World::builder(eye());
-    let veil = world.material(SurfaceMaterial { opacity: Some(0.3.into()), ..Material::diffuse(Spectrum::ONE).into() });
+    let veil = world.material(SurfaceMaterial { opacity: Some(0.3.into()), ..Material::diffuse(Rgb::WHITE).into() });
     world.shape(Sphere { radius: 1.0 }, Transform::IDENTITY, veil, None);
     let world = world.build().expect("a ball");
     let mut random = Random::new(5);
@@ -538,7 +535,7 @@ fn a_veiled_ball_is_met_twice() {
 fn tangents_are_derivatives() {
     let to_world = Transform::scale(DVec3::new(2.0, 1.0, 0.5)).expect("not zero");
     let mut builder = World::builder(eye());
-    let material = builder.material(Material::diffuse(Spectrum::ONE));
+    let material = builder.material(Material::diffuse(Rgb::WHITE));
     let mesh = MeshData {
         positions: vec![Vec3::ZERO, Vec3::new(3.0, 0.5, 0.0), Vec3::new(1.0, 2.0, 0.3)],
         uvs: vec![Vec2::new(0.1, 0.2), Vec2::new(0.9, 0.3), Vec2::new(0.4, 0.8)],
@@ -573,5 +570,5 @@ fn metal_by_color_is_metal() {
     let by_index = Material::metal((eta, k), None, true);
     let sample = |material: &Material| center(material).sample(Local::NORMAL, 0.5, Vec2::splat(0.5), MODE).expect("a mirror").weight;
     let color = sample(&by_index);
-    assert_eq!(sample(&Material::metal(Texture::from(color), None, true)), color);
+    assert_eq!(sample(&Material::metal(Texture::from(stored(color)), None, true)), color);
 }

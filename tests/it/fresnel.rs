@@ -13,7 +13,7 @@ use crate::random::{Random, cases};
 /// One rounding to `f32` of a value up to 1: the formulas themselves are `f64`.
 const ROUNDING: f64 = 6e-8;
 
-/// What the rounding of a cosine to `f32` does to a reflectance: half an ulp times the slope there.
+/// Effect of the rounding of a cosine to `f32` on a reflectance: half an ulp times the slope.
 fn slope_error(reflectance: impl Fn(f64) -> f64, cos: f64) -> f64 {
     let step = 1e-7 * cos.max(1e-3);
     let (above, below) = (reflectance((cos + step).min(1.0)), reflectance(cos - step));

@@ -20,7 +20,7 @@ use pt::scene::Scene;
 use pt::shape::{MeshData, MeshPart, Quad, Sphere, TriangleMesh};
 use pt::world::{MaterialId, World, WorldBuilder};
 
-use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, integrator, picture, probe, two_sided};
+use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, integrator, picture, probe, stored, two_sided};
 
 /// As users have it.
 const DEFAULT: Depth = Depth { max: 64, roulette: 4 };
@@ -244,7 +244,7 @@ fn colored_pane() -> Vec<Law> {
         let mut world = World::builder(probe(DVec3::new(-theta.sin(), 0.0, theta.cos()) * 2.0, DVec3::ZERO));
         let dark = world.material(black());
         world.shape(Quad { size: [4000.0; 2] }, facing(DVec3::Z * lamp, -DVec3::Z * lamp), dark, glow(1.0));
-        let glass = world.material(Material::from(textured::Dielectric::smooth(1.7, gray(COLOR))));
+        let glass = world.material(Material::from(textured::Dielectric::smooth(1.7, stored(gray(COLOR)))));
         pane(&mut world, glass, DVec3::ZERO, [-0.001, 0.001], 100.0);
         Law::new(format!("lamp at {lamp} m"), world, radiance, DEFAULT).resolution(1e-3, 3e-3)
     };
@@ -337,7 +337,7 @@ fn index_of_one_is_invisible() {
         let pose = Pose::new(&Transform::look_at(DVec3::new(0.3, 0.4, 6.0), DVec3::ZERO, DVec3::Y).unwrap());
         let mut world = World::builder(Camera::Perspective(Perspective::new(pose, 50.0, 0.0, 1.0)));
         let (dark, mirror, nothing) =
-            (world.material(black()), world.material(Material::mirror(gray(0.9))), world.material(Material::glass(1.0)));
+            (world.material(black()), world.material(Material::mirror(stored(gray(0.9)))), world.material(Material::glass(1.0)));
         for k in 0..12 {
             let place = DVec3::new(f64::from(k % 4) - 1.5, f64::from(k / 4) - 1.0, -3.0 + 0.1 * f64::from(k));
             world.shape(

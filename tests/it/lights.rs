@@ -14,14 +14,14 @@ use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
 use pt::world::{World, WorldBuilder};
 
 use crate::glass::round_mesh;
-use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, integrator, measure, probe, two_sided};
+use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, integrator, measure, probe, stored, two_sided};
 
 const DIRECT: Depth = Depth { max: 1, roulette: u32::MAX };
 
 /// White tile at the origin, facing up, seen at 60° from a distance of a hundredth of `scale`.
 fn tile(scale: f64) -> WorldBuilder {
     let mut world = World::builder(probe(DVec3::new(3f64.sqrt(), 1.0, 0.0) * (0.005 * scale), DVec3::ZERO));
-    let white = world.material(Material::diffuse(gray(1.0)));
+    let white = world.material(Material::diffuse(stored(gray(1.0))));
     world.shape(Quad { size: [0.005 * scale; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
     world
 }
@@ -120,7 +120,7 @@ fn inside_a_sphere_light() {
 #[test]
 fn a_sphere_light_does_not_light_itself() {
     let mut world = World::builder(probe(DVec3::new(0.0, 0.5, 3.0), DVec3::new(0.0, 0.4, 0.9)));
-    let white = world.material(Material::diffuse(gray(1.0)));
+    let white = world.material(Material::diffuse(stored(gray(1.0))));
     world.shape(Sphere { radius: 1.0 }, Transform::IDENTITY, white, glow(1.0));
     let scene = Arc::new(world.build().unwrap());
     for entry in ALL {
@@ -182,7 +182,7 @@ fn no_light_is_no_light() {
 /// Floor lit by one light without extent, seen at the origin, so that the radiance has no noise.
 fn floor_under(name: String, light: Light, radiance: f64) -> Law {
     let mut world = World::builder(probe(DVec3::new(0.6, 0.9, 0.3), DVec3::ZERO));
-    let white = world.material(Material::diffuse(gray(0.5)));
+    let white = world.material(Material::diffuse(stored(gray(0.5))));
     world.shape(Quad { size: [2.0; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
     world.light(light);
     let law = Law::new(name, world, radiance, DIRECT).resolution(1e-5, 1e-5);
@@ -239,7 +239,7 @@ fn shadows_are_black() {
     for (k, light) in lights.into_iter().enumerate() {
         for (height, lit) in [(1.0, false), (3.0, k < 2)] {
             let mut world = World::builder(probe(DVec3::new(0.6, 0.5, 0.3), DVec3::ZERO));
-            let (white, dark) = (world.material(Material::diffuse(gray(0.5))), world.material(black()));
+            let (white, dark) = (world.material(Material::diffuse(stored(gray(0.5)))), world.material(black()));
             world.shape(Quad { size: [2.0; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
             world.shape(Quad { size: [0.2; 2] }, facing(DVec3::Y * height, DVec3::Y), dark, None);
             world.light(light.clone());

@@ -8,7 +8,7 @@ use pt::camera::{Camera, Perspective, Pose};
 use pt::effects::Effects;
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::light::{Emission, Lights};
-use pt::math::{Ray, Spectrum, Transform};
+use pt::math::{Ray, Rgb, Spectrum, Transform};
 use pt::primitive::Hit;
 use pt::render::{Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
@@ -124,7 +124,7 @@ impl Scene for Oracle {
 fn room() -> (Arc<World>, Oracle) {
     let pose = Transform::look_at(DVec3::new(0.1, 1.2, 4.0), DVec3::Y, DVec3::Y).expect("a pose");
     let mut world = World::builder(Camera::Perspective(Perspective::new(Pose::new(&pose), 40.0, 0.0, 1.0)));
-    let white = world.material(Material::diffuse(Spectrum::rgb(0.7, 0.6, 0.5)));
+    let white = world.material(Material::diffuse(Rgb::new(0.7, 0.6, 0.5)));
     let glass = world.material(Material::glass(1.5));
     let at = |x, y, z| Transform::translate(DVec3::new(x, y, z)).expect("finite");
     let turned = |axis, degrees, to: Transform| Transform::rotate(axis, degrees).expect("an axis").then(&to);

@@ -15,7 +15,7 @@ use pt::render::RenderReport;
 use pt::sampler::{ErrorEstimator, SamplerSpec};
 use serde_json::json;
 
-/// Of a picture that these tests call by its sampler.
+/// Properties of a picture, which these tests identify by its sampler.
 fn about(film: &FilmSpec, sampler: &SamplerSpec) -> About {
     About::new(Identity::from_facts(json!({ "sampler": format!("{sampler:?}") })), film, sampler.error_estimator(), vec![])
 }

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::Bsdf;
 use pt::describe::{self, Files, Source};
-use pt::math::{Ray, Spectrum};
+use pt::math::{Ray, Rgb};
 use pt::scene::Scene;
 use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::noise::{Turbulence, perlin, turbulence};
@@ -104,7 +104,7 @@ fn radians_are_cells_by_pi() {
 fn marble_is_a_sine_stirred_by_turbulence() {
     let mut random = Random::new(83);
     for scale in [0.5, 4.0, 20.0] {
-        let [base, veins] = [Spectrum::rgb(0.25, 0.5, 0.0), Spectrum::rgb(0.75, 0.5, 1.0)];
+        let [base, veins] = [Rgb::new(0.25, 0.5, 0.0), Rgb::new(0.75, 0.5, 1.0)];
         let to_texture = random.rotation();
         let space = Space::World(to_texture);
         let marble = Texture::Marble(Box::new(Marble {
@@ -124,7 +124,7 @@ fn marble_is_a_sine_stirred_by_turbulence() {
             let point = SurfacePoint { p, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO, color: VertexColor::WHITE };
             let expected = base.mix(veins, share(to_texture.point(p.as_dvec3())) as f32);
             let found = marble.at(&point);
-            for (found, expected) in found.to_rgb().into_iter().zip(expected.to_rgb()) {
+            for (found, expected) in found.to_array().into_iter().zip(expected.to_array()) {
                 assert!(f64::from((found - expected).abs()) < TOLERANCE, "{scale} at {p}: {found}, expected {expected}");
             }
             let (p, found) = seen(&world, random.direction());

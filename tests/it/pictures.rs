@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{DVec3, UVec2, Vec2, Vec3};
-use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgb32FImage, Rgba};
+use image::{self, DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb32FImage, Rgba};
 use pt::Error;
 use pt::describe::{self, Encoding, Files, Source, picture};
-use pt::math::Spectrum;
+use pt::math::Rgb;
 use pt::scene::Scene as _;
 use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::image::{Filter, Pixels, Wrap};
@@ -18,7 +18,7 @@ use tempfile::TempDir;
 
 use crate::random::Random;
 
-fn at(texture: &Texture, u: f32, v: f32) -> Spectrum {
+fn at(texture: &Texture, u: f32, v: f32) -> Rgb {
     texture.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, v), color: VertexColor::WHITE })
 }
 
@@ -40,7 +40,7 @@ fn centres_show_their_pixel() {
         for (k, level) in [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 1.0].into_iter().enumerate() {
             let (x, y) = (k % 4, k / 4);
             let uv = ((x as f32 + 0.5) / 4.0, 1.0 - (y as f32 + 0.5) / 2.0);
-            assert_eq!(at(&picture, uv.0, uv.1), Spectrum::gray(level));
+            assert_eq!(at(&picture, uv.0, uv.1), Rgb::gray(level));
         }
     }
 }
@@ -90,7 +90,7 @@ fn shown(path: &Path, encoding: Encoding) -> [f32; 3] {
     let name = path.file_name().and_then(|name| name.to_str()).expect("a name");
     let (pixels, warnings) = picture::load(path, name, encoding, None).unwrap_or_else(|e| panic!("{e}"));
     assert!(warnings.is_empty(), "{warnings:?}");
-    at(&texture(&Arc::new(pixels), Wrap::Clamp, Filter::Nearest), 0.5, 0.5).to_rgb()
+    at(&texture(&Arc::new(pixels), Wrap::Clamp, Filter::Nearest), 0.5, 0.5).to_array()
 }
 
 /// The standard's curve, from its text.
@@ -106,7 +106,7 @@ fn formats_agree() {
     let pngs: [(&str, DynamicImage); 6] = [
         ("l.png", ImageBuffer::from_pixel(8, 8, Luma([level])).into()),
         ("la.png", ImageBuffer::from_pixel(8, 8, LumaA([level, 9])).into()),
-        ("rgb.png", ImageBuffer::from_pixel(8, 8, Rgb([level; 3])).into()),
+        ("rgb.png", ImageBuffer::from_pixel(8, 8, image::Rgb([level; 3])).into()),
         ("rgba.png", ImageBuffer::from_pixel(8, 8, Rgba([level, level, level, 0])).into()),
         ("l16.png", ImageBuffer::from_pixel(8, 8, Luma([level16])).into()),
         ("rgba16.png", ImageBuffer::from_pixel(8, 8, Rgba([level16, level16, level16, 7])).into()),
@@ -120,12 +120,12 @@ fn formats_agree() {
             }
         }
     }
-    let webp = folder.with("p.webp", ImageBuffer::from_pixel(8, 8, Rgb([level; 3])), ImageFormat::WebP);
+    let webp = folder.with("p.webp", ImageBuffer::from_pixel(8, 8, image::Rgb([level; 3])), ImageFormat::WebP);
     assert!(shown(&webp, Encoding::Auto).iter().all(|v| (*v as f64 - iec_61966(share)).abs() < 1e-7));
-    let jpeg = folder.with("p.jpg", ImageBuffer::from_pixel(8, 8, Rgb([level; 3])), ImageFormat::Jpeg);
+    let jpeg = folder.with("p.jpg", ImageBuffer::from_pixel(8, 8, image::Rgb([level; 3])), ImageFormat::Jpeg);
     // Its cosine transform may miss by a level.
     assert!(shown(&jpeg, Encoding::Linear).iter().all(|v| (*v as f64 - share).abs() <= 1.5 / 255.0));
-    let exr = folder.with("p.exr", Rgb32FImage::from_pixel(8, 8, Rgb([0.25, 0.5, 1.0])), ImageFormat::OpenExr);
+    let exr = folder.with("p.exr", Rgb32FImage::from_pixel(8, 8, image::Rgb([0.25, 0.5, 1.0])), ImageFormat::OpenExr);
     assert_eq!(shown(&exr, Encoding::Auto), [0.25, 0.5, 1.0]);
 }
 
@@ -140,13 +140,13 @@ fn refusal(path: &Path) -> (u8, String) {
 fn what_is_no_usable_picture_is_refused() {
     let folder = Folder::new();
     for (wrong, said) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (-0.5, "-0.5")] {
-        let mut picture = Rgb32FImage::from_pixel(4, 3, Rgb([0.5; 3]));
-        picture.put_pixel(2, 1, Rgb([0.5, wrong, 0.5]));
+        let mut picture = Rgb32FImage::from_pixel(4, 3, image::Rgb([0.5; 3]));
+        picture.put_pixel(2, 1, image::Rgb([0.5, wrong, 0.5]));
         let (code, message) = refusal(&folder.with("p.exr", picture, ImageFormat::OpenExr));
         assert_eq!(code, 3);
         assert!(message.contains(&format!("pixel (2, 1): expected finite amounts of light, from 0, found 0.5, {said}, 0.5")), "{message}");
     }
-    let right = folder.with("right.png", ImageBuffer::from_pixel(8, 8, Rgb([1u8; 3])), ImageFormat::Png);
+    let right = folder.with("right.png", ImageBuffer::from_pixel(8, 8, image::Rgb([1u8; 3])), ImageFormat::Png);
     let bytes = std::fs::read(&right).expect("written");
     for end in [0, 4, 8, 20, bytes.len() / 2, bytes.len() - 13] {
         let (code, message) = refusal(&folder.write("cut.png", &bytes[..end]));
@@ -164,7 +164,7 @@ fn what_is_no_usable_picture_is_refused() {
 #[test]
 fn only_what_is_emitted_exceeds_one() {
     let folder = Folder::new();
-    folder.with("p.exr", Rgb32FImage::from_pixel(1, 1, Rgb([13.5, 0.5, 2.0])), ImageFormat::OpenExr);
+    folder.with("p.exr", Rgb32FImage::from_pixel(1, 1, image::Rgb([13.5, 0.5, 2.0])), ImageFormat::OpenExr);
     let picture = r#"{ "type": "image", "file": "p.exr" }"#;
     let scene = |albedo: &str, emission: &str| {
         format!(
@@ -236,7 +236,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 #[test]
 fn content_goes_before_the_name() {
     let folder = Folder::new();
-    let path = folder.with("p.jpg", ImageBuffer::from_pixel(2, 2, Rgb([9u8; 3])), ImageFormat::Png);
+    let path = folder.with("p.jpg", ImageBuffer::from_pixel(2, 2, image::Rgb([9u8; 3])), ImageFormat::Png);
     let (_, warnings) = picture::load(&path, "p.jpg", Encoding::Auto, None).expect("a PNG");
     assert_eq!(warnings, ["p.jpg: read as PNG, which its first bytes say it is"]);
 }
@@ -260,12 +260,12 @@ fn missing_pictures_are_located() {
 
 #[test]
 fn mixes_and_products_are_arithmetic() {
-    let [a, b] = [Spectrum::rgb(1.0, 0.5, 0.0), Spectrum::rgb(0.25, 0.5, 1.0)];
-    let share = Spectrum::rgb(0.25, 0.5, 1.0);
+    let [a, b] = [Rgb::new(1.0, 0.5, 0.0), Rgb::new(0.25, 0.5, 1.0)];
+    let share = Rgb::new(0.25, 0.5, 1.0);
     let mix = Texture::Mix(Box::new(Mix { a: a.into(), b: b.into(), share: share.into() }));
-    assert_eq!(at(&mix, 0.0, 0.0), Spectrum::rgb(0.8125, 0.5, 1.0));
+    assert_eq!(at(&mix, 0.0, 0.0), Rgb::new(0.8125, 0.5, 1.0));
     let product = Texture::Product(Box::new(Product { a: a.into(), b: b.into() }));
-    assert_eq!(at(&product, 0.0, 0.0), Spectrum::rgb(0.25, 0.25, 0.0));
+    assert_eq!(at(&product, 0.0, 0.0), Rgb::new(0.25, 0.25, 0.0));
 }
 
 /// Zero on the lattice; within ±1; its slope at a lattice point one of the twelve gradients; and no jump anywhere.
@@ -301,7 +301,8 @@ fn channels_of_pictures() {
     let folder = Folder::new();
     let rgba = ImageBuffer::from_pixel(1, 1, Rgba([0u8, 51, 102, 153]));
     let with_alpha = folder.with("a.png", DynamicImage::ImageRgba8(rgba), ImageFormat::Png);
-    let without = folder.with("b.png", DynamicImage::ImageRgb8(ImageBuffer::from_pixel(1, 1, Rgb([0u8, 51, 102]))), ImageFormat::Png);
+    let without =
+        folder.with("b.png", DynamicImage::ImageRgb8(ImageBuffer::from_pixel(1, 1, image::Rgb([0u8, 51, 102]))), ImageFormat::Png);
     use describe::Channel::{A, B, G, R};
     for (path, channel, expected) in
         [(&with_alpha, R, 0.0), (&with_alpha, G, 0.2), (&with_alpha, B, 0.4), (&with_alpha, A, 0.6), (&without, A, 1.0)]
@@ -318,9 +319,9 @@ fn channels_of_pictures() {
 /// 1 from the threshold on, of each channel by itself.
 #[test]
 fn thresholds_are_black_and_white() {
-    let by = |level| Texture::Constant(Spectrum::rgb(level, 0.5, 0.25));
+    let by = |level| Texture::Constant(Rgb::new(level, 0.5, 0.25));
     for (level, expected) in [(0.0, 0.0), (0.375f32.next_down(), 0.0), (0.375, 1.0), (1.0, 1.0)] {
         let threshold = Texture::Threshold(Box::new(Threshold { by: by(level), at: 0.375 }));
-        assert_eq!(at(&threshold, 0.5, 0.5), Spectrum::rgb(expected, 1.0, 0.0), "{level}");
+        assert_eq!(at(&threshold, 0.5, 0.5), Rgb::new(expected, 1.0, 0.0), "{level}");
     }
 }

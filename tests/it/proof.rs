@@ -11,13 +11,14 @@ use pt::bsdf::{
     Material, MatteCone, Metal, Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen, ThinDielectric, TwoSided,
     textured,
 };
-use pt::math::Spectrum;
+use pt::math::{Rgb, Spectrum};
 use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
 use pt::proof::{Case, CounterExample, Furnace, Options, Verdict, at, chi2, incidences, inputs_at, prove, reciprocity_at, weight_at};
 use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::Texture;
 
 use crate::random::{Random, cases};
+use crate::scenes::stored;
 use crate::statistics::{sidak, uniformity};
 
 /// Samples per incidence. `PT_PROOF_SAMPLES=1000000 cargo test --test it proof` gives the full figures.
@@ -67,13 +68,13 @@ fn met(material: Material) -> Bsdf<'static> {
 fn compounds() -> Vec<(Bsdf<'static>, bool)> {
     let round = |alpha: f32| Some(Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
     let coated = |ground, coat: Coat| Material::from(Compound::Coated(Coated { ground, coat }));
-    let clay = |albedo: Spectrum| Material::OrenNayar(textured::OrenNayar { albedo: albedo.into(), roughness: 0.7.into() });
+    let clay = |albedo: Spectrum| Material::OrenNayar(textured::OrenNayar { albedo: stored(albedo).into(), roughness: 0.7.into() });
     let copper = |finish| Material::metal(Element::Cu.index(), finish, true);
-    let glazed = || coated(Material::diffuse(Spectrum::ONE), Coat::new(1.6, Spectrum::ONE, None));
+    let glazed = || coated(Material::diffuse(Rgb::WHITE), Coat::new(1.6, Rgb::WHITE, None));
     let fresnel = |a, b| Material::from(Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: 1.5.into() } }));
-    let glass = || Material::rough_glass(1.5, COLOR, round(0.3).unwrap(), true);
+    let glass = || Material::rough_glass(1.5, stored(COLOR), round(0.3).unwrap(), true);
     let principled = Principled {
-        base_color: COLOR.into(),
+        base_color: stored(COLOR).into(),
         metallic: 0.3.into(),
         transmission: 0.4.into(),
         specular: 0.7.into(),
@@ -81,9 +82,9 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         eta: 1.5.into(),
         coat: 0.5.into(),
         coat_eta: 1.5.into(),
-        coat_color: Spectrum::ONE.into(),
+        coat_color: Rgb::WHITE.into(),
         coat_finish: round(0.05),
-        sheen_color: Spectrum::rgb(0.1, 0.4, 0.2).into(),
+        sheen_color: Rgb::new(0.1, 0.4, 0.2).into(),
         sheen_roughness: 0.45.into(),
         multiscatter: true,
     };
@@ -107,34 +108,34 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         ..principled.clone()
     };
     let lossless = [
-        Material::mix(Material::diffuse(Spectrum::ONE), Material::mirror(Spectrum::ONE), 0.3),
-        coated(Material::diffuse(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, None)),
-        coated(Material::diffuse(Spectrum::ONE), Coat::new(2.4, Spectrum::ONE, None).keep_base_color()),
-        coated(Material::mirror(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, None)),
-        coated(glazed(), Coat::new(1.3, Spectrum::ONE, None)),
-        coated(Material::plastic(Spectrum::ONE, 1.5), Coat::new(1.5, Spectrum::ONE, None)),
-        fresnel(Material::mirror(Spectrum::ONE), Material::mirror(Spectrum::ONE)),
+        Material::mix(Material::diffuse(Rgb::WHITE), Material::mirror(Rgb::WHITE), 0.3),
+        coated(Material::diffuse(Rgb::WHITE), Coat::new(1.5, Rgb::WHITE, None)),
+        coated(Material::diffuse(Rgb::WHITE), Coat::new(2.4, Rgb::WHITE, None).keep_base_color()),
+        coated(Material::mirror(Rgb::WHITE), Coat::new(1.5, Rgb::WHITE, None)),
+        coated(glazed(), Coat::new(1.3, Rgb::WHITE, None)),
+        coated(Material::plastic(Rgb::WHITE, 1.5), Coat::new(1.5, Rgb::WHITE, None)),
+        fresnel(Material::mirror(Rgb::WHITE), Material::mirror(Rgb::WHITE)),
     ];
     let others = [
-        Material::mix(Material::diffuse(COLOR), copper(round(0.1)), 0.6),
+        Material::mix(Material::diffuse(stored(COLOR)), copper(round(0.1)), 0.6),
         Material::mix(glass(), clay(COLOR), 0.5),
-        fresnel(Material::diffuse(COLOR), copper(round(0.3))),
-        coated(Material::diffuse(COLOR), Coat::new(1.5, COLOR, round(0.2))),
-        coated(clay(Spectrum::ONE), Coat::new(1.5, Spectrum::ONE, round(0.4))),
-        coated(copper(round(0.4)), Coat::new(1.7, Spectrum::rgb(0.9, 0.5, 0.1), None)),
-        coated(copper(None), Coat::new(1.5, COLOR, round(0.1))),
-        coated(glass(), Coat::new(1.3, Spectrum::ONE, round(0.6))),
-        Compound::Sheen(Sheen::new(Material::diffuse(COLOR), Spectrum::ONE, 0.55)).into(),
-        Compound::Sheen(Sheen::new(Material::mirror(Spectrum::ONE), COLOR, 0.14)).into(),
-        Compound::Sheen(Sheen::new(Material::diffuse(Spectrum::ONE), Spectrum::ONE, 0.1)).into(),
-        Compound::TwoSided(TwoSided { front: Some(copper(round(0.3))), back: Some(Material::diffuse(COLOR)) }).into(),
-        Compound::TwoSided(TwoSided { front: None, back: Some(Material::mirror(COLOR)) }).into(),
-        Material::metal(Texture::from(COLOR), round(0.3), true),
+        fresnel(Material::diffuse(stored(COLOR)), copper(round(0.3))),
+        coated(Material::diffuse(stored(COLOR)), Coat::new(1.5, stored(COLOR), round(0.2))),
+        coated(clay(Spectrum::ONE), Coat::new(1.5, Rgb::WHITE, round(0.4))),
+        coated(copper(round(0.4)), Coat::new(1.7, Rgb::new(0.9, 0.5, 0.1), None)),
+        coated(copper(None), Coat::new(1.5, stored(COLOR), round(0.1))),
+        coated(glass(), Coat::new(1.3, Rgb::WHITE, round(0.6))),
+        Compound::Sheen(Sheen::new(Material::diffuse(stored(COLOR)), Rgb::WHITE, 0.55)).into(),
+        Compound::Sheen(Sheen::new(Material::mirror(Rgb::WHITE), stored(COLOR), 0.14)).into(),
+        Compound::Sheen(Sheen::new(Material::diffuse(Rgb::WHITE), Rgb::WHITE, 0.1)).into(),
+        Compound::TwoSided(TwoSided { front: Some(copper(round(0.3))), back: Some(Material::diffuse(stored(COLOR))) }).into(),
+        Compound::TwoSided(TwoSided { front: None, back: Some(Material::mirror(stored(COLOR))) }).into(),
+        Material::metal(Texture::from(stored(COLOR)), round(0.3), true),
         coated(
-            Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: COLOR.into(), transmittance: 0.0.into() }),
-            Coat::new(1.5, COLOR, round(0.3)),
+            Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: stored(COLOR).into(), transmittance: 0.0.into() }),
+            Coat::new(1.5, stored(COLOR), round(0.3)),
         ),
-        Compound::Sheen(Sheen::new(glazed(), Spectrum::ONE, 0.45)).into(),
+        Compound::Sheen(Sheen::new(glazed(), Rgb::WHITE, 0.45)).into(),
         principled.into(),
         dense.into(),
         white.into(),
@@ -151,7 +152,7 @@ fn rough() -> Vec<(Bsdf<'static>, bool)> {
         {
             let finish = || Roughness { alpha: Alpha::Constant(alpha), distribution };
             models.push(met(Material::metal(copper, Some(finish()), multiscatter)));
-            models.extend([1.5, 1.0 / 1.5].map(|eta| met(Material::rough_glass(eta, COLOR, finish(), multiscatter))));
+            models.extend([1.5, 1.0 / 1.5].map(|eta| met(Material::rough_glass(eta, stored(COLOR), finish(), multiscatter))));
         }
     }
     models.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, color: COLOR }));

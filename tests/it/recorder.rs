@@ -230,7 +230,7 @@ fn sorted_light_is_all_the_light() {
 
 /// Events are plain data.
 #[test]
-fn a_witness_may_be_anyone() {
+fn recorders_can_be_of_any_type() {
     #[derive(Default)]
     struct Farthest(f32);
     impl PathRecorder for Farthest {

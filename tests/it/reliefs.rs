@@ -15,7 +15,7 @@ use pt::texture::{Image, Texture};
 use pt::world::{World, WorldBuilder};
 
 use crate::random::Random;
-use crate::scenes::{Depth, Effort, Law, black, confirm, facing, glow, gray};
+use crate::scenes::{Depth, Effort, Law, black, confirm, facing, glow, gray, stored};
 
 const ALBEDO: f64 = 0.5;
 /// Of the quad, centred at the origin.
@@ -124,7 +124,7 @@ fn plane(pixels: &[DVec3], lit: Lit) -> WorldBuilder {
     let scale = Vec2::splat(REPEATS as f32);
     let map = Texture::Image(Image { pixels: Arc::new(pixels), scale, wrap: Wrap::Repeat, filter: Filter::Bilinear });
     let normal_modifier = Some(NormalModifier::NormalMap { map, strength: 1.0.into() });
-    let material = world.material(SurfaceMaterial { normal_modifier, ..Material::diffuse(gray(ALBEDO)).into() });
+    let material = world.material(SurfaceMaterial { normal_modifier, ..Material::diffuse(stored(gray(ALBEDO))).into() });
     world.shape(Quad { size: [SIDE; 2] }, Transform::IDENTITY, material, None);
     lit.add_to(&mut world);
     world

@@ -12,7 +12,7 @@ use pt::integrators::nee::Nee;
 use pt::integrators::path::Path;
 use pt::integrators::whitted::Whitted;
 use pt::light::Emission;
-use pt::math::{Spectrum, Transform};
+use pt::math::{Rgb, Spectrum, Transform};
 use pt::measure::{Mean, critical_z};
 use pt::render::{Settings, Silent, render};
 use pt::sampler::SamplerSpec;
@@ -32,6 +32,12 @@ pub fn gray(value: f64) -> Spectrum {
     Spectrum::gray(value as f32)
 }
 
+/// The colour that is stored for a spectrum of three coefficients.
+pub fn stored(color: Spectrum) -> Rgb {
+    let [r, g, b] = color.to_rgb();
+    Rgb::new(r, g, b)
+}
+
 pub fn glow(radiance: f64) -> Option<Emission> {
     Some(Emission::new(gray(radiance)))
 }
@@ -42,7 +48,7 @@ pub fn two_sided(radiance: f64) -> Option<Emission> {
 
 /// What swallows all light, and needs no interreflection for that.
 pub fn black() -> Material {
-    Material::mirror(Spectrum::BLACK)
+    Material::mirror(Rgb::BLACK)
 }
 
 pub fn at(p: DVec3) -> Transform {

@@ -20,7 +20,7 @@ use crate::geometry::icosphere;
 use crate::glass::round_mesh;
 use crate::identity::zoo::{Bits, bits};
 use crate::random::Random;
-use crate::scenes::{Depth, Effort, Law, at, black, confirm, glow, gray, integrator, picture, probe, two_sided};
+use crate::scenes::{Depth, Effort, Law, at, black, confirm, glow, gray, integrator, picture, probe, stored, two_sided};
 
 const ALBEDO: f64 = 0.5;
 
@@ -38,7 +38,7 @@ fn alone(data: &MeshData, smooth_shadows: bool, place: Transform, material: Mate
 }
 
 fn matte(data: &MeshData, smooth_shadows: bool) -> World {
-    alone(data, smooth_shadows, Transform::IDENTITY, Material::diffuse(gray(ALBEDO))).build().expect("a mesh")
+    alone(data, smooth_shadows, Transform::IDENTITY, Material::diffuse(stored(gray(ALBEDO)))).build().expect("a mesh")
 }
 
 /// Ball with its corners on the unit sphere and the normals of the sphere.
@@ -150,7 +150,7 @@ fn lifted_rays_clear_a_convex_mesh() {
     for (k, data) in convex().iter().enumerate() {
         for place in [Transform::IDENTITY, squash] {
             let stuck = |smooth_shadows| {
-                let scene = alone(data, smooth_shadows, place, Material::diffuse(gray(ALBEDO))).build().expect("a mesh");
+                let scene = alone(data, smooth_shadows, place, Material::diffuse(stored(gray(ALBEDO)))).build().expect("a mesh");
                 let mut random = Random::new(k as u64);
                 let (mut rays, mut stuck) = (0, 0);
                 while rays < 20_000 {
@@ -175,7 +175,7 @@ fn lifted_rays_clear_a_convex_mesh() {
 fn outlines_have_no_fringe() {
     for (k, subdivisions) in [0, 1].into_iter().enumerate() {
         let data = ball(icosphere(subdivisions));
-        let scenes = [Material::diffuse(gray(ALBEDO)), Material::mirror(gray(1.0))]
+        let scenes = [Material::diffuse(stored(gray(ALBEDO))), Material::mirror(stored(gray(1.0)))]
             .map(|material| alone(&data, false, Transform::IDENTITY, material).build().expect("a ball"));
         let mut random = Random::new(k as u64);
         let mut turned = 0;
@@ -211,7 +211,7 @@ fn outlines_have_no_fringe() {
 fn furnace() {
     let seen = |data: &MeshData, from: DVec3| {
         let mut world = World::builder(probe(from * 3.0, from * 0.5));
-        let material = world.material(Material::diffuse(gray(ALBEDO)));
+        let material = world.material(Material::diffuse(stored(gray(ALBEDO))));
         world.shape(TriangleMesh { smooth_shadows: true, ..TriangleMesh::new(data.clone()) }, Transform::IDENTITY, material, None);
         world.light(Light::Environment(Environment { radiance: gray(1.0) }));
         world
@@ -234,7 +234,7 @@ fn light_nearby() {
     let h = (1.0 - p.length_squared()) / p.dot(up);
     let (radius, height) = (0.5, 3.0);
     let mut world = World::builder(probe(p + across + up * 0.5, p));
-    let material = world.material(Material::diffuse(gray(ALBEDO)));
+    let material = world.material(Material::diffuse(stored(gray(ALBEDO))));
     world.shape(TriangleMesh { smooth_shadows: true, ..TriangleMesh::new(data) }, Transform::IDENTITY, material, None);
     let dark = world.material(black());
     world.shape(Sphere { radius }, at(p + up * height), dark, glow(1.0));
@@ -258,7 +258,7 @@ fn nothing_leaks() {
     for (k, data) in bodies.iter().enumerate() {
         for (lamp, eye) in [(DVec3::ZERO, DVec3::new(1.0, 1.5, 3.0)), (DVec3::new(1.0, 1.5, 3.0), DVec3::ZERO)] {
             let mut world = World::builder(wide(eye, DVec3::new(0.1, -0.2, 0.3)));
-            let white = world.material(Material::diffuse(gray(0.9)));
+            let white = world.material(Material::diffuse(stored(gray(0.9))));
             world.shape(TriangleMesh { smooth_shadows: true, ..TriangleMesh::new(data.clone()) }, Transform::IDENTITY, white, None);
             let dark = world.material(black());
             world.shape(Sphere { radius: 0.1 }, at(lamp + DVec3::X * 0.2), dark, two_sided(1.0));
@@ -344,7 +344,7 @@ fn refraction_stays() {
 /// A picture of the mesh in sunlight, sky and the light of a floor beside it, with every integrator.
 fn pictures(data: &MeshData, smooth_shadows: bool, place: Transform) -> Vec<Bits> {
     let mut world = World::builder(wide(DVec3::new(0.5, 0.5, 2.0), DVec3::ZERO));
-    let white = world.material(Material::diffuse(gray(0.8)));
+    let white = world.material(Material::diffuse(stored(gray(0.8))));
     world.shape(TriangleMesh { smooth_shadows, ..TriangleMesh::new(data.clone()) }, place, white, None);
     world.shape(Sphere { radius: 1.0 }, at(DVec3::new(1.5, -0.5, 0.5)), white, None);
     world.light(Light::Directional(Directional { direction: Vec3::new(-0.6, -0.8, 0.0), irradiance: gray(3.0) }));

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use pt::bsdf::{Bsdf, HitContext, Material, textured};
 use pt::camera::{Camera, Orthographic, Pose};
 use pt::effects::Effects;
-use pt::math::{Spectrum, Transform};
+use pt::math::{Rgb, Spectrum, Transform};
 use pt::scene::Scene;
 use pt::shape::{Quad, Sphere, SurfacePoint, VertexColor};
 use pt::texture::{Checker, Space, Texture};
@@ -13,8 +13,8 @@ use pt::world::World;
 
 use crate::random::cases;
 
-const EVEN: Spectrum = Spectrum::rgb(0.75, 0.5, 0.25);
-const ODD: Spectrum = Spectrum::rgb(0.125, 0.25, 0.5);
+const EVEN: Rgb = Rgb::new(0.75, 0.5, 0.25);
+const ODD: Rgb = Rgb::new(0.125, 0.25, 0.5);
 
 fn checker(even: impl Into<Texture>, odd: impl Into<Texture>, scale: Vec3, space: Space) -> Texture {
     Texture::Checker(Box::new(Checker { even: even.into(), odd: odd.into(), scale, space }))
@@ -29,7 +29,7 @@ fn point(p: Vec3, uv: Vec2) -> SurfacePoint {
 }
 
 /// What a cell shows, by whole numbers alone.
-fn shown(cell: IVec3) -> Spectrum {
+fn shown(cell: IVec3) -> Rgb {
     if (cell.x + cell.y + cell.z) & 1 == 0 { EVEN } else { ODD }
 }
 
@@ -117,7 +117,7 @@ fn far_objects_do_not_move_the_pattern() {
             assert!((p - expected_p).length() < 2e-4, "{p} is not {expected_p}");
             let expected = shown((expected_p * 2.0).floor().as_ivec3());
             let Bsdf::Diffuse(diffuse) = at.bsdf else { panic!("the floor is matte") };
-            assert_eq!(diffuse.albedo, expected, "at {expected_p}");
+            assert_eq!(diffuse.albedo, Spectrum::from_albedo(expected), "at {expected_p}");
             seen[usize::from(expected == ODD)] += 1;
         }
         assert_eq!(seen, [2048, 2048], "as much of each colour");
@@ -137,7 +137,7 @@ fn materials_look_their_textures_up() {
         Material::BlinnPhong(textured::BlinnPhong { color: texture(), exponent: 2.0.into() }),
         Material::Metal(textured::Metal { color: texture(), roughness: 0.5.into() }),
         Material::plastic(texture(), 1.5),
-        Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: Spectrum::BLACK.into(), transmittance: texture() }),
+        Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: Rgb::BLACK.into(), transmittance: texture() }),
     ];
     for material in materials {
         for (u, expected) in [(0.5, EVEN), (1.5, ODD), (-0.5, ODD)] {
@@ -154,7 +154,7 @@ fn materials_look_their_textures_up() {
                 Bsdf::DiffuseTransmission(b) => b.transmittance,
                 _ => panic!("none was asked for"),
             };
-            assert_eq!(found, expected, "{material:?} at u = {u}");
+            assert_eq!(found, Spectrum::from_albedo(expected), "{material:?} at u = {u}");
         }
     }
 }
@@ -174,6 +174,6 @@ fn only_what_varies_is_textured() {
             assert_eq!(material.effects().contains(Effects::TEXTURES), is_textured, "{material:?}");
         }
     }
-    let gold = Material::metal((Spectrum::gray(0.2), Spectrum::gray(3.0)), None, true);
+    let gold = Material::metal((Rgb::gray(0.2), Rgb::gray(3.0)), None, true);
     assert_eq!(gold.effects(), Effects::SPECULAR_REFLECTION);
 }

@@ -220,7 +220,7 @@ fn frames_are_orthonormal() {
     }
 }
 
-/// What cannot be placed is said in words, and a pose is the transform that it is made of.
+/// Invalid transforms have error messages in words, and a pose equals the transform that it is made of.
 #[test]
 fn refusals_name_what_was_given() {
     let said = |result: pt::Result<Transform>| result.expect_err("no transform").to_string();

@@ -6,7 +6,7 @@ use pt::bsdf::microfacet::{self, Distribution};
 use pt::bsdf::{Bsdf, Coat, Coated, Compound, HitContext, Material, Plastic, Sheen, TransportMode};
 use pt::effects::Effects;
 use pt::math::fresnel::{dielectric, dielectric_mean};
-use pt::math::{Local, Spectrum};
+use pt::math::{Local, Rgb};
 use pt::proof::at;
 use pt::scene::Scene;
 use pt::shape::{SurfacePoint, VertexColor};
@@ -129,10 +129,10 @@ fn between_two_tables_no_light_is_lost() {
         let varying = || Number::between(low, high, ramp(0.0, 1.0));
         let middle = 0.5 * (low + high);
         for alpha in [0.1, 0.3, 1.0] {
-            let glass = |eta| Material::rough_glass(eta, Spectrum::ONE, finish(alpha), true);
+            let glass = |eta| Material::rough_glass(eta, Rgb::WHITE, finish(alpha), true);
             let coat = |eta| {
-                let coat = Coat::new(eta, Spectrum::ONE, Some(finish(alpha)));
-                Material::from(Compound::Coated(Coated { ground: Material::diffuse(Spectrum::ONE), coat }))
+                let coat = Coat::new(eta, Rgb::WHITE, Some(finish(alpha)));
+                Material::from(Compound::Coated(Coated { ground: Material::diffuse(Rgb::WHITE), coat }))
             };
             let mut pairs = vec![("glass", glass(varying()), glass(middle.into()))];
             if low >= 1.0 {
@@ -153,7 +153,7 @@ fn between_two_tables_no_light_is_lost() {
 /// mean of the two widths alone half of the light would be missing.
 #[test]
 fn long_facets_that_vary_lose_no_light() {
-    let white = |alpha| Material::metal(Texture::from(Spectrum::ONE), Some(Roughness { alpha, distribution: Distribution::Ggx }), true);
+    let white = |alpha| Material::metal(Texture::from(Rgb::WHITE), Some(Roughness { alpha, distribution: Distribution::Ggx }), true);
     let varying = |value: f32| ramp(value - 0.02, value + 0.02);
     for (roughness, anisotropy) in [(0.3f32, 0.9f32), (0.53, 0.5), (0.7, 0.98), (0.95, 0.3)] {
         let widths = microfacet::roughness::alpha(roughness, anisotropy);
@@ -180,7 +180,7 @@ fn long_facets_that_vary_lose_no_light() {
 #[test]
 fn between_two_tables_of_fibres_no_light_is_lost() {
     for (low, high) in [(0.1, 0.25), (0.3, 0.6), (0.6, 1.0)] {
-        let sheen = Sheen::new(Material::mirror(Spectrum::ONE), Spectrum::ONE, ramp(low, high));
+        let sheen = Sheen::new(Material::mirror(Rgb::WHITE), Rgb::WHITE, ramp(low, high));
         for cos in [1.0, 0.6, 0.25] {
             let found = albedo(&halfway(&Compound::Sheen(sheen.clone()).into()), at(cos, 0.0)).average();
             assert!((found - 1.0).abs() < 5e-3, "roughness {low} to {high}, cos {cos}: {found}");
@@ -207,7 +207,7 @@ fn difference(a: &Bsdf, b: &Bsdf, wo: Local) -> f64 {
 /// Where an index varies, what follows from it is as if it were the same everywhere.
 #[test]
 fn means_follow_the_index() {
-    let model = Material::plastic(Spectrum::ONE, Number::between(1.2, 1.8, ramp(0.0, 1.0)));
+    let model = Material::plastic(Rgb::WHITE, Number::between(1.2, 1.8, ramp(0.0, 1.0)));
     let Bsdf::Plastic(plastic) = halfway(&model) else { panic!("plastic") };
     assert!((plastic.eta - 1.5).abs() < 1e-6);
     assert_eq!(plastic.internal, Plastic::internal(plastic.eta));

@@ -109,7 +109,7 @@ impl Coat {
         let mean =
             facets.map_or(smooth_mean, |(facets, losses)| 2.0 * losses.value(|table| table.mean_loss(facets.alpha)) + smooth_mean - 1.0);
         let passed_at_nodes = self.passed_at_nodes.as_ref();
-        Layer { eta, color: self.color.at(at), facets, mean, keep_base_color: self.keep_base_color, passed_at_nodes }
+        Layer { eta, color: Spectrum::from_albedo(self.color.at(at)), facets, mean, keep_base_color: self.keep_base_color, passed_at_nodes }
     }
 
     fn textures(&self) -> impl Iterator<Item = &Texture> {

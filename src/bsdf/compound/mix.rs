@@ -177,7 +177,7 @@ impl Description for described::MaterialMix {
             Some(eta) => Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: builder.number("fresnel", eta) } }).into(),
             None => {
                 let share = self.share.as_ref().map(|share| builder.texture("share", share));
-                Material::mix(a, b, share.unwrap_or(Spectrum::BLACK.into()))
+                Material::mix(a, b, share.unwrap_or(0.0.into()))
             }
         }
     }

@@ -77,7 +77,7 @@ impl Sheen {
 
     fn at(&self, at: &HitContext) -> (Fibres, Bsdf<'_>) {
         let tables = self.tables.at(alpha(self.roughness.scalar(&at.point)));
-        (Fibres { color: self.color.at(&at.point), tables }, at.bsdf_of(&self.ground))
+        (Fibres { color: Spectrum::from_albedo(self.color.at(&at.point)), tables }, at.bsdf_of(&self.ground))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Sheen {

@@ -8,7 +8,7 @@ use super::roughness::{Alpha, Roughness, alpha};
 use super::{Distribution, Microfacets};
 use crate::bsdf::description::Prepare;
 use crate::format::{self, Fraction, Textured};
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::reader::by_kind;
 use crate::texture::Texture;
 
@@ -85,7 +85,7 @@ pub fn roughened(builder: &mut dyn Prepare, keys: [&str; 2], described: [&Textur
     let [roughness, anisotropy] = [0, 1].map(|k| builder.texture(keys[k], described[k]));
     let alpha = match (roughness, anisotropy) {
         (Texture::Constant(roughness), Texture::Constant(anisotropy)) => Alpha::Constant(alpha(roughness.average(), anisotropy.average())),
-        (Texture::Constant(smooth), _) if smooth == Spectrum::BLACK => Alpha::Constant(Vec2::ZERO),
+        (Texture::Constant(smooth), _) if smooth == Rgb::BLACK => Alpha::Constant(Vec2::ZERO),
         (roughness, anisotropy) => Alpha::Textured { roughness, anisotropy },
     };
     rough(alpha, distribution)

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2};
 use super::energy_loss::Domain;
 use super::{Distribution, Microfacets};
 use crate::effects::Effects;
-use crate::math::Spectrum;
+use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 use crate::texture::Texture;
 
@@ -73,7 +73,7 @@ impl Roughness {
     pub fn is_anisotropic(&self) -> bool {
         match &self.alpha {
             Alpha::Constant(alpha) => alpha.x != alpha.y,
-            Alpha::Textured { anisotropy, .. } => *anisotropy != Texture::Constant(Spectrum::BLACK),
+            Alpha::Textured { anisotropy, .. } => *anisotropy != Texture::Constant(Rgb::BLACK),
             Alpha::Widths([x, y]) => x != y,
         }
     }

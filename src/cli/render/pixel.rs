@@ -15,11 +15,13 @@ use crate::scene::Scene;
 
 /// Plan for one pixel.
 pub struct PixelPlan {
+    /// The pixel.
     pub pixel: (u32, u32),
     /// The only sample to compute; `None` for all.
     pub sample: Option<u64>,
     /// Format of the paths of the sample, if they are to be printed.
     pub trace: Option<TextOrJson>,
+    /// Limit of the radiance of indirect contributions.
     pub clamp: Option<f32>,
 }
 

@@ -54,18 +54,20 @@ pub struct RenderPlan {
     pub progress: ProgressForm,
     /// Address of a viewer.
     pub display_server: Option<String>,
-    /// What is printed after the render.
+    /// Reports to print after the render.
     pub reports: Reports,
     resume: Option<PathBuf>,
 }
 
 /// Integrators of the price list, and the render time of each.
 pub struct PriceList {
+    /// Render time of each integrator.
     pub time: Duration,
+    /// Integrators of the list.
     pub integrators: Vec<(Entry, Arc<dyn Integrator>)>,
 }
 
-/// What is printed after the render.
+/// Reports to print after the render.
 pub struct Reports {
     /// Number of outliers to list, if they are requested.
     pub outliers: Option<u32>,

@@ -21,7 +21,7 @@ use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
 use crate::film::{FilmSpec, Layer};
 use crate::light::{Emission, Emitter, Light};
-use crate::math::{Spectrum, Transform};
+use crate::math::{Rgb, Spectrum, Transform};
 use crate::reader::{Node, locate};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
@@ -220,7 +220,7 @@ impl Builder<'_> {
     fn emitter(&mut self, pointer: &str, described: &super::Emission) -> Emitter {
         let texture =
             described.texture.as_ref().map(|texture| Arc::new(self.ranged(&format!("{pointer}/texture"), texture, Range::Amounts)));
-        Emitter { emission: Emission { radiance: spectrum(&described.radiance), two_sided: described.two_sided }, texture }
+        Emitter { emission: Emission { radiance: illuminant(&described.radiance), two_sided: described.two_sided }, texture }
     }
 
     /// Places what stands about a point of its own space.
@@ -249,6 +249,11 @@ impl Builder<'_> {
     }
 }
 
-fn spectrum<T: Copy + Into<f64>>(color: &Color<T>) -> Spectrum {
-    Spectrum::from_f64(color.linear())
+fn rgb<T: Copy + Into<f64>>(color: &Color<T>) -> Rgb {
+    Rgb::from_f64(color.linear())
+}
+
+/// The spectrum of light by its colour.
+fn illuminant<T: Copy + Into<f64>>(color: &Color<T>) -> Spectrum {
+    Spectrum::from_illuminant(rgb(color))
 }

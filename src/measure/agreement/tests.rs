@@ -40,7 +40,7 @@ fn compare(a: &Image, b: &Image) -> Agreement {
     agreement(SampledImage { image: a, samples: SAMPLES }, SampledImage { image: b, samples: SAMPLES }, ALPHA).unwrap()
 }
 
-/// In how many of `RUNS` pairs each test refuses, and in how many any of them does.
+/// Number of the `RUNS` pairs that each test refuses, and that any of them does.
 fn refusals(planted: impl Fn(usize, usize) -> f64) -> [usize; 5] {
     let mut count = [0; 5];
     for run in 0..RUNS {
@@ -177,7 +177,7 @@ fn one_wrong_pixel_is_found() {
     assert!(global < RUNS as usize / 2);
 }
 
-/// The same random numbers twice: differences are smaller than the errors claim.
+/// Two pictures from one set of random numbers: their differences are smaller than the errors claim.
 #[test]
 fn shared_noise_is_found() {
     let a = noise(1, |_, _| 1.0);

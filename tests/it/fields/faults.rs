@@ -1,4 +1,4 @@
-//! What a description of a field refuses, and in which words.
+//! Faults of descriptions of distance fields, and their messages.
 
 use pt::describe::{self, Files, Source};
 
@@ -78,7 +78,7 @@ fn solids() {
     );
 }
 
-/// What only building shows.
+/// Faults that are found only when the scene is built.
 #[test]
 fn where_fields_end() {
     let build = |text: &str| {

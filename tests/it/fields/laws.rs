@@ -1,4 +1,4 @@
-//! What marching relies on, for every kind of field.
+//! Laws of every kind of field that ray marching relies on.
 
 use glam::DVec3;
 use pt::shape::sdf::{Dual, Field, Union};

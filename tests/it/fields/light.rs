@@ -19,7 +19,7 @@ use pt::shape::sdf::*;
 use pt::shape::{Quad, Sdf};
 use pt::world::{PartAppearance, World, WorldBuilder};
 
-use crate::scenes::{Depth, Effort, Law, black, confirm, facing, glow, gray, measure, picture, probe};
+use crate::scenes::{Depth, Effort, Law, black, confirm, facing, glow, gray, measure, picture, probe, stored};
 
 fn ball(radius: f64) -> Field {
     Field::Ball(Ball { center: DVec3::ZERO, radius })
@@ -53,7 +53,7 @@ fn glass_vanishes_in_a_furnace() {
 /// A matte floor under a ball of radiance L: E = π L (r/h)², so that it shines with ρ L (r/h)².
 fn lamp(radius: f64, height: f64) -> WorldBuilder {
     let mut world = World::builder(probe(DVec3::new(2.0, 1.0, 0.0), DVec3::ZERO));
-    let (matte, dark) = (world.material(Material::diffuse(gray(0.5))), world.material(black()));
+    let (matte, dark) = (world.material(Material::diffuse(stored(gray(0.5)))), world.material(black()));
     world.shape(Quad { size: [20.0; 2] }, facing(DVec3::ZERO, DVec3::Y), matte, None);
     let lamp = Sdf { parts: Union::new(vec![ball(radius), ball(0.5 * radius)]), ..Sdf::new(ball(radius)) };
     let parts =
@@ -83,7 +83,7 @@ fn emission_is_met_by_chance() {
 fn only_the_cosine_is_right() {
     let half_width = 30f64.to_radians().tan();
     let mut world = World::builder(probe(DVec3::new(4.0, 0.5, 0.0), DVec3::ZERO));
-    let (matte, dark) = (world.material(Material::diffuse(gray(0.5))), world.material(black()));
+    let (matte, dark) = (world.material(Material::diffuse(stored(gray(0.5)))), world.material(black()));
     world.shape(Quad { size: [20.0; 2] }, facing(DVec3::ZERO, DVec3::Y), matte, None);
     world.shape(pt::shape::Disk { radius: half_width }, facing(DVec3::Y, -DVec3::Y), dark, glow(1.0));
     let scene = Arc::new(world.build().expect("a world"));
@@ -117,7 +117,7 @@ fn the_sun_shines_through_windows() {
     let sun_direction = Direction([0.0, 1.0, 3f64.sqrt()]);
     for (window, seen) in [(DVec3::new(0.0, 1.0, 3f64.sqrt()), 1.0), (DVec3::new(0.0, 1.0, -3f64.sqrt()), 0.0)] {
         let mut world = World::builder(probe(DVec3::new(1.0, 0.5, 0.0), DVec3::ZERO));
-        let (matte, dark) = (world.material(Material::diffuse(gray(0.5))), world.material(black()));
+        let (matte, dark) = (world.material(Material::diffuse(stored(gray(0.5)))), world.material(black()));
         world.shape(Quad { size: [20.0; 2] }, facing(DVec3::ZERO, DVec3::Y), matte, None);
         world.shape(Quad { size: [0.5; 2] }, facing(window, -DVec3::Y), dark, glow(1.0));
         let scene = Arc::new(world.build().expect("a world"));
@@ -130,7 +130,7 @@ fn the_sun_shines_through_windows() {
     }
 }
 
-/// What the settings leave out, by name.
+/// The settings that leave out light are named as biases.
 #[test]
 fn card_says_what_it_leaves_out() {
     let card = Card { max_depth: 3, step_off: Positive::new(0.1), hemisphere: Hemisphere::Angle, ..Card::default() };

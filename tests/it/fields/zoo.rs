@@ -127,7 +127,7 @@ pub fn ray(shape: &dyn Shape, random: &mut Random) -> Ray {
     Ray::new(origin, (target - origin.as_dvec3()).normalize_or(DVec3::X).as_vec3())
 }
 
-/// Of a point that the field's own space shares with the world.
+/// Point of world space in the space of a field, where the two are the same.
 pub fn dvec(p: Vec3) -> DVec3 {
     p.as_dvec3()
 }

@@ -4,22 +4,22 @@ use glam::{DVec3, Vec3};
 use pt::bsdf::{Lobe, Material, SurfaceMaterial, TransportMode, textured};
 use pt::film::FilmSpec;
 use pt::integrators::ALL;
-use pt::math::Ray;
 use pt::math::fresnel::dielectric;
+use pt::math::{Ray, Rgb};
 use pt::sampler::SamplerSpec;
 use pt::scene::{Scene, Surface};
 use pt::shape::{Quad, Sphere, TriangleMesh};
 use pt::world::{MaterialId, World, WorldBuilder};
 
 use super::{block, no_camera, pane};
-use crate::scenes::{Depth, at, black, facing, glow, gray, integrator, picture, probe, room};
+use crate::scenes::{Depth, at, black, facing, glow, gray, integrator, picture, probe, room, stored};
 
 const ETA: f32 = 1.7;
 /// What is left of light after a metre (1/m).
 const SIGMA: f64 = 1000.0;
 
 fn absorbing(world: &mut WorldBuilder) -> MaterialId {
-    world.material(Material::from(textured::Dielectric::smooth(ETA, 1.0).absorbing(gray(SIGMA))))
+    world.material(Material::from(textured::Dielectric::smooth(ETA, 1.0).absorbing(Rgb::gray(SIGMA as f32))))
 }
 
 /// Fine things at the coordinates' origin, which keep it there; a few, so that no tie decides.
@@ -116,9 +116,9 @@ fn far_objects_change_no_bit() {
     ];
     let scene = |more: Option<Add>| {
         let mut world = World::builder(probe(DVec3::new(0.1, 0.2, 0.9), DVec3::new(0.0, 0.0, -0.9)));
-        let (white, dark) = (world.material(Material::diffuse(gray(0.7))), world.material(black()));
-        let body = world.material(Material::from(textured::Dielectric::smooth(1.5, 1.0).absorbing(gray(3.0))));
-        let veil = world.material(SurfaceMaterial { opacity: Some(0.4.into()), ..Material::diffuse(gray(0.5)).into() });
+        let (white, dark) = (world.material(Material::diffuse(stored(gray(0.7)))), world.material(black()));
+        let body = world.material(Material::from(textured::Dielectric::smooth(1.5, 1.0).absorbing(Rgb::gray(3.0))));
+        let veil = world.material(SurfaceMaterial { opacity: Some(0.4.into()), ..Material::diffuse(stored(gray(0.5))).into() });
         room(&mut world, DVec3::ZERO, DVec3::ONE, |axis, side| (white, (axis == 1 && side > 0.0).then(|| glow(1.0)).flatten()));
         world.shape(Sphere { radius: 0.3 }, at(DVec3::new(0.05, 0.1, 0.0)), body, None);
         world.shape(TriangleMesh::new(block(Vec3::new(0.5, 0.4, 0.05))), at(-DVec3::Z * 0.5), body, None);
@@ -147,7 +147,7 @@ fn holes_take_nothing_of_the_way() {
     let mut world = World::builder(no_camera());
     anchored(&mut world);
     let dark = world.material(black());
-    let nothing = world.material(SurfaceMaterial { opacity: Some(0.0.into()), ..Material::diffuse(gray(0.5)).into() });
+    let nothing = world.material(SurfaceMaterial { opacity: Some(0.0.into()), ..Material::diffuse(stored(gray(0.5))).into() });
     for k in 1..=16 {
         world.shape(Quad { size: [128.0; 2] }, facing(DVec3::Z * (17.0 - f64::from(k) / 32.0), DVec3::Z), nothing, None);
     }

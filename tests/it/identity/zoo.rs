@@ -10,7 +10,7 @@ use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::Integrator;
 use pt::light::{Directional, Emission, Environment, Falloff, Light, Point, Spot};
-use pt::math::{Spectrum, Transform};
+use pt::math::{Rgb, Spectrum, Transform};
 use pt::render::{RenderReport, Settings, Silent, render};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
@@ -59,28 +59,26 @@ impl Zoo {
     pub fn build(&self) -> Arc<World> {
         let mut world = World::builder(self.camera());
         let checker = |space| {
-            let colors = [Spectrum::rgb(0.9, 0.5, 0.1), Spectrum::rgb(0.1, 0.3, 0.8)].map(Texture::Constant);
+            let colors = [Rgb::new(0.9, 0.5, 0.1), Rgb::new(0.1, 0.3, 0.8)].map(Texture::Constant);
             let [even, odd] = colors;
             Texture::Checker(Box::new(Checker { even, odd, scale: Vec3::splat(4.0), space }))
         };
         let to_texture = Transform::scale(DVec3::splat(self.scale)).expect("not zero").inverse();
         let floor = world.material(Material::diffuse(checker(Space::World(to_texture))));
         let spotted = world.material(Material::diffuse(checker(Space::Uv)));
-        let mirror = world.material(Material::mirror(Spectrum::rgb(0.9, 0.95, 1.0)));
-        let gold = world.material(Material::metal((Spectrum::rgb(0.2, 0.9, 1.1), Spectrum::rgb(3.9, 2.4, 2.2)), None, true));
+        let mirror = world.material(Material::mirror(Rgb::new(0.9, 0.95, 1.0)));
+        let gold = world.material(Material::metal((Rgb::new(0.2, 0.9, 1.1), Rgb::new(3.9, 2.4, 2.2)), None, true));
         let glass = world.material(Material::glass(1.5));
         let finish = |alpha: Vec2, distribution| Roughness { alpha: Alpha::Constant(alpha), distribution };
         let brushed = world.material(Material::metal(Element::Cu.index(), Some(finish(Vec2::new(0.3, 0.06), Distribution::Ggx)), true));
-        let frosted = textured::Dielectric::new(1.5, Spectrum::ONE, Some(finish(Vec2::splat(0.2), Distribution::Beckmann)), true);
-        let absorption = Spectrum::rgb(0.3, 1.0, 2.0) * (1.0 / self.scale) as f32;
+        let frosted = textured::Dielectric::new(1.5, Rgb::WHITE, Some(finish(Vec2::splat(0.2), Distribution::Beckmann)), true);
+        let absorption = Rgb::new(0.3, 1.0, 2.0) * (1.0 / self.scale) as f32;
         let bottle = world.material(Material::from(frosted.absorbing(absorption)));
-        let bubble = world.material(Material::ThinDielectric(textured::ThinDielectric { eta: 1.33.into(), color: Spectrum::ONE.into() }));
-        let satin = world.material(Material::MatteCone(textured::MatteCone { color: Spectrum::gray(0.7).into(), mattness: 0.2.into() }));
+        let bubble = world.material(Material::ThinDielectric(textured::ThinDielectric { eta: 1.33.into(), color: Rgb::WHITE.into() }));
+        let satin = world.material(Material::MatteCone(textured::MatteCone { color: Rgb::gray(0.7).into(), mattness: 0.2.into() }));
         let paint = world.material(self.paint(checker(Space::Uv)));
-        let veil = SurfaceMaterial {
-            opacity: Some(0.6.into()),
-            ..Material::mix(Material::mirror(Spectrum::ONE), Material::glass(1.2), 0.5).into()
-        };
+        let veil =
+            SurfaceMaterial { opacity: Some(0.6.into()), ..Material::mix(Material::mirror(Rgb::WHITE), Material::glass(1.2), 0.5).into() };
         let veil = world.material(veil);
         let at = |x, y, z| Transform::translate(DVec3::new(x, y, z)).expect("finite");
         let flat = Transform::rotate(DVec3::X, -90.0).expect("an axis");
@@ -113,7 +111,7 @@ impl Zoo {
             eta: 1.5.into(),
             coat: 0.8.into(),
             coat_eta: 1.5.into(),
-            coat_color: Spectrum::rgb(0.9, 0.8, 0.7).into(),
+            coat_color: Rgb::new(0.9, 0.8, 0.7).into(),
             coat_finish: None,
             sheen_color: 0.3.into(),
             sheen_roughness: 0.45.into(),

@@ -28,7 +28,7 @@ fn float(a: Int3) -> Vec3 {
     Vec3::from(a.map(|x| x as f32))
 }
 
-/// What exact arithmetic says about a ray and a triangle.
+/// Result of exact arithmetic for a ray and a triangle.
 struct Exact {
     /// The edge functions of the corners a, b, c.
     weights: Int3,

@@ -8,7 +8,6 @@ use crate::bsdf::microfacet::{Distribution, Microfacets, roughness};
 use crate::bsdf::{MAX_DELTA_LOBES, Material, SurfaceMaterial};
 use crate::describe::{self, MaterialRef, Textured};
 use crate::effects::Effects;
-use crate::math::Spectrum;
 use crate::reader::escaped;
 use crate::texture::Texture;
 use crate::world::MaterialId;
@@ -51,7 +50,7 @@ impl Builder<'_> {
     fn note_smooth(&mut self, pointer: &str, described: &dyn Description) {
         for (key, roughness) in described.roughnesses() {
             let Textured::Color(color) = roughness else { continue };
-            let value = super::spectrum(color).average();
+            let value = super::rgb(color).average();
             if value > 0.0 && Microfacets::new(roughness::alpha(value, 0.0), Distribution::Ggx).is_none() {
                 self.warnings.push(format!("{}: {pointer}/{key}: {value} is as good as 0, the surface is smooth", self.source.file));
             }
@@ -77,7 +76,7 @@ impl Prepare for At<'_, '_> {
     fn part(&mut self, key: &str, described: &MaterialRef) -> Material {
         self.builder.parts += 1;
         if self.builder.parts > MOST_PARTS {
-            return Material::diffuse(Spectrum::BLACK);
+            return Material::diffuse(0.0);
         }
         let default = describe::Material::default();
         let (pointer, described) = find(self.builder.scene, &format!("{}/{key}", self.pointer), described);

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use crate::describe::build::transform::placed;
-use crate::describe::build::{Builder, spectrum};
+use crate::describe::build::{Builder, rgb};
 use crate::describe::{self, Encoding, Size, TextureSpace, Textured, identity, picture};
 use crate::error::Error;
-use crate::math::{Spectrum, Transform};
+use crate::math::{Rgb, Transform};
 use crate::reader::escaped;
 use crate::texture::image::{Filter, Pixels, Wrap};
 use crate::texture::noise::Turbulence;
@@ -35,11 +35,11 @@ impl Builder<'_> {
     /// The texture whose pictures hold values of this range.
     pub(in crate::describe::build) fn ranged(&mut self, pointer: &str, described: &Textured, range: Range) -> Texture {
         match described {
-            Textured::Color(color) => Texture::Constant(spectrum(color)),
+            Textured::Color(color) => Texture::Constant(rgb(color)),
             Textured::Texture(inline) => self.texture(pointer, inline, range),
             Textured::Named(name) => match self.scene.textures.get(name) {
                 Some(texture) => self.texture(&format!("/textures{}", escaped(name)), texture, range),
-                None => Spectrum::BLACK.into(),
+                None => Rgb::BLACK.into(),
             },
         }
     }
@@ -63,7 +63,7 @@ impl Builder<'_> {
         use describe::Texture as T;
         self.textures += 1;
         if self.textures > MOST_TEXTURES {
-            return Spectrum::BLACK.into();
+            return Rgb::BLACK.into();
         }
         if let T::Image(t) = described {
             return self.image(pointer, t, range);
@@ -74,7 +74,7 @@ impl Builder<'_> {
             self.ranged(&format!("{pointer}/{key}"), described, range)
         };
         match described {
-            T::Constant(t) => Texture::Constant(spectrum(&t.color)),
+            T::Constant(t) => Texture::Constant(rgb(&t.color)),
             T::Checker(t) => Texture::Checker(Box::new(Checker {
                 even: part("even", &t.even),
                 odd: part("odd", &t.odd),
@@ -102,7 +102,7 @@ impl Builder<'_> {
             T::Product(t) => Texture::Product(Box::new(Product { a: part("a", &t.a), b: part("b", &t.b) })),
             T::Threshold(t) => Texture::Threshold(Box::new(Threshold { by: part("by", &t.by), at: t.at.get() as f32 })),
             T::VertexColor(t) => Texture::Vertex(Vertex { channel: t.channel.map(|channel| channel as usize) }),
-            T::Image(_) => Spectrum::BLACK.into(),
+            T::Image(_) => Rgb::BLACK.into(),
         }
     }
 
@@ -117,7 +117,7 @@ impl Builder<'_> {
                 loaded
             }
         };
-        let Some(pixels) = pixels else { return Spectrum::BLACK.into() };
+        let Some(pixels) = pixels else { return Rgb::BLACK.into() };
         if range == Range::Shares
             && let Some(message) = picture::beyond_shares(&pixels)
         {
