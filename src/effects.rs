@@ -58,11 +58,6 @@ impl Effects {
         self.0 & other.0 == other.0
     }
 
-    /// Whether the sets have a common effect.
-    pub const fn intersects(self, other: Effects) -> bool {
-        self.0 & other.0 != 0
-    }
-
     /// Whether the set is empty.
     pub const fn is_empty(self) -> bool {
         self.0 == 0

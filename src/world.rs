@@ -119,12 +119,6 @@ impl World {
     pub fn materials(&self, shape: u32) -> impl Iterator<Item = &Material> {
         self.appearances[shape as usize].parts.iter().map(|part| &self.materials[part.material.0 as usize].surface.material)
     }
-
-    /// The scene with another acceleration structure, for tests of the hierarchy.
-    pub fn with_primitives(mut self, build: impl FnOnce(Arc<[Box<dyn Shape>]>) -> Box<dyn Primitive>) -> World {
-        self.hierarchy = build(self.shapes.clone());
-        self
-    }
 }
 
 impl WorldBuilder {

@@ -90,14 +90,6 @@ impl dyn Prepare + '_ {
     }
 }
 
-impl Material {
-    /// The material of shapes that name none.
-    pub fn default_material() -> &'static Material {
-        static DEFAULT: std::sync::LazyLock<Material> = std::sync::LazyLock::new(Material::default);
-        &DEFAULT
-    }
-}
-
 impl Default for Material {
     fn default() -> Material {
         Material::Diffuse(super::diffuse::described::Diffuse::default())

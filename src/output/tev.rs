@@ -18,9 +18,6 @@ use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
 use crate::film::Image;
 
-/// Default address of tev.
-pub const DEFAULT_ADDRESS: &str = "127.0.0.1:14158";
-
 /// Edge of the tiles that are compared and sent (pixels).
 const TILE: u32 = 128;
 /// Shortest time between two pictures.
