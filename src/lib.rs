@@ -24,7 +24,7 @@
 //! use pt::glam::DVec3;
 //! use pt::integrators::path::Path;
 //! use pt::light::{Environment, Light};
-//! use pt::math::{Spectrum, Transform};
+//! use pt::math::{Rgb, Spectrum, Transform};
 //! use pt::render::{Settings, Silent, render};
 //! use pt::sampler::SamplerSpec;
 //! use pt::shape::Sphere;
@@ -35,7 +35,7 @@
 //! let pose = Pose::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y)?;
 //! let (fov, lens_radius, focus_distance) = (40.0, 0.0, 1.0);
 //! let mut world = World::builder(Camera::Perspective(Perspective::new(pose, fov, lens_radius, focus_distance)));
-//! let grey = world.material(Material::diffuse(Spectrum::gray(0.5)));
+//! let grey = world.material(Material::diffuse(Rgb::gray(0.5)));
 //! world.shape(Sphere { radius: 1.0 }, Transform::translate(DVec3::ZERO)?, grey, None);
 //! world.light(Light::Environment(Environment { radiance: Spectrum::gray(1.0) }));
 //! let world = Arc::new(world.build()?);
