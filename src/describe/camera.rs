@@ -1,4 +1,4 @@
-//! Cameras: which ray belongs to a point of the image.
+//! Descriptions of cameras: which ray belongs to a point of the image.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::format::{FieldOfView, LookAt, NonNegative, Positive, Transform};
 use crate::reader::{by_type, first_needs_no_type};
 
-/// The camera. It stands at the origin, looks down −z, and +y is up; `look_at` or `transform` (not both) moves it.
+/// The camera. It is at the origin, looks down −z, and +y is up; `look_at` or `transform` (not both) places it elsewhere.
+#[allow(missing_docs, reason = "a variant's meaning is that of its struct, whose text the schema takes")]
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
 #[schemars(transform = first_needs_no_type)]
@@ -18,49 +19,49 @@ pub enum Camera {
 
 by_type!(Camera { Perspective(Perspective), Orthographic(Orthographic), Spherical(Spherical) } or Perspective(Perspective));
 
-/// A pinhole, or a thin lens. The type of a camera that names none.
+/// A perspective view through a pinhole or a thin lens. It is the default type.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Perspective {
     /// Vertical full angle of the view, in degrees.
     pub fov: FieldOfView,
-    /// Horizontal full angle of the view, in degrees: with it pixels need not be square. Default: what makes them square.
+    /// Horizontal full angle of the view, in degrees. With it pixels need not be square. Default: the angle for square pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizontal_fov: Option<FieldOfView>,
     /// Radius (not diameter) of the lens, in metres. 0 is a pinhole: everything is sharp.
     pub lens_radius: NonNegative,
-    /// Distance of the plane that is sharp, along the view direction, in metres.
+    /// Distance of the plane in focus, along the view direction, in metres.
     pub focus_distance: Positive,
-    /// Where it stands and what it looks at. This or `transform`.
+    /// The position of the camera and the point that it looks at. Give this or `transform`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at: Option<LookAt>,
-    /// Moves it from the origin. This or `look_at`.
+    /// Places the camera in the world. Give this or `look_at`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transform: Option<Transform>,
 }
 
-/// Parallel rays: no perspective.
+/// A view without perspective: all rays are parallel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Orthographic {
     /// Height of the view, in metres.
     pub height: Positive,
-    /// Where it stands and what it looks at. This or `transform`.
+    /// The position of the camera and the point that it looks at. Give this or `transform`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at: Option<LookAt>,
-    /// Moves it from the origin. This or `look_at`.
+    /// Places the camera in the world. Give this or `look_at`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transform: Option<Transform>,
 }
 
-/// A full panorama: longitude across the image (its centre looks down −z), latitude from +y at the top to −y at the bottom.
+/// A full panorama: longitude runs across the image, with −z at the centre; latitude runs from +y at the top to −y at the bottom.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Spherical {
-    /// Where it stands and what it looks at. This or `transform`.
+    /// The position of the camera and the point that it looks at. Give this or `transform`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look_at: Option<LookAt>,
-    /// Moves it from the origin. This or `look_at`.
+    /// Places the camera in the world. Give this or `look_at`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transform: Option<Transform>,
 }
@@ -79,7 +80,7 @@ impl Default for Orthographic {
 }
 
 impl Camera {
-    /// How it is placed: `look_at` and `transform`, of which a checked scene has at most one.
+    /// Returns `look_at` and `transform`; a checked scene has at most one of them.
     pub fn placement(&self) -> (Option<&LookAt>, Option<&Transform>) {
         match self {
             Camera::Perspective(c) => (c.look_at.as_ref(), c.transform.as_ref()),

@@ -1,6 +1,6 @@
-//! What one value alone cannot show to be wrong: names, contradictions, degenerate transforms.
+//! Checks that concern several values at once: unknown names, contradictions, degenerate transforms.
 //!
-//! Each check names the JSON pointer it is about; [`Faults::add_at`] finds the line and column.
+//! Each check gives the JSON pointer of the value it complains about; [`Faults::add_at`] finds the line and column.
 
 use super::camera::Camera;
 use super::cycles;
@@ -14,7 +14,7 @@ use crate::bsdf::microfacet::RoughnessKeys;
 use crate::format::{Hex, LookAt, Texture, TextureSpace, Textured, Transform};
 use crate::reader::{Faults, Node, escaped, unknown};
 
-/// Adds to `faults` what is wrong with `scene`, which was read from `root`.
+/// Adds to `faults` all that is wrong with `scene`, which was read from `root`.
 pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
     let checker = Checker { scene, root, faults };
     checker.camera(&scene.camera);
@@ -67,7 +67,7 @@ impl Checker<'_> {
         }
     }
 
-    /// The rest is the integrator's own to check.
+    /// Checks that an integrator is named. The integrator checks its own options.
     fn integrator(&self) {
         let Some(node) = &self.scene.integrator.0 else { return };
         if node.child("type").and_then(Node::as_str).is_none() {
@@ -102,7 +102,7 @@ impl Checker<'_> {
 
     fn unknown_name<'k>(&self, pointer: &str, what: &str, name: &str, known: impl Iterator<Item = &'k String>) {
         if self.faults.is_full() {
-            return; // the nearest of many names is not free
+            return; // finding the nearest of many names takes time
         }
         let known: Vec<&str> = known.map(String::as_str).collect();
         self.fault(pointer, unknown(what, name, &known));
@@ -124,12 +124,12 @@ impl Checker<'_> {
         }
     }
 
-    /// What a material may not have within it.
+    /// Adds a fault where `outer` may not contain `part`.
     fn within(&self, pointer: &str, outer: &Material, part: &MaterialRef) {
         let Some(inner) = self.scene.material(part) else { return };
-        let skin = matches!(outer, Material::Bumped(_) | Material::Masked(_));
+        let is_surface = matches!(outer, Material::Bumped(_) | Material::Masked(_));
         match inner {
-            Material::Masked(_) | Material::Bumped(_) if !skin => {
+            Material::Masked(_) | Material::Bumped(_) if !is_surface => {
                 self.fault(pointer, "holes and reliefs go around all other materials: put \"masked\" or \"bumped\" outside");
             }
             _ if matches!(outer, Material::Bumped(_)) && self.has_relief(part, 0) => {
@@ -139,7 +139,9 @@ impl Checker<'_> {
         }
     }
 
-    /// - `depth`: bounds the walk where materials contain themselves, which is told elsewhere
+    /// Whether a material has a normal or bump map.
+    ///
+    /// - `depth`: bounds the recursion where a material contains itself, which `cycles` reports
     fn has_relief(&self, material: &MaterialRef, depth: usize) -> bool {
         match self.scene.material(material) {
             Some(Material::Bumped(_)) => true,
@@ -194,14 +196,16 @@ impl Checker<'_> {
         field_check::check(pointer, sdf).into_iter().for_each(|(pointer, message)| self.fault(&pointer, message));
     }
 
-    /// Lights are sampled as if they had no holes.
+    /// Adds a fault where an emitter has holes: lights are sampled as if they had none.
     fn whole_light(&self, pointer: &str, shape: &Shape, material: &MaterialRef) {
         if shape.emission().is_some() && self.has_holes(material, 0) {
             self.fault(pointer, "what emits can have no holes: leave out \"emission\", or the \"masked\" material");
         }
     }
 
-    /// - `depth`: bounds the walk where materials contain themselves, which is told elsewhere
+    /// Whether a material has holes.
+    ///
+    /// - `depth`: bounds the recursion where a material contains itself, which `cycles` reports
     fn has_holes(&self, material: &MaterialRef, depth: usize) -> bool {
         match self.scene.material(material) {
             Some(Material::Masked(_)) => true,

@@ -1,4 +1,4 @@
-//! Textures and materials that contain themselves, by name.
+//! Finds textures and materials that contain themselves by name, or that are nested too deeply.
 
 use std::collections::BTreeMap;
 use std::slice;
@@ -7,13 +7,13 @@ use super::{Material, MaterialRef};
 use crate::format::{Texture, Textured};
 use crate::reader::escaped;
 
-/// What may refer to others of its kind by name.
+/// A kind of description that may refer to others of its kind by name.
 #[derive(Clone, Copy)]
 struct Kind {
     name: &'static str,
-    /// Where a scene keeps them.
+    /// The JSON pointer of the object that has them by name.
     folder: &'static str,
-    /// How many may lie within each other: evaluating them recurses.
+    /// The largest depth of nesting. There is a limit because evaluation recurses.
     max_depth: usize,
 }
 
@@ -23,23 +23,24 @@ const MATERIALS: Kind = Kind { name: "material", folder: "/materials", max_depth
 /// A fault: the JSON pointer it is about, and what is wrong.
 pub(super) type Finding = (String, String);
 
-/// What one of them mentions: where, and the name.
+/// A reference to a texture or material by its name.
 struct Mention<'s> {
+    /// The JSON pointer of the reference.
     pointer: String,
     name: &'s str,
 }
 
-/// Every reference by which a texture contains itself, and the first texture that lies too deep.
+/// Finds every reference by which a texture contains itself, and each texture at which nesting first becomes too deep.
 pub(super) fn textures(textures: &BTreeMap<String, Texture>) -> Vec<Finding> {
     find(TEXTURES, textures, of_texture)
 }
 
-/// The same of materials.
+/// Finds every reference by which a material contains itself, and each material at which nesting first becomes too deep.
 pub(super) fn materials(materials: &BTreeMap<String, Material>) -> Vec<Finding> {
     find(MATERIALS, materials, of_material)
 }
 
-/// A depth-first walk with its own stack, each entered once.
+/// Searches all names depth first, with a stack of its own; each name is entered once.
 fn find<'s, T>(kind: Kind, all: &'s BTreeMap<String, T>, mentions: impl Fn(String, &'s T, &mut Vec<Mention<'s>>)) -> Vec<Finding> {
     let of = |(name, one): (&'s String, &'s T)| {
         let mut found = vec![];
@@ -57,9 +58,9 @@ fn find<'s, T>(kind: Kind, all: &'s BTreeMap<String, T>, mentions: impl Fn(Strin
 struct Walk<'g, 's> {
     kind: Kind,
     graph: &'g BTreeMap<&'s str, Vec<Mention<'s>>>,
-    /// Those being walked, each within the one before.
+    /// The names on the current path, each within the one before, with the references that are left.
     open: Vec<(&'s str, slice::Iter<'g, Mention<'s>>)>,
-    /// Those entered; 0 until all they mention is walked, then how deep they reach.
+    /// The depth of nesting below each name that was entered; 0 until the search has left that name.
     depths: BTreeMap<&'s str, usize>,
     findings: Vec<Finding>,
 }
@@ -106,7 +107,7 @@ impl<'s> Walk<'_, 's> {
     }
 }
 
-/// Recurses only into textures written within each other, which nest no deeper than the file.
+/// Collects the references of a texture. It recurses only into inline textures, whose nesting the file's own nesting bounds.
 fn of_texture<'s>(pointer: String, texture: &'s Texture, found: &mut Vec<Mention<'s>>) {
     for (key, part) in texture.parts() {
         match part {
@@ -117,7 +118,7 @@ fn of_texture<'s>(pointer: String, texture: &'s Texture, found: &mut Vec<Mention
     }
 }
 
-/// The same of materials.
+/// Collects the references of a material. It recurses only into inline materials.
 fn of_material<'s>(pointer: String, material: &'s Material, found: &mut Vec<Mention<'s>>) {
     for (key, part) in material.description().parts() {
         match part {

@@ -1,4 +1,4 @@
-//! Distance fields: what solids are made of.
+//! Descriptions of signed distance fields, which define solids.
 
 use schemars::JsonSchema;
 use serde::de::Error as _;
@@ -9,7 +9,8 @@ use super::shape::Emission;
 use crate::format::{Direction, NonNegative, Point, Positive, Transform};
 use crate::reader::by_type;
 
-/// A distance field: a primitive, or an operation on fields. Metres; negative inside.
+/// A signed distance field, in metres and negative inside: a primitive, or an operation on fields.
+#[allow(missing_docs, reason = "a variant's meaning is that of its struct, whose text the schema takes")]
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Field {
@@ -54,9 +55,9 @@ by_type!(Field {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BallField {
-    /// Metres.
+    /// The radius, in metres.
     pub radius: Positive,
-    /// Metres.
+    /// The centre, in metres.
     #[serde(default = "origin")]
     pub center: Point,
 }
@@ -65,169 +66,169 @@ pub struct BallField {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BoxField {
-    /// One corner.
+    /// One corner, in metres.
     pub low: Point,
-    /// The opposite corner; its coordinates are larger.
+    /// The opposite corner, in metres; its coordinates are larger.
     pub high: Point,
     /// Radius of edges and corners, in metres; half the shortest side at most. The box keeps its size.
     #[serde(default = "nothing")]
     pub rounding: NonNegative,
 }
 
-/// A box whose distance is the largest of those from its six planes: for carving rooms. Beyond edges and corners it is less
-/// than the box's own, so that rays come nearer in smaller steps.
+/// A box with the largest of the distances to its six planes as its distance. It suits rooms that are carved out. Beyond edges and
+/// corners that distance is less than the true one, so that rays approach in smaller steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChebyshevBoxField {
-    /// One corner.
+    /// One corner, in metres.
     pub low: Point,
-    /// The opposite corner; its coordinates are larger.
+    /// The opposite corner, in metres; its coordinates are larger.
     pub high: Point,
 }
 
-/// What lies within `radius` of a segment.
+/// A capsule: all points within `radius` of a line segment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SegmentField {
-    /// One end.
+    /// One end of the segment, in metres.
     pub from: Point,
-    /// The other end.
+    /// The other end of the segment, in metres.
     pub to: Point,
-    /// Metres; 0 only within an `extrude`.
+    /// The radius, in metres; 0 only within an `extrude`.
     #[serde(default = "nothing")]
     pub radius: NonNegative,
 }
 
-/// A ring about the z axis.
+/// A torus about the z axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TorusField {
-    /// Of the circle, in metres.
+    /// The radius of the circle at the centre of the tube, in metres.
     pub radius: Positive,
-    /// About the circle, in metres; 0 only within an `extrude`.
+    /// The radius of the tube, in metres; 0 only within an `extrude`.
     #[serde(default = "nothing")]
     pub tube: NonNegative,
-    /// Metres.
+    /// The centre, in metres.
     #[serde(default = "origin")]
     pub center: Point,
 }
 
-/// The half of a ring that lies at larger x than its centre, with round ends.
+/// The half of a torus at larger x than its centre, with round ends.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HalfRingField {
-    /// Of the circle, in metres.
+    /// The radius of the circle at the centre of the tube, in metres.
     pub radius: Positive,
-    /// About the circle, in metres; 0 only within an `extrude`.
+    /// The radius of the tube, in metres; 0 only within an `extrude`.
     #[serde(default = "nothing")]
     pub tube: NonNegative,
-    /// Metres.
+    /// The centre, in metres.
     #[serde(default = "origin")]
     pub center: Point,
 }
 
-/// All that lies behind a plane. It has no end.
+/// The half space behind a plane. It is unbounded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaneField {
-    /// A point of the plane.
+    /// A point of the plane, in metres.
     #[serde(default = "origin")]
     pub point: Point,
-    /// Out of the solid.
+    /// The normal of the plane, which points out of the solid.
     pub normal: Direction,
 }
 
-/// All of several fields.
+/// The union of several fields.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UnionField {
-    /// At least one.
+    /// The fields; at least one.
     pub of: Vec<Field>,
 }
 
-/// What several fields share.
+/// The intersection of several fields.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IntersectionField {
-    /// At least one.
+    /// The fields; at least one.
     pub of: Vec<Field>,
 }
 
-/// What is left of a field when others are carved out of it.
+/// A field with others carved out of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DifferenceField {
-    /// What is carved.
+    /// The field that others are carved out of.
     pub from: Box<Field>,
-    /// What is carved out; at least one.
+    /// The fields that are carved out; at least one.
     pub minus: Vec<Field>,
 }
 
-/// All that a field is not: rooms are the complement of boxes. It has no end.
+/// The complement of a field: inside becomes outside. A room is the complement of a box. It is unbounded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComplementField {
-    /// What is left out.
+    /// The field.
     pub of: Box<Field>,
 }
 
-/// A union that fills the creases between its fields.
+/// A union that rounds the creases between its fields.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SmoothUnionField {
-    /// At least one; joined one after the other.
+    /// The fields, at least one. They are joined one after the other.
     pub of: Vec<Field>,
-    /// Metres: where two distances differ by less, the surfaces flow into each other.
+    /// The width of the blend, in metres: the surfaces are blended where two distances differ by less than this.
     pub width: Positive,
 }
 
-/// A field moved, turned, stretched. Uneven stretching makes its distance smaller than it is, and rays slower.
+/// A transformed field. Non-uniform scaling makes the distance smaller than the true one, so that rays need more steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaceField {
-    /// What is placed.
+    /// The field that is transformed.
     pub of: Box<Field>,
     /// Steps applied in listed order.
     pub transform: Transform,
 }
 
-/// What of a field lies at positive coordinates, and its mirror image.
+/// The part of a field at positive coordinates along an axis, and its mirror image.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MirrorField {
-    /// What is mirrored.
+    /// The field that is mirrored.
     pub of: Box<Field>,
-    /// The axis across the mirror, which goes through the origin.
+    /// The axis perpendicular to the mirror plane, which contains the origin.
     pub axis: Axis,
 }
 
-/// Copies of a field in a row, one every `period`. Without `first` and `last` it has no end.
+/// Copies of a field in a row, one every `period`. Without `first` and `last` the row is unbounded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RepeatField {
-    /// What is copied: along the axis no longer than the period.
+    /// The field that is copied. Along the axis it must be no longer than the period.
     pub of: Box<Field>,
     /// The direction of the row.
     pub axis: Axis,
-    /// Metres.
+    /// The distance between copies, in metres.
     pub period: Positive,
-    /// The first copy, moved by so many periods. Default: no first one.
+    /// The number of the first copy; copy k is moved by k periods. Default: the row has no first copy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first: Option<i32>,
-    /// The last copy, moved by so many periods. Default: no last one.
+    /// The number of the last copy. Default: the row has no last copy.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last: Option<i32>,
 }
 
-/// A bar along what a field shows in the plane z = 0: all within `half_thickness` of that section, its edges rounded by a power.
+/// A bar along the section of a field with the plane z = 0: all within `half_thickness` of that section, with edges rounded by a power.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExtrudeField {
-    /// Whose section at z = 0 it is; lines of no thickness make bars.
+    /// The field with the section at z = 0. Lines without thickness make bars.
     pub of: Box<Field>,
-    /// Metres.
+    /// Half the thickness of the bar, in metres.
     pub half_thickness: Positive,
-    /// 2 rounds the edges to half circles, larger powers make them sharper.
+    /// The roundness of the edges: 2 rounds them to half circles, larger powers make them sharper.
     #[serde(default)]
     pub power: Power,
 }
@@ -237,18 +238,22 @@ pub struct ExtrudeField {
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
 pub enum Axis {
+    /// The x axis.
     X,
+    /// The y axis.
     Y,
+    /// The z axis.
     Z,
 }
 
-/// 2, 4, 8, 16, 32 or 64.
+/// A power of two as an exponent: 2, 4, 8, 16, 32 or 64.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(transparent)]
 #[schemars(inline)]
 pub struct Power(#[schemars(extend("enum" = [2, 4, 8, 16, 32, 64]))] u32);
 
 impl Power {
+    /// The logarithm to base 2, from 1 to 6.
     pub fn log2(self) -> u32 {
         self.0.ilog2()
     }
@@ -268,16 +273,16 @@ impl<'de> Deserialize<'de> for Power {
     }
 }
 
-/// One of several solids that meet.
+/// One of several adjacent solids.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SdfPart {
     /// The solid.
     pub field: Field,
-    /// How it reflects and transmits. Default: as the shape says.
+    /// How the part reflects and transmits light. Default: the shape's material.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialRef>,
-    /// What it emits. Default: as the shape says.
+    /// The light that the part emits. Default: the shape's emission.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub emission: Option<Emission>,
 }
@@ -286,26 +291,26 @@ pub struct SdfPart {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
-    /// One corner, in the shape's own space.
+    /// One corner, in the shape's own space, in metres.
     pub low: Point,
-    /// The opposite corner; its coordinates are larger.
+    /// The opposite corner, in metres; its coordinates are larger.
     pub high: Point,
 }
 
-/// Steps of the whole distance that end before the surface.
+/// Sphere tracing that stops at a given distance before the surface.
 ///
-/// What looks like the surface then depends on these numbers: it is thicker by `stop`, and rays that leave it start that much
-/// farther off. Materials that let light through do not work with it.
+/// The visible surface then depends on these numbers: the solid is thicker by `stop`, and rays that leave it start that much
+/// farther away. Transmissive materials do not work with it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FixedMarch {
-    /// What is nearer than this is hit, in metres.
+    /// The distance below which a ray has hit the surface, in metres.
     pub stop: Positive,
-    /// What has not been hit after so many steps counts as hit.
+    /// The number of steps after which a ray counts as having hit the surface.
     pub most_steps: u32,
-    /// How far a ray sees, in metres.
+    /// The length of a ray after which it hits nothing, in metres.
     pub reach: Positive,
-    /// Normals are forward differences over this length, in metres.
+    /// The length of the forward differences that give the normal, in metres.
     pub normal_step: Positive,
 }
 
@@ -335,10 +340,12 @@ impl Sides for Bounds {
     }
 }
 
-/// What has a low and a high corner.
+/// A box with a low and a high corner.
 pub(super) trait Sides {
+    /// The low and the high corner.
     fn corners(&self) -> [&Point; 2];
 
+    /// The lengths of the sides along x, y and z, in metres.
     fn sides(&self) -> [f64; 3] {
         let [low, high] = self.corners();
         std::array::from_fn(|axis| high.0[axis] - low.0[axis])

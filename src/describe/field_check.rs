@@ -1,10 +1,10 @@
-//! What of a distance field can be seen to be wrong before it is built.
+//! Checks of distance fields before they are built.
 
 use super::field::*;
 use super::shape::Sdf;
 use crate::format::Transform;
 
-/// Each with its JSON pointer.
+/// Returns what is wrong with a solid: the JSON pointer of each fault, and its message.
 pub(super) fn check(pointer: &str, sdf: &Sdf) -> Vec<(String, String)> {
     let mut checker = Checker(vec![]);
     match (&sdf.field, &sdf.parts) {
@@ -23,7 +23,7 @@ pub(super) fn check(pointer: &str, sdf: &Sdf) -> Vec<(String, String)> {
     checker.0
 }
 
-/// Whether lines and circles without thickness would be nothing to see.
+/// Whether lines and circles need a thickness to be visible, or an extrusion gives it to them.
 #[derive(Clone, Copy)]
 enum Thickness {
     Needed,

@@ -1,4 +1,4 @@
-//! Opening what a user named.
+//! Opens files that a user named.
 
 use std::fs::File;
 use std::io::{self, ErrorKind};
@@ -7,10 +7,10 @@ use std::path::Path;
 use crate::reader::closest;
 use crate::{Error, Fault, Result};
 
-/// Opens a regular file, which messages call `name`; a pipe or a device would block or never end, so its kind is asked first.
+/// Opens a regular file, which messages call `name`. It checks the kind of file first: a pipe may block, a device may never end.
 ///
 /// # Errors
-/// `Invalid` for what is missing or no regular file, `Io` for what may not be read.
+/// `Invalid` for a file that is missing or not regular, `Io` for one that cannot be opened.
 pub(super) fn open(path: &Path, name: &str) -> Result<File> {
     let invalid = |message: &str| Error::invalid(Fault::new(message).in_file(name));
     let refused = |error: io::Error| match error.kind() {
@@ -24,9 +24,9 @@ pub(super) fn open(path: &Path, name: &str) -> Result<File> {
     File::open(path).map_err(refused)
 }
 
-/// `, did you mean "scenes/cornell-box.json"?`, where a file of nearly this name lies in the same folder.
+/// Returns `, did you mean "scenes/cornell-box.json"?` if a file in the same folder has a similar name, and nothing otherwise.
 ///
-/// - `name`: what messages call the file, with the same last part as `path`
+/// - `name`: the file as messages call it, with the same last part as `path`
 fn neighbour(path: &Path, name: &str) -> String {
     let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     let entries = folder.read_dir().into_iter().flatten().flatten().take(MOST_NEIGHBOURS);
@@ -37,11 +37,13 @@ fn neighbour(path: &Path, name: &str) -> String {
     near.and_then(shown).map_or_else(String::new, |near| format!(", did you mean {near:?}?"))
 }
 
-/// Larger folders are not searched to their end.
+/// The largest number of entries of a folder that are searched.
 const MOST_NEIGHBOURS: usize = 10_000;
 
-/// The file that was meant, if a slip explains the difference: in the name before the extension, where both have the same or none was
-/// given; or if only the extension is another.
+/// Finds the file that was probably meant.
+///
+/// Its stem differs from the wanted one by a typing error, and the extensions are equal or none was given; or only the extension
+/// differs.
 fn nearest<'n>(wanted: &str, names: &'n [String]) -> Option<&'n str> {
     let parts =
         |name: &str| name.rsplit_once('.').map_or((name.to_lowercase(), String::new()), |(a, b)| (a.to_lowercase(), b.to_lowercase()));
@@ -50,7 +52,7 @@ fn nearest<'n>(wanted: &str, names: &'n [String]) -> Option<&'n str> {
         return None;
     }
     let mut known: Vec<&str> = names.iter().map(String::as_str).collect();
-    // Of several with one name before the extension the scene first, which its pictures are named after.
+    // A scene comes before the pictures that are named after it.
     known.sort_unstable_by_key(|name| (!name.ends_with(".json"), *name));
     let alike = || known.iter().copied().filter(|name| extension.is_empty() || parts(name).1 == extension);
     let stems: Vec<String> = alike().map(|name| parts(name).0).collect();

@@ -1,7 +1,7 @@
-//! The files that a scene names: with its own folder it may do as it likes, the rest of the disk is not its business.
+//! The files that a scene names. A scene may read its own folder, and nothing else unless the user allows it.
 //!
-//! A scene comes from anywhere; what it may read goes into a picture or a message. Paths are therefore relative and stay within the
-//! scene file's folder, unless whoever starts pt allows more.
+//! A scene may come from an untrusted source, and the content of a file may end up in a picture or a message. Paths are therefore
+//! relative and stay within the scene file's folder, unless the user says `--allow-outside`.
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, Cursor, Read};
@@ -19,30 +19,30 @@ use crate::shape::MeshData;
 use crate::texture::image::Pixels;
 use crate::{Error, Fault, Result};
 
-/// Bytes of a path: no system takes more.
+/// The longest path that any system accepts, in bytes.
 const LONGEST: usize = 4096;
 
-/// Where a scene's files are.
+/// The place of a scene's files, and what the scene may read.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
-    /// Relative paths start here.
+    /// The folder that relative paths start from.
     pub folder: PathBuf,
     /// Whether the scene may name files that lie elsewhere.
     pub allow_outside: bool,
-    /// By name: files that lie nowhere, but came with the scene. They are found before those of the folder.
+    /// The contents by name of files in memory that came with the scene. They take precedence over those in the folder.
     pub made: BTreeMap<String, Vec<u8>>,
 }
 
 impl Files {
-    /// Those in a folder; the scene may name no others.
+    /// The files in a folder; the scene may name no others.
     pub fn within(folder: impl Into<PathBuf>) -> Files {
         Files { folder: folder.into(), ..Files::default() }
     }
 
-    /// The mesh of that name, as [`mesh::load`].
+    /// Reads the mesh of that name, as [`mesh::load`] does.
     ///
     /// # Errors
-    /// As [`mesh::load`].
+    /// Those of [`mesh::load`].
     pub fn mesh(&self, name: &str) -> Result<(MeshData, Vec<String>)> {
         match self.made.get(name) {
             Some(bytes) => mesh::read(Cursor::new(bytes), name),
@@ -50,10 +50,10 @@ impl Files {
         }
     }
 
-    /// Any other file, whole.
+    /// Reads the whole file of that name.
     ///
     /// # Errors
-    /// `Invalid` where it is missing or no regular file, or [where it may not be named](Files::why_not); `Io` where it cannot be read.
+    /// `Invalid` where the file is missing or not regular, or [may not be named](Files::why_not); `Io` where it cannot be read.
     pub fn bytes(&self, name: &str) -> Result<Vec<u8>> {
         if let Some(bytes) = self.made.get(name) {
             return Ok(bytes.clone());
@@ -66,10 +66,10 @@ impl Files {
         Ok(bytes)
     }
 
-    /// The picture of that name, as [`picture::load`].
+    /// Reads the picture of that name, as [`picture::load`] does.
     ///
     /// # Errors
-    /// As [`picture::load`].
+    /// Those of [`picture::load`].
     pub fn picture(&self, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
         match self.made.get(name) {
             Some(bytes) => picture::read(Cursor::new(bytes), name, encoding, channel),
@@ -77,38 +77,38 @@ impl Files {
         }
     }
 
-    /// What is wrong with this name of a file, if anything is.
+    /// Says what is wrong with the name of a file; `None` if the scene may read it.
     ///
-    /// Where a path leads is asked of its text first, so that nothing is said about what exists elsewhere; then of the disk, since
-    /// links lead out as well.
+    /// The text of the path is checked first, so that no message tells what exists outside of the folder. Then the file system is
+    /// asked, because links can lead out of the folder too.
     pub fn why_not(&self, name: &str) -> Option<String> {
         no_name(name).or_else(|| if self.allow_outside { None } else { outside(name, &self.folder) })
     }
 
-    /// What is wrong with this name, or with what lies under it: nothing, or no regular file. What the file holds is not asked.
+    /// Says what is wrong with the name of a file, or that the file is missing or not regular. The content is not checked.
     fn unusable(&self, name: &str) -> Option<String> {
         self.why_not(name).or_else(|| {
             let found = if self.made.contains_key(name) { Ok(()) } else { open(&self.folder.join(name), name).map(drop) };
             match found {
                 Err(Error::Invalid(faults)) => faults.first().map(|fault| format!("{name}: {}", fault.message)),
-                // What the system refuses is told when the file is read.
+                // Other errors of the system are reported when the file is read.
                 _ => None,
             }
         })
     }
 
-    /// JSON pointers to all names that are of no use, with what is wrong with each.
+    /// Returns the JSON pointers of all names of files that cannot be used, with what is wrong with each.
     pub(super) fn all_unusable(&self, scene: &Scene) -> Vec<(String, String)> {
         files_of(scene).into_iter().filter_map(|(pointer, file)| Some((pointer, self.unusable(file)?))).collect()
     }
 
-    /// JSON pointers to what is no file name, or leads out of the folder and may not; with what is wrong with each.
+    /// Returns the JSON pointers of all names of files that the scene may not read, with what is wrong with each.
     pub(super) fn refused(&self, scene: &Scene) -> Vec<(String, String)> {
         files_of(scene).into_iter().filter_map(|(pointer, file)| Some((pointer, self.why_not(file)?))).collect()
     }
 }
 
-/// The files that a scene names, each with its JSON pointer.
+/// Returns the files that a scene names, each with its JSON pointer.
 pub fn files_of(scene: &Scene) -> Vec<(String, &str)> {
     let mut files = Named(vec![]);
     scene.textures.iter().for_each(|(name, texture)| files.texture(&format!("/textures{}", escaped(name)), texture));
@@ -117,7 +117,7 @@ pub fn files_of(scene: &Scene) -> Vec<(String, &str)> {
     files.0
 }
 
-/// Names that a message could not show.
+/// Says what is wrong with a name that is empty, too long or not printable.
 fn no_name(file: &str) -> Option<String> {
     if file.is_empty() {
         return Some("an empty file name".to_owned());
@@ -139,13 +139,13 @@ fn outside(file: &str, folder: &Path) -> Option<String> {
     Some(format!("{file}: {why}; if it may, say --allow-outside"))
 }
 
-/// On any system: a scene that one refuses the others refuse too.
+/// Whether the path is absolute on any system, so that all systems refuse the same scenes.
 fn is_absolute(file: &str) -> bool {
     let has_drive = file.as_bytes().first().is_some_and(u8::is_ascii_alphabetic) && file[1..].starts_with(':');
     file.starts_with(['/', '\\', '~']) || has_drive || Path::new(file).is_absolute()
 }
 
-/// Whether any of its steps leaves the folder, even if a later one returns.
+/// Whether any step of the path leaves the folder, even if a later step returns to it.
 fn climbs_out(file: &str) -> bool {
     let mut depth = 0i32;
     file.split(['/', '\\']).any(|step| {
@@ -158,14 +158,14 @@ fn climbs_out(file: &str) -> bool {
     })
 }
 
-/// What does not exist leads nowhere.
+/// Whether the path leads out of the folder through a link. A path that does not exist does not.
 fn is_linked_out(file: &str, folder: &Path) -> bool {
     let folder = if folder == Path::new("") { Path::new(".") } else { folder };
     let real = |path: &Path| path.canonicalize().ok();
     Option::zip(real(folder), real(&folder.join(file))).is_some_and(|(folder, file)| !file.starts_with(folder))
 }
 
-/// With their JSON pointers.
+/// The files that were found so far, with their JSON pointers.
 struct Named<'s>(Vec<(String, &'s str)>);
 
 impl<'s> Named<'s> {

@@ -1,4 +1,4 @@
-//! The film: the image's size, the part of it to render, the pixel filter.
+//! Description of the film: the image's size, the part of it to render, the pixel filter.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,55 +6,56 @@ use serde::{Deserialize, Serialize};
 use crate::format::{Fraction, Positive, Side};
 use crate::reader::by_type;
 
-/// The image.
+/// The image: its size, pixel filter and layers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Film {
-    /// Pixels.
+    /// The width, in pixels.
     pub width: Side,
-    /// Pixels.
+    /// The height, in pixels.
     pub height: Side,
     /// The part to render: `[x0, x1, y0, y1]` in pixels from the top left, x0 ≤ x < x1 and y0 ≤ y < y1.
-    /// Its pixels are those of the full image, bit for bit. Default: all of it.
+    /// Its pixels are those of the full image, bit for bit. Default: the full image.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crop: Option<[u32; 4]>,
     /// The pixel filter.
     pub filter: Filter,
-    /// What is kept beside the picture, in EXR files: means over each pixel of what the camera meets first, or of the light by the way
-    /// it came. The picture itself does not change.
+    /// The layers that EXR files have beside the picture: means over each pixel of properties of the first surface, or of light sorted
+    /// by its path. The picture itself does not change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub layers: Vec<Layer>,
 }
 
-/// A layer beside the picture.
+/// A layer of an EXR file beside the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Layer {
-    /// The share of light that the first surface scatters: `Albedo.R`, `.G`, `.B`.
+    /// The albedo of the first surface, the share of light that it scatters: `Albedo.R`, `.G`, `.B`.
     Albedo,
-    /// Its geometric normal: `N.X`, `.Y`, `.Z`.
+    /// The geometric normal of the first surface: `N.X`, `.Y`, `.Z`.
     N,
-    /// Its shading normal: `Ns.X`, `.Y`, `.Z`.
+    /// The shading normal of the first surface: `Ns.X`, `.Y`, `.Z`.
     Ns,
-    /// Where it is, in metres: `P.X`, `.Y`, `.Z`.
+    /// The position of the first surface, in metres: `P.X`, `.Y`, `.Z`.
     P,
-    /// How far it is along the camera's axis, in metres: `Z`.
+    /// The depth of the first surface along the camera's axis, in metres: `Z`.
     Z,
-    /// Its texture coordinates: `uv.U`, `uv.V`.
+    /// The texture coordinates of the first surface: `uv.U`, `uv.V`.
     Uv,
-    /// The light that the camera sees at its source: `Emission.R`, `.G`, `.B`.
+    /// The light that comes from its source to the camera without scattering: `Emission.R`, `.G`, `.B`.
     Emission,
     /// The light that was scattered once: `Direct.R`, `.G`, `.B`.
     Direct,
-    /// The light that was scattered more often: `Indirect.R`, `.G`, `.B`. The three add up to the picture.
+    /// The light that was scattered more than once: `Indirect.R`, `.G`, `.B`. Emission, direct and indirect light add up to the picture.
     Indirect,
-    /// The light of each light, however it came: `Light.NAME.R`, `.G`, `.B`. All of them add up to the picture.
+    /// One layer for each light source, with all of its light: `Light.NAME.R`, `.G`, `.B`. These layers add up to the picture.
     Lights,
-    /// Seconds that the pixel took: `Time.Y`. The only layer that is another one each time.
+    /// The time that the pixel took, in seconds: `Time.Y`. It is the only layer that differs from one render to the next.
     Time,
 }
 
-/// How samples near a pixel contribute to it.
+/// The pixel filter: the weight of a sample by its distance from the centre of the pixel.
+#[allow(missing_docs, reason = "a variant's meaning is that of its struct, whose text the schema takes")]
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Filter {
@@ -66,7 +67,7 @@ pub enum Filter {
 
 by_type!(Filter { Box(BoxFilter), Tent(TentFilter), Gaussian(GaussianFilter), Mitchell(MitchellFilter) });
 
-/// The mean over the pixel, if the radius is ½.
+/// A constant weight: with radius ½ the mean over the pixel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BoxFilter {
@@ -74,7 +75,7 @@ pub struct BoxFilter {
     pub radius: Positive,
 }
 
-/// Falls linearly to 0.
+/// A weight that falls linearly to 0 at the radius.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TentFilter {
@@ -82,7 +83,7 @@ pub struct TentFilter {
     pub radius: Positive,
 }
 
-/// A bell curve, lowered so that it reaches 0 at its radius.
+/// A Gaussian, lowered so that it reaches 0 at its radius.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GaussianFilter {
@@ -92,16 +93,16 @@ pub struct GaussianFilter {
     pub sigma: Positive,
 }
 
-/// The cubic of Mitchell and Netravali: sharp, with slight negative lobes. Samples there count negatively, which is noise even in a
-/// picture of one colour; the other filters have none there.
+/// The cubic of Mitchell and Netravali: sharp, with slight negative lobes. The negative weights cause noise even in a picture of one
+/// colour, where the other filters have none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MitchellFilter {
     /// Half the filter's width and height, in pixels.
     pub radius: Positive,
-    /// Blur.
+    /// The parameter B, from 0 to 1: larger values blur.
     pub b: Fraction,
-    /// Ringing.
+    /// The parameter C, from 0 to 1: larger values ring.
     pub c: Fraction,
 }
 
@@ -136,7 +137,7 @@ impl Default for MitchellFilter {
 }
 
 impl Film {
-    /// The part to render, `[x0, x1, y0, y1]`.
+    /// The part to render, `[x0, x1, y0, y1]` in pixels: the crop, or the full image.
     pub fn bounds(&self) -> [u32; 4] {
         self.crop.unwrap_or([0, self.width.get(), 0, self.height.get()])
     }

@@ -1,4 +1,4 @@
-//! What decides a picture: told as facts, so that two that differ can say in what, and named by their hash.
+//! The identity of a picture: all facts that decide it, and their hash. Two identities can be compared fact by fact.
 
 use std::collections::BTreeMap;
 
@@ -12,27 +12,29 @@ use crate::reader::{Node, escaped};
 use crate::shape::MeshData;
 use crate::texture::image::Pixels;
 
-/// All that decides a picture except how many samples it has: the scene after overrides with its defaults filled in, the
-/// integrator with those of its options that were given, the contents of meshes and pictures, and pt's version.
+/// All facts that decide a picture, except the number of samples: the scene after overrides and with its defaults, the integrator
+/// with its given options, the contents of meshes and pictures, and pt's version.
 ///
-/// How the scene file is formatted, in which order its keys stand and what its comments say is not in it. The number of samples
-/// is where the sampler spreads each of them by how many there are: stratified.
+/// The scene file's formatting, comments and order of keys do not matter. For the stratified sampler the number of samples is a fact
+/// too, because it decides the strata.
 ///
-/// Tests: parts::identity.
+/// The tests are in `tests/it/parts/identity.rs`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identity {
     facts: Value,
 }
 
-/// Hashes of the files that a scene names, by the names.
+/// Hashes of the files that a scene names, by name.
 pub type Contents = BTreeMap<String, Hash>;
 
-/// Numbers of meshes are told by their hash where they are longer than this (bytes as text).
+/// The length, in bytes of JSON, above which a list of numbers is replaced by its hash.
 const LONGEST: usize = 512;
 
 impl Identity {
+    /// Collects the facts of a scene and an integrator.
+    ///
     /// # Errors
-    /// `Internal` where the description cannot be written, which none should do.
+    /// `Internal` where the scene cannot be written as JSON, which should never happen.
     pub fn new(scene: &Scene, contents: &Contents, integrator: &Entry) -> Result<Identity> {
         let text = |error: serde_json::Error| Error::Internal(format!("the scene cannot be written: {error}"));
         let mut facts = serde_json::to_value(scene).map_err(text)?;
@@ -50,37 +52,40 @@ impl Identity {
         Ok(Identity { facts: compact(facts) })
     }
 
-    /// From the facts of another, which may have been in a file.
+    /// Restores an identity from its facts, for example from a file. Facts that are not an object count as none.
     pub fn from_facts(facts: Value) -> Identity {
         Identity { facts: if facts.is_object() { facts } else { json!({}) } }
     }
 
-    /// With another value for one of the scene's keys.
+    /// Replaces the value of one of the scene's keys.
     pub fn with(mut self, key: &str, value: Value) -> Identity {
         self.facts[key] = value;
         self
     }
 
+    /// The facts as a JSON object.
     pub fn facts(&self) -> &Value {
         &self.facts
     }
 
-    /// The fact that a JSON pointer names, as text.
+    /// The fact at a JSON pointer, as text.
     pub fn fact(&self, pointer: &str) -> Option<String> {
         self.facts.pointer(pointer).map(|value| value.as_str().map_or_else(|| value.to_string(), str::to_owned))
     }
 
+    /// The hash of the facts, independent of the order of keys.
     pub fn hash(&self) -> Hash {
         of_text(&canonical(&self.facts))
     }
 
-    /// The first fact in which another differs: its JSON pointer, and what it is here and there, `nothing` where it is missing.
+    /// The first fact that differs from another identity: its JSON pointer, its value here and its value there. A missing value is
+    /// `nothing`.
     pub fn difference(&self, other: &Identity) -> Option<[String; 3]> {
         difference(&self.facts, &other.facts, String::new())
     }
 }
 
-/// The integrator's name, and of the options that the scene has those that it knows.
+/// The integrator's name, and those of the scene's options that this integrator has.
 fn options(given: Option<&Node>, integrator: &Entry) -> Result<Value, serde_json::Error> {
     let schema = (integrator.schema)();
     let known = |key: &str| schema.get("properties").is_some_and(|properties| properties.get(key).is_some());
@@ -93,7 +98,7 @@ fn options(given: Option<&Node>, integrator: &Entry) -> Result<Value, serde_json
     Ok(options)
 }
 
-/// Long lists of numbers by their hash.
+/// Replaces long lists of numbers by their hash.
 fn compact(value: Value) -> Value {
     match value {
         Value::Object(members) => members.into_iter().map(|(key, value)| (key, compact(value))).collect(),
@@ -149,7 +154,7 @@ fn difference(a: &Value, b: &Value, pointer: String) -> Option<[String; 3]> {
     }
 }
 
-/// A value in a message, and not a page of it.
+/// A value as short text for a message.
 fn shown(value: &Value) -> String {
     match value {
         Value::Null => "nothing".into(),

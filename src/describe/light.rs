@@ -1,4 +1,4 @@
-//! Lights that are not surfaces; surfaces shine by their `emission`.
+//! Descriptions of lights without a surface. (Shapes emit light by their `emission`.)
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::format::{Color, ConeAngle, Direction, Point, Radiometric};
 use crate::reader::by_type;
 
-/// A light without a surface: rays never meet it by chance.
+/// A light without a surface: no ray can hit it.
+#[allow(missing_docs, reason = "a variant's meaning is that of its struct, whose text the schema takes")]
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Light {
@@ -17,42 +18,42 @@ pub enum Light {
 
 by_type!(Light { Point(PointLight), Directional(DirectionalLight), Spot(SpotLight) });
 
-/// Shines equally in every direction from one point.
+/// A point that emits equally in every direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PointLight {
-    /// What the light is called in messages and statistics.
+    /// The name of the light in messages and statistics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Metres.
+    /// The position, in metres.
     pub position: Point,
     /// Radiant intensity, in W·sr⁻¹.
     pub intensity: Color<Radiometric>,
 }
 
-/// Shines in one direction, from infinitely far: a sun without size.
+/// Light from one direction at infinite distance: a sun without size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DirectionalLight {
-    /// What the light is called in messages and statistics.
+    /// The name of the light in messages and statistics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// The way the light travels.
+    /// The direction in which the light travels.
     pub direction: Direction,
-    /// Irradiance of a surface that faces the light, in W·m⁻².
+    /// Irradiance on a surface perpendicular to the light, in W·m⁻².
     pub irradiance: Color<Radiometric>,
 }
 
-/// A point light that shines into a cone.
+/// A point that emits into a cone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpotLight {
-    /// What the light is called in messages and statistics.
+    /// The name of the light in messages and statistics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Metres.
+    /// The position, in metres.
     pub position: Point,
-    /// The axis of the cone: the way the light travels. Give this or `to`.
+    /// The axis of the cone, in the direction in which the light travels. Give this or `to`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub direction: Option<Direction>,
     /// A point on the axis of the cone, in metres. Give this or `direction`.
@@ -60,18 +61,18 @@ pub struct SpotLight {
     pub to: Option<Point>,
     /// Radiant intensity within the inner angle, in W·sr⁻¹.
     pub intensity: Color<Radiometric>,
-    /// Angle between the axis and where the light begins to fall off, in degrees; at most `outer_angle`.
+    /// Angle from the axis at which the light begins to fall off, in degrees; at most `outer_angle`.
     #[serde(default = "inner")]
     pub inner_angle: ConeAngle,
-    /// Angle between the axis and where no light is left, in degrees.
+    /// Angle from the axis at which no light is left, in degrees.
     #[serde(default = "outer")]
     pub outer_angle: ConeAngle,
-    /// How the intensity falls off from the inner to the outer angle, where x runs from 1 to 0.
+    /// How the intensity falls off from the inner to the outer angle.
     #[serde(default)]
     pub falloff: Falloff,
 }
 
-/// How a spot's intensity falls off from its inner to its outer angle; x runs from 0 at the outer to 1 at the inner angle.
+/// The falloff of a spot's intensity between its angles, where x runs from 0 at the outer to 1 at the inner angle.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]

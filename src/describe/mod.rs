@@ -1,12 +1,11 @@
-//! pt's scene format as types: what a scene file says, before anything is built from it.
+//! pt's scene format as types: the content of a scene file, before anything is built from it.
 //!
-//! Each type is read ([`read()`]), written (`Serialize`) and documented ([`schema()`]) from one
-//! definition; its doc comments are the reference in `docs/scene-format.md`. Values keep the
-//! numbers of the file; nothing here knows how they are rendered.
+//! Each type is read ([`read()`]), written (`Serialize`) and documented ([`schema()`]) from one definition. Its doc comments become
+//! the reference in `docs/scene-format.md`. Values keep the numbers of the file.
 //!
-//! Materials describe themselves where their formulas are, in [`bsdf`](crate::bsdf). To add a shape (a light, a texture): a struct in
-//! its family's file, a variant in the family's enum and in its `by_type!`, then
-//! `PT_BLESS=1 cargo test --test it scene_format` for the page, and an example in `tests/it/everything.json`.
+//! The descriptions of materials are beside their formulas, in [`bsdf`](crate::bsdf). To add a shape (a light, a texture), write a
+//! struct in the family's file and a variant in the family's enum and in its `by_type!`. Then run
+//! `PT_BLESS=1 cargo test --test it scene_format` for the page, and add an example to `tests/it/everything.json`.
 
 mod build;
 mod camera;

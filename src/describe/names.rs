@@ -1,4 +1,4 @@
-//! What the parts of a scene are called, by the numbers that the built scene knows them by.
+//! Names of shapes, materials and lights, by their numbers in the built scene.
 
 use std::collections::HashMap;
 
@@ -7,18 +7,19 @@ use crate::film::LightNames;
 use crate::light;
 use crate::light::Lights;
 
-/// Names, or else JSON pointers.
+/// The names of a scene's parts. A part without a name has its JSON pointer instead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Names {
-    /// As [`crate::primitive::Hit::shape`] counts.
+    /// The name of each shape, numbered as [`crate::primitive::Hit::shape`] is.
     pub shapes: Vec<String>,
-    /// Of each shape: the name of its material, where it has one.
+    /// The name of each shape's material, where the shape has a single named one.
     pub materials: Vec<Option<String>>,
-    /// Those without a surface, as [`Lights`] counts, then the background.
+    /// The names of the lights without a surface, numbered as in [`Lights`], then of the background.
     lights: Vec<String>,
 }
 
 impl Names {
+    /// Collects the names of a scene's parts.
     pub fn of(scene: &Scene) -> Names {
         let mut names = Names { shapes: vec![], materials: vec![], lights: vec![] };
         names.add("/shapes", &scene.shapes);
@@ -34,7 +35,7 @@ impl Names {
         names
     }
 
-    /// In the order in which shapes are built; the members of a group count as shapes.
+    /// Adds shapes in the order in which they are built. Each member of a group counts as a shape, the group itself does not.
     fn add(&mut self, pointer: &str, shapes: &[Shape]) {
         for (i, shape) in shapes.iter().enumerate() {
             let pointer = format!("{pointer}/{i}");
@@ -46,7 +47,7 @@ impl Names {
                 MaterialRef::Named(name) => Some(name.clone()),
                 MaterialRef::Inline(_) => None,
             });
-            // Whose parts have materials of their own has no name for all.
+            // A shape whose parts have their own materials has no single name.
             let parted = match shape {
                 Shape::Mesh(mesh) => !mesh.materials.is_empty(),
                 Shape::Sdf(sdf) => sdf.parts.is_some(),
@@ -57,7 +58,7 @@ impl Names {
         }
     }
 
-    /// The light of this number: a surface's is that of the shape.
+    /// The name of the light with this number. The name of an area light is that of its shape.
     pub fn light(&self, lights: &Lights, index: u32) -> &str {
         let name = match lights.iter().nth(index as usize) {
             Some(light::Light::Area(area)) => self.shapes.get(area.shape as usize),
@@ -66,7 +67,7 @@ impl Names {
         name.map_or("?", String::as_str)
     }
 
-    /// The names of lights, each once, and which of them each light has.
+    /// The distinct names of the lights, and the number of each light's name.
     pub fn lights(&self, lights: &Lights) -> LightNames {
         let (mut known, mut names) = (HashMap::new(), vec![]);
         let mut group = |index: usize| {

@@ -1,4 +1,4 @@
-//! Picture files to textures: PNG, JPEG, WebP and OpenEXR, by content.
+//! Reads the pixels of textures from picture files: PNG, JPEG, WebP and OpenEXR, recognised by content.
 
 use std::io::{BufRead, BufReader, Seek};
 use std::path::Path;
@@ -12,20 +12,23 @@ use crate::output::decode::{Undecoded, decode};
 use crate::texture::image::Pixels;
 use crate::{Error, Fault, Result};
 
-/// Reads the picture in a file; returns it with warnings, sentences that begin with `name`.
+/// Reads the picture in a file. Returns it with warnings, which are sentences that begin with `name`.
 ///
-/// The content decides the format.
+/// The content of the file decides its format.
 ///
-/// - `channel`: all three values of each pixel are this one; of colours, transparency is left out
+/// - `channel`: the channel that all three values of a pixel are taken from; without one the colour is read and opacity ignored
 ///
 /// # Errors
-/// `Invalid` where the file is missing, no regular file, of another format, malformed, or holds anything but finite amounts of
-/// light, from 0; `Limit` where it would take more than 4 GiB; `Io` where it cannot be read.
+/// `Invalid` where the file is missing, not regular, of another format or malformed, or has a value that is negative or not finite;
+/// `Limit` where the picture would take more than 4 GiB; `Io` where the file cannot be read.
 pub fn load(path: &Path, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
     read(BufReader::new(open(path, name)?), name, encoding, channel)
 }
 
-/// As [`load`], from any source (bytes in memory: `io::Cursor`).
+/// Reads a picture as [`load`] does, from any source; for bytes in memory use `io::Cursor`.
+///
+/// # Errors
+/// Those of [`load`].
 pub fn read(source: impl BufRead + Seek, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
     let reader = ImageReader::new(source).with_guessed_format().map_err(|e| Error::io(name, e))?;
     let format = reader.format().filter(is_read).ok_or_else(|| {
@@ -48,7 +51,7 @@ fn invalid(name: &str, message: &str) -> Error {
     Error::invalid(Fault::new(message).in_file(name))
 }
 
-/// The formats that are read, for messages.
+/// The formats that are read, as text for messages.
 pub const READ: &str = "PNG, JPEG, WebP or OpenEXR";
 
 fn is_read(format: &ImageFormat) -> bool {
@@ -65,10 +68,10 @@ fn title(format: ImageFormat) -> String {
     }
 }
 
-/// The first bytes of textures that are compressed for graphics cards (Khronos, *KTX File Format*, 1 and 2; Basis Universal).
+/// The first bytes of texture formats for graphics cards (Khronos, *KTX File Format*, 1 and 2; Basis Universal), which are not read.
 const FOR_CARDS: [(&[u8], &str); 3] = [(b"\xABKTX 20\xBB", "KTX2"), (b"\xABKTX 11\xBB", "KTX"), (b"sB\x13\0", "Basis Universal")];
 
-/// The format of a picture that begins with these bytes, where it is none that pt reads.
+/// The name of the format of a picture that begins with these bytes; `None` if pt reads it.
 pub fn unread_format(start: &[u8]) -> Option<String> {
     if let Some((_, name)) = FOR_CARDS.iter().find(|(magic, _)| start.starts_with(magic)) {
         return Some((*name).to_owned());
@@ -116,7 +119,7 @@ fn pixels(picture: DynamicImage, encoding: Encoding, channel: Option<Channel>, n
 
 const SHARES: &str = "shares of light from 0 to 1";
 
-/// What is wrong with a picture as the colour of something that reflects: it would return more light than it gets.
+/// Returns a message about the first pixel above 1, if any: as a reflectance it would return more light than it receives.
 pub fn beyond_shares(pixels: &Pixels) -> Option<String> {
     let values = pixels.values();
     if pixels.most() <= 1.0 {

@@ -1,4 +1,4 @@
-//! From text to a checked scene.
+//! Reads the text of a scene file and checks the scene.
 
 use std::io::Read;
 use std::path::Path;
@@ -10,26 +10,26 @@ use super::scene::{Integrator, Scene};
 use crate::reader::{self, Faults, Node, UnknownKeys};
 use crate::{Error, Result};
 
-/// Reads a scene, whose file messages call `file`.
+/// Reads a scene from the bytes of a file, which messages call `file`.
 ///
 /// # Errors
-/// `Invalid`: all that is wrong with it, at most [`MAX_FAULTS`](crate::MAX_FAULTS).
+/// `Invalid` with all faults of the scene, at most [`MAX_FAULTS`](crate::MAX_FAULTS).
 pub fn parse(bytes: &[u8], file: &str) -> Result<Scene> {
     read(&root(bytes, file)?, file)
 }
 
-/// The tree of the scene file at `path`, for [`Node::set`] before [`read`].
+/// Reads the JSON tree of the scene file at `path`; [`Node::set`] can change it before [`read`].
 ///
 /// # Errors
-/// As [`bytes`] and [`root`].
+/// Those of [`bytes`] and [`root`].
 pub fn load(path: &Path) -> Result<Node> {
     root(&bytes(path)?, &name(path))
 }
 
-/// What the file at `path` holds, or what comes on standard input if that is `-`.
+/// Reads all bytes of the file at `path`, or of standard input if the path is `-`.
 ///
 /// # Errors
-/// `Io`; `Invalid` for what is missing or not a regular file: a pipe could block for ever, a device never end.
+/// `Io` where reading fails; `Invalid` for a file that is missing or not regular: a pipe could block for ever, a device never end.
 pub fn bytes(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = vec![];
     if path == Path::new("-") {
@@ -41,31 +41,31 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// What messages call the scene file at `path`.
+/// The name of the scene file at `path` in messages.
 pub fn name(path: &Path) -> String {
     if path == Path::new("-") { "stdin".into() } else { path.display().to_string() }
 }
 
-/// The tree of a scene file, for [`Node::set`] before [`read`].
+/// Parses the JSON tree of a scene file; [`Node::set`] can change it before [`read`].
 ///
 /// # Errors
-/// `Invalid`: text that is not JSON.
+/// `Invalid` for text that is not JSON.
 pub fn root(bytes: &[u8], file: &str) -> Result<Node> {
     reader::parse(bytes).map_err(|fault| Error::invalid(fault.in_file(file)))
 }
 
-/// Reads a scene from its tree; whether the files that it names are there is not asked.
+/// Reads a scene from its JSON tree, without looking for the files that it names.
 ///
 /// # Errors
-/// As [`parse`]; `Usage` where all faults lie in values given with `-D`.
+/// Those of [`parse`]; `Usage` where all faults lie in values given with `-D`.
 pub fn read(root: &Node, file: &str) -> Result<Scene> {
     checked(root, file, None)
 }
 
-/// Reads a scene from its tree; that a file is missing which it names is a fault like any other.
+/// Reads a scene from its JSON tree and checks that the files that it names can be used.
 ///
 /// # Errors
-/// As [`read`].
+/// Those of [`read`]; a file that cannot be used is a fault of the scene.
 pub fn read_with(root: &Node, file: &str, files: &Files) -> Result<Scene> {
     checked(root, file, Some(files))
 }

@@ -1,4 +1,4 @@
-//! The scene format as a page to read: one table of keys for each object, made from the schema.
+//! Generates the reference of the scene format from its schema: one table of keys for each object.
 
 use std::collections::VecDeque;
 use std::fmt::Write;
@@ -12,7 +12,9 @@ use crate::integrator::Entry;
 
 type Object = Map<String, Value>;
 
-/// Every key of the scene format with its type, range, default and meaning, in Markdown.
+/// Returns the reference of the scene format in Markdown: every key with its type, range, default and meaning.
+///
+/// - `tables`: the integrators whose options are listed
 pub fn reference(tables: &[&[Entry]]) -> String {
     let schema = schema(tables);
     let root = schema.as_object().cloned().unwrap_or_default();
@@ -29,7 +31,7 @@ pub fn reference(tables: &[&[Entry]]) -> String {
 struct Page {
     definitions: Object,
     text: String,
-    /// Definitions met so far, written or waiting.
+    /// Names of the definitions that were referred to so far, written or waiting.
     listed: Vec<String>,
     waiting: VecDeque<String>,
 }
@@ -48,7 +50,7 @@ impl Page {
         }
     }
 
-    /// One of several forms of a value: a `type`, a key, or a kind of JSON value.
+    /// Writes one of several forms of a value: a `type`, a key, or a kind of JSON value.
     fn form(&mut self, name: &str, form: &Object) {
         let tag = object(form.get("properties")).get("type").and_then(|t| t.get("const").cloned());
         match (tag, form.contains_key("properties")) {
@@ -114,7 +116,7 @@ impl Page {
         let _ = writeln!(self.text, "{text}");
     }
 
-    /// `a number above 0`, `3 numbers from 0 to 1`, `[Shape](#shape)`, …
+    /// The type of a value as a phrase: `number above 0`, `3 numbers from 0 to 1`, `[Shape](#shape)`, …
     fn type_words(&mut self, schema: &Object) -> String {
         if let Some(name) = target(schema) {
             return self.link(name);
@@ -190,12 +192,12 @@ fn required(schema: &Object) -> Vec<&str> {
     schema.get("required").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect()
 }
 
-/// The description, on one line.
+/// The description of a schema, on one line.
 fn description(schema: &Object) -> String {
     schema.get("description").and_then(Value::as_str).unwrap_or_default().replace("\n\n", "\n").replace('\n', " ")
 }
 
-/// A default as one writes it: `1`, not `1.0`.
+/// A default value without needless decimals: `1`, not `1.0`.
 fn tidy_default(value: &Value) -> String {
     value.to_string().replace(".0,", ",").replace(".0]", "]").replace(".0}", "}").trim_end_matches(".0").to_owned()
 }

@@ -1,4 +1,4 @@
-//! The sampler: where the random numbers come from.
+//! Description of the sampler: the source of the random numbers.
 
 use std::borrow::Cow;
 
@@ -8,23 +8,24 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::format::SamplesPerPixel;
 
-/// The sampler and how much it samples.
+/// The sampler and the number of samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sampler {
-    /// How the samples are spread.
+    /// The method by which samples are distributed.
     #[serde(rename = "type")]
     pub kind: SamplerKind,
     /// Samples per pixel.
     pub spp: SamplesPerPixel,
-    /// Another seed is another, independent image of the same scene.
+    /// The seed. Another seed gives an independent image of the same scene.
     pub seed: u64,
-    /// How many independent scramblings of `stratified`, `halton` and `sobol` share the samples of a pixel, so that their spread
-    /// tells the error. With 1 the samples are the most even, and there are no error bars. `independent` samples need none.
+    /// The number of independent scramblings that share the samples of a pixel, for `stratified`, `halton` and `sobol`. The variance
+    /// between them estimates the error. With 1 the samples are distributed most evenly, but there are no error bars. `independent`
+    /// samples need no scramblings.
     pub scramblings: Scramblings,
 }
 
-/// How samples are spread.
+/// The method by which samples are distributed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
@@ -46,14 +47,16 @@ impl Default for Sampler {
     }
 }
 
-/// A number of scramblings: the samples of aligned blocks are dealt out to them evenly, so it is a power of two.
+/// A number of scramblings: a power of two from 1 to 64, so that aligned blocks of samples are divided evenly among them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct Scramblings(u32);
 
 impl Scramblings {
+    /// The allowed numbers.
     pub const ALL: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
+    /// The number as a primitive type.
     pub fn get(self) -> u32 {
         self.0
     }

@@ -1,4 +1,4 @@
-//! The scene: the file as a whole.
+//! Description of the scene: the scene file as a whole.
 
 use std::collections::BTreeMap;
 
@@ -17,49 +17,49 @@ use crate::film::memory;
 use crate::format::{Color, Radiometric, Texture, Version};
 use crate::reader::Node;
 
-/// A scene of pt.
+/// A scene in pt's format.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// The version of this format.
     pub pt: Version,
-    /// Where the scene is seen from.
+    /// The camera.
     pub camera: Camera,
-    /// The image and its pixels.
+    /// The image: its size, pixel filter and layers.
     #[serde(default)]
     pub film: Film,
-    /// How many samples are taken, and how they are spread.
+    /// The number of samples, and how they are distributed.
     #[serde(default)]
     pub sampler: Sampler,
     /// The integrator: its `type` and its own options, as `pt list integrators` shows them.
     #[serde(default, skip_serializing_if = "Integrator::is_default")]
     pub integrator: Integrator,
-    /// Materials by name. Those that are made of others by name may lie within each other 8 deep.
+    /// Materials by name. Materials that are made of others may be nested 8 deep.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub materials: BTreeMap<String, Material>,
     /// Textures by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub textures: BTreeMap<String, Texture>,
-    /// What there is to see.
+    /// The shapes of the scene.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shapes: Vec<Shape>,
-    /// Lights without a surface; shapes shine by their `emission`.
+    /// Lights without a surface. Shapes emit light by their `emission`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lights: Vec<Light>,
-    /// What rays see that hit nothing. Default: nothing, black.
+    /// The light that comes along rays that hit nothing. Default: none, black.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
 }
 
 impl Scene {
-    /// Bytes that rendering its picture takes at most, what there is to see not counted.
+    /// An upper bound of the memory that the film takes while rendering, in bytes. The scene's own memory is not included.
     pub fn film_memory(&self) -> u128 {
         let (mut film, sampler) = (super::build::film(&self.film), super::build::sampler(&self.sampler));
         film.layers = with_lights(&film.layers, emitters(&self.shapes) + self.lights.len() + 1);
         memory::needed(film.crop.pixel_count(), film.layout(sampler.error_estimator()), sampler.spp)
     }
 
-    /// `None` for a name that is not there.
+    /// The material that a reference names; `None` for an unknown name.
     pub(super) fn material<'s>(&'s self, chosen: &'s MaterialRef) -> Option<&'s Material> {
         match chosen {
             MaterialRef::Inline(inline) => Some(inline),
@@ -68,7 +68,7 @@ impl Scene {
     }
 }
 
-/// How many names the shapes that shine have at most.
+/// An upper bound of the number of names of emitting shapes.
 fn emitters(shapes: &[Shape]) -> usize {
     let shine = |shape: &Shape| match shape {
         Shape::Group(group) => emitters(&group.shapes),
@@ -78,26 +78,28 @@ fn emitters(shapes: &[Shape]) -> usize {
     shapes.iter().map(shine).sum()
 }
 
-/// Light from infinitely far, from all directions.
+/// Light from infinite distance, from all directions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Background {
-    /// W·m⁻²·sr⁻¹, the same from every direction.
+    /// Radiance, in W·m⁻²·sr⁻¹, the same from every direction.
     pub radiance: Color<Radiometric>,
 }
 
-/// The integrator's part of the file, unread: only the integrator knows its options.
+/// The integrator's part of the scene file as JSON. Only the integrator knows its options and reads them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct Integrator(pub Option<Node>);
 
 impl Integrator {
+    /// Whether the scene file has no integrator.
     pub fn is_default(&self) -> bool {
         self.0.is_none()
     }
 }
 
-/// [`read`](super::read()) puts the node here, which has its positions; serde could only bring its values.
+/// Ignores the value: [`read`](super::read()) puts the node of the JSON tree here afterwards, because serde would lose its positions
+/// in the file.
 impl<'de> Deserialize<'de> for Integrator {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Integrator, D::Error> {
         IgnoredAny::deserialize(d).map(|_| Integrator(None))

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::scene::Scene;
 use crate::integrator::Entry;
 
-/// The JSON Schema (draft 2020-12) of a scene file that may name any integrator of `tables`.
+/// Returns the JSON Schema (draft 2020-12) of a scene file that may name any integrator of `tables`.
 pub fn schema(tables: &[&[Entry]]) -> Schema {
     let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(tidy));
     let mut schema = settings.into_generator().into_root_schema_for::<Scene>();
@@ -20,7 +20,7 @@ pub fn schema(tables: &[&[Entry]]) -> Schema {
     schema
 }
 
-/// An integrator's options, with its name as `type`.
+/// The schema of an integrator's options, with its name as `type`.
 fn integrator(entry: &Entry) -> Value {
     let mut form = (entry.schema)();
     RecursiveTransform(tidy).transform(&mut form);
@@ -34,7 +34,7 @@ fn integrator(entry: &Entry) -> Value {
     form.to_value()
 }
 
-/// The members of a family such as `Shape`: the name that `type` takes, and one line about each.
+/// Returns the members of a family such as `Shape`: the value of `type`, and one line about each.
 pub fn members(family: &str) -> Vec<(String, String)> {
     let schema = schema(&[]).to_value();
     let forms = schema["$defs"][family]["oneOf"].as_array().cloned().unwrap_or_default();
@@ -42,14 +42,14 @@ pub fn members(family: &str) -> Vec<(String, String)> {
     forms.iter().map(|form| (text(&form["properties"]["type"]["const"]), first_line(&text(&form["description"])))).collect()
 }
 
-/// The first line of a text, to the end of its last whole sentence.
+/// The first line of a text, up to the end of the last complete sentence in it.
 fn first_line(text: &str) -> String {
     let line = text.lines().next().unwrap_or_default();
     let whole = if line.ends_with('.') { line } else { line.rsplit_once(". ").map_or(line, |(sentences, _)| &line[..=sentences.len()]) };
     whole.to_owned()
 }
 
-/// Says what the reader does: keys are left out, never `null`; and numbers have ranges, not machine formats.
+/// Makes a schema agree with the reader: optional keys are left out, never `null`, and numbers have ranges instead of machine formats.
 fn tidy(schema: &mut Schema) {
     schema.remove("format");
     if let Some(Value::Array(types)) = schema.get_mut("type") {
@@ -65,7 +65,7 @@ fn tidy(schema: &mut Schema) {
             let only = std::mem::take(only);
             schema.remove("anyOf");
             for (key, value) in only {
-                // What a key means counts, before what its type means.
+                // The description of a key takes precedence over that of its type.
                 if key != "description" || schema.get("description").is_none() {
                     schema.insert(key, value);
                 }

@@ -1,4 +1,4 @@
-//! Shapes: what there is to see.
+//! Descriptions of shapes.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,8 @@ use super::field::{Bounds, Field, FixedMarch, SdfPart};
 use crate::format::{Color, Fraction, Point, Positive, Radiometric, Real, Size, Textured, Transform, Vector};
 use crate::reader::{by_kind, by_type};
 
-/// What there is to see.
+/// A shape: a visible object of the scene.
+#[allow(missing_docs, reason = "a variant's meaning is that of its struct, whose text the schema takes")]
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Shape {
@@ -25,7 +26,7 @@ pub enum Shape {
 
 by_type!(Shape { Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Box(Cuboid), Sdf(Sdf), Group(Group) });
 
-/// Defines a struct whose last keys are those that all shapes but groups share. (serde's `flatten` would lose the positions.)
+/// Defines a struct with the keys that all shapes except groups have in common. (serde's `flatten` would lose positions in the file.)
 macro_rules! surface {
     ($(#[$meta:meta])* pub struct $name:ident { $($own:tt)* }) => {
         $(#[$meta])*
@@ -33,16 +34,16 @@ macro_rules! surface {
         #[serde(deny_unknown_fields)]
         pub struct $name {
             $($own)*
-            /// What the shape is called in messages and statistics.
+            /// The name of the shape in messages and statistics.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             pub name: Option<String>,
-            /// How it reflects and transmits. Default: diffuse of albedo 0.5.
+            /// How the shape reflects and transmits light. Default: diffuse with albedo 0.5.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             pub material: Option<MaterialRef>,
-            /// Makes the shape a light.
+            /// The light that the shape emits. Default: none.
             #[serde(default, skip_serializing_if = "Option::is_none")]
             pub emission: Option<Emission>,
-            /// Places it: steps applied in listed order.
+            /// Places the shape in the world, or in its group. Steps are applied in listed order.
             #[serde(default, skip_serializing_if = "Transform::is_identity")]
             pub transform: Transform,
         }
@@ -50,21 +51,22 @@ macro_rules! surface {
 }
 
 surface! {
-    /// Triangles: from a file, or `positions` and `triangles` given here.
+    /// A triangle mesh, from a file or from `positions` and `triangles` given here.
     pub struct Mesh {
-        /// An .obj, .ply or .stl file: a path from the scene file's folder, in which it lies (see `--allow-outside`).
+        /// The path of an .obj, .ply or .stl file, relative to the scene file's folder. The file must lie in that folder (see
+        /// `--allow-outside`).
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub file: Option<String>,
-        /// The file's own material names (OBJ: `usemtl`) and the materials they stand for; other faces have `material`.
+        /// The material for each material name in the mesh file (OBJ: `usemtl`). Faces with other names have `material`.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
         pub materials: BTreeMap<String, MaterialRef>,
-        /// Vertices.
+        /// The positions of the vertices, in metres.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub positions: Option<Vec<Point>>,
-        /// Three vertices each, counted from 0, counter-clockwise seen from the front.
+        /// The triangles: three indices of vertices each, from 0, counter-clockwise as seen from the front.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub triangles: Option<Vec<[u32; 3]>>,
-        /// One shading normal for each vertex; without them the mesh is faceted.
+        /// One shading normal for each vertex. Without them the mesh looks faceted.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub normals: Option<Vec<Vector>>,
         /// Texture coordinates for each vertex.
@@ -73,10 +75,10 @@ surface! {
         /// A colour for each vertex, components from 0 to 1, for materials with a texture `vertex_color`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub colors: Option<Vec<Color<Fraction>>>,
-        /// For coarse meshes with `normals`, whose facets show as dark steps where the surface turns away from a light: light
-        /// then leaves the outside from the smooth surface of which the normals tell, and facets do not hide what that
-        /// surface sees. It costs a few operations where a ray meets the mesh, and shadows right at it: nothing that comes
-        /// nearer to a facet than twice the height of the bulge that the facet cuts off shades it there.
+        /// Softens the shadow terminator of coarse meshes with `normals`, where facets show as dark steps. Rays then leave the outside
+        /// from the smooth surface that the normals describe, and facets do not hide what that surface sees. It costs a few operations
+        /// for each hit, and removes shadows close to the mesh: an object casts no shadow on a facet where it is nearer than twice the
+        /// height of the smooth surface above that facet.
         #[serde(default)]
         pub smooth_shadows: bool,
     }
@@ -84,20 +86,21 @@ surface! {
 
 surface! {
     /// A sphere; its normal points outwards. Texture coordinates: u is the angle about z, from +x towards +y, as a share of a full turn;
-    /// v is the angle from +z, as a share of half a turn: 0 at +z, 1 at −z. A picture's upper edge, v = 1, is therefore at −z. A first
-    /// step `{"scale": -1}` of the transform puts it at +z, with the picture's middle at +x, seen from outside as it was drawn.
+    /// v is the angle from +z, as a share of half a turn: 0 at +z, 1 at −z. The upper edge of a picture, v = 1, is therefore at −z. A
+    /// first step `{"scale": -1}` of the transform puts the upper edge at +z and the middle of the picture at +x, not mirrored as seen
+    /// from outside.
     pub struct Sphere {
-        /// Metres.
+        /// The radius, in metres.
         #[serde(default = "one")]
         pub radius: Positive,
-        /// Metres.
+        /// The centre, in metres.
         #[serde(default = "origin")]
         pub center: Point,
     }
 }
 
 surface! {
-    /// A rectangle in the plane z = 0 about the origin; its normal is +z. Texture coordinates run from 0 to 1 along x and y.
+    /// A rectangle in the plane z = 0 with its centre at the origin and the normal +z. Texture coordinates run from 0 to 1 along x and y.
     pub struct Quad {
         /// Full width and height, in metres: one number, or `[x, y]`.
         #[serde(default = "unit_square")]
@@ -106,57 +109,58 @@ surface! {
 }
 
 surface! {
-    /// A disk in the plane z = 0 about the origin; its normal is +z.
+    /// A disk in the plane z = 0 with its centre at the origin and the normal +z.
     pub struct Disk {
-        /// Metres.
+        /// The radius, in metres.
         #[serde(default = "one")]
         pub radius: Positive,
     }
 }
 
 surface! {
-    /// A box about `center`, its sides along the axes; its normals point outwards. It is closed: glass may be made of it. Each face has
-    /// texture coordinates from 0 to 1, seen from outside: on the four sides u runs to the right and v along +y, on the top
-    /// (+y) u along +x and v along −z, at the bottom u along +x and v along +z.
+    /// A box with its sides along the axes; its normals point outwards. It is a closed surface, which glass needs. Each face has texture
+    /// coordinates from 0 to 1. As seen from outside, on the four sides u runs to the right and v along +y; on the top (+y) u runs along
+    /// +x and v along −z; at the bottom u runs along +x and v along +z.
     pub struct Cuboid {
         /// Full width, height and depth, in metres: one number, or `[x, y, z]`.
         #[serde(default = "unit_cube")]
         pub size: Sides,
-        /// Metres.
+        /// The centre, in metres.
         #[serde(default = "origin")]
         pub center: Point,
     }
 }
 
 surface! {
-    /// A solid given by its signed distance (negative inside): one `field`, or `parts` that differ in what they are made of.
-    /// It has no texture coordinates, and no points can be drawn on it: where it emits, paths meet its light by chance.
+    /// A solid given by its signed distance field (negative inside): one `field`, or `parts` with different materials.
+    /// It has no texture coordinates. Its surface cannot be sampled: its emission is found only by paths that happen to hit it.
     pub struct Sdf {
-        /// The solid.
+        /// The solid, if it is a single field.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub field: Option<Field>,
-        /// Several solids with materials of their own; where they meet, the nearest counts, of equals the first.
+        /// Several solids with their own materials. Each point of the surface belongs to the part with the smallest distance, at equal
+        /// distances to the first.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub parts: Option<Vec<SdfPart>>,
-        /// What lies outside is cut away; a cut shows no surface. Needed where a field has no end.
+        /// A box outside of which the solid is cut off. A cut has no surface. It is required where a field is unbounded.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub bounds: Option<Bounds>,
-        /// Looks for the surface in steps that end before it, instead of on it: for scenes made that way.
+        /// Stops at a given distance before the surface, instead of on it: for scenes that were made for such a renderer.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub march: Option<FixedMarch>,
     }
 }
 
-/// Shapes that are moved together.
+/// Shapes with a common transform.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Group {
-    /// The shapes, placed by their own transforms first.
+    /// The shapes. Their own transforms act first.
     pub shapes: Vec<Shape>,
-    /// What the group is called in messages and statistics.
+    /// The name of the group in messages and statistics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Acts after the transforms of the shapes.
+    /// The transform of the group, which acts after the transforms of the shapes.
     #[serde(default, skip_serializing_if = "Transform::is_identity")]
     pub transform: Transform,
 }
@@ -182,13 +186,16 @@ fn unit_cube() -> Sides {
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum Sides {
+    /// One length for all three, in metres.
     Cube(Positive),
+    /// Width, height and depth, in metres.
     Each([Positive; 3]),
 }
 
 by_kind!(Sides { Number => Cube(Positive), Array => Each([Positive; 3]) });
 
 impl Sides {
+    /// Width, height and depth, in metres.
     pub fn get(self) -> [f64; 3] {
         match self {
             Sides::Cube(side) => [side.get(); 3],
@@ -197,17 +204,16 @@ impl Sides {
     }
 }
 
-/// What a surface emits: its radiance, or an object with more to say.
+/// The emission of a surface: its radiance, or an object with further keys.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "EmissionForm")]
 pub struct Emission {
-    /// W·m⁻²·sr⁻¹, the same in every direction.
+    /// Radiance, in W·m⁻²·sr⁻¹, the same in every direction.
     pub radiance: Color<Radiometric>,
-    /// What the radiance is multiplied by, place by place; its pictures may hold any finite amounts. Default: nothing, it is the
-    /// same all over.
+    /// A texture that the radiance is multiplied by. Its pictures may have values above 1. Default: none, the emission is uniform.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub texture: Option<Textured>,
-    /// Whether the back shines too; else only the side to which the normal points.
+    /// Whether the back emits too. Otherwise only the side emits that the normal points to.
     pub two_sided: bool,
 }
 
@@ -227,13 +233,12 @@ enum EmissionForm {
 #[serde(deny_unknown_fields)]
 #[schemars(inline)]
 struct EmissionKeys {
-    /// W·m⁻²·sr⁻¹, the same in every direction.
+    /// Radiance, in W·m⁻²·sr⁻¹, the same in every direction.
     radiance: Color<Radiometric>,
-    /// What the radiance is multiplied by, place by place; its pictures may hold any finite amounts. Default: nothing, it is the
-    /// same all over.
+    /// A texture that the radiance is multiplied by. Its pictures may have values above 1. Default: none, the emission is uniform.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     texture: Option<Textured>,
-    /// Whether the back shines too; else only the side to which the normal points.
+    /// Whether the back emits too. Otherwise only the side emits that the normal points to.
     #[serde(default)]
     two_sided: bool,
 }
@@ -250,6 +255,7 @@ impl From<EmissionForm> for Emission {
 }
 
 impl Shape {
+    /// The name, where one is given.
     pub fn name(&self) -> Option<&str> {
         match self {
             Shape::Mesh(s) => s.name.as_deref(),
@@ -262,6 +268,7 @@ impl Shape {
         }
     }
 
+    /// The shape's own transform, without those of the groups around it.
     pub fn transform(&self) -> &Transform {
         match self {
             Shape::Mesh(s) => &s.transform,
@@ -274,7 +281,7 @@ impl Shape {
         }
     }
 
-    /// `None` where none is given, and for groups.
+    /// The material; `None` where none is given, and for groups.
     pub fn material(&self) -> Option<&MaterialRef> {
         match self {
             Shape::Mesh(s) => s.material.as_ref(),
@@ -287,7 +294,7 @@ impl Shape {
         }
     }
 
-    /// `None` where none is given, and for groups.
+    /// The emission; `None` where none is given, and for groups.
     pub fn emission(&self) -> Option<&Emission> {
         match self {
             Shape::Mesh(s) => s.emission.as_ref(),

@@ -1,4 +1,4 @@
-//! Colours, and other values for red, green and blue.
+//! Colours, and other values that differ by colour channel, as scene files write them.
 
 use std::borrow::Cow;
 
@@ -10,15 +10,16 @@ use super::value::Fraction;
 use crate::math::float::{exp_f64, ln_f64};
 use crate::reader::by_kind;
 
-/// A colour in linear Rec. 709: a grey, or red, green and blue, or the same in sRGB.
+/// A colour: a linear grey, linear Rec. 709 red, green and blue, or an sRGB colour.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum Color<T> {
-    /// The same in red, green and blue.
+    /// A grey: one linear value for red, green and blue.
     Gray(T),
     /// Linear `[red, green, blue]`.
     Rgb([T; 3]),
+    /// A colour encoded with the sRGB curve.
     Srgb(Srgb),
 }
 
@@ -28,6 +29,7 @@ by_kind!(Color<T> { Number => Gray(T), Array => Rgb([T; 3]), Object => Srgb(Srgb
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Srgb {
+    /// The encoded colour.
     pub srgb: Encoded,
 }
 
@@ -36,13 +38,15 @@ pub struct Srgb {
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum Encoded {
+    /// Encoded red, green and blue, each from 0 to 1.
     Rgb([Fraction; 3]),
+    /// Two hexadecimal digits for each of red, green and blue.
     Hex(Hex),
 }
 
 by_kind!(Encoded { Array => Rgb([Fraction; 3]), String => Hex(Hex) });
 
-/// `"#rrggbb"`, two hexadecimal digits for each of red, green and blue.
+/// An encoded colour as the string `"#rrggbb"`, two hexadecimal digits for each of red, green and blue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hex(pub [u8; 3]);
 
@@ -51,14 +55,16 @@ pub struct Hex(pub [u8; 3]);
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum PerChannel<T> {
+    /// One value for all three.
     Equal(T),
+    /// The values for red, green and blue.
     Each([T; 3]),
 }
 
 by_kind!(PerChannel<T> { Number => Equal(T), Array => Each([T; 3]) });
 
 impl Hex {
-    /// `None` for what is written in any other way.
+    /// Parses `"#rrggbb"`; returns `None` for any other text.
     pub(crate) fn parse(text: &str) -> Option<Hex> {
         let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.bytes().all(|b| b.is_ascii_hexdigit()))?;
         let byte = |i: usize| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).ok();
@@ -120,7 +126,7 @@ impl<T: Copy + Into<f64>> PerChannel<T> {
 ///
 /// c ≤ 0.04045: c / 12.92; else ((c + 0.055) / 1.055)^2.4
 ///
-/// By pt's own functions, whose error f32 does not see: colours are the same bits on every platform.
+/// It uses pt's own exp and ln, so that colours have the same bits on every platform. Their error is far below f32 precision.
 ///
 /// Source: IEC 61966-2-1 (1999).
 pub(crate) fn decoded(c: f64) -> f64 {

@@ -1,7 +1,7 @@
-//! The words that scene files are made of: numbers with a range, colours, transforms, and textures as they are described.
+//! The values that scene files are made of: numbers with a range, colours, transforms and descriptions of textures.
 //!
-//! These are plain data with serde and schema derives. A family whose members describe themselves (the materials in
-//! [`bsdf`](crate::bsdf)) and the scene format as a whole ([`describe`](crate::describe)) are both built from them.
+//! They are plain data with serde and schema derives. The parameters of the materials in [`bsdf`](crate::bsdf) and the scene format
+//! in [`describe`](crate::describe) are built from them.
 
 mod color;
 mod size;

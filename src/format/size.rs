@@ -1,4 +1,4 @@
-//! The size of a rectangle, or of a repeated picture.
+//! The size of a rectangle, and how often an image texture repeats.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -11,7 +11,9 @@ use crate::reader::by_kind;
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum Size {
+    /// One number for both width and height.
     Square(Positive),
+    /// The numbers `[x, y]`.
     Sides([Positive; 2]),
 }
 

@@ -1,4 +1,4 @@
-//! Textures: colours that vary over a surface.
+//! Descriptions of textures: colours that vary over a surface.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,6 +10,7 @@ use super::value::{Fraction, Octaves, Positive};
 use crate::reader::{by_kind, by_type};
 
 /// A colour that varies over a surface.
+#[allow(missing_docs, reason = "a variant's meaning is that of its struct, whose text the schema takes")]
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Texture {
@@ -37,7 +38,7 @@ by_type!(Texture {
 });
 
 impl Texture {
-    /// The colours it is made of that may be textures themselves, with their keys.
+    /// Returns the parameters that may be textures themselves, with their keys.
     pub(crate) fn parts(&self) -> Vec<(&'static str, &Textured)> {
         match self {
             Texture::Constant(_) | Texture::Image(_) | Texture::VertexColor(_) => vec![],
@@ -52,7 +53,7 @@ impl Texture {
 }
 
 impl Texture {
-    /// The coordinates that it varies over, and how it is placed in them; `None` where there is no choice.
+    /// Returns the coordinates that the texture varies over and its transform in them; `None` for types without the key `on`.
     pub(crate) fn space(&self) -> Option<(TextureSpace, &Transform)> {
         match self {
             Texture::Checker(t) => Some((t.on, &t.transform)),
@@ -64,56 +65,59 @@ impl Texture {
     }
 }
 
-/// The same colour everywhere; gives a colour a name.
+/// One colour everywhere. Listed under `textures`, it gives the colour a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Constant {
-    /// Components from 0 to 1.
+    /// The colour, with components from 0 to 1.
     pub color: Color<Fraction>,
 }
 
-/// Squares (or cubes) of two colours.
+/// A checkerboard: squares (or cubes) that alternate between two colours.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Checker {
-    /// The colour of the square at the origin, and of every other.
+    /// The colour of the square from 0 to 1 cell along each axis, and of every second one from there.
     #[serde(default = "Textured::white")]
     pub even: Textured,
-    /// The colour of the others.
+    /// The colour of the other squares.
     #[serde(default = "Textured::black")]
     pub odd: Textured,
-    /// Squares per unit of the texture coordinates, or cubes per metre; or as waves, `{"radians": r}`.
+    /// Squares per unit of the texture coordinates, or cubes per metre. `{"radians": r}` gives it as the frequency of sines instead.
     #[serde(default = "one_cell")]
     pub scale: CheckerScale,
     #[serde(default)]
+    /// The coordinates that the texture varies over.
     pub on: TextureSpace,
-    /// With `position`: places the cubes in the world, steps applied in listed order.
+    /// Places the cubes in the world, for `position` only. Steps are applied in listed order.
     #[serde(default, skip_serializing_if = "Transform::is_identity")]
     pub transform: Transform,
 }
 
-/// Cells per unit: one number, or as waves, `{"radians": r}`.
+/// Cells per unit of the coordinates: one number, or the frequency of sines, `{"radians": r}`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum CheckerScale {
+    /// Cells per unit of the coordinates.
     Cells(Positive),
+    /// The frequency of the sines whose signs make the cells.
     Waves(CheckerWaves),
 }
 
 by_kind!(CheckerScale { Number => Cells(Positive), Object => Waves(CheckerWaves) });
 
-/// A checker by the sign of sin(r x) sin(r y) sin(r z), `odd` where it is negative: its cells are π/r wide. A coordinate that is
-/// exactly 0 counts as just above it, so that a floor at 0 has a pattern.
+/// A checkerboard by the sign of sin(r x) sin(r y) sin(r z), with `odd` where it is negative. Its cells are π/r wide. A coordinate
+/// of exactly 0 counts as slightly positive, so that a floor at 0 has a pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CheckerWaves {
-    /// r, per unit of the coordinates.
+    /// The frequency r, in radians per unit of the coordinates.
     pub radians: Positive,
 }
 
 impl CheckerScale {
-    /// Cells per unit. A sine changes its sign where its argument is a multiple of π.
+    /// Cells per unit of the coordinates. (A sine changes its sign at the multiples of π.)
     pub fn get(self) -> f64 {
         match self {
             CheckerScale::Cells(cells) => cells.get(),
@@ -122,86 +126,87 @@ impl CheckerScale {
     }
 }
 
-/// A picture: PNG, JPEG, WebP or OpenEXR, its lower left corner at the texture coordinates (0, 0), its upper right one at (1, 1).
+/// A picture: PNG, JPEG, WebP or OpenEXR. Its lower left corner is at the texture coordinates (0, 0), its upper right corner at (1, 1).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Image {
-    /// A path from the scene file's folder, in which it lies (see `--allow-outside`).
+    /// The path, relative to the scene file's folder. The file must lie in that folder (see `--allow-outside`).
     pub file: String,
-    /// What its numbers mean.
+    /// How colours are encoded in the file.
     #[serde(default)]
     pub encoding: Encoding,
-    /// One channel of it, as a grey. Default: its colours.
+    /// A single channel of the picture, used as a grey. Default: the picture's colours.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
-    /// What lies beyond it.
+    /// How the picture continues beyond its borders.
     #[serde(default)]
     pub wrap: Wrap,
-    /// What lies between its pixels.
+    /// How values between the centres of pixels are found.
     #[serde(default)]
     pub filter: TextureFilter,
-    /// How often the picture goes into one unit of the texture coordinates; `[u, v]` for each of them.
+    /// How often the picture repeats in one unit of the texture coordinates; `[u, v]` for each coordinate.
     #[serde(default = "once")]
     pub scale: Size,
 }
 
-/// From one colour to another by noise, which is the same at every scale.
+/// Fractal noise that blends from one colour to another.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Noise {
     /// The colour where the noise is least.
     #[serde(default = "Textured::black")]
     pub low: Textured,
-    /// The colour where it is greatest.
+    /// The colour where the noise is greatest.
     #[serde(default = "Textured::white")]
     pub high: Textured,
-    /// Lumps per unit of the coordinates.
+    /// The frequency of the first octave: noise cells per unit of the coordinates.
     #[serde(default = "one")]
     pub scale: Positive,
-    /// Each more is half as large and half as strong.
+    /// The number of octaves. Each further octave has twice the frequency and half the amplitude.
     #[serde(default = "six")]
     pub octaves: Octaves,
-    /// What it varies over.
+    /// The coordinates that the noise varies over.
     #[serde(default = "in_position")]
     pub on: TextureSpace,
-    /// With `position`: places it in the world, steps applied in listed order.
+    /// Places the noise in the world, for `position` only. Steps are applied in listed order.
     #[serde(default, skip_serializing_if = "Transform::is_identity")]
     pub transform: Transform,
 }
 
-/// Stone: layers across z, stirred.
+/// Marble: layers across the z axis, disturbed by turbulence.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Marble {
     /// The colour of the stone.
     #[serde(default = "Textured::white")]
     pub base: Textured,
-    /// The colour of its veins.
+    /// The colour of the veins.
     #[serde(default = "Textured::black")]
     pub veins: Textured,
-    /// Radians of the layers' sine per unit along z.
+    /// The frequency of the layers' sine, in radians per unit along z.
     #[serde(default = "one")]
     pub scale: Positive,
-    /// How seven octaves of noise n stir the layers: 10 times their turbulence is added to the phase. Default: `sum_of_absolutes`.
+    /// The turbulence made of seven octaves of noise n; 10 times its value is added to the phase of the sine. Default: `sum_of_absolutes`.
     #[serde(default, skip_serializing_if = "Turbulence::is_default")]
     pub turbulence: Turbulence,
-    /// What it varies over.
+    /// The coordinates that the marble varies over.
     #[serde(default = "in_position")]
     pub on: TextureSpace,
-    /// With `position`: places it in the world, steps applied in listed order.
+    /// Places the marble in the world, for `position` only. Steps are applied in listed order.
     #[serde(default, skip_serializing_if = "Transform::is_identity")]
     pub transform: Transform,
 }
 
-/// How octaves of noise make up a turbulence.
+/// How octaves of noise are combined into a turbulence.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
 pub enum Turbulence {
-    /// Perlin's: the sum of the absolute values of 2⁻ᵏ n(2ᵏ p), from 0 to 2.
+    /// Perlin's turbulence: the sum of the absolute values of 2⁻ᵏ n(2ᵏ p), from 0 to 2.
     #[default]
     SumOfAbsolutes,
-    /// That of *Ray Tracing: The Next Week*: the absolute value of the sum of 2⁻ᵏ n(2ᵏ p) / √2, which is smaller and often nearly 0.
+    /// The turbulence of *Ray Tracing: The Next Week*: the absolute value of the sum of 2⁻ᵏ n(2ᵏ p) / √2. It is smaller and often
+    /// nearly 0.
     AbsoluteOfSum,
 }
 
@@ -211,44 +216,44 @@ impl Turbulence {
     }
 }
 
-/// Two textures, one shining through the other: (1 − share) · a + share · b.
+/// A blend of two textures: (1 − share) · a + share · b.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Mix {
-    /// What shows where `share` is 0.
+    /// The texture that shows where `share` is 0.
     pub a: Textured,
-    /// What shows where it is 1.
+    /// The texture that shows where `share` is 1.
     pub b: Textured,
-    /// Of `b`.
+    /// The share of `b`, from 0 to 1.
     pub share: Textured,
 }
 
-/// Two textures, multiplied: a texture made darker or given a tint.
+/// The product of two textures: one texture darkened or tinted by another.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Product {
-    /// The one factor.
+    /// The first factor.
     pub a: Textured,
-    /// The other.
+    /// The second factor.
     pub b: Textured,
 }
 
-/// White where a texture is at least so bright, black elsewhere: of each channel by itself.
+/// White where a texture reaches a threshold, black elsewhere; red, green and blue are compared each by itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Threshold {
-    /// The texture.
+    /// The texture that is compared.
     pub by: Textured,
-    /// How bright.
+    /// The threshold: values of at least this become 1, lower ones 0.
     #[serde(default = "half")]
     pub at: Fraction,
 }
 
-/// The colours of a mesh's vertices (glTF, PLY), interpolated over its triangles; white on what has none.
+/// The colours of a mesh's vertices (glTF, PLY), interpolated over its triangles. Shapes without such colours are white.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VertexColor {
-    /// One channel of it, as a grey. Default: its colours.
+    /// A single channel, used as a grey. Default: the colours.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub channel: Option<Channel>,
 }
@@ -282,14 +287,14 @@ fn in_position() -> TextureSpace {
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
 pub enum TextureSpace {
-    /// The surface's texture coordinates: squares.
+    /// The surface's texture coordinates; a checkerboard has squares.
     #[default]
     Uv,
-    /// The position in world space: cubes.
+    /// The position in world space, in metres; a checkerboard has cubes.
     Position,
 }
 
-/// What the numbers in a picture mean.
+/// How the values of a picture are encoded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
@@ -297,13 +302,13 @@ pub enum Encoding {
     /// `srgb` for PNG, JPEG and WebP, `linear` for OpenEXR.
     #[default]
     Auto,
-    /// Encoded with the sRGB curve: photographs, colours.
+    /// Encoded with the sRGB curve, as photographs and colours are.
     Srgb,
-    /// Shares of light as they are: roughness, masks.
+    /// Linear values, such as roughness or masks.
     Linear,
 }
 
-/// A channel of a picture, or of the colours of vertices.
+/// A channel of a picture or of vertex colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
@@ -314,33 +319,33 @@ pub enum Channel {
     G,
     /// Blue.
     B,
-    /// Opacity, never encoded; 1 where the picture has none.
+    /// Opacity, which is always linear; 1 where the picture has none.
     A,
 }
 
-/// What lies beyond a picture.
+/// How a picture continues beyond its borders.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
 pub enum Wrap {
-    /// The picture again.
+    /// The picture is repeated.
     #[default]
     Repeat,
-    /// Its mirror image.
+    /// The picture is repeated, mirrored every second time.
     Mirror,
-    /// Its border.
+    /// The pixels of the border continue.
     Clamp,
 }
 
-/// What lies between the pixels of a picture.
+/// How values between the centres of pixels are found.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
 pub enum TextureFilter {
-    /// The four nearest pixels, by distance.
+    /// Bilinear interpolation of the four nearest pixels.
     #[default]
     Bilinear,
-    /// The nearest pixel.
+    /// The value of the nearest pixel.
     Nearest,
 }
 
@@ -349,13 +354,16 @@ pub enum TextureFilter {
 #[serde(untagged, from = "TexturedForm")]
 #[schemars(!from)]
 pub enum Textured {
+    /// One colour everywhere, with components from 0 to 1.
     Color(Color<Fraction>),
     /// The name of a texture under `textures`.
     Named(String),
+    /// A texture described in place.
     Texture(Box<Texture>),
 }
 
 impl Textured {
+    /// A constant grey from 0 to 1.
     pub fn gray(value: f64) -> Textured {
         Textured::Color(Color::Gray(Fraction::known(value)))
     }
@@ -417,7 +425,7 @@ impl From<TexturedForm> for Textured {
     }
 }
 
-/// The objects among the forms of [`Textured`].
+/// The forms of [`Textured`] that are JSON objects.
 enum TextureOrSrgb {
     Constant(Constant),
     Checker(Checker),

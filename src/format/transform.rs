@@ -1,4 +1,4 @@
-//! Placing things: steps applied in listed order.
+//! Transforms as scene files write them: steps that are applied in listed order.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,18 +6,19 @@ use serde::{Deserialize, Serialize};
 use super::value::{Direction, Point, Real, Vector};
 use crate::reader::by_kind;
 
-/// Steps applied in listed order: the first acts on the thing itself, the last in world space.
+/// Steps applied in listed order: the first acts in the object's own space, the last in world space.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(inline)]
 pub struct Transform(pub Vec<Step>);
 
 impl Transform {
+    /// Whether there are no steps.
     pub fn is_identity(&self) -> bool {
         self.0.is_empty()
     }
 }
 
-/// One step of a transform: an object with exactly one key. Column vectors, right-handed.
+/// One step of a transform: an object with exactly one key. Vectors are columns; the coordinates are right-handed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", try_from = "StepKeys")]
 #[schemars(!try_from)]
@@ -26,11 +27,11 @@ pub enum Step {
     Translate(Vector),
     /// Scales about the origin by one factor, or by `[x, y, z]`; negative factors mirror.
     Scale(Scale),
-    /// Turns about an axis through the origin, counter-clockwise when the axis points at the viewer.
+    /// Rotates about an axis through the origin, counter-clockwise as seen with the axis pointing at the viewer.
     Rotate(Rotate),
-    /// Places and turns the thing as `look_at` does a camera: its −z axis points at `to`.
+    /// Places and rotates the object as `look_at` does for a camera: its −z axis points at `to`.
     LookAt(LookAt),
-    /// 16 numbers, row by row; the last row is `0, 0, 0, 1`.
+    /// Multiplies by a 4 × 4 matrix, given as 16 numbers row by row; the last row is `0, 0, 0, 1`.
     Matrix([Real; 16]),
 }
 
@@ -65,36 +66,38 @@ impl TryFrom<StepKeys> for Step {
     }
 }
 
-/// One factor, or one for each axis.
+/// A scaling: one factor, or one for each axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum Scale {
+    /// One factor for all axes.
     Uniform(f64),
+    /// The factors along x, y and z.
     PerAxis([f64; 3]),
 }
 
 by_kind!(Scale { Number => Uniform(f64), Array => PerAxis([f64; 3]) });
 
-/// A turn about an axis through the origin.
+/// A rotation about an axis through the origin.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Rotate {
-    /// Of any length except 0.
+    /// The axis, of any length except 0.
     pub axis: Direction,
     /// The angle, in degrees.
     pub degrees: Real,
 }
 
-/// A place and a view direction. The local −z axis points from `from` to `to`; +y is as near to `up` as can be.
+/// A position and a view direction. The local −z axis points from `from` to `to`, and the local +y axis is as close to `up` as possible.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LookAt {
-    /// Where the origin goes, in metres.
+    /// The position of the local origin, in metres.
     pub from: Point,
-    /// What −z points at, in metres.
+    /// The point that the local −z axis points at, in metres.
     pub to: Point,
-    /// Which way is up; not parallel to the view.
+    /// The direction that is up; it must not be parallel to the view direction.
     #[serde(default = "y_axis")]
     pub up: Direction,
 }
@@ -104,7 +107,7 @@ fn y_axis() -> Direction {
 }
 
 impl Step {
-    /// The key that a file writes it with.
+    /// The key of this step in a scene file.
     pub fn key(&self) -> &'static str {
         match self {
             Step::Translate(_) => "translate",
@@ -115,8 +118,10 @@ impl Step {
         }
     }
 
+    /// Checks that the step is an affine transform with an inverse.
+    ///
     /// # Errors
-    /// In words: a step that cannot be undone, or is none of an affine transform.
+    /// A message about a step without an inverse, or a matrix that is not affine.
     pub(crate) fn check(&self) -> Result<(), String> {
         match self {
             Step::Translate(_) | Step::Rotate(_) => Ok(()),
@@ -129,8 +134,10 @@ impl Step {
 }
 
 impl LookAt {
+    /// Checks that the view direction and `up` define an orientation.
+    ///
     /// # Errors
-    /// In words: no view direction, or an `up` that does not say which way is up.
+    /// A message about `from` and `to` at the same point, or an `up` parallel to the view direction.
     pub(crate) fn check(&self) -> Result<(), String> {
         let [from, to] = [self.from.0, self.to.0];
         let direction = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
@@ -144,7 +151,7 @@ impl LookAt {
     }
 }
 
-/// What rounding can make of the sine of the angle between two parallel vectors.
+/// A bound of the sine that rounding leaves of the angle between two parallel vectors.
 const PARALLEL: f64 = 4.0 * f64::EPSILON;
 
 fn check_matrix(m: &[f64; 16]) -> Result<(), String> {
@@ -156,9 +163,10 @@ fn check_matrix(m: &[f64; 16]) -> Result<(), String> {
     invertible([[m[0], m[1], m[2]], [m[4], m[5], m[6]], [m[8], m[9], m[10]]])
 }
 
-/// Whether a 3 × 3 matrix (rows) can be undone, by rounding's own measure: |det| against what
-/// rounding can leave of a zero, ε times the product of the rows' lengths (Hadamard's bound of |det|).
-/// And whether volumes stay within what 32-bit floats hold.
+/// Checks that a 3 × 3 matrix (rows) has an inverse and that volumes stay within the range of 32-bit floats.
+///
+/// The matrix counts as singular where |det| is at most 8 ε times the product of the rows' lengths, Hadamard's bound of |det|:
+/// rounding can leave that much of a determinant of 0.
 fn invertible(rows: [[f64; 3]; 3]) -> Result<(), String> {
     let det = dot(rows[0], cross(rows[1], rows[2]));
     let largest: f64 = rows.into_iter().map(length).product();
@@ -168,8 +176,10 @@ fn invertible(rows: [[f64; 3]; 3]) -> Result<(), String> {
     check_volume(det)
 }
 
+/// Checks that a determinant, the factor by which volumes grow, lies within the range of 32-bit floats.
+///
 /// # Errors
-/// In words: a determinant, by which volumes grow, beyond 32-bit floats.
+/// A message about a determinant outside that range.
 pub(crate) fn check_volume(det: f64) -> Result<(), String> {
     let holdable = f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX);
     if !holdable.contains(&det.abs()) {

@@ -1,4 +1,4 @@
-//! Numbers that carry their range, and the vectors made of them.
+//! Number types with a range, and points, vectors and directions.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -10,20 +10,22 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::json;
 
-/// The range of a number: what reading checks, what a fault says, what the schema states.
+/// The range of a number. The reader checks it, error messages name it and the schema states it.
 #[derive(Debug, Clone, Copy)]
 pub struct Range {
+    /// The lower bound.
     pub low: Bound<f64>,
+    /// The upper bound.
     pub high: Bound<f64>,
 }
 
 impl Range {
-    /// NaN and infinity lie in no range.
+    /// Whether `x` is finite and within the bounds.
     pub fn contains(&self, x: f64) -> bool {
         x.is_finite() && (self.low, self.high).contains(&x)
     }
 
-    /// The range as JSON Schema says it.
+    /// Adds the bounds to a JSON schema.
     fn constrain(&self, schema: &mut Schema) {
         match self.low {
             Included(low) => drop(schema.insert("minimum".into(), number(low))),
@@ -38,12 +40,12 @@ impl Range {
     }
 }
 
-/// A whole number is written as one: `65536`, not `65536.0`.
+/// A JSON number, without a decimal point where `x` is whole: `65536`, not `65536.0`.
 fn number(x: f64) -> serde_json::Value {
     if x.fract() == 0.0 && x.abs() < 1e15 { json!(x as i64) } else { json!(x) }
 }
 
-/// `above 0`, `from 0 to 1`, `above 0 and below 180`, `of at least 0`.
+/// Writes the range as a phrase: `above 0`, `from 0 to 1`, `above 0 and below 180`, `of at least 0`.
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let exact = |x: f64| if x.abs() < 1e15 { x.to_string() } else { format!("{x:e}") };
@@ -62,7 +64,7 @@ impl fmt::Display for Range {
     }
 }
 
-/// A number with a range: one line for the type, its check, its fault and its schema.
+/// Defines number types with a range. Each line gives a type, its range check, its error message and its schema.
 macro_rules! ranged {
     ($($(#[$doc:meta])* $name:ident: $repr:ident read as $wide:ident ($what:literal, $json:literal) in $low:expr, $high:expr;)+) => { $(
         $(#[$doc])*
@@ -71,19 +73,21 @@ macro_rules! ranged {
         pub struct $name($repr);
 
         impl $name {
+            /// The allowed values.
             pub const RANGE: Range = Range { low: $low, high: $high };
 
-            /// `None` if `x` lies outside [`Self::RANGE`].
+            /// The number `x`, or `None` if it lies outside [`Self::RANGE`].
             pub fn new(x: $repr) -> Option<$name> {
                 Self::RANGE.contains(x as f64).then_some($name(x))
             }
 
             #[allow(dead_code, reason = "not every range has a default")]
-            /// A value known to lie in range: our own defaults.
+            /// The number `x`, unchecked: for defaults, which are known to lie in range.
             pub(crate) const fn known(x: $repr) -> $name {
                 $name(x)
             }
 
+            /// The number as a primitive type.
             pub const fn get(self) -> $repr {
                 self.0
             }
@@ -123,25 +127,25 @@ macro_rules! ranged {
     )+ };
 }
 
-/// Where sums of squares of radiance still fit a 64-bit float, and products of a few a 32-bit one.
+/// The largest radiometric value: sums of its squares fit a 64-bit float, and its product with a few factors fits a 32-bit float.
 const BRIGHTEST: f64 = 1e30;
 
 ranged! {
     /// Any finite number.
     Real: f64 read as f64 ("a number", "number") in Unbounded, Unbounded;
-    /// A length, or a factor, above 0.
+    /// A length in metres, or a factor, above 0.
     Positive: f64 read as f64 ("a number", "number") in Excluded(0.0), Unbounded;
-    /// A length, or a factor, of 0 or more.
+    /// A length in metres, or a factor, of 0 or more.
     NonNegative: f64 read as f64 ("a number", "number") in Included(0.0), Unbounded;
-    /// A share: of reflected energy, of a range.
+    /// A share from 0 to 1, for example of the reflected energy.
     Fraction: f64 read as f64 ("a number", "number") in Included(0.0), Included(1.0);
-    /// A radiometric quantity of a light.
+    /// A radiometric quantity of a light, from 0 to 1e30 in the unit of its key.
     Radiometric: f64 read as f64 ("a number", "number") in Included(0.0), Included(BRIGHTEST);
     /// An index of refraction. Real materials lie between 1 and 4, metals go down to 0.05.
     Index: f64 read as f64 ("an index of refraction", "number") in Included(0.01), Included(100.0);
-    /// An index of refraction of a coat, which reflects totally from within only.
+    /// The index of refraction of a coat, at least 1, so that total internal reflection occurs only inside the coat.
     CoatIndex: f64 read as f64 ("an index of refraction", "number") in Included(1.0), Included(100.0);
-    /// The power of a cosine.
+    /// The exponent of a cosine lobe.
     Exponent: f64 read as f64 ("a number", "number") in Included(0.0), Included(1e8);
     /// The imaginary part of a metal's index of refraction.
     Extinction: f64 read as f64 ("an extinction coefficient", "number") in Included(0.0), Included(1000.0);
@@ -153,7 +157,7 @@ ranged! {
     Side: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(65536.0);
     /// A number of samples in each pixel.
     SamplesPerPixel: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(u32::MAX as f64);
-    /// How many octaves of noise are added up.
+    /// The number of octaves of noise that are summed.
     Octaves: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(16.0);
     /// The version of the scene format.
     Version: u32 read as i128 ("a version", "integer") in Included(1.0), Included(1.0);

@@ -1,7 +1,7 @@
-//! Numbers that vary over a surface.
+//! Numbers that may vary over a surface.
 //!
-//! A texture says shares from 0 to 1, and so what is a share itself (a roughness, an anisotropy) takes a texture as it is. What has
-//! another range takes one from an end of its own to another: `{"from": 1.3, "to": 1.6, "by": "clouds"}`.
+//! A texture has values from 0 to 1. A parameter with that range (a roughness, an anisotropy) takes the texture directly. A parameter
+//! with another range gives the values at black and at white: `{"from": 1.3, "to": 1.6, "by": "clouds"}`.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,9 @@ use crate::reader::by_kind;
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum Varying<T> {
+    /// One value everywhere.
     Same(T),
+    /// A value interpolated by a texture.
     Between(Box<Between<T>>),
 }
 
@@ -26,36 +28,39 @@ by_kind!(Varying<T> { Number => Same(T), Object => Between(Box<Between<T>>) });
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum VaryingPerChannel<T> {
+    /// One value everywhere, for red, green and blue.
     Equal(T),
+    /// The values for red, green and blue, everywhere.
     Each([T; 3]),
+    /// Values interpolated by a texture.
     Between(Box<BetweenPerChannel<T>>),
 }
 
 by_kind!(VaryingPerChannel<T> { Number => Equal(T), Array => Each([T; 3]), Object => Between(Box<BetweenPerChannel<T>>) });
 
-/// From one number to another by a texture.
+/// A number that a texture interpolates between two values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Varying{T}")]
 pub struct Between<T> {
     /// The number where the texture is black.
     pub from: T,
-    /// The number where it is white.
+    /// The number where the texture is white.
     pub to: T,
-    /// The texture. (Of a colour, the mean.)
+    /// The texture. Where it has a colour, the mean of red, green and blue counts.
     pub by: Textured,
 }
 
-/// From one value for each of red, green and blue to another by a texture.
+/// Values for red, green and blue that a texture interpolates between two ends.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Varying{T}PerChannel")]
 pub struct BetweenPerChannel<T> {
     /// The values where the texture is black.
     pub from: PerChannel<T>,
-    /// The values where it is white.
+    /// The values where the texture is white.
     pub to: PerChannel<T>,
-    /// The texture: red, green and blue of a colour, each by itself.
+    /// The texture. Its red, green and blue interpolate the values for red, green and blue.
     pub by: Textured,
 }
 

@@ -1,4 +1,4 @@
-//! Where the picture is taken from, its pixels and its samples.
+//! Builds the camera, the film and the sampler from their descriptions.
 
 use std::collections::BTreeSet;
 
@@ -11,8 +11,10 @@ use crate::film::{Allocation, Crop, FilmSpec, Filter, Layer, LightNames};
 use crate::math::Transform;
 use crate::sampler::{Kind, SamplerSpec};
 
+/// Builds the camera.
+///
 /// # Errors
-/// In words: steps that together cannot be undone.
+/// A message about steps that together have no inverse.
 pub(super) fn camera(described: &describe::Camera) -> Result<Camera, String> {
     let to_world = match described.placement() {
         (Some(at), _) => transform::look_at(at),

@@ -1,4 +1,4 @@
-//! Distance fields, and what each part of them wears.
+//! Builds solids from distance fields, with the material and emission of each part.
 
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ use crate::shape::sdf::*;
 use crate::world::{MaterialId, PartAppearance};
 
 impl Builder<'_> {
-    /// The solid and what its parts wear, and what they call for; `None` with a fault noted.
+    /// Builds a solid, and the appearance and the effects of its parts. Returns `None` after adding a fault.
     pub(super) fn sdf(&mut self, pointer: &str, sdf: &describe::Sdf, own: PartAppearance) -> Option<(Sdf, Vec<PartAppearance>, Effects)> {
         let (mut fields, mut appearances, mut effects) = (vec![], vec![], Effects::NONE);
         if let Some(field) = &sdf.field {
@@ -39,7 +39,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether it has an end and is somewhere; else with a fault noted.
+    /// Whether the solid is bounded and not empty. Adds a fault otherwise.
     fn within(&mut self, pointer: &str, solid: &Sdf) -> bool {
         let ends = solid.ends();
         let [low, high] = solid.extent();
@@ -52,7 +52,7 @@ impl Builder<'_> {
         endless.is_empty() && low.cmplt(high).all()
     }
 
-    /// `None` with a fault noted.
+    /// Builds a distance field. Returns `None` after adding a fault.
     fn field(&mut self, pointer: &str, field: &describe::Field) -> Option<Field> {
         use describe::Field as Of;
         let of = format!("{pointer}/of");

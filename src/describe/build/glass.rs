@@ -1,4 +1,4 @@
-//! Glass that is no body: open meshes, single sheets, faces that look both ways.
+//! Warnings about glass that does not enclose a volume: open meshes, single sheets, inconsistent winding.
 
 use glam::Vec2;
 
@@ -10,20 +10,21 @@ use crate::scene::{Scene as _, offset_ray_origin};
 use crate::shape::SurfacePoint;
 use crate::world::World;
 
-/// How many ways into each shape are followed, as long as they are no more than `MOST_WAYS` in all: of those into a pane without rims,
-/// twenty are lost where it is two hundred times as wide as it is thick.
+/// The number of test paths into each shape, unless that makes more than `MOST_WAYS` in total. For a pane without rims that is two
+/// hundred times as wide as thick, about twenty of them leave through the missing rims.
 const WAYS: u32 = 2048;
+/// The largest number of test paths in total.
 const MOST_WAYS: u32 = 1 << 15;
-/// At most so many of them are lost by rounding at edges.
+/// The number of test paths that rounding at edges may lose.
 const LOST_BY_ROUNDING: u32 = 2;
-/// A way that met so many surfaces says nothing.
-const MOST_MEETINGS: u32 = 64;
-/// How many shapes are named.
+/// The number of hits after which a test path is given up.
+const MOST_HITS: u32 = 64;
+/// The largest number of shapes that warnings name.
 const NAMED: usize = 4;
 
-/// Sentences about shapes of glass that light enters and then finds itself outside of, without having left them.
+/// Warnings about glass shapes that light can enter and then be outside of without crossing their surface.
 ///
-/// - `names`: one for each shape of the world
+/// - `names`: the name of each shape of the world
 pub(super) fn warnings(world: &World, names: &[&str]) -> Vec<String> {
     let shapes = world.shapes();
     let glass: Vec<u32> = (0..shapes.len() as u32).filter(|&shape| is_glass(world, shape)).collect();
@@ -43,35 +44,35 @@ fn sentence(name: &str, lost: u32, ways: u32) -> String {
     )
 }
 
-/// Whether it can be open: what has points to draw, and a part of glass.
+/// Whether a shape is to be tested: some part of it is glass, and its surface can be sampled.
 fn is_glass(world: &World, shape: u32) -> bool {
     world.materials(shape).any(|material| material.passage() == Passage::Body) && world.shapes()[shape as usize].is_sampled()
 }
 
-/// How many of the ways into a shape are lost.
+/// The number of test paths into a shape that end outside of it without having left it.
 fn lost(world: &World, shape: u32, ways: u32) -> u32 {
     let geometry = &world.shapes()[shape as usize];
-    let met = |primitive| Hit { shape, primitive, uv: Vec2::ZERO, t: 0.0 };
-    let of_glass = |primitive: &u32| world.material(&met(*primitive)).passage() == Passage::Body;
+    let hit_on = |primitive| Hit { shape, primitive, uv: Vec2::ZERO, t: 0.0 };
+    let of_glass = |primitive: &u32| world.material(&hit_on(*primitive)).passage() == Passage::Body;
     let areas: Vec<f32> = (0..geometry.count()).map(|i| if of_glass(&i) { geometry.area(i) } else { 0.0 }).collect();
     let Some(by_area) = Discrete::new(&areas) else { return 0 };
     let is_lost = |way: &u32| {
         let mut numbers = Numbers(hash::absorb(hash::absorb(0, shape), *way));
         let (primitive, _, _) = by_area.sample(numbers.pair().x);
         let (point, _) = geometry.sample_area(primitive as u32, numbers.pair());
-        is_lost(world, &met(primitive as u32), &point, &mut numbers)
+        is_lost(world, &hit_on(primitive as u32), &point, &mut numbers)
     };
     (0..ways).filter(is_lost).count() as u32
 }
 
-/// Whether a way into a body meets what it cannot meet inside: nothing at all, or the outer side of the same glass.
+/// Whether a path into a body hits what cannot be inside of it: nothing at all, or the outer side of the same glass.
 ///
-/// It goes straight on and is thrown back by what lets no light through, so that water in a basin is a body too, and a pane in a closed
-/// room is none. What is behind the outer side of another glass is not known: two media that touch have one face.
+/// The path goes straight on through thin sheets and scatters at opaque surfaces. So water in a basin counts as a body, and a single
+/// pane in a closed room does not. A path that hits the outer side of another glass is not lost: touching media share one face.
 fn is_lost(world: &World, entered: &Hit, from: &SurfacePoint, numbers: &mut Numbers) -> bool {
     let glass = world.material(entered);
     let mut ray = scattered(from, -1.0, numbers);
-    for _ in 0..MOST_MEETINGS {
+    for _ in 0..MOST_HITS {
         let Some(hit) = world.intersect(&ray) else { return true };
         let (point, material) = (world.surface(&ray, &hit).point, world.material(&hit));
         let is_outside = ray.direction.dot(point.ng) < 0.0;
@@ -84,13 +85,13 @@ fn is_lost(world: &World, entered: &Hit, from: &SurfacePoint, numbers: &mut Numb
     false
 }
 
-/// A ray that leaves a surface on the side of its normal, or for a `side` of −1 on the other.
+/// A ray in a random direction that leaves a surface on the side of its normal, or on the other side for a `side` of −1.
 fn scattered(point: &SurfacePoint, side: f32, numbers: &mut Numbers) -> Ray {
     let direction = Frame::around(point.ng * side).to_world(Local(warp::cosine_hemisphere(numbers.pair())));
     Ray::new(offset_ray_origin(point, direction), direction)
 }
 
-/// Numbers in [0, 1) that belong to one way.
+/// The random numbers in [0, 1) of one test path.
 struct Numbers(u64);
 
 impl Numbers {

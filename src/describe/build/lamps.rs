@@ -1,4 +1,4 @@
-//! Lamps that light nothing.
+//! Warnings about lamps that face away from the scene.
 
 use glam::DVec3;
 
@@ -11,19 +11,21 @@ use crate::reader::locate;
 /// A flat shape that emits on one side.
 pub(super) struct Lamp {
     pointer: String,
-    /// Its place among all boxes.
+    /// The index of its box in `Builder::boxes`.
     shape: usize,
+    /// A point of the lamp's plane, in world space.
     point: DVec3,
-    /// To the side that shines.
+    /// The normal on the emitting side, in world space.
     normal: DVec3,
 }
 
-/// So many lamps are looked at, each against all shapes, and so many are named.
+/// The largest number of lamps that are tested, each against all shapes.
 const LOOKED_AT: usize = 1000;
+/// The largest number of lamps that warnings name.
 const NAMED: usize = 3;
 
 impl Builder<'_> {
-    /// Notes the shape that is placed next, if it is a lamp that may face away.
+    /// Remembers the shape that is placed next, if it is flat and emits on one side.
     pub(super) fn note_lamp(&mut self, pointer: &str, shape: &Shape, to_world: &Transform) {
         let is_flat = matches!(shape, Shape::Quad(_) | Shape::Disk(_));
         let shines = shape.emission().is_some_and(|emission| !emission.two_sided && emission.radiance.linear() != [0.0; 3]);
@@ -33,7 +35,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Says so of lamps that have the camera and every other shape behind them.
+    /// Warnings about lamps that have the camera and all other shapes behind them.
     pub(super) fn averted(&self, camera: &Camera) -> Vec<String> {
         let message = "the lamp faces away from everything in the scene: turn it round, or say \"two_sided\": true";
         let said = |lamp: &Lamp| locate(self.source.root, self.source.file, &lamp.pointer, message).to_string();
@@ -47,9 +49,9 @@ impl Builder<'_> {
 }
 
 impl Lamp {
-    /// Whether nothing of a box lies on the side that shines, but for what rounding makes of a box that touches its plane.
+    /// Whether a box lies entirely behind the lamp's plane, with a tolerance for the rounding of a box that touches the plane.
     fn is_before(&self, (low, high): (DVec3, DVec3)) -> bool {
-        // The corner that is the farthest along the normal.
+        // The corner of the box that is farthest along the normal.
         let corner = DVec3::select(self.normal.cmpge(DVec3::ZERO), high, low);
         let rounding = 64.0 * f64::EPSILON * self.normal.abs().dot(corner.abs().max(self.point.abs()));
         (corner - self.point).dot(self.normal) <= rounding

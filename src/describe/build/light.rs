@@ -1,4 +1,4 @@
-//! Lights without a surface, and the background.
+//! Builds the lights without a surface, and the background.
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Meshes: read or taken as given, and what each of their parts wears.
+//! Loads meshes, from files or from the scene file, and chooses the material of each of their parts.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -11,7 +11,7 @@ use crate::shape::{MeshData, MeshPart};
 use crate::world::MaterialId;
 
 impl Builder<'_> {
-    /// Read from its file, or as given; `None` with a fault noted.
+    /// Loads a mesh from its file, or from the scene file. Returns `None` after adding a fault.
     pub(super) fn mesh(&mut self, pointer: &str, mesh: &Mesh) -> Result<Option<MeshData>> {
         let loaded = match &mesh.file {
             Some(file) => self.source.files.mesh(file),
@@ -19,7 +19,7 @@ impl Builder<'_> {
         };
         match loaded {
             Ok((data, warnings)) => {
-                // Once for each file, however many shapes are made of it.
+                // A file that several shapes use is warned about once.
                 let new = warnings.into_iter().filter(|warning| !self.warnings.contains(warning)).collect::<Vec<_>>();
                 self.warnings.extend(new);
                 self.contents.extend(mesh.file.clone().map(|file| (file, identity::of_mesh(&data))));
@@ -27,7 +27,7 @@ impl Builder<'_> {
             }
             Err(Error::Invalid(faults)) => {
                 for fault in faults {
-                    // A fault with a line of its own is about the mesh file, any other about the scene that names it.
+                    // A fault with a line number is about the mesh file, any other about the scene that names it.
                     match (&mesh.file, fault.line) {
                         (_, Some(_)) => self.faults.push(fault),
                         (Some(file), None) => self.fault(&format!("{pointer}/file"), &format!("{file}: {}", fault.message)),
@@ -40,7 +40,7 @@ impl Builder<'_> {
         }
     }
 
-    /// A relief runs along the texture coordinates.
+    /// Warns about triangles where a normal or bump map has no effect, because their texture coordinates are degenerate.
     pub(super) fn note_no_relief(&mut self, pointer: &str, data: &MeshData) {
         let (flat, all) = (data.flat_uvs(), data.triangles.len());
         if flat > 0 {
@@ -49,7 +49,8 @@ impl Builder<'_> {
         }
     }
 
-    /// One material per part of the mesh: the one that its name is mapped to, or that the scene has under it, or the mesh's own.
+    /// The material of each part of a mesh: the one that `materials` gives for the part's material name; otherwise the mesh's own
+    /// `material`, or without one the scene's material of that name.
     pub(super) fn part_materials(&mut self, pointer: &str, mesh: &Mesh, data: &MeshData, own: MaterialId) -> (Vec<MaterialId>, Effects) {
         let mut effects = Effects::NONE;
         let mut materials = vec![];
@@ -79,7 +80,7 @@ impl Builder<'_> {
     }
 }
 
-/// A mesh given in the scene file itself.
+/// Converts a mesh that is given in the scene file itself.
 fn inline(mesh: &Mesh, name: &str) -> Result<(MeshData, Vec<String>)> {
     let vec3 = |v: &[f64; 3]| DVec3::from(*v).as_vec3();
     let triangles = mesh.triangles.clone().unwrap_or_default();

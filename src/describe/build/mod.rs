@@ -1,4 +1,4 @@
-//! From the description to the world: files are read, names resolved, transforms composed.
+//! Builds the world from the description of a scene: reads files, resolves names, composes transforms.
 
 mod camera;
 mod field;
@@ -34,30 +34,36 @@ use material::{MOST_PARTS, MOST_TEXTURES, Range};
 
 /// A scene ready to render.
 pub struct Built {
+    /// The shapes, lights, materials and the camera.
     pub world: World,
+    /// The image, its crop, filter and layers.
     pub film: FilmSpec,
+    /// The sampler with its seed and number of samples.
     pub sampler: SamplerSpec,
-    /// Sentences about what was found odd, and what was done about it.
+    /// Sentences about probable mistakes in the scene, and how they were handled.
     pub warnings: Vec<String>,
-    /// Which part of the scene calls for which effects.
+    /// The parts of the scene by name, each with the effects that it needs.
     pub needs: Vec<(String, Effects)>,
-    /// What its files held.
+    /// The hashes of the files' contents.
     pub contents: Contents,
 }
 
-/// Where the description came from, for messages and for the files that it names.
+/// The origin of a description, for messages and for the files that it names.
 #[derive(Clone, Copy)]
 pub struct Source<'a> {
+    /// The JSON tree of the scene file, which has the positions of values.
     pub root: &'a Node,
     /// The scene file, as the user named it.
     pub file: &'a str,
+    /// The files that the scene may read.
     pub files: &'a Files,
 }
 
 /// Builds the world that `scene` describes.
 ///
 /// # Errors
-/// `Invalid`: files that lie outside of the scene's folder, mesh files that cannot be used, shapes that cannot be placed; all of them. `Io`: files that cannot be read.
+/// `Invalid` with all files that lie outside of the scene's folder, all mesh files that cannot be used and all shapes that cannot be
+/// placed; `Io` where a file cannot be read; `Limit` where nested textures or materials are too many.
 pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     let camera = camera::camera(&scene.camera);
     let misplaced = camera.as_ref().err().map(|message| ("/camera/transform".to_owned(), message.clone()));
@@ -110,7 +116,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         other => other,
     })?;
     warnings.extend(missing(&world).map(of_scene));
-    // The camera is the first of what needs something; shapes follow.
+    // The first entry of `needs` is the camera; shapes follow.
     let names: Vec<&str> = needs[1..].iter().map(|(name, _)| name.as_str()).collect();
     warnings.extend(precision::warnings(&world, &names).iter().map(|message| of_scene(message)));
     warnings.extend(glass::warnings(&world, &names).iter().map(|message| of_scene(message)));
@@ -122,7 +128,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     Ok(Built { world, film, sampler: camera::sampler(&scene.sampler), warnings, needs, contents })
 }
 
-/// What will not be in the picture, though one might expect it.
+/// Returns a warning if the picture will be black, or show only the background.
 fn missing(world: &World) -> Option<&'static str> {
     let lights = world.lights();
     let has_background = lights.iter().any(|light| matches!(light, Light::Environment(sky) if !sky.radiance.is_black()));
@@ -138,22 +144,22 @@ struct Builder<'a> {
     scene: &'a Scene,
     source: Source<'a>,
     world: WorldBuilder,
-    /// By JSON pointer: each is made once.
+    /// The materials built so far with their effects, by JSON pointer.
     materials: BTreeMap<String, (MaterialId, Effects)>,
-    /// Made so far.
+    /// The number of textures built so far.
     textures: usize,
-    /// Materials within materials, made so far.
+    /// The number of materials within materials built so far.
     parts: usize,
-    /// Each is read once; `None` where it could not be used.
+    /// The pictures read so far; `None` for one that could not be used.
     pictures: BTreeMap<(String, Encoding, Option<Channel>), Option<Arc<Pixels>>>,
     contents: Contents,
-    /// Around each shape, in the user's coordinates.
+    /// The bounding box of each shape, in the scene's coordinates.
     boxes: Vec<(DVec3, DVec3)>,
     lamps: Vec<Lamp>,
     needs: Vec<(String, Effects)>,
     warnings: Vec<String>,
     faults: Vec<Fault>,
-    /// What is not the scene's mistake: files that cannot be read, or are too large.
+    /// Errors that are no mistakes in the scene: files that cannot be read, or are too large.
     failures: Vec<Error>,
 }
 
@@ -223,7 +229,7 @@ impl Builder<'_> {
         Emitter { emission: Emission { radiance: illuminant(&described.radiance), two_sided: described.two_sided }, texture }
     }
 
-    /// Places what stands about a point of its own space.
+    /// Places a shape with its centre at `center` in its own space.
     fn place_at(
         &mut self,
         pointer: &str,

@@ -1,4 +1,4 @@
-//! Warnings about shapes that coordinates in f32 cannot hold where they are.
+//! Warnings about shapes that are too small or too thin for the precision of f32 coordinates at their position.
 
 use std::collections::BTreeMap;
 
@@ -8,15 +8,15 @@ use crate::math::Aabb;
 use crate::shape::{Facet, Shape, offset_bound, triangle};
 use crate::world::{MaterialId, World};
 
-/// A shape farther away than so many times its size begins to lose its form: f32 has 2²⁴ = 1.7·10⁷ steps.
+/// The distance from the origin, in multiples of a shape's size, beyond which its form degrades: f32 resolves 2²⁴ = 1.7·10⁷ steps.
 const MOST_SIZES_AWAY: f32 = 1e7;
 
-/// A body must be so many times as thick as the distance from its surface at which rays start.
+/// The smallest thickness of a body, in multiples of the offset from the surface at which rays start.
 const LEAST_OFFSETS: f64 = 4.0;
 
-/// What is too small for its place, and what is too thin for it.
+/// Warnings about the shape that is too small for its distance from the origin, and about bodies that are too thin.
 ///
-/// - `names`: of the world's shapes, in their order
+/// - `names`: the name of each shape of the world
 pub(super) fn warnings(world: &World, names: &[&str]) -> Vec<String> {
     let shapes = world.shapes();
     let name = |shape: usize| names.get(shape).copied().unwrap_or("?");
@@ -27,7 +27,7 @@ pub(super) fn warnings(world: &World, names: &[&str]) -> Vec<String> {
     small.into_iter().chain(thin).collect()
 }
 
-/// The shape that suffers most from its place, if any does, and how.
+/// The shape that loses most precision by its position, if any loses too much, with a message.
 fn lost(bounds: &[Aabb]) -> Option<(usize, String)> {
     let sizes = bounds.iter().map(|b| (b.magnitude().max_element(), (b.max - b.min).max_element()));
     let (shape, (reach, size)) = sizes.enumerate().max_by(|(_, a), (_, b)| (a.0 / a.1).total_cmp(&(b.0 / b.1)))?;
@@ -38,18 +38,18 @@ fn lost(bounds: &[Aabb]) -> Option<(usize, String)> {
     (reach / size > MOST_SIZES_AWAY).then_some((shape, text))
 }
 
-/// A closed shape with an inside, or the shapes of one material that close it together.
+/// A closed surface with an inside: one shape, or several shapes of one material.
 #[derive(Default)]
 struct Body {
-    /// The first of its shapes.
+    /// The index of the first of its shapes.
     shape: usize,
-    /// (m²)
+    /// The surface area (m²).
     area: f64,
-    /// The integral of the normal, 0 for a closed surface and for two faces of a plate without rims (m²).
+    /// The integral of the normal over the surface (m²). It is 0 for a closed surface, and for the two faces of a plate without rims.
     vector_area: DVec3,
-    /// (m³), of a plate without rims a third
+    /// The enclosed volume (m³); for a plate without rims a third of it.
     volume: f64,
-    /// The integral of the distance from the surface at which rays start (m³).
+    /// The integral over the surface of the offset at which rays start (m³).
     offset: f64,
 }
 
@@ -58,7 +58,7 @@ impl Body {
         self.vector_area.length() < 1e-3 * self.area
     }
 
-    /// Returns 2 V / A, the thickness of a plate (m); of a curved shape it is the least side of the box around it.
+    /// Returns 2 V / A, the thickness of a plate (m). For a curved shape that is the shortest side of its bounding box.
     fn thickness(&self) -> f64 {
         2.0 * self.volume.abs() / self.area
     }
@@ -76,7 +76,7 @@ impl Body {
     }
 }
 
-/// The bodies of the scene of which light sees the inside. What is open is told elsewhere.
+/// The bodies of the scene with an inside that light reaches. Open surfaces are not included; `glass` reports them.
 fn bodies(world: &World, bounds: &[Aabb]) -> Vec<Body> {
     let (mut closed, mut open) = (vec![], BTreeMap::<MaterialId, (DVec3, Body)>::new());
     for (shape, baked) in world.shapes().iter().enumerate() {
@@ -97,7 +97,7 @@ fn bodies(world: &World, bounds: &[Aabb]) -> Vec<Body> {
     closed.into_iter().chain(open.into_values().map(whole).filter(Body::is_closed)).collect()
 }
 
-/// A shape's part of a body: V = ∫ (p − c)·n dA / 3. Curved shapes by the box around them.
+/// The contribution of a shape to a body, with V = ∫ (p − c)·n dA / 3. Curved shapes are measured by their bounding box.
 fn measured(baked: &dyn Shape, shape: usize, center: DVec3, bounds: Aabb) -> Body {
     let mut body = Body { shape, ..Body::default() };
     for i in 0..baked.count() {

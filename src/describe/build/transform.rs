@@ -1,4 +1,4 @@
-//! Steps to transforms.
+//! Builds transforms from their steps.
 
 use glam::{DMat4, DVec3};
 
@@ -6,10 +6,10 @@ use crate::describe::{self, LookAt, Scale, Step};
 use crate::format::check_volume;
 use crate::math::Transform;
 
-/// All steps, the first acting first, then `outer`, that of the groups around.
+/// Composes all steps, the first acting first, and then `outer`, the transform of the groups around.
 ///
 /// # Errors
-/// In words: steps of which each can be undone, but not all together.
+/// A message about steps that each have an inverse, but not together within the precision of floats.
 pub(in crate::describe::build) fn placed(steps: &describe::Transform, outer: &Transform) -> Result<Transform, String> {
     let step = |total: Transform, step| Some(total.then(&step_of(step)?));
     let total = steps.0.iter().try_fold(Transform::IDENTITY, step).map(|total| total.then(outer));

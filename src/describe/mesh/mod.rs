@@ -1,6 +1,7 @@
-//! Mesh files: OBJ, PLY and STL, by content, to [`MeshData`].
+//! Reads [`MeshData`] from mesh files: OBJ, PLY and STL, recognised by content.
 //!
-//! To add a format: a file beside `ply.rs`, a variant in `Format`, its first bytes and its extension below, an arm in `read_as`.
+//! To add a format, write a file beside `ply.rs`, a variant of `Format` with its first bytes and its extension, and an arm in
+//! `read_as`.
 
 mod obj;
 mod obj_check;
@@ -17,22 +18,24 @@ use super::file::open;
 use crate::shape::mesh_data::MeshData;
 use crate::{Error, Fault, Result};
 
-/// What a reader of one format found, before cleaning.
+/// A mesh as the reader of one format returns it, before it is cleaned.
 #[derive(Default)]
 struct Found {
     mesh: MeshData,
     /// Sentences that begin with the file's name.
     warnings: Vec<String>,
-    /// Normals of the file that gave no direction; the mesh has zeros for them.
+    /// The number of normals in the file without a direction. They are zero in the mesh.
     directionless: usize,
 }
 
 /// A format of mesh files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Wavefront OBJ, which nothing marks.
+    /// Wavefront OBJ. Its files have no characteristic first bytes.
     Obj,
+    /// Polygon File Format, ASCII or binary.
     Ply,
+    /// Stereolithography, ASCII or binary.
     Stl,
 }
 
@@ -47,20 +50,20 @@ impl Format {
         }
     }
 
-    /// The format that a file's name tells of.
+    /// The format of a file by the extension of its name.
     fn of_name(path: &Path) -> Option<Format> {
         let extension = path.extension()?.to_string_lossy().to_lowercase();
         Format::ALL.into_iter().find(|format| format.extension() == extension)
     }
 }
 
-/// Reads, cleans and checks the mesh in a file; returns it with warnings, sentences that begin with `name`.
+/// Reads, cleans and checks the mesh in a file. Returns it with warnings, which are sentences that begin with `name`.
 ///
-/// The content decides the format (a PLY file begins with the line `ply`), then the extension.
+/// The content decides the format (a PLY file begins with the line `ply`); where it does not, the extension does.
 ///
 /// # Errors
 /// [`Error::Invalid`] where the file is missing, not a regular file, of another format, malformed or without a
-/// triangle; [`Error::Limit`] where it holds more than pt can number; [`Error::Io`] where it cannot be read.
+/// triangle; [`Error::Limit`] where it has more than 2³² − 1 vertices or triangles; [`Error::Io`] where it cannot be read.
 pub fn load(path: &Path, name: &str) -> Result<(MeshData, Vec<String>)> {
     let mut file = BufReader::new(open(path, name)?);
     let content = format_of_content(&mut file).map_err(|e| Error::io(name, e))?;
@@ -68,7 +71,7 @@ pub fn load(path: &Path, name: &str) -> Result<(MeshData, Vec<String>)> {
     let format = match (content, Format::of_name(path)) {
         (Format::Obj, None) => return Err(invalid(name, "unknown mesh format: expected an .obj, .ply or .stl file")),
         (Format::Obj, Some(Format::Ply)) => return Err(invalid(name, "not a PLY file: its first line is not \"ply\"")),
-        // Its reader tells best what an STL lacks.
+        // The STL reader gives the best message about a file that is no STL.
         (Format::Obj, Some(named)) => named,
         (content, named) => {
             if named != Some(content) {
@@ -83,7 +86,10 @@ pub fn load(path: &Path, name: &str) -> Result<(MeshData, Vec<String>)> {
     Ok((mesh, warnings))
 }
 
-/// As [`load`], from any source (bytes in memory: `io::Cursor`).
+/// Reads a mesh as [`load`] does, from any source; for bytes in memory use `io::Cursor`. The content alone decides the format.
+///
+/// # Errors
+/// Those of [`load`].
 pub fn read(mut source: impl BufRead + Seek, name: &str) -> Result<(MeshData, Vec<String>)> {
     let content = format_of_content(&mut source).map_err(|e| Error::io(name, e))?;
     read_as(content, source, name)
@@ -101,7 +107,7 @@ fn read_as(format: Format, source: impl BufRead + Seek, name: &str) -> Result<(M
     Ok((mesh, warnings))
 }
 
-/// As [`format_of`]; leaves the source at its beginning.
+/// Recognises the format of a source as [`format_of`] does, and leaves the source at its beginning.
 fn format_of_content(source: &mut (impl BufRead + Seek)) -> io::Result<Format> {
     let mut start = Vec::new();
     source.by_ref().take(LOOK).read_to_end(&mut start)?;
@@ -110,11 +116,11 @@ fn format_of_content(source: &mut (impl BufRead + Seek)) -> io::Result<Format> {
     Ok(format_of(&start, size))
 }
 
-/// So much of a file is looked at to recognise it (bytes).
+/// The number of bytes at the beginning of a file that are read to recognise its format.
 const LOOK: u64 = 1 << 10;
 
-/// The format of a file that begins with `start` and has `size` bytes: PLY where its first line is `ply`, STL where its size or its
-/// first words say so, else OBJ, which nothing marks.
+/// Recognises the format of a file that begins with `start` and has `size` bytes: PLY where the first line is `ply`, STL where the size
+/// or the first words fit, and otherwise OBJ, whose files have no characteristic first bytes.
 pub fn format_of(start: &[u8], size: u64) -> Format {
     if matches!(&start[..start.len().min(4)], b"ply\n" | b"ply\r" | b"ply " | b"ply") {
         Format::Ply

@@ -1,7 +1,7 @@
-//! Wavefront OBJ: the text goes through our check to tobj, which makes the triangles.
+//! Wavefront OBJ. The text passes through pt's own check to the crate tobj, which makes the triangles.
 //!
-//! Read: `v`, `vt`, `vn`, `f` (polygons as fans, right for convex ones), `g`, `o`, `usemtl`. Materials come from the scene, so that
-//! libraries (`mtllib`) are not looked for.
+//! The statements `v`, `vt`, `vn`, `f`, `g`, `o` and `usemtl` are read. Polygons become fans of triangles, which is right for convex
+//! polygons. Material libraries (`mtllib`) are ignored, because materials come from the scene.
 
 use std::io::{BufRead, Seek};
 
@@ -15,7 +15,7 @@ use crate::{Error, Result};
 /// Reads an OBJ file.
 ///
 /// # Errors
-/// [`Error::Invalid`] with up to 20 faults, each with its line; [`Error::Io`].
+/// [`Error::Invalid`] with up to 20 faults, each with its line; [`Error::Io`] where the source cannot be read.
 pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found> {
     let mut text = Checked::new(&mut source, name, false);
     let mut mesh = triangles(&mut text, name)?;
@@ -24,7 +24,7 @@ pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found>
         source.rewind().map_err(|e| Error::io(name, e))?;
         text = Checked::new(&mut source, name, true);
         mesh = triangles(&mut text, name)?;
-        // What no face has was padding only.
+        // No face has texture coordinates: all of them were padding.
         if text.faces_with[0] == 0 {
             mesh.uvs = Vec::new();
         }
@@ -37,7 +37,7 @@ pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found>
     Ok(Found { mesh: MeshData { parts: text.parts, ..mesh }, warnings, directionless: text.directionless })
 }
 
-/// Lets tobj read the checked text: one model, since names and groups do not pass.
+/// Lets tobj read the checked text. It finds a single model, since names and groups are not passed on.
 fn triangles(text: &mut Checked<impl BufRead>, name: &str) -> Result<MeshData> {
     let read = tobj::load_obj_buf(text, &tobj::GPU_LOAD_OPTIONS, |_| Err(tobj::LoadError::GenericFailure));
     if let Some(error) = text.failure.take() {

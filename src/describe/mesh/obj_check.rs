@@ -1,8 +1,8 @@
-//! The line-numbered check of an OBJ file: only triangles' statements that are right pass on, as a text of their own.
+//! Checks an OBJ file statement by statement, and passes on a text that has only correct statements for triangles.
 //!
-//! tobj parses OBJ well but says no line, takes `nan`, `1e39`, two-vertex faces and polylines as faces, loses material
-//! names without their library, refuses line continuations, and misaligns normals where some faces have none. So its
-//! input is this: `v x y z`, `vt u v`, `vn x y z` and `f`, each checked, names and groups kept here.
+//! tobj gives no line numbers, accepts `nan`, `1e39`, faces of two vertices and polylines as faces, loses material names
+//! without their library, refuses line continuations, and misaligns normals where some faces have none. Its input is therefore
+//! reduced to checked statements `v x y z`, `vt u v`, `vn x y z` and `f`; names and groups are kept here.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -12,49 +12,55 @@ use super::token::{finite, name, number, shown};
 use crate::shape::mesh_data::MeshPart;
 use crate::{Fault, MAX_FAULTS};
 
-/// A statement longer than this is no OBJ (a million-gon needs 24 MB).
+/// The longest statement of an OBJ file, in bytes. (A polygon of a million corners needs 24 MB.)
 const MAX_STATEMENT: u64 = 1 << 28;
 
-/// So much text passes at once.
+/// The amount of text that is passed on at once, in bytes.
 const BLOCK: usize = 1 << 15;
 
-/// So many kinds of unknown statements are told apart.
+/// The largest number of kinds of unknown statements that the warning names.
 const MAX_NAMED: usize = 8;
 
 /// The kinds of indices in a corner `vertex/texture coordinate/normal`.
 const KINDS: [(&str, &str); 3] = [("vertex", "vertices"), ("texture coordinate", "texture coordinates"), ("normal", "normals")];
 
-/// Reads as the checked text; what else it saw is in its fields.
+/// A reader that yields the checked text. Its fields have what else the file contains.
 pub struct Checked<'a, R> {
     source: R,
     name: &'a str,
-    /// Give every corner a texture coordinate and a normal: index 1 of each is then zero, for those without.
+    /// Whether every corner gets a texture coordinate and a normal. Index 1 of each is then zero, for corners without.
     padded: bool,
     statement: Vec<u8>,
     passed: Vec<u8>,
     served: usize,
-    /// The lines on which this statement and the next begin.
+    /// The number of the line on which the current statement begins.
     line: usize,
+    /// The number of the line on which the next statement begins.
     next_line: usize,
-    /// Vertices, texture coordinates and normals so far.
+    /// The numbers of vertices, texture coordinates and normals so far.
     counts: [u64; 3],
     group: Option<String>,
     material: Option<String>,
+    /// The faults so far, each with its line.
     pub faults: Vec<Fault>,
-    /// Reading failed; the text ended there.
+    /// The error at which reading failed and the text ended, if it did.
     pub failure: Option<io::Error>,
+    /// The parts of the mesh so far, by group and material name.
     pub parts: Vec<MeshPart>,
+    /// The number of triangles so far.
     pub triangles: u64,
+    /// The number of faces so far.
     pub faces: u64,
-    /// Faces that have texture coordinates, and normals.
+    /// The number of faces that have texture coordinates, and of those that have normals.
     pub faces_with: [u64; 2],
-    /// Normals without direction; zeros pass on for them.
+    /// The number of normals without a direction. Zeros are passed on for them.
     pub directionless: usize,
-    /// Statements that draw no triangles, with how often they came.
+    /// The keywords of ignored statements, with the number of each.
     pub ignored: BTreeMap<String, usize>,
 }
 
 impl<'a, R: BufRead> Checked<'a, R> {
+    /// Starts reading a source; `name` is the file's name for messages.
     pub fn new(source: R, name: &'a str, padded: bool) -> Self {
         let passed = if padded { b"vt 0 0\nvn 0 0 0\n".to_vec() } else { Vec::new() };
         Checked {
@@ -80,12 +86,12 @@ impl<'a, R: BufRead> Checked<'a, R> {
         }
     }
 
-    /// Some faces have texture coordinates or normals and some have not: tobj would misalign them.
+    /// Whether some faces have texture coordinates or normals and others do not. tobj would misalign them.
     pub fn is_mixed(&self) -> bool {
         self.faces_with.iter().any(|&with| with != 0 && with != self.faces)
     }
 
-    /// Checks statements until a block of them has passed, or the file ends, or the patience.
+    /// Checks statements until a block of text is ready, the file ends, or there are [`MAX_FAULTS`] faults.
     fn advance(&mut self) -> io::Result<()> {
         let mut statement = std::mem::take(&mut self.statement);
         self.passed.clear();
@@ -104,7 +110,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
         Ok(())
     }
 
-    /// Reads one statement, joining lines that end in a backslash (comments never continue); false at the end.
+    /// Reads one statement, joining lines that end in a backslash (comments never continue). Returns false at the end of the file.
     fn read_statement(&mut self, statement: &mut Vec<u8>) -> io::Result<bool> {
         statement.clear();
         self.line = self.next_line;
@@ -127,7 +133,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
         }
     }
 
-    /// Checks one statement, and passes it on or remembers it.
+    /// Checks one statement and passes it on, or keeps the name that it sets.
     fn check(&mut self, statement: &str) -> Result<(), String> {
         let statement = statement.trim_start_matches(|c: char| c.is_ascii_whitespace() || (c == '\u{feff}' && self.line == 1));
         let keyword = statement.split_ascii_whitespace().next().unwrap_or_default();
@@ -140,7 +146,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
             "f" => return self.face(numbers()),
             "g" | "o" => self.group = name(),
             "usemtl" => self.material = name(),
-            // Smoothing groups: the normals of the file say it already.
+            // Smoothing groups are not needed: the file has normals where it is smooth.
             "" | "s" | "mtllib" => {}
             comment if comment.starts_with('#') => {}
             _ if self.ignored.len() < MAX_NAMED => *self.ignored.entry(shown(keyword)).or_default() += 1,
@@ -149,7 +155,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
         Ok(())
     }
 
-    /// `v x y z`, and ignored: the weight `w` of curves, or a colour.
+    /// Checks `v x y z`. Further numbers, the weight `w` of curves or a colour, are ignored.
     fn vertex<'w>(&mut self, mut words: impl Iterator<Item = &'w str>) -> Result<(), String> {
         self.counts[0] += 1;
         self.passed.push(b'v');
@@ -163,7 +169,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
         Ok(())
     }
 
-    /// `vt u`, `vt u v` or `vt u v w`; v is 0 where it is missing, w is ignored.
+    /// Checks `vt u`, `vt u v` or `vt u v w`. A missing v is 0, w is ignored.
     fn texture_coordinate<'w>(&mut self, mut words: impl Iterator<Item = &'w str>) -> Result<(), String> {
         self.counts[1] += 1;
         let u = words.next().ok_or("a texture coordinate needs u")?;
@@ -177,7 +183,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
         Ok(())
     }
 
-    /// `vn x y z`; one without direction (zero, nan, `-1.#IND`) becomes zero, that is flat.
+    /// Checks `vn x y z`. A normal without a direction (zero, nan, `-1.#IND`) becomes zero, and the triangle flat.
     fn normal<'w>(&mut self, mut words: impl Iterator<Item = &'w str>) -> Result<(), String> {
         self.counts[2] += 1;
         let mut normal = [("", 0.0); 3];
@@ -193,7 +199,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
         Ok(())
     }
 
-    /// `f` with corners `v`, `v/vt`, `v//vn` or `v/vt/vn`, all alike; n corners make a fan of n − 2 triangles.
+    /// Checks `f` with corners `v`, `v/vt`, `v//vn` or `v/vt/vn`, all of the same form. n corners make a fan of n − 2 triangles.
     fn face(&mut self, numbers: &str) -> Result<(), String> {
         let mut corners = 0_u64;
         let mut has = [false; 2];
@@ -205,7 +211,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
             }
             (has, corners) = ([uv.is_some(), normal.is_some()], corners + 1);
             if self.padded {
-                // Index 1 is the zero, so that the file's own begin at 2.
+                // Index 1 is the zero of the padding, so that the file's own begin at 2.
                 let [vertex, uv, normal] = [vertex.unwrap_or(1), uv.map_or(1, |i| i + 1), normal.map_or(1, |i| i + 1)];
                 write!(self.passed, " {vertex}/{uv}/{normal}").map_err(|e| e.to_string())?;
             }
@@ -223,13 +229,13 @@ impl<'a, R: BufRead> Checked<'a, R> {
         self.add_to_part(corners - 2)
     }
 
-    /// The indices of a corner, from 1 and known to exist.
+    /// Parses the indices of a corner. They count from 1 and are known to exist.
     fn corner(&self, word: &str) -> Result<[Option<u64>; 3], String> {
         let mut corner = [None; 3];
         let mut rest = Some(word);
         for (kind, index) in corner.iter_mut().enumerate() {
             let Some(fields) = rest else { break };
-            // A plain loop: `split` is made for longer texts, and this is half of the time of a large file.
+            // Half of the time for a large file is spent here, and `split` is slower on such short texts than this loop.
             let slash = fields.bytes().position(|b| b == b'/');
             let field = &fields[..slash.unwrap_or(fields.len())];
             rest = slash.map(|slash| &fields[slash + 1..]);
@@ -243,7 +249,8 @@ impl<'a, R: BufRead> Checked<'a, R> {
         }
     }
 
-    /// From 1 forwards, from −1 backwards; only what stands above can be named.
+    /// Converts an index of the file, which counts from 1 forwards or from −1 backwards, to one that counts from 1. It may refer only to
+    /// statements above.
     fn resolve(&self, field: &str, kind: usize) -> Result<u64, String> {
         let ((one, many), count) = (KINDS[kind], self.counts[kind]);
         let index: i64 = field.parse().map_err(|_| format!("expected a {one} index, found {}", shown(field)))?;
@@ -257,7 +264,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
 
     fn add_to_part(&mut self, triangles: u64) -> Result<(), String> {
         self.triangles += triangles;
-        // Three corners each must stay countable in u32, for tobj and for the mesh.
+        // The number of corners, three for each triangle, must fit a u32 for tobj and for the mesh.
         let end = u32::try_from(self.triangles).ok().filter(|n| n.checked_mul(3).is_some());
         let end = end.ok_or("more than 2^32 corners")?;
         match self.parts.last_mut() {
@@ -287,7 +294,7 @@ impl<R: BufRead> Read for Checked<'_, R> {
 impl<R: BufRead> BufRead for Checked<'_, R> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         if self.served == self.passed.len() {
-            // tobj would forget which error it was.
+            // tobj would lose the error.
             self.advance().unwrap_or_else(|error| self.failure = Some(error));
         }
         Ok(&self.passed[self.served..])
@@ -298,7 +305,7 @@ impl<R: BufRead> BufRead for Checked<'_, R> {
     }
 }
 
-/// Up to a word that begins with `#` (names are not asked: they may contain it, as `-1.#IND` does).
+/// The text before the first word that begins with `#`. A `#` within a word, as in `-1.#IND`, does not begin a comment.
 fn without_comment(numbers: &str) -> &str {
     let is_comment = |&at: &usize| numbers[..at].ends_with(|c: char| c.is_ascii_whitespace());
     let end = numbers.match_indices('#').map(|(at, _)| at).find(is_comment);

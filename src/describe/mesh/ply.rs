@@ -1,7 +1,8 @@
-//! PLY: ascii and binary, of either byte order, through ply-rs-bw.
+//! PLY files, ASCII or binary in either byte order, read with the crate ply-rs-bw.
 //!
-//! Read: `vertex` with x y z, [nx ny nz], [u v | s t | texture_u texture_v], `[red green blue [alpha]]`; `face` with a list `vertex_indices` or
-//! `vertex_index` (polygons as fans, right for convex ones). Elements are counted from 0, as their indices are.
+//! Two elements are read: `vertex` with x y z, [nx ny nz], [u v | s t | texture_u texture_v] and `[red green blue [alpha]]`; and `face`
+//! with a list `vertex_indices` or `vertex_index`. Polygons become fans of triangles, which is right for convex polygons. Messages
+//! count elements from 0, as indices do.
 
 use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
 
@@ -15,14 +16,14 @@ use crate::format::decoded;
 use crate::shape::mesh_data::MeshPart;
 use crate::{Error, Fault, Result};
 
-/// A header longer than this is no header.
+/// The longest header, in bytes.
 const MAX_HEADER: u64 = 1 << 20;
 
 /// Reads a PLY file.
 ///
 /// # Errors
-/// [`Error::Invalid`] with the line (ascii) or the element's number; [`Error::Limit`] beyond 2³² − 1 elements;
-/// [`Error::Io`]. A header that promises more than the file can hold is refused before anything is allocated for it.
+/// [`Error::Invalid`] with the line (ASCII) or the element's number; [`Error::Limit`] beyond 2³² − 1 elements; [`Error::Io`] where the
+/// source cannot be read. A header that promises more than the file can hold is refused before memory is allocated for it.
 pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found> {
     let size = source.seek(SeekFrom::End(0)).and_then(|size| source.rewind().map(|()| size)).map_err(|e| Error::io(name, e))?;
     let text = header_text(&mut source, name)?;
@@ -49,7 +50,7 @@ pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found>
     Ok(found)
 }
 
-/// The bytes up to and with the line `end_header`.
+/// Reads the bytes up to and including the line `end_header`.
 fn header_text(source: &mut impl BufRead, name: &str) -> Result<Vec<u8>> {
     let mut text = Vec::new();
     let mut source = source.take(MAX_HEADER);
@@ -64,7 +65,7 @@ fn header_text(source: &mut impl BufRead, name: &str) -> Result<Vec<u8>> {
     }
 }
 
-/// Parses the header; names that come twice are refused, because ply-rs-bw would keep the last and lose its place.
+/// Parses the header. Duplicate names are refused, because ply-rs-bw would keep only the last and misread the data.
 fn header(text: &[u8], name: &str) -> Result<Header> {
     let text = String::from_utf8_lossy(text);
     let fault = |line: usize, message: String| Error::invalid(Fault::new(message).in_file(name).at_line(line));
@@ -94,7 +95,7 @@ fn header(text: &[u8], name: &str) -> Result<Header> {
     })
 }
 
-/// The elements and properties that a mesh needs are there, and the counts are possible in `size` bytes.
+/// Checks that the header has the elements and properties that a mesh needs, and that its counts are possible in `size` bytes.
 fn check_header(header: &Header, size: u64, name: &str) -> Result<()> {
     for element in ["vertex", "face"] {
         let count = header.elements.get(element).ok_or_else(|| invalid(name, format!("no element {element}")))?.count;
@@ -125,7 +126,7 @@ fn check_header(header: &Header, size: u64, name: &str) -> Result<()> {
     Ok(())
 }
 
-/// The bytes that an element takes at least: empty lists, and in ascii one digit and one separator a value.
+/// The smallest size of one row of an element, in bytes: with empty lists, and in ASCII with one digit and one separator per value.
 fn smallest_row(element: &ElementDef, encoding: Encoding, name: &str) -> Result<u128> {
     if element.properties.is_empty() && element.count > 0 {
         return Err(invalid(name, format!("element {} has no properties", element.name)));
@@ -156,12 +157,12 @@ fn size_of_scalar(scalar: &ScalarType) -> u128 {
     }
 }
 
-/// What comes after the header, read row by row.
+/// The data after the header, which is read row by row.
 struct Body<'a, R> {
     source: R,
     name: &'a str,
     encoding: Encoding,
-    /// The line last read (ascii).
+    /// The number of the line that was read last (ASCII only).
     line: usize,
     row_text: Vec<u8>,
     parser: Parser<Row>,
@@ -175,7 +176,7 @@ impl<R: BufRead> Body<'_, R> {
         found.mesh.positions.reserve_exact(element.count);
         self.read_rows(element, |row| {
             let used = row.numbers.iter().zip(["x", "y", "z", "nx", "ny", "nz", "u", "v"]).enumerate();
-            // Normals are forgiven: see `directionless`.
+            // A normal that is not finite is no error: `directionless` counts it.
             let mut wrong = used.filter(|(i, (number, _))| !number.is_finite() && (*i < 3 || (*i > 5 && has_uvs)));
             if let Some((_, (number, slot))) = wrong.next() {
                 return Err(format!("{slot} is not a finite f32 ({number})"));
@@ -198,7 +199,7 @@ impl<R: BufRead> Body<'_, R> {
         })
     }
 
-    /// n corners make a fan of n − 2 triangles.
+    /// Reads the faces. n corners make a fan of n − 2 triangles.
     fn read_faces(&mut self, element: &ElementDef, vertices: usize, found: &mut Found) -> Result<()> {
         let triangles = &mut found.mesh.triangles;
         triangles.reserve_exact(element.count);
@@ -219,7 +220,7 @@ impl<R: BufRead> Body<'_, R> {
         })
     }
 
-    /// Gives each row of an element to `take`, whose complaint gets the place.
+    /// Passes each row of an element to `take`, and adds the position in the file to its error message.
     fn read_rows(&mut self, element: &ElementDef, mut take: impl FnMut(Row) -> Result<(), String>) -> Result<()> {
         for i in 0..element.count {
             let row = match self.encoding {
@@ -236,7 +237,7 @@ impl<R: BufRead> Body<'_, R> {
         Ok(())
     }
 
-    /// The next line that is not blank.
+    /// Reads the next line that is not blank.
     fn read_line(&mut self, element: &ElementDef, i: usize) -> Result<Row> {
         loop {
             self.row_text.clear();
@@ -273,9 +274,9 @@ impl<R: BufRead> Body<'_, R> {
     }
 }
 
-/// A colour of a file as linear shares; what lies beyond 0 to 1, or is no number, is taken as the nearest that does not.
+/// Converts a colour of the file to linear values from 0 to 1. Values beyond are clamped; a colour with NaN becomes 0.
 ///
-/// - `full`: as [`full_channel`] says
+/// - `full`: the value that [`full_channel`] returns
 fn linear_color([r, g, b, a]: [f32; 4], full: Option<f32>) -> Vec4 {
     let share = |x: f32| f64::from(x / full.unwrap_or(1.0)).clamp(0.0, 1.0);
     let linear = |x: f32| if full.is_some() { decoded(share(x)) } else { share(x) };
@@ -283,7 +284,7 @@ fn linear_color([r, g, b, a]: [f32; 4], full: Option<f32>) -> Vec4 {
     if color.is_nan() { Vec4::ZERO } else { color }
 }
 
-/// The first line of the parser's message, which may have several.
+/// The first line of the parser's message, in lower case.
 fn sentence(error: &ParseError) -> String {
     error.to_string().lines().next().unwrap_or_default().trim_end_matches('.').to_lowercase()
 }

@@ -1,8 +1,8 @@
-//! One element of a PLY file: a vertex or a face, whichever the header describes.
+//! One row of a PLY file: a vertex, a face or another element that the header describes.
 
 use ply_rs_bw::ply::{BeginList, ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 
-/// The numbers that a vertex can have, with the names they go by.
+/// The numbers that a vertex may have, each with the property names for it.
 const SLOTS: [&[&str]; 12] = [
     &["x"],
     &["y"],
@@ -18,41 +18,45 @@ const SLOTS: [&[&str]; 12] = [
     &["alpha", "a"],
 ];
 
-/// What a row keeps; everything else (confidence) is read over.
+/// The values of a row that are used. Others (such as `confidence`) are skipped.
 #[derive(Default)]
 pub struct Row {
-    /// In the order of the slots: position, normal, texture coordinates, colour and opacity.
+    /// Position, normal, texture coordinates, colour and opacity, in the order of `SLOTS`.
     pub numbers: [f32; 12],
     signed: Vec<i32>,
     unsigned: Vec<u32>,
 }
 
 impl Row {
+    /// The position, in metres.
     pub fn position(&self) -> [f32; 3] {
         [self.numbers[0], self.numbers[1], self.numbers[2]]
     }
 
+    /// The normal as the file has it, of any length.
     pub fn normal(&self) -> [f32; 3] {
         [self.numbers[3], self.numbers[4], self.numbers[5]]
     }
 
+    /// The texture coordinates.
     pub fn uv(&self) -> [f32; 2] {
         [self.numbers[6], self.numbers[7]]
     }
 
-    /// Red, green, blue and opacity, as they stand in the file.
+    /// Red, green, blue and opacity, as the file has them.
     pub fn color(&self) -> [f32; 4] {
         [self.numbers[8], self.numbers[9], self.numbers[10], self.numbers[11]]
     }
 
-    /// The corners of a face.
+    /// The indices of a face's corners.
     pub fn indices(&self) -> impl ExactSizeIterator<Item = i64> {
         // One of the two is empty, but an exact size needs one iterator.
         let count = self.signed.len() + self.unsigned.len();
         (0..count).map(|i| self.unsigned.get(i).map_or_else(|| i64::from(self.signed[i]), |&index| i64::from(index)))
     }
 
-    /// Reads the line of an ascii element. Ours, because ply-rs-bw refuses `.5` and `1.`, and says no property.
+    /// Parses the line of an ASCII element. ply-rs-bw is not used here, because it refuses `.5` and `1.`, and its messages do not name
+    /// the property.
     pub fn from_line(line: &str, element: &ElementDef) -> Result<Row, String> {
         let mut row = Row::default();
         let mut words = line.split_ascii_whitespace();
@@ -82,14 +86,13 @@ impl Row {
     }
 }
 
-/// Which slots the element's properties fill.
+/// Whether the element has a property for each of the `SLOTS`.
 pub fn slots(element: &ElementDef) -> [bool; 12] {
     let has = |name: &&str| matches!(element.properties.get(*name).map(|p| &p.data_type), Some(PropertyType::Scalar(_)));
     SLOTS.map(|names| names.iter().any(has))
 }
 
-/// The number that stands for all of a colour's channel: whole numbers are encoded as pictures are (sRGB), floats are linear shares,
-/// for which there is `None`.
+/// The largest value of an integer colour channel, which is encoded in sRGB; `None` for floats, which are linear values from 0 to 1.
 pub fn full_channel(element: &ElementDef) -> Option<f32> {
     let scalar = SLOTS[8].iter().find_map(|name| match &element.properties.get(*name)?.data_type {
         PropertyType::Scalar(scalar) => Some(scalar),
@@ -102,6 +105,7 @@ pub fn full_channel(element: &ElementDef) -> Option<f32> {
     }
 }
 
+/// Whether a property is the list of a face's corners.
 pub fn is_indices(name: &str) -> bool {
     matches!(name, "vertex_indices" | "vertex_index")
 }

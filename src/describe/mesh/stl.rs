@@ -1,8 +1,8 @@
-//! STL, binary and ASCII: triangles, each with corners of its own; what it says of normals is what the corners say.
+//! STL files, binary or ASCII: triangles that each have their own corners. The file's normals are ignored, since the corners give them.
 //!
-//! Binary: a header of 80 bytes, the number of triangles (u32), and for each of them twelve f32 (normal, then corners) and two bytes.
-//! Many such files begin with `solid` as ASCII ones do, so that the size decides. (The crate stl_io goes by that word, and says no
-//! line.)
+//! A binary file has a header of 80 bytes, the number of triangles (u32), and for each triangle twelve f32 (normal, then corners) and
+//! two bytes. Many binary files begin with `solid` as ASCII files do, so that the size decides. (The crate stl_io decides by that
+//! word, and its messages have no line numbers.)
 
 use std::collections::HashMap;
 use std::io::{BufRead, Read, Seek, SeekFrom};
@@ -14,8 +14,9 @@ use super::{Found, invalid};
 use crate::shape::mesh_data::MeshPart;
 use crate::{Error, Fault, Result};
 
-/// Of the binary form: the header with the count, and each triangle (bytes).
+/// The size of the binary header with the number of triangles, in bytes.
 const HEADER: u64 = 84;
+/// The size of each triangle in a binary file, in bytes.
 const ROW: usize = 50;
 
 /// Whether a file that begins with `start` and has `size` bytes is an STL.
@@ -25,7 +26,7 @@ pub fn is(start: &[u8], size: u64) -> bool {
     is_binary(start, size) || is_solid(start) && (has(b"facet") || has(b"endsolid"))
 }
 
-/// Whether the size is that of as many triangles as the header promises.
+/// Whether the size of the file fits the number of triangles in its binary header.
 fn is_binary(start: &[u8], size: u64) -> bool {
     count(start).is_some_and(|count| HEADER + u64::from(count) * ROW as u64 == size)
 }
@@ -42,7 +43,8 @@ fn is_solid(start: &[u8]) -> bool {
 /// Reads an STL file.
 ///
 /// # Errors
-/// [`Error::Invalid`] with the line (ASCII) or the triangle's number; [`Error::Limit`] beyond 2³² − 1 vertices; [`Error::Io`].
+/// [`Error::Invalid`] with the line (ASCII) or the triangle's number; [`Error::Limit`] beyond 2³² − 1 vertices; [`Error::Io`] where the
+/// source cannot be read.
 pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found> {
     let io = |e| Error::io(name, e);
     let size = source.seek(SeekFrom::End(0)).map_err(io)?;
@@ -86,7 +88,7 @@ fn read_binary(mut source: impl Read, start: &[u8], size: u64, corners: &mut Cor
     Ok(())
 }
 
-/// Reads `vertex x y z`, three to each `facet`; upper or lower case.
+/// Reads the ASCII form: `vertex x y z`, three for each `facet`, in upper or lower case.
 fn read_ascii(source: impl BufRead, name: &str, corners: &mut Corners) -> Result<()> {
     let mut open = vec![];
     for (i, line) in source.lines().enumerate() {
@@ -115,10 +117,10 @@ fn vertex(words: &[&str]) -> Result<Vec3, String> {
     Ok(Vec3::new(finite(x)?, finite(y)?, finite(z)?))
 }
 
-/// Triangles whose equal corners become one vertex.
+/// Collects triangles, and merges equal corners to one vertex.
 struct Corners<'n> {
     found: Found,
-    /// By the bits of its place.
+    /// The index of each vertex, by the bits of its position.
     known: HashMap<[u32; 3], u32>,
     name: &'n str,
 }
@@ -127,7 +129,7 @@ impl Corners<'_> {
     fn add(&mut self, places: [Vec3; 3]) -> Result<()> {
         let positions = &mut self.found.mesh.positions;
         let vertices = places.map(|p| {
-            // −0 is 0.
+            // Adding 0 turns −0 into 0.
             *self.known.entry((p + 0.0).to_array().map(f32::to_bits)).or_insert_with(|| {
                 positions.push(p);
                 (positions.len() - 1) as u32

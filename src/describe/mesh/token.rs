@@ -1,6 +1,6 @@
-//! Words of a text file: numbers as programs write them, names, and words as messages show them.
+//! Words of a text file: parses numbers, and makes names and words printable.
 
-/// A number that an `f32` holds.
+/// Parses a finite number in the range of `f32`.
 pub fn finite(word: &str) -> Result<f32, String> {
     let value = number(word)?;
     let is_written_finite = || !word.contains(['n', 'N', '#']);
@@ -11,7 +11,7 @@ pub fn finite(word: &str) -> Result<f32, String> {
     }
 }
 
-/// A number, or NaN for the ways in which C libraries write none (`-1.#IND00`, `nan(ind)`).
+/// Parses a number. The ways in which C libraries write NaN and infinity (`-1.#IND00`, `nan(ind)`) become NaN.
 pub fn number(word: &str) -> Result<f32, String> {
     let is_no_number = || {
         let lower = word.to_ascii_lowercase();
@@ -24,12 +24,12 @@ pub fn number(word: &str) -> Result<f32, String> {
     }
 }
 
-/// A name, control characters replaced.
+/// A name with its control characters replaced by U+FFFD.
 pub fn name(text: &str) -> String {
     text.replace(char::is_control, "\u{fffd}")
 }
 
-/// A word for a message: at most 40 characters.
+/// A word for a message, cut to 40 characters.
 pub fn shown(word: &str) -> String {
     match word.char_indices().nth(40) {
         Some((end, _)) => name(&word[..end]) + "…",

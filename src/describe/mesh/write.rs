@@ -1,4 +1,4 @@
-//! Writes a mesh as OBJ or binary PLY; what [`super::load`] reads back is the same mesh.
+//! Writes a mesh as OBJ or binary PLY. [`super::load`] reads the same mesh back.
 
 use std::io::{self, Write};
 
@@ -7,12 +7,12 @@ use glam::Vec3;
 use crate::shape::mesh_data::MeshData;
 
 impl MeshData {
-    /// Writes Wavefront OBJ: groups and material names, and normals where a triangle has all three.
+    /// Writes Wavefront OBJ with groups and material names. A triangle gets normals where all three of its corners have one.
     ///
     /// # Errors
-    /// What `out` says.
+    /// Those of `out`.
     pub fn write_obj(&self, out: &mut dyn Write) -> io::Result<()> {
-        // The shortest decimal that reads back as the same f32.
+        // `{:?}` writes the shortest decimal that reads back as the same f32.
         self.positions.iter().try_for_each(|p| writeln!(out, "v {:?} {:?} {:?}", p.x, p.y, p.z))?;
         self.uvs.iter().try_for_each(|uv| writeln!(out, "vt {:?} {:?}", uv.x, uv.y))?;
         let up_if_flat = |n: &Vec3| if *n == Vec3::ZERO { Vec3::Z } else { *n };
@@ -37,10 +37,10 @@ impl MeshData {
         Ok(())
     }
 
-    /// Writes binary little-endian PLY; it has no place for parts.
+    /// Writes binary little-endian PLY. Parts are lost, since the format has no place for them.
     ///
     /// # Errors
-    /// What `out` says.
+    /// Those of `out`.
     pub fn write_ply_binary(&self, out: &mut dyn Write) -> io::Result<()> {
         let mut names = vec!["x", "y", "z"];
         if !self.normals.is_empty() {
