@@ -6,7 +6,8 @@
 use std::sync::Arc;
 
 use cpu_time::ProcessTime;
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 use pt::film::MomentFilm;
 use pt::integrator::choose;
 use pt::render::{Settings, Silent, render};
@@ -18,7 +19,7 @@ fn main() -> pt::Result<()> {
     let file = "scenes/cornell-box.json";
     let bytes = std::fs::read(file).map_err(|e| pt::Error::io(file, e))?;
     let root = describe::root(&bytes, file)?;
-    let built = describe::build(&describe::read(&root, file)?, Source { root: &root, file, files: &Files::within("scenes") })?;
+    let built = pt::build::build(&describe::read(&root, file)?, Source { root: &root, file, files: &Files::within("scenes") })?;
     let scene: Arc<dyn Scene> = Arc::new(built.world);
     let cpu_seconds = |name: &str, kind: Kind, threads: usize| -> pt::Result<f64> {
         let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some(name), file)?;

@@ -6,7 +6,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 use pt::film::{Image, MomentFilm};
 use pt::integrator::choose;
 use pt::render::{Settings, Silent, render};
@@ -53,7 +54,7 @@ fn make(name: &str, maker: &str, judged: &str, spp: u32) -> pt::Result<()> {
     }
     let scene = describe::read(&root, &file)?;
     let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some(maker), &file)?;
-    let built = describe::build(&scene, Source { root: &root, file: &file, files: &Files::within("scenes") })?;
+    let built = pt::build::build(&scene, Source { root: &root, file: &file, files: &Files::within("scenes") })?;
     let mut film = MomentFilm::new(built.film);
     let report = render(Arc::new(built.world), &*integrator, &mut film, &Settings::new(built.sampler), &Silent);
     assert_eq!(report.invalid, 0, "{name}: invalid samples, the first {:?}", report.first_invalid.first());

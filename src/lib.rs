@@ -59,7 +59,8 @@
 //! A description is read and checked, all its faults at once, then built. The files that it names lie in a folder of one's choice:
 //!
 //! ```
-//! use pt::describe::{self, Files, Source};
+//! use pt::build::{Source, build};
+//! use pt::describe::{self, Files};
 //!
 //! # fn main() -> pt::Result<()> {
 //! let file = "ball.json";
@@ -73,7 +74,7 @@
 //! }"#;
 //! let root = describe::root(text, file)?;
 //! let scene = describe::read(&root, file)?;
-//! let built = describe::build(&scene, Source { root: &root, file, files: &Files::within(".") })?;
+//! let built = build(&scene, Source { root: &root, file, files: &Files::within(".") })?;
 //! assert_eq!(built.film.size, pt::glam::UVec2::new(16, 12));
 //! # Ok(())
 //! # }
@@ -102,6 +103,7 @@ extern crate self as pt;
 
 pub mod accel;
 pub mod bsdf;
+pub mod build;
 pub mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -16,7 +16,7 @@ const LAYERS: &[&[&[&str]]] = &[
     &[&["shape"], &["texture"], &["bsdf"], &["light"], &["camera"]],
     &[&["primitive"], &["accel"], &["scene"], &["world"]],
     &[&["film"], &["recorder"], &["integrator"], &["render"]],
-    &[&["output"], &["describe"], &["import"]],
+    &[&["output"], &["describe"], &["build"], &["import"]],
     &[&["integrators"]],
     &[&["measure"], &["part"], &["proof"], &["compare"], &["cli"], &["main"]],
 ];

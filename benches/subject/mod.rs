@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 use pt::film::FilmSpec;
 use pt::integrator::{Integrator, choose};
 use pt::scene::Scene;
@@ -23,7 +24,7 @@ impl Subject {
             root.set(pointer, value)?;
         }
         let described = describe::read(&root, &file)?;
-        let built = describe::build(&described, Source { root: &root, file: &file, files: &Files::within("scenes") })?;
+        let built = pt::build::build(&described, Source { root: &root, file: &file, files: &Files::within("scenes") })?;
         let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some("nee"), &file)?;
         Ok(Subject { scene: Arc::new(built.world), integrator, spec: built.film })
     }

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use super::memory;
 use super::messages::Loading;
-use crate::describe::{self, Built, Files, Identity, Shape, Source};
+use crate::build::{Built, Source};
+use crate::describe::{self, Files, Identity, Shape};
 use crate::error::text::one_line;
 use crate::error::{Error, Fault, MAX_FAULTS, Result};
 use crate::import::{AutoCamera, Up, Viewpoint};
@@ -111,7 +112,7 @@ impl Loaded {
         let mut description = self.description.clone();
         let count = take_smooth_shadows(&mut description.shapes);
         let source = Source { root: &self.root, file: &self.file, files: &self.files };
-        Ok(if count > 0 { Some((describe::build(&description, source)?.world, count)) } else { None })
+        Ok(if count > 0 { Some((crate::build::build(&description, source)?.world, count)) } else { None })
     }
 }
 
@@ -134,7 +135,7 @@ pub fn load(scene: &SceneArgs, more: &[Override], integrator: Option<&str>, tabl
     let chosen = integrator::choose(tables, root.child("integrator"), integrator, &file);
     let (description, (entry, integrator)) = both_or_all_faults(describe::read_with(&root, &file, &files), chosen)?;
     memory::check(&description, &root, &file)?;
-    let mut built = describe::build(&description, Source { root: &root, file: &file, files: &files })?;
+    let mut built = crate::build::build(&description, Source { root: &root, file: &file, files: &files })?;
     built.warnings.splice(..0, notes.iter().map(Fault::to_string));
     // Warnings contain names from files.
     built.warnings.iter_mut().for_each(|warning| *warning = one_line(warning).into_owned());

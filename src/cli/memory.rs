@@ -2,6 +2,7 @@
 
 use std::fs::read_to_string;
 
+use crate::build::film_memory;
 use crate::describe::Scene;
 use crate::error::{Error, Result};
 use crate::film::memory::can_be_had;
@@ -12,7 +13,7 @@ use crate::reader::{Location, Node, locate};
 /// # Errors
 /// `Limit`, at the flag or key that determines the size.
 pub fn check(scene: &Scene, root: &Node, file: &str) -> Result<()> {
-    let needed = scene.film_memory();
+    let needed = film_memory(scene);
     let free = free();
     if free.is_none_or(|free| needed <= free.into()) && can_be_had(needed) {
         return Ok(());

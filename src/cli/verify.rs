@@ -10,7 +10,7 @@ use super::parse::{duration as parse_duration, share, size};
 use super::progress::Progress;
 use super::progress::WorkArgs;
 use super::{INCONCLUSIVE, note, print_stdout, render, signals};
-use crate::describe::Built;
+use crate::build::Built;
 use crate::error::{Error, Fault, Result};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Entry;

@@ -103,7 +103,7 @@ impl Files {
     }
 
     /// Returns the JSON pointers of all names of files that the scene may not read, with what is wrong with each.
-    pub(super) fn refused(&self, scene: &Scene) -> Vec<(String, String)> {
+    pub(crate) fn refused(&self, scene: &Scene) -> Vec<(String, String)> {
         files_of(scene).into_iter().filter_map(|(pointer, file)| Some((pointer, self.why_not(file)?))).collect()
     }
 }

@@ -164,7 +164,7 @@ fn shown(value: &Value) -> String {
     }
 }
 
-pub(super) fn of_mesh(mesh: &MeshData) -> Hash {
+pub(crate) fn of_mesh(mesh: &MeshData) -> Hash {
     let mut hasher = Hasher::default();
     hasher.whole([mesh.positions.len(), mesh.normals.len(), mesh.uvs.len(), mesh.triangles.len()].map(|n| n as u32));
     hasher.floats(mesh.positions.iter().chain(&mesh.normals).flat_map(|v| v.to_array()));
@@ -180,7 +180,7 @@ pub(super) fn of_mesh(mesh: &MeshData) -> Hash {
     hasher.finish()
 }
 
-pub(super) fn of_picture(pixels: &Pixels) -> Hash {
+pub(crate) fn of_picture(pixels: &Pixels) -> Hash {
     let mut hasher = Hasher::default();
     hasher.whole(pixels.size().to_array());
     hasher.floats(pixels.values().iter().flatten().copied());

@@ -7,7 +7,6 @@
 //! struct in the family's file and a variant in the family's enum and in its `by_type!`. Then run
 //! `PT_BLESS=1 cargo test --test it scene_format` for the page, and add an example to `tests/it/everything.json`.
 
-mod build;
 mod camera;
 mod check;
 mod cycles;
@@ -16,7 +15,7 @@ mod field_check;
 mod file;
 mod files;
 mod film;
-mod identity;
+pub(crate) mod identity;
 mod light;
 pub mod mesh;
 mod names;
@@ -30,7 +29,6 @@ mod shape;
 
 pub use crate::bsdf::description::*;
 pub use crate::format::*;
-pub use build::{Built, Source, build};
 pub use camera::*;
 pub use field::*;
 pub use files::{Files, files_of};

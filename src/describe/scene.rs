@@ -12,8 +12,6 @@ use super::light::Light;
 use super::sampler::Sampler;
 use super::shape::Shape;
 use super::{Material, MaterialRef};
-use crate::film::layer::with_lights;
-use crate::film::memory;
 use crate::format::{Color, Radiometric, Texture, Version};
 use crate::reader::Node;
 
@@ -52,30 +50,13 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// An upper bound of the memory that the film takes while rendering, in bytes. The scene's own memory is not included.
-    pub fn film_memory(&self) -> u128 {
-        let (mut film, sampler) = (super::build::film(&self.film), super::build::sampler(&self.sampler));
-        film.layers = with_lights(&film.layers, emitters(&self.shapes) + self.lights.len() + 1);
-        memory::needed(film.crop.pixel_count(), film.layout(sampler.error_estimator()), sampler.spp)
-    }
-
     /// The material that a reference names; `None` for an unknown name.
-    pub(super) fn material<'s>(&'s self, chosen: &'s MaterialRef) -> Option<&'s Material> {
+    pub(crate) fn material<'s>(&'s self, chosen: &'s MaterialRef) -> Option<&'s Material> {
         match chosen {
             MaterialRef::Inline(inline) => Some(inline),
             MaterialRef::Named(name) => self.materials.get(name),
         }
     }
-}
-
-/// An upper bound of the number of names of emitting shapes.
-fn emitters(shapes: &[Shape]) -> usize {
-    let shine = |shape: &Shape| match shape {
-        Shape::Group(group) => emitters(&group.shapes),
-        Shape::Sdf(sdf) => usize::from(sdf.emission.is_some() || sdf.parts.iter().flatten().any(|part| part.emission.is_some())),
-        other => usize::from(other.emission().is_some()),
-    };
-    shapes.iter().map(shine).sum()
 }
 
 /// Light from infinite distance, from all directions.

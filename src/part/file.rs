@@ -65,6 +65,7 @@ struct Header {
     seconds: f64,
     invalid: u64,
     first_invalid: Vec<((u32, u32), u64)>,
+    #[serde(rename = "course")]
     history: Vec<StoredCheckpoint>,
 }
 

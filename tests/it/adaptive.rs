@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use glam::UVec2;
 use proptest::prelude::*;
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 use pt::film::{Allocation, Crop, Film, FilmSpec, MomentFilm, Moments, PixelSums, Wave};
 use pt::integrator::{Integrator, choose};
 use pt::math::Spectrum;
@@ -105,7 +106,7 @@ impl Subject {
             root.set(pointer, &value.to_string()).expect("a key");
         }
         let source = Source { root: &root, file, files: &Files::within("scenes") };
-        let built = describe::build(&describe::read(&root, file).expect("a description"), source).expect("a scene");
+        let built = pt::build::build(&describe::read(&root, file).expect("a description"), source).expect("a scene");
         let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some("nee"), file).expect("nee");
         Subject { scene: Arc::new(built.world), integrator, spec: built.film }
     }

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use pt::describe::{self, Built, Files, Source};
+use pt::build::{Built, Source};
+use pt::describe::{self, Files};
 use pt::film::{Image, MomentFilm};
 use pt::integrator::{Entry, Integrator, choose};
 use pt::integrators::ALL;
@@ -31,7 +32,7 @@ impl Demo {
         }
         let scene = describe::read(&root, &file).unwrap_or_else(|e| panic!("{e}"));
         let source = Source { root: &root, file: &file, files: &Files::within("scenes") };
-        let built = describe::build(&scene, source).unwrap_or_else(|e| panic!("{e}"));
+        let built = pt::build::build(&scene, source).unwrap_or_else(|e| panic!("{e}"));
         Demo { built, root, file }
     }
 

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use pt::bsdf::{Bsdf, TransportMode};
-use pt::describe::{self, Built, Files, Source};
+use pt::build::{Built, Source};
+use pt::describe::{self, Files};
 use pt::math::{Local, Ray};
 use pt::scene::Scene;
 
@@ -21,7 +22,7 @@ fn built(scene: &str) -> Built {
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
     let source = Source { root: &root, file: "s.json", files: &Files::within("") };
-    describe::build(&described, source).unwrap_or_else(|e| panic!("{e}"))
+    pt::build::build(&described, source).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Where x < 0, or x > 0: a checker of two squares side by side has its even one first.

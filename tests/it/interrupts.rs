@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use glam::DVec3;
 use proptest::prelude::*;
+use pt::build::Source;
 use pt::camera::Camera;
-use pt::describe::{self, Files, Source};
+use pt::describe::{self, Files};
 use pt::effects::Effects;
 use pt::film::{Film, FilmSpec, MomentFilm, memory};
 use pt::integrators::ALL;
@@ -69,7 +70,7 @@ fn built(text: &str) -> Arc<dyn Scene> {
     let root = describe::root(text.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").expect("a scene");
     let files = Files::within("");
-    Arc::new(describe::build(&described, Source { root: &root, file: "s.json", files: &files }).expect("a world").world)
+    Arc::new(pt::build::build(&described, Source { root: &root, file: "s.json", files: &files }).expect("a world").world)
 }
 
 /// Where one sample takes very many rays: in a ball that is a perfect mirror inside, and before 24 shells of glass.

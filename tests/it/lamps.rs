@@ -4,7 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 
 fn scene(lamp: &str, others: &str, camera: &str) -> String {
     format!(
@@ -33,7 +34,7 @@ fn warnings(text: &str) -> Vec<String> {
     let root = describe::root(text.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
     let source = Source { root: &root, file: "s.json", files: &Files::within("") };
-    let built = describe::build(&described, source).unwrap_or_else(|e| panic!("{e}"));
+    let built = pt::build::build(&described, source).unwrap_or_else(|e| panic!("{e}"));
     built.warnings.into_iter().filter(|warning| warning.contains("faces away")).collect()
 }
 

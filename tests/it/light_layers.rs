@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use pt::describe::{self, Built, Files, Source};
+use pt::build::{Built, Source};
+use pt::describe::{self, Files};
 use pt::film::{FilmSpec, Filter, Image, Layer, MomentFilm};
 use pt::integrator::choose;
 use pt::integrators::ALL;
@@ -26,7 +27,7 @@ const SCENE: &str = r#"{ "pt": 1,
 fn built(scene: &str) -> Built {
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
-    describe::build(&described, Source { root: &root, file: "s.json", files: &Files::within("") }).unwrap_or_else(|e| panic!("{e}"))
+    pt::build::build(&described, Source { root: &root, file: "s.json", files: &Files::within("") }).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// - `options`: options of the integrator

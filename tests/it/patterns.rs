@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::Bsdf;
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 use pt::math::{Ray, Rgb};
 use pt::scene::Scene;
 use pt::shape::{SurfacePoint, VertexColor};
@@ -21,7 +22,7 @@ fn sphere(texture: &str) -> World {
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
     let source = Source { root: &root, file: "s.json", files: &Files::within("") };
-    describe::build(&described, source).unwrap_or_else(|e| panic!("{e}")).world
+    pt::build::build(&described, source).unwrap_or_else(|e| panic!("{e}")).world
 }
 
 /// Where a ray from this side meets the sphere (a texture sees what is just behind that), and what is seen there.

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use image::{self, DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb32FImage, Rgba};
 use pt::Error;
-use pt::describe::{self, Encoding, Files, Source, picture};
+use pt::build::Source;
+use pt::describe::{self, Encoding, Files, picture};
 use pt::math::Rgb;
 use pt::scene::Scene as _;
 use pt::shape::{SurfacePoint, VertexColor};
@@ -192,10 +193,10 @@ fn only_what_is_emitted_exceeds_one() {
     }
 }
 
-fn built(scene: &str, folder: &Folder) -> pt::Result<describe::Built> {
+fn built(scene: &str, folder: &Folder) -> pt::Result<pt::build::Built> {
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").expect("a scene");
-    describe::build(&described, Source { root: &root, file: "s.json", files: &Files::within(folder.0.path()) })
+    pt::build::build(&described, Source { root: &root, file: "s.json", files: &Files::within(folder.0.path()) })
 }
 
 /// The PNG with a header that promises 65,535² pixels of 16 bits, and the checksum that belongs to it.
@@ -249,7 +250,8 @@ fn missing_pictures_are_located() {
         { "type": "sphere", "material": { "type": "mirror", "color": "t" } } ] }"#;
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").expect("a scene");
-    let Err(Error::Invalid(faults)) = describe::build(&described, Source { root: &root, file: "s.json", files: &Files::within("nowhere") })
+    let Err(Error::Invalid(faults)) =
+        pt::build::build(&described, Source { root: &root, file: "s.json", files: &Files::within("nowhere") })
     else {
         panic!("it is built without its pictures")
     };

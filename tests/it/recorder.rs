@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use pt::describe::{self, Built, Files, Source};
+use pt::build::{Built, Source};
+use pt::describe::{self, Files};
 use pt::integrator::choose;
 use pt::integrators::ALL;
 use pt::math::{Density, Spectrum, Vec3};
@@ -31,7 +32,7 @@ pub fn load(path: &Path, [width, height]: [u32; 2]) -> Built {
     }
     let scene = describe::read(&root, &file).unwrap_or_else(|e| panic!("{e}"));
     let source = Source { root: &root, file: &file, files: &Files::within("scenes") };
-    describe::build(&scene, source).unwrap_or_else(|e| panic!("{e}"))
+    pt::build::build(&scene, source).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Applies `law` to the recorded events of a few hundred samples of every integrator on every scene.

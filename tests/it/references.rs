@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pt::bsdf::{Lobe, TransportMode};
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator, choose, sample_light};
 use pt::math::{Density, Spectrum};
@@ -127,7 +128,7 @@ fn picture_by(integrator: &dyn Integrator, file: &str, spp: u64, [width, height]
     }
     root.set("/sampler/type", "independent").expect("a sampler");
     let scene = describe::read(&root, file).expect(file);
-    let built = describe::build(&scene, Source { root: &root, file, files: &Files::within("scenes") }).expect(file);
+    let built = pt::build::build(&scene, Source { root: &root, file, files: &Files::within("scenes") }).expect(file);
     let mut film = MomentFilm::new(built.film);
     render(Arc::new(built.world), integrator, &mut film, &Settings::new(built.sampler), &Silent);
     film.image()

@@ -1,13 +1,14 @@
 //! What each part of the scene format refuses, and in which words; more of it in the table of `bad_input`.
 
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 
 use crate::marked::{assert_fault, assert_fault_in_scene, read, scene};
 
 fn build(text: &str) -> pt::Result<()> {
     let root = describe::root(text.as_bytes(), "scene.json")?;
     let source = Source { root: &root, file: "scene.json", files: &Files::within("") };
-    describe::build(&describe::read(&root, "scene.json")?, source).map(drop)
+    pt::build::build(&describe::read(&root, "scene.json")?, source).map(drop)
 }
 
 #[test]

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use pt::bsdf::{Lobe, Material, TransportMode};
+use pt::build::Source;
 use pt::camera::{Camera, Perspective, Pose};
-use pt::describe::{self, Files, Source};
+use pt::describe::{self, Files};
 use pt::film::FilmSpec;
 use pt::integrators::ALL;
 use pt::light::{Directional, Environment, Light, Point, ShadowTarget};
@@ -386,7 +387,7 @@ fn the_key_switches_it_on() {
         );
         let root = describe::root(text.as_bytes(), "s").expect("JSON");
         let scene = describe::read(&root, "s").expect("a scene");
-        let built = describe::build(&scene, Source { root: &root, file: "s", files: &Files::within("") }).expect("a mesh");
+        let built = pt::build::build(&scene, Source { root: &root, file: "s", files: &Files::within("") }).expect("a mesh");
         built.world.shapes()[0].has_shadow_terminator_offset()
     };
     assert_eq!(["", r#""smooth_shadows": false,"#, r#""smooth_shadows": true,"#].map(lifted), [false, false, true]);

@@ -5,7 +5,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::choose;
 use pt::measure::{Agreement, SampledImage, agreement};
@@ -33,7 +34,7 @@ impl Subject {
             root.set(pointer, &edge.to_string()).expect("a key");
         }
         let source = Source { root: &root, file, files: &Files::within("scenes") };
-        let built = describe::build(&describe::read(&root, file).expect("a description"), source).expect("a scene");
+        let built = pt::build::build(&describe::read(&root, file).expect("a description"), source).expect("a scene");
         Subject { built: Arc::new(built.world), spec: built.film, sampler: built.sampler, root }
     }
 

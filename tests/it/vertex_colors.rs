@@ -3,7 +3,8 @@
 use std::io::Cursor;
 
 use glam::{Vec3, Vec4};
-use pt::describe::{self, Built, Files, Source, mesh};
+use pt::build::{Built, Source};
+use pt::describe::{self, Files, mesh};
 use pt::shape::MeshData;
 use pt::shape::mesh_data::MeshPart;
 
@@ -16,7 +17,7 @@ fn built(shape: &str) -> Built {
     );
     let root = describe::root(scene.as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
-    describe::build(&described, Source { root: &root, file: "s.json", files: &Files::default() }).unwrap_or_else(|e| panic!("{e}"))
+    pt::build::build(&described, Source { root: &root, file: "s.json", files: &Files::default() }).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Colours that are an affine function of the place are that function everywhere.

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::build::Built;
 use crate::cli::load::Loaded;
 use crate::cli::print_stdout;
 use crate::cli::stats::TextOrJson;
 use crate::cli::trace::Trace;
-use crate::describe::{Built, Names};
+use crate::describe::Names;
 use crate::error::{Error, Result};
 use crate::film::{Crop, FilmSpec, MomentFilm};
 use crate::recorder::Event;

@@ -9,8 +9,9 @@ use super::SampleArgs;
 use super::globe::{COLUMNS, Density, Histogram, ROWS, pictures};
 use super::material::of_sphere;
 use crate::bsdf::TransportMode;
+use crate::build::Source;
 use crate::cli::{note, print_stdout};
-use crate::describe::{self, Source};
+use crate::describe;
 use crate::error::Result;
 use crate::import::darts::coursework::{self, ExpectedHit, Test, TestKind, Tests};
 use crate::math::{self, Frame, Ray};
@@ -48,7 +49,7 @@ struct Verdict {
 
 fn run(test: &Test, read: &Tests, args: &SampleArgs) -> Result<Verdict> {
     let source = Source { root: &test.scene, file: &read.file, files: &read.files };
-    let world = describe::build(&describe::read(&test.scene, &read.file)?, source)?.world;
+    let world = crate::build::build(&describe::read(&test.scene, &read.file)?, source)?.world;
     let stem = || {
         let prefix = args.output.as_ref().map(|prefix| prefix.to_string_lossy().into_owned());
         format!("{}{}", prefix.unwrap_or_default(), test.name.replace(['/', '\\'], "_"))

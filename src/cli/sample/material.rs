@@ -8,8 +8,9 @@ use glam::{UVec2, Vec3};
 use super::SampleArgs;
 use super::directions::{figures, tests};
 use crate::bsdf::Bsdf;
+use crate::build::Source;
 use crate::cli::print_stdout;
-use crate::describe::{self, Source};
+use crate::describe;
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
 use crate::import::{Imported, import};
@@ -49,7 +50,7 @@ fn sphere_of(path: &Path, name: &str, allow_outside: bool) -> Result<World> {
         root.set(pointer, &value)?;
     }
     let source = Source { root: &root, file: &file, files: &files };
-    Ok(describe::build(&describe::read(&root, &file)?, source)?.world)
+    Ok(crate::build::build(&describe::read(&root, &file)?, source)?.world)
 }
 
 /// Material at a point of a world that is one unit sphere.

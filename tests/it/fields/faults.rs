@@ -1,6 +1,7 @@
 //! Faults of descriptions of distance fields, and their messages.
 
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 
 use crate::marked::{assert_fault, assert_faults, read, scene};
 
@@ -84,7 +85,7 @@ fn where_fields_end() {
     let build = |text: &str| {
         let root = describe::root(text.as_bytes(), "s").unwrap_or_else(|e| panic!("{e}"));
         let source = Source { root: &root, file: "s", files: &Files::within("") };
-        describe::build(&read(text).unwrap_or_else(|e| panic!("{e:?}")), source).map(drop).map_err(|e| e.to_string())
+        pt::build::build(&read(text).unwrap_or_else(|e| panic!("{e:?}")), source).map(drop).map_err(|e| e.to_string())
     };
     let ball = r#"{"type": "sphere", "radius": 1}"#;
     let cases = [

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
-use pt::describe::{self, Built, Files, Source};
+use pt::build::{Built, Source};
+use pt::describe::{self, Files};
 use pt::film::{Image, MomentFilm};
 use pt::integrator::{Integrator, choose};
 use pt::integrators::ALL;
@@ -34,7 +35,7 @@ fn postcard(values: &[(&str, &str)]) -> (Built, Box<dyn Integrator>) {
     let scene = describe::read(&root, file).unwrap_or_else(|e| panic!("{e}"));
     let source = Source { root: &root, file, files: &Files::within("scenes") };
     let (_, integrator) = choose(&[ALL], root.child("integrator"), None, file).unwrap_or_else(|e| panic!("{e}"));
-    (describe::build(&scene, source).unwrap_or_else(|e| panic!("{e}")), integrator)
+    (pt::build::build(&scene, source).unwrap_or_else(|e| panic!("{e}")), integrator)
 }
 
 /// 400 points: to 10⁻⁵, what f32 leaves of the original's numbers; and whose the distance is.
@@ -179,7 +180,7 @@ fn exact_hits_are_near_the_fixed_ones() {
     let describe::Shape::Sdf(sdf) = &mut scene.shapes[0] else { panic!("a field") };
     sdf.march = None;
     let source = Source { root: &root, file: "s", files: &Files::within("scenes") };
-    let exact = describe::build(&scene, source).unwrap_or_else(|e| panic!("{e}"));
+    let exact = pt::build::build(&scene, source).unwrap_or_else(|e| panic!("{e}"));
     let mut random = crate::random::Random::new(3);
     let (mut judged, mut same) = (0, 0);
     for _ in 0..3000 {

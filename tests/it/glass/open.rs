@@ -3,7 +3,8 @@
 use std::fs;
 use std::process::Command;
 
-use pt::describe::{self, Files, Source};
+use pt::build::Source;
+use pt::describe::{self, Files};
 
 /// The sides of a cube, each by its corners, counter-clockwise seen from outside; corner i is at the bits of i.
 const SIDES: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
@@ -42,7 +43,7 @@ fn said(shapes: &[&str]) -> Vec<String> {
     let root = describe::root(scene(shapes).as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
     let source = Source { root: &root, file: "s.json", files: &Files::within("") };
-    let built = describe::build(&described, source).unwrap_or_else(|e| panic!("{e}"));
+    let built = pt::build::build(&described, source).unwrap_or_else(|e| panic!("{e}"));
     built.warnings.into_iter().filter(|warning| warning.contains("wound glass")).collect()
 }
 
@@ -125,7 +126,7 @@ fn not_all_are_named() {
     let sheets: Vec<&str> = sheets.iter().map(String::as_str).collect();
     let root = describe::root(scene(&sheets).as_bytes(), "s.json").expect("JSON");
     let source = Source { root: &root, file: "s.json", files: &Files::within("") };
-    let warnings = describe::build(&describe::read(&root, "s.json").expect("a scene"), source).expect("built").warnings;
+    let warnings = pt::build::build(&describe::read(&root, "s.json").expect("a scene"), source).expect("built").warnings;
     assert_eq!(warnings.len(), 5, "{warnings:?}");
     assert!(warnings[4].contains("5 more shapes"), "{warnings:?}");
 }

@@ -10,7 +10,8 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use pt::describe::{self, Source};
+use pt::build::Source;
+use pt::describe;
 use pt::film::{Image, MomentFilm};
 use pt::import::{Imported, import};
 use pt::integrator::choose;
@@ -92,7 +93,7 @@ fn by(method: &str, bounces: u32, seed: u64) -> Image {
     fs::write(folder.path().join("box.json"), scene).expect("a scene");
     let Imported { root, file, files, .. } = imported(folder.path(), "box.json");
     let source = Source { root: &root, file: &file, files: &files };
-    let built = describe::build(&describe::read(&root, &file).expect("a description"), source).expect("a scene");
+    let built = pt::build::build(&describe::read(&root, &file).expect("a description"), source).expect("a scene");
     let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), None, &file).expect("known");
     let mut film = MomentFilm::new(built.film);
     let sampler = SamplerSpec { spp: SAMPLES, seed, ..built.sampler };

@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use pt::describe::{self, Built, Source};
+use pt::build::{Built, Source};
+use pt::describe;
 use pt::import::{Imported, import};
 
 const PAGE: &str = include_str!("../../../docs/import.md");
@@ -19,7 +20,7 @@ pub fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
 pub fn built(path: &Path) -> pt::Result<(Imported, Built)> {
     let imported = import(path, false)?;
     let scene = describe::read(&imported.root, &imported.file)?;
-    let built = describe::build(&scene, Source { root: &imported.root, file: &imported.file, files: &imported.files })?;
+    let built = pt::build::build(&scene, Source { root: &imported.root, file: &imported.file, files: &imported.files })?;
     Ok((imported, built))
 }
 

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use pt::bsdf::TransportMode;
-use pt::describe::{self, Built, Files, Source};
+use pt::build::{Built, Source};
+use pt::describe::{self, Files};
 use pt::import::{AutoCamera, import_with};
 use pt::math::{Ray, Spectrum};
 use pt::scene::{Scene, Surface};
@@ -58,7 +59,7 @@ impl Read {
 
     pub fn built(&self) -> Built {
         let source = Source { root: &self.root, file: "scene", files: &self.files };
-        describe::build(&describe::read(&self.root, "scene").expect("a scene"), source).unwrap_or_else(|e| panic!("{e}"))
+        pt::build::build(&describe::read(&self.root, "scene").expect("a scene"), source).unwrap_or_else(|e| panic!("{e}"))
     }
 
     pub fn notes_say(&self, sentence: &str) -> bool {

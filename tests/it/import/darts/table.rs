@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use pt::describe::{self, Source};
+use pt::build::Source;
+use pt::describe;
 use pt::import::import;
 
 const PAGE: &str = include_str!("../../../../docs/import.md");
@@ -231,7 +232,7 @@ fn each_construct_becomes_what_the_page_says() {
             let found = import(&path, false).and_then(|found| {
                 let described = describe::read(&found.root, &found.file)?;
                 let source = Source { root: &found.root, file: &found.file, files: &found.files };
-                describe::build(&described, source)?;
+                pt::build::build(&described, source)?;
                 Ok(found.notes)
             });
             let (is, said) = match found {

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Channel, Color, Contents, Encoding, Files, Names, Point, Scene, Shape, Size};
+use crate::describe::{Channel, Color, Contents, Encoding, Files, Names, Point, Scene, Shape, Size};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
@@ -28,7 +28,7 @@ use crate::scene::Scene as _;
 use crate::shape::{Cuboid, Disk, Geometry, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
 use crate::world::{MaterialId, PartAppearance, World, WorldBuilder};
-pub(super) use camera::{film, sampler};
+pub use camera::film_memory;
 use lamps::Lamp;
 use material::{MOST_PARTS, MOST_TEXTURES, Range};
 
@@ -223,7 +223,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn emitter(&mut self, pointer: &str, described: &super::Emission) -> Emitter {
+    fn emitter(&mut self, pointer: &str, described: &crate::describe::Emission) -> Emitter {
         let texture =
             described.texture.as_ref().map(|texture| Arc::new(self.ranged(&format!("{pointer}/texture"), texture, Range::Amounts)));
         Emitter { emission: Emission { radiance: illuminant(&described.radiance), two_sided: described.two_sided }, texture }

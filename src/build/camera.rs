@@ -7,6 +7,8 @@ use glam::UVec2;
 use super::transform;
 use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use crate::describe;
+use crate::film::layer::with_lights;
+use crate::film::memory;
 use crate::film::{Allocation, Crop, FilmSpec, Filter, Layer, LightNames};
 use crate::math::Transform;
 use crate::sampler::{Kind, SamplerSpec};
@@ -33,7 +35,7 @@ pub(super) fn camera(described: &describe::Camera) -> Result<Camera, String> {
     })
 }
 
-pub(in crate::describe) fn film(described: &describe::Film) -> FilmSpec {
+pub(super) fn film(described: &describe::Film) -> FilmSpec {
     let [x0, x1, y0, y1] = described.bounds();
     let filter = match &described.filter {
         describe::Filter::Box(f) => Filter::pixel_box(f.radius.get() as f32),
@@ -63,7 +65,7 @@ fn layer(described: describe::Layer) -> Layer {
     }
 }
 
-pub(in crate::describe) fn sampler(described: &describe::Sampler) -> SamplerSpec {
+pub(super) fn sampler(described: &describe::Sampler) -> SamplerSpec {
     let kind = match described.kind {
         describe::SamplerKind::Independent => Kind::Independent,
         describe::SamplerKind::Stratified => Kind::Stratified,
@@ -71,4 +73,21 @@ pub(in crate::describe) fn sampler(described: &describe::Sampler) -> SamplerSpec
         describe::SamplerKind::Sobol => Kind::Sobol,
     };
     SamplerSpec { kind, seed: described.seed, spp: described.spp.get().into(), scramblings: described.scramblings.get() }
+}
+
+/// An upper bound of the memory that the film of a scene takes while rendering, in bytes. The scene's own memory is not included.
+pub fn film_memory(scene: &describe::Scene) -> u128 {
+    let (mut film, sampler) = (film(&scene.film), sampler(&scene.sampler));
+    film.layers = with_lights(&film.layers, emitters(&scene.shapes) + scene.lights.len() + 1);
+    memory::needed(film.crop.pixel_count(), film.layout(sampler.error_estimator()), sampler.spp)
+}
+
+/// An upper bound of the number of names of emitting shapes.
+fn emitters(shapes: &[describe::Shape]) -> usize {
+    let shine = |shape: &describe::Shape| match shape {
+        describe::Shape::Group(group) => emitters(&group.shapes),
+        describe::Shape::Sdf(sdf) => usize::from(sdf.emission.is_some() || sdf.parts.iter().flatten().any(|part| part.emission.is_some())),
+        other => usize::from(other.emission().is_some()),
+    };
+    shapes.iter().map(shine).sum()
 }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use crate::describe::build::transform::placed;
-use crate::describe::build::{Builder, rgb};
+use crate::build::transform::placed;
+use crate::build::{Builder, rgb};
 use crate::describe::{self, Encoding, Size, TextureSpace, Textured, identity, picture};
 use crate::error::Error;
 use crate::math::{Rgb, Transform};
@@ -15,11 +15,11 @@ use crate::texture::noise::Turbulence;
 use crate::texture::{Checker, Image, Marble, Mix, Noise, Product, Space, Texture, Threshold, Vertex};
 
 /// Textures within textures are copied where they are used: checkers of checkers of … grow as 2ⁿ.
-pub(in crate::describe::build) const MOST_TEXTURES: usize = 1 << 16;
+pub(in crate::build) const MOST_TEXTURES: usize = 1 << 16;
 
 /// What the values of a picture may be.
 #[derive(Clone, Copy, PartialEq)]
-pub(in crate::describe::build) enum Range {
+pub(in crate::build) enum Range {
     /// From 0 to 1: what is reflected, let through, or a number.
     Shares,
     /// From 0, finite: what is emitted.
@@ -28,12 +28,12 @@ pub(in crate::describe::build) enum Range {
 
 impl Builder<'_> {
     /// The texture of what reflects light, or stands for a number.
-    pub(in crate::describe::build) fn textured(&mut self, pointer: &str, described: &Textured) -> Texture {
+    pub(in crate::build) fn textured(&mut self, pointer: &str, described: &Textured) -> Texture {
         self.ranged(pointer, described, Range::Shares)
     }
 
     /// The texture whose pictures hold values of this range.
-    pub(in crate::describe::build) fn ranged(&mut self, pointer: &str, described: &Textured, range: Range) -> Texture {
+    pub(in crate::build) fn ranged(&mut self, pointer: &str, described: &Textured, range: Range) -> Texture {
         match described {
             Textured::Color(color) => Texture::Constant(rgb(color)),
             Textured::Texture(inline) => self.texture(pointer, inline, range),
