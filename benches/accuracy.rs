@@ -1,7 +1,7 @@
 //! Accuracy of error bars and of predicted render times: the tables of docs/accuracy.md.
 //!
-//! `cargo bench --bench accuracy [-- coverage|prices|adaptive] [SEEDS] [SCENES]`: all tables, 100 seeds, six scenes, unless told
-//! otherwise; three samplers each:
+//! `cargo bench --bench accuracy [-- coverage|prices|adaptive] [SEEDS] [SCENES]`: the default is all tables, 100 seeds and
+//! six scenes. Each has three samplers:
 //!
 //! - coverage: how often the interval of 95 % that a render states holds its true relative error, and
 //!   relMSE with two scramblings over relMSE with one, which is the ratio of time × relMSE: a sample takes as long

@@ -1,6 +1,6 @@
 //! Cost of a viewer: CPU time of the Cornell box at 512² with 32 samples per pixel, with a viewer relative to without.
 //!
-//! `cargo bench --bench viewer [-- PAIRS]`: so many pairs (16 unless told otherwise), in changing order. The viewer is another process,
+//! `cargo bench --bench viewer [-- PAIRS]`: the number of pairs of runs (default 16), in changing order. The viewer is another process,
 //! which takes all it is sent; what it does with it is not counted.
 
 mod subject;

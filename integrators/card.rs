@@ -101,7 +101,8 @@ impl Integrator for Card {
         })
     }
 
-    /// Without the limit, Russian roulette ends the paths. Up to the limit the paths are the same.
+    /// Biases of `max_depth` and of the other shortcuts. The integrator without the depth limit follows the same paths up to that depth;
+    /// beyond it Russian roulette ends them.
     fn biases(&self) -> Vec<Bias> {
         let roulette_depth = self.roulette_depth.min(self.max_depth);
         let endless = Card { max_depth: MAX_DEPTH, emission_depth: MAX_DEPTH, roulette_depth, ..self.clone() };

@@ -46,7 +46,7 @@ impl Integrator for Path {
         Box::new(Walk { scene, max_depth: self.max_depth, roulette: Roulette { from_depth: self.roulette_depth } })
     }
 
-    /// Without the limit, Russian roulette ends the paths. Up to the limit the paths are the same.
+    /// Bias of `max_depth`. The integrator without the limit follows the same paths up to that depth; beyond it Russian roulette ends them.
     fn biases(&self) -> Vec<Bias> {
         let without = Path { max_depth: MAX_DEPTH, roulette_depth: self.roulette_depth.min(self.max_depth) };
         vec![Bias { setting: format!("max_depth {}", self.max_depth), without: Box::new(without) }]

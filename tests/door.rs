@@ -20,7 +20,7 @@ static MEMORY: pt::Memory = pt::Memory;
 #[derive(Clone, Default, Deserialize, JsonSchema)]
 struct Panics {}
 
-/// Takes more memory than there are addresses.
+/// Integrator that asks for more memory than there are addresses.
 #[derive(Clone, Default, Deserialize, JsonSchema)]
 struct Gorges {}
 

@@ -21,7 +21,7 @@ fn dancer(p: DVec3) -> f64 {
     join(figure, plinth(p), 0.02)
 }
 
-/// The dress: a bell with folds that wind around it.
+/// Distance to the dress: a bell with folds that wind around it.
 ///
 /// r(y, θ) = r₀(s) (1 + a(s) cos(9θ + twist) + …),  s = height over the length of the dress
 fn dress(p: DVec3) -> f64 {

@@ -1,4 +1,4 @@
-//! A glossy lobe of half vectors.
+//! The Blinn–Phong model: a glossy lobe of half vectors.
 
 use glam::Vec2;
 
@@ -8,22 +8,23 @@ use crate::effects::Effects;
 use crate::format::{Exponent, Textured, Varying};
 use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 
-/// Blinn's lobe: mirrors whose normals h are scattered about the surface's, each reflecting all it sees.
+/// Blinn's glossy lobe: reflection at mirrors with normals h that are distributed about the surface's normal.
 ///
 /// f(wo, wi)·|cos θi| = ρ p(wi),   p = D(h) / (4 wo·h),   D = (n + 1)/(2π) · cosⁿ θh,   h = (wo + wi) / |wo + wi|
 ///
-/// 1/(4 wo·h) is the Jacobian dωh/dωi of the reflection at h. What falls below the surface is absorbed. Not reciprocal:
-/// a mirror is chosen by D alone, however little of it wo sees.
+/// 1/(4 wo·h) is the Jacobian dωh/dωi of the reflection at h. Light that is reflected below the surface is absorbed. The model is not
+/// reciprocal, because the mirrors are distributed by D alone, however little of each is visible from wo.
 ///
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: h from D, so that weight = ρ
 ///
-/// Source: Blinn, *Models of Light Reflection for Computer Synthesized Pictures* (1977). Tests: matter, proof.
+/// Source: Blinn, *Models of Light Reflection for Computer Synthesized Pictures* (1977). Tests: own_models_are_proved,
+/// densities_integrate_to_the_share_of_samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlinnPhong {
-    /// ρ: [0, 1].
+    /// ρ, the largest share of light that is reflected: [0, 1].
     pub color: Spectrum,
-    /// n ≥ 0.
+    /// n, the exponent: at least 0.
     pub exponent: f32,
 }
 
@@ -40,7 +41,7 @@ impl ScatteringModel for BlinnPhong {
             let on_top = h * 1f32.copysign(wo.cos());
             warp::cos_power_hemisphere_pdf(on_top, self.exponent) / (4.0 * wo.0.dot(h))
         });
-        // Beyond f32 where wo·h is all but 0: such mirrors are seen edge-on, and count for nothing.
+        // The density exceeds f32 where wo·h is nearly 0. These mirrors are seen edge-on and contribute nothing.
         SolidAnglePdf::new(if density.is_finite() { density } else { 0.0 })
     }
 
@@ -59,11 +60,11 @@ impl ScatteringModel for BlinnPhong {
 }
 
 parameters! {
-    /// A glossy lobe of half vectors (Blinn and Phong), normalised. What falls below the surface is lost. Not reciprocal.
+    /// A glossy lobe of half vectors (Blinn and Phong), normalised. Light reflected below the surface is lost. Not reciprocal.
     BlinnPhong {
-        /// The share of light that is reflected, at most.
+        /// The largest share of light that is reflected.
         color: Color = Textured::white(),
-        /// Half vectors are spread as the cosine to this power: the larger, the sharper.
+        /// The exponent of the cosine in the distribution of half vectors: larger values make sharper highlights.
         exponent: Number<Exponent> = Varying::Same(Exponent::known(10.0)),
     }
 

@@ -1,4 +1,4 @@
-//! Polished metal.
+//! Smooth metal, and the material `conductor`.
 
 use glam::{DVec3, Vec2};
 
@@ -12,15 +12,23 @@ use crate::format::{Textured, VaryingPerChannel};
 use crate::math::{Local, Rgb, Spectrum, fresnel};
 use crate::texture::Texture;
 
-/// What metal reflects of light at an angle.
+/// The reflectance of metal as a function of the angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reflectance {
-    /// Fresnel's equations with the complex index η + ik, relative to the outside, one value per coefficient of the spectrum.
-    Index { eta: Spectrum, k: Spectrum },
-    /// F = F₀ + (1 − F₀) (1 − μ)⁵, by the colour F₀ that is seen straight on.
+    /// Fresnel's equations with the complex index η + ik relative to the outside, for each coefficient of the spectrum.
+    Index {
+        /// η, the real part of the index.
+        eta: Spectrum,
+        /// k, the extinction coefficient.
+        k: Spectrum,
+    },
+    /// F = F₀ + (1 − F₀) (1 − μ)⁵, by the reflectance F₀ at normal incidence.
     ///
     /// Source: Schlick, *An Inexpensive BRDF Model for Physically-based Rendering* (1994).
-    Schlick { normal: Spectrum },
+    Schlick {
+        /// F₀: [0, 1].
+        normal: Spectrum,
+    },
 }
 
 impl Reflectance {
@@ -29,7 +37,9 @@ impl Reflectance {
         Reflectance::Index { eta: Spectrum::from_coefficients(eta), k: Spectrum::from_coefficients(k) }
     }
 
-    /// - `cos`: of the angle to the normal, its sign does not matter
+    /// The reflectance at an angle.
+    ///
+    /// - `cos`: the cosine of the angle to the normal; its sign does not matter
     #[inline(always)]
     pub fn at(&self, cos: f32) -> Spectrum {
         match self {
@@ -38,7 +48,7 @@ impl Reflectance {
         }
     }
 
-    /// The same by the square of the cosine.
+    /// The reflectance by the square of the cosine.
     #[inline(always)]
     pub fn at_square(&self, cos2: f32) -> Spectrum {
         match self {
@@ -47,7 +57,7 @@ impl Reflectance {
         }
     }
 
-    /// F̄ = 2 ∫ F μ dμ: averaged over the hemisphere by the cosine. Schlick's is F₀ + (1 − F₀)/21.
+    /// F̄ = 2 ∫ F μ dμ: the cosine-weighted mean over the hemisphere. For Schlick's formula it is F₀ + (1 − F₀)/21.
     pub fn mean(&self) -> Spectrum {
         const STEPS: usize = 64;
         let at = |i: usize| (i as f32 + 0.5) / STEPS as f32;
@@ -68,11 +78,13 @@ fn schlick(normal: Spectrum, cos: f32) -> Spectrum {
 ///
 /// f(wo, wi) = F(cos θo) δ(wi − reflect(wo)) / |cos θi|
 ///
-/// - sampling: the one direction, weight = F
+/// - sampling: the mirror direction, with weight F
 ///
-/// Source: Born and Wolf, *Principles of Optics*, ch. 14. Tests: fresnel tables F11–F13, furnace.
+/// Source: Born and Wolf, *Principles of Optics*, ch. 14. Tests: conductors_reflect_as_the_handbook_says,
+/// a_conductor_follows_the_complex_fresnel_equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
+    /// F as a function of the angle.
     pub reflectance: Reflectance,
 }
 
@@ -94,7 +106,7 @@ impl ScatteringModel for Conductor {
     }
 }
 
-/// As a scene file says it.
+/// The description in a scene file.
 pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
@@ -103,37 +115,40 @@ pub mod described {
     use crate::bsdf::microfacet::{AlphaKey, Distribution};
     use crate::format::{Extinction, Index, Textured, VaryingPerChannel};
 
-    /// Metal: a polished mirror, or rough. By its name, by its index of refraction eta − i·k, or by its colour.
+    /// Metal, polished or rough. It is given by its name, by its index of refraction eta − i·k, or by its colour.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
     pub struct Conductor {
-        /// A chemical element: its published index, reduced to red, green and blue. Seen straight on it has the colour in daylight of
-        /// its published spectrum; but for gold, whose red of 1.04 no red, green and blue can show: it is 0.97.
+        /// A chemical element, by its published index of refraction reduced to red, green and blue. At normal incidence it has the
+        /// colour of its published spectrum in daylight. The exception is gold, which is redder than Rec. 709 can show: its red of 1.04
+        /// is reduced to 0.97.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub metal: Option<Element>,
-        /// Real part of the index of refraction, relative to the outside.
+        /// The real part of the index of refraction, relative to the outside.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub eta: Option<VaryingPerChannel<Index>>,
-        /// Extinction coefficient.
+        /// The extinction coefficient, relative to the outside.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub k: Option<VaryingPerChannel<Extinction>>,
-        /// The colour that is seen straight on; it fades to white along the surface (Schlick).
+        /// The reflectance at normal incidence. It approaches white at grazing incidence (Schlick's formula).
         #[serde(skip_serializing_if = "Option::is_none")]
         pub color: Option<Textured>,
-        /// 0 is a mirror, 1 nearly matte. The width of highlights, alpha, is its square, so that equal steps look equal. Below
-        /// 0.001 a surface is as good as smooth. (Of a colour, the mean.)
+        /// The roughness: 0 is a mirror, 1 nearly matte. The width of highlights, alpha, is its square, so that equal steps look
+        /// equal. Values below 0.001 count as smooth. A colour counts by its mean.
         pub roughness: Textured,
-        /// From round highlights to highlights ten times as long as wide, along the first texture coordinate. (Of a colour, the mean.)
+        /// The anisotropy: 0 gives round highlights, 1 highlights ten times as long as wide, along the first texture coordinate. A colour
+        /// counts by its mean.
         pub anisotropy: Textured,
-        /// In place of `roughness` and `anisotropy`, the width itself; `[along u, along v]` for each of them.
+        /// The width of highlights itself, in place of `roughness` and `anisotropy`; `[along u, along v]` for different widths.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub alpha: Option<AlphaKey>,
-        /// How the facets of a rough surface lean.
+        /// The distribution of the facets' normals on a rough surface.
         pub distribution: Distribution,
-        /// Follow light that is reflected more than once among the facets. Without, rough metals are too dark: white ones of
-        /// roughness 0.7 lose 30 % of the light, of roughness 1 60 %. It costs tables (30 ms once for each metal with GGX, six
-        /// times that with Beckmann, twenty to thirty times where the roughness is a texture or anisotropic, a hundred times where the
-        /// anisotropy is a texture or both; those are known to 1 %) and a fifth of the time of a reflection; where `eta` or `k` vary, two microseconds more.
+        /// Whether light that facets reflect more than once is included. Without it rough metals are too dark: white metal of
+        /// roughness 0.7 loses 30 % of the light, of roughness 1 60 %. The cost is a table for each metal and a fifth of the time of a
+        /// reflection; where `eta` or `k` vary, two microseconds more. A table takes 30 ms once with GGX, six times that with Beckmann,
+        /// twenty to thirty times that where the roughness is a texture or anisotropic, and a hundred times that where the anisotropy is a
+        /// texture or both hold; the last are accurate to 1 %.
         pub multiscatter: bool,
     }
 
@@ -168,7 +183,7 @@ impl Description for described::Conductor {
         Some(roughness_keys!(self))
     }
 
-    /// A metal is given by its name, by its index, or by its colour.
+    /// A metal needs exactly one of its name, its index and its colour.
     fn faults(&self) -> Vec<(&'static str, &'static str)> {
         let fault = match (self.metal.is_some(), self.eta.is_some(), self.k.is_some(), self.color.is_some()) {
             (true, false, false, false) | (false, true, true, false) | (false, false, false, true) => return vec![],
@@ -198,23 +213,25 @@ impl Description for described::Conductor {
     }
 }
 
-/// With its pictures read.
+/// The model with its textures.
 pub mod textured {
     use super::{EnergyLossTable, Metallic, Roughness};
 
-    /// The model with textures for parameters: smooth, rough, or one of them from point to point.
+    /// Metal with textures for parameters: smooth, rough, or varying between the two.
     #[derive(Clone, Debug, PartialEq)]
     pub struct Conductor {
         pub(super) reflectance: Metallic,
         pub(super) finish: Option<Roughness>,
-        /// The table for light that is reflected more than once among the facets.
+        /// The table for light that facets reflect more than once.
         pub(super) losses: Option<&'static EnergyLossTable>,
     }
 }
 
 impl textured::Conductor {
-    /// - `finish`: `None` for polished metal
-    /// - `multiscatter`: whether to follow light that facets reflect more than once
+    /// Metal, polished or rough.
+    ///
+    /// - `finish`: the roughness; `None` for polished metal
+    /// - `multiscatter`: whether to include light that facets reflect more than once
     pub fn new(reflectance: impl Into<Metallic>, finish: Option<Roughness>, multiscatter: bool) -> textured::Conductor {
         let rough = finish.as_ref().filter(|_| multiscatter);
         let losses = rough.map(|finish| rough_conductor::losses(finish.domain(), finish.distribution));
@@ -254,14 +271,24 @@ impl TexturedModel for textured::Conductor {
     }
 }
 
-/// What metal reflects, from point to point.
+/// The reflectance of metal, which may vary over a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Metallic {
-    /// By its index of refraction; with the mean over the hemisphere.
-    Index { reflectance: Reflectance, mean: Spectrum },
-    /// By an index of refraction that varies.
-    Indices { eta: Texture, k: Texture },
-    /// By its colour, seen straight on.
+    /// Reflectance by a constant index of refraction.
+    Index {
+        /// The reflectance as a function of the angle.
+        reflectance: Reflectance,
+        /// F̄, see [`Reflectance::mean`].
+        mean: Spectrum,
+    },
+    /// Reflectance by an index of refraction that varies.
+    Indices {
+        /// η, the real part of the index.
+        eta: Texture,
+        /// k, the extinction coefficient.
+        k: Texture,
+    },
+    /// Reflectance by its value at normal incidence, with Schlick's formula.
     Color(Texture),
 }
 
@@ -274,7 +301,7 @@ impl Metallic {
         }
     }
 
-    /// The mean over the hemisphere of what it reflects at a point.
+    /// The mean F̄ of the reflectance at a point.
     fn mean(&self, reflectance: &Reflectance) -> Spectrum {
         match self {
             Metallic::Index { mean, .. } => *mean,
@@ -306,7 +333,7 @@ impl From<Texture> for Metallic {
     }
 }
 
-/// eta and k.
+/// Converts constant η and k.
 impl From<(Rgb, Rgb)> for Metallic {
     fn from((eta, k): (Rgb, Rgb)) -> Metallic {
         let reflectance = Reflectance::of_index(eta, k);
@@ -314,7 +341,7 @@ impl From<(Rgb, Rgb)> for Metallic {
     }
 }
 
-/// eta and k.
+/// Converts textures of η and k; constant ones give a constant index.
 impl From<(Texture, Texture)> for Metallic {
     fn from(index: (Texture, Texture)) -> Metallic {
         match index {

@@ -1,7 +1,7 @@
-//! Materials as scene files describe them, and how they are prepared for rendering.
+//! Descriptions of materials, as scene files have them, and their preparation for rendering.
 //!
-//! Each model describes itself in its own file; [`described::Material`](Material) is made of all of them by the table in
-//! [`bsdf`](super).
+//! The description of each model is in the model's file. The table of materials in [`bsdf`](super) combines them to
+//! [`described::Material`](Material).
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -15,60 +15,60 @@ use crate::texture::{Number, Texture};
 
 pub use super::table::described::*;
 
-/// A material as a scene file describes it.
+/// The description of a material in a scene file.
 pub trait Description {
-    /// The colours and numbers that may be textures, with their keys.
+    /// The colours and numbers that may have textures, with their keys.
     fn textures(&self) -> Vec<(String, &Textured)>;
 
-    /// The materials it is made of, with their keys.
+    /// The materials that this one is made of, with their keys.
     fn parts(&self) -> Vec<(&'static str, &MaterialRef)> {
         vec![]
     }
 
-    /// The keys for the roughness of facets, where it has them.
+    /// The keys for the roughness of facets, if the material has them.
     fn roughness_keys(&self) -> Option<RoughnessKeys<'_>> {
         None
     }
 
-    /// Its roughnesses of facets, with their keys.
+    /// The roughness parameters of facets, with their keys.
     fn roughnesses(&self) -> Vec<(&'static str, &Textured)> {
         self.roughness_keys().into_iter().map(|keys| ("roughness", keys.roughness)).collect()
     }
 
-    /// What is wrong with it by itself: a key (or nothing, for the whole) and a sentence for each fault.
+    /// The faults of the description by itself, each with the pointer of a key (empty for the whole material) and a message.
     fn faults(&self) -> Vec<(&'static str, &'static str)> {
         vec![]
     }
 
-    /// Prepares it for rendering: pictures are read and tables made.
+    /// Prepares the material for rendering: reads pictures and computes tables.
     fn prepare(&self, builder: &mut dyn Prepare) -> Prepared;
 
-    /// The same with the fine shape and the holes around it.
+    /// Prepares the material with its normal or bump map and its opacity.
     fn surface(&self, builder: &mut dyn Prepare) -> SurfaceMaterial {
         self.prepare(builder).into()
     }
 }
 
-/// The builder of a scene, as a description sees it. Keys are those of the description: `albedo`, `eta/by`.
+/// The services of the scene's builder for a description. Keys are those of the description: `albedo`, `eta/by`.
 pub trait Prepare {
-    /// The texture of what reflects light, or stands for a number.
+    /// Builds the texture of a reflectance or of a number from 0 to 1.
     fn texture(&mut self, key: &str, described: &Textured) -> Texture;
 
-    /// A picture of normals: linear where nothing else is said.
+    /// Builds the texture of a normal map. Its picture is linear unless its `encoding` says otherwise.
     fn normal_map(&mut self, key: &str, described: &Textured) -> Texture;
 
-    /// A material within this one.
+    /// Prepares a material within this one.
     fn part(&mut self, key: &str, described: &MaterialRef) -> Prepared;
 
-    /// The material within this one, with the fine shape and the holes around it.
+    /// Prepares a material within this one, with its normal or bump map and its opacity.
     fn surface(&mut self, key: &str, described: &MaterialRef) -> SurfaceMaterial;
 
-    /// Notes a mistake of the scene.
+    /// Adds a fault of the scene.
     fn fault(&mut self, key: &str, message: &str);
 }
 
 impl dyn Prepare + '_ {
-    /// A number that may vary from one end of a range to the other.
+    /// Builds a number that may vary between the ends of a range.
     pub fn number<T: Copy + Into<f64>>(&mut self, key: &str, described: &Varying<T>) -> Number {
         let single = |value: T| value.into() as f32;
         match described {
@@ -77,7 +77,7 @@ impl dyn Prepare + '_ {
         }
     }
 
-    /// Three numbers, for red, green and blue.
+    /// Builds three numbers, for red, green and blue.
     pub fn channels<T: Copy + Into<f64>>(&mut self, key: &str, described: &VaryingPerChannel<T>) -> Texture {
         match described {
             VaryingPerChannel::Equal(value) => Texture::Constant(Rgb::gray((*value).into() as f32)),
@@ -102,12 +102,13 @@ impl Default for Material {
 pub enum MaterialRef {
     /// The name of a material under `materials`.
     Named(String),
+    /// A material described in place.
     Inline(Box<Material>),
 }
 
 by_kind!(MaterialRef { String => Named(String), Object => Inline(Box<Material>) });
 
-/// What is there of what may be.
+/// The key and the texture of an optional parameter; `None` where it is not given.
 pub(super) fn given<'m>((key, texture): (&str, Option<&'m Textured>)) -> Option<(String, &'m Textured)> {
     texture.map(|texture| (key.to_owned(), texture))
 }

@@ -1,4 +1,4 @@
-//! Clear glass, water, diamond.
+//! Smooth glass, water or diamond, and the material `dielectric`.
 
 use glam::{DVec3, Vec2};
 
@@ -17,19 +17,20 @@ use crate::texture::{Number, Texture};
 ///
 /// f(wo, wi) = F δ(wi − reflect(wo)) / |cos θi|  +  (1 − F) s δ(wi − refract(wo)) / |cos θi|
 ///
-/// with Fresnel's reflectance F(cos θo; η) and s = (ηo/ηi)² for radiance, which is spread over a
-/// wider or narrower cone behind the interface, and s = 1 for importance.
+/// with Fresnel's reflectance F(cos θo; η). The factor s is (ηo/ηi)² for radiance, because refraction changes the solid angle of the
+/// light, and 1 for importance.
 ///
 /// - `eta`: index of refraction inside (below the surface) over outside (where the normal points)
-/// - η = 1 is not there at all: the light goes straight on
-/// - sampling: reflection with probability F, else refraction, so that weight = colour (· s)
+/// - for η = 1 light goes straight on, as without a surface
+/// - sampling: reflection with probability F, otherwise refraction, so that weight = colour (· s)
 ///
 /// Source: Walter et al., *Microfacet Models for Refraction* (2007), §2; Veach, thesis (1997), §5.2.
 /// Tests: slab_is_parallel, magnification, glass_in_a_uniform_field, furnace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
+    /// η, the index of refraction inside over outside.
     pub eta: f32,
-    /// Multiplies what passes or is reflected, at every interface: [0, 1]. Physical glass has 1.
+    /// The factor of all reflected and transmitted light: [0, 1]. Physical glass has 1.
     pub color: Spectrum,
 }
 
@@ -64,7 +65,7 @@ impl Dielectric {
         BsdfSample::reflected(Local(fresnel::reflect(wo.0)), self.color * share)
     }
 
-    /// `None` where it is totally reflected.
+    /// Returns the transmitted direction, or `None` under total reflection.
     fn transmit(&self, wo: Local, share: f32, mode: TransportMode) -> Option<BsdfSample> {
         let wi = Local(fresnel::refract(wo.0, self.eta)?);
         let eta = if wo.cos() > 0.0 { self.eta } else { 1.0 / self.eta };
@@ -77,7 +78,7 @@ impl Dielectric {
     }
 }
 
-/// As a scene file says it.
+/// The description in a scene file.
 pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
@@ -85,56 +86,56 @@ pub mod described {
     use crate::bsdf::microfacet::{AlphaKey, Distribution};
     use crate::format::{Color, Fraction, Index, Positive, Textured, Varying};
 
-    /// Glass, water, …: the surface of a body, normals outwards, that reflects and refracts, clear or frosted.
+    /// The surface of a body of glass, water, …, clear or frosted, with its normals outwards. It reflects and refracts.
     ///
-    /// Light that gets into a body and out of it without passing its surface, through an open side of its mesh or behind a single sheet, is wrong
-    /// by the square of `eta`: `pt check` and every render name such shapes. A pane as one sheet is `thin_dielectric`; water in an opaque
-    /// basin is closed by that.
+    /// The body must be closed. Light that enters or leaves it without crossing its surface, through an open side of the mesh or
+    /// behind a single sheet, is wrong by the square of `eta`; `pt check` and every render name such shapes. Use `thin_dielectric` for a
+    /// pane that is one sheet. Water in an opaque basin counts as closed.
     ///
-    /// Of two faces in exactly one place (a glass box standing on a glass box) only the one listed first is met, and light
-    /// goes on as if the other body had no surface there: wrong. Describe glued bodies as one mesh without the faces between
-    /// them; two media that touch (water in a glass) by one face whose `eta` is the ratio of the two; bodies that only stand
-    /// on each other with a gap of a hundred-thousandth of the scene's size.
+    /// Where two faces coincide (a glass box on a glass box), rays hit only the one that is listed first, and the other body seems to
+    /// have no surface there, which is wrong. Describe glued bodies as one mesh without the faces between them. Describe two touching
+    /// media (water in a glass) by one face with the ratio of the two indices as `eta`. Leave a gap of a hundred-thousandth of the
+    /// scene's size between bodies that only stand on each other.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
     pub struct Dielectric {
-        /// Index of refraction inside (the side the normal points away from) divided by that outside.
+        /// The index of refraction inside (the side the normal points away from) divided by that outside.
         ///
-        /// A body whose index varies over its surface has no index inside: light that goes in by one index and out by another is
-        /// brighter or darker by the square of their ratio.
+        /// If the index varies over the surface, light that enters with one index and leaves with another is brighter or darker by the
+        /// square of their ratio.
         pub eta: Varying<Index>,
-        /// Light is multiplied by this every time it meets the surface: what is reflected there as well as what passes.
+        /// A factor of all light that the surface reflects or transmits, at every hit.
         pub color: Textured,
-        /// 0 is clear, 1 frosted. The width of highlights, alpha, is its square, so that equal steps look equal. Below 0.001 a
-        /// surface is as good as smooth. (Of a colour, the mean.)
+        /// The roughness: 0 is clear, 1 frosted. The width of highlights, alpha, is its square, so that equal steps look equal. Values
+        /// below 0.001 count as smooth. A colour counts by its mean.
         pub roughness: Textured,
-        /// From round highlights to highlights ten times as long as wide, along the first texture coordinate. (Of a colour, the mean.)
+        /// The anisotropy: 0 gives round highlights, 1 highlights ten times as long as wide, along the first texture coordinate. A colour
+        /// counts by its mean.
         pub anisotropy: Textured,
-        /// In place of `roughness` and `anisotropy`, the width itself; `[along u, along v]` for each of them.
+        /// The width of highlights itself, in place of `roughness` and `anisotropy`; `[along u, along v]` for different widths.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub alpha: Option<AlphaKey>,
-        /// How the facets of a rough surface lean.
+        /// The distribution of the facets' normals on a rough surface.
         pub distribution: Distribution,
-        /// Follow light that meets more than one facet. Without, frosted glass is too dark, from inside above all. It costs tables
-        /// (70 ms once for each glass with GGX, five times that with Beckmann, fifteen to thirty times where the roughness is a texture
-        /// or anisotropic, a hundred times where the anisotropy is a texture or both; all that for each table of a varying `eta`, which are
-        /// 5 from 1.3 to 1.6, 15 from 1 to 1.6) and a fifth of the time of a scattering.
+        /// Whether light that hits more than one facet is included. Without it frosted glass is too dark, mostly from inside. The cost is
+        /// tables for each glass and a fifth of the time of a scattering event. A table takes 70 ms once with GGX, five times that with
+        /// Beckmann, fifteen to thirty times that where the roughness is a texture or anisotropic, and a hundred times that where the
+        /// anisotropy is a texture or both hold. A varying `eta` needs several tables: 5 from 1.3 to 1.6, 15 from 1 to 1.6.
         pub multiscatter: bool,
-        /// What the glass itself takes of the light on its way through. Exact for a closed body with nothing in it: the way from
-        /// one meeting with this surface to the next counts, so that light on its way to something inside of the body is not dimmed,
-        /// and an open surface dims whatever reaches it from behind. It takes no textures: it belongs to the body, not to a place on
-        /// its surface.
+        /// The absorption of light inside the body. It is exact for a closed body with nothing in it: the distance between consecutive
+        /// hits of this surface counts. Light on its way to an object inside the body is therefore not attenuated, and an open surface
+        /// attenuates all light that reaches it from behind. It takes no textures, because it belongs to the body and not to its surface.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub absorption: Option<Absorption>,
     }
 
-    /// The colour that is left of white light after a distance (Beer and Lambert): colour^(way / distance).
+    /// The absorption of a body by the Beer–Lambert law: the transmittance over a length is color^(length / distance).
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct Absorption {
-        /// The share of light that is left.
+        /// The transmittance over `distance`: the share of light that is left.
         pub color: Color<Fraction>,
-        /// After how long a way inside (m).
+        /// The length inside the body over which `color` is left (m).
         pub distance: Positive,
     }
 
@@ -177,19 +178,19 @@ impl Description for described::Dielectric {
     }
 }
 
-/// With its pictures read.
+/// The model with its textures.
 pub mod textured {
     use super::{Number, Rgb, Roughness, TableRange, Texture, rough_dielectric};
 
-    /// The model with textures for parameters: smooth, rough, or one of them from point to point.
+    /// Glass with textures for parameters: smooth, rough, or varying between the two.
     #[derive(Clone, Debug, PartialEq)]
     pub struct Dielectric {
         pub(super) eta: Number,
         pub(super) color: Texture,
         pub(super) finish: Option<Roughness>,
-        /// The tables for light that meets more than one facet.
+        /// The tables for light that hits more than one facet.
         pub(super) losses: Option<TableRange<rough_dielectric::Losses>>,
-        /// σ of the body behind the surface: e^(−σ d) of the light passes the distance d inside (1/m).
+        /// σ, the absorption coefficient of the body behind the surface (1/m): the transmittance over the distance d is e^(−σ d).
         pub(super) absorption: Option<Rgb>,
     }
 }
@@ -200,8 +201,10 @@ impl textured::Dielectric {
         textured::Dielectric::new(eta, color, None, false)
     }
 
-    /// - `finish`: `None` for smooth glass
-    /// - `multiscatter`: whether to follow light that meets more than one facet
+    /// Glass, smooth or rough.
+    ///
+    /// - `finish`: the roughness; `None` for smooth glass
+    /// - `multiscatter`: whether to include light that hits more than one facet
     pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, finish: Option<Roughness>, multiscatter: bool) -> textured::Dielectric {
         let eta = eta.into();
         let rough = finish.as_ref().filter(|_| multiscatter);
@@ -211,14 +214,14 @@ impl textured::Dielectric {
         textured::Dielectric { losses: rough.map(tables), color: color.into(), finish, absorption: None, eta }
     }
 
-    /// The surface of a body that absorbs: e^(−σ d) of the light passes the distance d inside.
+    /// Adds the absorption of the body: the transmittance over the distance d inside is e^(−σ d).
     ///
     /// - `absorption`: σ (1/m)
     pub fn absorbing(self, absorption: Rgb) -> textured::Dielectric {
         textured::Dielectric { absorption: Some(absorption), ..self }
     }
 
-    /// The colour of the surface, darker by what the body took of the light on its way to it.
+    /// The colour of the surface times the transmittance of the path segment inside the body.
     fn color_at(&self, at: &HitContext) -> Spectrum {
         let color = Spectrum::from_albedo(self.color.at(&at.point));
         match self.absorption.filter(|_| at.inside > 0.0) {
@@ -266,7 +269,7 @@ impl TexturedModel for textured::Dielectric {
         self.finish.as_ref().is_some_and(Roughness::is_anisotropic)
     }
 
-    /// Absorption depends on the way through the body.
+    /// Whether the model is the same at every hit. With absorption it depends on the path inside the body.
     fn is_uniform(&self) -> bool {
         self.absorption.is_none() && self.textures().into_iter().all(Texture::is_constant)
     }

@@ -1,4 +1,4 @@
-//! Lambert's law.
+//! Lambertian reflection.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -17,7 +17,7 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: cosine-weighted, so that weight = ρ exactly and no variance remains
 ///
-/// Source: Lambert, *Photometria* (1760). Tests: furnace, reciprocity, own_models_are_proved.
+/// Source: Lambert, *Photometria* (1760). Tests: own_models_are_proved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Diffuse {
     /// ρ, the share of light that is reflected: [0, 1].
@@ -37,14 +37,14 @@ impl ScatteringModel for Diffuse {
 
     #[inline]
     fn sample(&self, wo: Local, _choice: f32, u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
-        // Along the surface there is no side to sample.
+        // A direction along the surface has no side to sample.
         let up = (wo.cos() != 0.0).then(|| warp::cosine_hemisphere(u))?;
         BsdfSample::of_lobe(Local(up).on_the_side_of(wo), self.albedo, SolidAnglePdf::new(warp::cosine_hemisphere_pdf(up)))
     }
 }
 
 parameters! {
-    /// Reflects equal radiance in every direction (Lambert).
+    /// Lambertian reflection: equal radiance in every direction.
     Diffuse {
         /// The share of light that is reflected.
         albedo: Color = Textured::gray(0.5),

@@ -1,4 +1,4 @@
-//! Paper, leaves, lampshades.
+//! Diffuse reflection and transmission: paper, leaves, lampshades.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -10,19 +10,19 @@ use crate::effects::Effects;
 use crate::format::Textured;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
 
-/// A thin matte sheet: equal radiance in every direction, on both sides.
+/// A thin matte sheet: equal radiance in every direction on each side.
 ///
 /// f(wo, wi) = ρ / π on the side of wo,  τ / π on the other                                             [sr⁻¹]
 ///
-/// - from either side alike
-/// - sampling: the side by the larger coefficients of ρ and τ, then cosine-weighted
+/// - both sides are alike
+/// - sampling: the side with probabilities in proportion to the largest coefficients of ρ and τ, then cosine-weighted
 ///
-/// Source: Lambert, *Photometria* (1760). Tests: matter, proof.
+/// Source: Lambert, *Photometria* (1760). Tests: own_models_are_proved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiffuseTransmission {
-    /// ρ: [0, 1].
+    /// ρ, the share of light that is reflected: [0, 1].
     pub reflectance: Spectrum,
-    /// τ: [0, 1 − ρ].
+    /// τ, the share of light that is transmitted: [0, 1 − ρ].
     pub transmittance: Spectrum,
 }
 
@@ -52,7 +52,7 @@ impl ScatteringModel for DiffuseTransmission {
         found.then(|| BsdfSample { wi, weight: share / probability, density: Density::Smooth(self.pdf(wo, wi)), lobe, eta: 1.0 })
     }
 
-    /// Scales both down where they add up to more than 1.
+    /// Scales both shares down where they add up to more than 1.
     fn energy_conserving(self) -> DiffuseTransmission {
         let scale = (self.reflectance + self.transmittance).max().max(1.0).recip();
         DiffuseTransmission { reflectance: self.reflectance * scale, transmittance: self.transmittance * scale }
@@ -60,8 +60,8 @@ impl ScatteringModel for DiffuseTransmission {
 }
 
 impl DiffuseTransmission {
-    /// The probabilities of reflection and of transmission. Each is computed by itself: one minus the other would round to 0 while
-    /// there still is light.
+    /// The probabilities of reflection and of transmission. Each is computed by itself, because 1 minus the other would round to 0 for
+    /// a small share.
     fn probabilities(&self) -> [f32; 2] {
         let (r, t) = (self.reflectance.max(), self.transmittance.max());
         if r + t > 0.0 { [r / (r + t), t / (r + t)] } else { [1.0, 0.0] }
@@ -69,11 +69,11 @@ impl DiffuseTransmission {
 }
 
 parameters! {
-    /// A thin matte sheet, the same from both sides: paper, a leaf, a lampshade.
+    /// A thin matte sheet with equal sides: paper, a leaf, a lampshade.
     DiffuseTransmission {
-        /// The share of light that is reflected. Where it and `transmittance` add up to more than 1 both are scaled down.
+        /// The share of light that is reflected. Where it and `transmittance` add up to more than 1, both are scaled down.
         reflectance: Color = Textured::gray(0.25),
-        /// The share of light that goes through.
+        /// The share of light that is transmitted.
         transmittance: Color = Textured::gray(0.25),
     }
 

@@ -1,14 +1,14 @@
-//! Metals by name: published refractive indices, reduced to red, green and blue.
+//! Metals by name: published indices of refraction, reduced to red, green and blue.
 //!
 //! For each coefficient c of linear Rec. 709, with the CIE 1931 standard observer x̄ȳz̄ and the illuminant D65,
 //!
 //! R_c = ∫ w_c(λ) R(λ) dλ / ∫ w_c(λ) dλ,    R = ((n − 1)² + k²) / ((n + 1)² + k²),    w_c = (XYZ → Rec. 709)_c · x̄ȳz̄(λ) · D65(λ)
 //!
-//! is the coefficient of the metal's colour under white light, at normal incidence. The index that has it is made from
-//! n̄ and k̄, the means of n and k over the positive part of w_c: where n̄ < 1 (noble metals) k = k̄ and n is what gives R_c, else n = n̄
-//! and k is. Every coefficient of these metals is within 0.05 % of the same integral with the observer and D65 at every nanometre from
-//! 380 to 780, and within 1 % (tested) of one by another observer, with one exception. Gold is redder than Rec. 709 can show,
-//! R_red = 1.038: no coefficient may be larger than the greatest R(λ), here 0.971, which is 6.4 % less.
+//! is the coefficient of the metal's colour under white light, at normal incidence. The index with this reflectance is found from n̄
+//! and k̄, the means of n and k over the positive part of w_c. Where n̄ < 1 (noble metals), k is k̄ and n is solved for R_c;
+//! otherwise n is n̄ and k is solved for. Every coefficient of these metals is within 0.05 % of the integral with the observer and D65
+//! at every nanometre from 380 to 780, and within 1 % (tested) of that for another observer, with one exception. Gold is redder than
+//! Rec. 709 can show, with R_red = 1.038. No coefficient may be larger than the greatest R(λ), here 0.971, which is 6.4 % less.
 //!
 //! Published indices: Ag, Au, Cu: Johnson and Christy, *Optical constants of the noble metals*, Phys. Rev. B 6 (1972);
 //! Cr, Fe, Ni, Ti: Johnson and Christy, *Optical constants of transition metals*, Phys. Rev. B 9 (1974); Al: Rakić, *Algorithm for
@@ -49,17 +49,18 @@ pub enum Element {
 pub type Measured = (f64, f64, f64);
 
 impl Element {
+    /// All metals, in alphabetical order of their symbols.
     pub const ALL: [Element; 9] =
         [Element::Ag, Element::Al, Element::Au, Element::Cr, Element::Cu, Element::Fe, Element::Ni, Element::Ti, Element::W];
 
-    /// η and k of the complex index, for each coefficient of the spectrum.
+    /// η and k of the complex index, for red, green and blue.
     pub fn index(self) -> (Rgb, Rgb) {
         let [red, green, blue] = PRIMARIES.map(|row| self.reduced(row));
         let spectrum = |of: fn((f64, f64)) -> f64| Rgb::new(of(red) as f32, of(green) as f32, of(blue) as f32);
         (spectrum(|(n, _)| n), spectrum(|(_, k)| k))
     }
 
-    /// n and k of the coefficient that `row` of the matrix makes.
+    /// n and k of one of red, green and blue, by its row of the matrix from CIE XYZ.
     fn reduced(self, row: [f64; 3]) -> (f64, f64) {
         let weight = |(i, observer): (usize, &[f64; 3])| D65[i] * (0..3).map(|j| row[j] * observer[j]).sum::<f64>();
         let at = |i: usize| self.at(FIRST + STEP * i as f64);
@@ -82,7 +83,7 @@ impl Element {
         }
     }
 
-    /// n and k between the published wavelengths, by straight lines (nm).
+    /// n and k at a wavelength (nm), interpolated linearly between the published ones.
     fn at(self, wavelength: f64) -> (f64, f64) {
         let table = self.published();
         let above = table.partition_point(|(w, ..)| *w < wavelength).clamp(1, table.len() - 1);
@@ -91,7 +92,7 @@ impl Element {
         (n0 + (n1 - n0) * part, k0 + (k1 - k0) * part)
     }
 
-    /// The visible part of what was measured, by wavelength.
+    /// The published measurements in the visible range, by wavelength.
     #[allow(clippy::approx_constant, reason = "chromium's k of 3.14 at 451 nm is not π")]
     pub const fn published(self) -> &'static [Measured] {
         match self {
@@ -233,17 +234,18 @@ impl Element {
     }
 }
 
-/// Of light at normal incidence.
+/// The reflectance at normal incidence.
 fn reflectance((n, k): (f64, f64)) -> f64 {
     ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k)
 }
 
-/// From CIE XYZ to linear Rec. 709 with the white point D65 (ITU-R BT.709).
+/// The matrix from CIE XYZ to linear Rec. 709 with the white point D65 (ITU-R BT.709).
 const PRIMARIES: [[f64; 3]; 3] =
     [[3.2404542, -1.5371385, -0.4985314], [-0.9692660, 1.8760108, 0.0415560], [0.0556434, -0.2040259, 1.0572252]];
 
-/// The wavelengths of the tables below: from 380 to 700 nm.
+/// The first wavelength of the tables below (nm); the last is 700 nm.
 const FIRST: f64 = 380.0;
+/// The step of the wavelengths (nm).
 const STEP: f64 = 10.0;
 
 /// x̄, ȳ, z̄ of the CIE 1931 standard observer.
@@ -283,7 +285,7 @@ const OBSERVER: [[f64; 3]; 33] = [
     [0.011359, 0.004102, 0.0],
 ];
 
-/// The power of the CIE standard illuminant D65, relative.
+/// The relative spectral power of the CIE standard illuminant D65.
 const D65: [f64; 33] = [
     49.9755, 54.6482, 82.7549, 91.486, 93.4318, 86.6823, 104.865, 117.008, 117.812, 114.861, 115.923, 108.811, 109.354, 107.802, 104.79,
     107.689, 104.405, 104.046, 100.0, 96.3342, 95.788, 88.6856, 90.0062, 89.5991, 87.6987, 83.2886, 83.6992, 80.0268, 80.2146, 82.2778,

@@ -1,4 +1,4 @@
-//! Dark dust: the moon, asteroids, soot.
+//! Lommel–Seeliger reflection of dark dust: the moon, asteroids, soot.
 
 use std::f32::consts::{FRAC_1_PI, TAU};
 
@@ -10,16 +10,16 @@ use crate::effects::Effects;
 use crate::format::Textured;
 use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 
-/// Lommel and Seeliger's law: light that scatters once, in all directions alike, in a deep layer of small dark particles.
+/// The Lommel–Seeliger law: light that scatters once, isotropically, in a deep layer of small dark particles.
 ///
 /// f(wo, wi) = ω / (4π (μo + μi))                                                                       [sr⁻¹]
 ///
 /// E(μo) = ω/2 · (1 − μo ln((1 + μo)/μo)): the albedo, at most ω/2
 ///
-/// A ball of it that is lit from the viewer's side is as bright at its edge as at its middle, as the full moon is.
+/// A ball of this material that is lit from the viewer's side is as bright at its edge as at its centre, like the full moon.
 ///
 /// - on both sides of the surface; zero when the directions lie on opposite sides
-/// - sampling: evenly over the hemisphere, so that weight = ω/2 · μi/(μo + μi) ≤ ω/2
+/// - sampling: uniform over the hemisphere, so that weight = ω/2 · μi/(μo + μi) ≤ ω/2
 ///
 /// Source: Seeliger (1884); Hapke, *Theory of Reflectance and Emittance Spectroscopy* (1993), §8.E.1. Tests:
 /// dust_reflects_as_the_formula_says, own_models_are_proved.

@@ -1,4 +1,4 @@
-//! What a surface is made of: a model whose parameters may vary from point to point.
+//! Constructors of materials, and the context in which their parameters are looked up.
 
 use glam::{Vec2, Vec3};
 
@@ -8,28 +8,28 @@ use crate::math::Rgb;
 use crate::shape::{SurfacePoint, VertexColor};
 use crate::texture::{Number, Texture};
 
-/// What becomes of light that goes on behind a surface.
+/// Whether light passes through a surface, and what is behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Passage {
-    /// No light goes on: the surface is opaque.
+    /// No light passes: the surface is opaque.
     Blocked,
-    /// The light is in the same medium as before: behind a pane, or a sheet of paper.
+    /// Light passes into the same medium as before, as behind a pane or a sheet of paper.
     Sheet,
-    /// The light is inside a body of another index of refraction.
+    /// Light passes into a body with another index of refraction.
     Body,
 }
 
-/// Where and how light meets a material: what the lookup of its parameters may depend on.
+/// The context of a hit that the lookup of parameters may depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HitContext {
     /// The point of the surface.
     pub point: SurfacePoint,
-    /// The length of the light's way through the body behind the surface (m); 0 for light from outside.
+    /// The length of the path segment inside the body behind the surface (m); 0 for light from outside.
     pub inside: f32,
 }
 
 impl HitContext {
-    /// A context for parameters that are the same everywhere.
+    /// A context for the lookup of parameters that are the same everywhere.
     pub(super) const ANYWHERE: HitContext = HitContext::from_outside(SurfacePoint {
         p: Vec3::ZERO,
         offset: 0.0,
@@ -39,12 +39,12 @@ impl HitContext {
         color: VertexColor::WHITE,
     });
 
-    /// Light that comes from outside of the body.
+    /// The context of light that comes from outside of the body.
     pub const fn from_outside(point: SurfacePoint) -> HitContext {
         HitContext { point, inside: 0.0 }
     }
 
-    /// The model of a material here.
+    /// Looks up the model of a material in this context.
     pub(super) fn bsdf_of<'m>(&self, material: &'m Material) -> Bsdf<'m> {
         material.bsdf_at(self)
     }
@@ -71,22 +71,22 @@ impl Material {
         textured::Plastic::new(albedo, eta).into()
     }
 
-    /// Metal: polished without a `finish`, else with facets; `multiscatter` follows light that they reflect more than once.
+    /// Metal, polished without a `finish` and rough with one. `multiscatter` adds the light that facets reflect more than once.
     pub fn metal(reflectance: impl Into<Metallic>, finish: Option<Roughness>, multiscatter: bool) -> Material {
         textured::Conductor::new(reflectance, finish, multiscatter).into()
     }
 
-    /// Glass with facets; `multiscatter` follows light that meets more than one of them.
+    /// Rough glass. `multiscatter` adds the light that hits more than one facet.
     pub fn rough_glass(eta: impl Into<Number>, color: impl Into<Texture>, finish: Roughness, multiscatter: bool) -> Material {
         textured::Dielectric::new(eta, color, Some(finish), multiscatter).into()
     }
 
-    /// `share` of the second, from 0 to 1, the rest of the first.
+    /// A mix of 1 − `share` of the first material and `share` of the second, with `share` from 0 to 1.
     pub fn mix(a: Material, b: Material, share: impl Into<Texture>) -> Material {
         Material::mixed(|| a, || b, share.into())
     }
 
-    /// [`Material::mix`] of what is made only where there is some of it: facets come with tables.
+    /// A mix as of [`Material::mix`]. A material with the constant share 0 is not constructed, because the tables of facets take time.
     pub(super) fn mixed(a: impl FnOnce() -> Material, b: impl FnOnce() -> Material, share: Texture) -> Material {
         match share {
             Texture::Constant(none) if none == Rgb::BLACK => a(),
@@ -95,12 +95,12 @@ impl Material {
         }
     }
 
-    /// Whether light goes through.
+    /// Whether light passes through the surface.
     pub fn transmits(&self) -> bool {
         self.passage() != Passage::Blocked
     }
 
-    /// A bound on the number of [`Bsdf::delta_lobes`]: the mirror direction, which all share, and that of each kind of glass.
+    /// An upper bound of the number of [`Bsdf::delta_lobes`]: the mirror direction, which all models share, and one for each kind of glass.
     pub fn most_delta_lobes(&self) -> usize {
         1 + self.glasses()
     }

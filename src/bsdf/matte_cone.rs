@@ -1,4 +1,4 @@
-//! Between a mirror and a matte wall, by one number.
+//! Reflection into a cone about the mirror direction.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -9,23 +9,22 @@ use super::{BsdfSample, Lobe, ScatteringModel, TransportMode, lobe_effects};
 use crate::effects::Effects;
 use crate::math::{Density, Frame, Local, SolidAnglePdf, Spectrum, float, fresnel, warp};
 
-/// Reflection spread evenly over a cone around the mirror direction.
+/// Reflection with a uniform distribution over a cone about the mirror direction.
 ///
 /// f(wo, wi)·|cos θi| = ρ p(wi),  p = [wi in cone] / Ω + [wi's mirror image in cone] / Ω,  Ω = 2π (1 − cos α),  α = m · 90°
 ///
-/// What falls below the surface is mirrored back above it, so that no energy is lost: albedo = ρ.
-/// m = 0 is a mirror; m = 1 is *not* Lambertian (it follows the mirror direction at every angle).
-/// Not reciprocal.
+/// Directions below the surface are mirrored to above it, so that no energy is lost: albedo = ρ. m = 0 is a mirror; m = 1 is *not*
+/// Lambertian, because the cone follows the mirror direction at every angle. The model is not reciprocal.
 ///
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: uniform in the cone, so that weight = ρ
 ///
-/// Source: a student path tracer's "mattness". Tests: furnace, own_models_are_proved, cone_is_not_reciprocal.
+/// Source: the "mattness" of the Aalto path tracer, a student's work. Tests: own_models_are_proved, cone_is_not_reciprocal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MatteCone {
-    /// ρ: [0, 1].
+    /// ρ, the share of light that is reflected: [0, 1].
     pub color: Spectrum,
-    /// m: [0, 1].
+    /// m, the half angle of the cone over 90°: [0, 1].
     pub mattness: f32,
 }
 
@@ -54,7 +53,7 @@ impl ScatteringModel for MatteCone {
         let mirror = fresnel::reflect(wo.0);
         let w = Frame::around(mirror).to_world(Local(warp::uniform_cone(u, self.one_minus_cos())));
         let wi = Local(w.with_z(w.z.abs().copysign(wo.cos())));
-        // By construction there is at least one way to get here, whatever rounding says at the rim.
+        // At least one direction of the cone leads here by construction, even if rounding at the rim of the cone says otherwise.
         let density = SolidAnglePdf::new(self.pdf(wo, wi).get().max(1.0 / (TAU * self.one_minus_cos())));
         let found = !self.color.is_black() && wo.same_side(wi);
         found.then_some(BsdfSample { wi, weight: self.color, density: Density::Smooth(density), lobe: Lobe::Reflection, eta: 1.0 })
@@ -76,7 +75,7 @@ impl ScatteringModel for MatteCone {
 }
 
 impl MatteCone {
-    /// Narrower than f32 can tell unit vectors apart: α < 2⁻²³ or so.
+    /// Whether the cone is narrower than f32 unit vectors can resolve: α below about 2⁻²³.
     pub fn is_mirror(&self) -> bool {
         self.one_minus_cos() < 0.5 * f32::EPSILON * f32::EPSILON
     }
@@ -86,24 +85,24 @@ impl MatteCone {
         found.then(|| BsdfSample::reflected(Local(fresnel::reflect(wo.0)), self.color))
     }
 
-    /// 1 − cos α = 2 sin²(α/2), which keeps narrow cones.
+    /// 1 − cos α = 2 sin²(α/2), without cancellation for narrow cones.
     fn one_minus_cos(&self) -> f32 {
         let s = float::sin(0.5 * self.mattness * FRAC_PI_2);
         2.0 * s * s
     }
 
-    /// 1 − cos ∠(axis, w) = |axis − w|²/2 for unit vectors, which keeps narrow cones.
+    /// Whether `w` lies in the cone, by 1 − cos ∠(axis, w) = |axis − w|²/2 for unit vectors, without cancellation for narrow cones.
     fn in_cone(&self, Local(axis): Local, Local(w): Local) -> bool {
         0.5 * (axis - w).length_squared() <= self.one_minus_cos()
     }
 }
 
 parameters! {
-    /// Reflects evenly into the cone of half angle 90° · mattness about the mirror direction. Not reciprocal.
+    /// Reflection distributed uniformly over a cone of half angle 90° · mattness about the mirror direction. Not reciprocal.
     MatteCone {
         /// The share of light that is reflected.
         color: Color,
-        /// 0 is a mirror. 1 is a hemisphere about the mirror direction, which is not the same as diffuse.
+        /// The half angle of the cone over 90°: 0 is a mirror, 1 a hemisphere about the mirror direction, which is not diffuse.
         mattness: Share,
     }
 

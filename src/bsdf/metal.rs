@@ -1,4 +1,4 @@
-//! A mirror with its reflections shaken.
+//! A mirror with reflections that are displaced at random.
 
 use std::f32::consts::TAU;
 
@@ -11,25 +11,26 @@ use crate::format::Textured;
 use crate::math::float::ROUNDING;
 use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel, warp};
 
-/// The mirror direction m, plus r times a point on the unit sphere.
+/// Reflection in the mirror direction m plus r times a random point on the unit sphere.
 ///
 /// f(wo, wi)·|cos θi| = ρ p(wi),   p = (b² + q²) / (2π r q),   b = m·wi,   q = √(r² − sin²∠(m, wi))
 ///
-/// The line along wi meets the sphere of radius r about m at the distances t = b ± q; each point stands for the
-/// density 1/(4π r²) · t²/cos, with cos = q/r between the line and the sphere's normal. p grows without bound at the
-/// rim of the cone sin ∠ = r, though not its integral. r = 0 is a mirror; r = 1 a cosine lobe about m, p = b/π.
+/// The line along wi intersects the sphere of radius r about m at the distances t = b ± q. Each intersection contributes the
+/// density 1/(4π r²) · t²/cos, with cos = q/r between the line and the sphere's normal. p is unbounded at the rim of the cone
+/// sin ∠ = r, but its integral is finite. r = 0 is a mirror; r = 1 is a cosine lobe about m, p = b/π.
 ///
-/// What falls below the surface is absorbed. Not reciprocal.
+/// Light that is reflected below the surface is absorbed. The model is not reciprocal.
 ///
 /// - on both sides of the surface; zero when the directions lie on opposite sides
-/// - sampling: as defined, so that weight = ρ; the density is that of the rounded direction
+/// - sampling: by the definition, so that weight = ρ; the density is that of the rounded direction
 ///
-/// Source: the "metal" of ray-tracing courses; the density is derived here. Tests: matter, proof.
+/// Source: the "metal" of ray-tracing courses; the density is derived here. Tests: own_models_are_proved,
+/// shaken_mirrors_fill_their_cone, shaken_mirrors_have_the_derived_density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metal {
-    /// ρ: [0, 1].
+    /// ρ, the largest share of light that is reflected: [0, 1].
     pub color: Spectrum,
-    /// r: [0, 1].
+    /// r, the radius of the sphere: [0, 1].
     pub roughness: f32,
 }
 
@@ -42,7 +43,7 @@ impl ScatteringModel for Metal {
     #[inline]
     fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         let mirror = fresnel::reflect(wo.0);
-        // By the sine: 1 − b² would lose narrow cones.
+        // The sine by a cross product: 1 − b² would cancel for narrow cones.
         let (b, q2) = (mirror.dot(wi.0), self.roughness * self.roughness - mirror.cross(wi.0).length_squared());
         let inside = !self.is_mirror() && wo.same_side(wi) && b > 0.0 && q2 > -self.rim();
         if inside { self.density(b, q2.max(self.rim()).sqrt()) } else { SolidAnglePdf::ZERO }
@@ -75,15 +76,15 @@ impl ScatteringModel for Metal {
 }
 
 impl Metal {
-    /// Narrower than f32 can tell unit vectors apart.
+    /// Whether the lobe is narrower than f32 unit vectors can resolve.
     pub fn is_mirror(&self) -> bool {
         self.roughness < f32::EPSILON
     }
 
-    /// By what rounding may move q²: |2 sin δ| with sin = r and δ the error of the sine, four times 2⁻²⁴ at most.
+    /// A bound of the rounding error of q²: |2 sin δ| with sin = r, where the error δ of the sine is at most 4 · 2⁻²⁴.
     ///
-    /// Within so much of the rim p is what it is there: what this takes from inside the rim it adds outside, and every
-    /// direction that is drawn has a density.
+    /// Closer to the rim than this, p has its value at this distance. It is smaller inside the rim and larger outside by this, so that
+    /// its integral is kept, and every sampled direction has a density.
     fn rim(&self) -> f32 {
         8.0 * ROUNDING * self.roughness
     }
@@ -99,12 +100,12 @@ impl Metal {
 }
 
 parameters! {
-    /// A mirror with shaken reflections: the mirror direction plus `roughness` times a point on the unit sphere. What falls
-    /// below the surface is lost. Not reciprocal. For measured metals see `conductor`.
+    /// Reflection in the mirror direction plus `roughness` times a random point on the unit sphere. Light reflected below the surface
+    /// is lost. Not reciprocal. For measured metals see `conductor`.
     Metal {
-        /// The share of light that is reflected, at most.
+        /// The largest share of light that is reflected.
         color: Color = Textured::white(),
-        /// 0 is a mirror.
+        /// The radius of the sphere, from 0 (a mirror) to 1.
         roughness: Share = Textured::black(),
     }
 

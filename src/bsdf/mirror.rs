@@ -1,4 +1,4 @@
-//! A perfect mirror of any colour.
+//! A perfect mirror.
 
 use glam::Vec2;
 
@@ -8,14 +8,14 @@ use crate::effects::Effects;
 use crate::format::Textured;
 use crate::math::{Local, Spectrum, fresnel};
 
-/// Reflection into the mirror direction, the same share at every angle.
+/// Reflection in the mirror direction, with an equal share at every angle.
 ///
 /// f(wo, wi) = ρ δ(wi − reflect(wo)) / |cos θi|
 ///
 /// - on both sides of the surface
-/// - sampling: the one direction, weight = ρ
+/// - sampling: the mirror direction, with weight ρ
 ///
-/// Tests: furnace, own_models_are_proved.
+/// Tests: own_models_are_proved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mirror {
     /// ρ, the share of light that is reflected: [0, 1].
@@ -40,7 +40,7 @@ impl ScatteringModel for Mirror {
 }
 
 parameters! {
-    /// Reflects like a perfect mirror.
+    /// A perfect mirror.
     Mirror {
         /// The share of light that is reflected.
         color: Color = Textured::white(),

@@ -1,13 +1,13 @@
-//! How a surface scatters light.
+//! Scattering models (BSDFs): how a surface reflects and transmits light.
 //!
-//! Conventions, stated once for every model:
+//! Conventions of all models:
 //! - `wo`, `wi` are unit, local (+z is the shading normal), and point away from the surface
 //! - `eval` returns f(wo, wi)·|cos θi| [sr⁻¹]: the cosine is always inside
 //! - `sample` returns weight = f·|cos θi| / pdf, for the `wi` it chose
-//! - a delta lobe is seen by `sample` and `delta_lobes` only: `eval` and `pdf` are 0 for it
+//! - delta lobes appear in `sample` and `delta_lobes` only: `eval` and `pdf` are 0 for them
 //!
-//! To add a plain model: a file beside these with its formulas ([`ScatteringModel`]) and its parameters (`parameters!`), and a row
-//! in `table.rs`.
+//! To add a plain model, write a file in this folder with its formulas ([`ScatteringModel`]) and its parameters (`parameters!`), and
+//! a row in `table.rs`.
 
 pub mod blinn_phong;
 pub mod compound;
@@ -64,41 +64,48 @@ pub use surface_material::{NormalModifier, SurfaceMaterial};
 pub use table::{Bsdf, Material, described, textured};
 pub use thin_dielectric::ThinDielectric;
 
-/// What is transported: radiance (from the camera) is compressed by refraction, importance (from a light) is not.
+/// The quantity that a path transports. Refraction scales radiance by the squared ratio of the indices, but not importance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TransportMode {
+    /// Radiance: the path comes from the camera.
     Radiance,
+    /// Importance: the path comes from a light.
     Importance,
 }
 
 /// A direction drawn from a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfSample {
+    /// The sampled direction.
     pub wi: Local,
-    /// f · |cos θi| / pdf
+    /// The weight of the sample: f · |cos θi| / pdf, or the share of the light for a delta lobe.
     pub weight: Spectrum,
+    /// The density of the direction, or the mark of a delta lobe.
     pub density: Density,
+    /// The side of the surface that the direction leads to.
     pub lobe: Lobe,
-    /// Index of refraction on the side of `wi` over that on the side of `wo`; 1 for reflection.
+    /// The index of refraction on the side of `wi` over that on the side of `wo`; 1 for reflection.
     pub eta: f32,
 }
 
-/// Which way a sample went.
+/// The side of the surface that a sample leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
+    /// Reflection, to the side of `wo`.
     Reflection,
+    /// Transmission, to the other side.
     Transmission,
 }
 
-/// The single directions into which a model sends a share of the light; plain models two at most.
+/// The delta lobes of a model: single directions that each get a share of the light. Plain models have at most two.
 #[derive(Clone, Debug, Default)]
 struct DeltaLobes(ArrayVec<BsdfSample, MAX_DELTA_LOBES>);
 
-/// The most of them: a scene that asks for more is refused.
+/// The largest number of delta lobes of a material. A scene with more in one material is refused.
 pub const MAX_DELTA_LOBES: usize = 8;
 
 impl DeltaLobes {
-    /// Another one, of which the whole takes `share`; lobes into one direction are one.
+    /// Adds the share `share` of a lobe. Lobes with the same direction are merged.
     fn add(&mut self, lobe: BsdfSample, share: Spectrum) {
         let weight = lobe.weight * share;
         let same = self.0.iter_mut().find(|known| known.wi == lobe.wi && known.eta == lobe.eta);
@@ -116,39 +123,40 @@ impl<const N: usize> From<[Option<BsdfSample>; N]> for DeltaLobes {
     }
 }
 
-/// A scattering model at a point: plain numbers and formulas.
+/// A scattering model at a point, with numbers for parameters.
 ///
-/// What a model leaves alone holds for most: a smooth lobe, no delta lobes, reciprocity. Models write their formulas here.
+/// The default methods describe a reciprocal model with a smooth lobe and without delta lobes.
 pub trait ScatteringModel {
     /// f(wo, wi)·|cos θi| [sr⁻¹]; 0 for delta lobes.
     fn eval(&self, _wo: Local, _wi: Local, _mode: TransportMode) -> Spectrum {
         Spectrum::BLACK
     }
 
-    /// The density with which `sample` returns `wi` [sr⁻¹]; 0 for delta lobes.
+    /// Probability density with which `sample` returns `wi` [sr⁻¹]; 0 for delta lobes.
     fn pdf(&self, _wo: Local, _wi: Local) -> SolidAnglePdf {
         SolidAnglePdf::ZERO
     }
 
-    /// A direction for `wo`, from uniform numbers: `choice` chooses a lobe, `u` a direction in it.
+    /// Samples a direction for `wo` with uniform numbers: `choice` selects a lobe, `u` a direction in it. Returns `None` where nothing
+    /// is scattered.
     fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample>;
 
-    /// The single directions into which a share of the light goes, with that share as weight.
+    /// The delta lobes for `wo`: single directions with their share of the light as weight.
     fn delta_lobes(&self, _wo: Local, _mode: TransportMode) -> [Option<BsdfSample>; 2] {
         [None, None]
     }
 
-    /// Whether there is anything that `eval` sees.
+    /// Whether `eval` is not 0 everywhere.
     fn has_smooth_lobe(&self) -> bool {
         true
     }
 
-    /// Whether f(wo, wi) = f(wi, wo), for transmission up to η².
+    /// Whether f(wo, wi) = f(wi, wo), up to the factor η² for transmission.
     fn reciprocal(&self) -> bool {
         true
     }
 
-    /// The model for parameters as textures have them, which may ask for more light than there is.
+    /// Limits parameters from textures so that the model returns no more light than it receives.
     fn energy_conserving(self) -> Self
     where
         Self: Sized,
@@ -157,7 +165,7 @@ pub trait ScatteringModel {
     }
 }
 
-/// The effects of a lobe by its width, which makes a mirror where it is 0.
+/// The effects of a lobe with a textured width. Where the width is 0 it is a mirror.
 fn lobe_effects(width: &Texture) -> Effects {
     match width {
         Texture::Constant(none) if none.is_black() => Effects::SPECULAR_REFLECTION,
@@ -166,40 +174,40 @@ fn lobe_effects(width: &Texture) -> Effects {
     }
 }
 
-/// A model with textures for parameters, beyond the lookup of these.
+/// A model with textures for parameters: its properties that hold at every point.
 pub trait TexturedModel: Lookup {
-    /// What simulating it takes, textures apart.
+    /// The effects that simulating the model needs, without those of its textures.
     fn effects(&self) -> Effects;
 
-    /// What becomes of light that goes on behind the surface.
+    /// Whether light passes through the surface, and what is behind it.
     fn passage(&self) -> Passage {
         Passage::Blocked
     }
 
-    /// Whether it matters where the axes of the surface point.
+    /// Whether scattering depends on the directions of the surface's tangents.
     fn is_anisotropic(&self) -> bool {
         false
     }
 
-    /// Whether the model is the same at every hit.
+    /// Whether the model has the same parameters at every hit.
     fn is_uniform(&self) -> bool {
         self.textures().into_iter().all(Texture::is_constant)
     }
 
-    /// The effect of its textures.
+    /// The effects of the model's textures.
     fn texture_effects(&self) -> Effects {
         if self.textures().into_iter().all(Texture::is_constant) { Effects::NONE } else { Effects::TEXTURES }
     }
 }
 
 impl BsdfSample {
-    /// A reflection from a smooth lobe; `None` where nothing is reflected or `wi` lies outside the lobe.
+    /// Returns a reflection from a smooth lobe, or `None` where nothing is reflected or `wi` lies outside of the lobe.
     fn of_lobe(wi: Local, weight: Spectrum, pdf: SolidAnglePdf) -> Option<BsdfSample> {
         let found = !weight.is_black() && pdf.get() > 0.0;
         found.then_some(BsdfSample { wi, weight, density: Density::Smooth(pdf), lobe: Lobe::Reflection, eta: 1.0 })
     }
 
-    /// A mirror direction with the share `weight`.
+    /// Returns a reflection into a single direction with the share `weight`.
     fn reflected(wi: Local, weight: Spectrum) -> BsdfSample {
         BsdfSample { wi, weight, density: Density::Delta, lobe: Lobe::Reflection, eta: 1.0 }
     }

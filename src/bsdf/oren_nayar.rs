@@ -1,4 +1,4 @@
-//! Matte surfaces that are rough: unglazed clay, sand, the moon.
+//! Rough matte surfaces: unglazed clay, sand, plaster.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -10,26 +10,26 @@ use crate::effects::Effects;
 use crate::format::Textured;
 use crate::math::{Local, SolidAnglePdf, Spectrum, float, warp};
 
-/// Oren and Nayar's rough diffuse reflection, in the form that loses no energy.
+/// Oren–Nayar reflection of rough matte surfaces, in a form that preserves energy.
 ///
 /// f = ρ/π · A (1 + σ s/t)  +  ρₘ/π · (1 − E(μo)) (1 − E(μi)) / (1 − Ē)                                  [sr⁻¹]
 ///
 /// s = wo·wi − μo μi,   t = max(μo, μi) if s > 0, else 1,   A = 1 / (1 + (1/2 − 2/3π) σ)
 /// E(μ) = A (1 + σ/π · G(μ)): the albedo of the first term at ρ = 1;   Ē: its mean
-/// ρₘ = ρ² Ē / (1 − ρ (1 − Ē)): light that bounced between the grooves
+/// ρₘ = ρ² Ē / (1 − ρ (1 − Ē)): the albedo of light that was reflected between the grooves
 ///
-/// At ρ = 1 all light comes back, whatever σ. σ = 0 is Lambert's law.
+/// At ρ = 1 all light is reflected, for any σ. σ = 0 is Lambert's law.
 ///
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: cosine-weighted
 ///
 /// Source: Fujii's form, and Portsmouth, Kutz and Hill, *EON: A Practical Energy-Preserving Rough Diffuse BRDF*
-/// (JCGT 14(1), 2025). Tests: matter, proof, rough_matte_is_white.
+/// (JCGT 14(1), 2025). Tests: own_models_are_proved, rough_matte_is_white, dark_grooves_follow_fujii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrenNayar {
-    /// ρ: [0, 1].
+    /// ρ, about the share of light that is reflected: [0, 1].
     pub albedo: Spectrum,
-    /// σ: [0, 1].
+    /// σ, the roughness: [0, 1].
     pub roughness: f32,
 }
 
@@ -79,11 +79,11 @@ impl OrenNayar {
 }
 
 parameters! {
-    /// A rough matte surface (Oren and Nayar): flatter than `diffuse`, and brighter at its edges. No energy is lost.
+    /// A rough matte surface (Oren and Nayar): it looks flatter than `diffuse`, and brighter at its edges. No energy is lost.
     OrenNayar {
-        /// The share of light that is reflected, about.
+        /// About the share of light that is reflected.
         albedo: Color = Textured::gray(0.5),
-        /// 0 is `diffuse`, 1 the roughest.
+        /// The roughness: 0 is `diffuse`, 1 the roughest.
         roughness: Share = Textured::gray(0.5),
     }
 
@@ -92,10 +92,10 @@ parameters! {
     }
 }
 
-/// (1 − E(μ)) / (A σ) = C₁ − G(μ)/π, from which small roughness takes no digits; its mean is C₁ − C₂.
+/// (1 − E(μ)) / (A σ) = C₁ − G(μ)/π, which does not depend on σ and so keeps its precision for a small roughness. Its mean is C₁ − C₂.
 fn loss(mu: f32) -> f32 {
     let sine = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
-    // (1 − sine³) sine/μ, with 1 − sine = μ²/(1 + sine) taken out, so that nothing cancels at grazing.
+    // (1 − sine³) sine/μ, with 1 − sine = μ²/(1 + sine) factored out to avoid cancellation at grazing incidence.
     let cubic = sine * mu * (1.0 + sine + sine * sine) / (1.0 + sine);
     let g = sine * (float::acos(mu) - sine * mu) + (2.0 / 3.0) * (cubic - sine);
     (C1 - FRAC_1_PI * g).max(0.0)

@@ -1,4 +1,4 @@
-//! The kinds of parameters that materials have, each in three stages.
+//! The kinds of parameters of materials, each in three stages.
 //!
 //! ```text
 //!              described (scene file)   textured (built once)   value (at a hit)
@@ -19,33 +19,33 @@ use crate::texture::{self, Texture};
 
 /// A kind of parameter.
 pub trait Parameter {
-    /// What a scene file says.
+    /// The parameter in a scene file.
     type Described;
-    /// The parameter with its pictures read.
+    /// The parameter with its textures built.
     type Textured;
-    /// The parameter at a point.
+    /// The value of the parameter at a point.
     type Value;
 
-    /// Reads what the description names.
+    /// Builds the textures of the parameter.
     fn prepare(described: &Self::Described, key: &str, builder: &mut dyn Prepare) -> Self::Textured;
 
-    /// Looks the value up.
+    /// Looks up the value at a hit.
     fn at(textured: &Self::Textured, at: &HitContext) -> Self::Value;
 
-    /// The same parameter after the world has moved by −`origin`.
+    /// The parameter after the world has been moved by −`origin`.
     fn recentred(textured: Self::Textured, origin: DVec3) -> Self::Textured;
 
-    /// The colour or texture in a description and its key, where there is one.
+    /// The colour or texture in the description, with its key; `None` for a plain number.
     fn described_texture<'d>(described: &'d Self::Described, key: &str) -> Option<(String, &'d Textured)>;
 
-    /// The texture, where there is one.
+    /// The texture; `None` for a constant number.
     fn texture(textured: &Self::Textured) -> Option<&Texture>;
 }
 
 /// A reflected or transmitted colour.
 pub struct Color;
 
-/// A number from 0 to 1; of a colour, the mean.
+/// A number from 0 to 1. A colour counts by its mean.
 pub struct Share;
 
 /// A number in the range of `T`.
@@ -132,11 +132,11 @@ impl<T: Copy + Into<f64>> Parameter for Number<T> {
     }
 }
 
-/// Describes a model whose parameters are looked up one by one.
+/// Defines the stages of a model with parameters that are looked up independently of each other.
 ///
-/// From one list of parameters it makes `described::Model`, which scene files are read into, `textured::Model`, and the ways from
-/// one to the other and to the model itself. What follows the list are methods of [`TexturedModel`](super::TexturedModel):
-/// `effects` always, others where the model differs from most.
+/// From one list of parameters it makes `described::Model` for scene files, `textured::Model` with textures, and the conversions
+/// to `textured::Model` and to the model itself. Methods of [`TexturedModel`](super::TexturedModel) follow the list: `effects` is
+/// required, others where their defaults do not hold.
 ///
 /// ```ignore
 /// parameters! {
@@ -152,7 +152,7 @@ impl<T: Copy + Into<f64>> Parameter for Number<T> {
 /// }
 /// ```
 ///
-/// Either all parameters have a default or none.
+/// Either all parameters have a default, or none has.
 macro_rules! parameters {
     ($(#[$meta:meta])* $model:ident {
         $($(#[$doc:meta])* $field:ident: $kind:ident $(<$range:ident>)? = $default:expr,)+
@@ -169,7 +169,7 @@ macro_rules! parameters {
         parameters!(@stages [$(#[$meta])*] [] $model { $($(#[$doc])* $field: $kind $(<$range>)?,)+ } $($methods)+);
     };
     (@stages [$($meta:tt)*] [$($default:ident)?] $model:ident { $($(#[$doc:meta])* $field:ident: $kind:ident $(<$range:ident>)?,)+ } $($methods:tt)+) => {
-        /// As a scene file says it.
+        /// The description in a scene file.
         pub mod described {
             $($(use $crate::format::$range;)?)+
             use $crate::bsdf::parameter::{self, Parameter};
@@ -194,7 +194,7 @@ macro_rules! parameters {
             }
         }
 
-        /// With its pictures read.
+        /// The model with its textures.
         pub mod textured {
             $($(use $crate::format::$range;)?)+
             use $crate::bsdf::parameter::{self, Parameter};
@@ -236,17 +236,17 @@ macro_rules! parameters {
 
 pub(super) use parameters;
 
-/// The way from a model's textures to the model at a point.
+/// The lookup of a model's parameters at a point.
 pub trait Lookup: Sized {
-    /// What there is at a point: a model, or one of several.
+    /// The result of the lookup: a model, or one of several.
     type Model;
 
-    /// Looks the parameters up.
+    /// Looks up the parameters at a hit.
     fn at(&self, at: &HitContext) -> Self::Model;
 
-    /// The textures and constant colours.
+    /// The textures of the parameters, including constant colours.
     fn textures(&self) -> Vec<&Texture>;
 
-    /// The same model after the world has moved by −`origin`.
+    /// The model after the world has been moved by −`origin`.
     fn recentred(self, origin: DVec3) -> Self;
 }

@@ -1,4 +1,4 @@
-//! A glossy lobe around the mirror direction.
+//! The Phong model: a glossy lobe about the mirror direction.
 
 use glam::Vec2;
 
@@ -8,22 +8,23 @@ use crate::effects::Effects;
 use crate::format::{Exponent, Textured, Varying};
 use crate::math::{Frame, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 
-/// Phong's lobe, normalised.
+/// Phong's glossy lobe, normalised.
 ///
 /// f(wo, wi)·|cos θi| = ρ p(wi),   p = (n + 1)/(2π) · max(0, cos α)ⁿ,   α between wi and the mirror direction
 ///
-/// What falls below the surface is absorbed: the albedo is ρ times the part of the lobe above it. Not reciprocal.
+/// Light that is reflected below the surface is absorbed: the albedo is ρ times the part of the lobe above it. The model is not
+/// reciprocal.
 ///
 /// - on both sides of the surface; zero when the directions lie on opposite sides
 /// - sampling: the lobe itself, so that weight = ρ
 ///
 /// Source: Phong, *Illumination for Computer Generated Pictures* (1975); normalised as by Lafortune and Willems (1994).
-/// Tests: matter, proof.
+/// Tests: own_models_are_proved, densities_integrate_to_the_share_of_samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
-    /// ρ: [0, 1].
+    /// ρ, the largest share of light that is reflected: [0, 1].
     pub color: Spectrum,
-    /// n ≥ 0.
+    /// n, the exponent: at least 0.
     pub exponent: f32,
 }
 
@@ -55,11 +56,11 @@ impl ScatteringModel for Phong {
 }
 
 parameters! {
-    /// A glossy lobe around the mirror direction (Phong), normalised. What falls below the surface is lost. Not reciprocal.
+    /// A glossy lobe about the mirror direction (Phong), normalised. Light reflected below the surface is lost. Not reciprocal.
     Phong {
-        /// The share of light that is reflected, at most.
+        /// The largest share of light that is reflected.
         color: Color = Textured::white(),
-        /// The lobe is the cosine to this power: the larger, the sharper.
+        /// The exponent of the cosine of the lobe: larger values make sharper highlights.
         exponent: Number<Exponent> = Varying::Same(Exponent::known(10.0)),
     }
 

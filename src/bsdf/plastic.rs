@@ -1,4 +1,4 @@
-//! A clear smooth coat over a matte ground: plastic, varnished wood, glazed china.
+//! A clear smooth coat over a matte base: plastic, varnished wood, glazed china.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -12,24 +12,25 @@ use crate::format::Textured;
 use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel, warp};
 use crate::texture::{Number, Texture};
 
-/// A Lambertian ground below a smooth dielectric surface.
+/// A Lambertian base below a smooth dielectric surface.
 ///
 /// f = F(μo) δ(wi − reflect(wo)) / μi  +  (1 − F(μo)) (1 − F(μi)) / η² · ρ / (π (1 − ρ F̄ᵢ))            [sr⁻¹]
 ///
-/// Light goes through the surface, is scattered by the ground, and leaves or is thrown back: F̄ᵢ = 1 − (1 − F̄)/η²
-/// is what the surface reflects of diffuse light from within, F̄ from without. At ρ = 1 all light comes back.
+/// Light passes through the surface, is scattered by the base, and leaves or is reflected back to the base. F̄ᵢ = 1 − (1 − F̄)/η² is the
+/// reflectance of the surface for diffuse light from inside, F̄ that from outside. At ρ = 1 all light is reflected.
 ///
 /// - on both sides of the surface; zero when the directions lie on opposite sides
-/// - sampling: surface or ground by what each sends back, the ground cosine-weighted
+/// - sampling: the surface or the base in proportion to the light that each returns; the base is cosine-weighted
 ///
-/// Source: Wolff, *Diffuse-Reflectance Model for Smooth Dielectric Surfaces* (1994). Tests: matter, proof, coated_white_is_white.
+/// Source: Wolff, *Diffuse-Reflectance Model for Smooth Dielectric Surfaces* (1994). Tests: own_models_are_proved,
+/// coated_white_is_white, mean_reflectance_is_the_handbooks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plastic {
-    /// ρ, of the ground: [0, 1].
+    /// ρ, the albedo of the base: [0, 1].
     pub albedo: Spectrum,
-    /// η of the coat, over the outside: at least 1.
+    /// η, the index of refraction of the coat over that outside: at least 1.
     pub eta: f32,
-    /// F̄ᵢ: [`Plastic::internal`] of `eta`.
+    /// F̄ᵢ, the mean reflectance from inside: [`Plastic::internal`] of `eta`.
     pub internal: f32,
 }
 
@@ -40,7 +41,7 @@ impl ScatteringModel for Plastic {
             return Spectrum::BLACK;
         }
         let through = (1.0 - self.surface(wo)) * (1.0 - self.surface(wi)) / (self.eta * self.eta);
-        self.ground() * (through * FRAC_1_PI * wi.abs_cos())
+        self.base() * (through * FRAC_1_PI * wi.abs_cos())
     }
 
     #[inline]
@@ -67,7 +68,7 @@ impl ScatteringModel for Plastic {
 }
 
 impl Plastic {
-    /// F̄ᵢ for the index `eta`.
+    /// F̄ᵢ, the mean reflectance of the coat from inside, for the index `eta`.
     pub fn internal(eta: f32) -> f32 {
         1.0 - (1.0 - fresnel::dielectric_mean(eta)) / (eta * eta)
     }
@@ -77,26 +78,27 @@ impl Plastic {
         (reflected > 0.0).then(|| BsdfSample::reflected(Local(fresnel::reflect(wo.0)), Spectrum::gray(reflected)))
     }
 
-    /// F
+    /// F, the reflectance of the coat from outside.
     pub(super) fn surface(&self, w: Local) -> f32 {
         fresnel::dielectric(w.abs_cos(), self.eta)
     }
 
-    /// ρ / (1 − ρ F̄ᵢ)
-    fn ground(&self) -> Spectrum {
+    /// ρ / (1 − ρ F̄ᵢ), the albedo of the base with all internal reflections.
+    fn base(&self) -> Spectrum {
         self.albedo.map(|rho| rho / (1.0 - rho * self.internal))
     }
 
-    /// The probabilities of surface and base: their shares in what comes back, each computed by itself.
+    /// The probabilities of sampling surface and base, in proportion to the light that each returns. Each is computed by itself, because 1
+    /// minus the other would round to 0 for a small share.
     fn probabilities(&self, wo: Local) -> [f32; 2] {
         let surface = self.surface(wo);
-        let ground = (1.0 - surface) * self.ground().max() * (1.0 - self.internal);
-        let sum = surface + ground;
-        if sum > 0.0 { [surface / sum, ground / sum] } else { [1.0, 0.0] }
+        let base = (1.0 - surface) * self.base().max() * (1.0 - self.internal);
+        let sum = surface + base;
+        if sum > 0.0 { [surface / sum, base / sum] } else { [1.0, 0.0] }
     }
 }
 
-/// As a scene file says it.
+/// The description in a scene file.
 pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
@@ -104,23 +106,24 @@ pub mod described {
     use crate::bsdf::microfacet::{AlphaKey, Distribution};
     use crate::format::{CoatIndex, Textured, Varying};
 
-    /// A matte ground under a clear coat that reflects, refracts, and throws light back on the ground.
+    /// A matte base under a clear coat that reflects, refracts, and reflects light back to the base.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
     pub struct Plastic {
-        /// The share of light that the ground reflects.
+        /// The share of light that the base reflects.
         pub albedo: Textured,
-        /// Index of refraction of the coat over that outside.
+        /// The index of refraction of the coat over that outside.
         pub eta: Varying<CoatIndex>,
-        /// 0 is smooth, 1 the roughest. The width of highlights, alpha, is its square, so that equal steps look equal. Below 0.001 a
-        /// surface is as good as smooth. (Of a colour, the mean.)
+        /// The roughness of the coat: 0 is smooth, 1 the roughest. The width of highlights, alpha, is its square, so that equal steps look
+        /// equal. Values below 0.001 count as smooth. A colour counts by its mean.
         pub roughness: Textured,
-        /// From round highlights to highlights ten times as long as wide, along the first texture coordinate. (Of a colour, the mean.)
+        /// The anisotropy: 0 gives round highlights, 1 highlights ten times as long as wide, along the first texture coordinate. A colour
+        /// counts by its mean.
         pub anisotropy: Textured,
-        /// In place of `roughness` and `anisotropy`, the width itself; `[along u, along v]` for each of them.
+        /// The width of highlights itself, in place of `roughness` and `anisotropy`; `[along u, along v]` for different widths.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub alpha: Option<AlphaKey>,
-        /// How the facets of a rough surface lean.
+        /// The distribution of the facets' normals on a rough surface.
         pub distribution: Distribution,
     }
 
@@ -157,22 +160,24 @@ impl Description for described::Plastic {
     }
 }
 
-/// With its pictures read.
+/// The model with its textures.
 pub mod textured {
     use super::{Number, Texture};
 
-    /// The model with textures for parameters.
+    /// Smooth plastic with textures for parameters.
     #[derive(Clone, Debug, PartialEq)]
     pub struct Plastic {
         pub(super) albedo: Texture,
         pub(super) eta: Number,
-        /// [`Plastic::internal`](super::Plastic::internal), where it is the same everywhere.
+        /// [`Plastic::internal`](super::Plastic::internal), if `eta` is constant.
         pub(super) internal: Option<f32>,
     }
 }
 
 impl textured::Plastic {
-    /// - `eta`: at least 1
+    /// Smooth plastic.
+    ///
+    /// - `eta`: the index of refraction of the coat, at least 1
     pub fn new(albedo: impl Into<Texture>, eta: impl Into<Number>) -> textured::Plastic {
         let eta = eta.into();
         textured::Plastic { albedo: albedo.into(), internal: eta.constant().map(Plastic::internal), eta }

@@ -1,4 +1,4 @@
-//! The material of interchange formats and painting programs: a handful of sliders.
+//! The principled material of interchange formats and painting programs.
 
 use super::description::{Description, Prepare, given};
 use super::microfacet::{Distribution, Roughness, roughened};
@@ -6,102 +6,109 @@ use super::{Coat, Coated, Compound, Material, Sheen, textured};
 use crate::format::Textured;
 use crate::texture::{Number, Texture};
 
-/// Metal, plastic, glass, lacquer and velvet by a base colour and some shares.
+/// Metal, plastic, glass, coat and velvet by a base colour and shares.
 ///
 /// f = coat over ( sheen over ( metallic · metal + (1 − metallic) ( transmission · glass + (1 − transmission) · plastic ) ) )
 ///
-/// - metal: facets that reflect the base colour straight on, by Schlick's formula
-/// - glass: facets of the index `eta`; the base colour dims each passage and reflection
-/// - plastic: `specular` of a clear layer with the same facets over a Lambertian ground, that then shows the base colour
+/// - metal: facets with the base colour as reflectance at normal incidence, by Schlick's formula
+/// - glass: facets of the index `eta`; the base colour multiplies all transmitted and reflected light
+/// - plastic: the share `specular` of a clear layer with the same facets, over a Lambertian base that keeps the base colour
 ///
-/// It is a description: what scatters are the models that it names, each proved by itself. Shares that are constant 0 or 1
-/// cost nothing.
+/// It is only a description: light is scattered by the models above, which are tested by themselves. A share of constant 0 or 1 costs
+/// nothing.
 ///
 /// Source: Burley, *Physically Based Shading at Disney* (2012), and the names of glTF 2.0. Tests: compounds_are_proved,
 /// principled_is_what_it_names.
 #[derive(Clone, Debug)]
 pub struct Principled {
+    /// The base colour: [0, 1].
     pub base_color: Texture,
+    /// The share of metal, from 0 to 1.
     pub metallic: Texture,
+    /// The share of glass in the part that is not metal, from 0 to 1.
     pub transmission: Texture,
+    /// The share of plastic with a clear layer, from 0 to 1.
     pub specular: Texture,
-    /// Of metal, glass and plastic; `None` where they are smooth.
+    /// The roughness of metal, glass and plastic; `None` where they are smooth.
     pub finish: Option<Roughness>,
-    /// Index of refraction of glass and plastic: at least 1.
+    /// The index of refraction of glass and plastic: at least 1.
     pub eta: Number,
-    /// How much of the surface is coated.
+    /// The share of the surface that is coated, from 0 to 1.
     pub coat: Texture,
-    /// Index of refraction of that coat: at least 1.
+    /// The index of refraction of the coat: at least 1.
     pub coat_eta: Number,
+    /// The transmittance of the coat straight down and up: [0, 1].
     pub coat_color: Texture,
-    /// `None` where it is smooth.
+    /// The roughness of the coat; `None` where it is smooth.
     pub coat_finish: Option<Roughness>,
+    /// The colour of the sheen's fibres: [0, 1]; black is no sheen.
     pub sheen_color: Texture,
-    /// How far its fibres spread, see [`Sheen`].
+    /// The spread of the sheen's fibres, see [`Sheen`].
     pub sheen_roughness: Texture,
-    /// Whether light is followed that facets of metal and glass reflect more than once.
+    /// Whether light is included that facets of metal and glass reflect more than once.
     pub multiscatter: bool,
 }
 
 impl From<Principled> for Material {
     fn from(p: Principled) -> Material {
-        let ground = || Material::diffuse(p.base_color.clone());
-        let glaze = || Coat::new(p.eta.clone(), 1.0, p.finish.clone()).keep_base_color();
-        let glazed = || Compound::Coated(Coated { ground: ground(), coat: glaze() }).into();
-        let plastic = || Material::mixed(ground, glazed, p.specular.clone());
+        let base = || Material::diffuse(p.base_color.clone());
+        let clear_layer = || Coat::new(p.eta.clone(), 1.0, p.finish.clone()).keep_base_color();
+        let layered = || Compound::Coated(Coated { ground: base(), coat: clear_layer() }).into();
+        let plastic = || Material::mixed(base, layered, p.specular.clone());
         let glass = || textured::Dielectric::new(p.eta.clone(), p.base_color.clone(), p.finish.clone(), p.multiscatter).into();
         let metal = || Material::metal(p.base_color.clone(), p.finish.clone(), p.multiscatter);
         let body = Material::mixed(|| Material::mixed(plastic, glass, p.transmission.clone()), metal, p.metallic.clone());
-        let dressed = match p.sheen_color {
+        let with_sheen = match p.sheen_color {
             Texture::Constant(color) if color.is_black() => body,
             color => Compound::Sheen(Sheen::new(body, color, p.sheen_roughness)).into(),
         };
-        let lacquer = || Coat::new(p.coat_eta, p.coat_color, p.coat_finish);
-        let coated = || Compound::Coated(Coated { ground: dressed.clone(), coat: lacquer() }).into();
-        Material::mixed(|| dressed.clone(), coated, p.coat)
+        let coat = || Coat::new(p.coat_eta, p.coat_color, p.coat_finish);
+        let coated = || Compound::Coated(Coated { ground: with_sheen.clone(), coat: coat() }).into();
+        Material::mixed(|| with_sheen.clone(), coated, p.coat)
     }
 }
 
-/// As a scene file says it.
+/// The description in a scene file.
 pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
 
     use crate::format::{CoatIndex, Textured, Varying};
 
-    /// Metal, plastic, glass, lacquer and velvet by a base colour and some shares, as in glTF and painting programs. White plastic loses
-    /// up to 0.7 % of the light under a coat, 0.6 % under white sheen of the default roughness, 2.6 % under both; rough metal up to 6
-    /// and 13 %.
+    /// Metal, plastic, glass, coat and velvet by a base colour and shares, as in glTF and painting programs. White plastic loses up to
+    /// 0.7 % of the light under a coat, 0.6 % under white sheen of the default roughness, and 2.6 % under both. Rough metal loses up to 6 %
+    /// under a coat and 13 % under sheen.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
     pub struct Principled {
-        /// Of metal the colour that is seen straight on, of plastic that of its ground, of glass what passes or is reflected.
+        /// The base colour: for metal the reflectance at normal incidence, for plastic the albedo of its base, for glass a factor of
+        /// all transmitted and reflected light.
         pub base_color: Textured,
         /// The share of metal.
         pub metallic: Textured,
-        /// Of metal, plastic and glass: 0 is smooth, 1 the roughest.
+        /// The roughness of metal, plastic and glass: 0 is smooth, 1 the roughest.
         pub roughness: Textured,
-        /// From round highlights to highlights ten times as long as wide, along the first texture coordinate.
+        /// The anisotropy: 0 gives round highlights, 1 highlights ten times as long as wide, along the first texture coordinate.
         pub anisotropy: Textured,
-        /// How much of the plastic is clad in its clear layer: without, it is matte.
+        /// The share of the plastic with a clear layer; the rest is matte.
         pub specular: Textured,
-        /// Index of refraction of plastic and glass.
+        /// The index of refraction of plastic and glass.
         pub eta: Varying<CoatIndex>,
-        /// The share of glass in what is not metal.
+        /// The share of glass in the part that is not metal.
         pub transmission: Textured,
-        /// The share that is coated with another clear layer.
+        /// The share that has a coat, another clear layer above all others.
         pub coat: Textured,
-        /// Of that layer.
+        /// The roughness of the coat: 0 is smooth, 1 the roughest.
         pub coat_roughness: Textured,
-        /// Of that layer.
+        /// The index of refraction of the coat.
         pub coat_eta: Varying<CoatIndex>,
-        /// What that layer leaves of light that goes straight down through it and up again.
+        /// The share of light that is left after passing straight down through the coat and up again.
         pub coat_color: Textured,
-        /// Fibres on the surface; black is none.
+        /// The colour of fibres on the surface; black is none.
         pub sheen_color: Textured,
-        /// Of the fibres: 0.1 (and below) stand straight, 1 lie all ways.
+        /// The spread of the fibres: at 0.1 and below they stand upright, at 1 they lie in all directions.
         pub sheen_roughness: Textured,
-        /// Follow light that facets of metal and glass reflect more than once.
+        /// Whether light is included that facets of metal and glass reflect more than once.
         pub multiscatter: bool,
     }
 

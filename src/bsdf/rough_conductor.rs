@@ -1,4 +1,4 @@
-//! Brushed, blasted, tarnished metal.
+//! Rough metal: brushed, sandblasted or tarnished.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -9,31 +9,34 @@ use super::microfacet::{Distribution, EnergyLossTable, HalfVectorTerms, Microfac
 use super::{BsdfSample, Reflectance, ScatteringModel, TransportMode};
 use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 
-/// Reflection at a metal whose facets are tiny mirrors.
+/// Reflection at metal with microscopic mirrors for facets.
 ///
 /// f(wo, wi) = F(wo·h) D(h) G₂(wo, wi) / (4 |cos θo| |cos θi|)  +  f₂(wo, wi)      [sr⁻¹],    h half way between wo and wi
 ///
-/// with Fresnel's F, and f₂ for light that facets reflect more than once (see
-/// [`albedo`](super::microfacet::energy_loss)), darker by
+/// with Fresnel's F, and f₂ for light that facets reflect more than once (see [`energy_loss`](super::microfacet::energy_loss)) times
 ///
 /// F₂ = F̄² Ē / (1 − F̄ (1 − Ē)),    F̄ = 2 ∫ F μ dμ,    Ē = 1 − m
 ///
-/// as each further reflection costs F̄. Without f₂ rough metals are too dark: white ones of α = 1 return half of the light.
+/// because each further reflection has the factor F̄. Without f₂ rough metals are too dark: white metal of α = 1 returns half of the
+/// light.
 ///
 /// - on both sides of the surface; zero when the directions lie on opposite sides
-/// - sampling: normals in sight, so that weight = F G₂/G₁ ≤ 1; with probability 1 − E(wo) the cosine, for f₂
+/// - sampling: visible normals, so that weight = F G₂/G₁ ≤ 1; with probability 1 − E(wo) cosine-weighted, for f₂
 ///
 /// Source: Walter et al., *Microfacet Models for Refraction* (2007); Heitz (2014); Kulla and Conty (2017) with F₂ as given by
-/// Fdez-Agüera, *A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting* (2019). Tests: tables M1–M9.
+/// Fdez-Agüera, *A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting* (2019). Tests: strong_furnace,
+/// compensated_surfaces_are_white, rough_models_are_proved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughConductor {
+    /// F as a function of the angle.
     pub reflectance: Reflectance,
+    /// The distribution of the facets' normals.
     pub facets: Microfacets,
-    /// Later reflections; `None` follows the first alone.
+    /// The lobe f₂ of further reflections; `None` includes the first reflection only.
     pub more: Option<MultiScatter>,
 }
 
-/// The lobe of light that was reflected more than once.
+/// The lobe f₂ of light that facets reflect more than once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultiScatter {
     losses: &'static EnergyLossTable,
@@ -42,9 +45,9 @@ pub struct MultiScatter {
 }
 
 impl MultiScatter {
-    /// - `mean_fresnel`: F̄, see [`Reflectance::mean`]
+    /// Returns the lobe, or `None` for facets so smooth that no light is lost.
     ///
-    /// `None` for facets so smooth that nothing is lost.
+    /// - `mean_fresnel`: F̄, see [`Reflectance::mean`]
     pub fn new(losses: &'static EnergyLossTable, alpha: Vec2, mean_fresnel: Spectrum) -> Option<MultiScatter> {
         let lost = losses.mean_loss(alpha);
         let strength = mean_fresnel.map(|f| f * f * (1.0 - lost) / ((1.0 - f * lost) * PI * lost));
@@ -52,13 +55,13 @@ impl MultiScatter {
     }
 }
 
-/// The table of white metal.
+/// The table of 1 − E for white metal.
 pub fn losses(domain: Domain, distribution: Distribution) -> &'static EnergyLossTable {
     static CACHE: Cache<Key, EnergyLossTable> = Cache::new();
     CACHE.get((distribution, domain.bits(), 0), || EnergyLossTable::tabulate(domain, distribution, returned))
 }
 
-/// G₂/G₁ of the mirror direction that `u` chooses; 0 where it leads into the surface.
+/// G₂/G₁ of the mirror direction that `u` selects; 0 where it leads below the surface.
 fn returned(facets: &Microfacets, wo: Local, u: Vec2) -> f32 {
     let (wi, _) = facets.mirror_visible(wo, u);
     if wi.cos() > 0.0 { HalfVectorTerms::new(facets, wo, wi).unmasked() } else { 0.0 }
@@ -83,7 +86,7 @@ impl ScatteringModel for RoughConductor {
     fn sample(&self, wo: Local, choice: f32, u: Vec2, _mode: TransportMode) -> Option<BsdfSample> {
         let up = upward(wo);
         let (wi, weight, pdf) = match self.more {
-            // By itself for each distribution: one leaves registers to the other.
+            // One copy for each distribution, so that registers of one are not reserved for the other.
             None => match self.facets.distribution {
                 Distribution::Ggx => self.sample_once(Microfacets { distribution: Distribution::Ggx, ..self.facets }, up, u),
                 Distribution::Beckmann => self.sample_once(Microfacets { distribution: Distribution::Beckmann, ..self.facets }, up, u),
@@ -95,7 +98,7 @@ impl ScatteringModel for RoughConductor {
 }
 
 impl RoughConductor {
-    /// A direction by a facet in sight, its weight F G₂/G₁ and its density; both directions above the surface.
+    /// Samples the reflection at a visible facet. Returns the direction, its weight F G₂/G₁ and its density. `wo` is above the surface.
     #[inline(always)]
     fn sample_once(&self, facets: Microfacets, wo: Local, u: Vec2) -> Option<(Local, Spectrum, SolidAnglePdf)> {
         let (wi, cos2) = facets.mirror_visible(wo, u);
@@ -104,7 +107,7 @@ impl RoughConductor {
         Some((wi, self.reflectance.at_square(cos2) * pair.unmasked(), SolidAnglePdf::new(pair.density())))
     }
 
-    /// The same by a facet or by the lobe of later reflections, and of both together.
+    /// Samples the reflection at a visible facet or the lobe f₂. Returns the direction, and its weight and density for both together.
     fn sample_all(&self, more: MultiScatter, wo: Local, choice: f32, u: Vec2) -> Option<(Local, Spectrum, SolidAnglePdf)> {
         let lost = self.lost(wo);
         let (wi, cos2) = if choice < lost {
@@ -120,7 +123,7 @@ impl RoughConductor {
         Some((wi, f / pdf.get(), pdf))
     }
 
-    /// f₂ |cos θi|.
+    /// f₂ |cos θi| [sr⁻¹].
     ///
     /// - `lost`: see [`RoughConductor::lost`]
     #[inline]
@@ -128,14 +131,14 @@ impl RoughConductor {
         more.strength * (lost * more.losses.loss(wi, self.facets.alpha) * wi.cos())
     }
 
-    /// The chance that the lobe of later reflections is sampled: 1 − E(wo).
+    /// The probability of sampling the lobe f₂: 1 − E(wo).
     #[inline]
     fn lost(&self, wo: Local) -> f32 {
         self.more.map_or(0.0, |m| m.losses.loss(wo, self.facets.alpha))
     }
 }
 
-/// Of `wi`, by a facet in sight or by the lobe of later reflections.
+/// The density of `wi` from visible facets and from the lobe f₂ together.
 #[inline]
 fn density(pair: HalfVectorTerms, wi: Local, lost: f32) -> SolidAnglePdf {
     SolidAnglePdf::new((1.0 - lost) * pair.density() + lost * FRAC_1_PI * wi.cos())

@@ -1,4 +1,4 @@
-//! Frosted glass, ice, ground lenses.
+//! Rough glass: frosted glass, ice.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -9,54 +9,57 @@ use super::microfacet::{Distribution, EnergyLossTable, LerpedTable, Microfacets,
 use super::{BsdfSample, Lobe, ScatteringModel, TransportMode};
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 
-/// A rough interface between two clear media, whose facets reflect and refract.
+/// A rough interface between two clear media, with facets that reflect and refract.
 ///
 /// reflection: f = F(wo·h) D(h) G₂ / (4 |cos θo| |cos θi|),    h half way between wo and wi          [sr⁻¹]
 ///
 /// refraction: f = s (1 − F) D(h) G₂ |wo·h| |wi·h| / (|cos θo| |cos θi| (wo·h/η' + wi·h)²),    h along ±(wo + η' wi)
 ///
-/// with η' the index on the side of wi over that on the side of wo. The last factors are the Jacobian |dh/dwi| with what
-/// belongs to it; s = 1/η'² for radiance, which is spread over a wider or narrower cone behind the interface, and s = 1 for
-/// importance. To both comes f₂, light that met more than one facet (see [`albedo`](super::microfacet::energy_loss)):
+/// with η' the index on the side of wi over that on the side of wo. |wi·h| / (wo·h/η' + wi·h)² is the Jacobian |dh/dwi|. The factor s
+/// is 1/η'² for radiance, because refraction changes the solid angle of the light, and 1 for importance. f₂ is added to both for light
+/// that hits more than one facet (see [`energy_loss`](super::microfacet::energy_loss)):
 ///
 /// f₂ = (1 − x) (1 − E(wo)) (1 − E(wi)) / (π m)  back,    s x (1 − E(wo)) (1 − E'(wi)) / (π m')  through
 ///
-/// x is 1 − F̄ from the rarer side, where F̄ = 2 ∫ F μ dμ, and from the denser one what reciprocity makes of that, x m / (m' n²).
+/// E' and m' are those of the other side. For light from the rarer side x is 1 − F̄, with F̄ = 2 ∫ F μ dμ. For light from the denser side
+/// reciprocity gives x m / (m' n²), with x and m of the rarer side, m' of the denser one and n their ratio of indices, above 1.
 ///
 /// - `eta`: index of refraction inside (below the surface) over outside (where the normal points)
-/// - sampling: normals in sight; there, reflection with probability F, so that weight = colour · G₂/G₁ (· s);
-///   with probability 1 − E(wo) the cosine on either side, for f₂
+/// - sampling: visible normals, and reflection there with probability F, so that weight = colour · G₂/G₁ (· s);
+///   with probability 1 − E(wo) cosine-weighted on either side, for f₂
 ///
 /// Source: Walter et al., *Microfacet Models for Refraction through Rough Surfaces* (2007); Kulla and Conty (2017).
-/// Tests: tables M5, M7–M9, radiance_is_compressed_and_restored.
+/// Tests: glass_furnace, compensated_surfaces_are_white, rough_models_are_proved, radiance_is_compressed_and_restored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
+    /// η, the index of refraction inside over outside.
     pub eta: f32,
-    /// Multiplies what passes or is reflected, at every interface: [0, 1]. Physical glass has 1.
+    /// The factor of all reflected and transmitted light: [0, 1]. Physical glass has 1.
     pub color: Spectrum,
+    /// The distribution of the facets' normals.
     pub facets: Microfacets,
-    /// Later encounters; `None` follows the first alone.
+    /// The lobes f₂ of further hits; `None` includes the first hit only.
     pub more: Option<MultiScatter>,
 }
 
-/// The lobes of light that met more than one facet.
+/// The lobes f₂ of light that hits more than one facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MultiScatter {
     losses: LerpedTable<Losses>,
-    /// m outside and inside.
+    /// m for light from outside and from inside.
     mean: [f32; 2],
-    /// x from outside and from inside.
+    /// x for light from outside and from inside.
     through: [f32; 2],
 }
 
-/// The tables of 1 − E for light from outside and from inside, and F̄ from the rarer side.
+/// The tables of 1 − E for light from outside and from inside, and F̄ for light from the rarer side.
 #[derive(Debug, PartialEq)]
 pub struct Losses {
     sides: [EnergyLossTable; 2],
     mean_fresnel: f32,
 }
 
-/// The tables of clear glass.
+/// The tables of 1 − E for clear glass.
 pub fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Losses {
     static CACHE: Cache<Key, Losses> = Cache::new();
     CACHE.get((distribution, domain.bits(), eta.to_bits()), || {
@@ -65,14 +68,14 @@ pub fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static 
     })
 }
 
-/// F̄ of light that comes from the rarer side.
+/// F̄ for light from the rarer side.
 fn mean_reflectance(eta: f32) -> f32 {
     const STEPS: usize = 64;
     let at = |i: usize| (i as f32 + 0.5) / STEPS as f32;
     (0..STEPS).map(|i| fresnel::dielectric(at(i), eta) * (2.0 * at(i) / STEPS as f32)).sum()
 }
 
-/// What a facet in sight returns of white light, masked on its way out.
+/// The share of white light that the visible facet selected by `u` reflects and transmits without masking.
 fn returned(facets: &Microfacets, eta: f32, wo: Local, u: Vec2) -> f32 {
     let h = facets.sample_visible(wo, u);
     let cos = wo.0.dot(h.0);
@@ -83,29 +86,30 @@ fn returned(facets: &Microfacets, eta: f32, wo: Local, u: Vec2) -> f32 {
     back + through.map_or(0.0, |wi| (1.0 - reflectance) * unmasked(facets, wo, wi))
 }
 
-/// G₂/G₁
+/// G₂/G₁, the share of the light from a visible facet that is not masked on its way out.
 fn unmasked(facets: &Microfacets, wo: Local, wi: Local) -> f32 {
     let (o, i) = (wo.abs_cos(), wi.abs_cos());
     let (across_o, across_i) = (facets.projected_area(upward(wo)), facets.projected_area(upward(wi)));
     (o + across_o) / (o * (across_i / i) + across_o)
 }
 
-/// `wo` refracted at a facet; `None` under total reflection.
+/// The direction of `wo` refracted at a facet; `None` under total reflection.
 fn refracted(wo: Local, h: Local, eta: f32) -> Option<Local> {
     let cos = wo.0.dot(h.0);
     let n = if wo.cos() < 0.0 { 1.0 / eta } else { eta };
-    // sin² by the part across the facet: the cosine has no digits left of a small angle.
+    // sin² from the part along the facet: 1 − cos² would cancel for small angles.
     let across = (wo.0 - cos * h.0) / n;
     let sin2 = across.length_squared();
     (sin2 < 1.0).then(|| Local((-across - h.0 * (1.0 - sin2).sqrt().copysign(cos)).normalize()))
 }
 
-/// What a pair of directions has in common, whichever way the light goes.
+/// Terms of a pair of directions at a facet that are equal for light in both directions.
 struct Meeting {
+    /// The normal of the facet.
     h: Local,
     /// F at the facet.
     reflectance: f32,
-    /// What D(h) is multiplied by for the density of `wi` from visible normals, without G₁/|cos θo| and Fresnel.
+    /// The factor of D(h) in the density of `wi` from visible normals, without G₁/|cos θo| and Fresnel's factor.
     jacobian: f32,
 }
 
@@ -140,14 +144,14 @@ impl ScatteringModel for RoughDielectric {
 }
 
 impl RoughDielectric {
-    /// `None` for an interface that bends light by less than f32 can tell: it is as good as smooth.
+    /// Whether the interface bends light by more than f32 directions can resolve. Otherwise it counts as smooth.
     ///
-    /// Slopes of α turn the light that passes by about α |η − 1|.
+    /// Facets of slope α deflect transmitted light by about α |η − 1|.
     pub fn is_rough(eta: f32, alpha: Vec2) -> bool {
         alpha.max_element() * (eta - 1.0).abs() >= super::microfacet::MIN_ALPHA
     }
 
-    /// Mirrored or refracted at a facet in sight; `None` where that leads to the wrong side of the surface.
+    /// Samples the reflection or refraction at a visible facet; `None` where it leads to the wrong side of the surface.
     fn at_a_facet(&self, wo: Local, choice: f32, u: Vec2) -> Option<Local> {
         let seen = self.facets.sample_visible(upward(wo), u);
         let h = Local(seen.0.with_z(seen.cos() * 1f32.copysign(wo.cos())));
@@ -159,7 +163,7 @@ impl RoughDielectric {
         }
     }
 
-    /// f·|cos θi| without the colour, and the density of `wi`.
+    /// f·|cos θi| without the colour, and the density of `wi`, including f₂.
     fn both(&self, wo: Local, wi: Local, mode: TransportMode) -> Option<(f32, SolidAnglePdf)> {
         if wo.cos() * wi.cos() == 0.0 {
             return None;
@@ -186,14 +190,14 @@ impl RoughDielectric {
     }
 
     fn refraction(&self, wo: Local, wi: Local) -> Option<(f32, f32)> {
-        // Of the direction outside and the one inside, whichever comes first: the same numbers both ways.
+        // The order is by side and not by wo and wi, so that both directions of the light give the same numbers.
         let (outside, inside) = if wo.cos() > 0.0 { (wo, wi) } else { (wi, wo) };
         let (h, length) = upward_normal(outside.0 + inside.0 * self.eta)?;
         let (cos_outside, cos_inside) = (outside.0.dot(h.0), inside.0.dot(h.0));
         if cos_outside <= 0.0 || cos_inside >= 0.0 {
             return None;
         }
-        // Fresnel's equations from the rarer side, where they are not steep.
+        // Fresnel's equations from the rarer side, where they are less steep.
         let reflectance =
             if self.eta > 1.0 { fresnel::dielectric(cos_outside, self.eta) } else { fresnel::dielectric(cos_inside, self.eta) };
         // n² |wi·h| / (wo·h + n wi·h)², with n the index on the side of wi; the sum is the length of the vector along h.
@@ -202,7 +206,7 @@ impl RoughDielectric {
         Some(self.by(wo, wi, Meeting { h, reflectance, jacobian }, false))
     }
 
-    /// f·|cos θi| for importance and the density of `wi`, at the facets with normal h.
+    /// f·|cos θi| for importance and the density of `wi`, from the facets with the normal h.
     fn by(&self, wo: Local, wi: Local, at: Meeting, reflects: bool) -> (f32, f32) {
         let share = if reflects { at.reflectance } else { 1.0 - at.reflectance };
         let (o, across) = (wo.abs_cos(), self.facets.projected_area(upward(wo)));
@@ -211,7 +215,7 @@ impl RoughDielectric {
         (pdf * unmasked(&self.facets, wo, wi), pdf)
     }
 
-    /// 1 − E(wo), and the share of it that goes through.
+    /// 1 − E(wo), and the share x of it that is transmitted.
     fn lost(&self, wo: Local) -> (f32, f32) {
         let side = usize::from(wo.cos() < 0.0);
         self.more.map_or((0.0, 0.0), |m| (m.loss(side, wo, self.facets.alpha), m.through[side]))
@@ -223,7 +227,7 @@ impl RoughDielectric {
 }
 
 impl MultiScatter {
-    /// `None` for facets so smooth that nothing is lost.
+    /// Returns the lobes, or `None` for facets so smooth that no light is lost.
     pub fn new(losses: LerpedTable<Losses>, alpha: Vec2, eta: f32) -> Option<MultiScatter> {
         let mean = [0, 1].map(|side: usize| losses.value(|table| table.sides[side].mean_loss(alpha)));
         let mean_fresnel = losses.value(|table| table.mean_fresnel);
@@ -234,7 +238,7 @@ impl MultiScatter {
         (mean.iter().chain(&through).all(|x| x.is_finite() && *x > 0.0)).then_some(MultiScatter { losses, mean, through })
     }
 
-    /// 1 − E(w), for light from a side.
+    /// 1 − E(w) for light from a side: 0 is outside, 1 inside.
     fn loss(&self, side: usize, w: Local, alpha: Vec2) -> f32 {
         self.losses.value(|table| table.sides[side].loss(w, alpha))
     }

@@ -1,4 +1,4 @@
-//! What a surface wears: a material, the fine shape of its surface, and where it is there at all.
+//! The material of a surface with its normal or bump map and its opacity.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -10,37 +10,49 @@ use crate::math::Frame;
 use crate::shape::{SurfacePoint, bent};
 use crate::texture::{Number, Product, Texture};
 
-/// A material with what belongs to a place on a surface, not to how light is scattered there.
+/// A material with the properties that belong to the surface and not to scattering: a normal modifier and opacity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceMaterial {
+    /// How the surface scatters light.
     pub material: Material,
+    /// The normal or bump map.
     pub normal_modifier: Option<NormalModifier>,
-    /// The share of rays that meet the surface, from 0 to 1; the others go on as if it were not there.
+    /// The share of rays that hit the surface, from 0 to 1. The others continue as if it were not there.
     pub opacity: Option<Texture>,
 }
 
-/// Shape too fine for triangles: it turns normals, and moves no points.
+/// A normal or bump map: it changes shading normals, and moves no points.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalModifier {
-    /// n ∝ s (2 r − 1) t + s (2 g − 1) b + (2 b − 1) n₀, of a picture's red, green and blue, along the texture coordinates.
-    NormalMap { map: Texture, strength: Number },
-    /// n ∝ n₀ − ∇ₛ h, of heights h = scale · texture (m) above the surface.
-    BumpMap { map: Texture, scale: Number },
+    /// n ∝ s (2 r − 1) t + s (2 g − 1) b + (2 b − 1) n₀, with red r, green g and blue b of the map, along the texture coordinates.
+    NormalMap {
+        /// The normals as colours, with components from 0 to 1.
+        map: Texture,
+        /// s, the factor of the tangential part.
+        strength: Number,
+    },
+    /// n ∝ n₀ − ∇ₛ h, with heights h = scale · map (m) above the surface.
+    BumpMap {
+        /// The heights, from 0 to 1.
+        map: Texture,
+        /// The height of 1 (m).
+        scale: Number,
+    },
 }
 
-/// Texture coordinates are moved by this for the slope of heights: half a pixel of a picture of 1024.
+/// The step of texture coordinates in the differences of heights: half a pixel of a picture 1024 pixels wide.
 const STEP: f32 = 1.0 / 2048.0;
 
-/// Normals are not turned further away from the surface's own, and from the viewer, than to this cosine.
+/// The smallest cosine between a modified normal and the surface's own normal, and between it and the view direction.
 const LEAST_COS: f32 = 1.0 / 64.0;
 
 impl NormalModifier {
-    /// The turned normal at a point, as seen from `wo`.
+    /// The modified normal at a point, as seen from `wo`.
     ///
     /// - `tangents`: ∂p/∂u, ∂p/∂v (m)
     ///
-    /// What turns below the surface, or away from the viewer, cannot be seen, and would be black: there the normal is bent back,
-    /// towards the surface's own and then towards `wo`. A bent normal lights the point as the map does not say.
+    /// A normal that points below the surface, or away from the viewer, would make the point black. It is bent back, towards the
+    /// surface's own normal and then towards `wo`, so that the shading there differs from that of the map.
     ///
     /// Tests: mapped_planes_are_lit_as_by_quadrature, turned_normals_are_seen.
     pub fn normal(&self, point: &SurfacePoint, tangents: [Vec3; 2], wo: Vec3) -> Vec3 {
@@ -49,7 +61,7 @@ impl NormalModifier {
             NormalModifier::BumpMap { map, scale } => sloped(map, scale, point, tangents),
         };
         let normal = turned.and_then(Vec3::try_normalize).map_or(point.ns, |n| bent(n, point.ng, LEAST_COS));
-        // Of the side that is looked at.
+        // The direction to the viewer, or its opposite where the viewer is behind the surface.
         let seen = if point.ng.dot(wo) < 0.0 { -wo } else { wo };
         bent(normal, seen, LEAST_COS)
     }
@@ -73,17 +85,19 @@ impl NormalModifier {
 
 fn mapped(map: &Texture, strength: f32, point: &SurfacePoint, [du, dv]: [Vec3; 2]) -> Option<Vec3> {
     let frame = Frame::along(point.ns, du)?;
-    // Pictures are mirrored where their coordinates are.
+    // A mirrored parametrization mirrors the map.
     let hand = 1f32.copysign(frame.y.dot(dv));
     let [x, y, z] = map.at(point).to_array().map(|c| 2.0 * c - 1.0);
     Some(frame.x * (strength * x) + frame.y * (strength * y * hand) + frame.z * z)
 }
 
-/// ∇ₛ h = (h_u (∂p/∂v × n) + h_v (n × ∂p/∂u)) / (n · (∂p/∂u × ∂p/∂v)), by differences across the point.
+/// The normal n − ∇ₛ h of a bump map, normalized.
+///
+/// ∇ₛ h = (h_u (∂p/∂v × n) + h_v (n × ∂p/∂u)) / (n · (∂p/∂u × ∂p/∂v)), with central differences h_u and h_v.
 ///
 /// Source: Mikkelsen, *Bump Mapping Unparametrized Surfaces on the GPU* (2010).
 fn sloped(map: &Texture, scale: &Number, point: &SurfacePoint, [du, dv]: [Vec3; 2]) -> Option<Vec3> {
-    // In f64, where no slope of f32 heights is too steep to be normalized.
+    // f64, because steep slopes of f32 heights would overflow in the normalization.
     let height = |uv: Vec2| {
         let p = point.p + du * uv.x + dv * uv.y;
         let moved = SurfacePoint { p, uv: point.uv + uv, ..*point };
@@ -97,12 +111,12 @@ fn sloped(map: &Texture, scale: &Number, point: &SurfacePoint, [du, dv]: [Vec3; 
 }
 
 impl SurfaceMaterial {
-    /// Whether it matters where the axes of the surface point.
+    /// Whether shading depends on the directions of the surface's tangents.
     pub fn needs_tangents(&self) -> bool {
         self.normal_modifier.is_some() || self.material.is_anisotropic()
     }
 
-    /// What simulating it takes.
+    /// The effects that simulating the surface needs.
     pub fn effects(&self) -> Effects {
         let textured = |texture: &Texture| if texture.is_constant() { Effects::NONE } else { Effects::TEXTURES };
         let normal_modifier = self.normal_modifier.as_ref().map_or(Effects::NONE, |normal_modifier| {
@@ -112,7 +126,7 @@ impl SurfaceMaterial {
         self.material.effects() | normal_modifier | opacity
     }
 
-    /// The same skin after the world has moved by −`origin`.
+    /// The surface material after the world has been moved by −`origin`.
     pub fn recentred(self, origin: DVec3) -> SurfaceMaterial {
         let normal_modifier = self.normal_modifier.map(|normal_modifier| normal_modifier.recentred(origin));
         let opacity = self.opacity.map(|opacity| opacity.recentred(origin));
@@ -126,7 +140,7 @@ impl From<Material> for SurfaceMaterial {
     }
 }
 
-/// As a scene file says it.
+/// The descriptions in a scene file.
 pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
@@ -134,35 +148,35 @@ pub mod described {
     use crate::bsdf::description::MaterialRef;
     use crate::format::{Real, Textured, Varying};
 
-    /// A relief too fine for triangles: it turns normals, and moves no points. A normal that points below the surface, or away from the
-    /// viewer, is bent back until its cosine to the surface's own normal, then to the viewer, is 1/64: what is seen of it along the
-    /// surface is lit a little differently than the map says. Where texture coordinates span no area there is no relief. Not within
-    /// other materials.
+    /// A normal map or bump map: it changes shading normals, and moves no points. A normal that points below the surface, or away from
+    /// the viewer, is bent back until its cosine to the surface's own normal, and then to the viewer, is 1/64. At grazing view the
+    /// shading therefore differs a little from the map. The map has no effect where texture coordinates are degenerate. Not within other
+    /// materials.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct Bumped {
-        /// What is bumped.
+        /// The material of the surface.
         pub surface: MaterialRef,
-        /// A picture of normals: red, green and blue from 0 to 1 are −1 to 1 along u, along v (up), and out. Read as linear unless
-        /// its `encoding` says otherwise.
+        /// A picture of normals: red, green and blue from 0 to 1 mean −1 to 1 along u, along v (up) and along the normal. It is read as
+        /// linear unless its `encoding` says otherwise.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub normal_map: Option<Textured>,
-        /// In its place, heights.
+        /// A texture of heights, in place of `normal_map`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub bump_map: Option<Textured>,
-        /// The height of white above black (m); with `normal_map`, the strength of the relief.
+        /// The height of white above black (m); with `normal_map`, a factor of the slope.
         #[serde(default = "one")]
         pub scale: Varying<Real>,
     }
 
-    /// A surface with holes: leaves, lace, a fence on one quad. Light of all kinds goes through them, shadow rays too; through 4096
-    /// on one line, then it is stopped. Not within other materials, and not on what emits.
+    /// A surface with holes: leaves, lace, a fence on one quad. Rays pass through the holes, shadow rays too. A ray passes through at
+    /// most 4096 of them and is then blocked. Not within other materials, and not on shapes that emit.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct Masked {
-        /// What has holes.
+        /// The material of the surface.
         pub surface: MaterialRef,
-        /// The share of rays that meet the surface: 0 is a hole. (Of a colour, the mean.)
+        /// The share of rays that hit the surface: 0 is a hole. A colour counts by its mean.
         pub opacity: Textured,
     }
 
@@ -186,7 +200,7 @@ impl Description for described::Bumped {
         if either { vec![] } else { vec![("", "a bumped material needs either \"normal_map\" or \"bump_map\"")] }
     }
 
-    /// A scene that puts it within another material is refused when it is checked.
+    /// A placeholder: a scene with this material within another one is refused when it is checked.
     fn prepare(&self, _builder: &mut dyn Prepare) -> Material {
         Material::diffuse(0.0)
     }
@@ -210,7 +224,7 @@ impl Description for described::Masked {
         vec![("surface", &self.surface)]
     }
 
-    /// A scene that puts it within another material is refused when it is checked.
+    /// A placeholder: a scene with this material within another one is refused when it is checked.
     fn prepare(&self, _builder: &mut dyn Prepare) -> Material {
         Material::diffuse(0.0)
     }

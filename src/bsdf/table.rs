@@ -1,15 +1,15 @@
-//! The table of materials: from one row for each come the types that scene files are read into, that worlds hold, and that scatter.
+//! The table of materials. From one row for each material it makes the types for scene files, for built worlds, and for hits.
 
 use super::description::Description;
 use super::parameter::Lookup;
 use super::*;
 
-/// Makes three enums of the rows `Model = file`.
+/// Makes three enums from the rows `Model = file`: `described::Material`, [`Material`] and [`Bsdf`].
 ///
-/// - `plain`: models that [`parameters!`](super::parameter) describes; the name of the file is the `type` in scene files
-/// - `prepared`: models that prepare tables, or choose among several at a point; they describe themselves
-/// - `chosen`: the further models that these choose, with the name that they go by
-/// - `compound`: materials made of others, and what lies around all others; they are descriptions alone
+/// - `plain`: models that [`parameters!`](super::parameter) defines; the name of the file is the `type` in scene files
+/// - `prepared`: models that compute tables, or select one of several models at a point; their files implement all stages
+/// - `chosen`: further models that `prepared` ones select, with the `type` that they belong to
+/// - `compound`: materials made of others, and those around all others; they are only descriptions
 macro_rules! materials {
     (
         plain { $($plain:ident = $plain_file:ident,)+ }
@@ -25,10 +25,11 @@ macro_rules! materials {
             use crate::reader::by_type;
             $(pub use crate::bsdf::$plain_file::described::*;)+
             $(pub use crate::bsdf::$own_file::described::*;)+
-            // (One file describes two of them.)
+            // (One file describes two of these materials, so that its second import is unused.)
             $(#[allow(unused_imports)] pub use crate::bsdf::$($compound_file)::+::described::*;)+
 
             /// How a surface reflects and transmits light.
+            #[allow(missing_docs, reason = "a variant's meaning is that of its struct, whose text the schema takes")]
             #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
             #[serde(tag = "type", rename_all = "snake_case")]
             pub enum Material {
@@ -45,7 +46,7 @@ macro_rules! materials {
         }
 
         impl described::Material {
-            /// The description itself.
+            /// The description of the model.
             pub fn description(&self) -> &dyn Description {
                 match self {
                     $(described::Material::$plain(m) => m,)+
@@ -54,7 +55,7 @@ macro_rules! materials {
                 }
             }
 
-            /// The `type` that scene files call it by.
+            /// The `type` of the material in scene files.
             pub fn kind(&self) -> &'static str {
                 match self {
                     $(described::Material::$plain(_) => stringify!($plain_file),)+
@@ -64,18 +65,19 @@ macro_rules! materials {
             }
         }
 
-        /// Models with their textures.
+        /// The models with their textures.
         pub mod textured {
             $(pub use crate::bsdf::$plain_file::textured::*;)+
             $(pub use crate::bsdf::$own_file::textured::*;)+
         }
 
-        /// A model with textures for parameters, or a compound of such; [`Material::bsdf_at`] looks them up.
+        /// A material with its textures: one model, or a compound. [`Material::bsdf_at`] looks up the parameters at a hit.
+        #[allow(missing_docs, reason = "a variant's meaning is that of its model")]
         #[derive(Clone, Debug, PartialEq)]
         pub enum Material {
             $($plain(textured::$plain),)+
             $($own(textured::$own),)+
-            /// Made of other materials.
+            /// A material made of others.
             Compound(Box<Compound>),
         }
 
@@ -91,7 +93,7 @@ macro_rules! materials {
         })+
 
         impl Material {
-            /// The model at a point.
+            /// The model at a hit.
             #[inline]
             pub fn bsdf_at(&self, at: &HitContext) -> Bsdf<'_> {
                 match self {
@@ -101,7 +103,7 @@ macro_rules! materials {
                 }
             }
 
-            /// The model that a material is everywhere, if it is; to be looked up once.
+            /// The model, if it is the same everywhere, so that it needs to be looked up only once.
             pub fn uniform(&self) -> Option<Bsdf<'static>> {
                 match self {
                     $(Material::$plain(m) => m.is_uniform().then(|| Bsdf::$plain(m.at(&HitContext::ANYWHERE))),)+
@@ -110,7 +112,7 @@ macro_rules! materials {
                 }
             }
 
-            /// The same material after the world has moved by −`origin`.
+            /// The material after the world has been moved by −`origin`.
             pub fn recentred(self, origin: glam::DVec3) -> Material {
                 match self {
                     $(Material::$plain(m) => m.recentred(origin).into(),)+
@@ -119,7 +121,7 @@ macro_rules! materials {
                 }
             }
 
-            /// Whether it matters where the axes of the surface point.
+            /// Whether scattering depends on the directions of the surface's tangents.
             pub fn is_anisotropic(&self) -> bool {
                 match self {
                     $(Material::$plain(m) => m.is_anisotropic(),)+
@@ -128,7 +130,7 @@ macro_rules! materials {
                 }
             }
 
-            /// What becomes of light that goes on behind the surface.
+            /// Whether light passes through the surface, and what is behind it.
             pub fn passage(&self) -> Passage {
                 match self {
                     $(Material::$plain(m) => m.passage(),)+
@@ -137,7 +139,7 @@ macro_rules! materials {
                 }
             }
 
-            /// What simulating this material takes.
+            /// The effects that simulating this material needs.
             pub fn effects(&self) -> Effects {
                 match self {
                     $(Material::$plain(m) => m.effects() | m.texture_effects(),)+
@@ -147,7 +149,8 @@ macro_rules! materials {
             }
         }
 
-        /// A scattering model at one point, its parameters looked up.
+        /// A scattering model at a hit, with numbers for parameters.
+        #[allow(missing_docs, reason = "a variant's meaning is that of its model")]
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Bsdf<'a> {
             $($plain($plain),)+
@@ -156,9 +159,9 @@ macro_rules! materials {
             Compound(CompoundAt<'a>),
         }
 
-        // What is long is out of line in the models: in here it would cost the short models stack and saved registers.
+        // Long functions are not inlined from the models: here they would cost the short models stack space and saved registers.
         impl Bsdf<'_> {
-            /// f(wo, wi)·|cos θi|; 0 for delta lobes.
+            /// f(wo, wi)·|cos θi| [sr⁻¹]; 0 for delta lobes.
             #[inline]
             pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
                 match self {
@@ -169,7 +172,7 @@ macro_rules! materials {
                 }
             }
 
-            /// The density with which [`Bsdf::sample`] returns `wi`; 0 for delta lobes.
+            /// Probability density with which [`Bsdf::sample`] returns `wi` [sr⁻¹]; 0 for delta lobes.
             #[inline]
             pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
                 match self {
@@ -180,9 +183,9 @@ macro_rules! materials {
                 }
             }
 
-            /// A direction for `wo`, from the uniform numbers `choice` (which lobe) and `u` (where in it).
+            /// Samples a direction for `wo` with uniform numbers: `choice` selects a lobe, `u` a direction in it.
             ///
-            /// `None` where nothing is scattered.
+            /// Returns `None` where nothing is scattered.
             #[inline]
             pub fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
                 match self {
@@ -193,7 +196,7 @@ macro_rules! materials {
                 }
             }
 
-            /// The single directions into which a share of the light goes, with that share as weight.
+            /// The delta lobes for `wo`: single directions with their share of the light as weight.
             #[inline]
             pub fn delta_lobes(&self, wo: Local, mode: TransportMode) -> impl Iterator<Item = BsdfSample> + use<> {
                 let lobes = match self {
@@ -205,7 +208,7 @@ macro_rules! materials {
                 DeltaLobes::from(lobes).0.into_iter()
             }
 
-            /// Whether there is anything that [`Bsdf::eval`] sees.
+            /// Whether [`Bsdf::eval`] is not 0 everywhere.
             #[inline]
             pub fn has_smooth_lobe(&self) -> bool {
                 match self {
@@ -216,7 +219,7 @@ macro_rules! materials {
                 }
             }
 
-            /// Whether f(wo, wi) = f(wi, wo) (transmission: up to η²); `false` is a fact of the model, stated, not a bug.
+            /// Whether f(wo, wi) = f(wi, wo), up to the factor η² for transmission. Some models are not reciprocal by definition.
             pub fn reciprocal(&self) -> bool {
                 match self {
                     $(Bsdf::$plain(b) => b.reciprocal(),)+
@@ -226,7 +229,7 @@ macro_rules! materials {
                 }
             }
 
-            /// What materials of this model are called in scene files.
+            /// The `type` of materials with this model in scene files.
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Bsdf::$plain(_) => stringify!($plain_file),)+

@@ -1,4 +1,4 @@
-//! A pane of glass, a soap film: both faces at once.
+//! A thin pane of glass or a soap film, with both faces in one surface.
 
 use glam::Vec2;
 
@@ -8,22 +8,23 @@ use crate::effects::Effects;
 use crate::format::{Index, Textured, Varying};
 use crate::math::{Density, Local, Spectrum, fresnel};
 
-/// A plate so thin that its two faces are one surface, with all reflections between them.
+/// A thin plate as one surface, with all reflections between its two faces.
 ///
 /// R' = R + T² R (1 + R² + R⁴ + …) = 2 R / (1 + R),    T' = 1 − R'
 ///
 /// f(wo, wi) = R' δ(wi − reflect(wo)) / |cos θi|  +  T' δ(wi + wo) / |cos θi|
 ///
-/// with Fresnel's R(cos θo; η) at one face. Light goes on in its direction; the plate has no inside, and both sides are alike.
+/// with Fresnel's R(cos θo; η) at one face. Transmitted light keeps its direction. The plate has no inside, and both sides are alike.
 ///
-/// - `eta`: index of refraction of the plate over that around it
+/// - `eta`: index of refraction of the plate over that of its surroundings
 /// - sampling: reflection with probability R', so that weight = colour
 ///
-/// Source: Born and Wolf, *Principles of Optics*, §1.6.4, without interference. Tests: thin_plate, furnace.
+/// Source: Born and Wolf, *Principles of Optics*, §1.6.4, without interference. Tests: thin_plate, own_models_are_proved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinDielectric {
+    /// η, the index of refraction of the plate over that of its surroundings.
     pub eta: f32,
-    /// Multiplies what passes or is reflected: [0, 1]. Clear glass has 1.
+    /// The factor of all reflected and transmitted light: [0, 1]. Clear glass has 1.
     pub color: Spectrum,
 }
 
@@ -47,7 +48,7 @@ impl ScatteringModel for ThinDielectric {
 }
 
 impl ThinDielectric {
-    /// R'; `None` where nothing is scattered.
+    /// R', the reflectance of both faces; `None` where nothing is scattered.
     fn reflectance(&self, wo: Local) -> Option<f32> {
         let once = fresnel::dielectric(wo.abs_cos(), self.eta);
         (wo.cos() != 0.0 && !self.color.is_black()).then_some(2.0 * once / (1.0 + once))
@@ -63,15 +64,15 @@ impl ThinDielectric {
 }
 
 parameters! {
-    /// A pane or a bubble as one surface without thickness: both faces and all reflections between them. Light passes straight.
+    /// A pane or a bubble as one surface without thickness, with all reflections between its faces. Transmitted light goes straight on.
     ThinDielectric {
-        /// Index of refraction of the pane divided by that around it.
+        /// The index of refraction of the pane divided by that of its surroundings.
         eta: Number<Index> = Varying::Same(Index::known(1.5)),
-        /// Light that passes or is reflected is multiplied by this once.
+        /// A factor of all reflected and transmitted light, which counts once for both faces.
         color: Color = Textured::white(),
     }
 
-    /// Light passes unbent, and yet the index of refraction matters.
+    /// The effects of glass: light is not bent, but the index of refraction matters.
     fn effects(&self) -> Effects {
         Effects::REFRACTION | Effects::SPECULAR_REFLECTION
     }

@@ -229,7 +229,7 @@ impl Builder<'_> {
         Emitter { emission: Emission { radiance: illuminant(&described.radiance), two_sided: described.two_sided }, texture }
     }
 
-    /// Places a shape with its centre at `center` in its own space.
+    /// Places a shape whose centre is at the origin: moves it to `center`, then applies `to_world`.
     fn place_at(
         &mut self,
         pointer: &str,
@@ -259,7 +259,7 @@ fn rgb<T: Copy + Into<f64>>(color: &Color<T>) -> Rgb {
     Rgb::from_f64(color.linear())
 }
 
-/// The spectrum of light by its colour.
+/// Converts the colour of a light to its spectrum.
 fn illuminant<T: Copy + Into<f64>>(color: &Color<T>) -> Spectrum {
     Spectrum::from_illuminant(rgb(color))
 }

@@ -41,13 +41,14 @@ fn lost(bounds: &[Aabb]) -> Option<(usize, String)> {
 /// A closed surface with an inside: one shape, or several shapes of one material.
 #[derive(Default)]
 struct Body {
-    /// The index of the first of its shapes.
+    /// The index of the body's first shape.
     shape: usize,
     /// The surface area (m²).
     area: f64,
     /// The integral of the normal over the surface (m²). It is 0 for a closed surface, and for the two faces of a plate without rims.
     vector_area: DVec3,
-    /// The enclosed volume (m³); for a plate without rims a third of it.
+    /// The integral ∫ (p − c)·n dA / 3 (m³). It is the enclosed volume of a closed surface, and a third of the volume between the
+    /// two faces of a plate without rims.
     volume: f64,
     /// The integral over the surface of the offset at which rays start (m³).
     offset: f64,
@@ -58,7 +59,8 @@ impl Body {
         self.vector_area.length() < 1e-3 * self.area
     }
 
-    /// Returns 2 V / A, the thickness of a plate (m). For a curved shape that is the shortest side of its bounding box.
+    /// Returns 2 V / A (m), which is the thickness of a plate. [`measured`] sets V and A of a curved shape so that the result is the
+    /// shortest side of its bounding box.
     fn thickness(&self) -> f64 {
         2.0 * self.volume.abs() / self.area
     }

@@ -23,7 +23,7 @@ pub struct ConvertArgs {
 /// Writes the scene, and the files that came with it into a folder beside it.
 ///
 /// # Errors
-/// As [`load`]: a scene that cannot be rendered is not written. `Usage` if a scene would be overwritten; `Io`.
+/// The errors of [`load`], because a scene that cannot be rendered is not written; `Usage` if a scene would be overwritten; `Io`.
 pub fn convert(args: &ConvertArgs, tables: &[&[Entry]]) -> Result<()> {
     let to = &args.output;
     let loaded = load(&args.scene, &[], None, tables)?;

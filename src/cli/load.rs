@@ -171,7 +171,7 @@ fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
 /// Reads the tree of the scene and applies overrides.
 ///
 /// # Errors
-/// The errors of [`import_with`], and `Usage` for overrides without a place.
+/// The errors of [`import_with`], and `Usage` for overrides of a value that the scene cannot have.
 pub fn imported(scene: &SceneArgs, more: &[Override]) -> Result<Imported> {
     import_with(scene.path()?, scene.allow_outside, scene.auto_camera(), |root, file| {
         apply_overrides(root, scene, more).map_err(|refusal| scene_faults_or(refusal, root, file))
@@ -183,7 +183,7 @@ fn apply_overrides(root: &mut Node, scene: &SceneArgs, more: &[Override]) -> Res
     more.iter().try_for_each(|flag| root.set_by(&flag.words, flag.pointer, &flag.value))
 }
 
-/// Error for an override without a place: if the scene itself is invalid, its faults are reported instead.
+/// Error for an override of a value that the scene cannot have. If the scene itself is invalid, its faults are reported instead.
 fn scene_faults_or(refusal: Error, root: &Node, file: &str) -> Error {
     match describe::read(root, file) {
         Err(wrong @ Error::Invalid(_)) => wrong,

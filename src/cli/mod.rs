@@ -58,6 +58,7 @@ use verify::VerifyArgs;
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
 
 /// A physically based renderer that shows what accuracy costs in time.
+#[allow(missing_docs, reason = "clap would print documentation of these as help")]
 #[derive(Parser, Debug)]
 #[command(name = "pt", version = VERSION, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct CommandLine {
@@ -73,6 +74,7 @@ pub struct CommandLine {
     pub quiet: bool,
 }
 
+#[allow(missing_docs, reason = "clap would print documentation of these as help")]
 #[derive(Subcommand, Debug)]
 pub enum Command {
     /// Validate a scene without rendering; list what it contains and which effects it needs.

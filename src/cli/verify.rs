@@ -56,7 +56,7 @@ const SCRAMBLINGS: u32 = 16;
 struct Side {
     name: String,
     image: Image,
-    /// n for a mean with n − 1 degrees of freedom.
+    /// Number n of independent values behind each mean; its variance has n − 1 degrees of freedom.
     samples: u64,
 }
 

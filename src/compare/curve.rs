@@ -91,7 +91,7 @@ fn one(pictures: &[Image], mean: &Image) -> Image {
 /// with room for heavy tails.
 const SURE: f64 = 4.0;
 
-/// √relMSE that more samples do not remove, with its standard error; `None` if noise explains the difference.
+/// Relative error √relMSE that more samples do not remove, with its standard error; `None` if noise explains the difference.
 ///
 /// ```text
 /// b² = 1/3P Σ ((x̄ − r)² − u) / (r² + ε),   u = v_x̄ + v_r
@@ -119,7 +119,7 @@ fn bias(image: &Image, reference: &Image) -> Option<(f64, f64)> {
     (square > SURE * error && square > 0.0).then(|| (square.sqrt(), 0.5 * error / square.sqrt()))
 }
 
-/// −d ln relMSE / d ln seconds of one replicate, by least squares over its last five checkpoints.
+/// Slope −d ln relMSE / d ln seconds of one replicate, by least squares over its last five checkpoints.
 fn slope(of: &[&Measurement]) -> Option<f64> {
     let usable: Vec<(f64, f64)> = of.iter().rev().take(5).filter(|m| m.relmse > 0.0).map(|m| (m.seconds.ln(), m.relmse.ln())).collect();
     if usable.len() < 3 {
@@ -228,7 +228,7 @@ mod tests {
         assert!(Replicates::of(&history(0, 0.04, 1.0, 2), slope).is_none(), "two checkpoints tell no slope");
     }
 
-    /// √relMSE = target at t = (v / target²)^(1/b) between checkpoints, and by 1/t beyond them.
+    /// The price is where √relMSE = target: at t = (v / target²)^(1/b) between checkpoints, and by the law 1/t beyond them.
     #[test]
     fn prices_are_where_the_law_says() {
         let histories = all(&[history(0, 0.04, 1.0, 6), history(1, 0.04, 1.0, 6)]);

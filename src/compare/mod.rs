@@ -39,7 +39,7 @@ pub struct Reference {
     pub image: Image,
     /// Origin: a file, or how the picture was computed.
     pub origin: String,
-    /// √relMSE of the reference itself, if known.
+    /// Relative error √relMSE of the reference itself, if known.
     pub error: Option<f64>,
 }
 
@@ -60,7 +60,7 @@ pub struct Method {
     pub image: Image,
     /// Picture of one replicate after the last checkpoint, as a user would get it.
     pub sample: Image,
-    /// b in relMSE ~ seconds⁻ᵇ, with its standard error; `None` for fewer than three checkpoints.
+    /// Exponent b in relMSE ~ seconds⁻ᵇ, with its standard error; `None` for fewer than three checkpoints.
     pub slope: Option<(f64, f64)>,
     /// Bias: √relMSE that more samples do not remove, with its standard error; `None` if none can be detected.
     pub bias: Option<(f64, f64)>,

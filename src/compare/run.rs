@@ -113,7 +113,7 @@ fn others(metrics: &[Metric], name: &str, image: &Image, reference: &Reference) 
     Some(metrics.iter().map(|metric| metric.measure(&pair).value).collect())
 }
 
-/// 1, 2, 4, … up to `most`.
+/// Powers of two from 1 to `most`.
 fn doubling(most: u64) -> impl Iterator<Item = u64> {
     (0..63).map(|k| 1u64 << k).take_while(move |samples| *samples <= most)
 }

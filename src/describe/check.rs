@@ -196,7 +196,7 @@ impl Checker<'_> {
         field_check::check(pointer, sdf).into_iter().for_each(|(pointer, message)| self.fault(&pointer, message));
     }
 
-    /// Adds a fault where an emitter has holes: lights are sampled as if they had none.
+    /// Adds a fault for an emitter with holes, because lights are sampled as if they had no holes.
     fn whole_light(&self, pointer: &str, shape: &Shape, material: &MaterialRef) {
         if shape.emission().is_some() && self.has_holes(material, 0) {
             self.fault(pointer, "what emits can have no holes: leave out \"emission\", or the \"masked\" material");

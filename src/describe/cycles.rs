@@ -11,7 +11,7 @@ use crate::reader::escaped;
 #[derive(Clone, Copy)]
 struct Kind {
     name: &'static str,
-    /// The JSON pointer of the object that has them by name.
+    /// The JSON pointer of the scene's object that contains the named descriptions of this kind.
     folder: &'static str,
     /// The largest depth of nesting. There is a limit because evaluation recurses.
     max_depth: usize,

@@ -68,7 +68,7 @@ pub struct BallField {
 pub struct BoxField {
     /// One corner, in metres.
     pub low: Point,
-    /// The opposite corner, in metres; its coordinates are larger.
+    /// The corner opposite to `low`, in metres; its coordinates are larger.
     pub high: Point,
     /// Radius of edges and corners, in metres; half the shortest side at most. The box keeps its size.
     #[serde(default = "nothing")]
@@ -82,7 +82,7 @@ pub struct BoxField {
 pub struct ChebyshevBoxField {
     /// One corner, in metres.
     pub low: Point,
-    /// The opposite corner, in metres; its coordinates are larger.
+    /// The corner opposite to `low`, in metres; its coordinates are larger.
     pub high: Point,
 }
 
@@ -293,7 +293,7 @@ pub struct SdfPart {
 pub struct Bounds {
     /// One corner, in the shape's own space, in metres.
     pub low: Point,
-    /// The opposite corner, in metres; its coordinates are larger.
+    /// The corner opposite to `low`, in metres; its coordinates are larger.
     pub high: Point,
 }
 

@@ -59,7 +59,7 @@ fn is_control(c: char) -> bool {
 mod tests {
     use super::*;
 
-    /// For each character that Unicode has.
+    /// Every character of Unicode is tried.
     #[test]
     fn no_control_character_gets_through() {
         let all: String = (char::MIN..=char::MAX).collect();

@@ -106,20 +106,20 @@ const GAUSSIAN_PIECES: usize = 128;
 #[derive(Clone, Debug, PartialEq)]
 struct Curve {
     pieces: Vec<Piece>,
-    /// ∫|f| / ∫f, exactly 1 if f is nowhere negative.
+    /// Ratio ∫|f| / ∫f, exactly 1 if f is nowhere negative.
     weight: f64,
 }
 
-/// |f| on an interval where f keeps its sign.
+/// Approximation of |f| on an interval where f keeps its sign.
 #[derive(Clone, Debug, PartialEq)]
 struct Piece {
     start: f64,
     width: f64,
-    /// |f| = c₀ + c₁ t + c₂ t² + c₃ t³ from t = 0 at the start to t = 1 at the end.
+    /// Coefficients of |f| = c₀ + c₁ t + c₂ t² + c₃ t³, from t = 0 at the start to t = 1 at the end.
     cubic: [f64; 4],
-    /// ∫|f| dt
+    /// Integral ∫|f| dt over the interval.
     size: f64,
-    /// Fraction of ∫|f| on the pieces nearer to 0, and on this piece.
+    /// Fractions of the whole ∫|f|: on all pieces nearer to 0, and on this piece.
     shares: [f64; 2],
     sign: f64,
 }

@@ -27,7 +27,7 @@ fn blocks(samples: u64) -> u32 {
     samples.count_ones().max(during_render).max(1)
 }
 
-/// Whether this many bytes can be allocated now.
+/// Whether this number of bytes can be allocated now.
 pub fn can_be_had(bytes: u128) -> bool {
     usize::try_from(bytes).is_ok_and(|bytes| fallible(|| Vec::<u8>::new().try_reserve_exact(bytes).is_ok()))
 }

@@ -117,7 +117,7 @@ impl Wave {
         self.first..self.first + self.samples()
     }
 
-    /// Wave of the samples of a pixel that takes 2^`level` samples per round, where this wave counts rounds.
+    /// Converts a wave of rounds into the wave of samples of a pixel that takes 2^`level` samples per round.
     pub fn scaled(&self, level: u32) -> Wave {
         Wave { first: self.first << level, level: self.level + level }
     }

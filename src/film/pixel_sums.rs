@@ -189,7 +189,7 @@ pub struct Skew {
 }
 
 impl Skew {
-    /// Estimates both from the sums of a pixel.
+    /// Estimates variance and skewness ratio from the sums of a pixel.
     ///
     /// - `pixel`: colour sums from [`PixelSums::pixels`]; `n`: number of samples
     pub fn of(error_estimator: ErrorEstimator, pixel: &[f64], n: u64) -> Skew {

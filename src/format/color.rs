@@ -55,7 +55,7 @@ pub struct Hex(pub [u8; 3]);
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum PerChannel<T> {
-    /// One value for all three.
+    /// One value for red, green and blue.
     Equal(T),
     /// The values for red, green and blue.
     Each([T; 3]),

@@ -96,7 +96,7 @@ fn camera(cursor: &JsonCursor) -> Option<Node> {
 struct Window<'a> {
     cursor: JsonCursor<'a>,
     direction: DVec3,
-    /// −1 where the picture is mirrored compared with an upright view, horizontally and vertically.
+    /// Signs of the horizontal and the vertical axis of the picture: −1 if it is mirrored along that axis, compared with an upright view.
     signs: [f64; 2],
     /// Full horizontal and vertical angle (degrees).
     angles: [Node; 2],

@@ -142,7 +142,7 @@ impl Bounds {
         }
     }
 
-    /// These bounds, or a box about the origin if there are no points.
+    /// Returns the bounds, or those of the unit cube about the origin if no point was added.
     pub fn or_unit(mut self) -> Bounds {
         if !self.low.cmple(self.high).all() {
             [-0.5, 0.5].into_iter().for_each(|x| self.add(DVec3::splat(x)));
@@ -176,7 +176,7 @@ impl Axes {
     }
 }
 
-/// Tangents from the middle of the picture to the end of its filled part, along x and y.
+/// Tangents of the angles between the view direction and the edge of the part of the picture that the model fills, along x and y.
 fn tangents() -> [f64; 2] {
     let up = FILLED * (FOV.to_radians() / 2.0).tan();
     [up * ASPECT, up]

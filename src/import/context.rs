@@ -100,7 +100,7 @@ impl<'a> ImportContext<'a> {
     /// Bytes of a file that came with the scene or lies beside it.
     ///
     /// # Errors
-    /// As [`Files::bytes`].
+    /// The errors of [`Files::bytes`].
     pub fn bytes(&self, name: &str) -> Result<Vec<u8>> {
         self.made.borrow().get(name).cloned().map_or_else(|| self.files.bytes(name), Ok)
     }

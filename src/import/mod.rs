@@ -73,7 +73,7 @@ pub fn import(path: &Path, allow_outside: bool) -> Result<Imported> {
 /// Imports a scene as [`import`] does. `change` acts on the tree, with the name of the file, before missing light is added.
 ///
 /// # Errors
-/// As [`import`]; those of `change`.
+/// The errors of [`import`], and those of `change`.
 pub fn import_with(
     path: &Path,
     allow_outside: bool,

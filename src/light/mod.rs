@@ -56,7 +56,7 @@ pub struct LightSample {
 /// Far end of a shadow ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShadowTarget {
-    /// Infinity.
+    /// No end: the light is infinitely far away.
     Infinity,
     /// Point in empty space.
     Point(Vec3),

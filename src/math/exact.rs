@@ -41,7 +41,7 @@ impl ExactSum {
         self.digits[digit + 1] += sign * (shifted >> BITS);
     }
 
-    /// Sum of both sums.
+    /// Exact sum of the numbers of both sums.
     pub fn join(&self, other: &ExactSum) -> ExactSum {
         let digits = std::array::from_fn(|i| self.digits[i] + other.digits[i]);
         ExactSum { digits }.carried()

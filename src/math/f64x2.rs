@@ -11,7 +11,7 @@ pub use register::F64x2;
 #[cfg(not(target_arch = "x86_64"))]
 pub use plain::F64x2;
 
-/// One register.
+/// Both numbers in one register.
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "the instructions are part of every x86-64 processor")]
 mod register {

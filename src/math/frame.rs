@@ -28,7 +28,7 @@ impl Local {
         self.0.z
     }
 
-    /// |cos θ|
+    /// Absolute value of the cosine, |cos θ|.
     pub fn abs_cos(self) -> f32 {
         self.0.z.abs()
     }

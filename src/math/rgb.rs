@@ -16,7 +16,7 @@ pub struct Rgb(pub(super) Vec3);
 impl Rgb {
     /// No red, green or blue.
     pub const BLACK: Rgb = Rgb(Vec3::ZERO);
-    /// 1 of each.
+    /// Red, green and blue of 1.
     pub const WHITE: Rgb = Rgb(Vec3::ONE);
 
     /// A colour from its components.
@@ -55,7 +55,7 @@ impl Rgb {
         (self.0.x + self.0.y + self.0.z) / 3.0
     }
 
-    /// f of each component.
+    /// Applies `f` to each component.
     pub fn map(self, f: impl Fn(f32) -> f32) -> Rgb {
         Rgb(self.0.map(f))
     }

@@ -15,9 +15,9 @@ use super::Rgb;
 pub struct Spectrum(Vec3);
 
 impl Spectrum {
-    /// 0 at every wavelength.
+    /// Spectrum that is 0 at every wavelength.
     pub const BLACK: Spectrum = Spectrum(Vec3::ZERO);
-    /// 1 at every wavelength.
+    /// Spectrum that is 1 at every wavelength.
     pub const ONE: Spectrum = Spectrum(Vec3::ONE);
 
     /// A spectrum with the same value at every wavelength.

@@ -24,7 +24,7 @@ use crate::integrator::Integrator;
 use crate::render::{Render, Settings};
 use crate::scene::Scene;
 
-/// The pilot takes one sample in this many of those requested.
+/// Number of requested samples for each sample of the pilot.
 const PILOT: u64 = 16;
 
 /// Largest number of samples per pixel of the pilot. It matters where many samples are requested, or an unlimited number.
@@ -95,7 +95,7 @@ fn scale(worth: &[f64]) -> f64 {
     high / largest
 }
 
-/// Noise of the pixels of a film, whose pixels are coloured like a chess board.
+/// Noise of the pixels of a film. The pixels are divided into two colours like the squares of a chess board.
 struct PixelNoise {
     width: usize,
     /// Mean and variance of a single sample, for red, green and blue.
@@ -121,7 +121,9 @@ impl PixelNoise {
         floor_at(sum / f64::from(count))
     }
 
-    /// s of pixel i, estimated from its neighbours on squares of the other colour.
+    /// Relative standard deviation s = √(mean of v/(x² + ε)) of a sample of pixel i, estimated from the neighbours of the other colour.
+    ///
+    /// - `floor`: ε
     fn neighbors(&self, i: usize, floor: f64) -> f64 {
         let others = neighborhood(i, REACH, self.width, self.pixels.len()).filter(|&q| self.color(q) != self.color(i));
         let squares = others.flat_map(|q| self.pixels[q].map(|(x, v)| v / (x * x + floor)));

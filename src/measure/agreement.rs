@@ -266,7 +266,7 @@ fn means(render: SampledImage, channel: &str) -> Result<(usize, Vec<Mean>)> {
     Ok((render.image.size.x as usize, values.iter().zip(errors).map(mean).collect()))
 }
 
-/// (2⁻²⁰·value)²: variance that the rounding of f32 images and of the light's own arithmetic may add.
+/// Variance (2⁻²⁰·value)² that rounding may add: of the f32 images, and of the arithmetic of light transport.
 fn rounding(mean: &Mean) -> f64 {
     (mean.value * 2f64.powi(-20)).powi(2)
 }

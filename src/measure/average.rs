@@ -56,7 +56,7 @@ impl Rule {
         }
     }
 
-    /// Combines values.
+    /// Combines values of several pictures by the rule.
     ///
     /// - `parts`: values and their weights
     fn join(self, parts: impl Iterator<Item = (f64, f64)>) -> f64 {
@@ -76,7 +76,7 @@ impl Rule {
     }
 }
 
-/// Numbers of samples of pixel `i` in the pictures; all are 1 where no picture has a sample there, or where it is not known.
+/// Numbers of samples of pixel `i` in the pictures; all are 1 if no picture has a sample there, or if the numbers are not known.
 fn weights(counts: Option<&[&[f32]]>, pictures: usize, i: usize) -> Vec<f64> {
     let counts = counts.map(|counts| counts.iter().map(|count| f64::from(count[i])).collect::<Vec<_>>());
     counts.filter(|counts| counts.iter().sum::<f64>() > 0.0).unwrap_or_else(|| vec![1.0; pictures])

@@ -28,9 +28,9 @@ pub struct BiasEstimate {
 /// Limits for the work of one bias estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BiasBudget {
-    /// Camera samples at most.
+    /// Greatest number of camera samples.
     pub samples: u64,
-    /// Time at most. The clock is checked after every [`BATCH`] samples.
+    /// Greatest duration of the estimation. The clock is checked after every [`BATCH`] samples.
     pub time: Duration,
 }
 

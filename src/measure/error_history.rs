@@ -33,7 +33,8 @@ pub struct Price {
 
 /// Numbers of samples per pixel at which the error of a render is measured: 2, 3, 4, 6, 8, 12, … below `total`, and `total`.
 ///
-/// They are planned ahead. To look at any time and stop when the error seems small would stop at a lucky moment.
+/// The checkpoints are planned ahead. A render that measured its error at any time and stopped when the error seems small would stop at
+/// lucky moments, and its error would be underestimated.
 pub fn checkpoints(total: u64) -> impl Iterator<Item = u64> {
     planned().take_while(move |samples| *samples < total).chain([total])
 }
@@ -52,7 +53,7 @@ impl ErrorHistory {
         self.checkpoints.last()
     }
 
-    /// Checkpoints that a render with more samples has too.
+    /// Checkpoints at planned numbers of samples, which a longer render measures too.
     pub fn planned(&self) -> impl Iterator<Item = &Checkpoint> {
         self.checkpoints.iter().filter(|checkpoint| planned().any(|samples| samples == checkpoint.samples))
     }

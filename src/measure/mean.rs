@@ -32,7 +32,7 @@ impl Mean {
         Mean { value: sum / n, variance: spread / n, samples: n }
     }
 
-    /// √variance
+    /// Standard error of the mean, √variance.
     pub fn standard_error(&self) -> f64 {
         self.variance.sqrt()
     }

@@ -19,7 +19,7 @@ pub enum Colormap {
 }
 
 impl Colormap {
-    /// sRGB in 8 bits; values outside of 0 … 1 get the colour of the nearest end.
+    /// Colour of a value from 0 to 1, as sRGB in 8 bits. Values outside get the colour of the nearest end.
     pub fn color(self, x: f64) -> [u8; 3] {
         let gradient: Gradient = match self {
             Colormap::Magma => colorous::MAGMA,

@@ -25,7 +25,7 @@ pub enum Undecoded {
 
 /// Decodes a picture whose format is known.
 ///
-/// The size is checked before decoding. A decoder that panics has met bytes that are not a picture.
+/// The size is checked before decoding. A panic of the decoder means that the bytes are not a valid picture.
 ///
 /// # Errors
 /// See [`Undecoded`].

@@ -7,7 +7,7 @@ use crate::math::float::ln_f64;
 /// Share of the lit pixels that [`automatic`] shows as nearly white or darker.
 const SHOWN: f64 = 0.95;
 
-/// Display value of the brightest of these pixels, relative to white.
+/// Display value, relative to white, of the brightest of the pixels that [`SHOWN`] counts.
 const NEARLY_WHITE: f64 = 0.8;
 
 /// Brightness of the brightest parts, relative to white, below which a picture is hardly visible.

@@ -89,7 +89,7 @@ fn from_utf8(text: &Text) -> String {
 /// Reads all channels of the first part as f32, and its attributes that are text, numbers or matrices, by name.
 ///
 /// # Errors
-/// As [`super::read()`].
+/// The errors of [`super::read()`].
 pub fn read(path: &Path) -> PtResult<(Image, Attributes)> {
     decode(&super::read::bytes(path)?).map_err(|refusal| refusal.of(path))
 }

@@ -10,11 +10,11 @@ use crate::reader::unknown;
 /// Selection of a layer of a picture.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Pick {
-    /// `R`, `G`, `B`, or the only channel.
+    /// The colours: `R`, `G`, `B`, or the only channel.
     #[default]
     Colour,
-    /// `StdErr` for `StdErr.R`, `StdErr.G`, `StdErr.B`; `N` for `N.X`, `N.Y`, `N.Z`; `uv` for `uv.U`, `uv.V` and a blue of 0;
-    /// `SampleCount` for `SampleCount.Y`; `Z` for `Z`.
+    /// A layer by its name: `StdErr` for `StdErr.R`, `StdErr.G`, `StdErr.B`; `N` for `N.X`, `N.Y`, `N.Z`; `uv` for `uv.U`, `uv.V` and a
+    /// blue of 0; `SampleCount` for `SampleCount.Y`; `Z` for `Z`.
     Layer(String),
     /// One channel by its full name.
     Channel(String),

@@ -42,10 +42,10 @@ pub fn read(path: &Path) -> Result<(Image, Attributes)> {
     decode(&bytes(path)?).map_err(|refusal| refusal.of(path))
 }
 
-/// Storage of a picture in its file, one fact per line, for people: format, size, and all else that an EXR says.
+/// Facts about how a file stores a picture, as names and values for people: format, size, and the whole header of an EXR.
 ///
 /// # Errors
-/// As [`read`].
+/// The errors of [`read`].
 pub fn facts(path: &Path) -> Result<Vec<(String, String)>> {
     let bytes = bytes(path)?;
     let kind = Kind::of(&bytes).ok_or_else(|| unknown().of(path))?;

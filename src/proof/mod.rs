@@ -1,4 +1,4 @@
-//! Tests of the laws of scattering, for pt's own models and for anyone's.
+//! Tests of the laws of scattering, for pt's own models and those of other crates.
 //!
 //! Implement [`Model`] and call [`prove`]. The [`Report`] has one block per law and, where a law is broken, a counter-example: the
 //! inputs with all their digits, the expected result, the result, and its certainty. `examples/prove_my_bsdf.rs` is a full example.

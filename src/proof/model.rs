@@ -7,7 +7,7 @@ use glam::Vec2;
 use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
 use crate::math::{Local, SolidAnglePdf, Spectrum};
 
-/// A scattering model under test: pt's own, or anyone's.
+/// A scattering model under test, of pt or of another crate.
 ///
 /// The conventions are those of [`pt::bsdf`](crate::bsdf): directions are unit, local, and point away from the surface; the cosine
 /// is inside `eval`; `eval` and `pdf` are 0 for delta lobes. Reports name the model by its `Debug` text.

@@ -11,7 +11,7 @@ pub struct Options {
     pub suite: usize,
     /// Directions sampled at each incidence, for statistical laws.
     pub samples: u64,
-    /// Number of inputs, for the other laws.
+    /// Number of random inputs for each law that is not statistical.
     pub cases: u64,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -24,14 +24,14 @@ pub struct Options {
 /// Claim about light that arrives from everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Furnace {
-    /// Some of it may be absorbed.
+    /// The model may absorb light.
     Passive,
-    /// All of it is scattered, except for this share that approximations of the model may lose or gain.
+    /// The model scatters all light, up to this share that its approximations may lose or gain.
     Lossless(f64),
 }
 
 impl Default for Options {
-    /// A million samples at ten incidences, from normal to grazing, from both sides.
+    /// Returns options with a million samples at ten incidences: five angles from normal to grazing, on both sides.
     fn default() -> Options {
         Options {
             alpha: 0.01,

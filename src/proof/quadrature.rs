@@ -6,7 +6,7 @@ use super::rect::{CylinderPoint, Rect};
 
 /// Largest number of halvings: f64 has no more digits for z and φ.
 const MAX_DEPTH: u32 = 96;
-/// A hint counts as missed by the nodes if its density is so many times theirs.
+/// Ratio of a hint's density to the largest density at the nodes, above which the nodes count as having missed the hint.
 const HIDDEN: f64 = 2.0;
 
 /// Number of hints in less than half of a cell that count as a lobe; fewer may be chance.
@@ -106,7 +106,7 @@ fn spread(hints: &[Hint], rect: &Rect, axis: usize) -> f64 {
 /// Gauss–Legendre rule with 3 × 3 nodes, exact for polynomials of degree 5 in z and in φ. Returns the integral and the largest
 /// value at a node.
 fn gauss(f: &impl Fn(CylinderPoint) -> f64, rect: Rect) -> (f64, f64) {
-    /// √(3/5)
+    /// Outer node of Gauss's rule with three nodes on [−1, 1]: √(3/5).
     const NODE: f64 = 0.774_596_669_241_483_4;
     const RULE: [(f64, f64); 3] = [(-NODE, 5.0 / 18.0), (0.0, 8.0 / 18.0), (NODE, 5.0 / 18.0)];
     let node = |[low, high]: [f64; 2], x: f64| 0.5 * (low + high) + 0.5 * (high - low) * x;

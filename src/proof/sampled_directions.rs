@@ -40,7 +40,7 @@ pub struct Division {
     pub name: &'static str,
     /// The bins.
     pub bins: Vec<Rect>,
-    /// ∫ pdf over the bin.
+    /// Probability ∫ pdf dω of each bin.
     pub shares: Vec<f64>,
     /// Samples in each bin.
     pub counts: Vec<u64>,
@@ -58,7 +58,7 @@ pub struct SampledLobe {
 /// Samples for one `wo`.
 #[derive(Clone, Debug)]
 pub struct SampledDirections {
-    /// The incidence.
+    /// Direction towards the viewer, for which the samples were drawn.
     pub wo: Local,
     /// Number of samples.
     pub samples: u64,

@@ -170,7 +170,7 @@ impl<'n> Cursor<'n> {
         self.context.within(segment, || child.read())
     }
 
-    /// Reads a value one level down by a seed. Its fault ends this value too, but is reported at its own location.
+    /// Reads a child of this value with a serde seed. A fault of the child ends this value too, but is reported at the child's location.
     pub(super) fn seed_child<S: DeserializeSeed<'n>>(self, segment: Segment<'n>, node: &'n Node, seed: S) -> Result<S::Value, ReadError> {
         let child = Cursor { node, tagged: false, ..self };
         self.context.within(segment, || seed.deserialize(child).map_err(|stop| child.reported(stop)))

@@ -61,7 +61,7 @@ pub enum Location {
         line: u32,
         /// Column in characters, from 1.
         column: u32,
-        /// JSON pointer in that file.
+        /// JSON pointer in the file of the other format.
         pointer: Arc<str>,
     },
     /// JSON pointer in a file without lines, or nothing for the file as a whole.

@@ -129,7 +129,7 @@ fn fault_at(text: &str, offset: usize, message: impl Into<String>) -> Fault {
     Fault::new(message).at(position.line as usize, position.column as usize)
 }
 
-/// Converter from the parser's tree to ours. Offsets come in file order, so lines are counted only once.
+/// Converter from the tree of the parser to [`Node`]. Offsets come in file order, so lines are counted only once.
 struct Converter<'t> {
     text: &'t str,
     offset: usize,

@@ -14,7 +14,7 @@ pub(super) struct Placeholder {
     depth: u32,
 }
 
-/// Largest depth; deeper than any type of the scene format unless it contains itself.
+/// Largest depth of nested values. Types of the scene format are less deep unless they contain themselves.
 const DEEPEST: u32 = 16;
 
 impl Placeholder {

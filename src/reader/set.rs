@@ -22,7 +22,7 @@ impl Node {
     /// Sets a value for a flag of its own; `words` are the words of the command line, such as `--spp 16`.
     ///
     /// # Errors
-    /// As [`Node::set`].
+    /// The errors of [`Node::set`].
     pub fn set_by(&mut self, words: &str, pointer: &str, text: &str) -> Result<()> {
         let words: Arc<str> = words.into();
         let usage = |message: String| Error::Usage(format!("{words}: {message}"));

@@ -38,7 +38,7 @@ pub const SYNONYMS: &[(&str, &[&str])] = &[
     ("max_bounces", &["max_depth"]),
 ];
 
-/// pt's word for it, if it is among the words known here.
+/// Name that pt uses for the meaning of `word`, if it is one of the names in `known`.
 pub fn own_word<'k>(word: &str, known: &[&'k str]) -> Option<&'k str> {
     let (_, own) = SYNONYMS.iter().find(|(other, _)| other.eq_ignore_ascii_case(word))?;
     own.iter().find_map(|own| known.iter().copied().find(|known| known == own))

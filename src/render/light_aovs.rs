@@ -42,7 +42,7 @@ impl LightAovBuffer {
         }
     }
 
-    /// Numbers of sample i of the pixel.
+    /// Layer values of sample i of the pixel.
     pub fn sample(&self, i: usize) -> &[f64] {
         let width = 3 * self.layers.len();
         &self.numbers[i * width..(i + 1) * width]

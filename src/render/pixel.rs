@@ -11,11 +11,11 @@ pub struct PixelAccumulator {
     sequences: Vec<Tree<Moments>>,
     /// Σy² and Σy³ over all samples, in sample order.
     gray: Tree<[f64; 2]>,
-    /// Totals of the sequences; kept to reuse its memory.
+    /// Totals of the sequences. The vector is kept so that its memory is used again.
     totals: Vec<Moments>,
     /// Light of the samples, if a layer needs it.
     pub light_aovs: Option<LightAovBuffer>,
-    /// Layer terms of the samples; kept to reuse its memory.
+    /// Layer terms of the samples. The vector is kept so that its memory is used again.
     pub layer_terms: Vec<f64>,
 }
 

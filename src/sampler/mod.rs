@@ -86,7 +86,8 @@ impl SamplerSpec {
         }
     }
 
-    /// Sequences of a pixel: sample i of the pixel is sample i div K of sequence i mod K.
+    /// Independent sequences among which the samples of a pixel are divided. With K sequences, sample i of the pixel is sample i div K of
+    /// sequence i mod K.
     pub fn sequences(&self) -> Vec<Box<dyn Sampler>> {
         let k = self.error_estimator().sequences();
         (0..k).map(|r| SamplerSpec { seed: scrambled(self.seed, r), spp: self.spp.div_ceil(k.into()), ..*self }.build()).collect()
@@ -136,7 +137,8 @@ impl Kind {
     ];
 }
 
-/// Assignment of dimensions: a block of 8 for the camera, then a block of 8 for each vertex of a path.
+/// Assignment of dimensions: a block of 8 for the camera, then a block of 8 for each vertex of a path. The number of dimensions that a
+/// use takes is in parentheses.
 pub mod dimension {
     /// Position within the pixel (2).
     pub const FILM: u32 = 0;
@@ -155,7 +157,7 @@ pub mod dimension {
         Bsdf = 0,
         /// Choice of a light (1), then a point or direction (2).
         Light = 3,
-        /// Survival (1).
+        /// Russian roulette: whether the path survives (1).
         Roulette = 6,
         /// Distance travelled in a medium (1).
         Medium = 7,

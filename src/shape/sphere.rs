@@ -127,7 +127,7 @@ struct Cone {
     axis: DVec3,
     distance: f64,
     radius: f64,
-    /// 1 − cos of half the opening angle.
+    /// One minus the cosine of half the opening angle.
     one_minus_cos: f64,
 }
 

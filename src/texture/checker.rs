@@ -6,17 +6,21 @@ use super::{Space, Texture};
 use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
-/// Cells of size 1 in the space of the texture; `even` where ⌊x⌋ + ⌊y⌋ + ⌊z⌋ is even.
+/// A checkerboard: `even` where ⌊x⌋ + ⌊y⌋ + ⌊z⌋ is even, in cells of the texture's space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checker {
+    /// The colour of the even cells.
     pub even: Texture,
+    /// The colour of the odd cells.
     pub odd: Texture,
-    /// Cells per unit, along each axis.
+    /// Cells per unit of the coordinates, along each axis.
     pub scale: Vec3,
+    /// The coordinates of the cells.
     pub space: Space,
 }
 
 impl Checker {
+    /// Looks up the colour at a point.
     pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let cell = (self.space.coordinates(point) * self.scale.as_dvec3()).map(f64::floor);
         if is_even(cell) { self.even.at(point) } else { self.odd.at(point) }
@@ -28,7 +32,7 @@ impl Checker {
     }
 }
 
-/// Of the sum of three whole numbers.
+/// Whether the sum of three whole numbers is even.
 fn is_even(cell: DVec3) -> bool {
     (cell.x + cell.y + cell.z).rem_euclid(2.0) < 1.0
 }

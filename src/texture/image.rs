@@ -1,4 +1,4 @@
-//! A picture stretched over a surface.
+//! Image textures.
 
 use std::sync::Arc;
 
@@ -7,21 +7,24 @@ use glam::{UVec2, Vec2};
 use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
-/// Pixels, interpolated between their centres.
+/// A picture over the texture coordinates, with values interpolated between the centres of pixels.
 ///
-/// (u, v) = (0, 0) is the lower left corner of the picture, (1, 1) the upper right one, before `scale`.
+/// For `scale` 1 the lower left corner of the picture is at (u, v) = (0, 0), the upper right corner at (1, 1).
 ///
-/// Tests: pictures.
+/// Tests: centres_show_their_pixel, between_and_beyond.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
+    /// The pixels, which several textures may share.
     pub pixels: Arc<Pixels>,
-    /// How often the picture goes into one unit of the texture coordinates.
+    /// How often the picture repeats in one unit of the texture coordinates, along u and v.
     pub scale: Vec2,
+    /// The continuation beyond the borders.
     pub wrap: Wrap,
+    /// The interpolation between the centres of pixels.
     pub filter: Filter,
 }
 
-/// Linear colours, row by row from the top.
+/// The pixels of a picture: linear Rec. 709 colours, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pixels {
     size: UVec2,
@@ -29,43 +32,45 @@ pub struct Pixels {
     most: f32,
 }
 
-/// What lies beyond the picture.
+/// How a picture continues beyond its borders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wrap {
-    /// The picture again.
+    /// The picture is repeated.
     Repeat,
-    /// Its mirror image.
+    /// The picture is repeated, mirrored every second time.
     Mirror,
-    /// Its border.
+    /// The pixels of the border continue.
     Clamp,
 }
 
-/// What lies between the pixels' centres.
+/// How values between the centres of pixels are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
-    /// The four nearest, weighted by distance along each axis.
+    /// Bilinear interpolation of the four nearest pixels.
     Bilinear,
-    /// The nearest.
+    /// The value of the nearest pixel.
     Nearest,
 }
 
 impl Pixels {
-    /// `None` where there are not as many values as the size says, or none.
+    /// The pixels of a picture; `None` where the number of values does not fit the size, or is 0.
     pub fn new(size: UVec2, values: Vec<[f32; 3]>) -> Option<Pixels> {
         let count = size.x as usize * size.y as usize;
         let most = values.as_flattened().iter().copied().fold(0.0, f32::max);
         (count > 0 && values.len() == count).then_some(Pixels { size, values, most })
     }
 
-    /// The largest value.
+    /// The largest component of all pixels.
     pub fn most(&self) -> f32 {
         self.most
     }
 
+    /// Width and height, in pixels.
     pub fn size(&self) -> UVec2 {
         self.size
     }
 
+    /// Red, green and blue of all pixels, row by row from the top.
     pub fn values(&self) -> &[[f32; 3]] {
         &self.values
     }
@@ -77,9 +82,10 @@ impl Pixels {
 }
 
 impl Image {
+    /// Looks up the colour at a point.
     pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let size = self.pixels.size;
-        // In f64: far from the origin of the coordinates there is still a place within the picture.
+        // f64, so that large texture coordinates keep their position within the picture.
         let uv = point.uv.as_dvec2() * self.scale.as_dvec2();
         let (x, y) = (uv.x * f64::from(size.x), (1.0 - uv.y) * f64::from(size.y));
         let column = |x: f64| self.wrap.index(x, size.x);
@@ -96,7 +102,7 @@ impl Image {
 }
 
 impl Wrap {
-    /// The pixel that stands for number `i`, a whole number, of `n`.
+    /// The pixel from 0 to `n` − 1 for the whole number `i`.
     fn index(self, i: f64, n: u32) -> usize {
         let n = f64::from(n);
         let inside = match self {

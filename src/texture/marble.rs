@@ -1,4 +1,4 @@
-//! Stone with veins.
+//! A marble texture.
 
 use glam::DVec3;
 
@@ -7,23 +7,28 @@ use super::{Space, Texture};
 use crate::math::{Rgb, float};
 use crate::shape::SurfacePoint;
 
-/// Layers across z, stirred by turbulence: from `base` to `veins` by the share ½ (1 + sin(scale·z + 10·turbulence(p))).
+/// Layers across z, disturbed by turbulence: a blend from `base` to `veins` by the share ½ (1 + sin(scale·z + 10·turbulence(p))).
 ///
 /// Source: Perlin, *An Image Synthesizer* (1985), with the constants of ray-tracing courses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marble {
+    /// The colour of the stone.
     pub base: Texture,
+    /// The colour of the veins.
     pub veins: Texture,
-    /// Radians per unit along z.
+    /// The frequency of the layers, in radians per unit along z.
     pub scale: f64,
+    /// The kind of turbulence.
     pub turbulence: Turbulence,
+    /// The coordinates of the layers.
     pub space: Space,
 }
 
-/// Of the turbulence: seven halvings leave less than a hundredth.
+/// The number of octaves of the turbulence. Further octaves would have an amplitude of less than a hundredth.
 const OCTAVES: u32 = 7;
 
 impl Marble {
+    /// Looks up the colour at a point.
     pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let p = self.space.coordinates(point);
         let phase = self.scale * p.z + 10.0 * self.turbulence.at(p, OCTAVES);

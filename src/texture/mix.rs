@@ -1,4 +1,4 @@
-//! Textures made of textures.
+//! Textures made of other textures.
 
 use glam::DVec3;
 
@@ -6,31 +6,37 @@ use super::Texture;
 use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
-/// (1 − t) a + t b, coefficient by coefficient.
+/// The blend (1 − t) a + t b, for each of red, green and blue by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mix {
+    /// a, the first texture.
     pub a: Texture,
+    /// b, the second texture.
     pub b: Texture,
-    /// t: [0, 1].
+    /// t, the share of the second texture: [0, 1].
     pub share: Texture,
 }
 
-/// a · b, coefficient by coefficient.
+/// The product a · b, for each of red, green and blue by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Product {
+    /// The first factor.
     pub a: Texture,
+    /// The second factor.
     pub b: Texture,
 }
 
-/// 1 where a ≥ t, 0 elsewhere, coefficient by coefficient.
+/// 1 where a ≥ t and 0 elsewhere, for each of red, green and blue by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Threshold {
+    /// a, the texture that is compared.
     pub by: Texture,
-    /// t: [0, 1].
+    /// t, the threshold: [0, 1].
     pub at: f32,
 }
 
 impl Threshold {
+    /// Looks up the colour at a point.
     pub fn at(&self, point: &SurfacePoint) -> Rgb {
         self.by.at(point).map(|a| if a >= self.at { 1.0 } else { 0.0 })
     }
@@ -41,6 +47,7 @@ impl Threshold {
 }
 
 impl Mix {
+    /// Looks up the colour at a point.
     pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let share = self.share.at(point);
         self.a.at(point) * (Rgb::WHITE - share) + self.b.at(point) * share
@@ -52,6 +59,7 @@ impl Mix {
 }
 
 impl Product {
+    /// Looks up the colour at a point.
     pub fn at(&self, point: &SurfacePoint) -> Rgb {
         self.a.at(point) * self.b.at(point)
     }

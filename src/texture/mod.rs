@@ -1,6 +1,6 @@
-//! Colours that vary over a surface.
+//! Textures: colours and numbers that vary over a surface.
 //!
-//! To add one: a file beside these, a variant and its arms here, a variant in `describe::texture`.
+//! To add a texture, write a file in this folder, a variant with its match arms here, and a description in `format/texture.rs`.
 
 pub mod checker;
 pub mod image;
@@ -25,20 +25,31 @@ pub use number::Number;
 pub use space::Space;
 pub use vertex::Vertex;
 
+/// A colour that varies over a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
+    /// One colour everywhere.
     Constant(Rgb),
+    /// A checkerboard.
     Checker(Box<Checker>),
+    /// A picture over the texture coordinates.
     Image(Image),
+    /// Fractal noise between two colours.
     Noise(Box<Noise>),
+    /// Layers disturbed by turbulence.
     Marble(Box<Marble>),
+    /// A blend of two textures.
     Mix(Box<Mix>),
+    /// The product of two textures.
     Product(Box<Product>),
+    /// A texture reduced to 0 and 1.
     Threshold(Box<Threshold>),
+    /// The interpolated colours of a mesh's vertices.
     Vertex(Vertex),
 }
 
 impl Texture {
+    /// Looks up the colour at a point.
     pub fn at(&self, point: &SurfacePoint) -> Rgb {
         match self {
             Texture::Constant(value) => *value,
@@ -53,12 +64,12 @@ impl Texture {
         }
     }
 
-    /// The mean over the coefficients, where a number is asked for.
+    /// Looks up a number at a point: the mean of red, green and blue.
     pub fn scalar(&self, point: &SurfacePoint) -> f32 {
         self.at(point).average()
     }
 
-    /// The same texture after the world has moved by −`origin`.
+    /// The texture after the world has been moved by −`origin`.
     pub fn recentred(self, origin: DVec3) -> Texture {
         match self {
             Texture::Constant(_) | Texture::Image(_) | Texture::Vertex(_) => self,
@@ -71,7 +82,7 @@ impl Texture {
         }
     }
 
-    /// From `a` to `b` by `share`, coefficient by coefficient; constant where `share` is.
+    /// The blend (1 − share) a + share b of two colours, for each component by itself. A constant share gives a constant.
     pub fn between(a: Rgb, b: Rgb, share: Texture) -> Texture {
         match share {
             Texture::Constant(share) => Texture::Constant(a * (Rgb::WHITE - share) + b * share),
@@ -79,6 +90,7 @@ impl Texture {
         }
     }
 
+    /// Whether the texture is one colour everywhere.
     pub fn is_constant(&self) -> bool {
         matches!(self, Texture::Constant(_))
     }
@@ -90,7 +102,7 @@ impl From<Rgb> for Texture {
     }
 }
 
-/// A number, the same everywhere.
+/// Makes a constant grey.
 impl From<f32> for Texture {
     fn from(value: f32) -> Texture {
         Texture::Constant(Rgb::gray(value))

@@ -1,4 +1,4 @@
-//! Noise: colours without a pattern, the same at every scale.
+//! Fractal noise.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -8,18 +8,23 @@ use super::{Space, Texture};
 use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
-/// From `low` to `high` by the share ½ (1 + fbm), between 0 and 1.
+/// A blend from `low` to `high` by the share ½ (1 + fbm), limited to 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
+    /// The colour where the noise is least.
     pub low: Texture,
+    /// The colour where the noise is greatest.
     pub high: Texture,
-    /// Cells of the coarsest octave per unit.
+    /// Cells of the first octave per unit of the coordinates.
     pub scale: f64,
+    /// The number of octaves, from 1 to 16.
     pub octaves: u32,
+    /// The coordinates of the noise.
     pub space: Space,
 }
 
 impl Noise {
+    /// Looks up the colour at a point.
     pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let share = 0.5 * (1.0 + fbm(self.space.coordinates(point) * self.scale, self.octaves));
         self.low.at(point).mix(self.high.at(point), share.clamp(0.0, 1.0) as f32)
@@ -31,15 +36,15 @@ impl Noise {
     }
 }
 
-/// Perlin's gradient noise: 0 at the points of the lattice, between −1 and 1, smooth to the second derivative.
+/// Perlin's gradient noise: 0 at the lattice points, from −1 to 1, with a continuous second derivative.
 ///
 /// n(p) = Σ over the 8 corners of p's cell of  w(p − corner) · g(corner)·(p − corner),   w = Π (1 − fade(|x|))
 ///
-/// fade(t) = t³ (6 t² − 15 t + 10);   g: one of the 12 directions to the edges of a cube, by a hash of the corner
+/// fade(t) = t³ (6 t² − 15 t + 10);   g: one of the 12 directions to the edges of a cube, selected by a hash of the corner
 ///
-/// - `p`: in cells; beyond 2³¹ cells the lattice repeats
+/// - `p`: position in cells; the lattice repeats after 2³² cells
 ///
-/// Source: Perlin, *Improving Noise* (2002), with an integer hash for his table. Tests: noise_is_smooth_and_centred.
+/// Source: Perlin, *Improving Noise* (2002), with an integer hash instead of his table. Tests: noise_is_smooth_and_centred.
 pub fn perlin(p: DVec3) -> f64 {
     let cell = p.floor();
     let (from, corner) = (p - cell, cell.as_i64vec3().as_ivec3());
@@ -53,32 +58,34 @@ pub fn perlin(p: DVec3) -> f64 {
     lerp(face(0), face(1), z)
 }
 
-/// Σ over `octaves` of 2⁻ᵏ n(2ᵏ p), each octave twice as fine and half as strong: fractional Brownian motion.
+/// Fractional Brownian motion: Σ over `octaves` of 2⁻ᵏ n(2ᵏ p). Each octave has twice the frequency and half the amplitude.
 ///
-/// - within ±2
+/// - result: from −2 to 2
 pub fn fbm(p: DVec3, octaves: u32) -> f64 {
     octave_sum(p, octaves, perlin)
 }
 
-/// Σ over `octaves` of 2⁻ᵏ |n(2ᵏ p)|: creased where [`fbm`] passes through zero.
+/// Turbulence: Σ over `octaves` of 2⁻ᵏ |n(2ᵏ p)|, with creases where an octave of [`fbm`] passes through zero.
 ///
-/// - from 0 to 2
+/// - result: from 0 to 2
 pub fn turbulence(p: DVec3, octaves: u32) -> f64 {
     octave_sum(p, octaves, |p| perlin(p).abs())
 }
 
-/// How octaves of noise make up the turbulence that stirs a pattern.
+/// How octaves of noise are combined into a turbulence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turbulence {
-    /// Σ 2⁻ᵏ |n(2ᵏ p)|: [`turbulence`].
+    /// The sum of absolute values, Σ 2⁻ᵏ |n(2ᵏ p)|: [`turbulence`].
     SumOfAbsolutes,
-    /// |Σ 2⁻ᵏ n(2ᵏ p)| / √2, octaves on one lattice; the root makes the lattice's directions, which are √2 long, unit vectors.
+    /// The absolute value of the sum, |Σ 2⁻ᵏ n(2ᵏ p)| / √2, without shifts between octaves. The root normalizes the directions at lattice
+    /// points, which have the length √2.
     ///
     /// Source: Shirley, *Ray Tracing: The Next Week*.
     AbsoluteOfSum,
 }
 
 impl Turbulence {
+    /// The turbulence at a position in cells.
     pub fn at(self, p: DVec3, octaves: u32) -> f64 {
         match self {
             Turbulence::SumOfAbsolutes => turbulence(p, octaves),
@@ -93,7 +100,7 @@ impl Turbulence {
 fn octave_sum(p: DVec3, octaves: u32, n: impl Fn(DVec3) -> f64) -> f64 {
     let octave = |k: u32| {
         let scale = f64::from(1u32 << k);
-        // Shifted, or all octaves would vanish together at the lattice's points.
+        // Octaves are shifted, because they would all be 0 at the lattice points otherwise.
         n(p * scale + DVec3::splat(0.5 * f64::from(k))) / scale
     };
     (0..octaves).map(octave).sum()
@@ -107,7 +114,7 @@ fn lerp(a: f64, b: f64, share: f64) -> f64 {
     a + (b - a) * share
 }
 
-/// The corner's direction times the offset from it.
+/// The dot product of a corner's direction and the offset from the corner.
 fn slope(corner: IVec3, DVec3 { x, y, z }: DVec3) -> f64 {
     match hash(corner) % 12 {
         0 => x + y,
@@ -125,6 +132,8 @@ fn slope(corner: IVec3, DVec3 { x, y, z }: DVec3) -> f64 {
     }
 }
 
+/// A hash of a lattice point.
+///
 /// Source of the finaliser: Steele, Lea, Flood, *Fast Splittable Pseudorandom Number Generators* (2014).
 fn hash(IVec3 { x, y, z }: IVec3) -> u64 {
     let mut h = 0x9e37_79b9_7f4a_7c15u64;

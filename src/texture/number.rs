@@ -1,4 +1,4 @@
-//! Numbers that vary over a surface.
+//! Numbers that may vary over a surface.
 
 use glam::DVec3;
 
@@ -6,16 +6,18 @@ use super::Texture;
 use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
-/// One number, or from + (to − from) · t by a texture t (of a colour, the mean).
+/// A constant number, or from + (to − from) · t by a texture t. Colours count by their mean.
 ///
-/// Textures are shares of light, from 0 to 1; what has another range (an index of refraction, an exponent) says which.
+/// Textures have values from 0 to 1. A number with another range, such as an index of refraction or an exponent, gives its ends.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Number {
+    /// One number everywhere.
     Constant(f32),
+    /// A number that a texture interpolates between two ends.
     Between(Box<Between>),
 }
 
-/// The ends of the range, and the way between them.
+/// The ends of the range, and the texture that interpolates between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Between {
     from: f32,
@@ -24,7 +26,7 @@ pub struct Between {
 }
 
 impl Number {
-    /// A constant where `by` is one.
+    /// A number that `by` interpolates from `from` to `to`. It is a constant if `by` is.
     pub fn between(from: f32, to: f32, by: Texture) -> Number {
         match by {
             Texture::Constant(share) => Number::Constant(mixed(from, to, share)),
@@ -32,6 +34,7 @@ impl Number {
         }
     }
 
+    /// Looks up the number at a point.
     pub fn at(&self, point: &SurfacePoint) -> f32 {
         match self {
             Number::Constant(value) => *value,
@@ -39,6 +42,7 @@ impl Number {
         }
     }
 
+    /// The number, if it is the same everywhere.
     pub fn constant(&self) -> Option<f32> {
         match self {
             Number::Constant(value) => Some(*value),
@@ -46,7 +50,7 @@ impl Number {
         }
     }
 
-    /// The least and the greatest that it may be.
+    /// The least and the greatest possible value.
     pub fn range(&self) -> [f32; 2] {
         match self {
             Number::Constant(value) => [*value; 2],
@@ -54,6 +58,7 @@ impl Number {
         }
     }
 
+    /// The texture, if the number varies.
     pub fn texture(&self) -> Option<&Texture> {
         match self {
             Number::Constant(_) => None,
@@ -61,7 +66,7 @@ impl Number {
         }
     }
 
-    /// The same number after the world has moved by −`origin`.
+    /// The number after the world has been moved by −`origin`.
     pub fn recentred(self, origin: DVec3) -> Number {
         match self {
             Number::Constant(_) => self,
@@ -73,7 +78,7 @@ impl Number {
     }
 }
 
-/// Both ends exactly, and nothing beyond them.
+/// Interpolates linearly. The result is exact at both ends and never beyond them.
 fn mixed(from: f32, to: f32, share: Rgb) -> f32 {
     let t = share.average();
     (from * (1.0 - t) + to * t).clamp(from.min(to), from.max(to))

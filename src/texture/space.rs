@@ -1,29 +1,30 @@
-//! The coordinates of textures.
+//! The coordinates that textures vary over.
 
 use glam::DVec3;
 
 use crate::math::Transform;
 use crate::shape::SurfacePoint;
 
-/// Where a texture lives.
+/// The coordinates that a texture varies over.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Space {
-    /// The surface's own coordinates, (u, v, 0).
+    /// The surface's texture coordinates, (u, v, 0).
     Uv,
-    /// The world, through a transform from (recentred) world to texture space.
+    /// The position in the world, by the transform from world space (after recentring) to texture space.
     World(Transform),
 }
 
 impl Space {
+    /// The coordinates of a point of a surface.
     pub fn coordinates(&self, point: &SurfacePoint) -> DVec3 {
         match self {
             Space::Uv => point.uv.extend(0.0).as_dvec3(),
-            // Just behind the surface, by the error bound of the point: a wall between two cells shows one of them.
+            // The point is moved behind the surface by its error bound, so that a wall on the border of two cells shows only one of them.
             Space::World(to_texture) => to_texture.point((point.p - point.ng * point.offset).as_dvec3()),
         }
     }
 
-    /// The same space after the world has moved by −`origin`.
+    /// The space after the world has been moved by −`origin`.
     pub(super) fn recentred(self, origin: DVec3) -> Space {
         match self {
             Space::Uv => Space::Uv,

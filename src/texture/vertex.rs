@@ -1,18 +1,19 @@
-//! The colours of a mesh's vertices.
+//! Vertex colours.
 
 use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 
-/// The colour that the mesh has at a point, or one channel of it; 1 on what has none.
+/// The interpolated colour of a mesh's vertices, or a channel of it; 1 on shapes without such colours.
 ///
 /// Tests: colours_are_interpolated_over_triangles, what_has_no_colours_is_white.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Vertex {
-    /// Red, green, blue or opacity by itself, from 0.
+    /// A single channel, used as a grey: 0 is red, 1 green, 2 blue, 3 opacity. Without one the colour is used.
     pub channel: Option<usize>,
 }
 
 impl Vertex {
+    /// Looks up the colour at a point.
     pub fn at(&self, point: &SurfacePoint) -> Rgb {
         let [r, g, b, a] = point.color.to_array();
         match self.channel {

@@ -57,7 +57,7 @@ mod tests {
         of(details.iter().copied(), DVec3::X).x
     }
 
-    /// Neither a large ground nor a far lamp moves the origin of a scene, nor does a pair of them.
+    /// The origin of a scene is not moved by a large ground, by a far lamp, or by a pair of them.
     #[test]
     fn the_origin_stays_where_the_detail_is() {
         let home = [detail(1.0, 0.01), detail(1.5, 0.02), detail(1.25, 0.01)];

@@ -127,7 +127,7 @@ fn round(alpha: f32, distribution: Distribution) -> Roughness {
     Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution }
 }
 
-/// White metal and clear frosted glass cannot be told from the light around them: M4 for whole paths, with radiance
+/// White metal and clear frosted glass in uniform light look like the light around them, also for whole paths, with radiance
 /// compressed on the way in and restored on the way out. The resolution is that of the tables.
 #[test]
 fn rough_bodies_vanish_in_white_light() {

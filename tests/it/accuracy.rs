@@ -14,7 +14,7 @@ const EDGE: u32 = 24;
 /// A kind of noise by name: the standard deviation of one sample, and one sample of mean 1.
 type Kind = (&'static str, f64, fn(&mut Random) -> f64);
 
-/// A picture of which the truth is known: gray pixels from dark to bright, as rows of noise.
+/// A picture with a known truth: rows of noise about grey values from dark to bright.
 struct Noise {
     /// One sample of mean 1.
     draw: fn(&mut Random) -> f64,
@@ -111,7 +111,7 @@ fn errors_do_not_depend_on_the_unit_of_light() {
     }
 }
 
-/// Ten pixels of 576 met by one sample of a thousand times the light: whatever the rest says, the next such pixel changes the answer.
+/// Ten of 576 pixels have one sample with a thousand times the light. No error is established, because one more such pixel would change it.
 #[test]
 fn heavy_tails_are_not_established() {
     let film = |bright: u32| {

@@ -193,8 +193,8 @@ const LAMP: &str = r#"{
   ]
 }"#;
 
-/// Where half of the picture is calm the other half gets twice as many samples: half the relMSE, and what the pilot costs, a
-/// sixteenth, and what is lost to powers of two and to pixels at the border, less than a third.
+/// If half of the picture has little noise, the other half gets twice as many samples and the relMSE is halved, less what is lost: a
+/// sixteenth of the samples to the pilot, and less than a third to powers of two and to pixels at the border.
 #[test]
 fn adaptive_pays() {
     let root = describe::root(LAMP.as_bytes(), "lamp").expect("a scene");

@@ -21,7 +21,7 @@ use pt::world::{MaterialId, World, WorldBuilder};
 use crate::glass::{block, round_mesh};
 use crate::scenes::{Depth, at, facing, integrator, needs, picture, stored};
 
-/// Cut where all methods must cut alike.
+/// Limits of path length at which all methods must agree.
 const DEPTH: Depth = Depth { max: 12, roulette: 3 };
 const SAMPLES: u64 = 256;
 const EDGE: u32 = 32;
@@ -127,7 +127,7 @@ fn image(scene: &Arc<World>, integrator: &dyn Integrator, seed: u64) -> Image {
     picture(scene.clone(), integrator, FilmSpec::new(EDGE, EDGE), sampler)
 }
 
-/// What the four tests say to two images, where they say no.
+/// Verdict of the four tests on two images, if a test refuses that they agree.
 fn refusal(a: &Image, b: &Image) -> Option<String> {
     let render = |image| SampledImage { image, samples: SAMPLES };
     let found = agreement(render(a), render(b), sidak(0.01, PAIRS)).unwrap();

@@ -1,4 +1,4 @@
-//! A scene's mistakes are told all at once, files that are missing among them; and by words that help.
+//! All mistakes of a scene, missing files among them, are reported at once, in helpful words.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use crate::marked::assert_fault_in_scene;
 
-/// stderr of a call that ends with this exit code.
+/// Text on stderr of a call, which must end with this exit code.
 #[track_caller]
 fn said(folder: &Path, code: i32, args: &[&str]) -> String {
     let output = Command::cargo_bin("pt").expect("the binary").current_dir(folder).args(args).output().expect("a run");
@@ -58,7 +58,7 @@ const LINES: [[&str; 3]; 8] = [
     ],
 ];
 
-/// What is said of the scene whose lines with these numbers are wrong.
+/// Error messages for a scene in which the lines that `is_wrong` selects are wrong.
 fn faults(folder: &Path, is_wrong: impl Fn(usize) -> bool) -> Vec<String> {
     let lines: Vec<&str> = LINES.iter().enumerate().map(|(i, [right, wrong, _])| if is_wrong(i) { *wrong } else { *right }).collect();
     fs::write(folder.join("s.json"), format!("{{ \"pt\": 1,\n{}\n}}", lines.join("\n").replace('^', ""))).expect("written");
@@ -66,7 +66,7 @@ fn faults(folder: &Path, is_wrong: impl Fn(usize) -> bool) -> Vec<String> {
     said(folder, code, &["check", "s.json"]).lines().filter(|line| line.starts_with("error")).map(str::to_owned).collect()
 }
 
-/// Each mistake is told by itself in the words in which it is told among all others, in the order of the file.
+/// A mistake is reported in the same words alone and among all others, and mistakes are reported in the order of the file.
 #[test]
 fn mistakes_of_all_kinds_are_told_together() {
     let folder = folder();
@@ -81,7 +81,7 @@ fn mistakes_of_all_kinds_are_told_together() {
     }
 }
 
-/// What is wrong inside of files comes when they are read, all of it too.
+/// Mistakes inside of files are reported when the files are read, all at once as well.
 #[test]
 fn files_that_are_no_use_are_told_together() {
     let folder = folder();

@@ -12,10 +12,10 @@ use pt::world::{World, WorldBuilder};
 
 use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, probe, room, stored, two_sided};
 
-/// As users have it.
+/// Limits of the default settings.
 const DEFAULT: Depth = Depth { max: 64, roulette: 4 };
 
-/// 1 + ρ + … + ρ^depth
+/// Sum 1 + ρ + … + ρ^depth.
 fn terms(albedo: f64, depth: u32) -> f64 {
     (1.0 - albedo.powi(depth as i32 + 1)) / (1.0 - albedo)
 }
@@ -28,7 +28,7 @@ fn glowing_box(albedo: f64) -> WorldBuilder {
     world
 }
 
-/// The same in a sphere, whose light is found from within.
+/// Inside a sphere that glows and reflects: the radiance is that of [`glowing_box`], and the light is sampled from within.
 fn glowing_sphere(albedo: f64) -> WorldBuilder {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(1.0, 0.4, 0.1)));
     let wall = world.material(Material::diffuse(stored(gray(albedo))));
@@ -36,7 +36,7 @@ fn glowing_sphere(albedo: f64) -> WorldBuilder {
     world
 }
 
-/// W1. Without roulette nothing is left to chance but light sampling.
+/// W1: inside a box and a sphere that glow and reflect. Without roulette nothing is left to chance but light sampling.
 fn furnace() -> Vec<Law> {
     let row = |(albedo, depth): (f64, u32)| {
         let boxed = Law::new(format!("W1 box, albedo {albedo}"), glowing_box(albedo), terms(albedo, depth), Depth::exactly(depth));
@@ -46,7 +46,7 @@ fn furnace() -> Vec<Law> {
     [(0.2, 10), (0.5, 20), (0.8, 60), (0.9, 100), (0.99, 300)].into_iter().flat_map(row).collect()
 }
 
-/// W1 with roulette as users have it: the survivors stand for the dead.
+/// W1 with the default Russian roulette, which must not change the mean.
 fn roulette() -> Vec<Law> {
     let law = |(albedo, max): (f64, u32)| {
         let law = Law::new(format!("roulette, albedo {albedo}"), glowing_box(albedo), terms(albedo, max), Depth { max, roulette: 4 });
@@ -59,7 +59,7 @@ fn roulette() -> Vec<Law> {
         .collect()
 }
 
-/// W2. What `max_depth` means: 0 emission, 1 direct light, each further one a reflection more.
+/// W2: meaning of `max_depth`. 0 is emission, 1 is direct light, and each further step adds a reflection.
 fn depth() -> Vec<Law> {
     let row = |albedo: f64| {
         [0, 1, 2, 8].map(|depth| {
@@ -136,7 +136,7 @@ fn cut_sphere(ratio: f64, degrees: f64) -> f64 {
     (cos * y.acos() - x * s) / (ratio * ratio) + (s / x).atan()
 }
 
-/// W6.
+/// W6: a spherical light of which the horizon cuts a part; see [`cut_sphere`].
 fn cut_sphere_light() -> Vec<Law> {
     let row = |(r, d, degrees, irradiance, chance): (f64, f64, f64, f64, Option<f64>)| {
         assert!((cut_sphere(d / r, degrees) - irradiance).abs() < 1e-9, "{}", cut_sphere(d / r, degrees));
@@ -179,7 +179,7 @@ fn square(edge: f64, height: f64) -> f64 {
     4.0 * s * s.atan()
 }
 
-/// W8.
+/// W8: a square light overhead, whose edge is w and whose height is h; see [`square`].
 fn square_light() -> Vec<Law> {
     let row = |(edge, h, irradiance, chance, lights_alone): (f64, f64, f64, Option<f64>, bool)| {
         assert!((square(edge, h) / irradiance - 1.0).abs() < 1e-8, "{}", square(edge, h));

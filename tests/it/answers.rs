@@ -43,7 +43,7 @@ fn a_target_is_met_or_missed() {
     assert!(render(2, &["--target", "0"]).contains("above 0 and below 1"));
 }
 
-/// A few bright dots hold all the noise: no error, no verdict, but the path that made the brightest.
+/// If a few bright dots make all the noise, no error and no verdict are given, but the path that made the brightest dot is shown.
 #[test]
 fn what_is_hardly_found_is_not_established() {
     let (folder, caustic) = (folder(), CORNELL.replace("cornell-box", "caustic"));

@@ -151,7 +151,7 @@ fn normals_are_told_apart() {
     let image = taken(built(world), points(9, 9), spp(2));
     for i in [13, 31, 40, 44, 58, 76] {
         let p = vector(&image, Layer::Position, i);
-        // Of the apex, then of the right corner.
+        // Barycentric weights of the apex and of the right corner.
         let c = (p.y + 2.0) / 4.0;
         let b = (p.x + 2.0 * (1.0 - c)) / 4.0;
         let weights = [1.0 - b - c, b, c];

@@ -1,4 +1,4 @@
-//! The command line as its users meet it: what it writes, what it refuses, in which words, with which exit code.
+//! The command line as users see it: its files, messages, refusals and exit codes.
 
 use std::fs;
 use std::path::Path;

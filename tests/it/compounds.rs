@@ -84,7 +84,7 @@ proptest! {
         prop_assert!((mix.pdf(wo, wi).get() - density).abs() <= 1e-5 * density);
     }
 
-    /// The same of single directions: what glass and a mirror have in common is added up.
+    /// Delta lobes of a mix are the weighted sums of its parts: where glass and a mirror share a direction, the weights are added up.
     #[test]
     fn mixed_lobes_are_sums(a in color(), b in color(), t in fraction(), wo in sphere()) {
         // As a texture says it, up to rounding: of 1 − t there may be little.
@@ -170,8 +170,8 @@ fn coated_white_is_white() {
     }
 }
 
-/// The same down to the horizon and to facets that hardly lean, where what the coat reflects changes faster than they do: by
-/// sampling. The mean of 10⁵ weights is known to 5e-4; the table is good to 3e-3.
+/// A white coated surface is white at grazing angles too, and under a coat that is almost smooth, where its reflectance varies fast. This
+/// is checked by sampling. The mean of 10⁵ weights is known to 5e-4; the table is good to 3e-3.
 #[test]
 fn coated_white_is_white_along_the_surface() {
     const SAMPLES: u32 = 100_000;
@@ -492,7 +492,7 @@ fn holes_let_light_through() {
     let lace = world(squares(0.0, 1.0));
     assert!(look(&lace, -0.5, -0.5).abs() < 1e-5);
     assert!((look(&lace, 0.5, -0.5) - 3.0).abs() < 1e-5);
-    // Each of three veils stops three tenths: 30, 21, 14.7 and 34.3 %.
+    // Each of three surfaces with opacity 0.3 stops three tenths: 30, 21, 14.7 and 34.3 %.
     let veil = world(squares(0.3, 0.3));
     const RAYS: u32 = 100_000;
     let mut counts = [0u32; 4];

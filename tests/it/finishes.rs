@@ -25,7 +25,7 @@ fn built(scene: &str) -> Built {
     pt::build::build(&described, source).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Where x < 0, or x > 0: a checker of two squares side by side has its even one first.
+/// BSDF at x on a quad with a checker of two squares: the even square is at x < 0, the odd one at x > 0.
 pub fn bsdf(built: &Built, x: f32) -> Bsdf<'_> {
     let ray = Ray::new(Vec3::new(x, -0.5, 3.0) - built.world.origin().as_vec3(), Vec3::NEG_Z);
     let hit = built.world.intersect(&ray).expect("the square is there");

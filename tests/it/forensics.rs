@@ -27,7 +27,7 @@ fn folder() -> TempDir {
     folder
 }
 
-/// What it says on stdout and on stderr.
+/// Runs pt and returns its stdout and stderr.
 #[track_caller]
 fn pt(folder: &Path, args: &[&str]) -> (String, String) {
     let output = Command::cargo_bin("pt").expect("the binary").current_dir(folder).args(args).assert().success().get_output().clone();

@@ -233,7 +233,7 @@ fn a_conductor_follows_the_complex_fresnel_equations() {
         let q = (length * angle.cos(), length * angle.sin());
         0.5 * (reflectance((c, 0.0), q) + reflectance((n2.0 * c, n2.1 * c), q))
     };
-    // After the sums that cancel nine operations in f32, half an ulp of 1 each. (F11 to F13 ask for 1e-6.)
+    // After the sums that cancel nine operations in f32, half an ulp of 1 each.
     let rounding = 9.0 * ROUNDING;
     let mut random = Random::new(5);
     for _ in 0..1_000_000 {

@@ -221,7 +221,7 @@ fn panes_in_a_row() -> Vec<Law> {
     [(1, 0.9230769231), (2, 0.8571428571), (3, 0.8), (10, 0.5454545455)].map(law).into()
 }
 
-/// A lamp seen from within glass: n²(1 − R), squeezed into a narrower cone; R from inside, by table F5.
+/// A lamp seen from within glass: n²(1 − R), compressed into a narrower cone, where R is the reflectance from inside.
 fn lamp_from_within() -> Vec<Law> {
     let table = [(10.0, 0.0400829592), (30.0, 0.0551901673), (40.0, 0.2452912043), (41.0, 0.3797512660)];
     let law = |(degrees, r): (f64, f64)| {

@@ -1,4 +1,4 @@
-//! The same picture, bit for bit: however it is divided, whatever its unit of length and of light.
+//! A picture has the same bits however it is divided, and whatever its units of length and of light.
 
 mod division;
 mod effects;

@@ -35,7 +35,7 @@ fn put(folder: &Path, name: &str, image: &Image, attributes: &[(&str, &str)]) {
     output::write(&folder.join(name), image, &attributes, &Tonemap::default()).unwrap_or_else(|e| panic!("{e}"));
 }
 
-/// Exit code, stdout, stderr.
+/// Runs pt and returns the exit code, stdout and stderr.
 fn pt(folder: &Path, call: &str) -> (i32, String, String) {
     let mut command = Command::cargo_bin("pt").expect("the binary");
     let output = command.current_dir(folder).arg("image").args(call.split_whitespace()).output().expect("it runs");

@@ -124,7 +124,7 @@ fn pfm_by_hand() {
     }
 }
 
-/// A file cut off at any byte is refused in one sentence (reliability B30, B33).
+/// A file cut off at any byte is refused in one sentence.
 #[test]
 fn what_is_cut_off_is_refused() {
     let folder = folder();
@@ -147,7 +147,7 @@ fn what_is_cut_off_is_refused() {
     assert!(refusal(folder.path()).1.ends_with(": not a regular file"));
 }
 
-/// An EXR whose header promises 2³¹ pixels a side (reliability B30).
+/// An EXR whose header promises 2³¹ pixels a side.
 #[test]
 fn an_exr_that_would_not_fit_is_refused_before_it_is_decoded() {
     let folder = folder();
@@ -184,7 +184,7 @@ fn data_lie_within_the_display_window() {
     }
 }
 
-/// The same pixels have the same hash, however they are stored; another bit, name or window gives another.
+/// Equal pixels have the same hash, however they are stored. Another bit, channel name or window gives another hash.
 #[test]
 fn hashes_are_of_pixels() {
     let folder = folder();

@@ -38,12 +38,12 @@ pub fn assert_faults(marked: &str, expected: &[&str]) {
     assert_eq!(faults.len(), expected.len(), "{marked}\n also {:#?}", &faults[expected.len()..]);
 }
 
-/// Each text, with a mark where its only fault stands, and the beginning of that fault.
+/// Asserts that each text has one fault, at its mark, with the given beginning.
 pub fn assert_fault(cases: &[(&str, &str)]) {
     cases.iter().for_each(|(marked, expected)| assert_faults(marked, &[expected]));
 }
 
-/// The same for texts within [`scene`].
+/// Calls [`assert_fault`] for texts within [`scene`].
 pub fn assert_fault_in_scene(cases: &[(&str, &str)]) {
     cases.iter().for_each(|(marked, expected)| assert_faults(&scene(marked), &[expected]));
 }

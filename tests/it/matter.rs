@@ -1,4 +1,4 @@
-//! Matte, glossy and coated models: what each of them promises beside the laws that hold for all (reliability M7–M9, M12).
+//! Matte, glossy and coated models: what each of them promises beside the laws that hold for all.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -48,7 +48,7 @@ fn uniform() -> impl Strategy<Value = f32> {
 proptest! {
     #![proptest_config(cases(100_000))]
 
-    /// M8: a sample is unit, on the side it says, and has the weight and density that `eval` and `pdf` say.
+    /// A sampled direction is a unit vector on the side that the lobe names, with the weight and density that follow from `eval` and `pdf`.
     #[test]
     fn samples_are_what_they_say(model in model(), wo in direction(), choice in uniform(), x in uniform(), y in uniform()) {
         let Some(sample) = model.sample(wo, choice, Vec2::new(x, y), TransportMode::Radiance) else { return Ok(()) };
@@ -67,7 +67,7 @@ proptest! {
         }
     }
 
-    /// Finite, not negative, and found by sampling where there is anything.
+    /// `eval` and `pdf` are finite and not negative, and the density is above 0 wherever the model scatters light.
     #[test]
     fn eval_and_pdf_are_sound(model in model(), wo in direction(), wi in direction()) {
         let (f, pdf) = (model.eval(wo, wi, TransportMode::Radiance), model.pdf(wo, wi).get());
@@ -75,7 +75,7 @@ proptest! {
         prop_assert!(f.is_black() || pdf > 0.0);
     }
 
-    /// M7, where the model says so.
+    /// f(a, b) = f(b, a) for models that are reciprocal.
     #[test]
     fn reciprocity(model in model(), a in direction(), b in direction()) {
         if model.reciprocal() {
@@ -86,7 +86,7 @@ proptest! {
     }
 }
 
-/// The exemptions are facts: 57° off the normal and back, f differs by far more than rounding.
+/// The models that are exempt from reciprocity are not reciprocal: f(a, b) and f(b, a) differ by far more than rounding.
 #[test]
 fn lobes_are_not_reciprocal() {
     let (a, b) = (Local::NORMAL, Local::new(0.6, 0.0, 0.8));
@@ -101,7 +101,7 @@ fn lobes_are_not_reciprocal() {
     }
 }
 
-/// M9: ∫ pdf = 1 less what sampling loses below the surface (and, on a coat, sends into the mirror direction).
+/// ∫ pdf = 1 less what sampling loses below the surface (and, on a coat, sends into the mirror direction).
 ///
 /// The share of samples found has a standard error below ½/√N = 8·10⁻⁴; five of them, for 30 comparisons.
 #[test]
@@ -180,7 +180,7 @@ fn shaken_mirrors_have_the_derived_density() {
     assert!((found / expected - 1.0).abs() < 1e-6, "{found} for {expected}");
 }
 
-/// White grooves lose nothing, whatever their roughness; grey ones reflect no more than Lambert's (M12).
+/// White grooves lose nothing, whatever their roughness; grey ones reflect no more than Lambert's.
 #[test]
 fn rough_matte_is_white() {
     for roughness in [0.0, 0.1, 0.5, 1.0] {
@@ -246,7 +246,7 @@ fn coated_white_is_white() {
     }
 }
 
-/// F14, to the rounding of the handbook's digits and of f32.
+/// Mean Fresnel reflectances from outside and inside, to the rounding of the expected digits and of f32.
 #[test]
 fn mean_reflectance_is_the_handbooks() {
     for (eta, outside, inside) in [(1.33, 0.0659308493, 0.4719491488), (1.5, 0.0917779593, 0.5963457597)] {

@@ -63,7 +63,7 @@ fn assert_sound(mesh: &MeshData) {
     assert_eq!(end as usize, mesh.triangles.len());
 }
 
-/// The same cases on every run.
+/// Configuration with this number of cases and a fixed seed, so that every run has the same cases.
 fn cases(cases: u32) -> Config {
     Config { cases, failure_persistence: None, rng_seed: RngSeed::Fixed(0x6d65_7368), ..Config::default() }
 }

@@ -149,7 +149,7 @@ proptest! {
         }
     }
 
-    /// Against windows summed up one by one, with variances from differences.
+    /// SSIM equals its definition: windows summed up one by one, with variances from differences.
     #[test]
     fn ssim_is_its_definition((a, b) in pictures()) {
         let map = metric("ssim").measure(&pair(&a, &b).expect("comparable")).map;

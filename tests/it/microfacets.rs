@@ -1,4 +1,4 @@
-//! Rough metal and rough glass against quadrature and published values (reliability M1–M6, M9, M10).
+//! Rough metal and rough glass against quadrature and published values.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,7 +16,7 @@ fn facets(x: f32, y: f32, distribution: Distribution) -> Microfacets {
     Microfacets::new(Vec2::new(x, y), distribution).expect("rough")
 }
 
-/// Metal that reflects all but 2·10⁻⁵ of the light at any angle (F13).
+/// Metal that reflects all but 2·10⁻⁵ of the light at any angle.
 fn white_metal(facets: Microfacets, compensated: bool) -> Bsdf<'static> {
     let reflectance = Reflectance::Index { eta: Spectrum::ONE, k: Spectrum::gray(1e4) };
     let more = |_| {
@@ -60,12 +60,12 @@ fn over_the_sphere(n: usize, f: impl Fn(Local) -> f64) -> f64 {
     sum * TAU / n as f64
 }
 
-/// ∫ f |cos θi|, over directions: it knows nothing of facets.
+/// Albedo ∫ f |cos θi| dωi over all directions, without knowledge of the facets.
 fn albedo(model: &Bsdf, wo: Local, n: usize) -> f64 {
     over_the_sphere(n, |wi| model.eval(wo, wi, TransportMode::Importance).average() as f64)
 }
 
-/// The same of what is reflected, over the normals h that mirror `wo`, dwi = 4 |wo·h| dh: every direction has one.
+/// Albedo of reflected light, integrated over half vectors h with dωi = 4 |wo·h| dh.
 fn reflected(model: &Bsdf, facets: &Microfacets, wo: Local, n: usize) -> f64 {
     over_normals(facets, n, |h| {
         let h = h.0 * glam::Vec3::new(1.0, 1.0, 1f32.copysign(wo.cos()));
@@ -99,7 +99,7 @@ fn over_normals(facets: &Microfacets, n: usize, f: impl Fn(Local) -> f64) -> f64
     sum * 0.5 * alpha.x * alpha.y * TAU / n as f64
 }
 
-/// M6: D at the normal is 1/(π αx αy), and off it what f64 makes of the textbook's form, down to the smoothest rough surface.
+/// D at the normal is 1/(π αx αy), and off it what f64 makes of the textbook's form, down to the smoothest rough surface.
 #[test]
 fn distribution_of_normals() {
     for alpha in [1.0f32, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, MIN_ALPHA] {
@@ -120,7 +120,7 @@ fn distribution_of_normals() {
     }
 }
 
-/// ∫ D cos θ = 1, and M1: ∫ D G₁ |wo·h| / cos θo over the normals on the side of wo is 1 for every direction and roughness.
+/// ∫ D cos θ = 1, and ∫ D G₁ |wo·h| / cos θo over the normals on the side of wo is 1 for every direction and roughness.
 ///
 /// Error of the midpoint rule: the kink at wo·h = 0, h²; and Beckmann's D falls steeply in these coordinates.
 #[test]
@@ -140,8 +140,8 @@ fn weak_furnace() {
     }
 }
 
-/// M2: what one reflection returns of white light from facets whose heights are masked and shadowed together.
-/// (M3: were they independent, it would be 0.6860 instead of 0.6983 at α = 0.5, μ = 0.5.)
+/// Share of light that white facets return after one reflection, with height-correlated masking and shadowing.
+/// (With uncorrelated masking and shadowing it would be 0.6860 instead of 0.6983 at α = 0.5, μ = 0.5.)
 #[test]
 fn strong_furnace() {
     let cosines = [1.0, 0.8, 0.5, 0.2, 0.05];
@@ -167,7 +167,7 @@ fn strong_furnace() {
     }
 }
 
-/// M5: what one encounter with a facet of glass returns, reflected and refracted, from outside and from inside.
+/// Share of light that facets of glass reflect and refract at one encounter, from outside and from inside.
 #[test]
 fn glass_furnace() {
     let cosines = [1.0, 0.5, 0.2];
@@ -187,7 +187,7 @@ fn glass_furnace() {
     }
 }
 
-/// M4: with what later encounters return, white metal and clear glass lose nothing: 1 ± 2·10⁻³ at any angle.
+/// With the light of later encounters, white metal and clear glass lose nothing: 1 ± 2·10⁻³ at any angle.
 #[test]
 fn compensated_surfaces_are_white() {
     for distribution in BOTH {

@@ -81,7 +81,8 @@ fn moeller_trumbore(o: DVec3, d: DVec3, [a, b, c]: [DVec3; 3]) -> Option<(f64, [
     (margin >= 0.0 && t > 0.0).then_some((t, [w, u, v], margin))
 }
 
-/// The school formula: t and how far inside the silhouette, as a share of the radius.
+/// Intersection by the quadratic formula: t, and half the chord relative to the radius, which tells how far inside the silhouette the ray
+/// passes.
 fn quadratic(o: DVec3, d: DVec3, r: f64) -> Option<(f64, f64)> {
     let (a, half_b, c) = (d.dot(d), o.dot(d), o.dot(o) - r * r);
     let discriminant = half_b * half_b - a * c;

@@ -1,4 +1,4 @@
-//! Pictures as textures, and textures made of textures (reliability B16, B31, B33, B34).
+//! Pictures as textures, and textures made of textures.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -227,7 +227,7 @@ pub fn with_palette(bytes: usize) -> Vec<u8> {
     [&b"\x89PNG\r\n\x1a\n"[..], &chunks.concat()].concat()
 }
 
-/// Of PNG's chunks, bit by bit. Source: ISO 3309.
+/// Checksum of PNG chunks, computed bit by bit. Source: ISO 3309.
 fn crc32(bytes: &[u8]) -> u32 {
     let byte = |sum: u32, byte: &u8| (0..8).fold(sum ^ u32::from(*byte), |s, _| if s & 1 == 1 { (s >> 1) ^ 0xedb8_8320 } else { s >> 1 });
     !bytes.iter().fold(!0, byte)

@@ -143,7 +143,8 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
     lossless.into_iter().map(|material| (met(material), true)).chain(others.into_iter().map(|material| (met(material), false))).collect()
 }
 
-/// M10's facets: metal and glass from either side, round and four to one, with and without later reflections.
+/// Rough metal and glass, seen from either side: facets that are round and four times as long as wide, with and without multiple
+/// scattering. The flag is whether the model loses no light.
 fn rough() -> Vec<(Bsdf<'static>, bool)> {
     let copper = Element::Cu.index();
     let mut models = vec![];
@@ -159,7 +160,7 @@ fn rough() -> Vec<(Bsdf<'static>, bool)> {
     models.into_iter().map(|model| (model, false)).collect()
 }
 
-/// M4 and M7–M12: one family of tests, refused together with a probability of 1 %.
+/// All laws of all models are one family of tests, of which any is refused by chance with a probability of 1 %.
 #[test]
 fn own_models_are_proved() {
     accepted(&models());
@@ -248,7 +249,7 @@ fn false_alarms_are_as_frequent_as_they_say() {
     assert!((31..=69).contains(&alarms), "{alarms} of {RUNS}");
 }
 
-/// The same of the law as a whole, with its quadrature and its samples: 40 runs at 20 % refuse about 8, never 20.
+/// The level of the law as a whole, with its quadrature and its samples, is the stated one.
 #[test]
 fn the_whole_law_keeps_its_level() {
     let model = Bsdf::MatteCone(MatteCone { color: COLOR, mattness: 0.3 });

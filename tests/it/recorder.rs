@@ -36,7 +36,7 @@ pub fn load(path: &Path, [width, height]: [u32; 2]) -> Built {
 }
 
 /// Applies `law` to the recorded events of a few hundred samples of every integrator on every scene.
-fn told(samples: usize, mut law: impl FnMut(&str, &dyn Scene, &Render, SampleId, &[Event])) {
+fn for_recorded(samples: usize, mut law: impl FnMut(&str, &dyn Scene, &Render, SampleId, &[Event])) {
     for (path, built) in scenes() {
         let world: Arc<dyn Scene> = Arc::new(built.world);
         for entry in ALL {
@@ -62,7 +62,7 @@ fn contributions(events: &[Event]) -> impl Iterator<Item = &Contribution> {
 #[test]
 fn what_is_told_adds_up_to_the_radiance() {
     let (mut bright, mut silent) = (0, 0);
-    told(150, |name, _, render, id, events| {
+    for_recorded(150, |name, _, render, id, events| {
         let (alone, mut again) = (render.replay(id, None), Vec::<Event>::new());
         let watched = render.replay(id, Some(&mut again));
         assert_eq!(watched.to_rgb().map(f32::to_bits), alone.to_rgb().map(f32::to_bits), "{name}");
@@ -87,7 +87,7 @@ fn what_is_told_adds_up_to_the_radiance() {
 #[test]
 fn throughputs_follow_from_the_vertices() {
     let (mut smooth, mut vertices) = (0, 0);
-    told(100, |name, _, _, _, events| {
+    for_recorded(100, |name, _, _, _, events| {
         if !name.contains(" path ") && !name.contains(" nee ") {
             return;
         }
@@ -134,7 +134,7 @@ fn throughputs_follow_from_the_vertices() {
 /// Depths count scattering events, light indices are valid, weights are from 0 to 1, and a path that ends at the depth limit has reached it.
 #[test]
 fn contributions_know_where_they_come_from() {
-    told(60, |name, scene, _, _, events| {
+    for_recorded(60, |name, scene, _, _, events| {
         let mut depth = 0;
         for event in events {
             match event {
@@ -159,7 +159,7 @@ fn contributions_know_where_they_come_from() {
 #[test]
 fn weights_are_those_of_two_techniques() {
     let (mut shared, mut whole) = (0, 0);
-    told(100, |name, _, _, _, events| {
+    for_recorded(100, |name, _, _, _, events| {
         for c in contributions(events).filter(|_| name.contains(" nee ")) {
             if c.depth == 0 {
                 assert_eq!(c.origin.weight, 1.0, "{name}");
@@ -176,7 +176,7 @@ fn weights_are_those_of_two_techniques() {
 fn clamping_holds_back_indirect_light_alone() {
     const LIMIT: f32 = 0.05;
     let mut held = 0;
-    told(60, |name, _, render, id, events| {
+    for_recorded(60, |name, _, render, id, events| {
         let mut inner: Vec<Event> = vec![];
         let mut clamp = pt::recorder::Clamp::new(LIMIT, Some(&mut inner));
         render.replay(id, Some(&mut clamp));
@@ -204,7 +204,7 @@ fn clamping_holds_back_indirect_light_alone() {
 #[test]
 fn sorted_light_is_all_the_light() {
     let (mut indirect, mut several) = (0, 0);
-    told(100, |name, scene, render, id, events| {
+    for_recorded(100, |name, scene, render, id, events| {
         let group_of: std::sync::Arc<[u32]> = (0..scene.lights().len() as u32).collect();
         let mut split = LightSplit::new(group_of);
         render.replay(id, Some(&mut split));

@@ -18,10 +18,11 @@ use crate::random::Random;
 use crate::scenes::{Depth, Effort, Law, black, confirm, facing, glow, gray, stored};
 
 const ALBEDO: f64 = 0.5;
-/// Of the quad, centred at the origin.
+/// Edge of the quad, which is centred at the origin (m).
 const SIDE: f64 = 4.0;
-/// Pixels along an edge of the picture of normals, and how often it is repeated along an edge of the quad.
+/// Pixels along an edge of the picture of normals.
 const TEXELS: usize = 4;
+/// Repetitions of that picture along an edge of the quad.
 const REPEATS: f64 = 3.0;
 
 const EYE: DVec3 = DVec3::new(0.2, -1.2, 0.7);

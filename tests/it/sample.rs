@@ -60,7 +60,7 @@ fn points_have_the_mean_of_their_density() {
     };
     let height = |p: &[f64]| p[2];
     let square = |p: &[f64]| p.iter().map(|x| x * x).sum();
-    // Of GGX at α = 1 all facets are those of a hemisphere: seen from the side, z has the density of wo·h = x on a quarter of the
+    // The facets of GGX at α = 1 are those of a hemisphere: seen from the side, z has the density of wo·h = x on a quarter of the
     // sphere, (2/π) ∫ x z dω = 4/(3π); from above 2/3. Beckmann's from above: tan² θ is exponential, ⟨cos θ⟩ = e √π erfc 1.
     // Seen from the octant's three planes alike, ⟨z⟩ = 1/2; the square's, by Lambert's sum over its edges, 2 √2 atan(1/√2) over 2π/3.
     // Standard deviations are below 0.31: five of the mean are 0.011.

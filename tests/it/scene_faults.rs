@@ -119,7 +119,7 @@ fn textures_within_textures_are_limited() {
     assert!(faults[0].contains("/textures/t9936: textures lie within each other deeper than 64"), "{}", faults[0]);
 }
 
-/// The same of materials, each a mix of the next with itself.
+/// A chain of `length` materials, each a mix of the next with itself: 2^length paths.
 fn mixes(length: usize, shapes: &str) -> String {
     let link = |i: usize| format!(r#""m{i}": {{"type": "mix", "a": "m{}", "b": "m{}", "share": 0.5}},"#, i + 1, i + 1);
     let links: String = (1..length).map(link).collect();

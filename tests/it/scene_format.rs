@@ -25,7 +25,7 @@ const ALTERNATIVES: [(&str, &str); 8] = [
     ("/sampler/type", "sobol"),
 ];
 
-/// [`EVERYTHING`], and once more with each alternative.
+/// The scene [`EVERYTHING`], and copies of it, each with one alternative.
 fn scenes() -> Vec<Scene> {
     let root = describe::root(EVERYTHING.as_bytes(), "everything.json").unwrap_or_else(|e| panic!("{e}"));
     let with = |(pointer, value): &(&str, &str)| {
@@ -107,7 +107,7 @@ fn what_is_written_reads_back_equal() {
     }
 }
 
-/// Else the round trip would not test what it claims.
+/// The scenes of the round trip use every key and type of the schema. Without that the round trip would not test them.
 #[test]
 fn everything_uses_every_key() {
     let mut used = BTreeSet::new();

@@ -61,12 +61,13 @@ pub fn facing(center: DVec3, normal: DVec3) -> Transform {
     Transform::look_at(center, center - normal, up).unwrap()
 }
 
-/// Six walls around a box, their normals inwards; `wear` dresses the wall on one side of one axis (0 to 2).
-pub fn room(world: &mut WorldBuilder, center: DVec3, half: DVec3, wear: impl Fn(usize, f64) -> (MaterialId, Option<Emission>)) {
+/// Adds the six walls of a box, with normals inwards. `finish` returns the material and emission of the wall on one side (±1) of one axis
+/// (0 to 2).
+pub fn room(world: &mut WorldBuilder, center: DVec3, half: DVec3, finish: impl Fn(usize, f64) -> (MaterialId, Option<Emission>)) {
     for (axis, side) in (0..3).flat_map(|axis| [-1.0, 1.0].map(|side| (axis, side))) {
         let out = DVec3::AXES[axis] * side;
         let size = [[half.z, half.y], [half.x, half.z], [half.x, half.y]][axis].map(|s| 2.0 * s);
-        let (material, emission) = wear(axis, side);
+        let (material, emission) = finish(axis, side);
         world.shape(Quad { size }, facing(center + out * half, -out), material, emission);
     }
 }
@@ -155,14 +156,14 @@ pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, spec: FilmSpe
 pub struct Law {
     pub name: String,
     pub scene: Arc<World>,
-    /// Along the camera's ray.
+    /// Radiance along the camera's ray.
     pub radiance: f64,
     pub depth: Depth,
     /// Half of the interval of the mean, relative: a test that cannot tell this much fails.
     pub resolution: f64,
-    /// The same where time is short.
+    /// Resolution of a quick run.
     pub quick: f64,
-    /// The same for paths that meet the light by chance; `None` where they do so too rarely.
+    /// Resolution for paths that hit the light by chance; `None` if they hit it too rarely.
     pub by_chance: Option<f64>,
     /// Whether light sampling without multiple importance sampling has a usable variance.
     pub lights_alone: bool,

@@ -21,7 +21,7 @@ fn listener() -> (TcpListener, String) {
     (listener, address)
 }
 
-/// The next caller. A test whose caller does not come fails, and does not wait for ever.
+/// Accepts the next connection. The test fails after some time if there is none.
 fn caller(listener: &TcpListener) -> TcpStream {
     listener.set_nonblocking(true).expect("a mode");
     let came = || {
@@ -84,7 +84,7 @@ fn packets_are_those_of_the_protocol() {
     assert_eq!(opened, "0e00000007012f612e6578720000");
 }
 
-/// What a viewer makes of what it is sent.
+/// Picture that a viewer has put together from packets.
 #[derive(Default)]
 struct Screen {
     name: String,
@@ -176,7 +176,7 @@ impl Screen {
     }
 }
 
-/// A viewer that takes one caller and shows all that comes; it tells of every packet.
+/// Starts a viewer that accepts one connection and shows what it receives. It sends the number of tiles after every packet.
 fn screen(listener: TcpListener) -> (JoinHandle<Screen>, Receiver<usize>) {
     let (tell, told) = channel();
     let run = move || {
@@ -197,7 +197,7 @@ fn noise(size: [u32; 2], seed: u64) -> Image {
     Image { full_size: size.into(), origin: UVec2::ZERO, size: size.into(), channels }
 }
 
-/// Warnings, as they come.
+/// Returns a function that collects warnings, and the collected warnings.
 fn warnings() -> (impl Fn(&str) + Send, Arc<Mutex<Vec<String>>>) {
     let heard = Arc::new(Mutex::new(vec![]));
     let hear = heard.clone();
@@ -208,7 +208,7 @@ fn silent(text: &str) {
     panic!("{text}");
 }
 
-/// Waits for so many tiles.
+/// Waits until the viewer has at least this number of tiles.
 fn wait_for(told: &Receiver<usize>, tiles: usize) {
     while told.recv_timeout(Duration::from_secs(60)).expect("tiles come") < tiles {}
 }
@@ -378,8 +378,8 @@ fn taking_leave_ends() {
     talker.join().expect("its caller is gone");
 }
 
-/// `--display-server`: the viewer shows in the end what the file says, and the file is that of a render that nobody looked at,
-/// also where nobody listens, which is said in one line.
+/// With `--display-server` the viewer shows at the end what is in the file, and the file is that of a render without a viewer. If there is
+/// no viewer at the address, the file is the same and a line says so.
 #[test]
 fn a_render_is_shown_and_not_disturbed() {
     let folder = tempfile::tempdir().expect("a folder");

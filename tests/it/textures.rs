@@ -33,7 +33,7 @@ fn shown(cell: IVec3) -> Rgb {
     if (cell.x + cell.y + cell.z) & 1 == 0 { EVEN } else { ODD }
 }
 
-/// A cell, negative ones too, and a place in it: sixteenths, the lower border included, so that all is exact in f32.
+/// A cell, whose indices may be negative, and a place in it in sixteenths from its lower border, so that all numbers are exact in f32.
 fn cell_and_place() -> impl Strategy<Value = (IVec3, Vec3)> {
     let cell = [-1000i32..1000, -1000..1000, -1000..1000].prop_map(IVec3::from_array);
     let place = [0u8..16, 0..16, 0..16].prop_map(|s| Vec3::from_array(s.map(|s| f32::from(s) / 16.0)));

@@ -69,7 +69,7 @@ fn a_texture_is_each_of_its_values() {
     }
 }
 
-/// The same light from everywhere to everywhere, to the rounding of tables that are looked up at their nodes.
+/// Asserts that two BSDFs scatter the same light between random directions, up to the rounding of table lookups at the nodes.
 fn same(found: &Bsdf, expected: &Bsdf, random: &mut Random, what: &str) {
     const MODE: TransportMode = TransportMode::Radiance;
     let near = |a: f32, b: f32| (a - b).abs() <= 2e-5 * b.abs() + 1e-7;
@@ -224,7 +224,7 @@ fn mean_reflectance_is_the_integral() {
     };
     for eta in [1.0001f32, 1.00011, 1.001, 1.01, 1.1, 1.5, 2.42, 10.0, 100.0] {
         let (found, expected) = (f64::from(dielectric_mean(eta)), integral(eta));
-        // Of the rule with F all but a step at the horizon: a tenth of a cell.
+        // Error of Simpson's rule where F is almost a step at the horizon: a tenth of a cell.
         assert!((found - expected).abs() < 1e-7 + 5e-5 * expected, "η {eta}: {found}, {expected}");
     }
 }

@@ -87,7 +87,7 @@ fn two_hundred_healthy_pairs_pass() {
     healthy(200);
 }
 
-/// Of 64 paths few meet the lamp, and in a dark corner none: light that has not come yet is no difference.
+/// Few of 64 paths hit the lamp, and none in a dark corner: light that was not found yet does not count as a difference.
 #[test]
 fn paths_that_rarely_meet_the_lamp_agree() {
     let subject = Subject::cornell(256);

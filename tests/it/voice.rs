@@ -118,7 +118,7 @@ fn an_automatic_exposure_shows_the_same_whatever_the_light() {
     for k in [-30, -8, 3, 14] {
         assert!(near(&bytes(0.5 * 2f64.powi(k), "auto").0, &expected), "2^{k}");
     }
-    // The same as by hand, and as `pt image convert` has it.
+    // The stops that the note names give the same picture by hand, and so does `pt image convert`.
     let stops = said.split("--exposure ").nth(1).and_then(|rest| rest.split_whitespace().next()).expect("stops").to_owned();
     assert!(bytes(0.5, &stops).0 == expected);
     assert!(pt(at, "image convert x.exr -o y.png --exposure auto").status.success());
@@ -126,7 +126,7 @@ fn an_automatic_exposure_shows_the_same_whatever_the_light() {
     assert!(stderr(&pt(at, "s.json --exposure much")).contains("expected a number of stops, or auto"));
 }
 
-/// Of a picture that shows little of what is in it, how to see more.
+/// A picture that is too dark or too bright gets a note that says how to see more.
 #[test]
 fn pictures_too_dark_or_too_bright_are_told_of() {
     let folder = folder();

@@ -1,9 +1,9 @@
-//! Varnish, glaze, lacquer: a clear coat over any material.
+//! A clear coat over any material: varnish, glaze, lacquer.
 
 use glam::{DVec3, Vec2};
 
-use super::veil::{Cover, NODES, nodes};
-use super::{Compound, Scatter, Veil, choose};
+use super::layer_stack::{Cover, NODES, nodes};
+use super::{Compound, LayerStack, Scatter, choose};
 use crate::bsdf::description::{Description, MaterialRef, Prepare, given};
 use crate::bsdf::microfacet::energy_loss::{Cache, Domain, Key};
 use crate::bsdf::microfacet::{
@@ -17,55 +17,56 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, fresnel};
 use crate::shape::SurfacePoint;
 use crate::texture::{Number, Texture};
 
-/// A material under a clear coat, on both sides of it.
+/// A material with a clear coat, on both sides of the surface.
 ///
-/// f = f_coat + T(wo, wi) c · f_ground
+/// f = f_coat + T(wo, wi) c · f_base
 ///
-/// f_coat reflects at the coat's facets, the share E(w) of light from w in all. What goes through the coat both ways is T by
-/// `Veil`, with p = 1 − E:
+/// f_coat is the reflection at the coat's facets, with the albedo E(w). T is the transmittance of the coat on the way in and out, see
+/// `LayerStack`, with p = 1 − E:
 ///
-/// T = 1 − max(E(wo), E(wi))                          for a ground in general,
+/// T = 1 − max(E(wo), E(wi))                          for a base in general,
 ///
-/// T = (1 − E(wo)) (1 − E(wi)) / (1 − Ē)              for a Lambertian one, also for one that lies under layers of its own
+/// T = (1 − E(wo)) (1 − E(wi)) / (1 − Ē)              for a Lambertian base, also under layers of its own
 ///
-/// Over a Lambertian ground light is thrown back and forth, the share K of what leaves the ground each time, which makes colours
-/// deeper than they are without a coat: T is darker by (1 − K)/(1 − ρ K), with K = 1 − (1 − Ē)/η². So it is on Oren and Nayar's
-/// ground. On others the second passage is neglected.
+/// The coat reflects the share K = 1 − (1 − Ē)/η² of the light from a Lambertian base back to it, which makes colours deeper: T has the
+/// further factor (1 − K)/(1 − ρ K). The same factor is used for an Oren–Nayar base. For other bases this reflection is neglected.
 ///
-/// No light is lost over white matte grounds and mirrors. Over lobes that are wide and not matte some is: up to 5 % over Oren and
-/// Nayar's ground, 6 % over rough metal, and 0.7 % of plastic under another coat, for its own highlight.
+/// No light is lost over white matte bases and mirrors. Some is lost over wide lobes that are not matte: up to 5 % over an Oren–Nayar
+/// base, 6 % over rough metal, and 0.7 % for plastic under another coat, because of its own highlight.
 ///
-/// c is the coat's own colour, over the ways down and up inside of it: c(wo, wi) = color^((1/cos θ'o + 1/cos θ'i)/2).
+/// c is the absorption inside the coat on the way down and up: c(wo, wi) = color^((1/cos θ'o + 1/cos θ'i)/2).
 ///
-/// - sampling: the coat by what it reflects of wo, else the ground
+/// - sampling: the coat or the base in proportion to the light from wo that each returns
 ///
-/// Source: Wolff (1994) and Kelemen and Szirmay-Kalos (2001) for T over a matte ground; Estevez and Kulla, *Production Friendly
+/// Source: Wolff (1994) and Kelemen and Szirmay-Kalos (2001) for T over a matte base; Estevez and Kulla, *Production Friendly
 /// Microfacet Sheen* (2017), §5, for T in general. Tests: coated_white_is_white_along_the_surface,
 /// layers_on_white_are_white, a_coat_over_matte_is_plastic, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coated {
+    /// The material under the coat, called the base here.
     pub ground: Material,
+    /// The coat.
     pub coat: Coat,
 }
 
 /// A clear layer without thickness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coat {
-    /// η, over the outside: at least 1.
+    /// η, the index of refraction over that outside: at least 1.
     eta: Number,
-    /// What is left of white light that goes straight down and up.
+    /// The transmittance of the coat straight down and up: [0, 1].
     color: Texture,
-    /// `None` for a smooth one; with the tables of [`losses`].
+    /// The roughness with its tables of [`losses`]; `None` for a smooth coat.
     finish: Option<(Roughness, TableRange<EnergyLossTable>)>,
-    /// 1 − F̄ of a smooth one, where it is the same everywhere.
+    /// 1 − F̄ of a smooth coat, if `eta` is constant.
     smooth_mean: Option<f32>,
-    /// Whether a matte ground's own colour is meant to be seen: without the deepening by light that is thrown back.
+    /// Whether a matte base keeps its own colour, without the deepening by light that the coat reflects back.
     keep_base_color: bool,
-    /// 1 − E at the nodes of means over layers, where it is the same everywhere.
+    /// 1 − E at the nodes of the quadrature over layers, if the coat is uniform.
     passed_at_nodes: Option<[f32; NODES]>,
 }
 
-/// A coat at a point.
+/// A coat at a hit.
 struct Layer<'a> {
     eta: f32,
     color: Spectrum,
@@ -77,8 +78,11 @@ struct Layer<'a> {
 }
 
 impl Coat {
-    /// - `eta`: at least 1
-    /// - `finish`: `None` for a smooth coat
+    /// A clear coat.
+    ///
+    /// - `eta`: index of refraction over that outside, at least 1
+    /// - `color`: transmittance straight down and up
+    /// - `finish`: the roughness; `None` for a smooth coat
     pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, finish: Option<Roughness>) -> Coat {
         let eta = eta.into();
         let tables = |finish: Roughness| {
@@ -91,13 +95,13 @@ impl Coat {
         Coat { passed_at_nodes: coat.is_uniform().then(|| coat.at(&HitContext::ANYWHERE.point).passed_at_nodes()), ..coat }
     }
 
-    /// Whether it reflects alike everywhere.
+    /// Whether the reflectance of the coat is the same everywhere.
     fn is_uniform(&self) -> bool {
         let mut widths = self.finish.iter().flat_map(|(finish, _)| finish.textures());
         self.eta.constant().is_some() && widths.all(Texture::is_constant)
     }
 
-    /// A matte ground then shows its own colour: under other coats colours are deeper.
+    /// Lets a matte base keep its own colour. Otherwise a coat makes colours deeper.
     pub fn keep_base_color(self) -> Coat {
         Coat { keep_base_color: true, ..self }
     }
@@ -123,12 +127,12 @@ impl Coat {
     }
 }
 
-/// 1 − F̄
+/// 1 − F̄ of a smooth coat.
 fn smooth_mean(eta: f32) -> f32 {
     1.0 - fresnel::dielectric_mean(eta)
 }
 
-/// The table of (1 − (E − F))/2, with F what a smooth coat reflects: E itself may change faster than the facets lean.
+/// The table of (1 − (E − F))/2, with the reflectance F of a smooth coat. E itself may vary too fast with the angle for the table.
 fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static EnergyLossTable {
     static CACHE: Cache<Key, EnergyLossTable> = Cache::new();
     CACHE.get((distribution, domain.bits(), eta.to_bits()), || {
@@ -142,7 +146,7 @@ fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Ener
 }
 
 impl Layer<'_> {
-    /// E(w)
+    /// E(w), the albedo of the coat alone.
     fn reflected(&self, w: Local) -> f32 {
         let smooth = fresnel::dielectric(w.abs_cos(), self.eta);
         self.facets.map_or(smooth, |(facets, losses)| {
@@ -151,20 +155,20 @@ impl Layer<'_> {
         })
     }
 
-    /// T c, into a single direction.
+    /// T c for a delta lobe of the base.
     fn through(&self, wo: Local, wi: Local) -> Spectrum {
-        self.attenuated(wo, wi) * Veil::new(self, None, wo, wi).glossy()
+        self.attenuated(wo, wi) * LayerStack::new(self, None, wo, wi).glossy()
     }
 
-    /// (1 − K)/(1 − ρ c K) of a matte ground.
-    fn deepened(&self, ground: &Bsdf) -> Spectrum {
-        let (Bsdf::Diffuse(Diffuse { albedo }) | Bsdf::OrenNayar(OrenNayar { albedo, .. })) = ground else { return Spectrum::ONE };
+    /// (1 − K)/(1 − ρ c K) for a matte base, and 1 for others.
+    fn deepened(&self, base: &Bsdf) -> Spectrum {
+        let (Bsdf::Diffuse(Diffuse { albedo }) | Bsdf::OrenNayar(OrenNayar { albedo, .. })) = base else { return Spectrum::ONE };
         let thrown_back = 1.0 - self.mean / (self.eta * self.eta);
         let deepened = |rho: f32| (1.0 - thrown_back) / (1.0 - rho * thrown_back);
         if self.keep_base_color { Spectrum::ONE } else { (*albedo * self.color).map(deepened) }
     }
 
-    /// color^((1/cos θ'o + 1/cos θ'i)/2)
+    /// c = color^((1/cos θ'o + 1/cos θ'i)/2), the absorption inside the coat.
     fn attenuated(&self, wo: Local, wi: Local) -> Spectrum {
         if self.color == Spectrum::ONE {
             return Spectrum::ONE;
@@ -182,16 +186,17 @@ impl Layer<'_> {
         Some((fresnel::dielectric(cos_to_half(wo, wi), self.eta) * pair.scattered(), pair.density()))
     }
 
-    /// Of coat and ground to be sampled: their shares in what comes back, neither as the rest of the other.
-    fn chances(&self, ground: &Bsdf, wo: Local) -> [f32; 2] {
+    /// The probabilities of sampling coat and base, in proportion to the light that each returns. Each is computed by itself, because 1
+    /// minus the other would round to 0 for a small share.
+    fn chances(&self, base: &Bsdf, wo: Local) -> [f32; 2] {
         let coat = self.reflected(wo);
-        let below = match ground {
+        let below = match base {
             Bsdf::Diffuse(Diffuse { albedo }) => albedo.max(),
             _ => 1.0,
         };
-        let ground = (1.0 - coat) * below;
-        let sum = coat + ground;
-        if sum > 0.0 { [coat / sum, ground / sum] } else { [0.0, 1.0] }
+        let base = (1.0 - coat) * below;
+        let sum = coat + base;
+        if sum > 0.0 { [coat / sum, base / sum] } else { [0.0, 1.0] }
     }
 }
 
@@ -209,7 +214,8 @@ impl Cover for Layer<'_> {
     }
 }
 
-/// Where the coat is as thin as air (η = 1) light along it would go a long way; 1000 thicknesses are as good as all.
+/// The smallest cos² of a direction inside the coat: paths are at most 1000 times as long as the coat is thick. (For η = 1 paths along
+/// the surface would be unbounded.)
 const MIN_COS2: f32 = 1e-6;
 
 impl Coated {
@@ -223,27 +229,27 @@ impl Coated {
 }
 
 impl Scatter for Coated {
-    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
-        let (layer, ground) = self.at(at);
-        let below = ground.beneath(Some(&Veil::new(&layer, above, wo, wi)), wo, wi, mode);
-        let below = if below.is_black() { below } else { below * layer.deepened(&ground) * layer.attenuated(wo, wi) };
-        let reflected = layer.reflection(wo, wi).map_or(0.0, |(f, _)| f * above.map_or(1.0, Veil::glossy));
+    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&LayerStack>) -> Spectrum {
+        let (layer, base) = self.at(at);
+        let below = base.beneath(Some(&LayerStack::new(&layer, above, wo, wi)), wo, wi, mode);
+        let below = if below.is_black() { below } else { below * layer.deepened(&base) * layer.attenuated(wo, wi) };
+        let reflected = layer.reflection(wo, wi).map_or(0.0, |(f, _)| f * above.map_or(1.0, LayerStack::glossy));
         below + Spectrum::gray(reflected)
     }
 
     fn pdf(&self, at: &HitContext, wo: Local, wi: Local) -> SolidAnglePdf {
-        let (layer, ground) = self.at(at);
-        let [coat, below] = layer.chances(&ground, wo);
+        let (layer, base) = self.at(at);
+        let [coat, below] = layer.chances(&base, wo);
         let reflected = layer.reflection(wo, wi).map_or(0.0, |(_, pdf)| pdf);
-        SolidAnglePdf::new(coat * reflected + below * ground.pdf(wo, wi).get())
+        SolidAnglePdf::new(coat * reflected + below * base.pdf(wo, wi).get())
     }
 
     fn sample(&self, at: &HitContext, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        let (layer, ground) = self.at(at);
-        let [chance, below] = layer.chances(&ground, wo);
+        let (layer, base) = self.at(at);
+        let [chance, below] = layer.chances(&base, wo);
         let (coat, choice) = choose(choice, chance);
         if !coat {
-            let sample = ground.sample(wo, choice, u, mode)?;
+            let sample = base.sample(wo, choice, u, mode)?;
             return self.of_part(at, wo, sample, below, |wi| layer.through(wo, wi), mode);
         }
         let Some((facets, _)) = layer.facets else {
@@ -260,21 +266,21 @@ impl Scatter for Coated {
     }
 
     fn delta_lobes(&self, at: &HitContext, wo: Local, mode: TransportMode) -> DeltaLobes {
-        let (layer, ground) = self.at(at);
+        let (layer, base) = self.at(at);
         let mut lobes = DeltaLobes::default();
         let reflected = layer.reflected(wo);
         if layer.facets.is_none() && reflected > 0.0 {
             lobes.add(BsdfSample::reflected(Local(fresnel::reflect(wo.0)), Spectrum::gray(reflected)), Spectrum::ONE);
         }
-        for lobe in ground.delta_lobes(wo, mode) {
+        for lobe in base.delta_lobes(wo, mode) {
             lobes.add(lobe, layer.through(wo, lobe.wi));
         }
         lobes
     }
 
     fn has_smooth_lobe(&self, at: &HitContext) -> bool {
-        let (layer, ground) = self.at(at);
-        layer.facets.is_some() || ground.has_smooth_lobe()
+        let (layer, base) = self.at(at);
+        layer.facets.is_some() || base.has_smooth_lobe()
     }
 
     fn reciprocal(&self, at: &HitContext) -> bool {
@@ -298,7 +304,7 @@ impl Scatter for Coated {
     }
 }
 
-/// As a scene file says it.
+/// The description in a scene file.
 pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
@@ -307,31 +313,32 @@ pub mod described {
     use crate::bsdf::microfacet::{AlphaKey, Distribution};
     use crate::format::{CoatIndex, Textured, Varying};
 
-    /// A clear coat on any material: varnish, glaze, lacquer. No energy is lost over matte grounds and mirrors, nor where there are
-    /// other coats in between. Over others that scatter widely some is: over white `oren_nayar` up to 5 %, over white metal that is
-    /// rough up to 6 %.
+    /// A clear coat on any material: varnish, glaze, lacquer. No energy is lost over matte bases and mirrors, also with other coats in
+    /// between. Some is lost over other materials with wide lobes: up to 5 % over white `oren_nayar`, and up to 6 % over white rough
+    /// metal.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct Coated {
-        /// What lies under the coat. The colours of a matte one look deeper, as light is thrown back on it from within.
+        /// The material under the coat. Colours of a matte one look deeper, because the coat reflects light back to it.
         pub ground: MaterialRef,
-        /// Index of refraction of the coat over that outside.
+        /// The index of refraction of the coat over that outside.
         #[serde(default = "glassy")]
         pub eta: Varying<CoatIndex>,
-        /// What the coat leaves of light that goes straight down through it and up again.
+        /// The share of light that is left after passing straight down through the coat and up again.
         #[serde(default = "Textured::white")]
         pub color: Textured,
-        /// 0 is smooth, 1 the roughest. The width of highlights, alpha, is its square, so that equal steps look equal. Below 0.001 a
-        /// surface is as good as smooth. (Of a colour, the mean.)
+        /// The roughness of the coat: 0 is smooth, 1 the roughest. The width of highlights, alpha, is its square, so that equal steps look
+        /// equal. Values below 0.001 count as smooth. A colour counts by its mean.
         #[serde(default = "Textured::black")]
         pub roughness: Textured,
-        /// From round highlights to highlights ten times as long as wide, along the first texture coordinate. (Of a colour, the mean.)
+        /// The anisotropy: 0 gives round highlights, 1 highlights ten times as long as wide, along the first texture coordinate. A colour
+        /// counts by its mean.
         #[serde(default = "Textured::black")]
         pub anisotropy: Textured,
-        /// In place of `roughness` and `anisotropy`, the width itself; `[along u, along v]` for each of them.
+        /// The width of highlights itself, in place of `roughness` and `anisotropy`; `[along u, along v]` for different widths.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub alpha: Option<AlphaKey>,
-        /// How the facets of a rough surface lean.
+        /// The distribution of the facets' normals on a rough surface.
         #[serde(default)]
         pub distribution: Distribution,
     }

@@ -1,43 +1,49 @@
-//! Two materials side by side, too fine to be told apart: rust on steel, dust on glass.
+//! A mix of two materials: rust on steel, dust on glass.
 
 use glam::{DVec3, Vec2};
 
-use super::{Compound, Scatter, Veil, choose};
+use super::{Compound, LayerStack, Scatter, choose};
 use crate::bsdf::description::{Description, MaterialRef, Prepare, given};
 use crate::bsdf::{BsdfSample, DeltaLobes, HitContext, Material, TransportMode};
 use crate::format::{Textured, Varying};
 use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel};
 use crate::texture::{Number, Texture};
 
-/// Some of one material and some of another.
+/// A weighted sum of two materials.
 ///
 /// f = a · f_a + b · f_b,    a + b ≤ 1
 ///
-/// - by a share t, a number or a texture (of a colour, the mean): a = 1 − t, b = t
+/// - by a share t, a number or a texture (a colour counts by its mean): a = 1 − t, b = t
 /// - by Fresnel's F at the surface of a dielectric: a = 1 − max(F(θo), F(θi)), b = min(F(θo), F(θi)), so that the second
-///   shows where one looks along the surface. What goes one way goes back the same way, and never is more light returned
-///   than came: both would fail with F(θo) alone. Where both directions are at the same angle, a mirror's, nothing is lost
+///   shows at grazing view. These weights are reciprocal and never return more light than arrives; F(θo) alone would be neither. For
+///   mirror directions, where both angles are equal, nothing is lost
 /// - sampling: the second with probability t or F(θo)
 ///
 /// Tests: mixes_are_sums, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mix {
+    /// The first material.
     pub a: Material,
+    /// The second material.
     pub b: Material,
+    /// The share of the second material.
     pub share: Share,
 }
 
-/// How much of the second.
+/// The share of the second material in a mix.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Share {
-    /// From 0 to 1.
+    /// A share t from 0 to 1.
     Texture(Texture),
-    /// By the index of refraction, inside over outside.
-    Fresnel { eta: Number },
+    /// The Fresnel reflectance of a dielectric.
+    Fresnel {
+        /// The index of refraction inside over outside.
+        eta: Number,
+    },
 }
 
 impl Mix {
-    /// The one that is alone at a place.
+    /// The material that has the share 1 at a hit, if one has.
     pub(super) fn only(&self, at: &HitContext) -> Option<&Material> {
         match self.constant(at)? {
             0.0 => Some(&self.a),
@@ -46,7 +52,7 @@ impl Mix {
         }
     }
 
-    /// t, where it is the same for all directions.
+    /// t at a hit, if it is the same for all directions.
     fn constant(&self, at: &HitContext) -> Option<f32> {
         match &self.share {
             Share::Texture(texture) => Some(texture.at(&at.point).average().clamp(0.0, 1.0)),
@@ -54,7 +60,7 @@ impl Mix {
         }
     }
 
-    /// Of the second to be sampled.
+    /// The probability of sampling the second material.
     fn chance(&self, at: &HitContext, wo: Local) -> f32 {
         self.share_of(at, wo, wo)[1]
     }
@@ -83,7 +89,7 @@ impl Mix {
 }
 
 impl Scatter for Mix {
-    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
+    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&LayerStack>) -> Spectrum {
         let [a, b] = self.share_of(at, wo, wi);
         at.bsdf_of(&self.a).beneath(above, wo, wi, mode) * a + at.bsdf_of(&self.b).beneath(above, wo, wi, mode) * b
     }
@@ -131,7 +137,7 @@ impl Scatter for Mix {
     }
 }
 
-/// As a scene file says it.
+/// The description in a scene file.
 pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
@@ -139,19 +145,19 @@ pub mod described {
     use crate::bsdf::description::MaterialRef;
     use crate::format::{Index, Textured, Varying};
 
-    /// Two materials side by side, too fine to be told apart.
+    /// A weighted sum of two materials, as if both were there side by side in fine grains.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct MaterialMix {
-        /// The first.
+        /// The first material.
         pub a: MaterialRef,
-        /// The second.
+        /// The second material.
         pub b: MaterialRef,
-        /// How much of `b`: 0 is all `a`. (Of a colour, the mean.)
+        /// The share of `b`: 0 is all `a`, 1 all `b`. A colour counts by its mean.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub share: Option<Textured>,
-        /// In place of `share`: `b` shows where a surface with this index of refraction reflects, along the surface above all. A little
-        /// energy is lost unless `b` is a mirror.
+        /// An index of refraction, in place of `share`: the share of `b` is the Fresnel reflectance, which is largest at grazing view. A
+        /// little energy is lost unless `b` is a mirror.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub fresnel: Option<Varying<Index>>,
     }

@@ -1,15 +1,15 @@
-//! Materials made of materials.
+//! Compounds: materials made of other materials.
 //!
-//! A compound at a point is a reference to its description: the parts are looked up when they are asked for, so that the
-//! models of plain materials stay small plain data, and nothing is allocated at a hit.
+//! A compound at a hit is a reference to the material; its parts are looked up when they are needed. So the models of plain
+//! materials stay small plain data, and nothing is allocated at a hit.
 //!
-//! To add one: a file beside these, a variant in [`Compound`] and its arms.
+//! To add a compound, write a file in this folder, and a variant of [`Compound`] with its match arms.
 
 pub mod coated;
+mod layer_stack;
 pub mod mix;
 pub mod sheen;
 pub mod two_sided;
-mod veil;
 
 use glam::{DVec3, Vec2};
 
@@ -20,42 +20,51 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
 use crate::texture::Texture;
 
 pub use coated::{Coat, Coated};
+use layer_stack::LayerStack;
 pub use mix::{Mix, Share};
 pub use sheen::Sheen;
 pub use two_sided::TwoSided;
-use veil::Veil;
 
+/// A material made of other materials.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Compound {
+    /// Some of one material and some of another.
     Mix(Mix),
+    /// A material under a clear coat.
     Coated(Coated),
+    /// A material under a layer of fibres.
     Sheen(Sheen),
+    /// Different materials on the two sides of a surface.
     TwoSided(TwoSided),
 }
 
-/// A compound at one point.
+/// A compound at a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompoundAt<'a> {
+    /// The material.
     pub compound: &'a Compound,
+    /// The context in which its parts are looked up.
     pub hit: HitContext,
 }
 
-/// What a compound does to light at a place; the conventions are those of [`Bsdf`].
+/// Scattering by a compound at a hit; the conventions are those of [`Bsdf`].
 trait Scatter {
-    /// - `above`: the layers that its light goes through, both ways; what is seen of it is weakened by them
-    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum;
+    /// f(wo, wi)·|cos θi| [sr⁻¹], times the transmittance of the layers above.
+    ///
+    /// - `above`: the layers that light passes through on its way in and out
+    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&LayerStack>) -> Spectrum;
     fn pdf(&self, at: &HitContext, wo: Local, wi: Local) -> SolidAnglePdf;
     fn sample(&self, at: &HitContext, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample>;
     fn delta_lobes(&self, at: &HitContext, wo: Local, mode: TransportMode) -> DeltaLobes;
     fn has_smooth_lobe(&self, at: &HitContext) -> bool;
     fn reciprocal(&self, at: &HitContext) -> bool;
 
-    /// The materials it is made of.
+    /// The materials that the compound is made of.
     fn parts(&self) -> Vec<&Material>;
-    /// Its own parameters.
+    /// The textures of the compound's own parameters.
     fn textures(&self) -> Vec<&Texture>;
 
-    /// What it adds to the effects of its parts.
+    /// The effects of the compound itself, without those of its parts.
     fn own_effects(&self) -> Effects {
         Effects::NONE
     }
@@ -64,12 +73,12 @@ trait Scatter {
         self.parts().into_iter().any(Material::is_anisotropic)
     }
 
-    /// A sample of a part, as one of the whole.
+    /// Turns a sample of a part into a sample of the compound.
     ///
-    /// - `chance`: of the part to be chosen
-    /// - `share`: what the whole takes of it into that direction
+    /// - `chance`: the probability that the part was chosen
+    /// - `share`: the factor of the part in the compound for a direction
     ///
-    /// Into a single direction the part leads alone; elsewhere all of the whole counts.
+    /// A delta lobe belongs to the part alone. For any other direction all parts contribute to the weight and the density.
     fn of_part(
         &self,
         at: &HitContext,
@@ -92,7 +101,7 @@ trait Scatter {
     }
 }
 
-/// Calls the member's own.
+/// Calls a method of the compound's variant.
 macro_rules! of_each {
     ($compound:expr, $member:ident => $call:expr) => {
         match $compound {
@@ -104,45 +113,52 @@ macro_rules! of_each {
     };
 }
 
-// Out of line, so that plain materials do not pay for the recursion.
+// Not inlined, so that plain materials do not pay for the recursion.
 impl CompoundAt<'_> {
+    /// f(wo, wi)·|cos θi| [sr⁻¹]; 0 for delta lobes.
     #[inline(never)]
     pub fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
         of_each!(self.compound, member => member.eval(&self.hit, wo, wi, mode, None))
     }
 
-    /// What the layers above it let pass of [`CompoundAt::eval`].
+    /// [`CompoundAt::eval`] times the transmittance of the layers above.
     #[inline(never)]
-    fn beneath(&self, above: Option<&Veil>, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
+    fn beneath(&self, above: Option<&LayerStack>, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
         of_each!(self.compound, member => member.eval(&self.hit, wo, wi, mode, above))
     }
 
+    /// Probability density with which `sample` returns `wi` [sr⁻¹]; 0 for delta lobes.
     #[inline(never)]
     pub fn pdf(&self, wo: Local, wi: Local) -> SolidAnglePdf {
         of_each!(self.compound, member => member.pdf(&self.hit, wo, wi))
     }
 
+    /// Samples a direction for `wo`; the conventions are those of [`Bsdf::sample`].
     #[inline(never)]
     pub fn sample(&self, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
         of_each!(self.compound, member => member.sample(&self.hit, wo, choice, u, mode))
     }
 
+    /// The delta lobes for `wo`: single directions with their share of the light as weight.
     #[inline(never)]
     pub(in crate::bsdf) fn delta_lobes(&self, wo: Local, mode: TransportMode) -> DeltaLobes {
         of_each!(self.compound, member => member.delta_lobes(&self.hit, wo, mode))
     }
 
+    /// Whether `eval` is not 0 everywhere.
     #[inline(never)]
     pub fn has_smooth_lobe(&self) -> bool {
         of_each!(self.compound, member => member.has_smooth_lobe(&self.hit))
     }
 
+    /// Whether f(wo, wi) = f(wi, wo), up to the factor η² for transmission.
     pub fn reciprocal(&self) -> bool {
         of_each!(self.compound, member => member.reciprocal(&self.hit))
     }
 }
 
 impl Compound {
+    /// The `type` of the material in scene files.
     pub fn name(&self) -> &'static str {
         match self {
             Compound::Mix(_) => "mix",
@@ -152,7 +168,7 @@ impl Compound {
         }
     }
 
-    /// The compound at a place; where only one of two is there, that one.
+    /// The compound at a hit. Where a mix has only one of its materials, the result is the model of that one.
     pub fn bsdf_at(&self, at: &HitContext) -> Bsdf<'_> {
         if let Compound::Mix(mix) = self
             && let Some(only) = mix.only(at)
@@ -162,10 +178,12 @@ impl Compound {
         Bsdf::Compound(CompoundAt { compound: self, hit: *at })
     }
 
+    /// Whether scattering depends on the directions of the surface's tangents.
     pub fn is_anisotropic(&self) -> bool {
         of_each!(self, member => member.is_anisotropic())
     }
 
+    /// The effects that simulating the compound and its parts needs.
     pub fn effects(&self) -> Effects {
         let parts = self.parts().into_iter().map(Material::effects).fold(Effects::NONE, Effects::union);
         let (own, textures) = of_each!(self, member => (member.own_effects(), member.textures()));
@@ -173,17 +191,17 @@ impl Compound {
         parts | own | if textured { Effects::TEXTURES } else { Effects::NONE }
     }
 
-    /// What becomes of light that goes on behind the surface: what becomes of it behind any of the parts.
+    /// Whether light passes through the surface, and what is behind it: the largest value of the parts.
     pub fn passage(&self) -> Passage {
         self.parts().into_iter().map(Material::passage).max().unwrap_or(Passage::Blocked)
     }
 
-    /// The materials it is made of.
+    /// The materials that the compound is made of.
     pub fn parts(&self) -> Vec<&Material> {
         of_each!(self, member => member.parts())
     }
 
-    /// The same compound after the world has moved by −`origin`.
+    /// The compound after the world has been moved by −`origin`.
     pub fn recentred(self, origin: DVec3) -> Compound {
         match self {
             Compound::Mix(m) => Compound::Mix(m.recentred(origin)),
@@ -194,7 +212,8 @@ impl Compound {
     }
 }
 
-/// Whether a uniform number chooses the second of two, and what is left of it: uniform again.
+/// Chooses the second of two alternatives with probability `second`. Returns the choice and the rest of the uniform number, which is
+/// uniform again.
 fn choose(choice: f32, second: f32) -> (bool, f32) {
     let (chosen, rest) = if choice < second { (true, choice / second) } else { (false, (choice - second) / (1.0 - second)) };
     (chosen, rest.min(ONE_MINUS_EPSILON))

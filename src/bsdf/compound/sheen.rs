@@ -1,11 +1,11 @@
-//! Velvet, satin, dust, peach fuzz: fibres that stand up from a material.
+//! Sheen: a layer of fibres on a material, as on velvet, satin, dust or peach fuzz.
 
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec2};
 
-use super::veil::{Cover, NODES as PASSAGES, nodes};
-use super::{Compound, Scatter, Veil, choose};
+use super::layer_stack::{Cover, NODES as PASSAGES, nodes};
+use super::{Compound, LayerStack, Scatter, choose};
 use crate::bsdf::description::{Description, MaterialRef, Prepare};
 use crate::bsdf::microfacet::energy_loss::Cache;
 use crate::bsdf::microfacet::{LerpedTable, Scale, TableRange, upward_normal};
@@ -15,21 +15,21 @@ use crate::format::Textured;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, warp};
 use crate::texture::Texture;
 
-/// A layer of fibres, bright where one looks along the surface, over any material.
+/// A material under a layer of fibres, which is bright at grazing view.
 ///
-/// f = color · s(wo, wi) + T f_ground                                                                       [sr⁻¹]
+/// f = color · s(wo, wi) + T f_base                                                                       [sr⁻¹]
 ///
-/// with T by `Veil`, p(w) = 1 − max(color) E(w). White fibres lose nothing over matte grounds and mirrors; coloured ones keep
-/// light of all colours from the ground as their brightest one does.
+/// with T by `LayerStack`, p(w) = 1 − max(color) E(w). White fibres lose no light over matte bases and mirrors. Coloured fibres block all
+/// colours of the base as much as their largest coefficient does.
 ///
 /// s = D(h) / (4 (μo + μi − μo μi)) / max(1, R(wo), R(wi)),    D(h) = (2 + 1/α) sin^(1/α) θh / 2π
 ///
-/// with R the share that D alone would return: above 1 for narrow lobes along the surface, and s takes that back. E is the
-/// share that s returns. α is the square of the roughness that users set: how far the fibres spread, from 0.01 to 1. Where a
-/// texture sets it s is interpolated between the fibres of 17 α, each as above: so are R and E, and no light is made.
+/// R is the albedo of s without its last denominator, which exceeds 1 for narrow lobes at grazing angles. E is the albedo of s. α, the
+/// spread of the fibres, is the square of the roughness that users set, limited to 0.01 to 1. Where a texture sets the roughness, s and
+/// E are interpolated between those of 17 values of α, so that energy is conserved there too.
 ///
 /// - on both sides of the surface; s is zero when the directions lie on opposite sides
-/// - sampling: fibres by what they return of wo, evenly over the hemisphere, else the ground
+/// - sampling: the fibres with the probability max(color) E(wo), uniformly over the hemisphere; otherwise the base
 ///
 /// Source: Estevez and Kulla, *Production Friendly Microfacet Sheen* (2017); Neubelt and Pettineo for the denominator (2013).
 /// Tests: sheen_returns_what_it_says, layers_on_white_are_white, compounds_are_proved.
@@ -41,19 +41,22 @@ pub struct Sheen {
     tables: TableRange<Table>,
 }
 
-/// R and E over √μ.
+/// Tables of R and E at equal steps of √μ, for one α.
 #[derive(Debug, PartialEq)]
 struct Table {
+    /// α, the spread of the fibres.
     alpha: f32,
+    /// R at the nodes.
     raw: [f32; NODES],
+    /// E at the nodes.
     albedo: [f32; NODES],
-    /// 2 ∫₀¹ E μ dμ
+    /// Ē = 2 ∫₀¹ E μ dμ.
     mean: f32,
-    /// E at the nodes of means over layers.
+    /// E at the nodes of the quadrature over layers.
     at_nodes: [f32; PASSAGES],
 }
 
-/// The fibres at a point.
+/// The layer of fibres at a hit.
 struct Fibres {
     color: Spectrum,
     tables: LerpedTable<Table>,
@@ -61,18 +64,21 @@ struct Fibres {
 
 const NODES: usize = 33;
 
-/// The least alpha: narrower lobes are seen by none but rays along the surface.
+/// The smallest α. Narrower lobes would be visible only to rays along the surface.
 pub const MIN_ALPHA: f32 = 0.01;
 
 impl Sheen {
-    /// - `roughness`: from 0 to 1
-    pub fn new(ground: Material, color: impl Into<Texture>, roughness: impl Into<Texture>) -> Sheen {
+    /// A layer of fibres on a material.
+    ///
+    /// - `color`: of the fibres: [0, 1]
+    /// - `roughness`: from 0 to 1, the root of α
+    pub fn new(base: Material, color: impl Into<Texture>, roughness: impl Into<Texture>) -> Sheen {
         let roughness = roughness.into();
         let range = match roughness {
             Texture::Constant(roughness) => [alpha(roughness.average()); 2],
             _ => [MIN_ALPHA, 1.0],
         };
-        Sheen { ground, color: color.into(), roughness, tables: TableRange::new(range, Scale::Ratio, table) }
+        Sheen { ground: base, color: color.into(), roughness, tables: TableRange::new(range, Scale::Ratio, table) }
     }
 
     fn at(&self, at: &HitContext) -> (Fibres, Bsdf<'_>) {
@@ -87,12 +93,12 @@ impl Sheen {
 }
 
 impl Fibres {
-    /// color · s·|cos θi|
+    /// color · s·|cos θi| [sr⁻¹].
     fn eval(&self, wo: Local, wi: Local) -> Spectrum {
-        if wo.same_side(wi) { self.color * self.tables.value(|table| table.tamed(wo, wi)) } else { Spectrum::BLACK }
+        if wo.same_side(wi) { self.color * self.tables.value(|table| table.bounded(wo, wi)) } else { Spectrum::BLACK }
     }
 
-    /// Of the fibres to be sampled: max(color) E(wo).
+    /// The probability of sampling the fibres: max(color) E(wo).
     fn chance(&self, wo: Local) -> f32 {
         self.color.max() * self.tables.value(|table| lookup(&table.albedo, wo))
     }
@@ -113,8 +119,8 @@ impl Cover for Fibres {
 }
 
 impl Table {
-    /// s·|cos θi|, of directions on one side.
-    fn tamed(&self, wo: Local, wi: Local) -> f32 {
+    /// s·|cos θi| for directions on one side.
+    fn bounded(&self, wo: Local, wi: Local) -> f32 {
         raw(self.alpha, wo, wi) / lookup(&self.raw, wo).max(lookup(&self.raw, wi)).max(1.0)
     }
 }
@@ -123,29 +129,29 @@ fn alpha(roughness: f32) -> f32 {
     (roughness * roughness).clamp(MIN_ALPHA, 1.0)
 }
 
-/// Made once for each α.
+/// Returns the table of an α, which is computed once.
 fn table(alpha: f32) -> &'static Table {
     static CACHE: Cache<u32, Table> = Cache::new();
     CACHE.get(alpha.to_bits(), || {
         let raw = std::array::from_fn(|node| returned(node, |wo, wi| raw(alpha, wo, wi)));
         let table = Table { alpha, raw, albedo: [0.0; NODES], mean: 0.0, at_nodes: [0.0; PASSAGES] };
-        // What R between its nodes and the midpoint rule leave above 1 would be light taken from the ground that is not there.
-        let albedo = std::array::from_fn(|node| returned(node, |wo, wi| table.tamed(wo, wi)).min(1.0));
+        // The errors of interpolation and of the midpoint rule may leave E above 1, which would make p negative.
+        let albedo = std::array::from_fn(|node| returned(node, |wo, wi| table.bounded(wo, wi)).min(1.0));
         Table { albedo, mean: mean(&albedo), at_nodes: nodes().map(|w| lookup(&albedo, w)), ..table }
     })
 }
 
-/// D(h)·|cos θi| / (4 (μo + μi − μo μi)), of directions on one side.
+/// D(h)·|cos θi| / (4 (μo + μi − μo μi)) for directions on one side.
 fn raw(alpha: f32, wo: Local, wi: Local) -> f32 {
     let Some((h, _)) = upward_normal(wo.0 + wi.0) else { return 0.0 };
     let (o, i) = (wo.abs_cos(), wi.abs_cos());
     let sine = h.0.truncate().length().min(1.0);
     let density = (2.0 + 1.0 / alpha) * float::powf(sine, 1.0 / alpha) / (2.0 * PI);
-    // μi / (μo + μi − μo μi) ≤ 1, without a division of 0 by 0.
+    // μi / (μo + μi − μo μi), at most 1, without a division of 0 by 0.
     density * 0.25 / (1.0 - o + o / i)
 }
 
-/// ∫ f dwi for the direction of a node, by the midpoint rule in μ and φ.
+/// ∫ f dwi for wo at a node, by the midpoint rule in μ and φ.
 fn returned(node: usize, f: impl Fn(Local, Local) -> f32) -> f32 {
     const STEPS: [usize; 2] = [128, 64];
     let root = node as f32 / (NODES - 1) as f32;
@@ -157,7 +163,7 @@ fn returned(node: usize, f: impl Fn(Local, Local) -> f32) -> f32 {
     (sum * 2.0 * std::f64::consts::PI / (STEPS[0] * STEPS[1]) as f64) as f32
 }
 
-/// 2 ∫₀¹ E μ dμ of a table as it is looked up.
+/// 2 ∫₀¹ E μ dμ of the interpolated table.
 fn mean(albedo: &[f32; NODES]) -> f32 {
     const STEPS: usize = 1024;
     let at = |k: usize| ((k as f32 + 0.5) / STEPS as f32).sqrt();
@@ -177,26 +183,26 @@ fn lookup(table: &[f32; NODES], w: Local) -> f32 {
 }
 
 impl Scatter for Sheen {
-    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
-        let (fibres, ground) = self.at(at);
-        let veil = Veil::new(&fibres, above, wo, wi);
-        fibres.eval(wo, wi) * above.map_or(1.0, Veil::glossy) + ground.beneath(Some(&veil), wo, wi, mode)
+    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&LayerStack>) -> Spectrum {
+        let (fibres, base) = self.at(at);
+        let stack = LayerStack::new(&fibres, above, wo, wi);
+        fibres.eval(wo, wi) * above.map_or(1.0, LayerStack::glossy) + base.beneath(Some(&stack), wo, wi, mode)
     }
 
     fn pdf(&self, at: &HitContext, wo: Local, wi: Local) -> SolidAnglePdf {
-        let (fibres, ground) = self.at(at);
+        let (fibres, base) = self.at(at);
         let chance = fibres.chance(wo);
         let fibres = if wo.same_side(wi) { 0.5 / PI } else { 0.0 };
-        SolidAnglePdf::new(fibres * chance + ground.pdf(wo, wi).get() * (1.0 - chance))
+        SolidAnglePdf::new(fibres * chance + base.pdf(wo, wi).get() * (1.0 - chance))
     }
 
     fn sample(&self, at: &HitContext, wo: Local, choice: f32, u: Vec2, mode: TransportMode) -> Option<BsdfSample> {
-        let (fibres, ground) = self.at(at);
+        let (fibres, base) = self.at(at);
         let chance = fibres.chance(wo);
         let (chosen, choice) = choose(choice, chance);
         if !chosen {
-            let sample = ground.sample(wo, choice, u, mode)?;
-            return self.of_part(at, wo, sample, 1.0 - chance, |wi| Spectrum::gray(Veil::new(&fibres, None, wo, wi).glossy()), mode);
+            let sample = base.sample(wo, choice, u, mode)?;
+            return self.of_part(at, wo, sample, 1.0 - chance, |wi| Spectrum::gray(LayerStack::new(&fibres, None, wo, wi).glossy()), mode);
         }
         let wi = Local(warp::uniform_hemisphere(u) * 1f32.copysign(wo.cos()));
         let density = Density::Smooth(SolidAnglePdf::ZERO);
@@ -205,17 +211,17 @@ impl Scatter for Sheen {
     }
 
     fn delta_lobes(&self, at: &HitContext, wo: Local, mode: TransportMode) -> DeltaLobes {
-        let (fibres, ground) = self.at(at);
+        let (fibres, base) = self.at(at);
         let mut lobes = DeltaLobes::default();
-        for lobe in ground.delta_lobes(wo, mode) {
-            lobes.add(lobe, Spectrum::gray(Veil::new(&fibres, None, wo, lobe.wi).glossy()));
+        for lobe in base.delta_lobes(wo, mode) {
+            lobes.add(lobe, Spectrum::gray(LayerStack::new(&fibres, None, wo, lobe.wi).glossy()));
         }
         lobes
     }
 
     fn has_smooth_lobe(&self, at: &HitContext) -> bool {
-        let (fibres, ground) = self.at(at);
-        !fibres.color.is_black() || ground.has_smooth_lobe()
+        let (fibres, base) = self.at(at);
+        !fibres.color.is_black() || base.has_smooth_lobe()
     }
 
     fn reciprocal(&self, at: &HitContext) -> bool {
@@ -235,7 +241,7 @@ impl Scatter for Sheen {
     }
 }
 
-/// As a scene file says it.
+/// The description in a scene file.
 pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
@@ -243,18 +249,18 @@ pub mod described {
     use crate::bsdf::description::MaterialRef;
     use crate::format::Textured;
 
-    /// Fibres that stand up from a material and catch the light where one looks along it: velvet, dust. White ones lose no energy over
-    /// matte grounds and mirrors. Others that scatter widely lose some under them: white `oren_nayar` and metal of roughness 1 up to
-    /// 13 %, white plastic up to 0.6 %. Coloured fibres keep light of all colours from the ground as their brightest one does.
+    /// A layer of fibres on a material, which is bright at grazing view: velvet, dust. White fibres lose no energy over matte bases and
+    /// mirrors. They lose some over other materials with wide lobes: up to 13 % over white `oren_nayar` and metal of roughness 1, and up to
+    /// 0.6 % over white plastic. Coloured fibres block all colours of the base as much as their largest coefficient does.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct Sheen {
-        /// What the fibres stand on.
+        /// The material under the fibres.
         pub ground: MaterialRef,
-        /// Of the fibres.
+        /// The colour of the fibres.
         #[serde(default = "Textured::white")]
         pub color: Textured,
-        /// 0.1 (and below) are fibres that stand straight, 1 lie all ways. (Of a colour, the mean.)
+        /// The spread of the fibres: at 0.1 and below they stand upright, at 1 they lie in all directions. A colour counts by its mean.
         #[serde(default = "half")]
         pub roughness: Textured,
     }

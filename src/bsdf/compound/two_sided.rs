@@ -1,24 +1,26 @@
-//! A sheet whose two faces are of different materials: a playing card, a book's cover, a wall seen from outside.
+//! A sheet with different materials on its two sides: a playing card, a book's cover, a wall seen from outside.
 
 use glam::{DVec3, Vec2};
 
-use super::{Compound, Scatter, Veil};
+use super::{Compound, LayerStack, Scatter};
 use crate::bsdf::description::{Description, MaterialRef, Prepare};
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, HitContext, Lobe, Material, TransportMode};
 use crate::format::Textured;
 use crate::math::{Local, SolidAnglePdf, Spectrum};
 use crate::texture::Texture;
 
-/// One material in front, where the normal points, and another behind.
+/// An opaque sheet with one material in front, where the normal points, and another behind.
 ///
-/// f(wo, wi) = f_front for both directions in front, f_back for both behind, else 0: nothing goes through
+/// f(wo, wi) = f_front for both directions in front, f_back for both behind, and 0 for directions on opposite sides
 ///
-/// - no material: black
+/// - a side without a material is black
 ///
 /// Tests: sides_are_their_own, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoSided {
+    /// The material on the side of the normal.
     pub front: Option<Material>,
+    /// The material on the other side.
     pub back: Option<Material>,
 }
 
@@ -39,7 +41,7 @@ impl TwoSided {
 }
 
 impl Scatter for TwoSided {
-    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&Veil>) -> Spectrum {
+    fn eval(&self, at: &HitContext, wo: Local, wi: Local, mode: TransportMode, above: Option<&LayerStack>) -> Spectrum {
         let side = self.towards(at, wo).filter(|_| wo.same_side(wi));
         side.map_or(Spectrum::BLACK, |side| side.beneath(above, wo, wi, mode))
     }
@@ -80,21 +82,21 @@ impl Scatter for TwoSided {
     }
 }
 
-/// As a scene file says it.
+/// The description in a scene file.
 pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
 
     use crate::bsdf::description::MaterialRef;
 
-    /// A sheet with two faces. Nothing goes through; a side that is left out is black.
+    /// An opaque sheet with different materials on its two sides. A side that is left out is black.
     #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
     pub struct TwoSided {
-        /// Where the normal points.
+        /// The material on the side of the normal.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub front: Option<MaterialRef>,
-        /// On the other side.
+        /// The material on the other side.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub back: Option<MaterialRef>,
     }

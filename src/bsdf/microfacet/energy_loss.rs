@@ -1,18 +1,18 @@
-//! What facets lose of the light, because only the first of many reflections is followed.
+//! The energy that single scattering at facets loses, and its compensation.
 //!
-//! E(w) = ∫ f₁(w, wi) |cos θi| dwi,    the share that one reflection (or refraction) returns of white facets
+//! E(w) = ∫ f₁(w, wi) |cos θi| dwi,    the albedo of a single reflection (or refraction) at white facets
 //!
-//! The rest, 1 − E, met a facet again. It is returned by a broad lobe of its own,
+//! The rest, 1 − E, hits further facets. It is returned by a wide lobe of its own,
 //!
 //! f₂(wo, wi) = (1 − E(wo)) (1 − E(wi)) / (π m),    m = 2 ∫₀¹ (1 − E(μ)) μ dμ
 //!
-//! which is reciprocal and integrates to what is missing. E is tabulated when a scene is built, from the model's own
-//! sampling of visible normals: 96 cosines, each the mean of 4181 samples, for the very roughness of a material
-//! (some ten milliseconds); 17 times that for a textured one, a hundred times that where it is also longer than wide. A lookup costs
-//! a division and a square root.
+//! which is reciprocal and integrates to 1 − E. E is tabulated when a scene is built, with the model's own sampling of visible
+//! normals: for the roughness of each material at 96 cosines with 4181 samples each (some ten milliseconds). That takes 17 times as
+//! long for a textured roughness, and a hundred times as long for a textured anisotropic one. A lookup costs a division and a square
+//! root.
 //!
 //! Source: Kulla and Conty, *Revisiting Physically Based Shading at Imageworks* (2017).
-//! Tests: strong furnace (M2, M5), white with compensation (M4).
+//! Tests: strong_furnace, glass_furnace, compensated_surfaces_are_white.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -23,14 +23,14 @@ use glam::Vec2;
 use super::{Distribution, MIN_ALPHA, Microfacets};
 use crate::math::{Local, float};
 
-/// 1 − E over the cosine, and over what else it depends on.
+/// A table of 1 − E over the cosine, the azimuth and the roughness, as far as it depends on them.
 #[derive(PartialEq)]
 pub struct EnergyLossTable {
     rows: Vec<Row>,
     axis: Axis,
 }
 
-/// Without the table: a hundred numbers are no help in a message.
+/// Leaves out the hundreds of numbers in the table.
 impl fmt::Debug for EnergyLossTable {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.debug_struct("EnergyLossTable").field("axis", &self.axis).finish_non_exhaustive()
@@ -41,65 +41,78 @@ impl fmt::Debug for EnergyLossTable {
 struct Row {
     /// 1 − E at equal steps of [`step`].
     losses: [f32; NODES],
-    /// m, of all directions to which the row belongs.
+    /// m for the roughness of the row.
     mean: f32,
 }
 
-/// What tells one row from the next.
+/// The parameter that differs between rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Axis {
+    /// None: there is a single row.
     Single,
-    /// The roughness across w, from the smaller α to the larger, of facets that are rougher one way than the other.
+    /// The roughness along the azimuth of w, from the smaller α to the larger, for anisotropic facets.
     Turn,
-    /// √α from 0 to 1, of a texture.
+    /// √α from 0 to 1, for a textured isotropic roughness.
     Roughness,
-    /// [`Turn`](Axis::Turn) within the ratio of the alphas within their mean, of textures.
+    /// [`Turn`](Axis::Turn) within the ratio of the alphas within their mean, for a textured anisotropic roughness.
     Grid(Grid),
 }
 
-/// Tables for alphas of many means and ratios, each with its turns.
+/// The grid of tables over the mean and the ratio of the alphas; each table has rows over the azimuth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Grid {
-    /// √ of the geometric mean.
+    /// √ of the geometric mean of the alphas.
     means: Nodes,
-    /// ln of the smaller over the larger.
+    /// ln of the smaller alpha over the larger.
     ratios: Nodes,
 }
 
-/// So many equal steps from one end to the other.
+/// Nodes at equal steps between two ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Nodes {
     ends: [f32; 2],
     count: usize,
 }
 
+/// The number of cosines of a row.
 const NODES: usize = 96;
+/// The number of rows over the azimuth, for a constant roughness.
 const TURNS: usize = 25;
+/// The number of rows over a textured isotropic roughness.
 const ROUGHNESSES: usize = 17;
-/// Fibonacci's numbers, one after the other: the second is how many samples there are.
+/// Two consecutive Fibonacci numbers; the second is the number of samples.
 const LATTICE: [u32; 2] = [2584, 4181];
 
-/// Of grids: turns, means and ratios, and samples.
+/// The numbers of turns, means and ratios of a grid.
 const GRID: [usize; 3] = [9, 9, 5];
+/// Two consecutive Fibonacci numbers for grids; the second is the number of samples.
 const GRID_LATTICE: [u32; 2] = [610, 987];
 
-/// Of grids: longer facets than ten times their width, and smoother ones than √α = 0.003, have the tables of these.
+/// The smallest ratio of the alphas in a grid. Smaller ones use its table.
 const LEAST_RATIO: f32 = 0.1;
+/// The smallest √α in a grid. Smaller ones use its table.
 const LEAST_MEAN: f32 = 0.003;
 
-/// The roughness that a table is for.
+/// The range of roughness that a table covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Domain {
-    /// One roughness, by its two alphas.
+    /// A single roughness, given by its two alphas.
     One(Vec2),
-    /// All from 0 to 1, the same both ways.
+    /// All isotropic roughnesses, with α from 0 to 1.
     Round,
-    /// From the least to the greatest √α, of the geometric mean of two, and ratio of the smaller to the larger (from 0.1 to 1).
-    Long { mean: [f32; 2], ratio: [f32; 2] },
+    /// Anisotropic roughnesses in a range.
+    Long {
+        /// The least and the greatest √ of the geometric mean of the alphas.
+        mean: [f32; 2],
+        /// The least and the greatest ratio of the smaller alpha to the larger, from 0.1 to 1.
+        ratio: [f32; 2],
+    },
 }
 
 impl EnergyLossTable {
-    /// - `returned`: the share of white light that facets return of a direction, for one pair of uniform numbers
+    /// Computes a table by sampling.
+    ///
+    /// - `returned`: the estimate of E for the facets and a direction from one pair of uniform numbers
     pub fn tabulate(domain: Domain, distribution: Distribution, returned: impl Fn(&Microfacets, Local, Vec2) -> f32) -> EnergyLossTable {
         let one = |alpha: Vec2, axis, turns, lattice| {
             let facets = Microfacets { alpha: alpha.max(Vec2::splat(MIN_ALPHA)), distribution };
@@ -128,7 +141,7 @@ impl EnergyLossTable {
         }
     }
 
-    /// The rows of one roughness.
+    /// Computes the rows of one roughness.
     fn of_facets(facets: &Microfacets, axis: Axis, turns: usize, share: impl Fn(Local) -> f32) -> EnergyLossTable {
         let row = |k: usize| {
             let (scale, cos2_phi) = match axis {
@@ -158,7 +171,7 @@ impl EnergyLossTable {
         }
     }
 
-    /// m, for a roughness.
+    /// m for a roughness.
     pub fn mean_loss(&self, alpha: Vec2) -> f32 {
         match self.axis {
             Axis::Single | Axis::Turn => self.rows[0].mean,
@@ -167,7 +180,7 @@ impl EnergyLossTable {
         }
     }
 
-    /// Rows of one surface have one mean, over all turns: φ uniform.
+    /// Sets m of all rows of one roughness to their mean over a uniform azimuth φ.
     fn join_means(&mut self, alpha: Vec2) {
         if self.axis != Axis::Turn {
             return;
@@ -202,7 +215,7 @@ impl Nodes {
 }
 
 impl Grid {
-    /// What the tables around two alphas say, interpolated.
+    /// Interpolates a value of the tables around two alphas.
     fn value(&self, rows: &[Row], alpha: Vec2, read: impl Fn(&[Row]) -> f32) -> f32 {
         let (i, high) = self.means.cell(scale(alpha).sqrt());
         let (j, wide) = self.ratios.cell(float::ln(alpha.min_element() / alpha.max_element()));
@@ -216,7 +229,7 @@ impl Grid {
     }
 }
 
-/// 1 − E(w) of rows that tell turns apart.
+/// 1 − E(w) from rows over the azimuth.
 fn turned_loss(rows: &[Row], w: Local, alpha: Vec2) -> f32 {
     let across = w.0.truncate();
     let scale = if across == Vec2::ZERO { alpha.x } else { (across * alpha).length() / across.length() };
@@ -224,7 +237,7 @@ fn turned_loss(rows: &[Row], w: Local, alpha: Vec2) -> f32 {
     between(rows, turn_of(scale, alpha), |row| lookup(&row.losses, along))
 }
 
-/// Between the two rows about a place among all, from 0 to 1.
+/// Interpolates a value of the two rows around a position from 0 to 1 among all rows.
 #[inline]
 fn between(rows: &[Row], at: f32, value: impl Fn(&Row) -> f32) -> f32 {
     let (k, part) = cell(at, rows.len());
@@ -232,26 +245,27 @@ fn between(rows: &[Row], at: f32, value: impl Fn(&Row) -> f32) -> f32 {
     low + (high - low) * part
 }
 
-/// Where the roughness across a direction lies among the rows, from 0 to 1.
+/// The position from 0 to 1 among the rows of the roughness along an azimuth.
 fn turn_of(scale: f32, alpha: Vec2) -> f32 {
     let (low, high) = (alpha.min_element(), alpha.max_element());
-    // Of round ones all turns are alike.
+    // All azimuths are alike for isotropic facets.
     if low == high { 0.0 } else { ((scale - low) / (high - low)).clamp(0.0, 1.0) }
 }
 
-/// The roughness across the directions of a row, and their cos²φ: scale² = αx² cos²φ + αy² sin²φ.
+/// The roughness along the azimuth of a row, and cos²φ of that azimuth: scale² = αx² cos²φ + αy² sin²φ.
 fn turned(alpha: Vec2, at: f32) -> (f32, f32) {
     let scale = alpha.min_element() + (alpha.max_element() - alpha.min_element()) * at;
     let (x2, y2) = (alpha.x * alpha.x, alpha.y * alpha.y);
     (scale, if x2 == y2 { 1.0 } else { ((scale * scale - y2) / (x2 - y2)).clamp(0.0, 1.0) })
 }
 
-/// The roughness by which cosines are spread: E changes where cos θ is about α.
+/// The roughness that scales the cosines of a row: E varies most where cos θ is about α.
 fn scale(alpha: Vec2) -> f32 {
     (alpha.x * alpha.y).sqrt().min(1.0)
 }
 
-/// Where a cosine lies in a row, from 0 to 1: (cos + cos (1 + α) / (cos + α)) / 2, half the nodes even and half below α.
+/// The position from 0 to 1 of a cosine in a row: (cos + cos (1 + α) / (cos + α)) / 2. Half of the nodes are uniform, half concentrate
+/// below α.
 fn step(cos: f32, alpha: f32) -> f32 {
     0.5 * (cos + cos * (1.0 + alpha) / (cos + alpha))
 }
@@ -259,8 +273,8 @@ fn step(cos: f32, alpha: f32) -> f32 {
 /// The direction of a node.
 fn direction(node: usize, alpha: f32, cos2_phi: f32) -> Local {
     let at = node as f32 / (NODES - 1) as f32;
-    // cos² + (1 + 2 α − 2 at) cos − 2 at α = 0, the inverse of `step`; on the horizon itself nothing is in sight, so the
-    // first is just above it.
+    // The inverse of `step` solves cos² + (1 + 2 α − 2 at) cos − 2 at α = 0. No facet is visible from the horizon itself, so that the
+    // first node is slightly above it.
     let half = 0.5 + alpha - at;
     let root = (half * half + 2.0 * at * alpha).sqrt();
     let cos = if half > 0.0 { 2.0 * at * alpha / (half + root) } else { root - half }.clamp(1e-4 * alpha, 1.0);
@@ -268,10 +282,10 @@ fn direction(node: usize, alpha: f32, cos2_phi: f32) -> Local {
     Local::new(sine * cos2_phi.sqrt(), sine * (1.0 - cos2_phi).sqrt(), cos)
 }
 
-/// The mean over the square of uniform numbers, by a Fibonacci lattice of the rings r = max |2u − 1| and the places on them:
-/// no edge of the integrand runs along its rows.
+/// The mean over the unit square of uniform numbers, by a Fibonacci lattice over the rings r = max |2u − 1| and the positions on them.
+/// So edges of the integrand are not aligned with the rows of the lattice.
 ///
-/// The steepest normals lie at the edges of the square, and with them what leads into the surface: rings crowd there, 1 − r = q³.
+/// The steepest normals, some of which reflect into the surface, are at the edges of the square. Rings are denser there: 1 − r = q³.
 fn share_returned(facets: &Microfacets, wo: Local, [stride, count]: [u32; 2], returned: &impl Fn(&Microfacets, Local, Vec2) -> f32) -> f32 {
     let at = |i: u32| {
         let q = (i as f32 + 0.5) / count as f32;
@@ -289,7 +303,7 @@ fn share_returned(facets: &Microfacets, wo: Local, [stride, count]: [u32; 2], re
     ((0..count).map(at).sum::<f64>() / f64::from(count)) as f32
 }
 
-/// 2 ∫ loss(μ) μ dμ of the table as it is looked up.
+/// 2 ∫ loss(μ) μ dμ of the interpolated row.
 fn mean(losses: &[f32; NODES], alpha: f32) -> f32 {
     const STEPS: usize = 1024;
     let at = |k: usize| (k as f32 + 0.5) / STEPS as f32;
@@ -303,7 +317,7 @@ fn lookup(losses: &[f32; NODES], at: f32) -> f32 {
     losses[k] + (losses[k + 1] - losses[k]) * part
 }
 
-/// The interval of `at`, in [0, 1], among `count` nodes, and how far in.
+/// The interval of the position `at`, in [0, 1], between `count` nodes, and the position within the interval, from 0 to 1.
 #[inline]
 fn cell(at: f32, count: usize) -> (usize, f32) {
     let x = at * (count - 1) as f32;
@@ -311,13 +325,13 @@ fn cell(at: f32, count: usize) -> (usize, f32) {
     (k, (x - k as f32).min(1.0))
 }
 
-/// Tables made once for each set of parameters and kept for the life of the process (up to 160 kB each),
-/// so that a material at a point is plain data.
+/// A cache of tables, which are computed once for each key and kept for the life of the process (up to 160 kB each). So a model at a
+/// hit can refer to them and stay plain data.
 ///
-/// - `K`: what a table depends on, the bits of its numbers
+/// - `K`: the parameters of a table, as the bits of its numbers
 pub(in crate::bsdf) struct Cache<K, T: 'static>(Mutex<BTreeMap<K, &'static T>>);
 
-/// Of facets: their distribution, their roughness, and their index of refraction if it matters.
+/// The key of a table for facets: the distribution, the roughness, and the index of refraction if it matters.
 pub(in crate::bsdf) type Key = (Distribution, [u32; 4], u32);
 
 impl<K: Ord, T> Cache<K, T> {
@@ -326,7 +340,7 @@ impl<K: Ord, T> Cache<K, T> {
     }
 
     pub fn get(&self, key: K, make: impl FnOnce() -> T) -> &'static T {
-        // A table is whole or not there: what a panic elsewhere left behind can be used.
+        // A panic elsewhere leaves no partial table, so that a poisoned lock can be used.
         let mut tables = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         tables.entry(key).or_insert_with(|| Box::leak(Box::new(make())))
     }

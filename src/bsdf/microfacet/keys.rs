@@ -1,4 +1,4 @@
-//! The keys of scene files that say how rough a surface is, shared by all rough materials.
+//! The keys of scene files for roughness, which all rough materials have.
 
 use glam::Vec2;
 use schemars::JsonSchema;
@@ -17,7 +17,9 @@ use crate::texture::Texture;
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum AlphaKey {
+    /// One width for all directions.
     Round(Textured),
+    /// The widths along u and along v.
     Along([Textured; 2]),
 }
 
@@ -31,13 +33,17 @@ by_kind!(AlphaKey {
 /// The keys `roughness`, `anisotropy`, `alpha` and `distribution` of a material.
 #[derive(Debug, Clone, Copy)]
 pub struct RoughnessKeys<'m> {
+    /// The roughness r, from 0 to 1.
     pub roughness: &'m Textured,
+    /// The anisotropy, from 0 to 1.
     pub anisotropy: &'m Textured,
+    /// The widths α, in place of roughness and anisotropy.
     pub alpha: Option<&'m AlphaKey>,
+    /// The distribution of the facets' normals.
     pub distribution: Distribution,
 }
 
-/// The [`RoughnessKeys`] of a struct that has these four fields.
+/// The [`RoughnessKeys`] of a struct with these four fields.
 macro_rules! roughness_keys {
     ($material:expr) => {
         RoughnessKeys {
@@ -52,7 +58,7 @@ macro_rules! roughness_keys {
 pub(in crate::bsdf) use roughness_keys;
 
 impl<'m> RoughnessKeys<'m> {
-    /// Their numbers and textures, by key.
+    /// The numbers and textures of the keys, by key.
     pub fn textures(self) -> impl Iterator<Item = (String, &'m Textured)> {
         let [first, second] = match self.alpha {
             None => [None, None],
@@ -63,7 +69,7 @@ impl<'m> RoughnessKeys<'m> {
         all.map(|(key, texture)| (key.to_owned(), texture))
     }
 
-    /// The roughness that they say; `None` for a surface that is smooth everywhere.
+    /// Builds the roughness; `None` for a surface that is smooth everywhere.
     pub fn prepare(self, builder: &mut dyn Prepare) -> Option<Roughness> {
         let widths = match self.alpha {
             None => return roughened(builder, ["roughness", "anisotropy"], [self.roughness, self.anisotropy], self.distribution),
@@ -78,9 +84,10 @@ impl<'m> RoughnessKeys<'m> {
     }
 }
 
-/// The roughness by a roughness and an anisotropy; `None` for a surface that is smooth everywhere.
+/// Builds the roughness of facets from a roughness r and an anisotropy; `None` for a surface that is smooth everywhere.
 ///
-/// - `keys`: of roughness and anisotropy, which come next
+/// - `keys`: the keys of roughness and anisotropy
+/// - `described`: the roughness and the anisotropy
 pub fn roughened(builder: &mut dyn Prepare, keys: [&str; 2], described: [&Textured; 2], distribution: Distribution) -> Option<Roughness> {
     let [roughness, anisotropy] = [0, 1].map(|k| builder.texture(keys[k], described[k]));
     let alpha = match (roughness, anisotropy) {
@@ -91,7 +98,7 @@ pub fn roughened(builder: &mut dyn Prepare, keys: [&str; 2], described: [&Textur
     rough(alpha, distribution)
 }
 
-/// `None` for a surface that is smooth everywhere.
+/// The roughness of an alpha; `None` for a surface that is smooth everywhere.
 fn rough(alpha: Alpha, distribution: Distribution) -> Option<Roughness> {
     let smooth = matches!(alpha, Alpha::Constant(alpha) if Microfacets::new(alpha, distribution).is_none());
     (!smooth).then_some(Roughness { alpha, distribution })

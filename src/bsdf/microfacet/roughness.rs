@@ -1,4 +1,4 @@
-//! How rough a surface is, from point to point.
+//! Roughness that may vary over a surface.
 
 use glam::{DVec3, Vec2};
 
@@ -9,27 +9,37 @@ use crate::math::Rgb;
 use crate::shape::SurfacePoint;
 use crate::texture::Texture;
 
-/// A distribution of facets and its roughness.
+/// The roughness of a surface and the distribution of its facets' normals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Roughness {
+    /// The widths α along the tangents.
     pub alpha: Alpha,
+    /// The distribution of the facets' normals.
     pub distribution: Distribution,
 }
 
+/// The widths α of highlights along the surface's tangents.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Alpha {
-    /// Along the two axes of the surface.
+    /// Constant widths along the two tangents.
     Constant(Vec2),
-    /// Roughness r and anisotropy from 0 to 1 (of a colour, its mean), see [`alpha`].
-    Textured { roughness: Texture, anisotropy: Texture },
-    /// Along the two axes, each from 0 to 1 (of a colour, its mean).
+    /// Widths from textures of roughness and anisotropy by [`alpha`]. Colours count by their mean.
+    Textured {
+        /// The roughness r, from 0 to 1.
+        roughness: Texture,
+        /// The anisotropy, from 0 to 1.
+        anisotropy: Texture,
+    },
+    /// Textures of the widths along the two tangents, from 0 to 1. Colours count by their mean.
     Widths([Texture; 2]),
 }
 
+/// The widths α of a roughness and an anisotropy.
+///
 /// αx = r² / a, αy = r² a,    a = √(1 − 0.9 · anisotropy)
 ///
 /// - `roughness`: r, from 0 to 1
-/// - `anisotropy`: from 0 to 1; the highlight of 1 is ten times as long (along x) as it is wide
+/// - `anisotropy`: from 0 to 1; at 1 a highlight is ten times as long (along x) as wide
 ///
 /// Source: Burley, *Physically Based Shading at Disney* (2012).
 pub fn alpha(roughness: f32, anisotropy: f32) -> Vec2 {
@@ -45,7 +55,7 @@ fn constant(texture: &Texture) -> Option<f32> {
 }
 
 impl Roughness {
-    /// `None` where the surface is as good as smooth.
+    /// The facets at a point; `None` where the surface counts as smooth.
     pub fn at(&self, point: &SurfacePoint) -> Option<Microfacets> {
         let alpha = match &self.alpha {
             Alpha::Constant(alpha) => *alpha,
@@ -55,8 +65,8 @@ impl Roughness {
         Microfacets::new(alpha, self.distribution)
     }
 
-    /// What tables of its albedo must cover. By roughness and anisotropy r² is the geometric mean of the widths, and 1 − 0.9 a their
-    /// ratio.
+    /// The range of roughness that tables of its albedo must cover. For roughness r and anisotropy a the geometric mean of the widths is r²
+    /// and their ratio is 1 − 0.9 a.
     pub fn domain(&self) -> Domain {
         match &self.alpha {
             Alpha::Constant(alpha) => Domain::One(*alpha),
@@ -69,7 +79,7 @@ impl Roughness {
         }
     }
 
-    /// Whether it matters where x and y point.
+    /// Whether scattering depends on the directions of the surface's tangents.
     pub fn is_anisotropic(&self) -> bool {
         match &self.alpha {
             Alpha::Constant(alpha) => alpha.x != alpha.y,
@@ -78,7 +88,9 @@ impl Roughness {
         }
     }
 
-    /// A rough surface scatters all around; a textured one may be smooth in places.
+    /// The effects of a rough surface, with those of a smooth one where a texture may be 0.
+    ///
+    /// - `smooth`: the effects of the smooth surface
     pub fn effects(&self, smooth: Effects) -> Effects {
         match &self.alpha {
             Alpha::Constant(_) | Alpha::Textured { roughness: Texture::Constant(_), .. } => Effects::INTERREFLECTION,
@@ -86,6 +98,7 @@ impl Roughness {
         }
     }
 
+    /// The textures of the roughness; none if it is constant.
     pub fn textures(&self) -> impl Iterator<Item = &Texture> {
         let [first, second] = match &self.alpha {
             Alpha::Constant(_) => [None, None],
@@ -95,7 +108,7 @@ impl Roughness {
         first.into_iter().chain(second)
     }
 
-    /// The same finish after the world has moved by −`origin`.
+    /// The roughness after the world has been moved by −`origin`.
     pub fn recentred(self, origin: DVec3) -> Roughness {
         let alpha = match self.alpha {
             Alpha::Constant(_) => self.alpha,

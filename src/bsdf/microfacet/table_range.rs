@@ -1,27 +1,27 @@
-//! Tables for a parameter that varies over a surface.
+//! Ranges of tables for a parameter that varies over a surface.
 //!
-//! A table is made for one value x. For a range of values there are as many as it takes to be no further apart than a step, at
-//! equal steps of a [`Scale`], and between two of them a model reads both. All that it reads is used linearly, so that what holds
-//! of each (light goes back the way it came, none is made) holds between them too.
+//! A table belongs to one value x of the parameter. A range of values has tables at equal steps of a [`Scale`], close enough together,
+//! and a model interpolates linearly between two of them. Models are linear in these values, so that properties of each table
+//! (reciprocity, energy conservation) hold between tables too.
 
 use crate::math::float;
 
-/// Tables at equal steps; one where x is the same everywhere.
+/// Tables at equal steps of a parameter; a single one for a constant parameter.
 #[derive(Debug, PartialEq)]
 pub struct TableRange<T: 'static> {
     tables: Vec<&'static T>,
     scale: Scale,
-    /// Of the first and of the last, on the scale.
+    /// The ends of the range, on the scale.
     ends: [f32; 2],
 }
 
-/// By what a parameter x > 0 is told apart.
+/// The scale on which values of a parameter x > 0 are spaced equally.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// ln x: by ratios.
+    /// ln x: values at equal ratios.
     Ratio,
-    /// ±√|ln x| of an index of refraction: near 1 by the cosine of the critical angle, which is about √(2 |ln x|), elsewhere about
-    /// by ratios.
+    /// ±√|ln x| for an index of refraction. Near 1 it is proportional to the cosine of the critical angle, about √(2 |ln x|); elsewhere
+    /// its steps are about equal ratios.
     Index,
 }
 
@@ -41,7 +41,8 @@ impl Scale {
         }
     }
 
-    /// From one table to the next, at most: 17 tables of ratios from 1 to 100; of indices 15 from 1 to 1.6, 5 from 1.3.
+    /// The largest step from one table to the next. It gives 17 tables for ratios from 1 to 100, and for indices 15 tables from 1 to 1.6
+    /// and 5 from 1.3 to 1.6.
     fn step(self) -> f32 {
         match self {
             Scale::Ratio => 0.29,
@@ -50,7 +51,7 @@ impl Scale {
     }
 }
 
-/// Two neighbours, and where between them: what a model at a point keeps.
+/// Two neighbouring tables and the position between them, from 0 to 1.
 #[derive(Debug, PartialEq)]
 pub struct LerpedTable<T: 'static> {
     tables: [&'static T; 2],
@@ -58,8 +59,10 @@ pub struct LerpedTable<T: 'static> {
 }
 
 impl<T> TableRange<T> {
+    /// Computes the tables of a range.
+    ///
     /// - `range`: the least and the greatest x, above 0
-    /// - `table`: that of one x
+    /// - `table`: returns the table of one x
     pub fn new(range: [f32; 2], scale: Scale, table: impl Fn(f32) -> &'static T) -> TableRange<T> {
         let ends = range.map(|x| scale.of(x));
         if range[0] == range[1] {
@@ -74,6 +77,7 @@ impl<T> TableRange<T> {
         TableRange { tables: (0..=steps).map(|k| table(x(k))).collect(), scale, ends }
     }
 
+    /// The tables around a value x, which is limited to the range.
     pub fn at(&self, x: f32) -> LerpedTable<T> {
         let last = self.tables.len() - 1;
         if last == 0 {
@@ -86,7 +90,7 @@ impl<T> TableRange<T> {
 }
 
 impl<T> LerpedTable<T> {
-    /// What is read from each table, interpolated.
+    /// Interpolates the value that `read` returns from each table.
     #[inline]
     pub fn value(&self, read: impl Fn(&T) -> f32) -> f32 {
         let low = read(self.tables[0]);
@@ -94,14 +98,14 @@ impl<T> LerpedTable<T> {
     }
 }
 
-/// Of one table alone.
+/// Converts a single table.
 impl<T> From<&'static T> for LerpedTable<T> {
     fn from(table: &'static T) -> LerpedTable<T> {
         LerpedTable { tables: [table; 2], part: 0.0 }
     }
 }
 
-// By hand: references to tables are copied, whether tables can be or not.
+// Not derived: references to tables can be copied even if tables cannot.
 impl<T> Clone for LerpedTable<T> {
     fn clone(&self) -> LerpedTable<T> {
         *self

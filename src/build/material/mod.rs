@@ -1,4 +1,4 @@
-//! Materials, and what they are made of.
+//! Builds materials and their parts.
 
 mod texture;
 
@@ -14,11 +14,11 @@ use crate::world::MaterialId;
 
 pub(super) use texture::{MOST_TEXTURES, Range};
 
-/// Materials within materials are copied where they are used: mixes of mixes of … grow as 2ⁿ.
+/// The largest number of materials within materials. Each use is a copy, so that nested mixes grow as 2ⁿ.
 pub(super) const MOST_PARTS: usize = 1 << 12;
 
 impl Builder<'_> {
-    /// The material's name in words, its id and what it calls for.
+    /// Builds a material, or finds it if it was built before. Returns its `type`, its id and its effects.
     pub(super) fn material(&mut self, pointer: &str, chosen: Option<&MaterialRef>) -> (String, (MaterialId, Effects)) {
         let default = describe::Material::default();
         let (key, described) = chosen.map_or((String::new(), None), |chosen| find(self.scene, pointer, chosen));
@@ -40,13 +40,13 @@ impl Builder<'_> {
         (described.kind().to_owned(), (id, effects))
     }
 
-    /// A material with the normal map and the holes around it.
+    /// Builds a material with its normal or bump map and its opacity.
     fn surface(&mut self, pointer: &str, described: &describe::Material) -> SurfaceMaterial {
         self.note_smooth(pointer, described.description());
         described.description().surface(&mut At { builder: self, pointer })
     }
 
-    /// Roughnesses too small to be told from none.
+    /// Warns about roughnesses so small that they count as 0.
     fn note_smooth(&mut self, pointer: &str, described: &dyn Description) {
         for (key, roughness) in described.roughnesses() {
             let Textured::Color(color) = roughness else { continue };
@@ -58,7 +58,7 @@ impl Builder<'_> {
     }
 }
 
-/// The builder at the material of one JSON pointer.
+/// The builder, at the material with a JSON pointer.
 struct At<'b, 'a> {
     builder: &'b mut Builder<'a>,
     pointer: &'b str,
@@ -96,7 +96,7 @@ impl Prepare for At<'_, '_> {
     }
 }
 
-/// Where a material is described, and how; `None` for a name that is not there.
+/// The JSON pointer and the description of a material; the description is `None` for an unknown name.
 fn find<'s>(scene: &'s describe::Scene, pointer: &str, chosen: &'s MaterialRef) -> (String, Option<&'s describe::Material>) {
     let place = match chosen {
         MaterialRef::Inline(_) => pointer.to_owned(),

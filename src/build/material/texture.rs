@@ -1,4 +1,4 @@
-//! Textures: names resolved, pictures read.
+//! Builds textures: resolves names and reads pictures.
 
 use std::sync::Arc;
 
@@ -14,25 +14,25 @@ use crate::texture::image::{Filter, Pixels, Wrap};
 use crate::texture::noise::Turbulence;
 use crate::texture::{Checker, Image, Marble, Mix, Noise, Product, Space, Texture, Threshold, Vertex};
 
-/// Textures within textures are copied where they are used: checkers of checkers of … grow as 2ⁿ.
+/// The largest number of textures within textures. Each use is a copy, so that nested checkerboards grow as 2ⁿ.
 pub(in crate::build) const MOST_TEXTURES: usize = 1 << 16;
 
-/// What the values of a picture may be.
+/// The allowed values of a picture.
 #[derive(Clone, Copy, PartialEq)]
 pub(in crate::build) enum Range {
-    /// From 0 to 1: what is reflected, let through, or a number.
+    /// Values from 0 to 1, for reflectances, transmittances and numbers.
     Shares,
-    /// From 0, finite: what is emitted.
+    /// Finite values from 0, for emission.
     Amounts,
 }
 
 impl Builder<'_> {
-    /// The texture of what reflects light, or stands for a number.
+    /// Builds the texture of a reflectance, or of a number from 0 to 1.
     pub(in crate::build) fn textured(&mut self, pointer: &str, described: &Textured) -> Texture {
         self.ranged(pointer, described, Range::Shares)
     }
 
-    /// The texture whose pictures hold values of this range.
+    /// Builds a texture. Its pictures must have values in a range.
     pub(in crate::build) fn ranged(&mut self, pointer: &str, described: &Textured, range: Range) -> Texture {
         match described {
             Textured::Color(color) => Texture::Constant(rgb(color)),
@@ -44,7 +44,7 @@ impl Builder<'_> {
         }
     }
 
-    /// A picture of normals: linear where nothing else is said.
+    /// Builds the texture of a normal map. Its picture is linear unless its `encoding` says otherwise.
     pub(super) fn normal_map(&mut self, pointer: &str, described: &Textured) -> Texture {
         let picture = match described {
             Textured::Texture(inline) => Some(&**inline),
@@ -106,7 +106,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Read once for every encoding and channel that it is used in; black with a fault noted.
+    /// Builds an image texture. A picture is read once for each encoding and channel. Returns black after adding a fault.
     fn image(&mut self, pointer: &str, described: &describe::Image, range: Range) -> Texture {
         let key = (described.file.clone(), described.encoding, described.channel);
         let pixels = match self.pictures.get(&key) {
@@ -157,7 +157,7 @@ impl Builder<'_> {
         None
     }
 
-    /// Where it varies; a fault is noted where it cannot be placed there.
+    /// The coordinates that a texture varies over. Adds a fault where its transform has no inverse.
     fn space(&mut self, pointer: &str, described: &describe::Texture) -> Space {
         match described.space() {
             Some((TextureSpace::Position, steps)) => match placed(steps, &Transform::IDENTITY) {

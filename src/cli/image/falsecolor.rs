@@ -137,7 +137,7 @@ impl Scale {
         self.map.color(share)
     }
 
-    /// Value at a share of the scale's length.
+    /// Value at the position `share` on the scale, from 0 at its low end to 1 at its high end.
     fn value(&self, share: f64) -> f64 {
         if self.log { self.low.powf(1.0 - share) * self.high.powf(share) } else { self.low + share * (self.high - self.low) }
     }

@@ -39,7 +39,7 @@ pub fn figures(tests: &[(&str, Chi2)]) -> String {
     figures.join(", ")
 }
 
-/// Surface that scatters all light into these directions, whatever the incidence.
+/// Surface that scatters all light into the directions of a warp, with its density, whatever the incidence.
 struct Scattering<'a> {
     warp: &'a Warp,
     directions: Directions,

@@ -1,4 +1,4 @@
-//! Directions by longitude and latitude, counted and drawn as by the courses' sample tester.
+//! Histogram of directions by longitude and latitude, counted and drawn as the sample tester of dirt and darts does it.
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -107,7 +107,7 @@ pub fn pictures(pdf: &Density, drawn: &Histogram, stem: &str) -> Result<()> {
     Ok(())
 }
 
-/// Picture in the colours of the courses: the map Inferno, whose values are taken as linear light.
+/// Picture in the colours of the sample tester of dirt and darts: the map Inferno, whose values are taken as linear light.
 fn picture(cells: &[f64], brightest: f64) -> Image {
     let share = |x: f64| if brightest > 0.0 { x / brightest } else { 0.0 };
     let colors: Vec<[u8; 3]> = cells.iter().map(|&x| Colormap::Inferno.color(share(x))).collect();

@@ -11,7 +11,7 @@ use crate::output::{Tonemap, png};
 #[derive(Clone, Copy, Debug)]
 pub struct Mark {
     at: Vec2,
-    /// 0 in front, 1 at the far side of the sphere.
+    /// Depth in the view: 0 at the front and 1 at the far side of the sphere.
     depth: f32,
 }
 

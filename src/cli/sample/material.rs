@@ -61,7 +61,7 @@ pub fn of_sphere(world: &World) -> Result<Bsdf<'_>> {
     Ok(world.surface(&ray, &Hit { shape: 0, primitive: 0, uv: met.uv, t: met.t }).bsdf)
 }
 
-/// Most important figures.
+/// Text with the most important figures of a proof and its samples.
 fn summary(case: &Case, args: &SampleArgs) -> String {
     let sampled = &case.sampled[0];
     let [theta, phi] = args.wo;

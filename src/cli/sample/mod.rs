@@ -1,5 +1,5 @@
-//! `pt sample`: points of every warp and sampler, scattering of a material, as numbers and as pictures; and the tests of the
-//! courses.
+//! `pt sample`: points of every warp and sampler, scattering of a material, as numbers and as pictures; and the test
+//! files of the courses of dirt and darts.
 
 mod coursework;
 mod directions;

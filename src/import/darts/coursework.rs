@@ -1,4 +1,4 @@
-//! Files of tests of the courses: sampling of materials and surfaces, and intersections of rays with surfaces.
+//! Test files of the courses of dirt and darts: sampling of materials and surfaces, and intersections of rays with surfaces.
 
 use std::path::Path;
 
@@ -69,7 +69,7 @@ pub enum TestKind {
 /// Expected intersection of a ray and a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExpectedHit {
-    /// Distance, in lengths of the ray's direction.
+    /// Ray parameter of the hit: its distance divided by the length of the ray's direction.
     pub t: f64,
     /// Point of the intersection.
     pub p: DVec3,

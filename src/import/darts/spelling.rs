@@ -79,12 +79,12 @@ impl Evidence {
         evidence
     }
 
-    /// Dialect with the most spellings; the first of several.
+    /// Dialect with the most spellings, and the first in the order of [`ALL`] if several have as many.
     pub fn version(&self) -> DartsVersion {
         self.likely().next().unwrap_or(DartsVersion::Dirt)
     }
 
-    /// Property of the scene's dialect, and whether it is certain: all equally likely dialects have it.
+    /// Value of `of` for the most likely dialect, and whether it is certain because all equally likely dialects have that value.
     pub fn says<T: PartialEq>(&self, of: impl Fn(DartsVersion) -> T) -> (T, bool) {
         let answer = of(self.version());
         let is_sure = self.likely().all(|version| of(version) == answer);

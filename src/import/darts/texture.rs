@@ -67,7 +67,7 @@ impl Reader<'_> {
         Some(radians(scale, scale.make_number(1.0 / number)))
     }
 
-    /// Converts a marble texture, with the turbulence of the book that the courses use.
+    /// Converts a marble texture, with the turbulence of *Ray Tracing: The Next Week*, the book that the courses use.
     fn marble(&self, cursor: &JsonCursor) -> Option<Node> {
         cursor.leave_out_others(&["type", "name", "base", "veins", "scale", "transform", "vector"]);
         let (base, veins) = (self.textured(&cursor.need(&["base"])?)?, self.textured(&cursor.need(&["veins"])?)?);
@@ -96,7 +96,7 @@ struct PatternSpace {
 impl PatternSpace {
     const POSITION: PatternSpace = PatternSpace { on: "position", into: None };
 
-    /// Coordinates with another map before this one.
+    /// Coordinates to which another map is applied as well.
     fn then(self, map: Transform) -> PatternSpace {
         PatternSpace { into: Some(self.into.map_or(map, |before| before.then(&map))), ..self }
     }

@@ -1,4 +1,4 @@
-//! Transforms: commands in listed order, as pt's own steps.
+//! Transforms of dirt and darts: commands, which are converted to the steps of pt's format in their order.
 
 use glam::{DMat4, DVec3, DVec4};
 
@@ -7,7 +7,7 @@ use crate::import::json_cursor::JsonCursor;
 use crate::math::Transform;
 use crate::reader::Node;
 
-/// Keys that a command is recognised by, in the order in which they are tried, and its conversion.
+/// A kind of command: the keys that it is recognised by, in the order in which they are tried, and its conversion.
 struct Command {
     keys: &'static [&'static str],
     step: fn(&JsonCursor) -> Option<Node>,
@@ -91,7 +91,7 @@ fn look_at(cursor: &JsonCursor) -> Option<Node> {
     Some(cursor.make_object([("look_at", cursor.make_object([("from", from), ("to", to), ("up", up)]))]))
 }
 
-/// Images of the axes and of the origin.
+/// Matrix of a transform that is given by the images of the axes and of the origin: `x`, `y`, `z` and `o`.
 fn axes(cursor: &JsonCursor) -> Option<DMat4> {
     let or = |key: &str, default: DVec3| cursor.get(&[key]).map_or(Some(default), |cursor| numbers::<3>(&cursor).map(DVec3::from));
     let [x, y, z] = [or("x", DVec3::X)?, or("y", DVec3::Y)?, or("z", DVec3::Z)?].map(|axis| axis.extend(0.0));

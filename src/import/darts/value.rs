@@ -3,7 +3,7 @@
 use crate::import::json_cursor::JsonCursor;
 use crate::reader::Node;
 
-/// `count` values; a single one is repeated.
+/// Reads `count` values; a single value is repeated. `None` with a fault noted.
 pub fn several<'a>(cursor: &JsonCursor<'a>, count: usize) -> Option<Vec<JsonCursor<'a>>> {
     if cursor.is_number() {
         return Some(vec![cursor.clone(); count]);
@@ -19,23 +19,23 @@ pub fn several<'a>(cursor: &JsonCursor<'a>, count: usize) -> Option<Vec<JsonCurs
     }
 }
 
-/// `N` numbers.
+/// Reads `N` numbers.
 pub fn numbers<const N: usize>(cursor: &JsonCursor) -> Option<[f64; N]> {
     let values: Option<Vec<f64>> = several(cursor, N)?.iter().map(JsonCursor::number).collect();
     values?.try_into().ok()
 }
 
-/// Array of `count` values.
+/// Reads `count` values and makes an array of them.
 pub fn vector(cursor: &JsonCursor, count: usize) -> Option<Node> {
     Some(cursor.make_array(several(cursor, count)?.iter().map(JsonCursor::same)))
 }
 
-/// One value.
+/// Reads one value.
 pub fn scalar(cursor: &JsonCursor) -> Option<Node> {
     several(cursor, 1).map(|values| values[0].same())
 }
 
-/// A grey as one number, other colours as red, green and blue.
+/// Reads a colour: one number for a grey, or red, green and blue.
 pub fn color(cursor: &JsonCursor) -> Option<Node> {
     if cursor.is_number() { Some(cursor.same()) } else { vector(cursor, 3) }
 }

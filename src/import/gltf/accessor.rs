@@ -1,11 +1,11 @@
-//! Numbers in buffers: rows of components, some of them replaced (sparse accessors).
+//! Accessors: rows of numbers in buffers. In a sparse accessor some rows are replaced.
 
 use gltf::accessor::{DataType, Dimensions, sparse::IndexType};
 
 use super::document::Document;
 use crate::import::json_cursor::JsonCursor;
 
-/// Most rows that may have no bytes in a buffer and be zero; no real file has more.
+/// Greatest number of rows of an accessor that has no bytes in a buffer, whose rows are all zero. No real file has more.
 const MOST_ZEROS: usize = 1 << 24;
 
 impl Document<'_> {
@@ -22,7 +22,7 @@ impl Document<'_> {
         self.each(accessor, &at, |row| std::array::from_fn(|k| component(row, k, kind, normalized)))
     }
 
-    /// Whole numbers of an accessor; `None` with a fault noted.
+    /// Whole numbers of an accessor; `None`, with a fault noted, if it has no such numbers.
     pub fn indices(&self, accessor: &gltf::Accessor) -> Option<Vec<u32>> {
         let at = self.item("accessors", accessor.index());
         if accessor.dimensions() != Dimensions::Scalar {

@@ -1,4 +1,4 @@
-//! Cameras. They look down −z of their node, as pt's do.
+//! Cameras of glTF. A camera looks along −z of its node, as in pt.
 
 use glam::{DMat4, DVec3};
 use gltf::json::camera::Type;

@@ -1,4 +1,4 @@
-//! The file itself: JSON, or a container of JSON and a binary buffer.
+//! Files of glTF: JSON (.gltf), or a container of JSON and a binary buffer (.glb).
 
 use std::borrow::Cow;
 

@@ -124,7 +124,7 @@ fn nearest(pixels: &Pixels, [x, y]: [f64; 2]) -> DVec3 {
     DVec3::from(value.map(f64::from))
 }
 
-/// Base colour and metalness.
+/// Converts a diffuse and a specular colour to a base colour and a metalness.
 fn converted(diffuse: DVec3, specular: DVec3) -> (DVec3, f64) {
     let kept = 1.0 - specular.max_element();
     let metallic = metalness(brightness(diffuse), brightness(specular), kept);

@@ -108,7 +108,7 @@ impl<'a> Reader<'_, 'a> {
         self.textured(of, texture, Kind::Color, location.make_numbers(factor), factor == [1.0; 3])
     }
 
-    /// A number, and the cursor at it.
+    /// Value of a number, or `default` if the key is missing, and the cursor to which faults of the number belong.
     fn number(&self, of: Option<&JsonCursor<'a>>, key: &str, default: f64) -> (f64, JsonCursor<'a>) {
         let at = of.and_then(|of| of.get(&[key]));
         (at.as_ref().and_then(JsonCursor::number).unwrap_or(default), at.or_else(|| of.cloned()).unwrap_or_else(|| self.at.clone()))

@@ -17,23 +17,23 @@ pub struct Entry {
     pub exponent: f64,
     /// `Ke`: W·m⁻²·sr⁻¹.
     pub emission: [f64; 3],
-    /// `d`, or 1 − `Tr`.
+    /// Opacity: `d`, or 1 − `Tr`.
     pub opacity: Option<f64>,
-    /// `Ni`.
+    /// Index of refraction, `Ni`.
     pub eta: Option<f64>,
-    /// `Tf`.
+    /// Transmission filter, `Tf`.
     pub filter: Option<[f64; 3]>,
     /// `illum`, the model of illumination.
     pub illum: u32,
-    /// `Pr`.
+    /// Roughness, `Pr`.
     pub roughness: Option<f64>,
-    /// `Pm`.
+    /// Metalness, `Pm`.
     pub metallic: Option<f64>,
-    /// `map_Kd`: a file, as the scene names it.
+    /// Map of the diffuse colour, `map_Kd`: a file, as the scene names it.
     pub diffuse_map: Option<String>,
-    /// `map_d`: a file.
+    /// Map of the opacity, `map_d`: a file.
     pub opacity_map: Option<String>,
-    /// `norm`: a file.
+    /// Normal map, `norm`: a file.
     pub normal_map: Option<String>,
 }
 

@@ -34,13 +34,13 @@
 //!
 //! Source: cumulants of k-statistics, Kendall and Stuart, *The Advanced Theory of Statistics*, vol. 1, ch. 12.
 
-/// Estimates of one colour of a pixel.
+/// Estimates of the mean of one colour of a pixel, from its samples.
 pub(super) struct PixelEstimate {
     /// x, the mean of the samples.
     pub value: f64,
     /// v, the estimated variance of the mean.
     pub variance: f64,
-    /// κ₃/v
+    /// Skewness ratio κ₃/v.
     pub skewness_ratio: f64,
     /// ν, the degrees of freedom of v.
     pub freedom: f64,
@@ -51,7 +51,7 @@ pub(super) struct PixelEstimate {
 pub(super) struct LocalReference {
     /// c, the value.
     pub value: f64,
-    /// w, a variance near v that hardly depends on v.
+    /// w, an estimate of σ² that is nearly independent of the pixel's own estimate v.
     pub variance: f64,
 }
 

@@ -91,7 +91,7 @@ impl PixelStatistics {
         neighborhood(i, REACH, self.width, self.pixels.len()).filter(move |q| *q != i)
     }
 
-    /// Medians of value and variance around a pixel. Neither a bright sample nor an edge moves them far.
+    /// Medians of value and variance around a pixel. A bright sample or an edge hardly changes them.
     fn median(&self, i: usize) -> Gray {
         let median_of = |f: fn(&Gray) -> f64| {
             let mut values: ArrayVec<f64, AROUND> = self.neighbors(i).chain([i]).map(|q| f(&self.gray[q])).collect();

@@ -5,12 +5,12 @@ use super::ImagePair;
 /// ε of JERI's MAPE and SMAPE.
 const EPSILON: f64 = 0.01;
 
-/// |a − r|
+/// Absolute difference |a − r| of each value a from its reference r.
 pub fn difference(pair: &ImagePair, _: Option<f64>) -> Vec<f64> {
     pair.map(|a, r| (a - r).abs())
 }
 
-/// |a − r|/(|r| + ε)
+/// Absolute difference relative to the reference, |a − r|/(|r| + ε).
 ///
 /// Source: JERI, with ε = 0.01.
 pub fn mape(pair: &ImagePair, epsilon: Option<f64>) -> Vec<f64> {
@@ -18,7 +18,7 @@ pub fn mape(pair: &ImagePair, epsilon: Option<f64>) -> Vec<f64> {
     pair.map(|a, r| over((a - r).abs(), r.abs() + epsilon))
 }
 
-/// 2|a − r|/(|a| + |r| + 2ε),    at most 2
+/// Absolute difference relative to the mean of both values, 2|a − r|/(|a| + |r| + 2ε), which is at most 2.
 ///
 /// Source: JERI, with ε = 0.01.
 pub fn smape(pair: &ImagePair, epsilon: Option<f64>) -> Vec<f64> {

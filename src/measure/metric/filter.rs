@@ -7,9 +7,9 @@ pub struct Kernel(Vec<f64>);
 /// Treatment of pixels beyond the border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Border {
-    /// They have the value of the nearest pixel.
+    /// Pixels beyond the border have the value of the nearest pixel of the picture.
     Nearest,
-    /// They do not count; the other weights are scaled up.
+    /// Pixels beyond the border are left out; the weights of the pixels within are scaled up.
     Renormalise,
 }
 
@@ -81,7 +81,7 @@ mod tests {
         let filtered = |border| convolve(&[1.0, 5.0, 3.0], 3, &kernel, &one, border);
         assert_eq!(filtered(Border::Nearest), [2.0, 3.5, 3.5]);
         assert_eq!(filtered(Border::Renormalise), [7.0 / 3.0, 3.5, 11.0 / 3.0]);
-        // The same down a column.
+        // Down a column the result is the same as along a row.
         assert_eq!(convolve(&[1.0, 5.0, 3.0], 1, &one, &kernel, Border::Nearest), [2.0, 3.5, 3.5]);
     }
 

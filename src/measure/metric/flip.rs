@@ -34,7 +34,7 @@ pub fn flip(pair: &ImagePair) -> Vec<f64> {
     (0..colour_a.len()).map(error).collect()
 }
 
-/// A picture in YCxCz, one channel after the other. The space is linear in light, and opponent like the channels of the eye.
+/// A picture in the colour space YCxCz, one channel after the other. The space is linear in light, and its axes are opponent colours.
 struct Opponent {
     width: usize,
     channels: [Vec<f64>; 3],
@@ -119,7 +119,7 @@ impl Redistribution {
     }
 }
 
-/// |ΔL| + √(Δa² + Δb²)
+/// HyAB distance |ΔL| + √(Δa² + Δb²) of two colours in L*a*b*.
 fn hyab(x: [f64; 3], y: [f64; 3]) -> f64 {
     (x[0] - y[0]).abs() + (x[1] - y[1]).hypot(x[2] - y[2])
 }

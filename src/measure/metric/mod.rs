@@ -1,6 +1,6 @@
 //! Error measures between two pictures, each with its own name and formula.
 //!
-//! The same word means different formulas in different programs. Here every name stands for one formula, and whoever prints a
+//! One word, such as relMSE, means different formulas in different programs. Here every name stands for one formula, and whoever prints a
 //! number prints [`Metric::formula`] with it.
 //!
 //! - every measure is an error: 0 for equal pictures, and larger is worse

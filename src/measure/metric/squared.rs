@@ -2,7 +2,7 @@
 
 use super::ImagePair;
 
-/// (a − r)²
+/// Squared difference (a − r)² of each value a from its reference r.
 ///
 /// Tests: by hand, symmetric, ·s² when both are scaled by s.
 pub fn square(pair: &ImagePair, _: Option<f64>) -> Vec<f64> {

@@ -98,7 +98,7 @@ pub(super) fn same_direction(a: Local, b: Local) -> bool {
     (a.0 - b.0).abs().max_element() <= 8.0 * f32::EPSILON
 }
 
-/// |a − b| ≤ relative · max(|a|, |b|) + slack, in every coefficient; never true for NaN.
+/// Whether |a − b| ≤ relative · max(|a|, |b|) + slack in every coefficient; `false` for NaN.
 ///
 /// Differences below the smallest normal number count as 0.
 fn near(a: Spectrum, b: Spectrum, relative: f32, slack: Spectrum) -> bool {
@@ -121,7 +121,7 @@ fn rounded(w: Local) -> [Local; 6] {
     [change(x, BY), change(x, -BY), change(y, BY), change(y, -BY), change(z, BY), change(z, -BY)]
 }
 
-/// Directions that differ by so many roundings of a computation with unit vectors, along each axis.
+/// Directions near `w`, shifted along the axes by `roundings` times the rounding error of a computation with unit vectors.
 pub(super) fn shifted(w: Local, roundings: f32) -> [Local; 8] {
     let by = roundings * f32::EPSILON;
     let sign = |k: u32, axis: u32| if k >> axis & 1 == 0 { -by } else { by };

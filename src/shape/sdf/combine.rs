@@ -141,7 +141,8 @@ impl SmoothUnion {
         self.of.iter().map(|field| field.distance(p)).reduce(join).unwrap_or(S::constant(f64::INFINITY))
     }
 
-    /// Bounds. Each join lowers the distance by k/4 at most.
+    /// Lower and upper corner of a bounding box of the union. Its parts are grown by k/4 for each smooth join, because each join lowers
+    /// the distance by at most k/4.
     pub(super) fn bounds(&self, grow: f64) -> [DVec3; 2] {
         hull(self.of.iter(), grow + 0.25 * self.width * (self.of.len() as f64 - 1.0))
     }

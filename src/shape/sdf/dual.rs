@@ -67,9 +67,9 @@ impl Scalar for f64 {
 /// Source: Clifford, *Preliminary Sketch of Biquaternions* (1873). Tests: gradients_are_finite_differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual {
-    /// Value v.
+    /// Value v of the function.
     pub value: f64,
-    /// Gradient g.
+    /// Gradient g of the function.
     pub gradient: DVec3,
 }
 

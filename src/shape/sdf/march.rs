@@ -108,7 +108,7 @@ impl Sdf {
         crosses.then_some(far)
     }
 
-    /// t of the hit by the method of [`Fixed`].
+    /// Ray parameter t of the hit by the method of [`Fixed`].
     pub(super) fn stop(&self, line: &Line, fixed: &Fixed) -> Option<f64> {
         let speed = line.direction.length();
         let mut length = 0.0;

@@ -23,7 +23,7 @@ pub struct Solid {
     bounds: Aabb,
     /// Half an ulp of the greatest coordinate, the rounding error of a point in f32 (m): in world space.
     rounding: f64,
-    /// The same length in the space of the field.
+    /// Length of `rounding` in the space of the field.
     floor: f64,
 }
 

@@ -7,27 +7,27 @@ use std::process::{Command, Output};
 
 use crate::marked::unmark;
 
-/// A scene that is right; what follows its last line are further keys.
+/// The beginning of a valid scene, to which a case adds further keys.
 pub const RIGHT: &str = r#"{"pt": 1,
 "camera": {"look_at": {"from": [0, 0, 3], "to": [0, 0, 0]}},
 "film": {"width": 8, "height": 6},
 "sampler": {"spp": 1},
 "background": {"radiance": 1}"#;
 
-/// One that is right and has no light, for further keys.
+/// The beginning of a valid scene without light, to which a case adds further keys.
 pub const UNLIT: &str = r#"{"pt": 1, "camera": {}, "film": {"width": 8, "height": 6}"#;
 
 /// The first four lines of `mesh.obj`.
 pub const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-/// The end of a scene that names it.
+/// The end of a scene that names `mesh.obj`.
 const MESH: &str = r#", "shapes": [{"type": "mesh", "file": "mesh.obj"}]}"#;
 
 /// A folder of right and odd files in which the program is run, and what came of it.
 pub struct Bench {
     pub folder: tempfile::TempDir,
-    /// The rows that were fed.
+    /// The rows whose cases were run.
     pub met: BTreeSet<&'static str>,
-    /// What did not end, or was not said, as expected.
+    /// Descriptions of the cases whose exit code or message was not the expected one.
     pub wrong: Vec<String>,
 }
 

@@ -45,7 +45,7 @@ fn one_output_that_fails_does_not_take_the_other_with_it() {
     assert!(at.join("b.exr").exists());
 }
 
-/// A limit on the size of files is told like a full disk, and leaves the old picture and nothing else.
+/// A limit on the size of files is reported like a full disk, and leaves the old picture and nothing else.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_file_that_may_not_grow_is_said() {

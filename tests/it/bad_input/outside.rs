@@ -1,4 +1,4 @@
-//! Files outside of the scene's folder: every command refuses them, and takes them when it is told to.
+//! Files outside of the scene's folder: every command refuses them, and accepts them with `--allow-outside`.
 
 use std::fs;
 use std::process::Command;

@@ -55,7 +55,7 @@ fn distances_are_the_originals() {
     }
 }
 
-/// 300 camera rays: what is met, where to 0.02, and on which side of it.
+/// 300 camera rays hit the part that the original program hits, at the same point to 0.02 and on the same side.
 #[test]
 fn first_hits_are_the_originals() {
     let Some(path) = data("primary_hits.csv") else { return };

@@ -1,4 +1,4 @@
-//! Hits are where formulas say, first ones, on the surface.
+//! Ray hits on distance fields: each is the first one, lies on the surface, and is where a formula says.
 
 use glam::{DVec3, Vec3};
 use pt::math::{Ray, Transform};

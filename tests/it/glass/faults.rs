@@ -76,7 +76,7 @@ pub fn unturned(d: Vec3, n: Vec3, eta: f32) -> Vec3 {
     (eta * d + (eta * cos - cos_t) * n).normalize()
 }
 
-/// Follows camera rays straight through glass to what glows, refracting as it is told, as bright as pt would.
+/// Integrator that follows camera rays through glass to the light and refracts them by the given formula, right or wrong.
 struct Tracer(Refraction);
 
 struct Walk {
@@ -157,7 +157,7 @@ fn the_comparison_refuses_every_mistake() {
     }
 }
 
-/// The same in one ray: what pt's scene does to it is what pt's formula says.
+/// A ray in pt's scene is refracted as the correct formula says.
 #[test]
 fn scene_and_formula_agree() {
     let ray = Ray::new(Vec3::ZERO, slanting(30.0));

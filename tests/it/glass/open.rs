@@ -1,4 +1,4 @@
-//! Glass that is no body is named, and what to do about it; bodies are not.
+//! Warnings about glass that is not a closed body, with advice; closed bodies get none.
 
 use std::fs;
 use std::process::Command;

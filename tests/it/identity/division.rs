@@ -1,4 +1,4 @@
-//! Threads, tiles, crops, waves: none has a say in the picture (reliability D1).
+//! The picture does not depend on the number of threads, the tiles, the crop or the waves.
 
 use glam::UVec2;
 use proptest::prelude::*;
@@ -37,7 +37,7 @@ fn crops_are_parts_of_the_full_picture() {
     }
 }
 
-/// Every camera and filter, no sample invalid: `picture` demands it.
+/// No sample is invalid with any camera and filter. `picture` asserts it.
 #[test]
 fn no_sample_is_invalid() {
     use pt::film::Filter;
@@ -53,7 +53,7 @@ fn no_sample_is_invalid() {
     }
 }
 
-/// Samples that no order of summing could hide: sixty binary digits apart.
+/// Samples whose magnitudes span sixty binary digits, so that another order of summation changes the sum.
 fn sample(random: &mut Random) -> Moments {
     let mut value = || (random.unit() * random.decade(-9.0, 9.0)) as f32;
     Moments::of(Spectrum::rgb(value(), value(), value()))

@@ -1,4 +1,4 @@
-//! An effect that is simulated but not there changes no bit.
+//! An effect that is simulated but does not occur in the scene changes no bit.
 
 use std::sync::Arc;
 

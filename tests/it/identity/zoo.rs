@@ -23,9 +23,9 @@ use crate::geometry::icosphere;
 /// The zoo, and what may change about it.
 #[derive(Clone, Copy, Debug)]
 pub struct Zoo {
-    /// Lengths, all of them; intensities by its square, so that the picture stays.
+    /// Factor of all lengths. Intensities are scaled by its square, so that the picture stays the same.
     pub scale: f64,
-    /// Of every light.
+    /// Emission of every light.
     pub emission: f32,
     pub lens_radius: f32,
     pub camera: Lens,

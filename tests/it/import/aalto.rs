@@ -69,7 +69,7 @@ fn what_is_converted_has_the_same_bits() {
     same_bits(folder.path(), "scene.json", "other/scene.json");
 }
 
-/// Names stay, and materials of the same name are told apart.
+/// Names stay, and materials with equal names get different ones.
 #[test]
 fn comments_are_names() {
     assert_eq!(became(SCENE, "/shapes/1/name"), "\"Ball\"");
@@ -129,7 +129,7 @@ fn rays_leave_as_there() {
     }
 }
 
-/// Turned about x, y and z, its box centred, `height` high, at the midpoint: by matrices written out.
+/// A mesh is rotated about x, y and z, centred by its box, scaled to `height` and moved to the midpoint, as explicit matrices say.
 #[test]
 fn meshes_stand_where_they_stood() {
     let mut random = Random::new(4);
@@ -183,7 +183,7 @@ fn one_misplaced_object_is_one_error() {
     assert_eq!(error.exit_code(), 3);
 }
 
-/// What is wrong is told by the file's own keys.
+/// Faults name the keys of the file that was read, not those of pt's format.
 #[test]
 fn faults_have_the_places_of_the_file() {
     for (from, to, expected) in [
@@ -210,7 +210,7 @@ fn faults_have_the_places_of_the_file() {
     }
 }
 
-/// Whatever happens to the text of a scene, it is a scene, or it is told what is wrong with it.
+/// A scene file with random changes is either read, or refused with a message. It never causes a panic.
 #[test]
 fn mutated_scenes_never_panic() {
     const WORDS: [&str; 18] = [

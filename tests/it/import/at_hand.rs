@@ -1,4 +1,4 @@
-//! All scenes that lie beside the project: `cargo test --test it at_hand -- --nocapture` prints the list.
+//! All scenes of other programs in the folders beside the project: `cargo test --test it at_hand -- --nocapture` prints the list.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -8,7 +8,7 @@ fn pt(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_pt")).current_dir(folder).args(args).output().expect("pt runs")
 }
 
-/// What it says on stderr; it succeeds.
+/// Runs pt, which must succeed, and returns its stderr.
 pub fn succeeds(folder: &Path, args: &[&str]) -> String {
     let output = pt(folder, args);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -74,7 +74,7 @@ fn what_is_converted_has_the_same_bits() {
     same_bits(folder.path(), "darts.json", "converted.json");
 }
 
-/// The faces under a name that the scene knows wear what it names, the others the mesh's own.
+/// Faces under a material name that the scene defines have that material; the others have the material of the mesh.
 #[test]
 fn names_in_a_mesh_file_go_before_its_material() {
     let folder = folder();

@@ -1,4 +1,4 @@
-//! PLY and STL as models by themselves; and files that are no scene of any kind, which are told by what they are.
+//! PLY and STL files as models of their own, and messages about files that are no scene of any kind.
 
 use std::fs;
 use std::path::Path;
@@ -38,7 +38,7 @@ fn ply() -> String {
     ply_with("", "")
 }
 
-/// With further properties of the vertices, and their values.
+/// A PLY file whose vertices have further properties, with these values.
 fn ply_with(properties: &str, values: &str) -> String {
     let (mut vertices, mut faces) = (String::new(), String::new());
     for (i, triangle) in TETRAHEDRON.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The triangle test against integers (reliability G7, G9).
+//! The triangle test against exact integer arithmetic.
 //!
 //! Coordinates are whole numbers below 2²⁴ (times a power of two that cancels), so that every
 //! product fits `i128` and the oracle is exact: hit or miss, t, and the weights of the corners.
@@ -137,7 +137,7 @@ fn matches_integers(random: &mut Random, size: i128, seed: u64) -> bool {
     true
 }
 
-/// G9: needles seen along their plane were once hit a hundred times farther off than they are long.
+/// Thin triangles seen along their plane are not hit beyond their ends. They were once hit a hundred times their length away.
 /// A hit lies in the triangle's box, grown by 16 ulp of the scene.
 #[test]
 fn needles_are_not_hit_beyond_their_ends() {
@@ -162,7 +162,7 @@ fn needles_are_not_hit_beyond_their_ends() {
     });
 }
 
-/// G9: three corners of equal x and z are a line, whatever cancels where.
+/// Three corners with equal x and z form a line, which no ray hits, whatever cancels in the rounding.
 #[test]
 fn a_line_far_from_the_origin_is_missed() {
     let corners = [[-79.05, -56.24], [-87.09, -56.24], [-79.21, -56.24]].map(|[y, z]| Vec3::new(-1113.4546, y, z));

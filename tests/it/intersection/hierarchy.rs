@@ -86,7 +86,7 @@ fn compare(hierarchy: &dyn Primitive, list: &dyn Primitive, ray: &Ray, seed: u64
     wanted
 }
 
-/// G3 among the rest: t, uv and the primitive, the lowest where several are equally near; and any `t_max`.
+/// The hierarchy finds the hits of the list: the same t, uv and primitive (the lowest of several that are equally near), for any `t_max`.
 #[test]
 fn hierarchy_is_the_list() {
     (0..4000u64).into_par_iter().for_each(|seed| {
@@ -105,7 +105,7 @@ fn hierarchy_is_the_list() {
     });
 }
 
-/// A ray that is no ray meets nothing, and nothing panics.
+/// Rays with numbers that are not finite, or without a direction, hit nothing and cause no panic.
 #[test]
 fn rays_that_are_none_miss() {
     let mut random = Random::new(1);
@@ -124,7 +124,7 @@ fn rays_that_are_none_miss() {
     assert_eq!(accel::build(crate::geometry::shapes(vec![])).intersect(&Ray::new(Vec3::ZERO, Vec3::Z)), None);
 }
 
-/// G8: zero area, repeated corners, collinear corners.
+/// Triangles of zero area, with repeated corners or with collinear corners are never hit.
 #[test]
 fn degenerate_triangles_are_never_hit() {
     for seed in 0..200_000 {

@@ -1,4 +1,4 @@
-//! Spheres and ellipsoids, near and far, tiny and huge (reliability G10).
+//! Spheres and ellipsoids, near and far, tiny and huge.
 
 use glam::{DVec3, Vec3};
 use pt::math::{Ray, Transform};

@@ -1,4 +1,4 @@
-//! A closed mesh lets no ray out (reliability G1, table A.3).
+//! A closed mesh lets no ray out.
 //!
 //! 0 of N leaks: with 99 % confidence the rate is below −ln(0.01)/N, 4.6·10⁻⁷ for N = 10⁷.
 

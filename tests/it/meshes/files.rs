@@ -64,7 +64,7 @@ fn content_decides_the_format() {
     assert_eq!(no_magic, (3, "mesh: not a PLY file: its first line is not \"ply\"".to_string()));
 }
 
-/// Meshes of other renderers, where there are some.
+/// Meshes of other renderers load, if such files are there.
 #[test]
 fn meshes_found_in_the_wild_load() {
     let Some(data) = crate::shared::shared("") else { return };

@@ -18,7 +18,7 @@ fn binary() -> Vec<u8> {
     file
 }
 
-/// The same mesh with its numbers' bytes turned round.
+/// The file of [`binary`] in big-endian byte order.
 fn big_endian() -> Vec<u8> {
     let file = binary();
     let end = file.windows(11).position(|w| w == b"end_header\n").expect("a header") + 11;

@@ -99,7 +99,7 @@ proptest! {
     }
 }
 
-/// The same file with every index counted backwards.
+/// The file `plain` with indices that count backwards, from −1.
 fn relative(plain: &str, mesh: &MeshData) -> String {
     let counts = [mesh.positions.len(), mesh.uvs.len(), mesh.normals.len()];
     let backwards = |corner: &str| {

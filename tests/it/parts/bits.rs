@@ -1,4 +1,4 @@
-//! The same bits, however a render is cut into parts and pauses.
+//! A render has the same bits however it is divided into parts and interrupted.
 
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ fn taken(scene: &Arc<dyn Scene>, sampler: SamplerSpec, from: u64, to: u64, threa
 proptest! {
     #![proptest_config(cases(60))]
 
-    /// Every number of the film, and so the picture and all that is told of its error.
+    /// Every number of the film is the same, and so are the picture and all statements about its error.
     #[test]
     fn any_parts_in_any_order_are_the_whole(total in 1u64..150, cuts in 0usize..6, kind in 0usize..4, log_k in 0u32..5, seed in any::<u64>()) {
         let mut random = Random::new(seed);

@@ -1,4 +1,4 @@
-//! Files that are no part, or no longer one.
+//! Files that are not parts of a render, or are damaged parts.
 
 use std::fs;
 

@@ -178,7 +178,7 @@ fn references_are_kept() {
     let said = done(at, "reference s.json --spp 8 --cache kept");
     assert!(said.contains("· 100 spp, 100 of them kept ·"), "{said}");
     assert_eq!(names(&at.join("kept")), kept);
-    // Of another scene there is another.
+    // Another scene has another cached reference.
     done(at, "reference s.json --spp 8 --cache kept -D /camera/fov=30");
     assert_eq!(names(&at.join("kept")).len(), 2);
 
@@ -254,7 +254,7 @@ fn a_killed_render_leaves_a_whole_state() {
     assert_eq!(picture(at, "x.exr"), picture(at, "whole.exr"));
 }
 
-/// A disk that takes no state is told of, and the picture is rendered all the same.
+/// A state that cannot be written to disk causes a message, and the picture is rendered all the same.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_state_that_cannot_be_written_is_told() {

@@ -85,7 +85,7 @@ impl Browser {
         self.post("execute/sync", &json!({"script": script, "args": []}))
     }
 
-    /// Keys one after the other, as characters; see the WebDriver standard for those that have none.
+    /// Presses keys one after the other, given as characters. The WebDriver standard has characters for keys without one.
     pub fn press(&self, keys: &str) {
         let strokes: Vec<Value> =
             keys.chars().flat_map(|key| ["keyDown", "keyUp"].map(|kind| json!({"type": kind, "value": key.to_string()}))).collect();
@@ -125,7 +125,7 @@ impl Browser {
         self.post("execute/async", &json!({"script": "requestAnimationFrame(() => setTimeout(arguments[0]))", "args": []}));
     }
 
-    /// By the mouse, in the middle of the element.
+    /// Clicks with the mouse in the middle of the element.
     pub fn click(&self, selector: &str) {
         let script = format!(
             "const e = document.querySelector({}); e.scrollIntoView({{block: 'nearest'}}); \

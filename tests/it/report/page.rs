@@ -21,7 +21,7 @@ const DOWN: &str = "\u{e015}";
 /// A pixel of the wall and one of the lamp, which is brighter than a screen, in the whole picture.
 const WALL: [u32; 2] = [ORIGIN.x + 5, ORIGIN.y + 9];
 const LAMP: [u32; 2] = [ORIGIN.x + 73, ORIGIN.y + 16];
-/// On the wall, a little below the lamp.
+/// Pixel on the wall, a little below the lamp.
 const BESIDE: [u32; 2] = [ORIGIN.x + 73, ORIGIN.y + 26];
 
 #[test]
@@ -103,7 +103,7 @@ impl Page {
         assert_eq!(self.browser.run("return performance.getEntriesByType('resource').map(e => e.name)"), json!([]));
     }
 
-    /// What takes the focus has a name; plots tell what they show.
+    /// Every element that can be focused has a name, and plots have a description.
     fn is_labelled(&self) {
         let nameless = "return [...document.querySelectorAll('button, select, [tabindex], svg[role=img]')] \
                         .filter(e => !(e.getAttribute('aria-label') || e.textContent).trim()).map(e => e.outerHTML)";
@@ -281,7 +281,7 @@ impl Page {
         self.browser.press("r");
     }
 
-    /// For eyes, beside the report: `target/tmp/report-*.png`.
+    /// Saves screenshots for people to look at, as `target/tmp/report-*.png`.
     fn photograph(&self) {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
         for (width, height) in [(390, 844), (1400, 900)] {

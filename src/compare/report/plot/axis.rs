@@ -39,7 +39,7 @@ impl Axis {
         fine.chain(coarse).find(|ticks| ticks.len() <= most).unwrap_or_default()
     }
 
-    /// Powers of two; every second, every third … where they are crowded.
+    /// Ticks at powers of two, or at every second, third … power if there would be more than `most`.
     pub fn doublings(&self, most: usize) -> Vec<f64> {
         let [low, high] = self.values.map(|v| v / 2f64.log10());
         let every = |stride: i32| -> Vec<f64> {
@@ -48,14 +48,14 @@ impl Axis {
         (1..).map(every).find(|ticks| ticks.len() <= most).unwrap_or_default()
     }
 
-    /// Times that are round in the unit of their label: 10 s, 1 min, 10 min, 1 h.
+    /// Ticks at times that are round in the unit of their label: 10 s, 1 min, 10 min, 1 h.
     pub fn times(&self, most: usize) -> Vec<f64> {
         let fine = [&[1.0, 2.0, 5.0][..], &[1.0, 3.0], &[1.0]].into_iter().map(|steps| self.clock(steps));
         let coarse = (2..).map(|stride| self.clock(&[1.0]).into_iter().step_by(stride).collect());
         fine.chain(coarse).find(|ticks: &Vec<f64>| ticks.len() <= most.max(1)).unwrap_or_default()
     }
 
-    /// Steps times powers of ten of seconds, minutes, hours and days, each below the next unit.
+    /// Ticks at step · 10^k seconds, minutes, hours and days, where each tick is shorter than the next unit.
     fn clock(&self, steps: &[f64]) -> Vec<f64> {
         const UNITS: [(f64, i32, f64); 4] = [(1.0, -9, 60.0), (60.0, 0, 3600.0), (3600.0, 0, 86400.0), (86400.0, 0, f64::INFINITY)];
         let [low, high] = self.values.map(|v| 10f64.powf(v));

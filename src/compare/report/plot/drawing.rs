@@ -132,7 +132,7 @@ impl Drawing {
         self.area(points, Color::Method(index), opacity, hint);
     }
 
-    /// Width of a text in any font that the reader may have: common fonts are at most a fifth wider than ours.
+    /// Width of a text in any font that the reader may have: common fonts are at most a fifth wider than the one that is measured.
     pub fn width_of(text: &str, size: f64) -> f64 {
         1.2 * font::width(text, size)
     }

@@ -19,7 +19,7 @@ pub struct ErrorPoint {
     pub samples: f64,
     /// Render time.
     pub seconds: f64,
-    /// √relMSE.
+    /// Relative error √relMSE.
     pub error: f64,
     /// Lower end of the interval of the error.
     pub low: f64,

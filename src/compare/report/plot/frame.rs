@@ -35,7 +35,7 @@ pub enum Quantity {
     Samples,
     /// Render time.
     Seconds,
-    /// √relMSE.
+    /// Relative error √relMSE.
     Error,
 }
 

@@ -1,4 +1,5 @@
-//! Time against error for all methods. The front holds the points that no other point beats in both.
+//! Plot of time against error for all methods. The Pareto front holds the points for which no other point has both less time and less
+//! error.
 
 use super::curves::hint;
 use super::drawing::{Color, Dashes, Drawing, Point};

@@ -177,7 +177,7 @@ mod tests {
         image.pixels().map(|p| (paper - f64::from(p[0])) / (paper - color)).sum::<f64>() / (DENSITY * DENSITY)
     }
 
-    /// Areas by formulas; 8 bits round each pixel at the border by at most 1/2·255.
+    /// Drawn areas are those of the formulas. Rounding to 8 bits changes each pixel at the border by at most 1/(2·255).
     #[test]
     fn marks_cover_their_area() {
         let triangle = vec![[5.3, 5.1], [25.7, 9.2], [11.4, 33.3]];

@@ -1,4 +1,4 @@
-//! Plots as SVG, for a page whose style sheet may change the colours, or as files.
+//! Plots as SVG: elements of an HTML page, whose style sheet may change the colours, or files of their own.
 
 use std::fmt::Write as _;
 

@@ -33,7 +33,7 @@ fn stack(material: &str, light: f64, looks_at: u32) -> tempfile::TempDir {
     };
     let triangles = (0..10).map(|k| object("./triangle.obj", 1, [0.0, 1e3 * f64::from(k)], 1.0, 10 * k));
     let objects: Vec<String> = [object("./light.obj", 0, [light, 0.0], 1e9, 0)].into_iter().chain(triangles).collect();
-    // Of the triangle's half that the axis of its turn goes through.
+    // Height of a point on the half of the triangle that contains its axis of rotation.
     let z = 1e3 * f64::from(looks_at) - 0.25;
     let scene = format!(
         r#"{{ "camera": {{ "focalPoint": {{ "x": -8, "y": 0, "z": {z:?} }}, "direction": {{ "x": 1, "y": 0, "z": 0 }},
@@ -47,8 +47,8 @@ fn stack(material: &str, light: f64, looks_at: u32) -> tempfile::TempDir {
     folder(&[("scene.json", &scene), ("light.obj", light), ("triangle.obj", "v 0 0 1\nv 0 0 0\nv -1 0 0\nf 1 2 3\n")])
 }
 
-/// The share of the cone of half angle 90° · m about the mirror direction, what lies below the surface mirrored above it, that leaves
-/// towards +x. The surface holds the z axis and is turned by `degrees` from the plane y = 0.
+/// The share of a cone of directions that leave towards +x. The cone has the half angle 90° · m about the mirror direction; its part below
+/// the surface is mirrored above it. The surface contains the z axis and is rotated by `degrees` from the plane y = 0.
 fn share_towards_x(m: f64, degrees: f64) -> f64 {
     const STEPS: usize = 600;
     let (sin, cos) = degrees.to_radians().sin_cos();
@@ -76,7 +76,7 @@ fn share_towards_x(m: f64, degrees: f64) -> f64 {
 #[test]
 fn stacks_of_ten_triangles() {
     const SPP: u64 = 4096;
-    // So far, the wall is not quite half of the sphere: by its angle, 10⁻⁵, and by what the quadrature's grid leaves.
+    // The wall is not quite a hemisphere: it lacks an angle of 10⁻⁵, and the grid of the quadrature misses a rim.
     const RIM: f64 = 2e-3;
     for (material, m) in [
         (r#""type": "specular""#, 0.0),
@@ -228,7 +228,7 @@ fn pictures_are_those_of_the_program() {
     }
 }
 
-/// All scenes of the program are read; the one that is malformed is told to be so in one line.
+/// All scenes of the program are read; the one that is malformed is reported in one line.
 #[test]
 fn scenes_of_the_program_are_read() {
     let Some(folder) = shared("aalto") else { return };

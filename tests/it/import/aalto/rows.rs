@@ -49,7 +49,7 @@ const ANGLES: &str = "\"direction\": { \"x\": 2, \"y\": 0, \"z\": -0.25 },\n    
 const CORNERS: &str = "\"tlCorner\": { \"x\": -7, \"y\": 0, \"z\": 2 }, \"brCorner\": { \"x\": -7, \"y\": 1, \"z\": 0 },";
 const OBLIQUE: &str = "\"tlCorner\": { \"x\": -7, \"y\": 0, \"z\": 3 }, \"brCorner\": { \"x\": -7, \"y\": 1, \"z\": 0 },";
 
-/// A triangle that stands is flat once it lies.
+/// Object of the scene. [`LYING`] replaces it by an upright triangle that is flat once it is rotated by 90° about x.
 const UPRIGHT: &str = "\"path\": \"./tetrahedron.obj\", \"materialIndex\": 0,\n      \
     \"midpoint\": { \"x\": 4, \"y\": 3, \"z\": 2 }, \"height\": 4, \"xrot\": 0,";
 const LYING: &str = "\"path\": \"upright.obj\", \"materialIndex\": 0,\n      \

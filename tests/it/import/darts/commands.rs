@@ -1,4 +1,4 @@
-//! Commands of transforms: where things are then, by the course's own tests of intersections.
+//! Commands of transforms, checked by the intersection tests of the courses of dirt and darts.
 
 use std::fs;
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! The courses' tests of samplers: their verdicts, figures and pictures.
+//! Sampling tests of the courses of dirt and darts: verdicts, figures and pictures.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -174,7 +174,7 @@ fn pictures_of_other_samplers_are_apart() {
     }
 }
 
-/// The courses' own files give the courses' own verdicts and pictures.
+/// The test files of the courses give the verdicts and pictures that come with them.
 #[test]
 fn the_courses_tests_give_the_courses_pictures() {
     let Some(darts) = shared("darts") else { return };
@@ -191,7 +191,7 @@ fn the_courses_tests_give_the_courses_pictures() {
         for ours in pictures {
             let name = ours.file_stem().expect("a name").to_str().expect("text").to_owned();
             let off = apart(&Picture::read(&ours), &Picture::read(&from.join(format!("{name}-ref.png"))));
-            // Colours are told apart to some per mille; a bin of theirs holds 50 or 1000 samples a cell.
+            // Colours differ by some per mille, since a cell of the original pictures holds 50 or 1000 samples.
             let limit = if name.ends_with("pdf") { 0.012 } else { 0.02 };
             assert!(off < limit, "{year} {name}: {off}");
         }

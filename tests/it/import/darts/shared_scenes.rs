@@ -1,4 +1,4 @@
-//! The courses' own scenes, where they are at hand.
+//! Scenes of the courses of dirt and darts. The tests pass without a check if the files are not there.
 
 use std::path::Path;
 use std::process::Command;
@@ -30,7 +30,7 @@ fn blocks(path: &Path) -> Vec<[f64; 3]> {
     (0..8).flat_map(|row| (0..columns).map(move |column| (row, column))).map(block).collect()
 }
 
-/// At a third and a fifth of the size, by another method of less noise, the pictures of the course.
+/// The reference pictures of the courses are reproduced at a third and a fifth of their size, by a method with less noise.
 #[test]
 fn the_pictures_are_the_courses_pictures() {
     let Some(darts) = shared("darts") else { return };

@@ -247,7 +247,7 @@ fn each_construct_becomes_what_the_page_says() {
             };
             let holds = if is == "noted" { noted } else { is == outcome };
             assert!(holds, "{construct}: {outcome}, but {is}: {said}\n{file}");
-            // Told with its place: file, line, column, pointer.
+            // The message gives the location: file, line, column, pointer.
             assert!(is == "read" || said.contains("scene.json:1:") || said.contains("scene.json:2:"), "{construct}: {said}");
         }
     }

@@ -20,7 +20,7 @@ const DIRT: Dialect = Dialect { told_by: r#""image_samples": 1"#, diffuse: "lamb
 const DARTS_2021: Dialect = Dialect { told_by: r#""sampler": { "samples": 1 }"#, diffuse: "lambertian", color: "albedo" };
 const DARTS: Dialect = Dialect { told_by: r#""sampler": { "samples": 1 }"#, diffuse: "diffuse", color: "color" };
 
-/// A sphere, wearing this.
+/// A sphere with this texture.
 fn sphere(folder: &Path, dialect: &Dialect, texture: &str, transform: &str) -> Read {
     let Dialect { told_by, diffuse, color } = dialect;
     let scene = format!(
@@ -44,7 +44,7 @@ fn checks(dialect: &Dialect, texture: &str, cells: impl Fn(DVec3) -> DVec3, dark
         let from = 5.0 * random.direction();
         let (albedo, p) = met(&built, from.to_array(), (-from).as_vec3().to_array(), |surface, p| (reflected(surface).average(), p));
         let cell = cells(p);
-        // Cells are told where a point is farther from their walls than by some roundings of 30 cells.
+        // Points within some roundings of 30 cells from a wall are skipped, because they may belong to either cell.
         if (cell - cell.round()).abs().min_element() < 1e-4 {
             continue;
         }

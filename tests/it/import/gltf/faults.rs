@@ -9,7 +9,7 @@ use super::model::{Model, picture};
 use crate::import::read::try_read;
 use crate::random::Random;
 
-/// A file with something of each kind.
+/// A file with an object of each kind.
 fn whole() -> Model {
     let mut model = Model::square(json!({}));
     let texture = model.texture(picture([[[200; 4], [9; 4]]]), json!({}));
@@ -138,7 +138,7 @@ fn every_fault_has_its_place() {
         assert!(found.contains(expected), "expected {expected}, found {found:?}");
         let has_line = found.lines().all(|line| line.split(':').nth(1).is_some_and(|number| number.parse::<u32>().is_ok()));
         assert!(has_line, "no line in {found}");
-        // The same in a container, which has no lines (and whose buffer is its own).
+        // The fault is also found in a container, which has no lines (and whose buffer is its own).
         if !expected.contains("/buffers/") {
             doc.as_object_mut().expect("an object").remove("buffers");
             model.doc = doc;

@@ -105,7 +105,7 @@ impl Model {
         serde_json::to_vec_pretty(&doc).expect("JSON")
     }
 
-    /// Source: glTF 2.0, §4.4: a header, a chunk of JSON, a chunk of bytes.
+    /// The model as a binary container: a header, a chunk of JSON and a chunk of bytes. Source: glTF 2.0, §4.4.
     pub fn glb(&self) -> Vec<u8> {
         let mut json = serde_json::to_vec(&self.with_buffer(json!({ "byteLength": self.buffer.len() }))).expect("JSON");
         json.resize(json.len().next_multiple_of(4), b' ');
@@ -137,7 +137,7 @@ pub fn webp(picture: image::RgbaImage) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// Rows from the top.
+/// A picture with these rows from the top.
 pub fn picture<const W: usize, const H: usize>(rows: [[[u8; 4]; W]; H]) -> image::RgbaImage {
     image::RgbaImage::from_fn(W as u32, H as u32, |x, y| image::Rgba(rows[y as usize][x as usize]))
 }

@@ -27,7 +27,7 @@ fn nodes_stand_where_their_parents_put_them() {
     model.doc["meshes"][mesh]["primitives"][0].as_object_mut().expect("an object").remove("material");
     let child = model.add("nodes", json!({ "mesh": mesh, "translation": [1, 0, 0] }));
     model.node(json!({ "translation": [1, 2, 3], "rotation": quarter(), "scale": [2, 2, 2], "children": [child] }));
-    // The same, as a matrix, column by column; its mesh is the same file.
+    // The same transform as a matrix, column by column. Its mesh is the same file.
     model.node(json!({ "mesh": mesh, "matrix": [0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 1, 4, 13, 1] }));
     let scene = read_model(&model);
     let expected = |z: f64| [0.0, -2.0, 0.0, 1.0, 2.0, 0.0, 0.0, 4.0, 0.0, 0.0, 2.0, z, 0.0, 0.0, 0.0, 1.0];
@@ -53,7 +53,7 @@ fn a_mirrored_node_keeps_its_front() {
     });
 }
 
-/// Of several scenes the default one; nodes of others are not shown.
+/// The default scene of several is shown, without the nodes of the others.
 #[test]
 fn the_default_scene_is_shown() {
     let mut model = Model::square(json!({}));

@@ -52,7 +52,7 @@ fn texture_transforms_are_in_the_coordinates() {
     let info = json!({ "index": texture, "extensions": { "KHR_texture_transform": transform } });
     model.doc["materials"][0]["pbrMetallicRoughness"] = json!({ "baseColorTexture": info });
     let mesh = read_model(&model).mesh(0);
-    // Of the file: (0, 1), (1, 1), (1, 0), (0, 0). c = 0, s = 1.
+    // The file has the coordinates (0, 1), (1, 1), (1, 0), (0, 0); c = 0, s = 1.
     let expected = [[0, 1], [1, 1], [1, 0], [0, 0]].map(|[u, v]| [0.5 + 3.0 * f64::from(v), 1.0 - (0.25 - 2.0 * f64::from(u))]);
     for (uv, expected) in mesh.uvs.iter().zip(expected) {
         assert_near(&uv.as_dvec2().to_array(), &expected, 1e-6, "texture coordinates");
@@ -291,8 +291,8 @@ fn vertex_opacity_blends() {
     assert_eq!(read_model(&model).at("/materials/material 0/opacity"), &json!({ "type": "product", "a": vertices, "b": 0.5 }));
 }
 
-/// What reflects 4 % is plastic of that colour, what has no diffuse colour is a metal of its specular one, exactly; pictures give pixel
-/// by pixel what their factors would give.
+/// A material that reflects 4 % becomes plastic of its diffuse colour, and one without a diffuse colour a metal of its specular colour,
+/// both exactly. Pictures are converted pixel by pixel as factors are.
 #[test]
 fn specular_and_glossiness_become_metalness_and_roughness() {
     let gloss = |value: Value| read_model(&Model::square(json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": value } })));
