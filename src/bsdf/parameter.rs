@@ -51,45 +51,45 @@ pub struct Share;
 /// A number in the range of `T`.
 pub struct Number<T>(PhantomData<T>);
 
-impl Parameter for Color {
-    type Described = Textured;
-    type Textured = Texture;
+/// A kind of parameter that is described by a colour or texture. The kinds differ in the value that they look up in it.
+pub trait TextureParameter {
+    /// The value of the parameter at a point.
+    type Value;
+
+    /// Looks up the value at a hit.
+    fn value(texture: &Texture, at: &HitContext) -> Self::Value;
+}
+
+impl TextureParameter for Color {
     type Value = Spectrum;
 
-    fn prepare(described: &Textured, key: &str, builder: &mut dyn Prepare) -> Texture {
-        builder.texture(key, described)
-    }
-
     #[inline]
-    fn at(textured: &Texture, at: &HitContext) -> Spectrum {
-        Spectrum::from_albedo(textured.at(&at.point))
-    }
-
-    fn recentred(textured: Texture, origin: DVec3) -> Texture {
-        textured.recentred(origin)
-    }
-
-    fn described_texture<'d>(described: &'d Textured, key: &str) -> Option<(String, &'d Textured)> {
-        Some((key.to_owned(), described))
-    }
-
-    fn texture(textured: &Texture) -> Option<&Texture> {
-        Some(textured)
+    fn value(texture: &Texture, at: &HitContext) -> Spectrum {
+        Spectrum::from_albedo(texture.at(&at.point))
     }
 }
 
-impl Parameter for Share {
+impl TextureParameter for Share {
+    type Value = f32;
+
+    #[inline]
+    fn value(texture: &Texture, at: &HitContext) -> f32 {
+        texture.scalar(&at.point)
+    }
+}
+
+impl<P: TextureParameter> Parameter for P {
     type Described = Textured;
     type Textured = Texture;
-    type Value = f32;
+    type Value = P::Value;
 
     fn prepare(described: &Textured, key: &str, builder: &mut dyn Prepare) -> Texture {
         builder.texture(key, described)
     }
 
     #[inline]
-    fn at(textured: &Texture, at: &HitContext) -> f32 {
-        textured.scalar(&at.point)
+    fn at(textured: &Texture, at: &HitContext) -> P::Value {
+        P::value(textured, at)
     }
 
     fn recentred(textured: Texture, origin: DVec3) -> Texture {

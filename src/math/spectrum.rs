@@ -87,11 +87,6 @@ impl Spectrum {
         Spectrum(self.0.map(f))
     }
 
-    /// Linear interpolation from `self` to `other` by `share`.
-    pub fn mix(self, other: Spectrum, share: f32) -> Spectrum {
-        self * (1.0 - share) + other * share
-    }
-
     /// f(self, other), coefficient by coefficient.
     pub fn zip(self, other: Spectrum, f: impl Fn(f32, f32) -> f32) -> Spectrum {
         Spectrum(Vec3::new(f(self.0.x, other.0.x), f(self.0.y, other.0.y), f(self.0.z, other.0.z)))
