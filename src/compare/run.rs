@@ -51,7 +51,7 @@ struct Run {
 
 /// Renders all methods in turn, a checkpoint at a time, and measures each picture against the reference.
 ///
-/// As the methods take turns, a machine that slows down slows all of them. Only rendering counts as time. `None` if the observer
+/// The methods take turns, so that a machine that becomes slower affects all of them alike. Only rendering counts as time. `None` if the observer
 /// ended it.
 pub fn run(
     scene: &Arc<dyn Scene>,

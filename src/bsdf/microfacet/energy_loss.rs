@@ -283,7 +283,7 @@ fn direction(node: usize, alpha: f32, cos2_phi: f32) -> Local {
 }
 
 /// The mean over the unit square of uniform numbers, by a Fibonacci lattice over the rings r = max |2u − 1| and the positions on them.
-/// So edges of the integrand are not aligned with the rows of the lattice.
+/// The lattice is laid over the rings so that edges of the integrand are not aligned with its rows.
 ///
 /// The steepest normals, some of which reflect into the surface, are at the edges of the square. Rings are denser there: 1 − r = q³.
 fn share_returned(facets: &Microfacets, wo: Local, [stride, count]: [u32; 2], returned: &impl Fn(&Microfacets, Local, Vec2) -> f32) -> f32 {

@@ -27,7 +27,7 @@ fn nodes_stand_where_their_parents_put_them() {
     model.doc["meshes"][mesh]["primitives"][0].as_object_mut().expect("an object").remove("material");
     let child = model.add("nodes", json!({ "mesh": mesh, "translation": [1, 0, 0] }));
     model.node(json!({ "translation": [1, 2, 3], "rotation": quarter(), "scale": [2, 2, 2], "children": [child] }));
-    // The same transform as a matrix, column by column. Its mesh is the same file.
+    // The composed transform once more, as a matrix in column order, 10 m further along z and with the same mesh.
     model.node(json!({ "mesh": mesh, "matrix": [0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 1, 4, 13, 1] }));
     let scene = read_model(&model);
     let expected = |z: f64| [0.0, -2.0, 0.0, 1.0, 2.0, 0.0, 0.0, 4.0, 0.0, 0.0, 2.0, z, 0.0, 0.0, 0.0, 1.0];
