@@ -71,11 +71,12 @@ struct Input {
 }
 
 fn inputs() -> Vec<Input> {
-    let mut sampler = SamplerSpec { kind: Kind::Independent, seed: 1, spp: COUNT as u64, ..SamplerSpec::default() }.build();
+    let sequence = SamplerSpec { kind: Kind::Independent, seed: 1, spp: COUNT as u64, ..SamplerSpec::default() }.build();
     let one = |index| {
-        sampler.start(glam::UVec2::ZERO, index);
-        let (wo, wi) = (warp::cosine_hemisphere(sampler.next_2d()), warp::cosine_hemisphere(sampler.next_2d()));
-        Input { wo: Local(wo), wi: Local(wi), choice: sampler.next_1d(), u: sampler.next_2d() }
+        let mut numbers = sequence.sample(glam::UVec2::ZERO, index);
+        let (wo, wi) = (warp::cosine_hemisphere(numbers.get_2d(0)), warp::cosine_hemisphere(numbers.get_2d(2)));
+        let (choice, u) = numbers.get_3d(4);
+        Input { wo: Local(wo), wi: Local(wi), choice, u }
     };
     (0..COUNT as u64).map(one).collect()
 }

@@ -37,10 +37,9 @@ struct View {
 
 impl Estimator for View {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
-        let Some(hit) = self.scene.intersect(&camera.ray) else { return Spectrum::BLACK };
+        let Some(hit) = camera.hit(&*self.scene) else { return Spectrum::BLACK };
         let surface = self.scene.surface(&camera.ray, &hit);
-        cx.sampler.at(dimension::vertex(0, Use::Bsdf));
-        let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
+        let (choice, u) = cx.numbers.get_3d(dimension::vertex(0, Use::Bsdf));
         let Some((wi, _)) = surface.sample(-camera.ray.direction, choice, u, TransportMode::Radiance) else { return Spectrum::BLACK };
         let probe = surface.spawn(wi, camera.ray.time).within(self.max_distance);
         if self.scene.occluded(&probe) { Spectrum::BLACK } else { Spectrum::ONE }

@@ -1,15 +1,16 @@
 //! Path tracing with the shortcuts of very short programs.
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use pt::bsdf::{BsdfSample, Lobe, TransportMode};
 use pt::describe::{Direction, Positive, Radiometric};
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Estimator, Integrator, Interrupt, MAX_DEPTH, PathWalk, Roulette};
-use pt::math::{Density, Local, Ray, SolidAnglePdf, Spectrum, Vec3, float};
+use pt::integrator::{Bias, CameraPath, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, Roulette};
+use pt::math::{Density, Local, Ray, SolidAnglePdf, Spectrum, Vec2, Vec3, float};
 use pt::recorder::{End, Event, Origin, Recorder, Technique};
-use pt::sampler::Sampler;
+use pt::sampler::SampleNumbers;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::{Scene, Surface};
 use schemars::JsonSchema;
@@ -150,64 +151,41 @@ impl Beam {
 }
 
 impl PathWalk for Walk {
-    fn walk<R: Recorder + ?Sized>(
-        &self,
-        camera: &CameraSample,
-        sampler: &mut dyn Sampler,
-        recorder: &mut R,
-        interrupt: Interrupt,
-    ) -> Spectrum {
-        let mut ray = camera.ray;
-        let mut beta = Spectrum::ONE;
-        let mut radiance = Spectrum::BLACK;
-        let mut compression = 1.0;
-        for depth in 0.. {
-            if interrupt.ends(depth) {
-                break;
-            }
-            let Some(hit) = self.scene.intersect(&ray) else {
-                let lights = self.scene.lights();
-                let light = if depth > self.emission_depth { Spectrum::BLACK } else { lights.background(&ray) };
-                radiance += recorder.light(beta * light, depth, || Origin::background(lights, 1.0));
-                recorder.record(|| Event::end(depth, End::Escaped));
-                break;
-            };
-            let surface = self.scene.surface(&ray, &hit);
-            let wo = -ray.direction;
-            recorder.record(|| Event::vertex(depth, &ray, &hit, &surface, beta));
-            if depth <= self.emission_depth {
-                radiance += recorder.light(beta * surface.emitted(wo), depth, || Origin::emission(&surface, 1.0));
-            }
-            if let (Some(sun), true) = (&self.sun, depth < self.max_depth)
-                && let Some((direct, window)) = self.sunlight(sun, &surface, wo, ray.time)
-            {
-                let technique = Technique::Light { wi: sun.wi, density: Density::Delta };
-                radiance += recorder.light(beta * direct, depth + 1, || Origin { light: Some(window), technique, weight: 1.0 });
-            }
-            if depth == self.last_depth {
-                recorder.record(|| Event::end(depth, End::DepthLimit));
-                break;
-            }
-            sampler.at(dimension::vertex(depth, Use::Bsdf));
-            let Some((wi, sample)) = self.scatter(&surface, wo, sampler) else {
-                recorder.record(|| Event::end(depth, End::Absorbed));
-                break;
-            };
-            beta *= sample.weight;
-            compression *= sample.eta * sample.eta;
-            let carried = beta * compression;
-            recorder.record(|| Event::scattering(depth, &surface, wo, &(wi, sample), self.roulette.chance(depth, carried)));
-            let Some(survivors) = self.roulette.survive(depth, carried, sampler) else {
-                recorder.record(|| Event::end(depth, End::Roulette));
-                break;
-            };
-            beta *= survivors;
-            ray = match self.step_off {
-                Some(length) => Ray { time: ray.time, ..Ray::new(surface.point.p + wi * length, wi) },
-                None => surface.spawn(wi, ray.time),
-            };
+    type State = CameraPath;
+
+    fn start(&self, camera: &CameraSample) -> CameraPath {
+        CameraPath::new(camera)
+    }
+
+    fn step<R: Recorder + ?Sized>(&self, path: &mut CameraPath, numbers: &mut SampleNumbers, recorder: &mut R) -> ControlFlow<Spectrum> {
+        let Some(hit) = path.hit(&*self.scene) else {
+            let lights = self.scene.lights();
+            let light = if path.depth > self.emission_depth { Spectrum::BLACK } else { lights.background(&path.ray) };
+            path.add_emission(light, recorder, || Origin::background(lights, 1.0));
+            return path.end(End::Escaped, recorder);
+        };
+        let surface = self.scene.surface(&path.ray, &hit);
+        let wo = -path.ray.direction;
+        recorder.record(|| Event::vertex(path.depth, &path.ray, &hit, &surface, path.beta));
+        if path.depth <= self.emission_depth {
+            path.add_emission(surface.emitted(wo), recorder, || Origin::emission(&surface, 1.0));
         }
-        radiance
+        if let (Some(sun), true) = (&self.sun, path.depth < self.max_depth)
+            && let Some((direct, window)) = self.sunlight(sun, &surface, wo, path.ray.time)
+        {
+            let technique = Technique::Light { wi: sun.wi, density: Density::Delta };
+            path.add_scattered(direct, recorder, || Origin { light: Some(window), technique, weight: 1.0 });
+        }
+        if path.depth == self.last_depth {
+            return path.end(End::DepthLimit, recorder);
+        }
+        let (choice, u) = numbers.get_3d(dimension::vertex(path.depth, Use::Bsdf));
+        path.scatter(&surface, self.sample(&surface, wo, choice, u), self.roulette, numbers, recorder)?;
+        if let Some(length) = self.step_off {
+            let wi = path.ray.direction;
+            path.ray = Ray { time: path.ray.time, ..Ray::new(surface.point.p + wi * length, wi) };
+        }
+        ControlFlow::Continue(())
     }
 }
 
@@ -227,8 +205,7 @@ impl Walk {
         window.emission.map(|_| (f * sun.irradiance, window.light))
     }
 
-    fn scatter(&self, surface: &Surface, wo: Vec3, sampler: &mut dyn Sampler) -> Option<(Vec3, BsdfSample)> {
-        let (choice, u) = (sampler.next_1d(), sampler.next_2d());
+    fn sample(&self, surface: &Surface, wo: Vec3, choice: f32, u: Vec2) -> Option<(Vec3, BsdfSample)> {
         if self.hemisphere == Hemisphere::Cosine || !surface.bsdf.has_smooth_lobe() {
             return surface.sample(wo, choice, u, TransportMode::Radiance);
         }

@@ -1,14 +1,15 @@
 //! Path tracing with next-event estimation and multiple importance sampling.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use pt::bsdf::TransportMode;
+use pt::bsdf::{BsdfSample, TransportMode};
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Estimator, Integrator, Interrupt, MAX_DEPTH, PathWalk, Roulette, sample_light};
+use pt::integrator::{Bias, CameraPath, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, Roulette, sample_light};
 use pt::light::LightSample;
 use pt::math::{Density, Ray, SolidAnglePdf, Spectrum, Vec3, balance_heuristic, power_heuristic};
 use pt::recorder::{End, Event, Origin, Recorder};
-use pt::sampler::Sampler;
+use pt::sampler::SampleNumbers;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::{Scene, Surface};
 use schemars::JsonSchema;
@@ -99,6 +100,13 @@ struct Walk {
     weights: Weights,
 }
 
+/// State of the walk: the path, and how it arrives at its next vertex.
+#[derive(Clone, Copy)]
+struct State {
+    path: CameraPath,
+    arrival: Arrival,
+}
+
 /// Start and density of the path's last step, which weight the emission found at its end against light sampling.
 #[derive(Clone, Copy)]
 struct Arrival {
@@ -107,61 +115,41 @@ struct Arrival {
 }
 
 impl PathWalk for Walk {
-    fn walk<R: Recorder + ?Sized>(
-        &self,
-        camera: &CameraSample,
-        sampler: &mut dyn Sampler,
-        recorder: &mut R,
-        interrupt: Interrupt,
-    ) -> Spectrum {
-        let mut ray = camera.ray;
-        let mut beta = Spectrum::ONE;
-        let mut radiance = Spectrum::BLACK;
-        let mut compression = 1.0;
-        // Light sampling cannot find what the camera sees directly.
-        let mut arrival = Arrival { from: ray.origin, density: Density::Delta };
-        for depth in 0.. {
-            if interrupt.ends(depth) {
-                break;
-            }
-            let Some(hit) = self.scene.intersect(&ray) else {
-                let (light, weight) = self.background(&ray, arrival);
-                radiance += recorder.light(beta * light, depth, || Origin::background(self.scene.lights(), weight));
-                recorder.record(|| Event::end(depth, End::Escaped));
-                break;
-            };
-            let surface = self.scene.surface(&ray, &hit);
-            let wo = -ray.direction;
-            recorder.record(|| Event::vertex(depth, &ray, &hit, &surface, beta));
-            let (emitted, weight) = self.emission(&surface, wo, arrival);
-            radiance += recorder.light(beta * emitted, depth, || Origin::emission(&surface, weight));
-            if depth == self.max_depth {
-                recorder.record(|| Event::end(depth, End::DepthLimit));
-                break;
-            }
-            if let Some((direct, light, weight)) = self.direct(&surface, wo, depth, ray.time, sampler) {
-                radiance += recorder.light(beta * direct, depth + 1, || Origin::light(&light, weight));
-            }
+    type State = State;
 
-            sampler.at(dimension::vertex(depth, Use::Bsdf));
-            let (choice, u) = (sampler.next_1d(), sampler.next_2d());
-            let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else {
-                recorder.record(|| Event::end(depth, End::Absorbed));
-                break;
-            };
-            beta *= sample.weight;
-            compression *= sample.eta * sample.eta;
-            let carried = beta * compression;
-            recorder.record(|| Event::scattering(depth, &surface, wo, &(wi, sample), self.roulette.chance(depth, carried)));
-            let Some(survivors) = self.roulette.survive(depth, carried, sampler) else {
-                recorder.record(|| Event::end(depth, End::Roulette));
-                break;
-            };
-            beta *= survivors;
-            arrival = Arrival { from: surface.shadow_origin, density: sample.density };
-            ray = surface.spawn(wi, ray.time);
+    fn start(&self, camera: &CameraSample) -> State {
+        // Light sampling cannot find what the camera sees directly.
+        State { path: CameraPath::new(camera), arrival: Arrival { from: camera.ray.origin, density: Density::Delta } }
+    }
+
+    fn step<R: Recorder + ?Sized>(
+        &self,
+        State { path, arrival }: &mut State,
+        numbers: &mut SampleNumbers,
+        recorder: &mut R,
+    ) -> ControlFlow<Spectrum> {
+        let Some(hit) = path.hit(&*self.scene) else {
+            let (light, weight) = self.background(&path.ray, *arrival);
+            path.add_emission(light, recorder, || Origin::background(self.scene.lights(), weight));
+            return path.end(End::Escaped, recorder);
+        };
+        let surface = self.scene.surface(&path.ray, &hit);
+        let wo = -path.ray.direction;
+        recorder.record(|| Event::vertex(path.depth, &path.ray, &hit, &surface, path.beta));
+        let (emitted, weight) = self.emission(&surface, wo, *arrival);
+        path.add_emission(emitted, recorder, || Origin::emission(&surface, weight));
+        if path.depth == self.max_depth {
+            return path.end(End::DepthLimit, recorder);
         }
-        radiance
+        if let Some((direct, light, weight)) = self.direct(&surface, wo, path.depth, path.ray.time, numbers) {
+            path.add_scattered(direct, recorder, || Origin::light(&light, weight));
+        }
+
+        let (choice, u) = numbers.get_3d(dimension::vertex(path.depth, Use::Bsdf));
+        let sample = surface.sample(wo, choice, u, TransportMode::Radiance);
+        let BsdfSample { density, .. } = path.scatter(&surface, sample, self.roulette, numbers, recorder)?;
+        *arrival = Arrival { from: surface.shadow_origin, density };
+        ControlFlow::Continue(())
     }
 }
 
@@ -202,9 +190,9 @@ impl Walk {
         wo: Vec3,
         depth: u32,
         time: f32,
-        sampler: &mut dyn Sampler,
+        numbers: &mut SampleNumbers,
     ) -> Option<(Spectrum, LightSample, f32)> {
-        let (direct, light) = sample_light(&*self.scene, surface, wo, depth, time, sampler)?;
+        let (direct, light) = sample_light(&*self.scene, surface, wo, depth, time, numbers)?;
         match light.density {
             Density::Smooth(pdf) => {
                 let weight = self.weights.of_light(pdf, || surface.pdf(wo, light.wi));

@@ -43,7 +43,7 @@ struct View {
 
 impl Estimator for View {
     fn li(&self, camera: &CameraSample, _: &mut Context) -> Spectrum {
-        let Some(hit) = self.scene.intersect(&camera.ray) else { return Spectrum::BLACK };
+        let Some(hit) = camera.hit(&*self.scene) else { return Spectrum::BLACK };
         let n = self.scene.surface(&camera.ray, &hit).frame.z;
         let color = match self.encoding {
             Encoding::Absolute => n.abs(),

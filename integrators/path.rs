@@ -1,13 +1,14 @@
 //! Path tracing without light sampling.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use pt::bsdf::TransportMode;
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Estimator, Integrator, Interrupt, MAX_DEPTH, PathWalk, Roulette};
+use pt::integrator::{Bias, CameraPath, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, Roulette};
 use pt::math::Spectrum;
 use pt::recorder::{End, Event, Origin, Recorder};
-use pt::sampler::Sampler;
+use pt::sampler::SampleNumbers;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::Scene;
 use schemars::JsonSchema;
@@ -60,53 +61,28 @@ struct Walk {
 }
 
 impl PathWalk for Walk {
-    fn walk<R: Recorder + ?Sized>(
-        &self,
-        camera: &CameraSample,
-        sampler: &mut dyn Sampler,
-        recorder: &mut R,
-        interrupt: Interrupt,
-    ) -> Spectrum {
-        let mut ray = camera.ray;
-        let mut beta = Spectrum::ONE;
-        let mut radiance = Spectrum::BLACK;
-        // Product of η² along the path: it undoes the compression of radiance in glass, which roulette must not depend on.
-        let mut compression = 1.0;
-        for depth in 0.. {
-            if interrupt.ends(depth) {
-                break;
-            }
-            let Some(hit) = self.scene.intersect(&ray) else {
-                let lights = self.scene.lights();
-                radiance += recorder.light(beta * lights.background(&ray), depth, || Origin::background(lights, 1.0));
-                recorder.record(|| Event::end(depth, End::Escaped));
-                break;
-            };
-            let surface = self.scene.surface(&ray, &hit);
-            let wo = -ray.direction;
-            recorder.record(|| Event::vertex(depth, &ray, &hit, &surface, beta));
-            radiance += recorder.light(beta * surface.emitted(wo), depth, || Origin::emission(&surface, 1.0));
-            if depth == self.max_depth {
-                recorder.record(|| Event::end(depth, End::DepthLimit));
-                break;
-            }
-            sampler.at(dimension::vertex(depth, Use::Bsdf));
-            let (choice, u) = (sampler.next_1d(), sampler.next_2d());
-            let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else {
-                recorder.record(|| Event::end(depth, End::Absorbed));
-                break;
-            };
-            beta *= sample.weight;
-            compression *= sample.eta * sample.eta;
-            let carried = beta * compression;
-            recorder.record(|| Event::scattering(depth, &surface, wo, &(wi, sample), self.roulette.chance(depth, carried)));
-            let Some(survivors) = self.roulette.survive(depth, carried, sampler) else {
-                recorder.record(|| Event::end(depth, End::Roulette));
-                break;
-            };
-            beta *= survivors;
-            ray = surface.spawn(wi, ray.time);
+    type State = CameraPath;
+
+    fn start(&self, camera: &CameraSample) -> CameraPath {
+        CameraPath::new(camera)
+    }
+
+    fn step<R: Recorder + ?Sized>(&self, path: &mut CameraPath, numbers: &mut SampleNumbers, recorder: &mut R) -> ControlFlow<Spectrum> {
+        let Some(hit) = path.hit(&*self.scene) else {
+            let lights = self.scene.lights();
+            path.add_emission(lights.background(&path.ray), recorder, || Origin::background(lights, 1.0));
+            return path.end(End::Escaped, recorder);
+        };
+        let surface = self.scene.surface(&path.ray, &hit);
+        let wo = -path.ray.direction;
+        recorder.record(|| Event::vertex(path.depth, &path.ray, &hit, &surface, path.beta));
+        path.add_emission(surface.emitted(wo), recorder, || Origin::emission(&surface, 1.0));
+        if path.depth == self.max_depth {
+            return path.end(End::DepthLimit, recorder);
         }
-        radiance
+        let (choice, u) = numbers.get_3d(dimension::vertex(path.depth, Use::Bsdf));
+        let sample = surface.sample(wo, choice, u, TransportMode::Radiance);
+        path.scatter(&surface, sample, self.roulette, numbers, recorder)?;
+        ControlFlow::Continue(())
     }
 }

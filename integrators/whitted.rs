@@ -1,13 +1,15 @@
 //! Whitted's ray tracing.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use pt::bsdf::TransportMode;
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Estimator, Integrator, Interrupt, MAX_DEPTH, PathWalk, sample_light};
+use pt::integrator::{Bias, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, sample_light};
 use pt::math::{Ray, Spectrum, Vec3};
+use pt::primitive::Hit;
 use pt::recorder::{End, Event, Origin, Recorder};
-use pt::sampler::Sampler;
+use pt::sampler::SampleNumbers;
 use pt::sampler::dimension::{self, Use};
 use pt::scene::{Scene, Surface};
 use schemars::JsonSchema;
@@ -68,36 +70,44 @@ struct Branch {
     depth: u32,
 }
 
+/// State of the walk: the branches that are still to be followed, and the radiance found so far.
+struct State {
+    /// Branch that is followed next.
+    next: Branch,
+    /// Hit of the camera ray, until it is used.
+    known_hit: Option<Option<Hit>>,
+    /// Branches that wait; each branching adds one.
+    stack: [Option<Branch>; MAX_BRANCH_DEPTH as usize + 1],
+    /// Number of branches that wait.
+    count: usize,
+    radiance: Spectrum,
+}
+
 impl PathWalk for Walk {
-    fn walk<R: Recorder + ?Sized>(
-        &self,
-        camera: &CameraSample,
-        sampler: &mut dyn Sampler,
-        recorder: &mut R,
-        interrupt: Interrupt,
-    ) -> Spectrum {
-        let mut radiance = Spectrum::BLACK;
-        // Each branching puts one ray on the stack.
-        let mut stack: [Option<Branch>; MAX_BRANCH_DEPTH as usize + 1] = [None; _];
-        let mut next = Some(Branch { ray: camera.ray, beta: Spectrum::ONE, depth: 0 });
-        let (mut count, mut followed) = (0, 0);
-        while let Some(branch) = next {
-            if interrupt.ends(followed) {
-                break;
-            }
-            followed = followed.wrapping_add(1);
-            let [first, second] = self.follow(branch, &mut radiance, sampler, recorder);
-            if let (Some(_), Some(_)) = (first, second) {
-                stack[count] = second;
-                count += 1;
-            }
-            next = first.or(second);
-            if next.is_none() && count > 0 {
-                count -= 1;
-                next = stack[count];
-            }
+    type State = State;
+
+    fn start(&self, camera: &CameraSample) -> State {
+        let next = Branch { ray: camera.ray, beta: Spectrum::ONE, depth: 0 };
+        State { next, known_hit: camera.known_hit, stack: [None; _], count: 0, radiance: Spectrum::BLACK }
+    }
+
+    fn step<R: Recorder + ?Sized>(&self, state: &mut State, numbers: &mut SampleNumbers, recorder: &mut R) -> ControlFlow<Spectrum> {
+        let hit = state.known_hit.take().unwrap_or_else(|| self.scene.intersect(&state.next.ray));
+        let [first, second] = self.follow(state.next, hit, &mut state.radiance, numbers, recorder);
+        if let (Some(_), Some(_)) = (first, second) {
+            state.stack[state.count] = second;
+            state.count += 1;
         }
-        radiance
+        let Some(next) = first.or(second).or_else(|| state.pop()) else { return ControlFlow::Break(state.radiance) };
+        state.next = next;
+        ControlFlow::Continue(())
+    }
+}
+
+impl State {
+    fn pop(&mut self) -> Option<Branch> {
+        self.count = self.count.checked_sub(1)?;
+        self.stack[self.count]
     }
 }
 
@@ -106,12 +116,13 @@ impl Walk {
     fn follow<R: Recorder + ?Sized>(
         &self,
         branch: Branch,
+        hit: Option<Hit>,
         radiance: &mut Spectrum,
-        sampler: &mut dyn Sampler,
+        numbers: &mut SampleNumbers,
         recorder: &mut R,
     ) -> [Option<Branch>; 2] {
         let Branch { ray, beta, depth } = branch;
-        let Some(hit) = self.scene.intersect(&ray) else {
+        let Some(hit) = hit else {
             let lights = self.scene.lights();
             *radiance += recorder.light(beta * lights.background(&ray), depth, || Origin::background(lights, 1.0));
             recorder.record(|| Event::end(depth, End::Escaped));
@@ -125,10 +136,10 @@ impl Walk {
             recorder.record(|| Event::end(depth, End::DepthLimit));
             return [None; 2];
         }
-        if let Some((direct, light)) = sample_light(&*self.scene, &surface, wo, depth, ray.time, sampler) {
+        if let Some((direct, light)) = sample_light(&*self.scene, &surface, wo, depth, ray.time, numbers) {
             *radiance += recorder.light(beta * direct, depth + 1, || Origin::light(&light, 1.0));
         }
-        let lobes = self.lobes(&surface, wo, depth, sampler);
+        let lobes = self.lobes(&surface, wo, depth, numbers);
         for lobe in lobes.iter().flatten() {
             recorder.record(|| Event::delta(depth, &surface, wo, lobe));
         }
@@ -140,13 +151,13 @@ impl Walk {
     }
 
     /// Directions and weights of all delta lobes where branching is allowed, otherwise of one of them.
-    fn lobes(&self, surface: &Surface, wo: Vec3, depth: u32, sampler: &mut dyn Sampler) -> [Option<(Vec3, Spectrum)>; 2] {
+    fn lobes(&self, surface: &Surface, wo: Vec3, depth: u32, numbers: &mut SampleNumbers) -> [Option<(Vec3, Spectrum)>; 2] {
         let mut lobes = surface.delta_lobes(wo, TransportMode::Radiance).map(|(wi, sample)| (wi, sample.weight));
         let (first, second) = (lobes.next(), lobes.next());
         let (Some(a), Some(b), true) = (first, second, depth >= self.branch_depth) else { return [first, second] };
         let share = a.1.max() / (a.1.max() + b.1.max());
-        sampler.at(dimension::vertex(depth, Use::Bsdf));
-        let chosen = if sampler.next_1d() < share { (a.0, a.1 / share) } else { (b.0, b.1 / (1.0 - share)) };
+        let chosen =
+            if numbers.get_1d(dimension::vertex(depth, Use::Bsdf)) < share { (a.0, a.1 / share) } else { (b.0, b.1 / (1.0 - share)) };
         [Some(chosen), None]
     }
 }

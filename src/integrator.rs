@@ -7,6 +7,7 @@
 mod interrupt;
 mod transport;
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{UVec2, Vec2};
@@ -18,13 +19,14 @@ use crate::effects::Effects;
 use crate::error::Error;
 use crate::film::FilmSpec;
 use crate::math::{Ray, Spectrum};
+use crate::primitive::Hit;
 use crate::reader::{self, Faults, Node, UnknownKeys};
 use crate::recorder::{NoRecorder, PathRecorder, Recorder};
-use crate::sampler::Sampler;
+use crate::sampler::SampleNumbers;
 use crate::scene::Scene;
 
 pub use interrupt::Interrupt;
-pub use transport::{Roulette, sample_light};
+pub use transport::{CameraPath, Roulette, sample_light};
 
 /// Settings of a light transport method.
 pub trait Integrator: Send + Sync {
@@ -51,28 +53,49 @@ pub trait Estimator: Send + Sync {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum;
 }
 
-/// Walk along the paths of a camera sample, generic over the recorder.
+/// Method that follows paths from vertex to vertex, generic over the recorder.
 ///
-/// Every walk is an [`Estimator`]: the blanket implementation compiles it once without recording and once for a
-/// [`PathRecorder`], and chooses between the two by [`Context::recorder`].
+/// Every walk is an [`Estimator`]: the blanket implementation compiles its steps once without recording and once for a
+/// [`PathRecorder`], chooses between the two by [`Context::recorder`], and ends the walk if the render is cancelled.
 pub trait PathWalk: Send + Sync {
-    /// An unbiased estimate of the radiance that arrives along the camera's ray [W·m⁻²·sr⁻¹].
-    fn walk<R: Recorder + ?Sized>(
-        &self,
-        camera: &CameraSample,
-        sampler: &mut dyn Sampler,
-        recorder: &mut R,
-        interrupt: Interrupt,
-    ) -> Spectrum;
+    /// What is known between two vertices, such as a [`CameraPath`].
+    type State;
+
+    /// The state before the first vertex.
+    fn start(&self, camera: &CameraSample) -> Self::State;
+
+    /// Goes to the next vertex. At the end of the walk it breaks with an unbiased estimate of the radiance that arrives along the
+    /// camera's ray [W·m⁻²·sr⁻¹].
+    fn step<R: Recorder + ?Sized>(&self, state: &mut Self::State, numbers: &mut SampleNumbers, recorder: &mut R) -> ControlFlow<Spectrum>;
 }
 
 impl<W: PathWalk> Estimator for W {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
         match cx.recorder.take() {
-            None => self.walk(camera, cx.sampler, &mut NoRecorder, cx.interrupt),
-            Some(recorder) => self.walk(camera, cx.sampler, recorder, cx.interrupt),
+            None => walk(self, camera, &mut cx.numbers, &mut NoRecorder, cx.interrupt),
+            Some(recorder) => walk(self, camera, &mut cx.numbers, recorder, cx.interrupt),
         }
     }
+}
+
+/// Radiance found by the steps of a walk.
+fn walk<W: PathWalk, R: Recorder + ?Sized>(
+    method: &W,
+    camera: &CameraSample,
+    numbers: &mut SampleNumbers,
+    recorder: &mut R,
+    interrupt: Interrupt,
+) -> Spectrum {
+    let mut state = method.start(camera);
+    let mut steps = 0u32;
+    while !interrupt.ends(steps) {
+        if let ControlFlow::Break(radiance) = method.step(&mut state, numbers, recorder) {
+            return radiance;
+        }
+        steps = steps.wrapping_add(1);
+    }
+    // The sample of a cancelled render is discarded.
+    Spectrum::BLACK
 }
 
 /// Camera ray of a sample and its place on the film.
@@ -86,12 +109,22 @@ pub struct CameraSample {
     pub pixel: UVec2,
     /// Position on the film (pixels), from the upper left corner.
     pub raster: Vec2,
+    /// What the ray hits, if that was found already for the layers of the picture; the inner `None` means that it hits nothing.
+    /// An estimator that traces the ray itself gets the same hit.
+    pub known_hit: Option<Option<Hit>>,
+}
+
+impl CameraSample {
+    /// What the ray hits.
+    pub fn hit(&self, scene: &dyn Scene) -> Option<Hit> {
+        self.known_hit.unwrap_or_else(|| scene.intersect(&self.ray))
+    }
 }
 
 /// Resources of an estimator for one camera sample.
 pub struct Context<'a> {
-    /// Source of random numbers.
-    pub sampler: &'a mut dyn Sampler,
+    /// Random numbers of the sample.
+    pub numbers: SampleNumbers<'a>,
     /// Recorder of the sample's paths, if there is one: see [`crate::recorder`]. An estimator that records nothing may ignore it.
     pub recorder: Option<&'a mut dyn PathRecorder>,
     /// Query whether the render was cancelled. An estimator whose samples are short may ignore it.

@@ -1,7 +1,6 @@
 //! Render loop: waves of samples over tiles of pixels, in parallel.
 
-mod first_hit;
-mod light_aovs;
+mod aovs;
 mod pixel;
 
 use std::sync::Arc;
@@ -15,9 +14,9 @@ use crate::film::{Crop, Film, FilmSpec, Layer, PixelLayout, PixelSums, Wave};
 use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt};
 use crate::math::{ExactSum, Spectrum};
 use crate::recorder::{Clamp, PathRecorder};
-use crate::sampler::{Sampler, SamplerSpec, dimension};
+use crate::sampler::{SampleNumbers, SamplerSpec, Sequence, dimension};
 use crate::scene::Scene;
-use first_hit::SampleRecord;
+use aovs::Taken;
 use pixel::PixelAccumulator;
 
 /// Settings of the sampling of a picture.
@@ -130,6 +129,8 @@ pub struct Render {
     estimator: Box<dyn Estimator>,
     spec: FilmSpec,
     sampler: SamplerSpec,
+    /// Sequences of the sampler. Sample i of a pixel is sample i div K of sequence i mod K.
+    sequences: Vec<Sequence>,
     has_lens: bool,
     tiles: Vec<Crop>,
     /// Index of the next sample.
@@ -160,6 +161,7 @@ impl Render {
             estimator,
             spec: spec.clone(),
             sampler: settings.sampler,
+            sequences: settings.sampler.sequences(),
             has_lens,
             tiles,
             next: 0,
@@ -184,8 +186,10 @@ impl Render {
     ///
     /// - `recorder`: receives the events of the paths
     pub fn replay(&self, id: SampleId, recorder: Option<&mut dyn PathRecorder>) -> Spectrum {
-        let (mut sequence, pixel, index) = self.sequence(id);
-        self.sample(pixel, index, &mut *sequence, recorder, Interrupt::NEVER, &mut ExactSum::default())
+        let pixel = UVec2::from(id.pixel);
+        let (_, mut numbers) = self.numbers(pixel, id.index);
+        let camera = self.camera_sample(pixel, &mut numbers);
+        self.sample(&camera, numbers, recorder, Interrupt::NEVER, &mut ExactSum::default())
     }
 
     /// Settings of the sampler.
@@ -195,15 +199,16 @@ impl Render {
 
     /// Camera ray of one sample.
     pub fn camera(&self, id: SampleId) -> CameraSample {
-        let (mut sequence, pixel, index) = self.sequence(id);
-        self.camera_sample(pixel, index, &mut *sequence)
+        let pixel = UVec2::from(id.pixel);
+        self.camera_sample(pixel, &mut self.numbers(pixel, id.index).1)
     }
 
-    /// Sequence of a sample, its pixel, and its index in the sequence.
-    fn sequence(&self, id: SampleId) -> (Box<dyn Sampler>, UVec2, u64) {
-        let mut sequences = self.sampler.sequences();
-        let k = sequences.len() as u64;
-        (sequences.swap_remove((id.index % k) as usize), UVec2::new(id.pixel.0, id.pixel.1), id.index / k)
+    /// Index of the sequence of a sample, and the numbers of the sample.
+    #[inline]
+    fn numbers(&self, pixel: UVec2, index: u64) -> (usize, SampleNumbers<'_>) {
+        let k = self.sequences.len() as u64;
+        let r = (index % k) as usize;
+        (r, self.sequences[r].sample(pixel, index / k))
     }
 
     /// Renders all samples below the index `samples`. The film must be the same in each call.
@@ -270,9 +275,7 @@ impl Render {
 
     /// Renders the samples of a wave in a tile; `None` if the render was cancelled meanwhile.
     fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<TileResult> {
-        let mut sequences = self.sampler.sequences();
-        let k = sequences.len() as u64;
-        let mut accumulator = PixelAccumulator::new(&self.spec, sequences.len());
+        let mut accumulator = PixelAccumulator::new(&self.spec, self.sequences.len());
         let sums = PixelSums::with_capacity(self.layout(), tile.pixel_count() as usize);
         let mut result = TileResult { sums, samples: 0, invalid: vec![], clamped: ExactSum::default() };
         let is_timed = self.spec.layers.contains(&Layer::Time);
@@ -280,53 +283,36 @@ impl Render {
         let interrupt = Interrupt::new(&is_cancelled);
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             let wave = wave.scaled(self.spec.allocation.level(self.spec.crop.index(UVec2::new(x, y))));
-            let start = is_timed.then(Instant::now);
+            let pixel = UVec2::new(x, y);
             accumulator.clear();
             for index in wave.range() {
                 if is_cancelled() {
                     return None;
                 }
-                // Sample i of the pixel is sample i div K of sequence i mod K.
-                let r = (index % k) as usize;
-                let (sequence, recorder) = (&mut *sequences[r], accumulator.recorder());
-                let value = self.sample(UVec2::new(x, y), index / k, sequence, recorder, interrupt, &mut result.clamped);
-                if !accumulator.add(r, value) {
+                let start = is_timed.then(Instant::now);
+                let (r, mut numbers) = self.numbers(pixel, index);
+                let mut camera = self.camera_sample(pixel, &mut numbers);
+                if let Some(aovs) = &accumulator.aovs {
+                    camera = aovs.traced(camera, &*self.scene);
+                }
+                let value = self.sample(&camera, numbers, accumulator.recorder(), interrupt, &mut result.clamped);
+                let seconds = start.map_or(0.0, |start| start.elapsed().as_secs_f64());
+                let is_valid = accumulator.add(r, value);
+                if !is_valid {
                     result.invalid.push(SampleId { pixel: (x, y), index });
+                }
+                if let Some(aovs) = &mut accumulator.aovs {
+                    aovs.add(&*self.scene, Taken { camera: &camera, numbers, is_valid, seconds });
                 }
             }
             accumulator.push_colors(&mut result.sums);
             result.samples += wave.samples();
-            if !self.spec.layers.is_empty() {
-                let seconds = start.map_or(0.0, |start| start.elapsed().as_secs_f64());
-                result.sums.push_layers(self.layers(UVec2::new(x, y), wave, &mut sequences, &mut accumulator, seconds));
+            if let Some(aovs) = &mut accumulator.aovs {
+                result.sums.push_layers(aovs.sums(self.layout().layers));
             }
         }
         // The last sample may have been given up midway.
         (!is_cancelled()).then_some(result)
-    }
-
-    /// Layer sums of a pixel. The camera rays of its samples are traced again, after the picture has used its random numbers.
-    ///
-    /// - `accumulator`: accumulator with the light that was recorded by the samples
-    /// - `seconds`: time that the samples took
-    fn layers<'t>(
-        &self,
-        pixel: UVec2,
-        wave: Wave,
-        sequences: &mut [Box<dyn Sampler>],
-        accumulator: &'t mut PixelAccumulator,
-        seconds: f64,
-    ) -> &'t [f64] {
-        let PixelAccumulator { light_aovs, layer_terms: terms, .. } = accumulator;
-        terms.clear();
-        let (k, seconds) = (sequences.len() as u64, seconds / wave.samples() as f64);
-        for (nth, i) in wave.range().enumerate() {
-            let sequence = &mut *sequences[(i % k) as usize];
-            let camera = self.camera_sample(pixel, i / k, sequence);
-            let light = light_aovs.as_ref().map_or(&[][..], |light_aovs| light_aovs.sample(nth));
-            first_hit::add_terms(&*self.scene, &self.spec.layers, &camera, sequence, SampleRecord { seconds, light }, terms);
-        }
-        first_hit::joined(terms, self.layout().layers)
     }
 
     /// Layout of the sums of a pixel.
@@ -336,26 +322,23 @@ impl Render {
 
     /// Radiance of a sample times its filter weight; not finite if the estimate is invalid.
     ///
-    /// - `index`: index within the sequence
     /// - `clamped`: sum to which the radiance removed by clamping is added
     fn sample(
         &self,
-        pixel: UVec2,
-        index: u64,
-        sampler: &mut dyn Sampler,
+        camera: &CameraSample,
+        numbers: SampleNumbers,
         recorder: Option<&mut dyn PathRecorder>,
         interrupt: Interrupt,
         clamped: &mut ExactSum,
     ) -> Spectrum {
-        let camera = self.camera_sample(pixel, index, sampler);
-        // Shortens the lifetime of the trait object to that of the sampler.
+        // Shortens the lifetime of the trait object to that of the numbers.
         let recorder = recorder.map(|recorder| recorder as &mut dyn PathRecorder);
         let filtered = |radiance: Spectrum| if radiance.is_valid() { radiance * camera.weight } else { Spectrum::gray(f32::NAN) };
         let Some(limit) = self.clamp else {
-            return filtered(self.estimator.li(&camera, &mut Context { sampler, recorder, interrupt }));
+            return filtered(self.estimator.li(camera, &mut Context { numbers, recorder, interrupt }));
         };
         let mut clamp = Clamp::new(limit, recorder);
-        let value = filtered(self.estimator.li(&camera, &mut Context { sampler, recorder: Some(&mut clamp), interrupt }));
+        let value = filtered(self.estimator.li(camera, &mut Context { numbers, recorder: Some(&mut clamp), interrupt }));
         let unclamped = filtered(clamp.unclamped());
         if clamp.acted() && value.is_finite() && unclamped.is_finite() {
             unclamped.to_rgb().into_iter().for_each(|x| clamped.add(x));
@@ -364,18 +347,16 @@ impl Render {
         value
     }
 
-    /// Camera ray of a sample, which the sampler is started for.
+    /// Camera ray of a sample.
     // Always inlined into the loop, although there are other callers.
     #[inline(always)]
-    fn camera_sample(&self, pixel: UVec2, index: u64, sampler: &mut dyn Sampler) -> CameraSample {
-        sampler.start(pixel, index);
-        sampler.at(dimension::FILM);
-        let (offset, weight) = self.spec.filter.sample(sampler.next_2d());
+    fn camera_sample(&self, pixel: UVec2, numbers: &mut SampleNumbers) -> CameraSample {
+        let (offset, weight) = self.spec.filter.sample(numbers.get_2d(dimension::FILM));
         // Each effect owns its dimensions, so that drawing no lens point shifts no other number.
-        let lens = if self.has_lens { draw_lens(sampler) } else { Vec2::ZERO };
+        let lens = if self.has_lens { numbers.get_2d(dimension::LENS) } else { Vec2::ZERO };
         let raster = pixel.as_vec2() + 0.5 + offset;
         let ray = self.scene.camera().ray(raster / self.spec.size.as_vec2(), self.spec.aspect(), lens);
-        CameraSample { ray, weight, pixel, raster }
+        CameraSample { ray, weight, pixel, raster, known_hit: None }
     }
 
     /// Assembles the sums of all tiles into rows of the crop.
@@ -391,11 +372,6 @@ impl Render {
         }
         sums
     }
-}
-
-fn draw_lens(sampler: &mut dyn Sampler) -> Vec2 {
-    sampler.at(dimension::LENS);
-    sampler.next_2d()
 }
 
 /// Tiles of at most `edge` × `edge` pixels.

@@ -10,7 +10,7 @@
 //! negative weights may lie far from all of them.
 //!
 //! A new layer is a variant here with its row in [`Layer::ALL`] and its arms, and the source of its numbers: an arm in
-//! `render::first_hit` for properties of the first surface, or in `render::light_aovs` for the light of paths.
+//! `render::aovs`.
 
 use std::sync::Arc;
 

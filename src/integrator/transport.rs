@@ -1,11 +1,91 @@
-//! Russian roulette and light sampling, shared by integrators.
+//! Paths from the camera, Russian roulette and light sampling, shared by integrators.
 
-use crate::bsdf::TransportMode;
+use std::ops::ControlFlow;
+
+use super::CameraSample;
+use crate::bsdf::{BsdfSample, TransportMode};
 use crate::light::LightSample;
-use crate::math::{Spectrum, Vec3};
-use crate::sampler::Sampler;
+use crate::math::{Ray, Spectrum, Vec3};
+use crate::primitive::Hit;
+use crate::recorder::{End, Event, Origin, Recorder};
+use crate::sampler::SampleNumbers;
 use crate::sampler::dimension::{self, Use};
 use crate::scene::{Scene, Surface};
+
+/// Path from the camera, between two vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraPath {
+    /// Ray to the next vertex.
+    pub ray: Ray,
+    /// Scattering events so far.
+    pub depth: u32,
+    /// Throughput: the factor between the radiance that arrives along `ray` and its share of the camera's radiance.
+    pub beta: Spectrum,
+    /// Product of η² along the path. It undoes the compression of radiance in glass, which roulette must not depend on.
+    pub eta_scale: f32,
+    /// Radiance found so far.
+    pub radiance: Spectrum,
+    /// Hit of the camera ray, until it is used.
+    known_hit: Option<Option<Hit>>,
+}
+
+impl CameraPath {
+    /// A path that starts at the camera.
+    pub fn new(camera: &CameraSample) -> CameraPath {
+        let CameraSample { ray, known_hit, .. } = *camera;
+        CameraPath { ray, depth: 0, beta: Spectrum::ONE, eta_scale: 1.0, radiance: Spectrum::BLACK, known_hit }
+    }
+
+    /// Next surface that the path hits.
+    #[inline(always)]
+    pub fn hit(&mut self, scene: &dyn Scene) -> Option<Hit> {
+        self.known_hit.take().unwrap_or_else(|| scene.intersect(&self.ray))
+    }
+
+    /// Adds light that arrives along the ray, from the surface or the background that it hits.
+    #[inline(always)]
+    pub fn add_emission<R: Recorder + ?Sized>(&mut self, light: Spectrum, recorder: &mut R, origin: impl FnOnce() -> Origin) {
+        self.radiance += recorder.light(self.beta * light, self.depth, origin);
+    }
+
+    /// Adds light that the surface hit by the ray scatters into the path.
+    #[inline(always)]
+    pub fn add_scattered<R: Recorder + ?Sized>(&mut self, light: Spectrum, recorder: &mut R, origin: impl FnOnce() -> Origin) {
+        self.radiance += recorder.light(self.beta * light, self.depth + 1, origin);
+    }
+
+    /// Ends the path.
+    #[inline(always)]
+    pub fn end<C, R: Recorder + ?Sized>(&self, why: End, recorder: &mut R) -> ControlFlow<Spectrum, C> {
+        recorder.record(|| Event::end(self.depth, why));
+        ControlFlow::Break(self.radiance)
+    }
+
+    /// Continues the path in a sampled direction, unless there is none or Russian roulette ends the path.
+    ///
+    /// - `sample`: sampled direction in world space and the sample
+    #[inline(always)]
+    pub fn scatter<R: Recorder + ?Sized>(
+        &mut self,
+        surface: &Surface,
+        sample: Option<(Vec3, BsdfSample)>,
+        roulette: Roulette,
+        numbers: &mut SampleNumbers,
+        recorder: &mut R,
+    ) -> ControlFlow<Spectrum, BsdfSample> {
+        let Some((wi, sample)) = sample else { return self.end(End::Absorbed, recorder) };
+        let (depth, wo) = (self.depth, -self.ray.direction);
+        self.beta *= sample.weight;
+        self.eta_scale *= sample.eta * sample.eta;
+        let carried = self.beta * self.eta_scale;
+        recorder.record(|| Event::scattering(depth, surface, wo, &(wi, sample), roulette.chance(depth, carried)));
+        let Some(survivors) = roulette.survive(depth, carried, numbers) else { return self.end(End::Roulette, recorder) };
+        self.beta *= survivors;
+        self.ray = surface.spawn(wi, self.ray.time);
+        self.depth += 1;
+        ControlFlow::Continue(sample)
+    }
+}
 
 /// Russian roulette: ends paths of low throughput early and weights the surviving paths up.
 ///
@@ -32,13 +112,12 @@ impl Roulette {
     /// Factor for the throughput of a path that continues; `None` if the path ends here.
     ///
     /// - `beta`: throughput without the compression by refraction
-    pub fn survive(&self, depth: u32, beta: Spectrum, sampler: &mut dyn Sampler) -> Option<f32> {
+    pub fn survive(&self, depth: u32, beta: Spectrum, numbers: &mut SampleNumbers) -> Option<f32> {
         if depth < self.from_depth {
             return Some(1.0);
         }
         let q = self.chance(depth, beta);
-        sampler.at(dimension::vertex(depth, Use::Roulette));
-        (sampler.next_1d() < q).then(|| 1.0 / q)
+        (numbers.get_1d(dimension::vertex(depth, Use::Roulette)) < q).then(|| 1.0 / q)
     }
 }
 
@@ -51,13 +130,12 @@ pub fn sample_light(
     wo: Vec3,
     depth: u32,
     time: f32,
-    sampler: &mut dyn Sampler,
+    numbers: &mut SampleNumbers,
 ) -> Option<(Spectrum, LightSample)> {
     if !surface.bsdf.has_smooth_lobe() {
         return None;
     }
-    sampler.at(dimension::vertex(depth, Use::Light));
-    let (choice, u) = (sampler.next_1d(), sampler.next_2d());
+    let (choice, u) = numbers.get_3d(dimension::vertex(depth, Use::Light));
     let light = scene.lights().sample(surface.shadow_origin, choice, u)?;
     let f = surface.eval(wo, light.wi, TransportMode::Radiance);
     let reached = !f.is_black() && !scene.occluded(&surface.shadow_ray(light.wi, &light.target, time));

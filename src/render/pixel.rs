@@ -1,6 +1,6 @@
 //! Sums over the samples of one pixel.
 
-use super::light_aovs::LightAovBuffer;
+use super::aovs::Aovs;
 use crate::film::{FilmSpec, Moments, PixelSums, Tree};
 use crate::math::Spectrum;
 use crate::recorder::PathRecorder;
@@ -13,10 +13,8 @@ pub struct PixelAccumulator {
     gray: Tree<[f64; 2]>,
     /// Totals of the sequences. The vector is kept so that its memory is used again.
     totals: Vec<Moments>,
-    /// Light of the samples, if a layer needs it.
-    pub light_aovs: Option<LightAovBuffer>,
-    /// Layer terms of the samples. The vector is kept so that its memory is used again.
-    pub layer_terms: Vec<f64>,
+    /// Layers, if the picture has any.
+    pub aovs: Option<Aovs>,
 }
 
 impl PixelAccumulator {
@@ -24,25 +22,19 @@ impl PixelAccumulator {
     ///
     /// - `sequences`: number of sequences among which the samples are divided
     pub fn new(spec: &FilmSpec, sequences: usize) -> PixelAccumulator {
-        PixelAccumulator {
-            sequences: vec![Tree::default(); sequences],
-            gray: Tree::default(),
-            totals: vec![],
-            light_aovs: LightAovBuffer::new(&spec.layers, &spec.lights.of),
-            layer_terms: vec![],
-        }
+        PixelAccumulator { sequences: vec![Tree::default(); sequences], gray: Tree::default(), totals: vec![], aovs: Aovs::new(spec) }
     }
 
     /// Removes all samples, for the next pixel.
     pub fn clear(&mut self) {
         self.sequences.iter_mut().for_each(Tree::clear);
         self.gray.clear();
-        self.light_aovs.iter_mut().for_each(LightAovBuffer::clear);
+        self.aovs.iter_mut().for_each(Aovs::clear);
     }
 
     /// Recorder for the next sample, if a layer needs its light.
     pub fn recorder(&mut self) -> Option<&mut dyn PathRecorder> {
-        self.light_aovs.as_mut().map(LightAovBuffer::recorder)
+        self.aovs.as_mut().and_then(Aovs::recorder)
     }
 
     /// Adds the next sample, which belongs to the given sequence. A value that is not finite counts as black. Returns whether it is
@@ -50,7 +42,6 @@ impl PixelAccumulator {
     #[inline(always)]
     pub fn add(&mut self, sequence: usize, value: Spectrum) -> bool {
         let is_valid = value.is_finite();
-        self.light_aovs.iter_mut().for_each(|light_aovs| light_aovs.store_sample(is_valid));
         let sample = Moments::of(if is_valid { value } else { Spectrum::BLACK });
         self.gray.push(0, sample.gray, Moments::join_gray);
         self.sequences[sequence].push(0, sample, Moments::join);

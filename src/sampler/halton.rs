@@ -2,8 +2,8 @@
 
 use glam::{UVec2, Vec2};
 
-use super::Sampler;
 use super::hash::{absorb, dimension_key, mix, permute, pixel_key, scramble, within_cell};
+use super::{SampleKey, Sampler};
 use crate::math::float::unit_f32;
 
 /// The Halton sequence with Owen-scrambled digits.
@@ -17,10 +17,8 @@ use crate::math::float::unit_f32;
 /// Source: Halton (1960); Owen, *A randomized Halton algorithm in R* (2017).
 /// Tests: boxes of prime powers evenly filled, no correlation of dimensions, chi².
 pub struct Halton {
-    seed: u64,
-    key: u64,
-    index: u64,
-    dimension: u32,
+    /// Seed of the scrambling.
+    pub seed: u64,
 }
 
 /// Number of dimensions with a prime of their own, enough for 127 path vertices.
@@ -31,43 +29,24 @@ const RESOLUTION: u32 = 1 << 20;
 
 static PRIMES: [u32; DIMENSIONS] = primes();
 
-impl Halton {
-    /// A sampler with the given seed.
-    pub fn new(seed: u64) -> Halton {
-        Halton { seed, key: pixel_key(seed, UVec2::ZERO), index: 0, dimension: 0 }
+impl Sampler for Halton {
+    fn key(&self, pixel: UVec2, index: u64) -> SampleKey {
+        SampleKey { hash: pixel_key(self.seed, pixel), index }
     }
 
     #[inline]
-    fn number(&mut self) -> f32 {
-        let key = dimension_key(self.key, self.dimension);
-        let base = PRIMES.get(self.dimension as usize);
-        self.dimension = self.dimension.wrapping_add(1);
-        match (base, u32::try_from(self.index)) {
+    fn get_1d(&self, SampleKey { hash, index }: SampleKey, dimension: u32) -> f32 {
+        let key = dimension_key(hash, dimension);
+        match (PRIMES.get(dimension as usize), u32::try_from(index)) {
             (Some(2), Ok(index)) => unit_f32(scramble(index.reverse_bits(), key)),
-            (Some(&base), _) => scrambled_radical_inverse(self.index, base, key),
-            (None, _) => unit_f32((mix(key ^ self.index) >> 32) as u32),
+            (Some(&base), _) => scrambled_radical_inverse(index, base, key),
+            (None, _) => unit_f32((mix(key ^ index) >> 32) as u32),
         }
     }
-}
 
-impl Sampler for Halton {
-    fn start(&mut self, pixel: UVec2, index: u64) {
-        self.key = pixel_key(self.seed, pixel);
-        self.index = index;
-        self.dimension = 0;
-    }
-
-    fn at(&mut self, dimension: u32) {
-        self.dimension = dimension;
-    }
-
-    fn next_1d(&mut self) -> f32 {
-        self.number()
-    }
-
-    fn next_2d(&mut self) -> Vec2 {
-        let x = self.number();
-        Vec2::new(x, self.number())
+    #[inline]
+    fn get_2d(&self, key: SampleKey, dimension: u32) -> Vec2 {
+        Vec2::new(self.get_1d(key, dimension), self.get_1d(key, dimension.wrapping_add(1)))
     }
 }
 

@@ -1,36 +1,53 @@
 //! Samplers: sources of uniform numbers for integrators.
 //!
-//! A new sampler is a file in this folder that implements [`Sampler`], a variant of [`Kind`], a row in [`Kind::ALL`] and an arm in
-//! [`SamplerSpec::build`].
+//! A new sampler is a file in this folder that implements [`Sampler`], a variant of [`Sequence`] with its arms, a variant of [`Kind`],
+//! a row in [`Kind::ALL`] and an arm in [`SamplerSpec::build`].
 
 mod halton;
 pub(crate) mod hash;
 mod independent;
+mod sequence;
 mod sobol;
 mod stratified;
 
 use glam::{UVec2, Vec2};
 
+pub use halton::Halton;
+pub use independent::Independent;
+pub use sequence::{SampleNumbers, Sequence};
+pub use sobol::Sobol;
+pub use stratified::Stratified;
+
 /// Source of uniform numbers in [0, 1), never 1.0.
 ///
-/// Each number is a pure function of (seed, pixel, sample index, dimension), independent of the order of calls and of the thread.
-/// Each effect owns its dimensions (see [`dimension`]) and goes to them with [`at`](Sampler::at), so that switching one effect off
+/// A number is a pure function of the sampler, the pixel, the index of the sample and the dimension. [`key`](Sampler::key) does once
+/// what the numbers of a sample have in common. Each effect owns its dimensions (see [`dimension`]), so that switching one effect off
 /// never shifts the numbers of another.
 ///
-/// Tests: replay in any order, blocks independent, uniformity, stratification, no correlation of dimensions.
-pub trait Sampler {
-    /// Begins the sample `index` of a pixel at dimension 0.
-    fn start(&mut self, pixel: UVec2, index: u64);
+/// Tests: the same numbers in any order, every coordinate matters, uniformity, stratification, no correlation of dimensions.
+pub trait Sampler: Send + Sync {
+    /// Key of the sample `index` of a pixel.
+    fn key(&self, pixel: UVec2, index: u64) -> SampleKey;
 
-    /// Sets the dimension of the next number.
-    fn at(&mut self, dimension: u32);
+    /// Number of a dimension.
+    fn get_1d(&self, key: SampleKey, dimension: u32) -> f32;
 
-    /// Returns the number of the current dimension and goes to the next dimension.
-    fn next_1d(&mut self) -> f32;
+    /// Numbers of a dimension and of the next one. Samplers that stratify do so in both dimensions together.
+    fn get_2d(&self, key: SampleKey, dimension: u32) -> Vec2;
 
-    /// Returns the numbers of the current dimension and the next one, and goes two dimensions on. Samplers that stratify do so in both
-    /// dimensions together.
-    fn next_2d(&mut self) -> Vec2;
+    /// Number of a dimension, such as for a choice, and the numbers of the next two, which belong together.
+    fn get_3d(&self, key: SampleKey, dimension: u32) -> (f32, Vec2) {
+        (self.get_1d(key, dimension), self.get_2d(key, dimension.wrapping_add(1)))
+    }
+}
+
+/// Place of one sample in a sampler's sequence, from which all its numbers are computed. Each sampler uses the fields in its own way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SampleKey {
+    /// Hash of what distinguishes sequences: seed, pixel, and for some samplers the index.
+    pub hash: u64,
+    /// Place in the sequence.
+    pub index: u64,
 }
 
 /// Settings of a sampler.
@@ -88,18 +105,18 @@ impl SamplerSpec {
 
     /// Independent sequences among which the samples of a pixel are divided. With K sequences, sample i of the pixel is sample i div K of
     /// sequence i mod K.
-    pub fn sequences(&self) -> Vec<Box<dyn Sampler>> {
+    pub fn sequences(&self) -> Vec<Sequence> {
         let k = self.error_estimator().sequences();
         (0..k).map(|r| SamplerSpec { seed: scrambled(self.seed, r), spp: self.spp.div_ceil(k.into()), ..*self }.build()).collect()
     }
 
     /// A single sequence with all samples of a pixel.
-    pub fn build(&self) -> Box<dyn Sampler> {
+    pub fn build(&self) -> Sequence {
         match self.kind {
-            Kind::Independent => Box::new(independent::Independent::new(self.seed)),
-            Kind::Stratified => Box::new(stratified::Stratified::new(self.seed, self.spp)),
-            Kind::Halton => Box::new(halton::Halton::new(self.seed)),
-            Kind::Sobol => Box::new(sobol::Sobol::new(self.seed)),
+            Kind::Independent => Sequence::Independent(Independent { seed: self.seed }),
+            Kind::Stratified => Sequence::Stratified(Stratified::new(self.seed, self.spp)),
+            Kind::Halton => Sequence::Halton(Halton { seed: self.seed }),
+            Kind::Sobol => Sequence::Sobol(Sobol { seed: self.seed }),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use glam::{UVec2, Vec2};
 
-use super::Sampler;
 use super::hash::{dimension_key, mix, pixel_key, scramble, scramble_reversed};
+use super::{SampleKey, Sampler};
 use crate::math::float::unit_f32;
 
 /// Padded, Owen-scrambled Sobol' points.
@@ -15,51 +15,38 @@ use crate::math::float::unit_f32;
 /// Source: Sobol' (1967); Kollig and Keller, *Efficient Multidimensional Sampling* (2002); Burley,
 /// *Practical Hash-based Owen Scrambling* (2020). Tests: elementary intervals, no correlation of dimensions, chi².
 pub struct Sobol {
-    seed: u64,
-    key: u64,
-    /// Sample index with reversed bits, so that the first digit is the lowest bit.
-    reversed: u32,
-    dimension: u32,
-}
-
-impl Sobol {
-    /// A sampler with the given seed.
-    pub fn new(seed: u64) -> Sobol {
-        Sobol { seed, key: pixel_key(seed, UVec2::ZERO), reversed: 0, dimension: 0 }
-    }
-
-    /// Key of the current dimension's scrambling, and the scrambled sample index with reversed bits.
-    #[inline]
-    fn place(&mut self, consumed: u32) -> (u64, u32) {
-        let key = dimension_key(self.key, self.dimension);
-        self.dimension = self.dimension.wrapping_add(consumed);
-        // Owen scrambling of the index keeps aligned blocks of 2ᵏ samples together.
-        (key, scramble_reversed(self.reversed, key))
-    }
+    /// Seed of the scrambling.
+    pub seed: u64,
 }
 
 impl Sampler for Sobol {
-    fn start(&mut self, pixel: UVec2, index: u64) {
+    /// The index within the key has reversed bits, so that its first digit is the lowest bit.
+    fn key(&self, pixel: UVec2, index: u64) -> SampleKey {
         // After 2³² samples the sequence starts again with another scrambling.
-        self.key = mix(pixel_key(self.seed, pixel) ^ (index >> 32));
-        self.reversed = (index as u32).reverse_bits();
-        self.dimension = 0;
+        let hash = mix(pixel_key(self.seed, pixel) ^ (index >> 32));
+        SampleKey { hash, index: (index as u32).reverse_bits().into() }
     }
 
-    fn at(&mut self, dimension: u32) {
-        self.dimension = dimension;
-    }
-
-    fn next_1d(&mut self) -> f32 {
-        let (key, place) = self.place(1);
+    #[inline]
+    fn get_1d(&self, key: SampleKey, dimension: u32) -> f32 {
+        let (key, place) = scrambled_index(key, dimension);
         unit_f32(scramble(place, mix(key)))
     }
 
-    fn next_2d(&mut self) -> Vec2 {
-        let (key, place) = self.place(2);
+    #[inline]
+    fn get_2d(&self, key: SampleKey, dimension: u32) -> Vec2 {
+        let (key, place) = scrambled_index(key, dimension);
         let key_x = mix(key);
         Vec2::new(unit_f32(scramble(place, key_x)), unit_f32(scramble(pascal(place), mix(key_x))))
     }
+}
+
+/// Key of a dimension's scrambling, and the scrambled index of the sample with reversed bits.
+#[inline]
+fn scrambled_index(SampleKey { hash, index }: SampleKey, dimension: u32) -> (u64, u32) {
+    let key = dimension_key(hash, dimension);
+    // Owen scrambling of the index keeps aligned blocks of 2ᵏ samples together.
+    (key, scramble_reversed(index as u32, key))
 }
 
 /// Second Sobol' dimension, computed from the first, which is the index with reversed bits.

@@ -2,8 +2,8 @@
 
 use glam::{UVec2, Vec2};
 
-use super::Sampler;
 use super::hash::{dimension_key, halves, mix, permute, pixel_key, within_cell};
+use super::{SampleKey, Sampler};
 
 /// Stratified numbers: each dimension is divided into as many strata as there are samples per pixel.
 ///
@@ -19,10 +19,6 @@ pub struct Stratified {
     seed: u64,
     strata: u32,
     grid: UVec2,
-    key: u64,
-    /// Index of the sample within its stratification.
-    sample: u32,
-    dimension: u32,
 }
 
 /// Greatest number of strata, so that each contains a few of the 2²⁴ uniform numbers.
@@ -32,35 +28,28 @@ impl Stratified {
     /// A sampler for `spp` planned samples per pixel.
     pub fn new(seed: u64, spp: u64) -> Stratified {
         let strata = spp.clamp(1, MAX_STRATA) as u32;
-        let mut sampler = Stratified { seed, strata, grid: grid(strata), key: 0, sample: 0, dimension: 0 };
-        sampler.start(UVec2::ZERO, 0);
-        sampler
+        Stratified { seed, strata, grid: grid(strata) }
     }
 }
 
 impl Sampler for Stratified {
-    fn start(&mut self, pixel: UVec2, index: u64) {
+    /// The index within the key is that within the stratification.
+    fn key(&self, pixel: UVec2, index: u64) -> SampleKey {
         let n = u64::from(self.strata);
-        self.key = mix(pixel_key(self.seed, pixel) ^ (index / n));
-        self.sample = (index % n) as u32;
-        self.dimension = 0;
+        SampleKey { hash: mix(pixel_key(self.seed, pixel) ^ (index / n)), index: index % n }
     }
 
-    fn at(&mut self, dimension: u32) {
-        self.dimension = dimension;
-    }
-
-    fn next_1d(&mut self) -> f32 {
-        let key = dimension_key(self.key, self.dimension);
-        self.dimension = self.dimension.wrapping_add(1);
-        let stratum = permute(self.sample, self.strata, key);
+    #[inline]
+    fn get_1d(&self, SampleKey { hash, index }: SampleKey, dimension: u32) -> f32 {
+        let key = dimension_key(hash, dimension);
+        let stratum = permute(index as u32, self.strata, key);
         within_cell(stratum, self.strata, (mix(key ^ u64::from(stratum)) >> 32) as u32)
     }
 
-    fn next_2d(&mut self) -> Vec2 {
-        let key = dimension_key(self.key, self.dimension);
-        self.dimension = self.dimension.wrapping_add(2);
-        let cell = permute(self.sample, self.grid.element_product(), key);
+    #[inline]
+    fn get_2d(&self, SampleKey { hash, index }: SampleKey, dimension: u32) -> Vec2 {
+        let key = dimension_key(hash, dimension);
+        let cell = permute(index as u32, self.grid.element_product(), key);
         let (x, y) = halves(mix(key ^ u64::from(cell)));
         Vec2::new(within_cell(cell % self.grid.x, self.grid.x, x), within_cell(cell / self.grid.x, self.grid.y, y))
     }

@@ -13,7 +13,7 @@ use pt::light::{Emission, Environment, Light};
 use pt::math::{Rgb, Spectrum, Transform, Vec3};
 use pt::measure::{SampledImage, agreement, sidak};
 use pt::sampler::dimension::{self, Use};
-use pt::sampler::{Sampler, SamplerSpec};
+use pt::sampler::{SamplerSpec, Sequence};
 use pt::scene::Scene;
 use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
 use pt::world::{MaterialId, World, WorldBuilder};
@@ -32,17 +32,21 @@ const CLEAR: u64 = 4;
 const PAIRS: usize = (MATTE + 3 * CLEAR) as usize;
 
 /// Numbers that choose what is in a scene: pt's own independent sampler, one sample per scene.
-struct Dice(Box<dyn Sampler>);
+struct Dice {
+    sequence: Sequence,
+    scene: u64,
+    dimension: u32,
+}
 
 impl Dice {
     fn new(scene: u64) -> Dice {
-        let mut sampler = SamplerSpec { seed: 7, ..SamplerSpec::default() }.build();
-        sampler.start(UVec2::ZERO, scene);
-        Dice(sampler)
+        Dice { sequence: SamplerSpec { seed: 7, ..SamplerSpec::default() }.build(), scene, dimension: 0 }
     }
 
     fn within(&mut self, from: f64, to: f64) -> f64 {
-        from + (to - from) * f64::from(self.0.next_1d())
+        let number = self.sequence.sample(UVec2::ZERO, self.scene).get_1d(self.dimension);
+        self.dimension += 1;
+        from + (to - from) * f64::from(number)
     }
 
     fn of(&mut self, count: u32) -> u32 {
@@ -216,16 +220,14 @@ impl Estimator for Twice {
             if depth == DEPTH.max {
                 break;
             }
-            cx.sampler.at(dimension::vertex(depth, Use::Light));
-            let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
+            let (choice, u) = cx.numbers.get_3d(dimension::vertex(depth, Use::Light));
             if let Some(light) = self.0.lights().sample(surface.point.p, choice, u) {
                 let f = surface.eval(wo, light.wi, TransportMode::Radiance);
                 if !f.is_black() && !self.0.occluded(&surface.shadow_ray(light.wi, &light.target, 0.0)) {
                     radiance += beta * f * light.weight;
                 }
             }
-            cx.sampler.at(dimension::vertex(depth, Use::Bsdf));
-            let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
+            let (choice, u) = cx.numbers.get_3d(dimension::vertex(depth, Use::Bsdf));
             let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else { break };
             beta *= sample.weight;
             ray = surface.spawn(wi, ray.time);

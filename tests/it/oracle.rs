@@ -146,11 +146,11 @@ fn room() -> (Arc<World>, Oracle) {
 
 /// Rays from anywhere to anywhere in the room.
 fn rays(count: u64) -> impl Iterator<Item = Ray> {
-    let mut sampler = SamplerSpec { kind: Kind::Independent, seed: 3, spp: 1, ..SamplerSpec::default() }.build();
+    let sequence = SamplerSpec { kind: Kind::Independent, seed: 3, spp: 1, ..SamplerSpec::default() }.build();
     (0..count).map(move |index| {
-        sampler.start(UVec2::ZERO, index);
-        let mut point = || Vec3::new(sampler.next_1d(), sampler.next_1d(), sampler.next_1d()) * 2.4 - 1.2;
-        let (from, to) = (point(), point());
+        let mut numbers = sequence.sample(UVec2::ZERO, index);
+        let mut point = |d| Vec3::new(numbers.get_1d(d), numbers.get_1d(d + 1), numbers.get_1d(d + 2)) * 2.4 - 1.2;
+        let (from, to) = (point(0), point(3));
         Ray::new(from, (to - from).normalize())
     })
 }

@@ -34,8 +34,7 @@ impl Integrator for Speckle {
 
 impl Estimator for Speckle {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
-        cx.sampler.at(dimension::vertex(0, Use::Bsdf));
-        let u = cx.sampler.next_1d();
+        let u = cx.numbers.get_1d(dimension::vertex(0, Use::Bsdf));
         Spectrum::gray(match *self {
             Speckle::Even => 1.0,
             Speckle::Firefly(raster) if camera.raster == raster => 1000.0,

@@ -100,9 +100,8 @@ impl Estimator for Walk {
                 radiance += beta * surface.emitted(wo);
             }
             radiance +=
-                beta * sample_light(&*self.scene, &surface, wo, depth, 0.0, cx.sampler).map_or(Spectrum::BLACK, |(direct, _)| direct);
-            cx.sampler.at(dimension::vertex(depth, Use::Bsdf));
-            let (choice, u) = (cx.sampler.next_1d(), cx.sampler.next_2d());
+                beta * sample_light(&*self.scene, &surface, wo, depth, 0.0, &mut cx.numbers).map_or(Spectrum::BLACK, |(direct, _)| direct);
+            let (choice, u) = cx.numbers.get_3d(dimension::vertex(depth, Use::Bsdf));
             let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else { break };
             beta *= sample.weight;
             sees_lights = sample.density == Density::Delta;

@@ -3,7 +3,7 @@
 use glam::{UVec2, Vec2};
 use proptest::prelude::*;
 use pt::sampler::dimension::{self, Use};
-use pt::sampler::{Kind, Sampler, SamplerSpec};
+use pt::sampler::{Halton, Kind, SampleKey, Sampler, SamplerSpec, Sequence};
 
 use crate::random::cases;
 use crate::statistics::{sidak, uniformity};
@@ -14,20 +14,33 @@ fn kinds() -> impl Iterator<Item = Kind> {
     Kind::ALL.iter().map(|row| row.0)
 }
 
-fn build(kind: Kind, seed: u64, spp: u64) -> Box<dyn Sampler> {
+fn build(kind: Kind, seed: u64, spp: u64) -> Sequence {
     SamplerSpec { kind, seed, spp, ..SamplerSpec::default() }.build()
 }
 
-fn number(sampler: &mut dyn Sampler, pixel: UVec2, index: u64, dimension: u32) -> f32 {
-    sampler.start(pixel, index);
-    sampler.at(dimension);
-    sampler.next_1d()
+fn number(sequence: &Sequence, pixel: UVec2, index: u64, dimension: u32) -> f32 {
+    sequence.sample(pixel, index).get_1d(dimension)
 }
 
-fn point(sampler: &mut dyn Sampler, pixel: UVec2, index: u64, dimension: u32) -> Vec2 {
-    sampler.start(pixel, index);
-    sampler.at(dimension);
-    sampler.next_2d()
+fn point(sequence: &Sequence, pixel: UVec2, index: u64, dimension: u32) -> Vec2 {
+    sequence.sample(pixel, index).get_2d(dimension)
+}
+
+/// Sampler as another crate would write one.
+struct Foreign(Halton);
+
+impl Sampler for Foreign {
+    fn key(&self, pixel: UVec2, index: u64) -> SampleKey {
+        self.0.key(pixel, index)
+    }
+
+    fn get_1d(&self, key: SampleKey, dimension: u32) -> f32 {
+        self.0.get_1d(key, dimension)
+    }
+
+    fn get_2d(&self, key: SampleKey, dimension: u32) -> Vec2 {
+        self.0.get_2d(key, dimension)
+    }
 }
 
 /// Dimensions that renders use: those of the camera, of the first vertices, and of a few late vertices.
@@ -79,7 +92,7 @@ fn blocks_of_dimensions_do_not_overlap() {
 proptest! {
     #![proptest_config(cases(10_000))]
 
-    /// A number does not depend on previous calls or on the instance.
+    /// A number does not depend on which numbers were asked for before, or on the instance.
     #[test]
     fn numbers_are_pure(
         seed: u64, x: u32, y: u32, index: u64, small_index in 0u64..5000, spp in 1u64..5000, dimensions in prop::collection::vec(0u32..3000, 1..8),
@@ -87,15 +100,13 @@ proptest! {
         let pixel = UVec2::new(x, y);
         for kind in kinds() {
             for index in [index, small_index] {
-                let mut fresh = build(kind, seed, spp);
-                let mut used = build(kind, seed, spp);
-                used.start(UVec2::new(y, x), index / 2);
-                used.next_2d();
-                used.start(pixel, index);
-                let forwards: Vec<_> = dimensions.iter().map(|&d| { used.at(d); (used.next_1d(), { used.at(d); used.next_2d() }) }).collect();
-                for (&d, &(one, two)) in dimensions.iter().zip(&forwards).rev() {
-                    prop_assert_eq!(number(&mut *fresh, pixel, index, d), one);
-                    prop_assert_eq!(point(&mut *fresh, pixel, index, d), two);
+                let (fresh, used) = (build(kind, seed, spp), build(kind, seed, spp));
+                let mut numbers = used.sample(pixel, index);
+                let forwards: Vec<_> = dimensions.iter().map(|&d| (numbers.get_1d(d), numbers.get_2d(d), numbers.get_3d(d))).collect();
+                for (&d, &(one, two, three)) in dimensions.iter().zip(&forwards).rev() {
+                    prop_assert_eq!(number(&fresh, pixel, index, d), one);
+                    prop_assert_eq!(point(&fresh, pixel, index, d), two);
+                    prop_assert_eq!((one, point(&fresh, pixel, index, d + 1)), three);
                     for u in [one, two.x, two.y] {
                         prop_assert!((0.0..1.0).contains(&u), "{:?}: {}", kind, u);
                     }
@@ -104,37 +115,15 @@ proptest! {
         }
     }
 
-    /// `next_1d` advances by one dimension, `next_2d` by two.
+    /// A sampler of another crate is asked for each number by the key that it made.
     #[test]
-    fn dimensions_are_consumed_in_order(seed: u64, index in 0u64..1 << 40, from in 0u32..2000) {
-        for kind in kinds() {
-            let mut sampler = build(kind, seed, 64);
-            sampler.start(PIXEL, index);
-            sampler.at(from);
-            let in_order = (sampler.next_1d(), sampler.next_2d(), sampler.next_1d(), sampler.next_2d());
-            let one = number(&mut *sampler, PIXEL, index, from);
-            let two = point(&mut *sampler, PIXEL, index, from + 1);
-            let three = number(&mut *sampler, PIXEL, index, from + 3);
-            let four = point(&mut *sampler, PIXEL, index, from + 4);
-            prop_assert_eq!(in_order, (one, two, three, four));
-        }
-    }
-
-    /// Drawing numbers in one block does not change those of other blocks.
-    #[test]
-    fn blocks_are_independent(seed: u64, index in 0u64..1 << 34, draws in 0usize..20, depth in 0u32..300) {
-        for kind in kinds() {
-            let mut sampler = build(kind, seed, 100);
-            sampler.start(PIXEL, index);
-            for draw in 0..draws {
-                if draw % 2 == 0 { sampler.next_1d(); } else { sampler.next_2d(); }
-            }
-            sampler.at(dimension::vertex(depth, Use::Light));
-            let (choice, u) = (sampler.next_1d(), sampler.next_2d());
-            sampler.start(PIXEL, index);
-            sampler.at(dimension::vertex(depth, Use::Light));
-            prop_assert_eq!((sampler.next_1d(), sampler.next_2d()), (choice, u));
-        }
+    fn a_sample_has_the_numbers_of_its_key(seed: u64, index: u64, d in 0u32..2000) {
+        let (own, foreign) = (Halton { seed }, Sequence::Other(Box::new(Foreign(Halton { seed }))));
+        let (key, mut numbers) = (own.key(PIXEL, index), foreign.sample(PIXEL, index));
+        prop_assert_eq!(numbers.key(), key);
+        prop_assert_eq!(numbers.get_1d(d), own.get_1d(key, d));
+        prop_assert_eq!(numbers.get_2d(d), own.get_2d(key, d));
+        prop_assert_eq!(numbers.get_3d(d), (own.get_1d(key, d), own.get_2d(key, d + 1)));
     }
 
     /// Numbers depend on seed, pixel, sample and dimension.
@@ -142,11 +131,10 @@ proptest! {
     fn every_coordinate_matters(seed: u64, x in 0u32..10_000, y in 0u32..10_000, index in 0u64..1 << 36, d in 0u32..2000) {
         for kind in kinds() {
             let at = |seed, x, y, index, d| {
-                let mut sampler = build(kind, seed, 1000);
+                let sampler = build(kind, seed, 1000);
                 // Three numbers are compared, because one alone is equal by chance in 1 of 2²⁴ cases.
-                sampler.start(UVec2::new(x, y), index);
-                sampler.at(d);
-                (sampler.next_1d(), sampler.next_1d(), sampler.next_1d())
+                let mut numbers = sampler.sample(UVec2::new(x, y), index);
+                (numbers.get_1d(d), numbers.get_1d(d + 1), numbers.get_1d(d + 2))
             };
             let here = at(seed, x, y, index, d);
             let others = [at(seed ^ 1, x, y, index, d), at(seed, x + 1, y, index, d), at(seed, x, y + 1, index, d),
@@ -161,17 +149,17 @@ proptest! {
 #[test]
 fn sobol_points_fill_every_elementary_interval() {
     for seed in 0..6 {
-        let mut sampler = build(Kind::Sobol, seed, 1);
+        let sampler = build(Kind::Sobol, seed, 1);
         for d in used_dimensions() {
             for k in 0..=10u32 {
                 let n = 1u64 << k;
                 // The first 2ᵏ samples, a later aligned block of them, and one beyond 2³².
                 for first in [0, 5 * n, (7 << 32) + 3 * n] {
-                    let points: Vec<_> = (first..first + n).map(|i| point(&mut *sampler, PIXEL, i, d)).collect();
+                    let points: Vec<_> = (first..first + n).map(|i| point(&sampler, PIXEL, i, d)).collect();
                     for a in 0..=k {
                         assert_even(&points, (1 << a, 1 << (k - a)), &format!("dimension {d}"));
                     }
-                    let line: Vec<_> = (first..first + n).map(|i| Vec2::new(number(&mut *sampler, PIXEL, i, d), 0.0)).collect();
+                    let line: Vec<_> = (first..first + n).map(|i| Vec2::new(number(&sampler, PIXEL, i, d), 0.0)).collect();
                     assert_even(&line, (1 << k, 1), &format!("dimension {d}"));
                 }
             }
@@ -183,7 +171,7 @@ fn sobol_points_fill_every_elementary_interval() {
 fn halton_points_fill_every_box_of_prime_powers() {
     const PRIMES: [u32; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
     for seed in 0..6 {
-        let mut sampler = build(Kind::Halton, seed, 1);
+        let sampler = build(Kind::Halton, seed, 1);
         for (d, base) in PRIMES.into_iter().enumerate() {
             for (other, other_base) in PRIMES.into_iter().enumerate().filter(|(other, _)| *other != d) {
                 for (j, k) in [(1, 0), (1, 1), (2, 1), (1, 2), (2, 2), (3, 1), (4, 1), (6, 1)] {
@@ -192,7 +180,7 @@ fn halton_points_fill_every_box_of_prime_powers() {
                     // The interval may start at any sample, not only at multiples of n.
                     for first in [0, 1, 12_345] {
                         let points: Vec<_> = (first..first + n)
-                            .map(|i| Vec2::new(number(&mut *sampler, PIXEL, i, d as u32), number(&mut *sampler, PIXEL, i, other as u32)))
+                            .map(|i| Vec2::new(number(&sampler, PIXEL, i, d as u32), number(&sampler, PIXEL, i, other as u32)))
                             .collect();
                         // One-dimensional intervals of a radical inverse are even from any index on.
                         assert_even(&points, cells, &format!("bases {base} and {other_base} from {first}"));
@@ -206,11 +194,11 @@ fn halton_points_fill_every_box_of_prime_powers() {
 #[test]
 fn halton_primes_go_on_to_the_last_dimension() {
     // In the dimension of prime b, b consecutive samples take each of b intervals once.
-    let mut sampler = build(Kind::Halton, 1, 1);
+    let sampler = build(Kind::Halton, 1, 1);
     let mut base = 1u32;
     for d in 0..1024 {
         base = (base + 1..).find(|n| (2..).take_while(|k| k * k <= *n).all(|k| n % k != 0)).unwrap();
-        let points: Vec<_> = (0..u64::from(base)).map(|i| Vec2::new(number(&mut *sampler, PIXEL, i, d), 0.0)).collect();
+        let points: Vec<_> = (0..u64::from(base)).map(|i| Vec2::new(number(&sampler, PIXEL, i, d), 0.0)).collect();
         assert_even(&points, (base, 1), &format!("dimension {d}, base {base}"));
     }
     assert_eq!(base, 8161, "the 1024th prime");
@@ -219,11 +207,11 @@ fn halton_primes_go_on_to_the_last_dimension() {
 #[test]
 fn stratified_samples_take_each_stratum_once() {
     for spp in (1..200).chain([256, 289, 400, 1000, 1024, 4096, 9973]) {
-        let mut sampler = build(Kind::Stratified, 3, spp);
+        let sampler = build(Kind::Stratified, 3, spp);
         for d in [0, 2, 9, 500] {
             // The planned samples, and those of two later stratifications.
             for first in [0, spp, 7 * spp] {
-                let line: Vec<_> = (first..first + spp).map(|i| Vec2::new(number(&mut *sampler, PIXEL, i, d), 0.0)).collect();
+                let line: Vec<_> = (first..first + spp).map(|i| Vec2::new(number(&sampler, PIXEL, i, d), 0.0)).collect();
                 assert_even(&line, (spp as u32, 1), &format!("{spp} spp, dimension {d}"));
             }
         }
@@ -232,8 +220,8 @@ fn stratified_samples_take_each_stratum_once() {
 
 #[test]
 fn later_stratifications_are_other_ones() {
-    let mut sampler = build(Kind::Stratified, 3, 16);
-    let mut at = |index| point(&mut *sampler, PIXEL, index, 2);
+    let sampler = build(Kind::Stratified, 3, 16);
+    let at = |index| point(&sampler, PIXEL, index, 2);
     // One in 256 numbers has the same cell by chance, and none has the same bits.
     assert!((0..1000).all(|i| at(i) != at(i + 16)));
 }
@@ -243,17 +231,17 @@ fn stratified_points_take_each_cell_of_a_near_square_once() {
     for (spp, cells) in
         [(4, (2, 2)), (6, (3, 2)), (12, (4, 3)), (16, (4, 4)), (128, (16, 8)), (256, (16, 16)), (1000, (40, 25)), (1024, (32, 32))]
     {
-        let mut sampler = build(Kind::Stratified, 3, spp);
+        let sampler = build(Kind::Stratified, 3, spp);
         for d in [0, 2, 9, 500] {
-            let points: Vec<_> = (0..spp).map(|i| point(&mut *sampler, PIXEL, i, d)).collect();
+            let points: Vec<_> = (0..spp).map(|i| point(&sampler, PIXEL, i, d)).collect();
             assert_even(&points, cells, &format!("{spp} spp, dimension {d}"));
         }
     }
     // Primes: no two samples in one cell of the covering grid.
     for (spp, x, y) in [(7, 3, 3), (13, 4, 4), (101, 11, 10), (997, 32, 32)] {
-        let mut sampler = build(Kind::Stratified, 3, spp);
+        let sampler = build(Kind::Stratified, 3, spp);
         let cell = |p: Vec2| ((f64::from(p.x) * f64::from(x)) as u32, (f64::from(p.y) * f64::from(y)) as u32);
-        let cells: std::collections::HashSet<_> = (0..spp).map(|i| cell(point(&mut *sampler, PIXEL, i, 2))).collect();
+        let cells: std::collections::HashSet<_> = (0..spp).map(|i| cell(point(&sampler, PIXEL, i, 2))).collect();
         assert_eq!(cells.len() as u64, spp);
     }
 }
@@ -263,12 +251,12 @@ fn dimensions_are_not_correlated() {
     let dimensions = used_dimensions();
     for kind in kinds() {
         for (seed, n) in [(1, 64u64), (2, 256), (3, 1024), (4, 1000)] {
-            let mut sampler = build(kind, seed, n);
+            let sampler = build(kind, seed, n);
             // Each column has the numbers of one dimension, normalized to mean 0 and variance 1.
             let mut columns: Vec<Vec<f64>> = Vec::new();
             for &d in &dimensions {
-                let points: Vec<_> = (0..n).map(|i| point(&mut *sampler, PIXEL, i, d)).collect();
-                columns.push((0..n).map(|i| f64::from(number(&mut *sampler, PIXEL, i, d))).collect());
+                let points: Vec<_> = (0..n).map(|i| point(&sampler, PIXEL, i, d)).collect();
+                columns.push((0..n).map(|i| f64::from(number(&sampler, PIXEL, i, d))).collect());
                 columns.push(points.iter().map(|p| f64::from(p.x)).collect());
                 columns.push(points.iter().map(|p| f64::from(p.y)).collect());
             }
@@ -310,15 +298,15 @@ fn each_sample_is_uniform_over_pixels() {
         [dimension::FILM, dimension::vertex(0, Use::Bsdf), dimension::vertex(3, Use::Light), dimension::vertex(200, Use::Bsdf)];
     let tests = 4 * indices.len() * dimensions.len() * 2;
     for kind in kinds() {
-        let mut sampler = build(kind, 11, 64);
+        let sampler = build(kind, 11, 64);
         for index in indices {
             for d in dimensions {
                 let (mut squares, mut lines) = (vec![0; (CELLS * CELLS) as usize], vec![0; (CELLS * CELLS) as usize]);
                 for i in 0..40_000 {
                     let pixel = UVec2::new(i % 200, i / 200);
-                    let p = (point(&mut *sampler, pixel, index, d) * CELLS as f32).as_uvec2();
+                    let p = (point(&sampler, pixel, index, d) * CELLS as f32).as_uvec2();
                     squares[(p.y * CELLS + p.x) as usize] += 1;
-                    lines[(number(&mut *sampler, pixel, index, d) * (CELLS * CELLS) as f32) as usize] += 1;
+                    lines[(number(&sampler, pixel, index, d) * (CELLS * CELLS) as f32) as usize] += 1;
                 }
                 for (counts, what) in [(squares, "2-D"), (lines, "1-D")] {
                     let p = uniformity(&counts);
@@ -334,12 +322,12 @@ fn each_sample_is_uniform_over_pixels() {
 fn scrambled_digits_are_independent_beyond_the_common_ones() {
     // Samples 0 and 1 lie in different halves (base 2) or thirds (base 3); within them, 8 × 8 cells each.
     for (kind, d, base) in [(Kind::Sobol, 3, 2), (Kind::Halton, 0, 2), (Kind::Halton, 1, 3), (Kind::Halton, 2, 5)] {
-        let mut sampler = build(kind, 5, 1);
+        let sampler = build(kind, 5, 1);
         let mut counts = vec![0u64; 64];
         let mut firsts = vec![0u64; (base * base) as usize];
         for i in 0..100_000 {
             let pixel = UVec2::new(i % 300, i / 300);
-            let scaled = [0, 1].map(|index| f64::from(number(&mut *sampler, pixel, index, d)) * f64::from(base));
+            let scaled = [0, 1].map(|index| f64::from(number(&sampler, pixel, index, d)) * f64::from(base));
             let [a, b] = scaled.map(|x| (x.fract() * 8.0) as usize);
             counts[a * 8 + b] += 1;
             firsts[(scaled[0] as u32 * base + scaled[1] as u32) as usize] += 1;
@@ -358,11 +346,11 @@ fn scrambled_digits_are_independent_beyond_the_common_ones() {
 #[test]
 fn strata_come_in_every_order() {
     for (spp, orders) in [(2u64, 2), (3, 6), (4, 24), (5, 120)] {
-        let mut sampler = build(Kind::Stratified, 8, spp);
+        let sampler = build(Kind::Stratified, 8, spp);
         let mut counts = std::collections::HashMap::<Vec<u32>, u64>::new();
         for i in 0..60_000 {
             let pixel = UVec2::new(i % 300, i / 300);
-            let order = (0..spp).map(|s| (number(&mut *sampler, pixel, s, 1) * spp as f32) as u32).collect();
+            let order = (0..spp).map(|s| (number(&sampler, pixel, s, 1) * spp as f32) as u32).collect();
             *counts.entry(order).or_default() += 1;
         }
         assert_eq!(counts.len(), orders, "{spp} strata");
@@ -375,12 +363,12 @@ fn strata_come_in_every_order() {
 fn extremes_of_every_argument_give_numbers() {
     for kind in kinds() {
         for spp in [0, 1, 1 << 24, u64::MAX] {
-            let mut sampler = build(kind, u64::MAX, spp);
+            let sampler = build(kind, u64::MAX, spp);
             for index in [0, u64::from(u32::MAX), 1 << 32, u64::MAX] {
                 for d in [0, 1023, 1024, u32::MAX - 1, u32::MAX] {
-                    let u = point(&mut *sampler, UVec2::MAX, index, d);
+                    let u = point(&sampler, UVec2::MAX, index, d);
                     assert!(u.min_element() >= 0.0 && u.max_element() < 1.0);
-                    let u = number(&mut *sampler, UVec2::ZERO, index, d);
+                    let u = number(&sampler, UVec2::ZERO, index, d);
                     assert!((0.0..1.0).contains(&u));
                 }
             }
@@ -394,10 +382,10 @@ fn integration_gains_what_stratification_promises() {
     // ∫ of a smooth function over the square: the standard deviation over pixels, relative to independent numbers.
     let deviation = |kind, n: u64| {
         // The first two dimensions, where Halton's bases are 2 and 3.
-        let mut sampler = build(kind, 2, n);
+        let sampler = build(kind, 2, n);
         let squares = (0..400).map(|i| {
             let pixel = UVec2::new(i, 0);
-            let sum: f64 = (0..n).map(|s| point(&mut *sampler, pixel, s, dimension::FILM)).map(|p| f64::from(p.x) * f64::from(p.y)).sum();
+            let sum: f64 = (0..n).map(|s| point(&sampler, pixel, s, dimension::FILM)).map(|p| f64::from(p.x) * f64::from(p.y)).sum();
             (sum / n as f64 - 0.25).powi(2)
         });
         (squares.sum::<f64>() / 400.0).sqrt()
@@ -426,9 +414,9 @@ fn seeds_share_no_scrambling() {
         let mut seen = std::collections::HashSet::new();
         for seed in (0..64).chain((0..32).map(|bit| 1 << (bit + 32))) {
             let spec = SamplerSpec { kind, seed, spp: 64, scramblings: 16 };
-            for (r, mut sequence) in spec.sequences().into_iter().enumerate() {
+            for (r, sequence) in spec.sequences().into_iter().enumerate() {
                 let numbers: Vec<u32> =
-                    [0, 1].iter().flat_map(|&i| point(&mut *sequence, PIXEL, i, dimension::FILM).to_array().map(f32::to_bits)).collect();
+                    [0, 1].iter().flat_map(|&i| point(&sequence, PIXEL, i, dimension::FILM).to_array().map(f32::to_bits)).collect();
                 assert!(seen.insert(numbers), "{kind:?}: scrambling {r} of seed {seed} has been there");
             }
         }

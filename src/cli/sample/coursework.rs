@@ -15,7 +15,7 @@ use crate::describe;
 use crate::error::Result;
 use crate::import::darts::coursework::{self, ExpectedHit, Test, TestKind, Tests};
 use crate::math::{self, Frame, Ray};
-use crate::sampler::{Sampler, SamplerSpec};
+use crate::sampler::{SampleNumbers, SamplerSpec};
 use crate::scene::Scene;
 use crate::shape::ShapeHit;
 use crate::world::World;
@@ -59,8 +59,8 @@ fn run(test: &Test, read: &Tests, args: &SampleArgs) -> Result<Verdict> {
             let bsdf = of_sphere(&world)?;
             let frame = Frame::around(normal.as_vec3());
             let wo = frame.to_local(-incoming.as_vec3());
-            let draw = |sampler: &mut dyn Sampler| {
-                let (choice, u) = (sampler.next_1d(), sampler.next_2d());
+            let draw = |mut numbers: SampleNumbers| {
+                let (choice, u) = numbers.get_3d(0);
                 let sample = bsdf.sample(wo, choice, u, TransportMode::Radiance)?;
                 Some(Draw {
                     direction: frame.to_world(sample.wi).as_dvec3(),
@@ -73,7 +73,7 @@ fn run(test: &Test, read: &Tests, args: &SampleArgs) -> Result<Verdict> {
         }
         TestKind::Surface => {
             let from = -world.origin().as_vec3();
-            sampled(|w| seen(&world, from, w), |sampler| towards(&world, from, sampler), true, &stem(), args.seed)
+            sampled(|w| seen(&world, from, w), |numbers| towards(&world, from, numbers), true, &stem(), args.seed)
         }
         TestKind::Intersection { origin, direction, expected, threshold } => Ok(meets(&world, [origin, direction], expected, threshold)),
     }
@@ -89,19 +89,18 @@ struct Draw {
 /// Tests samples against their density, prints figures and writes two pictures.
 fn sampled(
     pdf: impl Fn(DVec3) -> f64,
-    draw: impl Fn(&mut dyn Sampler) -> Option<Draw>,
+    draw: impl Fn(SampleNumbers) -> Option<Draw>,
     density: bool,
     stem: &str,
     seed: u64,
 ) -> Result<Verdict> {
     let pdf = Density::new(pdf);
     let count = PER_CELL * (ROWS * COLUMNS) as u64;
-    let mut sampler = SamplerSpec { seed, ..SamplerSpec::default() }.build();
+    let sequence = SamplerSpec { seed, ..SamplerSpec::default() }.build();
     let (mut drawn, mut valid) = (Histogram::new(count), 0u64);
     let (mut delta, mut below, mut wrong) = (false, false, pdf.is_wrong);
     for i in 0..count {
-        sampler.start(UVec2::ZERO, i);
-        let Some(draw) = draw(&mut *sampler) else { continue };
+        let Some(draw) = draw(sequence.sample(UVec2::ZERO, i)) else { continue };
         delta |= draw.is_delta;
         below |= draw.is_below;
         wrong |= !draw.direction.is_finite();
@@ -128,8 +127,8 @@ fn sampled(
 }
 
 /// Samples a point of a random primitive, each with the same probability.
-fn towards(world: &World, from: Vec3, sampler: &mut dyn Sampler) -> Option<Draw> {
-    let (choice, u) = (sampler.next_1d(), sampler.next_2d());
+fn towards(world: &World, from: Vec3, mut numbers: SampleNumbers) -> Option<Draw> {
+    let (choice, u) = numbers.get_3d(0);
     let mut index = ((f64::from(choice) * world.primitive_count() as f64) as u64).min(world.primitive_count().saturating_sub(1));
     for shape in world.shapes().iter() {
         let count = u64::from(shape.count());

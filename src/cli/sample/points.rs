@@ -6,7 +6,7 @@ use crate::bsdf::microfacet::{Distribution, MIN_ALPHA, Microfacets};
 use crate::error::{Error, Result};
 use crate::math::float::{self, gamma};
 use crate::math::{Local, SphericalRectangle, SphericalTriangle, warp};
-use crate::sampler::{Kind, Sampler, SamplerSpec};
+use crate::sampler::{Kind, SampleNumbers, SamplerSpec};
 
 /// Domain of the points of a warp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +41,7 @@ pub enum Map {
     /// Map from the unit square to the sphere, with a density.
     Sphere(Directions),
     /// Map with any number of random numbers.
-    Free(fn(&mut dyn Sampler) -> Vec3),
+    Free(fn(SampleNumbers) -> Vec3),
 }
 
 type OfSquare<T> = Box<dyn Fn(Vec2) -> T + Send + Sync>;
@@ -165,16 +165,12 @@ pub const SQUARE: Warp = Warp { name: "square", about: "", domain: Domain::Squar
 /// First `count` points.
 pub fn draw(warp: &Warp, parameters: &Parameters, sampler: Kind, seed: u64, count: u32) -> Result<Vec<Vec3>> {
     let map = (warp.map)(parameters)?;
-    let map = |sampler: &mut dyn Sampler| match &map {
-        Map::Square(map) | Map::Sphere(Directions { map, .. }) => map(sampler.next_2d()),
-        Map::Free(map) => map(sampler),
+    let map = |mut numbers: SampleNumbers| match &map {
+        Map::Square(map) | Map::Sphere(Directions { map, .. }) => map(numbers.get_2d(0)),
+        Map::Free(map) => map(numbers),
     };
-    let mut sampler = SamplerSpec { kind: sampler, seed, spp: count.into(), ..SamplerSpec::default() }.build();
-    let point = |i: u32| {
-        sampler.start(UVec2::ZERO, i.into());
-        map(&mut *sampler)
-    };
-    Ok((0..count).map(point).collect())
+    let sequence = SamplerSpec { kind: sampler, seed, spp: count.into(), ..SamplerSpec::default() }.build();
+    Ok((0..count).map(|i| map(sequence.sample(UVec2::ZERO, i.into()))).collect())
 }
 
 /// CSV with a header and a line per point, with all digits.
@@ -235,18 +231,20 @@ fn visible_normals(parameters: &Parameters, distribution: Distribution) -> Resul
     of_sphere(move |u| facets.sample_visible(wo, u).0, pdf)
 }
 
-fn rejected(sampler: &mut dyn Sampler) -> Vec3 {
+fn rejected(mut numbers: SampleNumbers) -> Vec3 {
+    let mut dimension = 0;
     loop {
-        let p = 2.0 * sampler.next_2d().extend(sampler.next_1d()) - 1.0;
+        let p = 2.0 * numbers.get_2d(dimension).extend(numbers.get_1d(dimension + 2)) - 1.0;
         if p.length_squared() < 1.0 {
             return p;
         }
+        dimension += 3;
     }
 }
 
-fn ball(sampler: &mut dyn Sampler) -> Vec3 {
-    let direction = warp::uniform_sphere(sampler.next_2d());
-    direction * float::powf(sampler.next_1d(), 1.0 / 3.0)
+fn ball(mut numbers: SampleNumbers) -> Vec3 {
+    let direction = warp::uniform_sphere(numbers.get_2d(0));
+    direction * float::powf(numbers.get_1d(2), 1.0 / 3.0)
 }
 
 /// θ = u · 90°: as many points lie between 0° and 10° as between 80° and 90°, where there is eleven times the area.
