@@ -159,9 +159,10 @@ impl PathWalk for Walk {
 
     fn step<R: Recorder + ?Sized>(&self, path: &mut CameraPath, numbers: &mut SampleNumbers, recorder: &mut R) -> ControlFlow<Spectrum> {
         let Some(hit) = path.hit(&*self.scene) else {
-            let lights = self.scene.lights();
-            let light = if path.depth > self.emission_depth { Spectrum::BLACK } else { lights.background(&path.ray) };
-            path.add_emission(light, recorder, || Origin::background(lights, 1.0));
+            let counts = path.depth <= self.emission_depth;
+            for (light, radiance) in self.scene.lights().background(path.ray.direction).filter(|_| counts) {
+                path.add_emission(radiance, recorder, || Origin::background(light, 1.0));
+            }
             return path.end(End::Escaped, recorder);
         };
         let surface = self.scene.surface(&path.ray, &hit);

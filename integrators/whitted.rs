@@ -123,8 +123,9 @@ impl Walk {
     ) -> [Option<Branch>; 2] {
         let Branch { ray, beta, depth } = branch;
         let Some(hit) = hit else {
-            let lights = self.scene.lights();
-            *radiance += recorder.light(beta * lights.background(&ray), depth, || Origin::background(lights, 1.0));
+            for (light, emitted) in self.scene.lights().background(ray.direction) {
+                *radiance += recorder.light(beta * emitted, depth, || Origin::background(light, 1.0));
+            }
             recorder.record(|| Event::end(depth, End::Escaped));
             return [None; 2];
         };

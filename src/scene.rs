@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
 use crate::camera::Camera;
 use crate::effects::Effects;
-use crate::light::{Emission, Lights, ShadowTarget};
+use crate::light::{Emission, LightSampleContext, Lights, ShadowTarget};
 use crate::math::{Frame, Local, Ray, SolidAnglePdf, Spectrum};
 use crate::primitive::Hit;
 use crate::shape::SurfacePoint;
@@ -84,6 +84,12 @@ impl<'a> Surface<'a> {
         self.point.ns = ns;
     }
 
+    /// The point as lights are sampled for it.
+    #[inline]
+    pub fn light_context(&self, time: f32) -> LightSampleContext {
+        LightSampleContext { p: self.shadow_origin, ng: self.point.ng, ns: self.point.ns, time }
+    }
+
     /// Radiance that the surface emits in the direction `w`.
     pub fn emitted(&self, w: Vec3) -> Spectrum {
         self.emission.map_or(Spectrum::BLACK, |e| e.towards(self.point.ng, w))
@@ -123,7 +129,8 @@ impl<'a> Surface<'a> {
     }
 
     /// Samples the BSDF; returns the direction in world space and the sample.
-    #[inline]
+    // Always inlined: each walk calls it once for each vertex.
+    #[inline(always)]
     pub fn sample(&self, wo: Vec3, choice: f32, u: Vec2, mode: TransportMode) -> Option<(Vec3, BsdfSample)> {
         let lo = self.frame.to_local(wo);
         let sample = self.bsdf.sample(lo, choice, u, mode)?;

@@ -136,8 +136,8 @@ pub fn sample_light(
         return None;
     }
     let (choice, u) = numbers.get_3d(dimension::vertex(depth, Use::Light));
-    let light = scene.lights().sample(surface.shadow_origin, choice, u)?;
+    let light = scene.lights().sample(&surface.light_context(time), choice, u)?;
     let f = surface.eval(wo, light.wi, TransportMode::Radiance);
     let reached = !f.is_black() && !scene.occluded(&surface.shadow_ray(light.wi, &light.target, time));
-    reached.then(|| (f * light.weight, light))
+    reached.then(|| (f * light.weight(), light))
 }

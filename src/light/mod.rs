@@ -13,7 +13,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::effects::Effects;
-use crate::math::{Density, Discrete, Ray, SolidAnglePdf, Spectrum};
+use crate::math::{Density, Discrete, SolidAnglePdf, Spectrum};
 use crate::shape::{Shape, SurfacePoint};
 
 pub use area::{Area, Emission, Emitter};
@@ -37,20 +37,51 @@ pub enum Light {
     Environment(Environment),
 }
 
+/// Point that a light is sampled for. The choice among lights and the densities of directions may depend on all of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSampleContext {
+    /// Position from which shadow rays start (m).
+    pub p: Vec3,
+    /// Geometric normal; zero where there is no surface.
+    pub ng: Vec3,
+    /// Shading normal; zero where there is no surface.
+    pub ns: Vec3,
+    /// Time at which the path passes the point.
+    pub time: f32,
+}
+
+impl LightSampleContext {
+    /// A point in empty space, at time 0.
+    pub fn at(p: Vec3) -> LightSampleContext {
+        LightSampleContext { p, ng: Vec3::ZERO, ns: Vec3::ZERO, time: 0.0 }
+    }
+}
+
 /// Sampled direction towards a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
     /// Unit direction from the lit point, in world space.
     pub wi: Vec3,
-    /// Radiance divided by the density; for delta lights the irradiance on a plane perpendicular to `wi`, divided by the probability
-    /// of the light.
-    pub weight: Spectrum,
+    /// Radiance that arrives along `wi`; for delta lights the irradiance on a plane perpendicular to `wi`.
+    pub li: Spectrum,
     /// Density of `wi`, including the probability of the light.
     pub density: Density,
+    /// Probability with which the light was chosen.
+    pub probability: f32,
     /// Far end of the shadow ray.
     pub target: ShadowTarget,
     /// Index of the light.
     pub light: u32,
+}
+
+impl LightSample {
+    /// Radiance divided by the density; for delta lights the irradiance divided by the probability of the light.
+    pub fn weight(&self) -> Spectrum {
+        match self.density {
+            Density::Smooth(pdf) => self.li / pdf.get(),
+            Density::Delta => self.li / self.probability,
+        }
+    }
 }
 
 /// Far end of a shadow ray.
@@ -79,8 +110,8 @@ pub struct Lights {
     lights: Vec<Light>,
     /// Distribution over the lights, see [`selection_weights`].
     choice: Option<Discrete>,
-    /// Index of the environment.
-    environment: Option<u32>,
+    /// Indices of the lights that are infinitely far away and that rays reach which hit nothing.
+    infinite: Vec<u32>,
     /// Whether some light cannot be sampled.
     has_unsampled_emitter: bool,
 }
@@ -91,9 +122,9 @@ impl Lights {
     /// - `radius`: radius of the scene's bounding sphere (m), which determines the power of distant lights
     pub fn new(lights: Vec<Light>, shapes: Arc<[Box<dyn Shape>]>, radius: f32) -> Lights {
         let power: Vec<f64> = lights.iter().map(|light| light.power(&shapes, radius.into())).collect();
-        let environment = lights.iter().position(|l| matches!(l, Light::Environment(_))).map(|i| i as u32);
+        let infinite = (0..).zip(&lights).filter(|(_, light)| matches!(light, Light::Environment(_))).map(|(i, _)| i).collect();
         let has_unsampled_emitter = lights.iter().any(|light| matches!(light, Light::Area(area) if area.is_unsampled(&shapes)));
-        Lights { shapes, choice: Discrete::new(&selection_weights(&power)), environment, lights, has_unsampled_emitter }
+        Lights { shapes, choice: Discrete::new(&selection_weights(&power)), infinite, lights, has_unsampled_emitter }
     }
 
     /// Number of lights.
@@ -129,47 +160,45 @@ impl Lights {
     ///
     /// `None` if the chosen light sends no light from the sampled direction.
     #[inline]
-    pub fn sample(&self, from: Vec3, choice: f32, u: Vec2) -> Option<LightSample> {
+    pub fn sample(&self, cx: &LightSampleContext, choice: f32, u: Vec2) -> Option<LightSample> {
         let (index, probability, _) = self.choice.as_ref()?.sample(choice);
-        let sample = self.lights[index].sample(&self.shapes, from, u)?;
-        let (weight, density) = match sample.density {
-            Density::Delta => (sample.li / probability, Density::Delta),
-            Density::Smooth(pdf) => (sample.li / (pdf * probability).get(), Density::Smooth(pdf * probability)),
+        let LightLiSample { wi, li, density, target } = self.lights[index].sample(&self.shapes, cx, u)?;
+        let density = match density {
+            Density::Delta => Density::Delta,
+            Density::Smooth(pdf) => Density::Smooth(pdf * probability),
         };
-        Some(LightSample { wi: sample.wi, weight, density, target: sample.target, light: index as u32 })
+        Some(LightSample { wi, li, density, probability, target, light: index as u32 })
     }
 
-    /// Density with which [`Lights::sample`] at `from` samples `point`, a point of the area light `index`.
-    pub fn pdf(&self, index: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
+    /// Density with which [`Lights::sample`] samples `point`, a point of the area light `index`.
+    pub fn pdf(&self, index: u32, cx: &LightSampleContext, point: &SurfacePoint) -> SolidAnglePdf {
         match &self.lights[index as usize] {
-            Light::Area(area) => self.shapes[area.shape as usize].pdf_from(area.primitive, from, point) * self.probability(index),
+            Light::Area(area) => self.shapes[area.shape as usize].pdf_from(area.primitive, cx.p, point) * self.probability(index, cx),
             _ => SolidAnglePdf::ZERO,
         }
     }
 
-    /// Index of the environment, if the scene has one.
-    pub fn environment(&self) -> Option<u32> {
-        self.environment
+    /// Radiance of each infinitely distant light that arrives along a ray which hits nothing, and the index of the light.
+    ///
+    /// - `direction`: direction of the ray
+    #[inline]
+    pub fn background(&self, direction: Vec3) -> impl Iterator<Item = (u32, Spectrum)> {
+        self.infinite.iter().map(move |&i| match &self.lights[i as usize] {
+            Light::Environment(environment) => (i, environment.radiance(direction)),
+            _ => (i, Spectrum::BLACK),
+        })
     }
 
-    /// Radiance of the environment that arrives along `ray`.
-    pub fn background(&self, ray: &Ray) -> Spectrum {
-        match self.environment.map(|i| &self.lights[i as usize]) {
-            Some(Light::Environment(environment)) => environment.radiance(ray.direction),
-            _ => Spectrum::BLACK,
-        }
-    }
-
-    /// Density with which [`Lights::sample`] samples the direction `wi` of the environment.
-    pub fn background_pdf(&self, wi: Vec3) -> SolidAnglePdf {
-        match self.environment.map(|i| (i, &self.lights[i as usize])) {
-            Some((i, Light::Environment(environment))) => environment.pdf(wi) * self.probability(i),
+    /// Density with which [`Lights::sample`] samples the direction `wi` of the infinitely distant light `index`.
+    pub fn background_pdf(&self, index: u32, cx: &LightSampleContext, wi: Vec3) -> SolidAnglePdf {
+        match &self.lights[index as usize] {
+            Light::Environment(environment) => environment.pdf(wi) * self.probability(index, cx),
             _ => SolidAnglePdf::ZERO,
         }
     }
 
-    /// Probability with which the light is chosen.
-    fn probability(&self, index: u32) -> f32 {
+    /// Probability with which the light is chosen for a point. It does not depend on the point yet.
+    fn probability(&self, index: u32, _cx: &LightSampleContext) -> f32 {
         self.choice.as_ref().map_or(0.0, |choice| choice.pmf(index as usize))
     }
 }
@@ -190,11 +219,11 @@ fn selection_weights(power: &[f64]) -> Vec<f32> {
 
 impl Light {
     #[inline]
-    fn sample(&self, shapes: &[Box<dyn Shape>], from: Vec3, u: Vec2) -> Option<LightLiSample> {
+    fn sample(&self, shapes: &[Box<dyn Shape>], cx: &LightSampleContext, u: Vec2) -> Option<LightLiSample> {
         match self {
-            Light::Area(area) => area.sample(shapes, from, u),
-            Light::Point(point) => point.sample(from),
-            Light::Spot(spot) => spot.sample(from),
+            Light::Area(area) => area.sample(shapes, cx.p, u),
+            Light::Point(point) => point.sample(cx.p),
+            Light::Spot(spot) => spot.sample(cx.p),
             Light::Directional(directional) => directional.sample(),
             Light::Environment(environment) => environment.sample(u),
         }

@@ -11,7 +11,7 @@ mod light_split;
 use glam::Vec3;
 
 use crate::bsdf::{BsdfSample, Lobe, TransportMode};
-use crate::light::{LightSample, Lights};
+use crate::light::LightSample;
 use crate::math::{Density, Ray, Spectrum};
 use crate::primitive::Hit;
 use crate::scene::Surface;
@@ -230,9 +230,11 @@ impl Origin {
         Origin { light: surface.emission.map(|_| surface.light), technique: Technique::Emission, weight }
     }
 
-    /// Origin of light from the background.
-    pub fn background(lights: &Lights, weight: f32) -> Origin {
-        Origin { light: lights.environment(), technique: Technique::Emission, weight }
+    /// Origin of light that arrives from infinitely far away.
+    ///
+    /// - `light`: index of the light
+    pub fn background(light: u32, weight: f32) -> Origin {
+        Origin { light: Some(light), technique: Technique::Emission, weight }
     }
 
     /// Origin of light found by sampling a light.

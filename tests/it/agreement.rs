@@ -9,7 +9,7 @@ use pt::film::{FilmSpec, Image};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
 use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::{ALL, path::Path};
-use pt::light::{Emission, Environment, Light};
+use pt::light::{Emission, Environment, Light, LightSampleContext};
 use pt::math::{Rgb, Spectrum, Transform, Vec3};
 use pt::measure::{SampledImage, agreement, sidak};
 use pt::sampler::dimension::{self, Use};
@@ -213,7 +213,10 @@ impl Estimator for Twice {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
         let (mut ray, mut beta, mut radiance) = (camera.ray, Spectrum::ONE, Spectrum::BLACK);
         for depth in 0.. {
-            let Some(hit) = self.0.intersect(&ray) else { return radiance + beta * self.0.lights().background(&ray) };
+            let Some(hit) = self.0.intersect(&ray) else {
+                let background = self.0.lights().background(ray.direction).map(|(_, radiance)| radiance);
+                return radiance + beta * background.fold(Spectrum::BLACK, |sum, radiance| sum + radiance);
+            };
             let surface = self.0.surface(&ray, &hit);
             let wo = -ray.direction;
             radiance += beta * surface.emitted(wo);
@@ -221,10 +224,10 @@ impl Estimator for Twice {
                 break;
             }
             let (choice, u) = cx.numbers.get_3d(dimension::vertex(depth, Use::Light));
-            if let Some(light) = self.0.lights().sample(surface.point.p, choice, u) {
+            if let Some(light) = self.0.lights().sample(&LightSampleContext::at(surface.point.p), choice, u) {
                 let f = surface.eval(wo, light.wi, TransportMode::Radiance);
                 if !f.is_black() && !self.0.occluded(&surface.shadow_ray(light.wi, &light.target, 0.0)) {
-                    radiance += beta * f * light.weight;
+                    radiance += beta * f * light.weight();
                 }
             }
             let (choice, u) = cx.numbers.get_3d(dimension::vertex(depth, Use::Bsdf));

@@ -6,7 +6,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
-use pt::light::{Area, Directional, Emission, Environment, Falloff, Light, LightSample, Lights, Point, ShadowTarget, Spot};
+use pt::light::{
+    Area, Directional, Emission, Environment, Falloff, Light, LightSample, LightSampleContext, Lights, Point, ShadowTarget, Spot,
+};
 use pt::math::float::sin_cos_degrees;
 use pt::math::{Density, Spectrum, Transform};
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, TriangleMesh};
@@ -48,8 +50,8 @@ fn grid(n: usize) -> impl Iterator<Item = Vec2> {
 fn irradiance(lights: &Lights, from: DVec3, normal: DVec3, n: usize) -> f64 {
     let count = lights.len();
     let choices = (0..count).map(|k| (k as f32 + 0.5) / count as f32);
-    let samples = choices.flat_map(|choice| grid(n).filter_map(move |u| lights.sample(from.as_vec3(), choice, u)));
-    let brought = samples.map(|s| f64::from(s.weight.average()) * s.wi.as_dvec3().dot(normal).max(0.0));
+    let samples = choices.flat_map(|choice| grid(n).filter_map(move |u| lights.sample(&LightSampleContext::at(from.as_vec3()), choice, u)));
+    let brought = samples.map(|s| f64::from(s.weight().average()) * s.wi.as_dvec3().dot(normal).max(0.0));
     brought.sum::<f64>() / (count * n * n) as f64
 }
 
@@ -144,13 +146,14 @@ fn pdf_is_the_density() {
             let from = (random.in_cube() * random.decade(-0.5, 3.0)).as_vec3();
             let index = random.below(lights.len());
             let choice = (index as f32 + 0.5) / lights.len() as f32;
-            let Some(sample) = lights.sample(from, choice, random.square()) else { continue };
+            let cx = LightSampleContext::at(from);
+            let Some(sample) = lights.sample(&cx, choice, random.square()) else { continue };
             let ShadowTarget::Surface(point) = sample.target else { panic!("{name}: a light on a surface") };
-            let (density, pdf) = (smooth(&sample), f64::from(lights.pdf(index as u32, from, &point).get()));
+            let (density, pdf) = (smooth(&sample), f64::from(lights.pdf(index as u32, &cx, &point).get()));
             // A grazing angle magnifies the rounding of the point's normal and position, 6·10⁻⁸.
             let flat = f64::from(point.ng.dot(sample.wi).abs());
             assert!((density - pdf).abs() <= pdf * (1e-5 + 1e-6 / flat), "{name} from {from}: {density} or {pdf}, cos {flat}");
-            assert_near(f64::from(sample.weight.average()) * density, 1.0, 1e-6, name);
+            assert_near(f64::from(sample.weight().average()) * density, 1.0, 1e-6, name);
         }
     }
 }
@@ -164,8 +167,10 @@ fn nothing_is_infinite() {
         for k in 0..4000 {
             let height = if k % 2 == 0 { 0.0 } else { random.decade(-38.0, -3.0) };
             let from = DVec3::new(random.range(-2.0, 2.0), random.range(-2.0, 2.0), height).as_vec3();
-            let Some(sample) = lights.sample(from, random.unit() as f32 * 0.999, random.square()) else { continue };
-            let sound = sample.weight.is_valid() && smooth(&sample).is_finite() && sample.wi.is_normalized();
+            let Some(sample) = lights.sample(&LightSampleContext::at(from), random.unit() as f32 * 0.999, random.square()) else {
+                continue;
+            };
+            let sound = sample.weight().is_valid() && smooth(&sample).is_finite() && sample.wi.is_normalized();
             assert!(sound, "{name} from {from:?}: {sample:?}");
         }
     }
@@ -178,7 +183,7 @@ fn share(light: Light, shapes: Vec<Box<dyn Shape>>, radius: f32, power: f64) -> 
     let reference = Light::Point(Point { position: REFERENCE, intensity: Spectrum::gray((power / (2.0 * TAU)) as f32) });
     let lights = Lights::new(vec![light, reference], shapes.into(), radius);
     let is_reference = |choice: f32| {
-        let sample = lights.sample(Vec3::ZERO, choice, Vec2::splat(0.5));
+        let sample = lights.sample(&LightSampleContext::at(Vec3::ZERO), choice, Vec2::splat(0.5));
         matches!(sample, Some(LightSample { target: ShadowTarget::Point(p), .. }) if p == REFERENCE.as_vec3())
     };
     const N: usize = 1 << 14;
@@ -228,9 +233,34 @@ fn the_sky_and_its_choice() {
     // Φ = 4π²R²L; a point light of three times that leaves the sky ⅞ · ¼ + ⅛ · ½ of the choices.
     let point = Light::Point(Point { position: REFERENCE, intensity: Spectrum::gray(3.0 * std::f32::consts::PI) });
     let both = Lights::new(vec![point, sky], Vec::new().into(), 1.0);
-    assert_near(f64::from(both.background_pdf(Vec3::X).get()), 9.0 / 32.0 / (2.0 * TAU), 1e-6, "the choice among lights");
-    let sample = both.sample(Vec3::ZERO, 0.9, Vec2::splat(0.3)).expect("the sky is everywhere");
+    assert_near(
+        f64::from(both.background_pdf(1, &LightSampleContext::at(Vec3::ZERO), Vec3::X).get()),
+        9.0 / 32.0 / (2.0 * TAU),
+        1e-6,
+        "the choice among lights",
+    );
+    let sample = both.sample(&LightSampleContext::at(Vec3::ZERO), 0.9, Vec2::splat(0.3)).expect("the sky is everywhere");
     assert_near(smooth(&sample), 9.0 / 32.0 / (2.0 * TAU), 1e-6, "density of the sample");
+}
+
+/// Two skies light like one of their summed radiance: what arrives along a ray, what is sampled, and the densities.
+#[test]
+fn infinite_lights_add_up() {
+    let sky = |radiance| Light::Environment(Environment { radiance: Spectrum::gray(radiance) });
+    let both = Lights::new(vec![sky(1.0), sky(2.0)], Vec::new().into(), 1.0);
+    let arriving: Vec<(u32, f32)> = both.background(Vec3::X).map(|(light, radiance)| (light, radiance.average())).collect();
+    assert_eq!(arriving, [(0, 1.0), (1, 2.0)]);
+    let cx = LightSampleContext::at(Vec3::ZERO);
+    let density: f64 = [0, 1].map(|light| f64::from(both.background_pdf(light, &cx, Vec3::X).get())).iter().sum();
+    assert_near(density, 1.0 / (2.0 * TAU), 1e-6, "density of both");
+    // The integral of 3 cos θ over the hemisphere; the grid leaves a kink at the horizon.
+    let choices = grid(8).flat_map(|v| grid(128).filter_map(move |u| Some((v, u))));
+    let samples = choices.filter_map(|(v, u)| both.sample(&cx, v.x, u));
+    let sum: f64 = samples.map(|s| f64::from(s.weight().average() * s.wi.z.max(0.0))).sum();
+    // The probabilities are ⅞·⅓ + ⅛·½ = .354 and .646: of eight choices three and five are taken, each with its weight.
+    let [first, second] = [0.354_166_7, 0.645_833_3];
+    let expected = PI * (1.0 / first * 3.0 / 8.0 + 2.0 / second * 5.0 / 8.0);
+    assert_near(sum / (64.0 * 128.0 * 128.0), expected, 2e-3, "light of both");
 }
 
 /// Falloff s = (outer − θ)/(outer − inner) for cones whose cosines round to 1 in f32.
@@ -243,12 +273,13 @@ fn narrow_cones_fall_off_in_the_angle() {
     let lights = Lights::new(vec![Light::Spot(spot)], Vec::new().into(), 1.0);
     for degrees in [0.0, 0.009, 0.02, 0.03, 0.04, 0.049] {
         let point = Vec3::new(f64::to_radians(degrees).tan() as f32, 0.0, -1.0);
-        let found = lights.sample(point, 0.5, Vec2::splat(0.5)).expect("within the cone").weight.to_rgb()[0];
+        let found = lights.sample(&LightSampleContext::at(point), 0.5, Vec2::splat(0.5)).expect("within the cone").weight().to_rgb()[0];
         let expected = ((outer - degrees) / (outer - inner)).min(1.0);
         // The unit vector towards the light is rounded by 6·10⁻⁸, that is 3.4·10⁻⁶ of the 0.04 degrees.
         assert_near(f64::from(found), expected, 1e-3, &format!("at {degrees}°"));
     }
-    assert!(lights.sample(Vec3::new(f64::to_radians(0.051).tan() as f32, 0.0, -1.0), 0.5, Vec2::splat(0.5)).is_none(), "beyond");
+    let beyond = LightSampleContext::at(Vec3::new(f64::to_radians(0.051).tan() as f32, 0.0, -1.0));
+    assert!(lights.sample(&beyond, 0.5, Vec2::splat(0.5)).is_none(), "beyond");
 }
 
 /// Falloff s² with s linear in the cosine: half way between the cosines it is ¼.
@@ -259,7 +290,7 @@ fn cones_fall_off_with_the_square() {
     let lights = Lights::new(vec![Light::Spot(spot)], Vec::new().into(), 1.0);
     for (cos, expected) in [(0.95f64, 1.0), (0.8, 0.5625), (0.7, 0.25), (0.6, 0.0625)] {
         let point = Vec3::new((1.0 - cos * cos).sqrt() as f32, 0.0, -cos as f32);
-        let found = lights.sample(point, 0.5, Vec2::splat(0.5)).expect("within the cone").weight.to_rgb()[0];
+        let found = lights.sample(&LightSampleContext::at(point), 0.5, Vec2::splat(0.5)).expect("within the cone").weight().to_rgb()[0];
         assert_near(f64::from(found), expected, 1e-5, &format!("at a cosine of {cos}"));
     }
 }
@@ -279,8 +310,9 @@ fn textured_lamps_light_as_their_bright_part_does() {
         let lights = Lights::new(vec![Light::Area(Area { shape: 0, primitive: 0, emitter })], vec![shape].into(), 1.0);
         const N: u32 = 256;
         let middle = |k: u32| (k as f32 + 0.5) / N as f32;
-        let each = (0..N * N).filter_map(|k| lights.sample(Vec3::new(0.3, 0.2, 0.0), 0.5, Vec2::new(middle(k % N), middle(k / N))));
-        each.map(|sample| f64::from(sample.weight.to_rgb()[0] * sample.wi.z.max(0.0))).sum::<f64>() / f64::from(N * N)
+        let cx = LightSampleContext::at(Vec3::new(0.3, 0.2, 0.0));
+        let each = (0..N * N).filter_map(|k| lights.sample(&cx, 0.5, Vec2::new(middle(k % N), middle(k / N))));
+        each.map(|sample| f64::from(sample.weight().to_rgb()[0] * sample.wi.z.max(0.0))).sum::<f64>() / f64::from(N * N)
     };
     let whole = irradiance([2.0, 2.0], 0.0, textured);
     // The lamp faces down, so that u runs along −x or x. One of the two halves is white.

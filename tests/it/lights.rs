@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::Material;
 use pt::effects::Effects;
 use pt::integrators::ALL;
-use pt::light::{Directional, Falloff, Light, LightSample, Point, ShadowTarget, Spot};
+use pt::light::{Directional, Falloff, Light, LightSample, LightSampleContext, Point, ShadowTarget, Spot};
 use pt::math::Transform;
 use pt::scene::Scene;
 use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
@@ -135,7 +135,9 @@ fn samples(scene: &World) -> Vec<Option<LightSample>> {
     let mut found = vec![];
     for &choice in &grid {
         for &x in &grid {
-            found.extend(grid.iter().map(|&y| scene.lights().sample(-scene.origin().as_vec3(), choice, Vec2::new(x, y))));
+            found.extend(
+                grid.iter().map(|&y| scene.lights().sample(&LightSampleContext::at(-scene.origin().as_vec3()), choice, Vec2::new(x, y))),
+            );
         }
     }
     found
@@ -157,7 +159,7 @@ fn lights_without_power_are_never_chosen() {
         for sample in samples(&scene) {
             let sample = sample.expect("a sample of the lamp");
             let ShadowTarget::Surface(point) = sample.target else { panic!("not the lamp: {sample:?}") };
-            assert!((point.p.as_dvec3() - lamp).length() < 0.11 && sample.weight.is_valid(), "{sample:?}");
+            assert!((point.p.as_dvec3() - lamp).length() < 0.11 && sample.weight().is_valid(), "{sample:?}");
         }
     }
 }

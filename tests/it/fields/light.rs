@@ -73,7 +73,10 @@ fn emission_is_met_by_chance() {
 
     let scene = lamp(radius, height).build().expect("a world");
     assert!(scene.effects().contains(Effects::UNSAMPLED_EMITTER) && scene.lights().has_emission());
-    assert!(scene.lights().sample(glam::Vec3::ZERO, 0.5, glam::Vec2::splat(0.5)).is_none(), "nothing to sample");
+    assert!(
+        scene.lights().sample(&pt::light::LightSampleContext::at(glam::Vec3::ZERO), 0.5, glam::Vec2::splat(0.5)).is_none(),
+        "nothing to sample"
+    );
 }
 
 /// A disk of light, seen within `degrees` of straight up: right directions see sin²θ of it, directions of an even angle θ/90°.
