@@ -8,7 +8,7 @@ use crate::effects::Effects;
 use crate::light::{Emission, LightSampleContext, Lights, ShadowTarget};
 use crate::math::{Frame, Local, Ray, SolidAnglePdf, Spectrum};
 use crate::primitive::Hit;
-use crate::shape::SurfacePoint;
+use crate::shape::{SurfacePoint, offset_ray_origin};
 
 /// Scene as integrators see it.
 pub trait Scene: Send + Sync {
@@ -212,9 +212,3 @@ impl<'a> Surface<'a> {
 
 /// Four roundings of the coordinates of a direction or of a distance, relative to the length.
 const ROUNDING: f32 = 4.0 * f32::EPSILON;
-
-/// Origin of a ray that leaves the surface in the direction `w`: the point moved off the surface on the side of `w`.
-pub(crate) fn offset_ray_origin(point: &SurfacePoint, w: Vec3) -> Vec3 {
-    let side = if point.ng.dot(w) < 0.0 { -point.offset } else { point.offset };
-    point.p + point.ng * side
-}

@@ -15,8 +15,8 @@ use crate::light::{Area, Emission, Emitter, Light, Lights};
 use crate::math::{Ray, Transform, float};
 use crate::primitive::{Hit, Primitive};
 use crate::sampler::hash;
-use crate::scene::{Scene, Surface, offset_ray_origin};
-use crate::shape::{Geometry, Sdf, Shape, ShapeHit, SurfacePoint};
+use crate::scene::{Scene, Surface};
+use crate::shape::{Geometry, Sdf, Shape, ShapeHit, SurfacePoint, offset_ray_origin};
 
 /// Scene that is ready for rendering.
 pub struct World {
@@ -176,7 +176,8 @@ impl WorldBuilder {
             ShapeAppearance { parts, first_light, has_shadow_terminator_offset: shapes[k].has_shadow_terminator_offset() }
         };
         let appearances: Vec<ShapeAppearance> = self.objects.into_iter().enumerate().map(appearance).collect();
-        let lights = Lights::new(lights, shapes.clone(), hierarchy.bounds().radius());
+        let bounds = hierarchy.bounds();
+        let lights = Lights::new(lights, shapes.clone(), (bounds.center(), bounds.radius()));
         let materials: Vec<PreparedMaterial> =
             self.materials.into_iter().map(|surface| PreparedMaterial::new(surface.recentred(origin))).collect();
 

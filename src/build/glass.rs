@@ -6,8 +6,8 @@ use crate::bsdf::Passage;
 use crate::math::{Discrete, Frame, Local, Ray, float, warp};
 use crate::primitive::Hit;
 use crate::sampler::hash;
-use crate::scene::{Scene as _, offset_ray_origin};
-use crate::shape::SurfacePoint;
+use crate::scene::Scene as _;
+use crate::shape::{SurfacePoint, offset_ray_origin};
 use crate::world::World;
 
 /// The number of test paths into each shape, unless that makes more than `MOST_WAYS` in total. For a pane without rims that is two

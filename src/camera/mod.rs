@@ -30,7 +30,38 @@ pub enum Camera {
     Spherical(Spherical),
 }
 
+/// Connection of a point with the camera, for paths that start at the lights.
+///
+/// The importance We is normalized so that a film that covers the unit square has ∫∫ We |cos θ| dA dω = 1 over its rays: light of
+/// radiance L along all of them gives the film the mean L.
+///
+/// Source: Veach, *Robust Monte Carlo Methods for Light Transport Simulation* (1997), §8.3.
+/// Tests: importance_integrates_to_one, connections_are_the_rays_of_the_camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraConnection {
+    /// Unit direction from the point towards the camera.
+    pub wi: Vec3,
+    /// Position on the film as in [`Camera::ray`]. It is outside of [0, 1)² where the camera does not see the point.
+    pub film: Vec2,
+    /// We divided by the density of `wi` as seen from the point [sr⁻¹]; for parallel projections We [m⁻²], with `wi` a delta
+    /// distribution.
+    pub weight: f32,
+    /// Point of the camera at which the shadow ray ends (m).
+    pub end: Vec3,
+}
+
 impl Camera {
+    /// Connects a point with the camera; `None` if the point is not in front of it.
+    ///
+    /// - `aspect`, `lens`: as in [`Camera::ray`]
+    pub fn connect(&self, p: Vec3, aspect: f32, lens: Vec2) -> Option<CameraConnection> {
+        match self {
+            Camera::Perspective(camera) => camera.connect(p, aspect, lens),
+            Camera::Orthographic(camera) => camera.connect(p, aspect),
+            Camera::Spherical(camera) => camera.connect(p),
+        }
+    }
+
     /// Ray through a point of the film.
     ///
     /// - `film`: position in [0, 1)², from the upper left corner; `aspect`: width / height of the film
@@ -164,6 +195,11 @@ impl Pose {
 
     fn vector(&self, v: Vec3) -> Vec3 {
         self.right * v.x + self.up * v.y + self.back * v.z
+    }
+
+    /// Components of a vector along right, up and back.
+    fn components(&self, v: Vec3) -> Vec3 {
+        Vec3::new(v.dot(self.right), v.dot(self.up), v.dot(self.back))
     }
 
     fn eye(&self) -> Vec3 {

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::Pose;
+use super::{CameraConnection, Pose};
 use crate::math::{Ray, float, warp};
 
 /// Perspective camera with a thin lens.
@@ -57,9 +57,33 @@ impl Perspective {
         if !self.has_lens() {
             return Ray::new(self.pose.eye(), self.pose.vector(towards).normalize());
         }
-        let on_lens = (warp::disk(lens) * self.lens_radius).extend(0.0);
+        let on_lens = self.on_lens(lens);
         let focus = towards * self.focus_distance;
         Ray::new(self.pose.eye() + self.pose.vector(on_lens), self.pose.vector(focus - on_lens).normalize())
+    }
+
+    /// Point of the lens in the frame of the camera.
+    #[inline(always)]
+    fn on_lens(&self, lens: Vec2) -> Vec3 {
+        (warp::disk(lens) * self.lens_radius).extend(0.0)
+    }
+
+    /// We = 1 / (A cos⁴ θ), divided by the area of the lens, for a film that shows the area A = 4τ²a at a distance of 1. The density of
+    /// a point on the lens by solid angle has the same area, so that neither depends on it: We / p(ω) = 1 / (A cos³ θ d²).
+    pub(super) fn connect(&self, p: Vec3, aspect: f32, lens: Vec2) -> Option<CameraConnection> {
+        let on_lens = if self.has_lens() { self.on_lens(lens) } else { Vec3::ZERO };
+        let end = self.pose.eye() + self.pose.vector(on_lens);
+        let line = end - p;
+        let away = self.pose.components(-line);
+        // The ray from the lens through the point, where it is in focus; at a distance of 1 for a pinhole.
+        let focus = on_lens / self.focus_distance + away / -away.z;
+        let aspect = self.aspect(aspect);
+        let film = Vec2::new(focus.x / (self.tan_half_fov * aspect), -focus.y / self.tan_half_fov) * 0.5 + 0.5;
+        let (d2, area) = (line.length_squared(), 4.0 * self.tan_half_fov * self.tan_half_fov * aspect);
+        let d = d2.sqrt();
+        let cos = -away.z / d;
+        let weight = 1.0 / (area * cos * cos * cos * d2);
+        (away.z < 0.0 && weight.is_finite()).then_some(CameraConnection { wi: line / d, film, weight, end })
     }
 }
 

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::{LightLiSample, ShadowTarget};
-use crate::math::{Density, Spectrum};
-use crate::shape::{Shape, SurfacePoint};
+use super::emitted_ray::EmissionContext;
+use super::{EmittedRay, LightLiSample, ShadowTarget};
+use crate::math::{Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, warp};
+use crate::shape::{Shape, SurfacePoint, offset_ray_origin};
 use crate::texture::Texture;
 
 /// Diffuse emission, with the same radiance in all directions.
@@ -88,6 +89,28 @@ impl Area {
         let wi = towards(from, &point)?;
         let li = self.emitter.at(&point).towards(point.ng, -wi);
         (!li.is_black()).then_some(LightLiSample { wi, li, density: Density::Smooth(pdf), target: ShadowTarget::Surface(point) })
+    }
+
+    /// A ray in a direction around the normal, with a density proportional to the cosine. A two-sided emitter chooses the side first.
+    pub(super) fn emit(&self, shapes: &[Box<dyn Shape>], cx: &EmissionContext) -> Option<EmittedRay> {
+        let shape = &shapes[self.shape as usize];
+        if !shape.is_sampled() {
+            return None;
+        }
+        let (point, pdf) = shape.sample_area(self.primitive, cx.position);
+        let (side, share, x) = match self.emitter.emission.two_sided {
+            true if cx.direction.x < 0.5 => (1.0, 0.5, 2.0 * cx.direction.x),
+            true => (-1.0, 0.5, 2.0 * cx.direction.x - 1.0),
+            false => (1.0, 1.0, cx.direction.x),
+        };
+        let local = warp::cosine_hemisphere(Vec2::new(x, cx.direction.y));
+        let w = Frame::around(point.ng * side).to_world(Local(local)).normalize();
+        let le = self.emitter.at(&point).towards(point.ng, w);
+        let ray = Ray { from: point.p, ..Ray::new(offset_ray_origin(&point, w), w) };
+        let direction = Density::Smooth(SolidAnglePdf::new(share * warp::cosine_hemisphere_pdf(local)));
+        let (position, &EmissionContext { light, probability, .. }) = (Density::Smooth(pdf), cx);
+        let ray = EmittedRay { ray, point: Some(point), le, cos: local.z, position, direction, probability, light };
+        (!le.is_black() && local.z > 0.0).then_some(ray)
     }
 
     /// Whether the primitive emits and cannot be sampled, so that paths hit it only by chance.

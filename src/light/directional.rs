@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use glam::Vec3;
 
-use super::{LightLiSample, ShadowTarget};
+use super::emitted_ray::EmissionContext;
+use super::{EmittedRay, LightLiSample, ShadowTarget};
 use crate::math::{Density, Spectrum};
 
 /// Parallel light from one direction.
@@ -19,6 +20,11 @@ pub struct Directional {
 impl Directional {
     pub(super) fn sample(&self) -> Option<LightLiSample> {
         Some(LightLiSample { wi: -self.direction, li: self.irradiance, density: Density::Delta, target: ShadowTarget::Infinity })
+    }
+
+    /// A ray through the scene.
+    pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
+        cx.ray_from_infinity(self.direction, self.irradiance, Density::Delta)
     }
 
     /// Flux Φ = π R² E through a scene of radius R (W).

@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::{LightLiSample, ShadowTarget};
+use super::emitted_ray::EmissionContext;
+use super::{EmittedRay, LightLiSample, ShadowTarget};
 use crate::math::{Density, SolidAnglePdf, Spectrum, warp};
 
 /// Environment with the same radiance from all directions.
@@ -28,6 +29,12 @@ impl Environment {
     /// Density 1 / 4π of a sampled direction.
     pub(super) fn pdf(&self, _wi: Vec3) -> SolidAnglePdf {
         SolidAnglePdf::new((0.25 / PI) as f32)
+    }
+
+    /// A ray through the scene in a uniformly distributed direction.
+    pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
+        let wi = warp::uniform_sphere(cx.direction);
+        cx.ray_from_infinity(-wi, self.radiance(wi), Density::Smooth(self.pdf(wi)))
     }
 
     /// Flux Φ = π R² · 4π L through a scene of radius R (W).

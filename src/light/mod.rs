@@ -4,6 +4,7 @@
 
 pub mod area;
 pub mod directional;
+mod emitted_ray;
 pub mod environment;
 pub mod point;
 pub mod spot;
@@ -12,12 +13,14 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 
+use self::emitted_ray::EmissionContext;
 use crate::effects::Effects;
 use crate::math::{Density, Discrete, SolidAnglePdf, Spectrum};
 use crate::shape::{Shape, SurfacePoint};
 
 pub use area::{Area, Emission, Emitter};
 pub use directional::Directional;
+pub use emitted_ray::EmittedRay;
 pub use environment::Environment;
 pub use point::Point;
 pub use spot::{Falloff, Spot};
@@ -107,6 +110,8 @@ struct LightLiSample {
 /// Lights of a scene.
 pub struct Lights {
     shapes: Arc<[Box<dyn Shape>]>,
+    /// Centre and radius of the scene's bounding sphere (m).
+    bounds: (Vec3, f32),
     lights: Vec<Light>,
     /// Distribution over the lights, see [`selection_weights`].
     choice: Option<Discrete>,
@@ -119,12 +124,12 @@ pub struct Lights {
 impl Lights {
     /// Lights of a scene.
     ///
-    /// - `radius`: radius of the scene's bounding sphere (m), which determines the power of distant lights
-    pub fn new(lights: Vec<Light>, shapes: Arc<[Box<dyn Shape>]>, radius: f32) -> Lights {
-        let power: Vec<f64> = lights.iter().map(|light| light.power(&shapes, radius.into())).collect();
+    /// - `bounds`: centre and radius of the scene's bounding sphere (m), which determines the power of distant lights
+    pub fn new(lights: Vec<Light>, shapes: Arc<[Box<dyn Shape>]>, bounds: (Vec3, f32)) -> Lights {
+        let power: Vec<f64> = lights.iter().map(|light| light.power(&shapes, bounds.1.into())).collect();
         let infinite = (0..).zip(&lights).filter(|(_, light)| matches!(light, Light::Environment(_))).map(|(i, _)| i).collect();
         let has_unsampled_emitter = lights.iter().any(|light| matches!(light, Light::Area(area) if area.is_unsampled(&shapes)));
-        Lights { shapes, choice: Discrete::new(&selection_weights(&power)), infinite, lights, has_unsampled_emitter }
+        Lights { shapes, bounds, choice: Discrete::new(&selection_weights(&power)), infinite, lights, has_unsampled_emitter }
     }
 
     /// Number of lights.
@@ -168,6 +173,18 @@ impl Lights {
             Density::Smooth(pdf) => Density::Smooth(pdf * probability),
         };
         Some(LightSample { wi, li, density, probability, target, light: index as u32 })
+    }
+
+    /// Samples a ray that a light emits, at time 0.
+    ///
+    /// - `choice`: uniform number that chooses the light
+    /// - `position`, `direction`: uniform numbers that choose the start and the direction of the ray
+    ///
+    /// `None` if the chosen light emits nothing along the sampled ray.
+    pub fn emit(&self, choice: f32, position: Vec2, direction: Vec2) -> Option<EmittedRay> {
+        let (index, probability, _) = self.choice.as_ref()?.sample(choice);
+        let cx = EmissionContext { light: index as u32, probability, bounds: self.bounds, position, direction };
+        self.lights[index].emit(&self.shapes, &cx)
     }
 
     /// Density with which [`Lights::sample`] samples `point`, a point of the area light `index`.
@@ -226,6 +243,16 @@ impl Light {
             Light::Spot(spot) => spot.sample(cx.p),
             Light::Directional(directional) => directional.sample(),
             Light::Environment(environment) => environment.sample(u),
+        }
+    }
+
+    fn emit(&self, shapes: &[Box<dyn Shape>], cx: &EmissionContext) -> Option<EmittedRay> {
+        match self {
+            Light::Area(area) => area.emit(shapes, cx),
+            Light::Point(point) => point.emit(cx),
+            Light::Spot(spot) => spot.emit(cx),
+            Light::Directional(directional) => directional.emit(cx),
+            Light::Environment(environment) => environment.emit(cx),
         }
     }
 

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::{LightLiSample, ShadowTarget};
-use crate::math::{Density, Spectrum};
+use super::emitted_ray::EmissionContext;
+use super::{EmittedRay, LightLiSample, ShadowTarget};
+use crate::math::{Density, SolidAnglePdf, Spectrum, warp};
 
 /// Point light, with the irradiance E = I / d² on a plane perpendicular to the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +21,12 @@ impl Point {
     pub(super) fn sample(&self, from: Vec3) -> Option<LightLiSample> {
         let (wi, d2) = direction_and_square(from, self.position.as_vec3())?;
         Some(LightLiSample { wi, li: self.intensity / d2, density: Density::Delta, target: ShadowTarget::Point(self.position.as_vec3()) })
+    }
+
+    /// A ray in a uniformly distributed direction.
+    pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
+        let pdf = SolidAnglePdf::new(warp::uniform_sphere_pdf());
+        cx.ray_from_position(self.position.as_vec3(), warp::uniform_sphere(cx.direction), self.intensity, pdf)
     }
 
     /// Flux Φ = 4π I (W).

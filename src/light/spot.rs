@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
 
+use super::emitted_ray::EmissionContext;
 use super::point::direction_and_square;
-use super::{LightLiSample, ShadowTarget};
-use crate::math::{Density, Spectrum, float};
+use super::{EmittedRay, LightLiSample, ShadowTarget};
+use crate::math::{Density, Frame, Local, SolidAnglePdf, Spectrum, float, warp};
 
 /// Point light with full intensity within an inner cone, none beyond an outer cone, and a [`Falloff`] between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +43,14 @@ impl Spot {
         let (wi, d2) = direction_and_square(from, self.position.as_vec3())?;
         let li = self.intensity * (self.falloff(-wi) / d2);
         (!li.is_black()).then_some(LightLiSample { wi, li, density: Density::Delta, target: ShadowTarget::Point(self.position.as_vec3()) })
+    }
+
+    /// A ray in a uniformly distributed direction within the outer cone.
+    pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
+        let opening = (1.0 - self.cos_outer) as f32;
+        let w = Frame::around(self.axis).to_world(Local(warp::uniform_cone(cx.direction, opening))).normalize();
+        let pdf = SolidAnglePdf::new(warp::uniform_cone_pdf(opening));
+        cx.ray_from_position(self.position.as_vec3(), w, self.intensity * self.falloff(w), pdf)
     }
 
     /// Relative intensity in the direction w, with cos ∠(axis, w) = 1 − |axis − w|²/2 for unit vectors.

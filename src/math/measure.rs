@@ -19,13 +19,13 @@ pub struct SolidAnglePdf(f32);
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct AreaPdf(f32);
 
-/// Density of a sampled direction.
+/// Density of a sampled direction, or of a sampled point with `P` = [`AreaPdf`].
 ///
-/// A delta lobe has no density. The enum forces every user to handle this case.
+/// A delta distribution has no density. The enum forces every user to handle this case.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Density {
-    /// Density by solid angle.
-    Smooth(SolidAnglePdf),
+pub enum Density<P = SolidAnglePdf> {
+    /// Density by the measure of `P`.
+    Smooth(P),
     /// Delta distribution.
     Delta,
 }

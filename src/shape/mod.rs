@@ -250,3 +250,9 @@ pub fn bent(n: Vec3, w: Vec3, least: f32) -> Vec3 {
 pub fn offset_bound(n: Vec3, magnitude: Vec3) -> f32 {
     32.0 * f32::EPSILON * 0.5 * n.abs().dot(magnitude)
 }
+
+/// Origin of a ray that leaves the surface in the direction `w`: the point moved off the surface on the side of `w`.
+pub(crate) fn offset_ray_origin(point: &SurfacePoint, w: Vec3) -> Vec3 {
+    let side = if point.ng.dot(w) < 0.0 { -point.offset } else { point.offset };
+    point.p + point.ng * side
+}

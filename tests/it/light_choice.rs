@@ -21,7 +21,7 @@ fn lit(geometry: &dyn Geometry, to_world: &Transform, two_sided: bool) -> Lights
     let shape = geometry.bake(to_world).expect("the shape can be hit");
     let emission = Emission { radiance: Spectrum::ONE, two_sided };
     let lights = (0..shape.count()).map(|primitive| Light::Area(Area { shape: 0, primitive, emitter: emission.into() })).collect();
-    Lights::new(lights, vec![shape].into(), 1.0)
+    Lights::new(lights, vec![shape].into(), (Vec3::ZERO, 1.0))
 }
 
 fn moved(x: f64, y: f64, z: f64) -> Transform {
@@ -181,7 +181,7 @@ const REFERENCE: DVec3 = DVec3::new(3.0, 4.0, 5.0);
 /// Fraction of choices in which `light` is chosen, together with a point light of the given power (W).
 fn share(light: Light, shapes: Vec<Box<dyn Shape>>, radius: f32, power: f64) -> f64 {
     let reference = Light::Point(Point { position: REFERENCE, intensity: Spectrum::gray((power / (2.0 * TAU)) as f32) });
-    let lights = Lights::new(vec![light, reference], shapes.into(), radius);
+    let lights = Lights::new(vec![light, reference], shapes.into(), (Vec3::ZERO, radius));
     let is_reference = |choice: f32| {
         let sample = lights.sample(&LightSampleContext::at(Vec3::ZERO), choice, Vec2::splat(0.5));
         matches!(sample, Some(LightSample { target: ShadowTarget::Point(p), .. }) if p == REFERENCE.as_vec3())
@@ -227,12 +227,12 @@ fn lights_are_chosen_by_power() {
 #[test]
 fn the_sky_and_its_choice() {
     let sky = Light::Environment(Environment { radiance: Spectrum::ONE });
-    let alone = Lights::new(vec![sky.clone()], Vec::new().into(), 1.0);
+    let alone = Lights::new(vec![sky.clone()], Vec::new().into(), (Vec3::ZERO, 1.0));
     // Half of the sphere is below the horizon, where the integrand has a kink.
     assert_near(irradiance(&alone, DVec3::X, DVec3::new(0.6, 0.0, 0.8), 256), PI, 1e-3, "sky");
     // Φ = 4π²R²L; a point light of three times that leaves the sky ⅞ · ¼ + ⅛ · ½ of the choices.
     let point = Light::Point(Point { position: REFERENCE, intensity: Spectrum::gray(3.0 * std::f32::consts::PI) });
-    let both = Lights::new(vec![point, sky], Vec::new().into(), 1.0);
+    let both = Lights::new(vec![point, sky], Vec::new().into(), (Vec3::ZERO, 1.0));
     assert_near(
         f64::from(both.background_pdf(1, &LightSampleContext::at(Vec3::ZERO), Vec3::X).get()),
         9.0 / 32.0 / (2.0 * TAU),
@@ -247,7 +247,7 @@ fn the_sky_and_its_choice() {
 #[test]
 fn infinite_lights_add_up() {
     let sky = |radiance| Light::Environment(Environment { radiance: Spectrum::gray(radiance) });
-    let both = Lights::new(vec![sky(1.0), sky(2.0)], Vec::new().into(), 1.0);
+    let both = Lights::new(vec![sky(1.0), sky(2.0)], Vec::new().into(), (Vec3::ZERO, 1.0));
     let arriving: Vec<(u32, f32)> = both.background(Vec3::X).map(|(light, radiance)| (light, radiance.average())).collect();
     assert_eq!(arriving, [(0, 1.0), (1, 2.0)]);
     let cx = LightSampleContext::at(Vec3::ZERO);
@@ -270,7 +270,7 @@ fn narrow_cones_fall_off_in_the_angle() {
     let [cos_inner, cos_outer] = [inner, outer].map(|degrees| sin_cos_degrees(degrees).1);
     let falloff = Falloff::Linear;
     let spot = Spot { position: DVec3::ZERO, axis: Vec3::NEG_Z, intensity: Spectrum::ONE, cos_inner, cos_outer, falloff };
-    let lights = Lights::new(vec![Light::Spot(spot)], Vec::new().into(), 1.0);
+    let lights = Lights::new(vec![Light::Spot(spot)], Vec::new().into(), (Vec3::ZERO, 1.0));
     for degrees in [0.0, 0.009, 0.02, 0.03, 0.04, 0.049] {
         let point = Vec3::new(f64::to_radians(degrees).tan() as f32, 0.0, -1.0);
         let found = lights.sample(&LightSampleContext::at(point), 0.5, Vec2::splat(0.5)).expect("within the cone").weight().to_rgb()[0];
@@ -287,7 +287,7 @@ fn narrow_cones_fall_off_in_the_angle() {
 fn cones_fall_off_with_the_square() {
     let (cos_inner, cos_outer) = (0.9, 0.5);
     let spot = Spot { position: DVec3::ZERO, axis: Vec3::NEG_Z, intensity: Spectrum::ONE, cos_inner, cos_outer, falloff: Falloff::Squared };
-    let lights = Lights::new(vec![Light::Spot(spot)], Vec::new().into(), 1.0);
+    let lights = Lights::new(vec![Light::Spot(spot)], Vec::new().into(), (Vec3::ZERO, 1.0));
     for (cos, expected) in [(0.95f64, 1.0), (0.8, 0.5625), (0.7, 0.25), (0.6, 0.0625)] {
         let point = Vec3::new((1.0 - cos * cos).sqrt() as f32, 0.0, -cos as f32);
         let found = lights.sample(&LightSampleContext::at(point), 0.5, Vec2::splat(0.5)).expect("within the cone").weight().to_rgb()[0];
@@ -307,7 +307,7 @@ fn textured_lamps_light_as_their_bright_part_does() {
     let down = |x: f64| Transform::look_at(DVec3::new(x, 0.0, 1.0), DVec3::new(x, 0.0, 2.0), DVec3::Y).expect("a place");
     let irradiance = |size: [f64; 2], x: f64, emitter: Emitter| {
         let shape = Quad { size }.bake(&down(x)).expect("a quad");
-        let lights = Lights::new(vec![Light::Area(Area { shape: 0, primitive: 0, emitter })], vec![shape].into(), 1.0);
+        let lights = Lights::new(vec![Light::Area(Area { shape: 0, primitive: 0, emitter })], vec![shape].into(), (Vec3::ZERO, 1.0));
         const N: u32 = 256;
         let middle = |k: u32| (k as f32 + 0.5) / N as f32;
         let cx = LightSampleContext::at(Vec3::new(0.3, 0.2, 0.0));
