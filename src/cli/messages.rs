@@ -6,25 +6,18 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::progress::ProgressForm;
-use super::{Command, CommandLine};
 use crate::error::text::printable;
 
 /// Option of the command line, for the whole process.
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 static SHOWS_PROGRESS: AtomicBool = AtomicBool::new(true);
 
-/// Applies `--quiet` and `--progress`.
-pub fn configure(args: &CommandLine) {
-    let work = match &args.command {
-        None => Some(&args.render.work),
-        Some(Command::Compare(args)) => Some(&args.work),
-        Some(Command::Verify(args)) => Some(&args.work),
-        Some(Command::Reference(args)) => Some(&args.work),
-        Some(_) => None,
-    };
-    IS_QUIET.store(args.quiet, Ordering::Relaxed);
-    SHOWS_PROGRESS.store(!args.quiet && work.is_none_or(|work| work.progress != ProgressForm::None), Ordering::Relaxed);
+/// Sets what is printed from now on.
+///
+/// - `shows_progress`: whether a message is printed while a scene is read
+pub fn configure(is_quiet: bool, shows_progress: bool) {
+    IS_QUIET.store(is_quiet, Ordering::Relaxed);
+    SHOWS_PROGRESS.store(shows_progress, Ordering::Relaxed);
 }
 
 /// Returns whether only errors and requested output may be printed.

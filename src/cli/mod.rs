@@ -3,12 +3,10 @@
 //! To add one: a file beside these, a variant in [`Command`], an arm in `run`.
 
 mod check;
-mod checkpoint;
 mod compare;
 mod completions;
 mod convert;
 mod display;
-mod forensics;
 mod image;
 mod list;
 mod load;
@@ -48,6 +46,7 @@ use convert::ConvertArgs;
 use load::SceneArgs;
 use merge::MergeArgs;
 use messages::{is_quiet, note, print_stderr};
+use progress::{ProgressForm, WorkArgs};
 use reference::ReferenceArgs;
 use render::RenderArgs;
 use sample::SampleArgs;
@@ -131,6 +130,17 @@ impl CommandLine {
         };
         files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ")
     }
+
+    /// Options for threads and progress; `None` for a command without them.
+    fn work(&self) -> Option<&WorkArgs> {
+        match &self.command {
+            None => Some(&self.render.work),
+            Some(Command::Compare(args)) => Some(&args.work),
+            Some(Command::Verify(args)) => Some(&args.work),
+            Some(Command::Reference(args)) => Some(&args.work),
+            Some(_) => None,
+        }
+    }
 }
 
 /// Exit code of a question without an answer: a target that was not reached, a test without power.
@@ -144,7 +154,8 @@ pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
         Err(usage_error) => return usage_error::print(&usage_error),
     };
     let (json, file) = (args.json_errors, args.file());
-    messages::configure(&args);
+    let shows_progress = args.work().is_none_or(|work| work.progress != ProgressForm::None);
+    messages::configure(args.quiet, !args.quiet && shows_progress);
     panic::silence();
     signals::let_writing_fail();
     set_message(lines(&Error::Limit(Fault::new("out of memory").in_file(&file)), json));

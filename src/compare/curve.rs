@@ -2,8 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::run::MethodConfig;
-use super::{CheckpointStats, Cost, Measurement, Method, Reference, TARGETS};
+use super::{CheckpointStats, Cost, Measurement, Method, MethodConfig, Reference, TARGETS};
 use crate::film::{Channel, Image};
 use crate::measure::error::{errors, floor};
 

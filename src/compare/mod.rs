@@ -8,12 +8,16 @@ pub mod curve;
 pub mod report;
 pub mod run;
 
+use std::sync::Arc;
+
 use crate::film::Image;
+use crate::integrator::Integrator;
 use crate::measure::Metric;
+use crate::sampler::SamplerSpec;
 
 pub use crate::measure::format::TARGETS;
 pub use conclude::conclusions;
-pub use run::{Budget, MethodConfig, run};
+pub use run::{Budget, run};
 
 /// Results of a comparison, as the report needs them.
 #[derive(Clone, Debug)]
@@ -41,6 +45,22 @@ pub struct Reference {
     pub origin: String,
     /// Relative error √relMSE of the reference itself, if known.
     pub error: Option<f64>,
+}
+
+/// A way to render a scene.
+pub struct MethodConfig {
+    /// Name in the report.
+    pub name: String,
+    /// Name of the integrator.
+    pub integrator_name: String,
+    /// Name of the sampler.
+    pub sampler_name: String,
+    /// The integrator.
+    pub integrator: Arc<dyn Integrator>,
+    /// The sampler.
+    pub sampler: SamplerSpec,
+    /// Effects that the scene needs and the integrator leaves out, in words.
+    pub lacks: String,
 }
 
 /// A way to render the scene, with its results.

@@ -4,31 +4,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::curve;
-use super::{Measurement, Method, Reference};
+use super::{Measurement, Method, MethodConfig, Reference};
 use crate::film::{FilmSpec, Image, MomentFilm};
-use crate::integrator::Integrator;
 use crate::measure::metric::{ImagePair, Named};
 use crate::measure::{Distance, Metric};
 use crate::output::Tonemap;
 use crate::render::{Observer, Render, Settings};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene;
-
-/// A way to render a scene.
-pub struct MethodConfig {
-    /// Name in the report.
-    pub name: String,
-    /// Name of the integrator.
-    pub integrator_name: String,
-    /// Name of the sampler.
-    pub sampler_name: String,
-    /// The integrator.
-    pub integrator: Arc<dyn Integrator>,
-    /// The sampler.
-    pub sampler: SamplerSpec,
-    /// Effects that the scene needs and the integrator leaves out, in words.
-    pub lacks: String,
-}
 
 /// Limits of the work, and what is measured.
 #[derive(Clone, Debug)]

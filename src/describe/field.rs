@@ -5,7 +5,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::MaterialRef;
-use super::shape::Emission;
+use super::emission::Emission;
 use crate::format::{Direction, NonNegative, Point, Positive, Transform};
 use crate::reader::by_type;
 

@@ -10,6 +10,7 @@
 mod camera;
 mod check;
 mod cycles;
+mod emission;
 mod field;
 mod field_check;
 mod file;
@@ -30,6 +31,7 @@ mod shape;
 pub use crate::bsdf::description::*;
 pub use crate::format::*;
 pub use camera::*;
+pub use emission::*;
 pub use field::*;
 pub use files::{Files, files_of};
 pub use film::*;

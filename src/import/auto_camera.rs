@@ -18,17 +18,13 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::context::ImportContext;
 use super::json_cursor::JsonCursor;
-use crate::reader::{Member, Node, Value};
+use super::view::{AutoCamera, Axes, Bounds, FOV, MissingParts, tangents};
+use crate::reader::{Location, Member, Node, Value};
 
 /// Width of the picture if the file has none (pixels).
 pub const WIDTH: u32 = 640;
-
-/// Width over height of the picture if the file has none.
-pub const ASPECT: f64 = 4.0 / 3.0;
-
-/// Vertical field of view of the camera (degrees).
-const FOV: f64 = 40.0;
 
 /// Direction from the middle to the key light: to the right of the camera, up, and backwards.
 const KEY: DVec3 = DVec3::new(-0.8, 0.9, 0.7);
@@ -40,147 +36,6 @@ const KEY_DISTANCE: f64 = 4.0;
 const KEY_IRRADIANCE: f64 = 2.5;
 
 const SKY: f64 = 0.25;
-
-/// Share of the picture's width and height that the scene fills.
-const FILLED: f64 = 0.9;
-
-/// Options of the command line for the camera, and for a ground.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AutoCamera {
-    /// Axis that points up; `None` for the file's own.
-    pub up: Option<Up>,
-    /// Side from which the camera looks; `None` for three-quarter.
-    pub view: Option<Viewpoint>,
-    /// Whether a ground is added below everything.
-    pub ground: bool,
-}
-
-/// Axis that points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Up {
-    /// y points up, z to the front.
-    #[default]
-    Y,
-    /// z points up, y to the back.
-    Z,
-}
-
-/// Side from which a camera looks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Viewpoint {
-    /// Name on the command line.
-    pub name: &'static str,
-    /// Directions towards the camera, and up in its picture; x is right, y is up, z is front.
-    back: DVec3,
-    up: DVec3,
-}
-
-impl Viewpoint {
-    /// All viewpoints; the first is the default.
-    pub const ALL: [Viewpoint; 7] = [
-        Viewpoint { name: "three-quarter", back: DVec3::new(0.5, 0.35, 1.0), up: DVec3::Y },
-        Viewpoint { name: "front", back: DVec3::Z, up: DVec3::Y },
-        Viewpoint { name: "back", back: DVec3::NEG_Z, up: DVec3::Y },
-        Viewpoint { name: "left", back: DVec3::NEG_X, up: DVec3::Y },
-        Viewpoint { name: "right", back: DVec3::X, up: DVec3::Y },
-        Viewpoint { name: "top", back: DVec3::Y, up: DVec3::NEG_Z },
-        Viewpoint { name: "bottom", back: DVec3::NEG_Y, up: DVec3::Z },
-    ];
-}
-
-impl Up {
-    /// Converts from x right, y up, z front to the file's axes.
-    fn turned(self, v: DVec3) -> DVec3 {
-        match self {
-            Up::Y => v,
-            Up::Z => DVec3::new(v.x, -v.z, v.y),
-        }
-    }
-}
-
-impl AutoCamera {
-    fn up(&self) -> DVec3 {
-        self.up.unwrap_or_default().turned(DVec3::Y)
-    }
-
-    /// Up direction of the camera's picture, as `look_at` takes it.
-    fn camera_up(&self) -> DVec3 {
-        self.up.unwrap_or_default().turned(self.view.unwrap_or(Viewpoint::ALL[0]).up)
-    }
-
-    fn axes(&self) -> Axes {
-        let back = self.up.unwrap_or_default().turned(self.view.unwrap_or(Viewpoint::ALL[0]).back);
-        Axes::looking(back, self.camera_up())
-    }
-}
-
-/// Bounds of a scene: along the axes, and towards the sides of a picture of 4 : 3.
-#[derive(Clone, Copy, Debug)]
-pub struct Bounds {
-    auto_camera: AutoCamera,
-    axes: Axes,
-    low: DVec3,
-    high: DVec3,
-    /// Largest pₓ/t + p_z, −pₓ/t + p_z, p_y/t + p_z and −p_y/t + p_z.
-    sides: [f64; 4],
-}
-
-impl Bounds {
-    /// Bounds of no points.
-    pub fn empty(auto_camera: &AutoCamera) -> Bounds {
-        let (low, high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        Bounds { auto_camera: *auto_camera, axes: auto_camera.axes(), low, high, sides: [f64::NEG_INFINITY; 4] }
-    }
-
-    /// Extends the bounds by a point.
-    pub fn add(&mut self, p: DVec3) {
-        (self.low, self.high) = (self.low.min(p), self.high.max(p));
-        let Axes { right, up, back } = self.axes;
-        let ([x, y], z) = ([p.dot(right) / tangents()[0], p.dot(up) / tangents()[1]], p.dot(back));
-        for (side, reach) in self.sides.iter_mut().zip([x + z, -x + z, y + z, -y + z]) {
-            *side = side.max(reach);
-        }
-    }
-
-    /// Returns the bounds, or those of the unit cube about the origin if no point was added.
-    pub fn or_unit(mut self) -> Bounds {
-        if !self.low.cmple(self.high).all() {
-            [-0.5, 0.5].into_iter().for_each(|x| self.add(DVec3::splat(x)));
-        }
-        self
-    }
-
-    fn middle(&self) -> DVec3 {
-        0.5 * (self.low + self.high)
-    }
-
-    /// Radius of the sphere through the corners of the box.
-    fn radius(&self) -> f64 {
-        0.5 * (self.high - self.low).length()
-    }
-}
-
-/// Axes of a camera.
-#[derive(Clone, Copy, Debug)]
-struct Axes {
-    right: DVec3,
-    up: DVec3,
-    back: DVec3,
-}
-
-impl Axes {
-    fn looking(back: DVec3, up: DVec3) -> Axes {
-        let back = back.normalize_or(DVec3::Z);
-        let right = up.cross(back).normalize_or(back.any_orthonormal_vector());
-        Axes { right, up: back.cross(right), back }
-    }
-}
-
-/// Tangents of the angles between the view direction and the edge of the part of the picture that the model fills, along x and y.
-fn tangents() -> [f64; 2] {
-    let up = FILLED * (FOV.to_radians() / 2.0).tan();
-    [up * ASPECT, up]
-}
 
 /// Camera that sees everything.
 pub fn camera(at: &JsonCursor, bounds: &Bounds) -> Node {
@@ -204,20 +59,20 @@ pub fn film(at: &JsonCursor, aspect: f64) -> Node {
     at.make_object([("width", at.make_number(WIDTH.into())), ("height", at.make_number(height))])
 }
 
-/// Parts that a file lacks for a first picture, added when the camera that renders is known.
-pub struct MissingParts {
-    /// Bounds of the scene.
-    pub bounds: Bounds,
-    /// `look_at` of the camera that was placed here, if the file has no camera. If the scene has another one by then, the user has
-    /// placed it.
-    pub placed: Option<Node>,
-    /// Whether the file has no light.
-    pub light: bool,
+/// Adds the parts that the scene lacks for a first picture, now that its camera is known.
+pub fn complete(context: &ImportContext, root: &mut Node) {
+    let whole = Node { value: Value::Object(vec![]), location: Location::Whole("".into()) };
+    let at = JsonCursor::root(&whole, context);
+    match context.take_missing() {
+        Some(missing) => missing.complete(&at, root),
+        None if context.auto_camera == AutoCamera::default() => {}
+        None => at.note("--view, --up and --ground are for models (glTF, OBJ, PLY, STL): they change nothing here"),
+    }
 }
 
 impl MissingParts {
     /// Adds light and ground to a scene that has a camera, and notes what was added.
-    pub fn complete(&self, at: &JsonCursor, root: &mut Node) {
+    fn complete(&self, at: &JsonCursor, root: &mut Node) {
         let look_at = root.get("/camera/look_at").cloned();
         if look_at.is_some() && look_at == self.placed {
             let [from, to] = ["from", "to"].map(|key| look_at.as_ref().and_then(|l| point(l.child(key))).unwrap_or_default());

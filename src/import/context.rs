@@ -4,11 +4,10 @@ use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::auto_camera::{AutoCamera, MissingParts};
-use super::json_cursor::JsonCursor;
+use super::view::{AutoCamera, MissingParts};
 use crate::describe::Files;
 use crate::error::{Error, Fault, Result};
-use crate::reader::{self, Faults, Location, Node, Value};
+use crate::reader::{self, Faults, Node};
 
 /// Content of a scene file.
 pub struct Content<'a> {
@@ -73,15 +72,9 @@ impl<'a> ImportContext<'a> {
         self.missing.replace(Some(missing));
     }
 
-    /// Adds the parts that the scene lacks for a first picture, now that its camera is known.
-    pub fn complete(&self, root: &mut Node) {
-        let whole = Node { value: Value::Object(vec![]), location: Location::Whole("".into()) };
-        let at = JsonCursor::root(&whole, self);
-        match self.missing.take() {
-            Some(missing) => missing.complete(&at, root),
-            None if self.auto_camera == AutoCamera::default() => {}
-            None => at.note("--view, --up and --ground are for models (glTF, OBJ, PLY, STL): they change nothing here"),
-        }
+    /// Returns the parts that the scene lacks for a first picture, and forgets them.
+    pub fn take_missing(&self) -> Option<MissingParts> {
+        self.missing.take()
     }
 
     /// Notes something that is left out or done in another way, once.

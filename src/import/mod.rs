@@ -19,6 +19,7 @@ mod model;
 mod native;
 mod obj;
 mod unknown;
+mod view;
 
 use std::path::Path;
 
@@ -26,9 +27,9 @@ use crate::describe::{self, Files};
 use crate::error::{Error, Fault, Result};
 use crate::reader::Node;
 
-pub use auto_camera::{AutoCamera, Up, Viewpoint};
 pub use context::Assets;
 use context::{Content, ImportContext};
+pub use view::{AutoCamera, Up, Viewpoint};
 
 /// A kind of scene file that pt reads.
 pub struct Dialect {
@@ -88,7 +89,7 @@ pub fn import_with(
     let mut root = (dialect.read)(&content, &context)?;
     if let Some(root) = root.as_mut().filter(|_| context.faults.is_empty()) {
         change(root, &file)?;
-        context.complete(root);
+        auto_camera::complete(&context, root);
     }
     let (files, notes) = context.finish()?;
     let root = root.ok_or_else(|| Error::Internal(format!("{file}: no scene and no fault")))?;

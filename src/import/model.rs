@@ -3,8 +3,9 @@
 
 use std::path::Path;
 
-use super::auto_camera::{self, AutoCamera, Bounds, MissingParts, Up};
+use super::auto_camera;
 use super::json_cursor::JsonCursor;
+use super::view::{ASPECT, AutoCamera, Bounds, MissingParts, Up};
 use super::{Content, Dialect, ImportContext};
 use crate::describe::mesh::{self, Format};
 use crate::error::Result;
@@ -74,7 +75,7 @@ pub fn scene(at: &JsonCursor, bounds: Bounds, materials: Vec<(&str, Node)>, shap
     at.make_object([
         ("pt", at.make_number(1.0)),
         ("camera", camera),
-        ("film", auto_camera::film(at, auto_camera::ASPECT)),
+        ("film", auto_camera::film(at, ASPECT)),
         ("materials", at.make_object(materials)),
         ("shapes", at.make_array(shapes)),
     ])

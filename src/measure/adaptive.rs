@@ -16,8 +16,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::ErrorObserver;
+use super::error::epsilon::floor_at;
 use super::error::neighborhood::neighborhood;
-use super::error::relative::floor_at;
 use crate::film::pixel_sums::estimate;
 use crate::film::{Allocation, Film, FilmSpec, MomentFilm};
 use crate::integrator::Integrator;

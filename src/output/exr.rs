@@ -8,7 +8,8 @@ use exr::meta::header::Header;
 use exr::prelude::*;
 use glam::UVec2;
 
-use super::read::DecodeError;
+use super::decode_error::DecodeError;
+use super::open::bytes;
 use super::{Attributes, Value};
 use crate::error::{Error, Result as PtResult};
 use crate::film::{Channel, Image};
@@ -91,7 +92,7 @@ fn from_utf8(text: &Text) -> String {
 /// # Errors
 /// The errors of [`super::read()`].
 pub fn read(path: &Path) -> PtResult<(Image, Attributes)> {
-    decode(&super::read::bytes(path)?).map_err(|refusal| refusal.of(path))
+    decode(&bytes(path)?).map_err(|refusal| refusal.of(path))
 }
 
 /// Decodes the bytes of a file.

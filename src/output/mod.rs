@@ -3,13 +3,16 @@
 pub mod attributes;
 pub mod colormap;
 pub(crate) mod decode;
+mod decode_error;
 pub mod exposure;
 pub mod exr;
 pub mod hash;
 pub mod layer;
+mod open;
 pub mod pfm;
 pub mod png;
 mod read;
+mod rgb_image;
 #[cfg(feature = "cli")]
 pub mod tev;
 pub mod tonemap;
@@ -28,7 +31,8 @@ pub use attributes::{Attributes, Value};
 pub use colormap::Colormap;
 pub use hash::hash;
 pub use layer::{Pick, window};
-pub use read::{facts, read, regular};
+pub use open::regular;
+pub use read::{facts, read};
 pub use tonemap::{Curve, Tonemap};
 
 /// File formats that can be written, by extension. All of them can be read too, see [`read()`].

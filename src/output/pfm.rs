@@ -2,7 +2,8 @@
 
 use glam::UVec2;
 
-use super::read::{DecodeError, rgb_image};
+use super::decode_error::DecodeError;
+use super::rgb_image::rgb_image;
 use crate::film::Image;
 
 /// Encodes a picture: little-endian (scale −1), rows from the bottom.

@@ -8,7 +8,8 @@ use image::{ImageEncoder, ImageFormat, ImageReader};
 
 use super::Tonemap;
 use super::decode::{self, Undecoded};
-use super::read::{DecodeError, rgb_image};
+use super::decode_error::DecodeError;
+use super::rgb_image::rgb_image;
 use super::tonemap::linear;
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};

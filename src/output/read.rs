@@ -1,34 +1,14 @@
 //! Reading of EXR, PNG, JPEG, PPM and PFM files, recognised by their content.
 
-use std::fs::File;
-use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-use glam::UVec2;
 use image::ImageFormat;
 
-use super::decode::MOST_MEMORY;
+use super::decode_error::DecodeError;
+use super::open::bytes;
 use super::{Attributes, exr, pfm, png};
-use crate::error::{Error, Fault, Result};
-use crate::film::{Channel, Image};
-
-/// Reason why bytes are not a picture. [`DecodeError::of`] adds the name of the file.
-#[derive(Debug)]
-pub(super) enum DecodeError {
-    /// The bytes are not a valid picture.
-    Invalid(String),
-    /// The picture is too large.
-    TooLarge,
-}
-
-impl DecodeError {
-    pub(super) fn of(self, path: &Path) -> Error {
-        match self {
-            DecodeError::Invalid(message) => Error::invalid(Fault::new(message).in_file(path)),
-            DecodeError::TooLarge => Error::Limit(Fault::new("the picture would take more than 4 GiB").in_file(path)),
-        }
-    }
-}
+use crate::error::Result;
+use crate::film::Image;
 
 /// Reads a picture as linear values, and the attributes that an EXR carries. The format is found from the first bytes, not from the
 /// name.
@@ -97,39 +77,4 @@ impl Kind {
             Kind::Encoded(_) => "PPM",
         }
     }
-}
-
-/// Reads a whole file.
-pub(super) fn bytes(path: &Path) -> Result<Vec<u8>> {
-    let mut file = regular(path)?;
-    let length = file.metadata().map_err(|e| Error::io(path, e))?.len();
-    if length > MOST_MEMORY {
-        return Err(DecodeError::TooLarge.of(path));
-    }
-    let mut bytes = Vec::with_capacity(length as usize);
-    file.read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
-    Ok(bytes)
-}
-
-/// Opens a regular file. A pipe or a device would block or never end, so the kind of the file is checked first.
-///
-/// # Errors
-/// `Invalid` for a missing file or one that is not regular, `Io` for a file that may not be read.
-pub fn regular(path: &Path) -> Result<File> {
-    let invalid = |message: &str| Error::invalid(Fault::new(message).in_file(path));
-    let refused = |error: std::io::Error| match error.kind() {
-        ErrorKind::NotFound | ErrorKind::NotADirectory => invalid("no such file"),
-        ErrorKind::InvalidInput | ErrorKind::InvalidFilename => invalid("not a file name"),
-        _ => Error::io(path, error),
-    };
-    if !path.metadata().map_err(refused)?.is_file() {
-        return Err(invalid("not a regular file"));
-    }
-    File::open(path).map_err(refused)
-}
-
-/// Whole picture with `R`, `G`, `B`.
-pub(super) fn rgb_image(size: UVec2, pixels: &[[f32; 3]]) -> Image {
-    let channel = |(c, name): (usize, &str)| Channel { name: name.into(), values: pixels.iter().map(|p| p[c]).collect() };
-    Image { full_size: size, origin: UVec2::ZERO, size, channels: ["R", "G", "B"].into_iter().enumerate().map(channel).collect() }
 }

@@ -28,6 +28,7 @@ mod options;
 mod quadrature;
 mod rect;
 mod report;
+mod rounding;
 mod sampled_directions;
 #[cfg(feature = "proptest")]
 pub mod strategies;

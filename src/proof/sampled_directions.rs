@@ -10,6 +10,7 @@ use super::model::Model;
 use super::options::Options;
 use super::quadrature::{Hint, Limits, integrate};
 use super::rect::{CylinderPoint, Rect, direction, to_cylinder};
+use super::rounding::{same_direction, shifted};
 use crate::bsdf::{BsdfSample, TransportMode};
 use crate::math::float::unit_f32;
 use crate::math::{Density, Local};
@@ -155,7 +156,7 @@ fn blur(model: &dyn Model, wo: Local, samples: &[BsdfSample]) -> f64 {
     let pdf = |wi: Local| f64::from(model.pdf(wo, wi).get());
     let change = |sample: &BsdfSample| {
         let centre = pdf(sample.wi);
-        let largest = super::laws::shifted(sample.wi, 1.0).map(|wi| (pdf(wi) - centre).abs()).into_iter().fold(0.0, f64::max);
+        let largest = shifted(sample.wi, 1.0).map(|wi| (pdf(wi) - centre).abs()).into_iter().fold(0.0, f64::max);
         if largest > 0.0 { (largest / centre).min(1.0) } else { 0.0 }
     };
     samples.iter().map(change).sum::<f64>() / samples.len().max(1) as f64
@@ -203,7 +204,7 @@ impl LobeTally {
         // Measuring reads the coefficients, as the film does.
         self.weights.iter_mut().zip(sample.weight.to_rgb()).for_each(|(sums, x)| sums.add(x));
         let at = smooth_point(sample);
-        match (at, self.lobes.iter_mut().find(|(lobe, _)| super::laws::same_direction(lobe.wi, sample.wi))) {
+        match (at, self.lobes.iter_mut().find(|(lobe, _)| same_direction(lobe.wi, sample.wi))) {
             (Some(_), _) => self.smooth += 1,
             (None, Some((_, sums))) => sums.add(sample.weight.average()),
             (None, None) => self.stray = self.stray.or(Some(sample)),

@@ -2,14 +2,15 @@
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::{self, Display};
+use std::fmt::Display;
 
-use serde::de::{self, Deserialize, DeserializeOwned, DeserializeSeed, Expected, Unexpected};
+use serde::de::{Deserialize, DeserializeOwned, DeserializeSeed};
 
 use super::faults::Faults;
 use super::node::{Member, Node, Value, escaped};
 use super::number;
 use super::placeholder::Placeholder;
+use super::read_error::ReadError;
 use super::suggest::unknown;
 
 /// Treatment of keys that a type does not know.
@@ -36,43 +37,6 @@ pub fn read_options<T: DeserializeOwned>(node: &Node, pointer: &str, keys: Unkno
 fn read_from<T: DeserializeOwned>(node: &Node, pointer: &str, keys: UnknownKeys, faults: &Faults, tagged: bool) -> Option<T> {
     let context = Context { faults, keys, base: pointer, path: RefCell::default(), placeholder_keys: RefCell::default() };
     Cursor { node, context: &context, tagged }.read().ok()
-}
-
-/// Reason why reading a value ended. The location is known one level up, so the fault is reported there.
-#[derive(Debug)]
-pub(super) enum ReadError {
-    /// The fault has been reported.
-    Reported,
-    /// A fault with this message.
-    Because(String),
-    /// This key is missing.
-    Missing(&'static str),
-}
-
-impl std::error::Error for ReadError {}
-
-impl Display for ReadError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            ReadError::Reported => f.write_str("already reported"),
-            ReadError::Because(message) => f.write_str(message),
-            ReadError::Missing(key) => write!(f, "missing key {key:?}"),
-        }
-    }
-}
-
-impl de::Error for ReadError {
-    fn custom<T: Display>(message: T) -> ReadError {
-        ReadError::Because(message.to_string())
-    }
-
-    fn missing_field(key: &'static str) -> ReadError {
-        ReadError::Missing(key)
-    }
-
-    fn invalid_type(found: Unexpected, expected: &dyn Expected) -> ReadError {
-        ReadError::Because(format!("expected {expected}, found {found}"))
-    }
 }
 
 pub(super) struct Context<'n> {

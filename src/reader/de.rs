@@ -5,9 +5,10 @@ use std::{slice, vec};
 use serde::de::value::StrDeserializer;
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess, SeqAccess, VariantAccess, Visitor};
 
-use super::cursor::{Cursor, ReadError, Segment};
+use super::cursor::{Cursor, Segment};
 use super::node::{Member, Node, Value};
 use super::placeholder::Placeholder;
+use super::read_error::ReadError;
 use super::suggest::{choice, unknown};
 
 macro_rules! whole_numbers {

@@ -18,6 +18,7 @@ mod node;
 mod number;
 mod parse;
 mod placeholder;
+mod read_error;
 mod set;
 mod suggest;
 mod synonyms;

@@ -3,7 +3,7 @@
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess, SeqAccess, VariantAccess, Visitor};
 
-use super::cursor::ReadError;
+use super::read_error::ReadError;
 
 /// Deserialiser that makes a value of any type: ½, 1, "", empty lists, the first variant.
 ///

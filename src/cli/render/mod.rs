@@ -1,6 +1,8 @@
 //! `pt SCENE`: loads, renders and writes.
 
 mod args;
+mod checkpoint;
+mod forensics;
 mod picture;
 mod pixel;
 pub mod plan;

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
+use super::checkpoint::CheckpointObserver;
+use super::forensics::{self, RenderedPicture};
 use super::plan::{self, PriceList, RenderPlan, Start};
 use super::remarks::{one_sided, remark_darkness, remark_exposure};
-use crate::cli::checkpoint::CheckpointObserver;
 use crate::cli::display::DisplayedFilm;
-use crate::cli::forensics::{self, RenderedPicture};
 use crate::cli::load::Loaded;
 use crate::cli::progress::{Progress, ProgressForm};
 use crate::cli::stats::{RayCounter, Summary};

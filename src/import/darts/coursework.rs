@@ -10,9 +10,9 @@ use super::spelling::{self, word};
 use super::value::numbers;
 use crate::describe::{self, Files};
 use crate::error::{Error, Fault, Result};
-use crate::import::auto_camera::AutoCamera;
 use crate::import::context::{Content, ImportContext};
 use crate::import::json_cursor::JsonCursor;
+use crate::import::view::AutoCamera;
 use crate::math::transform::unit;
 use crate::reader::{Node, unknown};
 

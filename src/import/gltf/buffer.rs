@@ -3,7 +3,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
 
-use super::document::shown;
+use super::extension::is_compressed;
 use crate::error::{Error, Result};
 use crate::import::json_cursor::JsonCursor;
 
@@ -49,17 +49,6 @@ fn own_bytes(at: &JsonCursor, binary: Option<&[u8]>, index: usize) -> Option<Vec
         at.fault(why);
     }
     binary.map(<[u8]>::to_vec)
-}
-
-/// Advice for data that is compressed in a way that pt does not read.
-pub const UNPACK: &str = ": save the file without compression";
-
-/// Returns whether an extension holds this data in compressed form, and notes that as a fault.
-pub fn is_compressed(at: &JsonCursor) -> bool {
-    let extensions = at.get(&["extensions"]).and_then(|all| all.members()).unwrap_or_default();
-    let Some((name, location)) = extensions.into_iter().find(|(name, _)| name.ends_with("_compression")) else { return false };
-    location.fault(format!("compressed by {}, which pt does not read{UNPACK}", shown(name)));
-    true
 }
 
 /// Bytes that a uri contains or names; `None` with a fault noted.

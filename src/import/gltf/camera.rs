@@ -5,7 +5,7 @@ use gltf::json::camera::Type;
 use gltf::json::validation::Checked;
 
 use super::document::Document;
-use crate::import::auto_camera::ASPECT;
+use crate::import::view::ASPECT;
 use crate::reader::Node;
 
 impl Document<'_> {

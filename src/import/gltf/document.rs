@@ -6,37 +6,13 @@ use std::collections::BTreeMap;
 use gltf::json;
 use gltf::json::validation::{Error as Wrong, Validate};
 
-use super::buffer::{Buffers, UNPACK};
+use super::buffer::Buffers;
 use super::container::Opened;
-use super::texture::Picture;
+use super::extension::{READ, needed, shown};
 use crate::error::Result;
 use crate::import::ImportContext;
 use crate::import::json_cursor::JsonCursor;
 use crate::reader::{self, Location, Member, Node, UnknownKeys, Value};
-
-/// Extensions that are read. Parts that are left out are noted where they stand.
-const READ: &[&str] = &[
-    "EXT_mesh_gpu_instancing",
-    "EXT_texture_webp",
-    "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_materials_variants",
-    "KHR_materials_volume",
-    "KHR_mesh_quantization",
-    "KHR_texture_basisu",
-    "KHR_texture_transform",
-];
 
 /// Vertex attributes that glTF defines. Others belong to an application, or to an extension that is left out.
 const ATTRIBUTES: &[&str] = &["POSITION", "NORMAL", "TANGENT", "TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"];
@@ -107,17 +83,6 @@ fn readable(node: &Node, key: &str) -> Node {
     Node { value, location: node.location.clone() }
 }
 
-/// Reason why a required extension cannot be left out. Draco and meshopt hold triangles that are nowhere else.
-fn needed(name: &str) -> String {
-    let advice = if name.ends_with("_compression") { UNPACK } else { "" };
-    format!("the file needs the extension {name}, which pt does not read{advice}")
-}
-
-/// Name of the file, shortened for messages.
-pub fn shown(name: &str) -> String {
-    name.chars().filter(|c| !c.is_control()).take(60).collect()
-}
-
 /// Pointer and accessor of each attribute, for all primitives.
 fn attributes(root: &json::Root) -> impl Iterator<Item = (String, usize)> {
     let of_mesh = |(m, mesh): (usize, &json::Mesh)| {
@@ -154,6 +119,15 @@ fn explained(wrong: Wrong) -> &'static str {
         Wrong::Oversize => "more than this machine can address",
         Wrong::Unsupported => "an extension that pt does not read",
     }
+}
+
+/// State of a picture.
+#[derive(Clone)]
+pub enum Picture {
+    /// A file that pt reads: beside the scene, or made for it.
+    File(String),
+    /// A picture of this format, which pt does not read.
+    Unread(String),
 }
 
 /// A checked file with its bytes.

@@ -4,8 +4,8 @@ use glam::{DMat3, DMat4, DVec3, Vec2, Vec3, Vec4};
 use gltf::Semantic;
 use gltf::mesh::Mode;
 
-use super::buffer::is_compressed;
 use super::document::Document;
+use super::extension::is_compressed;
 use super::pose::Pose;
 use super::texture::Mapping;
 use crate::import::json_cursor::JsonCursor;

@@ -16,6 +16,7 @@ mod buffer;
 mod camera;
 mod container;
 mod document;
+mod extension;
 mod glossiness;
 mod instances;
 mod light;

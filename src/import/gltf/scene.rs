@@ -8,7 +8,8 @@ use glam::{DMat4, Vec3};
 use super::document::Document;
 use super::material::{Colors, PreparedMaterial};
 use super::pose::Pose;
-use crate::import::auto_camera::{self, Bounds, MissingParts};
+use crate::import::auto_camera;
+use crate::import::view::{ASPECT, Bounds, MissingParts};
 use crate::reader::Node;
 
 /// pt's tree of the file's scene; `None` with a fault noted.
@@ -188,7 +189,7 @@ impl SceneBuilder<'_, '_> {
         let camera = own.as_ref().map_or_else(|| auto_camera::camera(&at, &bounds), |(camera, _)| camera.clone());
         let placed = camera.child("look_at").filter(|_| own.is_none()).cloned();
         at.context().set_missing(MissingParts { bounds, placed, light: self.lights.is_empty() && !self.lit });
-        let film = auto_camera::film(&at, own.map_or(auto_camera::ASPECT, |(_, aspect)| aspect));
+        let film = auto_camera::film(&at, own.map_or(ASPECT, |(_, aspect)| aspect));
         let mut root = vec![("pt", at.make_number(1.0)), ("camera", camera), ("film", film)];
         let materials: Vec<(String, Node)> = self.materials.into_values().map(|(name, prepared)| (name, prepared.node)).collect();
         root.push(("materials", at.make_object(materials)));

@@ -3,7 +3,7 @@
 use glam::Vec2;
 
 use super::buffer::{file_name, of_data};
-use super::document::Document;
+use super::document::{Document, Picture};
 use crate::describe::picture::{READ, unread_format};
 use crate::import::json_cursor::JsonCursor;
 use crate::reader::Node;
@@ -87,15 +87,6 @@ impl Kind {
             Kind::Share(_) => "the same number holds all over",
         }
     }
-}
-
-/// State of a picture.
-#[derive(Clone)]
-pub enum Picture {
-    /// A file that pt reads: beside the scene, or made for it.
-    File(String),
-    /// A picture of this format, which pt does not read.
-    Unread(String),
 }
 
 impl<'a> Document<'a> {

@@ -5,9 +5,9 @@ mod material;
 
 use std::collections::BTreeMap;
 
-use super::auto_camera::Up;
 use super::json_cursor::JsonCursor;
 use super::model;
+use super::view::Up;
 use super::{Content, Dialect, ImportContext};
 use crate::error::{Error, Fault, Result};
 use crate::reader::{Location, Node, Value};

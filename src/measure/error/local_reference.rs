@@ -4,8 +4,8 @@ use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
 use super::contribution::{Contribution, LocalReference, PixelEstimate};
+use super::epsilon::floor_at;
 use super::neighborhood::neighborhood;
-use super::relative::floor_at;
 use crate::film::MomentFilm;
 use crate::film::pixel_sums::{Estimate, Skew, estimate};
 

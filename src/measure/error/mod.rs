@@ -1,8 +1,10 @@
 //! The relative error of a picture, estimated from its own samples.
 
 mod contribution;
+pub(in crate::measure) mod epsilon;
 mod local_reference;
 pub(in crate::measure) mod neighborhood;
-pub(in crate::measure) mod relative;
+mod relative;
 
-pub use relative::{EPSILON, RelativeError, errors, floor};
+pub use epsilon::{EPSILON, floor};
+pub use relative::{RelativeError, errors};

@@ -29,9 +29,6 @@ pub struct RelativeError {
     pub effective_pixels: f64,
 }
 
-/// ε divided by the square of the picture's mean.
-pub const EPSILON: f64 = 0.01;
-
 /// Uncertainty of the correction of the denominators, as a standard deviation in units of the correction. The correction is right
 /// to second order only.
 const UNSURE: f64 = 0.25;
@@ -88,17 +85,6 @@ impl RelativeError {
     pub fn is_vague(&self) -> bool {
         self.spread > VAGUE
     }
-}
-
-/// ε = 0.01 · mean(r)² of a reference r; `None` if it is not above 0.
-pub fn floor(image: &Image) -> Option<f64> {
-    let mean = image.pixels().flatten().map(f64::from).sum::<f64>() / (3.0 * image.pixels().count() as f64);
-    floor_at(mean)
-}
-
-/// ε = 0.01 · `mean`² of a picture with this mean; `None` if it is not above 0.
-pub(in crate::measure) fn floor_at(mean: f64) -> Option<f64> {
-    Some(EPSILON * mean * mean).filter(|floor| floor.is_normal())
 }
 
 /// Standard errors of red, green and blue; `None` if a channel is missing.

@@ -3,10 +3,11 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::{Case, Outcome, chance, colors, random_inputs, same_direction, show};
+use super::{Case, Outcome, chance, colors, random_inputs, show};
 use crate::bsdf::{BsdfSample, TransportMode};
 use crate::math::{Local, Spectrum};
 use crate::proof::report::{CERTAIN, CounterExample};
+use crate::proof::rounding::{near, same_direction};
 use crate::proof::{Model, SampledDirections};
 
 /// Tolerance for the rounding of a lobe's weight.
@@ -81,7 +82,7 @@ fn retrace(model: &dyn Model, wo: Local, lobe: &BsdfSample) -> Option<CounterExa
             format!("lobes into {}", if all.is_empty() { "nothing".into() } else { all.join(", ") }),
         );
     };
-    if !super::near(back.weight, lobe.weight, tolerance, Spectrum::gray(tolerance)) {
+    if !near(back.weight, lobe.weight, tolerance, Spectrum::gray(tolerance)) {
         return refuse(format!("the same share of importance back: {}", colors(lobe.weight)), colors(back.weight));
     }
     if (back.eta * lobe.eta - 1.0).abs() > 8.0 * f32::EPSILON {
@@ -90,7 +91,7 @@ fn retrace(model: &dyn Model, wo: Local, lobe: &BsdfSample) -> Option<CounterExa
     let radiance = model.delta_lobes(wo, TransportMode::Radiance).into_iter().find(|r| same_direction(r.wi, lobe.wi));
     let weight = radiance.map_or(Spectrum::BLACK, |r| r.weight);
     let squared = lobe.eta * lobe.eta;
-    if !super::near(weight * squared, lobe.weight, 16.0 * f32::EPSILON, Spectrum::BLACK) {
+    if !near(weight * squared, lobe.weight, 16.0 * f32::EPSILON, Spectrum::BLACK) {
         return refuse(format!("radiance = importance / η² = {}", colors(lobe.weight / squared)), colors(weight));
     }
     None

@@ -1,9 +1,10 @@
 //! Law of reciprocity: light returns along its path.
 
-use super::{Case, Input, Outcome, colors, near, random_inputs, rounded, rounding_sensitivity, show};
+use super::{Case, Input, Outcome, colors, random_inputs, show};
 use crate::bsdf::TransportMode::{Importance, Radiance};
 use crate::math::{Density, Local, Spectrum};
 use crate::proof::report::{CERTAIN, CounterExample};
+use crate::proof::rounding::{near, rounded, rounding_sensitivity};
 use crate::proof::{Model, at};
 
 /// Relative tolerance for f: thirty roundings.

@@ -1,10 +1,11 @@
 //! Law of weights: the weight and density of a sample agree with `eval` and `pdf`.
 
-use super::{Case, Input, MODES, Outcome, colors, near, random_inputs, rounding_sensitivity, shifted, show};
+use super::{Case, Input, MODES, Outcome, colors, random_inputs, show};
 use crate::bsdf::TransportMode;
 use crate::math::{Density, Local, Spectrum};
 use crate::proof::Model;
 use crate::proof::report::{CERTAIN, CounterExample};
+use crate::proof::rounding::{near, rounding_sensitivity, shifted};
 use glam::Vec2;
 
 /// Relative tolerance of weights and densities: some hundred roundings, far below what a picture shows.

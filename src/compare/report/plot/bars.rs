@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Color, Dashes, Drawing};
+use super::font;
 use super::frame::{Format, Quantity};
 use crate::compare::{Comparison, Cost, Method, TARGETS};
 use crate::measure::format;
@@ -17,11 +18,11 @@ pub fn bars(comparison: &Comparison, format: Format) -> Drawing {
     let mut drawing = Drawing::new(width, bottom + 3.6 * font_size);
     drawing.text([0.0, font_size + 3.0], "Time to an error", Color::Text, font_size + 2.0, Anchor::Start);
 
-    let names = comparison.methods.iter().map(|method| Drawing::width_of(&method.name, font_size)).fold(0.0, f64::max);
+    let names = comparison.methods.iter().map(|method| font::width_in_any_font(&method.name, font_size)).fold(0.0, f64::max);
     let left = names.min(0.4 * width) + 1.2 * font_size;
     let prices = || comparison.methods.iter().flat_map(|method| method.prices.iter().flatten());
     // The time stands to the right of each bar.
-    let times = prices().map(|cost| Drawing::width_of(&time(cost), font_size)).fold(0.0, f64::max);
+    let times = prices().map(|cost| font::width_in_any_font(&time(cost), font_size)).fold(0.0, f64::max);
     let axis = Axis::over(prices().flat_map(|cost| [0.7 * cost.seconds, cost.low, cost.high]), [left, width - times - 8.0]);
     for tick in axis.times(((width - left) / (6.5 * font_size)) as usize) {
         let x = axis.at(tick);

@@ -1,7 +1,5 @@
 //! A plot as a list of marks, which `svg` and `raster` paint.
 
-use super::font;
-
 /// Point in CSS pixels, x to the right and y down.
 pub type Point = [f64; 2];
 
@@ -130,11 +128,6 @@ impl Drawing {
     pub fn symbol(&mut self, index: usize, at: Point, radius: f64, opacity: f64, hint: impl Into<String>) {
         let points = symbol(index).iter().map(|[x, y]| [at[0] + radius * x, at[1] + radius * y]).collect();
         self.area(points, Color::Method(index), opacity, hint);
-    }
-
-    /// Width of a text in any font that the reader may have: common fonts are at most a fifth wider than the one that is measured.
-    pub fn width_of(text: &str, size: f64) -> f64 {
-        1.2 * font::width(text, size)
     }
 }
 

@@ -28,6 +28,11 @@ pub fn width(text: &str, size: f64) -> f64 {
     glyphs(text, size).map(|(_, advance)| advance).sum()
 }
 
+/// Width of a text in any font that the reader may have: common fonts are at most a fifth wider than the one that is measured.
+pub fn width_in_any_font(text: &str, size: f64) -> f64 {
+    1.2 * width(text, size)
+}
+
 /// Outlines of a text that starts at `at` on the baseline.
 pub fn outlines(text: &str, at: Point, size: f64) -> Vec<OutlinedGlyph> {
     let mut pen = at[0];

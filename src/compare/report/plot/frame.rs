@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::drawing::{Anchor, Color, Dashes, Drawing, Point};
+use super::font;
 use crate::measure::format;
 
 /// Size of a plot and of its text (CSS pixels).
@@ -131,7 +132,7 @@ fn draw_legend(drawing: &mut Drawing, format: Format, legend: &[Entry], top: f64
     let (font_size, gap) = (format.font_size, 1.6 * format.font_size);
     let mut pen = [0.0, top + font_size];
     for Entry { index, text } in legend {
-        let width = 1.4 * font_size + Drawing::width_of(text, font_size);
+        let width = 1.4 * font_size + font::width_in_any_font(text, font_size);
         if pen[0] > 0.0 && pen[0] + width > format.width {
             pen = [0.0, pen[1] + 1.6 * font_size];
         }

@@ -4,9 +4,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::pilot;
-use super::progress::Progress;
-use super::render::plan::RenderPlan;
+use super::plan::RenderPlan;
+use crate::cli::pilot;
+use crate::cli::progress::Progress;
 use crate::film::{Film, MomentFilm};
 use crate::measure::{Checkpoint, ErrorHistory, ErrorObserver, RelativeError};
 use crate::part;

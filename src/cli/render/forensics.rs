@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::render::plan::RenderPlan;
-use super::{is_quiet, note, print_stderr, print_stdout};
+use super::plan::RenderPlan;
+use crate::cli::{is_quiet, note, print_stderr, print_stdout};
 use crate::error::Result;
 use crate::film::{Film, MomentFilm};
 use crate::integrator::Integrator;
