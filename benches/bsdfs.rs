@@ -21,8 +21,8 @@ const ROUNDS: usize = 400;
 fn main() {
     let gray = || Rgb::gray(0.5);
     let (eta, k) = Element::Au.index();
-    let finish = |alpha: Vec2, distribution| Roughness { alpha: Alpha::Constant(alpha), distribution };
-    let round = || finish(Vec2::splat(0.3), Distribution::Ggx);
+    let roughness = |alpha: Vec2, distribution| Roughness { alpha: Alpha::Constant(alpha), distribution };
+    let round = || roughness(Vec2::splat(0.3), Distribution::Ggx);
     let models = [
         ("diffuse", Material::diffuse(gray())),
         ("oren_nayar", Material::OrenNayar(textured::OrenNayar { albedo: gray().into(), roughness: 0.5.into() })),
@@ -30,8 +30,8 @@ fn main() {
         ("conductor", Material::metal((eta, k), None, true)),
         ("conductor, GGX", Material::metal((eta, k), Some(round()), false)),
         ("conductor, GGX, multiscatter", Material::metal((eta, k), Some(round()), true)),
-        ("conductor, GGX 4:1", Material::metal((eta, k), Some(finish(Vec2::new(0.6, 0.15), Distribution::Ggx)), false)),
-        ("conductor, Beckmann", Material::metal((eta, k), Some(finish(Vec2::splat(0.3), Distribution::Beckmann)), false)),
+        ("conductor, GGX 4:1", Material::metal((eta, k), Some(roughness(Vec2::new(0.6, 0.15), Distribution::Ggx)), false)),
+        ("conductor, Beckmann", Material::metal((eta, k), Some(roughness(Vec2::splat(0.3), Distribution::Beckmann)), false)),
         ("dielectric", Material::glass(1.5)),
         ("dielectric, GGX", Material::rough_glass(1.5, Rgb::WHITE, round(), false)),
         ("dielectric, GGX, multiscatter", Material::rough_glass(1.5, Rgb::WHITE, round(), true)),

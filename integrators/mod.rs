@@ -17,7 +17,7 @@ use pt::integrator::Entry;
 pub const ALL: &[Entry] = &[
     Entry::of::<path::Path>(
         "path",
-        "path tracing that finds light by chance: slow, simple, the judge of the others",
+        "path tracing that finds light by chance: slow, simple, the reference for the others",
         Effects::ALL.without(Effects::POINT_LIGHT),
     ),
     Entry::of::<nee::Nee>("nee", "path tracing with next-event estimation and multiple importance sampling", Effects::ALL),

@@ -199,7 +199,7 @@ impl Description for described::Conductor {
     }
 
     fn prepare(&self, builder: &mut dyn Prepare) -> Material {
-        let finish = roughness_keys!(self).prepare(builder);
+        let roughness = roughness_keys!(self).prepare(builder);
         let reflectance = match (&self.color, self.metal) {
             (Some(color), _) => builder.texture("color", color).into(),
             (None, Some(metal)) => metal.index().into(),
@@ -209,7 +209,7 @@ impl Description for described::Conductor {
                 Metallic::from((eta, k))
             }
         };
-        Material::metal(reflectance, finish, self.multiscatter)
+        Material::metal(reflectance, roughness, self.multiscatter)
     }
 }
 
@@ -221,7 +221,7 @@ pub mod textured {
     #[derive(Clone, Debug, PartialEq)]
     pub struct Conductor {
         pub(super) reflectance: Metallic,
-        pub(super) finish: Option<Roughness>,
+        pub(super) roughness: Option<Roughness>,
         /// The table for light that facets reflect more than once.
         pub(super) losses: Option<&'static EnergyLossTable>,
     }
@@ -230,12 +230,12 @@ pub mod textured {
 impl textured::Conductor {
     /// Metal, polished or rough.
     ///
-    /// - `finish`: the roughness; `None` for polished metal
+    /// - `roughness`: the roughness; `None` for polished metal
     /// - `multiscatter`: whether to include light that facets reflect more than once
-    pub fn new(reflectance: impl Into<Metallic>, finish: Option<Roughness>, multiscatter: bool) -> textured::Conductor {
-        let rough = finish.as_ref().filter(|_| multiscatter);
-        let losses = rough.map(|finish| rough_conductor::losses(finish.domain(), finish.distribution));
-        textured::Conductor { reflectance: reflectance.into(), finish, losses }
+    pub fn new(reflectance: impl Into<Metallic>, roughness: Option<Roughness>, multiscatter: bool) -> textured::Conductor {
+        let rough = roughness.as_ref().filter(|_| multiscatter);
+        let losses = rough.map(|roughness| rough_conductor::losses(roughness.domain(), roughness.distribution));
+        textured::Conductor { reflectance: reflectance.into(), roughness, losses }
     }
 }
 
@@ -244,7 +244,7 @@ impl Lookup for textured::Conductor {
 
     fn at(&self, at: &HitContext) -> Bsdf<'static> {
         let reflectance = self.reflectance.at(at);
-        let Some(facets) = self.finish.as_ref().and_then(|finish| finish.at(&at.point)) else {
+        let Some(facets) = self.roughness.as_ref().and_then(|roughness| roughness.at(&at.point)) else {
             return Bsdf::Conductor(Conductor { reflectance });
         };
         let mean = |losses| rough_conductor::MultiScatter::new(losses, facets.alpha, self.reflectance.mean(&reflectance));
@@ -252,22 +252,22 @@ impl Lookup for textured::Conductor {
     }
 
     fn textures(&self) -> Vec<&Texture> {
-        self.reflectance.textures().chain(self.finish.iter().flat_map(Roughness::textures)).collect()
+        self.reflectance.textures().chain(self.roughness.iter().flat_map(Roughness::textures)).collect()
     }
 
     fn recentred(self, origin: DVec3) -> textured::Conductor {
-        let finish = self.finish.map(|finish| finish.recentred(origin));
-        textured::Conductor { reflectance: self.reflectance.recentred(origin), finish, ..self }
+        let roughness = self.roughness.map(|roughness| roughness.recentred(origin));
+        textured::Conductor { reflectance: self.reflectance.recentred(origin), roughness, ..self }
     }
 }
 
 impl TexturedModel for textured::Conductor {
     fn effects(&self) -> Effects {
-        self.finish.as_ref().map_or(Effects::SPECULAR_REFLECTION, |finish| finish.effects(Effects::SPECULAR_REFLECTION))
+        self.roughness.as_ref().map_or(Effects::SPECULAR_REFLECTION, |roughness| roughness.effects(Effects::SPECULAR_REFLECTION))
     }
 
     fn is_anisotropic(&self) -> bool {
-        self.finish.as_ref().is_some_and(Roughness::is_anisotropic)
+        self.roughness.as_ref().is_some_and(Roughness::is_anisotropic)
     }
 }
 

@@ -187,7 +187,7 @@ pub mod textured {
     pub struct Dielectric {
         pub(super) eta: Number,
         pub(super) color: Texture,
-        pub(super) finish: Option<Roughness>,
+        pub(super) roughness: Option<Roughness>,
         /// The tables for light that hits more than one facet.
         pub(super) losses: Option<TableRange<rough_dielectric::Losses>>,
         /// σ, the absorption coefficient of the body behind the surface (1/m): the transmittance over the distance d is e^(−σ d).
@@ -203,15 +203,20 @@ impl textured::Dielectric {
 
     /// Glass, smooth or rough.
     ///
-    /// - `finish`: the roughness; `None` for smooth glass
+    /// - `roughness`: the roughness; `None` for smooth glass
     /// - `multiscatter`: whether to include light that hits more than one facet
-    pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, finish: Option<Roughness>, multiscatter: bool) -> textured::Dielectric {
+    pub fn new(
+        eta: impl Into<Number>,
+        color: impl Into<Texture>,
+        roughness: Option<Roughness>,
+        multiscatter: bool,
+    ) -> textured::Dielectric {
         let eta = eta.into();
-        let rough = finish.as_ref().filter(|_| multiscatter);
-        let tables = |finish: &Roughness| {
-            TableRange::new(eta.range(), Scale::Index, |eta| rough_dielectric::losses(eta, finish.domain(), finish.distribution))
+        let rough = roughness.as_ref().filter(|_| multiscatter);
+        let tables = |roughness: &Roughness| {
+            TableRange::new(eta.range(), Scale::Index, |eta| rough_dielectric::losses(eta, roughness.domain(), roughness.distribution))
         };
-        textured::Dielectric { losses: rough.map(tables), color: color.into(), finish, absorption: None, eta }
+        textured::Dielectric { losses: rough.map(tables), color: color.into(), roughness, absorption: None, eta }
     }
 
     /// Adds the absorption of the body: the transmittance over the distance d inside is e^(−σ d).
@@ -236,7 +241,7 @@ impl Lookup for textured::Dielectric {
 
     fn at(&self, at: &HitContext) -> Bsdf<'static> {
         let (eta, color) = (self.eta.at(&at.point), self.color_at(at));
-        let facets = self.finish.as_ref().and_then(|finish| finish.at(&at.point));
+        let facets = self.roughness.as_ref().and_then(|roughness| roughness.at(&at.point));
         let Some(facets) = facets.filter(|facets| RoughDielectric::is_rough(eta, facets.alpha)) else {
             return Bsdf::Dielectric(Dielectric { eta, color });
         };
@@ -246,19 +251,19 @@ impl Lookup for textured::Dielectric {
     }
 
     fn textures(&self) -> Vec<&Texture> {
-        self.finish.iter().flat_map(Roughness::textures).chain(self.eta.texture()).chain([&self.color]).collect()
+        self.roughness.iter().flat_map(Roughness::textures).chain(self.eta.texture()).chain([&self.color]).collect()
     }
 
     fn recentred(self, origin: DVec3) -> textured::Dielectric {
-        let finish = self.finish.map(|finish| finish.recentred(origin));
-        textured::Dielectric { eta: self.eta.recentred(origin), color: self.color.recentred(origin), finish, ..self }
+        let roughness = self.roughness.map(|roughness| roughness.recentred(origin));
+        textured::Dielectric { eta: self.eta.recentred(origin), color: self.color.recentred(origin), roughness, ..self }
     }
 }
 
 impl TexturedModel for textured::Dielectric {
     fn effects(&self) -> Effects {
         let smooth = Effects::REFRACTION | Effects::SPECULAR_REFLECTION;
-        self.finish.as_ref().map_or(smooth, |finish| finish.effects(smooth))
+        self.roughness.as_ref().map_or(smooth, |roughness| roughness.effects(smooth))
     }
 
     fn passage(&self) -> Passage {
@@ -266,7 +271,7 @@ impl TexturedModel for textured::Dielectric {
     }
 
     fn is_anisotropic(&self) -> bool {
-        self.finish.as_ref().is_some_and(Roughness::is_anisotropic)
+        self.roughness.as_ref().is_some_and(Roughness::is_anisotropic)
     }
 
     /// Whether the model is the same at every hit. With absorption it depends on the path inside the body.

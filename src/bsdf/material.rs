@@ -71,14 +71,14 @@ impl Material {
         textured::Plastic::new(albedo, eta).into()
     }
 
-    /// Metal, polished without a `finish` and rough with one. `multiscatter` adds the light that facets reflect more than once.
-    pub fn metal(reflectance: impl Into<Metallic>, finish: Option<Roughness>, multiscatter: bool) -> Material {
-        textured::Conductor::new(reflectance, finish, multiscatter).into()
+    /// Metal: rough, or polished if `roughness` is `None`. `multiscatter` adds the light that facets reflect more than once.
+    pub fn metal(reflectance: impl Into<Metallic>, roughness: Option<Roughness>, multiscatter: bool) -> Material {
+        textured::Conductor::new(reflectance, roughness, multiscatter).into()
     }
 
     /// Rough glass. `multiscatter` adds the light that hits more than one facet.
-    pub fn rough_glass(eta: impl Into<Number>, color: impl Into<Texture>, finish: Roughness, multiscatter: bool) -> Material {
-        textured::Dielectric::new(eta, color, Some(finish), multiscatter).into()
+    pub fn rough_glass(eta: impl Into<Number>, color: impl Into<Texture>, roughness: Roughness, multiscatter: bool) -> Material {
+        textured::Dielectric::new(eta, color, Some(roughness), multiscatter).into()
     }
 
     /// A mix of 1 − `share` of the first material and `share` of the second, with `share` from 0 to 1.

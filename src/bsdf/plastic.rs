@@ -155,7 +155,7 @@ impl Description for described::Plastic {
         let (albedo, eta) = (builder.texture("albedo", &self.albedo), builder.number("eta", &self.eta));
         match roughness_keys!(self).prepare(builder) {
             None => textured::Plastic::new(albedo, eta).into(),
-            finish => Compound::Coated(Coated { ground: Material::diffuse(albedo), coat: Coat::new(eta, 1.0, finish) }).into(),
+            roughness => Compound::Coated(Coated { base: Material::diffuse(albedo), coat: Coat::new(eta, 1.0, roughness) }).into(),
         }
     }
 }

@@ -30,7 +30,7 @@ pub struct Principled {
     /// The share of plastic with a clear layer, from 0 to 1.
     pub specular: Texture,
     /// The roughness of metal, glass and plastic; `None` where they are smooth.
-    pub finish: Option<Roughness>,
+    pub roughness: Option<Roughness>,
     /// The index of refraction of glass and plastic: at least 1.
     pub eta: Number,
     /// The share of the surface that is coated, from 0 to 1.
@@ -40,7 +40,7 @@ pub struct Principled {
     /// The transmittance of the coat straight down and up: [0, 1].
     pub coat_color: Texture,
     /// The roughness of the coat; `None` where it is smooth.
-    pub coat_finish: Option<Roughness>,
+    pub coat_roughness: Option<Roughness>,
     /// The colour of the sheen's fibres: [0, 1]; black is no sheen.
     pub sheen_color: Texture,
     /// The spread of the sheen's fibres, see [`Sheen`].
@@ -52,18 +52,18 @@ pub struct Principled {
 impl From<Principled> for Material {
     fn from(p: Principled) -> Material {
         let base = || Material::diffuse(p.base_color.clone());
-        let clear_layer = || Coat::new(p.eta.clone(), 1.0, p.finish.clone()).keep_base_color();
-        let layered = || Compound::Coated(Coated { ground: base(), coat: clear_layer() }).into();
+        let clear_layer = || Coat::new(p.eta.clone(), 1.0, p.roughness.clone()).keep_base_color();
+        let layered = || Compound::Coated(Coated { base: base(), coat: clear_layer() }).into();
         let plastic = || Material::mixed(base, layered, p.specular.clone());
-        let glass = || textured::Dielectric::new(p.eta.clone(), p.base_color.clone(), p.finish.clone(), p.multiscatter).into();
-        let metal = || Material::metal(p.base_color.clone(), p.finish.clone(), p.multiscatter);
+        let glass = || textured::Dielectric::new(p.eta.clone(), p.base_color.clone(), p.roughness.clone(), p.multiscatter).into();
+        let metal = || Material::metal(p.base_color.clone(), p.roughness.clone(), p.multiscatter);
         let body = Material::mixed(|| Material::mixed(plastic, glass, p.transmission.clone()), metal, p.metallic.clone());
         let with_sheen = match p.sheen_color {
             Texture::Constant(color) if color.is_black() => body,
             color => Compound::Sheen(Sheen::new(body, color, p.sheen_roughness)).into(),
         };
-        let coat = || Coat::new(p.coat_eta, p.coat_color, p.coat_finish);
-        let coated = || Compound::Coated(Coated { ground: with_sheen.clone(), coat: coat() }).into();
+        let coat = || Coat::new(p.coat_eta, p.coat_color, p.coat_roughness);
+        let coated = || Compound::Coated(Coated { base: with_sheen.clone(), coat: coat() }).into();
         Material::mixed(|| with_sheen.clone(), coated, p.coat)
     }
 }
@@ -165,12 +165,12 @@ impl Description for described::Principled {
             metallic: builder.texture("metallic", &self.metallic),
             transmission: builder.texture("transmission", &self.transmission),
             specular: builder.texture("specular", &self.specular),
-            finish: roughened(builder, ["roughness", "anisotropy"], [&self.roughness, &self.anisotropy], Distribution::Ggx),
+            roughness: roughened(builder, ["roughness", "anisotropy"], [&self.roughness, &self.anisotropy], Distribution::Ggx),
             eta: builder.number("eta", &self.eta),
             coat: builder.texture("coat", &self.coat),
             coat_eta: builder.number("coat_eta", &self.coat_eta),
             coat_color: builder.texture("coat_color", &self.coat_color),
-            coat_finish: roughened(builder, ["coat_roughness"; 2], [&self.coat_roughness, &round], Distribution::Ggx),
+            coat_roughness: roughened(builder, ["coat_roughness"; 2], [&self.coat_roughness, &round], Distribution::Ggx),
             sheen_color: builder.texture("sheen_color", &self.sheen_color),
             sheen_roughness: builder.texture("sheen_roughness", &self.sheen_roughness),
             multiscatter: self.multiscatter,

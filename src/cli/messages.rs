@@ -73,7 +73,7 @@ fn broken(line: &str, end: &str, width: usize) -> String {
 /// Prints a message if reading a scene takes long.
 pub struct Loading {
     done: Option<Sender<()>>,
-    teller: Option<JoinHandle<()>>,
+    printer: Option<JoinHandle<()>>,
 }
 
 /// Time before the first message, and between messages.
@@ -86,27 +86,27 @@ impl Loading {
     /// - `file`: name of the file
     pub fn start(file: &str) -> Loading {
         let (done, wait) = channel::<()>();
-        let tell = {
+        let print = {
             let file = file.to_owned();
             move || {
-                let (start, mut patience) = (Instant::now(), FIRST_MESSAGE_AFTER);
-                while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(patience) {
+                let (start, mut timeout) = (Instant::now(), FIRST_MESSAGE_AFTER);
+                while let Err(RecvTimeoutError::Timeout) = wait.recv_timeout(timeout) {
                     note(&format!("loading {file}: {:.0} s so far", start.elapsed().as_secs_f64()));
-                    patience = MESSAGE_INTERVAL;
+                    timeout = MESSAGE_INTERVAL;
                 }
             }
         };
         // Without a thread no message is printed, which does not prevent loading.
         let shown = SHOWS_PROGRESS.load(Ordering::Relaxed);
-        let teller = shown.then(|| std::thread::Builder::new().spawn(tell).ok()).flatten();
-        Loading { done: Some(done), teller }
+        let printer = shown.then(|| std::thread::Builder::new().spawn(print).ok()).flatten();
+        Loading { done: Some(done), printer }
     }
 }
 
 impl Drop for Loading {
     fn drop(&mut self) {
         drop(self.done.take());
-        self.teller.take().map(JoinHandle::join);
+        self.printer.take().map(JoinHandle::join);
     }
 }
 

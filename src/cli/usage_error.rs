@@ -34,15 +34,15 @@ const SPP: &str = "[SPP]";
 /// Message for an unexpected word after the scene. clap would call it a command that "cannot be used with" the scene, or an invalid
 /// number of samples, whatever was meant.
 fn unexpected_word(usage_error: &clap::Error, words: &[String]) -> Option<String> {
-    let told = |kind| match usage_error.get(kind) {
+    let context = |kind| match usage_error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.as_str()),
         _ => None,
     };
     let word = match usage_error.kind() {
-        ErrorKind::ArgumentConflict => told(ContextKind::InvalidSubcommand)?,
+        ErrorKind::ArgumentConflict => context(ContextKind::InvalidSubcommand)?,
         // A word that is not a number was not meant as a number of samples.
-        ErrorKind::ValueValidation if told(ContextKind::InvalidArg) == Some(SPP) => {
-            told(ContextKind::InvalidValue).filter(|word| word.parse::<f64>().is_err())?
+        ErrorKind::ValueValidation if context(ContextKind::InvalidArg) == Some(SPP) => {
+            context(ContextKind::InvalidValue).filter(|word| word.parse::<f64>().is_err())?
         }
         _ => return None,
     };

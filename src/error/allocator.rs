@@ -10,15 +10,15 @@ use super::memory::may_fail;
 /// The exit code of [`Error::Limit`](super::Error::Limit).
 const LIMIT: i32 = 4;
 
-/// The system's allocator; where it has no more, the program says so and ends with exit code 4.
+/// The system's allocator. When no memory is left, it prints a message and ends the program with exit code 4.
 ///
-/// Otherwise a Rust program aborts. Programs make it their `#[global_allocator]`, the library does not: it has no say in that.
+/// Without it a Rust program aborts. A program makes it its `#[global_allocator]`; a library must not make that choice.
 pub struct Memory;
 
-/// The line that tells of the end: it is made while there is memory for it.
+/// The message that no memory is left. It is made in advance, while there is memory for it.
 static MESSAGE: OnceLock<String> = OnceLock::new();
 
-/// Sets the line that is written where [`Memory`] ends the program.
+/// Sets the line that [`Memory`] writes when it ends the program.
 pub fn set_message(line: String) {
     let _ = MESSAGE.set(line + "\n");
 }
@@ -27,13 +27,13 @@ fn checked(pointer: *mut u8) -> *mut u8 {
     if pointer.is_null() && !may_fail() {
         let line = MESSAGE.get().map_or("error: out of memory\n", String::as_str);
         let _ = std::io::stderr().write_all(line.as_bytes());
-        // At once, because what else happens at an exit may allocate.
+        // `_exit` and not `exit`, because the cleanup of an ordinary exit may allocate.
         signal_hook::low_level::exit(LIMIT);
     }
     pointer
 }
 
-// SAFETY: every call is the system allocator's own, with the caller's arguments; what it returns is returned, or nothing is.
+// SAFETY: every call is the system allocator's own, with the caller's arguments, and its pointer is returned.
 unsafe impl GlobalAlloc for Memory {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         checked(unsafe { System.alloc(layout) })

@@ -152,9 +152,9 @@ fn rough_bodies_vanish_in_white_light() {
 /// The grain of brushed metal runs along the first texture coordinate, wherever a shape is turned to.
 #[test]
 fn grain_follows_the_texture() {
-    let finish = Roughness { alpha: Alpha::Constant(alpha(0.5, 0.8)), distribution: Distribution::Ggx };
+    let roughness = Roughness { alpha: Alpha::Constant(alpha(0.5, 0.8)), distribution: Distribution::Ggx };
     let (eta, k) = Element::Fe.index();
-    let brushed = || Material::metal((eta, k), Some(finish.clone()), false);
+    let brushed = || Material::metal((eta, k), Some(roughness.clone()), false);
     let turn = Transform::rotate(DVec3::Z, 30.0).expect("an axis");
     let x = Vec3::new(0.75f32.sqrt(), 0.5, 0.0);
     let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| Vec3::new(x - 0.3, y - 0.3, 0.0));

@@ -45,8 +45,8 @@ fn round(alpha: f32) -> Roughness {
     Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx }
 }
 
-fn coated(ground: Material, coat: Coat) -> Material {
-    Compound::Coated(Coated { ground, coat }).into()
+fn coated(base: Material, coat: Coat) -> Material {
+    Compound::Coated(Coated { base, coat }).into()
 }
 
 fn near(a: Spectrum, b: Spectrum, relative: f32) -> bool {
@@ -160,11 +160,11 @@ fn importance_is_adjoint() {
 fn coated_white_is_white() {
     let white = || Material::diffuse(Rgb::WHITE);
     for eta in [1.2, 1.5, 2.4] {
-        for finish in [None, Some(round(0.25)), Some(round(0.6)), Some(round(1.0))] {
+        for roughness in [None, Some(round(0.25)), Some(round(0.6)), Some(round(1.0))] {
             for cos in [1.0, 0.7, 0.3] {
-                let material = coated(white(), Coat::new(eta, Rgb::WHITE, finish.clone()));
+                let material = coated(white(), Coat::new(eta, Rgb::WHITE, roughness.clone()));
                 let found = albedo(&center(&material), at(cos, 0.4)).average();
-                assert!((found - 1.0).abs() < 2e-3, "eta {eta}, {finish:?}, cos {cos}: {found}");
+                assert!((found - 1.0).abs() < 2e-3, "eta {eta}, {roughness:?}, cos {cos}: {found}");
             }
         }
     }
@@ -194,8 +194,8 @@ fn coated_white_is_white_along_the_surface() {
 }
 
 /// A sheen of one shade of gray.
-fn velvet(ground: Material, color: f32, roughness: f32) -> Material {
-    Compound::Sheen(Sheen::new(ground, color, roughness)).into()
+fn velvet(base: Material, color: f32, roughness: f32) -> Material {
+    Compound::Sheen(Sheen::new(base, color, roughness)).into()
 }
 
 /// White everywhere, with facets of this width.
@@ -205,12 +205,12 @@ fn white(alpha: f32) -> Principled {
         metallic: 0.0.into(),
         transmission: 0.0.into(),
         specular: 1.0.into(),
-        finish: Some(round(alpha)),
+        roughness: Some(round(alpha)),
         eta: 1.5.into(),
         coat: 0.0.into(),
         coat_eta: 1.5.into(),
         coat_color: 1.0.into(),
-        coat_finish: None,
+        coat_roughness: None,
         sheen_color: 0.0.into(),
         sheen_roughness: 0.5.into(),
         multiscatter: true,
@@ -238,7 +238,7 @@ fn layers_on_white_are_white() {
     let coat = |eta: f32, alpha: f32| Coat::new(eta, Rgb::WHITE, (alpha > 0.0).then(|| round(alpha)));
     let paper = || Material::DiffuseTransmission(textured::DiffuseTransmission { reflectance: 1.0.into(), transmittance: 0.0.into() });
     let with_coat = || Principled { coat: 1.0.into(), ..white(0.25) };
-    let rough_coat = || Principled { coat_finish: Some(round(0.3)), ..with_coat() };
+    let rough_coat = || Principled { coat_roughness: Some(round(0.3)), ..with_coat() };
     let with_both = Principled { sheen_color: 1.0.into(), ..with_coat() };
     let cases: [(&str, Material, f32); 25] = [
         ("sheen over matte", velvet(matte(), 1.0, 0.5), TABLES),
@@ -253,7 +253,7 @@ fn layers_on_white_are_white() {
         ("coat over paper", coated(paper(), coat(1.5, 0.0)), TABLES),
         ("principled", white(0.25).into(), TABLES),
         ("principled, rough coat", rough_coat().into(), TABLES),
-        ("principled, dull, rough coat", Principled { finish: Some(round(1.0)), ..rough_coat() }.into(), TABLES),
+        ("principled, dull, rough coat", Principled { roughness: Some(round(1.0)), ..rough_coat() }.into(), TABLES),
         ("principled, coat", with_coat().into(), 0.007),
         ("principled, half a coat", Principled { coat: 0.5.into(), ..with_coat() }.into(), 0.0035),
         ("principled, sheen", Principled { sheen_color: 1.0.into(), ..white(0.25) }.into(), 0.006),
@@ -318,12 +318,12 @@ fn principled_is_what_it_names() {
         metallic: 0.0.into(),
         transmission: 0.0.into(),
         specular: 1.0.into(),
-        finish: Some(round(0.3)),
+        roughness: Some(round(0.3)),
         eta: 1.4.into(),
         coat: 0.0.into(),
         coat_eta: 1.7.into(),
         coat_color: stored(tint).into(),
-        coat_finish: Some(round(0.1)),
+        coat_roughness: Some(round(0.1)),
         sheen_color: 0.0.into(),
         sheen_roughness: 0.55.into(),
         multiscatter: true,
@@ -344,7 +344,7 @@ fn principled_is_what_it_names() {
         (Principled { multiscatter: false, ..metallic }, metal(false)),
         (clear.clone(), glass(true)),
         (Principled { multiscatter: false, ..clear.clone() }, glass(false)),
-        (Principled { finish: None, ..clear }, Material::from(textured::Dielectric::smooth(1.4, stored(base)))),
+        (Principled { roughness: None, ..clear }, Material::from(textured::Dielectric::smooth(1.4, stored(base)))),
         (Principled { metallic: 0.3.into(), transmission: 0.4.into(), specular: 0.7.into(), ..principled() }, blend),
         (Principled { sheen_color: stored(tint).into(), ..principled() }, velvet(plastic())),
         (
@@ -360,7 +360,7 @@ fn principled_is_what_it_names() {
         assert_eq!(center(&material).eval(wo, wi, MODE), center(&expected).eval(wo, wi, MODE));
     }
     // Seen straight on, metal has its base colour.
-    let metal = Material::from(Principled { metallic: 1.0.into(), finish: None, ..principled() });
+    let metal = Material::from(Principled { metallic: 1.0.into(), roughness: None, ..principled() });
     let lobe = center(&metal).sample(Local::NORMAL, 0.5, Vec2::splat(0.5), MODE).expect("a mirror");
     assert_eq!(lobe.weight, base);
 }

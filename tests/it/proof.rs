@@ -67,9 +67,9 @@ fn met(material: Material) -> Bsdf<'static> {
 /// Materials of materials; whether they give all light back.
 fn compounds() -> Vec<(Bsdf<'static>, bool)> {
     let round = |alpha: f32| Some(Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
-    let coated = |ground, coat: Coat| Material::from(Compound::Coated(Coated { ground, coat }));
+    let coated = |base, coat: Coat| Material::from(Compound::Coated(Coated { base, coat }));
     let clay = |albedo: Spectrum| Material::OrenNayar(textured::OrenNayar { albedo: stored(albedo).into(), roughness: 0.7.into() });
-    let copper = |finish| Material::metal(Element::Cu.index(), finish, true);
+    let copper = |roughness| Material::metal(Element::Cu.index(), roughness, true);
     let glazed = || coated(Material::diffuse(Rgb::WHITE), Coat::new(1.6, Rgb::WHITE, None));
     let fresnel = |a, b| Material::from(Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: 1.5.into() } }));
     let glass = || Material::rough_glass(1.5, stored(COLOR), round(0.3).unwrap(), true);
@@ -78,12 +78,12 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         metallic: 0.3.into(),
         transmission: 0.4.into(),
         specular: 0.7.into(),
-        finish: round(0.2),
+        roughness: round(0.2),
         eta: 1.5.into(),
         coat: 0.5.into(),
         coat_eta: 1.5.into(),
         coat_color: Rgb::WHITE.into(),
-        coat_finish: round(0.05),
+        coat_roughness: round(0.05),
         sheen_color: Rgb::new(0.1, 0.4, 0.2).into(),
         sheen_roughness: 0.45.into(),
         multiscatter: true,
@@ -151,9 +151,9 @@ fn rough() -> Vec<(Bsdf<'static>, bool)> {
     for distribution in [Distribution::Ggx, Distribution::Beckmann] {
         for (alpha, multiscatter) in [(Vec2::splat(0.05), false), (Vec2::splat(0.3), true), (Vec2::new(0.8, 0.2), false), (Vec2::ONE, true)]
         {
-            let finish = || Roughness { alpha: Alpha::Constant(alpha), distribution };
-            models.push(met(Material::metal(copper, Some(finish()), multiscatter)));
-            models.extend([1.5, 1.0 / 1.5].map(|eta| met(Material::rough_glass(eta, stored(COLOR), finish(), multiscatter))));
+            let roughness = || Roughness { alpha: Alpha::Constant(alpha), distribution };
+            models.push(met(Material::metal(copper, Some(roughness()), multiscatter)));
+            models.extend([1.5, 1.0 / 1.5].map(|eta| met(Material::rough_glass(eta, stored(COLOR), roughness(), multiscatter))));
         }
     }
     models.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, color: COLOR }));

@@ -61,13 +61,13 @@ pub fn facing(center: DVec3, normal: DVec3) -> Transform {
     Transform::look_at(center, center - normal, up).unwrap()
 }
 
-/// Adds the six walls of a box, with normals inwards. `finish` returns the material and emission of the wall on one side (±1) of one axis
+/// Adds the six walls of a box, with normals inwards. `wall` returns the material and emission of the wall on one side (±1) of one axis
 /// (0 to 2).
-pub fn room(world: &mut WorldBuilder, center: DVec3, half: DVec3, finish: impl Fn(usize, f64) -> (MaterialId, Option<Emission>)) {
+pub fn room(world: &mut WorldBuilder, center: DVec3, half: DVec3, wall: impl Fn(usize, f64) -> (MaterialId, Option<Emission>)) {
     for (axis, side) in (0..3).flat_map(|axis| [-1.0, 1.0].map(|side| (axis, side))) {
         let out = DVec3::AXES[axis] * side;
         let size = [[half.z, half.y], [half.x, half.z], [half.x, half.y]][axis].map(|s| 2.0 * s);
-        let (material, emission) = finish(axis, side);
+        let (material, emission) = wall(axis, side);
         world.shape(Quad { size }, facing(center + out * half, -out), material, emission);
     }
 }

@@ -116,7 +116,7 @@ fn halfway(material: &Material) -> Bsdf<'_> {
     }))
 }
 
-fn finish(alpha: f32) -> Roughness {
+fn roughness(alpha: f32) -> Roughness {
     Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx }
 }
 
@@ -129,10 +129,10 @@ fn between_two_tables_no_light_is_lost() {
         let varying = || Number::between(low, high, ramp(0.0, 1.0));
         let middle = 0.5 * (low + high);
         for alpha in [0.1, 0.3, 1.0] {
-            let glass = |eta| Material::rough_glass(eta, Rgb::WHITE, finish(alpha), true);
+            let glass = |eta| Material::rough_glass(eta, Rgb::WHITE, roughness(alpha), true);
             let coat = |eta| {
-                let coat = Coat::new(eta, Rgb::WHITE, Some(finish(alpha)));
-                Material::from(Compound::Coated(Coated { ground: Material::diffuse(Rgb::WHITE), coat }))
+                let coat = Coat::new(eta, Rgb::WHITE, Some(roughness(alpha)));
+                Material::from(Compound::Coated(Coated { base: Material::diffuse(Rgb::WHITE), coat }))
             };
             let mut pairs = vec![("glass", glass(varying()), glass(middle.into()))];
             if low >= 1.0 {

@@ -43,8 +43,8 @@ use crate::texture::{Number, Texture};
 /// layers_on_white_are_white, a_coat_over_matte_is_plastic, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coated {
-    /// The material under the coat, called the base here.
-    pub ground: Material,
+    /// The material under the coat.
+    pub base: Material,
     /// The coat.
     pub coat: Coat,
 }
@@ -57,7 +57,7 @@ pub struct Coat {
     /// The transmittance of the coat straight down and up: [0, 1].
     color: Texture,
     /// The roughness with its tables of [`losses`]; `None` for a smooth coat.
-    finish: Option<(Roughness, TableRange<EnergyLossTable>)>,
+    roughness: Option<(Roughness, TableRange<EnergyLossTable>)>,
     /// 1 − F̄ of a smooth coat, if `eta` is constant.
     smooth_mean: Option<f32>,
     /// Whether a matte base keeps its own colour, without the deepening by light that the coat reflects back.
@@ -82,22 +82,22 @@ impl Coat {
     ///
     /// - `eta`: index of refraction over that outside, at least 1
     /// - `color`: transmittance straight down and up
-    /// - `finish`: the roughness; `None` for a smooth coat
-    pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, finish: Option<Roughness>) -> Coat {
+    /// - `roughness`: the roughness; `None` for a smooth coat
+    pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, roughness: Option<Roughness>) -> Coat {
         let eta = eta.into();
-        let tables = |finish: Roughness| {
-            let losses = TableRange::new(eta.range(), Scale::Index, |eta| losses(eta, finish.domain(), finish.distribution));
-            (finish, losses)
+        let tables = |roughness: Roughness| {
+            let losses = TableRange::new(eta.range(), Scale::Index, |eta| losses(eta, roughness.domain(), roughness.distribution));
+            (roughness, losses)
         };
-        let finish = finish.map(tables);
+        let roughness = roughness.map(tables);
         let smooth_mean = eta.constant().map(smooth_mean);
-        let coat = Coat { eta, color: color.into(), finish, smooth_mean, keep_base_color: false, passed_at_nodes: None };
+        let coat = Coat { eta, color: color.into(), roughness, smooth_mean, keep_base_color: false, passed_at_nodes: None };
         Coat { passed_at_nodes: coat.is_uniform().then(|| coat.at(&HitContext::ANYWHERE.point).passed_at_nodes()), ..coat }
     }
 
     /// Whether the reflectance of the coat is the same everywhere.
     fn is_uniform(&self) -> bool {
-        let mut widths = self.finish.iter().flat_map(|(finish, _)| finish.textures());
+        let mut widths = self.roughness.iter().flat_map(|(roughness, _)| roughness.textures());
         self.eta.constant().is_some() && widths.all(Texture::is_constant)
     }
 
@@ -108,7 +108,7 @@ impl Coat {
 
     fn at(&self, at: &SurfacePoint) -> Layer<'_> {
         let eta = self.eta.at(at);
-        let facets = self.finish.as_ref().and_then(|(finish, losses)| Some((finish.at(at)?, losses.at(eta))));
+        let facets = self.roughness.as_ref().and_then(|(roughness, losses)| Some((roughness.at(at)?, losses.at(eta))));
         let smooth_mean = self.smooth_mean.unwrap_or_else(|| smooth_mean(eta));
         let mean =
             facets.map_or(smooth_mean, |(facets, losses)| 2.0 * losses.value(|table| table.mean_loss(facets.alpha)) + smooth_mean - 1.0);
@@ -117,13 +117,13 @@ impl Coat {
     }
 
     fn textures(&self) -> impl Iterator<Item = &Texture> {
-        let finish = self.finish.iter().flat_map(|(finish, _)| finish.textures());
-        finish.chain(self.eta.texture()).chain([&self.color])
+        let roughness = self.roughness.iter().flat_map(|(roughness, _)| roughness.textures());
+        roughness.chain(self.eta.texture()).chain([&self.color])
     }
 
     fn recentred(self, origin: DVec3) -> Coat {
-        let finish = self.finish.map(|(finish, losses)| (finish.recentred(origin), losses));
-        Coat { eta: self.eta.recentred(origin), color: self.color.recentred(origin), finish, ..self }
+        let roughness = self.roughness.map(|(roughness, losses)| (roughness.recentred(origin), losses));
+        Coat { eta: self.eta.recentred(origin), color: self.color.recentred(origin), roughness, ..self }
     }
 }
 
@@ -220,11 +220,11 @@ const MIN_COS2: f32 = 1e-6;
 
 impl Coated {
     fn at(&self, at: &HitContext) -> (Layer<'_>, Bsdf<'_>) {
-        (self.coat.at(&at.point), at.bsdf_of(&self.ground))
+        (self.coat.at(&at.point), at.bsdf_of(&self.base))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Coated {
-        Coated { ground: self.ground.recentred(origin), coat: self.coat.recentred(origin) }
+        Coated { base: self.base.recentred(origin), coat: self.coat.recentred(origin) }
     }
 }
 
@@ -284,11 +284,11 @@ impl Scatter for Coated {
     }
 
     fn reciprocal(&self, at: &HitContext) -> bool {
-        at.bsdf_of(&self.ground).reciprocal()
+        at.bsdf_of(&self.base).reciprocal()
     }
 
     fn parts(&self) -> Vec<&Material> {
-        vec![&self.ground]
+        vec![&self.base]
     }
 
     fn textures(&self) -> Vec<&Texture> {
@@ -296,11 +296,11 @@ impl Scatter for Coated {
     }
 
     fn own_effects(&self) -> Effects {
-        self.coat.finish.as_ref().map_or(Effects::SPECULAR_REFLECTION, |(finish, _)| finish.effects(Effects::SPECULAR_REFLECTION))
+        self.coat.roughness.as_ref().map_or(Effects::SPECULAR_REFLECTION, |(roughness, _)| roughness.effects(Effects::SPECULAR_REFLECTION))
     }
 
     fn is_anisotropic(&self) -> bool {
-        self.ground.is_anisotropic() || self.coat.finish.as_ref().is_some_and(|(finish, _)| finish.is_anisotropic())
+        self.base.is_anisotropic() || self.coat.roughness.as_ref().is_some_and(|(roughness, _)| roughness.is_anisotropic())
     }
 }
 
@@ -320,7 +320,8 @@ pub mod described {
     #[serde(deny_unknown_fields)]
     pub struct Coated {
         /// The material under the coat. Colours of a matte one look deeper, because the coat reflects light back to it.
-        pub ground: MaterialRef,
+        #[serde(rename = "ground")]
+        pub base: MaterialRef,
         /// The index of refraction of the coat over that outside.
         #[serde(default = "glassy")]
         pub eta: Varying<CoatIndex>,
@@ -355,7 +356,7 @@ impl Description for described::Coated {
     }
 
     fn parts(&self) -> Vec<(&'static str, &MaterialRef)> {
-        vec![("ground", &self.ground)]
+        vec![("ground", &self.base)]
     }
 
     fn roughness_keys(&self) -> Option<RoughnessKeys<'_>> {
@@ -365,6 +366,6 @@ impl Description for described::Coated {
     fn prepare(&self, builder: &mut dyn Prepare) -> Material {
         let color = builder.texture("color", &self.color);
         let coat = Coat::new(builder.number("eta", &self.eta), color, roughness_keys!(self).prepare(builder));
-        Compound::Coated(Coated { ground: builder.part("ground", &self.ground), coat }).into()
+        Compound::Coated(Coated { base: builder.part("ground", &self.base), coat }).into()
     }
 }

@@ -35,7 +35,7 @@ use crate::texture::Texture;
 /// Tests: sheen_returns_what_it_says, layers_on_white_are_white, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheen {
-    ground: Material,
+    base: Material,
     color: Texture,
     roughness: Texture,
     tables: TableRange<Table>,
@@ -78,17 +78,17 @@ impl Sheen {
             Texture::Constant(roughness) => [alpha(roughness.average()); 2],
             _ => [MIN_ALPHA, 1.0],
         };
-        Sheen { ground: base, color: color.into(), roughness, tables: TableRange::new(range, Scale::Ratio, table) }
+        Sheen { base, color: color.into(), roughness, tables: TableRange::new(range, Scale::Ratio, table) }
     }
 
     fn at(&self, at: &HitContext) -> (Fibres, Bsdf<'_>) {
         let tables = self.tables.at(alpha(self.roughness.scalar(&at.point)));
-        (Fibres { color: Spectrum::from_albedo(self.color.at(&at.point)), tables }, at.bsdf_of(&self.ground))
+        (Fibres { color: Spectrum::from_albedo(self.color.at(&at.point)), tables }, at.bsdf_of(&self.base))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Sheen {
         let (color, roughness) = (self.color.recentred(origin), self.roughness.recentred(origin));
-        Sheen { ground: self.ground.recentred(origin), color, roughness, ..self }
+        Sheen { base: self.base.recentred(origin), color, roughness, ..self }
     }
 }
 
@@ -225,11 +225,11 @@ impl Scatter for Sheen {
     }
 
     fn reciprocal(&self, at: &HitContext) -> bool {
-        at.bsdf_of(&self.ground).reciprocal()
+        at.bsdf_of(&self.base).reciprocal()
     }
 
     fn parts(&self) -> Vec<&Material> {
-        vec![&self.ground]
+        vec![&self.base]
     }
 
     fn textures(&self) -> Vec<&Texture> {
@@ -256,7 +256,8 @@ pub mod described {
     #[serde(deny_unknown_fields)]
     pub struct Sheen {
         /// The material under the fibres.
-        pub ground: MaterialRef,
+        #[serde(rename = "ground")]
+        pub base: MaterialRef,
         /// The colour of the fibres.
         #[serde(default = "Textured::white")]
         pub color: Textured,
@@ -276,11 +277,11 @@ impl Description for described::Sheen {
     }
 
     fn parts(&self) -> Vec<(&'static str, &MaterialRef)> {
-        vec![("ground", &self.ground)]
+        vec![("ground", &self.base)]
     }
 
     fn prepare(&self, builder: &mut dyn Prepare) -> Material {
         let (color, roughness) = (builder.texture("color", &self.color), builder.texture("roughness", &self.roughness));
-        Compound::Sheen(Sheen::new(builder.part("ground", &self.ground), color, roughness)).into()
+        Compound::Sheen(Sheen::new(builder.part("ground", &self.base), color, roughness)).into()
     }
 }

@@ -24,11 +24,11 @@ pub fn remark_missing_effects(loaded: &Loaded) {
 /// - `why`: possible reason for a black picture
 pub fn remark_darkness(image: &Image, integrator: &str, why: impl FnOnce() -> Option<String>) {
     let is_black = |names: &[&str]| names.iter().filter_map(|name| image.channel(name)).flatten().all(|value| *value == 0.0);
-    let told: Vec<&str> = image.channels.iter().map(|c| c.name.as_str()).filter(|name| is_of_light(name)).collect();
+    let layers: Vec<&str> = image.channels.iter().map(|c| c.name.as_str()).filter(|name| is_of_light(name)).collect();
     if is_black(&["R", "G", "B"]) {
         note("warning: the image is black");
         why().iter().for_each(|reason| note(&format!("note: {reason}")));
-    } else if !told.is_empty() && is_black(&told) {
+    } else if !layers.is_empty() && is_black(&layers) {
         note(&format!("warning: {integrator} tells nothing of its light, or there is none in the layers asked for: they are black"));
     }
 }

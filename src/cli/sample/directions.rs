@@ -14,8 +14,9 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
 use crate::measure::sidak;
 use crate::proof::{Chi2, Model, Options, SampledDirections, chi2};
 
-/// Prints the tests of three divisions of the sphere. The exit code is 1 if one of them refuses at a level of 1 % for all.
-pub fn judge(warp: &Warp, parameters: &Parameters, args: &SampleArgs) -> Result<ExitCode> {
+/// Tests the sampled directions of a warp on three divisions of the sphere, and prints the results. The exit code is 1 if one test
+/// rejects the density, at a significance of 1 % for all three together.
+pub fn print_tests(warp: &Warp, parameters: &Parameters, args: &SampleArgs) -> Result<ExitCode> {
     let Map::Sphere(directions) = (warp.map)(parameters)? else {
         return Err(Error::Usage(format!("--chi2: the points of {} are no directions", warp.name)));
     };

@@ -149,7 +149,7 @@ fn draw(name: &str, args: &SampleArgs) -> Result<ExitCode> {
         wo: args.wo,
     };
     if args.chi2 {
-        return directions::judge(warp, &parameters, args);
+        return directions::print_tests(warp, &parameters, args);
     }
     let drawn = points::draw(warp, &parameters, sampler, args.seed, args.count)?;
     let Some(path) = &args.output else { return print_stdout(&points::csv(&drawn, warp)).map(|()| ExitCode::SUCCESS) };

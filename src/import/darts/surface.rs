@@ -51,7 +51,7 @@ impl<'a> Reader<'a> {
 
     fn sphere(&self, cursor: &JsonCursor<'a>) -> Option<Members> {
         known(cursor, &["radius"]);
-        let mut members = self.dressed(cursor, "sphere")?;
+        let mut members = self.members_with_material(cursor, "sphere")?;
         if let Some(radius) = cursor.get(&["radius"]) {
             members.push(("radius", scalar(&radius)?));
         }
@@ -60,7 +60,7 @@ impl<'a> Reader<'a> {
 
     fn quad(&self, cursor: &JsonCursor<'a>) -> Option<Members> {
         known(cursor, &["size"]);
-        let mut members = self.dressed(cursor, "quad")?;
+        let mut members = self.members_with_material(cursor, "quad")?;
         if let Some(size) = cursor.get(&["size"]) {
             members.push(("size", vector(&size, 2)?));
         }
@@ -70,7 +70,7 @@ impl<'a> Reader<'a> {
     /// Mesh of one triangle.
     fn triangle(&self, cursor: &JsonCursor<'a>) -> Option<Members> {
         known(cursor, &["positions", "normals", "uvs"]);
-        let mut members = self.dressed(cursor, "mesh")?;
+        let mut members = self.members_with_material(cursor, "mesh")?;
         members.push(("positions", corners(&cursor.need(&["positions"])?, 3)?));
         members.push(("triangles", cursor.make_array([cursor.make_array([0, 1, 2].map(|corner| cursor.make_whole(corner)))])));
         for (key, length) in [("normals", 3), ("uvs", 2)] {
@@ -83,7 +83,7 @@ impl<'a> Reader<'a> {
 
     fn mesh(&self, cursor: &JsonCursor<'a>) -> Option<Members> {
         known(cursor, &["filename"]);
-        let mut members = self.dressed(cursor, "mesh")?;
+        let mut members = self.members_with_material(cursor, "mesh")?;
         let file = cursor.need(&["filename"])?;
         let names = self.named_in(&file)?;
         members.push(("file", file.same()));
@@ -129,7 +129,7 @@ impl<'a> Reader<'a> {
         Some(list.make_array(made.into_iter().collect::<Option<Vec<_>>>()?))
     }
 
-    fn dressed(&self, cursor: &JsonCursor<'a>, kind: &str) -> Option<Members> {
+    fn members_with_material(&self, cursor: &JsonCursor<'a>, kind: &str) -> Option<Members> {
         let SurfaceAppearance { material, emission } = self.appearance(cursor)?;
         let mut members = vec![("type", cursor.make_text(kind)), ("material", material)];
         members.extend(emission.map(|emission| ("emission", emission)));

@@ -173,7 +173,7 @@ impl<'a> Document<'a> {
     }
 
     /// Passes the notes on to the import context.
-    pub fn tell(self) {
+    pub fn pass_on_notes(self) {
         for (message, (at, count)) in self.notes.into_inner() {
             let more = if count > 1 { format!(" (here and {} more)", count - 1) } else { String::new() };
             at.note(message + &more);

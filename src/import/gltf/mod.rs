@@ -38,6 +38,6 @@ fn read(content: &Content, context: &ImportContext) -> Result<Option<Node>> {
     let Some(tree) = document::checked(opened, context) else { return Ok(None) };
     let Some(document) = document::Document::new(&tree, context)? else { return Ok(None) };
     let root = scene::scene(&document);
-    document.tell();
+    document.pass_on_notes();
     Ok(root)
 }

@@ -119,8 +119,8 @@ fn the_edge_of_a_lamp_is_a_block_of_its_own() {
     assert_relative_eq!(sum.third, 3.0 * EDGE.variance.powf(1.5) / 450f64.sqrt(), max_relative = 1e-12);
 }
 
-/// One pixel holds all the noise. The edge of a lamp is known by many samples, one sample that met the lamp tells little, and a
-/// black picture tells nothing.
+/// One pixel holds all the noise. At the edge of a lamp many samples make it, and the noise is known. A single
+/// sample that met the lamp says little about the noise, and a black picture says nothing.
 #[test]
 fn noise_of_a_few_samples_is_a_heavy_tail() {
     let flat = |value: f64| {

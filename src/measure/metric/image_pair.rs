@@ -27,13 +27,13 @@ pub struct ImagePair<'a> {
 impl<'a> ImagePair<'a> {
     /// Checks that two pictures can be compared.
     ///
-    /// - `first`: the picture that is judged
+    /// - `first`: the picture whose error is measured
     /// - `second`: the reference
     /// - `tonemap`: for the measures of visible differences
     ///
     /// # Errors
     /// `Invalid`, one fault that names the file: other sizes or crops, no pixels, channels that are missing, values that are not
-    /// finite. A NaN is not an error of any size, and to leave it out would misjudge the picture.
+    /// finite. A NaN is not an error of any size, and leaving it out would make the error of the picture too small.
     pub fn new(first: Named<'a>, second: Named<'a>, tonemap: Tonemap) -> Result<ImagePair<'a>> {
         first.check()?;
         second.check()?;

@@ -69,9 +69,9 @@ impl Zoo {
         let mirror = world.material(Material::mirror(Rgb::new(0.9, 0.95, 1.0)));
         let gold = world.material(Material::metal((Rgb::new(0.2, 0.9, 1.1), Rgb::new(3.9, 2.4, 2.2)), None, true));
         let glass = world.material(Material::glass(1.5));
-        let finish = |alpha: Vec2, distribution| Roughness { alpha: Alpha::Constant(alpha), distribution };
-        let brushed = world.material(Material::metal(Element::Cu.index(), Some(finish(Vec2::new(0.3, 0.06), Distribution::Ggx)), true));
-        let frosted = textured::Dielectric::new(1.5, Rgb::WHITE, Some(finish(Vec2::splat(0.2), Distribution::Beckmann)), true);
+        let roughness = |alpha: Vec2, distribution| Roughness { alpha: Alpha::Constant(alpha), distribution };
+        let brushed = world.material(Material::metal(Element::Cu.index(), Some(roughness(Vec2::new(0.3, 0.06), Distribution::Ggx)), true));
+        let frosted = textured::Dielectric::new(1.5, Rgb::WHITE, Some(roughness(Vec2::splat(0.2), Distribution::Beckmann)), true);
         let absorption = Rgb::new(0.3, 1.0, 2.0) * (1.0 / self.scale) as f32;
         let bottle = world.material(Material::from(frosted.absorbing(absorption)));
         let bubble = world.material(Material::ThinDielectric(textured::ThinDielectric { eta: 1.33.into(), color: Rgb::WHITE.into() }));
@@ -101,18 +101,18 @@ impl Zoo {
 
     /// Materials within materials, on a surface with a relief.
     fn paint(&self, color: Texture) -> SurfaceMaterial {
-        let finish = |alpha: f32| Some(Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
+        let roughness = |alpha: f32| Some(Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
         let paint = Principled {
             base_color: color.clone(),
             metallic: 0.5.into(),
             transmission: 0.2.into(),
             specular: 1.0.into(),
-            finish: finish(0.1),
+            roughness: roughness(0.1),
             eta: 1.5.into(),
             coat: 0.8.into(),
             coat_eta: 1.5.into(),
             coat_color: Rgb::new(0.9, 0.8, 0.7).into(),
-            coat_finish: None,
+            coat_roughness: None,
             sheen_color: 0.3.into(),
             sheen_roughness: 0.45.into(),
             multiscatter: true,
