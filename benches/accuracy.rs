@@ -3,10 +3,10 @@
 //! `cargo bench --bench accuracy [-- coverage|prices|adaptive] [SEEDS] [SCENES]`: the default is all tables, 100 seeds and
 //! six scenes. Each has three samplers:
 //!
-//! - coverage: how often the interval of 95 % that a render states holds its true relative error, and
-//!   relMSE with two scramblings over relMSE with one, which is the ratio of time × relMSE: a sample takes as long
-//! - prices: the time foretold for 1 % by a short pilot, over the time that 1 % then takes
-//! - adaptive: relMSE, and time × relMSE, of 256 samples where they are worth most over those of 256 samples everywhere
+//! - coverage: how often the stated 95 % interval contains the true relative error, and relMSE with two scramblings over relMSE with one,
+//!   which is also the ratio of time × relMSE, because a sample takes as long
+//! - prices: the time for an error of 1 % as predicted by a short pilot, over the time that it then takes
+//! - adaptive: relMSE, and time × relMSE, of 256 adaptive samples per pixel on average over those of 256 uniform ones
 
 mod subject;
 
@@ -24,10 +24,10 @@ const SCENES: [&str; 6] = ["cornell-box", "mirror-balls", "mis-plates", "statue"
 /// Number of samples of the reference picture.
 const REFERENCE: u64 = 1 << 14;
 const SAMPLERS: [Kind; 3] = [Kind::Independent, Kind::Halton, Kind::Sobol];
-/// Samples per pixel of an early and of a late look.
+/// Samples per pixel at an early and at a late check of the error.
 const SAMPLES: [u64; 2] = [64, 256];
 
-/// A limit by samples only, without time and target.
+/// Stop condition of a number of samples, without a time limit or a target error.
 const fn after(samples: u64) -> StopCondition {
     StopCondition { samples, time: None, target: None }
 }
@@ -107,7 +107,7 @@ struct Count {
     established: u32,
     held: u32,
     stated_square: f64,
-    /// Sum over the established statements.
+    /// Sum over the pictures whose error is established.
     true_square: f64,
     square: f64,
     /// Sum over pictures without error bars.
@@ -131,12 +131,12 @@ impl Count {
         self.held += other.held;
     }
 
-    /// Fraction of intervals that contain the true error (%).
+    /// Share of the intervals that contain the true error (%).
     fn share(&self) -> f64 {
         100.0 * f64::from(self.held) / f64::from(self.established)
     }
 
-    /// Wilson's 95 % confidence interval of that fraction (%).
+    /// Wilson's 95 % confidence interval of [`Count::share`] (%).
     fn share_between(&self) -> [f64; 2] {
         let (n, p, z) = (f64::from(self.established), self.share() / 100.0, 1.96);
         let middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);
@@ -200,13 +200,13 @@ fn prices(scenes: &[&str]) -> pt::Result<()> {
     Ok(())
 }
 
-/// Time predicted by a pilot of two seconds, time that it takes, and their ratio.
+/// Text of the time that a pilot of two seconds predicts, the time that the render takes, and their ratio.
 fn price(subject: &Subject, kind: Kind) -> String {
     const TARGET: f64 = 0.01;
     let pilot = StopCondition { samples: u32::MAX.into(), time: Some(Duration::from_secs(2)), target: None };
     let (_, history) = taken(subject, kind, 2, 1, &pilot);
     let Some(price) = history.price(TARGET, 0.95) else { return "cannot be established | – | –".into() };
-    // The render takes half as long again as predicted, and the time is where the error crosses the target.
+    // The render runs for 1.5 times the predicted time, so that the error crosses the target before its end.
     let long = StopCondition { time: Some(Duration::from_secs_f64(1.5 * price.seconds)), ..pilot };
     let (_, history) = taken(subject, kind, 2, 2, &long);
     let taken = history.price(TARGET, 0.95).map(|_| crossing(&history, TARGET));

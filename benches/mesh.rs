@@ -13,7 +13,7 @@ use pt::math::{Rgb, Transform, float};
 use pt::shape::{MeshData, MeshPart, TriangleMesh};
 use pt::world::World;
 
-/// 708² cells of two triangles.
+/// Number of cells along each edge: 708² cells of two triangles are about a million.
 const EDGE: u32 = 708;
 
 fn main() -> pt::Result<()> {

@@ -1,7 +1,7 @@
 //! Cost of a viewer: CPU time of the Cornell box at 512² with 32 samples per pixel, with a viewer relative to without.
 //!
-//! `cargo bench --bench viewer [-- PAIRS]`: the number of pairs of runs (default 16), in changing order. The viewer is another process,
-//! which takes all it is sent; what it does with it is not counted.
+//! `cargo bench --bench viewer [-- PAIRS]`: the number of pairs of runs (default 16), in alternating order. The viewer is another process
+//! that reads and discards all data; its own CPU time is not counted.
 
 mod subject;
 
@@ -92,7 +92,7 @@ impl Film for Watched {
     }
 }
 
-/// Mean ratio and its confidence interval, by Student's t over the logarithms.
+/// Mean ratio and its confidence interval, from the logarithms of the ratios by Student's t.
 fn interval(logs: &[f64]) -> (f64, f64, f64) {
     let n = logs.len() as f64;
     let mean = logs.iter().sum::<f64>() / n;

@@ -1,6 +1,6 @@
 //! Builds and renders a scene in Rust, without a scene file: `cargo run --release --example build_scene [-- SPP]`.
 //!
-//! A room of 2 m with a red and a green wall; in it a ball of plaster and a ball of glass.
+//! The scene is a room of 2 m with a red and a green wall, and in it a ball of plaster and a ball of glass.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ fn main() -> pt::Result<()> {
     let settings = Settings::new(SamplerSpec { spp, ..SamplerSpec::default() });
     let report = render(world, &Nee { max_depth: 16, ..Nee::default() }, &mut film, &settings, &Silent);
 
-    // `.exr` instead would keep the radiance itself.
+    // A name that ends in `.exr` would store the radiance itself.
     let picture = Path::new("build_scene.png");
     output::write(picture, &film.image(), &vec![], &Tonemap::default())?;
     println!("{} samples per pixel in {:.2} s: {}", report.samples, report.elapsed.as_secs_f64(), picture.display());
@@ -35,7 +35,7 @@ fn main() -> pt::Result<()> {
 }
 
 fn world() -> pt::Result<World> {
-    // A camera looks along −z of its pose; the field of view is vertical, in degrees. No lens: everything is sharp.
+    // A camera looks along −z of its pose; the field of view is vertical, in degrees. Without a lens everything is sharp.
     let pose = Pose::look_at(DVec3::new(0.0, 1.0, 6.8), DVec3::new(0.0, 1.0, 0.0), DVec3::Y)?;
     let (fov, lens_radius, focus_distance) = (20.0, 0.0, 1.0);
     let mut world = World::builder(Camera::Perspective(Perspective::new(pose, fov, lens_radius, focus_distance)));

@@ -19,8 +19,9 @@ use serde::Deserialize;
 
 /// Path tracer with light sampling that leaves glass with a normal on the wrong side.
 ///
-/// t = ηd + (η cos θ − cos θt) n holds where n opposes d. On leaving, η is inverted and |cos θ| taken, but n still points along d: the
-/// direction has the wrong length, which normalising hides, and a small angle θ' within leaves at θ'·n/(2n − 1).
+/// t = ηd + (η cos θ − cos θt) n holds where n opposes d. When light leaves the glass, this code inverts η and uses |cos θ|, but n still
+/// points along d. The direction then has the wrong length, which normalising hides, and a small angle θ' inside becomes θ'·n/(2n − 1)
+/// outside.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(default)]
 #[schemars(deny_unknown_fields)]

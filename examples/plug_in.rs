@@ -19,7 +19,7 @@ use pt::scene::Scene;
 use pt::schemars::JsonSchema;
 use pt::serde::Deserialize;
 
-/// Nearness of the first surface, as grey.
+/// Integrator that shows the nearness of the first surface as a shade of grey.
 ///
 /// L = h / (h + distance): 1 at the camera, ½ at the distance h, 0 at infinity
 ///

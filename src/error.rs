@@ -3,7 +3,7 @@
 #[cfg(feature = "cli")]
 pub mod allocator;
 pub mod memory;
-#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "only a program catches every panic at its door"))]
+#[cfg_attr(not(feature = "cli"), allow(dead_code, reason = "only a program catches every panic in its main function"))]
 pub mod panic;
 pub mod text;
 

@@ -1,9 +1,8 @@
-//! Samples of a scene of surfaces allocate nothing.
+//! Rendering a sample of a scene of surfaces allocates no memory.
 //!
-//! The law: a render allocates while it is prepared, and a few times per wave and tile (the tile's
-//! result and sums, its sampler), nothing more. Doubling the samples makes one wave more of twice the
-//! length: however many samples there are, each doubling adds no more than one wave's share, which is
-//! at most nine allocations for each tile and eight for the film. The length of paths has no say.
+//! A render allocates memory while it is prepared, and a few times for each wave and tile (the tile's result and sums, and its sampler).
+//! Twice the samples make one wave more, of twice the length. So each doubling of the samples adds only the allocations of one wave: at
+//! most nine for each tile and eight for the film. The length of paths does not matter.
 #![allow(unsafe_code, reason = "an allocator is an unsafe trait; every call is the system allocator's own")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -29,7 +28,7 @@ use pt::render::{Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
 use zoo::Zoo;
 
-/// The system's allocator, counted on the thread that renders: what else the process does depends on how busy the machine is.
+/// The system's allocator, counted on the thread that renders, because allocations of other threads depend on how busy the machine is.
 struct Counting;
 
 static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
@@ -39,7 +38,7 @@ thread_local! {
 }
 
 fn count() {
-    // A thread that ends may have no such value any more.
+    // The value of a thread that is ending may already be gone.
     if IS_COUNTED.try_with(Cell::get).unwrap_or(false) {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
     }
@@ -69,7 +68,7 @@ const SIZE: [u32; 2] = [64, 48];
 const TILE: u32 = 16;
 const TILES: u64 = (SIZE[0] / TILE * (SIZE[1] / TILE)) as u64;
 
-/// How often a render on one thread allocates.
+/// Number of allocations of a render on one thread.
 fn allocations(integrator: &dyn Integrator, kind: Kind, spp: u64) -> u64 {
     let scene = Zoo::default().build();
     let settings = Settings { tile: TILE, ..Settings::new(SamplerSpec { kind, seed: 1, spp, ..SamplerSpec::default() }) };
@@ -83,15 +82,15 @@ fn allocations(integrator: &dyn Integrator, kind: Kind, spp: u64) -> u64 {
     })
 }
 
-/// One test only: the threads of others that render would be counted too.
+/// The only test of this binary, because renders of other tests would be counted too.
 #[test]
 fn samples_allocate_nothing() {
     for (entry, (kind, ..)) in pt::integrators::ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
         let (_, integrator) = choose(&[&[*entry]], None, Some(entry.name), "").expect("defaults are valid");
         let counts = [1, 2, 4, 8, 16, 32].map(|spp| allocations(&*integrator, *kind, spp));
         for (few, many) in counts.iter().zip(&counts[1..]) {
-            // A wave more: for each tile a sampler and a tree for each of two sequences, and the lists of samplers, trees,
-            // third powers, moments and sums; now and then a block of the thread pool's own queue.
+            // The allocations of one more wave: for each tile a sampler and a tree for each of two sequences, and the lists of samplers,
+            // trees, third powers, moments and sums; sometimes also a block of the thread pool's queue.
             assert!(many - few <= 9 * TILES + 8 + 2, "{} {kind:?}: {counts:?}", entry.name);
         }
     }

@@ -1,4 +1,4 @@
-//! The tests that documentation names exist.
+//! Check that tests which documentation names exist.
 //!
 //! A comment that lists names after the word "Tests" and a colon promises that these laws are tested. A word of lower-case letters
 //! with an underscore in such a list is taken for the name of a test; what is said in plain words is not checked.

@@ -1,6 +1,6 @@
-//! Integrators are plug-ins: the folder compiles as part of another crate, unchanged, and its pictures are the same.
+//! Integrators are plug-ins: the folder `integrators` compiles unchanged as part of another crate, and its pictures are the same.
 //!
-//! A private item of the library used there is a compile error of this file.
+//! If an integrator used a private item of the library, this file would not compile.
 
 #[path = "../integrators/mod.rs"]
 #[allow(dead_code)]
@@ -21,7 +21,7 @@ mod zoo;
 use pt::integrator::choose;
 use zoo::{Shot, render_on};
 
-/// Every integrator, foreign and own, on different numbers of threads: the same bits.
+/// Every integrator, compiled here and in the library, renders the same bits, on different numbers of threads.
 #[test]
 fn foreign_integrators_render_the_same_bits() {
     assert_eq!(integrators::ALL.len(), pt::integrators::ALL.len());

@@ -16,7 +16,7 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// - `changes`: pointers into the file, and the values that stand there instead
+    /// - `changes`: pointers into the file, and the values that replace those in the file
     pub fn load(name: &str, changes: &[(&str, &str)]) -> pt::Result<Subject> {
         let file = format!("scenes/{name}.json");
         let mut root = describe::load(Path::new(&file))?;

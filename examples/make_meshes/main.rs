@@ -13,7 +13,7 @@ use std::path::Path;
 
 use pt::shape::mesh_data::MeshData;
 
-/// The files, by name.
+/// Returns the names and contents of the files.
 pub fn files() -> io::Result<Vec<(&'static str, Vec<u8>)>> {
     Ok(vec![
         ("statue.ply", ply(&statue::statue())?),
@@ -35,7 +35,7 @@ fn obj(mesh: &MeshData) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-#[allow(dead_code)] // A test includes this file for `files` alone.
+#[allow(dead_code)] // A test includes this file and calls only `files`.
 fn main() -> io::Result<()> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/meshes");
     std::fs::create_dir_all(&folder)?;

@@ -6,10 +6,10 @@ use pt::shape::mesh_data::{MeshData, MeshPart};
 
 /// Facets around the axis.
 const SECTORS: u32 = 72;
-/// Pieces of the curve between two points of the profile.
+/// Number of pieces of the curve between two points of the profile.
 const PIECES: u32 = 4;
 
-/// 1 m high (scale it), standing on y = 0 at the origin.
+/// Makes the mesh of a pawn, 1 m high, that stands on y = 0 at the origin.
 pub fn pawn() -> MeshData {
     let rings: Vec<(DVec2, DVec2)> = curve(&profile());
     let mut mesh = MeshData::default();
@@ -31,7 +31,7 @@ pub fn pawn() -> MeshData {
     mesh.clean().0
 }
 
-/// (radius, height) from the middle of the foot to the top: foot, stem, collar, head.
+/// Returns the profile as points (radius, height) from the middle of the foot to the top: foot, stem, collar, head.
 fn profile() -> Vec<DVec2> {
     let turned = [
         [0.0, 0.0],

@@ -6,12 +6,12 @@ use pt::shape::mesh_data::{MeshData, MeshPart};
 
 const COUNT: u32 = 10;
 
-/// Right-angled, with legs of 1 m, 1 m apart in height; the lowest faces +z.
+/// Makes the mesh: right-angled triangles with legs of 1 m, stacked 1 m apart in height. The lowest faces +z.
 pub fn triangles() -> MeshData {
     stacked(&[DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 0.0, 0.0), DVec3::new(-0.5, 1.0, 0.0)], &[[0, 1, 2]])
 }
 
-/// The triangles as closed prisms 10 cm thick, because glass must have an inside.
+/// Makes the triangles as closed prisms 10 cm thick, because glass must have an inside.
 pub fn prisms() -> MeshData {
     let face = [[-0.5, 0.0], [0.5, 0.0], [-0.5, 1.0]];
     let corners: Vec<DVec3> = [0.05, -0.05].into_iter().flat_map(|z| face.map(|[x, y]| DVec3::new(x, y, z))).collect();

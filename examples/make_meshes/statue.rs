@@ -1,4 +1,4 @@
-//! A dancer with raised arms, in a long dress: smoothly joined bodies, each given by (nearly) its distance.
+//! A statue of a dancer with raised arms in a long dress: smoothly joined solids, each described by (approximately) its distance field.
 
 use glam::{DVec2, DVec3, IVec3};
 use pt::math::float::sin_cos_degrees;
@@ -6,7 +6,7 @@ use pt::shape::mesh_data::MeshData;
 
 use super::surface_nets::{self, Grid};
 
-/// 2 m high, standing on y = 0 at the origin, facing +z.
+/// Makes the mesh of the statue, 2 m high, that stands on y = 0 at the origin and faces +z.
 pub fn statue() -> MeshData {
     let edge = 0.0112;
     let grid = Grid { min: DVec3::new(-0.52, -0.02, -0.52), cells: (DVec3::new(1.04, 2.1, 1.04) / edge).as_ivec3() + IVec3::ONE, edge };
@@ -38,14 +38,14 @@ fn dress(p: DVec3) -> f64 {
     side.max(p.y - TOP).max(BOTTOM - 0.02 - p.y)
 }
 
-/// The axis of the body swings to one side and back: the weight rests on one leg.
+/// Horizontal position of the body's axis at a height. The body leans to one side and back, as its weight rests on one leg.
 fn sway(y: f64) -> DVec2 {
     DVec2::new(0.05 * bump((y - 0.95) / 0.75), 0.02 * bump((y - 1.1) / 0.6))
 }
 
 fn torso(p: DVec3) -> f64 {
     let q = p - DVec3::new(sway(p.y).x, 0.0, sway(p.y).y);
-    // Bodies are deeper than they are wide only in bad statues.
+    // A torso is wider than it is deep.
     let flat = DVec3::new(q.x, q.y, q.z * 1.25);
     let waist = round_cone(flat, DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, 1.28, 0.015), 0.088, 0.118);
     let shoulders = round_cone(q, DVec3::new(-0.125, 1.385, 0.0), DVec3::new(0.125, 1.375, 0.0), 0.05, 0.05);
@@ -55,7 +55,7 @@ fn torso(p: DVec3) -> f64 {
     join(join(chest, shoulders, 0.07), neck, 0.04)
 }
 
-/// Turned to one side and a little lifted; the hair is tied in a knot.
+/// Distance to the head, turned to one side and slightly raised, with the hair tied in a knot.
 fn head(p: DVec3) -> f64 {
     let q = p - DVec3::new(0.035, 1.605, 0.03);
     let (sin, cos) = sin_cos_degrees(-35.0);
@@ -121,14 +121,14 @@ impl Limb {
     }
 }
 
-/// A round slab with a rounded rim.
+/// Distance to the base, a round slab with a rounded rim.
 fn plinth(p: DVec3) -> f64 {
     const RIM: f64 = 0.012;
     let outside = DVec2::new(DVec2::new(p.x, p.z).length() - (0.47 - RIM), (p.y - 0.04).abs() - (0.04 - RIM));
     outside.max(DVec2::ZERO).length() + outside.max_element().min(0.0) - RIM
 }
 
-/// The smaller of two distances, rounded where they differ by less than `k`: bodies grow together.
+/// Smooth minimum of two distances: rounded where they differ by less than `k`, so that the solids blend.
 ///
 /// min(a, b) − k h³/6,  h = max(k − |a − b|, 0) / k
 fn join(a: f64, b: f64, k: f64) -> f64 {
@@ -143,7 +143,7 @@ fn round_cone(p: DVec3, a: DVec3, b: DVec3, ra: f64, rb: f64) -> f64 {
     (p - a.lerp(b, t)).length() - (ra + t * (rb - ra))
 }
 
-/// Nearly the distance: |q| (|q| − 1) / |∇|, with q = p / radii.
+/// Approximate distance to an ellipsoid: |q| (|q| − 1) / |∇|, with q = p / radii.
 fn ellipsoid(p: DVec3, radii: DVec3) -> f64 {
     let (q, slope) = ((p / radii).length(), (p / (radii * radii)).length());
     if slope == 0.0 { -radii.min_element() } else { q * (q - 1.0) / slope }

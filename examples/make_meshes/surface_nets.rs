@@ -1,9 +1,9 @@
-//! From an implicit surface f(p) = 0 to a smooth mesh.
+//! Conversion of an implicit surface f(p) = 0 to a smooth mesh.
 
 use glam::{DVec3, IVec3};
 use pt::shape::mesh_data::{MeshData, MeshPart};
 
-/// The part of space that is divided into cubes, and the length of their edges.
+/// Grid of cubes in a box of space, with the length of their edges.
 pub struct Grid {
     pub min: DVec3,
     pub cells: IVec3,
@@ -45,7 +45,7 @@ pub fn mesh(grid: &Grid, f: &impl Fn(DVec3) -> f64) -> MeshData {
         if !crossings.is_empty() {
             vertex_of[grid.index(cell)] = found.positions.len() as u32;
             let mean = crossings.iter().sum::<DVec3>() / crossings.len() as f64;
-            // Vertices stay in their cells: neighbours keep their distance, and triangles their orientation.
+            // Vertices stay in their cells, so that neighbours keep their distance and triangles keep their orientation.
             let (low, high) = (grid.corner(cell) + 0.1 * grid.edge, grid.corner(cell) + 0.9 * grid.edge);
             let point = onto_surface(mean, grid.edge, f).clamp(low, high);
             let normal = gradient(point, grid.edge, f).normalize_or(DVec3::Y);
@@ -79,13 +79,13 @@ fn corner(bits: i32) -> IVec3 {
 /// Pairs of corners that differ in one bit.
 const EDGES: [[i32; 2]; 12] = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
 
-/// Where the surface crosses the edge, if f were linear along it.
+/// Point where the surface crosses an edge of the grid, by linear interpolation of f.
 fn crossing(grid: &Grid, values: &[f64], a: IVec3, b: IVec3) -> Option<DVec3> {
     let (fa, fb) = (values[grid.index(a)], values[grid.index(b)]);
     ((fa < 0.0) != (fb < 0.0)).then(|| grid.corner(a).lerp(grid.corner(b), fa / (fa - fb)))
 }
 
-/// A point of the surface near `p`, at most an edge away.
+/// Moves `p` onto the surface, by at most the length of an edge.
 fn onto_surface(p: DVec3, edge: f64, f: &impl Fn(DVec3) -> f64) -> DVec3 {
     const STEPS: usize = 4;
     let mut q = p;
@@ -97,7 +97,7 @@ fn onto_surface(p: DVec3, edge: f64, f: &impl Fn(DVec3) -> f64) -> DVec3 {
     q
 }
 
-/// By central differences, over a small part of a cell.
+/// Gradient of f by central differences over a small part of a cell.
 fn gradient(p: DVec3, edge: f64, f: &impl Fn(DVec3) -> f64) -> DVec3 {
     let h = edge / 16.0;
     let slope = |axis: DVec3| (f(p + axis * h) - f(p - axis * h)) / (2.0 * h);

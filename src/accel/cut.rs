@@ -8,7 +8,7 @@
 //!   split(n, r) = min over 0 < k < r of  cost(left, k) + cost(right, r − k)
 //!
 //! Source: Ylitie, Karras and Laine, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs* (2017),
-//! section 3. Tests: hierarchy_is_the_list.
+//! section 3. Tests: the_hierarchy_finds_what_a_linear_search_finds.
 
 use obvhs::bvh2::Bvh2;
 

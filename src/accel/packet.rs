@@ -48,7 +48,7 @@ impl Packet {
     /// kept. The numerator of t has one more factor e.
     ///
     /// Source: Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection* (1997).
-    /// Tests: watertight, hierarchy_is_the_list.
+    /// Tests: watertight, the_hierarchy_finds_what_a_linear_search_finds.
     #[inline(always)]
     pub fn candidates<L: Lanes>(&self, ray: &Ray, t_max: f32) -> u32 {
         let (o, d) = (splat(ray.origin.to_array()), splat(ray.direction.to_array()));

@@ -22,7 +22,7 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 /// - sampling: uniform over the hemisphere, so that weight = ω/2 · μi/(μo + μi) ≤ ω/2
 ///
 /// Source: Seeliger (1884); Hapke, *Theory of Reflectance and Emittance Spectroscopy* (1993), §8.E.1. Tests:
-/// dust_reflects_as_the_formula_says, own_models_are_proved.
+/// the_albedo_of_dust_is_its_formula, own_models_are_proved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LommelSeeliger {
     /// ω, the share of light that one particle scatters: [0, 1].

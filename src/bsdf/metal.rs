@@ -25,7 +25,7 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, fresnel, warp};
 /// - sampling: by the definition, so that weight = ρ; the density is that of the rounded direction
 ///
 /// Source: the "metal" of ray-tracing courses; the density is derived here. Tests: own_models_are_proved,
-/// shaken_mirrors_fill_their_cone, shaken_mirrors_have_the_derived_density.
+/// perturbed_mirrors_fill_their_cone, perturbed_mirrors_have_the_derived_density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metal {
     /// ρ, the largest share of light that is reflected: [0, 1].

@@ -18,7 +18,7 @@ use crate::texture::{Number, Texture};
 /// nothing.
 ///
 /// Source: Burley, *Physically Based Shading at Disney* (2012), and the names of glTF 2.0. Tests: compounds_are_proved,
-/// principled_is_what_it_names.
+/// principled_extremes_are_the_named_materials.
 #[derive(Clone, Debug)]
 pub struct Principled {
     /// The base colour: [0, 1].

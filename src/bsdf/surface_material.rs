@@ -54,7 +54,7 @@ impl NormalModifier {
     /// A normal that points below the surface, or away from the viewer, would make the point black. It is bent back, towards the
     /// surface's own normal and then towards `wo`, so that the shading there differs from that of the map.
     ///
-    /// Tests: mapped_planes_are_lit_as_by_quadrature, turned_normals_are_seen.
+    /// Tests: mapped_planes_are_lit_as_by_quadrature, modified_normals_face_the_viewer.
     pub fn normal(&self, point: &SurfacePoint, tangents: [Vec3; 2], wo: Vec3) -> Vec3 {
         let turned = match self {
             NormalModifier::NormalMap { map, strength } => mapped(map, strength.at(point), point, tangents),

@@ -42,7 +42,7 @@ impl Ray {
     /// radius between curved ones. If the correction exceeds t, because the ray is nearly parallel to the plane, the result is the
     /// distance of the two points, |o + t w − p|.
     ///
-    /// Tests: absorption_knows_no_offset, throughputs_follow_from_the_vertices.
+    /// Tests: absorption_does_not_depend_on_ray_offsets, throughputs_follow_from_the_vertices.
     pub fn length(&self, t: f32, n: Vec3) -> f32 {
         let offset = self.origin - self.from;
         let shift = offset.dot(n) / self.direction.dot(n);

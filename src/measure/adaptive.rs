@@ -10,7 +10,7 @@
 //! error bar is right, as if the allocation had been given.
 //!
 //! Source of the allocation: Neyman, *On the Two Different Aspects of the Representative Method* (1934).
-//! Tests: own_samples_have_no_say, noisy_pixels_take_more, adaptive_pays.
+//! Tests: sample_counts_do_not_depend_on_own_samples, noisy_pixels_get_more_samples, adaptive_sampling_reduces_the_error.
 
 use std::sync::Arc;
 use std::time::Duration;

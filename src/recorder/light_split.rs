@@ -14,7 +14,7 @@ use crate::math::Spectrum;
 ///
 /// up to the rounding of the sums. The weight of the reconstruction filter is not included.
 ///
-/// Tests: `sorted_light_is_all_the_light`.
+/// Tests: `split_light_adds_up_to_all_light`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightSplit {
     /// Light that reaches the camera without scattering.

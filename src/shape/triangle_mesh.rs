@@ -167,7 +167,7 @@ impl Shape for BakedMesh {
     /// two thirds of that of the facet's normal. The mirror direction of the viewer is then above the facet as long as the two normals are
     /// within 41° of each other. The result depends on the ray and the point alone, so that all techniques see the same normal.
     ///
-    /// Tests: outlines_have_no_fringe.
+    /// Tests: silhouettes_have_no_dark_fringe.
     fn point(&self, i: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         let point = self.at(i, hit.uv);
         if self.normals.is_empty() {
@@ -228,7 +228,7 @@ impl Shape for BakedMesh {
 ///
 /// Source: Hanika, *Hacking the Shadow Terminator* (Ray Tracing Gems II, 2021), whose point is moved by
 /// Σ wₖ max(0, nₖ·(vₖ − p)) nₖ. That is nearly the same for fine meshes, but on coarse ones some rays still hit their own facets.
-/// Tests: lifted_rays_clear_a_convex_mesh, smooth_cylinder.
+/// Tests: offset_rays_leave_a_convex_mesh, smooth_cylinder.
 fn terminator_offset(corners: [Vec3; 3], normals: [Vec3; 3], w: Vec2, point: &SurfacePoint) -> f32 {
     let weights = [1.0 - w.x - w.y, w.x, w.y];
     let (mut depth, mut slant) = (0.0, 0.0);

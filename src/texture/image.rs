@@ -11,7 +11,7 @@ use crate::shape::SurfacePoint;
 ///
 /// For `scale` 1 the lower left corner of the picture is at (u, v) = (0, 0), the upper right corner at (1, 1).
 ///
-/// Tests: centres_show_their_pixel, between_and_beyond.
+/// Tests: pixel_centres_show_their_pixel, pixels_are_interpolated_and_wrapped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     /// The pixels, which several textures may share.

@@ -5,7 +5,7 @@ use crate::shape::SurfacePoint;
 
 /// The interpolated colour of a mesh's vertices, or a channel of it; 1 on shapes without such colours.
 ///
-/// Tests: colours_are_interpolated_over_triangles, what_has_no_colours_is_white.
+/// Tests: colours_are_interpolated_over_triangles, meshes_without_colours_are_white.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Vertex {
     /// A single channel, used as a grey: 0 is red, 1 green, 2 blue, 3 opacity. Without one the colour is used.

@@ -1,4 +1,4 @@
-//! Metals by name, panes, coloured glass, grain; and rough bodies in light from all around, by every integrator.
+//! Metals by name, thin panes, coloured glass and brushed metal; and rough bodies in uniform light, with every integrator.
 
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
@@ -13,7 +13,7 @@ use pt::world::World;
 
 use crate::scenes::{Depth, Effort, Law, at, confirm, gray, probe, stored};
 
-/// The CIE 1931 observer by another road than the library's table: a fit of a few bell curves, good to 1 %.
+/// The CIE 1931 observer by a method other than the library's table: a fit of a few bell curves with an error of 1 %.
 ///
 /// Source: Wyman, Sloan, Shirley, *Simple Analytic Approximations to the CIE XYZ Color Matching Functions* (2013).
 fn observer(wavelength: f64) -> [f64; 3] {
@@ -37,7 +37,7 @@ fn daylight(wavelength: f64) -> f64 {
     D65[k] + (D65[k + 1] - D65[k]) * part
 }
 
-/// n and k as published, by straight lines between the wavelengths.
+/// Published n and k of a metal, linearly interpolated between the tabulated wavelengths.
 fn published(metal: Element, wavelength: f64) -> (f64, f64) {
     let table = metal.published();
     let after = table.iter().position(|row| row.0 > wavelength).unwrap_or(table.len() - 1).max(1);
@@ -46,10 +46,11 @@ fn published(metal: Element, wavelength: f64) -> (f64, f64) {
     (a.1 + part * (b.1 - a.1), a.2 + part * (b.2 - a.2))
 }
 
-/// A named metal has the colour at normal incidence that its published spectrum has under daylight: each coefficient within 1 % of
-/// itself, though the fit of the observer alone is off by up to 0.3 %.
+/// A named metal has the colour at normal incidence that its published spectrum has under daylight: each coefficient agrees to 1 %. The fit
+/// of the observer alone has an error of up to 0.3 %.
 ///
-/// One coefficient is beyond Rec. 709, the red of gold, 1.04: it is the greatest reflectance of any wavelength, 0.97.
+/// One coefficient, the red of gold, would be 1.04, outside of Rec. 709. The library uses the greatest reflectance of any wavelength for
+/// it, 0.97.
 #[test]
 fn metals_have_the_colour_of_their_spectrum() {
     const RGB: [[f64; 3]; 3] = [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
@@ -78,7 +79,7 @@ fn metals_have_the_colour_of_their_spectrum() {
     }
 }
 
-/// A pane returns the sum of what goes to and fro between its faces, and passes the rest straight on.
+/// A thin pane reflects the sum of all reflections between its two faces, and transmits the rest straight on.
 #[test]
 fn thin_plate() {
     for eta in [1.0f32, 1.33, 1.5, 2.42, 1.0 / 1.5] {
@@ -101,7 +102,7 @@ fn thin_plate() {
     }
 }
 
-/// A ball of radius 1 in light of radiance 1 from all around, seen from outside through its middle.
+/// A ball of radius 1 in uniform light of radiance 1, seen from outside through its middle.
 fn in_white_light(name: String, material: Material, radiance: f64) -> Law {
     let mut world = World::builder(probe(DVec3::new(0.0, 0.0, 4.0), DVec3::new(0.0, 0.0, 1.0)));
     let material = world.material(material);
@@ -110,9 +111,9 @@ fn in_white_light(name: String, material: Material, radiance: f64) -> Law {
     Law::new(name, world, radiance, Depth { max: 1000, roulette: 8 })
 }
 
-/// Through a ball of glass that lets A pass from end to end: L = R + (1 − R)² A / (1 − R A), reflections inside included.
+/// A ball of glass with the transmittance A along its diameter has L = R + (1 − R)² A / (1 − R A), including inner reflections.
 #[test]
-fn glass_absorbs_by_the_way() {
+fn glass_absorbs_along_the_path() {
     let row = |(eta, left): (f32, f64)| {
         let absorption = gray(-left.ln() / 2.0);
         let body = Material::from(textured::Dielectric::smooth(eta, Rgb::WHITE).absorbing(stored(absorption)));
@@ -127,10 +128,10 @@ fn round(alpha: f32, distribution: Distribution) -> Roughness {
     Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution }
 }
 
-/// White metal and clear frosted glass in uniform light look like the light around them, also for whole paths, with radiance
-/// compressed on the way in and restored on the way out. The resolution is that of the tables.
+/// White metal and clear frosted glass have the radiance of the uniform light around them. This tests whole paths, on which radiance is
+/// scaled by η² on the way in and scaled back on the way out. The tolerance is the error of the tables.
 #[test]
-fn rough_bodies_vanish_in_white_light() {
+fn rough_bodies_are_invisible_in_uniform_light() {
     let white = |alpha, distribution| {
         let metal = Material::metal((Rgb::WHITE, Rgb::gray(1e4)), Some(round(alpha, distribution)), true);
         in_white_light(format!("metal {alpha} {distribution:?}"), metal, 1.0).resolution(2e-3, 4e-3)
@@ -149,9 +150,9 @@ fn rough_bodies_vanish_in_white_light() {
     confirm(laws, Effort::Quick);
 }
 
-/// The grain of brushed metal runs along the first texture coordinate, wherever a shape is turned to.
+/// The grain of brushed metal runs along the first texture coordinate, for shapes of any orientation.
 #[test]
-fn grain_follows_the_texture() {
+fn anisotropy_follows_the_texture_coordinates() {
     let roughness = Roughness { alpha: Alpha::Constant(alpha(0.5, 0.8)), distribution: Distribution::Ggx };
     let (eta, k) = Element::Fe.index();
     let brushed = || Material::metal((eta, k), Some(roughness.clone()), false);
@@ -193,7 +194,7 @@ fn grain_follows_the_texture() {
     assert!(frame.x.y.abs() < 1e-6 && (frame.x.length() - 1.0).abs() < 1e-6 && frame.x.dot(frame.z).abs() < 1e-6, "{frame:?}");
 }
 
-/// What users set: α = r², and the anisotropy of 1 makes highlights ten times as long as wide.
+/// The parameters that users set: α = r², and an anisotropy of 1 makes highlights ten times as long as wide.
 #[test]
 fn roughness_is_the_root_of_alpha() {
     assert_eq!(alpha(0.5, 0.0), Vec2::splat(0.25));
@@ -201,7 +202,8 @@ fn roughness_is_the_root_of_alpha() {
     assert!((stretched.x / stretched.y - 10.0).abs() < 1e-4 && (stretched.x * stretched.y - 0.0625).abs() < 1e-6);
 }
 
-/// Plain data that is written at every hit: ten words, one of them the colour of a mesh's vertices. What is large stands behind a reference.
+/// A BSDF is plain data that is written at every hit, so it is small: ten words, one of them the colour of a mesh's vertices. Large data is
+/// referenced.
 #[test]
 fn a_model_at_a_point_is_small() {
     assert!(size_of::<Bsdf>() <= 80, "{}", size_of::<Bsdf>());

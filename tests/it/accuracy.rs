@@ -1,4 +1,4 @@
-//! Error bars: the interval that a picture states holds its true error as often as it says.
+//! Error bars: the stated 95 % interval contains the true error in about 95 % of the cases.
 
 use glam::UVec2;
 use pt::film::{Film, FilmSpec, Image, MomentFilm, Moments, PixelSums, Wave};
@@ -11,10 +11,10 @@ use crate::random::Random;
 
 const EDGE: u32 = 24;
 
-/// A kind of noise by name: the standard deviation of one sample, and one sample of mean 1.
+/// Kind of noise: its name, the standard deviation of one sample, and a function that draws one sample of mean 1.
 type Kind = (&'static str, f64, fn(&mut Random) -> f64);
 
-/// A picture with a known truth: rows of noise about grey values from dark to bright.
+/// A picture whose true values are known: rows of noise about grey values from dark to bright.
 struct Noise {
     /// One sample of mean 1.
     draw: fn(&mut Random) -> f64,
@@ -42,7 +42,7 @@ impl Noise {
     }
 }
 
-/// The next pixel; the order of its samples is of no matter here.
+/// Adds the next pixel. The order of its samples does not matter here.
 fn push(block: &mut PixelSums, sequences: &[Moments]) {
     block.push(sequences, sequences.iter().fold([0.0; 2], |sum, moments| Moments::join_gray(sum, &moments.gray)));
 }
@@ -56,10 +56,11 @@ fn exponential(random: &mut Random) -> f64 {
     -(1.0 - random.unit()).ln()
 }
 
-/// The interval of 95 % holds the error in 93 to 97 % of the cases, or more where noise is stronger than a fifth of the light, each colour
-/// being the same noise: for even and skewed noise, for samples and scramblings, at errors from 1.5 to 63 % of a pixel's brightness.
+/// The 95 % interval contains the error in 93 to 97 % of the cases, or in more where the noise exceeds a fifth of the light. All three
+/// colours have the same noise. The noise is symmetric or skewed, of independent samples or of scramblings, and the errors are 1.5 to 63 %
+/// of a pixel's brightness.
 ///
-/// 400 pictures each; a coverage at the very ends of the range fails here with a probability of 10⁻³ a case.
+/// Each case has 400 pictures. If the true coverage is at an end of the range, a case fails with a probability of 10⁻³.
 #[test]
 fn intervals_hold_the_true_error() {
     let uniform = |random: &mut Random| 2.0 * random.unit();
@@ -85,14 +86,14 @@ fn intervals_hold_the_true_error() {
                 (low..=high).contains(&truth)
             };
             let hits = (0..400).filter(hit).count() as u64;
-            // There the interval allows for what corrections of second order leave.
+            // With strong noise the interval is wider, because corrections of second order leave an error.
             let most = if deviation / (samples as f64).sqrt() > 0.2 { 1.0 } else { 0.97 };
             assert!(is_between(hits, 400, 0.93, most), "{name}, {error_estimator:?}, {samples} samples: {hits} of 400");
         }
     }
 }
 
-/// 2^k times the light: the same error, to the last bit, since every operation on the way is exact but for the exponent.
+/// Light that is 2^k times as bright has the same relative error, to the last bit, because a power of two changes only exponents.
 #[test]
 fn errors_do_not_depend_on_the_unit_of_light() {
     let noise = |factor: f64| {
@@ -130,7 +131,7 @@ fn heavy_tails_are_not_established() {
     assert!(!film(10).is_established(), "{:?}", film(10));
 }
 
-/// Whether a share between `low` and `high` could give so many hits, at a risk of 10⁻³.
+/// Whether a probability between `low` and `high` is consistent with so many hits, at a significance of 10⁻³.
 pub fn is_between(hits: u64, of: u64, low: f64, high: f64) -> bool {
     let few = Binomial::new(low, of).expect("a share").cdf(hits);
     let many = if hits == 0 { 1.0 } else { Binomial::new(high, of).expect("a share").sf(hits - 1) };

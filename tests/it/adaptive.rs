@@ -1,4 +1,4 @@
-//! Adaptive sampling: where samples go, that the picture stays right, and that it pays.
+//! Adaptive sampling: where samples go, that the picture stays unbiased, and that the error gets smaller.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -36,9 +36,9 @@ fn is_white(i: usize) -> bool {
 }
 
 proptest! {
-    /// The samples that a pixel is given, and those of all pixels on squares of its colour, do not depend on its own samples.
+    /// The number of samples of a pixel, and of all pixels on squares of its colour, does not depend on the pixel's own samples.
     #[test]
-    fn own_samples_have_no_say(
+    fn sample_counts_do_not_depend_on_own_samples(
         mut values in prop::collection::vec(prop::collection::vec(0.0f32..2.0, 4), PIXELS),
         other in prop::collection::vec(0.0f32..1e6, 4),
         changed in 0..PIXELS,
@@ -51,26 +51,29 @@ proptest! {
         }
     }
 
-    /// Light has no unit.
+    /// The numbers of samples do not depend on the unit of light.
     #[test]
-    fn brighter_scenes_get_the_same(values in prop::collection::vec(prop::collection::vec(0.0f32..2.0, 4), PIXELS), power in -60i32..60) {
+    fn sample_counts_do_not_depend_on_brightness(
+        values in prop::collection::vec(prop::collection::vec(0.0f32..2.0, 4), PIXELS),
+        power in -60i32..60,
+    ) {
         let factor = 2.0f32.powi(power);
         let scaled = |i: usize| values[i].iter().map(|x| factor * x).collect();
         prop_assert_eq!(allocate(&film(|i| values[i].clone())), allocate(&film(scaled)));
     }
 }
 
-/// nᵢ ∝ sᵢ: where the noise of a sample is eight times as strong, there are eight times as many samples, and eight on average.
+/// nᵢ ∝ sᵢ: pixels with eight times the noise per sample get eight times as many samples. The average is eight.
 #[test]
-fn noisy_pixels_take_more() {
-    // ±noise about 1; s = noise/√1.01 on both sides, and 10.67 : 1.33 = 8 : 1 with a mean of 6, so that 8 : 8 · 8 is out of
-    // question: powers of two with that mean are 16 : 2 or 8 : 1 or both, pixel by pixel.
+fn noisy_pixels_get_more_samples() {
+    // Samples are 1 ± noise, and s = noise/√1.01 on both sides. The ideal numbers of samples are 10.67 and 1.33, with a mean of 6. As
+    // powers of two with that mean they are 16 and 2 or 8 and 1, chosen for each pixel.
     let left = |i: usize| i % (WIDTH as usize) < WIDTH as usize / 2;
     let allocation = allocate(&film(|i| {
         let noise = if left(i) { 0.5 } else { 0.0625 };
         [1.0 - noise, 1.0 + noise, 1.0 - noise, 1.0 + noise].to_vec()
     }));
-    // Two pixels beside the border see across it.
+    // The noise estimates of two pixels beside the border include pixels across it.
     let far = |i: &usize| (i % WIDTH as usize).abs_diff(WIDTH as usize / 2) > 2;
     let mean = |side: bool| {
         let counts: Vec<f64> = (0..PIXELS).filter(far).filter(|&i| left(i) == side).map(|i| allocation.samples(i, 1) as f64).collect();
@@ -81,7 +84,7 @@ fn noisy_pixels_take_more() {
     assert!((allocation.mean() / 8.0).log2().abs() < 0.5, "{} samples per round", allocation.mean());
 }
 
-/// Nothing to tell pixels apart: all alike, and the picture that of so many samples each.
+/// If all pixels have the same noise, all get the same number of samples, and the picture equals one that is sampled uniformly.
 #[test]
 fn even_noise_is_sampled_evenly() {
     let allocation = allocate(&film(|_| vec![0.5, 1.5, 0.5, 1.5]));
@@ -121,7 +124,7 @@ impl Subject {
         film
     }
 
-    /// With so many samples per pixel on average.
+    /// Renders adaptively with the given number of samples per pixel on average.
     fn adapted(&self, settings: &Settings) -> MomentFilm {
         let (allocation, _) = pilot_allocation(&self.scene, &*self.integrator, &self.spec, settings, settings.samples, &Silent);
         let samples = (settings.samples as f64 / allocation.mean()).round() as u64;
@@ -129,9 +132,9 @@ impl Subject {
     }
 }
 
-/// After n rounds a pixel is, bit for bit, what n·2^l samples make of it in a picture that is sampled evenly.
+/// After n rounds a pixel has, bit for bit, the value that it has after n·2^l samples in a picture that is sampled uniformly.
 #[test]
-fn rounds_are_samples() {
+fn adaptive_rounds_equal_uniform_sampling() {
     let subject = Subject::load("cornell-box", 20, 15);
     let crop = Crop { min: UVec2::new(3, 2), max: UVec2::new(13, 11) };
     let plain = FilmSpec { crop, ..subject.spec.clone() };
@@ -153,7 +156,7 @@ fn rounds_are_samples() {
     }
 }
 
-/// The mean of many adapted pictures is the picture, pixel by pixel and as a whole.
+/// The mean of many adaptive pictures equals the reference, in each pixel and as a whole.
 #[test]
 fn adapted_pictures_are_unbiased() {
     let subject = Subject::load("mirror-balls", 16, 12);
@@ -183,7 +186,7 @@ fn adapted_pictures_are_unbiased() {
     assert!(whole.abs() < critical, "whole picture: {whole} standard errors");
 }
 
-/// A lamp fills half of the picture, without any noise: what the pixels beside it need goes to them.
+/// A lamp without any noise fills half of the picture, so that the other pixels get more samples.
 const LAMP: &str = r#"{
   "pt": 1,
   "camera": { "look_at": { "from": [0, 0, 5], "to": [0, 0, 0] }, "fov": 40 },
@@ -193,10 +196,10 @@ const LAMP: &str = r#"{
   ]
 }"#;
 
-/// If half of the picture has little noise, the other half gets twice as many samples and the relMSE is halved, less what is lost: a
-/// sixteenth of the samples to the pilot, and less than a third to powers of two and to pixels at the border.
+/// If half of the picture has little noise, the other half gets twice as many samples and the relMSE is halved, except for two losses: a
+/// sixteenth of the samples is used by the pilot, and less than a third is lost because of powers of two and of pixels at the border.
 #[test]
-fn adaptive_pays() {
+fn adaptive_sampling_reduces_the_error() {
     let root = describe::root(LAMP.as_bytes(), "lamp").expect("a scene");
     let subject = Subject::of(root, "lamp", 32, 24);
     let reference = subject.rendered(&subject.spec, &subject.settings(Kind::Sobol, 4096, u64::MAX)).image();

@@ -1,4 +1,4 @@
-//! Different methods, the same picture: on generated scenes, with every effect that there is.
+//! Different integrators render the same picture of generated scenes, which have every effect.
 
 use std::sync::Arc;
 
@@ -21,14 +21,14 @@ use pt::world::{MaterialId, World, WorldBuilder};
 use crate::glass::{block, round_mesh};
 use crate::scenes::{Depth, at, facing, integrator, needs, picture, stored};
 
-/// Limits of path length at which all methods must agree.
+/// Maximum depths at which all integrators must agree.
 const DEPTH: Depth = Depth { max: 12, roulette: 3 };
 const SAMPLES: u64 = 256;
 const EDGE: u32 = 32;
-/// Scenes with matte walls, and scenes without.
+/// Number of scenes with only matte objects, and of scenes that also have mirrors and glass.
 const MATTE: u64 = 12;
 const CLEAR: u64 = 4;
-/// Pairs of pictures, at 1 % of false alarms together.
+/// Number of compared pairs of pictures, which together have 1 % of false alarms.
 const PAIRS: usize = (MATTE + 3 * CLEAR) as usize;
 
 /// Numbers that choose what is in a scene: pt's own independent sampler, one sample per scene.
@@ -63,7 +63,7 @@ impl Dice {
     }
 }
 
-/// What a thing may be made of; the first three are clear.
+/// Material of an object by number; the first three are clear.
 fn substance(kind: u32, dice: &mut Dice) -> Material {
     match kind {
         0 => Material::glass(dice.within(1.1, 2.4) as f32),
@@ -77,7 +77,7 @@ fn substance(kind: u32, dice: &mut Dice) -> Material {
     }
 }
 
-/// A lamp of each family of shapes in turn, under the ceiling, large enough for chance.
+/// Adds a lamp under the ceiling, of each family of shapes in turn, large enough to be hit by chance.
 fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId) {
     let emission = Emission { radiance: dice.color(1.0, 4.0), two_sided: scene / 4 % 2 == 1 };
     let place = facing(DVec3::new(dice.within(-0.2, 0.2), 0.8, dice.within(-0.3, 0.3)), dice.point(0.4) - DVec3::Y);
@@ -92,7 +92,7 @@ fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId)
     }
 }
 
-/// A box open towards the camera, with a lamp and three things; every third scene stands under an open sky too.
+/// Generates a scene: a box open towards the camera, with a lamp and three objects. Every third scene also has a sky.
 pub fn generated(scene: u64, matte: bool) -> Arc<World> {
     let mut dice = Dice::new(if matte { scene } else { 1000 + scene });
     let pose = Pose::new(&Transform::look_at(DVec3::new(0.1, 0.1, 3.4), DVec3::ZERO, DVec3::Y).unwrap());
@@ -110,7 +110,7 @@ pub fn generated(scene: u64, matte: bool) -> Arc<World> {
         world.light(Light::Environment(Environment { radiance: dice.color(0.2, 0.8) }));
     }
     for thing in 0..3 {
-        // Glass, mirror, metal, matte cone in turn, so that every scene has clear and matte things.
+        // Glass, mirror, metal and matte cone in turn, so that every scene has clear and matte objects.
         let kind = if thing == 0 { (scene % 4) as u32 } else { dice.of(kinds) };
         let material = world.material(substance(kind.min(kinds - 1), &mut dice));
         let place = DVec3::new([-0.5, 0.45, 0.0][thing], -0.6, [-0.2, -0.4, 0.4][thing]);
@@ -131,14 +131,14 @@ fn image(scene: &Arc<World>, integrator: &dyn Integrator, seed: u64) -> Image {
     picture(scene.clone(), integrator, FilmSpec::new(EDGE, EDGE), sampler)
 }
 
-/// Verdict of the four tests on two images, if a test refuses that they agree.
+/// Text of the four tests on two images, if one of them finds that the images differ.
 fn refusal(a: &Image, b: &Image) -> Option<String> {
     let render = |image| SampledImage { image, samples: SAMPLES };
     let found = agreement(render(a), render(b), sidak(0.01, PAIRS)).unwrap();
     (!found.accepts()).then(|| found.to_string())
 }
 
-/// Every pair of integrators that sees all of a generated scene.
+/// Compares all pairs of integrators that simulate all effects of a generated scene.
 fn agree(scene: u64, matte: bool) {
     let world = generated(scene, matte);
     let able = ALL.iter().filter(|entry| entry.simulates.contains(needs(&*world, DEPTH)));
@@ -155,18 +155,18 @@ fn agree(scene: u64, matte: bool) {
 }
 
 #[test]
-fn methods_agree_among_matte_things() {
+fn methods_agree_on_matte_scenes() {
     (0..MATTE).for_each(|scene| agree(scene, true));
 }
 
 #[test]
-fn methods_agree_among_mirrors_and_glass() {
+fn methods_agree_on_scenes_with_mirrors_and_glass() {
     (0..CLEAR).for_each(|scene| agree(scene, false));
 }
 
-/// However light and material share what both find, it is the same light: on scenes with and without a sky.
+/// The choice of weights for multiple importance sampling does not change the mean, on scenes with and without a sky.
 #[test]
-fn weights_share_the_same_light() {
+fn mis_weights_do_not_change_the_mean() {
     for scene in 0..3 {
         let world = generated(scene, true);
         let power = image(&world, &nee(), 1);
@@ -178,7 +178,7 @@ fn weights_share_the_same_light() {
     }
 }
 
-/// All its radiance times a factor.
+/// Integrator with a bias: its radiance is multiplied by a factor.
 struct Biased<T>(T, f32);
 
 struct Scaled {
@@ -198,7 +198,7 @@ impl Estimator for Scaled {
     }
 }
 
-/// Samples the lights, and then counts what it meets by chance as well, without weights.
+/// Faulty integrator that samples the lights and also counts light that paths hit by chance, without weights.
 struct CountsTwice;
 
 struct Twice(Arc<dyn Scene>);
@@ -244,7 +244,7 @@ fn nee() -> Nee {
 }
 
 #[test]
-fn light_counted_twice_is_refused() {
+fn light_counted_twice_is_detected() {
     for scene in 0..4 {
         let world = generated(scene, true);
         let found = refusal(&image(&world, &nee(), 1), &image(&world, &CountsTwice, 2));
@@ -252,9 +252,9 @@ fn light_counted_twice_is_refused() {
     }
 }
 
-/// 3 % hide in every pixel, whose error is about 10 %.
+/// A bias of 3 % is found although the error of each pixel is about 10 %.
 #[test]
-fn three_per_cent_of_bias_are_refused() {
+fn a_bias_of_three_per_cent_is_detected() {
     for scene in 0..4 {
         let world = generated(scene, true);
         let path = Path { max_depth: DEPTH.max, roulette_depth: DEPTH.roulette };

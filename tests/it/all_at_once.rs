@@ -22,7 +22,7 @@ fn folder() -> TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
-/// Lines of a scene: right, wrong with a mark where the fault stands, and what is said of it.
+/// Lines of a scene: the correct line, the faulty line with a mark at its fault, and the message about it.
 const LINES: [[&str; 3]; 8] = [
     [r#""camera": { "fov": 60 },"#, r#""camera": { "fov": ^180 },"#, "/camera/fov: expected an angle"],
     [
@@ -66,9 +66,9 @@ fn faults(folder: &Path, is_wrong: impl Fn(usize) -> bool) -> Vec<String> {
     said(folder, code, &["check", "s.json"]).lines().filter(|line| line.starts_with("error")).map(str::to_owned).collect()
 }
 
-/// A mistake is reported in the same words alone and among all others, and mistakes are reported in the order of the file.
+/// Each mistake has the same message alone and together with all others, and mistakes are reported in the order of the file.
 #[test]
-fn mistakes_of_all_kinds_are_told_together() {
+fn mistakes_of_all_kinds_are_reported_together() {
     let folder = folder();
     fs::create_dir(folder.path().join("parts")).expect("a folder");
     assert_eq!(faults(folder.path(), |_| false), [""; 0]);
@@ -81,9 +81,9 @@ fn mistakes_of_all_kinds_are_told_together() {
     }
 }
 
-/// Mistakes inside of files are reported when the files are read, all at once as well.
+/// Mistakes inside of the files that a scene names are reported when those files are read, also all at once.
 #[test]
-fn files_that_are_no_use_are_told_together() {
+fn unusable_files_are_reported_together() {
     let folder = folder();
     fs::write(folder.path().join("a.ply"), "nonsense").expect("written");
     fs::write(folder.path().join("b.png"), "nonsense").expect("written");
@@ -94,9 +94,9 @@ fn files_that_are_no_use_are_told_together() {
     assert!(text.lines().count() == 2 && text.contains("a.ply: ") && text.contains("b.png: "), "{text}");
 }
 
-/// A file given on the command line that is missing is a mistake of the command line.
+/// A missing file that an override on the command line names is reported as a mistake of the command line.
 #[test]
-fn a_missing_file_of_an_override_is_the_command_lines() {
+fn a_missing_file_in_an_override_is_a_command_line_error() {
     let folder = folder();
     fs::write(folder.path().join("s.json"), r#"{ "pt": 1, "camera": {}, "shapes": [{ "type": "mesh", "file": "a.ply" }] }"#)
         .expect("written");
@@ -105,7 +105,7 @@ fn a_missing_file_of_an_override_is_the_command_lines() {
 }
 
 #[test]
-fn a_missing_scene_names_its_near_neighbour() {
+fn a_missing_scene_suggests_a_similar_name() {
     let folder = folder();
     fs::create_dir(folder.path().join("scenes")).expect("a folder");
     fs::write(folder.path().join("scenes/cornell-box.json"), "").expect("written");
@@ -121,9 +121,9 @@ fn a_missing_scene_names_its_near_neighbour() {
     }
 }
 
-/// Every word of pt's that is offered for one of another program is a word of the scene format.
+/// Every word that pt suggests in place of another program's word exists in the scene format.
 #[test]
-fn words_of_others_lead_to_words_of_the_format() {
+fn suggested_keys_exist_in_the_scene_format() {
     let schema = describe::schema(&[pt::integrators::ALL]).as_value().to_string();
     for (other, own) in pt::reader::SYNONYMS {
         for own in *own {
@@ -133,7 +133,7 @@ fn words_of_others_lead_to_words_of_the_format() {
 }
 
 #[test]
-fn what_others_call_it() {
+fn keys_of_other_programs_get_suggestions() {
     assert_fault_in_scene(&[
         (r#"^"image": {}"#, r#"/image: unknown key "image", did you mean "film"?"#),
         (r#""shapes": [{"type": ^"plane"}]"#, r#"/shapes/0/type: unknown type "plane", did you mean "quad"?"#),

@@ -1,4 +1,4 @@
-//! Scenes whose light is known by formula: every integrator that can see all of it must find the number.
+//! Scenes whose radiance is known by formula: every integrator that simulates all of their effects must find it.
 //!
 //! E: irradiance [W·m⁻²]; a white matte surface shows L = E/π.
 
@@ -20,7 +20,7 @@ fn terms(albedo: f64, depth: u32) -> f64 {
     (1.0 - albedo.powi(depth as i32 + 1)) / (1.0 - albedo)
 }
 
-/// Inside a box all of which glows and reflects: L = Le/(1 − ρ), cut after `depth` scattering events.
+/// The inside of a box whose walls all emit and reflect: L = Le/(1 − ρ), limited to `depth` scattering events.
 fn glowing_box(albedo: f64) -> WorldBuilder {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(1.0, 0.4, 0.1)));
     let wall = world.material(Material::diffuse(stored(gray(albedo))));
@@ -28,7 +28,7 @@ fn glowing_box(albedo: f64) -> WorldBuilder {
     world
 }
 
-/// Inside a sphere that glows and reflects: the radiance is that of [`glowing_box`], and the light is sampled from within.
+/// The inside of a sphere that emits and reflects. The radiance is that of [`glowing_box`], and the light is sampled from inside.
 fn glowing_sphere(albedo: f64) -> WorldBuilder {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(1.0, 0.4, 0.1)));
     let wall = world.material(Material::diffuse(stored(gray(albedo))));
@@ -36,7 +36,7 @@ fn glowing_sphere(albedo: f64) -> WorldBuilder {
     world
 }
 
-/// W1: inside a box and a sphere that glow and reflect. Without roulette nothing is left to chance but light sampling.
+/// W1: the inside of a box and of a sphere that emit and reflect. Without Russian roulette only light sampling is random.
 fn furnace() -> Vec<Law> {
     let row = |(albedo, depth): (f64, u32)| {
         let boxed = Law::new(format!("W1 box, albedo {albedo}"), glowing_box(albedo), terms(albedo, depth), Depth::exactly(depth));
@@ -66,7 +66,7 @@ fn depth() -> Vec<Law> {
             let name = format!("W2 depth {depth}, albedo {albedo}");
             let law =
                 Law::new(name, glowing_box(albedo), terms(albedo, depth), Depth::exactly(depth)).resolution(1e-3, 2e-3).by_chance(1e-3);
-            // Without weights a light sample is all too bright near an edge of the box.
+            // Without weights, light samples near an edge of the box have too large a variance.
             law.not_by_lights_alone()
         })
     };
@@ -82,7 +82,7 @@ fn point_in_sphere() -> Vec<Law> {
     vec![Law::new("W3", world, 1.0, DEFAULT).resolution(1e-3, 2e-3)]
 }
 
-/// W4. A point light I = 10 at height h = 2: E = I h/(h² + x²)^(3/2); nothing is left to chance.
+/// W4. A point light I = 10 at height h = 2: E = I h/(h² + x²)^(3/2), without any noise.
 fn point_above_floor() -> Vec<Law> {
     let law = |x: f64| {
         let spot = DVec3::new(x, 0.0, 0.0);
@@ -119,7 +119,7 @@ fn sphere_light() -> Vec<Law> {
         let law = Law::new(format!("W5, r {r}, d {d}, {degrees}°"), under_sphere(r, d, degrees), radiance, Depth::exactly(1));
         Law { by_chance: chance, ..law }.resolution(1e-3, 2e-3)
     };
-    // By chance: 11 % and 5.6 % of all directions.
+    // Share of the directions that hit the light by chance: 11 % and 5.6 %.
     [(1.0, 3.0, 0.0, Some(1e-2)), (1.0, 3.0, 60.0, Some(2e-2)), (1.0, 1e4, 0.0, None), (0.01, 100.0, 45.0, None)].map(row).into()
 }
 
@@ -143,7 +143,7 @@ fn cut_sphere_light() -> Vec<Law> {
         let law = Law::new(format!("W6, r {r}, d {d}, {degrees}°"), under_sphere(r, d, degrees), irradiance / PI, Depth::exactly(1));
         Law { by_chance: chance, ..law }.resolution(2e-3, 5e-3)
     };
-    // By chance: 5.5 %, 2.9 %, 1.1 %, 42 % of all directions.
+    // Share of the directions that hit the light by chance: 5.5 %, 2.9 %, 1.1 %, 42 %.
     [
         (1.0, 2.0, 80.0, 0.1718319751, Some(2e-2)),
         (1.0, 2.0, 90.0, 0.0905860737, None),
@@ -203,7 +203,7 @@ fn square_light() -> Vec<Law> {
 
 /// W13. Two plates that close a tube of perfect mirrors see nothing but each other: L₁ = 1/(1 − ρ₁ρ₂), L₂ = ρ₂ L₁.
 ///
-/// Mirrors count as scattering events, so that nothing is cut before 1000 of them.
+/// Mirrors count as scattering events, so the depth limit here is 1000.
 fn mirror_tube() -> Vec<Law> {
     let (first, second) = (0.3, 0.7);
     let row = |(side, radiance): (f64, f64)| {
@@ -280,7 +280,7 @@ fn flat_lights() {
 }
 
 #[test]
-fn mirrors_pass_on_all_light() {
+fn perfect_mirrors_lose_no_light() {
     confirm(mirror_tube(), Effort::Quick);
 }
 

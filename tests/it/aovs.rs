@@ -1,4 +1,4 @@
-//! Layers: compared with formulas, and without influence on the picture itself.
+//! Layers (AOVs): they match formulas and do not change the picture itself.
 
 use std::fs;
 use std::path::Path;
@@ -39,7 +39,7 @@ fn points(width: u32, height: u32) -> FilmSpec {
     FilmSpec { filter: Filter::pixel_box(POINT), layers: all(), ..FilmSpec::new(width, height) }
 }
 
-/// With the emission alone, which is all of the picture that these tests need.
+/// Renders only emission and layers, which is all that these tests need.
 fn taken(scene: Arc<World>, film: FilmSpec, sampler: SamplerSpec) -> Image {
     picture(scene, &ByChance { max_depth: 0, ..ByChance::default() }, film, sampler)
 }
@@ -70,14 +70,14 @@ fn near(found: f64, expected: f64, tolerance: f64, what: &str) {
     assert!((found - expected).abs() <= tolerance, "{what}: {found}, expected {expected}");
 }
 
-/// 2 m high, at `distance` before `center`, looking along −z.
+/// Orthographic camera, 2 m high, at `distance` in front of `center`, looking along −z.
 fn straight(center: DVec3, distance: f64) -> Camera {
     Camera::Orthographic(Orthographic { pose: Pose::new(&at(center + distance * DVec3::Z)), height: 2.0 })
 }
 
 /// Nearest hit with a sphere by the quadratic formula, in the user's coordinates.
 #[test]
-fn a_sphere_is_where_it_is() {
+fn position_layers_match_a_sphere() {
     const FOV: f64 = 40.0;
     let (center, radius) = (DVec3::new(10.0, -20.0, 30.0), 1.5);
     let eye = center + DVec3::new(0.5, 0.25, 5.0);
@@ -85,7 +85,7 @@ fn a_sphere_is_where_it_is() {
     let mut world = World::builder(Camera::Perspective(Perspective::new(pose, FOV, 0.0, 1.0)));
     let matte = world.material(Material::diffuse(Rgb::new(0.25, 0.5, 0.75)));
     world.shape(Sphere { radius }, at(center), matte, None);
-    // Moves the middle of the scene away from its only other shape.
+    // This shape moves the middle of the scene away from its only other shape.
     world.shape(Sphere { radius: 0.1 }, at(center + DVec3::new(0.0, 0.0, 90.0)), matte, None);
     let [w, h] = [24_u32, 18];
     let image = taken(built(world), points(w, h), spp(4));
@@ -141,7 +141,7 @@ fn a_textured_quad_has_its_coordinates_and_colours() {
 
 /// The layer ns has the interpolated normal, and n that of the triangle.
 #[test]
-fn normals_are_told_apart() {
+fn shading_and_geometric_normals_have_separate_layers() {
     let positions = [Vec3::new(-2.0, -2.0, 0.0), Vec3::new(2.0, -2.0, 0.0), Vec3::new(0.0, 2.0, 0.0)];
     let normals = [Vec3::new(-0.6, 0.0, 0.8), Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.8)];
     let data = MeshData { positions: positions.into(), normals: normals.into(), triangles: vec![[0, 1, 2]], ..MeshData::default() };
@@ -163,10 +163,10 @@ fn normals_are_told_apart() {
 
 /// In a pixel that is half covered, colours and normals are weighted by the coverage, and positions are not.
 #[test]
-fn places_are_means_over_hits_and_colours_over_samples() {
+fn positions_are_means_over_hits_and_colours_over_samples() {
     let mut world = World::builder(straight(DVec3::ZERO, 5.0));
     let matte = world.material(Material::diffuse(stored(gray(0.5))));
-    // Ends in the middle of a column of pixels, each 0.25 m wide.
+    // The quad ends in the middle of a column of pixels, each 0.25 m wide.
     world.shape(Quad { size: [1.25, 2.0] }, at(DVec3::new(-0.5, 0.0, 0.0)), matte, None);
     let scene = built(world);
     for filter in [Filter::default(), Filter::gaussian(1.5, 0.5), Filter::mitchell(2.0, 1.0 / 3.0, 1.0 / 3.0)] {
@@ -174,13 +174,13 @@ fn places_are_means_over_hits_and_colours_over_samples() {
         let image = taken(scene.clone(), film, spp(64));
         let i = 4 * 8 + 4;
         let share = numbers(&image, Layer::Normal, i)[2];
-        // Half of the pixel's filter lies over the quad, whatever its lobes; 64 samples know it within a few hundredths.
+        // Half of the pixel's filter lies over the quad, for any filter. 64 samples estimate it to a few hundredths.
         near(share, 0.5, 0.05, "share");
         let albedo = numbers(&image, Layer::Albedo, i)[0];
         near(albedo, 0.5 * share, 1e-6, "albedo");
         assert_eq!(numbers(&image, Layer::Depth, i), [5.0]);
         let p = vector(&image, Layer::Position, i);
-        // Within the quad: a mean over all samples, or one with negative weights, would not be.
+        // The mean position lies on the quad. A mean over all samples, or one with negative weights, would not.
         assert!((-1.125..0.125).contains(&p.x) && p.x > -0.4 && p.z == 0.0, "{p} {filter:?}");
         let u = numbers(&image, Layer::Uv, i)[0];
         near(u, (p.x + 1.125) / 1.25, 1e-6, "u");
@@ -197,7 +197,7 @@ fn layers_have_the_weights_of_the_picture() {
     for filter in [Filter::default(), Filter::tent(1.0), Filter::gaussian(1.5, 0.5), Filter::mitchell(2.0, 1.0 / 3.0, 1.0 / 3.0)] {
         for kind in [Kind::Independent, Kind::Sobol] {
             let film = FilmSpec { filter: filter.clone(), layers: all(), ..FilmSpec::new(20, 15) };
-            // One sequence, so that picture and layers are added up in the same order.
+            // A single scrambling, so that picture and layers are summed in the same order.
             let image = taken(scene.clone(), film, SamplerSpec { kind, scramblings: 1, ..spp(13) });
             for (color, albedo) in [("R", "Albedo.R"), ("B", "Albedo.B")] {
                 let of = |name: &str| image.channel(name).expect(name).iter().map(|v| v.to_bits()).collect::<Vec<_>>();
@@ -219,13 +219,13 @@ fn wall(material: Material, emission: Option<Emission>) -> DVec3 {
 
 /// The albedo layer has the albedo of each model for light along the normal.
 #[test]
-fn albedos_are_what_is_scattered() {
+fn albedo_layers_match_each_model() {
     let color = Spectrum::rgb(0.25, 0.5, 0.75);
     let expected = DVec3::new(0.25, 0.5, 0.75);
     assert_eq!(wall(Material::diffuse(stored(color)), None), expected);
     assert_eq!(wall(Material::mirror(stored(color)), None), expected);
     assert_eq!(wall(Material::mirror(Rgb::BLACK), None), DVec3::ZERO);
-    // Glass loses nothing, though radiance is compressed within it.
+    // Glass loses no light, although radiance is scaled by η² inside.
     assert!(wall(Material::glass(1.5), None).distance(DVec3::ONE) < 1e-6);
     // Plastic: F₀ + (1 − F₀)(1 − F̄ᵢ) ρ/(1 − ρ F̄ᵢ).
     let (eta, rho) = (1.5, 0.5);
@@ -324,7 +324,7 @@ fn layers_change_no_bit_of_the_picture() {
     }
 }
 
-/// Layers do not depend on threads, tiles, crops and pauses.
+/// Layers have the same bits for any number of threads, tiles, crops and pauses.
 #[test]
 fn layers_are_the_same_bits_however_they_are_divided() {
     let integrator = ByChance { max_depth: 1, ..ByChance::default() };
@@ -341,7 +341,7 @@ fn layers_are_the_same_bits_however_they_are_divided() {
         let mut render = Render::new(shot.zoo.build(), &integrator, &shot.film, &Settings::new(sampler));
         [3, 5, 6, 13, 21].into_iter().for_each(|samples| render.advance(samples, &mut paused, &Silent));
         assert!(bits(&paused.image()) == wanted, "{k} with pauses");
-        // The sums themselves: a picture of f32 would hide their last bits.
+        // The comparison is of the sums in f64, because a picture in f32 would hide their last bits.
         let mut at_once = MomentFilm::new(shot.film.clone());
         Render::new(shot.zoo.build(), &integrator, &shot.film, &Settings::new(sampler)).advance(21, &mut at_once, &Silent);
         let sums = |film: &MomentFilm| film.total().layers().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
@@ -378,9 +378,10 @@ fn names(image: &Image) -> Vec<&str> {
     image.channels.iter().map(|c| c.name.as_str()).collect()
 }
 
-/// Layers are chosen by `all` or by name, by flag or by key. The layer of time is chosen only by name and is in no hash.
+/// Layers are selected by `all` or by name, on the command line or in the scene. The layer `time` is selected only by name and is not part
+/// of the picture's hash.
 #[test]
-fn layers_are_asked_for_by_name() {
+fn layers_are_selected_by_name() {
     let folder = folder();
     let read = |name: &str| output::read(&folder.path().join(name)).expect("readable").0;
     pt(folder.path(), "scene.json -q -o plain.exr").success();
@@ -403,7 +404,7 @@ fn layers_are_asked_for_by_name() {
     assert!(seconds.iter().all(|s| s.is_finite() && *s >= 0.0) && seconds.iter().any(|s| *s > 0.0), "{seconds:?}");
     assert_eq!(names(&timed), names(&again));
     assert_eq!(output::hash(&timed), output::hash(&again));
-    // Whatever the clock says.
+    // The hash does not depend on the layer of time.
     let mut slow = timed.clone();
     slow.channels.iter_mut().filter(|c| c.name == "Time.Y").flat_map(|c| &mut c.values).for_each(|s| *s += 1.0);
     assert_eq!(output::hash(&slow), output::hash(&timed));
@@ -415,7 +416,7 @@ fn layers_are_asked_for_by_name() {
 }
 
 #[test]
-fn wrong_layers_are_refused_in_one_line() {
+fn unknown_layers_are_refused_in_one_line() {
     let folder = folder();
     let refused = |command: &str, code: i32, expected: &str| {
         let output = pt(folder.path(), command).code(code).get_output().clone();

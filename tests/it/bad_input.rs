@@ -1,8 +1,8 @@
-//! The table of bad inputs: what `pt` is given, how it ends, what it says.
+//! The table of bad inputs: what `pt` is given, its exit code and its message.
 //!
-//! Every row is fed to the program itself. Whatever it is given, it does not panic, says one line for each fault, and
-//! where it refuses it leaves every file as it was. What is refused in finer detail than a row has: `reader`
-//! (truncation at every byte, mutations), `scene_faults`, `overrides`, `meshes`.
+//! Every row is given to the program itself. It never panics, prints one line for each fault, and leaves every file as it was if it refuses
+//! the input. More detailed tests of bad input are in `reader` (truncation at every byte, mutations), `scene_faults`, `overrides` and
+//! `meshes`.
 
 mod bench;
 mod disk;
@@ -16,12 +16,12 @@ use std::fs;
 use crate::pictures::{bomb, promising, with_palette};
 use bench::{Bench, RIGHT, SQUARE, UNLIT, long_name};
 
-/// The row's name, what is given, the exit code, what is said.
+/// Case of the table: the row's name, the input, the exit code, and a part of the message.
 ///
 /// Where the given text has a mark `^`, the message begins there: `scene.json:line:column: `.
 type Row = (&'static str, &'static str, i32, &'static str);
 
-/// Rows of the table that concern what pt can do so far.
+/// Names of the rows of the table.
 const ROWS: &str = "B1 B2 B3 B4 B5 B6 B7 B8 B9 B10 B11 B12 B13 B14 B15 B17 B18 B19 B20 B21 B24 B25 B26 B27 B28 B29 B33 B34 B35 B37 \
                     B39 B40 B41 B42 B43 B44 B52 B53 B54 B55 B16";
 
@@ -77,7 +77,7 @@ const DARK: &[Row] = &[
     ("B39", r#""shapes": [{"type": "sphere", "center": [0, 0, 9], "emission": 1}]"#, 0, "warning: the image is black\n"),
 ];
 
-/// Keys added to a scene that is right without them; it has a background and five lines before these.
+/// Keys added to a valid scene, which has a background and five lines before these.
 const SCENES: &[Row] = &[
     (
         "B8",
@@ -141,7 +141,7 @@ const SCENES: &[Row] = &[
         3,
         "/shapes/0/transform/0/matrix: the transform is singular: det 0",
     ),
-    // Rank 2 in exact numbers, not in rounded ones; small, so that no absolute threshold would do.
+    // The matrix has rank 2 in exact arithmetic, but not after rounding. It is small, so that no absolute threshold would find it.
     (
         "B24",
         r#""shapes": [{"type": "disk", "transform": [{"matrix": ^[1e-9,2e-9,3e-9,0, 4e-9,5e-9,6e-9,0, 7e-9,8e-9,9e-9,0, 0,0,0,1]}]}]"#,
@@ -154,7 +154,7 @@ const SCENES: &[Row] = &[
         3,
         "/shapes/0/transform/0/matrix: the last row is 0, 0, 1, 1, expected 0, 0, 0, 1",
     ),
-    // Each can be undone, but not together: across steps, and across a group.
+    // Each transform is invertible, but their product is not, across steps and across a group.
     (
         "B24",
         r#""shapes": [{"type": "disk", "transform": ^[{"scale": 1e-9}, {"scale": 1e-9}]}]"#,
@@ -330,8 +330,7 @@ const SCENES: &[Row] = &[
     ("B44", r#""shapes": [{"type": "disk", "emission": ^Infinity}]"#, 3, "expected a value, found the word Infinity"),
 ];
 
-/// What a mesh and a picture are called, as JSON; where the name leads. Nothing of it need exist: where something does, nothing
-/// is said about it.
+/// Names of mesh and picture files, as JSON. The files need not exist; there is no message about those that do.
 const PATHS: &[Row] = &[
     ("B35", "\"../mesh.obj\"", 3, "../mesh.obj: leads out of the scene file's folder; if it may, say --allow-outside\n"),
     ("B35", "\"folder/../../mesh.obj\"", 3, "folder/../../mesh.obj: leads out of the scene file's folder"),
@@ -383,7 +382,7 @@ const FILMS: &[Row] = &[
     ("B29", r#""film": {"crop": [^-1, 5, 0, 10]}"#, 3, "/film/crop/0: expected a whole number from 0 to 4294967295, found -1"),
 ];
 
-/// What follows four vertices in `mesh.obj`, from line 5 on.
+/// Text after the four vertices in `mesh.obj`, from line 5 on.
 const MESHES: &[Row] = &[
     ("B10", "f 0 1 2", 3, "mesh.obj:5: vertex index 0, but indices count from 1"),
     ("B10", "f 1 2 5", 3, "mesh.obj:5: vertex index 5, but only 4 vertices so far"),
@@ -412,7 +411,7 @@ const MESHES: &[Row] = &[
     ("B18", "f 1 1 2\nf 3 3 4", 3, "/shapes/0/file: mesh.obj: no usable triangles (all 2 are degenerate)"),
     ("B20", "v -1e30 0 0\nv 1e30 0 0\nf 1 5 6\n", 3, "/shapes/0/file: mesh.obj: extent 2e30 exceeds 1e18"),
     ("B20", "v 3e38 0 0\nf 1 2 5\nf 2 3 5", 3, "/shapes/0/file: mesh.obj: extent 3e38 exceeds 1e18"),
-    // One metre apart, and one point in f32: degenerate only because it is so far out.
+    // The vertices are one metre apart, but round to one point in f32, because they are so far from the origin.
     ("B20", "v 1e30 0 0\nv 1000000000000000000000000000001 0 0\nv 1e30 1 0\nf 5 6 7", 3, "mesh.obj: extent 1e30 exceeds 1e18"),
     // At 1.6·10⁷, just below 2²⁴, f32 steps by 1.
     (
@@ -504,7 +503,7 @@ const CALLS: &[Row] = &[
         "{\"errors\":[{\"message\":\"-D /camera/fov=0: /camera/fov: expected an angle in degrees above 0 and below 180, found 0\"},\
          {\"message\":\"-D /film/width=0: /film/width: expected a whole number from 1 to 65536, found 0\"}],\"exit_code\":2}\n",
     ),
-    // What is wrong with the file, not that a flag finds no place in it.
+    // The message is about the fault of the file, not about the override that has no place in it.
     ("B52", "list.json --spp 1", 3, "error: list.json:1:1: expected an object, found an array of 0\n"),
     ("B52", "list.json -D /camera/fov=60", 3, "error: list.json:1:1: expected an object, found an array of 0\n"),
     ("B52", "right.json --pixel 8,0", 2, "the picture is 8 × 6"),
@@ -515,14 +514,14 @@ const CALLS: &[Row] = &[
     ("B52", "list everything", 2, "everything"),
     ("B54", "szene-ä-🫖.json -o x.exr", 0, "8×6"),
     ("B54", "-o x.exr -- -dash.json", 0, "8×6"),
-    // Where inputs are files, and devices to be met.
+    // Inputs that are devices.
     #[cfg(unix)]
     ("B2", "pipe", 3, "error: pipe: not a regular file"),
     #[cfg(unix)]
     ("B2", "/dev/zero", 3, "error: /dev/zero: not a regular file"),
 ];
 
-/// A table: how what is given comes before the program, and its rows.
+/// A table: the function that gives an input to the program, and its rows.
 struct Table(fn(&mut Bench, &Row), &'static [Row]);
 
 const TABLES: &[Table] = &[
@@ -554,7 +553,7 @@ fn every_row_of_the_table_is_refused_or_warned_of_as_it_says() {
     assert!(bench.wrong.is_empty(), "{}", bench.wrong.join("\n"));
 }
 
-/// Inputs too long, or too little like text, for a line of the table.
+/// Inputs that are too long or too binary for a line of the table.
 fn generated(bench: &mut Bench) {
     bench.file("B35", &format!("\"{}\"", "x".repeat(5000)), 3, "a file name of 5000 bytes, expected at most 4096\n");
     let mut png = std::io::Cursor::new(vec![]);
@@ -563,9 +562,9 @@ fn generated(bench: &mut Bench) {
     for (row, bytes, code, phrase) in [
         ("B33", &png[..png.len() / 2], 3, "/shapes/0/material/albedo/file: p.jpg: not a usable PNG picture"),
         ("B33", &bomb(png.clone()), 4, "p.jpg: the picture would take more than 4 GiB"),
-        // 2.7 GB of bytes, and four times that as floats.
+        // The picture has 2.7 GB as bytes, and four times that as floats.
         ("B33", &promising(png.clone(), 30000, 8), 4, "p.jpg: the picture would take more than 4 GiB"),
-        // A colour and a third.
+        // The palette has one and a third colours.
         ("B33", &with_palette(4), 3, "/shapes/0/material/albedo/file: p.jpg: not a usable PNG picture: "),
         ("B33", &with_palette(3), 0, "warning: p.jpg: read as PNG"),
         ("B34", &png, 0, "warning: p.jpg: read as PNG, which its first bytes say it is\n"),

@@ -1,4 +1,4 @@
-//! What biases take: against closed forms, and counted to the last bit.
+//! The bias report: the light that settings remove, compared with closed forms and with exact sums.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -29,7 +29,7 @@ fn terms(albedo: f64, depth: u32) -> f64 {
     (1.0 - albedo.powi(depth as i32 + 1)) / (1.0 - albedo)
 }
 
-/// A closed room all of which glows and reflects: L = Σ ρᵏ.
+/// A closed room whose walls all emit and reflect: L = Σ ρᵏ.
 fn glowing(albedo: f64) -> Arc<dyn Scene> {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(1.0, 0.4, 0.1)));
     let wall = world.material(Material::diffuse(stored(gray(albedo))));
@@ -43,8 +43,9 @@ fn only(scene: &Arc<dyn Scene>, integrator: &dyn Integrator, mean: f64, samples:
     removed
 }
 
-/// Beyond depth d lies the share ρ^(d+1) of all light, and the ledger finds it within its own error: 18 estimates at a level of
-/// 10⁻³ for all of them. Nor is the error overstated: z² has the mean 1, and that of 18 lies above 0.3 but for one in 10⁴ times.
+/// The share ρ^(d+1) of all light lies beyond depth d. The bias report finds it within its own error, in 18 estimates at a significance of
+/// 10⁻³ for all together. The error is not overstated either: z² has the mean 1, and the mean of 18 is above 0.3 except with a probability
+/// of 10⁻⁴.
 #[test]
 fn the_depth_limit_removes_what_the_series_says() {
     let mut squares = vec![];
@@ -68,9 +69,10 @@ fn the_depth_limit_removes_what_the_series_says() {
     assert!(mean > 0.3, "{mean}");
 }
 
-/// A mirror all around: the same series, nothing left to chance, not even an end (ρ^65536 = 0).
+/// A closed room of mirrors has the series of [`the_depth_limit_removes_what_the_series_says`] without any noise: paths end only when their
+/// weight is 0 (ρ^65536 = 0).
 #[test]
-fn a_branching_method_has_its_limit_too() {
+fn the_depth_limit_of_a_branching_method_is_counted() {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(1.0, 0.4, 0.1)));
     let wall = world.material(Material::mirror(stored(gray(0.5))));
     world.shape(Sphere { radius: 1.5 }, at(DVec3::ZERO), wall, two_sided(1.0));
@@ -79,9 +81,9 @@ fn a_branching_method_has_its_limit_too() {
     assert!((removed.share - 0.0625).abs() < 1e-6 && removed.error < 1e-9, "{removed:?}");
 }
 
-/// A limit that no path reaches takes nothing.
+/// A depth limit that no path reaches removes no light.
 #[test]
-fn what_nothing_reaches_takes_nothing() {
+fn a_limit_that_no_path_reaches_removes_nothing() {
     let removed = only(&glowing(0.1), &Path { max_depth: 64, roulette_depth: 2 }, terms(0.1, 64), 256);
     assert_eq!((removed.share, removed.error, removed.samples), (0.0, 0.0, 256));
 }
@@ -95,7 +97,8 @@ fn taken(clamp: Option<f32>, tile: u32) -> (MomentFilm, RenderReport) {
     (film, report)
 }
 
-/// A clamped picture and what was taken make the whole one; sums of f64 lose 2⁻⁵³ of themselves an addition, at 2¹⁵ samples.
+/// A clamped picture and the removed light add up to the picture without clamping. Sums in f64 have a relative error of 2⁻⁵³ for each
+/// addition, and there are 2¹⁵ samples.
 #[test]
 fn clamping_is_counted() {
     let sum = |film: &MomentFilm| film.total().sums().flatten().sum::<f64>();
@@ -105,11 +108,11 @@ fn clamping_is_counted() {
     assert!(removed > 0.001 * sum(&whole), "{removed}");
     assert!((sum(&clamped) + removed - sum(&whole)).abs() < 1e-11 * sum(&whole), "{removed}");
     assert_eq!(none.clamped, ExactSum::default());
-    // By threads and tiles nothing changes.
+    // The numbers do not depend on threads and tiles.
     assert_eq!(taken(Some(0.5), 5).1.clamped, report.clamped);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     assert_eq!(pool.install(|| taken(Some(0.5), 24).1.clamped), report.clamped);
-    // A limit that nothing exceeds is none.
+    // A clamp that no sample exceeds removes no light.
     let (high, report) = taken(Some(1e6), 16);
     assert_eq!((high.image(), report.clamped), (whole.image(), ExactSum::default()));
 }

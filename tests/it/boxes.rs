@@ -1,4 +1,4 @@
-//! Boxes: closed, outward, with the documented texture coordinates, and the same as their six quads.
+//! Boxes: closed surfaces with outward normals and the documented texture coordinates, equal to their six quads.
 
 use glam::{DVec3, Vec2, Vec3};
 use pt::accel;
@@ -10,7 +10,7 @@ use crate::random::Random;
 
 const SIZE: [f64; 3] = [1.5, 0.8, 2.5];
 
-/// As it is, stretched, mirrored, turned and moved.
+/// Transforms of the box: identity, stretched, mirrored, and rotated with a translation.
 fn places() -> Vec<Transform> {
     let mut random = Random::new(21);
     let scales = [[1.0, 1.0, 1.0], [2.0, 0.5, 1.3], [-1.0, 1.0, 1.0], [-0.7, -2.0, -1.1], [1e-9, 1e-9, 1e-9], [1e9, 1e9, 1e9]];
@@ -47,13 +47,13 @@ fn a_box_is_closed_and_its_normals_point_outwards() {
         let middle = place.point(DVec3::ZERO);
         let volume: f64 = faces.iter().map(|(p, n, area)| area * n.dot(*p - middle) / 3.0).sum();
         let expected = SIZE.iter().product::<f64>() * place.determinant().abs();
-        // Coordinates are f32, a few of them in each number.
+        // Each number is computed from a few coordinates in f32.
         assert!(vector.length() <= 1e-6 * area, "{vector} of {area}");
         assert!((volume / expected - 1.0).abs() < 1e-5, "{volume}, expected {expected}");
     }
 }
 
-/// From outside through a point within: in and out, and nothing else, also where rays graze edges and corners.
+/// A ray from outside through a point inside hits the box exactly twice, also where it grazes edges and corners.
 #[test]
 fn rays_go_in_and_out() {
     for (seed, place) in places().into_iter().enumerate() {
@@ -77,7 +77,8 @@ fn rays_go_in_and_out() {
     }
 }
 
-/// Outside of each face stands a viewer with +y up (above and below: with −z and +z up): u runs to his right, v upwards, from 0 to 1.
+/// For a viewer outside of each face, with +y up (above and below the box: with −z and +z up), u runs to the right and v upwards, from 0 to
+/// 1.
 #[test]
 fn texture_coordinates_are_those_of_the_docs() {
     let shape = baked(&Transform::IDENTITY);
@@ -105,7 +106,7 @@ fn texture_coordinates_are_those_of_the_docs() {
     }
 }
 
-/// The face +z is the quad that was moved there, bit for bit.
+/// The face +z equals a quad that is moved there, bit for bit.
 #[test]
 fn a_face_is_a_quad() {
     let lift = Transform::translate(DVec3::Z * 0.5 * SIZE[2]).expect("finite");

@@ -1,5 +1,5 @@
-//! What pt's models promise beyond the laws of `pt::proof` (which `proof.rs` puts them to): exact weights, exact shares,
-//! and light that leaves a slab as it came.
+//! Properties of pt's scattering models beyond the laws of `pt::proof`, which `proof.rs` tests: exact weights, exact shares of delta lobes,
+//! and light that leaves a slab with the radiance that it had before.
 
 use glam::Vec3;
 use proptest::prelude::*;
@@ -15,9 +15,9 @@ fn near(a: Spectrum, b: Spectrum, relative: f32) -> bool {
     a.zip(b, |a, b| if (a - b).abs() <= relative * a.abs().max(b.abs()) { 0.0 } else { 1.0 }).is_black()
 }
 
-/// Each coefficient counts, down to the smallest number; its sign does not.
+/// A spectrum is black only if every coefficient is 0, of either sign. The smallest number is not black.
 #[test]
-fn black_has_no_coefficient_left() {
+fn black_means_that_all_coefficients_are_zero() {
     assert!(Spectrum::BLACK.is_black() && Spectrum::rgb(-0.0, 0.0, -0.0).is_black());
     let least = f32::from_bits(1);
     for coefficient in [least, -least, 1.0, f32::INFINITY, f32::NAN] {
@@ -28,7 +28,7 @@ fn black_has_no_coefficient_left() {
     }
 }
 
-/// What a model reflects at most, per coefficient.
+/// Upper bound of the weights of a model, for each coefficient.
 fn bound(model: &Bsdf) -> Spectrum {
     match model {
         Bsdf::Diffuse(b) => b.albedo,
@@ -43,16 +43,16 @@ fn bound(model: &Bsdf) -> Spectrum {
 proptest! {
     #![proptest_config(cases(100_000))]
 
-    /// No weight exceeds the model's color, and each model samples either by density or single directions.
+    /// No weight exceeds the model's color, and each model has either a density or delta lobes.
     #[test]
     fn weights_stay_within_the_color(model in simple_bsdf(), wo in sphere(), choice in uniform(), u in square(), mode in mode()) {
         let Some(sample) = model.sample(wo, choice, u, mode) else {
-            // A cone may end exactly in the surface.
+            // The edge of a cone may lie exactly in the surface.
             prop_assert!(bound(&model).is_black() || matches!(model, Bsdf::MatteCone(_)), "{model:?} gave nothing");
             return Ok(());
         };
         prop_assert_eq!(matches!(sample.density, Density::Smooth(_)), model.has_smooth_lobe());
-        // Light gained by compression is given back on leaving: importance has none.
+        // Importance is not scaled by η², unlike radiance.
         if mode == TransportMode::Importance || sample.lobe == Lobe::Reflection {
             prop_assert!((bound(&model) - sample.weight).min() >= 0.0, "{:?} exceeds {:?}", sample.weight, bound(&model));
         }
@@ -70,12 +70,12 @@ proptest! {
         ];
         for model in models {
             let weight = model.sample(wo, choice, u, TransportMode::Importance).map(|s| s.weight);
-            // A cone may end exactly in the surface.
+            // The edge of a cone may lie exactly in the surface.
             prop_assert!(weight == Some(color) || (weight.is_none() && matches!(model, Bsdf::MatteCone(_))), "{model:?}: {weight:?}");
         }
     }
 
-    /// The shares of reflection and refraction make up the colour.
+    /// The weights of reflection and refraction add up to the colour.
     #[test]
     fn delta_lobes_make_up_the_color(wo in sphere(), eta in eta(), color in color()) {
         for model in [Bsdf::Mirror(Mirror { color }), Bsdf::Dielectric(Dielectric { eta, color })] {
@@ -107,20 +107,20 @@ proptest! {
         let pass = |wo: Local, mode| model.delta_lobes(wo, mode).find(|lobe| lobe.lobe == Lobe::Transmission);
         let (Some(entry), Some(flux)) = (pass(wo, TransportMode::Radiance), pass(wo, TransportMode::Importance)) else { return Ok(()) };
         prop_assert!(near(entry.weight * (entry.eta * entry.eta), flux.weight, 4.0 * ULP));
-        // The far face looks the other way: back along the path, seen from inside of it.
+        // The normal of the far face points the other way, so that the path meets this face from inside.
         let back = Local::new(-entry.wi.0.x, -entry.wi.0.y, entry.wi.0.z);
         let Some(exit) = pass(back, TransportMode::Radiance) else { return Ok(()) };
         let Some(exit_flux) = pass(back, TransportMode::Importance) else { return Ok(()) };
         prop_assert!((exit.eta * entry.eta - 1.0).abs() <= 2.0 * ULP);
         prop_assert!(near(entry.weight * exit.weight, flux.weight * exit_flux.weight, 8.0 * ULP));
-        // O1, where one rounding of the direction inside does not turn the one outside by much.
+        // The direction is that of before, where one rounding of the direction inside does not change the one outside much (law O1).
         let onwards = Vec3::new(exit.wi.0.x, exit.wi.0.y, -exit.wi.0.z);
         let amplified = ULP * (1.0 + eta.max(1.0 / eta)).powi(2) / wo.abs_cos().min(entry.wi.abs_cos());
         prop_assert!((onwards + wo.0).length() <= 2.0 * amplified + 2.0 * ULP, "{onwards} but {wo:?}");
     }
 }
 
-/// Why the cone is not reciprocal: β off the normal, f is 1/(Ω cos β) one way and 1/Ω the other.
+/// The cone model is not reciprocal: at the angle β from the normal, f is 1/(Ω cos β) in one direction and 1/Ω in the other.
 #[test]
 fn cone_is_not_reciprocal() {
     let model = Bsdf::MatteCone(MatteCone { color: Spectrum::ONE, mattness: 0.9 });

@@ -1,4 +1,4 @@
-//! Cameras: which ray belongs to which point of the film, against the formulas of geometry in double precision.
+//! Cameras: the ray of each point of the film, compared with geometric formulas in double precision.
 
 use std::f64::consts::{PI, TAU};
 
@@ -41,7 +41,7 @@ fn shares() -> impl Strategy<Value = [f32; 2]> {
     [0f32..1.0, 0f32..1.0]
 }
 
-/// Where a camera stands, what it looks at and which way is up; nowhere near degenerate.
+/// Position, target and up vector of a camera, far from degenerate.
 fn views() -> impl Strategy<Value = [DVec3; 3]> {
     let any = || [-10.0..10.0, -10.0..10.0, -10.0..10.0].prop_map(DVec3::from_array);
     let sound =
@@ -65,9 +65,11 @@ proptest! {
         prop_assert!((found - expected).length() < FEW_ROUNDINGS, "{} is not {}", found, expected);
     }
 
-    /// Angles that do not depend on each other: ω = (x tan(θx/2), y tan(θy/2), −1)/|…|, whatever the film's shape.
+    /// With a horizontal angle of its own a camera has ω = (x tan(θx/2), y tan(θy/2), −1)/|…|, for any shape of the film.
     #[test]
-    fn a_horizontal_angle_of_its_own(film in shares(), aspect in 0.25f32..4.0, fov in 1.0f64..150.0, across in 1.0f64..150.0) {
+    fn an_independent_horizontal_angle_is_its_formula(
+        film in shares(), aspect in 0.25f32..4.0, fov in 1.0f64..150.0, across in 1.0f64..150.0,
+    ) {
         let camera = Camera::Perspective(Perspective::new(identity(), fov, 0.0, 1.0).across(fov, across));
         let [tan_x, tan_y] = [across, fov].map(|angle| (angle / 2.0).to_radians().tan());
         let (x, y) = (2.0 * f64::from(film[0]) - 1.0, 1.0 - 2.0 * f64::from(film[1]));
@@ -88,7 +90,7 @@ proptest! {
         prop_assert!((found - expected).length() < FEW_ROUNDINGS, "{} is not {}", found, expected);
     }
 
-    /// Parallel; the origins lie on the film, `height` metres high.
+    /// The rays are parallel, and their origins lie on the film, which is `height` metres high.
     #[test]
     fn orthographic_is_its_formula(film in shares(), aspect in 0.25f32..4.0, height in 0.1f32..100.0, [from, to, up] in views()) {
         let pose = Pose::new(&Transform::look_at(from, to, up).expect("not degenerate"));
@@ -108,7 +110,7 @@ proptest! {
         let w = DVec3::new((1.0 - z * z).sqrt() * phi.cos(), (1.0 - z * z).sqrt() * phi.sin(), z);
         let film = [0.5 + w.x.atan2(-w.z) / TAU, w.y.acos() / PI].map(|share| share as f32);
         let found = direction(&Camera::Spherical(Spherical { pose: identity() }), film, 2.0);
-        // A share of the film is rounded once, and is an angle of up to 2π.
+        // A coordinate of the film is rounded once, and corresponds to an angle of up to 2π.
         prop_assert!((found - w).length() < TAU * FEW_ROUNDINGS, "{} is not {}", found, w);
     }
 
@@ -123,7 +125,7 @@ proptest! {
         ];
         for camera in cameras {
             let ray = camera.ray(film.into(), 1.5, lens.into());
-            // Normalising rounds each component at most three times, which is as much for the length.
+            // Normalising rounds each component at most three times, so the length has the same relative error.
             prop_assert!((ray.direction.as_dvec3().length() - 1.0).abs() < 4.0 / 16_777_216.0, "{camera:?}: {ray:?}");
             prop_assert!(ray.t_max == f32::INFINITY && ray.time == 0.0);
         }
@@ -136,14 +138,14 @@ proptest! {
         let ray = camera.ray(film.into(), 1.5, lens.into());
         let through = at_depth(&ray, f64::from(focus));
         let expected = at_depth(&self::ray(&pinhole(identity(), fov), film, 1.5), f64::from(focus));
-        // Slanted rays stretch the rounding of their direction by the square of their slant.
+        // For slanted rays the rounding error of the direction grows with the square of the slant.
         let slant = 1.0 + expected.length() / f64::from(focus) + f64::from(radius / focus);
         prop_assert!((through - expected).length() < FEW_ROUNDINGS * f64::from(focus) * slant * slant, "{} is not {}", through, expected);
         prop_assert!(ray.origin.z == 0.0 && ray.origin.length() <= radius * (1.0 + f32::EPSILON));
     }
 }
 
-/// Where a ray of a camera at the origin crosses z = −depth.
+/// Point where a ray of a camera at the origin crosses z = −depth.
 fn at_depth(ray: &Ray, depth: f64) -> DVec3 {
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     o + d * ((-depth - o.z) / d.z)
@@ -197,7 +199,7 @@ fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     2.0 * a.dot(b.cross(c)).atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
-/// The film, cut into triangles, covers the sphere once: all are turned the same way and sum up to 4π.
+/// The film, divided into triangles, covers the sphere once: all triangles have the same orientation, and their solid angles add up to 4π.
 #[test]
 fn the_panorama_holds_every_direction_once() {
     let camera = Camera::Spherical(Spherical { pose: identity() });
@@ -209,12 +211,12 @@ fn the_panorama_holds_every_direction_once() {
         // Clockwise from inside, where the camera is.
         for triangle in [[a, c, b], [a, d, c]] {
             let angle = solid_angle(triangle);
-            // At the poles one of the two is empty but for rounding.
+            // At the poles one of the two triangles has no area except for rounding.
             assert!(angle > -1e-6, "cell {i}, {j} is turned inside out: {angle}");
             sum += angle;
         }
     }
-    // The triangles share their corners, so only the seam, π long and a rounding wide, can gape.
+    // The triangles share their corners, so a gap can only be at the seam, which is π long and one rounding error wide.
     assert!((sum - 4.0 * PI).abs() < PI * FEW_ROUNDINGS, "{sum}");
 }
 
@@ -222,9 +224,9 @@ fn the_panorama_holds_every_direction_once() {
 ///
 /// c = A |d − s|/d · f/(s − f),    A = f/N
 ///
-/// Here a lens of radius A/2 is focused on s; the sensor, v = f s/(s − f) behind the lens, is as high as
-/// its field of view: h = 2 v tan(θ/2). Through every lens point the point at 4 m is seen at one height of
-/// the film; between the lens's upper and lower edge these heights differ by c/h.
+/// Here a lens of radius A/2 is focused on s; the sensor, v = f s/(s − f) behind the lens, is as high as its field of view: h = 2 v
+/// tan(θ/2). Each point of the lens sees the point at 4 m at some height of the film. Between the upper and the lower edge of the lens
+/// these heights differ by c/h.
 #[test]
 fn the_circle_of_confusion_is_that_of_a_thin_lens() {
     let (focal, number, focus, far, sensor): (f64, f64, f64, f64, f64) = (0.05, 2.0, 2.0, 4.0, 0.024);
@@ -232,7 +234,7 @@ fn the_circle_of_confusion_is_that_of_a_thin_lens() {
     let fov = 2.0 * (sensor / 2.0 / image).atan().to_degrees();
     let camera = Camera::Perspective(Perspective::new(identity(), fov, (focal / number / 2.0) as f32, focus as f32));
     let height = |y: f32, lens: Vec2| at_depth(&camera.ray(Vec2::new(0.5, y), 1.5, lens), far).y;
-    // What is seen at 4 m is linear in the height on the film: two rays tell where 0 is seen.
+    // The height that is seen at 4 m is linear in the height on the film, so two rays determine where 0 is seen.
     let seen_at = |lens: Vec2| {
         let (top, bottom) = (height(0.25, lens), height(0.75, lens));
         0.25 + 0.5 * top / (top - bottom)
@@ -264,7 +266,7 @@ fn the_whole_lens_is_used() {
     assert!(sum.abs().max_element() / f64::from(n) < error * 0.25);
 }
 
-/// Everything moved by `by`, in numbers that double precision holds exactly.
+/// A scene moved by `by`. All numbers are exact in double precision.
 fn moved(kind: usize, by: DVec3) -> World {
     let pose = Pose::new(&Transform::look_at(DVec3::new(0.5, 1.25, 4.0) + by, DVec3::new(0.0, 0.25, -0.5) + by, DVec3::Y).expect("sound"));
     let camera = [
@@ -281,7 +283,7 @@ fn moved(kind: usize, by: DVec3) -> World {
     builder.build().expect("a sound scene")
 }
 
-/// Camera and scene moved together: the same hits, to the bit, because both are recentred in double precision.
+/// If camera and scene are moved together, all hits are the same to the bit, because both are recentred in double precision.
 #[test]
 fn a_moved_world_gives_the_same_picture() {
     for kind in 0..3 {
@@ -299,7 +301,7 @@ fn a_moved_world_gives_the_same_picture() {
     }
 }
 
-/// Recentring moves the eye and nothing else.
+/// Recentring moves the origin of the camera and changes nothing else.
 #[test]
 fn recentring_moves_the_eye() {
     let camera = Camera::Orthographic(Orthographic { pose: identity(), height: 2.0 });

@@ -1,4 +1,4 @@
-//! The command line as users see it: its files, messages, refusals and exit codes.
+//! The command line as users see it: its files, messages and exit codes.
 
 use std::fs;
 use std::path::Path;
@@ -26,7 +26,7 @@ fn pt(folder: &Path, args: &[&str]) -> assert_cmd::assert::Assert {
     Command::cargo_bin("pt").expect("the binary").current_dir(folder).args(args).assert()
 }
 
-/// Exit code, and a phrase of stderr.
+/// Asserts that a call fails with this exit code and with this phrase on stderr.
 #[track_caller]
 fn refused(folder: &Path, args: &[&str], code: i32, phrase: &str) {
     let output = pt(folder, args).code(code).get_output().clone();
@@ -49,13 +49,13 @@ fn a_scene_becomes_an_exr_and_a_png_named_after_it() {
     assert_eq!(files(folder.path()), ["scene.exr", "scene.json", "scene.png"]);
     let (image, attributes) = pt::output::exr::read(&folder.path().join("scene.exr")).expect("a readable picture");
     assert_eq!(image.size, glam::UVec2::new(8, 6));
-    // The corner sees the background alone: radiance 1, exactly.
+    // The corner shows only the background, of radiance 1.
     assert_eq!(image.rgb(0, 0), [1.0; 3]);
     assert!(attributes.contains(&("pt/integrator".into(), "nee".into())), "{attributes:?}");
 }
 
 #[test]
-fn every_integrator_is_chosen_by_name_and_keeps_what_it_knows_of_the_options() {
+fn every_integrator_is_chosen_by_name_and_keeps_the_options_it_has() {
     let folder = folder();
     for entry in pt::integrators::ALL {
         pt(
@@ -112,7 +112,7 @@ fn a_number_after_the_scene_is_samples_per_pixel() {
     }
 }
 
-/// YY_MM_DD-hh_mm_ss of the clock on the wall: here three hours ahead of UTC.
+/// The name is YY_MM_DD-hh_mm_ss in local time, here three hours ahead of UTC.
 #[test]
 fn a_picture_named_by_the_clock() {
     let folder = folder();
@@ -140,7 +140,7 @@ fn by_the_clock(seconds: u64) -> String {
 }
 
 #[test]
-fn a_sample_by_itself_is_the_sample_of_the_picture() {
+fn a_single_sample_equals_that_of_the_picture() {
     let folder = folder();
     pt(folder.path(), &["scene.json", "-o", "x.exr", "--spp", "1"]).success();
     let (image, _) = pt::output::exr::read(&folder.path().join("x.exr")).expect("a readable picture");
@@ -161,7 +161,7 @@ fn a_scene_from_stdin() {
 #[test]
 fn time_ends_a_render() {
     let folder = folder();
-    // It comes to an end at all: 2³² samples would take hours.
+    // The render ends because of the time limit. 2³² samples would take hours.
     pt(folder.path(), &["scene.json", "--time", "0.2"]).success();
     let (image, _) = pt::output::exr::read(&folder.path().join("scene.exr")).expect("a readable picture");
     let samples = image.channel("SampleCount.Y").expect("counts")[0];
@@ -181,14 +181,14 @@ fn progress_and_statistics_as_json_can_be_parsed() {
 }
 
 #[test]
-fn quiet_says_nothing() {
+fn quiet_prints_nothing() {
     let folder = folder();
     let output = pt(folder.path(), &["scene.json", "-q"]).success().get_output().clone();
     assert!(output.stderr.is_empty() && output.stdout.is_empty());
 }
 
 #[test]
-fn what_an_integrator_lacks_is_said_in_one_line() {
+fn missing_effects_are_reported_in_one_line() {
     let folder = folder();
     let output = pt(folder.path(), &["scene.json", "-i", "whitted"]).success().get_output().clone();
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -196,7 +196,7 @@ fn what_an_integrator_lacks_is_said_in_one_line() {
 }
 
 #[test]
-fn check_says_what_is_there_and_what_is_called_for() {
+fn check_lists_contents_and_required_effects() {
     let folder = folder();
     let output = pt(folder.path(), &["check", "scene.json"]).success().get_output().clone();
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -215,7 +215,7 @@ fn list_shows_everything_with_a_line_each() {
         let line = text.lines().find(|line| line.trim_start().starts_with(name)).unwrap_or_else(|| panic!("{name} in\n{text}"));
         assert!(line.split_whitespace().count() >= 4, "{line}");
     }
-    // What the scene format says of its members is cut to a line, but not within a sentence.
+    // Descriptions from the scene format are cut to one line, but not within a sentence.
     let families = text.lines().skip_while(|line| *line != "samplers").take_while(|line| *line != "metrics");
     for line in families.filter(|line| line.starts_with(' ')) {
         assert!(line.ends_with('.'), "{line}");
@@ -223,7 +223,7 @@ fn list_shows_everything_with_a_line_each() {
 }
 
 #[test]
-fn verbose_tells_what_check_does() {
+fn verbose_prints_what_check_prints() {
     let folder = folder();
     let check = pt(folder.path(), &["check", "scene.json"]).success().get_output().clone();
     let verbose = pt(folder.path(), &["scene.json", "-v"]).success().get_output().clone();
@@ -262,11 +262,11 @@ fn version_names_the_build() {
     assert!(text.starts_with("pt 0.") && text.contains('('), "{text}");
 }
 
-/// A picture of what was rendered by then, and the exit code of the signal.
+/// An interrupted render writes the picture so far, and ends with the exit code of the signal.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_render_keeps_its_picture() {
-    // Twice within a second is once: `timeout` signals a process and its group.
+    // Two signals within a second count as one, because `timeout` signals a process and its group.
     for (signals, code) in [(&["INT"][..], 130), (&["TERM"], 143), (&["HUP"], 129), (&["INT", "INT"], 130), (&["TERM"; 3], 143)] {
         let folder = folder();
         let mut child = rendering(folder.path(), "x.exr");
@@ -278,7 +278,7 @@ fn an_interrupted_render_keeps_its_picture() {
     }
 }
 
-/// A render of `scene.json` that would take hours, under way.
+/// Starts a render of `scene.json` that would take hours, and waits until it has begun.
 #[cfg(unix)]
 fn rendering(folder: &Path, output: &str) -> std::process::Child {
     let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("pt"))
@@ -287,14 +287,14 @@ fn rendering(folder: &Path, output: &str) -> std::process::Child {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .expect("it starts");
-    // The first line of progress: it renders.
+    // After the first line of progress the render has begun.
     let mut first = String::new();
     let stderr = child.stderr.take().expect("a pipe");
     std::io::BufRead::read_line(&mut std::io::BufReader::new(stderr), &mut first).expect("a line");
     child
 }
 
-/// Into a pipe that nobody reads nothing can be written, so that the first signal alone does not end it.
+/// The picture is written into a pipe that nobody reads, so that the first signal does not end the program.
 #[cfg(unix)]
 #[test]
 fn a_signal_more_than_a_second_after_the_first_ends_at_once() {
@@ -314,10 +314,10 @@ fn a_signal_more_than_a_second_after_the_first_ends_at_once() {
     assert_eq!(ended.code(), Some(130));
 }
 
-/// As `nohup` has it: pt renders on when the terminal closes.
+/// Under `nohup` pt continues when the terminal closes.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_hangup_that_is_ignored_stays_so() {
+fn an_ignored_hangup_signal_stays_ignored() {
     let folder = folder();
     let pt = assert_cmd::cargo::cargo_bin("pt");
     let script = format!("trap '' HUP; exec {} scene.json -o x.exr --time 60 --progress json", pt.display());
@@ -332,16 +332,16 @@ fn a_hangup_that_is_ignored_stays_so() {
     let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().expect("a pipe"))).map(|line| line.expect("text"));
     lines.next().expect("it renders");
     kill("-HUP");
-    // A render that ends says one line of progress more.
+    // A render that ends prints one more line of progress.
     assert!(lines.by_ref().take(4).all(|line| line.starts_with('{')), "it ended");
     kill("-INT");
     assert!(lines.last().is_some_and(|line| line == "error: interrupted"));
     assert_eq!(child.wait().expect("it ended").code(), Some(130));
 }
 
-/// A light that is 10⁹ times mightier and far away takes no light from a near one.
+/// A distant light with 10⁹ times the power does not prevent that a near light is sampled.
 #[test]
-fn a_mighty_light_far_away_hides_no_near_one() {
+fn a_strong_distant_light_does_not_hide_a_near_one() {
     let folder = folder();
     let floor = r#""shapes": [{"type": "quad", "size": 4, "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": -90}}]}]"#;
     let near = r#"{"type": "point", "position": [0, 1, 0], "intensity": 1}"#;
@@ -356,7 +356,7 @@ fn a_mighty_light_far_away_hides_no_near_one() {
         image.pixels().flatten().map(f64::from).sum::<f64>() / 192.0
     };
     let (sum, both) = (mean(near) + mean(far), mean(&format!("{near}, {far}")));
-    // 1/16 of the 262,144 samples go to the near light: a standard error of ¾ %.
+    // 1/16 of the 262,144 samples choose the near light, which gives a standard error of ¾ %.
     assert!((both / sum - 1.0).abs() < 0.04, "{both} of {sum}");
 }
 
@@ -367,7 +367,7 @@ fn floor_scene(shapes: &str, lights: &str) -> String {
     format!(r#"{{"pt": 1, {camera}, "film": {{"width": 8, "height": 8}}, "shapes": [{shapes}], "lights": [{lights}]}}"#)
 }
 
-/// L = ρ/π · I/d², where 0.01° at 10 km light a disk of 1.7 m around the origin: cosines that f32 calls 1.
+/// L = ρ/π · I/d². A cone of 0.01° at 10 km lights a disk of 1.7 m around the origin. The cosines of its angles round to 1 in f32.
 #[test]
 fn a_narrow_spot_far_away_lights_what_it_points_at() {
     let folder = folder();
@@ -380,9 +380,10 @@ fn a_narrow_spot_far_away_lights_what_it_points_at() {
     assert!((value * std::f64::consts::PI / 0.5 - 1.0).abs() < 1e-5, "{text}");
 }
 
-/// Far from the fine things that hold the origin, its four corners are one point in f32: a lamp that could be sampled but never hit.
+/// Far from the origin, which is at the finest detail, the four corners of the quad are one point in f32. Such a lamp could be sampled but
+/// never hit.
 #[test]
-fn a_quad_that_rounding_leaves_nothing_of_is_refused() {
+fn a_quad_whose_corners_round_to_one_point_is_refused() {
     let folder = folder();
     let lamp = r#"{"type": "quad", "size": 0.1, "emission": 1000, "transform": [{"translate": [1e7, 1, 0.3]}]}"#;
     let fine = [r#"{"type": "quad", "size": 1e-3}"#; 3].join(", ");
@@ -390,9 +391,9 @@ fn a_quad_that_rounding_leaves_nothing_of_is_refused() {
     refused(folder.path(), &["far.json"], 3, "too small to be hit in a scene this large");
 }
 
-/// A lamp whose area f32 cannot hold shines all the same: what is said of the picture is what is in it.
+/// A lamp whose area is too small for f32 still emits light. The warning of a black picture is given only if the picture is black.
 #[test]
-fn no_light_is_said_where_there_is_none() {
+fn the_warning_of_a_black_picture_is_given_only_without_light() {
     let folder = folder();
     for (scale, emission) in [1.0, 1e-10, 1e-20, 1e-30].into_iter().flat_map(|scale| [(scale, 0), (scale, 1)]) {
         let scene = format!(

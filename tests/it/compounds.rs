@@ -1,4 +1,4 @@
-//! Materials made of materials, reliefs and holes: what each says of its parts.
+//! Materials made of other materials, normal and bump maps, and holes: each compared with the formula for its parts.
 
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -70,10 +70,10 @@ pub fn albedo(model: &Bsdf, wo: Local) -> Spectrum {
 proptest! {
     #![proptest_config(cases(10_000))]
 
-    /// f = (1 − t) f_a + t f_b, and the density alike.
+    /// f = (1 − t) f_a + t f_b, and the same for the density.
     #[test]
     fn mixes_are_sums(a in color(), b in color(), t in fraction(), alpha in prop::sample::select(vec![0.1f32, 0.3, 1.0]), wo in sphere(), wi in sphere()) {
-        // As a texture says it, up to rounding: of 1 − t there may be little.
+        // The share is rounded like a texture value, because 1 − t may be small.
         let t = Spectrum::gray(t).average();
         let (first, second) = (Material::diffuse(stored(a)), Material::metal(Texture::from(stored(b)), Some(round(alpha)), true));
         let mix = Material::from(Compound::Mix(Mix { a: first.clone(), b: second.clone(), share: Share::Texture(t.into()) }));
@@ -87,7 +87,7 @@ proptest! {
     /// Delta lobes of a mix are the weighted sums of its parts: where glass and a mirror share a direction, the weights are added up.
     #[test]
     fn mixed_lobes_are_sums(a in color(), b in color(), t in fraction(), wo in sphere()) {
-        // As a texture says it, up to rounding: of 1 − t there may be little.
+        // The share is rounded like a texture value, because 1 − t may be small.
         let t = Spectrum::gray(t).average();
         let (first, second) = (Material::from(textured::Dielectric::smooth(1.5, stored(a))), Material::mirror(stored(b)));
         let mix = Material::from(Compound::Mix(Mix { a: first.clone(), b: second.clone(), share: Share::Texture(t.into()) }));
@@ -104,7 +104,7 @@ proptest! {
         prop_assert!(near(total(&lobes(&mix)), sum, 1e-5));
     }
 
-    /// By Fresnel, f = (1 − max(F(θo), F(θi))) f_a + min(F(θo), F(θi)) f_b.
+    /// A mix by Fresnel's reflectance is f = (1 − max(F(θo), F(θi))) f_a + min(F(θo), F(θi)) f_b.
     #[test]
     fn fresnel_mixes_are_sums(a in color(), b in color(), eta in 1f32..3.0, wo in sphere(), wi in sphere()) {
         let (first, second) = (Material::diffuse(stored(a)), Material::metal(Texture::from(stored(b)), Some(round(0.3)), true));
@@ -114,7 +114,7 @@ proptest! {
         prop_assert!(near(center(&mix).eval(wo, wi, MODE), sum, 1e-5));
     }
 
-    /// Over a Lambertian ground a smooth coat is what `plastic` derives by itself, with its lobes.
+    /// A smooth coat over a Lambertian base equals `plastic`, including its delta lobes.
     #[test]
     fn a_coat_over_matte_is_plastic(albedo in color(), eta in 1f32..3.0, wo in sphere(), wi in sphere()) {
         let coat = coated(Material::diffuse(stored(albedo)), Coat::new(eta, Rgb::WHITE, None));
@@ -127,9 +127,9 @@ proptest! {
         prop_assert_eq!(weight(&coat), weight(&plastic));
     }
 
-    /// Each side is as its material alone; nothing goes through.
+    /// Each side of the surface behaves as its own material, and no light is transmitted.
     #[test]
-    fn sides_are_their_own(front in color(), back in color(), wo in sphere(), wi in sphere()) {
+    fn two_sided_materials_keep_their_sides_apart(front in color(), back in color(), wo in sphere(), wi in sphere()) {
         let sides = Compound::TwoSided(TwoSided { front: Some(Material::diffuse(stored(front))), back: Some(Material::diffuse(stored(back))) });
         let sides = Material::from(sides);
         let expected = Bsdf::Diffuse(Diffuse { albedo: if wo.cos() > 0.0 { front } else { back } });
@@ -138,8 +138,8 @@ proptest! {
     }
 }
 
-/// What importance finds is what radiance finds the other way round, by geometric normals:
-/// f*(wo, wi) / |ng·wi| = f(wi, wo) / |ng·wo| for a reciprocal model, whatever the shading normal.
+/// Importance is radiance with the directions exchanged, with geometric normals: f*(wo, wi) / |ng·wi| = f(wi, wo) / |ng·wo| for a
+/// reciprocal model, whatever the shading normal.
 #[test]
 fn importance_is_adjoint() {
     let mut random = Random::new(13);
@@ -153,9 +153,9 @@ fn importance_is_adjoint() {
     }
 }
 
-/// A white ground under a clear coat gives all light back, smooth or rough: what the coat keeps from the ground it returns itself.
+/// A white base under a clear coat, smooth or rough, returns all light: the light that does not pass the coat is reflected by it.
 ///
-/// The quadrature is good to 1e-3 for these widths; the tables of the coat to as much.
+/// The quadrature and the tables of the coat each have an error of 1e-3 for these widths.
 #[test]
 fn coated_white_is_white() {
     let white = || Material::diffuse(Rgb::WHITE);
@@ -193,12 +193,12 @@ fn coated_white_is_white_along_the_surface() {
     }
 }
 
-/// A sheen of one shade of gray.
+/// Material under sheen of a gray colour.
 fn velvet(base: Material, color: f32, roughness: f32) -> Material {
     Compound::Sheen(Sheen::new(base, color, roughness)).into()
 }
 
-/// White everywhere, with facets of this width.
+/// A principled material in which everything is white, with facets of width `alpha`.
 fn white(alpha: f32) -> Principled {
     Principled {
         base_color: 1.0.into(),
@@ -217,17 +217,17 @@ fn white(alpha: f32) -> Principled {
     }
 }
 
-/// 1 − albedo for light from straight above to nearly along the surface: the most that is lost, and the most that is made.
+/// The largest and the smallest 1 − albedo, for light from straight above to nearly along the surface. A negative value is a gain of light.
 fn extremes(material: &Material) -> [f32; 2] {
     let lost = [1.0, 0.7, 0.3, 0.1].map(|cos| 1.0 - albedo(&center(material), at(cos, 0.4)).average());
     [lost.into_iter().fold(0.0, f32::max), lost.into_iter().fold(0.0, f32::min)]
 }
 
-/// Layers on a white matte ground return all light together, and so do layers on a white mirror. What else lies under them loses
-/// as much as documentation says (between 7 tenths of it and all); nothing makes light.
+/// Layers on a white matte base, and on a white mirror, return all light. Over other bases the loss is at most the documented one, and at
+/// least 7 tenths of that. No material gains light.
 ///
-/// The tables and the quadrature are good to 2e-3, three layers with tables of their own to 3e-3, and so are the narrow lobes of
-/// straight fibres.
+/// The tables and the quadrature have an error of 2e-3. For three layers with tables of their own, and for the narrow lobes of straight
+/// fibres, it is 3e-3.
 #[test]
 fn layers_on_white_are_white() {
     const TABLES: f32 = 2e-3;
@@ -276,8 +276,8 @@ fn layers_on_white_are_white() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Under a coat colours are deeper: ρ (1 − K)/(1 − ρ K) of the light that enters comes out again, with K what the coat throws
-/// back of diffuse light from within.
+/// Colours are deeper under a coat: the share ρ (1 − K)/(1 − ρ K) of the light that enters comes out again, where K is the internal
+/// reflectance of the coat for diffuse light.
 #[test]
 fn coats_deepen_colors() {
     let (eta, rho) = (1.5f32, 0.5f32);
@@ -297,9 +297,9 @@ fn coats_deepen_colors() {
     assert!(deep < 0.3, "{deep}");
 }
 
-/// E of the fibres, as the ground sees it: a white mirror under them loses exactly what they return.
+/// The tabulated albedo E of the fibres is correct: a white mirror under them loses exactly the light that they reflect.
 #[test]
-fn sheen_returns_what_it_says() {
+fn sheen_reflects_its_tabulated_albedo() {
     for roughness in [0.22, 0.45, 0.77, 1.0] {
         let sheen = Material::from(Compound::Sheen(Sheen::new(Material::mirror(Rgb::WHITE), Rgb::WHITE, roughness)));
         for cos in [1.0, 0.6, 0.25] {
@@ -309,9 +309,9 @@ fn sheen_returns_what_it_says() {
     }
 }
 
-/// The ends of its sliders are the materials that they name, and between the ends they are mixed.
+/// A parameter of 0 or 1 gives the material that the parameter names, and values between give a mix.
 #[test]
-fn principled_is_what_it_names() {
+fn principled_extremes_are_the_named_materials() {
     let (base, tint) = (Spectrum::rgb(0.9, 0.5, 0.2), Spectrum::rgb(0.3, 0.8, 0.9));
     let principled = || Principled {
         base_color: stored(base).into(),
@@ -359,15 +359,15 @@ fn principled_is_what_it_names() {
         let (wo, wi) = (at(random.range(0.1, 1.0), random.range(0.0, 6.0)), at(random.range(0.1, 1.0), random.range(0.0, 6.0)));
         assert_eq!(center(&material).eval(wo, wi, MODE), center(&expected).eval(wo, wi, MODE));
     }
-    // Seen straight on, metal has its base colour.
+    // At normal incidence metal has its base colour.
     let metal = Material::from(Principled { metallic: 1.0.into(), roughness: None, ..principled() });
     let lobe = center(&metal).sample(Local::NORMAL, 0.5, Vec2::splat(0.5), MODE).expect("a mirror");
     assert_eq!(lobe.weight, base);
 }
 
-/// A share of a texture chooses from point to point, and where it is 0 or 1 nothing of the other is left.
+/// A texture as the share of a mix applies point by point. Where it is 0 or 1, only one material is left.
 #[test]
-fn a_texture_mixes() {
+fn a_texture_controls_a_mix() {
     let squares = Checker { even: 0.0.into(), odd: 1.0.into(), scale: Vec3::ONE, space: Space::Uv };
     let share = Texture::Checker(Box::new(squares));
     let material = Material::mix(Material::diffuse(Rgb::WHITE), Material::mirror(Rgb::WHITE), share);
@@ -396,10 +396,10 @@ fn seen(world: &World, direction: Vec3) -> Vec3 {
     world.surface(&ray, &hit).frame.z
 }
 
-/// A slope of heights is a plane that leans: dz/dx = s makes n ∝ (−s, 0, 1).
+/// A bump map with a constant slope is a tilted plane: dz/dx = s gives n ∝ (−s, 0, 1).
 #[test]
-fn heights_lean_as_planes() {
-    // Twice the slope between the pixels of the ramp: from 0 to 1 over half of the two metres.
+fn a_constant_slope_of_a_bump_map_tilts_the_normal() {
+    // The slope between the pixels of the ramp is twice as large: it rises from 0 to 1 over half of the two metres.
     for scale in [0.1f32, -0.3, 1.0] {
         let normal_modifier = NormalModifier::BumpMap { map: ramp(0.0, 1.0), scale: scale.into() };
         let world =
@@ -410,9 +410,9 @@ fn heights_lean_as_planes() {
     }
 }
 
-/// However steep they are, slopes lean: away from the viewer as far as normals go, not back to flat.
+/// Steep slopes tilt the normal as far as the viewer allows. The normal does not become flat again.
 #[test]
-fn no_slope_is_too_steep() {
+fn steep_bump_maps_tilt_the_normal_up_to_the_limit() {
     for scale in [1e4f32, 1e18, 1e30, 3e38, -1e30] {
         let normal_modifier = NormalModifier::BumpMap { map: ramp(0.0, 1.0), scale: scale.into() };
         let world =
@@ -422,7 +422,7 @@ fn no_slope_is_too_steep() {
     }
 }
 
-/// A picture of one normal turns every surface by it, along its own axes, wherever the surface faces; (½, ½, 1) turns nothing.
+/// A normal map of a single normal tilts every surface along the surface's own axes, for any orientation. (½, ½, 1) changes nothing.
 #[test]
 fn normal_maps_turn_normals() {
     let n = Vec3::new(0.36, 0.48, 0.8);
@@ -446,9 +446,9 @@ fn normal_maps_turn_normals() {
     assert_eq!(seen(&quad(material(Vec3::Z), Transform::IDENTITY), Vec3::NEG_Z), Vec3::Z);
 }
 
-/// However a relief turns them, normals look at the viewer, and on the side of the surface.
+/// Normals that a map or heights modify face the viewer and stay on the viewer's side of the surface.
 #[test]
-fn turned_normals_are_seen() {
+fn modified_normals_face_the_viewer() {
     let mut random = Random::new(8);
     for _ in 0..10_000 {
         let [x, y] = [random.range(-1.0, 1.0), random.range(-1.0, 1.0)].map(|x| x as f32);
@@ -462,7 +462,8 @@ fn turned_normals_are_seen() {
     }
 }
 
-/// Pixels of opacity 0 let camera rays, shadow rays and chains of holes through; what is partly there is met by that share.
+/// Camera rays and shadow rays pass where the opacity is 0, also through several holes in a row. A partial opacity is the share of rays
+/// that hit the surface.
 #[test]
 fn holes_let_light_through() {
     let squares = |even: f32, odd: f32| {
@@ -492,7 +493,7 @@ fn holes_let_light_through() {
     let lace = world(squares(0.0, 1.0));
     assert!(look(&lace, -0.5, -0.5).abs() < 1e-5);
     assert!((look(&lace, 0.5, -0.5) - 3.0).abs() < 1e-5);
-    // Each of three surfaces with opacity 0.3 stops three tenths: 30, 21, 14.7 and 34.3 %.
+    // Three surfaces of opacity 0.3 stop 30, 21 and 14.7 % of the rays, and 34.3 % pass.
     let veil = world(squares(0.3, 0.3));
     const RAYS: u32 = 100_000;
     let mut counts = [0u32; 4];
@@ -503,14 +504,14 @@ fn holes_let_light_through() {
     }
     for (count, share) in counts.into_iter().zip([0.3, 0.21, 0.147, 0.343]) {
         let (mean, sigma) = (f64::from(RAYS) * share, (f64::from(RAYS) * share * (1.0 - share)).sqrt());
-        // Beyond 4.5 σ in one of four with a probability of 3e-5.
+        // One of the four shares is more than 4.5 σ off with a probability of 3e-5.
         assert!((f64::from(count) - mean).abs() < 4.5 * sigma, "{counts:?}");
     }
 }
 
-/// A ray through a ball of opacity o meets its surface twice, and passes both by (1 − o)².
+/// A ray through a ball of opacity o meets its surface twice, and passes both with the probability (1 − o)².
 #[test]
-fn a_veiled_ball_is_met_twice() {
+fn a_partly_transparent_ball_is_hit_twice() {
     const RAYS: u32 = 100_000;
     let mut world = World::builder(eye());
     let veil = world.material(SurfaceMaterial { opacity: Some(0.3.into()), ..Material::diffuse(Rgb::WHITE).into() });
@@ -525,12 +526,12 @@ fn a_veiled_ball_is_met_twice() {
     }
     for (count, share) in counts.into_iter().zip([0.3, 0.21, 0.49]) {
         let (mean, sigma) = (f64::from(RAYS) * share, (f64::from(RAYS) * share * (1.0 - share)).sqrt());
-        // Beyond 4.5 σ in one of three with a probability of 2e-5.
+        // One of the three shares is more than 4.5 σ off with a probability of 2e-5.
         assert!((f64::from(count) - mean).abs() < 4.5 * sigma, "{counts:?}");
     }
 }
 
-/// ∂p/∂u and ∂p/∂v are what moving along the texture coordinates does: on spheres, disks' squares, and meshes.
+/// ∂p/∂u and ∂p/∂v are the derivatives of the position by the texture coordinates, on spheres, disks and meshes.
 #[test]
 fn tangents_are_derivatives() {
     let to_world = Transform::scale(DVec3::new(2.0, 1.0, 0.5)).expect("not zero");
@@ -563,9 +564,9 @@ fn tangents_are_derivatives() {
     }
 }
 
-/// Gold by its index and by its colour look alike straight on.
+/// Gold defined by its index of refraction and gold defined by its colour look the same at normal incidence.
 #[test]
-fn metal_by_color_is_metal() {
+fn metal_by_color_equals_metal_by_name() {
     let (eta, k) = Element::Au.index();
     let by_index = Material::metal((eta, k), None, true);
     let sample = |material: &Material| center(material).sample(Local::NORMAL, 0.5, Vec2::splat(0.5), MODE).expect("a mirror").weight;

@@ -1,4 +1,4 @@
-//! The scenes, meshes and examples that come with pt: they work as they are, with every integrator.
+//! The scenes, meshes and examples that come with pt work unchanged, with every integrator.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use pt::scene::Scene;
 #[path = "../../examples/make_meshes/main.rs"]
 mod make_meshes;
 
-/// As built, with one integrator after the other.
+/// A scene of pt, built, to be rendered by one integrator after the other.
 struct Demo {
     built: Built,
     root: pt::reader::Node,
@@ -23,7 +23,7 @@ struct Demo {
 }
 
 impl Demo {
-    /// 16 × 16 pixels of the scene.
+    /// Loads a scene with 16 × 16 pixels.
     fn load(path: &Path) -> Demo {
         let file = path.display().to_string();
         let mut root = describe::load(path).expect(&file);
@@ -40,7 +40,7 @@ impl Demo {
         choose(&[ALL], self.root.child("integrator"), name, &self.file).unwrap_or_else(|e| panic!("{e}"))
     }
 
-    /// With the scene's own options, as far as the integrator knows them.
+    /// Renders with the scene's own options, as far as the integrator has them.
     fn render(self, names: &[&str], sampler: SamplerSpec, mut judge: impl FnMut(&str, Image, RenderReport)) {
         let integrators: Vec<_> = names.iter().map(|name| (*name, self.integrator(Some(name)).1)).collect();
         let world: Arc<dyn Scene> = Arc::new(self.built.world);
@@ -73,15 +73,15 @@ fn scenes_render_without_warning_and_without_invalid_samples_by_every_integrator
         let sampler = SamplerSpec { spp: 2, ..demo.built.sampler };
         demo.render(&names, sampler, |name, image, report| {
             assert_eq!(report.invalid, 0, "{} by {name}: {:?}", path.display(), report.first_invalid);
-            // In a closed room no direction is free of walls: ambient occlusion is 0 there, and rightly.
+            // In a closed room every direction hits a wall, so ambient occlusion is 0 there.
             let is_black = image.pixels().flatten().sum::<f32>() == 0.0;
             assert!(!is_black || name == "ao", "{} by {name} is black", path.display());
         });
     }
 }
 
-/// Every path ends in the background, of radiance 1, and every vertex multiplies by 1: no sample is anything else.
-/// The tolerance is 2⁻¹⁴: some hundred vertices, each with a few roundings of 2⁻²⁴.
+/// Every path ends in the background, of radiance 1, and every vertex multiplies by 1, so every sample is 1. The tolerance is 2⁻¹⁴: some
+/// hundred vertices, each with a few roundings of 2⁻²⁴.
 #[test]
 fn furnace_is_one_in_every_pixel_by_path() {
     let demo = Demo::load(Path::new("scenes/furnace.json"));
@@ -92,8 +92,8 @@ fn furnace_is_one_in_every_pixel_by_path() {
     });
 }
 
-/// Two estimates are weighed at every vertex, so that a sample is 1 in the mean alone: within 5 standard errors
-/// (of 256 pixels one is beyond by chance with probability 10⁻⁴), and 2⁻¹⁴ for roundings; and so is their mean.
+/// At every vertex two estimates are combined with weights, so that only the mean of the samples is 1. Each pixel is within 5 standard
+/// errors (one of 256 pixels exceeds that with a probability of 10⁻⁴) and 2⁻¹⁴ for rounding, and so is their mean.
 #[test]
 fn furnace_is_one_in_every_pixel_by_nee_within_its_error() {
     let demo = Demo::load(Path::new("scenes/furnace.json"));
@@ -126,20 +126,20 @@ fn an_outside_integrator_has_the_whole_command_line() {
     let text = String::from_utf8_lossy(&list.get_output().stdout).into_owned();
     assert!(text.contains("depth") && text.contains("nee"), "{text}");
 
-    // The background's distance has no end, the ball's does.
+    // The distance of the background is infinite, that of the ball is not.
     let render = ["scenes/furnace.json", "-i", "depth", "--size", "8x8", "--spp", "1", "-o"];
     plug_in().args(render).arg(&picture).assert().success();
     let bytes = std::fs::read(&picture).expect("a picture");
     assert!(bytes.starts_with(b"PF\n8 8\n"), "{}", String::from_utf8_lossy(&bytes[..16]));
 
-    // Its options are typed: a distance of −1 m is refused, with the place where that was said.
+    // The options are typed: a distance of −1 m is refused, with its position in the input.
     let wrong = ["scenes/furnace.json", "-i", "depth", "-D", "/integrator={\"type\":\"depth\",\"half_distance\":-1}"];
     let refused = plug_in().args(wrong).assert().code(2);
     let text = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
     assert!(text.contains("/integrator/half_distance"), "{text}");
 }
 
-/// `cargo test` builds all examples; `cargo test --test it` none, then it is done here.
+/// Path of an example's binary. `cargo test` builds all examples, but `cargo test --test it` builds none, so it is built here if needed.
 fn example(name: &str) -> PathBuf {
     let file = format!("examples/{name}{}", std::env::consts::EXE_SUFFIX);
     let path = Path::new(env!("CARGO_BIN_EXE_pt")).with_file_name(file);

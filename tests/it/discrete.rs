@@ -6,11 +6,11 @@ use pt::math::float::ONE_MINUS_EPSILON;
 use crate::random::Random;
 
 #[test]
-fn never_picks_what_has_no_weight() {
+fn zero_weights_are_never_chosen() {
     let mut random = Random::new(1);
     for _ in 0..10_000 {
         let n = 1 + random.bits() as usize % 20;
-        // Each weight is zero with probability ½, also the first and the last, also all but one.
+        // Each weight is zero with probability ½. The first, the last, or all but one may be zero.
         let mut weights: Vec<f32> = (0..n).map(|_| if random.bits() & 1 == 0 { 0.0 } else { random.magnitude(1e-6, 1e6) as f32 }).collect();
         weights[random.bits() as usize % n] = 1.0;
         let discrete = Discrete::new(&weights).unwrap();
@@ -23,7 +23,7 @@ fn never_picks_what_has_no_weight() {
             assert!(weights[i] > 0.0, "{weights:?} {choice}");
             assert!((f64::from(pmf) / (f64::from(weights[i]) / total) - 1.0).abs() < 1e-7 && pmf == discrete.pmf(i));
             assert!((0.0..1.0).contains(&rest));
-            // The stretched choice leads back to the choice.
+            // The number that is left after a choice, scaled back, is the number that was given.
             let before: f64 = weights[..i].iter().map(|&w| f64::from(w)).sum();
             let back = (before + f64::from(rest) * f64::from(weights[i])) / total;
             assert!((back - f64::from(choice)).abs() < 1.3e-7, "{choice} → {i}, {rest} → {back}");
@@ -31,7 +31,7 @@ fn never_picks_what_has_no_weight() {
         let sum: f64 = (0..n).map(|i| f64::from(discrete.pmf(i))).sum();
         assert!((sum - 1.0).abs() < 1e-6);
         assert!((0..n).all(|i| (discrete.pmf(i) > 0.0) == (weights[i] > 0.0)) && discrete.pmf(n) == 0.0);
-        // Any power of two: the same bits.
+        // Weights scaled by a power of two give the same bits.
         let scale = 2f32.powi(random.range(-60.0, 60.0) as i32);
         let scaled = Discrete::new(&weights.iter().map(|w| w * scale).collect::<Vec<_>>()).unwrap();
         for choice in [0.0, 0.3, 0.9, ONE_MINUS_EPSILON] {
@@ -41,7 +41,7 @@ fn never_picks_what_has_no_weight() {
 }
 
 #[test]
-fn picks_in_proportion() {
+fn choices_are_in_proportion_to_their_weights() {
     let weights = [1.0f32, 0.0, 3.0, 4.0, 0.0];
     let discrete = Discrete::new(&weights).unwrap();
     let mut counts = [0u32; 5];
@@ -52,7 +52,7 @@ fn picks_in_proportion() {
 }
 
 #[test]
-fn refuses_what_cannot_be_picked_from() {
+fn invalid_weights_are_refused() {
     for weights in [&[][..], &[0.0], &[0.0, -0.0], &[1.0, -1.0], &[f32::NAN], &[1.0, f32::INFINITY]] {
         assert!(Discrete::new(weights).is_none(), "{weights:?}");
     }

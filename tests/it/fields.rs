@@ -1,4 +1,4 @@
-//! Distance fields: what their numbers promise, and that rays end where the formulas say.
+//! Distance fields: laws of their values and gradients, and ray hits compared with formulas.
 
 mod faults;
 mod gradients;

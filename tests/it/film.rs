@@ -25,7 +25,7 @@ fn filters() -> Vec<Known> {
         ("wide box", Filter::pixel_box(1.5), 1.5, Box::new(|_| 1.0)),
         ("tent", Filter::tent(1.25), 1.25, Box::new(|x: f64| 1.25 - x.abs())),
         ("gaussian", Filter::gaussian(1.5, 0.5), 1.5, Box::new(move |x| gauss(x, 0.5) - gauss(1.5, 0.5))),
-        // With σ ≫ r the formula is a parabola.
+        // For σ ≫ r the formula is a parabola.
         ("narrow gaussian", Filter::gaussian(1.5, 0.01), 1.5, Box::new(move |x| gauss(x, 0.01) - gauss(1.5, 0.01))),
         ("broad gaussian", Filter::gaussian(2.0, 1e9), 2.0, Box::new(|x: f64| 4.0 - x * x)),
         ("mitchell", Filter::mitchell(2.0, 1.0 / 3.0, 1.0 / 3.0), 2.0, Box::new(|x| cubic(x, 1.0 / 3.0, 1.0 / 3.0))),
@@ -162,7 +162,7 @@ fn known_variances() {
 }
 
 #[test]
-fn only_mitchell_weighs_negatively() {
+fn only_mitchell_has_negative_weights() {
     for (name, filter, ..) in filters() {
         let share = mean(&filter, |_, weight| f64::from(weight < 0.0));
         assert_eq!(share > 0.01, ["mitchell", "catmull-rom"].contains(&name), "{name}: {share}");
@@ -335,7 +335,7 @@ fn exposure_counts_stops() {
 
 /// Tone curves are monotonic, from black to infinity.
 #[test]
-fn curves_only_rise() {
+fn tone_curves_are_monotonic() {
     let mut values: Vec<f32> = (-40..=127).map(|e| 2f32.powi(e)).chain([f32::MAX, f32::INFINITY]).collect();
     values.extend(values.clone().iter().map(|v| -v));
     values.push(0.0);
@@ -348,7 +348,7 @@ fn curves_only_rise() {
 }
 
 #[test]
-fn what_is_no_number_is_black() {
+fn nan_is_shown_black() {
     for curve in CURVES {
         assert_eq!(toned(&[f32::NAN, 1.0], 0.0, curve)[0], 0, "{curve:?}");
     }

@@ -8,7 +8,7 @@ use pt::math::float::*;
 use crate::random::Random;
 use crate::statistics::ulps;
 
-/// Half an ulp is the last rounding; the `f64` before it errs by less than 2⁻³³ of the result.
+/// The tolerance is half an ulp for the last rounding, and 2⁻³³ of the result for the error of the `f64` computation before it.
 const ROUNDED_ONCE: f64 = 0.501;
 
 #[test]
@@ -36,7 +36,7 @@ fn sin_cos_are_rounded_once_over_all_finite_numbers() {
     let any_bits = (0..1_000_000).map(|_| f32::from_bits(random.bits() as u32)).filter(|x| x.is_finite());
     let mut random = Random::new(2);
     let usual = (0..1_000_000).map(|_| random.range(-10.0, 10.0) as f32);
-    // The f32 nearest to multiples of π/2, where the reduction loses most.
+    // The f32 nearest to multiples of π/2, where the range reduction loses most digits.
     let near_zeros = (1..100_000).map(|k| (f64::from(k) * f64::consts::FRAC_PI_2) as f32);
     for x in any_bits.chain(usual).chain(near_zeros) {
         let (sin, cos) = sin_cos(x);
@@ -74,7 +74,7 @@ fn erfc_within_an_ulp() {
 
 #[test]
 fn the_two_reductions_of_angles_meet() {
-    // On both sides of the angle where the reduction changes, and where the integers of the second begin to skip bits.
+    // Angles on both sides of the switch between the two range reductions, and where the integers of the second no longer hold all bits.
     for around in [8192f32, 33_554_432.0] {
         for offset in -10_000..10_000 {
             let x = f32::from_bits(around.to_bits().wrapping_add_signed(offset));
@@ -94,7 +94,7 @@ fn degrees_are_exact_at_quarter_turns_and_2_ulp_elsewhere() {
     for _ in 0..100_000 {
         let degrees = random.range(-720.0, 720.0);
         let (sin, cos) = sin_cos_degrees(degrees);
-        // Turning degrees into radians rounds π/180 and the product: 2⁻⁵² of an angle up to 4π.
+        // The conversion of degrees to radians rounds π/180 and the product: 2⁻⁵² of an angle up to 4π.
         let (exact_sin, exact_cos) = degrees.to_radians().sin_cos();
         assert!((sin - exact_sin).abs() < 1e-14 && (cos - exact_cos).abs() < 1e-14, "{degrees}°");
         assert!((sin * sin + cos * cos - 1.0).abs() < 4.0 * f64::EPSILON);
@@ -125,7 +125,7 @@ fn atan2_is_rounded_once_in_all_octants() {
             assert!(ulps(atan2(y, x), exact) <= ROUNDED_ONCE || exact.is_nan() && atan2(y, x).is_nan(), "atan2({y:e}, {x:e})");
         }
     }
-    // IEEE 754 on zeros and infinities, with their signs.
+    // The values that IEEE 754 requires for zeros and infinities, with their signs.
     let special = [0.0, -0.0, 1.0, -1.0, f32::INFINITY, f32::NEG_INFINITY];
     for y in special {
         for x in special {

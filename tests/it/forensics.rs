@@ -1,4 +1,4 @@
-//! `--trace`, `--worst`, `--ledger` and `--clamp` as their users meet them.
+//! The options `--trace`, `--worst`, `--ledger` and `--clamp` on the command line.
 
 use std::fs;
 use std::path::Path;
@@ -42,7 +42,7 @@ fn numbers(text: &str, word: &str) -> Vec<f32> {
 }
 
 #[test]
-fn a_trace_is_told_vertex_by_vertex() {
+fn a_trace_lists_every_vertex() {
     let folder = folder();
     for integrator in ["path", "nee", "whitted"] {
         let asked = ["my scene.json", "--integrator", integrator, "--pixel", "13,13", "--sample", "5"];
@@ -51,7 +51,7 @@ fn a_trace_is_told_vertex_by_vertex() {
         let [sum, sample] = ["sum ", "sample "].map(|word| numbers(&text, word));
         assert_eq!(sum, sample, "{text}");
         assert_eq!(sample, numbers(&plain, "pixel 13,13 sample 5:"), "{text}");
-        // The lines that begin with + are all that there is, in their order.
+        // The lines that begin with + are all contributions, in their order.
         let mut total = [0.0f32; 3];
         for line in text.lines().filter_map(|line| line.trim_start().strip_prefix("+ ")) {
             let value: Vec<f32> = line.split_whitespace().take(3).map(|x| x.parse().expect("a number")).collect();
@@ -73,7 +73,7 @@ fn a_trace_is_told_vertex_by_vertex() {
     }
 }
 
-/// At the ball Whitted's path goes two ways, and each stands further in than the ball; the second starts where the first did.
+/// At the ball the path of `whitted` branches. Both branches are indented further than the ball, and start at the same indentation.
 #[test]
 fn branches_are_indented() {
     let folder = folder();
@@ -83,7 +83,7 @@ fn branches_are_indented() {
     let indent = |line: &str| line.len() - line.trim_start().len();
     for line in &vertices {
         let depth: usize = line.split_whitespace().next().and_then(|word| word.parse().ok()).expect("a depth");
-        // Up to the fourth interface every vertex branches.
+        // Every vertex branches up to the fourth interface.
         assert!(depth > 4 || indent(line) == 4 * depth, "{text}");
     }
     let seconds: Vec<usize> = text.lines().filter(|line| line.trim_start().starts_with("→ transmission")).map(indent).collect();
@@ -91,7 +91,7 @@ fn branches_are_indented() {
 }
 
 #[test]
-fn who_tells_nothing_is_said_to() {
+fn integrators_without_recording_are_reported() {
     let folder = folder();
     let (text, _) = pt(folder.path(), &["my scene.json", "--integrator", "normals", "--pixel", "8,8", "--sample", "0", "--trace"]);
     assert!(text.ends_with("normals tells nothing of its paths\n"), "{text}");
@@ -110,7 +110,7 @@ fn who_tells_nothing_is_said_to() {
     }
 }
 
-/// The commands that are printed show the samples that were listed, flags and quotes and all.
+/// The printed commands reproduce the listed samples, with all flags and quotes.
 #[test]
 fn the_worst_samples_can_be_replayed() {
     let folder = folder();
@@ -127,7 +127,7 @@ fn the_worst_samples_can_be_replayed() {
         let (trace, _) = pt(folder.path(), &words.iter().map(String::as_str).collect::<Vec<_>>());
         assert!(trace.contains(&format!("sample {}\n", value.join(" "))), "{line}\n{trace}");
     }
-    // Chance meets the lamp a few times only: who is to blame is said unasked.
+    // Only a few paths hit the lamp by chance, so the noisiest sample is reported without being asked for.
     assert!(stderr.contains("cannot be established"), "{stderr}");
     let (_, stderr) = pt(folder.path(), &args.iter().copied().filter(|word| !["--worst", "4"].contains(word)).collect::<Vec<_>>());
     assert!(
@@ -137,11 +137,11 @@ fn the_worst_samples_can_be_replayed() {
 }
 
 #[test]
-fn biases_are_told() {
+fn biases_are_reported() {
     let folder = folder();
     let base = ["my scene.json", "-o", "x.exr", "--integrator", "nee"];
     let told = |more: &[&str]| pt(folder.path(), &[&base[..], more].concat()).1;
-    // As it comes, nothing is missing and nothing is said; asked, it is said.
+    // With default settings no light is removed and nothing is printed, except with `--ledger`.
     assert!(!told(&[]).contains("bias"), "{}", told(&[]));
     assert!(told(&["--ledger"]).contains("bias: max_depth 64 removes nothing that "));
     let short = told(&["--ledger", "--spp", "512", "-D", "/integrator={\"type\":\"nee\",\"max_depth\":1}"]);

@@ -290,7 +290,7 @@ fn refraction_obeys_snell_in_the_plane_of_incidence() {
         let tolerance = 3e-7 * sin_o.length().max(n * sin_i.length()).max(1e-30);
         assert!((n * sin_i + sin_o).length() <= tolerance, "Snell: {wo} {wi} {eta}");
         assert!(o.cross(i).z.abs() <= 2e-7 * sin_o.length() * sin_i.length(), "coplanar: {wo} {wi}");
-        // And back: an error of half an ulp in sin θt is n times that in sin θ, and 1/cos θ times that in the angle.
+        // The way back: an error of half an ulp in sin θt is n times that in sin θ, and 1/cos θ times that in the angle.
         if let Some(back) = refract(wi, eta) {
             let condition = (n.max(1.0) / o.z.abs()).max(1.0);
             assert!((back.as_dvec3() - o).length() <= 1e-6 * condition, "round trip: {wo} {wi} {back} {eta}");

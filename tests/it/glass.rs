@@ -1,8 +1,8 @@
-//! Glass: where light goes, how much of it, and how the ways to get it wrong would look.
+//! Glass: the direction and amount of refracted light, and how typical mistakes would look.
 
+mod distances;
 pub mod faults;
-mod lengths;
-mod open;
+mod open_bodies;
 mod ruler;
 mod touching;
 
@@ -22,17 +22,17 @@ use pt::world::{MaterialId, World, WorldBuilder};
 
 use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, integrator, picture, probe, stored, two_sided};
 
-/// As users have it.
+/// The integrator with its default options.
 const DEFAULT: Depth = Depth { max: 64, roulette: 4 };
 
-/// A pane across z between two planes, its rims open and far away.
+/// Adds a pane between two planes across z. Its rims are open and far away.
 pub fn pane(world: &mut WorldBuilder, glass: MaterialId, offset: DVec3, z: [f64; 2], size: f64) {
     for (z, normal) in z.into_iter().zip([-DVec3::Z, DVec3::Z]) {
         world.shape(Quad { size: [size; 2] }, facing(offset + DVec3::Z * z, normal), glass, None);
     }
 }
 
-/// A closed box around the origin, half as large as `half` says in each direction.
+/// A closed box around the origin; `half` are its half extents.
 pub fn block(half: Vec3) -> MeshData {
     let positions = (0..8).map(|k| Vec3::from_array([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 })) * half).collect();
     let triangles: Vec<[u32; 3]> =
@@ -66,19 +66,19 @@ pub fn round_mesh(levels: u32) -> MeshData {
     MeshData { positions: faces.into_iter().flatten().collect(), triangles, parts, ..MeshData::default() }
 }
 
-/// Nobody looks.
+/// A camera for scenes that are not rendered.
 fn no_camera() -> Camera {
     probe(DVec3::Z * 5.0, DVec3::ZERO)
 }
 
-/// The ray after passing straight through so many interfaces; it starts where it left the last one.
+/// The ray after refraction at the given number of interfaces. It starts at the last of them.
 fn through(scene: &World, ray: Ray, interfaces: usize) -> Ray {
     let origin = scene.origin().as_vec3();
     let ray = passed(scene, Ray::new(ray.origin - origin, ray.direction), interfaces);
     Ray::new(ray.origin + origin, ray.direction)
 }
 
-/// The ray of [`through`], in the coordinates of the built scene.
+/// As [`through`], in the coordinates of the built scene.
 fn passed(scene: &World, mut ray: Ray, interfaces: usize) -> Ray {
     for k in 0..interfaces {
         let hit = scene.intersect(&ray).unwrap_or_else(|| panic!("no interface {k}"));
@@ -96,7 +96,7 @@ fn slanting(degrees: f64) -> Ray {
     Ray::new((DVec3::Z * 0.5 - direction * 0.25).as_vec3(), direction.as_vec3().normalize())
 }
 
-/// Slabs 1 m thick: as two quads, and as a closed box.
+/// Two slabs 1 m thick: one of two quads, and one that is a closed box.
 fn slabs(eta: f32) -> [World; 2] {
     let slab = |closed: bool| {
         let mut world = World::builder(no_camera());
@@ -111,10 +111,10 @@ fn slabs(eta: f32) -> [World; 2] {
     [false, true].map(slab)
 }
 
-/// O1. What enters at θ leaves at θ: 10° in, 10.000° out.
+/// O1. A ray that enters a slab at the angle θ leaves it at θ: 10° in, 10.000° out.
 ///
-/// Within 2·10⁻⁶ rad: a few roundings of a unit vector. Near grazing the second interface magnifies the one
-/// rounding of the direction inside by dθ/dθt = n cos θt/cos θ, and that is granted.
+/// Within 2·10⁻⁶ rad: a few roundings of a unit vector. Near grazing the second interface magnifies the rounding of the direction inside by
+/// dθ/dθt = n cos θt/cos θ, which the tolerance includes.
 #[test]
 fn slab_is_parallel() {
     for eta in [1.33f32, 1.5, 2.42] {
@@ -150,7 +150,7 @@ fn slab_shifts_sideways() {
         let ray = slanting(degrees);
         let out = through(slab, ray, 2);
         let measured = (out.origin - ray.origin).as_dvec3().cross(ray.direction.as_dvec3()).length();
-        // Each of the two starts lies off its surface by 32·2⁻²⁴·½ m at most.
+        // The two ray origins are each at most 32·2⁻²⁴·½ m off their surface.
         assert!((measured - shift).abs() < 1e-5, "{degrees}°: {measured} for {shift}");
     }
 }
@@ -179,7 +179,7 @@ fn reflectance(degrees: f64, n: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// A black room, a lamp that fills the far side of z = −1, seen from the other side at `degrees` through the middle of the origin.
+/// A black room in which a lamp fills the plane z = −1, seen from the other side at `degrees` from the normal through the origin.
 fn before_lamp(degrees: f64) -> WorldBuilder {
     let from = DVec3::new(-degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
     let mut world = World::builder(probe(from * 2.0, DVec3::ZERO));
@@ -188,10 +188,10 @@ fn before_lamp(degrees: f64) -> WorldBuilder {
     world
 }
 
-/// O7. What a pane lets through, all inner reflections counted: T = (1 − R)/(1 + R).
+/// O7. The transmittance of a pane including all inner reflections: T = (1 − R)/(1 + R).
 ///
-/// R is the mean of both polarisations at each bounce: what a tracer without polarisation converges to. Where
-/// nothing is matte `path` draws the numbers of `nee` and finds the same: it is not asked again.
+/// R is the mean of both polarisations at each interface, to which a renderer without polarisation converges. Without matte surfaces `path`
+/// uses the same random numbers as `nee` and gives the same result, so only one of them is tested.
 fn transmittance() -> Vec<Law> {
     let table =
         [(0.0, 0.9230769231), (30.0, 0.9202655325), (45.0, 0.9043267915), (60.0, 0.8362324627), (75.0, 0.5960920478), (85.0, 0.2400796378)];
@@ -273,7 +273,7 @@ fn full_resolution() {
     confirm([transmittance(), panes_in_a_row(), lamp_from_within()].into_iter().flatten().collect(), Effort::Full);
 }
 
-/// At and beyond the critical angle, 41.81°, nothing passes and all is reflected: exactly.
+/// At and beyond the critical angle, 41.81°, exactly all light is reflected.
 #[test]
 fn reflection_is_total() {
     for degrees in [41.82, 45.0, 60.0, 80.0, 89.0] {
@@ -306,10 +306,10 @@ fn sphere_of_glass(mesh: bool, camera: Camera) -> WorldBuilder {
     world
 }
 
-/// O15. In a uniform field glass cannot be seen: 1 from wherever outside; inside it is n² everywhere.
+/// O15. Glass is invisible in uniform light of radiance 1: seen from outside the radiance is 1 everywhere, and inside it is n².
 ///
-/// In a sphere the angle to the surface stays, so that light which came in gets out, and within `max_depth`
-/// reflections all but nothing is left. In a mesh some of it is trapped for long: hence the depth.
+/// In a sphere the angle to the surface stays the same, so that light that entered leaves again, and within `max_depth` reflections almost
+/// nothing is left. In a mesh some light is trapped for long, so the depth is larger.
 #[test]
 fn glass_in_a_uniform_field() {
     let outside = |(mesh, x): (bool, f64)| {
@@ -328,9 +328,9 @@ fn glass_in_a_uniform_field() {
     confirm(ways.into_iter().flat_map(|w| [inside((false, w)), inside((true, w))]).collect(), Effort::Quick);
 }
 
-/// η = 1 is not there at all: the picture is the same, bit for bit, with and without it.
+/// A body with η = 1 is invisible: the picture is the same, bit for bit, with and without it.
 ///
-/// What is seen are lamps and their mirror images, so that no random number but the place in the pixel counts.
+/// The picture shows lamps and their mirror images, so that the only random number is the position in the pixel.
 #[test]
 fn index_of_one_is_invisible() {
     let scene = |with: bool| {
@@ -350,7 +350,7 @@ fn index_of_one_is_invisible() {
         world.shape(Quad { size: [8.0; 2] }, facing(-DVec3::Y * 2.0, DVec3::Y), mirror, None);
         world.shape(Sphere { radius: 0.4 }, at(DVec3::new(0.8, 0.9, 0.2)), mirror, None);
         world.light(Light::Environment(Environment { radiance: gray(0.25) }));
-        // The finest thing, below the floor: both scenes have their origin here.
+        // The finest detail, below the floor, so that both scenes have their origin here.
         world.shape(Quad { size: [1e-3; 2] }, facing(-DVec3::Y * 3.0, DVec3::Y), dark, None);
         if with {
             world.shape(Sphere { radius: 1.0 }, at(DVec3::new(-0.5, 0.2, 1.0)), nothing, None);

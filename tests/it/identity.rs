@@ -1,4 +1,4 @@
-//! A picture has the same bits however it is divided, and whatever its units of length and of light.
+//! A picture has the same bits for every division of the work, and for every unit of length and of light.
 
 mod division;
 mod effects;
@@ -8,7 +8,7 @@ pub mod zoo;
 
 use pt::integrator::{Entry, Integrator, choose};
 
-/// With its default options.
+/// An integrator with its default options.
 fn new(entry: &Entry) -> Box<dyn Integrator> {
     choose(&[&[*entry]], None, Some(entry.name), "").expect("defaults are valid").1
 }

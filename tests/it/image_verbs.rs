@@ -1,4 +1,4 @@
-//! `pt image` as its users meet it.
+//! The commands of `pt image`.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,8 @@ fn picture(size: [u32; 2], names: &[&str], value: impl Fn(usize, usize) -> f32) 
 
 const RGB: [&str; 3] = ["R", "G", "B"];
 
-/// a.exr is 1, b.exr is 2 everywhere; other.exr has another size, part.exr another crop, depth.exr one channel, nan.exr a hole.
+/// A folder of pictures: a.exr is 1 and b.exr is 2 everywhere, other.exr has another size, part.exr another crop, depth.exr one channel,
+/// and nan.exr a NaN.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let a = picture([100, 20], &RGB, |_, _| 1.0);
@@ -77,7 +78,7 @@ fn a_tolerance_decides_the_exit_code() {
     }
 }
 
-/// Reliability B31, B37, B56 and usage: one line, an exit code, nothing written.
+/// Invalid input and invalid usage cause one line of text and an exit code, and nothing is written.
 #[test]
 fn what_cannot_be_done_is_refused() {
     let folder = folder();
@@ -119,7 +120,8 @@ fn read(folder: &Path, name: &str) -> Image {
     output::read(&folder.join(name)).unwrap_or_else(|e| panic!("{e}")).0
 }
 
-/// The map holds the formula's value of every pixel: alone as `Y`, several by their names, as colours with a scale below.
+/// An error map contains the value of the formula at every pixel: as the channel `Y`, or as channels with the names of several measures, or
+/// as colours above a scale.
 #[test]
 fn diff_writes_maps() {
     let folder = folder();
@@ -194,7 +196,7 @@ fn convert_keeps_what_the_format_has_room_for() {
     assert_eq!(read(folder.path(), "error.exr").rgb(1, 1), [3, 4, 5].map(|c| image.channels[c].values[5]));
     said(folder.path(), "convert all.exr -o count.pfm --channel SampleCount.Y");
     assert_eq!(read(folder.path(), "count.pfm").rgb(1, 1), [image.channels[6].values[5]; 3]);
-    // Two stops up and to 8 bits: four times the radiance.
+    // The exposure of two stops multiplies the radiance by four before it is converted to 8 bits.
     said(folder.path(), "convert all.exr -o bright.ppm --exposure 2 --tonemap filmic");
     let tonemap = Tonemap { exposure: 2.0, curve: pt::output::Curve::Filmic };
     assert_eq!(fs::read(folder.path().join("bright.ppm")).expect("written"), output::png::encode_ppm(&image, &tonemap));
@@ -228,7 +230,7 @@ fn average_combines_attributes_and_warns_of_copies() {
     assert_eq!(stderr, "warning: nan.exr: values that are not finite, here and in the mean: 1\n");
 }
 
-/// Values from 0 to 1 along the rows take the colours of the map in that order; the bar below does so in any case.
+/// Values from 0 to 1 along the rows become the colours of the map in order. The bar below always has the colours in order.
 #[test]
 fn falsecolor_paints_values_and_a_scale() {
     let folder = folder();
@@ -246,7 +248,7 @@ fn falsecolor_paints_values_and_a_scale() {
         assert_eq!(byte(x, 26), output::Colormap::Viridis.color((f64::from(x) + 0.5) / 100.0), "the bar at {x}");
     }
     assert_eq!(byte(50, 1), [0, 255, 255]);
-    // The label of the left end is a 0, two pixels a dot.
+    // The label of the left end is a 0, of dots two pixels wide.
     assert_eq!([byte(0, 36), byte(2, 38), byte(4, 36)], [[255; 3], [0; 3], [255; 3]]);
     let text = said(folder.path(), "falsecolor a.exr b.exr -m mape:eps=0 -o y.png --log --range 0.25,1");
     assert!(text.ends_with("colours from 0.250000 to 1.00000, logarithmic; values from 0.500000 to 0.500000\n"), "{text}");

@@ -1,4 +1,4 @@
-//! Pictures in files and out of them: formats, layers, hashes, averages, colours.
+//! Picture files: formats, layers, hashes, averages and colour maps.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ fn whole(size: [u32; 2], channels: Vec<Channel>) -> Image {
     Image { full_size: size.into(), origin: UVec2::ZERO, size: size.into(), channels }
 }
 
-/// Random values of every size, and what is no number.
+/// A picture of random values of every magnitude, infinities and NaN.
 fn wild(size: [u32; 2], names: &[&str]) -> Image {
     let mut random = Random::new(11);
     let mut value = |_| match random.below(20) {
@@ -56,7 +56,7 @@ fn refusal(path: &Path) -> (u8, String) {
     }
 }
 
-/// Bit by bit, so that NaN is NaN and −0 is not 0; channels by name.
+/// Asserts that two pictures have the same bits, so that NaN equals NaN and −0 differs from 0. Channels are compared by name.
 fn assert_same(found: &Image, expected: &Image) {
     let bits = |image: &Image| {
         let mut channels: Vec<(String, Vec<u32>)> =
@@ -79,7 +79,7 @@ fn float_formats_keep_every_bit() {
     assert_eq!(output::read(&path).expect("readable").1, attributes);
 }
 
-/// All levels of 8 bits go out and come back, whichever of the formats, and under whichever name.
+/// All levels of 8 bits survive writing and reading in each format, and with any extension of the name.
 #[test]
 fn levels_of_8_bits_survive() {
     let folder = folder();
@@ -89,14 +89,14 @@ fn levels_of_8_bits_survive() {
     for name in ["a.png", "a.ppm"] {
         let path = write(folder.path(), name, &image, &vec![]);
         assert_same(&opened(&path), &image);
-        // Content goes before the name.
+        // The content determines the format, not the name.
         let other = folder.path().join("a.exr");
         std::fs::copy(&path, &other).expect("copied");
         assert_same(&opened(&other), &image);
     }
 }
 
-/// Both orders of bytes, grey and coloured, rows from the bottom; only the sign of the scale counts.
+/// PFM files in both byte orders, grey and coloured, with rows from the bottom. Of the scale only the sign counts.
 #[test]
 fn pfm_by_hand() {
     let folder = folder();
@@ -124,9 +124,9 @@ fn pfm_by_hand() {
     }
 }
 
-/// A file cut off at any byte is refused in one sentence.
+/// A file that is truncated at any byte is refused with one sentence.
 #[test]
-fn what_is_cut_off_is_refused() {
+fn truncated_pictures_are_refused() {
     let folder = folder();
     let image = whole([5, 4], ["R", "G", "B"].map(|name| channel(name, &[0.25; 20])).into());
     for name in ["a.exr", "a.png", "a.ppm", "a.pfm"] {
@@ -147,7 +147,7 @@ fn what_is_cut_off_is_refused() {
     assert!(refusal(folder.path()).1.ends_with(": not a regular file"));
 }
 
-/// An EXR whose header promises 2³¹ pixels a side.
+/// An EXR whose header states 2³¹ pixels along each side.
 #[test]
 fn an_exr_that_would_not_fit_is_refused_before_it_is_decoded() {
     let folder = folder();
@@ -164,7 +164,7 @@ fn an_exr_that_would_not_fit_is_refused_before_it_is_decoded() {
     assert!([3, 4].contains(&code) && message.contains("a.exr: "), "{code} {message}");
 }
 
-/// Windows of others: where the display window begins elsewhere, and where the data reach beyond it.
+/// Windows in files of other programs: the display window does not begin at 0, or the data window extends beyond it.
 #[test]
 fn data_lie_within_the_display_window() {
     let folder = folder();
@@ -188,7 +188,7 @@ fn data_lie_within_the_display_window() {
 #[test]
 fn hashes_are_of_pixels() {
     let folder = folder();
-    // Every value exact as a half.
+    // Every value is exact as a 16-bit float.
     let values = [0.5, -2.0, 0.0, 1024.0, 0.125, 3.0];
     let image = whole([3, 2], vec![channel("B", &values), channel("Z", &[1.0; 6]), channel("R", &values)]);
     let expected = hash(&image);
@@ -225,7 +225,7 @@ fn hashes_are_of_pixels() {
 }
 
 #[test]
-fn layers_are_picked_by_name() {
+fn channels_are_selected_by_layer_name() {
     let names = [
         "B",
         "G",
@@ -285,12 +285,12 @@ fn averages_by_hand() {
     assert_eq!(value(&weighted, "StdErr.R"), (153f64.sqrt() / 4.0) as f32);
     let equal = averaged(&[&picture(8.0, 3.0, None), &picture(4.0, 4.0, None)]).expect("alike");
     assert_eq!((value(&equal, "R"), value(&equal, "StdErr.R")), (6.0, 2.5));
-    // Nobody has a sample here.
+    // No picture has a sample here.
     let empty = averaged(&[&picture(8.0, 3.0, Some(0.0)), &picture(4.0, 4.0, Some(0.0))]).expect("alike");
     assert_eq!((value(&empty, "R"), value(&empty, "SampleCount.Y")), (6.0, 0.0));
 }
 
-/// A picture averaged with itself stays, NaN and all; its channels may come in any order.
+/// A picture averaged with itself is unchanged, including NaN. Channels may have any order.
 #[test]
 fn the_average_of_equals_is_their_value() {
     let image = wild([6, 5], &["R", "G", "B", "Z"]);
@@ -306,7 +306,7 @@ fn the_average_of_equals_is_their_value() {
 }
 
 #[test]
-fn averages_of_unlike_pictures_are_refused() {
+fn averages_of_different_kinds_of_pictures_are_refused() {
     let image = wild([2, 2], &["R", "G", "B"]);
     let crop = Image { full_size: UVec2::new(9, 9), ..image.clone() };
     let more = wild([2, 2], &["R", "G", "B", "Z"]);
@@ -320,9 +320,9 @@ fn averages_of_unlike_pictures_are_refused() {
     assert_eq!(averaged(&[]).expect_err("nothing").exit_code(), 3);
 }
 
-/// The published ends of each map; and ever brighter in between, which is what makes them readable.
+/// Each map has its published first and last colour, and gets brighter throughout, which makes it readable.
 #[test]
-fn colour_maps_rise() {
+fn colour_maps_get_brighter_throughout() {
     let ends = [
         (Colormap::Magma, [0x00, 0x00, 0x04], [0xfc, 0xfd, 0xbf]),
         (Colormap::Inferno, [0x00, 0x00, 0x04], [0xfc, 0xff, 0xa4]),

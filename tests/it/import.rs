@@ -1,12 +1,12 @@
-//! Scenes of other programs: each becomes a scene of pt, and says what became of it.
+//! Import of scenes of other programs: the converted scenes, and notes about what was changed.
 
 mod aalto;
-mod at_hand;
 mod auto_camera;
 mod convert;
 mod darts;
 mod dialect;
 mod gltf;
+mod local_scenes;
 mod models;
 mod obj;
 mod read;

@@ -1,4 +1,4 @@
-//! A render that is stopped: how soon it stops, and what is kept.
+//! Renders that are cancelled: how soon they stop, and which samples are kept.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -22,7 +22,7 @@ use pt::scene::{Scene, Surface};
 use crate::identity::zoo::{Zoo, bits};
 use crate::random::cases;
 
-/// A scene in which the render is cancelled after so many rays.
+/// A scene that cancels the render after a number of rays.
 struct Tripwire {
     scene: Arc<dyn Scene>,
     rays: AtomicU64,
@@ -73,7 +73,8 @@ fn built(text: &str) -> Arc<dyn Scene> {
     Arc::new(pt::build::build(&described, Source { root: &root, file: "s.json", files: &files }).expect("a world").world)
 }
 
-/// Where one sample takes very many rays: in a ball that is a perfect mirror inside, and before 24 shells of glass.
+/// Scenes in which one sample takes very many rays: inside of a ball that is a perfect mirror, and in front of 24 shells of glass. Each has
+/// the integrators to test.
 fn slow_scenes() -> [(Arc<dyn Scene>, &'static [&'static str]); 2] {
     let mirror = r#"{"pt": 1, "camera": {"look_at": {"from": [0, 0, 0.3], "to": [0.2, 0.1, -1]}},
         "shapes": [{"type": "sphere", "material": {"type": "mirror", "color": 1}}]}"#;
@@ -88,9 +89,10 @@ fn slow_scenes() -> [(Arc<dyn Scene>, &'static [&'static str]); 2] {
     [(built(mirror), &["path", "nee", "card"]), (built(&shells), &["whitted"])]
 }
 
-/// Within 256 vertices, counted in rays and not in seconds; what the sample was then worth is not in the picture.
+/// A cancelled sample ends within 256 vertices, which the test counts by rays and not by seconds. Its incomplete value is not in the
+/// picture.
 #[test]
-fn a_long_sample_is_given_up_soon_after_the_render_is_cancelled() {
+fn a_long_sample_is_abandoned_soon_after_a_cancel() {
     const RAYS: u64 = 1500;
     for (scene, names) in slow_scenes() {
         for name in names {
@@ -138,8 +140,8 @@ fn settings(kind: Kind, wave_time: Option<Duration>) -> Settings {
 proptest! {
     #![proptest_config(cases(24))]
 
-    /// Waves that all take too long are an eighth of what is done (or a single sample), so that an interrupt loses no more than one of
-    /// them; the picture of those that are done is that of as many samples, bit for bit; and they fit into the memory that is asked for.
+    /// If waves take long, each is at most an eighth of the finished samples (or a single sample), so that an interrupt loses at most one
+    /// such wave. The picture equals, bit for bit, that of as many samples, and the waves need no more memory than was reserved.
     #[test]
     fn an_interrupt_loses_an_eighth_at_most(patience in 1u64..9000, kind in 0usize..4) {
         let (scene, kind): (Arc<dyn Scene>, Kind) = (Zoo::default().build(), Kind::ALL[kind].0);
@@ -159,7 +161,7 @@ proptest! {
         }
         let done = film.samples();
         prop_assert_eq!(ends.last().copied().unwrap_or(0), done);
-        // Looks come before each sample, and after each tile: at least six a sample.
+        // The render checks for a cancel before each sample and after each tile: at least six times for each sample.
         prop_assert!(done + (done / 8).max(1) + 1 >= (patience / 7).min(1500), "{} samples of {}", done, patience / 7);
         let mut whole = MomentFilm::new(spec.clone());
         Render::new(scene, &*nee(), &spec, &settings(kind, None)).advance(done, &mut whole, &Silent);

@@ -1,4 +1,5 @@
-//! Laws of meeting surfaces: nothing leaks, the hierarchy is the list, the tests are exact.
+//! Laws of ray intersection: closed meshes have no leaks, the hierarchy finds what a linear search finds, and the tests of primitives are
+//! exact.
 
 mod exact;
 mod hierarchy;

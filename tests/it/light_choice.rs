@@ -1,7 +1,7 @@
 //! Light sampling without a picture: choice by power, densities, and irradiance against closed forms.
 //!
-//! E = ∫ L cos θ dω is the mean of weight·cos θ at the centres of a regular grid. The error of f32 is about 10⁻⁶, and that of a kink in
-//! the integrand is c/n² for n×n points. All radiances are 1 unless noted otherwise.
+//! E = ∫ L cos θ dω is the mean of weight·cos θ at the centres of a regular grid. The error of f32 is about 10⁻⁶, and a kink in the
+//! integrand gives an error of c/n² for n×n points. All radiances are 1 unless noted otherwise.
 
 use std::f64::consts::{PI, TAU};
 
@@ -70,7 +70,7 @@ fn smooth(sample: &LightSample) -> f64 {
 /// An ellipsoid with half axes (b, c, a) at distance d on its axis a fills the elliptic cone of the slopes
 /// t = b/√(d² − a²) and c/√(d² − a²): E = π / √((1 + 1/t₁²)(1 + 1/t₂²)), by Nusselt's projection.
 #[test]
-fn ellipsoids_on_axis() {
+fn irradiance_of_ellipsoids_is_exact() {
     for ([b, c, a], d) in [([1.0, 0.6, 1.5], 3.0), ([2.0, 0.5, 0.2], 0.5), ([1.0, 1.0, 3.0], 4.0), ([1.5, 0.6, 1.0], 1e4)] {
         // The poles of the sphere, where the grid is coarsest, point to the sides.
         let place = turn(DVec3::X, 90.0).then(&scaled(b, c, a)).then(&moved(0.0, 0.0, d));
@@ -84,7 +84,7 @@ fn ellipsoids_on_axis() {
 
 /// Inside a shape that emits everywhere, E = πL at every point and for every normal.
 #[test]
-fn from_within() {
+fn irradiance_inside_an_emitter_is_exact() {
     let squash = scaled(1.5, 0.6, 1.0).then(&turn(DVec3::Y, 30.0));
     let mut random = Random::new(3);
     let shapes: [(&dyn Geometry, Transform); 3] =
@@ -102,7 +102,7 @@ fn from_within() {
 
 /// Irradiance of a wall that touches the floor and of an oblique triangle: E = ½ Σ θᵢ (nᵢ·n) over the edges.
 #[test]
-fn polygons() {
+fn irradiance_of_polygons_is_exact() {
     let wall = lit(&Quad { size: [2.0, 2.0] }, &turn(DVec3::Y, -90.0).then(&moved(1.0, 0.0, 1.0)), false);
     let corners = [(1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (1.0, 1.0, 2.0), (1.0, -1.0, 2.0)].map(DVec3::from);
     assert_near(lambert(&corners), 0.597_329_491_3, 1e-9, "the formula");
@@ -160,7 +160,7 @@ fn pdf_is_the_density() {
 
 /// In the plane of a light, and closer to it than f32 can square, samples are absent or finite.
 #[test]
-fn nothing_is_infinite() {
+fn samples_near_a_light_are_finite() {
     let mut random = Random::new(7);
     for (name, geometry, _) in families() {
         let lights = lit(&*geometry, &moved(0.3, 0.7, 0.0), true);
@@ -225,7 +225,7 @@ fn lights_are_chosen_by_power() {
 
 /// Under a uniform sky E = πL, and the density is 1/4π times the probability of the sky.
 #[test]
-fn the_sky_and_its_choice() {
+fn irradiance_and_probability_of_the_sky() {
     let sky = Light::Environment(Environment { radiance: Spectrum::ONE });
     let alone = Lights::new(vec![sky.clone()], Vec::new().into(), (Vec3::ZERO, 1.0));
     // Half of the sphere is below the horizon, where the integrand has a kink.
@@ -318,7 +318,7 @@ fn textured_lamps_light_as_their_bright_part_does() {
     // The lamp faces down, so that u runs along −x or x. One of the two halves is white.
     let halves = [-0.5, 0.5].map(|x| irradiance([1.0, 2.0], x, emission.into()));
     let nearest = halves.iter().map(|half| (whole / half - 1.0).abs()).fold(f64::INFINITY, f64::min);
-    // A column of the grid may be on either side of the edge, which is 1/256 of the light.
+    // One column of the grid, with 1/256 of the light, may be on either side of the edge.
     assert!(nearest < 0.01, "{whole}, expected one of {halves:?}");
     assert!((halves[0] / halves[1] - 1.0).abs() > 0.1, "the halves are told apart");
 }

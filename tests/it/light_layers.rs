@@ -82,7 +82,7 @@ fn layers_of_light_add_up_to_the_picture() {
 
 /// The layers by depth match pictures with a depth limit on the same random numbers.
 #[test]
-fn depths_are_what_a_limit_leaves() {
+fn depth_layers_match_pictures_with_a_depth_limit() {
     for name in TELLING {
         let whole = picture(SCENE, name, "", Filter::default());
         let limited = |depth: u32| colors(&picture(SCENE, name, &format!(r#", "max_depth": {depth}"#), Filter::default()));

@@ -1,4 +1,4 @@
-//! Lights at their extremes, and lights that no ray can hit.
+//! Lights with extreme sizes and positions, and lights without extent, which no ray can hit.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ fn tiny_far_and_huge_lights() {
 
 /// Lamps seen edge-on, below the horizon or from their dark side give exactly no light, and all numbers are finite.
 #[test]
-fn light_that_cannot_come() {
+fn hidden_lights_contribute_exactly_zero() {
     type Place = fn(&mut WorldBuilder);
     let cases: [(&str, Place); 6] = [
         ("edge-on square", |world| {
@@ -166,7 +166,7 @@ fn lights_without_power_are_never_chosen() {
 
 /// Without lights, without power, and at the position of a point light, there is no sample and no panic.
 #[test]
-fn no_light_is_no_light() {
+fn scenes_without_light_give_no_samples() {
     let scene = |light: Option<Point>| {
         let mut world = World::builder(probe(DVec3::Z, DVec3::ZERO));
         if let Some(light) = light {

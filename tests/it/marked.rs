@@ -1,4 +1,4 @@
-//! Faulty texts, with marks where their faults stand.
+//! Faulty texts in which a mark `^` gives the position of each fault.
 
 use pt::describe::{self, Scene};
 
@@ -12,7 +12,7 @@ pub fn scene(body: &str) -> String {
     format!("{{\"pt\": 1, \"camera\": {{}},\n{body}}}")
 }
 
-/// The text without its marks `^`, and where they stood: `line:column: ` of what follows each.
+/// Returns the text without its marks `^`, and their positions as `line:column: ` of the characters that follow them.
 pub fn unmark(marked: &str) -> (String, Vec<String>) {
     let (mut text, mut places, mut line, mut column) = (String::new(), vec![], 1, 1);
     for c in marked.chars() {

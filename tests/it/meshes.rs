@@ -1,4 +1,4 @@
-//! Mesh files: what is refused and how, and the laws that reading keeps.
+//! Mesh files: invalid files and their messages, and laws of reading.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -21,7 +21,7 @@ fn read(bytes: impl AsRef<[u8]>) -> Read {
     mesh::read(Cursor::new(bytes.as_ref()), "mesh.obj")
 }
 
-/// Reads bytes that must be right.
+/// Reads bytes that must be a valid mesh.
 fn mesh_of(bytes: impl AsRef<[u8]>) -> MeshData {
     let bytes = bytes.as_ref();
     match read(bytes) {
@@ -36,7 +36,7 @@ fn area(mesh: &MeshData) -> f64 {
 
 type Corner = (Vec3, Option<Vec3>, Option<Vec2>);
 
-/// What rays see of a mesh, whatever its numbering: per triangle the corners with normal (where smooth) and uv.
+/// A mesh without its numbering of vertices: for each triangle the corners with normal (where smooth) and uv.
 fn seen(mesh: &MeshData) -> Vec<[Corner; 3]> {
     let normal = |i: u32| mesh.normals.get(i as usize).copied().filter(|&n| n != Vec3::ZERO);
     let corners = |&t: &[u32; 3]| {
@@ -46,7 +46,7 @@ fn seen(mesh: &MeshData) -> Vec<[Corner; 3]> {
     mesh.triangles.iter().map(corners).collect()
 }
 
-/// What every mesh that was read keeps.
+/// Asserts the invariants of every mesh that was read.
 fn assert_sound(mesh: &MeshData) {
     let vertices = mesh.positions.len();
     assert!(!mesh.triangles.is_empty());
@@ -74,5 +74,5 @@ fn write_to(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> std::path::Pa
     path
 }
 
-/// A square of four vertices, for the tests' faces.
+/// Four vertices of a square, to which tests add faces.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

@@ -1,4 +1,4 @@
-//! Error measures against their formulas, by hand, by their laws, and against other programs' numbers.
+//! Error measures compared with values computed by hand, with their laws, and with values of other programs.
 
 use glam::UVec2;
 use proptest::prelude::*;
@@ -64,27 +64,28 @@ fn by_hand() {
     assert!(ALL.iter().all(|kind| tested(kind.name)));
 }
 
-/// Where the reference is black, or where it meets a constant of the formula, each does what its name says.
+/// Where the reference is black, or where a denominator would be 0 because of a constant of the formula, each measure has its documented
+/// value.
 #[test]
-fn before_a_black_reference() {
+fn errors_against_a_black_reference_follow_their_formulas() {
     let (a, black) = (gray(&[1.0, 0.0]), gray(&[0.0, 0.0]));
     assert_eq!(measured("relmse", &a, &black), f64::INFINITY);
     assert_eq!(measured("relmse", &black, &black), 0.0);
     assert_eq!(measured("mape:eps=0", &black, &black), 0.0);
     assert_eq!(measured("relmse-seesharp", &a, &black), 0.0);
     assert_eq!(measured("relmse-tev", &a, &black), 50.0);
-    // In f64 the f32 nearest to −0.01 is not −1/100: large, not infinite.
+    // The f32 nearest to −0.01 differs from −1/100 in f64, so the error is large but not infinite.
     assert!(measured("mrse-pbrt", &a, &gray(&[-0.01, 0.0])) > 1e15);
 }
 
-/// Each colour counts a third.
+/// Each of the three colours has the weight ⅓.
 #[test]
 fn colours_are_averaged() {
     let (a, r) = (image(1, &[[3.0, 0.0, 0.0]]), image(1, &[[0.0, 0.0, 0.0]]));
     assert_eq!((measured("mse", &a, &r), measured("mae", &a, &r)), (3.0, 1.0));
 }
 
-/// 2999 pixels, of which the two worst are left out: of errors 0 … 2998 the mean of the first 2997 is 1498.
+/// 2999 pixels with the errors 0 … 2998, of which the two largest are left out. The mean of the others is 1498.
 #[test]
 fn trimmed_mean_by_hand() {
     let errors: Vec<f32> = (0..2999).map(|i| ((i * 1009) % 2999) as f32).collect();
@@ -119,7 +120,7 @@ proptest! {
         for kind in ALL {
             prop_assert!(measured(kind.name, &a, &a).abs() < 1e-12, "{}", kind.name);
             let (there, back) = (measured(kind.name, &a, &b), measured(kind.name, &b, &a));
-            // SSIM of its rounding: products of numbers near 1 with differences of them.
+            // SSIM has rounding errors, because it is a product of ratios near 1.
             prop_assert!(there >= -1e-12, "{}: {there}", kind.name);
             if kind.first == kind.second {
                 prop_assert!((there - back).abs() <= 1e-12 * there.abs().max(1.0), "{}: {there} and {back}", kind.name);
@@ -168,13 +169,13 @@ proptest! {
             let (vx, vy, c) = (mean(&|j| (x[j] - mx).powi(2)), mean(&|j| (y[j] - my).powi(2)), mean(&|j| (x[j] - mx) * (y[j] - my)));
             let (c1, c2) = (1e-4, 9e-4);
             let expected = 1.0 - (2.0 * mx * my + c1) * (2.0 * c + c2) / ((mx * mx + my * my + c1) * (vx + vy + c2));
-            // Σw(x − μ)² against Σwx² − μ²: some roundings of numbers up to 1, over c2.
+            // Σw(x − μ)² and Σwx² − μ² differ by a few roundings of numbers up to 1, over c2.
             prop_assert!((found - expected).abs() < 1e-11, "{found} for {expected}");
         }
     }
 }
 
-/// Flat pictures have neither contrast nor structure: what is left of SSIM is that of the means, of FLIP that of the colours.
+/// Constant pictures have neither contrast nor structure, so that SSIM depends only on the means, and FLIP only on the colours.
 #[test]
 fn flat_pictures_by_hand() {
     let (black, white) = (image(20, &[[0.0; 3]; 400]), image(20, &[[1.0; 3]; 400]));
@@ -185,7 +186,7 @@ fn flat_pictures_by_hand() {
     let expected = 0.95 + 0.05 * (pressed - 0.4 * largest) / (0.6 * largest);
     let flip = measured("flip", &black, &white);
     assert!((flip - expected).abs() < 1e-4, "{flip} for {expected}");
-    // The two colours that are farthest apart.
+    // These two colours have the largest distance.
     let (green, blue) = (image(20, &[[0.0, 1.0, 0.0]; 400]), image(20, &[[0.0, 0.0, 1.0]; 400]));
     assert!((measured("flip", &green, &blue) - 1.0).abs() < 1e-6);
 }
@@ -195,8 +196,8 @@ fn triangle(n: u32, p: u32) -> f32 {
     (n % (2 * p)).abs_diff(p) as f32 / p as f32
 }
 
-/// Numbers of the authors' implementation (flip-evaluator 1.7, `evaluate(…, "LDR", inputsRGB=False)`) for two pictures
-/// given by whole numbers: a pattern of triangles, and the same ever more displaced, with a block of noise. It computes in f32.
+/// Results of the authors' implementation (flip-evaluator 1.7, `evaluate(…, "LDR", inputsRGB=False)`), which computes in f32, for two
+/// pictures of whole numbers: a triangle wave, and the same with an increasing displacement and a block of noise.
 #[test]
 fn flip_is_that_of_its_authors() {
     let pixel = |x: u32, y: u32, shift: u32| [0, 1, 2].map(|c| triangle(3 * x + 2 * y + 5 * c + shift, 16 + 4 * c));
@@ -216,9 +217,9 @@ fn flip_is_that_of_its_authors() {
     }
 }
 
-/// What eyes compare is what the tone curve leaves: above white there is nothing to see, unless the exposure is lowered.
+/// FLIP and SSIM compare pictures after tone mapping: differences above white are invisible, unless the exposure is lowered.
 #[test]
-fn tone_mapping_comes_first() {
+fn errors_are_measured_after_tone_mapping() {
     let (a, r) = (gray(&[2.0; 30]), gray(&[4.0; 30]));
     let through =
         |exposure: f32, curve| ImagePair::new(Named { name: "a", image: &a }, Named { name: "r", image: &r }, Tonemap { exposure, curve });
@@ -254,9 +255,9 @@ fn names_are_read_and_shown() {
     }
 }
 
-/// What cannot be compared is refused by name, never measured in part.
+/// Pictures that cannot be compared are refused with their names, and not compared in part.
 #[test]
-fn what_does_not_match_is_refused() {
+fn pictures_that_do_not_match_are_refused() {
     let right = image(3, &[[0.5; 3]; 6]);
     let crop = |x: u32| Image { full_size: UVec2::new(9, 9), origin: UVec2::new(x, 0), ..right.clone() };
     let without = |name: &str| {

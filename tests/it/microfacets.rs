@@ -1,4 +1,4 @@
-//! Rough metal and rough glass against quadrature and published values.
+//! Rough metal and rough glass, compared with quadrature and published values.
 
 use std::f64::consts::{PI, TAU};
 
@@ -41,13 +41,13 @@ fn at(cos: f64, phi: f64) -> Local {
     Local::new((sine * phi.cos()) as f32, (sine * phi.sin()) as f32, cos as f32)
 }
 
-/// The middle of the i-th of n cells of [0, 1], crowded at both ends, and how wide it is.
+/// The middle and the width of the i-th of n cells of [0, 1], which are smaller at both ends.
 fn cell(i: usize, n: usize) -> (f64, f64) {
     let s = (i as f64 + 0.5) / n as f64;
     (s * s * (3.0 - 2.0 * s), 6.0 * s * (1.0 - s) / n as f64)
 }
 
-/// ∫ over the sphere by the midpoint rule in cos θ and φ; finer near the horizon and near the normal.
+/// Integral over the sphere by the midpoint rule in cos θ and φ, finer near the horizon and near the normal.
 fn over_the_sphere(n: usize, f: impl Fn(Local) -> f64) -> f64 {
     let mut sum = 0.0;
     for i in 0..n {
@@ -60,7 +60,7 @@ fn over_the_sphere(n: usize, f: impl Fn(Local) -> f64) -> f64 {
     sum * TAU / n as f64
 }
 
-/// Albedo ∫ f |cos θi| dωi over all directions, without knowledge of the facets.
+/// Albedo ∫ f |cos θi| dωi over all directions, computed without use of the facets.
 fn albedo(model: &Bsdf, wo: Local, n: usize) -> f64 {
     over_the_sphere(n, |wi| model.eval(wo, wi, TransportMode::Importance).average() as f64)
 }
@@ -76,13 +76,13 @@ fn reflected(model: &Bsdf, facets: &Microfacets, wo: Local, n: usize) -> f64 {
     })
 }
 
-/// And of what is refracted, over the directions on the other side.
+/// Albedo of refracted light, integrated over the directions on the other side.
 fn transmitted(model: &Bsdf, wo: Local, n: usize) -> f64 {
     let behind = |wi: Local| Local(wi.0.with_z(wi.cos().abs().copysign(-wo.cos())));
     0.5 * over_the_sphere(n, |wi| model.eval(wo, behind(wi), TransportMode::Importance).average() as f64)
 }
 
-/// ∫ over the hemisphere of normals, in the slopes of the distribution: slope = α √(x/(1 − x)) (cos φ, sin φ).
+/// Integral over the hemisphere of normals, in the slopes of the distribution: slope = α √(x/(1 − x)) (cos φ, sin φ).
 fn over_normals(facets: &Microfacets, n: usize, f: impl Fn(Local) -> f64) -> f64 {
     let alpha = facets.alpha.as_dvec2();
     let mut sum = 0.0;
@@ -99,7 +99,7 @@ fn over_normals(facets: &Microfacets, n: usize, f: impl Fn(Local) -> f64) -> f64
     sum * 0.5 * alpha.x * alpha.y * TAU / n as f64
 }
 
-/// D at the normal is 1/(π αx αy), and off it what f64 makes of the textbook's form, down to the smoothest rough surface.
+/// D at the normal is 1/(π αx αy), and for other directions it equals the textbook formula in f64, down to the smallest roughness.
 #[test]
 fn distribution_of_normals() {
     for alpha in [1.0f32, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, MIN_ALPHA] {
@@ -107,7 +107,7 @@ fn distribution_of_normals() {
             let (x, y) = (f64::from(alpha), f64::from(alpha * y));
             let h = glam::DVec3::new(slope * x * 0.6, slope * y * 0.8, 1.0).normalize();
             let local = Local(h.as_vec3());
-            // As f64 sees the very same direction.
+            // The formula in f64 for the same rounded direction.
             let h = local.0.as_dvec3() / local.0.as_dvec3().length();
             let tan2 = ((h.x / x).powi(2) + (h.y / y).powi(2)) / (h.z * h.z);
             let peak = 1.0 / (PI * x * y * h.z.powi(4));
@@ -122,7 +122,8 @@ fn distribution_of_normals() {
 
 /// ∫ D cos θ = 1, and ∫ D G₁ |wo·h| / cos θo over the normals on the side of wo is 1 for every direction and roughness.
 ///
-/// Error of the midpoint rule: the kink at wo·h = 0, h²; and Beckmann's D falls steeply in these coordinates.
+/// The tolerance is the error of the midpoint rule: of order h² because of the kink at wo·h = 0, and more for Beckmann's D, which falls
+/// steeply in these coordinates.
 #[test]
 fn weak_furnace() {
     for distribution in BOTH {
@@ -187,7 +188,7 @@ fn glass_furnace() {
     }
 }
 
-/// With the light of later encounters, white metal and clear glass lose nothing: 1 ± 2·10⁻³ at any angle.
+/// With multiple scattering, white metal and clear glass lose no light: the albedo is 1 ± 2·10⁻³ at any angle.
 #[test]
 fn compensated_surfaces_are_white() {
     for distribution in BOTH {
@@ -197,7 +198,7 @@ fn compensated_surfaces_are_white() {
             for model in [white_metal(facets, true)].into_iter().chain(glass) {
                 for (cos, phi) in [(1.0, 0.0), (0.5, 1.2), (0.05, 0.8), (-0.9, 0.5), (-0.2, 0.1)] {
                     let wo = at(cos, phi);
-                    // Narrow lobes need narrow cells.
+                    // Narrow lobes need small cells.
                     let n = if x < 0.15 { 600 } else { 400 };
                     let through = if matches!(model, Bsdf::RoughDielectric(_)) { transmitted(&model, wo, n) } else { 0.0 };
                     let found = reflected(&model, &facets, wo, 300) + through;

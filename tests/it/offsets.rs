@@ -1,4 +1,4 @@
-//! Origins of spawned rays: a ray does not hit the surface that it leaves, and starts no farther off than necessary.
+//! Origins of spawned rays: a ray does not hit the surface that it leaves, and its offset is not larger than necessary.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::geometry::{baked, mesh};
 use crate::random::Random;
 
-/// Kind of shape, placed at random.
+/// Kind of a shape that is placed at random.
 #[derive(Clone, Copy, Debug)]
 enum Family {
     Triangle,
@@ -26,7 +26,7 @@ enum Family {
 const FAMILIES: [Family; 5] = [Family::Triangle, Family::Quad, Family::Disk, Family::Sphere, Family::Ellipsoid];
 
 impl Family {
-    /// Whether it is flat. A ray hits a flat shape at most once and may hit a curved shape again on its far side.
+    /// Whether the shape is flat. A ray hits a flat shape at most once, and may hit a curved shape again on its far side.
     fn is_flat(self) -> bool {
         matches!(self, Family::Triangle | Family::Quad | Family::Disk)
     }
@@ -169,7 +169,7 @@ fn a_small_light_far_away_does_not_shadow_itself() {
 
 /// The start is at most 10⁻⁵ off the surface at coordinates of 1, 5·10⁻³ at 10³ and 5 at 10⁶, and is proportional to the coordinates.
 #[test]
-fn offsets_are_small() {
+fn ray_offsets_are_small() {
     for (coordinate, bound) in [(0.0, 1e-5), (1e3, 5e-3), (1e6, 5.0)] {
         for seed in 0..2000 {
             let mut random = Random::new(seed);
@@ -186,7 +186,7 @@ fn offsets_are_small() {
 
 /// Rays between a unit sphere and a shell 4·10⁻⁵ above it hit both in turn.
 #[test]
-fn a_narrow_gap_is_seen() {
+fn rays_cross_a_narrow_gap() {
     let gap = 4e-5;
     let [inner, outer] = [1.0, 1.0 + gap].map(|radius| Sphere { radius }.bake(&Transform::IDENTITY).expect("a sphere"));
     for seed in 0..100_000 {
@@ -210,7 +210,7 @@ fn a_narrow_gap_is_seen() {
 
 /// A floor through the origin has no error and so no offset: the ray starts on it and does not hit it.
 #[test]
-fn exact_planes_are_left() {
+fn rays_leave_exact_planes_without_an_offset() {
     let floor = Quad { size: [2.0, 2.0] }.bake(&Transform::IDENTITY).expect("an area");
     let mut random = Random::new(5);
     for _ in 0..100_000 {

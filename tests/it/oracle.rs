@@ -1,4 +1,4 @@
-//! The world against an oracle: every primitive asked, in f64, by textbook formulas that share nothing with `src/`.
+//! The world compared with an oracle: a test of every primitive, in f64, by textbook formulas that share no code with `src/`.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use pt::scene::{Scene, Surface};
 use pt::shape::{FacetUv, Quad, Sphere};
 use pt::world::World;
 
-/// Slow and sure.
+/// Scene that finds hits by brute force.
 struct Oracle {
     world: Arc<World>,
     triangles: Vec<Triangle>,
@@ -144,7 +144,7 @@ fn room() -> (Arc<World>, Oracle) {
     (world.clone(), Oracle::new(world, &described))
 }
 
-/// Rays from anywhere to anywhere in the room.
+/// Rays between random points in the room.
 fn rays(count: u64) -> impl Iterator<Item = Ray> {
     let sequence = SamplerSpec { kind: Kind::Independent, seed: 3, spp: 1, ..SamplerSpec::default() }.build();
     (0..count).map(move |index| {
@@ -155,9 +155,9 @@ fn rays(count: u64) -> impl Iterator<Item = Ray> {
     })
 }
 
-/// Except within 10⁻⁵ of an edge or silhouette, where rounding the corners to f32 may decide.
+/// Hits agree except within 10⁻⁵ of an edge or silhouette, where rounding of the corners to f32 may decide.
 #[test]
-fn the_world_meets_what_the_oracle_meets() {
+fn the_world_hits_what_brute_force_hits() {
     let (world, oracle) = room();
     let mut met = 0;
     for ray in rays(200_000) {
@@ -178,9 +178,9 @@ fn the_world_meets_what_the_oracle_meets() {
     assert!(met > 100_000, "only {met} rays met anything");
 }
 
-/// The paths are the same up to rounding, but for the few that pass an edge on the other side.
+/// The paths are the same up to rounding, except for the few that pass an edge on the other side.
 #[test]
-fn a_picture_of_the_oracle_is_the_picture() {
+fn pictures_by_brute_force_are_the_same() {
     for entry in pt::integrators::ALL {
         let integrator = pt::integrator::choose(&[pt::integrators::ALL], None, Some(entry.name), "").expect("defaults").1;
         let picture = |scene: Arc<dyn Scene>| -> Image {

@@ -1,4 +1,4 @@
-//! The samples that make the noise are found, all of them, by computing a few pixels again.
+//! Outliers: all samples that cause the noise are found by rendering a few pixels again.
 
 use std::sync::Arc;
 
@@ -15,14 +15,14 @@ use pt::world::World;
 
 use crate::scenes::probe;
 
-/// Pictures of nothing but noise.
+/// Integrator of pictures that are only noise.
 #[derive(Clone, Copy)]
 enum Speckle {
-    /// 1 everywhere.
+    /// The radiance 1 everywhere.
     Even,
-    /// Uniform, but for one sample: the one that falls there.
+    /// Uniform noise, with one bright sample at this position.
     Firefly(Vec2),
-    /// 1/(u + 10⁻⁴), twice as bright on the right.
+    /// Noise of 1/(u + 10⁻⁴), twice as bright in the right half.
     Heavy,
 }
 
@@ -69,13 +69,13 @@ fn a_planted_firefly_is_the_worst_sample() {
         let found = on(1, || find_outliers(&render, &film, 3));
         let first = found.samples[0];
         assert_eq!((first.id, first.value), (id, Spectrum::gray(1000.0)));
-        // 1000² · 19/20 against 126000 samples of variance 1/12, both in the measure of the same mean.
+        // The bright sample contributes 1000² · 19/20 to the variance, and the other 126000 samples 1/12 each, relative to the same mean.
         assert!((0.9..1.0).contains(&first.share), "{first:?}");
         assert_eq!(on(3, || find_outliers(&render, &film, 3)), found);
     }
 }
 
-/// Every sample computed again and judged by the formula: the same list, and the shares of all samples are 1.
+/// A search of all samples by the formula gives the same list, and the shares of all samples add up to 1.
 #[test]
 fn the_worst_are_those_of_a_search_of_all_samples() {
     let (render, film) = rendered(Speckle::Heavy, Kind::Independent);
@@ -113,7 +113,7 @@ fn the_worst_are_those_of_a_search_of_all_samples() {
     }
 }
 
-/// Where all samples are alike there is nothing to list; where they are alike but for chance, the list says that it may not be all.
+/// If all samples are equal, the list is empty. If they differ only by uniform noise, the list states that it may be incomplete.
 #[test]
 fn even_pictures_have_no_worst_sample() {
     let (render, film) = rendered(Speckle::Even, Kind::Independent);

@@ -1,4 +1,4 @@
-//! Values from the command line, and options that are read later than the rest.
+//! Overrides from the command line, and options that are read later than the rest of the scene.
 
 use pt::Error;
 use pt::describe::{self, Scene};
@@ -34,7 +34,7 @@ fn overrides_replace_and_add() {
 }
 
 #[test]
-fn overrides_that_lead_nowhere_say_how_far_they_lead() {
+fn overrides_with_unknown_pointers_report_the_known_part() {
     let cases = [
         ("", "1", "-D =1: expected a JSON pointer"),
         ("/materials/glas/eta", "1", "-D /materials/glas/eta=1: /materials has no \"glas\", did you mean \"glass\"?"),

@@ -1,4 +1,5 @@
-//! Parts of a render: any split, in any order, paused anywhere, is the render in one go; what is not a part of it is refused.
+//! Parts of a render: any division into parts, merged in any order and paused anywhere, gives the same bits as one render. Other files are
+//! refused.
 
 mod bits;
 mod files;
@@ -20,7 +21,7 @@ fn about(film: &FilmSpec, sampler: &SamplerSpec) -> About {
     About::new(Identity::from_facts(json!({ "sampler": format!("{sampler:?}") })), film, sampler.error_estimator(), vec![])
 }
 
-/// Every number that a film holds, bit by bit, with its place.
+/// The bits of every number of a film, with its position.
 fn numbers(film: &MomentFilm) -> Vec<(u64, u32, Vec<u64>)> {
     film.blocks().map(|(wave, block)| (wave.first, wave.level, block.numbers().iter().map(|x| x.to_bits()).collect())).collect()
 }

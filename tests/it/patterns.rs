@@ -1,4 +1,4 @@
-//! Patterns as scenes describe them, by their formulas.
+//! Procedural textures in scenes, compared with their formulas.
 
 use glam::{DVec3, Vec2, Vec3};
 use pt::bsdf::Bsdf;
@@ -13,7 +13,7 @@ use pt::world::World;
 
 use crate::random::Random;
 
-/// The unit sphere about the origin, matte in this texture.
+/// A matte unit sphere about the origin with this texture.
 fn sphere(texture: &str) -> World {
     let scene = format!(
         r#"{{"pt": 1, "camera": {{}}, "textures": {{"t": {texture}}},
@@ -25,7 +25,7 @@ fn sphere(texture: &str) -> World {
     pt::build::build(&described, source).unwrap_or_else(|e| panic!("{e}")).world
 }
 
-/// Where a ray from this side meets the sphere (a texture sees what is just behind that), and what is seen there.
+/// The hit of a ray from this side with the sphere, and the texture's value there. (The texture is evaluated just behind the hit.)
 fn seen(world: &World, from: DVec3) -> (DVec3, f32) {
     let ray = Ray::new((3.0 * from).as_vec3(), -from.as_vec3());
     let hit = world.intersect(&ray).expect("it aims at the centre");
@@ -35,7 +35,7 @@ fn seen(world: &World, from: DVec3) -> (DVec3, f32) {
     (behind.as_dvec3() + world.origin(), diffuse.albedo.average())
 }
 
-/// One ancestor's checker: odd where the product of three sines is negative.
+/// A checker in radians, as in an older renderer: odd where the product of three sines is negative.
 #[test]
 fn a_checker_in_radians_has_the_sign_of_three_sines() {
     let mut random = Random::new(81);
@@ -46,7 +46,7 @@ fn a_checker_in_radians_has_the_sign_of_three_sines() {
         for _ in 0..2000 {
             let (p, albedo) = seen(&world, random.direction());
             let sines = (radians * p).to_array().map(f64::sin);
-            // Nearer to a wall than f32 tells 31.4 p: on either side.
+            // Points nearer to a wall of a cell than the rounding of 31.4 p may be on either side.
             if sines.iter().any(|sine| sine.abs() < 2e-5) {
                 continue;
             }
@@ -58,7 +58,7 @@ fn a_checker_in_radians_has_the_sign_of_three_sines() {
     }
 }
 
-/// A transform places the pattern in the world: what is seen at p is what lies at T⁻¹ p without it.
+/// A transform T places the pattern in the world: the value at p is that at T⁻¹ p without the transform.
 #[test]
 fn patterns_are_placed_by_their_transforms() {
     let mut random = Random::new(85);
@@ -75,7 +75,7 @@ fn patterns_are_placed_by_their_transforms() {
         let from = random.direction();
         let (p, found) = seen(&checker, from);
         let cells = 5.0 * back(p);
-        // Farther from a wall than f32 places the point.
+        // The point is farther from a wall of a cell than its rounding error.
         if (cells - cells.round()).abs().min_element() > 1e-5 {
             let odd = cells.floor().element_sum().rem_euclid(2.0) == 1.0;
             assert_eq!(found, if odd { 0.25 } else { 0.75 }, "at {p}");
@@ -83,12 +83,12 @@ fn patterns_are_placed_by_their_transforms() {
         let (p, found) = seen(&marble, from);
         let q = back(p);
         let share = 0.5 * (1.0 + (4.0 * q.z + 10.0 * turbulence(q, 7)).sin());
-        // As in the next test but one, with what is squeezed to a half twice as steep.
+        // The tolerance is as in `marble_is_a_sine_stirred_by_turbulence`, but twice as large where the pattern is scaled to a half.
         assert!((f64::from(found) - share).abs() < 2e-5, "at {p}: {found}, expected {share}");
     }
 }
 
-/// Its cells are π/r wide: the two ways to say a scale agree.
+/// Cells of a checker in radians are π/r wide, so that both ways to give a scale agree.
 #[test]
 fn radians_are_cells_by_pi() {
     let mut random = Random::new(82);
@@ -100,7 +100,7 @@ fn radians_are_cells_by_pi() {
     }
 }
 
-/// From `base` to `veins` by ½ (1 + sin(scale·z + 10·turbulence(p))).
+/// Marble goes from `base` to `veins` by ½ (1 + sin(scale·z + 10·turbulence(p))).
 #[test]
 fn marble_is_a_sine_stirred_by_turbulence() {
     let mut random = Random::new(83);
@@ -116,7 +116,7 @@ fn marble_is_a_sine_stirred_by_turbulence() {
             space,
         }));
         let world = sphere(&format!(r#"{{"type": "marble", "base": 0, "veins": 1, "scale": {scale}}}"#));
-        // The phase is up to 20 + 10 · 2, its rounding 2⁻²⁰; the point's own is 2⁻²⁴ of 1, times the slope of the
+        // The phase is up to 20 + 10 · 2, with a rounding error of 2⁻²⁰. The point has a rounding error of 2⁻²⁴, times the slope of the
         // turbulence, at most some 1.5 for each of seven octaves, times 10.
         const TOLERANCE: f64 = 1e-5;
         let share = |p: DVec3| 0.5 * (1.0 + (scale * p.z + 10.0 * turbulence(p, 7)).sin());
@@ -134,7 +134,8 @@ fn marble_is_a_sine_stirred_by_turbulence() {
     }
 }
 
-/// Σ 2⁻ᵏ |n(2ᵏ p)|, octaves shifted by half a cell each: never negative, creased, and not the absolute value of the sum.
+/// Turbulence is Σ 2⁻ᵏ |n(2ᵏ p)|, with octaves shifted by half a cell each. It is never negative, and differs from the absolute value of
+/// the sum.
 #[test]
 fn turbulence_is_the_sum_of_absolute_octaves() {
     let mut random = Random::new(84);
@@ -146,7 +147,7 @@ fn turbulence_is_the_sum_of_absolute_octaves() {
     }
 }
 
-/// The turbulence of *Ray Tracing: The Next Week*, |Σ 2⁻ᵏ n(2ᵏ p)| of slopes of length 1, stirs a marble that asks for it.
+/// Marble can use the turbulence of *Ray Tracing: The Next Week*: |Σ 2⁻ᵏ n(2ᵏ p)|, from gradients of length 1.
 #[test]
 fn marble_may_be_stirred_by_the_absolute_sum() {
     let mut random = Random::new(85);
@@ -156,7 +157,7 @@ fn marble_may_be_stirred_by_the_absolute_sum() {
         let octave = |k: i32| perlin(p * 2f64.powi(k)) / 2f64.powi(k) / 2f64.sqrt();
         let sum: f64 = (0..7).map(octave).sum();
         let share = 0.5 * (1.0 + (3.0 * p.z + 10.0 * sum.abs()).sin());
-        // As above.
+        // The tolerance is as in `marble_is_a_sine_stirred_by_turbulence`.
         assert!((f64::from(found) - share).abs() < 1e-5, "at {p}: {found}, expected {share}");
     }
 }

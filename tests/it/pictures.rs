@@ -32,9 +32,9 @@ fn texture(pixels: &Arc<Pixels>, wrap: Wrap, filter: Filter) -> Texture {
     Texture::Image(Image { pixels: pixels.clone(), scale: Vec2::ONE, wrap, filter })
 }
 
-/// The rows run from the top, v from the bottom; at a pixel's centre both filters show it exactly.
+/// Rows of a picture run from the top, and v from the bottom. At a pixel's centre both filters give its exact value.
 #[test]
-fn centres_show_their_pixel() {
+fn pixel_centres_show_their_pixel() {
     let pixels = gray(&[0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 1.0], 4);
     for filter in [Filter::Nearest, Filter::Bilinear] {
         let picture = texture(&pixels, Wrap::Repeat, filter);
@@ -46,16 +46,16 @@ fn centres_show_their_pixel() {
     }
 }
 
-/// A ramp is a ramp between the outermost centres; beyond them each way of wrapping keeps its promise.
+/// A linear ramp is interpolated linearly between the outermost pixel centres. Beyond them each wrap mode follows its definition.
 #[test]
-fn between_and_beyond() {
+fn pixels_are_interpolated_and_wrapped() {
     let pixels = gray(&[0.0, 0.25, 0.5, 0.75], 4);
     let show = |wrap, u| at(&texture(&pixels, wrap, Filter::Bilinear), u, 0.3).max();
     let mut random = Random::new(3);
     for _ in 0..1000 {
         let u = random.range(0.125, 0.875) as f32;
         assert!((show(Wrap::Clamp, u) - (u - 0.125)).abs() < 1e-6, "{u}");
-        // A whole number of eighths, so that adding periods to it is exact.
+        // u is a whole number of eighths, so that adding periods to it is exact.
         let u = random.below(8) as f32 / 8.0 + 1.0 / 16.0;
         let far = random.below(1000) as f32 - 500.0;
         assert_eq!(show(Wrap::Repeat, u + far), show(Wrap::Repeat, u));
@@ -63,7 +63,7 @@ fn between_and_beyond() {
         assert_eq!(show(Wrap::Mirror, -u), show(Wrap::Mirror, u));
         assert_eq!((show(Wrap::Clamp, -u), show(Wrap::Clamp, 1.0 + u)), (0.0, 0.75));
     }
-    // Half way between the last pixel and the first of the next period.
+    // This point is half way between the last pixel and the first of the next period.
     assert_eq!((show(Wrap::Repeat, 0.0), show(Wrap::Mirror, 0.0)), (0.375, 0.0));
 }
 
@@ -94,12 +94,12 @@ fn shown(path: &Path, encoding: Encoding) -> [f32; 3] {
     at(&texture(&Arc::new(pixels), Wrap::Clamp, Filter::Nearest), 0.5, 0.5).to_array()
 }
 
-/// The standard's curve, from its text.
+/// The curve as given in the sRGB standard.
 fn iec_61966(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Every kind of PNG, a WebP, a JPEG and an OpenEXR of one colour: the same colour, decoded where it is encoded.
+/// Every kind of PNG, a WebP, a JPEG and an OpenEXR of one colour give the same colour. Formats that are encoded in sRGB are decoded.
 #[test]
 fn formats_agree() {
     let folder = Folder::new();
@@ -124,7 +124,7 @@ fn formats_agree() {
     let webp = folder.with("p.webp", ImageBuffer::from_pixel(8, 8, image::Rgb([level; 3])), ImageFormat::WebP);
     assert!(shown(&webp, Encoding::Auto).iter().all(|v| (*v as f64 - iec_61966(share)).abs() < 1e-7));
     let jpeg = folder.with("p.jpg", ImageBuffer::from_pixel(8, 8, image::Rgb([level; 3])), ImageFormat::Jpeg);
-    // Its cosine transform may miss by a level.
+    // JPEG's cosine transform may have an error of one level.
     assert!(shown(&jpeg, Encoding::Linear).iter().all(|v| (*v as f64 - share).abs() <= 1.5 / 255.0));
     let exr = folder.with("p.exr", Rgb32FImage::from_pixel(8, 8, image::Rgb([0.25, 0.5, 1.0])), ImageFormat::OpenExr);
     assert_eq!(shown(&exr, Encoding::Auto), [0.25, 0.5, 1.0]);
@@ -138,7 +138,7 @@ fn refusal(path: &Path) -> (u8, String) {
 }
 
 #[test]
-fn what_is_no_usable_picture_is_refused() {
+fn unusable_pictures_are_refused() {
     let folder = Folder::new();
     for (wrong, said) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (-0.5, "-0.5")] {
         let mut picture = Rgb32FImage::from_pixel(4, 3, image::Rgb([0.5; 3]));
@@ -161,7 +161,7 @@ fn what_is_no_usable_picture_is_refused() {
     assert_eq!(refusal(folder.0.path()).0, 3);
 }
 
-/// What is emitted may be any finite amount, whichever way its picture is named; what is reflected is a share of what arrives.
+/// A picture of emission may have any finite values, whether it is named or given in place. A picture of reflectance is limited to 1.
 #[test]
 fn only_what_is_emitted_exceeds_one() {
     let folder = Folder::new();
@@ -199,12 +199,12 @@ fn built(scene: &str, folder: &Folder) -> pt::Result<pt::build::Built> {
     pt::build::build(&described, Source { root: &root, file: "s.json", files: &Files::within(folder.0.path()) })
 }
 
-/// The PNG with a header that promises 65,535² pixels of 16 bits, and the checksum that belongs to it.
+/// The PNG with a header that states 65,535² pixels of 16 bits, with a correct checksum.
 pub fn bomb(png: Vec<u8>) -> Vec<u8> {
     promising(png, 65535, 16)
 }
 
-/// The PNG with a header that promises so many pixels a side, of so many bits a colour, and the checksum that belongs to it.
+/// The PNG with a header that states `side` pixels along each side and `bits` bits for each colour, with a correct checksum.
 pub fn promising(mut png: Vec<u8>, side: u32, bits: u8) -> Vec<u8> {
     png[16..20].copy_from_slice(&side.to_be_bytes());
     png[20..24].copy_from_slice(&side.to_be_bytes());
@@ -214,13 +214,13 @@ pub fn promising(mut png: Vec<u8>, side: u32, bits: u8) -> Vec<u8> {
     png
 }
 
-/// A PNG of 4 × 4 pixels, all of the palette's first colour; the palette has so many bytes, of which three make a colour.
+/// A PNG of 4 × 4 pixels, all of the palette's first colour. The palette has `bytes` bytes, three for each colour.
 pub fn with_palette(bytes: usize) -> Vec<u8> {
     let chunk = |name: &[u8; 4], data: &[u8]| {
         let named = [&name[..], data].concat();
         [&(data.len() as u32).to_be_bytes()[..], &named, &crc32(&named).to_be_bytes()].concat()
     };
-    // Four rows of a filter's number and four pixels, not compressed; Adler's sum of 20 zeros.
+    // Four rows, each of a filter's number and four pixels, not compressed; and the Adler-32 checksum of 20 zeros.
     let rows = [&[0x78, 0x01, 0x01, 20, 0, !20, !0][..], &[0; 20], &[0, 20, 0, 1]].concat();
     let header = [0, 0, 0, 4, 0, 0, 0, 4, 8, 3, 0, 0, 0];
     let chunks = [chunk(b"IHDR", &header), chunk(b"PLTE", &vec![9; bytes]), chunk(b"IDAT", &rows), chunk(b"IEND", &[])];
@@ -233,18 +233,18 @@ fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, byte)
 }
 
-/// The first bytes decide; a name that says otherwise is mentioned.
+/// The first bytes of a file determine its format. A name with another extension causes a warning.
 #[test]
-fn content_goes_before_the_name() {
+fn content_takes_precedence_over_the_file_name() {
     let folder = Folder::new();
     let path = folder.with("p.jpg", ImageBuffer::from_pixel(2, 2, image::Rgb([9u8; 3])), ImageFormat::Png);
     let (_, warnings) = picture::load(&path, "p.jpg", Encoding::Auto, None).expect("a PNG");
     assert_eq!(warnings, ["p.jpg: read as PNG, which its first bytes say it is"]);
 }
 
-/// A scene that names a missing picture says where it does, whether within a material or under a name.
+/// A missing picture is reported with its position in the scene, within a material or as a named texture.
 #[test]
-fn missing_pictures_are_located() {
+fn missing_pictures_are_reported_with_their_position() {
     let scene = r#"{ "pt": 1, "camera": {}, "textures": { "t": { "type": "image", "file": "a.png" } }, "shapes": [
         { "type": "sphere", "material": { "type": "diffuse", "albedo": { "type": "product", "a": 0.5, "b": { "type": "image", "file": "b.png" } } } },
         { "type": "sphere", "material": { "type": "mirror", "color": "t" } } ] }"#;
@@ -270,7 +270,7 @@ fn mixes_and_products_are_arithmetic() {
     assert_eq!(at(&product, 0.0, 0.0), Rgb::new(0.25, 0.25, 0.0));
 }
 
-/// Zero on the lattice; within ±1; its slope at a lattice point one of the twelve gradients; and no jump anywhere.
+/// Noise is zero on the lattice, within ±1, and continuous. Its slope at a lattice point is one of the twelve gradients.
 #[test]
 fn noise_is_smooth_and_centred() {
     let mut random = Random::new(5);
@@ -287,17 +287,18 @@ fn noise_is_smooth_and_centred() {
         let p = cell + DVec3::new(random.unit(), random.unit(), random.unit());
         let n = perlin(p);
         assert!(n.abs() <= 1.0);
-        // The steepest that gradients of length √2 and a fade of slope 15/8 allow is below 8.
+        // With gradients of length √2 and a fade of slope 15/8 the slope of the noise is below 8.
         assert!((perlin(p + H * DVec3::ONE) - n).abs() < 8.0 * 3f64.sqrt() * H + 1e-9);
         assert!(fbm(p, 6).abs() <= 2.0 && (0.0..=2.0).contains(&turbulence(p, 6)));
         assert_eq!(fbm(p, 1), n);
         mean += n / N as f64;
     }
-    // Its standard deviation is near 1/4: five standard errors.
+    // The standard deviation of the noise is near 1/4, and the tolerance is five standard errors of the mean.
     assert!(mean.abs() < 5.0 * 0.25 / (N as f64).sqrt(), "{mean}");
 }
 
-/// Red, green, blue and opacity by themselves; opacity is a share whatever the encoding, and all of it where there is none.
+/// The red, green, blue and opacity channels of a picture can be used separately. Opacity is linear for every encoding, and 1 if the
+/// picture has none.
 #[test]
 fn channels_of_pictures() {
     let folder = Folder::new();
@@ -318,7 +319,7 @@ fn channels_of_pictures() {
     }
 }
 
-/// 1 from the threshold on, of each channel by itself.
+/// The threshold texture is 1 from the threshold on, for each channel separately.
 #[test]
 fn thresholds_are_black_and_white() {
     let by = |level| Texture::Constant(Rgb::new(level, 0.5, 0.25));

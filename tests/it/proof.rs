@@ -1,4 +1,4 @@
-//! The proof kit: pt's own models pass, deliberate bugs do not, and a false alarm is as rare as it says.
+//! The proof kit for scattering models: pt's own models pass, deliberate bugs do not, and false alarms have the stated rate.
 
 mod mutants;
 
@@ -32,7 +32,7 @@ fn options() -> Options {
 
 const COLOR: Spectrum = Spectrum::rgb(0.25, 0.5, 1.0);
 
-/// Every model, at the ends of its parameters and between them; whether it gives all light back.
+/// Every model, with parameters at the ends of their ranges and between. The flag is whether the model loses no light.
 fn models() -> Vec<(Bsdf<'static>, bool)> {
     let colored = [COLOR, Spectrum::ONE].into_iter().flat_map(|color| {
         let cones = [0.0, 1e-6, 1e-4, 1e-3, 0.02, 0.3, 0.7, 1.0].map(|mattness| Bsdf::MatteCone(MatteCone { color, mattness }));
@@ -46,7 +46,8 @@ fn models() -> Vec<(Bsdf<'static>, bool)> {
     let lobes = [0.0, 1.0, 30.0, 1e4].into_iter().flat_map(|exponent| {
         [Bsdf::Phong(Phong { color: COLOR, exponent }), Bsdf::BlinnPhong(BlinnPhong { color: COLOR, exponent })].map(|lobe| (lobe, false))
     });
-    // Narrower ones have a rim, where the density has a pole, that is mostly rounding: `matter` allows for it.
+    // Narrower cones are mostly rim, where the density has a pole and rounding dominates. `matte_models` tests those with a larger
+    // tolerance.
     let shaken = [0.0, 0.2, 0.7, 1.0].map(|roughness| (Bsdf::Metal(Metal { color: COLOR, roughness }), false));
     let coated = [1.0, 1.5, 2.42].map(|eta| {
         let internal = Plastic::internal(eta);
@@ -58,13 +59,13 @@ fn models() -> Vec<(Bsdf<'static>, bool)> {
     colored.chain([(Bsdf::Conductor(gold), false), paper, dust]).chain(matte).chain(lobes).chain(shaken).chain(coated).collect()
 }
 
-/// A material at a point; kept for the life of the tests.
+/// The BSDF of a material at a point, with a static lifetime.
 fn met(material: Material) -> Bsdf<'static> {
     let point = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO, color: VertexColor::WHITE };
     Box::leak(Box::new(material)).bsdf_at(&HitContext::from_outside(point))
 }
 
-/// Materials of materials; whether they give all light back.
+/// Compound materials. The flag is whether the model loses no light.
 fn compounds() -> Vec<(Bsdf<'static>, bool)> {
     let round = |alpha: f32| Some(Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx });
     let coated = |base, coat: Coat| Material::from(Compound::Coated(Coated { base, coat }));
@@ -88,7 +89,7 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         sheen_roughness: 0.45.into(),
         multiscatter: true,
     };
-    // Chances of the same lobe lie close together, with little between them.
+    // Choices of the same lobe are close together, with few other choices between them.
     let dense = Principled {
         metallic: 0.0.into(),
         transmission: 0.5.into(),
@@ -160,7 +161,7 @@ fn rough() -> Vec<(Bsdf<'static>, bool)> {
     models.into_iter().map(|model| (model, false)).collect()
 }
 
-/// All laws of all models are one family of tests, of which any is refused by chance with a probability of 1 %.
+/// All laws of all models are one family of tests, with a probability of 1 % that any of them fails by chance.
 #[test]
 fn own_models_are_proved() {
     accepted(&models());
@@ -196,7 +197,7 @@ fn refused(result: Result<(), CounterExample>) -> Result<(), TestCaseError> {
 proptest! {
     #![proptest_config(cases(100_000))]
 
-    /// The laws of single inputs, for generated models: what breaks one shrinks.
+    /// The laws of single inputs, for generated models. Counterexamples are shrunk.
     #[test]
     fn own_models_obey_single_laws(
         model in any_bsdf(), wo in sphere(), wi in sphere(), choice in uniform(), u in square(), mode in mode()
@@ -209,9 +210,9 @@ proptest! {
     }
 }
 
-/// `reciprocal()` = false is no excuse: where a model says so the kit finds a pair of directions that shows it.
+/// For models with `reciprocal()` = false, there is a pair of directions for which reciprocity fails.
 #[test]
-fn what_claims_not_to_be_reciprocal_is_not() {
+fn models_declared_not_reciprocal_are_not() {
     for (model, _) in models().into_iter().filter(|(model, _)| !model.reciprocal()) {
         let report = prove(&model, &Options { samples: 1000, incidences: incidences(&[0.6]), ..options() });
         let finding = report.findings.iter().find(|finding| finding.law == "reciprocity").expect("a law of that name");
@@ -220,11 +221,11 @@ fn what_claims_not_to_be_reciprocal_is_not() {
     }
 }
 
-/// p of a right model is uniform: its deciles are hit equally often, and 5 % of runs fall below 5 %.
+/// For a correct model, p is uniformly distributed: its deciles are equally frequent, and it is below 5 % in 5 % of the runs.
 #[test]
 fn false_alarms_are_as_frequent_as_they_say() {
     const RUNS: u64 = 1000;
-    // Any bins and any shares, some of them sparse.
+    // Bins and shares are random, and some bins have few counts.
     let shares: Vec<f64> = (1..=60).map(|k| 1.0 / f64::from(k)).collect();
     let total: f64 = shares.iter().sum();
     let mut random = Random::new(11);
@@ -245,11 +246,11 @@ fn false_alarms_are_as_frequent_as_they_say() {
         alarms += u64::from(p < 0.05);
     }
     assert!(uniformity(&deciles) > sidak(2), "{deciles:?}");
-    // 50 ± 6.9: within 2.8 σ with a probability of 99.5 %.
+    // The expected count is 50 ± 6.9, which is within 2.8 σ with a probability of 99.5 %.
     assert!((31..=69).contains(&alarms), "{alarms} of {RUNS}");
 }
 
-/// The level of the law as a whole, with its quadrature and its samples, is the stated one.
+/// The significance of the law as a whole, with quadrature and samples, is the stated one.
 #[test]
 fn the_whole_law_keeps_its_level() {
     let model = Bsdf::MatteCone(MatteCone { color: COLOR, mattness: 0.3 });
@@ -259,7 +260,8 @@ fn the_whole_law_keeps_its_level() {
         let case = Case::new(&model, options);
         case.sampled[0].divisions.iter().map(|d| chi2(&d.shares, &d.counts).p).fold(1.0, f64::min)
     };
-    // The level of one of nine tests; the chi² tests are three of them: 1 − (1 − 0.2)^(3/9) = 7.2 %, less for what they share.
+    // The significance is divided among nine tests, of which three are chi² tests: 1 − (1 − 0.2)^(3/9) = 7.2 %, or less because these are
+    // correlated.
     assert!((level(&run(0)) - (1.0 - 0.8f64.powf(1.0 / 9.0))).abs() < 1e-12);
     let alarms = (0..100)
         .filter(|&seed| {
@@ -267,11 +269,11 @@ fn the_whole_law_keeps_its_level() {
             smallest(&options) < level(&options)
         })
         .count();
-    // 7.2 of 100, σ 2.6: above 15 with a probability of 0.2 %.
+    // 7.2 of 100 are expected, with σ = 2.6. More than 15 have a probability of 0.2 %.
     assert!(alarms <= 15, "{alarms} false alarms of 100");
 }
 
-/// A counter-example can be repeated from what it prints, and says how sure it is.
+/// The message of a failed law has all numbers to repeat the counterexample, and its significance.
 #[test]
 fn a_refusal_is_readable() {
     let report = prove(&mutants::Lambert { cosine: false, consistent: false }, &options());
@@ -282,9 +284,9 @@ fn a_refusal_is_readable() {
     assert!(report.into_result().is_err());
 }
 
-/// What f32 cannot tell apart is not judged, and the report says so; a little wider, it is.
+/// A lobe that is too narrow for f32 is not tested, and the report says so. A slightly wider lobe is tested.
 #[test]
-fn lobes_narrower_than_rounding_are_named() {
+fn lobes_narrower_than_rounding_are_reported_as_untested() {
     let options = Options { incidences: vec![at(0.8, 0.3)], ..options() };
     for (mattness, said) in [(1e-6, true), (1e-3, false)] {
         let report = prove(&Bsdf::MatteCone(MatteCone { color: COLOR, mattness }), &options);
@@ -292,7 +294,7 @@ fn lobes_narrower_than_rounding_are_named() {
     }
 }
 
-/// A lobe far narrower than the finest grid is still proved: the cells of equal chance follow it.
+/// A lobe that is far narrower than the finest grid is still tested, because the cells of equal probability adapt to it.
 #[test]
 fn narrow_lobes_are_resolved() {
     let model = mutants::Blinn { exponent: 1e6, bug: None };

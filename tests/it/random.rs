@@ -1,15 +1,15 @@
-//! Generated cases and random numbers, all from fixed seeds: a law holds always or its test fails always.
+//! Generated cases and random numbers, all from fixed seeds, so that a test always passes or always fails.
 
 use glam::{DVec3, Vec2};
 use proptest::test_runner::{Config, RngSeed};
 use pt::math::Transform;
 
-/// The configuration of every generated test: so many cases, the same in every run.
+/// Configuration of generated tests: this number of cases, the same in every run.
 pub fn cases(cases: u32) -> Config {
     Config { cases, rng_seed: RngSeed::Fixed(0x9e37_79b9_7f4a_7c15), failure_persistence: None, ..Config::default() }
 }
 
-/// A short sequence of random numbers; a failing test prints the seed it was made from.
+/// A sequence of random numbers. Failing tests print its seed.
 ///
 /// Source: Steele, Lea, Flood, *Fast Splittable Pseudorandom Number Generators* (2014), the finaliser.
 pub struct Random(u64);
@@ -54,7 +54,7 @@ impl Random {
         10f64.powf(self.range(from, to))
     }
 
-    /// [0, 1)², multiples of 2⁻²⁴, with the corners of the square more often than chance has them.
+    /// A point in [0, 1)², of multiples of 2⁻²⁴. Points at corners of the square are more frequent.
     pub fn square(&mut self) -> Vec2 {
         let mut one = || match self.below(64) {
             0 => 0.0,
@@ -64,7 +64,7 @@ impl Random {
         Vec2::new(one(), one())
     }
 
-    /// Uniform in [0, 1)², for means.
+    /// A uniform point in [0, 1)², for means.
     pub fn uniform_square(&mut self) -> Vec2 {
         Vec2::new(pt::math::float::unit_f32(self.bits() as u32), pt::math::float::unit_f32(self.bits() as u32))
     }

@@ -1,5 +1,5 @@
-//! The reader's promise: every fault of a file at once, each with its position, its pointer and what was expected; and
-//! no text, however broken, does worse.
+//! The reader of scene files: it reports all faults of a file at once, each with its position, its pointer and what was expected, and no
+//! text causes a panic.
 
 use pt::MAX_FAULTS;
 use pt::describe;
@@ -145,7 +145,7 @@ fn at_most_twenty_faults_are_listed() {
     assert!(faults[MAX_FAULTS - 1].starts_with("21:30: /shapes/19/radius:"), "the first twenty: {}", faults[MAX_FAULTS - 1]);
 }
 
-/// Reading again for missing keys must not multiply along the depth.
+/// Objects are read again to find missing keys. The time for that must not grow exponentially with the depth.
 #[test]
 fn missing_keys_in_nested_lists_take_no_longer() {
     let open = r#"{"type": "group", "shapes": [{"type": "mesh", "materials": {"m": {"type": "conductor"}}}, "#;
@@ -164,7 +164,7 @@ fn truncation_anywhere_is_a_fault_with_a_position() {
     }
 }
 
-/// A linear congruential generator is random enough to break text.
+/// Random numbers to mutate text: a linear congruential generator.
 struct Noise(u64);
 
 impl Noise {
@@ -200,7 +200,7 @@ fn mutated_scenes_never_panic() {
     assert!(survivors > 100, "some mutations leave a scene, else only the parser is tested: {survivors}");
 }
 
-/// Escapes, numbers as they are written, empty and nested lists.
+/// A tree of escapes, numbers as they are written, and empty and nested lists equals the tree that is read from its text.
 #[test]
 fn a_tree_reads_back_from_its_text() {
     let scenes = [EVERYTHING, r#"{"a": [], "b": {}, "c": [[1.50, -2e-300], [], ["\u0007\"\\é"]], "d": null, "e": [true, {}]}"#];

@@ -60,7 +60,7 @@ fn contributions(events: &[Event]) -> impl Iterator<Item = &Contribution> {
 
 /// Recording does not change the radiance of a sample, and the recorded light is all of it, bit for bit.
 #[test]
-fn what_is_told_adds_up_to_the_radiance() {
+fn recorded_light_adds_up_to_the_radiance() {
     let (mut bright, mut silent) = (0, 0);
     for_recorded(150, |name, _, render, id, events| {
         let (alone, mut again) = (render.replay(id, None), Vec::<Event>::new());
@@ -101,7 +101,7 @@ fn throughputs_follow_from_the_vertices() {
                         assert_eq!(vertex.depth, before.depth + 1, "{name}");
                         let met = before.point + scattering.wi * vertex.distance;
                         let size = vertex.point.abs().max_element().max(before.point.abs().max_element());
-                        // A march that stops 0.01 m before a surface lets rays start slightly more than five times that far off it.
+                        // If marching stops 0.01 m before a surface, rays start slightly more than five times as far from it.
                         let off = if name.contains("postcard") { 0.06 } else { 0.0 };
                         assert!((met - vertex.point).length() < 1e-4 * size.max(vertex.distance) + off, "{name}: {met} {vertex:?}");
                         assert!((vertex.wo + scattering.wi).length() < 1e-6, "{name}");
@@ -133,7 +133,7 @@ fn throughputs_follow_from_the_vertices() {
 
 /// Depths count scattering events, light indices are valid, weights are from 0 to 1, and a path that ends at the depth limit has reached it.
 #[test]
-fn contributions_know_where_they_come_from() {
+fn contributions_have_valid_depths_lights_and_weights() {
     for_recorded(60, |name, scene, _, _, events| {
         let mut depth = 0;
         for event in events {
@@ -157,7 +157,7 @@ fn contributions_know_where_they_come_from() {
 /// Where both techniques of nee can find an emitter, their weights are strictly between 0 and 1. Emission seen by the camera directly has
 /// the weight 1.
 #[test]
-fn weights_are_those_of_two_techniques() {
+fn mis_weights_are_strictly_between_0_and_1() {
     let (mut shared, mut whole) = (0, 0);
     for_recorded(100, |name, _, _, _, events| {
         for c in contributions(events).filter(|_| name.contains(" nee ")) {
@@ -173,7 +173,7 @@ fn weights_are_those_of_two_techniques() {
 
 /// The clamp limits each contribution of indirect light and nothing else, keeps hues, and keeps the unclamped sum to the bit.
 #[test]
-fn clamping_holds_back_indirect_light_alone() {
+fn clamping_limits_only_indirect_light() {
     const LIMIT: f32 = 0.05;
     let mut held = 0;
     for_recorded(60, |name, _, render, id, events| {
@@ -202,7 +202,7 @@ fn clamping_holds_back_indirect_light_alone() {
 
 /// Emission, direct and indirect light add up to all light, and so do the lights, up to one rounding per term.
 #[test]
-fn sorted_light_is_all_the_light() {
+fn split_light_adds_up_to_all_light() {
     let (mut indirect, mut several) = (0, 0);
     for_recorded(100, |name, scene, render, id, events| {
         let group_of: std::sync::Arc<[u32]> = (0..scene.lights().len() as u32).collect();

@@ -1,4 +1,4 @@
-//! Pictures against `reference/*.exr`, each made by another integrator with 64 times the samples or more.
+//! Pictures compared with `reference/*.exr`, each made by another integrator with at least 64 times the samples.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use serde_json::Value;
 
 use crate::glass::faults::unturned;
 
-/// False alarms of the whole suite, one in a hundred over all seeds; ours is fixed.
+/// Significance of the whole suite: 1 % of the seeds would give a false alarm. The seed is fixed.
 const ALPHA: f64 = 0.01;
 
 fn provenances() -> Vec<(PathBuf, Value)> {
@@ -57,9 +57,10 @@ fn pictures_agree_with_the_references_of_other_integrators() {
     }
 }
 
-/// The panel as the ancestor saw it, magnified by a normal that is not turned on leaving glass.
+/// A picture of the glass panel with the magnification bug, a normal that is not turned when light leaves glass, differs from the
+/// reference.
 #[test]
-fn the_reference_of_the_panel_refuses_one_that_magnifies() {
+fn the_reference_picture_detects_a_magnifying_panel() {
     let path = Path::new("reference/glass-panel.exr");
     let (reference, _) = pt::output::exr::read(path).expect("a picture");
     let provenance: Value = serde_json::from_slice(&std::fs::read(path.with_extension("json")).expect("readable")).expect("JSON");
@@ -73,7 +74,7 @@ fn the_reference_of_the_panel_refuses_one_that_magnifies() {
     }
 }
 
-/// A path tracer that samples lights alone, and refracts rightly or as the ancestor did.
+/// A path tracer with light sampling only, which refracts correctly or with the magnification bug.
 struct Panel {
     turned: bool,
 }

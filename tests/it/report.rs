@@ -1,4 +1,4 @@
-//! The report of a comparison: what stands in its files, and what a reader's browser makes of its page.
+//! The report of a comparison: the content of its files, and its page in a browser.
 
 mod browser;
 mod page;
@@ -45,7 +45,7 @@ fn all_files_are_there_and_no_other() {
     assert_eq!(files(&folder.path().join("new/report")), plots.chain(others).collect());
 }
 
-/// Every measurement comes back bit for bit; the means and their standard errors are of those measurements.
+/// Every measurement is stored bit for bit, and the means and standard errors are those of the measurements.
 #[test]
 fn csv_holds_what_was_measured() {
     let comparison = comparison();
@@ -56,7 +56,7 @@ fn csv_holds_what_was_measured() {
     let mut rows = csv.lines().skip_while(|line| line.starts_with('#')).map(|line| line.split(',').collect::<Vec<_>>());
     let header = rows.next().expect("a header");
     assert_eq!(header[..7], ["method", "replicate", "spp", "seconds", "mse", "relmse", "trimmed"]);
-    // A name with a comma stands in quotes.
+    // A name with a comma is in quotes.
     assert_eq!(
         header[7..].join(","),
         "\"mape:eps=0.5,robust\",flip,mse_stderr,relmse_stderr,trimmed_stderr,\"mape:eps=0.5,robust_stderr\",flip_stderr"
@@ -112,9 +112,9 @@ fn json_holds_what_was_measured() {
     assert!(document["methods"][3]["prices"][1]["seconds"].is_null(), "a biased method never reaches 3 %");
 }
 
-/// Numbers that are none, names that are markup, methods without any curve: the report still holds its form.
+/// With NaN, names that contain markup, and methods without a curve, the report is still valid.
 #[test]
-fn hostile_comparisons_make_sound_files() {
+fn reports_of_extreme_comparisons_are_valid() {
     let mut hostile = comparison();
     hostile.scene = "</script><script>alert('scene')</script> & \"more\"".into();
     hostile.conclusions = vec!["a < b & {{style}} <img src=x onerror=alert(1)>".into()];
@@ -156,9 +156,9 @@ fn pictures_of_another_size_are_refused() {
     assert!(!folder.path().join("report").exists(), "nothing is left behind");
 }
 
-/// A bias is drawn and named; every method has its curve and its slope.
+/// The plots have the bias with its name, and the curve and the slope of every method.
 #[test]
-fn plots_say_what_they_show() {
+fn plots_contain_every_curve_and_bias() {
     let folder = written(&comparison(), false);
     for name in ["error-against-time", "error-against-samples"] {
         let plot = text(&folder, &format!("plots/{name}.svg"));
@@ -195,7 +195,7 @@ fn check_tree(node: &Value, images: &mut BTreeSet<PathBuf>) {
 }
 
 #[test]
-fn jeri_finds_its_tree_and_pictures() {
+fn the_jeri_export_is_valid() {
     let comparison = comparison();
     let folder = written(&comparison, true);
     let tree: Value = serde_json::from_str(&text(&folder, "jeri/data.json")).expect("JSON");

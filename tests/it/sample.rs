@@ -1,4 +1,4 @@
-//! `pt sample`: points as numbers and pictures, materials as figures and pictures.
+//! `pt sample`: points as numbers and pictures, and tests and pictures of materials.
 
 use std::f64::consts::{FRAC_PI_3, PI};
 use std::fs;
@@ -33,7 +33,7 @@ fn points(text: &str) -> Vec<Vec<f64>> {
 
 /// The first word of each line of the list is a name that works, and gives as many points as asked for.
 #[test]
-fn every_name_of_the_list_draws() {
+fn every_listed_warp_gives_points() {
     let folder = tempfile::tempdir().expect("a folder");
     let list = stdout(folder.path(), &[]);
     let names: Vec<&str> = list
@@ -49,8 +49,8 @@ fn every_name_of_the_list_draws() {
     }
 }
 
-/// Mean heights, to five standard errors of 20,000 points: 1/2 uniform in solid angle, 2/3 by cosine,
-/// 2/π uniform in angle (the mistake), (n + 1)/(n + 2) by cosⁿ; ⟨r²⟩ = 3/5 in the ball, either way.
+/// The mean of z agrees to five standard errors of 20,000 points: 1/2 for uniform in solid angle, 2/3 for cosine-weighted, 2/π for uniform
+/// in the angle (a common mistake), (n + 1)/(n + 2) for cosⁿ. In the ball ⟨r²⟩ = 3/5, for both methods.
 #[test]
 fn points_have_the_mean_of_their_density() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -60,10 +60,10 @@ fn points_have_the_mean_of_their_density() {
     };
     let height = |p: &[f64]| p[2];
     let square = |p: &[f64]| p.iter().map(|x| x * x).sum();
-    // The facets of GGX at α = 1 are those of a hemisphere: seen from the side, z has the density of wo·h = x on a quarter of the
-    // sphere, (2/π) ∫ x z dω = 4/(3π); from above 2/3. Beckmann's from above: tan² θ is exponential, ⟨cos θ⟩ = e √π erfc 1.
-    // Seen from the octant's three planes alike, ⟨z⟩ = 1/2; the square's, by Lambert's sum over its edges, 2 √2 atan(1/√2) over 2π/3.
-    // Standard deviations are below 0.31: five of the mean are 0.011.
+    // The facets of GGX at α = 1 are those of a hemisphere. Seen from the side, normals have the density wo·h = x on a quarter of the
+    // sphere, and ⟨z⟩ = (2/π) ∫ x z dω = 4/(3π). Seen from above ⟨z⟩ = 2/3. For Beckmann seen from above, tan² θ has an exponential
+    // distribution, and ⟨cos θ⟩ = e √π erfc 1. The octant is symmetric in x, y and z, and ⟨z⟩ = 1/2. For the square, ⟨z⟩ by Lambert's sum
+    // over its edges is 2 √2 atan(1/√2) over 2π/3. Standard deviations are below 0.31, so five standard errors of the mean are 0.011.
     for (args, expected) in [
         (&["hemisphere"][..], 0.5),
         (&["cosine"], 2.0 / 3.0),
@@ -77,7 +77,7 @@ fn points_have_the_mean_of_their_density() {
         (&["visible-beckmann", "--alpha", "1", "--wo", "0,0"], 0.757_872_156),
         (&["sphere"], 0.0),
     ] {
-        // The sphere's is 1/√3.
+        // The standard deviation for the sphere is 1/√3.
         let tolerance = if expected == 0.0 { 0.021 } else { 0.011 };
         assert!((mean(args, &height) - expected).abs() < tolerance, "{args:?}");
     }
@@ -85,16 +85,16 @@ fn points_have_the_mean_of_their_density() {
         assert!((mean(&[ball], &square) - 0.6).abs() < 0.011, "{ball}");
     }
     assert!((mean(&["disk"], &square) - 0.5).abs() < 0.011);
-    // Facets seen from the side, along x or y by the azimuth: ⟨wo·h⟩ = (2/π) ∫ x² dω over a quarter of the sphere.
+    // For facets seen from the side, along x or y, ⟨wo·h⟩ = (2/π) ∫ x² dω over a quarter of the sphere.
     for (wo, axis) in [("90,0", 0), ("90,90", 1)] {
         let towards = mean(&["visible-ggx", "--alpha", "1", "--wo", wo], &|p| p[axis]);
         assert!((towards - 2.0 / 3.0).abs() < 0.011, "{wo}: {towards}");
     }
 }
 
-/// Every map to the sphere has the density that it should have, but for the usual mistake.
+/// Every map to the sphere has its documented density, except for the one with the common mistake.
 #[test]
-fn directions_are_put_to_the_chi2_test() {
+fn directions_pass_the_chi2_test() {
     let folder = tempfile::tempdir().expect("a folder");
     for args in [
         &["sphere"][..],
@@ -128,7 +128,7 @@ fn pictures_and_tables_by_extension() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused_in_one_line() {
+fn invalid_sample_requests_are_refused_in_one_line() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("scene.json"), SCENE).expect("write");
     for (args, code, phrase) in [
@@ -157,7 +157,7 @@ fn what_cannot_be_drawn_is_refused_in_one_line() {
     assert_eq!(fs::read_dir(folder.path()).expect("list").count(), 1, "nothing is written");
 }
 
-/// Materials of a scene: right ones give exit code 0, their figures and three pictures of one size.
+/// Correct materials of a scene give exit code 0, printed results, and three pictures of the same size.
 #[test]
 fn materials_are_proved_and_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -173,7 +173,7 @@ fn materials_are_proved_and_drawn() {
         phrases.iter().for_each(|phrase| assert!(text.contains(phrase), "expected {phrase:?} in\n{text}"));
         for picture in ["pdf", "sampled", "difference"] {
             let bytes = fs::read(folder.path().join(format!("{name}-{picture}.png"))).expect("written");
-            // Width and height, in the header of a PNG.
+            // Width and height, read from the header of a PNG.
             assert_eq!(bytes[16..24], [0, 0, 2, 128, 0, 0, 1, 64], "{name}-{picture}");
         }
     }

@@ -1,4 +1,4 @@
-//! What each part of the scene format refuses, and in which words; more of it in the table of `bad_input`.
+//! Faults in each part of the scene format, and their messages. More of them are in the table of `bad_input`.
 
 use pt::build::Source;
 use pt::describe::{self, Files};
@@ -20,7 +20,7 @@ fn cameras() {
 }
 
 #[test]
-fn only_the_crop_of_an_image_is_held() {
+fn only_the_crop_of_a_picture_needs_memory() {
     assert!(read(scene(r#""film": {"width": 65536, "height": 65536, "crop": [0, 100, 0, 100]}"#)).is_ok());
 }
 
@@ -134,9 +134,9 @@ fn materials_within_materials_are_limited() {
     assert!(faults[0].contains("/materials/m9992: materials lie within each other deeper than 8"), "{}", faults[0]);
 }
 
-/// Mixes written out within mixes, and each of them by name again and again: refused by their number, in no time.
+/// Nested mixes that refer to other nested mixes by name are refused because of their number, without taking long.
 #[test]
-fn materials_do_not_explode() {
+fn the_number_of_nested_materials_is_limited() {
     let wide = |of: &str| {
         let mix = |a: String| format!(r#"{{"type": "mix", "a": {a}, "b": {a}, "share": 0.5}}"#);
         (0..5).fold(format!("{of:?}"), |inner, _| mix(inner))
@@ -150,9 +150,9 @@ fn materials_do_not_explode() {
     assert!(error.to_string().contains("/materials: materials within materials make more than 4096 of them"), "{error}");
 }
 
-/// Nine kinds of glass in one surface bend light nine ways, and mirror it: more than a path can branch into.
+/// Nine kinds of glass in one surface refract light in nine directions and reflect it: more than the limit of branches.
 #[test]
-fn glasses_in_one_surface_are_limited() {
+fn the_number_of_glasses_in_one_surface_is_limited() {
     let glass = |i: usize| format!(r#"{{"type": "dielectric", "eta": 1.{i}}}"#);
     let mixed = |count: usize| {
         let more = |inner: String, i: usize| format!(r#"{{"type": "mix", "a": {inner}, "b": {}, "share": 0.5}}"#, glass(i));

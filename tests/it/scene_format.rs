@@ -1,4 +1,4 @@
-//! The scene format: its schema, its page and its types say the same, and what is written is read back.
+//! The scene format: its schema, its documentation and its types agree, and a written scene reads back the same.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -7,13 +7,13 @@ use pt::describe::{self, Scene};
 use serde_json::Value;
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scene-format.md");
-/// What stands before it is written by hand.
+/// Marker in the page after which the text is generated. The text before it is written by hand.
 const MARK: &str = "<!-- tables -->\n";
 
-/// Every construct of which a scene can have more than one.
+/// A scene of every construct of which a scene can have more than one.
 pub const EVERYTHING: &str = include_str!("everything.json");
 
-/// The others, to be put in their place.
+/// The alternatives of which a scene has only one, with their pointers.
 const ALTERNATIVES: [(&str, &str); 8] = [
     ("/camera", r#"{"type": "orthographic", "height": 3, "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}}"#),
     ("/camera", r#"{"type": "spherical", "transform": [{"scale": 2}]}"#),
@@ -107,12 +107,12 @@ fn what_is_written_reads_back_equal() {
     }
 }
 
-/// The scenes of the round trip use every key and type of the schema. Without that the round trip would not test them.
+/// The scenes of the round-trip test use every key and type of the schema, so that none is untested.
 #[test]
 fn everything_uses_every_key() {
     let mut used = BTreeSet::new();
     scenes().iter().for_each(|scene| keys_and_types(&serde_json::to_value(scene).unwrap(), &mut used));
-    // A scene has one integrator: their options are no keys of its own.
+    // A scene has one integrator, so the options of integrators are not counted as keys of the scene.
     let schema = describe::schema(&[]).to_value();
     let mut found = vec![];
     objects(&schema, "", &mut found);

@@ -20,10 +20,10 @@ use pt::scene::Scene;
 use pt::shape::Quad;
 use pt::world::{MaterialId, World, WorldBuilder};
 
-/// More statistical tests than there are in the whole suite: together they have 1 % of false alarms.
+/// An upper bound of the number of statistical tests in the suite, which together have 1 % of false alarms.
 const SUITE: usize = 1000;
 
-/// How many standard errors any mean may be off.
+/// Number of standard errors by which a mean may be off.
 pub fn critical() -> f64 {
     critical_z(0.01, SUITE)
 }
@@ -46,7 +46,7 @@ pub fn two_sided(radiance: f64) -> Option<Emission> {
     Some(Emission { two_sided: true, ..Emission::new(gray(radiance)) })
 }
 
-/// What swallows all light, and needs no interreflection for that.
+/// A material that absorbs all light and does not require interreflection.
 pub fn black() -> Material {
     Material::mirror(Rgb::BLACK)
 }
@@ -78,22 +78,22 @@ pub fn probe(from: DVec3, to: DVec3) -> Camera {
     Camera::Perspective(Perspective::new(Pose::new(&Transform::look_at(from, to, up).unwrap()), 1e-7, 0.0, 1.0))
 }
 
-/// How far an integrator follows its paths.
+/// Limits of the length of an integrator's paths.
 #[derive(Clone, Copy)]
 pub struct Depth {
     pub max: u32,
-    /// Where roulette begins.
+    /// Depth at which Russian roulette begins.
     pub roulette: u32,
 }
 
 impl Depth {
-    /// Without roulette.
+    /// A maximum depth without Russian roulette.
     pub fn exactly(max: u32) -> Depth {
         Depth { max, roulette: u32::MAX }
     }
 }
 
-/// The integrator of an entry with these depths: the one place that knows their options.
+/// The integrator of an entry with these limits. The options of each integrator appear only here.
 pub fn integrator(entry: &Entry, depth: Depth) -> Option<Box<dyn Integrator>> {
     match entry.name {
         "path" => Some(Box::new(Path { max_depth: depth.max, roulette_depth: depth.roulette })),
@@ -103,7 +103,7 @@ pub fn integrator(entry: &Entry, depth: Depth) -> Option<Box<dyn Integrator>> {
     }
 }
 
-/// What a picture calls for: with one scattering event surfaces cannot light each other.
+/// Effects that a picture requires. With a single scattering event surfaces cannot light each other.
 pub fn needs(scene: &dyn Scene, depth: Depth) -> Effects {
     if depth.max <= 1 { scene.effects() - Effects::INTERREFLECTION } else { scene.effects() }
 }
@@ -111,7 +111,7 @@ pub fn needs(scene: &dyn Scene, depth: Depth) -> Effects {
 /// The edge of the film [pixels] of which every sample estimates the same number.
 const EDGE: u32 = 32;
 
-/// The mean of all samples of all pixels, in red.
+/// The mean of all samples of all pixels, in the red channel.
 pub fn measure(scene: Arc<dyn Scene>, integrator: &dyn Integrator, samples: u64, seed: u64) -> Mean {
     let mut film = Pool { spec: FilmSpec::new(EDGE, EDGE), total: Moments::default(), samples: 0 };
     let spp = samples.div_ceil(u64::from(EDGE * EDGE));
@@ -121,7 +121,7 @@ pub fn measure(scene: Arc<dyn Scene>, integrator: &dyn Integrator, samples: u64,
     Mean::from_sums(film.total.sum[0], film.total.square[0], film.samples)
 }
 
-/// A film of one number.
+/// A film that stores a single mean.
 struct Pool {
     spec: FilmSpec,
     total: Moments,
@@ -159,9 +159,9 @@ pub struct Law {
     /// Radiance along the camera's ray.
     pub radiance: f64,
     pub depth: Depth,
-    /// Half of the interval of the mean, relative: a test that cannot tell this much fails.
+    /// Relative half width of the confidence interval. A test that cannot reach it fails.
     pub resolution: f64,
-    /// Resolution of a quick run.
+    /// Resolution of a quick run (relative half width).
     pub quick: f64,
     /// Resolution for paths that hit the light by chance; `None` if they hit it too rarely.
     pub by_chance: Option<f64>,
@@ -170,7 +170,7 @@ pub struct Law {
 }
 
 impl Law {
-    /// At 0.1 %, for methods that look for light.
+    /// A law with a resolution of 0.1 % for integrators with light sampling.
     pub fn new(name: impl Into<String>, world: WorldBuilder, radiance: f64, depth: Depth) -> Law {
         let scene = Arc::new(world.build().unwrap());
         Law { name: name.into(), scene, radiance, depth, resolution: 1e-3, quick: 1e-3, by_chance: None, lights_alone: true }
@@ -188,7 +188,7 @@ impl Law {
         Law { lights_alone: false, ..self }
     }
 
-    /// The resolution that is asked of a method; `None` where it is not asked at all.
+    /// The required resolution for an integrator; `None` if the integrator is not tested.
     fn asked(&self, entry: &Entry, effort: Effort) -> Option<f64> {
         let quick = match entry.name {
             _ if !entry.simulates.contains(needs(&*self.scene, self.depth)) => None,
@@ -206,15 +206,15 @@ pub enum Effort {
     Full,
 }
 
-/// What f32 may add to a mean, relative.
+/// Relative error of a mean due to f32.
 pub const ROUNDING: f64 = 1e-5;
 
 const PILOT: u64 = 1 << 13;
 const MOST: u64 = 1 << 34;
 
-/// Holds every integrator that can see the whole of a law's scene to it; fails listing all that are wrong.
+/// Tests laws with every integrator that simulates all effects of their scene, and panics with a list of all failures.
 ///
-/// A pilot tells how many samples the resolution takes; the test itself has a seed of its own.
+/// A pilot determines how many samples the resolution takes. The test itself has another seed.
 pub fn confirm(laws: Vec<Law>, effort: Effort) {
     let mut wrong = vec![];
     for law in &laws {
@@ -246,20 +246,20 @@ fn hold(law: &Law, integrator: &dyn Integrator, resolution: f64) -> Result<(), S
     Err(format!("{} ± {half_width:.1e}, expected {}: {:+.2} standard errors", mean.value, law.radiance, mean.z(law.radiance)))
 }
 
-/// A mean that is known to `half_width`, of as many samples as that takes.
+/// A mean with the confidence interval ± `half_width`, of as many samples as that takes.
 ///
-/// The spread of a pilot tells how many; where rare bright samples make it larger than that, the run tells anew.
-/// Every run has its own seed: whether it counts is decided by spreads, never by where its mean lies.
+/// The variance of a pilot determines the number of samples. If rare bright samples give the run a larger variance, it is repeated with
+/// more samples. Every run has its own seed, and whether it is used depends only on its variance, never on its mean.
 fn resolve(run: impl Fn(u64, u64) -> Mean, half_width: f64) -> Result<Mean, String> {
     let mut samples = PILOT;
     for seed in 1..=5 {
         let mean = run(samples, seed);
         let needed = mean.variance * mean.samples * (critical() / half_width).powi(2);
-        // Where nothing is left to chance there is no need, not even for a width of 0.
+        // Without noise no further samples are needed, even for a width of 0.
         if mean.variance == 0.0 || needed <= mean.samples {
             return Ok(mean);
         }
-        // A third more than needed: the spread is an estimate itself.
+        // A third more samples than needed, because the variance is only an estimate.
         samples = (1.33 * needed) as u64;
         if samples > MOST {
             break;

@@ -1,4 +1,4 @@
-//! Laws of all shapes: areas, samples and densities are consistent, and transforms keep the sides of normals.
+//! Laws of all shapes: areas, samples and densities are consistent, and transforms keep normals on the same side.
 
 use std::f64::consts::{PI, TAU};
 
@@ -67,7 +67,7 @@ fn samples_cover_the_area() {
 
 /// The density of `sample_from` equals `pdf_from`, and the ray to the sample hits it.
 #[test]
-fn sampled_densities_are_the_asked_ones() {
+fn the_pdf_of_a_sample_equals_the_evaluated_pdf() {
     for family in families() {
         let shape = bake(&family);
         let mut random = Random::new(4);

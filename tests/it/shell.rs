@@ -1,4 +1,4 @@
-//! Completions and manual pages know what the program knows; and the examples need pt alone.
+//! Shell completions and manual pages have all commands and options; and the examples depend only on pt.
 
 use std::io::Write;
 use std::process::{Command, Stdio};
@@ -18,9 +18,9 @@ fn commands() -> Vec<String> {
     names.into_iter().filter(|name| !name.is_empty() && name != "help").collect()
 }
 
-/// Every command and some options of each kind: long, short, global, of a command, of a command's command.
+/// Completions contain every command, and options of each kind: long, short, global, of a command, and of a subcommand.
 #[test]
-fn completions_know_all_commands() {
+fn completions_contain_all_commands() {
     let commands = commands();
     assert!(commands.len() > 10 && commands.contains(&"compare".to_owned()), "{commands:?}");
     for shell in ["bash", "zsh", "fish"] {
@@ -32,7 +32,7 @@ fn completions_know_all_commands() {
     assert!(!Command::new(env!("CARGO_BIN_EXE_pt")).args(["completions", "csh"]).output().expect("a run").status.success());
 }
 
-/// The shell reads them, where it is installed.
+/// The shell accepts its completions, if it is installed.
 #[test]
 fn shells_read_their_completions() {
     for (shell, check) in [("bash", "-n"), ("zsh", "-n"), ("fish", "--no-execute")] {
@@ -61,7 +61,7 @@ fn each_command_has_a_manual_page() {
     assert_eq!((output.status.code(), &*stderr), (Some(2), "error: unknown command \"compar\", did you mean \"compare\"?\n"));
 }
 
-/// What shows how to build against pt names no crate but pt: what else it needs pt hands on.
+/// Examples of how to use pt name no other crate, because pt re-exports what they need.
 #[test]
 fn examples_for_others_need_pt_alone() {
     for (name, text) in [

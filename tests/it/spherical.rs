@@ -300,7 +300,7 @@ fn mirror_images() {
 
 /// Regions that are seen edge-on, have no extent, are too small for a density, or touch the viewer cannot be sampled and give no NaN.
 #[test]
-fn what_is_not_seen_has_no_samples() {
+fn invisible_regions_have_no_samples() {
     let flat = Vec3::new(1.0, 2.0, 0.0);
     assert!(SphericalTriangle::new([flat, flat + Vec3::X, flat + Vec3::Y]).is_none());
     assert!(SphericalTriangle::new([Vec3::Z; 3]).is_none());

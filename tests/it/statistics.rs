@@ -1,4 +1,4 @@
-//! What decides whether numbers are as they should be.
+//! Statistical functions for tests.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 

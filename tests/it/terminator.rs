@@ -134,7 +134,7 @@ fn convex() -> [MeshData; 4] {
     [octahedron(), ball(icosphere(0)), ball(icosphere(1)), cylinder(7.0)]
 }
 
-/// Surface point of the mesh that a ray from outside hits, from outside by both normals, and the direction back.
+/// A point of the mesh that a random ray from outside hits, seen from outside by both normals; and the direction back along the ray.
 fn met<'a>(scene: &'a World, random: &mut Random) -> Option<(Surface<'a>, Vec3)> {
     let (from, to) = (random.direction() * 4.0, random.in_cube());
     let ray = Ray::new(from.as_vec3(), (to - from).normalize().as_vec3());
@@ -146,7 +146,7 @@ fn met<'a>(scene: &'a World, random: &mut Random) -> Option<(Surface<'a>, Vec3)>
 /// Rays in all directions above the horizon of the shading normal leave the mesh, because the convex smooth surface does not shadow
 /// itself. Directions within 10⁻⁵ of the horizon are excluded because of rounding.
 #[test]
-fn lifted_rays_clear_a_convex_mesh() {
+fn offset_rays_leave_a_convex_mesh() {
     let squash = Transform::scale(DVec3::new(1.5, 0.4, 0.8)).expect("not zero");
     for (k, data) in convex().iter().enumerate() {
         for place in [Transform::IDENTITY, squash] {
@@ -170,10 +170,11 @@ fn lifted_rays_clear_a_convex_mesh() {
     }
 }
 
-/// At the outline of a coarse ball facets are seen whose interpolated normals face away: they are lit all the same, matte ones and
-/// mirrors, from outside and from within; and what is sampled there is what is evaluated, so that whoever looks for light finds the same.
+/// At the silhouette of a coarse ball, facets are visible whose interpolated normals face away from the viewer. They are lit nevertheless,
+/// for matte surfaces and mirrors, from outside and from inside. Sampling and evaluation agree there, so that all integrators give the same
+/// result.
 #[test]
-fn outlines_have_no_fringe() {
+fn silhouettes_have_no_dark_fringe() {
     for (k, subdivisions) in [0, 1].into_iter().enumerate() {
         let data = ball(icosphere(subdivisions));
         let scenes = [Material::diffuse(stored(gray(ALBEDO))), Material::mirror(stored(gray(1.0)))]
@@ -188,7 +189,7 @@ fn outlines_have_no_fringe() {
                 let Some(hit) = scene.intersect(&ray) else { continue };
                 let surface = scene.surface(&ray, &hit);
                 let ng = surface.point.ng * 1f32.copysign(surface.point.ng.dot(wo));
-                // The corners are those of a unit ball.
+                // The vertices lie on a unit sphere.
                 turned += u32::from((ray.origin + ray.direction * hit.t).dot(wo) * surface.point.ng.dot(wo) < 0.0);
                 let sample = surface.sample(wo, choice, u, TransportMode::Radiance);
                 if surface.bsdf.has_smooth_lobe() {
@@ -224,8 +225,8 @@ fn furnace() {
     confirm([(octahedron(), from), (ball(icosphere(0)), DVec3::new(0.1, 0.2, 1.0).normalize())].map(law).into(), Effort::Quick);
 }
 
-/// A ball of light near a facet shines upon the smooth surface, whoever looks for it: L = ρ Le (r/d)²,
-/// d from where the surface is, h = (1 − |p|²)/(p·ng) above p.
+/// A spherical light near a facet lights the smooth surface, with every integrator: L = ρ Le (r/d)². The distance d is measured from the
+/// smooth surface, which is h = (1 − |p|²)/(p·ng) above p.
 #[test]
 fn light_nearby() {
     let (corners, normals) = ([Vec3::X, Vec3::Y, Vec3::Z], vec![Vec3::X, Vec3::Y, Vec3::Z]);
@@ -240,11 +241,11 @@ fn light_nearby() {
     let dark = world.material(black());
     world.shape(Sphere { radius }, at(p + up * height), dark, glow(1.0));
     let radiance = ALBEDO * (radius / (height - h)).powi(2);
-    // By chance: 7 % of the directions.
+    // 7 % of the directions hit the light by chance.
     confirm(vec![Law::new("near", world, radiance, Depth::exactly(1)).by_chance(1e-2)], Effort::Quick);
 }
 
-/// A closed body whose normals lean by up to 60° from those of its facets, at random.
+/// A closed body whose shading normals deviate randomly by up to 60° from those of its facets.
 fn crooked() -> MeshData {
     let mut random = Random::new(11);
     let data = ball(icosphere(1));
@@ -254,7 +255,7 @@ fn crooked() -> MeshData {
 
 /// Exactly no light enters or leaves a closed body, for arbitrary shading normals.
 #[test]
-fn nothing_leaks() {
+fn closed_bodies_leak_no_light() {
     let bodies = [octahedron(), ball(icosphere(0)), ball(icosphere(2)), crooked()];
     for (k, data) in bodies.iter().enumerate() {
         for (lamp, eye) in [(DVec3::ZERO, DVec3::new(1.0, 1.5, 3.0)), (DVec3::new(1.0, 1.5, 3.0), DVec3::ZERO)] {
@@ -286,7 +287,7 @@ fn the_far_side_stays_dark() {
         for _ in 0..20_000 {
             let from = DVec3::new(random.range(-1.0, 1.0), -4.0, random.range(-1.0, 1.0));
             let ray = Ray::new(from.as_vec3(), (random.in_cube() * 0.5 - from).normalize().as_vec3());
-            // At its outline a coarse ball is seen edge-on, from below by the one normal and from above by the other.
+            // At its silhouette a coarse ball is seen edge-on: from below according to one normal and from above according to the other.
             let Some((radiance, ns)) = lit(&scene, &ray, DVec3::Y).filter(|(_, ns)| ns.dot(ray.direction.as_dvec3()) < 0.0) else {
                 continue;
             };
@@ -302,9 +303,9 @@ fn the_far_side_stays_dark() {
     }
 }
 
-/// Rays to the inside and from the inside are the same to the bit, and so is refraction through the body.
+/// Rays that enter a body and rays inside are the same to the bit with and without the offset, and so is refraction.
 #[test]
-fn refraction_stays() {
+fn refracted_rays_are_not_offset() {
     for data in convex() {
         let [plain, smooth] =
             [false, true].map(|smooth| alone(&data, smooth, Transform::IDENTITY, Material::glass(1.5)).build().expect("a body of glass"));
@@ -326,7 +327,7 @@ fn refraction_stays() {
                 if !from_above {
                     assert_eq!(a.shadow_origin, b.shadow_origin);
                 }
-                // Refracted where it can be, else totally reflected, within.
+                // The ray is refracted if possible, or else totally reflected inside.
                 let [a, b] = [a, b].map(|surface| {
                     let lobes: Vec<_> = surface.delta_lobes(wo, TransportMode::Radiance).collect();
                     let chosen = lobes.iter().find(|(_, s)| s.lobe == Lobe::Transmission).or(lobes.first().filter(|_| !from_above));
@@ -342,7 +343,7 @@ fn refraction_stays() {
     }
 }
 
-/// A picture of the mesh in sunlight, sky and the light of a floor beside it, with every integrator.
+/// Pictures of the mesh by every integrator, lit by the sun, the sky and a floor beside it.
 fn pictures(data: &MeshData, smooth_shadows: bool, place: Transform) -> Vec<Bits> {
     let mut world = World::builder(wide(DVec3::new(0.5, 0.5, 2.0), DVec3::ZERO));
     let white = world.material(Material::diffuse(stored(gray(0.8))));
@@ -360,7 +361,7 @@ fn pictures(data: &MeshData, smooth_shadows: bool, place: Transform) -> Vec<Bits
 
 /// Vertex normals equal to the facet normals, and no vertex normals, give the same picture, bit for bit.
 #[test]
-fn consistent_normals_change_no_bit() {
+fn normals_equal_to_facet_normals_change_no_bit() {
     let (points, triangles) = icosphere(1);
     let corners: Vec<Vec3> = triangles.as_flattened().iter().map(|&v| points[v as usize].as_vec3()).collect();
     let own: Vec<Vec3> = corners.chunks(3).flat_map(|t| [triangle::normal([t[0], t[1], t[2]]).expect("an area"); 3]).collect();
@@ -393,9 +394,9 @@ fn the_key_switches_it_on() {
     assert_eq!(["", r#""smooth_shadows": false,"#, r#""smooth_shadows": true,"#].map(lifted), [false, false, true]);
 }
 
-/// The offset is twice the height of a sphere over its facet, 0 over a concave facet, and bounded for implausible normals.
+/// The offset is twice the height of a sphere over its facet, 0 over a concave facet, and limited for implausible normals.
 #[test]
-fn lifts_have_bounds() {
+fn shadow_offsets_are_bounded() {
     let shape = |normals: [Vec3; 3]| {
         let data = MeshData {
             positions: vec![Vec3::X, Vec3::Y, Vec3::Z],

@@ -1,4 +1,4 @@
-//! The viewer's protocol, byte by byte, and what a render may expect of a viewer: nothing, and not to be disturbed.
+//! The protocol of the viewer tev, byte by byte; and no behaviour of a viewer disturbs a render.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -14,7 +14,7 @@ use tev_client::{PacketCloseImage, PacketCreateImage, PacketOpenImage, PacketRel
 
 use crate::random::Random;
 
-/// A port of this machine that listens.
+/// A listening port of this machine, and its address.
 fn listener() -> (TcpListener, String) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("bound").to_string();
@@ -43,7 +43,7 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// Derived by hand from the layout that tev's `Ipc.h` gives.
+/// The expected bytes are derived by hand from the layout in tev's `Ipc.h`.
 #[test]
 fn packets_are_those_of_the_protocol() {
     let sent = |send: &dyn Fn(&mut TevClient)| {
@@ -92,7 +92,7 @@ struct Screen {
     /// Red, green, blue.
     pixels: Vec<[f32; 3]>,
     created: usize,
-    /// Corner and size of every tile, in the order in which they came.
+    /// Corner and size of every tile, in the order of their arrival.
     tiles: Vec<(UVec2, UVec2)>,
 }
 
@@ -213,16 +213,17 @@ fn wait_for(told: &Receiver<usize>, tiles: usize) {
     while told.recv_timeout(Duration::from_secs(60)).expect("tiles come") < tiles {}
 }
 
-/// One picture is created, then come its tiles; of a second one those that differ; of a third, which is the same, none.
+/// The first picture is created and all its tiles are sent; of a second picture only the tiles that differ are sent; of a third, which is
+/// the same, none.
 #[test]
-fn changed_tiles_alone_are_sent() {
+fn only_changed_tiles_are_sent() {
     let (listener, address) = listener();
     let (screen, told) = screen(listener);
     let viewer = Viewer::start(&address, "scene ä", silent);
     let mut image = noise([300, 140], 1);
     viewer.show(image.clone());
     wait_for(&told, 6);
-    // NaN is not equal to itself, and is sent once all the same.
+    // NaN is not equal to itself, but is sent only once.
     image.channels[1].values[139 * 300 + 299] = f32::NAN;
     viewer.show(image.clone());
     wait_for(&told, 7);
@@ -237,7 +238,7 @@ fn changed_tiles_alone_are_sent() {
     assert_eq!(screen.tiles, [first.as_slice(), &second].concat());
 }
 
-/// A crop appears at its place in the whole; another size is another picture.
+/// A crop is shown at its position in the whole picture. A picture of another size is created anew.
 #[test]
 fn crops_lie_where_they_belong() {
     let (listener, address) = listener();
@@ -253,7 +254,7 @@ fn crops_lie_where_they_belong() {
     assert_eq!(screen.pixels.iter().filter(|p| **p != [0.0; 3]).count(), 600);
 }
 
-/// A viewer that reads nothing until all pictures were given holds nobody up, and shows the last.
+/// A viewer that reads nothing until all pictures were given does not delay the render, and shows the last picture.
 #[test]
 fn showing_never_waits_and_the_latest_wins() {
     let (listener, address) = listener();
@@ -266,7 +267,7 @@ fn showing_never_waits_and_the_latest_wins() {
         screen
     });
     let viewer = Viewer::start(&address, "many", silent);
-    // 12 MB each: more than sockets hold.
+    // The pictures have 12 MB each, more than the buffers of sockets.
     let images: Vec<Image> = (0..8).map(|seed| noise([1000, 1000], seed)).collect();
     images.iter().for_each(|image| viewer.show(image.clone()));
     go.send(()).expect("the reader waits");
@@ -276,9 +277,9 @@ fn showing_never_waits_and_the_latest_wins() {
     assert!(screen.tiles.len() < 8 * 64, "some pictures are forgotten");
 }
 
-/// Reliability B56 of viewers: nobody there, or nobody any more. One warning, and the render is not held up.
+/// If there is no viewer, or it has ended, there is one warning, and the render is not delayed.
 #[test]
-fn a_viewer_that_is_not_there_is_mentioned_once() {
+fn a_missing_viewer_is_reported_once() {
     let (listener, address) = listener();
     drop(listener);
     let (warn, heard) = warnings();
@@ -300,15 +301,15 @@ fn a_viewer_that_is_not_there_is_mentioned_once() {
         viewer.finish();
         assert_eq!(heard.lock().expect("unpoisoned").len(), 1, "{nonsense:?}");
     }
-    // Without a picture nobody is called.
+    // Without a picture no connection is made.
     let (warn, heard) = warnings();
     Viewer::start("nonsense", "nobody", warn).finish();
     assert!(heard.lock().expect("unpoisoned").is_empty());
 }
 
-/// A viewer goes away in the middle and comes back: it gets the whole picture again.
+/// A viewer that ends during a render and starts again gets the whole picture again.
 #[test]
-fn a_viewer_that_comes_back_gets_it_all() {
+fn a_viewer_that_reconnects_gets_the_whole_picture() {
     let (listener, address) = listener();
     let again = listener.try_clone().expect("the same port");
     let (warn, heard) = warnings();
@@ -321,7 +322,7 @@ fn a_viewer_that_comes_back_gets_it_all() {
         assert!(first.receive(&mut stream));
     }
     drop(stream);
-    // The first write after that may still succeed; the system learns from the answer that nobody listens.
+    // The first write after that may still succeed, because the system notices only from the answer that the connection is closed.
     let mut seed = 0;
     while heard.lock().expect("unpoisoned").is_empty() {
         image = noise([300, 140], 100 + seed);
@@ -333,15 +334,15 @@ fn a_viewer_that_comes_back_gets_it_all() {
     viewer.show(other.clone());
     viewer.finish();
     let screen = screen.join().expect("no violation");
-    // All six tiles, and again six where an attempt came before the last picture.
+    // All six tiles arrive, or twelve if an attempt came before the last picture.
     assert!(screen.shows(&other) && screen.created == 1 && screen.tiles.len() >= 6);
     let heard = heard.lock().expect("unpoisoned").clone();
     assert!(heard.len() == 1 && heard[0].contains(" went away ("), "{heard:?}");
 }
 
-/// A picture that takes long to make is made the more rarely: at most a hundredth of the time that has passed goes into it.
+/// A picture that takes long to make is made less often: this takes at most a hundredth of the time that has passed.
 #[test]
-fn offers_are_taken_rarely() {
+fn expensive_pictures_are_made_rarely() {
     let (listener, address) = listener();
     let (screen, _) = screen(listener);
     let viewer = Viewer::start(&address, "offers", silent);
@@ -354,7 +355,7 @@ fn offers_are_taken_rarely() {
             image.clone()
         });
     }
-    // The first at once, each further one 100 · 0.1 s after the one before it.
+    // The first is made at once, each other one 100 · 0.1 s after the one before it.
     let passed = start.elapsed().as_secs_f64();
     assert!(made >= 1 && f64::from(made - 1) <= passed / 10.0, "{made} in {passed} s");
     let last = noise([30, 20], 7);
@@ -363,9 +364,9 @@ fn offers_are_taken_rarely() {
     assert!(screen.join().expect("no violation").shows(&last));
 }
 
-/// What is no viewer may talk back, or close its eyes: taking leave ends all the same.
+/// If the other end is no viewer, sends data or does not read, closing the connection still ends.
 #[test]
-fn taking_leave_ends() {
+fn closing_a_viewer_always_ends() {
     let (listener, address) = listener();
     let talker = thread::spawn(move || {
         let mut stream = caller(&listener);
@@ -378,10 +379,10 @@ fn taking_leave_ends() {
     talker.join().expect("its caller is gone");
 }
 
-/// With `--display-server` the viewer shows at the end what is in the file, and the file is that of a render without a viewer. If there is
-/// no viewer at the address, the file is the same and a line says so.
+/// With `--display-server` the viewer finally shows the picture of the file, and the file is the same as without a viewer. If there is no
+/// viewer at the address, the file is also the same, and there is a warning.
 #[test]
-fn a_render_is_shown_and_not_disturbed() {
+fn a_viewer_does_not_change_the_render() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = r#"{ "pt": 1, "camera": { "look_at": { "from": [0, 0, 3], "to": [0, 0, 0] } }, "film": { "width": 40, "height": 30 },
         "sampler": { "spp": 4 }, "shapes": [{ "type": "sphere" }], "background": { "radiance": 1 } }"#;
@@ -400,7 +401,7 @@ fn a_render_is_shown_and_not_disturbed() {
     let image = pt::output::read(&folder.path().join("shown.exr")).expect("readable").0;
     assert!(screen.shows(&image) && screen.name.starts_with("scene ("), "{}", screen.name);
 
-    // Nobody listens there any more.
+    // No viewer listens at the address any more.
     let (unseen, said) = render("unseen.exr", &["--display-server", &address]);
     assert_eq!((unseen, said.matches("warning: ").count()), (alone, 1), "{said}");
     assert!(said.contains(&format!("warning: the viewer at {address} cannot be reached (")), "{said}");

@@ -1,4 +1,4 @@
-//! Textures: what a checker shows where, who looks it up, and that the world's origin has no say in it.
+//! Textures: the cells of checkers, lookups by materials, and independence of the world's origin.
 
 use glam::{DVec3, IVec3, Vec2, Vec3};
 use proptest::prelude::*;
@@ -28,19 +28,19 @@ fn point(p: Vec3, uv: Vec2) -> SurfacePoint {
     SurfacePoint { p, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv, color: VertexColor::WHITE }
 }
 
-/// What a cell shows, by whole numbers alone.
+/// The colour of a cell, computed with integers only.
 fn shown(cell: IVec3) -> Rgb {
     if (cell.x + cell.y + cell.z) & 1 == 0 { EVEN } else { ODD }
 }
 
-/// A cell, whose indices may be negative, and a place in it in sixteenths from its lower border, so that all numbers are exact in f32.
+/// A cell, whose indices may be negative, and a position in it in sixteenths from its lower corner, so that all numbers are exact in f32.
 fn cell_and_place() -> impl Strategy<Value = (IVec3, Vec3)> {
     let cell = [-1000i32..1000, -1000..1000, -1000..1000].prop_map(IVec3::from_array);
     let place = [0u8..16, 0..16, 0..16].prop_map(|s| Vec3::from_array(s.map(|s| f32::from(s) / 16.0)));
     (cell, place)
 }
 
-/// Powers of two per axis: dividing by them is exact.
+/// Scales that are powers of two along each axis, so that division is exact.
 fn scales() -> impl Strategy<Value = Vec3> {
     [-3i32..4, -3..4, -3..4].prop_map(|e| Vec3::from_array(e.map(|e| 2f32.powi(e))))
 }
@@ -73,9 +73,12 @@ proptest! {
         prop_assert_eq!(texture.at(&point(p, p.truncate())), expected);
     }
 
-    /// texture(p) = recentred(p − o), for nested checkers too.
+    /// texture(p) = recentred(p − o), also for nested checkers.
     #[test]
-    fn recentring_moves_no_cell((cell, place) in cell_and_place(), sixteenths in [-16_000i32..16_000, -16_000..16_000, -16_000..16_000]) {
+    fn recentring_does_not_move_checker_cells(
+        (cell, place) in cell_and_place(),
+        sixteenths in [-16_000i32..16_000, -16_000..16_000, -16_000..16_000],
+    ) {
         let origin = DVec3::from_array(sixteenths.map(|s| f64::from(s) / 16.0));
         let quarter_turn = Transform::rotate(DVec3::Z, 90.0).expect("z is an axis");
         let texture = checker(checker(EVEN, ODD, Vec3::splat(4.0), world()), ODD, Vec3::splat(0.5), Space::World(quarter_turn));
@@ -85,7 +88,7 @@ proptest! {
     }
 }
 
-/// A checkered floor seen from above; with a sphere far away or not.
+/// A checkered floor seen from above, with or without a distant sphere.
 fn floor(far: bool) -> World {
     let down = Transform::look_at(DVec3::new(0.0, 5.0, 0.0), DVec3::ZERO, DVec3::X).expect("x is not down");
     let mut builder = World::builder(Camera::Orthographic(Orthographic { pose: Pose::new(&down), height: 8.0 }));
@@ -109,11 +112,11 @@ fn far_objects_do_not_move_the_pattern() {
             let film = (Vec2::new((i % 64) as f32, (i / 64) as f32) + 0.3) / 64.0;
             let ray = world.camera().ray(film, 1.0, Vec2::ZERO);
             let hit = world.intersect(&ray).expect("the floor fills the film");
-            // Up the film is +x, and to the right +z: eight metres each way.
+            // +x is up in the picture and +z to the right, over eight metres each.
             let at = world.surface(&ray, &hit);
             let p = at.point.p.as_dvec3() + world.origin();
             let expected_p = DVec3::new(8.0 * (0.5 - f64::from(film.y)), 0.25, 8.0 * (f64::from(film.x) - 0.5));
-            // Coordinates about the far origin are below 512 and known to 2⁻¹⁵ m; a few of these.
+            // Coordinates about the distant origin are below 512 with a rounding error of 2⁻¹⁵ m. The tolerance is a few of these.
             assert!((p - expected_p).length() < 2e-4, "{p} is not {expected_p}");
             let expected = shown((expected_p * 2.0).floor().as_ivec3());
             let Bsdf::Diffuse(diffuse) = at.bsdf else { panic!("the floor is matte") };
@@ -125,7 +128,7 @@ fn far_objects_do_not_move_the_pattern() {
 }
 
 #[test]
-fn materials_look_their_textures_up() {
+fn materials_look_up_their_textures() {
     let texture = || checker(EVEN, ODD, Vec3::ONE, Space::Uv);
     let materials = [
         Material::diffuse(texture()),
@@ -160,7 +163,7 @@ fn materials_look_their_textures_up() {
 }
 
 #[test]
-fn only_what_varies_is_textured() {
+fn only_varying_materials_have_the_effect_textures() {
     let plain = Texture::Constant(EVEN);
     let varied = checker(EVEN, ODD, Vec3::ONE, Space::Uv);
     for (texture, is_textured) in [(plain, false), (varied, true)] {

@@ -6,7 +6,7 @@ use pt::math::{Frame, Local, Vec3};
 
 use crate::random::Random;
 
-/// A dozen roundings of numbers up to 1.
+/// Tolerance: a dozen roundings of numbers up to 1.
 const FEW_ROUNDINGS: f64 = 12.0 * f64::EPSILON;
 
 /// Translation, rotation and scale, with the condition number of its linear part: the largest scale over the smallest.
@@ -27,15 +27,15 @@ fn inverse_error(t: &Transform) -> f64 {
 }
 
 #[test]
-fn inverse_undoes() {
+fn the_inverse_undoes_a_transform() {
     let mut random = Random::new(1);
     for i in 0..1_000_000 {
         let (t, condition) = random_trs(&mut random, i % 2 == 0);
-        // Amplified by at most the condition number.
+        // The rounding error is amplified by at most the condition number.
         let tolerance = FEW_ROUNDINGS * condition;
         assert!(inverse_error(&t) < tolerance, "{t:?}");
         let p = random.direction() * 10.0;
-        // The translation of up to 100 in M becomes up to 100/0.1 in M⁻¹.
+        // A translation of up to 100 in M becomes up to 100/0.1 in M⁻¹.
         let back = t.inverse().point(t.point(p));
         assert!(back.distance(p) < 1200.0 * tolerance, "{t:?}: {p} → {back}");
         let rebuilt = Transform::from_matrix(DMat4::from(t.matrix())).unwrap();
@@ -54,7 +54,7 @@ fn normals_stay_perpendicular_to_tangents() {
         let (mapped, along) = (t.normal(n), unit(t.vector(tangent)).unwrap());
         assert!(mapped.dot(along).abs() < 1e-14 * condition, "{t:?}");
         assert!((mapped.length() - 1.0).abs() < 4.0 * f64::EPSILON);
-        // It marks the same side: a vector that leaves through the surface still does.
+        // The normal stays on the same side: a vector that leaves the surface on that side still does.
         let outward = unit(n + 0.5 * tangent).unwrap();
         assert!(mapped.dot(t.vector(outward)) > 0.0);
     }
@@ -156,7 +156,7 @@ fn look_at_refuses_what_has_no_frame() {
     for _ in 0..10_000 {
         let (from, direction) = (random.direction(), random.direction() * random.magnitude(0.1, 10.0));
         assert!(Transform::look_at(DVec3::ZERO, direction, direction * random.range(-3.0, 3.0)).is_err());
-        // Nearly parallel is still a frame.
+        // Directions that are nearly parallel still give a frame.
         let up = direction + 1e-6 * from;
         let frame = Transform::look_at(DVec3::ZERO, direction, up).unwrap();
         assert!(inverse_error(&frame) < FEW_ROUNDINGS);
@@ -181,7 +181,7 @@ fn matrices_that_are_no_affine_bijections_are_refused() {
     for _ in 0..10_000 {
         let (a, b) = (random.direction() * random.magnitude(1e-9, 1e9), random.direction());
         let (s, t) = (random.range(-2.0, 2.0), random.range(-2.0, 2.0));
-        // The third column in the plane of the others, up to rounding; rows and columns of any size.
+        // The third column lies in the plane of the others, up to rounding. Rows and columns have any magnitude.
         let flat = DMat3::from_cols(a, b, s * a + t * b);
         let rows = DMat3::from_diagonal(DVec3::new(random.magnitude(1e-9, 1e9), 1.0, random.magnitude(1e-9, 1e9)));
         assert!(refused(DMat4::from_mat3(rows * flat)), "{flat}");
@@ -197,9 +197,9 @@ fn singular_is_relative_so_tiny_and_flat_objects_are_allowed() {
     }
 }
 
-/// Bases around directions everywhere, the poles and their neighbours included, are orthonormal and right-handed, and take vectors
-/// there and back: within four roundings of numbers up to 1, over the sine of the angle to the given x axis, whose part along z is
-/// taken away.
+/// Frames around all directions, including the poles and their neighbourhood, are orthonormal and right-handed, and invert their own
+/// transform of vectors. The tolerance is four roundings of numbers up to 1, over the sine of the angle to the given x axis, whose
+/// component along z is removed.
 #[test]
 fn frames_are_orthonormal() {
     let given = Vec3::new(0.6, -0.48, 0.64);
@@ -214,7 +214,7 @@ fn frames_are_orthonormal() {
             assert!(x.dot(y).abs() < few && y.dot(z).abs() < few && z.dot(x).abs() < few, "{frame:?}");
             assert!((x.cross(y) - z).length() < few, "{frame:?}");
             let w = Vec3::new(0.36, 0.48, -0.8);
-            // Three axes, each off by that much.
+            // The tolerance is that of three axes.
             assert!((frame.to_local(frame.to_world(Local(w))).0 - w).length() < 3.0 * few, "{frame:?}");
         }
     }
@@ -222,7 +222,7 @@ fn frames_are_orthonormal() {
 
 /// Invalid transforms have error messages in words, and a pose equals the transform that it is made of.
 #[test]
-fn refusals_name_what_was_given() {
+fn error_messages_name_the_invalid_input() {
     let said = |result: pt::Result<Transform>| result.expect_err("no transform").to_string();
     assert_eq!(said(Transform::translate(DVec3::new(f64::NAN, 0.0, 0.0))), "a translation by [NaN, 0, 0] leads nowhere");
     assert_eq!(said(Transform::scale(DVec3::new(1.0, 0.0, 1.0))), "a scale by [1, 0, 1] cannot be undone");

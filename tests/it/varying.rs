@@ -1,4 +1,4 @@
-//! Any number or colour of a material takes a texture: in each place it is what the texture says there.
+//! Every number or colour of a material can be a texture, and has the texture's value at each point.
 
 use glam::{Vec2, Vec3};
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
@@ -13,13 +13,13 @@ use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::{Number, Texture};
 
 use crate::compounds::{albedo, ramp};
-use crate::finishes::{bsdf, square};
 use crate::random::Random;
+use crate::roughness::{bsdf, square};
 
-/// A material with `$` for a number, and two numbers it may be.
+/// A material with `$` in place of a number, and two values of that number.
 type Row = (&'static str, &'static str, &'static str);
 
-/// Numbers from 0 to 1 take a texture as they are. What has a table to be looked up in is at its nodes.
+/// Numbers from 0 to 1 take a texture directly. Numbers with a table have values at its nodes.
 const SHARES: &[Row] = &[
     (r#"{"type": "conductor", "metal": "Cu", "roughness": 0.5, "anisotropy": $, "multiscatter": false}"#, "0", "0.75"),
     (r#"{"type": "conductor", "metal": "Cu", "alpha": $, "multiscatter": false}"#, "0.25", "0.5"),
@@ -31,7 +31,7 @@ const SHARES: &[Row] = &[
     (r#"{"type": "principled", "metallic": 1, "roughness": 0.5, "anisotropy": $, "multiscatter": false}"#, "0", "0.75"),
 ];
 
-/// Others take one between two ends.
+/// Other numbers take a texture that interpolates between two ends.
 const NUMBERS: &[Row] = &[
     (r#"{"type": "phong", "exponent": $}"#, "3", "1e4"),
     (r#"{"type": "blinn_phong", "exponent": $}"#, "0", "30"),
@@ -50,7 +50,7 @@ const NUMBERS: &[Row] = &[
     (r#"{"type": "principled", "coat": 0.5, "coat_eta": $}"#, "1.2", "1.6"),
 ];
 
-/// A checker of two squares is the one material on the left, and the other on the right.
+/// With a checker of two squares as the texture, the surface has one material on the left and the other on the right.
 #[test]
 fn a_texture_is_each_of_its_values() {
     let mut random = Random::new(3);
@@ -86,9 +86,9 @@ fn same(found: &Bsdf, expected: &Bsdf, random: &mut Random, what: &str) {
     }
 }
 
-/// From one end to the other, both exactly, whatever is greater; and a number that a constant texture gives is a constant.
+/// The number goes from one end to the other, and reaches both exactly, whichever is greater. A constant texture gives a constant number.
 #[test]
-fn numbers_lie_between_their_ends() {
+fn textured_numbers_lie_between_their_ends() {
     let place =
         |u: f32| SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, 0.5), color: VertexColor::WHITE };
     for (from, to) in [(1.1f32, 1.7f32), (1e8, 0.0), (-3.0, 5.0)] {
@@ -104,7 +104,7 @@ fn numbers_lie_between_their_ends() {
     }
 }
 
-/// What its place in a texture ramp makes of a material, at the middle.
+/// The BSDF of a material at the middle of the ramp.
 fn halfway(material: &Material) -> Bsdf<'_> {
     material.bsdf_at(&HitContext::from_outside(SurfacePoint {
         p: Vec3::ZERO,
@@ -120,9 +120,9 @@ fn roughness(alpha: f32) -> Roughness {
     Roughness { alpha: Alpha::Constant(Vec2::splat(alpha)), distribution: Distribution::Ggx }
 }
 
-/// White glass, and white under a coat, half way between two tables, where they are most wrong, against the tables of that very
-/// index: what they give back of light differs by less than 2e-3, as much as is asked of the tables themselves. (Glass that is hardly
-/// there, η below 1.0025, reflects totally within the last 4°: there the edge lies between the tables, and they differ by 5e-3.)
+/// White glass and a coated white base, half way between two tables, where interpolation has the largest error, compared with tables for
+/// that index: the albedo differs by less than 2e-3, the required precision of the tables themselves. (Glass with η below 1.0025 has total
+/// reflection only within the last 4°. That edge lies between the tables, and the difference is 5e-3.)
 #[test]
 fn between_two_tables_no_light_is_lost() {
     for (low, high) in [(1.0, 1.0025), (1.0025, 1.01), (1.022, 1.04), (1.19, 1.248), (1.43, 1.5), (2.2, 2.4), (0.65, 0.69)] {
@@ -149,8 +149,8 @@ fn between_two_tables_no_light_is_lost() {
     }
 }
 
-/// Long facets whose length or roughness varies, against the tables of that very roughness, white to one part in a hundred: by the
-/// mean of the two widths alone half of the light would be missing.
+/// Anisotropic facets whose anisotropy or roughness varies, compared with tables for those widths, are white to 1 %. With the mean of the
+/// two widths only, half of the light would be missing.
 #[test]
 fn long_facets_that_vary_lose_no_light() {
     let white = |alpha| Material::metal(Texture::from(Rgb::WHITE), Some(Roughness { alpha, distribution: Distribution::Ggx }), true);
@@ -176,7 +176,7 @@ fn long_facets_that_vary_lose_no_light() {
     }
 }
 
-/// Fibres between two tables take from a mirror below exactly what they return; as near as with one of them.
+/// Fibres between two tables take from a mirror below exactly the light that they reflect, with the same precision as at a table.
 #[test]
 fn between_two_tables_of_fibres_no_light_is_lost() {
     for (low, high) in [(0.1, 0.25), (0.3, 0.6), (0.6, 1.0)] {
@@ -188,8 +188,8 @@ fn between_two_tables_of_fibres_no_light_is_lost() {
     }
 }
 
-/// What one model gives back more than the other, over both sides of the surface: all that they have in common cancels, narrow
-/// lobes first.
+/// The difference of the albedos of two models, over both sides of the surface. The integrand is the difference, so that equal narrow lobes
+/// cancel.
 fn difference(a: &Bsdf, b: &Bsdf, wo: Local) -> f64 {
     const N: u32 = 64;
     let cell = |k: u32| {
@@ -204,7 +204,7 @@ fn difference(a: &Bsdf, b: &Bsdf, wo: Local) -> f64 {
     (0..N * N).map(cell).sum::<f64>() * std::f64::consts::PI / f64::from(N * N)
 }
 
-/// Where an index varies, what follows from it is as if it were the same everywhere.
+/// Where an index of refraction varies, quantities that depend on it have the values for a constant index.
 #[test]
 fn means_follow_the_index() {
     let model = Material::plastic(Rgb::WHITE, Number::between(1.2, 1.8, ramp(0.0, 1.0)));
@@ -224,14 +224,14 @@ fn mean_reflectance_is_the_integral() {
     };
     for eta in [1.0001f32, 1.00011, 1.001, 1.01, 1.1, 1.5, 2.42, 10.0, 100.0] {
         let (found, expected) = (f64::from(dielectric_mean(eta)), integral(eta));
-        // Error of Simpson's rule where F is almost a step at the horizon: a tenth of a cell.
+        // The tolerance is the error of Simpson's rule where F is almost a step at the horizon: a tenth of a cell.
         assert!((found - expected).abs() < 1e-7 + 5e-5 * expected, "η {eta}: {found}, {expected}");
     }
 }
 
-/// A texture of no use is one fault, at its place.
+/// A texture with values that the number cannot have is one fault, with its position.
 #[test]
-fn ends_have_the_range_of_the_number() {
+fn textured_numbers_respect_the_range_of_the_number() {
     let refused = |material: &str| {
         let scene = format!(r#"{{"pt": 1, "camera": {{}}, "materials": {{"m": {material}}}}}"#);
         let root = pt::describe::root(scene.as_bytes(), "s.json").expect("JSON");

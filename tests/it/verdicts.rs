@@ -1,6 +1,6 @@
-//! `pt verify`'s question on real renders: planted faults are found, healthy pairs pass.
+//! The test of `pt verify` on real renders: added biases are found, and unbiased pairs pass.
 //!
-//! `cargo test --release --test it verdicts -- --include-ignored` asks the full number of times.
+//! `cargo test --release --test it verdicts -- --include-ignored` runs the full number of repetitions.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-/// As the command has it: sixteen scramblings, and one wrong answer in a hundred.
+/// As in the command: sixteen scramblings, and a significance of 1 %.
 const SCRAMBLINGS: u32 = 16;
 const ALPHA: f64 = 0.01;
 
@@ -52,7 +52,7 @@ fn verdict(a: &Image, b: &Image) -> Agreement {
     agreement(side(a), side(b), ALPHA).expect("two sides")
 }
 
-/// A picture with its errors, brighter by a factor that depends on the place.
+/// The picture and its error estimates, multiplied by a factor that depends on the pixel.
 fn planted(image: &Image, factor: impl Fn(u32, u32) -> f32) -> Image {
     let mut image = image.clone();
     let width = image.size.x;
@@ -63,7 +63,7 @@ fn planted(image: &Image, factor: impl Fn(u32, u32) -> f32) -> Image {
     image
 }
 
-/// Pairs that are the same, of which no more are called different than α and chance allow: one suite in a thousand.
+/// Compares pairs with the same expected value. No more of them are called different than α and chance allow, at a significance of 10⁻³.
 fn healthy(seeds: u64) {
     let subject = Subject::cornell(24);
     let mut alarms = 0;
@@ -87,7 +87,7 @@ fn two_hundred_healthy_pairs_pass() {
     healthy(200);
 }
 
-/// Few of 64 paths hit the lamp, and none in a dark corner: light that was not found yet does not count as a difference.
+/// Few of 64 paths hit the lamp, and none in a dark corner. Light that has not been found yet does not count as a difference.
 #[test]
 fn paths_that_rarely_meet_the_lamp_agree() {
     let subject = Subject::cornell(256);
@@ -95,15 +95,17 @@ fn paths_that_rarely_meet_the_lamp_agree() {
     assert!(verdict.heavy == [false; 2] && verdict.accepts(), "{verdict}");
 }
 
-/// Few pixels hold the noise of `whitted`, those on the edge of the lamp; each is known by many samples, and what is missing is no noise.
+/// Only the few pixels at the edge of the lamp have noise with `whitted`. The others are exact, so that missing light is a difference and
+/// not noise.
 #[test]
-fn what_a_method_leaves_out_is_a_difference() {
+fn missing_light_is_a_difference() {
     let subject = Subject::cornell(128);
     let verdict = verdict(&subject.side("nee", 64, 1), &subject.side("whitted", 64, 2));
     assert!(verdict.heavy == [false; 2] && !verdict.accepts(), "{verdict}");
 }
 
-/// As much more light everywhere, and a fifth more in one pixel of a hundred, a spot in a corner of the picture.
+/// Asserts that each of these biases of all pixels is found, and also 20 % more light in one pixel of a hundred, a spot in a corner of the
+/// picture.
 fn found(edge: u32, spp: u64, biases: &[f32]) {
     let subject = Subject::cornell(edge);
     let (a, b) = (subject.side("nee", spp, 1), subject.side("nee", spp, 2));

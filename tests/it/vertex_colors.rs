@@ -1,4 +1,4 @@
-//! Colours at the vertices of a mesh: interpolated, whatever the file they come from, and white where there are none.
+//! Colours at the vertices of a mesh: they are interpolated, for every file format, and white where there are none.
 
 use std::io::Cursor;
 
@@ -20,7 +20,7 @@ fn built(shape: &str) -> Built {
     pt::build::build(&described, Source { root: &root, file: "s.json", files: &Files::default() }).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Colours that are an affine function of the place are that function everywhere.
+/// Vertex colours that are an affine function of the position give that function everywhere.
 #[test]
 fn colours_are_interpolated_over_triangles() {
     let shape = |material: &str| {
@@ -42,7 +42,7 @@ fn colours_are_interpolated_over_triangles() {
 }
 
 #[test]
-fn what_has_no_colours_is_white() {
+fn meshes_without_colours_are_white() {
     for shape in
         [r#"{ "type": "quad", "material": "m" }"#, r#"{ "type": "sphere", "material": "m" }"#, r#"{ "type": "disk", "material": "g" }"#]
     {
@@ -57,12 +57,12 @@ fn triangle(colors: Vec<Vec4>) -> MeshData {
     MeshData { positions, colors, triangles: vec![[0, 1, 2]], parts, ..MeshData::default() }
 }
 
-/// What is written is read back to the same bits, with what cleaning leaves of it.
+/// A written PLY file is read back with the same bits, except for what cleaning removes.
 #[test]
 fn a_ply_keeps_its_colours() {
     let colors = vec![Vec4::new(0.1, 0.2, 0.3, 0.4), Vec4::new(1.0, 0.0, 1e-7, 1.0), Vec4::splat(0.7)];
     let mut whole = triangle(colors.clone());
-    // A vertex that no triangle uses goes, with its colour.
+    // A vertex that no triangle uses is removed, with its colour.
     whole.positions.insert(0, Vec3::Z);
     whole.colors.insert(0, Vec4::ONE);
     whole.triangles = vec![[1, 2, 3]];
@@ -72,7 +72,7 @@ fn a_ply_keeps_its_colours() {
     assert_eq!(back, triangle(colors));
 }
 
-/// Whole numbers are encoded as pictures are (IEC 61966-2-1) but for the opacity, floats are shares; odd ones become the nearest share.
+/// Integers are encoded in sRGB (IEC 61966-2-1) except for the opacity. Floats are linear, and values outside of 0 to 1 are clamped.
 #[test]
 fn colours_of_a_ply_by_their_types() {
     let srgb = |x: f64| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };

@@ -1,4 +1,4 @@
-//! Maps from the square: what one map needs, all maps are asked.
+//! Maps from the unit square to other domains: all maps are tested by the same laws.
 
 use std::f64::consts::{PI, TAU};
 
@@ -71,7 +71,7 @@ fn squares(random: &mut Random, count: usize) -> Vec<Vec2> {
     corners.chain(points).collect()
 }
 
-/// Points away from the edges, from the diagonals, where the concentric map has a kink, and from the centre, its corner.
+/// Points away from the edges, and from the diagonals and the centre, where the concentric map is not differentiable.
 fn smooth_points(random: &mut Random, count: usize, step: f64) -> Vec<DVec2> {
     let inside = |u: &DVec2| {
         let p = 2.0 * *u - 1.0;
@@ -98,7 +98,7 @@ fn pdf_is_inverse_jacobian() {
         for u in smooth_points(&mut random, 10_000, STEP) {
             let w = (warp.forward)(u.as_vec2());
             let (du, dv) = derivatives(u, |u| (warp.forward)(u).as_dvec3());
-            // dω = |ω · (∂ω/∂u × ∂ω/∂v)|: along ω the noise of z ≈ 1 does not count.
+            // dω = |ω · (∂ω/∂u × ∂ω/∂v)|, in which the rounding error along ω, of z ≈ 1, has no effect.
             let jacobian = w.as_dvec3().dot(du.cross(dv)).abs();
             let product = f64::from((warp.pdf)(w)) * jacobian;
             assert!((product - 1.0).abs() < DERIVATIVE_ERROR, "{} at {u}: pdf · |J| = {product}", warp.name);
@@ -177,7 +177,7 @@ fn densities_integrate_to_one_and_vanish_outside() {
             f64::from((warp.pdf)(w)) * theta.sin()
         };
         let integral = TAU * end * (0..STEPS).map(ring).sum::<f64>() / f64::from(STEPS);
-        // Roundings of f32 densities are random and average out; the constants' own are 1e-7.
+        // Rounding errors of f32 densities are random and average out. Those of the constants are 1e-7.
         assert!((integral - 1.0).abs() < 1e-6, "{}: {integral}", warp.name);
         if warp.extent == 1.0 && !warp.name.starts_with("cone") {
             assert_eq!((warp.pdf)(Vec3::new(0.8, 0.0, -0.6)), 0.0, "{} below the horizon", warp.name);

@@ -32,7 +32,7 @@ use crate::texture::Texture;
 /// - sampling: the fibres with the probability max(color) E(wo), uniformly over the hemisphere; otherwise the base
 ///
 /// Source: Estevez and Kulla, *Production Friendly Microfacet Sheen* (2017); Neubelt and Pettineo for the denominator (2013).
-/// Tests: sheen_returns_what_it_says, layers_on_white_are_white, compounds_are_proved.
+/// Tests: sheen_reflects_its_tabulated_albedo, layers_on_white_are_white, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheen {
     base: Material,

@@ -15,7 +15,7 @@ use crate::texture::Texture;
 ///
 /// - a side without a material is black
 ///
-/// Tests: sides_are_their_own, compounds_are_proved.
+/// Tests: two_sided_materials_keep_their_sides_apart, compounds_are_proved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoSided {
     /// The material on the side of the normal.

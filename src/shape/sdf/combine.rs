@@ -11,7 +11,7 @@ use super::{Field, everywhere};
 /// A part is not evaluated where the Chebyshev distance to its bounding box exceeds the distance of another part, because no distance
 /// is less than that.
 ///
-/// Tests: boxes_are_nearer_than_fields.
+/// Tests: unions_skip_only_fields_that_cannot_be_nearest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Union {
     members: Vec<Member>,

@@ -64,7 +64,7 @@ impl Sdf {
     /// 128 steps, and thinner features may then be missed. Few lines take more than a hundred steps, and none more than 128 · 53, because
     /// the least step is then the whole line, whatever the scale.
     ///
-    /// Source: Hart, *Sphere Tracing* (1996). Tests: hits_are_the_analytic_ones, hits_lie_on_the_surface.
+    /// Source: Hart, *Sphere Tracing* (1996). Tests: hits_match_the_analytic_ones, hits_lie_on_the_surface.
     pub(super) fn crossing(&self, line: &Line, floor: f64) -> Option<f64> {
         let speed = line.direction.length();
         let floor = floor.max(line.to * f64::EPSILON * speed);

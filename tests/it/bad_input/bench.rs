@@ -1,4 +1,4 @@
-//! Running the program on one input after the other, and judging how it ends.
+//! A bench that runs the program on one input after the other, and checks its exit code and message.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -22,7 +22,7 @@ pub const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 /// The end of a scene that names `mesh.obj`.
 const MESH: &str = r#", "shapes": [{"type": "mesh", "file": "mesh.obj"}]}"#;
 
-/// A folder of right and odd files in which the program is run, and what came of it.
+/// A folder of valid and invalid files in which the program is run, with the results.
 pub struct Bench {
     pub folder: tempfile::TempDir,
     /// The rows whose cases were run.
@@ -62,7 +62,7 @@ impl Bench {
         self.judge(row, &args.join(" "), command, code, phrase);
     }
 
-    /// `scene.json`, with its message where the mark stands.
+    /// Runs the program on a `scene.json`. The message must give the position of the mark.
     pub fn scene(&mut self, row: &'static str, marked: &str, code: i32, phrase: &str) {
         let (text, places) = unmark(marked);
         let place = places.first().map_or(String::new(), |place| format!("error: scene.json:{place}"));
@@ -82,7 +82,7 @@ impl Bench {
         self.scene(row, &format!("{RIGHT}{MESH}"), code, phrase);
     }
 
-    /// A file by this name, as JSON: of a mesh, of a picture under a name, and of one within a material.
+    /// Runs the program on scenes that name this file (in JSON): as a mesh, as a named picture, and as a picture within a material.
     pub fn file(&mut self, row: &'static str, name: &str, code: i32, phrase: &str) {
         let picture = format!(r#"{{"type": "image", "file": ^{name}}}"#);
         let disk = |albedo: &str| format!(r#""shapes": [{{"type": "disk", "material": {{"type": "diffuse", "albedo": {albedo}}}}}]"#);
@@ -118,12 +118,12 @@ impl Bench {
     }
 }
 
-/// 255 bytes, the most that file systems take.
+/// A file name of 255 bytes, the limit of file systems.
 pub fn long_name() -> String {
     format!("{}.json", "n".repeat(250))
 }
 
-/// Names and, of files, bytes.
+/// Names in a folder, and the bytes of its files.
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let entry = |entry: std::io::Result<fs::DirEntry>| {
         let path = entry.expect("an entry").path();

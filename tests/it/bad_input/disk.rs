@@ -1,4 +1,4 @@
-//! Disks that take nothing: said with exit code 5, and what can be written elsewhere is.
+//! Disks that cannot be written to: reported with exit code 5. Other outputs are still written.
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -8,7 +8,7 @@ use super::bench::Bench;
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_said() {
+fn a_full_disk_is_reported() {
     let bench = Bench::new();
     let full = || fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has it");
     for args in
@@ -21,7 +21,7 @@ fn a_full_disk_is_said() {
     }
 }
 
-/// The folder of the first of two pictures goes while they are rendered.
+/// The folder of the first of two pictures is removed while they are rendered.
 #[cfg(unix)]
 #[test]
 fn one_output_that_fails_does_not_take_the_other_with_it() {
@@ -35,7 +35,7 @@ fn one_output_that_fails_does_not_take_the_other_with_it() {
         .spawn()
         .expect("it starts");
     let mut lines = BufReader::new(child.stderr.take().expect("a pipe")).lines().map(|line| line.expect("text"));
-    // It renders: the outputs have been checked.
+    // The render has started, so that the outputs have been checked.
     lines.find(|line| line.starts_with('{')).expect("progress");
     fs::remove_dir(at.join("gone")).expect("it is empty");
     Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
@@ -48,7 +48,7 @@ fn one_output_that_fails_does_not_take_the_other_with_it() {
 /// A limit on the size of files is reported like a full disk, and leaves the old picture and nothing else.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_file_that_may_not_grow_is_said() {
+fn a_file_size_limit_is_reported() {
     let bench = Bench::new();
     let at = bench.folder.path();
     fs::write(at.join("x.pfm"), "old").expect("write");
@@ -65,7 +65,7 @@ fn a_file_that_may_not_grow_is_said() {
     assert_eq!(fs::read_dir(at).expect("a folder").count(), before + 1, "large.pfm alone is new");
 }
 
-/// What is written through a link, and into a pipe, is the picture; the link and the pipe stay.
+/// A picture can be written through a link and into a pipe, and the link and the pipe remain.
 #[cfg(unix)]
 #[test]
 fn links_and_pipes_are_written_through() {
@@ -80,7 +80,7 @@ fn links_and_pipes_are_written_through() {
     assert_eq!(render("plain.pfm"), done);
     let picture = fs::read(at.join("plain.pfm")).expect("written");
 
-    // A link, one to it from another folder, and one to what is not there yet.
+    // A link, a link to that link from another folder, and a link to a file that does not exist yet.
     fs::write(at.join("real.pfm"), "old").expect("write");
     symlink("real.pfm", at.join("a.pfm")).expect("a link");
     symlink("../a.pfm", at.join("folder/b.pfm")).expect("a link");

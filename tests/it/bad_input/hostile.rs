@@ -1,4 +1,4 @@
-//! Names and lines of files that would do more to a terminal than be shown.
+//! Names and contents of files with control characters, which messages must escape.
 
 use std::process::Command;
 
@@ -6,10 +6,10 @@ use pt::film::{Channel, Image};
 use pt::output::{Attributes, exr};
 use serde_json::json;
 
-/// Clears a screen, rings, turns letters around, and forges a message.
+/// Text that would clear the screen, ring the bell, reverse the direction of writing, and imitate a message.
 const OBEYED: &str = "a\u{1b}[2J\u{7}\r\u{9b}31m\u{202e}\nerror: forged\u{7f}";
 
-/// Scenes that say this name in one place or another, with what belongs to them; all are refused, or warned of.
+/// Files of scenes that contain this name in different places. All scenes are refused or cause a warning.
 fn scenes(name: &str) -> Vec<Vec<(&'static str, Vec<u8>)>> {
     let scene = |more: serde_json::Value| {
         let mut scene = json!({"pt": 1, "camera": {}});
@@ -53,11 +53,11 @@ fn run(folder: &std::path::Path, args: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
 }
 
-/// Characters of what is said of one scene: at most twenty faults, each with a file, a pointer and a message.
+/// Maximum number of characters of the messages about one scene: at most twenty faults, each with a file, a pointer and a message.
 const MOST: usize = 20 * 3200;
 
 #[test]
-fn what_is_said_of_a_file_moves_no_terminal_and_has_an_end() {
+fn messages_about_scenes_are_escaped_and_bounded() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     for name in [OBEYED.to_owned(), "x".repeat(1_000_000), OBEYED.repeat(20_000)] {
@@ -78,7 +78,7 @@ fn what_is_said_of_a_file_moves_no_terminal_and_has_an_end() {
 }
 
 #[test]
-fn what_is_said_of_a_picture_moves_no_terminal() {
+fn messages_about_pictures_are_escaped() {
     let folder = tempfile::tempdir().expect("a folder");
     let size = glam::UVec2::ONE;
     let channels = vec![Channel { name: OBEYED.into(), values: vec![1.0] }];

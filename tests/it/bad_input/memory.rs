@@ -1,10 +1,10 @@
-//! More than there is: refused before it is rendered, exit code 4.
+//! A render that needs more memory than is available is refused before it starts, with exit code 4.
 
 use std::process::Command;
 
 use super::bench::Bench;
 
-/// 4000² pixels of 260 bytes, where the system gives 2 GB in all.
+/// The picture needs 4000² pixels of 260 bytes, and the process is limited to 2 GB.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_picture_that_does_not_fit_is_refused() {

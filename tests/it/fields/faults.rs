@@ -72,7 +72,7 @@ fn solids() {
     for (text, expected) in cases {
         assert_fault(&[(&scene(&format!(r#""shapes": [{text}]"#)), expected)]);
     }
-    // All at once, each with its place.
+    // All faults are reported at once, each with its position.
     assert_faults(
         &with(r#"{"type": "union", "of": [{"type": "sphere", "radius": ^-1}, {"type": "torus", "radius": ^0, "tube": 1}]}"#),
         &["/shapes/0/field/of/0/radius: expected", "/shapes/0/field/of/1/radius: expected"],
@@ -81,7 +81,7 @@ fn solids() {
 
 /// Faults that are found only when the scene is built.
 #[test]
-fn where_fields_end() {
+fn faults_of_field_bounds_are_reported() {
     let build = |text: &str| {
         let root = describe::root(text.as_bytes(), "s").unwrap_or_else(|e| panic!("{e}"));
         let source = Source { root: &root, file: "s", files: &Files::within("") };
@@ -110,7 +110,7 @@ fn where_fields_end() {
     }
     let bounded = r#""shapes": [{"type": "sdf", "field": {"type": "plane", "normal": [0, 1, 0]}, "bounds": {"low": [-1, -1, -1], "high": [1, 1, 1]}}]"#;
     assert_eq!(build(&scene(bounded)), Ok(()));
-    // Uneven stretches are accounted for.
+    // Non-uniform scales are taken into account.
     let stretched = r#""shapes": [{"type": "sdf", "field": {"type": "sphere", "radius": 1}, "transform": [{"scale": [1, 2, 3]}]}]"#;
     assert_eq!(build(&scene(stretched)), Ok(()));
 }

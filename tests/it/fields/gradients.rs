@@ -1,4 +1,4 @@
-//! Gradients are what differences say, where the field has a slope.
+//! Gradients of distance fields, compared with finite differences where the field is differentiable.
 
 use glam::DVec3;
 use pt::shape::sdf::{Dual, Field};
@@ -12,9 +12,9 @@ fn slopes(field: &Field, p: DVec3, h: f64) -> DVec3 {
     DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
 }
 
-/// Forward and backward differences over 10⁻⁶ agree to their curvature; at an edge they do not, and there is no slope.
+/// Forward and backward differences over 10⁻⁶ agree up to the curvature. At an edge they do not agree, and there is no gradient.
 ///
-/// Their mean errs by the third derivative, below h² / 10⁻³ for features of 10⁻¹, and by rounding, 10⁻¹⁵/h.
+/// The error of their mean is that of the third derivative, below h² / 10⁻³ for features of 10⁻¹, and that of rounding, 10⁻¹⁵/h.
 #[test]
 fn gradients_are_finite_differences() {
     const STEP: f64 = 1e-6;

@@ -22,7 +22,7 @@ fn anywhere(random: &mut Random) -> DVec3 {
     random.in_cube() * random.decade(-1.0, 1.0)
 }
 
-/// |d(p) − d(q)| ≤ |p − q|, near and far; the slack is a few roundings of coordinates of 10.
+/// |d(p) − d(q)| ≤ |p − q|, near and far. The tolerance is a few roundings of coordinates of 10.
 #[test]
 fn slopes_are_at_most_one() {
     each(|name, field, random| {
@@ -35,7 +35,7 @@ fn slopes_are_at_most_one() {
     });
 }
 
-/// Where a segment crosses the surface, by bisection.
+/// Point where a segment crosses the surface, by bisection.
 fn crossing(field: &Field, mut a: DVec3, mut b: DVec3) -> Option<DVec3> {
     if (field.at(a) < 0.0) == (field.at(b) < 0.0) {
         return None;
@@ -64,7 +64,7 @@ fn distances_are_never_too_large() {
     });
 }
 
-/// Where a distance is Euclid's own, it leads to the surface: d(p − d ∇d) = 0.
+/// An exact Euclidean distance leads to the surface: d(p − d ∇d) = 0.
 #[test]
 fn exact_distances_are_reached() {
     for (name, make) in zoo::EXACT {
@@ -81,9 +81,9 @@ fn exact_distances_are_reached() {
     }
 }
 
-/// All that is nearer than `grow` lies in the box that says so.
+/// Every point nearer to the solid than `grow` lies in the bounding box for the margin `grow`.
 #[test]
-fn bounds_hold_what_is_near() {
+fn bounding_boxes_contain_what_is_near() {
     each(|name, field, random| {
         for _ in 0..1000 {
             let (p, grow) = (random.in_cube() * 4.0, random.pick(&[0.0, 0.1, 1.0]));
@@ -94,9 +94,9 @@ fn bounds_hold_what_is_near() {
     });
 }
 
-/// A union leaves out what cannot be nearest, and nothing else: it is the minimum, to the bit.
+/// A union skips only parts that cannot be nearest, so it is the minimum of its parts, to the bit.
 #[test]
-fn boxes_are_nearer_than_fields() {
+fn unions_skip_only_fields_that_cannot_be_nearest() {
     let kinds: Vec<_> = zoo::all().collect();
     let mut random = Random::new(1);
     for _ in 0..4000 {

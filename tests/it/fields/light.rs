@@ -1,4 +1,5 @@
-//! Light and distance fields: glass from within, parts, emission that is met by chance; and what `card` adds to `path`.
+//! Light and distance fields: glass, parts with different materials, and emission that paths find by chance; and what the integrator `card`
+//! adds to `path`.
 
 use std::sync::Arc;
 
@@ -29,11 +30,11 @@ fn sampler(spp: u64) -> SamplerSpec {
     SamplerSpec { spp, ..SamplerSpec::default() }
 }
 
-/// A solid of clear glass in light from everywhere is not to be seen: every path ends in a radiance of 1.
+/// A solid of clear glass in uniform light is invisible: every path ends in a radiance of 1.
 ///
 /// The tolerance is 2⁻¹⁴: some hundred vertices, each with a few roundings of 2⁻²⁴.
 #[test]
-fn glass_vanishes_in_a_furnace() {
+fn glass_is_invisible_in_a_furnace() {
     let hollow = Field::Difference(Difference { from: ball(1.0).into(), minus: vec![ball(0.8)] });
     let arch = Field::Ring(Ring { center: DVec3::ZERO, radius: 0.8, tube: 0.3, half: true });
     let joined = Field::SmoothUnion(SmoothUnion { of: vec![ball(0.5), arch], width: 0.3 });
@@ -50,7 +51,7 @@ fn glass_vanishes_in_a_furnace() {
     }
 }
 
-/// A matte floor under a ball of radiance L: E = π L (r/h)², so that it shines with ρ L (r/h)².
+/// A matte floor under a ball of radiance L: E = π L (r/h)², so that the floor has the radiance ρ L (r/h)².
 fn lamp(radius: f64, height: f64) -> WorldBuilder {
     let mut world = World::builder(probe(DVec3::new(2.0, 1.0, 0.0), DVec3::ZERO));
     let (matte, dark) = (world.material(Material::diffuse(stored(gray(0.5)))), world.material(black()));
@@ -62,9 +63,10 @@ fn lamp(radius: f64, height: f64) -> WorldBuilder {
     world
 }
 
-/// No point is drawn on it: paths find it, and count it once, with and without light sampling.
+/// Points on a field's surface cannot be sampled as a light. Paths find its emission by chance and count it once, with and without light
+/// sampling.
 #[test]
-fn emission_is_met_by_chance() {
+fn emission_of_fields_is_found_by_chance() {
     let (radius, height) = (0.8, 1.0f64);
     let wanted = 0.5 * 4.0 * (radius / height).powi(2);
     let depth = Depth { max: 1, roulette: 8 };
@@ -79,9 +81,10 @@ fn emission_is_met_by_chance() {
     );
 }
 
-/// A disk of light, seen within `degrees` of straight up: right directions see sin²θ of it, directions of an even angle θ/90°.
+/// A disk of light overhead that covers the directions up to the angle θ from the normal. With cosine-weighted directions its share of the
+/// irradiance is sin²θ, with directions uniform in the angle it is θ/90°.
 ///
-/// At 45° both say ½. This is at 30°, and the two are ¼ and ⅓.
+/// At 45° both are ½. The test uses 30°, where they are ¼ and ⅓.
 #[test]
 fn only_the_cosine_is_right() {
     let half_width = 30f64.to_radians().tan();
@@ -101,7 +104,7 @@ fn only_the_cosine_is_right() {
     }
 }
 
-/// Without its own options `card` is `path`, sample by sample.
+/// Without its own options `card` gives the same samples as `path`.
 #[test]
 fn card_is_path_to_the_bit() {
     for seed in 0..4 {
@@ -112,8 +115,8 @@ fn card_is_path_to_the_bit() {
     }
 }
 
-/// A floor below a window in the ceiling, through which the sun stands at 60° from the zenith: ρ S cos 60°, and the window's own
-/// light below half of it, ρ Le sin²θ; and nothing of the sun where the window is not in its way.
+/// A floor below a window in the ceiling, through which the sun stands at 60° from the zenith: ρ S cos 60°, and no sunlight where the
+/// window is not between the floor and the sun.
 #[test]
 fn the_sun_shines_through_windows() {
     let sun_radiance = Some([6.0; 3].map(|v| Radiometric::new(v).expect("in range")));
@@ -125,7 +128,7 @@ fn the_sun_shines_through_windows() {
         world.shape(Quad { size: [0.5; 2] }, facing(window, -DVec3::Y), dark, glow(1.0));
         let scene = Arc::new(world.build().expect("a world"));
         for step_off in [None, Positive::new(0.01)] {
-            // What the window itself shines with is left out.
+            // The emission of the window itself is left out.
             let card = Card { max_depth: 1, emission_depth: 0, sun_radiance, sun_direction, step_off, ..Card::default() };
             let found = measure(scene.clone(), &card, 1024, 1);
             assert!((found.value - seen * 0.5 * 6.0 * 0.5).abs() < 1e-5, "{} with {step_off:?}", found.value);
@@ -133,9 +136,9 @@ fn the_sun_shines_through_windows() {
     }
 }
 
-/// The settings that leave out light are named as biases.
+/// Settings that leave out light are reported as biases.
 #[test]
-fn card_says_what_it_leaves_out() {
+fn card_reports_its_biases() {
     let card = Card { max_depth: 3, step_off: Positive::new(0.1), hemisphere: Hemisphere::Angle, ..Card::default() };
     let settings: Vec<String> = card.biases().into_iter().map(|bias| bias.setting).collect();
     assert_eq!(settings, ["max_depth 3", "step_off 0.1", "hemisphere angle"]);

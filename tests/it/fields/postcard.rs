@@ -1,4 +1,4 @@
-//! The postcard against what the original program says, where its numbers lie beside the project.
+//! The scene `postcard` compared with the output of the original program, if its files are present beside the project.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ fn data(file: &str) -> Option<PathBuf> {
     shared("postcard").map(|folder| folder.join(file))
 }
 
-/// The rows of a table of numbers, without their heading.
+/// Rows of a table of numbers, without the heading.
 fn rows(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).expect("a table");
     text.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().expect("a number")).collect()).collect()
@@ -38,7 +38,7 @@ fn postcard(values: &[(&str, &str)]) -> (Built, Box<dyn Integrator>) {
     (pt::build::build(&scene, source).unwrap_or_else(|e| panic!("{e}")), integrator)
 }
 
-/// 400 points: to 10⁻⁵, what f32 leaves of the original's numbers; and whose the distance is.
+/// At 400 points the distances agree to 10⁻⁵, the rounding of the original's numbers to f32, and the nearest part is the same.
 #[test]
 fn distances_are_the_originals() {
     let Some(path) = data("sdf_points.csv") else { return };
@@ -76,11 +76,12 @@ fn first_hits_are_the_originals() {
         turned = turned.max(1.0 - point.ng.as_dvec3().dot(triple(10)));
     }
     println!("positions within {farthest:.1e}, normals within {:.2}°", (1.0 - turned).acos().to_degrees());
-    // Differences over 0.01 of f32 distances of 10, of which each has an error of 10⁻⁶: 10⁻³ of a right angle, say.
+    // The original's normals are differences of f32 distances of about 10 over a step of 0.01, each with an error of 10⁻⁶: some 10⁻³ of a
+    // right angle.
     assert!(turned < 1e-4, "{turned:e}");
 }
 
-/// The camera's rays in the corners of the picture, by the formula of the facts.
+/// The camera's rays in the corners of the picture, by the formula that comes with the original's numbers.
 #[test]
 fn the_camera_is_the_originals() {
     let (built, _) = postcard(&[("/film/height", "540"), ("/film/width", "960")]);
@@ -89,7 +90,7 @@ fn the_camera_is_the_originals() {
     let camera = built.world.camera();
     for (x, y) in [(0.0, 0.0), (960.0, 0.0), (0.0, 540.0), (960.0, 540.0), (480.0, 270.0), (123.0, 45.0)] {
         let ray = pinhole(camera, x as f32, y as f32);
-        // To the left of the middle, and above it.
+        // The ray is to the left of the middle, and above it.
         let wanted = (forward + left * ((480.0 - x) / 960.0) + up * ((270.0 - y) / 960.0)).normalize();
         assert!((ray.direction.as_dvec3() - wanted).length() < 1e-6, "{} but {wanted}", ray.direction);
         assert!((ray.origin.as_dvec3() + built.world.origin() - eye).length() < 1e-5);
@@ -110,8 +111,8 @@ const WIDTH: usize = 240;
 const HEIGHT: usize = 135;
 const EDGE: usize = 15;
 
-/// The original halves an odd height to a whole number: its middle is half a pixel off, that of a picture one row
-/// higher is not, and the rows are the same but for the lowest.
+/// The original divides an odd height by two with rounding, so its middle is half a pixel off. A picture that is one row higher has the
+/// same middle and the same rows, except for the lowest.
 fn ours(spp: u64, seed: u64) -> Picture {
     let fov = (2.0 * (68f64 / 240.0).atan().to_degrees()).to_string();
     let (built, integrator) =
@@ -123,8 +124,8 @@ fn ours(spp: u64, seed: u64) -> Picture {
     Picture { mean: film.image(), samples: spp }
 }
 
-/// Means of blocks of 15 × 15 pixels, in units of their standard errors: ours, and the original's, which had 2048 samples
-/// of the same spread.
+/// Differences of the means of blocks of 15 × 15 pixels, in units of their standard errors. The original has 2048 samples, of the same
+/// variance as ours.
 fn z_scores(ours: &Picture, original: &Image) -> Vec<f64> {
     let mut scores = vec![];
     for channel in ["R", "G", "B"] {
@@ -144,7 +145,7 @@ fn z_scores(ours: &Picture, original: &Image) -> Vec<f64> {
     scores
 }
 
-/// No block is off by more than chance allows, nor all of them together.
+/// Asserts that no block differs by more than chance allows, and neither do all of them together.
 fn agree(spp: u64, seed: u64) {
     let Some(path) = data("card-linear-240x135-2048spp.pfm") else { return };
     let (original, _) = pt::output::read(&path).expect("a picture");
@@ -154,7 +155,8 @@ fn agree(spp: u64, seed: u64) {
     let mean = scores.iter().sum::<f64>() / scores.len() as f64;
     println!("{spp} spp: {} blocks, worst {worst:.2}, mean square {square:.3}, mean {mean:+.3}", scores.len());
     assert!(worst < critical_z(0.01, scores.len()), "{worst} standard errors");
-    // Three channels of 144 blocks are hardly more than 144 numbers: a mean square of 1 ± √(2/144).
+    // The three channels of a block are strongly correlated, so there are only about 144 independent numbers: a mean square of 1 ±
+    // √(2/144).
     assert!(square < 1.0 + 4.0 * (2.0f64 / 144.0).sqrt(), "mean square {square}");
     assert!(mean.abs() < 4.0 / 12.0, "all too bright or too dark: {mean}");
 }
@@ -164,14 +166,14 @@ fn the_picture_is_the_originals() {
     agree(8, 1);
 }
 
-/// Minutes: differences of a per mille of the brightest blocks.
+/// Takes minutes, and resolves differences of 0.1 % of the brightest blocks.
 #[test]
 #[ignore = "takes minutes"]
 fn the_picture_is_the_originals_in_full() {
     agree(512, 2);
 }
 
-/// Steps that end at the surface find the same places as steps that end before it, within what those leave out.
+/// Exact marching finds the same points as marching with a fixed stop distance, up to that distance.
 #[test]
 fn exact_hits_are_near_the_fixed_ones() {
     let (fixed, _) = postcard(&[]);
@@ -191,12 +193,12 @@ fn exact_hits_are_near_the_fixed_ones() {
         };
         let ((_, first), (b, second)) = (find(&fixed), find(&exact));
         judged += 1;
-        // At most 0.01 apart across the surface; along the ray by as much over the cosine.
+        // The points differ by at most 0.01 across the surface, and along the ray by that over the cosine.
         let cosine = b.ng.dot(ray.direction).abs();
         let apart = second.t - first.t;
         same += u32::from(apart >= -1e-4 && apart * cosine <= 0.0101);
     }
-    // Rays that graze an edge may end there, or behind it.
+    // Rays that graze an edge may end at the edge or behind it.
     println!("{same} of {judged}");
     assert!(same * 100 > judged * 97, "{same} of {judged}");
 }

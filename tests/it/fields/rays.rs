@@ -17,7 +17,7 @@ impl Polynomial {
         self.0.iter().rev().fold(0.0, |sum, c| sum * t + c)
     }
 
-    /// All zeros in a range: between two zeros of the derivative there is one where the sign changes, by bisection.
+    /// All zeros in a range. Between two neighbouring zeros of the derivative there is one if the sign changes; it is found by bisection.
     fn zeros(&self, from: f64, to: f64) -> Vec<f64> {
         if self.0.len() < 2 {
             return vec![];
@@ -47,7 +47,7 @@ fn ball(b: &Ball, o: DVec3, d: DVec3) -> Polynomial {
     Polynomial(vec![o.length_squared() - b.radius * b.radius, 2.0 * o.dot(d), d.length_squared()])
 }
 
-/// (|p|² + R² − r²)² − 4 R² (x² + y²): the torus without a root.
+/// (|p|² + R² − r²)² − 4 R² (x² + y²): the implicit torus without a square root.
 fn torus(ring: &Ring, o: DVec3, d: DVec3) -> Polynomial {
     let o = o - ring.center;
     let flat = |a: DVec3, b: DVec3| a.x * b.x + a.y * b.y;
@@ -72,10 +72,10 @@ fn box_zeros(low: DVec3, high: DVec3, o: DVec3, d: DVec3) -> Vec<f64> {
     if near < far { vec![near, far] } else { vec![] }
 }
 
-/// Hit or miss where `zeros` has it, the first of them in front.
+/// Asserts that the ray hits the shape at the first of the `zeros` in front of its origin, or misses it if there is none.
 ///
-/// t is rounded to f32, and found in f64 from coordinates of 10: half a spacing and a little. What is entered and left within
-/// `least` of each other may be passed: f32 does not resolve it.
+/// t is computed in f64 from coordinates of 10 and rounded to f32, so the tolerance is slightly more than half a unit in the last place. A
+/// ray may miss a solid that it enters and leaves within the distance `least`, because f32 does not resolve it.
 fn check(name: &str, shape: &dyn pt::shape::Shape, ray: &Ray, mut zeros: Vec<f64>) -> bool {
     let least = f64::from(f32::EPSILON) * 64.0 * f64::from(shape.bounds(0).magnitude().max_element()).sqrt();
     zeros.sort_by(f64::total_cmp);
@@ -89,7 +89,7 @@ fn check(name: &str, shape: &dyn pt::shape::Shape, ray: &Ray, mut zeros: Vec<f64
             assert!(grazing || apart <= t * 2f64.powi(-24) + 1e-9, "{name}: {} but {t}, {ray:?}", hit.t);
             true
         }
-        // Grazing: the chord is shorter than what a ray is known to.
+        // The ray grazes the solid: the chord is shorter than the precision of the ray.
         (None, Some(_)) => {
             assert!(zeros.len() > 1 && zeros[1] - zeros[0] < least.sqrt(), "{name}: missed {zeros:?}, {ray:?}");
             false
@@ -99,7 +99,7 @@ fn check(name: &str, shape: &dyn pt::shape::Shape, ray: &Ray, mut zeros: Vec<f64
 }
 
 #[test]
-fn hits_are_the_analytic_ones() {
+fn hits_match_the_analytic_ones() {
     let mut hits = 0;
     for seed in 0..300 {
         let mut random = Random::new(seed);
@@ -127,7 +127,7 @@ fn hits_are_the_analytic_ones() {
             let ray = zoo::ray(&*flat, &mut random);
             let (o, d) = of(&ray);
             let t = (half_space.point - o).dot(half_space.normal) / d.dot(half_space.normal);
-            // In a side of the box it may be met or not.
+            // A ray that lies in a side of the box may hit it or not.
             let side = (o + d * t).abs().max_element();
             if (side - 2.0).abs() > 1e-6 {
                 hits += usize::from(check("plane", &*flat, &ray, if side < 2.0 { vec![t] } else { vec![] }));
@@ -137,7 +137,7 @@ fn hits_are_the_analytic_ones() {
     assert!(hits > 100_000, "{hits} of 360,000");
 }
 
-/// Within the offset that rays then start with; normals are unit, and turn against the ray from outside.
+/// Hits lie on the surface within the offset of spawned rays. Normals have unit length and point against a ray from outside.
 #[test]
 fn hits_lie_on_the_surface() {
     for (name, make) in zoo::solids() {
@@ -154,10 +154,10 @@ fn hits_lie_on_the_surface() {
                 let d = field.at(dvec(point.p));
                 assert!(d.abs() <= f64::from(point.offset), "{name}, seed {seed}: {d:e} beside it, offset {:e}", point.offset);
                 assert!((point.ng.length() - 1.0).abs() < 4.0 * f32::EPSILON, "{name}: {}", point.ng);
-                // The side that it comes from. Where it grazes, the normal of a place nearby may say otherwise.
+                // The ray comes from the side of the normal. Where it grazes, the normal may be that of a point nearby and differ.
                 let (from, cos) = (field.at(dvec(ray.origin)), point.ng.dot(ray.direction));
                 assert!(from * f64::from(cos) < 1e-3, "{name}, seed {seed}: from {from} along {cos}");
-                // Nothing before it, as far as a thousand steps see.
+                // There is no earlier hit, tested at a thousand steps.
                 for k in 0..1000 {
                     let t = f64::from(hit.t) * f64::from(k) / 1000.0 * (1.0 - 1e-5);
                     let between = field.at(dvec(ray.origin) + dvec(ray.direction) * t);
@@ -169,7 +169,7 @@ fn hits_lie_on_the_surface() {
     }
 }
 
-/// A scene of 2^k times the size: the same hits, to the bit.
+/// A scene of 2^k times the size has the same hits, to the bit.
 #[test]
 fn scale_is_exact() {
     for (name, make) in zoo::solids() {
@@ -194,9 +194,9 @@ fn scale_is_exact() {
     }
 }
 
-/// Axes of which one is 10⁻³⁰ or 10³⁰ of the others, near and far: every ray ends, and what it hits is within the bounds.
+/// Objects with one axis scaled by 10⁻³⁰ or 10³⁰, near and far: intersection always ends, and hits are within the bounds.
 ///
-/// Without an end to its steps the first such ray would hold the test for ever; with one all of them take seconds.
+/// Without a limit on the steps the first such ray would never end. With the limit all of them take seconds.
 #[test]
 fn rays_end_at_every_scale() {
     let (done, end) = std::sync::mpsc::channel();
@@ -209,7 +209,7 @@ fn rays_end_at_every_scale() {
                 let shape = baked(make(&mut random), &Transform::scale(scale).expect("not zero"));
                 let bounds = shape.bounds(0);
                 for _ in 0..40 {
-                    // From near and far, at the box and along its sides.
+                    // Rays start near and far, and go towards the box and along its sides.
                     let target = bounds.min + (bounds.max - bounds.min) * random.in_cube().as_vec3();
                     let away = random.direction().as_vec3() * 10f32.powi(random.below(9) as i32 - 4) * bounds.magnitude().max_element();
                     let flat = if random.below(2) == 0 { Vec3::ONE } else { Vec3::ONE.with_z(1e-20) };
@@ -229,9 +229,9 @@ fn rays_end_at_every_scale() {
     worker.join().expect("no panic");
 }
 
-/// An uneven stretch of the whole: hits lie on the stretched surface, found by going back.
+/// A solid with a non-uniform scale: hits lie on the scaled surface, tested in object space.
 #[test]
-fn stretched_solids_are_met() {
+fn stretched_solids_are_hit() {
     for seed in 0..200 {
         let mut random = Random::new(seed);
         let field = zoo::torus(&mut random);
@@ -242,15 +242,15 @@ fn stretched_solids_are_met() {
             let Some(hit) = shape.intersect(0, &ray) else { continue };
             let point = shape.point(0, &ray, &hit);
             let back = field.at(place.inverse().point(dvec(point.p))).abs();
-            // A length of the object's is up to 1/0.1 of the world's.
+            // A length in object space is up to 1/0.1 of that in world space.
             assert!(back <= 10.0 * f64::from(point.offset), "seed {seed}: {back:e}, offset {:e}", point.offset);
         }
     }
 }
 
-/// Rays that are none, and rays along the axes in the sides of the box.
+/// Invalid rays, and rays along the axes in the sides of the box, cause no panic.
 #[test]
-fn odd_rays_do_no_harm() {
+fn invalid_rays_cause_no_panic() {
     let cube = baked(Field::Cuboid(Cuboid { low: DVec3::splat(-1.0), high: DVec3::ONE, rounding: 0.0 }), &Transform::IDENTITY);
     let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
     for v in bad.into_iter().flat_map(|x| [glam::Vec3::splat(x), glam::Vec3::new(x, 0.5, 0.5)]) {

@@ -1,4 +1,4 @@
-//! Rays that leave a field's surface start beside it.
+//! Rays that are spawned on a field's surface start beside it.
 
 use glam::DVec3;
 use pt::bsdf::{Bsdf, Diffuse};
@@ -23,7 +23,7 @@ fn leave(shape: &dyn Shape, random: &mut Random) -> Option<(SurfacePoint, Ray)> 
     Some((point, surface(point).spawn(random.direction().as_vec3(), 0.0)))
 }
 
-/// Out of what curves outwards everywhere no ray meets the surface again; and into it no ray meets it at once.
+/// A ray that leaves a convex solid never hits it again, and a ray that enters it does not hit it at its start.
 #[test]
 fn no_self_hits() {
     let convex = [("ball", zoo::ball as fn(&mut Random) -> Field), ("capsule", zoo::capsule), ("box", zoo::sharp_box)];
@@ -37,7 +37,7 @@ fn no_self_hits() {
                 let again = shape.intersect(0, &ray);
                 match point.ng.dot(ray.direction) > 0.0 {
                     true => again.is_some(),
-                    // What is thinner than its own uncertainty has no inside to start from.
+                    // A solid that is thinner than its error bound has no inside to start from.
                     false if 4.0 * point.offset > 0.1 => false,
                     false => again.is_some_and(|hit| shape.point(0, &ray, &hit).ng.dot(ray.direction) < -1e-3),
                 }
@@ -49,9 +49,9 @@ fn no_self_hits() {
     }
 }
 
-/// On the side that it leaves to: the field has its sign, and more than nothing of it.
+/// The ray starts on the side that it leaves to: the field has the sign of that side and is not 0.
 #[test]
-fn rays_start_beside_the_surface() {
+fn rays_start_on_the_side_that_they_leave_to() {
     for (name, make) in zoo::solids() {
         for seed in 0..40 {
             let mut random = Random::new(seed);
@@ -61,7 +61,7 @@ fn rays_start_beside_the_surface() {
                 let Some((point, ray)) = leave(&*shape, &mut random) else { continue };
                 let side = f64::from(point.ng.dot(ray.direction)).signum();
                 let d = side * field.at(dvec(ray.origin));
-                // Where another part of the surface is that near there is no room.
+                // There is no room for the offset where another part of the surface is that near.
                 let room = side * field.at(dvec(point.p + point.ng * (16.0 * point.offset) * side as f32));
                 assert!(d > 0.0 || room < 8.0 * f64::from(point.offset), "{name}, seed {seed}: {d:e} at {ray:?}");
             }
@@ -69,7 +69,7 @@ fn rays_start_beside_the_surface() {
     }
 }
 
-/// A room carved out of everything, with a ball and a plank in it: light that is thrown about never gets out.
+/// A room carved out of a solid space, with a ball and a plank in it: paths never leave the room.
 #[test]
 fn paths_stay_in_a_room() {
     let half = DVec3::new(3.0, 2.0, 1.0);

@@ -10,11 +10,11 @@ use crate::random::Random;
 /// A kind of field, and how to make one.
 pub type Kind = (&'static str, fn(&mut Random) -> Field);
 
-/// Euclid's distance itself, inside and outside.
+/// The field is the exact Euclidean distance, inside and outside.
 pub const EXACT: &[Kind] =
     &[("ball", ball), ("capsule", capsule), ("torus", torus), ("half ring", half_ring), ("box", sharp_box), ("plane", plane)];
 
-/// Not more than the distance.
+/// The field is a lower bound of the distance.
 const BOUNDS: &[Kind] = &[
     ("rounded box", rounded_box),
     ("Chebyshev box", chebyshev),
@@ -37,7 +37,7 @@ pub fn all() -> impl Iterator<Item = Kind> {
     EXACT.iter().chain(BOUNDS).copied()
 }
 
-/// Those that have an end and an inside: solids.
+/// The kinds of fields that are bounded and have an inside: solids.
 pub fn solids() -> impl Iterator<Item = Kind> {
     all().filter(|(_, make)| Sdf::new(make(&mut Random::new(0))).ends().all())
 }
@@ -97,7 +97,7 @@ fn plane(random: &mut Random) -> Field {
 }
 
 fn repeated(random: &mut Random, copies: [f64; 2]) -> Field {
-    // The half ring is not where the middle of its box is: the copy next door may be nearer.
+    // The half ring does not lie in the middle of its box, so a neighbouring copy may be nearer.
     let of = if random.below(2) == 0 { sharp_box(random) } else { half_ring(random) };
     let axis = random.below(3);
     let [low, high] = of.bounds(0.0);
@@ -105,7 +105,7 @@ fn repeated(random: &mut Random, copies: [f64; 2]) -> Field {
     Field::Repeated(Repeated::new(of, axis, period, copies).expect("it fits"))
 }
 
-/// Lines without thickness, or solids.
+/// Extruded fields: lines without thickness, or solids.
 fn extruded(random: &mut Random, log_power: u32) -> Field {
     let line = Field::Capsule(Capsule::new(random.in_cube().with_z(0.0), random.in_cube().with_z(0.0) + DVec3::X * 0.1, 0.0));
     let arc = Field::Ring(Ring { center: DVec3::ZERO, tube: 0.0, ..ring(random, true) });
@@ -117,7 +117,7 @@ pub fn baked(field: Field, place: &Transform) -> Box<dyn Shape> {
     Sdf::new(field).bake(place).expect("it has an end")
 }
 
-/// From anywhere within some sizes of the shape to somewhere in its box.
+/// A ray from a random point within a few sizes of the shape to a random point in its box.
 pub fn ray(shape: &dyn Shape, random: &mut Random) -> Ray {
     let bounds = shape.bounds(0);
     let (center, radius) = (bounds.center().as_dvec3(), f64::from(bounds.radius()));
@@ -127,7 +127,7 @@ pub fn ray(shape: &dyn Shape, random: &mut Random) -> Ray {
     Ray::new(origin, (target - origin.as_dvec3()).normalize_or(DVec3::X).as_vec3())
 }
 
-/// Point of world space in the space of a field, where the two are the same.
+/// Converts a point in world space to the space of a field, where the two are the same.
 pub fn dvec(p: Vec3) -> DVec3 {
     p.as_dvec3()
 }

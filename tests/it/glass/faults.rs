@@ -1,4 +1,4 @@
-//! Diagnosis by number: how far a pane magnifies names the mistake in a tracer.
+//! Diagnosis of ray tracers: the magnification by a pane identifies the mistake in the code.
 //!
 //! Camera and ruler at the distances a and b from a thin pane of index n; M is the paraxial magnification:
 //!
@@ -25,21 +25,21 @@ use pt::scene::Scene;
 use super::ruler::{Stand, read};
 use crate::scenes::picture;
 
-/// A way to refract.
+/// Formula of refraction, correct or with a typical mistake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Refraction {
-    /// pt's own.
+    /// pt's own formula, which is correct.
     Right,
     ExitMissed,
-    /// The index of entry, also on exit.
+    /// Mistake: the index of refraction for entry is also used on exit.
     NotInverted,
-    /// The index of exit, also on entry.
+    /// Mistake: the index of refraction for exit is also used on entry.
     Inverted,
-    /// On exit the indices are swapped, but the normal still points outside.
+    /// Mistake: on exit the indices are swapped, but the normal still points outside.
     NormalNotTurned,
 }
 
-/// Each with the magnification that gives it away, for a = b = 1.
+/// The formulas with their magnifications for a = b = 1.
 const ALL: [(Refraction, f64); 5] = [
     (Refraction::Right, 1.0),
     (Refraction::ExitMissed, 2.0 / (1.0 + 1.0 / 1.5)),
@@ -53,7 +53,7 @@ impl Refraction {
     fn bend(self, d: Vec3, n: Vec3, eta: f32) -> Option<Vec3> {
         let leaving = d.dot(n) > 0.0;
         let frame = Frame::around(n);
-        // With the outside on the side where the light comes from, `eta` counts as is: as if entering.
+        // `eta` is used as it is, as on entry, if the normal points to the side that the light comes from.
         let entering = |eta: f32| {
             let turned = Frame::around(if leaving { -n } else { n });
             fresnel::refract(turned.to_local(-d).0, eta).map(|w| turned.to_world(pt::math::Local(w)))
@@ -69,7 +69,7 @@ impl Refraction {
     }
 }
 
-/// ηd + (η cos θ − cos θt) n, which holds only while n opposes d; here it does not, and |cos θ| hides it.
+/// ηd + (η cos θ − cos θt) n, which is correct only if n points against d. On exit it does not, and |cos θ| hides that.
 pub fn unturned(d: Vec3, n: Vec3, eta: f32) -> Vec3 {
     let cos = d.dot(n).abs();
     let cos_t = (1.0 - eta * eta * (1.0 - cos * cos)).max(0.0).sqrt();
@@ -107,12 +107,12 @@ impl Estimator for Walk {
     }
 }
 
-/// A thin pane half way.
+/// A thin pane half way between camera and ruler.
 fn stand(distance: f64) -> Stand {
     Stand { distance, near: 1.0 - 1e-5, thickness: 1e-5, closed: false, offset: 0.0 }
 }
 
-/// The unturned normal by itself: a slab is left at θ/(2n − 1), 10° become 4.975°.
+/// With a normal that is not turned on exit, a ray leaves a slab at θ/(2n − 1): 10° become 4.975°.
 #[test]
 fn unturned_normal_bends_the_ray() {
     let entering = slanting(10.0);
@@ -128,21 +128,21 @@ fn slanting(degrees: f64) -> Vec3 {
     DVec3::new(degrees.to_radians().sin(), 0.0, -degrees.to_radians().cos()).as_vec3()
 }
 
-/// The ruler tells every mistake from every other, and from none.
+/// The magnification of the ruler differs between all mistakes and the correct formula.
 #[test]
-fn the_ruler_names_the_mistake() {
+fn the_magnification_identifies_the_mistake() {
     for (refraction, expected) in ALL {
         let m = read(stand(2.0), &Tracer(refraction));
         assert!((m / expected - 1.0).abs() < 2e-3, "{refraction:?}: {m} for {expected}");
     }
     let m = read(stand(2.0), &Whitted { max_depth: 2, ..Whitted::default() });
     assert!((m - 1.0).abs() < 5e-4, "pt: {m}");
-    // a = 1, b = 3 tells a missed exit from an unturned normal by other numbers.
+    // Other distances, a = 1 and b = 3, also distinguish a missed exit from a normal that is not turned.
     let far = read(stand(4.0), &Tracer(Refraction::ExitMissed));
     assert!((far / (4.0 / 3.0) - 1.0).abs() < 2e-3, "{far}");
 }
 
-/// A comparison of pictures refuses every mistake, and accepts the tracer that makes none.
+/// The comparison of pictures detects every mistake, and accepts the correct tracer.
 #[test]
 fn the_comparison_refuses_every_mistake() {
     let scene = stand(2.0).scene(true);

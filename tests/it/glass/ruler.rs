@@ -1,4 +1,4 @@
-//! Magnification, read off a ruler behind the glass.
+//! Magnification by a pane of glass, measured with a ruler behind it.
 
 use std::sync::Arc;
 
@@ -16,11 +16,11 @@ use pt::world::World;
 use super::{block, pane};
 use crate::scenes::{at, black, facing, glow, picture};
 
-/// A row of pixels over ±1/50 of the distance: angles at which tan θ = θ to 10⁻⁴.
+/// The picture is a row of pixels over ±1/50 of the distance, with angles at which tan θ = θ to 10⁻⁴.
 const WIDTH: u32 = 1024;
 const HALF_WIDTH: f64 = 0.02;
 
-/// How a pane stands before a ruler.
+/// Positions of the camera, a pane and a ruler behind it.
 #[derive(Clone, Copy, Debug)]
 pub struct Stand {
     /// From the camera to the ruler (m).
@@ -28,14 +28,14 @@ pub struct Stand {
     /// From the camera to the near face (m).
     pub near: f64,
     pub thickness: f64,
-    /// A closed box, else two quads.
+    /// Whether the pane is a closed box. Otherwise it is two quads.
     pub closed: bool,
-    /// Where in the world the camera stands, on every axis (m).
+    /// Coordinate of the camera in the world, the same on every axis (m).
     pub offset: f64,
 }
 
 impl Stand {
-    /// The edge of the ruler is seen half way from the middle of the row to its right end, were there no glass.
+    /// Builds the scene. Without glass the edge of the ruler appears half way from the middle of the row to its right end.
     pub fn scene(&self, glass: bool) -> Arc<World> {
         let eye = DVec3::splat(self.offset);
         let aspect = f64::from(WIDTH);
@@ -54,15 +54,15 @@ impl Stand {
         Arc::new(world.build().unwrap())
     }
 
-    /// M = D/(D − t(1 − 1/n)), wherever the pane stands.
+    /// The magnification M = D/(D − t(1 − 1/n)), which does not depend on the position of the pane.
     pub fn magnification(&self, n: f64) -> f64 {
         self.distance / (self.distance - self.thickness * (1.0 - 1.0 / n))
     }
 }
 
-/// Where the edge of the ruler is seen, from the middle of the row (pixels), by the light left of it.
+/// Distance of the ruler's edge from the middle of the row (pixels), computed from the light left of the edge.
 ///
-/// Two interfaces and no more: the faint images of inner reflections are no part of the ruler.
+/// The depth allows only two interfaces, because faint images by inner reflections must not count.
 pub fn edge(scene: Arc<dyn Scene>, integrator: &dyn Integrator) -> f64 {
     let sampler = SamplerSpec { kind: Kind::Stratified, spp: 64, seed: 1, ..SamplerSpec::default() };
     let image = picture(scene, integrator, FilmSpec::new(WIDTH, 1), sampler);
@@ -71,7 +71,7 @@ pub fn edge(scene: Arc<dyn Scene>, integrator: &dyn Integrator) -> f64 {
     row.iter().sum::<f64>() / plateau - 0.5 * f64::from(WIDTH)
 }
 
-/// How much larger the ruler is through the glass.
+/// The measured magnification.
 pub fn read(stand: Stand, integrator: &dyn Integrator) -> f64 {
     edge(stand.scene(true), integrator) / edge(stand.scene(false), integrator)
 }
@@ -93,7 +93,7 @@ fn panes_magnify_as_snell_says() {
     }
 }
 
-/// O4. Thin panes vanish, wherever in the world they stand: no distance is too short for a ray.
+/// O4. Thin panes do not magnify, at any position in the world: no distance is too short for a ray.
 #[test]
 fn thin_panes_do_not_magnify() {
     for (thickness, offset) in [1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5].into_iter().flat_map(|t| [0.0, 1e3, 1e5].map(|o| (t, o))) {

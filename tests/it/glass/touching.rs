@@ -14,7 +14,7 @@ fn stacked(gap: f64) -> WorldBuilder {
     world
 }
 
-/// The shapes that a ray meets on its way straight through, and its direction behind them.
+/// The shapes that a ray hits on its way through, and its direction behind them.
 fn met(scene: &World, mut ray: Ray) -> (Vec<u32>, Vec3) {
     let mut shapes = vec![];
     ray.origin -= scene.origin().as_vec3();
@@ -30,8 +30,8 @@ fn leaves(scene: &World, degrees: f64) -> f64 {
     f64::from(met(scene, slanting(degrees)).1.x)
 }
 
-/// The documented limit (`describe::Dielectric`): of two faces in one place only the one listed first is met, from
-/// either side. The light is in air where it should be in glass, and leaves at n sin θ.
+/// The documented limit (`describe::Dielectric`): of two faces at the same position, rays hit only the one that is listed first, from
+/// either side. The light is treated as in air where it should be in glass, and leaves at n sin θ.
 #[test]
 fn of_coincident_faces_the_first_listed_is_met() {
     let scene = stacked(0.0).build().unwrap();
@@ -44,8 +44,8 @@ fn of_coincident_faces_the_first_listed_is_met() {
     }
 }
 
-/// Glued glass is one body: without the faces between them two panes are one pane, and light leaves as it came.
-/// With a gap that rays do not step over they are two, and it does so too.
+/// Two panes that touch must be described as one body, without the faces between them, or as two bodies with a gap that is larger than the
+/// offset of rays. In both cases light leaves at the angle at which it entered.
 #[test]
 fn one_body_or_a_gap_is_right() {
     let mut merged = World::builder(no_camera());
@@ -65,8 +65,8 @@ fn one_body_or_a_gap_is_right() {
     }
 }
 
-/// Water in a glass: where both touch stands one face, whose η is the ratio of the two indices. Parallel interfaces
-/// keep n sin θ, whatever lies between.
+/// Water in a glass: there is one face where both touch, and its η is the ratio of the two indices. Parallel interfaces keep n sin θ,
+/// whatever lies between.
 #[test]
 fn one_face_with_the_ratio_of_the_indices_lies_between_two_media() {
     let (glass, water) = (1.5, 1.33);

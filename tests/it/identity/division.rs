@@ -59,7 +59,7 @@ fn sample(random: &mut Random) -> Moments {
     Moments::of(Spectrum::rgb(value(), value(), value()))
 }
 
-/// The moments of the samples `first` … `first + 2^level − 1`, as a tile adds them up.
+/// Moments of the samples `first` … `first + 2^level − 1`, added up as in a tile.
 fn wave(samples: &[Moments], wave: Wave) -> Moments {
     let mut tree = Tree::default();
     let range = wave.first as usize..(wave.first + wave.samples()) as usize;
@@ -70,12 +70,12 @@ fn wave(samples: &[Moments], wave: Wave) -> Moments {
 proptest! {
     #![proptest_config(cases(2000))]
 
-    /// Any split into aligned blocks gives the bits of one sample after the other.
+    /// Every division into aligned blocks gives the same bits as adding one sample after the other.
     #[test]
     fn any_aligned_split_gives_the_same_bits(count in 1u64..300, seed in any::<u64>()) {
         let mut random = Random::new(seed);
         let samples: Vec<Moments> = (0..count).map(|_| sample(&mut random)).collect();
-        // The sums themselves: a picture of f32 would hide their last bits.
+        // The comparison is of the sums in f64, because a picture in f32 would hide their last bits.
         let sums = |next: &mut dyn FnMut(u64) -> Wave| {
             let (mut tree, mut done) = (Tree::default(), 0);
             while done < count {
@@ -90,7 +90,7 @@ proptest! {
         prop_assert_eq!(split, one_by_one);
     }
 
-    /// 2^k times the samples, 2^k times the mean and its error.
+    /// Samples that are 2^k times as large give exactly 2^k times the mean and its error.
     #[test]
     fn sums_scale_exactly(count in 1u64..100, seed in any::<u64>(), k in -30i32..30) {
         let film = |factor: f32| {

@@ -15,7 +15,7 @@ use pt::scene::{Scene, Surface};
 use super::new;
 use super::zoo::{Shot, Which, Zoo, bits, picture};
 
-/// A scene that claims to need everything.
+/// A scene that claims to have all effects.
 struct Wide(Arc<dyn Scene>);
 
 impl Scene for Wide {
@@ -48,9 +48,9 @@ impl Scene for Wide {
     }
 }
 
-/// The walk that can do everything and the one that does what the scene calls for.
+/// An integrator that simulates all effects gives the same bits as one that simulates only those of the scene.
 #[test]
-fn wide_equals_narrow() {
+fn simulating_effects_that_do_not_occur_changes_no_bit() {
     for (entry, lights) in ALL.iter().flat_map(|e| [Which::All, Which::AreaOnly, Which::EnvironmentOnly].map(|l| (e, l))) {
         let zoo = Zoo { lights, ..Zoo::default() };
         let shot = Shot { zoo, ..Shot::default() };
@@ -61,9 +61,10 @@ fn wide_equals_narrow() {
     }
 }
 
-/// A lens too small to move a ray draws its numbers, a light without power is there: nobody else's numbers change.
+/// A lens that is too small to move a ray uses random numbers, and so may a light without power. This does not change the random numbers of
+/// anything else.
 #[test]
-fn unused_effects_shift_no_numbers() {
+fn unused_effects_do_not_shift_random_numbers() {
     for (entry, (kind, ..)) in ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
         let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 4, seed: 3, ..SamplerSpec::default() }, ..Shot::default() };
         let taken = |zoo: Zoo| bits(&picture(zoo.build(), &*new(entry), &shot));

@@ -1,11 +1,11 @@
-//! Whatever the processor can do.
+//! The picture does not depend on the instruction set of the processor.
 
 use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
 
-/// `PT_SIMD=sse2` asks for the plainest instructions; no bit of any scene's picture is another.
+/// `PT_SIMD=sse2` selects the simplest instructions. No bit of any scene's picture changes.
 #[test]
 fn instruction_sets_agree() {
     let folder = tempfile::tempdir().expect("a folder");

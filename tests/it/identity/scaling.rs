@@ -1,4 +1,4 @@
-//! No absolute constant anywhere: lengths ×2^k give the same bits, light ×2^k gives pixels ×2^k.
+//! There are no absolute constants: lengths × 2^k give the same bits, and light × 2^k gives pixels × 2^k.
 
 use pt::film::Image;
 use pt::integrators::ALL;

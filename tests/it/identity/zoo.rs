@@ -1,4 +1,4 @@
-//! One of each: a small scene with every material, light, shape and texture, and how it is photographed.
+//! A small scene with every kind of material, light, shape and texture, and the settings to render it.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use pt::world::World;
 
 use crate::geometry::icosphere;
 
-/// The zoo, and what may change about it.
+/// The parameters of the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Zoo {
     /// Factor of all lengths. Intensities are scaled by its square, so that the picture stays the same.
@@ -30,7 +30,7 @@ pub struct Zoo {
     pub lens_radius: f32,
     pub camera: Lens,
     pub lights: Which,
-    /// A point light of no power, a shape outside of the picture that nothing sees.
+    /// Whether to add a point light without power and a shape outside of the picture.
     pub idle: bool,
 }
 
@@ -179,7 +179,7 @@ fn ball() -> MeshData {
     MeshData { normals: points.iter().map(|p| p.as_vec3()).collect(), uvs, positions, triangles, ..MeshData::default() }
 }
 
-/// How the zoo is photographed.
+/// Settings to render the scene.
 #[derive(Clone, Debug)]
 pub struct Shot {
     pub zoo: Zoo,
@@ -202,7 +202,7 @@ pub fn bits(image: &Image) -> Bits {
     image.channels.iter().map(|c| (c.name.clone(), c.values.iter().map(|v| v.to_bits()).collect())).collect()
 }
 
-/// On the threads of the caller.
+/// Renders on the threads of the caller.
 pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, shot: &Shot) -> Image {
     let mut film = MomentFilm::new(shot.film.clone());
     let settings = Settings { tile: shot.tile, ..Settings::new(shot.sampler) };
@@ -212,7 +212,7 @@ pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, shot: &Shot) 
     film.image()
 }
 
-/// On so many threads.
+/// Renders on this number of threads.
 pub fn render_on(threads: usize, integrator: &dyn Integrator, shot: &Shot) -> Bits {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had");
     pool.install(|| bits(&picture(shot.zoo.build(), integrator, shot)))

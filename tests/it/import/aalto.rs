@@ -1,4 +1,4 @@
-//! Scenes of the Aalto path tracer: every row of the page, where things go, and what its pictures show.
+//! Scenes of the Aalto path tracer: every row of the documentation, the positions of objects, and comparisons with its pictures.
 
 mod pictures;
 mod rows;
@@ -16,7 +16,7 @@ use super::convert::{same_bits, succeeds};
 use super::dialect::{built, folder};
 use crate::random::Random;
 
-/// Every construct that is read without a word. The mesh is [`TETRAHEDRON`].
+/// A scene of every construct that is read without a note. The mesh is [`TETRAHEDRON`].
 const SCENE: &str = r#"{
   "camera": {
     "focalPoint": { "x": -8, "y": 0.5, "z": 1 }, "direction": { "x": 2, "y": 0, "z": -0.25 },
@@ -38,11 +38,11 @@ const SCENE: &str = r#"{
   ]
 }"#;
 
-/// With what the program writes and reads: carriage returns, exponents of three digits, spaces at the end.
+/// A mesh in the style of the program: with carriage returns, exponents of three digits, and spaces at the ends of lines.
 const TETRAHEDRON: &str = "# a comment\r\nmtllib tetrahedron.mtl\r\nv 1 2 3 \r\nv 3 2 3\r\nv 1.5e+000 4 3\r\nv 1.5 2500e-003 5.5\r\n\
     f 1 3 2 \r\nf 1 2 4\r\nf 2 3 4\r\nf 3 1 4\r\n";
 const CORNERS: [[f64; 3]; 4] = [[1.0, 2.0, 3.0], [3.0, 2.0, 3.0], [1.5, 4.0, 3.0], [1.5, 2.5, 5.5]];
-/// Components of a unit direction err by a few roundings of 2⁻²⁴, as do the tangents behind them.
+/// Components of a unit direction, and the tangents from which they are computed, have an error of a few roundings of 2⁻²⁴.
 const FEW_ROUNDINGS: f64 = 32.0 / 16_777_216.0;
 const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 
@@ -54,7 +54,7 @@ fn world(folder: &Path) -> World {
     built(&folder.join("scene.json")).unwrap_or_else(|error| panic!("{error}")).1.world
 }
 
-/// The value under a pointer of what the scene became.
+/// The value at a pointer of the converted scene.
 fn became(scene: &str, pointer: &str) -> String {
     let (imported, _) = built(&files(scene).path().join("scene.json")).unwrap_or_else(|error| panic!("{error}"));
     imported.root.get(pointer).map(Node::to_string).unwrap_or_else(|| panic!("{pointer} in {}", imported.root))
@@ -69,7 +69,7 @@ fn what_is_converted_has_the_same_bits() {
     same_bits(folder.path(), "scene.json", "other/scene.json");
 }
 
-/// Names stay, and materials with equal names get different ones.
+/// Names are kept, and materials with equal names are renamed.
 #[test]
 fn comments_are_names() {
     assert_eq!(became(SCENE, "/shapes/1/name"), "\"Ball\"");
@@ -80,7 +80,7 @@ fn comments_are_names() {
     assert_eq!(became(SCENE, "/materials/Mirror (2)/mattness"), "0.4");
 }
 
-/// Lamps shine to both sides with their colour, which is never above 1, and what their `type` says is not asked.
+/// Lamps emit their colour, which is at most 1, on both sides. Their `type` is ignored.
 #[test]
 fn lamps() {
     let lamp = SCENE.replace(r#""Light", "isLuminous": true"#, r#""Light", "isLuminous": "true", "type": "what?""#).replace("0.75", "1.75");
@@ -95,9 +95,9 @@ fn lamps() {
     assert!(notes[0].contains("/materials/0/color/g: 1.75 is taken as 1"), "{notes:?}");
 }
 
-/// right = z × direction and up = direction × right: across and up, with tangents of angles of their own.
+/// Camera rays have right = z × direction and up = direction × right, with separate tangents for the horizontal and the vertical angle.
 #[test]
-fn rays_leave_as_there() {
+fn camera_rays_are_those_of_the_program() {
     let mut random = Random::new(3);
     for _ in 0..50 {
         let mut between = |low: f64, high: f64| low + (high - low) * random.unit();
@@ -131,7 +131,7 @@ fn rays_leave_as_there() {
 
 /// A mesh is rotated about x, y and z, centred by its box, scaled to `height` and moved to the midpoint, as explicit matrices say.
 #[test]
-fn meshes_stand_where_they_stood() {
+fn meshes_are_placed_as_by_the_program() {
     let mut random = Random::new(4);
     for _ in 0..20 {
         let turns = [0, 1, 2].map(|_| (random.below(73) as f64 - 36.0) * 5.0);
@@ -159,9 +159,9 @@ fn meshes_stand_where_they_stood() {
     }
 }
 
-/// Names that are not ASCII, in the scene and beside it.
+/// Names that are not ASCII, in the scene and of files.
 #[test]
-fn names_of_any_letters() {
+fn names_may_have_any_letters() {
     let scene = SCENE.replace("./tetrahedron.obj", "./seinät.obj").replace("\"Ball\"", "\"Pöytä\"");
     let folder = folder(&[("scene.json", &scene), ("seinät.obj", &format!("{TETRAHEDRON}curv 1\n"))]);
     let (imported, built) = built(&folder.path().join("scene.json")).expect("a scene");
@@ -169,7 +169,7 @@ fn names_of_any_letters() {
     assert_eq!(built.warnings, ["./seinät.obj: ignored statements: curv (1)"], "told once, though three shapes are made of it");
 }
 
-/// A scene whose first material is an object that slipped into the list: that is said, and nothing else.
+/// A scene with a shape in the list of materials causes one error message, and no other.
 #[test]
 fn one_misplaced_object_is_one_error() {
     let object = r#"{ "comment": "Lamp", "type": "mesh", "path": "./none.obj", "materialIndex": 0,
@@ -183,9 +183,9 @@ fn one_misplaced_object_is_one_error() {
     assert_eq!(error.exit_code(), 3);
 }
 
-/// Faults name the keys of the file that was read, not those of pt's format.
+/// Faults are reported with the keys of the original file, not those of pt's format.
 #[test]
-fn faults_have_the_places_of_the_file() {
+fn faults_are_located_in_the_original_file() {
     for (from, to, expected) in [
         ("\"xAngle\": 20", "\"xAngle\": 200", "/camera/xAngle: expected an angle in degrees above 0 and below 180, found 200"),
         ("\"xReso\": 12", "\"xReso\": 1.5", "/camera/xReso: expected a whole number, found 1.5"),

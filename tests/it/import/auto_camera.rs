@@ -1,4 +1,4 @@
-//! A first picture: from the side that is asked for everything is seen, and lit from behind the camera.
+//! The automatic camera of models: everything is visible from the requested side, and lit from behind the camera.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -8,7 +8,7 @@ use pt::import::{AutoCamera, Up, Viewpoint};
 
 use super::read::{Read, assert_near, met, try_read_with};
 
-/// A wedge that is wide in x, less so in y, and least in z.
+/// A wedge that is widest in x and narrowest in z.
 const WEDGE: &str = "v -4 -1 0.5\nv 4 -1 0\nv 0 2 1\nv 0 0 -0.5\nf 1 2 3\nf 1 3 4\n";
 const VERTICES: [[f64; 3]; 4] = [[-4.0, -1.0, 0.5], [4.0, -1.0, 0.0], [0.0, 2.0, 1.0], [0.0, 0.0, -0.5]];
 
@@ -33,8 +33,8 @@ fn camera(scene: &Read) -> (DVec3, [DVec3; 3]) {
     (vector("from"), [right, back.cross(right), back])
 }
 
-/// What points to the camera, and up in the picture, in the file's axes: y up and z to the front, or z up and y to the back as
-/// modelling programs have it.
+/// Directions to the camera and up in the picture, in the file's axes: y up and z to the front, or z up and y to the back as in modelling
+/// programs.
 #[test]
 fn views_show_the_sides_that_they_name() {
     let sides: [(&str, Up, [f64; 3], [f64; 3]); 12] = [
@@ -80,7 +80,7 @@ fn everything_is_seen_from_every_side() {
     }
 }
 
-/// The disk of the key light lies behind the camera that renders, wherever that stands, and lights the middle as is said.
+/// The disk of the key light lies behind the camera, for every position of the camera, and gives the middle the documented irradiance.
 #[test]
 fn no_picture_shows_the_key_light() {
     let (low, high) = (DVec3::new(-4.0, -1.0, -0.5), DVec3::new(4.0, 2.0, 1.0));
@@ -97,7 +97,7 @@ fn no_picture_shows_the_key_light() {
             let lamp = DVec3::from_slice(&scene.numbers("/shapes/1/transform/1/look_at/from"));
             let radius = scene.number("/shapes/1/radius");
             let axis = (lamp - middle).normalize();
-            // How far the nearest point of the disk is behind the plane of the camera.
+            // Distance of the nearest point of the disk behind the plane of the camera.
             let behind = (lamp - eye).dot(back) - radius * (1.0 - axis.dot(back).powi(2)).sqrt();
             assert!(behind > 0.0, "{look_at}, {}: {behind}", view.name);
             let sin2 = radius * radius / (radius * radius + (lamp - middle).length_squared());
@@ -110,9 +110,9 @@ fn no_picture_shows_the_key_light() {
     }
 }
 
-/// Who gives a light gets no other.
+/// If the command line adds a light, no default light is added.
 #[test]
-fn light_of_the_command_line_is_all_there_is() {
+fn lights_from_the_command_line_replace_the_default_lights() {
     for (pointer, value) in [("/background", r#"{"radiance": 0.5}"#), ("/lights", r#"[{"type":"point","position":[0,9,0],"intensity":1}]"#)]
     {
         let scene = wedge(AutoCamera::default(), &[(pointer, value)]);
@@ -123,7 +123,7 @@ fn light_of_the_command_line_is_all_there_is() {
 
 /// The ground lies just below the lowest vertex, along the axis that points up, and faces upwards.
 #[test]
-fn the_ground_lies_under_everything() {
+fn the_ground_is_below_everything() {
     for (up, axis, lowest) in [(Up::Y, DVec3::Y, -1.0), (Up::Z, DVec3::Z, -0.5)] {
         let built = wedge(AutoCamera { up: Some(up), view: None, ground: true }, &[]).built();
         let beside = DVec3::splat(9.0) * (DVec3::ONE - axis);
@@ -136,9 +136,9 @@ fn the_ground_lies_under_everything() {
     }
 }
 
-/// Scenes that have a camera and light of their own are not framed, and it is said that nothing comes of the wish.
+/// Scenes that have a camera and light of their own are not framed, and a note says that the options have no effect.
 #[test]
-fn scenes_stay_as_they_are() {
+fn scenes_with_a_camera_are_not_framed() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("s.json");
     fs::write(&path, r#"{"pt": 1, "camera": {}, "shapes": []}"#).expect("a file");

@@ -1,4 +1,4 @@
-//! `pt convert`: the written scene's picture has the bits of the read one's.
+//! `pt convert`: the picture of the written scene has the same bits as that of the read scene.
 
 use std::fs;
 use std::path::Path;

@@ -30,7 +30,7 @@ const DIALECTS: [(&str, &str, &str); 3] = [
 const PYRAMID: &str = "v -0.5 0 -0.5\nv 0.5 0 -0.5\nv 0.5 0 0.5\nv -0.5 0 0.5\nv 0 1 0\n\
     usemtl red\nf 1 5 2\nf 2 5 3\nusemtl none\nf -3 -1 -2\nf 4 5 1\nf 4 3 2 1\n";
 
-/// A folder with the three of them, and the mesh that they name.
+/// A folder with the scene in the three dialects, and the mesh that they name.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("pyramid.obj"), PYRAMID).expect("a mesh");
@@ -47,12 +47,12 @@ fn imported(folder: &Path, file: &str) -> Imported {
 }
 
 #[test]
-fn each_is_recognised_by_its_spellings() {
+fn each_dialect_is_recognised_by_its_keywords() {
     let folder = folder();
     for (name, file, _) in DIALECTS {
         let found = imported(folder.path(), file);
         assert_eq!(found.dialect.name, name);
-        // The veins of its marble lie elsewhere.
+        // The veins of the marble have other positions in this dialect.
         let others = found.notes.iter().filter(|note| !note.message.contains("veins are approximated"));
         assert_eq!(others.count(), 0, "{file}: {:?}", found.notes);
     }
@@ -76,7 +76,7 @@ fn what_is_converted_has_the_same_bits() {
 
 /// Faces under a material name that the scene defines have that material; the others have the material of the mesh.
 #[test]
-fn names_in_a_mesh_file_go_before_its_material() {
+fn scene_materials_replace_those_of_a_mesh_file() {
     let folder = folder();
     let root = imported(folder.path(), "dirt.json").root;
     let mesh = root.get("/shapes/4").expect("a mesh");
@@ -84,7 +84,7 @@ fn names_in_a_mesh_file_go_before_its_material() {
     assert_eq!(mesh.child("material").expect("its own").as_str(), Some("lacquer"));
 }
 
-/// A picture of the box by one of the dialect's integrators, with sixteen scramblings as errors want them.
+/// A picture of the box by one of the dialect's integrators, with sixteen scramblings for the error estimate.
 fn by(method: &str, bounces: u32, seed: u64) -> Image {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = include_str!("darts/box.json")
@@ -104,7 +104,7 @@ fn by(method: &str, bounces: u32, seed: u64) -> Image {
 
 const SAMPLES: u64 = 512;
 
-/// What differs is how light is found, and all find the same.
+/// The integrators of the dialect find light in different ways, and agree.
 #[test]
 fn its_integrators_agree_within_their_error_bars() {
     let methods = ["path tracer mats", "path tracer nee", "path tracer mis", "path tracer mixture", "path tracer simple"];
@@ -115,13 +115,13 @@ fn its_integrators_agree_within_their_error_bars() {
         let found = agreement(side(image), side(&images[2]), sidak(0.01, pairs)).expect("two sides");
         assert!(found.accepts(), "{method}: {found}");
     }
-    // And the question has an answer: less light by one bounce is seen.
+    // The comparison is able to detect a difference: a picture with one bounce less differs.
     let short = by("path tracer nee", 4, 9);
     let side = |image| SampledImage { image, samples: SAMPLES };
     assert!(!agreement(side(&short), side(&images[2]), 0.01).expect("two sides").accepts());
 }
 
-/// Numbers that are only to be scattered: Knuth's MMIX constants.
+/// Random numbers without high requirements: a linear congruential generator with Knuth's MMIX constants.
 struct Noise(u64);
 
 impl Noise {

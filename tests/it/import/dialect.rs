@@ -1,4 +1,4 @@
-//! What the tests of all dialects share: scenes in a folder, and the tables of docs/import.md.
+//! Functions that the tests of all dialects share: scenes in a folder, and the tables of docs/import.md.
 
 use std::fs;
 use std::path::Path;
@@ -24,10 +24,10 @@ pub fn built(path: &Path) -> pt::Result<(Imported, Built)> {
     Ok((imported, built))
 }
 
-/// What becomes of a construct: the first word about it on the page.
+/// Outcome of a construct: the first word of its row in the documentation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Without a word.
+    /// Read without a note.
     Read,
     /// With a note.
     Approximated,
@@ -45,7 +45,7 @@ impl Outcome {
     }
 }
 
-/// The constructs of a dialect's section, and what is said to become of them.
+/// The constructs of a dialect's section, with their documented outcomes.
 pub fn table(dialect: &str) -> Vec<(String, Outcome)> {
     let (_, section) = PAGE.split_once(&format!("\n## {dialect}\n")).unwrap_or_else(|| panic!("a section on {dialect}"));
     let section = section.split("\n## ").next().unwrap_or_default();

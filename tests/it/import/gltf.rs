@@ -1,4 +1,4 @@
-//! glTF: one small file for each feature, generated, with colours, normals, places and numbers that are known.
+//! glTF import: a small generated file for each feature, with known colours, normals, positions and numbers.
 
 mod faults;
 mod geometry;
@@ -13,7 +13,7 @@ use serde_json::json;
 use super::convert::{same_bits, succeeds};
 use super::read::read;
 
-/// The two kinds of file hold the same scene; and it converts to one of pt that has the same picture.
+/// Both kinds of file hold the same scene, which converts to a scene of pt with the same picture.
 #[test]
 fn both_kinds_of_file_and_what_is_converted_have_one_picture() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! PLY and STL files as models of their own, and messages about files that are no scene of any kind.
+//! PLY and STL files as models, and messages about files of unknown formats.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ const TETRAHEDRON: [[[f32; 3]; 3]; 4] = {
     [[o, y, x], [o, x, z], [o, z, y], [x, y, z]]
 };
 
-/// Binary, by its definition: 80 bytes, the count, and rows of normal, corners and two bytes.
+/// A binary STL file: a header of 80 bytes, the count, and for each triangle the normal, the corners and two bytes.
 fn binary_stl(header: &[u8]) -> Vec<u8> {
     let mut bytes = header.to_vec();
     bytes.resize(80, 0);
@@ -51,16 +51,16 @@ fn ply_with(properties: &str, values: &str) -> String {
     format!("ply\n{header}end_header\n{vertices}{faces}")
 }
 
-/// Every way in which these formats write the same four triangles gives them, whatever the file is called.
+/// The same four triangles are read from every variant of these formats, with any file name.
 #[test]
-fn models_of_every_format_are_shown() {
+fn models_of_every_format_are_read() {
     let folder = tempfile::tempdir().expect("a folder");
     let upper = ascii_stl(" part").to_uppercase().replace('\n', "\r\n");
     for (name, bytes) in [
         ("a.ply", ply().into_bytes()),
         ("noname", ply().into_bytes()),
         ("a.stl", binary_stl(b"exported by a program")),
-        // A trap: ASCII files begin so.
+        // The header of this binary file begins like an ASCII file.
         ("b.stl", binary_stl(b"solid exported by a program facet")),
         ("B.STL", ascii_stl(" part").into_bytes()),
         ("c.stl", ascii_stl("").into_bytes()),
@@ -78,7 +78,7 @@ fn models_of_every_format_are_shown() {
         let places: Vec<[[f32; 3]; 3]> = mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize].to_array())).collect();
         assert_eq!(places, TETRAHEDRON, "{name}");
         assert!(scene.notes_say("no camera: placed at") && scene.notes_say("no light: a sky"), "{name}: {:?}", scene.notes);
-        // An STL lies as printers have it, z up.
+        // STL files have z up, as for 3D printers.
         assert_eq!(scene.at("/camera/look_at").get("up").is_some(), name.to_lowercase().contains("stl"), "{name}");
         assert_eq!(mesh.positions.len(), if name.contains("stl") || name.contains("STL") { 4 } else { 12 }, "{name}: equal corners");
     }
@@ -96,7 +96,7 @@ fn said(path: &Path, bytes: &[u8]) -> String {
 }
 
 #[test]
-fn what_is_wrong_with_an_stl_has_its_place() {
+fn faults_of_stl_files_have_a_position() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.stl");
     let whole = binary_stl(b"");
@@ -115,7 +115,7 @@ fn what_is_wrong_with_an_stl_has_its_place() {
         let found = said(&path, &bytes);
         assert!(found.contains(expected), "expected {expected}, found {found:?}");
     }
-    // As a mesh of a scene, where the name says what it is.
+    // The file as a mesh of a scene, where its extension gives the format.
     fs::write(&path, &whole[..whole.len() - 1]).expect("a file");
     let found = mesh::load(&path, "a.stl").err().map(|e| e.to_string()).unwrap_or_default();
     assert!(found.contains("the header promises 4 triangles of 50 bytes, but 199 bytes follow"), "{found}");
@@ -142,9 +142,9 @@ fn any_bytes_of_an_stl_are_read_or_refused() {
     }
 }
 
-/// Files of other programs, by how their formats begin.
+/// Files of other formats, recognised by their first bytes.
 #[test]
-fn files_that_are_no_scene_are_told_by_what_they_are() {
+fn files_of_other_formats_are_recognised() {
     let folder = tempfile::tempdir().expect("a folder");
     let noise: Vec<u8> = {
         let mut random = Random::new(3);
@@ -175,16 +175,16 @@ fn files_that_are_no_scene_are_told_by_what_they_are() {
         let found = said(&folder.path().join("file"), bytes);
         assert!(found.contains(what) && found.contains(advice) && found.lines().count() == 1, "{what}: {found}");
     }
-    // What may be JSON stays with its own fault, and its place.
+    // A file that may be JSON gets the error message of JSON, with its position.
     for json in [r#"{"pt": 1, "camera": tru}"#, "[1, 2", "NaN"] {
         let found = said(&folder.path().join("file"), json.as_bytes());
         assert!(found.contains("file:") && !found.contains("does not render"), "{json}: {found}");
     }
 }
 
-/// For each row of the table of docs/import.md a file, and what becomes of it.
+/// Each row of the table of docs/import.md is tested with a file.
 #[test]
-fn the_table_of_ply_and_stl_is_true() {
+fn every_row_of_the_ply_and_stl_tables_holds() {
     let files: [(&str, Vec<u8>); 9] = [
         ("the triangles of a PLY, ASCII or binary; polygons as fans", ply().into_bytes()),
         ("its `nx`, `ny`, `nz`", ply_with("nx ny nz", " 0 0 1").into_bytes()),

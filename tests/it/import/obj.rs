@@ -1,4 +1,4 @@
-//! OBJ with MTL: a model by itself gets a camera and light, and the materials of its library.
+//! OBJ with MTL: a model gets a default camera and light, and the materials of its library.
 
 use std::fs;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn vector(numbers: &[f64]) -> DVec3 {
 /// Every vertex lies within 9/10 of the picture; along one axis two vertices reach that far on both sides, along the other they reach
 /// equally far, and the camera looks from the front, the right and above.
 #[test]
-fn cameras_are_as_near_as_they_can_be() {
+fn the_default_camera_fits_the_model() {
     let mut random = Random::new(11);
     let folder = tempfile::tempdir().expect("a folder");
     for round in 0..40 {
@@ -70,7 +70,7 @@ fn cameras_are_as_near_as_they_can_be() {
 
 /// E = π L sin² θ for a disk that is seen whole: 2.5 W·m⁻² in the middle of the box, at any size.
 #[test]
-fn key_lights_are_as_bright_as_they_are_said_to_be() {
+fn key_lights_have_the_documented_irradiance() {
     let folder = tempfile::tempdir().expect("a folder");
     for size in [1e-6, 1.0, 1e6] {
         fs::write(folder.path().join("m.obj"), format!("v 0 0 0\nv {size:e} 0 0\nv 0 {size:e} {size:e}\nf 1 2 3\n")).expect("a file");
@@ -82,7 +82,7 @@ fn key_lights_are_as_bright_as_they_are_said_to_be() {
         let sin2 = radius * radius / (radius * radius + (from - middle).length_squared());
         let radiance = scene.number(&format!("{lamp}/emission"));
         assert_near(&[std::f64::consts::PI * radiance * sin2], &[2.5], 1e-5, "irradiance");
-        // The disk shines towards the model: half way to it one looks back at the light.
+        // The disk emits towards the model. A ray from half way back to the disk sees the light.
         let half_way = 0.5 * (middle + from);
         let back = (from - middle).normalize().as_vec3();
         let emitted = met(&scene.built(), half_way.to_array(), back.to_array(), |surface, _| surface.emitted(-back).to_rgb()[0]);
@@ -119,7 +119,7 @@ fn materials_by_their_library() {
     assert_eq!(one("norm maps/wood.png\n")["normal_map"], image);
 }
 
-/// What shines is a shape of its own, and there is no other light; all else is one mesh, as it was.
+/// Emitting faces become a shape of their own, and no other light is added. All other faces remain one mesh.
 #[test]
 fn lamps_of_the_library_light_the_scene() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -140,9 +140,9 @@ fn lamps_of_the_library_light_the_scene() {
     same_bits(folder.path(), "room.obj", "room.json");
 }
 
-/// Once, with its line and what comes of it, and nothing about materials that a scene would give.
+/// A missing library causes one note, with its line and the consequence, and no note about missing materials of a scene.
 #[test]
-fn a_missing_library_is_told_once_and_truly() {
+fn a_missing_material_library_is_reported_once() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("there.mtl"), "newmtl a\nKd 1 0 0\n").expect("a file");
     fs::write(folder.path().join("with space.mtl"), "newmtl b\n").expect("a file");
@@ -161,7 +161,7 @@ fn a_missing_library_is_told_once_and_truly() {
 }
 
 #[test]
-fn what_is_wrong_has_its_line() {
+fn faults_have_their_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let said = |library: &str| {
         write(folder.path(), library);
@@ -200,9 +200,9 @@ fn any_bytes_are_read_or_refused() {
     }
 }
 
-/// For each row of the table of docs/import.md a library, and what becomes of it.
+/// Each row of the table of docs/import.md is tested with a library.
 #[test]
-fn the_table_of_obj_is_true() {
+fn every_row_of_the_obj_table_holds() {
     const ROWS: &[(&str, &str)] = &[
         ("the triangles, their normals, texture coordinates and materials", ""),
         ("`Kd`, `map_Kd`", "Kd 0.5\nmap_Kd a.png\n"),

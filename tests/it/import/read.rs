@@ -1,4 +1,4 @@
-//! What an importer makes of a file, for tests to look at.
+//! Imported files, with functions for tests to inspect them.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use pt::scene::{Scene, Surface};
 use pt::shape::MeshData;
 use serde_json::Value;
 
-/// A file, read.
+/// An imported file.
 pub struct Read {
     root: pt::reader::Node,
     pub tree: Value,
@@ -24,7 +24,7 @@ pub fn try_read(path: &Path) -> pt::Result<Read> {
     try_read_with(path, AutoCamera::default(), &[])
 }
 
-/// As [`try_read`], with a view of one's own and values that override those of the file.
+/// As [`try_read`], with options for the camera and values that override those of the file.
 pub fn try_read_with(path: &Path, auto_camera: AutoCamera, overrides: &[(&str, &str)]) -> pt::Result<Read> {
     let imported =
         import_with(path, false, auto_camera, |root, _| overrides.iter().try_for_each(|(pointer, value)| root.set(pointer, value)))?;
@@ -67,7 +67,7 @@ impl Read {
     }
 }
 
-/// What a ray from `from` into `direction` meets, given to `look` with its place in the file's coordinates.
+/// Calls `look` with the surface that a ray hits, and its position in the file's coordinates.
 pub fn met<T>(built: &Built, from: [f64; 3], direction: [f32; 3], look: impl FnOnce(&Surface, glam::DVec3) -> T) -> T {
     let world = &built.world;
     let origin = (glam::DVec3::from(from) - world.origin()).as_vec3();
@@ -78,7 +78,7 @@ pub fn met<T>(built: &Built, from: [f64; 3], direction: [f32; 3], look: impl FnO
     look(&surface, p)
 }
 
-/// What a mirror leaves of light that meets it straight on: its colour.
+/// The reflectance of a mirror at normal incidence, which is its colour.
 pub fn reflected(surface: &Surface) -> Spectrum {
     let straight = surface.frame.to_local(surface.point.ns);
     surface.bsdf.sample(straight, 0.5, glam::Vec2::splat(0.5), TransportMode::Radiance).expect("a mirror reflects").weight

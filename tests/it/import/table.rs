@@ -1,4 +1,4 @@
-//! The tables of docs/import.md: what becomes of each construct of a dialect.
+//! The tables of docs/import.md, which say how each construct of a dialect is converted.
 
 /// A row of a table.
 pub struct Row {

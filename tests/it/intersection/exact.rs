@@ -64,7 +64,7 @@ fn integers(random: &mut Random, size: i128) -> Int3 {
     [0; 3].map(|_| random.below(2 * size as usize + 1) as i128 - size)
 }
 
-/// Small numbers, for which f64 is exact: every decision is right, on edges, corners and in the plane too.
+/// For small integers f64 is exact, so every decision is correct, also on edges, at corners and in the plane of the triangle.
 #[test]
 fn decisions_are_exact_on_a_grid() {
     let hits: u64 = (0..1000u64)
@@ -88,8 +88,8 @@ fn decisions_are_exact_on_a_grid() {
     assert!(hits > 100_000, "{hits} of 2·10⁶ rays hit");
 }
 
-/// Full 24-bit coordinates: ≤ 16 ulp of the scene's size where the ray is not nearly in the plane, and
-/// one rounding for the weights.
+/// Full 24-bit coordinates: the error of t is at most 16 ulp of the scene's size if the ray is not nearly in the plane, and that of the
+/// weights is one rounding.
 ///
 /// A decision may differ only where an edge function is within its own rounding error in f64.
 #[test]
@@ -107,15 +107,15 @@ fn distances_and_weights_match_integers() {
 
 fn matches_integers(random: &mut Random, size: i128, seed: u64) -> bool {
     let (origin, corners) = (integers(random, size), [0; 3].map(|_| integers(random, size)));
-    // Mostly at the triangle: a point of it, rounded to the grid.
+    // Most rays go towards the triangle, to one of its points rounded to the grid.
     let (u, v) = (random.unit(), random.unit());
     let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
     let at = |k: usize| (corners[0][k] as f64 * (1.0 - u - v) + corners[1][k] as f64 * u + corners[2][k] as f64 * v) as i128;
-    // Halved, so that the difference too fits 24 bits.
+    // The coordinates are halved, so that their differences also fit 24 bits.
     let direction = sub([at(0), at(1), at(2)], origin).map(|x| x / 2);
     let exact = Exact::new(origin, direction, corners);
     let found = triangle::intersect(&Ray::new(float(origin), float(direction)), f32::INFINITY, corners.map(float));
-    // Six products of three numbers below 2²⁵: each rounds by 2⁻⁵³ a few times.
+    // The tolerance is for six products of three numbers below 2²⁵, each with a few rounding errors of 2⁻⁵³.
     let slack = (12.0 * 2f64.powi(75 - 53)) as i128;
     if exact.weights.iter().all(|w| w.abs() > slack) && exact.numerator.abs() > slack {
         assert_eq!(found.is_some(), exact.hits(), "seed {seed}: {origin:?} {direction:?} {corners:?}");
@@ -140,7 +140,7 @@ fn matches_integers(random: &mut Random, size: i128, seed: u64) -> bool {
 /// Thin triangles seen along their plane are not hit beyond their ends. They were once hit a hundred times their length away.
 /// A hit lies in the triangle's box, grown by 16 ulp of the scene.
 #[test]
-fn needles_are_not_hit_beyond_their_ends() {
+fn thin_triangles_are_not_hit_beyond_their_ends() {
     (0..1000u64).into_par_iter().for_each(|seed| {
         let mut random = Random::new(seed);
         for _ in 0..1000 {

@@ -1,4 +1,4 @@
-//! The hierarchy finds what asking every primitive finds, to the last bit. (That its building has no bad case is counted in `accel/build.rs`.)
+//! The hierarchy finds the same hits as a test of every primitive, to the last bit. (Tests in `accel/build.rs` bound the time to build it.)
 
 use glam::{DVec3, Vec3};
 use pt::accel::{self, List};
@@ -18,7 +18,7 @@ fn soup(random: &mut Random, scale: f64) -> Box<dyn Shape> {
         let p = if on_grid { (random.in_cube() * 2.5).round() } else { random.in_cube() * 2.5 };
         (p * scale).as_vec3()
     };
-    // One that surely has an area.
+    // This triangle has an area.
     let mut positions = vec![Vec3::ZERO, Vec3::X * scale as f32, Vec3::Y * scale as f32];
     positions.extend((0..count).map(|_| corner(random)));
     let n = positions.len();
@@ -46,7 +46,7 @@ fn any_shape(random: &mut Random, scale: f64) -> Box<dyn Shape> {
     .expect("an area")
 }
 
-/// Anywhere, along an axis with components 0, −0 and 10⁻⁴⁰, or at a corner of some box.
+/// A ray: in a random direction, along an axis with components 0, −0 and 10⁻⁴⁰, or towards a corner of a bounding box.
 fn ray(random: &mut Random, shapes: &[Box<dyn Shape>], scale: f64) -> Ray {
     let shape = &shapes[random.below(shapes.len())];
     let bounds = shape.bounds(random.below(shape.count() as usize) as u32);
@@ -88,7 +88,7 @@ fn compare(hierarchy: &dyn Primitive, list: &dyn Primitive, ray: &Ray, seed: u64
 
 /// The hierarchy finds the hits of the list: the same t, uv and primitive (the lowest of several that are equally near), for any `t_max`.
 #[test]
-fn hierarchy_is_the_list() {
+fn the_hierarchy_finds_what_a_linear_search_finds() {
     (0..4000u64).into_par_iter().for_each(|seed| {
         let mut random = Random::new(seed);
         let scale = random.pick(&[1.0, 1.0, 1e-6, 1e6, 1e15]);
@@ -97,7 +97,7 @@ fn hierarchy_is_the_list() {
         for _ in 0..200 {
             let ray = ray(&mut random, &shapes, scale);
             let Some(hit) = compare(&*hierarchy, &list, &ray, seed) else { continue };
-            // At the hit itself and one float to either side.
+            // `t_max` at the hit itself and one float to either side.
             for t_max in [hit.t.next_down(), hit.t, hit.t.next_up(), hit.t * 0.5] {
                 compare(&*hierarchy, &list, &Ray { t_max, ..ray }, seed);
             }
@@ -107,7 +107,7 @@ fn hierarchy_is_the_list() {
 
 /// Rays with numbers that are not finite, or without a direction, hit nothing and cause no panic.
 #[test]
-fn rays_that_are_none_miss() {
+fn invalid_rays_hit_nothing() {
     let mut random = Random::new(1);
     let shapes = shapes((0..8).map(|_| any_shape(&mut random, 1.0)).collect());
     let (hierarchy, list) = (accel::build(shapes.clone()), List::new(shapes));
@@ -131,7 +131,7 @@ fn degenerate_triangles_are_never_hit() {
         let mut random = Random::new(seed);
         let (a, b) = (random.in_cube().as_vec3(), random.in_cube().as_vec3());
         let k = random.pick(&[0.0, 0.5, 1.0, 2.0, 4.0]);
-        // On the line exactly: k is a power of two and b − a is made exact by rounding b first.
+        // The corner lies exactly on the line: k is a power of two, and b is rounded first so that b − a is exact.
         let (a, b) = ((a * 64.0).round() / 64.0, (b * 64.0).round() / 64.0);
         let corners = [a, b, a + (b - a) * k];
         let target = a.lerp(b, random.unit() as f32 * 2.0);
@@ -144,9 +144,9 @@ fn degenerate_triangles_are_never_hit() {
     }
 }
 
-/// The lowest primitive answers for all that coincide, wherever the hierarchy keeps them.
+/// Of coincident triangles the one with the lowest index is hit, for every order in the hierarchy.
 #[test]
-fn coincident_triangles_answer_by_the_lowest() {
+fn of_coincident_triangles_the_lowest_index_is_hit() {
     let shapes = coincident(1000);
     let hierarchy = accel::build(shapes);
     let hit = hierarchy.intersect(&Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z)).expect("in the middle");
@@ -160,9 +160,9 @@ fn coincident(count: usize) -> std::sync::Arc<[Box<dyn Shape>]> {
 /// The corners of a family's k-th triangle.
 type Corners = fn(usize) -> [Vec3; 3];
 
-/// Boxes in a row, in few places, or within one another (those take the square of their number, so few of them).
+/// Boxes in a row, at few positions, or nested. The test of nested boxes takes quadratic time, so there are few of them.
 #[test]
-fn hostile_boxes_build_right() {
+fn hierarchies_of_difficult_boxes_are_correct() {
     fn corner(x: f32) -> [Vec3; 3] {
         [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0), Vec3::new(x, 1.0, 0.0)]
     }

@@ -7,12 +7,12 @@ use rayon::prelude::*;
 
 use crate::random::Random;
 
-/// The textbook discriminant b² − 4ac is zero here, in f32 and in f64: the sphere would be gone, or grazed.
+/// The textbook discriminant b² − 4ac is zero here, in f32 and in f64, so that the sphere would be missed or only grazed.
 #[test]
-fn a_small_sphere_far_away_is_met() {
+fn a_small_sphere_far_away_is_hit() {
     let sphere = Sphere { radius: 0.1 }.bake(&Transform::IDENTITY).expect("a sphere");
     let hit = sphere.intersect(0, &Ray::new(Vec3::new(-1e7, 0.095, 0.0), Vec3::X)).expect("0.095 is within 0.1");
-    // t = 10⁷ − √(0.1² − 0.095²), a float of spacing 1.
+    // t = 10⁷ − √(0.1² − 0.095²), where floats have a spacing of 1.
     assert!((hit.t as f64 - (1e7 - 0.0312250)).abs() <= 1.0, "{}", hit.t);
     assert!(sphere.intersect(0, &Ray::new(Vec3::new(-1e7, 0.1001, 0.0), Vec3::X)).is_none());
 }
@@ -34,7 +34,7 @@ impl Implicit {
         2.0 * q.dot(self.inverse.vector(self.ray.direction.as_dvec3())).abs()
     }
 
-    /// Where the line is nearest to the centre in the sphere's own space, by bisection of the derivative's sign.
+    /// Point of the line that is nearest to the centre in the sphere's own space, by bisection of the derivative's sign.
     fn nearest(&self, mut low: f64, mut high: f64) -> f64 {
         for _ in 0..200 {
             let middle = 0.5 * (low + high);

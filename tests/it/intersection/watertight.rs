@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::geometry::{baked, icosphere, mesh, shapes};
 use crate::random::Random;
 
-/// Where the sphere stands: at home, and where f32 is coarse. The third is a place that caught others.
+/// Positions of the sphere: at the origin, and where f32 is coarse. The third is a position at which other programs had leaks.
 const CENTERS: [[f64; 3]; 4] = [[0.0; 3], [1e3; 3], [148_376.0, 1_234.0, -223_423.0], [1e6; 3]];
 const RADII: [f64; 2] = [2.0, 1e3];
 
@@ -22,7 +22,7 @@ enum Aim {
     Edge,
 }
 
-/// 5,120 triangles around a camera; coordinates are not recentred, as a scene's would be.
+/// A mesh of 5,120 triangles around the origin of the rays. Its coordinates are not recentred, unlike those of a scene.
 struct Shell {
     points: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
@@ -50,7 +50,7 @@ impl Shell {
         Ray::new(origin, (target - origin.as_dvec3()).normalize().as_vec3())
     }
 
-    /// How many of the rays get out, as `intersect` and as `occluded` see it.
+    /// Number of rays that leave the mesh according to `intersect` or `occluded`.
     fn leaks(&self, aim: Aim, rays: u64) -> u64 {
         const BATCH: u64 = 1 << 14;
         let batch = |k: u64| {
@@ -81,7 +81,7 @@ fn no_leaks_in_ten_million_rays() {
     no_leaks(10_000_000);
 }
 
-/// The published figure: p < 4.6·10⁻⁸.
+/// The test for the published figure, p < 4.6·10⁻⁸.
 #[test]
 #[ignore = "minutes"]
 fn no_leaks_in_a_hundred_million_rays() {

@@ -1,4 +1,4 @@
-//! What mesh files are refused for, in finer detail than the table of `bad_input`, and what is taken in spite of its looks.
+//! Mesh files that are refused, in more detail than the table of `bad_input`, and unusual files that are valid.
 
 use super::*;
 
@@ -79,10 +79,10 @@ fn faces_of_any_number_of_corners() {
         ("f", 5, "a face with 0 corners, at least 3 are needed"),
         ("f 1 2 # 3", 5, "a face with 2 corners, at least 3 are needed"),
     ]);
-    // Five corners, one of them repeated: the fan of three has one triangle without area.
+    // A face of five corners with one repeated: one of its three triangles has no area.
     let mesh = warned(format!("{SQUARE}f 1 2 2 3 4"), "mesh.obj: 1 degenerate triangle dropped");
     assert_eq!((mesh.triangles.len(), area(&mesh)), (2, 1.0));
-    // A self-crossing quad (bow tie) makes two triangles, whatever their sides.
+    // A self-crossing quad (bow tie) gives two triangles, whatever their orientation.
     assert_eq!(mesh_of(format!("{SQUARE}f 1 3 2 4")).triangles.len(), 2);
     let corners = 1_000_000;
     let mut polygon = String::new();
@@ -99,7 +99,7 @@ fn faces_of_any_number_of_corners() {
 }
 
 #[test]
-fn no_faces_and_odd_but_right_files() {
+fn files_without_faces_are_refused_and_unusual_ones_read() {
     for nothing in ["", "\n\n", "# only\n# comments", SQUARE, "\u{feff}", "l 1 2 3"] {
         let error = read(nothing).expect_err("nothing to render");
         assert_eq!((error.to_string().as_str(), error.exit_code()), ("mesh.obj: no faces", 3));
@@ -109,9 +109,9 @@ fn no_faces_and_odd_but_right_files() {
     for right in [long_comment, long_line, format!("\u{feff}{SQUARE}f 1 2 3 4"), format!("{SQUARE}f 1 2 3 4\\")] {
         assert_eq!(area(&mesh_of(right)), 1.0);
     }
-    // A comment never continues, so that a path at its end swallows nothing.
+    // A backslash at the end of a comment does not continue it, so that a path in a comment does not hide the next line.
     assert_eq!(area(&mesh_of(format!("{SQUARE}# C:\\meshes\\\nf 1 2 3 4"))), 1.0);
-    // The line of a fault is that on which its statement begins.
+    // A fault is reported with the line on which its statement begins.
     refused_after_square(&[("f 1 2 \\\n 3\nf 1 2 \\\n 9\n", 7, "vertex index 9")]);
 }
 
@@ -162,12 +162,12 @@ fn coordinates_too_large_to_square() {
     rows.push(("v 2e18 0 0\nv 2e18 1 0\nv 2e18 0 1\nf 1 2 3".to_string(), "extent 2e18 exceeds 1e18".to_string()));
     rows.iter().for_each(|(file, phrase)| refused(file, "mesh.obj: ", phrase));
     assert_eq!(mesh_of("v -1e18 0 0\nv 1e18 0 0\nv 0 1e18 0\nf 1 2 3").triangles.len(), 1);
-    // Only what a triangle uses counts.
+    // Only vertices that a triangle uses matter.
     assert_eq!(mesh_of(format!("v 1e30 0 0\n{SQUARE}f 2 3 4 5")).positions.len(), 4);
 }
 
 #[test]
-fn detail_that_f32_still_has() {
+fn detail_that_f32_resolves_gets_no_warning() {
     let wide = format!("{SQUARE}f 1 2 3\nv 9000000 0 0\nv 9000000 1 0\nf 5 6 1");
     let (_, warnings) = read(wide).expect("the mesh is sound");
     assert!(!warnings.iter().any(|w| w.contains("detail")), "{warnings:?}");

@@ -1,4 +1,4 @@
-//! Cleaning: what goes, what stays, and what it says.
+//! Cleaning of meshes: the parts that are removed or kept, and the report.
 
 use super::*;
 use pt::shape::mesh_data::{CleanReport, MeshPart};
@@ -14,13 +14,13 @@ fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> MeshData {
 }
 
 #[test]
-fn degenerate_is_judged_without_an_epsilon() {
-    // Triangles of any size stay: 2⁻¹⁴⁰ is subnormal in f32, and its square is no f32 at all.
+fn degeneracy_is_decided_exactly() {
+    // Triangles of any size are kept: 2⁻¹⁴⁰ is subnormal in f32, and its square underflows to 0.
     for exponent in [-140, -60, -20, 0, 20, 59] {
         let s = 2_f64.powi(exponent) as f32;
         let (kept, report) = mesh(&[[0.0; 3], [s, 0.0, 0.0], [0.0, s, 0.0]], &[[0, 1, 2]]).clean();
         assert_eq!((kept.triangles.len(), report), (1, CleanReport::default()), "2^{exponent}");
-        // One ulp off the line is a triangle; on the line is none, though its corners differ.
+        // A corner that is one ulp off the line makes a triangle. One on the line does not, although the corners differ.
         let off = mesh(&[[s, s, 0.0], [2.0 * s, 2.0 * s, 0.0], [4.0 * s, (4.0 * s).next_up(), 0.0]], &[[0, 1, 2]]).clean();
         assert_eq!(off.1.degenerate, 0, "2^{exponent}");
         let on = mesh(&[[s, s, 0.0], [2.0 * s, 2.0 * s, 0.0], [4.0 * s, 4.0 * s, 0.0]], &[[0, 1, 2]]).clean();
@@ -31,7 +31,7 @@ fn degenerate_is_judged_without_an_epsilon() {
 #[test]
 fn duplicates_merge_within_their_part_only() {
     let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0, -0.0, 0.0]];
-    // The last vertex is the first again; the reversed triangle is another side, and stays.
+    // The last vertex equals the first. The reversed triangle has the other orientation and is kept.
     let triangles = [[0, 1, 2], [1, 2, 3], [2, 0, 1], [0, 2, 1], [0, 1, 2], [3, 1, 2]];
     let mut two_parts = mesh(&corners, &triangles);
     two_parts.parts = vec![MeshPart { triangles: 0..4, ..MeshPart::default() }, MeshPart { triangles: 4..6, ..MeshPart::default() }];
@@ -43,7 +43,7 @@ fn duplicates_merge_within_their_part_only() {
 }
 
 #[test]
-fn empty_parts_and_unused_vertices_go() {
+fn empty_parts_and_unused_vertices_are_removed() {
     let mut spotty = mesh(&[[9.0; 3], [0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], &[[1, 1, 2], [1, 2, 3]]);
     spotty.parts = vec![MeshPart { triangles: 0..1, ..MeshPart::default() }, MeshPart { triangles: 1..2, ..MeshPart::default() }];
     spotty.uvs = (0..4).map(|i| Vec2::splat(i as f32)).collect();
@@ -67,7 +67,7 @@ fn normals_that_are_no_numbers_become_flat() {
 }
 
 #[test]
-fn the_report_speaks_in_sentences() {
+fn the_cleaning_report_is_in_sentences() {
     let report = CleanReport { degenerate: 12, duplicate: 1, directionless: 2, opposed: 3 };
     assert_eq!(
         report.warnings("mesh.obj"),

@@ -66,7 +66,7 @@ fn content_decides_the_format() {
 
 /// Meshes of other renderers load, if such files are there.
 #[test]
-fn meshes_found_in_the_wild_load() {
+fn meshes_of_other_programs_load() {
     let Some(data) = crate::shared::shared("") else { return };
     let (mut folders, mut count) = (vec![data], 0);
     while let Some(folder) = folders.pop() {

@@ -1,4 +1,4 @@
-//! Broken files: whatever the bytes, the answer is a sound mesh or an error, never a panic and never a bug report.
+//! Corrupt files: any input gives a valid mesh or an error, never a panic or an internal error.
 
 use proptest::prelude::*;
 

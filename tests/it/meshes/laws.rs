@@ -1,4 +1,4 @@
-//! What reading keeps: areas, the meaning of every spelling, and the mesh through writing and reading.
+//! Laws of reading meshes: areas are kept, spelling does not matter, and a written mesh reads back the same.
 
 use std::f64::consts::TAU;
 
@@ -34,7 +34,7 @@ fn meshes() -> impl Strategy<Value = MeshData> {
 proptest! {
     #![proptest_config(cases(2000))]
 
-    /// OBJ keeps everything that is seen, the numbering aside.
+    /// OBJ keeps everything except the numbering of vertices.
     #[test]
     fn obj_round_trip(mesh in meshes()) {
         let mut file = Vec::new();
@@ -51,7 +51,7 @@ proptest! {
         let mut file = Vec::new();
         mesh.write_ply_binary(&mut file).expect("memory takes it");
         let back = mesh_of(&file);
-        // Without parts, a triangle in both is now a duplicate.
+        // Without parts, a triangle that was in two parts is a duplicate.
         if back.triangles.len() == mesh.triangles.len() {
             prop_assert_eq!(&MeshData { parts: mesh.parts.clone(), ..back.clone() }, &mesh);
         }
@@ -68,14 +68,14 @@ proptest! {
         let polygon_area = 0.5 * (0..corners).map(|i| points[i].as_dvec3().cross(points[(i + 1) % corners].as_dvec3())).sum::<DVec3>().length();
         let mut file: String = points.iter().map(|p| format!("v {:?} {:?} {:?}\n", p.x, p.y, p.z)).collect();
         file += &format!("f {}\n", (1..=corners).map(|i| i.to_string()).collect::<Vec<_>>().join(" "));
-        // The corners are rounded to f32 (2⁻²⁴ of 20), which tilts triangles out of the plane: their areas then differ
-        // from the projected one by rounding times the perimeter (< 130); where the ellipse is a line, that is all.
+        // The corners are rounded to f32 (2⁻²⁴ of 20), which tilts triangles out of the plane. Their areas then differ from the projected
+        // one by the rounding error times the perimeter (< 130), also where the ellipse degenerates to a line.
         let tolerance = 20.0 * 2_f64.powi(-24) * 130.0;
         let measured = read(file).map_or(0.0, |(mesh, _)| area(&mesh));
         prop_assert!((measured - polygon_area).abs() <= tolerance, "{measured} against {polygon_area}");
     }
 
-    /// Every spelling of a file means the same: relative indices, line ends, continuations, blanks, comments.
+    /// A file has the same meaning with relative indices, other line ends, continuations, blanks and comments.
     #[test]
     fn spelling_changes_nothing(mesh in meshes(), breaks in proptest::collection::vec(0..6_usize, 64)) {
         let mut file = Vec::new();
@@ -94,12 +94,12 @@ proptest! {
             words.iter().for_each(|word| { odd += word; odd += blank(breaks.next().unwrap_or(&0)) });
             odd += if is_name { "\n" } else { " \n#comment\n\n" };
         }
-        // A continuation may stand before the comment; it must not swallow the next statement.
+        // A continuation may precede the comment. It must not hide the next statement.
         prop_assert_eq!(&mesh_of(odd.replace("\\\n \n", "\n").replace("\\\r\n\t \n", "\n")), &expected);
     }
 }
 
-/// The file `plain` with indices that count backwards, from −1.
+/// The file `plain` with relative indices, which count backwards from −1.
 fn relative(plain: &str, mesh: &MeshData) -> String {
     let counts = [mesh.positions.len(), mesh.uvs.len(), mesh.normals.len()];
     let backwards = |corner: &str| {

@@ -22,7 +22,7 @@ fn film() -> FilmSpec {
     FilmSpec::new(7, 5)
 }
 
-/// Samples `from` … `to − 1`, on so many threads and tiles of this edge.
+/// Renders the samples `from` … `to − 1`, with this number of threads and this edge of tiles.
 fn taken(scene: &Arc<dyn Scene>, sampler: SamplerSpec, from: u64, to: u64, threads: usize, tile: u32) -> (MomentFilm, RenderReport) {
     let mut moments = MomentFilm::new(film());
     let settings = Settings { tile, ..Settings::new(sampler) };
@@ -53,7 +53,7 @@ proptest! {
             write(&path, &about(&super::bits::film(), &sampler), &film, &report, &ErrorHistory::default());
             paths.insert(random.below(paths.len() + 1), path);
         }
-        // First some of them, then what that gave with the others.
+        // Some parts are merged first, and the result is then merged with the others.
         let (some, others) = paths.split_at(random.below(paths.len()));
         let mut all: Vec<_> = others.iter().map(|path| stored(path)).collect();
         if !some.is_empty() {
@@ -71,7 +71,7 @@ proptest! {
     }
 }
 
-/// Ends a render after so many waves.
+/// Cancels a render after a number of waves.
 struct Impatient {
     waves: std::sync::atomic::AtomicU32,
 }
@@ -88,15 +88,15 @@ impl Observer for Impatient {
 
 impl ErrorObserver for Impatient {}
 
-/// Stopped after each of its waves in turn, written, read and taken on, a render to a target stops where it would have, with the
-/// same numbers and the same looks at its error.
+/// A render with a target error that is stopped after each of its waves, written, read and resumed, stops at the same number of samples,
+/// with the same picture and the same checkpoints of its error.
 #[test]
-fn a_render_that_pauses_at_any_wave_is_one_that_never_did() {
+fn pausing_at_any_wave_changes_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("state.ptc");
     let scene: Arc<dyn Scene> = Zoo::default().build();
     let sampler = SamplerSpec { seed: 5, kind: Kind::Sobol, spp: 0, scramblings: 2 };
-    // An error that is met on the way, one that is not, and none.
+    // A target error that is reached, one that is not, and no target.
     for (target, samples) in [(Some(0.5), 96), (Some(1e-3), 75), (None, 75)] {
         let until = StopCondition { samples, time: None, target: target.map(|error| ErrorTarget { error, confidence: 0.95 }) };
         let start = || Render::new(scene.clone(), &*nee(), &film(), &Settings::new(sampler));
@@ -115,7 +115,7 @@ fn a_render_that_pauses_at_any_wave_is_one_that_never_did() {
             let mut render = start().resumed(moments.range().end, state.report);
             let history = resume_until(state.history, &mut render, &mut moments, &until, &Silent);
             assert_eq!(numbers(&moments), numbers(&whole), "{target:?} after {waves} waves");
-            // Without a target the interrupt itself may have been a look more.
+            // Without a target the interrupt may have added a checkpoint.
             let (found, wanted) = (looks(&history), looks(&wanted));
             assert_eq!(found.last(), wanted.last(), "{target:?} after {waves} waves");
             assert!(target.is_none() || found == wanted, "{target:?} after {waves} waves: {found:?} for {wanted:?}");

@@ -1,4 +1,4 @@
-//! Files that are not parts of a render, or are damaged parts.
+//! Files that are not parts of a render, and damaged parts.
 
 use std::fs;
 
@@ -6,9 +6,9 @@ use pt::part::{Stored, merge};
 
 use super::{numbers, small, stored};
 
-/// Each byte of a file turned over, and each of its bits: refused, and never a panic.
+/// A file with one changed bit or byte is refused, and causes no panic.
 #[test]
-fn every_flipped_bit_is_seen() {
+fn every_flipped_bit_is_detected() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.ptc");
     small(&path, 0, 0);
@@ -25,7 +25,7 @@ fn every_flipped_bit_is_seen() {
 }
 
 #[test]
-fn every_truncation_is_seen() {
+fn every_truncation_is_detected() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.ptc");
     small(&path, 0, 0);
@@ -40,7 +40,7 @@ fn every_truncation_is_seen() {
     assert!(Stored::open(&path).expect_err("it is too long").to_string().contains("damaged"));
 }
 
-/// A checksum is soon made: what a header says is not believed for it.
+/// A valid checksum does not make a header valid: its values are checked too.
 #[test]
 fn headers_that_make_no_sense_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -104,7 +104,7 @@ fn numbers_come_back_bit_by_bit() {
 }
 
 #[test]
-fn overlaps_are_told() {
+fn overlapping_parts_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let [a, b] = ["a.ptc", "b.ptc"].map(|name| folder.path().join(name));
     small(&a, 0, 3);

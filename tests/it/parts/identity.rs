@@ -1,4 +1,4 @@
-//! The hash of a scene: what does not change the picture does not change it, and what does, does.
+//! The hash of a scene changes exactly when something changes that affects the picture.
 
 use pt::describe::{self, Contents, Identity};
 use pt::integrator::Entry;
@@ -22,7 +22,7 @@ fn identity(root: &Node) -> Option<Identity> {
     Some(Identity::new(&scene, &Contents::new(), entry("path")).expect("an identity"))
 }
 
-/// All constructs; with a seed that JSON writes exactly.
+/// A scene with all constructs, and a seed that is exact in JSON.
 fn everything() -> String {
     EVERYTHING.replace("18446744073709551615", "18")
 }
@@ -31,7 +31,7 @@ fn tree() -> Value {
     serde_json::to_value(root(&everything())).expect("JSON")
 }
 
-/// With the keys of all objects in the opposite order, and comments between them.
+/// The JSON text with the keys of all objects in reverse order, and comments between them.
 fn reversed(value: &Value) -> String {
     match value {
         Value::Object(members) => {
@@ -44,10 +44,10 @@ fn reversed(value: &Value) -> String {
 }
 
 #[test]
-fn how_it_is_written_does_not_matter() {
+fn the_hash_ignores_formatting() {
     let own = identity(&root(&everything())).expect("a scene");
     assert_eq!(identity(&root(&reversed(&tree()))).expect("a scene"), own);
-    // As pt itself writes it, all defaults spelled out.
+    // The scene as pt writes it, with all defaults.
     let scene = describe::read(&root(&everything()), "scene.json").expect("a scene");
     let text = serde_json::to_string_pretty(&scene).expect("JSON");
     assert_eq!(identity(&root(&text)).expect("a scene").hash(), own.hash());
@@ -64,7 +64,7 @@ fn leaves(value: &Value, pointer: String, found: &mut Vec<(String, Value)>) {
     }
 }
 
-/// Other values in the place of one, of which some may be right.
+/// Other values to replace a value, some of which may be valid.
 fn others(value: &Value) -> Vec<String> {
     match value {
         Value::Number(n) => {
@@ -81,15 +81,15 @@ fn others(value: &Value) -> Vec<String> {
     }
 }
 
-/// Each value of the scene of all constructs is changed; wherever that is still a scene, it is another one.
+/// If a value of the scene of all constructs is changed, and the result is a valid scene, it has another hash.
 #[test]
-fn every_value_matters() {
+fn the_hash_depends_on_every_value() {
     let own = identity(&root(&everything())).expect("a scene");
     let mut all = vec![];
     leaves(&tree(), String::new(), &mut all);
     let (mut changed, mut untold) = (0, vec![]);
     for (pointer, value) in &all {
-        // What the integrator does not know cannot change its picture; and how many samples there are is not of the scene.
+        // Options that the integrator does not have cannot change its picture, and the number of samples is not part of the scene.
         if pointer.starts_with("/integrator/nested") || pointer == "/integrator/type" || pointer == "/sampler/spp" {
             continue;
         }
@@ -110,7 +110,7 @@ fn every_value_matters() {
 }
 
 #[test]
-fn differences_are_told() {
+fn differences_of_scenes_are_reported() {
     let own = identity(&root(&everything())).expect("a scene");
     let mut other = root(&everything());
     other.set("/camera/fov", "40").expect("a key");
@@ -120,7 +120,7 @@ fn differences_are_told() {
 }
 
 #[test]
-fn contents_integrator_and_strata_matter() {
+fn the_hash_depends_on_files_integrator_and_strata() {
     let scene = |text: &str| describe::parse(text.as_bytes(), "scene.json").expect("a scene");
     let hash = |text: &str, contents: &Contents, name: &str| Identity::new(&scene(text), contents, entry(name)).expect("one").hash();
     let plain = r#"{"pt": 1, "camera": {}}"#;
@@ -130,7 +130,7 @@ fn contents_integrator_and_strata_matter() {
     assert_ne!(hash(plain, &file(1), "nee"), own);
     assert_ne!(hash(plain, &file(1), "nee"), hash(plain, &file(2), "nee"));
     assert_ne!(hash(plain, &none, "path"), own);
-    // The default integrator, named; and options of another one that this one does not know.
+    // The default integrator given by name, and options of another integrator, which this one does not have.
     assert_eq!(hash(r#"{"pt": 1, "camera": {}, "integrator": {"type": "nee"}}"#, &none, "nee"), own);
     assert_eq!(hash(r#"{"pt": 1, "camera": {}, "integrator": {"type": "x", "odd": 1}}"#, &none, "nee"), own);
     assert_ne!(hash(r#"{"pt": 1, "camera": {}, "integrator": {"type": "nee", "max_depth": 1}}"#, &none, "nee"), own);

@@ -1,4 +1,4 @@
-//! Parts on the command line.
+//! Parts of a render on the command line.
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -84,7 +84,7 @@ fn shards_merge_to_the_picture_of_the_whole() {
     assert!(said.contains("· samples 3..5 ·") && at.join("s.3-5.ptc").exists(), "{said}");
 }
 
-/// A merged part of a picture, and a picture with more samples than were planned.
+/// A merged part can be resumed, and a picture can get more samples than were planned.
 #[test]
 fn a_render_goes_on_from_any_state() {
     let folder = folder();
@@ -95,12 +95,12 @@ fn a_render_goes_on_from_any_state() {
     done(at, "merge 2.ptc 1.ptc -o sum.ptc");
     done(at, "s.json --spp 50 --resume=sum.ptc -o more.exr");
     assert_eq!(picture(at, "more.exr"), picture(at, "whole.exr"));
-    // A shard goes on too.
+    // A shard can be resumed too.
     done(at, "s.json --samples 20..31 -o 3.ptc");
     done(at, "s.json --samples 20..50 --resume -o 3.ptc");
     done(at, "merge 3.ptc sum.ptc -o sum.exr");
     assert_eq!(picture(at, "sum.exr"), picture(at, "whole.exr"));
-    // A render that has ended is written again; and where there is no state, it starts.
+    // A finished render is written again. Without a stored state the render starts from the beginning.
     done(at, "s.json --checkpoint 1h -o x.exr");
     done(at, "s.json --checkpoint 1h --resume -o x.exr");
     let said = done(at, "s.json --resume -o y.exr");
@@ -109,7 +109,7 @@ fn a_render_goes_on_from_any_state() {
 }
 
 #[test]
-fn what_is_not_of_the_picture_is_refused() {
+fn parts_of_another_picture_are_refused() {
     let folder = folder();
     let at = folder.path();
     done(at, "s.json --samples 0..4 -o a.ptc");
@@ -133,7 +133,7 @@ fn what_is_not_of_the_picture_is_refused() {
     other("--scramblings 4", "/sampler/scramblings is 4, not 2");
     other("-D /camera/fov=30", "/camera/fov is 30.0, not");
     other("--crop 0,4,0,4", "/film/crop/1 is 4, not 16");
-    // The same scene file, another mesh.
+    // The scene file is the same, but the mesh has changed.
     fs::write(at.join("a.obj"), "v -2 -1 -2\nv 2 -1 -2\nv 0 -1 2.5\nf 1 3 2\n").expect("write");
     refused(at, "s.json --resume=a.ptc -o x.exr", 3, "a.ptc: not of this picture: /files/a.obj is ");
     fs::write(at.join("a.obj"), "v -2 -1 -2\nv 2 -1 -2\nv 0 -1 2\nf 1 3 2\n").expect("write");
@@ -162,7 +162,7 @@ fn what_is_not_of_the_picture_is_refused() {
     refused(at, "s.json --checkpoint 0 -o x.exr", 2, "expected a duration");
 }
 
-/// Kept by scene, taken on when more is asked, and used by `pt compare`; nothing else is written.
+/// References are cached by scene, continued if more samples are requested, and used by `pt compare`. Nothing else is written.
 #[test]
 fn references_are_kept() {
     let folder = folder();
@@ -192,26 +192,27 @@ fn references_are_kept() {
     let output = pt(at, "compare s.json --integrators nee,whitted --spp 4 --time 0.05 --cache none -o report --progress none");
     assert!(String::from_utf8_lossy(&output.stdout).starts_with("against a reference by nee, "));
     assert!(!at.join("none").exists());
-    // A damaged one is of no use, and made anew.
+    // A damaged cached reference is rendered again.
     let path = at.join("kept").join(&kept[0]);
     fs::write(&path, "no reference").expect("write");
     let said = done(at, "reference s.json --spp 8 --cache kept");
     assert!(said.contains("of no use") && said.contains("8 spp, 0 of them kept"), "{said}");
 }
 
-/// Starts a render that lasts, and waits until it renders.
+/// Starts a long render, and waits until it has begun.
 fn started(folder: &Path, args: &str) -> Child {
     let command = &mut Command::new(assert_cmd::cargo::cargo_bin("pt"));
     let mut child =
         command.current_dir(folder).args(args.split(' ')).args(["--progress", "json"]).stderr(Stdio::piped()).spawn().expect("it starts");
     let mut lines = BufReader::new(child.stderr.take().expect("a pipe")).lines();
     lines.find(|line| line.as_ref().is_ok_and(|line| line.starts_with('{'))).expect("progress").expect("text");
-    // Read to the end, so that it is never stuck.
+    // The output is read to the end, so that the program does not block.
     std::thread::spawn(move || lines.for_each(drop));
     child
 }
 
-/// Ended by a signal it keeps its state, with --checkpoint however long until the next; resumed it is the render in one go.
+/// A render that is ended by a signal writes its state, also if the next checkpoint is far away. Resumed, it gives the same picture as one
+/// render.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_render_goes_on() {
@@ -229,10 +230,10 @@ fn an_interrupted_render_goes_on() {
     }
 }
 
-/// Killed at any moment, also while it writes: the state that is there is whole.
+/// If a render is killed at any moment, also while it writes, the stored state is complete.
 #[cfg(unix)]
 #[test]
-fn a_killed_render_leaves_a_whole_state() {
+fn a_killed_render_leaves_a_complete_state() {
     let folder = folder();
     let at = folder.path();
     let mut last = 0;
@@ -254,10 +255,10 @@ fn a_killed_render_leaves_a_whole_state() {
     assert_eq!(picture(at, "x.exr"), picture(at, "whole.exr"));
 }
 
-/// A state that cannot be written to disk causes a message, and the picture is rendered all the same.
+/// If the state cannot be written to disk, there is a message, and the picture is rendered nevertheless.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_state_that_cannot_be_written_is_told() {
+fn a_state_that_cannot_be_written_is_reported() {
     let folder = folder();
     let at = folder.path();
     fs::create_dir(at.join("gone")).expect("folder");

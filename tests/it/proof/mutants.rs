@@ -1,4 +1,4 @@
-//! Right models and the bugs that everyone makes once.
+//! Correct models, and models with typical bugs.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -7,7 +7,7 @@ use pt::bsdf::{Bsdf, BsdfSample, Dielectric, Lobe, TransportMode};
 use pt::math::{Density, Local, SolidAnglePdf, Spectrum, warp};
 use pt::proof::{Model, Options, prove};
 
-/// Lambert's law, with or without its cosine; the weight may know of that.
+/// Lambert's law, with or without its cosine. The bug may be in the weight as well.
 #[derive(Clone, Copy, Debug)]
 pub struct Lambert {
     pub cosine: bool,
@@ -36,7 +36,7 @@ impl Model for Lambert {
     }
 }
 
-/// Blinn's lobe about the half vector, sampled there: pdf = (n + 1)/(2π) cosⁿ θh / (4 wo·h).
+/// Blinn's lobe about the half vector, with sampled half vectors: pdf = (n + 1)/(2π) cosⁿ θh / (4 wo·h).
 #[derive(Clone, Copy, Debug)]
 pub struct Blinn {
     pub exponent: f32,
@@ -51,7 +51,7 @@ pub enum Bug {
     HalfVector,
     /// (n + 2)/(2π) in the density.
     Normalisation,
-    /// The density of a lobe that is 2 % wider, rightly normalised.
+    /// The density of a lobe that is 2 % wider, correctly normalised.
     Width,
 }
 
@@ -101,7 +101,7 @@ impl Model for Blinn {
     }
 }
 
-/// Glass whose back does as its front does: η is not inverted.
+/// Glass that treats light from inside as light from outside: η is not inverted.
 #[derive(Clone, Copy, Debug)]
 pub struct Frontal(pub Dielectric);
 
@@ -133,7 +133,7 @@ impl Model for Frontal {
     }
 }
 
-/// Light spread evenly below a rough pane: f = T/π below, compressed by η² for radiance, or as if there were no pane.
+/// Rough glass that transmits light diffusely: f = T/π below, divided by η² for radiance, or without that factor.
 #[derive(Clone, Copy, Debug)]
 pub struct Frosted {
     pub eta: f32,
@@ -151,7 +151,7 @@ impl Model for Frosted {
         if wo.0.z * wi.0.z >= 0.0 {
             return Spectrum::BLACK;
         }
-        // A flux from the dense side that keeps the law of 1/η²: the share that leaves is the smaller one.
+        // From the dense side, the transmitted flux is smaller by 1/η².
         let index = self.index(wo);
         let spread = if mode == TransportMode::Radiance { 1.0 / (index * index) } else { 1.0 };
         let share = if self.index(wo) > 1.0 { 0.9 } else { 0.9 * self.index(wo).powi(2) };
@@ -179,7 +179,7 @@ fn options() -> Options {
     Options { samples: super::samples(), cases: 4000, ..Options::default() }
 }
 
-/// The unspoilt models pass: it is the bugs that are refused.
+/// The models without bugs pass, so that failures are due to the bugs.
 #[test]
 fn unspoilt_models_are_proved() {
     let blinn = [1.0, 20.0, 1000.0, 1e5].map(|exponent| Box::new(Blinn { exponent, bug: None }) as Box<dyn Model>);
@@ -190,7 +190,7 @@ fn unspoilt_models_are_proved() {
     }
 }
 
-/// Refused by each of these laws, whatever others say.
+/// Asserts that each of these laws rejects the model. Other laws may reject it too.
 #[track_caller]
 fn refused(model: &dyn Model, laws: &[&str]) {
     let report = prove(model, &options());
@@ -202,7 +202,7 @@ fn refused(model: &dyn Model, laws: &[&str]) {
 #[test]
 fn a_missing_cosine_is_refused() {
     refused(&Lambert { cosine: false, consistent: false }, &["weight"]);
-    // The weight forgets it as well: then only physics can tell.
+    // The weight lacks the cosine as well, so that only laws of physics detect the bug.
     refused(&Lambert { cosine: false, consistent: true }, &["reciprocity", "energy"]);
 }
 
@@ -222,13 +222,13 @@ fn a_forgotten_jacobian_is_refused() {
     refused(&Blinn { exponent: 20.0, bug: Some(Bug::Jacobian) }, &["integral", "jacobian", "chi2"]);
 }
 
-/// 5 %, which no chi² of relative shares sees.
+/// An error of 5 %, which a chi² test of relative shares does not detect.
 #[test]
 fn a_wrong_normalisation_is_refused() {
     refused(&Blinn { exponent: 20.0, bug: Some(Bug::Normalisation) }, &["integral", "jacobian"]);
 }
 
-/// Rightly normalised, and yet not what is drawn: 2 % of width.
+/// The density is correctly normalised but 2 % wider than the sampled lobe.
 #[test]
 fn a_lobe_of_another_width_is_refused() {
     refused(&Blinn { exponent: 20.0, bug: Some(Bug::Width) }, &["chi2"]);

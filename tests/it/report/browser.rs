@@ -1,4 +1,4 @@
-//! A browser under a test's hands: the part of W3C WebDriver that it needs.
+//! A browser controlled by a test: the part of W3C WebDriver that the test needs.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 /// With this variable set, a missing browser is a failure.
 const REQUIRED: &str = "PT_REQUIRE_BROWSER";
 
-/// A headless Chromium with a profile of its own. Ends with its driver.
+/// A headless Chromium with its own profile. It ends when the value is dropped.
 pub struct Browser {
     driver: Child,
     session: String,
@@ -18,16 +18,16 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// `None`, with a line that says so, where no driver is installed.
+    /// Starts a browser. Returns `None`, with a line of text, if no driver is installed.
     ///
-    /// Panics where one is but does not start, and where [`REQUIRED`] is set and there is none.
+    /// Panics if a driver is installed and does not start, or if [`REQUIRED`] is set and there is no driver.
     pub fn open() -> Option<Browser> {
         let spawned = Command::new("chromedriver").arg("--port=0").stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
         let mut driver = match spawned {
             Ok(driver) => driver,
             Err(e) if std::env::var_os(REQUIRED).is_some() => panic!("chromedriver: {e}"),
             Err(e) => {
-                // Not `eprintln!`: the line is to be seen although the test passes.
+                // Not `eprintln!`, because the line must be visible although the test passes.
                 let _ = writeln!(std::io::stderr(), "NOT TESTED: the report in a browser (chromedriver: {e})");
                 return None;
             }
@@ -66,7 +66,7 @@ impl Browser {
         self.post("url", &json!({"url": format!("file://{}", file.display())}));
     }
 
-    /// The size of what the page sees, also below the least size of a window.
+    /// Sets the size of the viewport, also below the minimum size of a window.
     pub fn resize(&self, width: u32, height: u32) {
         let metrics = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500});
         self.chrome("Emulation.setDeviceMetricsOverride", &metrics);
@@ -99,12 +99,12 @@ impl Browser {
         self.act(&json!([{"type": "key", "id": "keys", "actions": strokes}]));
     }
 
-    /// Moves a pointer (`mouse`, `touch`) to the first point, presses it there, draws it over the others, lets go.
+    /// Moves a pointer (`mouse` or `touch`) to the first point, presses it, drags it over the other points, and releases it.
     pub fn drag(&self, pointer: &str, points: &[[f64; 2]]) {
         self.act(&json!([track(pointer, pointer, points)]));
     }
 
-    /// Two fingers at once.
+    /// Drags two fingers at once.
     pub fn pinch(&self, first: &[[f64; 2]], second: &[[f64; 2]]) {
         self.act(&json!([track("touch", "finger 1", first), track("touch", "finger 2", second)]));
     }
@@ -121,7 +121,7 @@ impl Browser {
 
     fn act(&self, sources: &Value) {
         self.post("actions", &json!({"actions": sources}));
-        // The page paints in its next frame.
+        // Waits for the next frame, in which the page is painted.
         self.post("execute/async", &json!({"script": "requestAnimationFrame(() => setTimeout(arguments[0]))", "args": []}));
     }
 
@@ -136,7 +136,7 @@ impl Browser {
         self.drag("mouse", &[at]);
     }
 
-    /// The errors on the page's console. Advice is left out: that many pixels are read is the test's doing.
+    /// The errors on the page's console. Advice about reading many pixels is left out, because the test causes it.
     pub fn complaints(&self) -> Vec<String> {
         let log = self.post("se/log", &json!({"type": "browser"}));
         let errors = log.as_array().into_iter().flatten().filter(|entry| entry["level"] == "SEVERE");
@@ -179,7 +179,7 @@ pub fn point(value: &Value) -> [f64; 2] {
 fn request(url: &str, body: &Value) -> Value {
     let agent: ureq::Agent = ureq::Agent::config_builder().http_status_as_error(false).build().into();
     let mut answer = agent.post(url).send_json(body).unwrap_or_else(|e| panic!("{url}: {e}"));
-    // Screenshots are longer than what is taken by default.
+    // Screenshots are longer than the default limit.
     let body = answer.body_mut().with_config().limit(1 << 28);
     let found: Value = body.read_json().unwrap_or_else(|e| panic!("{url}: {e}"));
     let value = &found["value"];

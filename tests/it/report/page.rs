@@ -52,7 +52,7 @@ fn the_page_works_in_a_browser() {
     page.photograph();
 }
 
-/// Reference first, then each method's render, as the files of the same report hold them.
+/// The pictures of the report's files: the reference, then each method's render.
 fn pictures(folder: &Path) -> Vec<Image> {
     let files = ["reference", "path.render", "nee.render", "nee-sobol.render", "whitted.render"];
     files.iter().map(|stem| exr::read(&folder.join(format!("{stem}.exr"))).expect("EXR").0).collect()
@@ -72,13 +72,13 @@ impl Page {
         self.state(name).as_f64().unwrap_or_else(|| panic!("{name} is no number"))
     }
 
-    /// Where a pixel of the picture is in the window.
+    /// Position of a pixel of the picture in the window.
     fn locate(&self, [x, y]: [u32; 2]) -> [f64; 2] {
         self.browser.run("document.querySelector('#stage').scrollIntoView({block: 'center', behavior: 'instant'})");
         point(&self.browser.run(&format!("return window.pt.locate({x}, {y})")))
     }
 
-    /// What the screen shows there, 8 bits each.
+    /// The colour on the screen at a pixel of the picture, in 8 bits.
     fn shown(&self, pixel: [u32; 2]) -> [u8; 3] {
         let [x, y] = self.locate(pixel);
         let script = format!(
@@ -93,7 +93,7 @@ impl Page {
         self.pictures[picture].rgb(x - ORIGIN.x, y - ORIGIN.y).map(|v| (255.0 * tone(v).clamp(0.0, 1.0)).round() as u8)
     }
 
-    /// The screen shows that value up to half floats (2⁻¹¹, below one level) and rounding: one level of 255.
+    /// Asserts that the screen shows this value, with a tolerance of one level of 255 for half floats (2⁻¹¹) and rounding.
     fn shows(&self, pixel: [u32; 2], expected: [u8; 3], what: &str) {
         let found = self.shown(pixel);
         assert!(found.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1), "{what}: {found:?} is shown, {expected:?} expected");
@@ -111,7 +111,7 @@ impl Page {
         assert!(self.browser.run("return document.querySelectorAll('svg[role=img]').length") == 8);
     }
 
-    /// Every pixel and every picture, to half a unit of a half float's eleven bits.
+    /// The page reads every pixel of every picture, with a tolerance of half a unit in the last of a half float's eleven bits.
     fn reads_what_the_files_hold(&self) {
         let script = format!(
             "const all = []; for (let y = 0; y < {}; y++) for (let x = 0; x < {}; x++) \
@@ -128,7 +128,7 @@ impl Page {
                 }
             }
         }
-        // Under the mouse the same numbers, to four digits.
+        // The numbers under the mouse are the same, to four digits.
         self.browser.hover(self.locate(WALL));
         let status = self.browser.run("return document.querySelector('#status').textContent");
         assert_eq!(status, format!("Pixel {}, {}", WALL[0], WALL[1]));
@@ -156,7 +156,7 @@ impl Page {
         self.shows(WALL, self.expected(0, WALL, |v| srgb(v * 1.5f32.exp2())), "three halves of a stop brighter");
         self.browser.press("EEEEEEEEEEEEEEE");
         assert_eq!(self.number("exposure"), -6.0);
-        // The lamp was white before: more than a screen shows is still there.
+        // The lamp was white before. Its values above 1 are still there with another exposure.
         self.shows(LAMP, self.expected(0, LAMP, |v| srgb(v / 64.0)), "the lamp, six stops darker");
         self.browser.press("r");
         assert_eq!(self.number("exposure"), 0.0);
@@ -171,7 +171,7 @@ impl Page {
     fn zooms_and_pans(&self) {
         let (at, before) = (self.locate(LAMP), self.number("zoom"));
         self.browser.wheel(at, -300);
-        // Pointers stand on whole CSS pixels: what was under it may move by less than one, times the zoom.
+        // Pointers are at whole CSS pixels, so the point of the picture under the pointer may move by less than one, times the zoom.
         let (now, zoom) = (self.locate(LAMP), self.number("zoom"));
         assert!(zoom > 1.5 * before, "{zoom} after {before}");
         assert!(now.iter().zip(at).all(|(a, b)| (a - b).abs() <= zoom / before), "{now:?} is where {at:?} was");
@@ -190,7 +190,7 @@ impl Page {
         assert!(self.locate(LAMP)[0] > now[0] + 30.0, "the left arrow looks to the left");
         self.browser.press(DOWN);
         assert!(self.locate(LAMP)[1] < now[1] - 30.0, "the down arrow looks down");
-        // With shift, the pixel that is read.
+        // With shift, the keys move the pixel that is read.
         let probe = point(&self.state("probe"));
         self.browser.press_with(SHIFT, RIGHT);
         assert_eq!(point(&self.state("probe")), [probe[0] + 1.0, probe[1]]);
@@ -201,7 +201,7 @@ impl Page {
         self.browser.click("#reset");
     }
 
-    /// Left of the split one picture, right of it the other, wherever it stands.
+    /// One picture is shown on the left of the split and the other on the right, for every position of the split.
     fn splits(&self) {
         self.browser.press("4w");
         self.shows(WALL, self.expected(4, WALL, srgb), "left of the split");
@@ -224,7 +224,8 @@ impl Page {
         self.browser.press("r");
     }
 
-    /// The reference has no error: the scale's lowest colour. The biased method has 11 % on the wall: between.
+    /// The reference has no error, so it has the lowest colour of the scale. The biased method has an error of 11 % on the wall, and a
+    /// colour between the ends.
     fn shows_errors(&self) {
         self.browser.press("0d");
         self.shows(WALL, [0x44, 0x01, 0x54], "no error");
@@ -250,7 +251,7 @@ impl Page {
         assert_eq!(self.browser.run("return document.querySelector('#help').open"), false);
     }
 
-    /// Nothing is wider than the window, every letter of a plot can be read.
+    /// Nothing is wider than the window, and the text of plots is legible.
     fn fits(&self, width: u32, height: u32) {
         assert_eq!(self.browser.run("return [innerWidth, innerHeight]"), json!([width, height]));
         let wide = "return [...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > innerWidth + 0.5) \
@@ -259,7 +260,7 @@ impl Page {
         let small = "return [...document.querySelectorAll('svg text')].filter(e => e.getClientRects().length && \
                      e.getScreenCTM().a * parseFloat(e.getAttribute('font-size')) < 11).map(e => e.textContent)";
         assert_eq!(self.browser.run(small), json!([]));
-        // Words of a plot do not run into each other.
+        // Texts of a plot do not overlap.
         let touching = "const found = []; for (const svg of document.querySelectorAll('svg')) { \
              const all = [...svg.querySelectorAll('text')].map(e => [e, e.getBoundingClientRect()]).filter(([, b]) => b.width); \
              all.forEach(([a, p], i) => all.slice(i + 1).forEach(([b, q]) => { \

@@ -1,4 +1,4 @@
-//! A comparison by formulas: pictures, errors and prices that are known beforehand.
+//! A synthetic comparison by formulas, with known pictures, errors and costs.
 //!
 //! ```text
 //! relmse(n) = variance · n^−order + bias²,   seconds(n) = cost · n
@@ -15,7 +15,7 @@ pub const ORIGIN: UVec2 = UVec2::new(10, 20);
 const REPLICATES: u32 = 8;
 const CHECKPOINTS: u32 = 9;
 
-/// Four methods, one of them biased, one faster than the others with many samples.
+/// Makes the comparison of four methods, one of which is biased, and one is faster than the others with many samples.
 pub fn comparison() -> Comparison {
     let methods = vec![
         method(1, "path", "independent", ErrorModel { variance: 4.0, order: 1.0, bias: 0.0, cost: 0.004 }),
@@ -106,7 +106,7 @@ fn point(replicates: &[Measurement]) -> CheckpointStats {
     }
 }
 
-/// Three spheres before a wall, one of them brighter than a screen can show.
+/// Radiance of three spheres in front of a wall. One of them is brighter than a screen can show.
 fn radiance(x: u32, y: u32) -> [f64; 3] {
     let [x, y] = [f64::from(x), f64::from(y)];
     let wall = 0.15 + 0.5 * y / f64::from(SIZE.y);
@@ -153,7 +153,7 @@ fn with_errors(pixel: impl Fn(u32, u32) -> Estimates) -> Image {
     Image { full_size: UVec2::new(200, 100), origin: ORIGIN, size: SIZE, channels }
 }
 
-/// About normal: the sum of twelve uniforms of a hash.
+/// An approximately normal number: the sum of twelve uniform numbers from a hash.
 fn normal(seed: u32, index: u32) -> f64 {
     let mut state = u64::from(seed) << 32 | u64::from(index);
     let mut uniform = || {

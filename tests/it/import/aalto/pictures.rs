@@ -1,4 +1,4 @@
-//! What scenes of the Aalto path tracer show: ten turned triangles by quadrature, and the program's own pictures.
+//! Pictures of scenes of the Aalto path tracer, compared with quadrature (ten rotated triangles) and with the program's own pictures.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::import::dialect::{built, folder};
 use crate::scenes::{critical, picture};
 use crate::shared::shared;
 
-/// A picture of independent samples, by the integrator that the scene asks for, with so many times its pixels along each side.
+/// Renders a scene with independent samples, by the scene's integrator, with `finer` times the pixels along each side.
 fn taken(path: &Path, finer: u32, spp: u64) -> Image {
     let (imported, built) = built(path).unwrap_or_else(|error| panic!("{error}"));
     let (_, integrator) = choose(&[pt::integrators::ALL], imported.root.child("integrator"), None, &imported.file).expect("an integrator");
@@ -22,8 +22,8 @@ fn taken(path: &Path, finer: u32, spp: u64) -> Image {
     picture(Arc::new(built.world), &*integrator, FilmSpec::new(built.film.size.x * finer, built.film.size.y * finer), sampler)
 }
 
-/// A wall of light and a stack of ten triangles, each turned by 10° more about z than the one below; far from each other, so that they do
-/// not see each other. One pixel looks along x at the middle of the triangle of this number.
+/// A wall of light and a stack of ten triangles, each rotated by 10° more about z than the one below, and so far apart that they do not
+/// light each other. The picture is one pixel that looks along x at the middle of the triangle `looks_at`.
 fn stack(material: &str, light: f64, looks_at: u32) -> tempfile::TempDir {
     let object = |path: &str, material: u32, [x, z]: [f64; 2], height: f64, turn: u32| {
         format!(
@@ -33,7 +33,7 @@ fn stack(material: &str, light: f64, looks_at: u32) -> tempfile::TempDir {
     };
     let triangles = (0..10).map(|k| object("./triangle.obj", 1, [0.0, 1e3 * f64::from(k)], 1.0, 10 * k));
     let objects: Vec<String> = [object("./light.obj", 0, [light, 0.0], 1e9, 0)].into_iter().chain(triangles).collect();
-    // Height of a point on the half of the triangle that contains its axis of rotation.
+    // Height of a point on the half of the triangle with its axis of rotation.
     let z = 1e3 * f64::from(looks_at) - 0.25;
     let scene = format!(
         r#"{{ "camera": {{ "focalPoint": {{ "x": -8, "y": 0, "z": {z:?} }}, "direction": {{ "x": 1, "y": 0, "z": 0 }},
@@ -47,7 +47,7 @@ fn stack(material: &str, light: f64, looks_at: u32) -> tempfile::TempDir {
     folder(&[("scene.json", &scene), ("light.obj", light), ("triangle.obj", "v 0 0 1\nv 0 0 0\nv -1 0 0\nf 1 2 3\n")])
 }
 
-/// The share of a cone of directions that leave towards +x. The cone has the half angle 90° · m about the mirror direction; its part below
+/// The share of a cone of directions that have a positive x. The cone has the half angle 90° · m about the mirror direction; its part below
 /// the surface is mirrored above it. The surface contains the z axis and is rotated by `degrees` from the plane y = 0.
 fn share_towards_x(m: f64, degrees: f64) -> f64 {
     const STEPS: usize = 600;
@@ -57,7 +57,7 @@ fn share_towards_x(m: f64, degrees: f64) -> f64 {
     let mirror = reflect(DVec3::X);
     let (u, v) = (mirror.cross(DVec3::Z), DVec3::Z);
     let least = (FRAC_PI_2 * m).cos();
-    // The side that the camera sees: where the ray along x comes from.
+    // The normal of the side that the camera sees, from which the ray along x comes.
     let outside = -normal.x.signum();
     let hits = (0..STEPS * STEPS).filter(|i| {
         let [a, b] = [i % STEPS, i / STEPS].map(|k| (k as f64 + 0.5) / STEPS as f64);
@@ -70,13 +70,14 @@ fn share_towards_x(m: f64, degrees: f64) -> f64 {
     hits.count() as f64 / (STEPS * STEPS) as f64
 }
 
-/// Mirrors and cones of all widths, seen at ten angles, lit from behind and from before: each colour as the quadrature of its cone.
+/// Mirrors and cones of all widths, seen at ten angles and lit from behind and from the front: each colour equals the quadrature of the
+/// cone.
 ///
-/// A wall of light at a large distance is seen towards +x or −x, wherever a path leaves. The first triangle is seen from its edge.
+/// A large distant wall of light is hit by every path that leaves towards +x, or −x. The first triangle is seen from its edge.
 #[test]
 fn stacks_of_ten_triangles() {
     const SPP: u64 = 4096;
-    // The wall is not quite a hemisphere: it lacks an angle of 10⁻⁵, and the grid of the quadrature misses a rim.
+    // The tolerance is because the wall covers a hemisphere except for an angle of 10⁻⁵, and because of the finite grid of the quadrature.
     const RIM: f64 = 2e-3;
     for (material, m) in [
         (r#""type": "specular""#, 0.0),
@@ -97,8 +98,7 @@ fn stacks_of_ten_triangles() {
     }
 }
 
-/// A picture that the program made: of which scene, by how many samples per pixel, and how much darker it may be than its own rules
-/// say (relative).
+/// A picture of the original program: its scene, its samples per pixel, and by how much it may be darker than it should be (relative).
 struct Reference {
     scene: &'static str,
     picture: &'static str,
@@ -106,9 +106,9 @@ struct Reference {
     lost: f64,
 }
 
-/// In rooms the program's walls are darker by 2.2 ± 0.2 % where they are seen at grazing angles, and as much noisier as it takes for one
-/// path in fifty to end black, which by its rules none does: every path there leaves the room towards the light. A simulation of the
-/// same room by formulas agrees with pt to 0.2 %, and with the program where one lets rays pass that leave a wall by less than 1°.
+/// In rooms the program's walls are darker by 2.2 ± 0.2 % where they are seen at grazing angles. They are also noisier, as if one path in
+/// fifty ended without light, although every path leaves the room towards the light. A simulation of the same room by formulas agrees with
+/// pt to 0.2 %. It agrees with the program if rays that leave a wall at less than 1° pass through the wall.
 const LEAK: f64 = 0.03;
 
 const REFERENCES: [Reference; 4] = [
@@ -118,19 +118,19 @@ const REFERENCES: [Reference; 4] = [
     Reference { scene: "small_glass_panel", picture: "glass_panel_fixed", spp: 8, lost: LEAK },
 ];
 
-/// The panel as it magnified.
+/// The picture of the glass panel with the magnification bug.
 const BUGGY: Reference = Reference { scene: "small_glass_panel", picture: "glass_panel_buggy", spp: 12, lost: LEAK };
 
-/// Edge of a block (pixels).
+/// Edge of a block of pixels that are compared by their mean (pixels).
 const BLOCK: u32 = 16;
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
-/// Ours has so many times the pixels along each side, and samples in each of them.
+/// Our picture has `FINE` times the pixels along each side, and `SPP` samples in each of them.
 const FINE: u32 = 6;
 const SPP: u64 = 2;
-/// False alarms of all comparisons together, one in a hundred over all seeds.
+/// Significance of all comparisons together: 1 % of the seeds would give a false alarm.
 const ALPHA: f64 = 0.01;
 
-/// What a sample of one of the program's pixels is expected to be, and its variance.
+/// Expected value and variance of a sample in one of the program's pixels.
 ///
 /// The program places samples in a pixel's square as it lies in the plane of the picture, at a distance of 1 along the axis, but begins at
 /// the pixel's corner as it lies on a unit sphere: the square is |d| times as wide as the pixel, with d = (x, y, 1) on that plane.
@@ -152,7 +152,7 @@ fn expected(fine: &[[f64; 2]], width: u32, [x, y]: [u32; 2], distance: f64) -> [
     [mean, (second / weights - mean * mean).max(0.0)]
 }
 
-/// The worst difference of a block mean, over what is allowed: above 1 the pictures are not the same.
+/// The largest difference between block means, relative to the allowed difference. Above 1 the pictures differ.
 ///
 /// |pt − theirs| ≤ z √(s²/spp + s²/spp′) (+ lost · pt where theirs is darker), z of all blocks and channels together (Šidák)
 ///
@@ -168,7 +168,7 @@ fn worst(reference: &Reference, ours: &Ours, folder: &Path) -> f64 {
     for channel in CHANNELS {
         let values = |image: &'_ Image, name: &str| image.channel(name).unwrap_or_else(|| panic!("{name}")).to_vec();
         let (means, errors) = (values(&ours.image, channel), values(&ours.image, &format!("StdErr.{channel}")));
-        // The mean of two squares is the square of the mean and half of their difference's, which is the error's.
+        // The mean of two squares is the square of their mean plus the square of half their difference, which is due to noise.
         let moments =
             means.iter().zip(errors).map(|(&m, e)| [f64::from(m), f64::from(m).powi(2) + (SPP - 1) as f64 * f64::from(e).powi(2)]);
         let (moments, theirs): (Vec<[f64; 2]>, _) = (moments.collect(), values(&theirs, channel));
@@ -182,7 +182,7 @@ fn worst(reference: &Reference, ours: &Ours, folder: &Path) -> f64 {
                 found += f64::from(theirs[(y * size.x + x) as usize]);
             }
             let pixels = f64::from((end - corner).element_product());
-            // Sums of 32-bit floats, with the roundings of their largest.
+            // The program sums in 32-bit floats, with rounding errors relative to the largest value.
             let rounding = 1e-6 * pixels;
             let allowed = z * variance.sqrt() + rounding + if found < expected { reference.lost * expected } else { 0.0 };
             worst = worst.max((expected - found).abs() / allowed);
@@ -191,7 +191,7 @@ fn worst(reference: &Reference, ours: &Ours, folder: &Path) -> f64 {
     worst
 }
 
-/// pt's picture of a scene, finer than theirs.
+/// pt's picture of a scene, with more pixels than the program's.
 struct Ours {
     image: Image,
     /// Tangents of the half angles, across and up.
@@ -205,15 +205,15 @@ impl Ours {
         Ours { image: taken(scene, FINE, SPP), tangents }
     }
 
-    /// From the eye to a pixel's corner on the plane at a distance of 1.
+    /// Distance from the eye to a pixel's corner on the plane at a distance of 1.
     fn distance(&self, [x, y]: [u32; 2], size: UVec2) -> f64 {
         let [right, down] = [(x, size.x), (y, size.y)].map(|(k, side)| 2.0 * f64::from(k) / f64::from(side) - 1.0);
         (1.0 + (right * self.tangents[0]).powi(2) + (down * self.tangents[1]).powi(2)).sqrt()
     }
 }
 
-/// Where the program's own scenes and pictures are at hand: the same pictures, within their noise; and not the one of the panel that
-/// magnifies.
+/// If the program's own scenes and pictures are available, pt's pictures equal them within the noise. The picture of the magnifying panel
+/// differs.
 #[test]
 fn pictures_are_those_of_the_program() {
     let Some(folder) = shared("aalto") else { return };

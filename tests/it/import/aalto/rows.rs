@@ -1,9 +1,9 @@
-//! The table of docs/import.md: one scene for each row, and it becomes what the row says.
+//! The table of docs/import.md: each row is tested with a scene.
 
 use super::{SCENE, TETRAHEDRON, files};
 use crate::import::dialect::{Outcome, folder, table};
 
-/// Each construct of the page, and changes to [`SCENE`], each of which shows it.
+/// Each construct of the page, with changes to [`SCENE`] that each contain the construct.
 const ROWS: &[(&str, &[(&str, &str)])] = &[
     ("`camera.focalPoint`", &[]),
     ("`camera.direction`, of any length, with `xAngle` and `yAngle`", &[("\"x\": 2, ", "\"x\": 2e9, ")]),
@@ -77,7 +77,7 @@ fn every_row_of_the_page_holds() {
     assert!(unsaid.is_empty(), "not on the page: {unsaid:?}");
 }
 
-/// The scene that the others are changes of says nothing that is not read.
+/// The unchanged scene is read without a note.
 #[test]
 fn the_scene_is_read() {
     assert_eq!(Outcome::of(&files(SCENE).path().join("scene.json")), Outcome::Read);

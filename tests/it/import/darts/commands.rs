@@ -21,7 +21,7 @@ fn meets(transform: &str, [x, y]: [f64; 2], z: f64, normal: [f64; 3]) -> bool {
 
 const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// M = new · M: the last of the list acts in the world. The corner (1, 1) of the quad tells one order from the other.
+/// M = new · M: the last command of the list is applied last. The position of the quad's corner (1, 1) depends on the order.
 #[test]
 fn commands_act_in_listed_order() {
     assert!(meets(r#"[{ "translate": [1, 0, 2] }, { "scale": 3 }]"#, [5.9, 2.9], 6.0, UP));
@@ -43,11 +43,11 @@ fn each_command_does_what_it_says() {
         assert!(meets(transform, [0.9, 2.9], 0.0, turned), "{transform}");
         assert!(!meets(transform, [1.1, 0.0], 0.0, turned), "{transform}");
     }
-    // z axis = from − at, which is where the normal points.
+    // The z axis is from − at, and the normal points along it.
     let slope = [0.0, 0.6, 0.8];
     assert!(meets(r#"{ "from": [0, 3, 4], "at": 0 }"#, [0.9, 3.0], 4.0, slope));
     assert!(meets(r#"{ "from": [0, 3, 4], "to": [0], "up": [0, 1, 0] }"#, [0.9, 3.0], 4.0, slope));
-    // Numbers that stand for more of them.
+    // A single number stands for three equal ones.
     assert!(meets(r#"{ "translate": 2 }"#, [2.9, 2.9], 2.0, UP) && meets(r#"{ "translate": [2] }"#, [2.9, 2.9], 2.0, UP));
     assert!(meets(r#"{ "matrix": 2 }"#, [1.9, 1.9], 0.0, UP) && meets(r#"{ "matrix": [2] }"#, [1.9, -1.9], 0.0, UP));
     assert!(meets(r#"{ "o": [0, 0, 5] }"#, [0.9, 0.9], 5.0, UP) && meets(r#"[]"#, [0.9, 0.9], 0.0, UP));

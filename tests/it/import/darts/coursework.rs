@@ -27,7 +27,8 @@ fn verdict(test: &str) -> (Option<i32>, String) {
 
 /// Values from 0 to 1 of a picture in the courses' colours: Inferno's shares of red, green and blue, taken as light and written as sRGB.
 ///
-/// The nearest of a thousand colours: a rounding of a channel is up to 1/255, and where the map is slowest it takes 1/50 of it.
+/// The value is that of the nearest of a thousand colours. A channel is rounded by up to 1/255, which is up to 1/50 of the range where the
+/// map changes slowly.
 struct Picture {
     width: usize,
     values: Vec<f64>,
@@ -62,8 +63,8 @@ impl Picture {
     }
 }
 
-/// How far apart two pictures are, as a share of what is brightest in the second: the root of the mean square over blocks, where the
-/// scale of the first is the one that fits best.
+/// Difference of two pictures relative to the maximum of the second: the root mean square over blocks. The first picture is scaled to fit
+/// best.
 fn apart(a: &Picture, b: &Picture) -> f64 {
     let (a, b) = (a.blocks(), b.blocks());
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -73,7 +74,7 @@ fn apart(a: &Picture, b: &Picture) -> f64 {
 }
 
 #[test]
-fn sound_materials_surfaces_and_meetings_pass() {
+fn correct_materials_surfaces_and_intersections_pass() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("tests.json"), include_str!("tests.json")).expect("a file");
     let output = run(folder.path(), &["tests.json", "-o", "of-"]);
@@ -81,7 +82,7 @@ fn sound_materials_surfaces_and_meetings_pass() {
     assert_eq!(output.status.code(), Some(0), "{said}");
     assert!(said.contains("12 of 12 tests passed"), "{said}");
     assert!(said.contains("warning: some directions are mirrored"), "{said}");
-    // Lambert's law on the pictures: cos θ in every row, in both.
+    // Lambert's law in the pictures: every row has the value cos θ, in both pictures.
     let pdf = Picture::read(&folder.path().join("of-diffuse-pdf.png"));
     assert_eq!((pdf.width, pdf.values.len()), (512, 512 * 256));
     for row in 0..256 {
@@ -90,16 +91,16 @@ fn sound_materials_surfaces_and_meetings_pass() {
     }
     for name in ["diffuse-turned", "phong", "phong-turned", "blinn-phong", "blinn-phong-turned", "mixed", "ball", "lamps"] {
         let [pdf, sampled] = ["pdf", "sampled"].map(|what| Picture::read(&folder.path().join(format!("of-{name}-{what}.png"))));
-        // A block is four cells of 800 samples where the density is as on average: 2 %, and less weight where there are fewer.
+        // A block is four cells of 800 samples on average, which gives an error of 2 %. Blocks with fewer samples have less weight.
         let off = apart(&sampled, &pdf);
         assert!(off < 0.02, "{name}: what is drawn is {off} off what should be");
     }
 }
 
-/// ∫ of Lambert's density is 1, that of Phong's what lies above the surface: for a lobe of exponent 1 whose axis is θ off the
-/// normal (1 + cos θ)/2.
+/// The integral of Lambert's density is 1. That of Phong's is the share of the lobe above the surface: (1 + cos θ)/2 for a lobe of exponent
+/// 1 whose axis is at θ from the normal.
 #[test]
-fn the_integral_is_what_lies_above_the_surface() {
+fn the_integral_counts_directions_above_the_surface() {
     let integral = |material: &str, incoming: &str| {
         let test =
             format!(r#"{{ "type": "sample material", "name": "m", "normal": [0, 0, 1], "incoming": {incoming}, "material": {material} }}"#);
@@ -114,7 +115,7 @@ fn the_integral_is_what_lies_above_the_surface() {
 }
 
 #[test]
-fn what_is_wrong_fails_and_says_so() {
+fn faulty_tests_fail_with_a_message() {
     let material = |material: &str, more: &str| {
         verdict(&format!(r#"{{ "type": "sample material", "name": "m", "normal": [0, 0, 1], "material": {material} {more} }}"#))
     };
@@ -155,9 +156,9 @@ fn what_is_wrong_fails_and_says_so() {
     }
 }
 
-/// The measure tells a sampler that is a little off: another exponent, another normal.
+/// The difference is large for a sampler with a slightly different exponent or normal.
 #[test]
-fn pictures_of_other_samplers_are_apart() {
+fn pictures_of_other_samplers_differ() {
     let folder = tempfile::tempdir().expect("a folder");
     let test = |name: &str, normal: &str, exponent: f64| {
         let material = format!(r#"{{ "type": "phong", "color": 1, "exponent": {exponent} }}"#);

@@ -20,7 +20,7 @@ fn blocks(path: &Path) -> Vec<[f64; 3]> {
     let columns = image.size.x / edge;
     let block = |(row, column): (u32, u32)| {
         let within = (0..edge).flat_map(|y| (0..edge).map(move |x| (column * edge + x, row * edge + y)));
-        // What an 8-bit picture holds ends at 1.
+        // The values of an 8-bit picture are at most 1.
         let sum = within.fold([0.0; 3], |sum: [f64; 3], (x, y)| {
             let rgb = image.rgb(x, y);
             [0, 1, 2].map(|c| sum[c] + f64::from(rgb[c]).min(1.0))
@@ -35,8 +35,9 @@ fn blocks(path: &Path) -> Vec<[f64; 3]> {
 fn the_pictures_are_the_courses_pictures() {
     let Some(darts) = shared("darts") else { return };
     let from = darts.join("2025/assignment4");
-    // The walls at x = ±650 are left aside: they are darker there, by up to a third at their feet, where path and nee agree here: the
-    // original's rays, which start at t = 1e-4 where a rounding of 650 is 6e-5, meet their own wall again (docs/import.md has the figures).
+    // The walls at x = ±650 are not compared. They are darker in the original, by up to a third at the floor, while path and nee agree in
+    // pt: the original's rays start at t = 1e-4, where the rounding of 650 is 6e-5, and hit their own wall again (docs/import.md has the
+    // figures).
     for (scene, reference, size, columns) in [
         ("odyssey_mats", "odyssey_mats", [256, 144], 0..14),
         ("phong", "phong", [180, 80], 3..15),
@@ -65,7 +66,8 @@ fn the_pictures_are_the_courses_pictures() {
         let seen = (0..ours.len()).filter(|i| columns.contains(&(i % wide)));
         let worst = seen.flat_map(|i| (0..3).map(move |c| (i, c))).map(|(i, c)| (ours[i][c] - theirs[i][c]).abs()).fold(0.0, f64::max);
         println!("{scene}: {worst:.4}");
-        // Noise is a tenth of that. The rest looks like the same loss at the floor and the back wall, where coordinates are half as large.
+        // The noise is a tenth of the tolerance. The rest looks like the same loss at the floor and the back wall, where coordinates are
+        // half as large.
         assert!(worst < 0.03, "{scene}: a block is {worst} off");
     }
 }

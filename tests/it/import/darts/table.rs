@@ -1,4 +1,4 @@
-//! docs/import.md says what becomes of each construct, and it does.
+//! The table of docs/import.md on scenes of dirt and darts: each construct is converted as its row says.
 
 use std::fs;
 
@@ -64,7 +64,7 @@ fn mapping(more: &str) -> String {
     format!(r#"{{ "type": "mapping", "transform": [{{ "scale": 2 }}], {more} }}"#)
 }
 
-/// A small file or some for each construct; none for one that is not known here.
+/// One or more small files for each construct; none for an unknown construct.
 fn files(construct: &str) -> Vec<String> {
     let red = r#"{ "type": "lambertian", "name": "red", "albedo": [1, 0, 0] }"#;
     let lamp = r#"{ "type": "diffuse light", "name": "lamp", "emit": 2 }"#;
@@ -213,7 +213,7 @@ fn files(construct: &str) -> Vec<String> {
 }
 
 #[test]
-fn each_construct_becomes_what_the_page_says() {
+fn each_construct_becomes_what_the_documentation_says() {
     let folder = tempfile::tempdir().expect("a folder");
     let obj = |name: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl {name}\nf 1 2 3\n");
     for name in ["red", "lamp"] {

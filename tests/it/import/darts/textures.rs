@@ -1,4 +1,4 @@
-//! Textures of dirt and darts: what is seen at a place is what their formulas say, in each dialect's spelling.
+//! Textures of dirt and darts: their values equal the formulas, in each dialect's spelling.
 
 use std::f64::consts::{PI, TAU};
 use std::fs;
@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::import::read::{Read, met, read, reflected};
 use crate::random::Random;
 
-/// What tells a dialect: keys of the scene, of a texture's colours, and how a matte material and its colour are spelled.
+/// The spelling of a dialect: keys of the scene and of a texture's colours, and the names of a matte material and its colour.
 struct Dialect {
     told_by: &'static str,
     diffuse: &'static str,
@@ -69,7 +69,7 @@ fn each_dialect_has_checkers_of_its_own() {
     }
 }
 
-/// Coordinates by name are no approximation, and a mapping leads the way that its type says.
+/// Named texture coordinates are used exactly, and each type of mapping gives its coordinates.
 #[test]
 fn coordinates_of_the_newest_dialect() {
     let checker = |vector: &str| format!(r#"{{ "type": "checker", "color1": 0.9, "color2": 0.1, "scale": 2, "vector": {vector} }}"#);
@@ -97,7 +97,7 @@ fn pictures_lie_on_spheres_as_in_the_originals() {
         let encoded = f64::from(level) / 255.0;
         if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
     };
-    // A quarter of a turn about x takes z to −y.
+    // A rotation by 90° about x takes z to −y.
     let turned = |p: DVec3| DVec3::new(p.x, -p.z, p.y);
     for (dialect, quarter) in [
         (&DIRT, r#"{ "axis": [1, 0, 0], "angle": 90 }"#),
@@ -118,7 +118,8 @@ fn pictures_lie_on_spheres_as_in_the_originals() {
                 let out = if place.is_some() { turned(own) } else { own };
                 let from = place.unwrap_or_default() + 5.0 * out;
                 let shown = met(&built, from.to_array(), (-out).as_vec3().to_array(), |surface, _| reflected(surface).average());
-                // Neighbours differ by at most 40 levels; f32 puts the place off by 1e-6 of a pixel, and colours by 1e-7.
+                // Neighbouring pixels differ by at most 40 levels. Rounding to f32 moves the position by 1e-6 of a pixel and changes
+                // colours by 1e-7.
                 let expected = linear(gray(x, y));
                 assert!((f64::from(shown) - expected).abs() < 1e-5, "({x}, {y}): {shown}, expected {expected}");
             }

@@ -1,4 +1,4 @@
-//! What is wrong with a file is said with its place; nothing panics, whatever the bytes.
+//! Faults of glTF files are reported with their position, and no input causes a panic.
 
 use std::fs;
 use std::path::Path;
@@ -24,7 +24,7 @@ fn whole() -> Model {
 
 type Edit = fn(&mut Value);
 
-/// What is changed, and what is said about it.
+/// Changes of the file, and the messages about them.
 const FAULTS: &[(Edit, &str)] = &[
     (|doc| doc["asset"]["version"] = json!("1.0"), "/asset/version: expected glTF of version 2, found \"1.0\""),
     (
@@ -52,7 +52,7 @@ const FAULTS: &[(Edit, &str)] = &[
     ),
     (
         |doc| {
-            // As a file that lists the extension in `extensionsUsed` alone: its accessors have no bytes.
+            // The file lists the extension only in `extensionsUsed`, and its accessors have no bytes.
             drop(doc["accessors"][0].as_object_mut().and_then(|a| a.remove("bufferView")));
             doc["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
             doc["meshes"][0]["primitives"][0]["extensions"] =
@@ -113,7 +113,7 @@ const FAULTS: &[(Edit, &str)] = &[
     (|doc| doc["cameras"][0]["perspective"]["aspectRatio"] = json!(0), "/cameras/0/perspective: a picture without width or height"),
 ];
 
-/// What is said about a file of this name; nothing where it is read.
+/// The error message about a file; empty if it is read.
 fn said(folder: &Path, name: &str, bytes: &[u8]) -> String {
     let path = folder.join(name);
     fs::write(&path, bytes).expect("a file");
@@ -148,9 +148,9 @@ fn every_fault_has_its_place() {
     }
 }
 
-/// What is left out of the picture anyway is no reason to refuse the file, whatever is wrong with it.
+/// Faults in parts that are left out of the picture are no reason to refuse the file.
 #[test]
-fn what_is_not_read_spoils_nothing() {
+fn faults_in_unread_parts_are_ignored() {
     let edits: &[(Edit, &str)] = &[
         (|doc| doc["animations"] = json!([{ "channels": [], "samplers": [{ "input": 99, "output": 0, "interpolation": 0 }] }]), ""),
         (|doc| doc["animations"] = json!(7), ""),
@@ -164,7 +164,7 @@ fn what_is_not_read_spoils_nothing() {
         (|doc| doc["meshes"][0]["primitives"][0]["attributes"]["TEMPERATURE"] = json!(0), ""),
         (|doc| doc["meshes"][0]["name"] = Value::Null, ""),
         (
-            // Lines may break off with an index that no vertex has.
+            // Lines are not read, so that their invalid indices do not matter.
             |doc| {
                 let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": 1, "mode": 3 });
                 doc["meshes"][0]["primitives"].as_array_mut().expect("a list").push(primitive)
@@ -184,9 +184,9 @@ fn what_is_not_read_spoils_nothing() {
     }
 }
 
-/// Draco's extension beside triangles that are there as well, which are read.
+/// A file with Draco compression that also has the uncompressed triangles is read from those.
 #[test]
-fn compressed_triangles_that_also_stand_plain_are_read() {
+fn compressed_triangles_with_uncompressed_copies_are_read() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut model = whole();
     model.doc["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
@@ -195,7 +195,7 @@ fn compressed_triangles_that_also_stand_plain_are_read() {
 }
 
 #[test]
-fn containers_that_are_none() {
+fn invalid_containers_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let bytes = whole().glb();
     let changed = |at: usize, to: [u8; 4]| [&bytes[..at], &to, &bytes[at + 4..]].concat();
@@ -214,7 +214,7 @@ fn containers_that_are_none() {
     }
 }
 
-/// Changed bytes, and ends that come too early: read or refused, with one of two exit codes; no panic.
+/// Files with changed bytes, and truncated files, are read or refused with one of two exit codes, and cause no panic.
 #[test]
 fn any_bytes_are_read_or_refused() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -236,7 +236,7 @@ fn any_bytes_are_read_or_refused() {
             }
             let path = folder.path().join(name);
             fs::write(&path, &mutant).expect("a file");
-            // What no longer looks like glTF is for another reader to refuse.
+            // A file that no longer looks like glTF is refused by another reader.
             match try_read(&path) {
                 Ok(scene) => scene.files.made.keys().filter(|file| file.ends_with(".ply")).for_each(|file| drop(scene.files.mesh(file))),
                 Err(error) => assert!(matches!(error.exit_code(), 3 | 4), "{name}, round {round}: {error}"),
@@ -245,9 +245,9 @@ fn any_bytes_are_read_or_refused() {
     }
 }
 
-/// Ten thousand nodes within each other are no deep recursion.
+/// Ten thousand nested nodes do not overflow the stack.
 #[test]
-fn long_chains_of_nodes_are_walked() {
+fn long_chains_of_nodes_do_not_overflow_the_stack() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut model = Model::square(json!({}));
     const COUNT: usize = 10_000;

@@ -1,4 +1,4 @@
-//! Triangles, from every kind of number and order in which a file may give them.
+//! Triangles in glTF, in every component type and every topology.
 
 use glam::{Vec2, Vec3};
 use pt::shape::MeshData;
@@ -24,7 +24,7 @@ fn corners() -> Vec<Vec3> {
     CORNERS.map(Vec3::from).to_vec()
 }
 
-/// Triangles as their corners' places, so that the order of vertices does not count.
+/// Triangles as the positions of their corners, so that the order of vertices does not matter.
 fn places(mesh: &MeshData) -> Vec<[Vec3; 3]> {
     mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])).collect()
 }
@@ -56,9 +56,9 @@ fn strips_and_fans() {
     }
 }
 
-/// Rows that lie 20 bytes apart, from the fourth byte on.
+/// An accessor with a stride of 20 bytes and an offset of 4 bytes.
 #[test]
-fn rows_may_lie_apart() {
+fn strided_accessors_are_read() {
     let mut model = Model::new();
     let mut bytes = vec![0xff; 4];
     for corner in CORNERS {
@@ -72,9 +72,9 @@ fn rows_may_lie_apart() {
     assert_eq!(mesh.positions, corners());
 }
 
-/// A row of zeros, of which two are replaced; and a row in a buffer, of which one is.
+/// Sparse accessors: one without a buffer, in which two elements are replaced, and one with a buffer, in which one is.
 #[test]
-fn sparse_rows_are_replaced() {
+fn sparse_accessors_replace_rows() {
     for with_view in [false, true] {
         let mut model = Model::new();
         let base = [[0.0f32; 3], [9.0, 9.0, 9.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -97,9 +97,9 @@ fn sparse_rows_are_replaced() {
     }
 }
 
-/// c/255, c/65535, max(c/127, −1), and whole numbers as they are (KHR_mesh_quantization).
+/// Normalized integers are c/255, c/65535 and max(c/127, −1), and others keep their values (KHR_mesh_quantization).
 #[test]
-fn integers_are_shares_or_themselves() {
+fn normalized_and_plain_integers_are_decoded() {
     let mut model = Model::new();
     model.doc["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
     model.doc["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
@@ -115,15 +115,15 @@ fn integers_are_shares_or_themselves() {
     }
     let mesh = shown(model, json!({ "attributes": { "POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv }, "mode": 6 }));
     assert_eq!(mesh.positions[2], Vec3::new(30.0, 20.0, 0.0));
-    // −128/127 is cut at −1.
+    // −128/127 is clamped to −1.
     assert_eq!(mesh.normals[..2], [Vec3::new(0.0, -1.0, 1.0), Vec3::Z]);
     // v upwards: 1 − 51/255.
     assert_eq!(mesh.uvs[..2], [Vec2::new(0.0, 0.8), Vec2::new(1.0, 0.8)]);
 }
 
-/// p + w Δ.
+/// Vertices with a morph target of weight w are at p + w Δ.
 #[test]
-fn morph_targets_by_their_weights() {
+fn morph_targets_are_weighted() {
     let mut model = Model::new();
     let position = model.floats(&CORNERS);
     let moves = [[0.0, 0.0, 4.0], [0.0, 0.0, 2.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]];
@@ -140,9 +140,10 @@ fn morph_targets_by_their_weights() {
     }
 }
 
-/// Half of joint A, which moves by (2, 0, 0), and half of B, which turns by 90° about z; the node's own place does not count.
+/// Vertices depend in equal parts on joint A, which moves by (2, 0, 0), and on joint B, which rotates by 90° about z. The transform of the
+/// mesh's own node is ignored.
 #[test]
-fn skins_stand_as_their_joints_do() {
+fn skins_follow_their_joints() {
     let mut model = Model::new();
     let position = model.floats(&CORNERS);
     let normal = model.floats(&[[1.0, 0.0, 0.0]; 4]);
@@ -169,13 +170,13 @@ fn skins_stand_as_their_joints_do() {
     for (found, expected) in found.positions.iter().zip(expected) {
         assert_near(&found.as_dvec3().to_array(), &expected, 1e-6, "place");
     }
-    // The normal of the last vertex turns as B does.
+    // The normal of the last vertex rotates with B.
     assert_near(&found.normals[3].as_dvec3().to_array(), &[0.0, 1.0, 0.0], 1e-6, "normal");
 }
 
-/// Points, lines, and triangles without area: said, and left out.
+/// Points, lines, and triangles without area are left out, with a note.
 #[test]
-fn what_is_no_surface_is_left_out() {
+fn points_lines_and_degenerate_triangles_are_left_out() {
     let mut model = Model::square(json!({}));
     let flat = model.floats(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
     for (mode, attributes) in [(1, json!({ "POSITION": flat })), (4, json!({ "POSITION": flat })), (4, json!({}))] {
@@ -184,7 +185,7 @@ fn what_is_no_surface_is_left_out() {
     }
     model.node(json!({ "mesh": 0, "scale": [1, 1, 0] }));
     let scene = read_model(&model);
-    // The square and the key light.
+    // The shapes are the square and the key light.
     assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(2));
     for sentence in
         ["points and lines are left out", "without area is left out", "without positions is left out", "scaled to nothing is left out"]

@@ -1,4 +1,4 @@
-//! A generator of small glTF files: bytes put together by hand, for one feature each.
+//! A generator of small glTF files, each for one feature.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ pub const U16: u32 = 5123;
 pub const U32: u32 = 5125;
 pub const F32: u32 = 5126;
 
-/// A file in the making.
+/// A glTF file under construction.
 #[derive(Clone)]
 pub struct Model {
     pub doc: Value,
@@ -20,13 +20,13 @@ pub struct Model {
 }
 
 impl Model {
-    /// One scene without nodes.
+    /// A file with one scene that has no nodes.
     pub fn new() -> Model {
         let doc = json!({ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [] }] });
         Model { doc, buffer: vec![] }
     }
 
-    /// One node that shows a square of one metre: [0, 1]² at z = 0, its normals +z, its picture upright.
+    /// A file with one node, a square of one metre: [0, 1]² at z = 0, with the normal +z and upright texture coordinates.
     pub fn square(material: Value) -> Model {
         let mut model = Model::new();
         let mesh = model.square_mesh(json!(0));
@@ -35,7 +35,7 @@ impl Model {
         model
     }
 
-    /// Adds a member to a list of the file; its index.
+    /// Adds a member to a list of the file, and returns its index.
     pub fn add(&mut self, list: &str, value: Value) -> usize {
         let list = &mut self.doc[list];
         if list.is_null() {
@@ -53,7 +53,7 @@ impl Model {
         index
     }
 
-    /// A view of bytes.
+    /// Adds a buffer view of these bytes, and returns its index.
     pub fn bytes(&mut self, bytes: &[u8]) -> usize {
         let start = self.buffer.len().next_multiple_of(4);
         self.buffer.resize(start, 0);
@@ -82,7 +82,7 @@ impl Model {
         self.add("meshes", json!({ "primitives": [primitive] }))
     }
 
-    /// A texture of a picture within the buffer; its index.
+    /// Adds a texture with a picture in the buffer, and returns its index.
     pub fn texture(&mut self, picture: image::RgbaImage, sampler: Value) -> usize {
         let view = self.bytes(&png(picture));
         let image = self.add("images", json!({ "bufferView": view, "mimeType": "image/png" }));
@@ -98,7 +98,7 @@ impl Model {
         doc
     }
 
-    /// All in one `.gltf`, its buffer as a data uri.
+    /// The model as a `.gltf` file with the buffer as a data URI.
     pub fn gltf(&self) -> Vec<u8> {
         let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&self.buffer));
         let doc = self.with_buffer(json!({ "byteLength": self.buffer.len(), "uri": uri }));

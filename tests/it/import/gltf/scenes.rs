@@ -21,13 +21,13 @@ fn quarter() -> Value {
 
 /// p → 2 Rz(90°)(p + (1, 0, 0)) + (1, 2, 3), for a node within a node.
 #[test]
-fn nodes_stand_where_their_parents_put_them() {
+fn nodes_inherit_the_transforms_of_their_parents() {
     let mut model = Model::new();
     let mesh = model.square_mesh(Value::Null);
     model.doc["meshes"][mesh]["primitives"][0].as_object_mut().expect("an object").remove("material");
     let child = model.add("nodes", json!({ "mesh": mesh, "translation": [1, 0, 0] }));
     model.node(json!({ "translation": [1, 2, 3], "rotation": quarter(), "scale": [2, 2, 2], "children": [child] }));
-    // The composed transform once more, as a matrix in column order, 10 m further along z and with the same mesh.
+    // A second node has the composed transform as a matrix in column order, 10 m further along z, and the same mesh.
     model.node(json!({ "mesh": mesh, "matrix": [0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 1, 4, 13, 1] }));
     let scene = read_model(&model);
     let expected = |z: f64| [0.0, -2.0, 0.0, 1.0, 2.0, 0.0, 0.0, 4.0, 0.0, 0.0, 2.0, z, 0.0, 0.0, 0.0, 1.0];
@@ -73,7 +73,7 @@ fn cameras_look_down_their_nodes() {
         model.add("cameras", camera),
         model.add("cameras", json!({ "type": "orthographic", "orthographic": { "xmag": 3, "ymag": 2, "zfar": 9, "znear": 1 } })),
     ];
-    // A quarter turn about y: −z becomes −x. The scale is no part of a camera.
+    // The camera is rotated by 90° about y: −z becomes −x. The scale of the node does not apply to cameras.
     model.node(
         json!({ "camera": first, "translation": [5, 1, 2], "rotation": [0.0, FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2], "scale": [3, 3, 3] }),
     );
@@ -95,7 +95,7 @@ fn cameras_look_down_their_nodes() {
 
 /// A candela is 1/683 W·sr⁻¹, a lux 1/683 W·m⁻².
 #[test]
-fn lights_are_told_in_watts() {
+fn light_intensities_become_watts() {
     let mut model = Model::square(json!({}));
     model.doc["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     let lights = json!([
@@ -104,7 +104,7 @@ fn lights_are_told_in_watts() {
         { "type": "spot", "intensity": 2049, "spot": { "innerConeAngle": PI / 6.0, "outerConeAngle": PI / 4.0 } },
     ]);
     model.doc["extensions"] = json!({ "KHR_lights_punctual": { "lights": lights } });
-    // A quarter turn about x: −z becomes +y.
+    // The light is rotated by 90° about x: −z becomes +y.
     let upwards = json!([FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2]);
     for light in 0..3 {
         model.node(json!({ "translation": [1, 2, 3], "rotation": upwards, "scale": [9, 9, 9], "extensions": { "KHR_lights_punctual": { "light": light } } }));
@@ -123,8 +123,8 @@ fn lights_are_told_in_watts() {
     assert!(scene.tree.get("background").is_none(), "a file with lights gets no sky");
 }
 
-/// What only glows is no light: it was made for rasterisers, to which emission lights nothing. Who gives a strength means a light,
-/// however weak.
+/// Emission without a strength is no light: such files were made for rasterisers, where emission does not light other surfaces. Emission
+/// with a strength is a light, even if it is weak.
 #[test]
 fn emission_with_a_strength_is_a_light() {
     let strong = |strength: f64| {
@@ -145,7 +145,7 @@ fn emission_with_a_strength_is_a_light() {
 
 /// Each copy stands at node · T · R · S: the square's corner (1, 0, 0), turned a quarter about z and scaled, lies at t + s (0, 1, 0).
 #[test]
-fn copies_of_a_mesh_stand_where_they_are_put() {
+fn instances_of_a_mesh_are_placed() {
     let mut model = Model::square(json!({}));
     let translations = model.floats(&[[0.0, 0.0, 0.0], [5.0, 0.0, 1.0], [0.0, 7.0, 2.0]]);
     let turn = [0.0, 0.0, FRAC_1_SQRT_2 as f32, FRAC_1_SQRT_2 as f32];
@@ -175,7 +175,7 @@ fn copies_of_a_mesh_stand_where_they_are_put() {
     assert!(said.contains("EXT_mesh_gpu_instancing/attributes: 3 translations, 3 rotations and 2 scales"), "{said}");
 }
 
-/// Files that are not ours, where they lie beside the package.
+/// Models of other programs, if they are available beside the project.
 #[test]
 fn shared_models_load() {
     let Some(folder) = crate::shared::shared("models") else { return };

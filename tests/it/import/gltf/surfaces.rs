@@ -1,4 +1,4 @@
-//! Materials and textures: by the numbers of pt's description, and by what a ray meets.
+//! Materials and textures of glTF: the parameters in pt's scene, and the values at ray hits.
 
 use pt::texture::image::Pixels;
 use serde_json::{Value, json};
@@ -24,7 +24,7 @@ fn linear(level: u8) -> f64 {
 
 /// Each quarter of the square shows its pixel times the factor: the first row is the upper one.
 #[test]
-fn base_colours_are_where_they_belong() {
+fn base_colour_textures_are_upright() {
     let pixels = [[[250, 10, 128, 255], [0, 255, 0, 255]], [[64, 64, 64, 255], [255, 255, 200, 255]]];
     let factor = [0.5, 1.0, 0.25];
     let mut model = Model::square(json!({}));
@@ -36,15 +36,16 @@ fn base_colours_are_where_they_belong() {
         for (column, x) in [(0, 0.25), (1, 0.75)] {
             let expected: Vec<f64> = (0..3).map(|k| linear(pixels[row][column][k]) * factor[k]).collect();
             let found = met(&built, [x, y, 2.0], [0.0, 0.0, -1.0], |surface, _| reflected(surface).to_rgb().map(f64::from));
-            // Straight on, a mirror of metal has its base colour; f32.
+            // At normal incidence a smooth metal has its base colour, up to rounding to f32.
             assert_near(&found, &expected, 1e-5, &format!("row {row}, column {column}"));
         }
     }
 }
 
-/// (u′, v′) = (0.5 + 2 (c u + s v), 0.25 + 3 (c v − s u)) for 90°, v down: baked into the mesh, v upwards.
+/// (u′, v′) = (0.5 + 2 (c u + s v), 0.25 + 3 (c v − s u)) for 90°, with v downwards. The transform is applied to the mesh's coordinates,
+/// where v points upwards.
 #[test]
-fn texture_transforms_are_in_the_coordinates() {
+fn texture_transforms_are_applied_to_coordinates() {
     let mut model = Model::square(json!({}));
     let texture = model.texture(picture([[[255; 4]]]), json!({}));
     let transform = json!({ "offset": [0.5, 0.25], "scale": [2, 3], "rotation": std::f64::consts::FRAC_PI_2 });
@@ -59,9 +60,9 @@ fn texture_transforms_are_in_the_coordinates() {
     }
 }
 
-/// Roughness is green, metalness blue; both are linear, and times their factors.
+/// Roughness is the green channel and metalness the blue one. Both are linear, and multiplied by their factors.
 #[test]
-fn metallic_and_roughness_are_channels() {
+fn metallic_and_roughness_are_read_from_their_channels() {
     let mut model = Model::square(json!({}));
     let texture = model.texture(picture([[[0, 102, 204, 255]]]), json!({ "wrapS": 33071, "wrapT": 33071 }));
     let pbr = json!({ "metallicRoughnessTexture": { "index": texture }, "roughnessFactor": 0.5 });
@@ -99,7 +100,7 @@ fn normal_maps_turn_normals() {
 
 /// Red is above and green below where the alpha is at least the cutoff; through the rest a ray goes on.
 #[test]
-fn alpha_masks_have_holes() {
+fn alpha_masks_make_holes() {
     // Alpha 127 · 0.9 / 255 = 0.448, 128 · 0.9 / 255 = 0.4518.
     let pixels = [[[255, 0, 0, 127], [0, 255, 0, 128]]];
     let masked = |alpha_mode: &str| {
@@ -107,7 +108,7 @@ fn alpha_masks_have_holes() {
         let texture = model.texture(picture(pixels), json!({ "magFilter": 9728 }));
         let pbr = json!({ "baseColorFactor": [1, 1, 1, 0.9], "baseColorTexture": { "index": texture } });
         model.doc["materials"][0] = json!({ "pbrMetallicRoughness": pbr, "alphaMode": alpha_mode, "alphaCutoff": 0.45 });
-        // What is behind.
+        // The surface behind the hole.
         let behind = model.square_mesh(json!(1));
         model.add("materials", json!({}));
         model.node(json!({ "mesh": behind, "translation": [0, 0, -1] }));
@@ -147,9 +148,9 @@ fn extensions_become_parameters() {
     assert_eq!((specular.number("/materials/material 0/specular"), specular.number("/materials/material 0/eta")), (0.5, 1.25));
 }
 
-/// With a thickness it is a body of glass, without a pane; in part, a part of it.
+/// Transmission with a thickness gives a body of glass, and without one a thin pane. A partial transmission gives a mix.
 #[test]
-fn transmission_knows_bodies_and_panes() {
+fn transmission_distinguishes_bodies_and_panes() {
     let volume = json!({ "thicknessFactor": 1, "attenuationColor": [0.5, 0.25, 1], "attenuationDistance": 2 });
     let glass = |share: f64, volume: Option<&Value>| {
         let mut extensions = json!({ "KHR_materials_transmission": { "transmissionFactor": share }, "KHR_materials_ior": { "ior": 1.25 } });
@@ -172,9 +173,9 @@ fn transmission_knows_bodies_and_panes() {
     assert_eq!(half.at("/materials/material 0/b/type"), "thin_dielectric");
 }
 
-/// Pictures beside the file stay there, by their names without `%`.
+/// Pictures in files of their own are referenced by their names, with `%` escapes decoded.
 #[test]
-fn pictures_beside_the_file_stay_there() {
+fn external_pictures_are_referenced_by_name() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut model = Model::square(json!({}));
     model.add("images", json!({ "uri": "my%20wood.png" }));
@@ -187,9 +188,9 @@ fn pictures_beside_the_file_stay_there() {
     scene.built();
 }
 
-/// WebP is read as PNG is; of a texture's pictures the first that is readable counts, whichever stands first.
+/// WebP is read like PNG. Of the pictures of a texture the first one that pt can read is used.
 #[test]
-fn pictures_of_extensions_are_read() {
+fn pictures_of_texture_extensions_are_read() {
     let texels = || picture([[[9, 200, 30, 255]]]);
     let unread = b"\xABKTX 20\xBB\r\n\x1A\n".to_vec();
     for (own, others) in [(None, vec![webp(texels())]), (Some(unread.clone()), vec![webp(texels())]), (Some(png(texels())), vec![unread])] {
@@ -211,10 +212,10 @@ fn pictures_of_extensions_are_read() {
     }
 }
 
-/// A picture of a format that pt does not read spoils its texture, not the model: what shows instead is said; nothing shines all over
-/// for want of a mask.
+/// If pt cannot read the format of a picture, only its texture is replaced, with a note. Emission without its mask is left out, so that the
+/// surface does not emit everywhere.
 #[test]
-fn a_picture_that_is_not_read_is_left_out() {
+fn an_unreadable_picture_is_left_out() {
     for (bytes, format) in [(&b"\xABKTX 20\xBB\r\n\x1A\n"[..], "KTX2"), (b"GIF89a", "GIF"), (b"?", "an unknown format")] {
         for (slot, sentence) in [
             ("/pbrMetallicRoughness/baseColorTexture", "a plain colour shows in its place"),
@@ -244,7 +245,7 @@ fn read_without_nulls(mut model: Model) -> Read {
     read_model(&model)
 }
 
-/// COLOR_0 multiplies the base colour, in each form in which it may stand; what has none of the same material is as it was.
+/// COLOR_0 multiplies the base colour, in each component type. Meshes of the same material without COLOR_0 are unchanged.
 #[test]
 fn vertex_colours_multiply_the_base_colour() {
     use super::model::{F32, U8, U16};
@@ -326,7 +327,7 @@ fn specular_and_glossiness_become_metalness_and_roughness() {
         let (pixels, _) = scene.files.picture(file, pt::describe::Encoding::Auto, channel).expect("a picture");
         pixels.values()[0].map(f64::from)
     };
-    // Eight bits: half a step of the curve at its steepest, 1/255.
+    // The tolerance is that of 8 bits: half a step where the curve is steepest, 1/255.
     assert_near(&shown("base_color", None), &plain.0, 1.0 / 255.0, "base colour");
     let shares = |key: &str| scene.at(&format!("/materials/material 0/{key}/channel")).as_str().map(str::to_owned);
     assert_eq!((shares("metallic"), shares("roughness")), (Some("b".into()), Some("g".into())));

@@ -1,4 +1,4 @@
-//! docs/import.md keeps its word: for each row of its table of glTF a file, and what becomes of it.
+//! The glTF table of docs/import.md: each row is tested with a file.
 
 use std::collections::BTreeSet;
 
@@ -175,7 +175,7 @@ const ROWS: &[Row] = &[
 ];
 
 #[test]
-fn the_table_of_gltf_is_true() {
+fn every_row_of_the_gltf_table_holds() {
     let table = rows("glTF 2.0");
     let known: BTreeSet<&str> = ROWS.iter().map(|(construct, _)| *construct).collect();
     let said: BTreeSet<&str> = table.iter().map(|row| &*row.construct).collect();
@@ -186,7 +186,7 @@ fn the_table_of_gltf_is_true() {
             json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": null, "baseColorTexture": null }, "normalTexture": null, "occlusionTexture": null, "extensions": {} }),
         );
         edit(&mut model);
-        // Slots that were not filled.
+        // Placeholders that no row has replaced.
         let material = model.doc["materials"][0].as_object_mut().expect("an object");
         material.retain(|_, value| !value.is_null());
         material["pbrMetallicRoughness"].as_object_mut().expect("an object").retain(|_, value| !value.is_null());

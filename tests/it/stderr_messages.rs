@@ -1,4 +1,4 @@
-//! What is said beside results: nothing with -q, that a scene is loading where that takes long, that a picture shows little.
+//! Messages on stderr: none with -q, progress if loading takes long, and notes about pictures that are too dark or too bright.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
@@ -7,7 +7,7 @@ use std::process::{Output, Stdio};
 
 use tempfile::TempDir;
 
-/// A ball in a white room that shines by `light`, with a remark to make: a lamp that faces away.
+/// A ball in a white room, with emission `light`, and a lamp that faces away and so causes a warning.
 fn scene(light: f64) -> String {
     format!(
         r#"{{"pt": 1, "camera": {{"look_at": {{"from": [0, 0, 3], "to": [0, 0, 0]}}}}, "film": {{"width": 16, "height": 16}},
@@ -31,7 +31,7 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The options that all commands share may stand before the command too.
+/// Options that all commands share may also precede the command.
 #[test]
 fn shared_options_may_come_first() {
     let folder = folder();
@@ -45,9 +45,9 @@ fn shared_options_may_come_first() {
     assert!(scene.status.success() && scene.stderr.is_empty() && folder.path().join("x.pfm").is_file());
 }
 
-/// Every command takes -q and then says nothing on stderr; without it most of these have something to say.
+/// Every command accepts -q and then prints nothing on stderr. Without -q most of these print something.
 #[test]
-fn quiet_is_heard_by_all() {
+fn every_command_respects_quiet() {
     let folder = folder();
     let at = folder.path();
     let mut remarks = 0;
@@ -78,13 +78,13 @@ fn quiet_is_heard_by_all() {
         remarks += usize::from(!stderr(&pt(at, command)).is_empty());
     }
     assert!(remarks > 8, "{remarks} commands have something to say");
-    // Errors are said all the same.
+    // Errors are printed nevertheless.
     assert!(stderr(&pt(at, "check none.json -q")).starts_with("error: "));
 }
 
-/// The scene comes through a pipe that gives nothing until the line was read.
+/// The scene comes through a pipe, which the test fills only after it has read the first line of progress.
 #[test]
-fn that_a_scene_is_loading_is_said() {
+fn slow_loading_is_announced() {
     let folder = folder();
     let binary = assert_cmd::cargo::cargo_bin("pt");
     let command = &mut std::process::Command::new(binary);
@@ -99,10 +99,10 @@ fn that_a_scene_is_loading_is_said() {
     assert!(child.wait().expect("it ends").success());
 }
 
-/// Light 2^k times as bright is the same picture when the exposure is chosen for it: to a level of 8 bits, since the stops are tenths in
-/// f32.
+/// With automatic exposure, light that is 2^k times as bright gives the same picture, up to one level of 8 bits, because stops are rounded
+/// to tenths in f32.
 #[test]
-fn an_automatic_exposure_shows_the_same_whatever_the_light() {
+fn automatic_exposure_does_not_depend_on_brightness() {
     let folder = folder();
     let at = folder.path();
     let shown = |name: &str| image::open(at.join(name)).expect("a picture").to_rgb8().into_raw();
@@ -118,7 +118,7 @@ fn an_automatic_exposure_shows_the_same_whatever_the_light() {
     for k in [-30, -8, 3, 14] {
         assert!(near(&bytes(0.5 * 2f64.powi(k), "auto").0, &expected), "2^{k}");
     }
-    // The stops that the note names give the same picture by hand, and so does `pt image convert`.
+    // The exposure in the note gives the same picture if it is set by hand, and so does `pt image convert`.
     let stops = said.split("--exposure ").nth(1).and_then(|rest| rest.split_whitespace().next()).expect("stops").to_owned();
     assert!(bytes(0.5, &stops).0 == expected);
     assert!(pt(at, "image convert x.exr -o y.png --exposure auto").status.success());
@@ -126,9 +126,9 @@ fn an_automatic_exposure_shows_the_same_whatever_the_light() {
     assert!(stderr(&pt(at, "s.json --exposure much")).contains("expected a number of stops, or auto"));
 }
 
-/// A picture that is too dark or too bright gets a note that says how to see more.
+/// A picture that is too dark or too bright causes a note that gives a better exposure.
 #[test]
-fn pictures_too_dark_or_too_bright_are_told_of() {
+fn pictures_too_dark_or_too_bright_get_a_note() {
     let folder = folder();
     let at = folder.path();
     for (light, expected) in [(0.5, None), (1.0, None), (1e-3, Some("nearly black")), (100.0, Some("burnt out"))] {
@@ -137,12 +137,12 @@ fn pictures_too_dark_or_too_bright_are_told_of() {
         let told = ["nearly black", "burnt out"].into_iter().find(|word| said.contains(&format!("note: s.png is {word}: --exposure ")));
         assert_eq!(told, expected, "{said}");
         assert_eq!(said.contains("\n  pt image convert s.exr -o s.png --exposure auto\n"), expected.is_some(), "{said}");
-        // Nothing is said where nothing is developed.
+        // There is no note if no 8-bit picture is written.
         assert!(!stderr(&pt(at, "s.json -o x.exr")).contains("--exposure"));
     }
 }
 
-/// Whole numbers are written as such.
+/// Whole numbers are written without a decimal point.
 #[test]
 fn converted_scenes_have_whole_numbers() {
     let folder = folder();

@@ -1,4 +1,4 @@
-//! Lengths go from surface to surface: what absorbs, what has holes and how far one sees know nothing of the offset of rays.
+//! Distances are measured from surface to surface: absorption, holes and distance limits do not depend on the offset of ray origins.
 
 use glam::{DVec3, Vec3};
 use pt::bsdf::{Lobe, Material, SurfaceMaterial, TransportMode, textured};
@@ -15,14 +15,15 @@ use super::{block, no_camera, pane};
 use crate::scenes::{Depth, at, black, facing, glow, gray, integrator, picture, probe, room, stored};
 
 const ETA: f32 = 1.7;
-/// What is left of light after a metre (1/m).
+/// The absorption coefficient of the glass (1/m).
 const SIGMA: f64 = 1000.0;
 
 fn absorbing(world: &mut WorldBuilder) -> MaterialId {
     world.material(Material::from(textured::Dielectric::smooth(ETA, 1.0).absorbing(Rgb::gray(SIGMA as f32))))
 }
 
-/// Fine things at the coordinates' origin, which keep it there; a few, so that no tie decides.
+/// Adds fine details at the coordinates' origin, so that the origin stays there. There are several, so that the choice of the origin is
+/// unique.
 fn anchored(world: &mut WorldBuilder) {
     let dark = world.material(black());
     for y in [-1e-3, 0.0, 1e-3] {
@@ -30,7 +31,7 @@ fn anchored(world: &mut WorldBuilder) {
     }
 }
 
-/// The share of light that passes two faces straight on, Fresnel's reflections left out by their own formula.
+/// The transmittance of two faces due to absorption: Fresnel's reflections are divided out.
 fn passed(scene: &World, mut ray: Ray) -> Option<f64> {
     let mut left = 1.0;
     for _ in 0..2 {
@@ -44,13 +45,13 @@ fn passed(scene: &World, mut ray: Ray) -> Option<f64> {
     Some(left)
 }
 
-/// Beer and Lambert's e^(−σ d / cos θt) through panes far from the coordinates' origin, where rays start 2 to 31 % of the
-/// thickness beside their surface: as two faces and as a closed box.
+/// Beer and Lambert's e^(−σ d / cos θt) through panes far from the coordinates' origin, where rays start 2 to 31 % of the thickness beside
+/// their surface. Panes are two faces or a closed box.
 ///
-/// The planes lie at numbers that f32 holds, so that nothing is granted but the rounding of directions and of the exponential.
-/// (The offset is 2⁻¹⁹ · 16 m = 31 µm.)
+/// The positions of the planes are exact in f32, so that the tolerance is only for the rounding of directions and of the exponential. (The
+/// offset is 2⁻¹⁹ · 16 m = 31 µm.)
 #[test]
-fn absorption_knows_no_offset() {
+fn absorption_does_not_depend_on_ray_offsets() {
     for thickness in [2f64.powi(-9), 2f64.powi(-10), 2f64.powi(-11), 2f64.powi(-12), 2f64.powi(-13)] {
         for closed in [false, true] {
             let mut world = World::builder(no_camera());
@@ -77,12 +78,12 @@ fn absorption_knows_no_offset() {
     }
 }
 
-/// The chord 2 R cos θt of a ball of which rays start R/200 beside the surface.
+/// Absorption along the chord 2 R cos θt of a ball, where rays start R/200 beside the surface.
 ///
-/// A ray that is moved by o = 78 µm leaves a ball of R = 1/64 m elsewhere: the tangent plane there is off by o²/2R,
-/// a few millionths of the chord, and the ball's points are rounded to 1 µm, 3·10⁻⁵ of it; σ × chord is up to 31.
+/// A ray with an offset of o = 78 µm leaves a ball of R = 1/64 m at another point. The distance between ball and tangent plane there is
+/// o²/2R, a few millionths of the chord, and points on the ball are rounded to 1 µm, 3·10⁻⁵ of the chord. σ × chord is up to 31.
 #[test]
-fn absorption_in_a_ball_knows_no_offset() {
+fn absorption_in_a_ball_does_not_depend_on_ray_offsets() {
     let radius = 2f64.powi(-6);
     let mut world = World::builder(no_camera());
     anchored(&mut world);
@@ -100,8 +101,8 @@ fn absorption_in_a_ball_knows_no_offset() {
 /// Adds shapes of a material to a scene.
 type Add<'a> = &'a dyn Fn(&mut WorldBuilder, MaterialId);
 
-/// What a closed body absorbs does not depend on a large ground, a far lamp or a pair of far balls: in a closed room not a bit of
-/// the picture changes, with glass that absorbs, holes and every integrator.
+/// A large ground, a distant lamp or a pair of distant balls does not change a bit of the picture of a closed room with absorbing glass and
+/// holes, with every integrator.
 #[test]
 fn far_objects_change_no_bit() {
     let far: [Add; 4] = [
@@ -138,12 +139,13 @@ fn far_objects_change_no_bit() {
     }
 }
 
-/// Past sixteen surfaces of opacity 0 a wall is as far as without them.
+/// Behind sixteen surfaces of opacity 0 a wall has the same distance as without them.
 ///
-/// Within the rounding of sixteen coordinates at 16 m (2⁻²⁰ m each), over the cosine; each hole took 31 µm and more. Where a ray
-/// has an end, each hole moves it sideways by up to 2⁻¹⁹ · 17 m still, and the way to the wall by that much over the cosine.
+/// The tolerance is the rounding of sixteen coordinates at 16 m (2⁻²⁰ m each), over the cosine; the offset of a ray would be at least 31 µm
+/// for each hole. For a ray with a given end, each hole moves the ray sideways by up to 2⁻¹⁹ · 17 m, and the distance to the wall by that
+/// over the cosine.
 #[test]
-fn holes_take_nothing_of_the_way() {
+fn holes_do_not_shorten_distances() {
     let mut world = World::builder(no_camera());
     anchored(&mut world);
     let dark = world.material(black());
@@ -166,9 +168,9 @@ fn holes_take_nothing_of_the_way() {
     }
 }
 
-/// A ray that is limited to a distance ends that far from the point on its surface, not from where it starts beside it.
+/// A ray that is limited to a distance ends at that distance from the surface point, not from its offset origin.
 #[test]
-fn distances_count_from_the_surface() {
+fn distances_are_measured_from_the_surface() {
     let mut world = World::builder(no_camera());
     anchored(&mut world);
     let dark = world.material(black());
@@ -178,6 +180,6 @@ fn distances_count_from_the_surface() {
     let surface: Surface = world.surface(&down, &world.intersect(&down).expect("the quad"));
     let up = surface.spawn(Vec3::Z, 0.0).within(1e-3);
     assert!(surface.point.offset > 1e-5);
-    // Two roundings of 16 m.
+    // The tolerance is two roundings of 16 m.
     assert!((up.at(up.t_max).z - surface.point.p.z - 1e-3).abs() <= 2e-6, "{up:?}");
 }

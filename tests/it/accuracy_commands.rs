@@ -1,4 +1,4 @@
-//! What the commands say about accuracy: targets, prices, comparisons, verdicts; with which exit code.
+//! Output and exit codes of the commands about accuracy: targets, predicted times, comparisons, verdicts.
 
 use std::path::Path;
 
@@ -43,9 +43,9 @@ fn a_target_is_met_or_missed() {
     assert!(render(2, &["--target", "0"]).contains("above 0 and below 1"));
 }
 
-/// If a few bright dots make all the noise, no error and no verdict are given, but the path that made the brightest dot is shown.
+/// If a few bright dots make all the noise, no error and no verdict are given. The path of the brightest dot is shown instead.
 #[test]
-fn what_is_hardly_found_is_not_established() {
+fn noise_of_rare_bright_samples_gives_no_error_estimate() {
     let (folder, caustic) = (folder(), CORNELL.replace("cornell-box", "caustic"));
     for seed in ["1", "2"] {
         let args = [&caustic, "--size", "240x180", "--spp", "128", "--seed", seed, "-o", "dots.exr"];
@@ -58,9 +58,9 @@ fn what_is_hardly_found_is_not_established() {
     assert!(text.contains("inconclusive") && text.contains("nee: 64 spp in ") && !text.contains("relative error "), "{text}");
 }
 
-/// The line says how many samples pixels have; what a part cannot keep is refused.
+/// An adaptive render prints the range of samples per pixel, and cannot be written as a part of a render.
 #[test]
-fn adaptive_renders_say_so() {
+fn adaptive_renders_report_their_sample_counts() {
     let folder = folder();
     let adaptive = |code: i32, more: &[&str]| said(folder.path(), code, &[&[CORNELL, "--size", "32x32", "--adaptive"], more].concat());
     let text = adaptive(0, &["--spp", "64", "-o", "box.exr"]);
@@ -72,10 +72,10 @@ fn adaptive_renders_say_so() {
     assert!(adaptive(2, &["--shard", "1/2"]).contains("cannot be used with"));
 }
 
-/// An integrator's row of the price list has four prices, each with an interval, or a line says that a longer pilot is needed; a
-/// longer one has them, however many samples this machine takes in its time.
+/// The pilot prints four predicted times for each integrator, each with an interval, or a line that a longer pilot is needed. A longer
+/// pilot has the four times, on a machine of any speed.
 #[test]
-fn a_pilot_tells_the_prices_of_each_integrator() {
+fn a_pilot_predicts_render_times_of_each_integrator() {
     let folder = folder();
     let listed = |seconds: u32| {
         let seconds = seconds.to_string();
@@ -91,9 +91,9 @@ fn a_pilot_tells_the_prices_of_each_integrator() {
     assert!(said(folder.path(), 2, &[CORNELL, "--pilot", "1s", "--integrators", "nea"]).contains("did you mean \"nee\""));
 }
 
-/// After five seconds or as soon as the error is known, if there is more than a minute to come; without being asked.
+/// A render that will take more than a minute prints its predicted time after five seconds, or as soon as the error is known.
 #[test]
-fn a_long_render_tells_its_prices_by_itself() {
+fn a_long_render_predicts_its_time_unasked() {
     let folder = folder();
     let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("pt"))
         .current_dir(folder.path())
@@ -109,9 +109,9 @@ fn a_long_render_tells_its_prices_by_itself() {
     assert!(lines[2].starts_with("nee ") && lines[2].matches('(').count() == 4, "{lines:?}");
 }
 
-/// Every sampler's picture carries error bars and what they are worth; one scrambling alone tells none.
+/// The pictures of every sampler contain error estimates and their degrees of freedom. A single scrambling gives no error estimate.
 #[test]
-fn pictures_carry_their_errors() {
+fn pictures_contain_their_error_estimates() {
     let folder = folder();
     for (kind, name, _) in pt::sampler::Kind::ALL {
         for (k, freedom) in [("1", 0.0), ("2", 1.0), ("8", 7.0)] {
@@ -127,7 +127,7 @@ fn pictures_carry_their_errors() {
     assert!(said(folder.path(), 2, &[CORNELL, "--scramblings", "3"]).contains("expected a power of two"));
 }
 
-/// A picture by the other integrator passes; the same with 3 % more light, or with a corner 30 % brighter, does not.
+/// A picture by another integrator passes. One with 3 % more light, or with a corner that is 30 % brighter, does not.
 #[test]
 fn verify_finds_planted_bias() {
     let folder = folder();
@@ -157,7 +157,7 @@ fn verify_finds_planted_bias() {
 #[test]
 fn compare_writes_a_report_and_says_which_is_cheapest() {
     let folder = folder();
-    // By numbers of samples, so that only the seconds in the report depend on the machine.
+    // The checkpoints are numbers of samples, so that only the seconds in the report depend on the machine.
     said(folder.path(), 0, &[CORNELL, "--size", "32x32", "--spp", "2048", "--seed", "9", "-q", "-o", "truth.exr"]);
     let given = ["compare", CORNELL, "--size", "32x32", "--spp", "64", "--reference", "truth.exr"];
     let text = said(folder.path(), 0, &[&given[..], &["-o", "report", "-m", "flip", "-m", "mse:robust"]].concat());
@@ -173,7 +173,7 @@ fn compare_writes_a_report_and_says_which_is_cheapest() {
     assert!(said(folder.path(), 3, &again).contains("expected 24 × 24 pixels"));
 }
 
-/// The method with the least price of the largest error, as the report's data have it.
+/// The method with the least time for the largest error in the report's data.
 fn cheapest(folder: &Path) -> String {
     let text = std::fs::read_to_string(folder.join("report/convergence.json")).expect("data");
     let data: serde_json::Value = serde_json::from_str(&text).expect("JSON");

@@ -1,4 +1,4 @@
-//! Normal-mapped surfaces against quadrature, in f64, by formulas that share nothing with `src/`.
+//! Normal-mapped surfaces compared with quadrature in f64, by formulas that share no code with `src/`.
 
 use std::f64::consts::{FRAC_1_PI, PI};
 use std::sync::Arc;
@@ -28,12 +28,12 @@ const REPEATS: f64 = 3.0;
 const EYE: DVec3 = DVec3::new(0.2, -1.2, 0.7);
 const FOV: f64 = 30.0;
 
-/// Towards the sun.
+/// Direction towards the sun.
 const SUN: DVec3 = DVec3::new(0.48, 0.6, 0.64);
 const LAMP: DVec3 = DVec3::new(-1.2, 1.0, 0.9);
 const LAMP_SIDE: f64 = 0.6;
 
-/// Eight-bit pixels of normals, row by row from the top: leaning at random, and one that leans as `last` says.
+/// Normals of eight-bit pixels, row by row from the top: randomly tilted, with `last` as one of them.
 fn normals(last: DVec3) -> Vec<DVec3> {
     let mut random = Random::new(19);
     let mut leaning = |_| {
@@ -54,20 +54,21 @@ fn mapped(pixels: &[DVec3], p: DVec2) -> DVec3 {
     2.0 * row(corner.y).lerp(row(corner.y + 1.0), part.y) - 1.0
 }
 
-/// A normal, turned towards `w` until its cosine to it is about 1/64, where it is less.
+/// The normal `n`, rotated towards `w` until the cosine between them is about 1/64, if it is less.
 fn turned(n: DVec3, w: DVec3) -> DVec3 {
     let short = (1.0 / 64.0 - n.dot(w)).max(0.0);
     (n + w * short).normalize()
 }
 
-/// What a point with this normal sends back.
+/// Illumination of the plane.
 #[derive(Clone, Copy, Debug)]
 enum Lit {
-    /// By a sky of radiance 1: ρ (1 + cos β)/2, with β between the normal and z. What lies below the plane is no sky.
+    /// A sky of radiance 1: the reflected radiance is ρ (1 + cos β)/2, with β between the normal and z. There is no light from below the
+    /// plane.
     Sky,
-    /// By parallel light of irradiance π across it: ρ n·l.
+    /// Parallel light of irradiance π perpendicular to it: ρ n·l.
     Sun,
-    /// By a lamp of radiance 1 that faces down: ρ/π ∫ (n·l)⁺ l_z/d² dA.
+    /// A lamp of radiance 1 that faces down: ρ/π ∫ (n·l)⁺ l_z/d² dA.
     Lamp,
 }
 
@@ -89,7 +90,7 @@ impl Lit {
         }
     }
 
-    /// The mean over the picture, by midpoints.
+    /// Mean radiance of the picture, by the midpoint rule.
     fn mean(self, shade: impl Fn(DVec2, DVec3) -> DVec3) -> f64 {
         const EDGE: i32 = 192;
         let back = EYE.normalize();
@@ -131,19 +132,19 @@ fn plane(pixels: &[DVec3], lit: Lit) -> WorldBuilder {
     world
 }
 
-/// Normals, turned up to where they are seen: first from the plane, then from the eye.
+/// The mapped normal, rotated until it is above the plane and then until it faces the eye.
 fn seen(pixels: &[DVec3], p: DVec2, wo: DVec3) -> DVec3 {
     turned(turned(mapped(pixels, p).normalize(), DVec3::Z), wo)
 }
 
-/// Pictures with a pixel that grazes, and with one that points below the plane.
+/// Normal maps with a normal near the plane, and with one that points below the plane.
 fn maps() -> [(&'static str, Vec<DVec3>); 2] {
     [("grazing", DVec3::new(0.8, -0.6, 0.004)), ("below", DVec3::new(0.64, -0.48, -0.6))].map(|(name, last)| (name, normals(last)))
 }
 
-/// Point by point a diffuse plane sends back ρ (n·l)⁺/π of the sun, with the normals of its map.
+/// At each point, a diffuse plane in sunlight reflects ρ (n·l)⁺/π, with the normals of its map.
 ///
-/// A cosine is rounded a few times, and so is the place in the picture, where a normal turns by some 100 rad/m.
+/// The tolerance is a few roundings of the cosine, and of the position in the picture, where normals change by some 100 rad/m.
 #[test]
 fn mapped_planes_have_the_normals_of_their_map() {
     let mut random = Random::new(23);
@@ -161,9 +162,10 @@ fn mapped_planes_have_the_normals_of_their_map() {
     }
 }
 
-/// The picture of a diffuse plane with a map is that of quadrature, by a sky, the sun and a lamp; the quadrature is good to 10⁻⁴.
+/// The picture of a diffuse plane with a normal map equals the quadrature, with a sky, the sun and a lamp. The quadrature has an error of
+/// 10⁻⁴.
 ///
-/// Without the turning of normals it would be 1 to 2 parts in 1000 off for the sky and the sun.
+/// If normals were not rotated towards the viewer, the result for the sky and the sun would be off by 1 to 2 parts in 1000.
 #[test]
 fn mapped_planes_are_lit_as_by_quadrature() {
     let mut laws = vec![];

@@ -1,4 +1,5 @@
-//! All scenes of other programs in the folders beside the project: `cargo test --test it at_hand -- --nocapture` prints the list.
+//! All scenes of other programs in folders beside the project, if there are any: `cargo test --test it local_scenes -- --nocapture` prints
+//! the list.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ fn scenes(folder: &Path) -> Vec<PathBuf> {
 
 /// Every scene whose files exist renders; the others say which file is missing. One scene is known to be malformed.
 #[test]
-fn every_scene_at_hand_renders() {
+fn every_available_scene_renders() {
     let target = tempfile::tempdir().expect("a folder");
     let picture = target.path().join("picture.pfm");
     let mut wrong = vec![];

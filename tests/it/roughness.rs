@@ -1,4 +1,4 @@
-//! How rough a surface is, as scenes describe it: by a texture, and too little to matter.
+//! Roughness in scenes: by a texture, and values that are too small to matter.
 
 use glam::Vec3;
 use pt::bsdf::{Bsdf, TransportMode};
@@ -9,7 +9,7 @@ use pt::scene::Scene;
 
 use crate::random::Random;
 
-/// A square of two metres that faces the camera, of this material.
+/// A square of two metres of this material that faces the camera.
 pub fn square(material: &str) -> Built {
     let scene = format!(
         r#"{{"pt": 1, "camera": {{}}, "background": {{"radiance": 1}}, "materials": {{"m": {material}}},
@@ -36,8 +36,8 @@ fn metal(roughness: &str, more: &str) -> String {
     format!(r#"{{"type": "conductor", "metal": "Cu", "roughness": {roughness}{more}}}"#)
 }
 
-/// Two roughnesses on one metal are each what a metal of that roughness is. Both lie on rows of the table of lost light that textured
-/// metals share, multiples of 1/16, so that nothing is interpolated.
+/// Where a texture gives a metal two values of roughness, each equals a metal of that constant roughness. Both values are multiples of
+/// 1/16, which are rows of the energy-loss table for textured metals, so that nothing is interpolated.
 #[test]
 fn a_textured_roughness_is_each_of_its_values() {
     let mut random = Random::new(91);
@@ -55,7 +55,7 @@ fn a_textured_roughness_is_each_of_its_values() {
                 let [c, d] = [&found, &expected].map(|bsdf| bsdf.sample(wo, choice, u, TransportMode::Radiance));
                 assert_eq!(c.map(|s| s.wi), d.map(|s| s.wi));
                 for (a, b) in a.into_iter().zip(b) {
-                    // The row is the same up to the rounding of its place, of a step of 1/16 in slopes of some tenths.
+                    // The row of the table is computed with a rounding error, in steps of 1/16 and with slopes of some tenths.
                     assert!((a - b).abs() <= 1e-5 * b.abs(), "{roughness}{more}: {a}, expected {b} for {wo:?} {wi:?}");
                 }
             }
@@ -72,9 +72,9 @@ fn a_textured_roughness_of_0_is_smooth() {
     assert!(matches!(bsdf(&textured, 0.5), Bsdf::RoughConductor(_)));
 }
 
-/// α = r² below 10⁻⁶ is no roughness that directions of f32 can show: r below 10⁻³ is said to be none, 0 itself is not.
+/// Directions in f32 cannot resolve a roughness with α = r² below 10⁻⁶. So there is a warning for r below 10⁻³, but not for 0.
 #[test]
-fn a_roughness_as_good_as_0_is_said() {
+fn a_negligible_roughness_is_reported() {
     let kinds = [
         (r#""type": "conductor", "metal": "Au""#, "roughness"),
         (r#""type": "dielectric", "eta": 1.5"#, "roughness"),
@@ -84,7 +84,7 @@ fn a_roughness_as_good_as_0_is_said() {
     for (kind, key) in kinds {
         for (roughness, is_said) in [("0", false), ("1e-6", true), ("9.99e-4", true), ("1.001e-3", false), ("0.5", false)] {
             let mut warnings = square(&format!(r#"{{{kind}, "{key}": {roughness}}}"#)).warnings;
-            // A square of glass is no body, which is said too.
+            // A square of glass is not a closed body, which causes another warning.
             warnings.retain(|warning| !warning.contains("open or inconsistently wound glass"));
             let said = warnings.iter().any(|warning| {
                 let value: f32 = roughness.parse().expect("a number");
@@ -96,9 +96,9 @@ fn a_roughness_as_good_as_0_is_said() {
     }
 }
 
-/// A relief on a triangle without texture coordinates to run along is said, and one that has them is not.
+/// A bump map on a triangle whose texture coordinates have no area causes a warning. Other triangles do not.
 #[test]
-fn a_relief_that_cannot_show_is_said() {
+fn a_bump_map_without_effect_is_reported() {
     for (uvs, is_said) in
         [("[[0, 0], [1, 0], [0, 1]]", false), ("[[0.5, 0.5], [0.5, 0.5], [0.5, 0.5]]", true), ("[[0, 0], [1, 1], [2, 2]]", true)]
     {

@@ -9,7 +9,7 @@ use pt::describe::{self, Files};
 /// The sides of a cube, each by its corners, counter-clockwise seen from outside; corner i is at the bits of i.
 const SIDES: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
-/// A cube from −1 to 1 of these sides, those among `turned` seen from the wrong side.
+/// A cube from −1 to 1 of these sides. Those in `turned` face inwards.
 fn cube(sides: &[usize], turned: &[usize]) -> String {
     let corner = |i: u32| format!("{:?}", [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 1.0 } else { -1.0 }));
     let triangles = sides.iter().flat_map(|&side| {
@@ -38,7 +38,7 @@ fn scene(shapes: &[&str]) -> String {
     )
 }
 
-/// What is said about glass.
+/// The warnings about glass.
 fn said(shapes: &[&str]) -> Vec<String> {
     let root = describe::root(scene(shapes).as_bytes(), "s.json").expect("JSON");
     let described = describe::read(&root, "s.json").unwrap_or_else(|e| panic!("{e}"));
@@ -61,14 +61,14 @@ fn box_of_quads() -> Vec<String> {
     turns.map(turn).into()
 }
 
-/// Under an open sky, and in a closed room.
+/// Checks the warnings for shapes under an open sky and in a closed room.
 fn in_both_worlds(shapes: &[&str], check: impl Fn(Vec<String>)) {
     check(said(shapes));
     check(said(&[shapes, &[ROOM]].concat()));
 }
 
 #[test]
-fn bodies_are_not_named() {
+fn closed_glass_gets_no_warning() {
     let whole = cube(&ALL, &[]);
     let quads = box_of_quads();
     let quads: Vec<&str> = quads.iter().map(String::as_str).collect();
@@ -80,19 +80,19 @@ fn bodies_are_not_named() {
     }
 }
 
-/// A basin of matte sides without a lid, and water for a lid: what enters the water stays, or comes out by the water.
+/// A basin of matte sides without a lid, with water as the lid: light that enters the water can leave it only through the water.
 #[test]
 fn water_in_a_basin_is_a_body() {
     let basin = cube(&[0, 1, 2, 3, 4], &[]).replace(r#""material": "glass", "#, "");
     let water = quad("dielectric", r#"{"translate": [0, 0, 1]}"#);
     in_both_worlds(&[&basin, &water], |said| assert!(said.is_empty(), "{said:?}"));
-    // A hole in the basin lets the light out.
+    // Through a hole in the basin light can leave.
     let basin = cube(&[0, 1, 2, 3], &[]).replace(r#""material": "glass", "#, "");
     in_both_worlds(&[&basin, &water], |said| assert_eq!(said.len(), 1, "{said:?}"));
 }
 
 #[test]
-fn what_is_no_body_is_named() {
+fn open_glass_gets_a_warning() {
     let slab = cube(&[4, 5], &[]).replace(r#""name""#, r#""transform": [{"scale": [1, 1, 0.02]}], "name""#);
     let panel = slab.replace("0.02", "0.005");
     let (open, turned) = (cube(&[0, 1, 2, 3, 4], &[]), cube(&ALL, &[3]));
@@ -104,23 +104,23 @@ fn what_is_no_body_is_named() {
             assert!(named && said[0].contains("thin_dielectric"), "{shape}: {said:?}");
         });
     }
-    // Turned inside out altogether, a body under an open sky is all the world but itself.
+    // With all sides turned inwards, under an open sky, the inside of the glass is everything but the cube.
     assert_eq!(said(&[&cube(&ALL, &ALL)]).len(), 1);
 }
 
-/// From five sides of a cube a fifth of the ways leads to the sixth: the view factor of two sides is 0.2000 side by side and 0.1998
-/// across.
+/// A fifth of the rays from five sides of a cube reach the open sixth side: the view factor of two sides is 0.2000 for neighbours and
+/// 0.1998 for opposite sides.
 #[test]
-fn the_share_is_that_of_the_ways_out() {
+fn the_reported_share_is_that_of_escaping_rays() {
     let said = said(&[&cube(&[0, 1, 2, 3, 4], &[])]);
     let percent: f64 = said[0].split(" % ").next().and_then(|text| text.rsplit(' ').next()?.parse().ok()).expect("a share");
-    // 2048 ways: 0.9 % at one standard deviation, and half a per cent of rounding.
+    // 2048 rays have a standard deviation of 0.9 %, and the printed number is rounded to 1 %.
     assert!((percent - 20.0).abs() <= 4.0, "{said:?}");
 }
 
-/// Many of them are counted.
+/// If there are many open bodies, only the first are listed and the others are counted.
 #[test]
-fn not_all_are_named() {
+fn long_lists_of_warnings_are_cut() {
     let sheets: Vec<String> =
         (0..9).map(|i| quad("dielectric", &format!(r#"{{"translate": [0, 0, {i}]}}, {{"translate": [0, {i}, 0]}}"#))).collect();
     let sheets: Vec<&str> = sheets.iter().map(String::as_str).collect();
@@ -132,7 +132,7 @@ fn not_all_are_named() {
 }
 
 #[test]
-fn check_and_render_tell() {
+fn check_and_render_print_the_warning() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("s.json"), scene(&[&cube(&[0, 1, 2, 3, 4], &[])])).expect("a scene");
     for args in [&["check", "s.json"][..], &["s.json", "--spp", "1", "-o", "s.pfm"]] {

@@ -1,6 +1,7 @@
-//! How a program ends that cannot go on: with its exit code and one line of its own.
+//! Fatal errors: a panic and a lack of memory end the program with their exit code and one line of text.
 //!
-//! The program is this test itself, started once more: `pt` with integrators that panic, and that take more memory than there is.
+//! The program under test is this test itself, started again as `pt` with one integrator that panics and one that allocates too much
+//! memory.
 
 use std::process::{Command, ExitCode, Output};
 use std::sync::Arc;
@@ -16,13 +17,13 @@ use serde::Deserialize;
 #[global_allocator]
 static MEMORY: pt::Memory = pt::Memory;
 
-/// Panics at one pixel.
+/// Integrator that panics at some pixels.
 #[derive(Clone, Default, Deserialize, JsonSchema)]
 struct Panics {}
 
 /// Integrator that asks for more memory than there are addresses.
 #[derive(Clone, Default, Deserialize, JsonSchema)]
-struct Gorges {}
+struct AllocatesTooMuch {}
 
 struct AtPixel;
 
@@ -39,17 +40,18 @@ impl Estimator for AtPixel {
     }
 }
 
-impl Integrator for Gorges {
+impl Integrator for AllocatesTooMuch {
     fn prepare(&self, _: Arc<dyn Scene>, _: &FilmSpec) -> Box<dyn Estimator> {
-        // (An answer is as good as the memory.)
+        // (The allocation fails in any case: it is of 2⁶⁰ bytes.)
         assert!(Vec::<u8>::new().try_reserve_exact(1 << 60).is_err());
         Box::new(AtPixel)
     }
 }
 
-const TABLE: &[Entry] = &[Entry::of::<Panics>("panics", "panics", Effects::NONE), Entry::of::<Gorges>("gorges", "gorges", Effects::NONE)];
+const TABLE: &[Entry] =
+    &[Entry::of::<Panics>("panics", "panics", Effects::NONE), Entry::of::<AllocatesTooMuch>("allocates", "allocates", Effects::NONE)];
 
-/// Set where this is the program that is tested.
+/// Environment variable that is set when this program runs as the program under test.
 const IS_PROGRAM: &str = "PT_TESTED";
 
 fn main() -> ExitCode {
@@ -69,19 +71,19 @@ fn main() -> ExitCode {
     let line = said(&panicked);
     assert_eq!(panicked.status.code(), Some(6), "{line}");
     assert!(line.starts_with("error: a.json: no light\\nat pixel [7, ") && line.lines().count() == 1, "{line}");
-    assert!(line.contains("door.rs:") && line.ends_with("(this is a bug in pt, please report it)\n"), "{line}");
+    assert!(line.contains("fatal_errors.rs:") && line.ends_with("(this is a bug in pt, please report it)\n"), "{line}");
 
     let json = run(&["a.json", "-q", "-i", "panics", "-o", "x.exr", "--json-errors"]);
     let object: serde_json::Value = serde_json::from_slice(&json.stderr).expect("JSON");
     assert_eq!(object["exit_code"], 6, "{object}");
 
-    let gorged = run(&["a.json", "-q", "-i", "gorges", "-o", "x.exr"]);
-    assert_eq!((gorged.status.code(), said(&gorged).as_str()), (Some(4), "error: a.json: out of memory\n"));
-    let json = run(&["a.json", "-q", "-i", "gorges", "-o", "x.exr", "--json-errors"]);
+    let out_of_memory = run(&["a.json", "-q", "-i", "allocates", "-o", "x.exr"]);
+    assert_eq!((out_of_memory.status.code(), said(&out_of_memory).as_str()), (Some(4), "error: a.json: out of memory\n"));
+    let json = run(&["a.json", "-q", "-i", "allocates", "-o", "x.exr", "--json-errors"]);
     let object: serde_json::Value = serde_json::from_slice(&json.stderr).expect("JSON");
     assert_eq!((&object["exit_code"], json.status.code()), (&4.into(), Some(4)), "{object}");
 
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1, "only a.json is there");
-    println!("door: panics end with 6, memory that ends with 4");
+    println!("fatal errors: a panic ends with exit code 6, a lack of memory with 4");
     ExitCode::SUCCESS
 }

@@ -46,7 +46,7 @@ fn is_black(folder: &Path, text: &str) -> bool {
 
 /// There is a warning exactly if the picture is black because of the lamp.
 #[test]
-fn a_lamp_is_told_of_where_it_lights_nothing() {
+fn a_lamp_that_lights_nothing_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     // Positions and sines that are not exact because of rounding.
     let odd = r#", {"type": "quad", "size": 4, "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": -90}}, {"translate": [0, 2, 0]}]}"#;

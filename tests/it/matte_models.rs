@@ -1,4 +1,4 @@
-//! Matte, glossy and coated models: what each of them promises beside the laws that hold for all.
+//! Matte, glossy and coated models: the properties of each model in addition to the laws that hold for all.
 
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
@@ -50,7 +50,7 @@ proptest! {
 
     /// A sampled direction is a unit vector on the side that the lobe names, with the weight and density that follow from `eval` and `pdf`.
     #[test]
-    fn samples_are_what_they_say(model in model(), wo in direction(), choice in uniform(), x in uniform(), y in uniform()) {
+    fn samples_match_eval_and_pdf(model in model(), wo in direction(), choice in uniform(), x in uniform(), y in uniform()) {
         let Some(sample) = model.sample(wo, choice, Vec2::new(x, y), TransportMode::Radiance) else { return Ok(()) };
         let wi = sample.wi;
         prop_assert!((wi.0.as_dvec3().length() - 1.0).abs() <= 4.0 * ULP as f64, "{wi:?}");
@@ -88,7 +88,7 @@ proptest! {
 
 /// The models that are exempt from reciprocity are not reciprocal: f(a, b) and f(b, a) differ by far more than rounding.
 #[test]
-fn lobes_are_not_reciprocal() {
+fn models_exempt_from_reciprocity_are_not_reciprocal() {
     let (a, b) = (Local::NORMAL, Local::new(0.6, 0.0, 0.8));
     let models = [
         Bsdf::Phong(Phong { color: COLOR, exponent: 3.0 }),
@@ -101,9 +101,9 @@ fn lobes_are_not_reciprocal() {
     }
 }
 
-/// ∫ pdf = 1 less what sampling loses below the surface (and, on a coat, sends into the mirror direction).
+/// ∫ pdf is 1 minus the share of sampled directions below the surface (and, for a coat, of those in the mirror direction).
 ///
-/// The share of samples found has a standard error below ½/√N = 8·10⁻⁴; five of them, for 30 comparisons.
+/// The share of valid samples has a standard error below ½/√N = 8·10⁻⁴. The tolerance is five of them, for 30 comparisons.
 #[test]
 fn densities_integrate_to_the_share_of_samples() {
     const N: u32 = 400_000;
@@ -134,10 +134,10 @@ fn densities_integrate_to_the_share_of_samples() {
     }
 }
 
-/// The share of a metal's lobe within the angle α of its axis is 1 − b q / r (the integral of p, by hand): of the
-/// samples, and of the density. Sampling's standard error is below ½/√N = 8·10⁻⁴: five of them.
+/// The share of a metal's lobe within the angle α of its axis is 1 − b q / r (the integral of p, by hand), for the samples and for the
+/// density. The standard error of sampling is below ½/√N = 8·10⁻⁴, and the tolerance is five of them.
 #[test]
-fn shaken_mirrors_fill_their_cone() {
+fn perturbed_mirrors_fill_their_cone() {
     const N: u32 = 400_000;
     let mut random = Random::new(2);
     for r in [0.05f64, 0.3, 0.7] {
@@ -166,21 +166,22 @@ fn shaken_mirrors_fill_their_cone() {
 
 /// The metal of roughness 1 is a cosine lobe about the mirror direction; narrower ones obey p = dΩ/dA of the sphere.
 #[test]
-fn shaken_mirrors_have_the_derived_density() {
+fn perturbed_mirrors_have_the_derived_density() {
     let wo = Local::new(0.6, 0.0, 0.8);
     let cosine = Bsdf::Metal(Metal { color: COLOR, roughness: 1.0 });
     for wi in [Local::new(-0.6, 0.0, 0.8), Local::NORMAL, Local::new(0.0, 0.6, 0.8)] {
         let cos = (-wo.0.x * wi.0.x - wo.0.y * wi.0.y + wo.0.z * wi.0.z) as f64;
         assert!((cosine.pdf(wo, wi).get() as f64 - cos * FRAC_1_PI).abs() < 1e-6);
     }
-    // Along the axis of a sphere of radius r about distance 1: distances 1 ± r, faces head-on.
+    // Along the axis of a sphere of radius r whose centre is at distance 1, the surface is at the distances 1 ± r and perpendicular to the
+    // axis.
     let r = 0.25f64;
     let expected = ((1.0 + r).powi(2) + (1.0 - r).powi(2)) / (2.0 * TAU * r * r);
     let found = Bsdf::Metal(Metal { color: COLOR, roughness: r as f32 }).pdf(wo, Local::new(-0.6, 0.0, 0.8)).get() as f64;
     assert!((found / expected - 1.0).abs() < 1e-6, "{found} for {expected}");
 }
 
-/// White grooves lose nothing, whatever their roughness; grey ones reflect no more than Lambert's.
+/// White grooves lose no light, for any roughness. Grey ones reflect at most as much light as a Lambertian surface.
 #[test]
 fn rough_matte_is_white() {
     for roughness in [0.0, 0.1, 0.5, 1.0] {
@@ -190,8 +191,8 @@ fn rough_matte_is_white() {
                 let model = Bsdf::OrenNayar(OrenNayar { albedo: Spectrum::gray(rho), roughness });
                 integral(|wi| model.eval(wo, wi, TransportMode::Radiance).max() as f64)
             };
-            // The quadrature's own error is 8·10⁻⁷ on a Lambertian surface, and below 10⁻⁵ with the crease at s = 0;
-            // more where both graze, and all of s/t lies in the first cell.
+            // The quadrature's own error is 8·10⁻⁷ on a Lambertian surface, and below 10⁻⁵ with the crease at s = 0; more where both
+            // directions graze the surface, and s/t varies only in the first cell.
             let tolerance = if mu < 0.01 { 3e-4 } else { 2e-5 };
             assert!((albedo(1.0) - 1.0).abs() < tolerance, "{} at μ = {mu}, σ = {roughness}", albedo(1.0));
             assert!(albedo(0.5) <= 0.5 + tolerance, "{} at μ = {mu}, σ = {roughness}", albedo(0.5));
@@ -201,7 +202,7 @@ fn rough_matte_is_white() {
 
 /// The albedo of dust is ω/2 · (1 − μ ln((1 + μ)/μ)), which the integral of f over directions must give.
 #[test]
-fn dust_reflects_as_the_formula_says() {
+fn the_albedo_of_dust_is_its_formula() {
     let model = Bsdf::LommelSeeliger(LommelSeeliger { albedo: Spectrum::ONE });
     for mu in [1.0f64, 0.8, 0.5, 0.2, 0.05] {
         let wo = Local::new(((1.0 - mu) * (1.0 + mu)).sqrt() as f32, 0.0, mu as f32);
@@ -210,7 +211,7 @@ fn dust_reflects_as_the_formula_says() {
         // The quadrature's own error, see `rough_matte_is_white`.
         assert!((albedo - expected).abs() < 2e-5, "{albedo} for {expected} at μ = {mu}");
     }
-    // The full moon: seen from where the light comes from, a ball is as bright at its edge as at its middle.
+    // Like the full moon, a ball lit from the direction of the viewer is as bright at its edge as at its middle.
     let radiance = |mu: f32| {
         let w = Local::new(((1.0 - mu) * (1.0 + mu)).sqrt(), 0.0, mu);
         model.eval(w, w, TransportMode::Radiance).max()
@@ -218,7 +219,7 @@ fn dust_reflects_as_the_formula_says() {
     assert!([0.9, 0.5, 0.1, 0.01].into_iter().all(|mu| (radiance(mu) / radiance(1.0) - 1.0).abs() < 2.0 * ULP));
 }
 
-/// Fujii's form at ρ → 0, where grooves do not light each other: f·π/ρ = A (1 + σ s/t).
+/// Fujii's formula for ρ → 0, where grooves do not light each other: f·π/ρ = A (1 + σ s/t).
 #[test]
 fn dark_grooves_follow_fujii() {
     let (roughness, rho) = (0.6, 1e-6f32);
@@ -231,7 +232,7 @@ fn dark_grooves_follow_fujii() {
     }
 }
 
-/// What the coat reflects and what the ground sends back through it make up all the light, for every index and angle.
+/// The light that the coat reflects and the light that the base returns through it add up to all light, for every index and angle.
 #[test]
 fn coated_white_is_white() {
     for eta in [1.0f32, 1.1, 1.5, 2.42] {
@@ -256,7 +257,7 @@ fn mean_reflectance_is_the_handbooks() {
     assert_eq!(dielectric_mean(1.0), 0.0);
 }
 
-/// Over the sphere of directions, by the midpoint rule in θ and φ; the horizon lies between two cells.
+/// Integral over the sphere of directions by the midpoint rule in θ and φ. The horizon lies between two cells.
 fn integral(f: impl Fn(Local) -> f64) -> f64 {
     const N: u32 = 1000;
     let step = PI / N as f64;
