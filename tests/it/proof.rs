@@ -23,7 +23,7 @@ use crate::statistics::{sidak, uniformity};
 
 /// Samples per incidence. `PT_PROOF_SAMPLES=1000000 cargo test --test it proof` gives the full figures.
 fn samples() -> u64 {
-    std::env::var("PT_PROOF_SAMPLES").ok().and_then(|n| n.parse().ok()).unwrap_or(100_000)
+    std::env::var("PT_PROOF_SAMPLES").ok().and_then(|n| n.parse().ok()).unwrap_or(50_000)
 }
 
 fn options() -> Options {
@@ -298,7 +298,7 @@ fn lobes_narrower_than_rounding_are_reported_as_untested() {
 #[test]
 fn narrow_lobes_are_resolved() {
     let model = mutants::Blinn { exponent: 1e6, bug: None };
-    let options = Options { incidences: vec![at(0.8, 0.3)], ..options() };
+    let options = Options { samples: 2 * samples(), incidences: vec![at(0.8, 0.3)], ..options() };
     let case = Case::new(&model, &options);
     let [fine, coarse, equal] = &case.sampled[0].divisions;
     let freedom = |d: &pt::proof::Division| chi2(&d.shares, &d.counts).freedom;
