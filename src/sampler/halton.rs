@@ -34,7 +34,8 @@ impl Sampler for Halton {
         SampleKey { hash: pixel_key(self.seed, pixel), index }
     }
 
-    #[inline]
+    // Not inlined among the other samplers, whose registers it would take.
+    #[inline(never)]
     fn get_1d(&self, SampleKey { hash, index }: SampleKey, dimension: u32) -> f32 {
         let key = dimension_key(hash, dimension);
         match (PRIMES.get(dimension as usize), u32::try_from(index)) {
@@ -44,7 +45,7 @@ impl Sampler for Halton {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn get_2d(&self, key: SampleKey, dimension: u32) -> Vec2 {
         Vec2::new(self.get_1d(key, dimension), self.get_1d(key, dimension.wrapping_add(1)))
     }

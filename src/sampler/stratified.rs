@@ -39,14 +39,15 @@ impl Sampler for Stratified {
         SampleKey { hash: mix(pixel_key(self.seed, pixel) ^ (index / n)), index: index % n }
     }
 
-    #[inline]
+    // Not inlined among the other samplers, whose registers it would take.
+    #[inline(never)]
     fn get_1d(&self, SampleKey { hash, index }: SampleKey, dimension: u32) -> f32 {
         let key = dimension_key(hash, dimension);
         let stratum = permute(index as u32, self.strata, key);
         within_cell(stratum, self.strata, (mix(key ^ u64::from(stratum)) >> 32) as u32)
     }
 
-    #[inline]
+    #[inline(never)]
     fn get_2d(&self, SampleKey { hash, index }: SampleKey, dimension: u32) -> Vec2 {
         let key = dimension_key(hash, dimension);
         let cell = permute(index as u32, self.grid.element_product(), key);
