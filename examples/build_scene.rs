@@ -10,8 +10,8 @@ use pt::camera::{Camera, Perspective, Pose};
 use pt::film::{FilmSpec, MomentFilm};
 use pt::glam::DVec3;
 use pt::integrators::nee::Nee;
-use pt::light::Emission;
-use pt::math::{Rgb, Spectrum, Transform};
+use pt::light::Emitter;
+use pt::math::{Rgb, Transform};
 use pt::output::{self, Tonemap};
 use pt::render::{Settings, Silent, render};
 use pt::sampler::SamplerSpec;
@@ -58,7 +58,7 @@ fn world() -> pt::Result<World> {
     world.shape(Sphere { radius: 0.35 }, at(0.4, 0.35, 0.3)?, glass, None);
 
     // A shape with an emission is a light. Its radiance is in W·m⁻²·sr⁻¹.
-    let lamp = Emission::new(Spectrum::rgb(17.0, 14.0, 10.0));
+    let lamp = Emitter::new(Rgb::new(17.0, 14.0, 10.0));
     world.shape(Quad { size: [0.6, 0.6] }, turned(DVec3::X, 90.0, at(0.0, 1.998, 0.0)?)?, white, Some(lamp));
     world.build()
 }

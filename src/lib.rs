@@ -37,7 +37,7 @@
 //! let mut world = World::builder(Camera::Perspective(Perspective::new(pose, fov, lens_radius, focus_distance)));
 //! let grey = world.material(Material::diffuse(Rgb::gray(0.5)));
 //! world.shape(Sphere { radius: 1.0 }, Transform::translate(DVec3::ZERO)?, grey, None);
-//! world.light(Light::Environment(Environment { radiance: Spectrum::gray(1.0) }));
+//! world.light(Light::Environment(Environment { radiance: Rgb::gray(1.0) }));
 //! let world = Arc::new(world.build()?);
 //!
 //! // The integrator and the film. From here on nothing can fail.

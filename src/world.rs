@@ -11,8 +11,8 @@ use crate::bsdf::{Bsdf, HitContext, Material, Passage, SurfaceMaterial};
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
-use crate::light::{Area, Emission, Emitter, Light, Lights};
-use crate::math::{Ray, Transform, float};
+use crate::light::{Area, Emitter, Light, Lights};
+use crate::math::{Ray, Spectrum, Transform, float};
 use crate::primitive::{Hit, Primitive};
 use crate::sampler::hash;
 use crate::scene::{Scene, Surface};
@@ -128,9 +128,9 @@ impl WorldBuilder {
         MaterialId(self.materials.len() as u32 - 1)
     }
 
-    /// Adds a shape with one material, which emits light if `emission` is set.
-    pub fn shape(&mut self, geometry: impl Geometry + 'static, to_world: Transform, material: MaterialId, emission: Option<Emission>) {
-        self.parts(geometry, to_world, vec![material], emission.map(Emitter::from));
+    /// Adds a shape with one material, which emits light if `emitter` is set.
+    pub fn shape(&mut self, geometry: impl Geometry + 'static, to_world: Transform, material: MaterialId, emitter: Option<Emitter>) {
+        self.parts(geometry, to_world, vec![material], emitter);
     }
 
     /// Adds a shape with one material per part; there must be at least one.
@@ -167,7 +167,7 @@ impl WorldBuilder {
                 |part: PartAppearance| PartAppearance { emitter: part.emitter.map(|emitter| emitter.recentred(origin)), ..part };
             let parts: Vec<PartAppearance> = object.parts.into_iter().map(recentred).collect();
             // A shape whose parts emit differently is not sampled. Its brightest emitter represents it among the lights.
-            let brightness = |emitter: &Emitter| emitter.emission.radiance.average();
+            let brightness = |emitter: &Emitter| Spectrum::from_illuminant(emitter.radiance).average();
             let brightest = |a: &&Emitter, b: &&Emitter| brightness(a).total_cmp(&brightness(b));
             if let Some(emitter) = parts.iter().filter_map(|part| part.emitter.as_ref()).max_by(brightest) {
                 let light = |primitive| Light::Area(Area { shape: k as u32, primitive, emitter: emitter.clone() });

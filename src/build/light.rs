@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Builder, illuminant};
+use super::{Builder, rgb};
 use crate::describe;
 use crate::light::{Directional, Environment, Falloff, Light, Point, Spot};
 use crate::math::float;
@@ -16,7 +16,7 @@ impl Builder<'_> {
             self.world.light(made);
         }
         if let Some(background) = &self.scene.background {
-            let made = Light::Environment(Environment { radiance: illuminant(&background.radiance) });
+            let made = Light::Environment(Environment { radiance: rgb(&background.radiance) });
             self.needs.push(("background".into(), made.effects()));
             self.world.light(made);
         }
@@ -25,12 +25,10 @@ impl Builder<'_> {
 
 fn light_of(described: &describe::Light) -> (Light, Option<&String>) {
     match described {
-        describe::Light::Point(l) => {
-            (Light::Point(Point { position: l.position.0.into(), intensity: illuminant(&l.intensity) }), l.name.as_ref())
-        }
+        describe::Light::Point(l) => (Light::Point(Point { position: l.position.0.into(), intensity: rgb(&l.intensity) }), l.name.as_ref()),
         describe::Light::Directional(l) => {
             let direction = DVec3::from(l.direction.0).normalize().as_vec3();
-            (Light::Directional(Directional { direction, irradiance: illuminant(&l.irradiance) }), l.name.as_ref())
+            (Light::Directional(Directional { direction, irradiance: rgb(&l.irradiance) }), l.name.as_ref())
         }
         describe::Light::Spot(l) => {
             let position = DVec3::from(l.position.0);
@@ -45,7 +43,7 @@ fn light_of(described: &describe::Light) -> (Light, Option<&String>) {
             let spot = Spot {
                 position,
                 axis: axis.normalize().as_vec3(),
-                intensity: illuminant(&l.intensity),
+                intensity: rgb(&l.intensity),
                 cos_inner: cos(l.inner_angle),
                 cos_outer: cos(l.outer_angle),
                 falloff,

@@ -20,8 +20,8 @@ use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
 use crate::film::{FilmSpec, Layer};
-use crate::light::{Emission, Emitter, Light};
-use crate::math::{Rgb, Spectrum, Transform};
+use crate::light::{Emitter, Light};
+use crate::math::{Rgb, Transform};
 use crate::reader::{Node, locate};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
@@ -226,7 +226,7 @@ impl Builder<'_> {
     fn emitter(&mut self, pointer: &str, described: &crate::describe::Emission) -> Emitter {
         let texture =
             described.texture.as_ref().map(|texture| Arc::new(self.ranged(&format!("{pointer}/texture"), texture, Range::Amounts)));
-        Emitter { emission: Emission { radiance: illuminant(&described.radiance), two_sided: described.two_sided }, texture }
+        Emitter { radiance: rgb(&described.radiance), two_sided: described.two_sided, texture }
     }
 
     /// Places a shape whose centre is at the origin: moves it to `center`, then applies `to_world`.
@@ -257,9 +257,4 @@ impl Builder<'_> {
 
 fn rgb<T: Copy + Into<f64>>(color: &Color<T>) -> Rgb {
     Rgb::from_f64(color.linear())
-}
-
-/// Converts the colour of a light to its spectrum.
-fn illuminant<T: Copy + Into<f64>>(color: &Color<T>) -> Spectrum {
-    Spectrum::from_illuminant(rgb(color))
 }

@@ -7,11 +7,11 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::emitted_ray::EmissionContext;
 use super::{EmittedRay, LightLiSample, ShadowTarget};
-use crate::math::{Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, warp};
+use crate::math::{Density, Frame, Local, Ray, Rgb, SolidAnglePdf, Spectrum, warp};
 use crate::shape::{Shape, SurfacePoint, offset_ray_origin};
 use crate::texture::Texture;
 
-/// Diffuse emission, with the same radiance in all directions.
+/// Diffuse emission of a point, with the same radiance in all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
     /// Radiance [W·m⁻²·sr⁻¹].
@@ -21,40 +21,35 @@ pub struct Emission {
 }
 
 impl Emission {
-    /// One-sided emission.
-    pub fn new(radiance: Spectrum) -> Emission {
-        Emission { radiance, two_sided: false }
-    }
-
     /// Radiance that a surface with normal `ng` emits in the direction `w`.
     pub fn towards(&self, ng: Vec3, w: Vec3) -> Spectrum {
         if self.two_sided || ng.dot(w) > 0.0 { self.radiance } else { Spectrum::BLACK }
     }
 }
 
-/// Emission of a shape, optionally multiplied by a texture.
+/// Settings of the emission of a shape, optionally multiplied by a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Emitter {
-    /// Emission, or its value where the texture is 1.
-    pub emission: Emission,
+    /// Radiance [W·m⁻²·sr⁻¹], or its value where the texture is 1.
+    pub radiance: Rgb,
+    /// Whether both sides emit, not only the side of the normal.
+    pub two_sided: bool,
     /// Factor that varies over the surface.
     pub texture: Option<Arc<Texture>>,
 }
 
-impl From<Emission> for Emitter {
-    fn from(emission: Emission) -> Emitter {
-        Emitter { emission, texture: None }
-    }
-}
-
 impl Emitter {
+    /// Emission of one side, the same everywhere.
+    pub fn new(radiance: Rgb) -> Emitter {
+        Emitter { radiance, two_sided: false, texture: None }
+    }
+
     /// Emission at a point.
     pub fn at(&self, point: &SurfacePoint) -> Emission {
+        let (whole, two_sided) = (Spectrum::from_illuminant(self.radiance), self.two_sided);
         match &self.texture {
-            None => self.emission,
-            Some(texture) => {
-                Emission { radiance: self.emission.radiance * Spectrum::from_coefficients(texture.at(point)), ..self.emission }
-            }
+            None => Emission { radiance: whole, two_sided },
+            Some(texture) => Emission { radiance: whole * Spectrum::from_coefficients(texture.at(point)), two_sided },
         }
     }
 
@@ -98,7 +93,7 @@ impl Area {
             return None;
         }
         let (point, pdf) = shape.sample_area(self.primitive, cx.position);
-        let (side, share, x) = match self.emitter.emission.two_sided {
+        let (side, share, x) = match self.emitter.two_sided {
             true if cx.direction.x < 0.5 => (1.0, 0.5, 2.0 * cx.direction.x),
             true => (-1.0, 0.5, 2.0 * cx.direction.x - 1.0),
             false => (1.0, 1.0, cx.direction.x),
@@ -115,14 +110,14 @@ impl Area {
 
     /// Whether the primitive emits and cannot be sampled, so that paths hit it only by chance.
     pub(super) fn is_unsampled(&self, shapes: &[Box<dyn Shape>]) -> bool {
-        !shapes[self.shape as usize].is_sampled() && !self.emitter.emission.radiance.is_black()
+        !shapes[self.shape as usize].is_sampled() && !self.emitter.radiance.is_black()
     }
 
     /// Flux Φ = π A L of each side that emits, with the mean of the texture at a few points (W).
     pub(super) fn power(&self, shapes: &[Box<dyn Shape>]) -> f64 {
         let shape = &shapes[self.shape as usize];
-        let Emission { radiance, two_sided } = self.emitter.emission;
-        let sides = if two_sided { 2.0 } else { 1.0 };
+        let radiance = Spectrum::from_illuminant(self.emitter.radiance);
+        let sides = if self.emitter.two_sided { 2.0 } else { 1.0 };
         let seen = if self.emitter.texture.is_none() { radiance } else { radiance * MIN_POWER + self.mean(shape.as_ref()) };
         sides * PI * f64::from(shape.area(self.primitive)) * f64::from(seen.average())
     }

@@ -6,24 +6,24 @@ use glam::{Vec2, Vec3};
 
 use super::emitted_ray::EmissionContext;
 use super::{EmittedRay, LightLiSample, ShadowTarget};
-use crate::math::{Density, SolidAnglePdf, Spectrum, warp};
+use crate::math::{Density, Rgb, SolidAnglePdf, Spectrum, warp};
 
 /// Environment with the same radiance from all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Environment {
     /// Radiance [W·m⁻²·sr⁻¹].
-    pub radiance: Spectrum,
+    pub radiance: Rgb,
 }
 
 impl Environment {
     /// Radiance that arrives from the direction `_direction`.
     pub fn radiance(&self, _direction: Vec3) -> Spectrum {
-        self.radiance
+        Spectrum::from_illuminant(self.radiance)
     }
 
     pub(super) fn sample(&self, u: Vec2) -> Option<LightLiSample> {
         let wi = warp::uniform_sphere(u);
-        Some(LightLiSample { wi, li: self.radiance, density: Density::Smooth(self.pdf(wi)), target: ShadowTarget::Infinity })
+        Some(LightLiSample { wi, li: self.radiance(wi), density: Density::Smooth(self.pdf(wi)), target: ShadowTarget::Infinity })
     }
 
     /// Density 1 / 4π of a sampled direction.
@@ -39,6 +39,6 @@ impl Environment {
 
     /// Flux Φ = π R² · 4π L through a scene of radius R (W).
     pub(super) fn power(&self, radius: f64) -> f64 {
-        4.0 * PI * PI * radius * radius * f64::from(self.radiance.average())
+        4.0 * PI * PI * radius * radius * f64::from(Spectrum::from_illuminant(self.radiance).average())
     }
 }

@@ -259,7 +259,7 @@ impl Light {
     /// Whether the light emits nothing in any direction.
     fn is_black(&self) -> bool {
         match self {
-            Light::Area(area) => area.emitter.emission.radiance.is_black(),
+            Light::Area(area) => area.emitter.radiance.is_black(),
             Light::Point(point) => point.intensity.is_black(),
             Light::Spot(spot) => spot.intensity.is_black(),
             Light::Directional(directional) => directional.irradiance.is_black(),

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::emitted_ray::EmissionContext;
 use super::{EmittedRay, LightLiSample, ShadowTarget};
-use crate::math::{Density, SolidAnglePdf, Spectrum, warp};
+use crate::math::{Density, Rgb, SolidAnglePdf, Spectrum, warp};
 
 /// Point light, with the irradiance E = I / d² on a plane perpendicular to the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,24 +14,29 @@ pub struct Point {
     /// Position (m).
     pub position: DVec3,
     /// Intensity I, the same in all directions [W·sr⁻¹].
-    pub intensity: Spectrum,
+    pub intensity: Rgb,
 }
 
 impl Point {
     pub(super) fn sample(&self, from: Vec3) -> Option<LightLiSample> {
         let (wi, d2) = direction_and_square(from, self.position.as_vec3())?;
-        Some(LightLiSample { wi, li: self.intensity / d2, density: Density::Delta, target: ShadowTarget::Point(self.position.as_vec3()) })
+        Some(LightLiSample {
+            wi,
+            li: Spectrum::from_illuminant(self.intensity) / d2,
+            density: Density::Delta,
+            target: ShadowTarget::Point(self.position.as_vec3()),
+        })
     }
 
     /// A ray in a uniformly distributed direction.
     pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
         let pdf = SolidAnglePdf::new(warp::uniform_sphere_pdf());
-        cx.ray_from_position(self.position.as_vec3(), warp::uniform_sphere(cx.direction), self.intensity, pdf)
+        cx.ray_from_position(self.position.as_vec3(), warp::uniform_sphere(cx.direction), Spectrum::from_illuminant(self.intensity), pdf)
     }
 
     /// Flux Φ = 4π I (W).
     pub(super) fn power(&self) -> f64 {
-        4.0 * PI * f64::from(self.intensity.average())
+        4.0 * PI * f64::from(Spectrum::from_illuminant(self.intensity).average())
     }
 }
 

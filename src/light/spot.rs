@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use super::emitted_ray::EmissionContext;
 use super::point::direction_and_square;
 use super::{EmittedRay, LightLiSample, ShadowTarget};
-use crate::math::{Density, Frame, Local, SolidAnglePdf, Spectrum, float, warp};
+use crate::math::{Density, Frame, Local, Rgb, SolidAnglePdf, Spectrum, float, warp};
 
 /// Point light with full intensity within an inner cone, none beyond an outer cone, and a [`Falloff`] between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Spot {
     /// Unit axis of the cones, pointing away from the light.
     pub axis: Vec3,
     /// Intensity on the axis [W·sr⁻¹].
-    pub intensity: Spectrum,
+    pub intensity: Rgb,
     /// Cosine of the inner cone, in f64 because the cosines of narrow cones differ from 1 by less than an f32 resolves.
     pub cos_inner: f64,
     /// Cosine of the outer cone: below `cos_inner`, or equal to it for a hard edge.
@@ -41,7 +41,7 @@ pub enum Falloff {
 impl Spot {
     pub(super) fn sample(&self, from: Vec3) -> Option<LightLiSample> {
         let (wi, d2) = direction_and_square(from, self.position.as_vec3())?;
-        let li = self.intensity * (self.falloff(-wi) / d2);
+        let li = Spectrum::from_illuminant(self.intensity) * (self.falloff(-wi) / d2);
         (!li.is_black()).then_some(LightLiSample { wi, li, density: Density::Delta, target: ShadowTarget::Point(self.position.as_vec3()) })
     }
 
@@ -50,7 +50,7 @@ impl Spot {
         let opening = (1.0 - self.cos_outer) as f32;
         let w = Frame::around(self.axis).to_world(Local(warp::uniform_cone(cx.direction, opening))).normalize();
         let pdf = SolidAnglePdf::new(warp::uniform_cone_pdf(opening));
-        cx.ray_from_position(self.position.as_vec3(), w, self.intensity * self.falloff(w), pdf)
+        cx.ray_from_position(self.position.as_vec3(), w, Spectrum::from_illuminant(self.intensity) * self.falloff(w), pdf)
     }
 
     /// Relative intensity in the direction w, with cos ∠(axis, w) = 1 − |axis − w|²/2 for unit vectors.
@@ -75,6 +75,6 @@ impl Spot {
 
     /// Flux Φ ≈ 2π I (1 − (cos inner + cos outer)/2), as if the mean of the falloff were ½ (W).
     pub(super) fn power(&self) -> f64 {
-        TAU * f64::from(self.intensity.average()) * (1.0 - 0.5 * (self.cos_inner + self.cos_outer))
+        TAU * f64::from(Spectrum::from_illuminant(self.intensity).average()) * (1.0 - 0.5 * (self.cos_inner + self.cos_outer))
     }
 }

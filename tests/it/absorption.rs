@@ -107,7 +107,7 @@ fn in_white_light(name: String, material: Material, radiance: f64) -> Law {
     let mut world = World::builder(probe(DVec3::new(0.0, 0.0, 4.0), DVec3::new(0.0, 0.0, 1.0)));
     let material = world.material(material);
     world.shape(Sphere { radius: 1.0 }, at(DVec3::ZERO), material, None);
-    world.light(Light::Environment(Environment { radiance: Spectrum::ONE }));
+    world.light(Light::Environment(Environment { radiance: Rgb::WHITE }));
     Law::new(name, world, radiance, Depth { max: 1000, roulette: 8 })
 }
 

@@ -9,7 +9,7 @@ use pt::film::{FilmSpec, Image};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
 use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::{ALL, path::Path};
-use pt::light::{Emission, Environment, Light, LightSampleContext};
+use pt::light::{Emitter, Environment, Light, LightSampleContext};
 use pt::math::{Rgb, Spectrum, Transform, Vec3};
 use pt::measure::{SampledImage, agreement, sidak};
 use pt::sampler::dimension::{self, Use};
@@ -79,15 +79,15 @@ fn substance(kind: u32, dice: &mut Dice) -> Material {
 
 /// Adds a lamp under the ceiling, of each family of shapes in turn, large enough to be hit by chance.
 fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId) {
-    let emission = Emission { radiance: dice.color(1.0, 4.0), two_sided: scene / 4 % 2 == 1 };
+    let emitter = Emitter { two_sided: scene / 4 % 2 == 1, ..Emitter::new(stored(dice.color(1.0, 4.0))) };
     let place = facing(DVec3::new(dice.within(-0.2, 0.2), 0.8, dice.within(-0.3, 0.3)), dice.point(0.4) - DVec3::Y);
     match scene % 4 {
-        0 => world.shape(Quad { size: [1.2, 1.0] }, place, dark, Some(emission)),
-        1 => world.shape(Disk { radius: 0.6 }, place, dark, Some(emission)),
-        2 => world.shape(Sphere { radius: 0.4 }, at(DVec3::new(0.2, 0.5, -0.2)), dark, Some(emission)),
+        0 => world.shape(Quad { size: [1.2, 1.0] }, place, dark, Some(emitter)),
+        1 => world.shape(Disk { radius: 0.6 }, place, dark, Some(emitter)),
+        2 => world.shape(Sphere { radius: 0.4 }, at(DVec3::new(0.2, 0.5, -0.2)), dark, Some(emitter)),
         _ => {
             let squeezed = Transform::scale(DVec3::new(0.6, 0.3, 0.5)).unwrap().then(&at(DVec3::new(0.0, 0.55, 0.0)));
-            world.shape(TriangleMesh::new(round_mesh(1)), squeezed, dark, Some(emission));
+            world.shape(TriangleMesh::new(round_mesh(1)), squeezed, dark, Some(emitter));
         }
     }
 }
@@ -107,7 +107,7 @@ pub fn generated(scene: u64, matte: bool) -> Arc<World> {
     let dark = world.material(Material::mirror(Rgb::gray(0.1)));
     lamp(&mut world, scene, &mut dice, dark);
     if scene.is_multiple_of(3) || !matte {
-        world.light(Light::Environment(Environment { radiance: dice.color(0.2, 0.8) }));
+        world.light(Light::Environment(Environment { radiance: stored(dice.color(0.2, 0.8)) }));
     }
     for thing in 0..3 {
         // Glass, mirror, metal and matte cone in turn, so that every scene has clear and matte objects.

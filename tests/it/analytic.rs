@@ -78,7 +78,7 @@ fn point_in_sphere() -> Vec<Law> {
     let mut world = World::builder(probe(DVec3::new(0.3, -0.2, 0.4), DVec3::new(0.9, 0.4, 0.1)));
     let wall = world.material(Material::diffuse(stored(gray(0.5))));
     world.shape(Sphere { radius: 1.0 }, at(DVec3::ZERO), wall, None);
-    world.light(Light::Point(Point { position: DVec3::ZERO, intensity: gray(PI) }));
+    world.light(Light::Point(Point { position: DVec3::ZERO, intensity: stored(gray(PI)) }));
     vec![Law::new("W3", world, 1.0, DEFAULT).resolution(1e-3, 2e-3)]
 }
 
@@ -89,7 +89,7 @@ fn point_above_floor() -> Vec<Law> {
         let mut world = World::builder(probe(spot + DVec3::new(0.5, 1.0, 0.5), spot));
         let floor = world.material(Material::diffuse(stored(gray(0.5))));
         world.shape(Quad { size: [40.0, 40.0] }, facing(DVec3::ZERO, DVec3::Y), floor, None);
-        world.light(Light::Point(Point { position: DVec3::Y * 2.0, intensity: gray(10.0) }));
+        world.light(Light::Point(Point { position: DVec3::Y * 2.0, intensity: stored(gray(10.0)) }));
         let irradiance = 20.0 / (4.0 + x * x).powf(1.5);
         Law::new(format!("W4, x = {x}"), world, 0.5 * irradiance / PI, Depth::exactly(1)).resolution(1e-5, 1e-5)
     };

@@ -12,7 +12,7 @@ use pt::film::{Crop, FilmSpec, Filter, Image, Layer, LightNames, MomentFilm};
 use pt::integrator::choose;
 use pt::integrators::ALL;
 use pt::integrators::path::Path as ByChance;
-use pt::light::Emission;
+use pt::light::Emitter;
 use pt::math::{Rgb, Spectrum, Transform};
 use pt::output::attributes::of_camera;
 use pt::output::{self, Value};
@@ -192,7 +192,7 @@ fn positions_are_means_over_hits_and_colours_over_samples() {
 fn layers_have_the_weights_of_the_picture() {
     let mut world = World::builder(straight(DVec3::ZERO, 5.0));
     let black = world.material(Material::diffuse(Rgb::BLACK));
-    world.shape(Sphere { radius: 0.7 }, at(DVec3::ZERO), black, Some(Emission::new(Spectrum::ONE)));
+    world.shape(Sphere { radius: 0.7 }, at(DVec3::ZERO), black, Some(Emitter::new(Rgb::WHITE)));
     let scene = built(world);
     for filter in [Filter::default(), Filter::tent(1.0), Filter::gaussian(1.5, 0.5), Filter::mitchell(2.0, 1.0 / 3.0, 1.0 / 3.0)] {
         for kind in [Kind::Independent, Kind::Sobol] {
@@ -208,7 +208,7 @@ fn layers_have_the_weights_of_the_picture() {
 }
 
 /// Mean of a layer over a wall that fills the picture, seen perpendicularly.
-fn wall(material: Material, emission: Option<Emission>) -> DVec3 {
+fn wall(material: Material, emission: Option<Emitter>) -> DVec3 {
     let mut world = World::builder(straight(DVec3::ZERO, 5.0));
     let material = world.material(material);
     world.shape(Quad { size: [4.0, 4.0] }, Transform::IDENTITY, material, emission);
@@ -235,7 +235,7 @@ fn albedo_layers_match_each_model() {
     // 16384 drawn directions, whose weights differ by a tenth.
     near(wall(Material::plastic(stored(gray(rho)), eta as f32), None).x, plastic, 3e-3, "plastic");
     // An emitting surface has the colour of its light, independent of its brightness.
-    let light = Some(Emission::new(Spectrum::rgb(2e6, 4e6, 1e6)));
+    let light = Some(Emitter::new(Rgb::new(2e6, 4e6, 1e6)));
     assert_eq!(wall(Material::diffuse(stored(color)), light), DVec3::new(0.5, 1.0, 0.25));
 }
 

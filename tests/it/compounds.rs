@@ -12,7 +12,7 @@ use pt::bsdf::{
     Share, Sheen, SurfaceMaterial, TransportMode, TwoSided, textured,
 };
 use pt::camera::Camera;
-use pt::light::Emission;
+use pt::light::Emitter;
 use pt::math::fresnel::dielectric;
 use pt::math::{Local, Ray, Rgb, Spectrum, Transform};
 use pt::proof::at;
@@ -477,7 +477,7 @@ fn holes_let_light_through() {
             let up = Transform::translate(DVec3::new(0.0, 0.0, z)).expect("near");
             world.shape(Quad { size: [2.0; 2] }, up, lace, None);
         }
-        world.shape(Quad { size: [4.0; 2] }, Transform::IDENTITY, wall, Some(Emission { radiance: Spectrum::ONE, two_sided: false }));
+        world.shape(Quad { size: [4.0; 2] }, Transform::IDENTITY, wall, Some(Emitter::new(Rgb::WHITE)));
         world.build().expect("quads")
     };
     let look = |world: &World, x: f32, y: f32| {

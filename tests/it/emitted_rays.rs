@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use glam::{DVec3, UVec2, Vec2, Vec3};
-use pt::light::{Area, Directional, Emission, EmittedRay, Emitter, Environment, Falloff, Light, LightSampleContext, Lights, Point, Spot};
-use pt::math::{Spectrum, Transform};
+use pt::light::{Area, Directional, EmittedRay, Emitter, Environment, Falloff, Light, LightSampleContext, Lights, Point, Spot};
+use pt::math::{Rgb, Transform};
 use pt::sampler::{Kind, SamplerSpec, Sequence};
 use pt::shape::{Cuboid, Disk, Geometry, Quad, Shape, Sphere};
 use pt::texture::Texture;
@@ -14,34 +14,33 @@ use pt::texture::image::{Filter, Image, Pixels, Wrap};
 /// Bounding sphere of the scenes: centre and radius (m).
 const BOUNDS: (Vec3, f32) = (Vec3::new(0.2, -0.1, 0.3), 2.5);
 
-fn area(geometry: impl Geometry, at: DVec3, emitter: impl Into<Emitter>) -> (Vec<Light>, Vec<Box<dyn Shape>>) {
+fn area(geometry: impl Geometry, at: DVec3, emitter: Emitter) -> (Vec<Light>, Vec<Box<dyn Shape>>) {
     let turned = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 40.0).expect("an axis");
     let shape = geometry.bake(&turned.then(&Transform::translate(at).expect("finite"))).expect("a shape");
-    let emitter = emitter.into();
     let light = |primitive| Light::Area(Area { shape: 0, primitive, emitter: emitter.clone() });
     ((0..shape.count()).map(light).collect(), vec![shape])
 }
 
-fn gray(value: f32) -> Emission {
-    Emission::new(Spectrum::gray(value))
+fn gray(value: f32) -> Emitter {
+    Emitter::new(Rgb::gray(value))
 }
 
 /// Emission on the left half of a texture: 0 on the right.
 fn half_white() -> Emitter {
     let pixels = Pixels::new(UVec2::new(2, 1), vec![[1.0; 3], [0.0; 3]]).expect("two pixels");
     let image = Image { pixels: pixels.into(), scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Nearest };
-    Emitter { emission: gray(3.0), texture: Some(Arc::new(Texture::Image(image))) }
+    Emitter { texture: Some(Arc::new(Texture::Image(image))), ..gray(3.0) }
 }
 
 fn spot(falloff: Falloff) -> Light {
     let axis = Vec3::new(0.3, -0.9, 0.2).normalize();
-    Light::Spot(Spot { position: DVec3::new(0.5, 1.0, 0.2), axis, intensity: Spectrum::gray(2.0), cos_inner: 0.9, cos_outer: 0.6, falloff })
+    Light::Spot(Spot { position: DVec3::new(0.5, 1.0, 0.2), axis, intensity: Rgb::gray(2.0), cos_inner: 0.9, cos_outer: 0.6, falloff })
 }
 
 /// Lights alone in a scene, with their flux (W) by the formulas of geometry.
 fn lights() -> Vec<(&'static str, Lights, f64)> {
     let at = DVec3::new(0.4, 1.1, -0.2);
-    let two_sided = Emission { two_sided: true, ..gray(1.5) };
+    let two_sided = Emitter { two_sided: true, ..gray(1.5) };
     let alone = |light: Light| (vec![light], vec![]);
     let place = DVec3::new(-0.3, 0.9, 0.4);
     let angle = [0.9f64, 0.6].map(f64::acos);
@@ -54,16 +53,16 @@ fn lights() -> Vec<(&'static str, Lights, f64)> {
         ("disk", area(Disk { radius: 0.4 }, at, gray(2.0)), PI * 2.0 * PI * 0.16),
         ("sphere", area(Sphere { radius: 0.3 }, at, gray(2.0)), PI * 2.0 * 4.0 * PI * 0.09),
         ("box", area(Cuboid { size: [0.3, 0.4, 0.5] }, at, gray(1.0)), PI * 2.0 * (0.12 + 0.15 + 0.2)),
-        ("point", alone(Light::Point(Point { position: place, intensity: Spectrum::gray(2.0) })), 4.0 * PI * 2.0),
+        ("point", alone(Light::Point(Point { position: place, intensity: Rgb::gray(2.0) })), 4.0 * PI * 2.0),
         ("spot, smooth", alone(spot(Falloff::Smooth)), TAU * 2.0 * (1.0 - 0.75)),
         ("spot, squared", alone(spot(Falloff::Squared)), TAU * 2.0 * (0.1 + 0.3 / 3.0)),
         ("spot, linear", alone(spot(Falloff::Linear)), TAU * 2.0 * (0.1 + linear)),
         (
             "directional",
-            alone(Light::Directional(Directional { direction: Vec3::new(0.2, -0.9, 0.4).normalize(), irradiance: Spectrum::gray(1.5) })),
+            alone(Light::Directional(Directional { direction: Vec3::new(0.2, -0.9, 0.4).normalize(), irradiance: Rgb::gray(1.5) })),
             PI * 6.25 * 1.5,
         ),
-        ("sky", alone(Light::Environment(Environment { radiance: Spectrum::gray(0.7) })), 4.0 * PI * PI * 6.25 * 0.7),
+        ("sky", alone(Light::Environment(Environment { radiance: Rgb::gray(0.7) })), 4.0 * PI * PI * 6.25 * 0.7),
     ];
     rows.into_iter().map(|(name, (lights, shapes), flux)| (name, Lights::new(lights, shapes.into(), BOUNDS), flux)).collect()
 }

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use pt::film::{Channel, Crop, Film, FilmSpec, Filter, Image, MomentFilm, Moments, PixelSums, Wave};
 use pt::integrators::path::Path;
 use pt::light::{Environment, Light};
-use pt::math::{Spectrum, float::ONE_MINUS_EPSILON};
+use pt::math::{Rgb, Spectrum, float::ONE_MINUS_EPSILON};
 use pt::output::{Attributes, Curve, Format, Tonemap, Value, exr, pfm, png, replace, tonemap::srgb, write};
 use pt::sampler::{ErrorEstimator, Kind, SamplerSpec};
 use pt::world::World;
@@ -133,7 +133,7 @@ fn weights_have_one_size() {
 #[test]
 fn a_constant_picture_stays_constant() {
     let mut world = World::builder(probe(DVec3::Z, DVec3::ZERO));
-    world.light(Light::Environment(Environment { radiance: Spectrum::gray(0.7) }));
+    world.light(Light::Environment(Environment { radiance: Rgb::gray(0.7) }));
     let scene = Arc::new(world.build().expect("a sky"));
     for (name, filter, ..) in filters().into_iter().filter(|(_, filter, ..)| filter.is_positive()) {
         for kind in [Kind::Independent, Kind::Sobol] {

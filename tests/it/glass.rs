@@ -302,7 +302,7 @@ fn sphere_of_glass(mesh: bool, camera: Camera) -> WorldBuilder {
     } else {
         world.shape(Sphere { radius: 1.0 }, Transform::IDENTITY, glass, None);
     }
-    world.light(Light::Environment(Environment { radiance: gray(1.0) }));
+    world.light(Light::Environment(Environment { radiance: stored(gray(1.0)) }));
     world
 }
 
@@ -349,7 +349,7 @@ fn index_of_one_is_invisible() {
         }
         world.shape(Quad { size: [8.0; 2] }, facing(-DVec3::Y * 2.0, DVec3::Y), mirror, None);
         world.shape(Sphere { radius: 0.4 }, at(DVec3::new(0.8, 0.9, 0.2)), mirror, None);
-        world.light(Light::Environment(Environment { radiance: gray(0.25) }));
+        world.light(Light::Environment(Environment { radiance: stored(gray(0.25)) }));
         // The finest detail, below the floor, so that both scenes have their origin here.
         world.shape(Quad { size: [1e-3; 2] }, facing(-DVec3::Y * 3.0, DVec3::Y), dark, None);
         if with {

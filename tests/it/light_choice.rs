@@ -7,10 +7,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
 use pt::light::{
-    Area, Directional, Emission, Environment, Falloff, Light, LightSample, LightSampleContext, Lights, Point, ShadowTarget, Spot,
+    Area, Directional, Emitter, Environment, Falloff, Light, LightSample, LightSampleContext, Lights, Point, ShadowTarget, Spot,
 };
 use pt::math::float::sin_cos_degrees;
-use pt::math::{Density, Spectrum, Transform};
+use pt::math::{Density, Rgb, Transform};
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, TriangleMesh};
 
 use crate::geometry::{icosphere, mesh};
@@ -19,8 +19,8 @@ use crate::random::Random;
 /// Lights of one shape. The index of a light is that of its primitive.
 fn lit(geometry: &dyn Geometry, to_world: &Transform, two_sided: bool) -> Lights {
     let shape = geometry.bake(to_world).expect("the shape can be hit");
-    let emission = Emission { radiance: Spectrum::ONE, two_sided };
-    let lights = (0..shape.count()).map(|primitive| Light::Area(Area { shape: 0, primitive, emitter: emission.into() })).collect();
+    let emitter = Emitter { two_sided, ..Emitter::new(Rgb::WHITE) };
+    let lights = (0..shape.count()).map(|primitive| Light::Area(Area { shape: 0, primitive, emitter: emitter.clone() })).collect();
     Lights::new(lights, vec![shape].into(), (Vec3::ZERO, 1.0))
 }
 
@@ -180,7 +180,7 @@ const REFERENCE: DVec3 = DVec3::new(3.0, 4.0, 5.0);
 
 /// Fraction of choices in which `light` is chosen, together with a point light of the given power (W).
 fn share(light: Light, shapes: Vec<Box<dyn Shape>>, radius: f32, power: f64) -> f64 {
-    let reference = Light::Point(Point { position: REFERENCE, intensity: Spectrum::gray((power / (2.0 * TAU)) as f32) });
+    let reference = Light::Point(Point { position: REFERENCE, intensity: Rgb::gray((power / (2.0 * TAU)) as f32) });
     let lights = Lights::new(vec![light, reference], shapes.into(), (Vec3::ZERO, radius));
     let is_reference = |choice: f32| {
         let sample = lights.sample(&LightSampleContext::at(Vec3::ZERO), choice, Vec2::splat(0.5));
@@ -193,8 +193,8 @@ fn share(light: Light, shapes: Vec<Box<dyn Shape>>, radius: f32, power: f64) -> 
 /// The probability of a light follows from the formulas of flux: Φ/(Φ + Φ′).
 #[test]
 fn lights_are_chosen_by_power() {
-    let gray = Spectrum::rgb(1.0, 2.0, 6.0); // 3 in the mean
-    let area = |two_sided| Light::Area(Area { shape: 0, primitive: 0, emitter: Emission { radiance: gray, two_sided }.into() });
+    let gray = Rgb::new(1.0, 2.0, 6.0); // 3 in the mean
+    let area = |two_sided| Light::Area(Area { shape: 0, primitive: 0, emitter: Emitter { two_sided, ..Emitter::new(gray) } });
     let spot = Spot {
         position: DVec3::new(0.0, 0.0, 2.0),
         axis: Vec3::NEG_Z,
@@ -226,12 +226,12 @@ fn lights_are_chosen_by_power() {
 /// Under a uniform sky E = πL, and the density is 1/4π times the probability of the sky.
 #[test]
 fn irradiance_and_probability_of_the_sky() {
-    let sky = Light::Environment(Environment { radiance: Spectrum::ONE });
+    let sky = Light::Environment(Environment { radiance: Rgb::WHITE });
     let alone = Lights::new(vec![sky.clone()], Vec::new().into(), (Vec3::ZERO, 1.0));
     // Half of the sphere is below the horizon, where the integrand has a kink.
     assert_near(irradiance(&alone, DVec3::X, DVec3::new(0.6, 0.0, 0.8), 256), PI, 1e-3, "sky");
     // Φ = 4π²R²L; a point light of three times that leaves the sky ⅞ · ¼ + ⅛ · ½ of the choices.
-    let point = Light::Point(Point { position: REFERENCE, intensity: Spectrum::gray(3.0 * std::f32::consts::PI) });
+    let point = Light::Point(Point { position: REFERENCE, intensity: Rgb::gray(3.0 * std::f32::consts::PI) });
     let both = Lights::new(vec![point, sky], Vec::new().into(), (Vec3::ZERO, 1.0));
     assert_near(
         f64::from(both.background_pdf(1, &LightSampleContext::at(Vec3::ZERO), Vec3::X).get()),
@@ -246,7 +246,7 @@ fn irradiance_and_probability_of_the_sky() {
 /// Two skies light like one of their summed radiance: what arrives along a ray, what is sampled, and the densities.
 #[test]
 fn infinite_lights_add_up() {
-    let sky = |radiance| Light::Environment(Environment { radiance: Spectrum::gray(radiance) });
+    let sky = |radiance| Light::Environment(Environment { radiance: Rgb::gray(radiance) });
     let both = Lights::new(vec![sky(1.0), sky(2.0)], Vec::new().into(), (Vec3::ZERO, 1.0));
     let arriving: Vec<(u32, f32)> = both.background(Vec3::X).map(|(light, radiance)| (light, radiance.average())).collect();
     assert_eq!(arriving, [(0, 1.0), (1, 2.0)]);
@@ -269,7 +269,7 @@ fn narrow_cones_fall_off_in_the_angle() {
     let (inner, outer) = (0.01, 0.05);
     let [cos_inner, cos_outer] = [inner, outer].map(|degrees| sin_cos_degrees(degrees).1);
     let falloff = Falloff::Linear;
-    let spot = Spot { position: DVec3::ZERO, axis: Vec3::NEG_Z, intensity: Spectrum::ONE, cos_inner, cos_outer, falloff };
+    let spot = Spot { position: DVec3::ZERO, axis: Vec3::NEG_Z, intensity: Rgb::WHITE, cos_inner, cos_outer, falloff };
     let lights = Lights::new(vec![Light::Spot(spot)], Vec::new().into(), (Vec3::ZERO, 1.0));
     for degrees in [0.0, 0.009, 0.02, 0.03, 0.04, 0.049] {
         let point = Vec3::new(f64::to_radians(degrees).tan() as f32, 0.0, -1.0);
@@ -286,7 +286,7 @@ fn narrow_cones_fall_off_in_the_angle() {
 #[test]
 fn cones_fall_off_with_the_square() {
     let (cos_inner, cos_outer) = (0.9, 0.5);
-    let spot = Spot { position: DVec3::ZERO, axis: Vec3::NEG_Z, intensity: Spectrum::ONE, cos_inner, cos_outer, falloff: Falloff::Squared };
+    let spot = Spot { position: DVec3::ZERO, axis: Vec3::NEG_Z, intensity: Rgb::WHITE, cos_inner, cos_outer, falloff: Falloff::Squared };
     let lights = Lights::new(vec![Light::Spot(spot)], Vec::new().into(), (Vec3::ZERO, 1.0));
     for (cos, expected) in [(0.95f64, 1.0), (0.8, 0.5625), (0.7, 0.25), (0.6, 0.0625)] {
         let point = Vec3::new((1.0 - cos * cos).sqrt() as f32, 0.0, -cos as f32);
@@ -298,12 +298,11 @@ fn cones_fall_off_with_the_square() {
 /// A lamp with a white half and a black half lights like half a lamp, also if the estimated probability of its light is wrong.
 #[test]
 fn textured_lamps_light_as_their_bright_part_does() {
-    use pt::light::Emitter;
     use pt::texture::image::{Filter, Image, Pixels, Wrap};
     let pixels = Pixels::new(glam::UVec2::new(2, 1), vec![[1.0; 3], [0.0; 3]]).expect("two pixels");
     let image = Image { pixels: pixels.into(), scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Nearest };
-    let emission = Emission::new(Spectrum::gray(3.0));
-    let textured = Emitter { emission, texture: Some(std::sync::Arc::new(pt::texture::Texture::Image(image))) };
+    let plain = Emitter::new(Rgb::gray(3.0));
+    let textured = Emitter { texture: Some(std::sync::Arc::new(pt::texture::Texture::Image(image))), ..plain.clone() };
     let down = |x: f64| Transform::look_at(DVec3::new(x, 0.0, 1.0), DVec3::new(x, 0.0, 2.0), DVec3::Y).expect("a place");
     let irradiance = |size: [f64; 2], x: f64, emitter: Emitter| {
         let shape = Quad { size }.bake(&down(x)).expect("a quad");
@@ -316,7 +315,7 @@ fn textured_lamps_light_as_their_bright_part_does() {
     };
     let whole = irradiance([2.0, 2.0], 0.0, textured);
     // The lamp faces down, so that u runs along −x or x. One of the two halves is white.
-    let halves = [-0.5, 0.5].map(|x| irradiance([1.0, 2.0], x, emission.into()));
+    let halves = [-0.5, 0.5].map(|x| irradiance([1.0, 2.0], x, plain.clone()));
     let nearest = halves.iter().map(|half| (whole / half - 1.0).abs()).fold(f64::INFINITY, f64::min);
     // One column of the grid, with 1/256 of the light, may be on either side of the edge.
     assert!(nearest < 0.01, "{whole}, expected one of {halves:?}");

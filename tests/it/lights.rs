@@ -152,7 +152,7 @@ fn lights_without_power_are_never_chosen() {
         for k in 0..3 {
             let shines = if k == place { 2.0 } else { 0.0 };
             world.shape(Sphere { radius: 0.1 }, at(DVec3::new(f64::from(k) - 1.0, 2.0, 0.0)), dark, glow(shines));
-            world.light(Light::Point(Point { position: DVec3::X * 9.0, intensity: gray(0.0) }));
+            world.light(Light::Point(Point { position: DVec3::X * 9.0, intensity: stored(gray(0.0)) }));
         }
         let scene = world.build().unwrap();
         let lamp = DVec3::new(f64::from(place) - 1.0, 2.0, 0.0) - scene.origin();
@@ -174,8 +174,8 @@ fn scenes_without_light_give_no_samples() {
         }
         world.build().unwrap()
     };
-    let dark = Point { position: DVec3::X, intensity: gray(0.0) };
-    let here = Point { position: DVec3::ZERO, intensity: gray(1.0) };
+    let dark = Point { position: DVec3::X, intensity: stored(gray(0.0)) };
+    let here = Point { position: DVec3::ZERO, intensity: stored(gray(1.0)) };
     for light in [None, Some(dark), Some(here)] {
         assert!(samples(&scene(light)).iter().all(Option::is_none), "{light:?}");
     }
@@ -199,7 +199,7 @@ fn spot(tilt: f64) -> Light {
     Light::Spot(Spot {
         position: DVec3::Y * 2.0,
         axis,
-        intensity: gray(10.0),
+        intensity: stored(gray(10.0)),
         cos_inner: cos(20.0),
         cos_outer: cos(30.0),
         falloff: Falloff::Smooth,
@@ -224,7 +224,7 @@ fn spot_lights() {
 fn directional_lights() {
     let law = |degrees: f64| {
         let direction = DVec3::new(degrees.to_radians().sin(), -degrees.to_radians().cos(), 0.0).as_vec3().normalize();
-        let light = Light::Directional(Directional { direction, irradiance: gray(3.0) });
+        let light = Light::Directional(Directional { direction, irradiance: stored(gray(3.0)) });
         floor_under(format!("directional, {degrees}°"), light, 0.5 / PI * 3.0 * degrees.to_radians().cos().max(0.0))
     };
     confirm([0.0, 30.0, 60.0, 85.0, 89.0, 120.0, 180.0].map(law).into(), Effort::Quick);
@@ -234,9 +234,9 @@ fn directional_lights() {
 #[test]
 fn shadows_are_black() {
     let lights = [
-        Light::Point(Point { position: DVec3::Y * 2.0, intensity: gray(1.0) }),
+        Light::Point(Point { position: DVec3::Y * 2.0, intensity: stored(gray(1.0)) }),
         spot(0.0),
-        Light::Directional(Directional { direction: -Vec3::Y, irradiance: gray(1.0) }),
+        Light::Directional(Directional { direction: -Vec3::Y, irradiance: stored(gray(1.0)) }),
     ];
     for (k, light) in lights.into_iter().enumerate() {
         for (height, lit) in [(1.0, false), (3.0, k < 2)] {

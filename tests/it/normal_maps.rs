@@ -108,8 +108,8 @@ impl Lit {
 
     fn add_to(self, world: &mut WorldBuilder) {
         match self {
-            Lit::Sky => world.light(Light::Environment(Environment { radiance: gray(1.0) })),
-            Lit::Sun => world.light(Light::Directional(Directional { direction: -SUN.as_vec3(), irradiance: gray(PI) })),
+            Lit::Sky => world.light(Light::Environment(Environment { radiance: stored(gray(1.0)) })),
+            Lit::Sun => world.light(Light::Directional(Directional { direction: -SUN.as_vec3(), irradiance: stored(gray(PI)) })),
             Lit::Lamp => {
                 let dark = world.material(black());
                 world.shape(Quad { size: [LAMP_SIDE; 2] }, facing(LAMP, -DVec3::Z), dark, glow(1.0));

@@ -7,8 +7,8 @@ use pt::bsdf::Material;
 use pt::camera::{Camera, Perspective, Pose};
 use pt::effects::Effects;
 use pt::film::{FilmSpec, Image, MomentFilm};
-use pt::light::{Emission, Lights};
-use pt::math::{Ray, Rgb, Spectrum, Transform};
+use pt::light::{Emitter, Lights};
+use pt::math::{Ray, Rgb, Transform};
 use pt::primitive::Hit;
 use pt::render::{Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
@@ -133,7 +133,7 @@ fn room() -> (Arc<World>, Oracle) {
     world.shape(wall, at(0.0, 1.0, -1.0), white, None);
     world.shape(wall, turned(DVec3::X, -90.0, at(0.0, 0.0, 0.0)), white, None);
     world.shape(wall, turned(DVec3::Y, 73.0, at(-1.0, 1.0, 0.0)), white, None);
-    let lamp = Some(Emission::new(Spectrum::rgb(5.0, 6.0, 7.0)));
+    let lamp = Some(Emitter::new(Rgb::new(5.0, 6.0, 7.0)));
     world.shape(Quad { size: [1.0, 0.8] }, turned(DVec3::X, 90.0, at(0.2, 2.0, 0.1)), white, lamp);
     let balls = [(DVec3::new(-0.3, 0.4, 0.1), 0.35), (DVec3::new(0.5, 0.3, 0.2), 0.3)];
     for (&(center, radius), material) in balls.iter().zip([glass, white]) {

@@ -11,7 +11,7 @@ use pt::integrator::{Entry, Integrator};
 use pt::integrators::nee::Nee;
 use pt::integrators::path::Path;
 use pt::integrators::whitted::Whitted;
-use pt::light::Emission;
+use pt::light::Emitter;
 use pt::math::{Rgb, Spectrum, Transform};
 use pt::measure::{Mean, critical_z};
 use pt::render::{Settings, Silent, render};
@@ -38,12 +38,12 @@ pub fn stored(color: Spectrum) -> Rgb {
     Rgb::new(r, g, b)
 }
 
-pub fn glow(radiance: f64) -> Option<Emission> {
-    Some(Emission::new(gray(radiance)))
+pub fn glow(radiance: f64) -> Option<Emitter> {
+    Some(Emitter::new(stored(gray(radiance))))
 }
 
-pub fn two_sided(radiance: f64) -> Option<Emission> {
-    Some(Emission { two_sided: true, ..Emission::new(gray(radiance)) })
+pub fn two_sided(radiance: f64) -> Option<Emitter> {
+    Some(Emitter { two_sided: true, ..Emitter::new(stored(gray(radiance))) })
 }
 
 /// A material that absorbs all light and does not require interreflection.
@@ -63,7 +63,7 @@ pub fn facing(center: DVec3, normal: DVec3) -> Transform {
 
 /// Adds the six walls of a box, with normals inwards. `wall` returns the material and emission of the wall on one side (±1) of one axis
 /// (0 to 2).
-pub fn room(world: &mut WorldBuilder, center: DVec3, half: DVec3, wall: impl Fn(usize, f64) -> (MaterialId, Option<Emission>)) {
+pub fn room(world: &mut WorldBuilder, center: DVec3, half: DVec3, wall: impl Fn(usize, f64) -> (MaterialId, Option<Emitter>)) {
     for (axis, side) in (0..3).flat_map(|axis| [-1.0, 1.0].map(|side| (axis, side))) {
         let out = DVec3::AXES[axis] * side;
         let size = [[half.z, half.y], [half.x, half.z], [half.x, half.y]][axis].map(|s| 2.0 * s);

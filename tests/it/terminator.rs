@@ -215,7 +215,7 @@ fn furnace() {
         let mut world = World::builder(probe(from * 3.0, from * 0.5));
         let material = world.material(Material::diffuse(stored(gray(ALBEDO))));
         world.shape(TriangleMesh { smooth_shadows: true, ..TriangleMesh::new(data.clone()) }, Transform::IDENTITY, material, None);
-        world.light(Light::Environment(Environment { radiance: gray(1.0) }));
+        world.light(Light::Environment(Environment { radiance: stored(gray(1.0)) }));
         world
     };
     let law = |(data, from): (MeshData, DVec3)| {
@@ -264,7 +264,7 @@ fn closed_bodies_leak_no_light() {
             world.shape(TriangleMesh { smooth_shadows: true, ..TriangleMesh::new(data.clone()) }, Transform::IDENTITY, white, None);
             let dark = world.material(black());
             world.shape(Sphere { radius: 0.1 }, at(lamp + DVec3::X * 0.2), dark, two_sided(1.0));
-            world.light(Light::Point(Point { position: lamp, intensity: gray(1.0) }));
+            world.light(Light::Point(Point { position: lamp, intensity: stored(gray(1.0)) }));
             let scene = Arc::new(world.build().expect("a body and a lamp"));
             for entry in ALL {
                 let Some(integrator) = integrator(entry, Depth::exactly(8)) else { continue };
@@ -349,8 +349,8 @@ fn pictures(data: &MeshData, smooth_shadows: bool, place: Transform) -> Vec<Bits
     let white = world.material(Material::diffuse(stored(gray(0.8))));
     world.shape(TriangleMesh { smooth_shadows, ..TriangleMesh::new(data.clone()) }, place, white, None);
     world.shape(Sphere { radius: 1.0 }, at(DVec3::new(1.5, -0.5, 0.5)), white, None);
-    world.light(Light::Directional(Directional { direction: Vec3::new(-0.6, -0.8, 0.0), irradiance: gray(3.0) }));
-    world.light(Light::Environment(Environment { radiance: gray(0.2) }));
+    world.light(Light::Directional(Directional { direction: Vec3::new(-0.6, -0.8, 0.0), irradiance: stored(gray(3.0)) }));
+    world.light(Light::Environment(Environment { radiance: stored(gray(0.2)) }));
     let scene = Arc::new(world.build().expect("a scene"));
     let taken = |entry| {
         let integrator = integrator(entry, Depth::exactly(3))?;

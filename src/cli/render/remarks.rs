@@ -36,7 +36,7 @@ pub fn remark_darkness(image: &Image, integrator: &str, why: impl FnOnce() -> Op
 /// Note about lights that emit to one side only, which may be the wrong one.
 pub fn one_sided(names: &Names, lights: &Lights) -> Option<String> {
     const NAMED: usize = 3;
-    let is_one_sided = |light: &Light| matches!(light, Light::Area(area) if !area.emitter.emission.two_sided);
+    let is_one_sided = |light: &Light| matches!(light, Light::Area(area) if !area.emitter.two_sided);
     let mut lamps: Vec<&str> =
         (0..).zip(lights.iter()).filter(|(_, light)| is_one_sided(light)).map(|(i, _)| names.light(lights, i)).collect();
     lamps.dedup();

@@ -12,8 +12,8 @@ use pt::film::FilmSpec;
 use pt::integrator::Integrator;
 use pt::integrators::card::{Card, Hemisphere};
 use pt::integrators::path::Path;
-use pt::light::{Emitter, Environment, Light};
-use pt::math::{Spectrum, Transform};
+use pt::light::{Environment, Light};
+use pt::math::{Rgb, Transform};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 use pt::shape::sdf::*;
@@ -43,7 +43,7 @@ fn glass_is_invisible_in_a_furnace() {
         let mut world = World::builder(Camera::Perspective(Perspective::new(Pose::new(&place), 50.0, 0.0, 1.0)));
         let glass = world.material(Material::glass(1.5));
         world.solid(Sdf::new(field.clone()), Transform::IDENTITY, vec![PartAppearance { material: glass, emitter: None }]);
-        world.light(Light::Environment(Environment { radiance: Spectrum::ONE }));
+        world.light(Light::Environment(Environment { radiance: Rgb::WHITE }));
         let path = Path { max_depth: 1000, roulette_depth: 1000 };
         let image = picture(Arc::new(world.build().expect("a world")), &path, FilmSpec::new(16, 16), sampler(16));
         let farthest = image.pixels().flatten().map(|v| (v - 1.0).abs()).fold(0.0, f32::max);
@@ -57,8 +57,7 @@ fn lamp(radius: f64, height: f64) -> WorldBuilder {
     let (matte, dark) = (world.material(Material::diffuse(stored(gray(0.5)))), world.material(black()));
     world.shape(Quad { size: [20.0; 2] }, facing(DVec3::ZERO, DVec3::Y), matte, None);
     let lamp = Sdf { parts: Union::new(vec![ball(radius), ball(0.5 * radius)]), ..Sdf::new(ball(radius)) };
-    let parts =
-        vec![PartAppearance { material: dark, emitter: glow(4.0).map(Emitter::from) }, PartAppearance { material: dark, emitter: None }];
+    let parts = vec![PartAppearance { material: dark, emitter: glow(4.0) }, PartAppearance { material: dark, emitter: None }];
     world.solid(lamp, Transform::translate(DVec3::Y * height).expect("finite"), parts);
     world
 }

@@ -9,8 +9,8 @@ use pt::bsdf::{Element, Material, NormalModifier, Principled, SurfaceMaterial, t
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::Integrator;
-use pt::light::{Directional, Emission, Environment, Falloff, Light, Point, Spot};
-use pt::math::{Rgb, Spectrum, Transform};
+use pt::light::{Directional, Emitter, Environment, Falloff, Light, Point, Spot};
+use pt::math::{Rgb, Transform};
 use pt::render::{RenderReport, Settings, Silent, render};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
@@ -128,12 +128,12 @@ impl Zoo {
         down: &Transform,
         material: pt::world::MaterialId,
     ) {
-        let glow = |r, g, b| Spectrum::rgb(r, g, b) * self.emission;
+        let glow = |r, g, b| Rgb::new(r, g, b) * self.emission;
         let square = (self.scale * self.scale) as f32;
         let has = |which| self.lights == Which::All || self.lights == which;
-        let lamp = has(Which::AreaOnly).then(|| Emission::new(glow(6.0, 5.0, 4.0)));
+        let lamp = has(Which::AreaOnly).then(|| Emitter::new(glow(6.0, 5.0, 4.0)));
         world.shape(Quad { size: [0.8, 0.6] }, self.place(down.then(&at(0.3, 2.5, 0.2))), material, lamp);
-        let bulb = has(Which::AreaOnly).then(|| Emission { radiance: glow(2.0, 8.0, 3.0), two_sided: true });
+        let bulb = has(Which::AreaOnly).then(|| Emitter { two_sided: true, ..Emitter::new(glow(2.0, 8.0, 3.0)) });
         world.shape(Sphere { radius: 0.1 }, self.place(at(-0.4, 1.4, 0.5)), material, bulb);
         if has(Which::DirectionalOnly) {
             let direction = Vec3::new(0.5, -0.75, -0.4).normalize();
@@ -151,7 +151,7 @@ impl Zoo {
             world.light(Light::Spot(spot));
         }
         if self.idle {
-            world.light(Light::Point(Point { position: DVec3::ZERO, intensity: Spectrum::BLACK }));
+            world.light(Light::Point(Point { position: DVec3::ZERO, intensity: Rgb::BLACK }));
         }
     }
 
