@@ -43,8 +43,8 @@ pub struct CameraConnection {
     pub wi: Vec3,
     /// Position on the film as in [`Camera::ray`]. It is outside of [0, 1)² where the camera does not see the point.
     pub film: Vec2,
-    /// We divided by the density of `wi` as seen from the point [sr⁻¹]; for parallel projections We [m⁻²], with `wi` a delta
-    /// distribution.
+    /// We divided by the density of `wi` as seen from the point [m⁻²]; for parallel projections, whose `wi` has no density, We
+    /// itself.
     pub weight: f32,
     /// Point of the camera at which the shadow ray ends (m).
     pub end: Vec3,
