@@ -12,7 +12,7 @@ use crate::math::float::unit_f32;
 ///
 /// Every b₁ᵏ¹ b₂ᵏ² … consecutive samples put one point into each box of the grid with that many cells per dimension. The scrambling
 /// is keyed by (seed, pixel, dimension), so that pixels are independent and high dimensions are not correlated. Digits beyond
-/// [`RESOLUTION`] are random, and so are dimensions beyond [`DIMENSIONS`].
+/// 2²⁰ cells are random, and so are dimensions beyond 1024.
 ///
 /// Source: Halton (1960); Owen, *A randomized Halton algorithm in R* (2017).
 /// Tests: boxes of prime powers evenly filled, no correlation of dimensions, chi².

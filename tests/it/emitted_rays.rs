@@ -14,7 +14,10 @@ use pt::texture::image::{Filter, Image, Pixels, Wrap};
 /// Bounding sphere of the scenes: centre and radius (m).
 const BOUNDS: (Vec3, f32) = (Vec3::new(0.2, -0.1, 0.3), 2.5);
 
-fn area(geometry: impl Geometry, at: DVec3, emitter: Emitter) -> (Vec<Light>, Vec<Box<dyn Shape>>) {
+/// Lights, and the shapes that they refer to.
+type LightsAndShapes = (Vec<Light>, Vec<Box<dyn Shape>>);
+
+fn area(geometry: impl Geometry, at: DVec3, emitter: Emitter) -> LightsAndShapes {
     let turned = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 40.0).expect("an axis");
     let shape = geometry.bake(&turned.then(&Transform::translate(at).expect("finite"))).expect("a shape");
     let light = |primitive| Light::Area(Area { shape: 0, primitive, emitter: emitter.clone() });
@@ -46,7 +49,7 @@ fn lights() -> Vec<(&'static str, Lights, f64)> {
     let angle = [0.9f64, 0.6].map(f64::acos);
     // ∫ (outer − θ)/(outer − inner) sin θ dθ between the cones, by parts.
     let linear = angle[0].cos() - (angle[1].sin() - angle[0].sin()) / (angle[1] - angle[0]);
-    let rows: Vec<(&'static str, (Vec<Light>, Vec<Box<dyn Shape>>), f64)> = vec![
+    let rows: Vec<(&'static str, LightsAndShapes, f64)> = vec![
         ("quad", area(Quad { size: [0.8, 0.5] }, at, gray(3.0)), PI * 3.0 * 0.4),
         ("two-sided quad", area(Quad { size: [0.8, 0.5] }, at, two_sided), 2.0 * PI * 1.5 * 0.4),
         ("textured quad", area(Quad { size: [0.8, 0.5] }, at, half_white()), PI * 3.0 * 0.2),

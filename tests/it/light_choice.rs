@@ -254,7 +254,7 @@ fn infinite_lights_add_up() {
     let density: f64 = [0, 1].map(|light| f64::from(both.background_pdf(light, &cx, Vec3::X).get())).iter().sum();
     assert_near(density, 1.0 / (2.0 * TAU), 1e-6, "density of both");
     // The integral of 3 cos θ over the hemisphere; the grid leaves a kink at the horizon.
-    let choices = grid(8).flat_map(|v| grid(128).filter_map(move |u| Some((v, u))));
+    let choices = grid(8).flat_map(|v| grid(128).map(move |u| (v, u)));
     let samples = choices.filter_map(|(v, u)| both.sample(&cx, v.x, u));
     let sum: f64 = samples.map(|s| f64::from(s.weight().average() * s.wi.z.max(0.0))).sum();
     // The probabilities are ⅞·⅓ + ⅛·½ = .354 and .646: of eight choices three and five are taken, each with its weight.
