@@ -78,7 +78,7 @@ fn through(scene: &World, ray: Ray, interfaces: usize) -> Ray {
     Ray::new(ray.origin + origin, ray.direction)
 }
 
-/// As [`through`], in the coordinates of the built scene.
+/// The result of [`through`] for a ray in the coordinates of the built scene.
 fn passed(scene: &World, mut ray: Ray, interfaces: usize) -> Ray {
     for k in 0..interfaces {
         let hit = scene.intersect(&ray).unwrap_or_else(|| panic!("no interface {k}"));

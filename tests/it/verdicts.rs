@@ -15,7 +15,7 @@ use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-/// As in the command: sixteen scramblings, and a significance of 1 %.
+/// Settings of `pt verify`: sixteen scramblings, and a significance of 1 %.
 const SCRAMBLINGS: u32 = 16;
 const ALPHA: f64 = 0.01;
 

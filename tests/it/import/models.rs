@@ -51,7 +51,7 @@ fn ply_with(properties: &str, values: &str) -> String {
     format!("ply\n{header}end_header\n{vertices}{faces}")
 }
 
-/// The same four triangles are read from every variant of these formats, with any file name.
+/// One tetrahedron, written in each variant of the model formats and under any file name, is read as the same four triangles.
 #[test]
 fn models_of_every_format_are_read() {
     let folder = tempfile::tempdir().expect("a folder");

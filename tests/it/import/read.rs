@@ -24,7 +24,7 @@ pub fn try_read(path: &Path) -> pt::Result<Read> {
     try_read_with(path, AutoCamera::default(), &[])
 }
 
-/// As [`try_read`], with options for the camera and values that override those of the file.
+/// Reads a file like [`try_read`], with options for the camera and with values that override those of the file.
 pub fn try_read_with(path: &Path, auto_camera: AutoCamera, overrides: &[(&str, &str)]) -> pt::Result<Read> {
     let imported =
         import_with(path, false, auto_camera, |root, _| overrides.iter().try_for_each(|(pointer, value)| root.set(pointer, value)))?;

@@ -144,7 +144,7 @@ fn degenerate_triangles_are_never_hit() {
     }
 }
 
-/// Of coincident triangles the one with the lowest index is hit, for every order in the hierarchy.
+/// Where triangles coincide, the hit is on the one with the lowest index, in whatever order the hierarchy stores them.
 #[test]
 fn of_coincident_triangles_the_lowest_index_is_hit() {
     let shapes = coincident(1000);
