@@ -18,7 +18,7 @@ pub(super) struct PixelStatistics {
     /// ν, the degrees of freedom of the variances.
     pub freedom: f64,
     /// ε of the relative error.
-    floor: f64,
+    pub floor: f64,
     /// Value and variance of each colour, per pixel.
     pixels: Vec<Estimate>,
     /// Value and variance of the mean of the colours, per pixel.

@@ -1,6 +1,7 @@
 //! The relative error of a picture, estimated from its own samples.
 
 mod contribution;
+mod correlation;
 pub(in crate::measure) mod epsilon;
 mod local_reference;
 pub(in crate::measure) mod neighborhood;

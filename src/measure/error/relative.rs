@@ -3,6 +3,7 @@
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::contribution::residual_variance;
+use super::correlation::correlation;
 use super::local_reference::PixelStatistics;
 use crate::film::{Film, Image, MomentFilm};
 
@@ -60,7 +61,8 @@ impl RelativeError {
         // be left.
         let beyond = 10.0 * noise * noise;
         let corrected = UNSURE * (sum / picture.uncorrected()).ln();
-        let spread = 0.5 * (variance_ratio.sqrt() / sum).hypot(corrected).hypot(beyond);
+        let random = (variance_ratio * correlation(film, picture.floor)).sqrt();
+        let spread = 0.5 * (random / sum).hypot(corrected).hypot(beyond);
         Some(RelativeError { value: (sum / count).sqrt(), spread, effective_pixels: sum * sum / square })
     }
 
