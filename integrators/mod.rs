@@ -5,6 +5,7 @@
 
 pub mod ao;
 pub mod card;
+pub mod light;
 pub mod nee;
 pub mod normals;
 pub mod path;
@@ -21,6 +22,15 @@ pub const ALL: &[Entry] = &[
         Effects::ALL.without(Effects::POINT_LIGHT),
     ),
     Entry::of::<nee::Nee>("nee", "path tracing with next-event estimation and multiple importance sampling", Effects::ALL),
+    Entry::of::<light::LightTracer>(
+        "light",
+        "light tracing: paths from the lights, each point of them connected to the camera; finds caustics",
+        Effects::ALL.without(light::NOT_SIMULATED),
+    )
+    .when_missing(
+        Effects::SPECULAR_REFLECTION.union(Effects::REFRACTION),
+        "mirrors and glass are black, and the light that they cast elsewhere is there",
+    ),
     Entry::of::<whitted::Whitted>(
         "whitted",
         "Whitted's ray tracing: direct light, and branches at mirrors and glass",

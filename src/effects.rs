@@ -39,6 +39,8 @@ impl Effects {
     pub const CUT_OUTS: Effects = Effects(1 << 9);
     /// Emitting surfaces on which no point can be sampled, so that paths hit them only by chance.
     pub const UNSAMPLED_EMITTER: Effects = Effects(1 << 10);
+    /// Coarse meshes whose shadow terminator is that of the smooth surface that they stand for.
+    pub const SMOOTH_SHADOWS: Effects = Effects(1 << 11);
 
     /// All effects.
     pub const ALL: Effects = Effects((1 << TABLE.len()) - 1);
@@ -106,7 +108,7 @@ impl Sub for Effects {
 }
 
 /// Table of all effects, in the order of their bits.
-const TABLE: [EffectInfo; 11] = [
+const TABLE: [EffectInfo; 12] = [
     EffectInfo { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
     EffectInfo { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
     EffectInfo { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
@@ -118,4 +120,5 @@ const TABLE: [EffectInfo; 11] = [
     EffectInfo { bit: Effects::TEXTURES, name: "textures", cost: "one lookup per parameter and hit" },
     EffectInfo { bit: Effects::CUT_OUTS, name: "cut-outs", cost: "one lookup per surface that a ray meets, shadow rays too" },
     EffectInfo { bit: Effects::UNSAMPLED_EMITTER, name: "lights met by chance", cost: "noise: no shadow ray looks for them" },
+    EffectInfo { bit: Effects::SMOOTH_SHADOWS, name: "smooth shadows of coarse meshes", cost: "a few operations per hit" },
 ];

@@ -15,9 +15,10 @@ use schemars::JsonSchema;
 use serde::de::{DeserializeOwned, Error as _};
 use serde::{Deserialize, Deserializer};
 
+use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::Error;
-use crate::film::FilmSpec;
+use crate::film::{FilmSpec, Splat};
 use crate::math::{Ray, Spectrum};
 use crate::primitive::Hit;
 use crate::reader::{self, Faults, Node, UnknownKeys};
@@ -37,6 +38,12 @@ pub trait Integrator: Send + Sync {
     fn biases(&self) -> Vec<Bias> {
         vec![]
     }
+
+    /// Whether the estimator follows paths from the lights, whose light arrives anywhere on the film. Only then does it get a
+    /// [`Context::light_path`]. All pixels then take the same number of samples.
+    fn splats(&self) -> bool {
+        false
+    }
 }
 
 /// Setting that leaves out some light.
@@ -49,7 +56,8 @@ pub struct Bias {
 
 /// Method prepared for one scene.
 pub trait Estimator: Send + Sync {
-    /// An unbiased estimate of the radiance that arrives along the camera's ray [W·m⁻²·sr⁻¹].
+    /// An unbiased estimate of the radiance that arrives along the camera's ray [W·m⁻²·sr⁻¹], or of the part of it that
+    /// [`LightPath::splat`] does not bring.
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum;
 }
 
@@ -129,6 +137,69 @@ pub struct Context<'a> {
     pub recorder: Option<&'a mut dyn PathRecorder>,
     /// Query whether the render was cancelled. An estimator whose samples are short may ignore it.
     pub interrupt: Interrupt<'a>,
+    /// What a path from the lights needs; `None` unless [`Integrator::splats`].
+    pub light_path: Option<LightPath<'a>>,
+}
+
+/// Resources for the path from a light that belongs to a camera sample: in every sample, each pixel of the whole picture has one.
+pub struct LightPath<'a> {
+    /// Random numbers of the path. Those of all paths from lights are one sequence, evenly distributed over all of them.
+    pub numbers: SampleNumbers<'a>,
+    film: &'a FilmSpec,
+    camera: &'a Camera,
+    splats: &'a mut Vec<Splat>,
+    /// Whether all splats so far are finite and not negative.
+    is_valid: &'a mut bool,
+}
+
+impl<'a> LightPath<'a> {
+    /// A path without splats, for a camera and its film.
+    ///
+    /// - `splats`: list to which the path's splats are added
+    /// - `is_valid`: set to `false` by a splat that is not finite or is negative, which is not added
+    pub fn new(
+        numbers: SampleNumbers<'a>,
+        film: &'a FilmSpec,
+        camera: &'a Camera,
+        splats: &'a mut Vec<Splat>,
+        is_valid: &'a mut bool,
+    ) -> LightPath<'a> {
+        LightPath { numbers, film, camera, splats, is_valid }
+    }
+
+    /// Adds light to the film. Returns whether it counts in a pixel of the crop.
+    ///
+    /// - `film`: position as in [`Camera::connect`]; it may lie outside of the film
+    /// - `value`: flux of the path times the importance of the camera, [`CameraConnection::weight`](crate::camera::CameraConnection)
+    /// - `depth`: scattering events between light and camera
+    /// - `light`: index of the light
+    pub fn splat(&mut self, film: Vec2, value: Spectrum, depth: u32, light: u32) -> bool {
+        if !value.is_valid() {
+            *self.is_valid = false;
+            return false;
+        }
+        if value.is_black() {
+            return false;
+        }
+        let before = self.splats.len();
+        for place in self.camera.same_film_positions(film) {
+            let splat = Splat { raster: place * self.film.size.as_vec2(), value, depth, light };
+            if splat.reaches(&self.film.filter, self.film.crop) {
+                self.splats.push(splat);
+            }
+        }
+        self.splats.len() > before
+    }
+
+    /// Width of the film divided by its height.
+    pub fn aspect(&self) -> f32 {
+        self.film.aspect()
+    }
+
+    /// Width and height of the film (pixels).
+    pub fn film_size(&self) -> Vec2 {
+        self.film.size.as_vec2()
+    }
 }
 
 /// The greatest `max_depth` and `roulette_depth` of a scene. It ends paths between perfect mirrors.
@@ -162,6 +233,8 @@ pub struct Entry {
     pub about: &'static str,
     /// Effects that its pictures contain.
     pub simulates: Effects,
+    /// What a picture of some other effects looks like, for the note that says that they are missing.
+    pub when_missing: (Effects, &'static str),
     /// Makes the integrator from the options of a scene.
     pub new: fn(&Options) -> Box<dyn Integrator>,
     /// JSON schema of the options.
@@ -174,7 +247,20 @@ impl Entry {
     where
         T: Integrator + Default + DeserializeOwned + JsonSchema + 'static,
     {
-        Entry { name, about, simulates, new: |options| Box::new(options.read::<T>()), schema: || schemars::schema_for!(T) }
+        let new = |options: &Options| -> Box<dyn Integrator> { Box::new(options.read::<T>()) };
+        Entry { name, about, simulates, when_missing: (Effects::NONE, ""), new, schema: || schemars::schema_for!(T) }
+    }
+
+    /// The entry with a description of what a picture looks like where some effects are missing.
+    pub const fn when_missing(self, effects: Effects, looks: &'static str) -> Entry {
+        Entry { when_missing: (effects, looks), ..self }
+    }
+
+    /// The effects of a scene that the integrator does not simulate, in words; `None` if there are none.
+    pub fn lacks(&self, effects: Effects) -> Option<String> {
+        let (lacks, (described, looks)) = (effects - self.simulates, self.when_missing);
+        let looks = if lacks.iter().any(|effect| described.contains(effect)) { format!(" ({looks})") } else { String::new() };
+        (!lacks.is_empty()).then(|| format!("{lacks}{looks}"))
     }
 }
 

@@ -86,7 +86,8 @@
 //! # Where to go on
 //!
 //! - **An integrator of one's own**: [`integrator`] has the two traits. `examples/plug_in.rs` is a complete program: an
-//!   integrator with settings, schema and the whole command line of pt, by `cli::main_with`.
+//!   integrator with settings, schema and the whole command line of pt, by `cli::main_with`. `examples/splats.rs` is one whose paths
+//!   start at the lights and bring light to any pixel.
 //! - **A scattering model of one's own**: [`proof`] puts it to the laws that scattering obeys; `examples/prove_my_bsdf.rs`.
 //! - **A larger scene in Rust**: `examples/build_scene.rs`.
 //! - **Accuracy**: [`measure`] has error measures, tests of agreement, and renders that end when an error is reached.

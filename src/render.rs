@@ -1,6 +1,7 @@
 //! Render loop: waves of samples over tiles of pixels, in parallel.
 
 mod aovs;
+mod light_paths;
 mod pixel;
 
 use std::sync::Arc;
@@ -10,13 +11,14 @@ use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
 use crate::effects::Effects;
-use crate::film::{Crop, Film, FilmSpec, Layer, PixelLayout, PixelSums, Wave};
-use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt};
+use crate::film::{Crop, Film, FilmSpec, Layer, PixelLayout, PixelSums, Splat, SplatSums, Wave};
+use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt, LightPath};
 use crate::math::{ExactSum, Spectrum};
 use crate::recorder::{Clamp, PathRecorder};
 use crate::sampler::{SampleNumbers, SamplerSpec, Sequence, dimension};
 use crate::scene::Scene;
 use aovs::Taken;
+use light_paths::LightPaths;
 use pixel::PixelAccumulator;
 
 /// Settings of the sampling of a picture.
@@ -131,6 +133,8 @@ pub struct Render {
     sampler: SamplerSpec,
     /// Sequences of the sampler. Sample i of a pixel is sample i div K of sequence i mod K.
     sequences: Vec<Sequence>,
+    /// Paths from the lights, if the integrator follows any.
+    light_paths: Option<LightPaths>,
     has_lens: bool,
     tiles: Vec<Crop>,
     /// Index of the next sample.
@@ -146,6 +150,8 @@ struct TileResult {
     sums: PixelSums,
     /// Number of camera samples of all pixels.
     samples: u64,
+    /// Light that arrived anywhere on the film, in the order of the samples.
+    splats: Vec<Splat>,
     invalid: Vec<SampleId>,
     clamped: ExactSum,
 }
@@ -155,13 +161,19 @@ impl Render {
     pub fn new(scene: Arc<dyn Scene>, integrator: &dyn Integrator, spec: &FilmSpec, settings: &Settings) -> Render {
         let estimator = integrator.prepare(scene.clone(), spec);
         let has_lens = scene.effects().contains(Effects::THIN_LENS);
-        let tiles = tiles(spec.crop, settings.tile);
+        debug_assert!(spec.allocation.is_even() || !integrator.splats(), "splats need the same number of samples for all pixels");
+        let light_paths = integrator.splats().then(|| LightPaths::new(spec, &settings.sampler));
+        let tiles = match &light_paths {
+            None => tiles(spec.crop, settings.tile),
+            Some(paths) => paths.strips(settings.tile.saturating_mul(settings.tile)),
+        };
         Render {
             scene,
             estimator,
             spec: spec.clone(),
             sampler: settings.sampler,
             sequences: settings.sampler.sequences(),
+            light_paths,
             has_lens,
             tiles,
             next: 0,
@@ -186,10 +198,43 @@ impl Render {
     ///
     /// - `recorder`: receives the events of the paths
     pub fn replay(&self, id: SampleId, recorder: Option<&mut dyn PathRecorder>) -> Spectrum {
+        self.replay_with_splats(id, recorder).0
+    }
+
+    /// Computes one sample as [`Render::replay`] does, and the light that its path from a light brings to the pixels of the crop.
+    pub fn replay_with_splats(&self, id: SampleId, recorder: Option<&mut dyn PathRecorder>) -> (Spectrum, Vec<Splat>) {
+        let mut splats = vec![];
+        let (value, is_valid) = self.single(id, shortened(recorder), Interrupt::NEVER, &mut splats);
+        (if is_valid { value } else { Spectrum::gray(f32::NAN) }, splats)
+    }
+
+    /// Computes one sample apart from the others. Returns its value, and whether its splats are valid, which are added to `splats`.
+    fn single(
+        &self,
+        id: SampleId,
+        recorder: Option<&mut dyn PathRecorder>,
+        interrupt: Interrupt,
+        splats: &mut Vec<Splat>,
+    ) -> (Spectrum, bool) {
         let pixel = UVec2::from(id.pixel);
         let (_, mut numbers) = self.numbers(pixel, id.index);
         let camera = self.camera_sample(pixel, &mut numbers);
-        self.sample(&camera, numbers, recorder, Interrupt::NEVER, &mut ExactSum::default())
+        let mut is_valid = true;
+        let light_path = self.light_path(pixel, id.index, splats, &mut is_valid);
+        let mut cx = Context { numbers, recorder: shortened(recorder), interrupt, light_path };
+        (self.sample(&camera, &mut cx, &mut ExactSum::default()), is_valid)
+    }
+
+    /// Whether paths from the lights bring light to other pixels than that of the sample.
+    pub fn splats(&self) -> bool {
+        self.light_paths.is_some()
+    }
+
+    /// What the path from a light needs that belongs to a sample, if there is one.
+    #[inline(always)]
+    fn light_path<'a>(&'a self, pixel: UVec2, index: u64, splats: &'a mut Vec<Splat>, is_valid: &'a mut bool) -> Option<LightPath<'a>> {
+        let numbers = self.light_paths.as_ref()?.numbers(pixel, index);
+        Some(LightPath::new(numbers, &self.spec, self.scene.camera(), splats, is_valid))
     }
 
     /// Settings of the sampler.
@@ -234,6 +279,10 @@ impl Render {
     /// Binary logarithm of the greatest length of the next wave. It does not change the picture, because sums of any split join to the
     /// same bits.
     fn max_wave_level(&self) -> u32 {
+        // Splats are added sample by sample.
+        if self.splats() {
+            return 0;
+        }
         let most = MAX_WAVE_LEVEL.saturating_sub(self.spec.allocation.mean().log2() as u32);
         let RenderReport { samples, elapsed, .. } = self.report;
         let Some(time) = self.wave_time.filter(|_| samples > 0) else { return most };
@@ -255,18 +304,31 @@ impl Render {
             observer.tile_done(result.as_ref().map_or(0, |result| result.samples));
             result
         };
-        let Some(results) = self.tiles.par_iter().map(tile).collect::<Option<Vec<TileResult>>>() else {
-            self.report.cancelled = true;
-            return;
-        };
+        let mut splats = self.splats().then(|| SplatSums::new(&self.spec));
+        let batch = if self.splats() { LightPaths::batch(&self.tiles) } else { self.tiles.len() };
+        let mut results: Vec<TileResult> = Vec::with_capacity(self.tiles.len());
+        for batch in self.tiles.chunks(batch) {
+            let Some(mut done) = batch.par_iter().map(tile).collect::<Option<Vec<TileResult>>>() else {
+                self.report.cancelled = true;
+                return;
+            };
+            if let Some(splats) = &mut splats {
+                splats.add(&done.iter().map(|result| &result.splats[..]).collect::<Vec<_>>());
+                done.iter_mut().for_each(|result| result.splats = vec![]);
+            }
+            results.append(&mut done);
+        }
         for result in &results {
             self.report.invalid += result.invalid.len() as u64;
             let room = KEPT_INVALID - self.report.first_invalid.len();
             self.report.first_invalid.extend(result.invalid.iter().take(room));
             self.report.clamped = self.report.clamped.join(&result.clamped);
         }
-        let sums = self.assemble(&results);
+        let mut sums = self.assemble(&results);
         drop(results);
+        if let Some(splats) = splats {
+            sums.add_to_sample((wave.first % self.sequences.len() as u64) as usize, splats.numbers());
+        }
         film.add(wave, sums);
         self.next += wave.samples();
         self.report.samples += wave.samples();
@@ -276,12 +338,27 @@ impl Render {
     /// Renders the samples of a wave in a tile; `None` if the render was cancelled meanwhile.
     fn tile(&self, tile: Crop, wave: Wave, observer: &dyn Observer) -> Option<TileResult> {
         let mut accumulator = PixelAccumulator::new(&self.spec, self.sequences.len());
-        let sums = PixelSums::with_capacity(self.layout(), tile.pixel_count() as usize);
-        let mut result = TileResult { sums, samples: 0, invalid: vec![], clamped: ExactSum::default() };
+        let shown = tile.intersection(self.spec.crop);
+        let sums = PixelSums::with_capacity(self.layout(), shown.pixel_count() as usize);
+        let mut result = TileResult { sums, samples: 0, splats: vec![], invalid: vec![], clamped: ExactSum::default() };
         let is_timed = self.spec.layers.contains(&Layer::Time);
         let is_cancelled = || observer.cancelled();
         let interrupt = Interrupt::new(&is_cancelled);
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
+            // Outside of the crop only the paths from the lights count.
+            if self.splats() && !shown.contains(UVec2::new(x, y)) {
+                for index in wave.range() {
+                    if is_cancelled() {
+                        return None;
+                    }
+                    let id = SampleId { pixel: (x, y), index };
+                    let (_, is_valid) = self.single(id, None, interrupt, &mut result.splats);
+                    if !is_valid {
+                        result.invalid.push(id);
+                    }
+                }
+                continue;
+            }
             let wave = wave.scaled(self.spec.allocation.level(self.spec.crop.index(UVec2::new(x, y))));
             let pixel = UVec2::new(x, y);
             accumulator.clear();
@@ -295,10 +372,13 @@ impl Render {
                 if let Some(aovs) = &accumulator.aovs {
                     camera = aovs.traced(camera, &*self.scene);
                 }
-                let value = self.sample(&camera, numbers, accumulator.recorder(), interrupt, &mut result.clamped);
+                let mut light_is_valid = true;
+                let light_path = self.light_path(pixel, index, &mut result.splats, &mut light_is_valid);
+                let mut cx = Context { numbers, recorder: shortened(accumulator.recorder()), interrupt, light_path };
+                let value = self.sample(&camera, &mut cx, &mut result.clamped);
                 let seconds = start.map_or(0.0, |start| start.elapsed().as_secs_f64());
                 let is_valid = accumulator.add(r, value);
-                if !is_valid {
+                if !is_valid || !light_is_valid {
                     result.invalid.push(SampleId { pixel: (x, y), index });
                 }
                 if let Some(aovs) = &mut accumulator.aovs {
@@ -323,22 +403,14 @@ impl Render {
     /// Radiance of a sample times its filter weight; not finite if the estimate is invalid.
     ///
     /// - `clamped`: sum to which the radiance removed by clamping is added
-    fn sample(
-        &self,
-        camera: &CameraSample,
-        numbers: SampleNumbers,
-        recorder: Option<&mut dyn PathRecorder>,
-        interrupt: Interrupt,
-        clamped: &mut ExactSum,
-    ) -> Spectrum {
-        // Shortens the lifetime of the trait object to that of the numbers.
-        let recorder = recorder.map(|recorder| recorder as &mut dyn PathRecorder);
+    fn sample(&self, camera: &CameraSample, cx: &mut Context, clamped: &mut ExactSum) -> Spectrum {
         let filtered = |radiance: Spectrum| if radiance.is_valid() { radiance * camera.weight } else { Spectrum::gray(f32::NAN) };
         let Some(limit) = self.clamp else {
-            return filtered(self.estimator.li(camera, &mut Context { numbers, recorder, interrupt }));
+            return filtered(self.estimator.li(camera, cx));
         };
-        let mut clamp = Clamp::new(limit, recorder);
-        let value = filtered(self.estimator.li(camera, &mut Context { numbers, recorder: Some(&mut clamp), interrupt }));
+        let mut clamp = Clamp::new(limit, shortened(cx.recorder.take()));
+        let (recorder, light_path) = (Some(&mut clamp as &mut dyn PathRecorder), cx.light_path.take());
+        let value = filtered(self.estimator.li(camera, &mut Context { recorder, light_path, ..*cx }));
         let unclamped = filtered(clamp.unclamped());
         if clamp.acted() && value.is_finite() && unclamped.is_finite() {
             unclamped.to_rgb().into_iter().for_each(|x| clamped.add(x));
@@ -364,6 +436,7 @@ impl Render {
         let crop = self.spec.crop;
         let mut sums = PixelSums::black(self.layout(), crop.pixel_count() as usize);
         for (tile, result) in self.tiles.iter().zip(results) {
+            let tile = tile.intersection(crop);
             let width = tile.size().x as usize;
             for row in 0..tile.size().y as usize {
                 let start = crop.index(tile.min + UVec2::Y * row as u32);
@@ -372,6 +445,11 @@ impl Render {
         }
         sums
     }
+}
+
+/// Shortens the lifetime of the trait object to that of the reference.
+fn shortened<'a, 'b: 'a>(recorder: Option<&'a mut (dyn PathRecorder + 'b)>) -> Option<&'a mut (dyn PathRecorder + 'a)> {
+    recorder.map(|recorder| recorder as &mut dyn PathRecorder)
 }
 
 /// Tiles of at most `edge` × `edge` pixels.

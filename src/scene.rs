@@ -21,6 +21,12 @@ pub trait Scene: Send + Sync {
     /// Surface at the point that `ray` hit.
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_>;
 
+    /// Surface at the point that `ray` hit, as a path from the camera finds it that arrives from the direction `wo`.
+    ///
+    /// Shading normals that face away from the viewer are bent towards it, so that a surface depends on the direction it is seen from.
+    /// Paths from the lights need this to scatter light as paths from the camera do. Absorption is that along `ray`.
+    fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_>;
+
     /// Lights of the scene.
     fn lights(&self) -> &Lights;
 
@@ -32,6 +38,15 @@ pub trait Scene: Send + Sync {
 
     /// Origin that was subtracted from the user's coordinates, chosen so that f32 is most precise where the scene has detail (m).
     fn origin(&self) -> DVec3;
+}
+
+impl dyn Scene + '_ {
+    /// Share of the light that passes from one end of the ray to the other; `None` if none does. As long as scenes contain nothing but
+    /// surfaces, all of it passes or none.
+    #[inline(always)]
+    pub fn transmittance(&self, ray: &Ray) -> Option<Spectrum> {
+        (!self.occluded(ray)).then_some(Spectrum::ONE)
+    }
 }
 
 /// Point on a surface with its BSDF and emission.
@@ -123,7 +138,13 @@ impl<'a> Surface<'a> {
         if ratio.is_finite() { ratio } else { 0.0 }
     }
 
-    /// Density with which [`Surface::sample`] returns `wi`.
+    /// Whether the geometric normal and the shading normal agree on reflection or transmission from `wo` to `wi`. If not, nothing is
+    /// scattered, and [`Surface::sample`] does not return `wi`.
+    pub fn scatters_between(&self, wo: Vec3, wi: Vec3) -> bool {
+        self.normals_agree(wo, self.frame.to_local(wo), wi, self.frame.to_local(wi))
+    }
+
+    /// Density with which [`Surface::sample`] returns `wi`, if it does.
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> SolidAnglePdf {
         self.bsdf.pdf(self.frame.to_local(wo), self.frame.to_local(wi))
     }
@@ -188,7 +209,8 @@ impl<'a> Surface<'a> {
     }
 
     /// Shadow ray to `target` in the direction `wi`.
-    #[inline]
+    // Always inlined: otherwise the compiler would keep it out of line in `integrator::sample_light`, too.
+    #[inline(always)]
     pub fn shadow_ray(&self, wi: Vec3, target: &ShadowTarget, time: f32) -> Ray {
         let [from, origin] = self.ray_start(wi);
         let end = match target {

@@ -4,7 +4,7 @@ mod origin;
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::accel;
 use crate::bsdf::{Bsdf, HitContext, Material, Passage, SurfaceMaterial};
@@ -183,7 +183,8 @@ impl WorldBuilder {
 
         let prepared = appearances.iter().flat_map(|d| &d.parts).map(|part| materials[part.material.0 as usize].surface.effects());
         let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
-        let effects = prepared.chain(normals).fold(lights.effects() | self.camera.effects(), Effects::union);
+        let smooth = shapes.iter().filter(|s| s.has_shadow_terminator_offset()).map(|_| Effects::SMOOTH_SHADOWS);
+        let effects = prepared.chain(normals).chain(smooth).fold(lights.effects() | self.camera.effects(), Effects::union);
         let camera = self.camera.recentred(origin);
         let has_holes = effects.contains(Effects::CUT_OUTS);
         Ok(World { shapes, appearances, materials, has_holes, hierarchy, lights, camera, effects, origin })
@@ -208,6 +209,27 @@ impl World {
     #[inline]
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.shapes[hit.shape as usize].point(hit.primitive, ray, &ShapeHit { t: hit.t, uv: hit.uv })
+    }
+
+    /// Surface at a point.
+    ///
+    /// - `ray`: ray that hit the point, along which light is absorbed
+    /// - `view`: ray from the viewer, towards which shading normals are bent
+    #[inline(always)]
+    fn surface_at(&self, point: SurfacePoint, ray: &Ray, view: &Ray, hit: &Hit) -> Surface<'_> {
+        let part = self.part_appearance(hit);
+        let (appearance, prepared) = (&self.appearances[hit.shape as usize], &self.materials[part.material.0 as usize]);
+        let emission = part.emitter.as_ref().map(|e| (e.at(&point), appearance.first_light + hit.primitive));
+        if let (Some(bsdf), false) = (prepared.uniform, appearance.has_shadow_terminator_offset) {
+            return Surface::new(point, bsdf, emission);
+        }
+        // A ray that hits a surface from inside has been inside since its last hit. This is exact for a body without others in it.
+        let inside = if ray.direction.dot(point.ng) > 0.0 { ray.length(hit.t, point.ng) } else { 0.0 };
+        let bsdf = prepared.surface.material.bsdf_at(&HitContext { point, inside });
+        if appearance.has_shadow_terminator_offset || prepared.needs_tangents {
+            return self.with_shading_frame(Surface::new(point, bsdf, emission), view, hit);
+        }
+        Surface::new(point, bsdf, emission)
     }
 
     /// Appearance of the part that was hit.
@@ -290,19 +312,14 @@ impl Scene for World {
     }
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
-        let (point, part) = (self.point(ray, hit), self.part_appearance(hit));
-        let (appearance, prepared) = (&self.appearances[hit.shape as usize], &self.materials[part.material.0 as usize]);
-        let emission = part.emitter.as_ref().map(|e| (e.at(&point), appearance.first_light + hit.primitive));
-        if let (Some(bsdf), false) = (prepared.uniform, appearance.has_shadow_terminator_offset) {
-            return Surface::new(point, bsdf, emission);
-        }
-        // A ray that hits a surface from inside has been inside since its last hit. This is exact for a body without others in it.
-        let inside = if ray.direction.dot(point.ng) > 0.0 { ray.length(hit.t, point.ng) } else { 0.0 };
-        let bsdf = prepared.surface.material.bsdf_at(&HitContext { point, inside });
-        if appearance.has_shadow_terminator_offset || prepared.needs_tangents {
-            return self.with_shading_frame(Surface::new(point, bsdf, emission), ray, hit);
-        }
-        Surface::new(point, bsdf, emission)
+        self.surface_at(self.point(ray, hit), ray, ray, hit)
+    }
+
+    fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {
+        let point = self.point(ray, hit);
+        let view = Ray { origin: point.p + wo * hit.t, from: point.p + wo * hit.t, direction: -wo, ..*ray };
+        let ns = self.point(&view, hit).ns;
+        self.surface_at(SurfacePoint { ns, ..point }, ray, &view, hit)
     }
 
     fn lights(&self) -> &Lights {

@@ -2,7 +2,7 @@
 //!
 //! A render allocates memory while it is prepared, and a few times for each wave and tile (the tile's result and sums, and its sampler).
 //! Twice the samples make one wave more, of twice the length. So each doubling of the samples adds only the allocations of one wave: at
-//! most nine for each tile and eight for the film. The length of paths does not matter.
+//! most nine for each tile and eight for the film (twelve with the sums of splats). The length of paths does not matter.
 #![allow(unsafe_code, reason = "an allocator is an unsafe trait; every call is the system allocator's own")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -87,11 +87,14 @@ fn allocations(integrator: &dyn Integrator, kind: Kind, spp: u64) -> u64 {
 fn samples_allocate_nothing() {
     for (entry, (kind, ..)) in pt::integrators::ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
         let (_, integrator) = choose(&[&[*entry]], None, Some(entry.name), "").expect("defaults are valid");
-        let counts = [1, 2, 4, 8, 16, 32].map(|spp| allocations(&*integrator, *kind, spp));
-        for (few, many) in counts.iter().zip(&counts[1..]) {
+        let spp = [1, 2, 4, 8, 16, 32];
+        let counts = spp.map(|spp| allocations(&*integrator, *kind, spp));
+        for ((few, many), before) in counts.iter().zip(&counts[1..]).zip(spp) {
+            // Where paths bring light to all pixels, each sample of all pixels is a wave.
+            let (waves, film) = if integrator.splats() { (before, 12) } else { (1, 8) };
             // The allocations of one more wave: for each tile a sampler and a tree for each of two sequences, and the lists of samplers,
             // trees, third powers, moments and sums; sometimes also a block of the thread pool's queue.
-            assert!(many - few <= 9 * TILES + 8 + 2, "{} {kind:?}: {counts:?}", entry.name);
+            assert!(many - few <= waves * (9 * TILES + film + 2), "{} {kind:?}: {counts:?}", entry.name);
         }
     }
     let [shallow, deep] = [2, 16].map(|max_depth| allocations(&Nee { max_depth, ..Nee::default() }, Kind::Independent, 8));

@@ -24,6 +24,7 @@ picture statue            statue          --size 270x360 --spp 256
 picture pawns             pawns           --size 280x210 --spp 256
 picture triangle-stacks   triangle-stacks --size 240x320 --spp 256
 picture caustic           caustic         --size 280x210 --spp 256
+picture caustic-light     caustic         --size 280x210 --spp 1024 --integrator light
 picture glass-panel       glass-panel     --size 320x320 --spp 1024
 # The story of docs/glass-panel.md: without the mistake, and with it.
 picture panel             glass-panel     --size 200x200 --spp 256

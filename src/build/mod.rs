@@ -203,7 +203,10 @@ impl Builder<'_> {
                 if effects.contains(Effects::SHADING_NORMALS) {
                     self.note_no_relief(pointer, &data);
                 }
-                effects |= if data.normals.is_empty() { Effects::NONE } else { Effects::SHADING_NORMALS };
+                if !data.normals.is_empty() {
+                    effects |= Effects::SHADING_NORMALS;
+                    effects |= if s.smooth_shadows { Effects::SMOOTH_SHADOWS } else { Effects::NONE };
+                }
                 let mesh = TriangleMesh { smooth_shadows: s.smooth_shadows, ..TriangleMesh::new(data) };
                 self.place(mesh, *to_world, parts, emitter);
             }

@@ -9,6 +9,7 @@ pub mod orthographic;
 pub mod perspective;
 pub mod spherical;
 
+use arrayvec::ArrayVec;
 use glam::{DMat3, DMat4, DVec3, DVec4, Vec2, Vec3};
 
 use crate::effects::Effects;
@@ -73,6 +74,17 @@ impl Camera {
             Camera::Orthographic(camera) => camera.ray(film, aspect),
             Camera::Spherical(camera) => camera.ray(film),
         }
+    }
+
+    /// Positions on the plane of the film, at its edges also outside of it, whose rays are those of `film`.
+    ///
+    /// - `film`: position in [0, 1)² for panoramas, anywhere for other cameras
+    pub fn same_film_positions(&self, film: Vec2) -> impl Iterator<Item = Vec2> {
+        let others = match self {
+            Camera::Spherical(_) => spherical::other_film_positions(film),
+            _ => ArrayVec::new(),
+        };
+        std::iter::once(film).chain(others)
     }
 
     /// Effects that simulating the camera requires.

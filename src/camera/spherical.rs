@@ -2,6 +2,7 @@
 
 use std::f32::consts::{PI, TAU};
 
+use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
 use super::{CameraConnection, Pose};
@@ -32,4 +33,13 @@ impl Spherical {
         let connection = CameraConnection { wi: line / d2.sqrt(), film, weight, end: self.pose.eye() };
         weight.is_finite().then_some(connection)
     }
+}
+
+/// Positions next to the film that show the same direction: the panorama goes on beyond its left and right edges, and beyond the poles
+/// half a turn farther round and upside down.
+pub(super) fn other_film_positions(Vec2 { x, y }: Vec2) -> ArrayVec<Vec2, 8> {
+    let round = if x < 0.5 { x + 1.0 } else { x - 1.0 };
+    let half_round = [x + 0.5, x - 0.5].into_iter().filter(|x| (-0.5..1.5).contains(x));
+    let beyond_pole = if y < 0.5 { -y } else { 2.0 - y };
+    half_round.map(|x| Vec2::new(x, beyond_pole)).chain([Vec2::new(round, y)]).collect()
 }

@@ -119,14 +119,13 @@ fn configs(args: &CompareArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<V
         for kind in &samplers {
             let sampler_name = Kind::ALL.iter().find(|row| row.0 == *kind).map_or("", |row| row.1);
             let name = if samplers.len() > 1 { format!("{} · {sampler_name}", entry.name) } else { entry.name.to_owned() };
-            let lacks = effects - entry.simulates;
             all.push(MethodConfig {
                 name,
                 integrator_name: entry.name.into(),
                 sampler_name: sampler_name.into(),
                 integrator: integrator.clone(),
                 sampler: SamplerSpec { kind: *kind, ..loaded.built.sampler },
-                lacks: if lacks.is_empty() { String::new() } else { lacks.to_string() },
+                lacks: entry.lacks(effects).unwrap_or_default(),
             });
         }
     }

@@ -6,13 +6,15 @@ use std::sync::Arc;
 use super::memory;
 use super::messages::Loading;
 use crate::build::{Built, Source};
-use crate::describe::{self, Files, Identity, Shape};
+
+use crate::describe::{self, Files, Identity, Scramblings, Shape};
 use crate::error::text::one_line;
 use crate::error::{Error, Fault, MAX_FAULTS, Result};
 use crate::import::{AutoCamera, Up, Viewpoint};
 use crate::import::{Imported, import_with};
 use crate::integrator::{self, Entry, Integrator};
 use crate::reader::Node;
+use crate::sampler::SamplerSpec;
 use crate::world::World;
 use std::path::PathBuf;
 
@@ -107,6 +109,16 @@ impl Loaded {
         Ok((entry, integrator.into()))
     }
 
+    /// Sampler of the scene for another integrator: the two differ by the default number of scramblings.
+    pub fn sampler_for(&self, integrator: &dyn Integrator) -> SamplerSpec {
+        let sampler = self.built.sampler;
+        if states_scramblings(&self.root) || integrator.splats() == self.integrator.splats() {
+            return sampler;
+        }
+        let scramblings = if integrator.splats() { Scramblings::SPLATTING } else { describe::Sampler::default().scramblings };
+        SamplerSpec { scramblings: scramblings.get(), ..sampler }
+    }
+
     /// Scene with the shadows of its facets, and the number of meshes that differ; `None` if there are none.
     pub fn without_smooth_shadows(&self) -> Result<Option<(World, usize)>> {
         let mut description = self.description.clone();
@@ -133,7 +145,10 @@ pub fn load(scene: &SceneArgs, more: &[Override], integrator: Option<&str>, tabl
     let _loading = Loading::start(&describe::name(scene.path()?));
     let Imported { root, file, files, notes, .. } = imported(scene, more)?;
     let chosen = integrator::choose(tables, root.child("integrator"), integrator, &file);
-    let (description, (entry, integrator)) = both_or_all_faults(describe::read_with(&root, &file, &files), chosen)?;
+    let (mut description, (entry, integrator)) = both_or_all_faults(describe::read_with(&root, &file, &files), chosen)?;
+    if integrator.splats() && !states_scramblings(&root) {
+        description.sampler.scramblings = Scramblings::SPLATTING;
+    }
     memory::check(&description, &root, &file)?;
     let mut built = crate::build::build(&description, Source { root: &root, file: &file, files: &files })?;
     built.warnings.splice(..0, notes.iter().map(Fault::to_string));
@@ -141,6 +156,11 @@ pub fn load(scene: &SceneArgs, more: &[Override], integrator: Option<&str>, tabl
     built.warnings.iter_mut().for_each(|warning| *warning = one_line(warning).into_owned());
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
     Ok(Loaded { built, entry, integrator: integrator.into(), description, stem, root, file, files })
+}
+
+/// Whether the scene or a flag gives the number of scramblings.
+fn states_scramblings(root: &Node) -> bool {
+    root.child("sampler").is_some_and(|sampler| sampler.child("scramblings").is_some())
 }
 
 /// Returns both results, or the faults of both in file order.

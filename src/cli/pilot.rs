@@ -10,22 +10,33 @@ use crate::integrator::{Entry, Integrator};
 use crate::measure::format;
 use crate::measure::{ErrorHistory, ErrorObserver, StopCondition, render_until};
 use crate::render::{Render, Settings};
+use crate::sampler::SamplerSpec;
 use crate::scene::Scene;
+
+/// Integrator of the list.
+pub struct PricedIntegrator {
+    /// Table row of the integrator.
+    pub entry: Entry,
+    /// The integrator.
+    pub integrator: Arc<dyn Integrator>,
+    /// Sampler with which it would render.
+    pub sampler: SamplerSpec,
+}
 
 /// Renders for a time with each integrator, discards the pictures, and returns the list.
 pub fn price_list(
     scene: &Arc<dyn Scene>,
     spec: &FilmSpec,
     settings: &Settings,
-    who: &[(Entry, Arc<dyn Integrator>)],
+    who: &[PricedIntegrator],
     time: Duration,
     confidence: f64,
     observer: &dyn ErrorObserver,
 ) -> String {
     let spec = &spec.clone().without_layers();
-    let rows = who.iter().map(|(entry, integrator)| {
+    let rows = who.iter().map(|PricedIntegrator { entry, integrator, sampler }| {
         let mut film = MomentFilm::new(spec.clone());
-        let mut render = Render::new(scene.clone(), &**integrator, spec, settings);
+        let mut render = Render::new(scene.clone(), &**integrator, spec, &Settings { sampler: *sampler, ..settings.clone() });
         let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None };
         (entry.name, render_until(&mut render, &mut film, &until, observer))
     });
@@ -60,9 +71,14 @@ pub fn print(rows: &[(&str, ErrorHistory)], confidence: f64) -> String {
 }
 
 /// Integrators of these names, or the one that renders.
-pub fn selected_integrators(loaded: &Loaded, names: &[String], tables: &[&[Entry]]) -> Result<Vec<(Entry, Arc<dyn Integrator>)>> {
+pub fn selected_integrators(loaded: &Loaded, names: &[String], tables: &[&[Entry]]) -> Result<Vec<PricedIntegrator>> {
+    let priced = |(entry, integrator): (Entry, Arc<dyn Integrator>)| PricedIntegrator {
+        sampler: loaded.sampler_for(&*integrator),
+        entry,
+        integrator,
+    };
     if names.is_empty() {
-        return Ok(vec![(loaded.entry, loaded.integrator.clone())]);
+        return Ok(vec![priced((loaded.entry, loaded.integrator.clone()))]);
     }
-    names.iter().map(|name| loaded.choose(tables, name)).collect()
+    names.iter().map(|name| loaded.choose(tables, name).map(priced)).collect()
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use serde_json::json;
 
 use crate::camera::Camera;
@@ -66,6 +66,10 @@ impl Scene for RayCounter {
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.scene.surface(ray, hit)
+    }
+
+    fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {
+        self.scene.surface_seen_from(ray, hit, wo)
     }
 
     fn lights(&self) -> &Lights {

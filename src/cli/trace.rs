@@ -9,8 +9,9 @@ use serde_json::{Value, json};
 use super::stats::TextOrJson;
 use crate::bsdf::Lobe;
 use crate::describe::Names;
+use crate::film::Splat;
 use crate::integrator::CameraSample;
-use crate::light::Lights;
+use crate::light::{EmittedRay, Lights};
 use crate::math::{Density, Spectrum};
 use crate::recorder::{Contribution, End, Event, Scattering, Technique, Vertex};
 use crate::render::SampleId;
@@ -81,6 +82,8 @@ impl Trace<'_> {
                 }
                 Event::Light(contribution) => writeln!(text, "{indent}     + {}", self.contribution(contribution, ns)),
                 Event::Scattering(scattering) => writeln!(text, "{indent}     {}", scattered(scattering)),
+                Event::Emission(emitted) => writeln!(text, "{}", self.emitted(emitted)),
+                Event::Splat(splat) => writeln!(text, "{indent}     + {}", splatted(splat)),
                 Event::End { why, .. } => writeln!(text, "{indent}     end: {}", ended(*why)),
             };
         }
@@ -106,6 +109,13 @@ impl Trace<'_> {
         let triangle = if hit.primitive > 0 { format!(" #{}", hit.primitive) } else { String::new() };
         let (at, cos, distance) = (point(self.place(*p)), short(ns.dot(*wo)), short(*distance));
         format!("{depth:<4} {shape}{triangle}, {material}, at {at} after {distance} m, cos {cos}, throughput {}", color(*beta))
+    }
+
+    /// Text of the start of a path at a light.
+    fn emitted(&self, emitted: &EmittedRay) -> String {
+        let (name, ray) = (self.names.light(self.lights, emitted.light), emitted.ray);
+        let (from, towards) = (point(self.place(ray.origin)), direction(ray.direction));
+        format!("light path of {name}, from {from} towards {towards}, flux {} W", color(emitted.flux()))
     }
 
     /// Text of a contribution.
@@ -155,6 +165,14 @@ impl Trace<'_> {
                 "event": "scattering", "depth": s.depth, "wi": s.wi.to_array(), "cos": s.cos, "lobe": lobe(s.lobe),
                 "density": number(s.density), "value": s.value.to_rgb(), "weight": s.weight.to_rgb(), "survival": s.survival,
             }),
+            Event::Emission(e) => json!({
+                "event": "emission", "light": self.names.light(self.lights, e.light), "from": self.place(e.ray.origin),
+                "towards": e.ray.direction.to_array(), "flux": e.flux().to_rgb(),
+            }),
+            Event::Splat(s) => json!({
+                "event": "splat", "depth": s.depth, "raster": s.raster.to_array(), "value": s.value.to_rgb(),
+                "light": self.names.light(self.lights, s.light),
+            }),
             Event::End { depth, why } => json!({ "event": "end", "depth": depth, "why": reason(*why) }),
         }
     }
@@ -184,7 +202,8 @@ impl Branches {
                 self.at = None;
             }
             Event::Scattering(s) => self.leave(s.depth as usize),
-            Event::Light(_) => {}
+            Event::Emission(_) => *self = Branches::default(),
+            Event::Light(_) | Event::Splat(_) => {}
         }
         self.here
     }
@@ -204,6 +223,12 @@ impl Branches {
             branches.iter_mut().for_each(|place| *place = self.here + 1);
         }
     }
+}
+
+/// Text of light that is brought to the film.
+pub fn splatted(splat: &Splat) -> String {
+    let Splat { raster, value, depth, .. } = splat;
+    format!("{} to the film at {}, {} (depth {depth})", exact(*value), short(raster.x), short(raster.y))
 }
 
 fn scattered(s: &Scattering) -> String {

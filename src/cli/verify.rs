@@ -83,8 +83,7 @@ fn compare_sides(args: &VerifyArgs, loaded: Loaded, tables: &[&[Entry]]) -> Resu
         sides.push(match method {
             Method::Picture(side) => side,
             Method::Integrator(entry, integrator) => {
-                let lacks = effects - entry.simulates;
-                if !lacks.is_empty() {
+                if let Some(lacks) = entry.lacks(effects) {
                     note(&format!("note: {} does not simulate what this scene calls for: {lacks}", entry.name));
                 }
                 // The random numbers differ from those of the other side, and from those of a picture with the scene's own seed:

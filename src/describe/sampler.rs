@@ -7,6 +7,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::format::SamplesPerPixel;
+use crate::sampler::SPLATTING_SCRAMBLINGS;
 
 /// The sampler and the number of samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,7 +22,7 @@ pub struct Sampler {
     pub seed: u64,
     /// The number of independent scramblings that share the samples of a pixel, for `stratified`, `halton` and `sobol`. The variance
     /// between them estimates the error. With 1 the samples are distributed most evenly, but there are no error bars. `independent`
-    /// samples need no scramblings.
+    /// samples need no scramblings. The default for the integrator `light` is 8.
     pub scramblings: Scramblings,
 }
 
@@ -55,6 +56,8 @@ pub struct Scramblings(u32);
 impl Scramblings {
     /// The allowed numbers.
     pub const ALL: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
+    /// Default for integrators that splat.
+    pub const SPLATTING: Scramblings = Scramblings(SPLATTING_SCRAMBLINGS);
 
     /// The number as a primitive type.
     pub fn get(self) -> u32 {

@@ -80,6 +80,27 @@ impl Filter {
         }
     }
 
+    /// Distance from the pixel's centre, along x or y, beyond which the filter is 0 (pixels).
+    pub fn radius(&self) -> f32 {
+        match &self.kind {
+            Kind::Box { radius } | Kind::Tent { radius } => *radius,
+            Kind::Curve(curve) => curve.pieces.last().map_or(0.0, |piece| (piece.start + piece.width) as f32),
+        }
+    }
+
+    /// Value of the filter, whose integral is 1, at an offset from the pixel's centre (pixels): the weight of light that arrives
+    /// there from elsewhere than the pixel's own samples.
+    ///
+    /// Tests: the_filter_is_the_density_of_its_samples.
+    pub fn eval(&self, offset: Vec2) -> f64 {
+        let [x, y] = offset.to_array().map(f64::from);
+        match &self.kind {
+            Kind::Box { radius } => box_value(x, f64::from(*radius)) * box_value(y, f64::from(*radius)),
+            Kind::Tent { radius } => tent_value(x, f64::from(*radius)) * tent_value(y, f64::from(*radius)),
+            Kind::Curve(curve) => curve.value(x) * curve.value(y),
+        }
+    }
+
     /// Samples an offset from the pixel's centre (pixels), and returns it with the weight of a sample there.
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
         match &self.kind {
@@ -98,6 +119,16 @@ fn tent(u: f32) -> f32 {
     if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
 }
 
+/// Density of the samples of a box filter. The upper end belongs to the next pixel.
+fn box_value(x: f64, radius: f64) -> f64 {
+    if x >= -radius && x < radius { 0.5 / radius } else { 0.0 }
+}
+
+/// Density of the samples of a tent filter.
+fn tent_value(x: f64, radius: f64) -> f64 {
+    (1.0 - x.abs() / radius).max(0.0) / radius
+}
+
 /// Number of intervals that approximate a Gaussian. Cubics through four values on each interval have an error of at most 5·10⁻⁸ of
 /// the Gaussian's height, for any σ.
 const GAUSSIAN_PIECES: usize = 128;
@@ -108,6 +139,8 @@ struct Curve {
     pieces: Vec<Piece>,
     /// Ratio ∫|f| / ∫f, exactly 1 if f is nowhere negative.
     weight: f64,
+    /// Integral ∫f over both sides of 0.
+    integral: f64,
 }
 
 /// Approximation of |f| on an interval where f keeps its sign.
@@ -137,7 +170,17 @@ impl Curve {
             piece.shares = [nearer / total, size(piece) / total];
             nearer += size(piece);
         }
-        Curve { pieces, weight: total / signed }
+        Curve { pieces, weight: total / signed, integral: 2.0 * signed }
+    }
+
+    /// Value f(x) / ∫f.
+    fn value(&self, x: f64) -> f64 {
+        let x = x.abs();
+        let k = self.pieces.partition_point(|piece| piece.start <= x).max(1) - 1;
+        let Some(piece) = self.pieces.get(k) else { return 0.0 };
+        let t = (x - piece.start) / piece.width;
+        let [a, b, c, d] = piece.cubic;
+        if (0.0..1.0).contains(&t) { piece.sign * (a + t * (b + t * (c + t * d))) / self.integral } else { 0.0 }
     }
 
     /// Samples a signed distance with density |f|/∫|f| by inversion, and returns it with the weight of a sample there.

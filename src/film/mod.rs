@@ -7,6 +7,7 @@ pub mod layer;
 pub mod memory;
 pub mod moments;
 pub mod pixel_sums;
+pub mod splat;
 
 use std::ops::Range;
 
@@ -20,6 +21,7 @@ pub use image::{Channel, Image};
 pub use layer::{Layer, LightNames};
 pub use moments::{Moments, Tree};
 pub use pixel_sums::{PixelLayout, PixelSums};
+pub use splat::{Splat, SplatSums};
 
 /// Settings of a picture: size, crop, filter and layers.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +94,17 @@ impl Crop {
     /// Number of pixels.
     pub fn pixel_count(&self) -> u64 {
         self.size().x as u64 * self.size().y as u64
+    }
+
+    /// Whether the pixel of the whole picture is in the rectangle.
+    pub fn contains(&self, pixel: UVec2) -> bool {
+        pixel.cmpge(self.min).all() && pixel.cmplt(self.max).all()
+    }
+
+    /// Pixels of both rectangles; no pixels if they are apart.
+    pub fn intersection(&self, other: Crop) -> Crop {
+        let min = self.min.max(other.min);
+        Crop { min, max: self.max.min(other.max).max(min) }
     }
 }
 

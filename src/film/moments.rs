@@ -21,7 +21,11 @@ pub struct Moments {
 impl Moments {
     /// Moments of one sample.
     pub fn of(sample: Spectrum) -> Moments {
-        let x = sample.to_rgb().map(|c| c as f64);
+        Moments::of_rgb(sample.to_rgb().map(f64::from))
+    }
+
+    /// Moments of one sample with these colours.
+    pub fn of_rgb(x: [f64; 3]) -> Moments {
         let y = (x[0] + x[1] + x[2]) / 3.0;
         Moments { sum: x, square: x.map(|c| c * c), gray: [y * y, y * y * y] }
     }
@@ -83,6 +87,8 @@ impl<T> Tree<T> {
     }
 
     /// Adds the next 2^level values as one block. The index of the first of them must be a multiple of 2^level.
+    // Always inlined into the loop over the samples.
+    #[inline(always)]
     pub fn push(&mut self, mut level: u32, mut block: T, join: impl Fn(T, &T) -> T) {
         let first = self.values.end;
         self.values.end += 1 << level;

@@ -140,6 +140,23 @@ impl PixelSums {
         self
     }
 
+    /// Adds light to each pixel, where all pixels hold a single sample, of the sequence `sequence`.
+    ///
+    /// - `light`: for each pixel red, green and blue, then as many numbers as there are layer sums
+    pub(crate) fn add_to_sample(&mut self, sequence: usize, light: &[f64]) {
+        let (colors, layout) = (self.layout.colors(), self.layout);
+        for (pixel, light) in self.sums.chunks_exact_mut(layout.all()).zip(light.chunks_exact(3 + layout.layers)) {
+            let (sums, layers) = pixel.split_at_mut(colors);
+            let sample = Moments::of_rgb(std::array::from_fn(|c| sums[3 * sequence + c] + light[c]));
+            sums[3 * sequence..][..3].copy_from_slice(&sample.sum);
+            if layout.error_estimator == ErrorEstimator::Samples {
+                sums[3..6].copy_from_slice(&sample.square);
+            }
+            sums[colors - GRAY..].copy_from_slice(&sample.gray);
+            layers.iter_mut().zip(&light[3..]).for_each(|(sum, light)| *sum += light);
+        }
+    }
+
     /// Copies the pixels `pixels` of `from` to the pixels from `start` on.
     pub(crate) fn put(&mut self, start: usize, from: &PixelSums, pixels: std::ops::Range<usize>) {
         let width = self.layout.all();

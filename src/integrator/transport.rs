@@ -138,6 +138,9 @@ pub fn sample_light(
     let (choice, u) = numbers.get_3d(dimension::vertex(depth, Use::Light));
     let light = scene.lights().sample(&surface.light_context(time), choice, u)?;
     let f = surface.eval(wo, light.wi, TransportMode::Radiance);
-    let reached = !f.is_black() && !scene.occluded(&surface.shadow_ray(light.wi, &light.target, time));
-    reached.then(|| (f * light.weight(), light))
+    if f.is_black() {
+        return None;
+    }
+    let passed = scene.transmittance(&surface.shadow_ray(light.wi, &light.target, time))?;
+    Some((f * passed * light.weight(), light))
 }

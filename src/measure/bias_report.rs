@@ -3,11 +3,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use glam::UVec2;
 use rayon::prelude::*;
 
 use super::Mean;
-use crate::film::FilmSpec;
+use crate::film::{Crop, FilmSpec};
 use crate::integrator::{Bias, Integrator};
+use crate::math::Spectrum;
 use crate::render::{Render, SampleId, Settings};
 use crate::sampler::{Kind, SamplerSpec, hash};
 use crate::scene::Scene;
@@ -17,7 +19,7 @@ use crate::scene::Scene;
 pub struct BiasEstimate {
     /// Setting that causes the bias, such as `max_depth 7`.
     pub setting: String,
-    /// BiasEstimate share of the light; negative if the bias adds light.
+    /// Share of the light; negative if the bias adds light.
     pub share: f64,
     /// Standard error of the share; 0 if the share was counted, not estimated.
     pub error: f64,
@@ -102,12 +104,25 @@ const OWN_NUMBERS: u32 = u32::MAX;
 
 /// Difference that sample i shows: the mean over the colours. Invalid samples count as 0 here, as the render itself reports them.
 fn difference(with: &Render, without: &Render, spec: &FilmSpec, key: u64, i: u64) -> f64 {
-    let crop = spec.crop;
-    let place = hash::dimension_key(key, i as u32) % crop.pixel_count();
-    let width = u64::from(crop.size().x);
-    let (x, y) = ((place % width) as u32, (place / width) as u32);
-    let id = SampleId { pixel: (crop.min.x + x, crop.min.y + y), index: i };
-    let [with, without] = [with, without].map(|render| render.replay(id, None));
+    // Every pixel of the whole picture has a path from the lights, which may bring light to the crop.
+    let from = if with.splats() { Crop { min: UVec2::ZERO, max: spec.size } } else { spec.crop };
+    let place = hash::dimension_key(key, i as u32) % from.pixel_count();
+    let width = u64::from(from.size().x);
+    let pixel = from.min + UVec2::new((place % width) as u32, (place / width) as u32);
+    let id = SampleId { pixel: pixel.into(), index: i };
+    let share = from.pixel_count() as f64 / spec.crop.pixel_count() as f64;
+    let [with, without] = [with, without].map(|render| contribution(render, spec.crop, id));
     let difference = without - with;
-    if difference.is_finite() { difference.to_rgb().into_iter().map(f64::from).sum::<f64>() / 3.0 } else { 0.0 }
+    if difference.is_finite() { share * difference } else { 0.0 }
+}
+
+/// What a sample adds to the pixels of the crop: the mean over the colours. Splats count where they arrive, without the filter, which
+/// only distributes them.
+fn contribution(render: &Render, crop: Crop, id: SampleId) -> f64 {
+    let mean = |light: Spectrum| light.to_rgb().into_iter().map(f64::from).sum::<f64>() / 3.0;
+    let (own, splats) = render.replay_with_splats(id, None);
+    let own = if crop.contains(id.pixel.into()) { mean(own) } else { 0.0 };
+    let [min, max] = [crop.min, crop.max].map(|corner| corner.as_vec2());
+    let inside = splats.iter().filter(|splat| splat.raster.cmpge(min).all() && splat.raster.cmplt(max).all());
+    own + inside.map(|splat| mean(splat.value)).sum::<f64>()
 }

@@ -11,7 +11,8 @@ mod light_split;
 use glam::Vec3;
 
 use crate::bsdf::{BsdfSample, Lobe, TransportMode};
-use crate::light::LightSample;
+use crate::film::Splat;
+use crate::light::{EmittedRay, LightSample};
 use crate::math::{Density, Ray, Spectrum};
 use crate::primitive::Hit;
 use crate::scene::Surface;
@@ -44,6 +45,10 @@ pub enum Event {
     Light(Contribution),
     /// The path was scattered and goes on.
     Scattering(Scattering),
+    /// A path starts at a light.
+    Emission(EmittedRay),
+    /// Light was added to the film at another place than that of the sample.
+    Splat(Splat),
     /// The path ended.
     End {
         /// Scattering events before the end.

@@ -68,6 +68,10 @@ pub struct SamplerSpec {
     pub scramblings: u32,
 }
 
+/// Default number of scramblings of integrators that splat. A scrambling of theirs gives one observation of each pixel, whatever its
+/// number of samples, and 8 observations give error bars that are right to a quarter.
+pub const SPLATTING_SCRAMBLINGS: u32 = 8;
+
 impl Default for SamplerSpec {
     /// Independent samples with seed 0, and two scramblings: the smallest number that gives an error, with the least loss of evenness.
     fn default() -> SamplerSpec {

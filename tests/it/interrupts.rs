@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use pt::build::Source;
 use pt::camera::Camera;
@@ -41,6 +41,10 @@ impl Scene for Tripwire {
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.scene.surface(ray, hit)
+    }
+
+    fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {
+        self.scene.surface_seen_from(ray, hit, wo)
     }
 
     fn lights(&self) -> &Lights {

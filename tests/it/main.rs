@@ -35,6 +35,7 @@ mod intersection;
 mod lamp_warnings;
 mod light_choice;
 mod light_layers;
+mod light_tracer;
 mod lights;
 mod marked;
 mod matte_models;

@@ -104,6 +104,10 @@ impl Scene for Oracle {
         self.world.surface(ray, hit)
     }
 
+    fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {
+        self.world.surface_seen_from(ray, hit, wo)
+    }
+
     fn lights(&self) -> &Lights {
         self.world.lights()
     }

@@ -88,7 +88,7 @@ fn recorded_light_adds_up_to_the_radiance() {
 fn throughputs_follow_from_the_vertices() {
     let (mut smooth, mut vertices) = (0, 0);
     for_recorded(100, |name, _, _, _, events| {
-        if !name.contains(" path ") && !name.contains(" nee ") {
+        if ![" path ", " nee ", " light "].iter().any(|method| name.contains(method)) {
             return;
         }
         let mut last: Option<(&Vertex, Option<&Scattering>)> = None;
@@ -122,8 +122,13 @@ fn throughputs_follow_from_the_vertices() {
                     }
                     last = Some((vertex, Some(scattering)));
                 }
-                Event::Light(_) | Event::End { .. } => {}
+                // A path from a light starts after the camera's ray.
+                Event::Emission(_) => last = None,
+                Event::Light(_) | Event::Splat(_) | Event::End { .. } => {}
             }
+        }
+        if name.contains(" light ") {
+            return;
         }
         let ends = events.iter().filter(|event| matches!(event, Event::End { .. })).count();
         assert!(ends == 1 && matches!(events.last(), Some(Event::End { .. })), "{name}: {ends} ends");
@@ -148,6 +153,10 @@ fn contributions_have_valid_depths_lights_and_weights() {
                     }
                 }
                 Event::End { depth, why: End::DepthLimit } => assert_eq!(*depth, 64, "{name}"),
+                Event::Emission(emitted) => assert!((emitted.light as usize) < scene.lights().len(), "{name}: {emitted:?}"),
+                Event::Splat(splat) => {
+                    assert!((splat.light as usize) < scene.lights().len() && splat.depth == depth + 1, "{name}: {splat:?}");
+                }
                 Event::Scattering(_) | Event::End { .. } => {}
             }
         }

@@ -66,6 +66,7 @@ fn each_command_has_a_manual_page() {
 fn examples_for_others_need_pt_alone() {
     for (name, text) in [
         ("plug_in.rs", include_str!("../../examples/plug_in.rs")),
+        ("splats.rs", include_str!("../../examples/splats.rs")),
         ("build_scene.rs", include_str!("../../examples/build_scene.rs")),
         ("prove_my_bsdf.rs", include_str!("../../examples/prove_my_bsdf.rs")),
     ] {

@@ -48,7 +48,7 @@ pub fn print_reports(picture: &RenderedPicture, facets: Option<(World, usize)>) 
     let unknown = history.last().and_then(|last| last.error).is_some_and(|error| !error.is_established());
     match plan.reports.outliers {
         Some(count) => print_stdout(&worst_samples(plan, &find_outliers(render, film, count as usize))),
-        None if unknown && !is_quiet() => {
+        None if unknown && !is_quiet() && !render.splats() => {
             picture.noisiest_sample().iter().for_each(|line| note(line));
             Ok(())
         }

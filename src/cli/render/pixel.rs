@@ -6,7 +6,7 @@ use crate::build::Built;
 use crate::cli::load::Loaded;
 use crate::cli::print_stdout;
 use crate::cli::stats::TextOrJson;
-use crate::cli::trace::Trace;
+use crate::cli::trace::{self, Trace};
 use crate::describe::Names;
 use crate::error::{Error, Result};
 use crate::film::{Crop, FilmSpec, MomentFilm};
@@ -39,10 +39,11 @@ pub fn pixel(plan: &PixelPlan, loaded: Loaded) -> Result<()> {
     if let Some(index) = plan.sample {
         let (id, render) = (SampleId { pixel: (x, y), index }, Render::new(scene.clone(), &*loaded.integrator, &film, &settings));
         let mut events: Vec<Event> = vec![];
-        let value = render.replay(id, plan.trace.is_some().then_some(&mut events));
+        let (value, splats) = render.replay_with_splats(id, plan.trace.is_some().then_some(&mut events));
         let Some(form) = plan.trace else {
             let [r, g, b] = value.to_rgb();
-            return print_stdout(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n"));
+            let splats: String = splats.iter().map(|splat| format!("  + {}\n", trace::splatted(splat))).collect();
+            return print_stdout(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n{splats}"));
         };
         let (camera, names, integrator) = (render.camera(id), Names::of(&loaded.description), loaded.entry.name);
         let trace = Trace { integrator, id, camera, value, events: &events, names: &names, lights: scene.lights(), origin };

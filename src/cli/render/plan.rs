@@ -2,19 +2,19 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Duration;
 
 use super::args::{RenderArgs, Shard};
 use crate::cli::load::Loaded;
+use crate::cli::note;
 use crate::cli::outputs::{OutputKinds, check_outputs, is_part};
+use crate::cli::pilot::{PricedIntegrator, selected_integrators};
 use crate::cli::progress::ProgressForm;
 use crate::cli::stats::TextOrJson;
 use crate::cli::tone_mapping::ToneMapping;
-use crate::cli::{note, pilot};
 use crate::error::{Error, Fault, Result};
 use crate::film::MomentFilm;
-use crate::integrator::{Entry, Integrator};
+use crate::integrator::Entry;
 use crate::measure::{ErrorHistory, ErrorTarget, StopCondition};
 use crate::output::Format;
 use crate::output::attributes::of_camera;
@@ -64,7 +64,7 @@ pub struct PriceList {
     /// Render time of each integrator.
     pub time: Duration,
     /// Integrators of the list.
-    pub integrators: Vec<(Entry, Arc<dyn Integrator>)>,
+    pub integrators: Vec<PricedIntegrator>,
 }
 
 /// Reports to print after the render.
@@ -99,6 +99,7 @@ impl RenderPlan {
     /// # Errors
     /// `Usage` for samples that do not exist and for outputs that cannot be written; `Io`.
     pub fn new(args: &RenderArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<RenderPlan> {
+        refuse_for_splats(args, loaded)?;
         let samples = samples(args, &loaded.built.sampler)?;
         let is_part = args.shard.is_some() || args.samples.is_some();
         let outputs = match (&args.output[..], is_part) {
@@ -136,7 +137,7 @@ impl RenderPlan {
         if !built.film.layers.is_empty() && !pictures.iter().any(|path| Format::of(path) == Some(Format::Exr)) {
             note("warning: layers are written to .exr files, and none is asked for");
         }
-        let integrators = pilot::selected_integrators(loaded, &args.integrators, tables)?;
+        let integrators = selected_integrators(loaded, &args.integrators, tables)?;
         Ok(RenderPlan {
             until: until(args, samples.end),
             samples,
@@ -206,6 +207,21 @@ impl RenderPlan {
     /// Files that the run writes.
     pub fn written(&self) -> impl Iterator<Item = &Path> {
         self.pictures.iter().chain(&self.parts).map(PathBuf::as_path)
+    }
+}
+
+/// Refuses options that need the samples of each pixel apart from those of all others.
+///
+/// # Errors
+/// `Usage`.
+fn refuse_for_splats(args: &RenderArgs, loaded: &Loaded) -> Result<()> {
+    let flag = [("--adaptive", args.adaptive), ("--clamp", args.clamp.is_some()), ("--worst", args.worst.is_some())];
+    match flag.into_iter().find(|(_, is_given)| loaded.integrator.splats() && *is_given) {
+        None => Ok(()),
+        Some((flag, _)) => {
+            let name = loaded.entry.name;
+            Err(Error::Usage(format!("{flag}: not with {name}, whose paths bring light to all pixels and not to their own")))
+        }
     }
 }
 

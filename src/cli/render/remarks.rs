@@ -13,9 +13,8 @@ use crate::scene::Scene;
 
 /// Warns about effects that the integrator does not simulate.
 pub fn remark_missing_effects(loaded: &Loaded) {
-    let missing = loaded.built.world.effects() - loaded.entry.simulates;
-    if !missing.is_empty() {
-        note(&format!("note: {} does not simulate what this scene calls for: {missing}", loaded.entry.name));
+    if let Some(lacks) = loaded.entry.lacks(loaded.built.world.effects()) {
+        note(&format!("note: {} does not simulate what this scene calls for: {lacks}", loaded.entry.name));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use pt::camera::Camera;
 use pt::effects::Effects;
 use pt::integrators::ALL;
@@ -29,6 +29,10 @@ impl Scene for Wide {
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.0.surface(ray, hit)
+    }
+
+    fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {
+        self.0.surface_seen_from(ray, hit, wo)
     }
 
     fn lights(&self) -> &Lights {
