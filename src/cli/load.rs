@@ -143,7 +143,7 @@ pub struct Override {
 /// - `more`: overrides by flags of their own, applied after those of `-D`
 pub fn load(scene: &SceneArgs, more: &[Override], integrator: Option<&str>, tables: &[&[Entry]]) -> Result<Loaded> {
     let _loading = Loading::start(&describe::name(scene.path()?));
-    let Imported { root, file, files, notes, .. } = imported(scene, more)?;
+    let Imported { root, file, files, notes, .. } = imported(scene, more, integrator)?;
     let chosen = integrator::choose(tables, root.child("integrator"), integrator, &file);
     let (mut description, (entry, integrator)) = both_or_all_faults(describe::read_with(&root, &file, &files), chosen)?;
     if integrator.splats() && !states_scramblings(&root) {
@@ -192,15 +192,22 @@ fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
 ///
 /// # Errors
 /// The errors of [`import_with`], and `Usage` for overrides of a value that the scene cannot have.
-pub fn imported(scene: &SceneArgs, more: &[Override]) -> Result<Imported> {
+fn imported(scene: &SceneArgs, more: &[Override], integrator: Option<&str>) -> Result<Imported> {
     import_with(scene.path()?, scene.allow_outside, scene.auto_camera(), |root, file| {
-        apply_overrides(root, scene, more).map_err(|refusal| scene_faults_or(refusal, root, file))
+        apply_overrides(root, scene, more, integrator).map_err(|refusal| scene_faults_or(refusal, root, file))
     })
 }
 
-fn apply_overrides(root: &mut Node, scene: &SceneArgs, more: &[Override]) -> Result<()> {
+fn apply_overrides(root: &mut Node, scene: &SceneArgs, more: &[Override], integrator: Option<&str>) -> Result<()> {
+    let had_integrator = root.child("integrator").is_some();
     scene.overrides()?.into_iter().try_for_each(|(pointer, text)| root.set(pointer, text))?;
-    more.iter().try_for_each(|flag| root.set_by(&flag.words, flag.pointer, &flag.value))
+    more.iter().try_for_each(|flag| root.set_by(&flag.words, flag.pointer, &flag.value))?;
+    // Options from the command line, for a scene without an integrator, are those of the integrator that renders.
+    if !had_integrator && root.child("integrator").is_some_and(|options| options.child("type").is_none()) {
+        // Fails where the options are no object, which is a fault of the scene.
+        let _ = root.set("/integrator/type", integrator.unwrap_or(crate::integrator::DEFAULT));
+    }
+    Ok(())
 }
 
 /// Error for an override of a value that the scene cannot have. If the scene itself is invalid, its faults are reported instead.

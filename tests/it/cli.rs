@@ -54,6 +54,41 @@ fn a_scene_becomes_an_exr_and_a_png_named_after_it() {
     assert!(attributes.contains(&("pt/integrator".into(), "nee".into())), "{attributes:?}");
 }
 
+/// Options given with -D to a scene without an integrator are those of the integrator that renders.
+#[test]
+fn options_on_the_command_line_need_no_type() {
+    let folder = folder();
+    for (integrator, name) in [(&["-i", "light"][..], "light"), (&[], "nee")] {
+        pt(folder.path(), &[&["scene.json", "-D", "/integrator/max_depth=1", "-o", "x.exr"][..], integrator].concat()).success();
+        let (_, attributes) = pt::output::exr::read(&folder.path().join("x.exr")).expect("a readable picture");
+        assert!(attributes.contains(&("pt/integrator".into(), name.into())), "{attributes:?}");
+    }
+    refused(folder.path(), &["scene.json", "-i", "light", "-D", "/integrator/max_dept=1"], 2, "did you mean \"max_depth\"");
+    refused(folder.path(), &["scene.json", "-D", "/integrator=5"], 2, "expected an object with a \"type\"");
+}
+
+/// Paths from the lights are divided among 8 scramblings unless a number is given, and options that need the samples of each pixel apart
+/// are refused.
+#[test]
+fn light_tracing_has_scramblings_and_refuses_what_it_cannot_do() {
+    let folder = folder();
+    let scene = folder.path().join("scene.json");
+    for (args, scramblings) in [(&["-i", "light"][..], "8"), (&["-i", "light", "--scramblings", "4"], "4"), (&["-i", "nee"], "2")] {
+        pt(folder.path(), &[&["scene.json", "-o", "x.exr"][..], args].concat()).success();
+        let (_, attributes) = pt::output::exr::read(&folder.path().join("x.exr")).expect("a readable picture");
+        assert!(attributes.contains(&("pt/scramblings".into(), scramblings.into())), "{args:?}: {attributes:?}");
+    }
+    for option in [&["--adaptive"][..], &["--clamp", "2"], &["--worst", "3"]] {
+        let args = [&["scene.json", "-i", "light"][..], option].concat();
+        refused(folder.path(), &args, 2, &format!("{}: not with light", option[0]));
+    }
+    // A number in the scene counts as well.
+    fs::write(&scene, SCENE.replace(r#""spp": 2"#, r#""spp": 2, "scramblings": 16"#)).expect("write");
+    pt(folder.path(), &["scene.json", "-i", "light", "-o", "x.exr"]).success();
+    let (_, attributes) = pt::output::exr::read(&folder.path().join("x.exr")).expect("a readable picture");
+    assert!(attributes.contains(&("pt/scramblings".into(), "16".into())), "{attributes:?}");
+}
+
 #[test]
 fn every_integrator_is_chosen_by_name_and_keeps_the_options_it_has() {
     let folder = folder();
