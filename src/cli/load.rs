@@ -6,7 +6,6 @@ use std::sync::Arc;
 use super::memory;
 use super::messages::Loading;
 use crate::build::{Built, Source};
-
 use crate::describe::{self, Files, Identity, Scramblings, Shape};
 use crate::error::text::one_line;
 use crate::error::{Error, Fault, MAX_FAULTS, Result};

@@ -88,8 +88,8 @@ mod tests {
         film
     }
 
-    /// Where groups of g pixels have the same error, tr C² is g times the sum of the squared variances. 576 independent pixels and 496
-    /// pairs of scramblings leave an error of 10 %.
+    /// Where groups of g pixels have the same error, tr C² is g times the sum of the squared variances. The fewest independent errors
+    /// are those of 36 groups of 16: with 496 pairs of scramblings they leave a standard error of some 10 %, a quarter of what is allowed.
     #[test]
     fn correlated_pixels_are_noticed() {
         for group in [1, 4, 16] {
