@@ -22,6 +22,7 @@ picture metals            metals          --size 288x180 --spp 512
 picture compounds       compounds       --size 288x180 --spp 512
 picture statue            statue          --size 270x360 --spp 256
 picture pawns             pawns           --size 280x210 --spp 256
+picture pawn-army         pawn-army       --size 320x240 --spp 256
 picture triangle-stacks   triangle-stacks --size 240x320 --spp 256
 picture caustic           caustic         --size 280x210 --spp 256
 picture caustic-light     caustic         --size 280x210 --spp 1024 --integrator light

@@ -7,7 +7,7 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 
-use super::cut::Cuts;
+use super::cut::{Cuts, MAX_LEAF};
 use super::node::{Child, MAX_DEPTH, Node};
 use crate::math::Aabb;
 use crate::math::float::unit_f32;
@@ -23,17 +23,20 @@ pub struct Wide {
 }
 
 /// Builds a hierarchy over boxes in the order of item numbers; `None` if there are no boxes.
-pub fn wide(boxes: &[Aabb]) -> Option<Wide> {
+///
+/// - `first_instance`: number of the first item that is an instance, whose test takes so long that each gets a leaf of its own
+pub fn wide(boxes: &[Aabb], first_instance: usize) -> Option<Wide> {
     if boxes.is_empty() {
         return None;
     }
     let duplicates = duplicates(boxes);
     let firsts = firsts(boxes.len(), &duplicates);
     let boxes: Vec<Aabb> = firsts.iter().map(|&item| boxes[item as usize]).collect();
-    let copies: Vec<u32> = firsts.iter().map(|&item| 1 + later(&duplicates, item).count() as u32).collect();
+    let weight = |item: u32| if (item as usize) < first_instance { 1 } else { 1 + MAX_LEAF };
+    let weights: Vec<u32> = firsts.iter().map(|&item| weight(item) + later(&duplicates, item).map(weight).sum::<u32>()).collect();
     let binary = binary_hierarchy(&boxes);
     let mut collapse = CollapseState {
-        cuts: Cuts::new(&binary, &boxes, &copies),
+        cuts: Cuts::new(&binary, &boxes, &weights),
         firsts: &firsts,
         duplicates: &duplicates,
         wide: Wide { nodes: vec![], leaves: vec![], root: Child::leaf(0) },
@@ -164,7 +167,7 @@ mod tests {
     /// Coincident boxes are not passed to clustering and reinsertion, which would take quadratic time.
     #[test]
     fn coincident_boxes_are_one_leaf() {
-        let built = wide(&[unit_box(Vec3::ZERO); 10_000]).expect("boxes");
+        let built = wide(&[unit_box(Vec3::ZERO); 10_000], 10_000).expect("boxes");
         assert_eq!((built.nodes.len(), built.leaves), (0, vec![(0..10_000).collect()]));
     }
 

@@ -22,7 +22,7 @@ const NODE: f32 = 1.0;
 const PACKET: f32 = 2.0;
 
 /// Greatest number of triangles in a leaf, except for triangles with equal boxes.
-const MAX_LEAF: u32 = LANES as u32;
+pub const MAX_LEAF: u32 = LANES as u32;
 
 /// Binary hierarchy with the costs of its cuts.
 pub struct Cuts<'a> {
@@ -40,14 +40,14 @@ impl<'a> Cuts<'a> {
     /// Computes the costs of all cuts.
     ///
     /// - `boxes`: boxes of the items in the order of `binary`
-    /// - `copies`: number of triangles that each item represents
-    pub fn new(binary: &'a Bvh2, boxes: &[Aabb], copies: &[u32]) -> Cuts<'a> {
+    /// - `weights`: number of triangles that each item represents, or whose test takes as long
+    pub fn new(binary: &'a Bvh2, boxes: &[Aabb], weights: &[u32]) -> Cuts<'a> {
         let n = binary.nodes.len();
         let (bounds, counts, is_leaf) = (vec![Aabb::EMPTY; n], vec![0; n], vec![true; n]);
         let mut cuts = Cuts { binary, bounds, counts, is_leaf, costs: vec![[0.0; WIDTH - 1]; n] };
         let order = cuts.parents_first();
         for &index in order.iter().rev() {
-            cuts.measure(index, boxes, copies);
+            cuts.measure(index, boxes, weights);
         }
         let whole = cuts.bounds[0].area();
         for &index in order.iter().rev() {
@@ -124,13 +124,13 @@ impl<'a> Cuts<'a> {
     }
 
     /// Computes the bounding box and the number of triangles of a node from its children.
-    fn measure(&mut self, index: usize, boxes: &[Aabb], copies: &[u32]) {
+    fn measure(&mut self, index: usize, boxes: &[Aabb], weights: &[u32]) {
         (self.bounds[index], self.counts[index]) = match self.halves(index) {
             Some([left, right]) => (self.bounds[left].union(self.bounds[right]), self.counts[left] + self.counts[right]),
             None => {
                 let items = self.own_items(index);
                 let bounds = items.iter().map(|&item| boxes[item as usize]).fold(Aabb::EMPTY, Aabb::union);
-                (bounds, items.iter().map(|&item| copies[item as usize]).sum())
+                (bounds, items.iter().map(|&item| weights[item as usize]).sum())
             }
         };
     }

@@ -30,7 +30,7 @@ impl Primitive for List {
                 // A later primitive must be strictly nearer: t < t_max.
                 if let Some(hit) = shape.intersect(primitive, &ray) {
                     ray.t_max = hit.t;
-                    nearest = Some(Hit { shape: k as u32, primitive, uv: hit.uv, t: hit.t });
+                    nearest = Some(Hit { instance: None, shape: k as u32, primitive, uv: hit.uv, t: hit.t });
                 }
             }
         }

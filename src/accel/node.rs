@@ -6,6 +6,7 @@ use glam::{Vec3, Vec3A};
 use super::bits;
 use super::simd::{Lanes, splat};
 use crate::math::{Aabb, Ray};
+use crate::shape::triangle::Tolerance;
 
 /// Number of children of a node.
 pub const WIDTH: usize = 8;
@@ -53,7 +54,10 @@ impl Child {
 
 /// Ray prepared for box tests, per axis.
 pub struct Slabs<L> {
+    /// Origin; with a tolerance, moved by it along each axis as the direction points, so that faces are met earlier.
     origin: [L; 3],
+    /// Origin moved the other way, so that faces are left later. Not used without a tolerance.
+    leave_origin: [L; 3],
     inverse: [L; 3],
     /// `inverse` times [`WIDEN`].
     widened: [L; 3],
@@ -65,14 +69,17 @@ pub struct Slabs<L> {
 impl<L: Lanes> Slabs<L> {
     /// Prepares a ray.
     #[inline(always)]
-    pub fn new(ray: &Ray) -> Slabs<L> {
+    pub fn new<T: Tolerance>(ray: &Ray, tolerance: T) -> Slabs<L> {
         let direction = ray.direction.to_array();
         // The inverse is finite, so that a ray which starts in the plane of a face and runs along it gives 0 and not 0·∞.
         const BOUND: f32 = f32::MAX / 2.0;
         let inverse = (1.0 / Vec3A::from(ray.direction)).max(Vec3A::splat(-BOUND)).min(Vec3A::splat(BOUND)).to_array();
         let upper = direction.map(|d| if d.is_sign_negative() { 3 } else { 0 });
+        let moved = tolerance.get() * ray.direction.signum();
+        let [entering, leaving] = if T::IS_EXACT { [ray.origin; 2] } else { [ray.origin + moved, ray.origin - moved] };
         Slabs {
-            origin: splat(ray.origin.to_array()),
+            origin: splat(entering.to_array()),
+            leave_origin: splat(leaving.to_array()),
             inverse: splat(inverse),
             widened: splat([inverse[0] * WIDEN, inverse[1] * WIDEN, inverse[2] * WIDEN]),
             enter: std::array::from_fn(|axis| axis + upper[axis]),
@@ -104,20 +111,23 @@ impl Node {
 
     /// Distance at which the ray enters each box, and a bit mask of the boxes that it hits before `t_max`.
     #[inline(always)]
-    pub fn intersect<L: Lanes>(&self, slabs: &Slabs<L>, t_max: f32) -> (L, u32) {
+    pub fn intersect<L: Lanes, T: Tolerance>(&self, slabs: &Slabs<L>, t_max: f32) -> (L, u32) {
         let (mut near, mut far) = (L::splat(0.0), L::splat(t_max * WIDEN));
         for axis in 0..3 {
             let (enter, leave) = (L::load(&self.faces[slabs.enter[axis]]), L::load(&self.faces[slabs.leave[axis]]));
             near = enter.minus(slabs.origin[axis]).times(slabs.inverse[axis]).larger(near);
-            far = leave.minus(slabs.origin[axis]).times(slabs.widened[axis]).smaller(far);
+            far = leave
+                .minus(if T::IS_EXACT { slabs.origin[axis] } else { slabs.leave_origin[axis] })
+                .times(slabs.widened[axis])
+                .smaller(far);
         }
         (near, near.at_most(far))
     }
 
     /// Pushes the children that the ray hits before `t_max` with their distances, the nearest last.
     #[inline(always)]
-    pub fn push_hits<L: Lanes>(&self, slabs: &Slabs<L>, t_max: f32, stack: &mut ArrayVec<(f32, Child), STACK>) {
-        let (near, hits) = self.intersect(slabs, t_max);
+    pub fn push_hits<L: Lanes, T: Tolerance>(&self, slabs: &Slabs<L>, t_max: f32, stack: &mut ArrayVec<(f32, Child), STACK>) {
+        let (near, hits) = self.intersect::<L, T>(slabs, t_max);
         let near = near.to_array();
         let first = stack.len();
         for i in bits(hits) {

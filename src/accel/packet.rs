@@ -6,7 +6,7 @@ use super::simd::{Lanes, splat};
 use crate::math::Ray;
 use crate::math::float::ROUNDING;
 use crate::shape::ShapeHit;
-use crate::shape::triangle;
+use crate::shape::triangle::{self, Tolerance};
 
 /// Number of triangles in a packet.
 pub const LANES: usize = 8;
@@ -45,12 +45,12 @@ impl Packet {
     /// The test computes the products of Möller and Trumbore in f32 and compares each with a bound of its rounding error. With edges ≤ e,
     /// |origin − corner| ≤ s per axis and |d| ≤ 1, a triple product is a sum of six terms ≤ s·e (or e²), each rounded at most seven times,
     /// so that its error is below 2⁻²⁴·6·7·s·e. The bound used is 2⁻²⁴·128·(s + e)·e. A lane whose determinant is within this bound is
-    /// kept. The numerator of t has one more factor e.
+    /// kept. The numerator of t has one more factor e. A tolerance τ allows for products that are 2 √3 τ e < 4 τ e less than 0.
     ///
     /// Source: Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection* (1997).
     /// Tests: watertight, the_hierarchy_finds_what_a_linear_search_finds.
     #[inline(always)]
-    pub fn candidates<L: Lanes>(&self, ray: &Ray, t_max: f32) -> u32 {
+    pub fn candidates<L: Lanes, T: Tolerance>(&self, ray: &Ray, t_max: f32, tolerance: T) -> u32 {
         let (o, d) = (splat(ray.origin.to_array()), splat(ray.direction.to_array()));
         let corner = |k: usize| [L::load(&self.corner[k][0]), L::load(&self.corner[k][1]), L::load(&self.corner[k][2])];
         let (a, edge) = (corner(0), L::load(&self.edge));
@@ -60,7 +60,10 @@ impl Packet {
         let (u, v, t) = (dot(s, p).signed_by(det), dot(d, q).signed_by(det), dot(e2, q).signed_by(det));
         let det = det.signed_by(det);
         let far = s[0].size().larger(s[1].size()).larger(s[2].size());
-        let slack = L::splat(128.0 * ROUNDING).times(far.plus(edge)).times(edge);
+        let mut slack = L::splat(128.0 * ROUNDING).times(far.plus(edge)).times(edge);
+        if !T::IS_EXACT {
+            slack = slack.plus(L::splat(4.0 * tolerance.get()).times(edge));
+        }
         let below = L::splat(0.0).minus(slack);
         let inside = below.at_most(u) & below.at_most(v) & u.plus(v).at_most(det.plus(slack));
         // t may overflow although the other products do not. NaN counts as neither behind nor beyond.
@@ -71,9 +74,9 @@ impl Packet {
 
     /// Exact test of one lane.
     #[inline(always)]
-    pub fn intersect(&self, lane: usize, ray: &Ray, t_max: f32) -> Option<ShapeHit> {
+    pub fn intersect<T: Tolerance>(&self, lane: usize, ray: &Ray, t_max: f32, tolerance: T) -> Option<ShapeHit> {
         let corner = |k: usize| Vec3::new(self.corner[k][0][lane], self.corner[k][1][lane], self.corner[k][2][lane]);
-        triangle::intersect(ray, t_max, [corner(0), corner(1), corner(2)])
+        triangle::intersect_within(ray, t_max, [corner(0), corner(1), corner(2)], tolerance)
     }
 }
 

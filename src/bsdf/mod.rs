@@ -60,7 +60,7 @@ pub use plastic::Plastic;
 pub use principled::Principled;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
-pub use surface_material::{NormalModifier, SurfaceMaterial};
+pub use surface_material::{MaterialId, NormalModifier, SurfaceMaterial};
 pub use table::{Bsdf, Material, described, textured};
 pub use thin_dielectric::ThinDielectric;
 

@@ -21,6 +21,10 @@ pub struct SurfaceMaterial {
     pub opacity: Option<Texture>,
 }
 
+/// The index of a material in its scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct MaterialId(pub u32);
+
 /// A normal or bump map: it changes shading normals, and moves no points.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalModifier {

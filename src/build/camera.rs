@@ -78,7 +78,8 @@ pub(super) fn sampler(described: &describe::Sampler) -> SamplerSpec {
 /// An upper bound of the memory that the film of a scene takes while rendering, in bytes. The scene's own memory is not included.
 pub fn film_memory(scene: &describe::Scene) -> u128 {
     let (mut film, sampler) = (film(&scene.film), sampler(&scene.sampler));
-    film.layers = with_lights(&film.layers, emitters(&scene.shapes) + scene.lights.len() + 1);
+    let emitters: usize = scene.groups.values().chain([&scene.shapes]).map(|shapes| emitters(shapes)).sum();
+    film.layers = with_lights(&film.layers, emitters + scene.lights.len() + 1);
     memory::needed(film.crop.pixel_count(), film.layout(sampler.error_estimator()), sampler.spp)
 }
 

@@ -3,13 +3,14 @@
 use glam::DVec3;
 
 use super::{Builder, transform};
+use crate::bsdf::MaterialId;
 use crate::describe::{self, Axis, FixedMarch, Point};
 use crate::effects::Effects;
 use crate::math::Transform;
 use crate::math::transform::unit;
 use crate::shape::Sdf;
 use crate::shape::sdf::*;
-use crate::world::{MaterialId, PartAppearance};
+use crate::world::PartAppearance;
 
 impl Builder<'_> {
     /// Builds a solid, and the appearance and the effects of its parts. Returns `None` after adding a fault.

@@ -8,7 +8,7 @@ use crate::primitive::Hit;
 use crate::sampler::hash;
 use crate::scene::Scene as _;
 use crate::shape::{SurfacePoint, offset_ray_origin};
-use crate::world::World;
+use crate::world::{ShapePlace, World};
 
 /// The number of test paths into each shape, unless that makes more than `MOST_WAYS` in total. For a pane without rims that is two
 /// hundred times as wide as thick, about twenty of them leave through the missing rims.
@@ -31,7 +31,8 @@ pub(super) fn warnings(world: &World, names: &[&str]) -> Vec<String> {
     let ways = MOST_WAYS.checked_div(glass.len() as u32).map_or(0, |ways| ways.min(WAYS));
     let lost = glass.into_iter().map(|shape| (shape, lost(world, shape, ways)));
     let open: Vec<(u32, u32)> = lost.filter(|&(_, lost)| lost > LOST_BY_ROUNDING).collect();
-    let mut said: Vec<String> = open.iter().take(NAMED).map(|&(shape, lost)| sentence(names[shape as usize], lost, ways)).collect();
+    let mut said: Vec<String> =
+        open.iter().take(NAMED).map(|&(shape, lost)| sentence(names[world.described_shape(shape) as usize], lost, ways)).collect();
     said.extend((open.len() > NAMED).then(|| format!("and {} more shapes of such glass", open.len() - NAMED)));
     said
 }
@@ -52,15 +53,21 @@ fn is_glass(world: &World, shape: u32) -> bool {
 /// The number of test paths into a shape that end outside of it without having left it.
 fn lost(world: &World, shape: u32, ways: u32) -> u32 {
     let geometry = &world.shapes()[shape as usize];
-    let hit_on = |primitive| Hit { shape, primitive, uv: Vec2::ZERO, t: 0.0 };
+    let instance = match world.place(shape) {
+        ShapePlace::Instance(id) => Some(id),
+        ShapePlace::World => None,
+        ShapePlace::Nowhere => return 0,
+    };
+    let hit_on = |primitive| Hit { instance, shape, primitive, uv: Vec2::ZERO, t: 0.0 };
     let of_glass = |primitive: &u32| world.material(&hit_on(*primitive)).passage() == Passage::Body;
     let areas: Vec<f32> = (0..geometry.count()).map(|i| if of_glass(&i) { geometry.area(i) } else { 0.0 }).collect();
     let Some(by_area) = Discrete::new(&areas) else { return 0 };
     let is_lost = |way: &u32| {
         let mut numbers = Numbers(hash::absorb(hash::absorb(0, shape), *way));
         let (primitive, _, _) = by_area.sample(numbers.pair().x);
+        let hit = hit_on(primitive as u32);
         let (point, _) = geometry.sample_area(primitive as u32, numbers.pair());
-        is_lost(world, &hit_on(primitive as u32), &point, &mut numbers)
+        is_lost(world, &hit, &world.placed(&hit, point), &mut numbers)
     };
     (0..ways).filter(is_lost).count() as u32
 }
@@ -77,7 +84,10 @@ fn is_lost(world: &World, entered: &Hit, from: &SurfacePoint, numbers: &mut Numb
         let (point, material) = (world.surface(&ray, &hit).point, world.material(&hit));
         let is_outside = ray.direction.dot(point.ng) < 0.0;
         ray = match material.passage() {
-            Passage::Body => return is_outside && hit.shape == entered.shape && std::ptr::eq(material, glass),
+            Passage::Body => {
+                let is_same = (hit.instance, hit.shape) == (entered.instance, entered.shape);
+                return is_outside && is_same && std::ptr::eq(material, glass);
+            }
             Passage::Sheet => Ray::new(offset_ray_origin(&point, ray.direction), ray.direction),
             Passage::Blocked => scattered(&point, if is_outside { 1.0 } else { -1.0 }, numbers),
         };

@@ -3,12 +3,12 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use super::Builder;
+use crate::bsdf::MaterialId;
 use crate::describe::{MaterialRef, Mesh, identity};
 use crate::effects::Effects;
-use crate::error::{Error, Result};
+use crate::error::{Error, Fault, Result};
 use crate::reader::{escaped, unknown};
 use crate::shape::{MeshData, MeshPart};
-use crate::world::MaterialId;
 
 impl Builder<'_> {
     /// Loads a mesh from its file, or from the scene file. Returns `None` after adding a fault.
@@ -19,25 +19,35 @@ impl Builder<'_> {
         };
         match loaded {
             Ok((data, warnings)) => {
-                // A file that several shapes use is warned about once.
-                let new = warnings.into_iter().filter(|warning| !self.warnings.contains(warning)).collect::<Vec<_>>();
-                self.warnings.extend(new);
+                self.warn_once(warnings);
                 self.contents.extend(mesh.file.clone().map(|file| (file, identity::of_mesh(&data))));
                 Ok(Some(data))
             }
             Err(Error::Invalid(faults)) => {
-                for fault in faults {
-                    // A fault with a line number is about the mesh file, any other about the scene that names it.
-                    match (&mesh.file, fault.line) {
-                        (_, Some(_)) => self.faults.push(fault),
-                        (Some(file), None) => self.fault(&format!("{pointer}/file"), &format!("{file}: {}", fault.message)),
-                        (None, None) => self.fault(pointer, &fault.message),
-                    }
+                match &mesh.file {
+                    Some(file) => self.file_faults(&format!("{pointer}/file"), file, faults),
+                    None => faults.into_iter().for_each(|fault| self.fault(pointer, &fault.message)),
                 }
                 Ok(None)
             }
             Err(other) => Err(other),
         }
+    }
+
+    /// Adds the faults of a file that the scene names. One with a line number is about the file, any other about the scene.
+    pub(super) fn file_faults(&mut self, pointer: &str, file: &str, faults: Vec<Fault>) {
+        for fault in faults {
+            match fault.line {
+                Some(_) => self.faults.push(fault),
+                None => self.fault(pointer, &format!("{file}: {}", fault.message)),
+            }
+        }
+    }
+
+    /// Adds warnings about a file. One that several shapes use is warned about once.
+    pub(super) fn warn_once(&mut self, warnings: Vec<String>) {
+        let new: Vec<String> = warnings.into_iter().filter(|warning| !self.warnings.contains(warning)).collect();
+        self.warnings.extend(new);
     }
 
     /// Warns about triangles where a normal or bump map has no effect, because their texture coordinates are degenerate.

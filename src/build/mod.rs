@@ -3,6 +3,7 @@
 mod camera;
 mod field;
 mod glass;
+mod instances;
 mod lamps;
 mod light;
 mod material;
@@ -15,6 +16,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::bsdf::MaterialId;
 use crate::describe::{Channel, Color, Contents, Encoding, Files, Names, Point, Scene, Shape, Size};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
@@ -27,8 +29,9 @@ use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
 use crate::shape::{Cuboid, Disk, Geometry, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
-use crate::world::{MaterialId, PartAppearance, World, WorldBuilder};
+use crate::world::{Objects, PartAppearance, World, WorldBuilder};
 pub use camera::film_memory;
+use instances::BuiltGroup;
 use lamps::Lamp;
 use material::{MOST_PARTS, MOST_TEXTURES, Range};
 
@@ -42,6 +45,8 @@ pub struct Built {
     pub sampler: SamplerSpec,
     /// Sentences about probable mistakes in the scene, and how they were handled.
     pub warnings: Vec<String>,
+    /// The names of shapes, materials and lights.
+    pub names: Names,
     /// The parts of the scene by name, each with the effects that it needs.
     pub needs: Vec<(String, Effects)>,
     /// The hashes of the files' contents.
@@ -76,6 +81,8 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         scene,
         source,
         world,
+        objects: Objects::default(),
+        groups: BTreeMap::new(),
         materials: BTreeMap::new(),
         textures: 0,
         parts: 0,
@@ -84,11 +91,17 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         boxes: vec![],
         lamps: vec![],
         needs: vec![],
+        override_needs: vec![],
         warnings: vec![],
         faults: vec![],
         failures: vec![],
     };
+    builder.groups()?;
+    let of_groups = std::mem::take(&mut builder.needs);
     builder.shapes("/shapes", &scene.shapes, &Transform::IDENTITY)?;
+    builder.world.objects(std::mem::take(&mut builder.objects));
+    builder.needs.extend(of_groups);
+    builder.needs.append(&mut builder.override_needs);
     builder.lights();
     if builder.textures > MOST_TEXTURES {
         let message = format!("textures within textures make more than {MOST_TEXTURES} of them");
@@ -113,19 +126,22 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     let place = |fault: Fault| if fault.file.is_empty() { locate(source.root, source.file, "/shapes", fault.message) } else { fault };
     let world = builder.world.build().map_err(|error| match error {
         Error::Invalid(faults) => Error::Invalid(faults.into_iter().map(place).collect()),
+        Error::Limit(fault) => Error::Limit(locate(source.root, source.file, "/groups", fault.message)),
         other => other,
     })?;
     warnings.extend(missing(&world).map(of_scene));
-    // The first entry of `needs` is the camera; shapes follow.
+    warnings.extend(many_copies(&world).map(|message| of_scene(&message)));
+    let of_parts = Names::of(scene, &world);
+    // The first entry of `needs` is the camera; the shapes of the scene and of its groups follow, as the world numbers them.
     let names: Vec<&str> = needs[1..].iter().map(|(name, _)| name.as_str()).collect();
     warnings.extend(precision::warnings(&world, &names).iter().map(|message| of_scene(message)));
     warnings.extend(glass::warnings(&world, &names).iter().map(|message| of_scene(message)));
     let mut film = camera::film(&scene.film);
     if film.layers.contains(&Layer::Light(0)) {
-        film.lights = Names::of(scene).lights(world.lights());
+        film.lights = of_parts.lights(world.lights());
         film.layers = with_lights(&film.layers, film.lights.names.len());
     }
-    Ok(Built { world, film, sampler: camera::sampler(&scene.sampler), warnings, needs, contents })
+    Ok(Built { world, film, sampler: camera::sampler(&scene.sampler), warnings, names: of_parts, needs, contents })
 }
 
 /// Returns a warning if the picture will be black, or show only the background.
@@ -140,10 +156,26 @@ fn missing(world: &World) -> Option<&'static str> {
     }
 }
 
+/// The number of copies of emitting shapes above which a warning tells of their cost.
+const MANY_COPIES: usize = 1000;
+
+/// Returns a warning if instances show very many emitting shapes.
+fn many_copies(world: &World) -> Option<String> {
+    let (copies, lights) = (world.copy_count(), world.lights().len());
+    let message = format!(
+        "instances show {copies} copies of emitting shapes, each a light of its own. Of {lights} lights one is chosen by its power, \
+         however far away: expect much noise"
+    );
+    (copies > MANY_COPIES).then_some(message)
+}
+
 struct Builder<'a> {
     scene: &'a Scene,
     source: Source<'a>,
     world: WorldBuilder,
+    /// The shapes and instances of the scene, or of the group that is being built.
+    objects: Objects,
+    groups: BTreeMap<String, BuiltGroup>,
     /// The materials built so far with their effects, by JSON pointer.
     materials: BTreeMap<String, (MaterialId, Effects)>,
     /// The number of textures built so far.
@@ -153,10 +185,12 @@ struct Builder<'a> {
     /// The pictures read so far; `None` for one that could not be used.
     pictures: BTreeMap<(String, Encoding, Option<Channel>), Option<Arc<Pixels>>>,
     contents: Contents,
-    /// The bounding box of each shape, in the scene's coordinates.
+    /// The bounding box of each shape, and of all instances of a description, in the coordinates of the scene or of a group.
     boxes: Vec<(DVec3, DVec3)>,
     lamps: Vec<Lamp>,
     needs: Vec<(String, Effects)>,
+    /// The effects of the materials that instances have instead of those of their shapes.
+    override_needs: Vec<(String, Effects)>,
     warnings: Vec<String>,
     faults: Vec<Fault>,
     /// Errors that are no mistakes in the scene: files that cannot be read, or are too large.
@@ -179,6 +213,9 @@ impl Builder<'_> {
         let emitter = shape.emission().map(|described| self.emitter(&format!("{pointer}/emission"), described));
         if let Shape::Group(group) = shape {
             return self.shapes(&format!("{pointer}/shapes"), &group.shapes, to_world);
+        }
+        if let Shape::Instances(instances) = shape {
+            return self.instances(pointer, instances, to_world);
         }
         let (kind, own) = self.material(&format!("{pointer}/material"), shape.material());
         let mut effects = own.1;
@@ -217,9 +254,9 @@ impl Builder<'_> {
                     effects |= Effects::AREA_LIGHT | Effects::UNSAMPLED_EMITTER;
                 }
                 self.boxes.push(solid.bounds(to_world));
-                self.world.solid(solid, *to_world, parts);
+                self.objects.solid(solid, *to_world, parts);
             }
-            Shape::Group(_) => {}
+            Shape::Group(_) | Shape::Instances(_) => {}
         }
         let name = shape.name().map_or_else(|| format!("{pointer}, {kind}"), |name| format!("{name:?}, {kind}"));
         self.needs.push((name, effects));
@@ -250,7 +287,7 @@ impl Builder<'_> {
 
     fn place(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
         self.boxes.push(geometry.bounds(&to_world));
-        self.world.parts(geometry, to_world, materials, emitter);
+        self.objects.parts(geometry, to_world, materials, emitter);
     }
 
     fn fault(&mut self, pointer: &str, message: &str) {

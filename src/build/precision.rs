@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec3};
 
+use crate::bsdf::MaterialId;
 use crate::math::Aabb;
 use crate::shape::{Facet, Shape, offset_bound, triangle};
-use crate::world::{MaterialId, World};
+use crate::world::{ShapePlace, World};
 
 /// The distance from the origin, in multiples of a shape's size, beyond which its form degrades: f32 resolves 2²⁴ = 1.7·10⁷ steps.
 const MOST_SIZES_AWAY: f32 = 1e7;
@@ -19,7 +20,7 @@ const LEAST_OFFSETS: f64 = 4.0;
 /// - `names`: the name of each shape of the world
 pub(super) fn warnings(world: &World, names: &[&str]) -> Vec<String> {
     let shapes = world.shapes();
-    let name = |shape: usize| names.get(shape).copied().unwrap_or("?");
+    let name = |shape: usize| names.get(world.described_shape(shape as u32) as usize).copied().unwrap_or("?");
     let bounds: Vec<Aabb> = shapes.iter().map(|shape| (0..shape.count()).fold(Aabb::EMPTY, |all, i| all.union(shape.bounds(i)))).collect();
     let small = lost(&bounds).map(|(shape, text)| format!("{}: {text}", name(shape)));
     let thin =
@@ -82,7 +83,7 @@ impl Body {
 fn bodies(world: &World, bounds: &[Aabb]) -> Vec<Body> {
     let (mut closed, mut open) = (vec![], BTreeMap::<MaterialId, (DVec3, Body)>::new());
     for (shape, baked) in world.shapes().iter().enumerate() {
-        let Some(material) = world.inside(shape) else { continue };
+        let Some(material) = world.inside(shape).filter(|_| world.place(shape as u32) != ShapePlace::Nowhere) else { continue };
         let center = open.get(&material).map_or(bounds[shape].center().as_dvec3(), |(center, _)| *center);
         let body = measured(&**baked, shape, center, bounds[shape]);
         if body.is_closed() {

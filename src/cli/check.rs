@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::error::text::one_line;
 use crate::integrator::Entry;
 use crate::scene::Scene;
+use crate::world::World;
 
 #[derive(clap::Args, Debug)]
 pub struct CheckArgs {
@@ -34,7 +35,7 @@ pub fn contents(loaded: &Loaded) -> String {
     let built = &loaded.built;
     let size = built.film.size;
     let mut text = format!(
-        "film        {} × {}, {} samples per pixel\nintegrator  {}: {}\nshapes      {}, {} primitives in all\nmaterials   {}\nlights      {}\n",
+        "film        {} × {}, {} samples per pixel\nintegrator  {}: {}\nshapes      {}, {} primitives in all{}\nmaterials   {}\nlights      {}\n",
         size.x,
         size.y,
         built.sampler.spp,
@@ -42,6 +43,7 @@ pub fn contents(loaded: &Loaded) -> String {
         loaded.entry.about,
         built.world.shapes().len(),
         built.world.primitive_count(),
+        instances(&built.world),
         loaded.description.materials.len(),
         built.world.lights().len(),
     );
@@ -51,6 +53,14 @@ pub fn contents(loaded: &Loaded) -> String {
         text += &line(effect, &needed_by(&built.needs, effect), loaded.entry.simulates);
     }
     text + &format!("\nnot called for, and off\n  {}\n", Effects::ALL - effects)
+}
+
+/// Number of instances, if there are any.
+fn instances(world: &World) -> String {
+    match world.instance_count() {
+        0 => String::new(),
+        count => format!(", {count} instances"),
+    }
 }
 
 /// Line of an effect: the parts that need it, its cost, and whether the integrator simulates it.

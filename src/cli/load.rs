@@ -121,7 +121,8 @@ impl Loaded {
     /// Scene with the shadows of its facets, and the number of meshes that differ; `None` if there are none.
     pub fn without_smooth_shadows(&self) -> Result<Option<(World, usize)>> {
         let mut description = self.description.clone();
-        let count = take_smooth_shadows(&mut description.shapes);
+        let groups = description.groups.values_mut().chain([&mut description.shapes]);
+        let count: usize = groups.map(|shapes| take_smooth_shadows(shapes)).sum();
         let source = Source { root: &self.root, file: &self.file, files: &self.files };
         Ok(if count > 0 { Some((crate::build::build(&description, source)?.world, count)) } else { None })
     }

@@ -99,6 +99,8 @@ pub struct Summary<'a> {
     pub pixels: u64,
     /// Number of primitives.
     pub primitives: u64,
+    /// Number of instances, with those within them.
+    pub instances: u32,
     /// Numbers of rays, as [`RayCounter::rays`] returns them.
     pub rays: (u64, u64),
     /// Number of threads.
@@ -118,16 +120,17 @@ impl Summary<'_> {
                 let object = json!({
                     "version": env!("CARGO_PKG_VERSION"), "build": env!("PT_BUILD_ID"), "threads": self.threads,
                     "load_seconds": self.load, "render_seconds": seconds, "spp": self.spp.round() as u64, "camera_samples": samples,
-                    "rays": self.rays.0, "shadow_rays": self.rays.1, "primitives": self.primitives,
+                    "rays": self.rays.0, "shadow_rays": self.rays.1, "primitives": self.primitives, "instances": self.instances,
                     "invalid_samples": self.report.invalid, "camera_samples_per_second": samples as f64 / seconds,
                     "rays_per_second": rays as f64 / seconds, "peak_memory_bytes": peak_memory(),
                 });
                 format!("{object}\n")
             }
             TextOrJson::Text => {
+                let instances = if self.instances > 0 { format!(", {} instances", self.instances) } else { String::new() };
                 let memory = peak_memory().map_or(String::new(), |bytes| format!("memory      {:.0} MB at most\n", bytes as f64 * 1e-6));
                 format!(
-                    "load        {:.2} s, {} primitives\nrender      {seconds:.2} s on {} threads\nsamples     {samples} ({:.2} M/s)\n\
+                    "load        {:.2} s, {} primitives{instances}\nrender      {seconds:.2} s on {} threads\nsamples     {samples} ({:.2} M/s)\n\
                      rays        {} and {} shadow rays ({:.2} M/s), {:.2} + {:.2} per sample\n{memory}invalid     {} samples\n",
                     self.load,
                     self.primitives,

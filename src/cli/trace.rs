@@ -107,8 +107,9 @@ impl Trace<'_> {
             _ => (*model).to_owned(),
         };
         let triangle = if hit.primitive > 0 { format!(" #{}", hit.primitive) } else { String::new() };
+        let instance = hit.instance.map_or(String::new(), |id| format!(" of instance {}", id.get()));
         let (at, cos, distance) = (point(self.place(*p)), short(ns.dot(*wo)), short(*distance));
-        format!("{depth:<4} {shape}{triangle}, {material}, at {at} after {distance} m, cos {cos}, throughput {}", color(*beta))
+        format!("{depth:<4} {shape}{triangle}{instance}, {material}, at {at} after {distance} m, cos {cos}, throughput {}", color(*beta))
     }
 
     /// Text of the start of a path at a light.
@@ -147,6 +148,7 @@ impl Trace<'_> {
         match event {
             Event::Vertex(v) => json!({
                 "event": "vertex", "depth": v.depth, "shape": self.names.shapes.get(v.hit.shape as usize), "primitive": v.hit.primitive,
+                "instance": v.hit.instance.map(|id| id.get()),
                 "material": self.names.materials.get(v.hit.shape as usize), "model": v.model, "point": self.place(v.point),
                 "distance": v.distance, "ng": v.ng.to_array(), "ns": v.ns.to_array(), "wo": v.wo.to_array(), "throughput": v.beta.to_rgb(),
             }),

@@ -2,32 +2,40 @@
 //!
 //! Each check gives the JSON pointer of the value it complains about; [`Faults::add_at`] finds the line and column.
 
+use std::collections::BTreeSet;
+
 use super::camera::Camera;
 use super::cycles;
 use super::field_check;
 use super::film::Film;
 use super::light::{Light, SpotLight};
 use super::scene::Scene;
-use super::shape::{Mesh, Sdf, Shape};
+use super::shape::{Instances, Mesh, Sdf, Shape};
 use super::{Material, MaterialRef};
 use crate::bsdf::microfacet::RoughnessKeys;
 use crate::format::{Hex, LookAt, Texture, TextureSpace, Textured, Transform};
+use crate::primitive::MAX_NESTING;
 use crate::reader::{Faults, Node, escaped, unknown};
 
 /// Adds to `faults` all that is wrong with `scene`, which was read from `root`.
 pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
-    let checker = Checker { scene, root, faults };
+    let checker = Checker { scene, root, faults, emitting: emitting_groups(scene) };
     checker.camera(&scene.camera);
     checker.film(&scene.film);
     checker.integrator();
     for (name, texture) in &scene.textures {
         checker.texture(&format!("/textures{}", escaped(name)), texture);
     }
-    for (pointer, message) in cycles::textures(&scene.textures).into_iter().chain(cycles::materials(&scene.materials)) {
+    for (pointer, message) in
+        cycles::textures(&scene.textures).into_iter().chain(cycles::materials(&scene.materials)).chain(cycles::groups(&scene.groups))
+    {
         checker.fault(&pointer, message);
     }
     for (name, material) in &scene.materials {
         checker.material(&format!("/materials{}", escaped(name)), material);
+    }
+    for (name, shapes) in &scene.groups {
+        checker.shapes(&format!("/groups{}", escaped(name)), shapes);
     }
     checker.shapes("/shapes", &scene.shapes);
     for (i, light) in scene.lights.iter().enumerate() {
@@ -41,6 +49,30 @@ struct Checker<'s> {
     scene: &'s Scene,
     root: &'s Node,
     faults: &'s Faults,
+    /// The names of the groups that emit light, also through instances of other groups.
+    emitting: BTreeSet<&'s str>,
+}
+
+fn emitting_groups(scene: &Scene) -> BTreeSet<&str> {
+    let mut emitting = BTreeSet::new();
+    // Each round finds the groups with instances of those found before.
+    for _ in 0..=MAX_NESTING {
+        let more: Vec<&str> = scene.groups.iter().filter(|(_, shapes)| emits(shapes, &emitting)).map(|(name, _)| name.as_str()).collect();
+        emitting.extend(more);
+    }
+    emitting
+}
+
+/// Whether a shape emits light.
+///
+/// - `emitting`: groups that do
+fn emits(shapes: &[Shape], emitting: &BTreeSet<&str>) -> bool {
+    shapes.iter().any(|shape| match shape {
+        Shape::Group(group) => emits(&group.shapes, emitting),
+        Shape::Instances(instances) => emitting.contains(instances.group.as_str()),
+        Shape::Sdf(sdf) => sdf.emission.is_some() || sdf.parts.iter().flatten().any(|part| part.emission.is_some()),
+        other => other.emission().is_some(),
+    })
 }
 
 impl Checker<'_> {
@@ -183,7 +215,32 @@ impl Checker<'_> {
             Shape::Mesh(mesh) => self.mesh(pointer, shape, mesh),
             Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes),
             Shape::Sdf(sdf) => self.sdf(pointer, sdf),
+            Shape::Instances(instances) => self.instances(pointer, instances),
             Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) | Shape::Box(_) => {}
+        }
+    }
+
+    fn instances(&self, pointer: &str, instances: &Instances) {
+        if !self.scene.groups.contains_key(&instances.group) {
+            self.unknown_name(&format!("{pointer}/group"), "group", &instances.group, self.scene.groups.keys());
+        }
+        if instances.placements.is_some() && instances.file.is_some() {
+            self.fault(&format!("{pointer}/file"), "give placements or a file with points, not both");
+        }
+        if !instances.materials.is_empty() && instances.file.is_none() {
+            self.fault(&format!("{pointer}/materials"), "materials for the points of a file, but there is no \"file\"");
+        }
+        for (i, placement) in instances.placements.iter().flatten().enumerate() {
+            self.transform(&format!("{pointer}/placements/{i}/transform"), &placement.transform);
+        }
+        for (at, material) in instances.materials() {
+            self.material_ref(&format!("{pointer}/{at}"), material);
+        }
+        let own = instances.material.iter().map(|material| ("material".to_owned(), material));
+        for (at, material) in own.chain(instances.materials()) {
+            if self.has_holes(material, 0) && self.emitting.contains(instances.group.as_str()) {
+                self.fault(&format!("{pointer}/{at}"), "what emits can have no holes, and a shape of this group has \"emission\"");
+            }
         }
     }
 

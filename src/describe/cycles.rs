@@ -1,10 +1,11 @@
-//! Finds textures and materials that contain themselves by name, or that are nested too deeply.
+//! Finds textures, materials and groups that contain themselves by name, or that are nested too deeply.
 
 use std::collections::BTreeMap;
 use std::slice;
 
-use super::{Material, MaterialRef};
+use super::{Material, MaterialRef, Shape};
 use crate::format::{Texture, Textured};
+use crate::primitive::MAX_NESTING;
 use crate::reader::escaped;
 
 /// A kind of description that may refer to others of its kind by name.
@@ -19,11 +20,12 @@ struct Kind {
 
 const TEXTURES: Kind = Kind { name: "texture", folder: "/textures", max_depth: 64 };
 const MATERIALS: Kind = Kind { name: "material", folder: "/materials", max_depth: 8 };
+const GROUPS: Kind = Kind { name: "group", folder: "/groups", max_depth: MAX_NESTING };
 
 /// A fault: the JSON pointer it is about, and what is wrong.
 pub(super) type Finding = (String, String);
 
-/// A reference to a texture or material by its name.
+/// A reference to a texture, material or group by its name.
 struct Mention<'s> {
     /// The JSON pointer of the reference.
     pointer: String,
@@ -38,6 +40,11 @@ pub(super) fn textures(textures: &BTreeMap<String, Texture>) -> Vec<Finding> {
 /// Finds every reference by which a material contains itself, and each material at which nesting first becomes too deep.
 pub(super) fn materials(materials: &BTreeMap<String, Material>) -> Vec<Finding> {
     find(MATERIALS, materials, of_material)
+}
+
+/// Finds every reference by which a group contains itself, and each group at which nesting first becomes too deep.
+pub(super) fn groups(groups: &BTreeMap<String, Vec<Shape>>) -> Vec<Finding> {
+    find(GROUPS, groups, |pointer, shapes, found| of_shapes(&pointer, shapes, found))
 }
 
 /// Searches all names depth first, with a stack of its own; each name is entered once.
@@ -124,6 +131,17 @@ fn of_material<'s>(pointer: String, material: &'s Material, found: &mut Vec<Ment
         match part {
             MaterialRef::Named(name) => found.push(Mention { pointer: format!("{pointer}/{key}"), name }),
             MaterialRef::Inline(inner) => of_material(format!("{pointer}/{key}"), inner, found),
+        }
+    }
+}
+
+/// Collects the groups of which some shapes are instances.
+fn of_shapes<'s>(pointer: &str, shapes: &'s [Shape], found: &mut Vec<Mention<'s>>) {
+    for (i, shape) in shapes.iter().enumerate() {
+        match shape {
+            Shape::Group(group) => of_shapes(&format!("{pointer}/{i}/shapes"), &group.shapes, found),
+            Shape::Instances(instances) => found.push(Mention { pointer: format!("{pointer}/{i}/group"), name: &instances.group }),
+            _ => {}
         }
     }
 }

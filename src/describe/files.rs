@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use super::file::open;
 use super::mesh;
+use super::mesh::points::{self, InstancePoint};
 use super::picture;
 use super::scene::Scene;
 use super::shape::Shape;
@@ -47,6 +48,17 @@ impl Files {
         match self.made.get(name) {
             Some(bytes) => mesh::read(Cursor::new(bytes), name),
             None => mesh::load(&self.folder.join(name), name),
+        }
+    }
+
+    /// Reads the points of instances in the file of that name, as [`points::read`] does.
+    ///
+    /// # Errors
+    /// Those of [`points::read`].
+    pub fn points(&self, name: &str) -> Result<(Vec<InstancePoint>, Vec<String>)> {
+        match self.made.get(name) {
+            Some(bytes) => points::read(Cursor::new(bytes), name),
+            None => points::read(BufReader::new(open(&self.folder.join(name), name)?), name),
         }
     }
 
@@ -113,6 +125,7 @@ pub fn files_of(scene: &Scene) -> Vec<(String, &str)> {
     let mut files = Named(vec![]);
     scene.textures.iter().for_each(|(name, texture)| files.texture(&format!("/textures{}", escaped(name)), texture));
     scene.materials.iter().for_each(|(name, material)| files.material(&format!("/materials{}", escaped(name)), material));
+    scene.groups.iter().for_each(|(name, shapes)| files.shapes(&format!("/groups{}", escaped(name)), shapes));
     files.shapes("/shapes", &scene.shapes);
     files.0
 }
@@ -194,6 +207,12 @@ impl<'s> Named<'s> {
                         if let Some(texture) = part.emission.as_ref().and_then(|emission| emission.texture.as_ref()) {
                             self.textured(&format!("{pointer}/parts/{i}/emission/texture"), texture);
                         }
+                    }
+                }
+                Shape::Instances(instances) => {
+                    self.0.extend(instances.file.as_deref().map(|file| (format!("{pointer}/file"), file)));
+                    for (at, material) in instances.materials() {
+                        self.material_ref(&format!("{pointer}/{at}"), material);
                     }
                 }
                 Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) | Shape::Box(_) => {}

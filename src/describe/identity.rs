@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
+use super::mesh::points::InstancePoint;
 use super::{SamplerKind, Scene};
 use crate::error::{Error, Result};
 use crate::integrator::Entry;
@@ -176,6 +177,15 @@ pub(crate) fn of_mesh(mesh: &MeshData) -> Hash {
     for part in &mesh.parts {
         hasher.text(part.material.as_deref().unwrap_or_default());
         hasher.whole([part.triangles.start, part.triangles.end]);
+    }
+    hasher.finish()
+}
+
+pub(crate) fn of_points(points: &[InstancePoint]) -> Hash {
+    let mut hasher = Hasher::default();
+    for InstancePoint { position, rotation, scale, material } in points {
+        hasher.floats(position.iter().chain(rotation).chain(scale).copied());
+        hasher.whole([*material]);
     }
     hasher.finish()
 }

@@ -6,13 +6,15 @@ use super::{Light, MaterialRef, Scene, Shape};
 use crate::film::LightNames;
 use crate::light;
 use crate::light::Lights;
+use crate::reader::escaped;
+use crate::world::World;
 
 /// The names of a scene's parts. A part without a name has its JSON pointer instead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Names {
     /// The name of each shape, numbered as [`crate::primitive::Hit::shape`] is.
     pub shapes: Vec<String>,
-    /// The name of each shape's material, where the shape has a single named one.
+    /// The name of each shape's material, where the shape has a single named one, and no instance may replace it.
     pub materials: Vec<Option<String>>,
     /// The names of the lights without a surface, numbered as in [`Lights`], then of the background.
     lights: Vec<String>,
@@ -20,9 +22,23 @@ pub struct Names {
 
 impl Names {
     /// Collects the names of a scene's parts.
-    pub fn of(scene: &Scene) -> Names {
+    ///
+    /// - `world`: the scene as it was built; it has copies of shapes
+    pub fn of(scene: &Scene, world: &World) -> Names {
         let mut names = Names { shapes: vec![], materials: vec![], lights: vec![] };
         names.add("/shapes", &scene.shapes);
+        let own = names.shapes.len();
+        for name in scene.shown_groups() {
+            names.add(&format!("/groups{}", escaped(name)), &scene.groups[name]);
+        }
+        if scene.groups.values().chain([&scene.shapes]).any(|shapes| replace_materials(shapes)) {
+            names.materials[own..].fill(None);
+        }
+        for copy in names.shapes.len()..world.shapes().len() {
+            let described = world.described_shape(copy as u32) as usize;
+            names.shapes.push(names.shapes[described].clone());
+            names.materials.push(names.materials[described].clone());
+        }
         let named = |(i, light): (usize, &Light)| {
             let name = match light {
                 Light::Point(l) => &l.name,
@@ -35,13 +51,17 @@ impl Names {
         names
     }
 
-    /// Adds shapes in the order in which they are built. Each member of a group counts as a shape, the group itself does not.
+    /// Adds shapes in the order in which they are built. Each member of a group counts as a shape; the group itself and instances do not.
     fn add(&mut self, pointer: &str, shapes: &[Shape]) {
         for (i, shape) in shapes.iter().enumerate() {
             let pointer = format!("{pointer}/{i}");
-            if let Shape::Group(group) = shape {
-                self.add(&format!("{pointer}/shapes"), &group.shapes);
-                continue;
+            match shape {
+                Shape::Group(group) => {
+                    self.add(&format!("{pointer}/shapes"), &group.shapes);
+                    continue;
+                }
+                Shape::Instances(_) => continue,
+                _ => {}
             }
             let material = shape.material().and_then(|material| match material {
                 MaterialRef::Named(name) => Some(name.clone()),
@@ -80,4 +100,13 @@ impl Names {
         let of = (0..lights.len()).map(&mut group).collect();
         LightNames { names, of }
     }
+}
+
+/// Whether some instances have other materials than their shapes.
+fn replace_materials(shapes: &[Shape]) -> bool {
+    shapes.iter().any(|shape| match shape {
+        Shape::Group(group) => replace_materials(&group.shapes),
+        Shape::Instances(instances) => instances.material.is_some() || instances.materials().next().is_some(),
+        _ => false,
+    })
 }

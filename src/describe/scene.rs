@@ -1,6 +1,6 @@
 //! Description of the scene: the scene file as a whole.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
@@ -10,7 +10,7 @@ use super::camera::Camera;
 use super::film::Film;
 use super::light::Light;
 use super::sampler::Sampler;
-use super::shape::Shape;
+use super::shape::{Instances, Shape};
 use super::{Material, MaterialRef};
 use crate::format::{Color, Radiometric, Texture, Version};
 use crate::reader::Node;
@@ -41,6 +41,10 @@ pub struct Scene {
     /// The shapes of the scene.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shapes: Vec<Shape>,
+    /// Groups of shapes by name. A group shows only where a shape of type `instances` places it. Groups may contain instances of others,
+    /// nested 8 deep.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub groups: BTreeMap<String, Vec<Shape>>,
     /// Lights without a surface. Shapes emit light by their `emission`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lights: Vec<Light>,
@@ -55,6 +59,29 @@ impl Scene {
         match chosen {
             MaterialRef::Inline(inline) => Some(inline),
             MaterialRef::Named(name) => self.materials.get(name),
+        }
+    }
+
+    /// The names of the groups that the scene shows, each after those that it contains. There must be no circles.
+    pub fn shown_groups(&self) -> Vec<&str> {
+        let (mut shown, mut known) = (vec![], BTreeSet::new());
+        self.add_groups(&self.shapes, &mut known, &mut shown);
+        shown
+    }
+
+    /// Adds the groups that `shapes` show.
+    ///
+    /// - `known`: names of the groups that are in `shown`, or will be
+    fn add_groups<'s>(&'s self, shapes: &'s [Shape], known: &mut BTreeSet<&'s str>, shown: &mut Vec<&'s str>) {
+        for shape in shapes {
+            match shape {
+                Shape::Group(group) => self.add_groups(&group.shapes, known, shown),
+                Shape::Instances(Instances { group, .. }) if known.insert(group) => {
+                    self.groups.get(group).into_iter().for_each(|shapes| self.add_groups(shapes, known, shown));
+                    shown.push(group);
+                }
+                _ => {}
+            }
         }
     }
 }

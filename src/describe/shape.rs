@@ -23,11 +23,14 @@ pub enum Shape {
     Box(Cuboid),
     Sdf(Sdf),
     Group(Group),
+    Instances(Instances),
 }
 
-by_type!(Shape { Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Box(Cuboid), Sdf(Sdf), Group(Group) });
+by_type!(Shape {
+    Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Box(Cuboid), Sdf(Sdf), Group(Group), Instances(Instances)
+});
 
-/// Defines a struct with the keys that all shapes except groups have in common. (serde's `flatten` would lose positions in the file.)
+/// Defines a struct with the keys that all shapes except groups and instances have in common. (serde's `flatten` would lose positions in the file.)
 macro_rules! surface {
     ($(#[$meta:meta])* pub struct $name:ident { $($own:tt)* }) => {
         $(#[$meta])*
@@ -166,6 +169,48 @@ pub struct Group {
     pub transform: Transform,
 }
 
+/// Instances of one of the scene's `groups`: copies that share the memory of the group's shapes. Each costs a small record, so that there
+/// may be millions. A shape that emits light is copied in full, and each copy is a light of its own; at most 1,048,576 such copies are
+/// possible. Where a surface of an instance coincides with a surface outside of the instance, rounding decides which of them is seen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Instances {
+    /// The name of the group.
+    pub group: String,
+    /// The places of the instances. Without them, and without `file`, there is one instance, placed by `transform` alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub placements: Option<Vec<Placement>>,
+    /// The path of a .ply file with one point for each instance, relative to the scene file's folder. Its element `vertex` has the
+    /// properties `x y z`, in metres, and optionally `qx qy qz qw`, a rotation as a quaternion of any length; `scale`, or `scale_x scale_y
+    /// scale_z`; and `material`, a number from 0 that chooses one of `materials`. The group is scaled first, then rotated, then moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// The materials that the points of `file` choose from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<MaterialRef>,
+    /// The name of the instances in messages.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// The material of all surfaces, instead of their own. Where instances lie within each other, the material of the outermost counts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<MaterialRef>,
+    /// Places all instances in the world, or in their group. It acts after their own placement.
+    #[serde(default, skip_serializing_if = "Transform::is_identity")]
+    pub transform: Transform,
+}
+
+/// The place of one instance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Placement {
+    /// Places the group.
+    #[serde(default, skip_serializing_if = "Transform::is_identity")]
+    pub transform: Transform,
+    /// The material of all surfaces of this instance. Default: that of the instances, or the shapes' own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<MaterialRef>,
+}
+
 fn one() -> Positive {
     Positive::known(1.0)
 }
@@ -205,6 +250,15 @@ impl Sides {
     }
 }
 
+impl Instances {
+    /// The materials of single instances, each with its place below that of the instances: `placements/0/material`.
+    pub fn materials(&self) -> impl Iterator<Item = (String, &MaterialRef)> {
+        let placed = self.placements.iter().flatten().enumerate();
+        let placed = placed.filter_map(|(i, p)| Some((format!("placements/{i}/material"), p.material.as_ref()?)));
+        placed.chain(self.materials.iter().enumerate().map(|(i, material)| (format!("materials/{i}"), material)))
+    }
+}
+
 impl Shape {
     /// The name, where one is given.
     pub fn name(&self) -> Option<&str> {
@@ -216,6 +270,7 @@ impl Shape {
             Shape::Box(s) => s.name.as_deref(),
             Shape::Sdf(s) => s.name.as_deref(),
             Shape::Group(s) => s.name.as_deref(),
+            Shape::Instances(s) => s.name.as_deref(),
         }
     }
 
@@ -229,10 +284,11 @@ impl Shape {
             Shape::Box(s) => &s.transform,
             Shape::Sdf(s) => &s.transform,
             Shape::Group(s) => &s.transform,
+            Shape::Instances(s) => &s.transform,
         }
     }
 
-    /// The material; `None` where none is given, and for groups.
+    /// The material; `None` where none is given, and for groups. That of instances replaces the materials of their shapes.
     pub fn material(&self) -> Option<&MaterialRef> {
         match self {
             Shape::Mesh(s) => s.material.as_ref(),
@@ -242,10 +298,11 @@ impl Shape {
             Shape::Box(s) => s.material.as_ref(),
             Shape::Sdf(s) => s.material.as_ref(),
             Shape::Group(_) => None,
+            Shape::Instances(s) => s.material.as_ref(),
         }
     }
 
-    /// The emission; `None` where none is given, and for groups.
+    /// The emission; `None` where none is given, and for groups and instances.
     pub fn emission(&self) -> Option<&Emission> {
         match self {
             Shape::Mesh(s) => s.emission.as_ref(),
@@ -254,7 +311,7 @@ impl Shape {
             Shape::Disk(s) => s.emission.as_ref(),
             Shape::Box(s) => s.emission.as_ref(),
             Shape::Sdf(s) => s.emission.as_ref(),
-            Shape::Group(_) => None,
+            Shape::Group(_) | Shape::Instances(_) => None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Affine transforms, kept with their inverses in double precision.
 
-use glam::{DAffine3, DMat3, DMat4, DVec3, DVec4};
+use glam::{BVec3, DAffine3, DMat3, DMat4, DVec3, DVec4};
 
 use super::float::sin_cos_degrees;
 use crate::error::{Error, Fault, Result};
@@ -134,6 +134,11 @@ impl Transform {
         Transform { matrix: self.inverse, inverse: self.matrix, flips: self.flips }
     }
 
+    /// Matrix of the inverse.
+    pub fn inverse_matrix(&self) -> DAffine3 {
+        self.inverse
+    }
+
     /// Transforms a point.
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.matrix.transform_point3(p)
@@ -142,6 +147,16 @@ impl Transform {
     /// Transforms a difference of points, without translation.
     pub fn vector(&self, v: DVec3) -> DVec3 {
         self.matrix.transform_vector3(v)
+    }
+
+    /// Bounding box of a transformed box; an empty box (low > high) stays empty.
+    pub fn bounds(&self, [low, high]: [DVec3; 2]) -> [DVec3; 2] {
+        let nothing = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        if !low.cmple(high).all() {
+            return nothing;
+        }
+        let corners = (0..8).map(|k| DVec3::select(BVec3::new(k & 1 != 0, k & 2 != 0, k & 4 != 0), high, low));
+        corners.map(|p| self.point(p)).fold(nothing, |[low, high], p| [low.min(p), high.max(p)])
     }
 
     /// Transforms a normal to a unit normal, which is perpendicular to the transformed tangents.

@@ -121,6 +121,22 @@ pub trait Shape: Send + Sync {
         0.0
     }
 
+    /// Whether a mirrored copy has its texture coordinates u and v swapped, because they follow the order of the corners.
+    fn mirroring_swaps_uv(&self) -> bool {
+        false
+    }
+
+    /// Shading normal of an instance of primitive `i` at the coordinates `uv`: interpolated after the transform, as that of a copy is.
+    /// `None` if it is the geometric normal `ng`.
+    fn instance_shading_normal(&self, _i: u32, _uv: Vec2, _to_world: &Transform, _ng: Vec3) -> Option<Vec3> {
+        None
+    }
+
+    /// As [`Shape::shadow_terminator_offset`], for an instance at the place `to_world`.
+    fn instance_shadow_terminator_offset(&self, _i: u32, _uv: Vec2, _to_world: &Transform, _point: &SurfacePoint) -> f32 {
+        0.0
+    }
+
     /// Whether [`Shape::shadow_terminator_offset`] is above 0 anywhere.
     fn has_shadow_terminator_offset(&self) -> bool {
         false
@@ -208,6 +224,28 @@ pub struct SurfacePoint {
     pub uv: Vec2,
     /// Interpolated vertex colour of a mesh; white if there is none.
     pub color: VertexColor,
+}
+
+/// Least cosine between a shading normal and the view direction, relative to that of the geometric normal.
+const MIN_FACING: f32 = 2.0 / 3.0;
+
+impl SurfacePoint {
+    /// The point with its shading normal bent towards the viewer where it faces away.
+    ///
+    /// At the outline of a coarse mesh, facets are visible whose interpolated normal already faces away from the viewer. They could
+    /// reflect no light except below the facet, and a black fringe would show. The normal is bent towards the viewer until its cosine is
+    /// two thirds of that of the facet's normal. The mirror direction of the viewer is then above the facet as long as the two normals are
+    /// within 41° of each other. The result depends on the ray and the point alone, so that all techniques see the same normal.
+    ///
+    /// - `ray`: ray from the viewer
+    ///
+    /// Tests: silhouettes_have_no_dark_fringe.
+    #[inline]
+    pub fn facing(self, ray: &Ray) -> SurfacePoint {
+        let facing = -self.ng.dot(ray.direction);
+        let seen = -ray.direction * 1f32.copysign(facing);
+        SurfacePoint { ns: bent(self.ns, seen, MIN_FACING * facing.abs()), ..self }
+    }
 }
 
 /// Linear colour and opacity, each from 0 to 1 in steps of 1/65535, which keeps [`SurfacePoint`] small.

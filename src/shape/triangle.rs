@@ -24,6 +24,15 @@ use crate::math::Ray;
 /// Architectures* (2007). Tests: watertight, distances_and_weights_match_integers.
 #[inline(always)]
 pub fn intersect(ray: &Ray, t_max: f32, corners: [Vec3; 3]) -> Option<ShapeHit> {
+    intersect_within(ray, t_max, corners, Exact)
+}
+
+/// Hit of `ray` with a triangle, or with the plane of the triangle at most the tolerance outside, as seen along the ray, and at most
+/// 1/1024 of the triangle. The weights are those of the nearest point of the triangle.
+///
+/// An edge function is 2 |d × e| times the distance at which the ray passes the edge e.
+#[inline(always)]
+pub fn intersect_within<T: Tolerance>(ray: &Ray, t_max: f32, corners: [Vec3; 3], tolerance: T) -> Option<ShapeHit> {
     let o = ray.origin.as_dvec3();
     let d = ray.direction.as_dvec3();
     let [a, b, c] = corners.map(|v| v.as_dvec3() - o);
@@ -49,11 +58,66 @@ pub fn intersect(ray: &Ray, t_max: f32, corners: [Vec3; 3]) -> Option<ShapeHit> 
     }
     let edge = |p: DVec3, q: DVec3| d.dot((q - p).cross(q + p));
     let (wa, wb, wc) = (edge(b, c), edge(c, a), edge(a, b));
-    if wa.min(wb).min(wc) < 0.0 && wa.max(wb).max(wc) > 0.0 {
+    let sum = wa + wb + wc;
+    let is_outside = wa.min(wb).min(wc) < 0.0 && wa.max(wb).max(wc) > 0.0;
+    if is_outside && (T::IS_EXACT || !is_near(d, [wa, wb, wc], [c - b, ac, ab], f64::from(tolerance.get()))) {
         return None;
     }
-    let sum = wa + wb + wc;
-    (sum != 0.0).then(|| ShapeHit { t: hit, uv: Vec2::new((wb / sum) as f32, (wc / sum) as f32) })
+    (sum != 0.0).then(|| {
+        let [wb, wc] = if T::IS_EXACT { [wb / sum, wc / sum] } else { inside(wb / sum, wc / sum) };
+        ShapeHit { t: hit, uv: Vec2::new(wb as f32, wc as f32) }
+    })
+}
+
+/// Whether a ray passes the triangle at most `tolerance` outside, and at most 1/1024 of the triangle.
+///
+/// - `d`: unit direction
+/// - `edges`: edges opposite to the corners with the edge functions `w`
+#[inline(never)]
+fn is_near(d: DVec3, w: [f64; 3], edges: [DVec3; 3], tolerance: f64) -> bool {
+    let sum: f64 = w.iter().sum();
+    let least = |edge: DVec3| -(2.0 * tolerance * d.cross(edge).length()).min(sum.abs() / 1024.0);
+    w.into_iter().zip(edges).all(|(w, edge)| w * sum.signum() >= least(edge))
+}
+
+/// Weights of a point of the triangle near the point with these weights, which may be outside.
+fn inside(wb: f64, wc: f64) -> [f64; 2] {
+    let (wb, wc) = (wb.max(0.0), wc.max(0.0));
+    let sum = (wb + wc).max(1.0);
+    [wb / sum, wc / sum]
+}
+
+/// Distance at which a ray may pass a triangle and still hit it. Without one, the hits are exact at no cost.
+pub trait Tolerance: Copy {
+    /// Whether the distance is 0.
+    const IS_EXACT: bool;
+
+    /// The distance (m).
+    fn get(self) -> f32;
+}
+
+/// No tolerance.
+#[derive(Clone, Copy, Debug)]
+pub struct Exact;
+
+impl Tolerance for Exact {
+    const IS_EXACT: bool = true;
+
+    fn get(self) -> f32 {
+        0.0
+    }
+}
+
+/// Tolerance (m).
+#[derive(Clone, Copy, Debug)]
+pub struct Within(pub f32);
+
+impl Tolerance for Within {
+    const IS_EXACT: bool = false;
+
+    fn get(self) -> f32 {
+        self.0
+    }
 }
 
 /// Fraction of its greatest value below which the square of n·d is mostly rounding error, because the ray lies nearly in the plane or

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::{Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, VertexColor, bent, offset_bound, triangle};
+use super::{Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, VertexColor, offset_bound, triangle};
 use crate::error::{Error, Fault, Result};
 use crate::math::{Aabb, AreaPdf, Ray, Transform, warp};
 
@@ -106,9 +106,6 @@ struct BakedMesh {
     smooth_shadows: bool,
 }
 
-/// Least cosine between a shading normal and the view direction, relative to that of the facet's normal.
-const MIN_FACING: f32 = 2.0 / 3.0;
-
 impl BakedMesh {
     fn corners(&self, i: u32) -> [Vec3; 3] {
         self.triangles[i as usize].map(|v| self.positions[v as usize])
@@ -141,6 +138,12 @@ impl BakedMesh {
         }
         self.interpolate(&self.normals, i, w).try_normalize().filter(|n| n.dot(ng) > 0.0).unwrap_or(ng)
     }
+
+    /// Normals of a triangle's corners under a transform; `None` if the triangle is flat.
+    fn placed_normals(&self, i: u32, to_world: &Transform) -> Option<[Vec3; 3]> {
+        let normals = self.triangles[i as usize].map(|v| self.normals.get(v as usize).copied().unwrap_or(Vec3::ZERO));
+        (!normals.contains(&Vec3::ZERO)).then(|| normals.map(|n| to_world.normal(n.as_dvec3()).as_vec3()))
+    }
 }
 
 impl Shape for BakedMesh {
@@ -160,22 +163,10 @@ impl Shape for BakedMesh {
         Facet::Triangle(self.corners(i))
     }
 
-    /// Surface point whose shading normal is bent towards the viewer where it faces away.
-    ///
-    /// At the outline of a coarse mesh, facets are visible whose interpolated normal already faces away from the viewer. They could
-    /// reflect no light except below the facet, and a black fringe would show. The normal is bent towards the viewer until its cosine is
-    /// two thirds of that of the facet's normal. The mirror direction of the viewer is then above the facet as long as the two normals are
-    /// within 41° of each other. The result depends on the ray and the point alone, so that all techniques see the same normal.
-    ///
-    /// Tests: silhouettes_have_no_dark_fringe.
+    /// Surface point whose shading normal is bent towards the viewer where it faces away, see [`SurfacePoint::facing`].
     fn point(&self, i: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         let point = self.at(i, hit.uv);
-        if self.normals.is_empty() {
-            return point;
-        }
-        let facing = -point.ng.dot(ray.direction);
-        let seen = -ray.direction * 1f32.copysign(facing);
-        SurfacePoint { ns: bent(point.ns, seen, MIN_FACING * facing.abs()), ..point }
+        if self.normals.is_empty() { point } else { point.facing(ray) }
     }
 
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
@@ -206,6 +197,20 @@ impl Shape for BakedMesh {
     fn shadow_terminator_offset(&self, i: u32, w: Vec2, point: &SurfacePoint) -> f32 {
         let normals = self.triangles[i as usize].map(|v| self.normals[v as usize]);
         if normals.contains(&Vec3::ZERO) { 0.0 } else { terminator_offset(self.corners(i), normals, w, point) }
+    }
+
+    fn mirroring_swaps_uv(&self) -> bool {
+        self.uvs.is_empty()
+    }
+
+    fn instance_shading_normal(&self, i: u32, w: Vec2, to_world: &Transform, ng: Vec3) -> Option<Vec3> {
+        let [a, b, c] = self.placed_normals(i, to_world)?;
+        (a * (1.0 - w.x - w.y) + b * w.x + c * w.y).try_normalize().filter(|n| n.dot(ng) > 0.0)
+    }
+
+    fn instance_shadow_terminator_offset(&self, i: u32, w: Vec2, to_world: &Transform, point: &SurfacePoint) -> f32 {
+        let corners = self.corners(i).map(|p| to_world.point(p.as_dvec3()).as_vec3());
+        self.placed_normals(i, to_world).map_or(0.0, |normals| terminator_offset(corners, normals, w, point))
     }
 
     fn has_shadow_terminator_offset(&self) -> bool {

@@ -173,7 +173,7 @@ fn anisotropy_follows_the_texture_coordinates() {
         let hit = world.intersect(&ray).expect("it is there");
         world.surface(&ray, &hit).frame
     };
-    let seen = |add: &dyn Fn(&mut pt::world::WorldBuilder, pt::world::MaterialId)| {
+    let seen = |add: &dyn Fn(&mut pt::world::WorldBuilder, pt::bsdf::MaterialId)| {
         let mut world = World::builder(probe(DVec3::Z, DVec3::ZERO));
         let material = world.material(brushed());
         add(&mut world, material);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, UVec2};
-use pt::bsdf::{Material, TransportMode, textured};
+use pt::bsdf::{Material, MaterialId, TransportMode, textured};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::{FilmSpec, Image};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
@@ -16,7 +16,7 @@ use pt::sampler::dimension::{self, Use};
 use pt::sampler::{SamplerSpec, Sequence};
 use pt::scene::Scene;
 use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
-use pt::world::{MaterialId, World, WorldBuilder};
+use pt::world::{World, WorldBuilder};
 
 use crate::glass::{block, round_mesh};
 use crate::scenes::{Depth, at, facing, integrator, needs, picture, stored};

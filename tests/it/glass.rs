@@ -9,7 +9,7 @@ mod touching;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use pt::bsdf::{Lobe, Material, TransportMode, textured};
+use pt::bsdf::{Lobe, Material, MaterialId, TransportMode, textured};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::FilmSpec;
 use pt::integrators::ALL;
@@ -18,7 +18,7 @@ use pt::math::{Ray, Transform};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 use pt::shape::{MeshData, MeshPart, Quad, Sphere, TriangleMesh};
-use pt::world::{MaterialId, World, WorldBuilder};
+use pt::world::{World, WorldBuilder};
 
 use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, integrator, picture, probe, stored, two_sided};
 

@@ -103,9 +103,9 @@ fn scene(camera: &str, (_, shapes, lights, background): &(&str, &str, &str, &str
 }
 
 /// Scramblings of each side, which are the observations of the tests.
-const K: u32 = 16;
+pub const K: u32 = 16;
 
-fn sampled(image: &Image) -> SampledImage<'_> {
+pub fn sampled(image: &Image) -> SampledImage<'_> {
     SampledImage { image, samples: K.into() }
 }
 

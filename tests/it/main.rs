@@ -30,6 +30,7 @@ mod image_verbs;
 mod images;
 mod import;
 mod importance;
+mod instances;
 mod interrupts;
 mod intersection;
 mod lamp_warnings;

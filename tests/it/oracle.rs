@@ -57,11 +57,11 @@ impl Oracle {
         let flat = self.triangles.iter().filter_map(|t| {
             let (time, [_, b, c], margin) = moeller_trumbore(o, d, t.corners)?;
             let uv = t.fold.uv(Vec2::new(b as f32, c as f32));
-            Some((time, Hit { shape: t.shape, primitive: t.primitive, uv, t: time as f32 }, margin))
+            Some((time, Hit { instance: None, shape: t.shape, primitive: t.primitive, uv, t: time as f32 }, margin))
         });
         let round = self.spheres.iter().filter_map(|ball| {
             let (time, margin) = quadratic(o - ball.center, d, ball.radius)?;
-            Some((time, Hit { shape: ball.shape, primitive: 0, uv: Vec2::ZERO, t: time as f32 }, margin))
+            Some((time, Hit { instance: None, shape: ball.shape, primitive: 0, uv: Vec2::ZERO, t: time as f32 }, margin))
         });
         flat.chain(round).filter(|(time, ..)| *time < ray.t_max as f64).collect()
     }

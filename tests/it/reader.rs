@@ -66,8 +66,11 @@ fn keys() {
         (r#""materials": {"g": {"type": "dielectric", ^"ete": 1}}"#, r#"/materials/g/ete: unknown key "ete", did you mean "eta"?"#),
         (r#""materials": {"a/b~": {"type": "mirror", ^"x": 1}}"#, r#"/materials/a~1b~0/x: unknown key "x", expected color"#),
         (r#""shapes": [{"type": ^"spere"}]"#, r#"/shapes/0/type: unknown type "spere", did you mean "sphere"?"#),
-        (r#""shapes": [^{"radius": 1}]"#, r#"/shapes/0: missing key "type", expected one of mesh, sphere, quad, disk, box, sdf, group"#),
-        (r#""shapes": [{"type": ^5}]"#, "/shapes/0/type: expected one of mesh, sphere, quad, disk, box, sdf, group, found 5"),
+        (
+            r#""shapes": [^{"radius": 1}]"#,
+            r#"/shapes/0: missing key "type", expected one of mesh, sphere, quad, disk, box, sdf, group, instances"#,
+        ),
+        (r#""shapes": [{"type": ^5}]"#, "/shapes/0/type: expected one of mesh, sphere, quad, disk, box, sdf, group, instances, found 5"),
         (r#""shapes": [^"sphere"]"#, "/shapes/0: expected an object with a \"type\", found the string \"sphere\""),
         (r#""shapes": ^{"type": "sphere"}"#, "/shapes: expected an array, found an object"),
         (r#""background": ^null"#, "/background: expected an object, found null"),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use pt::bsdf::Material;
+use pt::bsdf::{Material, MaterialId};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::effects::Effects;
 use pt::film::{Film, FilmSpec, Image, MomentFilm, Moments, PixelSums, Wave};
@@ -18,7 +18,7 @@ use pt::render::{Settings, Silent, render};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 use pt::shape::Quad;
-use pt::world::{MaterialId, World, WorldBuilder};
+use pt::world::{World, WorldBuilder};
 
 /// An upper bound of the number of statistical tests in the suite, which together have 1 % of false alarms.
 const SUITE: usize = 1000;

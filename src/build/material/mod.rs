@@ -5,12 +5,11 @@ mod texture;
 use super::Builder;
 use crate::bsdf::description::{Description, Prepare};
 use crate::bsdf::microfacet::{Distribution, Microfacets, roughness};
-use crate::bsdf::{MAX_DELTA_LOBES, Material, SurfaceMaterial};
+use crate::bsdf::{MAX_DELTA_LOBES, Material, MaterialId, SurfaceMaterial};
 use crate::describe::{self, MaterialRef, Textured};
 use crate::effects::Effects;
 use crate::reader::escaped;
 use crate::texture::Texture;
-use crate::world::MaterialId;
 
 pub(super) use texture::{MOST_TEXTURES, Range};
 

@@ -14,7 +14,7 @@ use crate::cli::progress::{Progress, ProgressForm};
 use crate::cli::stats::{RayCounter, Summary};
 use crate::cli::summary::{self, attributes, print_summary};
 use crate::cli::{INCONCLUSIVE, is_quiet, note, pilot, print_stderr, print_stdout, signals};
-use crate::describe::{self, Names};
+use crate::describe::Names;
 use crate::error::{Error, Result};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::{Entry, Integrator};
@@ -32,13 +32,14 @@ struct Picture<'a> {
     world: Arc<dyn Scene>,
     /// World without smooth shadows, and the number of meshes that have them, if all biases are requested.
     facets: Option<(World, usize)>,
-    description: describe::Scene,
+    names: Names,
     /// Name of the scene.
     stem: String,
     spec: FilmSpec,
     settings: Settings,
     until: StopCondition,
     primitives: u64,
+    instances: u32,
     /// Time for reading and building the scene (s).
     load_seconds: f64,
 }
@@ -78,11 +79,11 @@ pub fn render_picture(plan: &RenderPlan, loaded: Loaded, load_seconds: f64) -> R
 impl<'a> Picture<'a> {
     fn new(plan: &'a RenderPlan, loaded: Loaded, load_seconds: f64) -> Result<Picture<'a>> {
         let facets = if plan.reports.bias { loaded.without_smooth_shadows()? } else { None };
-        let Loaded { built, entry, integrator, stem, description, .. } = loaded;
+        let Loaded { built, entry, integrator, stem, .. } = loaded;
         let settings = Settings { clamp: plan.clamp, wave_time: Some(render::SHORT_WAVE), ..Settings::new(built.sampler) };
-        let primitives = built.world.primitive_count();
-        let (world, spec, until) = (Arc::new(built.world), built.film, plan.until);
-        Ok(Picture { plan, entry, integrator, world, facets, description, stem, spec, settings, until, primitives, load_seconds })
+        let (primitives, instances) = (built.world.primitive_count(), built.world.instance_count());
+        let (world, names, spec, until) = (Arc::new(built.world), built.names, built.film, plan.until);
+        Ok(Picture { plan, entry, integrator, world, facets, names, stem, spec, settings, until, primitives, instances, load_seconds })
     }
 
     /// Prints the price list, if it is requested.
@@ -147,7 +148,7 @@ impl<'a> Picture<'a> {
         let tonemap = plan.tone_mapping.tonemap(&image);
         write_all(&plan.pictures, &image, &attributes, &tonemap)?;
         if !is_quiet() {
-            remark_darkness(&image, self.entry.name, || one_sided(&Names::of(&self.description), self.world.lights()));
+            remark_darkness(&image, self.entry.name, || one_sided(&self.names, self.world.lights()));
             remark_exposure(&plan.tone_mapping, &plan.pictures, &image, &tonemap);
         }
         Ok(())
@@ -175,6 +176,7 @@ impl<'a> Picture<'a> {
                 spp: film.mean_samples(),
                 pixels: self.spec.crop.pixel_count(),
                 primitives: self.primitives,
+                instances: self.instances,
                 rays: counter.rays(),
                 threads: rayon::current_num_threads(),
                 load: self.load_seconds,

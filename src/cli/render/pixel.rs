@@ -7,7 +7,6 @@ use crate::cli::load::Loaded;
 use crate::cli::print_stdout;
 use crate::cli::stats::TextOrJson;
 use crate::cli::trace::{self, Trace};
-use crate::describe::Names;
 use crate::error::{Error, Result};
 use crate::film::{Crop, FilmSpec, MomentFilm};
 use crate::recorder::Event;
@@ -29,7 +28,7 @@ pub struct PixelPlan {
 /// Computes and prints one pixel, or one sample of it.
 pub fn pixel(plan: &PixelPlan, loaded: Loaded) -> Result<()> {
     let (x, y) = plan.pixel;
-    let Built { world, film, sampler, .. } = loaded.built;
+    let Built { world, film, sampler, names, .. } = loaded.built;
     let settings = Settings { clamp: plan.clamp, ..Settings::new(sampler) };
     if x >= film.size.x || y >= film.size.y {
         return Err(Error::Usage(format!("--pixel {x},{y}: the picture is {} × {}", film.size.x, film.size.y)));
@@ -45,7 +44,7 @@ pub fn pixel(plan: &PixelPlan, loaded: Loaded) -> Result<()> {
             let splats: String = splats.iter().map(|splat| format!("  + {}\n", trace::splatted(splat))).collect();
             return print_stdout(&format!("pixel {x},{y} sample {index}: {r:?} {g:?} {b:?}\n{splats}"));
         };
-        let (camera, names, integrator) = (render.camera(id), Names::of(&loaded.description), loaded.entry.name);
+        let (camera, integrator) = (render.camera(id), loaded.entry.name);
         let trace = Trace { integrator, id, camera, value, events: &events, names: &names, lights: scene.lights(), origin };
         return print_stdout(&trace.print(form));
     }

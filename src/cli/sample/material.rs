@@ -58,7 +58,7 @@ pub fn of_sphere(world: &World) -> Result<Bsdf<'_>> {
     let ray = Ray::new(Vec3::new(0.3, 0.2, 3.0) - world.origin().as_vec3(), Vec3::NEG_Z);
     // The shape is intersected, not the world: at a hole of a surface the material there is wanted.
     let met = world.shapes()[0].intersect(0, &ray).ok_or_else(|| Error::Internal("a ray missed the unit sphere".into()))?;
-    Ok(world.surface(&ray, &Hit { shape: 0, primitive: 0, uv: met.uv, t: met.t }).bsdf)
+    Ok(world.surface(&ray, &Hit { instance: None, shape: 0, primitive: 0, uv: met.uv, t: met.t }).bsdf)
 }
 
 /// Text with the most important figures of a proof and its samples.

@@ -7,6 +7,7 @@ mod obj;
 mod obj_check;
 mod ply;
 mod ply_row;
+pub mod points;
 mod stl;
 mod token;
 mod write;

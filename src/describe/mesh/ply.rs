@@ -24,13 +24,14 @@ const MAX_HEADER: u64 = 1 << 20;
 /// # Errors
 /// [`Error::Invalid`] with the line (ASCII) or the element's number; [`Error::Limit`] beyond 2³² − 1 elements; [`Error::Io`] where the
 /// source cannot be read. A header that promises more than the file can hold is refused before memory is allocated for it.
-pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found> {
-    let size = source.seek(SeekFrom::End(0)).and_then(|size| source.rewind().map(|()| size)).map_err(|e| Error::io(name, e))?;
-    let text = header_text(&mut source, name)?;
-    let header = header(&text, name)?;
-    check_header(&header, size.saturating_sub(text.len() as u64), name)?;
-    let line = text.iter().filter(|&&b| b == b'\n').count();
-    let mut body = Body { source, name, encoding: header.encoding, line, row_text: Vec::new(), parser: Parser::new() };
+pub(super) fn read(source: impl BufRead + Seek, name: &str) -> Result<Found> {
+    let (header, mut body) = opened(source, name, &["vertex", "face"])?;
+    let is_index_list = |(name, property): (&String, &ply_rs_bw::ply::PropertyDef)| {
+        is_indices(name) && matches!(&property.data_type, PropertyType::List(_, item) if is_integer(item))
+    };
+    if header.elements["face"].properties.iter().filter(|&p| is_index_list(p)).count() != 1 {
+        return Err(invalid(name, "face needs one integer list vertex_indices (or vertex_index)"));
+    }
     let mut found = Found::default();
     for element in header.elements.values() {
         match element.name.as_str() {
@@ -50,6 +51,22 @@ pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found>
     Ok(found)
 }
 
+/// Reads the header of a PLY file, and returns it with the data after it.
+///
+/// - `needed`: elements that the file must have; `vertex` is one of them
+///
+/// # Errors
+/// Those of [`read`] about the header.
+pub(super) fn opened<'a, R: BufRead + Seek>(mut source: R, name: &'a str, needed: &[&str]) -> Result<(Header, Body<'a, R>)> {
+    let size = source.seek(SeekFrom::End(0)).and_then(|size| source.rewind().map(|()| size)).map_err(|e| Error::io(name, e))?;
+    let text = header_text(&mut source, name)?;
+    let header = header(&text, name)?;
+    check_header(&header, needed, size.saturating_sub(text.len() as u64), name)?;
+    let line = text.iter().filter(|&&b| b == b'\n').count();
+    let body = Body { source, name, encoding: header.encoding, line, row_text: Vec::new(), parser: Parser::new() };
+    Ok((header, body))
+}
+
 /// Reads the bytes up to and including the line `end_header`.
 fn header_text(source: &mut impl BufRead, name: &str) -> Result<Vec<u8>> {
     let mut text = Vec::new();
@@ -57,7 +74,9 @@ fn header_text(source: &mut impl BufRead, name: &str) -> Result<Vec<u8>> {
     loop {
         let start = text.len();
         if source.read_until(b'\n', &mut text).map_err(|e| Error::io(name, e))? == 0 {
-            return Err(invalid(name, "the header has no line \"end_header\""));
+            let is_ply = text.starts_with(b"ply");
+            let message = if is_ply { "the header has no line \"end_header\"" } else { "not a PLY file: its first line is not \"ply\"" };
+            return Err(invalid(name, message));
         }
         if text[start..].trim_ascii() == b"end_header" {
             return Ok(text);
@@ -95,9 +114,9 @@ fn header(text: &[u8], name: &str) -> Result<Header> {
     })
 }
 
-/// Checks that the header has the elements and properties that a mesh needs, and that its counts are possible in `size` bytes.
-fn check_header(header: &Header, size: u64, name: &str) -> Result<()> {
-    for element in ["vertex", "face"] {
+/// Checks that the header has the elements that are needed, and positions, and that its counts are possible in `size` bytes.
+fn check_header(header: &Header, needed: &[&str], size: u64, name: &str) -> Result<()> {
+    for &element in needed {
         let count = header.elements.get(element).ok_or_else(|| invalid(name, format!("no element {element}")))?.count;
         if u32::try_from(count).is_err() {
             return Err(Error::Limit(Fault::new(format!("{count} {element} elements, at most 2^32 - 1 are possible")).in_file(name)));
@@ -106,12 +125,6 @@ fn check_header(header: &Header, size: u64, name: &str) -> Result<()> {
     let missing = slots(&header.elements["vertex"]).into_iter().zip(["x", "y", "z"]).find(|(has, _)| !has);
     if let Some((_, axis)) = missing {
         return Err(invalid(name, format!("vertex has no property {axis}")));
-    }
-    let is_index_list = |(name, property): (&String, &ply_rs_bw::ply::PropertyDef)| {
-        is_indices(name) && matches!(&property.data_type, PropertyType::List(_, item) if is_integer(item))
-    };
-    if header.elements["face"].properties.iter().filter(|&p| is_index_list(p)).count() != 1 {
-        return Err(invalid(name, "face needs one integer list vertex_indices (or vertex_index)"));
     }
     let mut least = 0;
     for element in header.elements.values() {
@@ -158,7 +171,7 @@ fn size_of_scalar(scalar: &ScalarType) -> u128 {
 }
 
 /// The data after the header, which is read row by row.
-struct Body<'a, R> {
+pub(super) struct Body<'a, R> {
     source: R,
     name: &'a str,
     encoding: Encoding,
@@ -221,7 +234,7 @@ impl<R: BufRead> Body<'_, R> {
     }
 
     /// Passes each row of an element to `take`, and adds the position in the file to its error message.
-    fn read_rows(&mut self, element: &ElementDef, mut take: impl FnMut(Row) -> Result<(), String>) -> Result<()> {
+    pub(super) fn read_rows(&mut self, element: &ElementDef, mut take: impl FnMut(Row) -> Result<(), String>) -> Result<()> {
         for i in 0..element.count {
             let row = match self.encoding {
                 Encoding::Ascii => self.read_line(element, i)?,
@@ -268,7 +281,7 @@ impl<R: BufRead> Body<'_, R> {
         Error::invalid(if self.encoding == Encoding::Ascii { fault.at_line(self.line) } else { fault })
     }
 
-    fn has_more(&mut self) -> io::Result<bool> {
+    pub(super) fn has_more(&mut self) -> io::Result<bool> {
         let rest = self.source.fill_buf()?;
         Ok(if self.encoding == Encoding::Ascii { !rest.trim_ascii().is_empty() } else { !rest.is_empty() })
     }

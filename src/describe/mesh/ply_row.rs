@@ -2,8 +2,11 @@
 
 use ply_rs_bw::ply::{BeginList, ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType};
 
-/// The numbers that a vertex may have, each with the property names for it.
-const SLOTS: [&[&str]; 12] = [
+/// The number of numbers that a vertex may have.
+const COUNT: usize = 21;
+
+/// The numbers that a vertex may have, each with the property names for it. The last nine are those of instances.
+const SLOTS: [&[&str]; COUNT] = [
     &["x"],
     &["y"],
     &["z"],
@@ -16,13 +19,22 @@ const SLOTS: [&[&str]; 12] = [
     &["green", "g", "diffuse_green"],
     &["blue", "b", "diffuse_blue"],
     &["alpha", "a"],
+    &["qx"],
+    &["qy"],
+    &["qz"],
+    &["qw"],
+    &["scale"],
+    &["scale_x"],
+    &["scale_y"],
+    &["scale_z"],
+    &["material"],
 ];
 
 /// The values of a row that are used. Others (such as `confidence`) are skipped.
 #[derive(Default)]
 pub struct Row {
-    /// Position, normal, texture coordinates, colour and opacity, in the order of `SLOTS`.
-    pub numbers: [f32; 12],
+    /// Position, normal, texture coordinates, colour and opacity, and the numbers of an instance, in the order of `SLOTS`.
+    pub numbers: [f32; COUNT],
     signed: Vec<i32>,
     unsigned: Vec<u32>,
 }
@@ -46,6 +58,26 @@ impl Row {
     /// Red, green, blue and opacity, as the file has them.
     pub fn color(&self) -> [f32; 4] {
         [self.numbers[8], self.numbers[9], self.numbers[10], self.numbers[11]]
+    }
+
+    /// The rotation of an instance, as the quaternion x, y, z, w of any length.
+    pub fn rotation(&self) -> [f32; 4] {
+        [self.numbers[12], self.numbers[13], self.numbers[14], self.numbers[15]]
+    }
+
+    /// The scale of an instance, the same along all axes.
+    pub fn uniform_scale(&self) -> f32 {
+        self.numbers[16]
+    }
+
+    /// The scale of an instance along each axis.
+    pub fn scale(&self) -> [f32; 3] {
+        [self.numbers[17], self.numbers[18], self.numbers[19]]
+    }
+
+    /// The number of an instance's material.
+    pub fn material(&self) -> f32 {
+        self.numbers[20]
     }
 
     /// The indices of a face's corners.
@@ -87,7 +119,7 @@ impl Row {
 }
 
 /// Whether the element has a property for each of the `SLOTS`.
-pub fn slots(element: &ElementDef) -> [bool; 12] {
+pub fn slots(element: &ElementDef) -> [bool; COUNT] {
     let has = |name: &&str| matches!(element.properties.get(*name).map(|p| &p.data_type), Some(PropertyType::Scalar(_)));
     SLOTS.map(|names| names.iter().any(has))
 }
@@ -142,4 +174,9 @@ impl PropertyAccess for Row {
     fn begin_list_uint(&mut self, name: &str, _: usize) -> BeginList<'_, u32> {
         if is_indices(name) { BeginList::Fill(&mut self.unsigned) } else { BeginList::UseSetter }
     }
+}
+
+/// Whether a property is one of an instance's numbers.
+pub fn is_slot_of_points(name: &str) -> bool {
+    slot(name).is_some_and(|slot| !(3..12).contains(&slot))
 }

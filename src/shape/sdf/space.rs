@@ -43,9 +43,7 @@ pub(super) fn around([low, high]: [DVec3; 2], to_world: &Transform) -> [DVec3; 2
     if !(low.is_finite() && high.is_finite()) {
         return everywhere();
     }
-    let corners = (0..8).map(|k| DVec3::select(glam::BVec3::new(k & 1 != 0, k & 2 != 0, k & 4 != 0), high, low));
-    let nothing = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    corners.map(|p| to_world.point(p)).fold(nothing, |[low, high], p| [low.min(p), high.max(p)])
+    to_world.bounds([low, high])
 }
 
 /// Upper bound of the factor by which a matrix stretches a length: exact for similarities, otherwise √(‖M‖₁ ‖M‖∞).

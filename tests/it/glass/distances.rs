@@ -1,7 +1,7 @@
 //! Distances are measured from surface to surface: absorption, holes and distance limits do not depend on the offset of ray origins.
 
 use glam::{DVec3, Vec3};
-use pt::bsdf::{Lobe, Material, SurfaceMaterial, TransportMode, textured};
+use pt::bsdf::{Lobe, Material, MaterialId, SurfaceMaterial, TransportMode, textured};
 use pt::film::FilmSpec;
 use pt::integrators::ALL;
 use pt::math::fresnel::dielectric;
@@ -9,7 +9,7 @@ use pt::math::{Ray, Rgb};
 use pt::sampler::SamplerSpec;
 use pt::scene::{Scene, Surface};
 use pt::shape::{Quad, Sphere, TriangleMesh};
-use pt::world::{MaterialId, World, WorldBuilder};
+use pt::world::{World, WorldBuilder};
 
 use super::{block, no_camera, pane};
 use crate::scenes::{Depth, at, black, facing, glow, gray, integrator, picture, probe, room, stored};

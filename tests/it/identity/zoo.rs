@@ -126,7 +126,7 @@ impl Zoo {
         world: &mut pt::world::WorldBuilder,
         at: &dyn Fn(f64, f64, f64) -> Transform,
         down: &Transform,
-        material: pt::world::MaterialId,
+        material: pt::bsdf::MaterialId,
     ) {
         let glow = |r, g, b| Rgb::new(r, g, b) * self.emission;
         let square = (self.scale * self.scale) as f32;

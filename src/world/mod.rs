@@ -1,28 +1,36 @@
 //! Built scene: shapes in world space with their materials, lights and the hierarchy over them.
 
+mod builder;
+mod extent;
+mod instanced;
+mod objects;
 mod origin;
+mod spaces;
 
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use crate::accel;
-use crate::bsdf::{Bsdf, HitContext, Material, Passage, SurfaceMaterial};
+use crate::bsdf::{Bsdf, HitContext, Material, MaterialId, Passage, SurfaceMaterial};
 use crate::camera::Camera;
 use crate::effects::Effects;
-use crate::error::{Error, Fault, Result};
-use crate::light::{Area, Emitter, Light, Lights};
-use crate::math::{Ray, Spectrum, Transform, float};
-use crate::primitive::{Hit, Primitive};
+use crate::light::{Emitter, Lights};
+use crate::math::{Ray, float};
+use crate::primitive::{Hit, InstanceId, Primitive};
 use crate::sampler::hash;
 use crate::scene::{Scene, Surface};
-use crate::shape::{Geometry, Sdf, Shape, ShapeHit, SurfacePoint, offset_ray_origin};
+use crate::shape::{Shape, ShapeHit, SurfacePoint, offset_ray_origin};
+
+pub use builder::WorldBuilder;
+pub use objects::{GroupId, Objects};
+pub use spaces::MAX_EMITTING_COPIES;
 
 /// Scene that is ready for rendering.
 pub struct World {
     shapes: Arc<[Box<dyn Shape>]>,
     /// Appearance of each shape.
     appearances: Vec<ShapeAppearance>,
+    places: ShapePlaces,
     materials: Vec<PreparedMaterial>,
     /// Whether any material has holes.
     has_holes: bool,
@@ -46,6 +54,37 @@ impl PreparedMaterial {
         let needs_tangents = surface.needs_tangents();
         PreparedMaterial { uniform: surface.material.uniform().filter(|_| !needs_tangents), needs_tangents, surface }
     }
+
+    /// Sets the shading normal of the normal or bump map, and the frame along the tangents.
+    ///
+    /// - `tangents`: ∂p/∂u, ∂p/∂v (m)
+    /// - `view`: ray from the viewer
+    fn set_shading_frame(&self, surface: &mut Surface, tangents: Option<[Vec3; 2]>, view: &Ray) {
+        let ns = match (&self.surface.normal_modifier, tangents) {
+            (Some(normal_modifier), Some(tangents)) => normal_modifier.normal(&surface.point, tangents, -view.direction),
+            _ => surface.point.ns,
+        };
+        surface.set_shading_frame(ns, tangents.map(|[u, _]| u));
+    }
+}
+
+/// Where shapes come from and where they show. The shapes of the scene itself come first, then those of groups, then copies.
+struct ShapePlaces {
+    /// Places of the shapes of the scene and of groups.
+    described: Vec<ShapePlace>,
+    /// Shape of a group that each copy was made from. Emitting shapes are copied for each instance.
+    copies: Vec<u32>,
+}
+
+/// Place where a shape shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShapePlace {
+    /// In world space.
+    World,
+    /// In instances of its group. This is one of them.
+    Instance(InstanceId),
+    /// Nowhere, because copies of it show.
+    Nowhere,
 }
 
 /// Appearance of a shape.
@@ -66,42 +105,46 @@ pub struct PartAppearance {
     pub emitter: Option<Emitter>,
 }
 
-/// Index of a material.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct MaterialId(u32);
-
-/// Builder of a [`World`]. Coordinates are those of the user, in f64 where precision matters.
-pub struct WorldBuilder {
-    camera: Camera,
-    materials: Vec<SurfaceMaterial>,
-    objects: Vec<Object>,
-    lights: Vec<Light>,
-}
-
-/// Shape with its transform and the appearance of its parts.
-struct Object {
-    geometry: Box<dyn Geometry>,
-    to_world: Transform,
-    parts: Vec<PartAppearance>,
-}
-
 /// Greatest coordinate of a scene (m). Squares and cubes of greater coordinates exceed the range of f32.
 pub const MAX_EXTENT: f64 = 1e18;
 
 impl World {
     /// A builder of a scene with a camera and nothing else.
     pub fn builder(camera: Camera) -> WorldBuilder {
-        WorldBuilder { camera, materials: vec![], objects: vec![], lights: vec![] }
+        WorldBuilder::new(camera)
     }
 
-    /// Number of primitives of all shapes.
+    /// Number of primitives of all shapes, those of groups counted once.
     pub fn primitive_count(&self) -> u64 {
-        self.shapes.iter().map(|shape| shape.count() as u64).sum()
+        let shown = (0..).zip(self.shapes.iter()).filter(|(shape, _)| self.place(*shape) != ShapePlace::Nowhere);
+        shown.map(|(_, shape)| shape.count() as u64).sum()
     }
 
-    /// Shapes in world space.
+    /// Number of instances, with those within them.
+    pub fn instance_count(&self) -> u32 {
+        self.hierarchy.instance_count()
+    }
+
+    /// Number of copies of emitting shapes that instances show.
+    pub fn copy_count(&self) -> usize {
+        self.places.copies.len()
+    }
+
+    /// Shape that was described, of which this one may be a copy: an index among the shapes of the scene and then those of the groups,
+    /// in the order in which they were added.
+    pub fn described_shape(&self, shape: u32) -> u32 {
+        let described = self.places.described.len();
+        (shape as usize).checked_sub(described).map_or(shape, |copy| self.places.copies[copy])
+    }
+
+    /// Shapes: those of the scene in world space, those of groups in the space of the group, copies in world space.
     pub fn shapes(&self) -> Arc<[Box<dyn Shape>]> {
         self.shapes.clone()
+    }
+
+    /// Place where a shape shows.
+    pub fn place(&self, shape: u32) -> ShapePlace {
+        self.places.described.get(shape as usize).copied().unwrap_or(ShapePlace::World)
     }
 
     /// First material of a shape that has an inside, such as glass.
@@ -121,93 +164,13 @@ impl World {
     }
 }
 
-impl WorldBuilder {
-    /// Adds a material, optionally with a normal or bump map and holes.
-    pub fn material(&mut self, surface: impl Into<SurfaceMaterial>) -> MaterialId {
-        self.materials.push(surface.into());
-        MaterialId(self.materials.len() as u32 - 1)
-    }
-
-    /// Adds a shape with one material, which emits light if `emitter` is set.
-    pub fn shape(&mut self, geometry: impl Geometry + 'static, to_world: Transform, material: MaterialId, emitter: Option<Emitter>) {
-        self.parts(geometry, to_world, vec![material], emitter);
-    }
-
-    /// Adds a shape with one material per part; there must be at least one.
-    pub fn parts(&mut self, geometry: impl Geometry + 'static, to_world: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
-        let parts = materials.into_iter().map(|material| PartAppearance { material, emitter: emitter.clone() }).collect();
-        self.objects.push(Object { geometry: Box::new(geometry), to_world, parts });
-    }
-
-    /// Adds a solid whose parts may have different materials and emission.
-    pub fn solid(&mut self, sdf: Sdf, to_world: Transform, parts: Vec<PartAppearance>) {
-        self.objects.push(Object { geometry: Box::new(sdf), to_world, parts });
-    }
-
-    /// Adds a light that rays cannot hit, or the environment.
-    pub fn light(&mut self, light: Light) {
-        self.lights.push(light);
-    }
-
-    /// Builds the scene in coordinates around the region of its finest detail, with the hierarchy.
-    ///
-    /// # Errors
-    /// `Invalid` for shapes that no ray can hit and for coordinates beyond [`MAX_EXTENT`].
-    pub fn build(self) -> Result<World> {
-        let origin = self.origin()?;
-        let recentre = Transform::translate(-origin).unwrap_or(Transform::IDENTITY);
-        let bake = |object: &Object| object.geometry.bake(&object.to_world.then(&recentre));
-        let shapes: Arc<[Box<dyn Shape>]> = self.objects.iter().map(bake).collect::<Result<Vec<_>>>()?.into();
-        let hierarchy = accel::build(shapes.clone());
-
-        let mut lights: Vec<Light> = self.lights.into_iter().map(|light| light.recentred(origin)).collect();
-        let appearance = |(k, object): (usize, Object)| {
-            let first_light = lights.len() as u32;
-            let recentred =
-                |part: PartAppearance| PartAppearance { emitter: part.emitter.map(|emitter| emitter.recentred(origin)), ..part };
-            let parts: Vec<PartAppearance> = object.parts.into_iter().map(recentred).collect();
-            // A shape whose parts emit differently is not sampled. Its brightest emitter represents it among the lights.
-            let brightness = |emitter: &Emitter| Spectrum::from_illuminant(emitter.radiance).average();
-            let brightest = |a: &&Emitter, b: &&Emitter| brightness(a).total_cmp(&brightness(b));
-            if let Some(emitter) = parts.iter().filter_map(|part| part.emitter.as_ref()).max_by(brightest) {
-                let light = |primitive| Light::Area(Area { shape: k as u32, primitive, emitter: emitter.clone() });
-                lights.extend((0..shapes[k].count()).map(light));
-            }
-            ShapeAppearance { parts, first_light, has_shadow_terminator_offset: shapes[k].has_shadow_terminator_offset() }
-        };
-        let appearances: Vec<ShapeAppearance> = self.objects.into_iter().enumerate().map(appearance).collect();
-        let bounds = hierarchy.bounds();
-        let lights = Lights::new(lights, shapes.clone(), (bounds.center(), bounds.radius()));
-        let materials: Vec<PreparedMaterial> =
-            self.materials.into_iter().map(|surface| PreparedMaterial::new(surface.recentred(origin))).collect();
-
-        let prepared = appearances.iter().flat_map(|d| &d.parts).map(|part| materials[part.material.0 as usize].surface.effects());
-        let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
-        let smooth = shapes.iter().filter(|s| s.has_shadow_terminator_offset()).map(|_| Effects::SMOOTH_SHADOWS);
-        let effects = prepared.chain(normals).chain(smooth).fold(lights.effects() | self.camera.effects(), Effects::union);
-        let camera = self.camera.recentred(origin);
-        let has_holes = effects.contains(Effects::CUT_OUTS);
-        Ok(World { shapes, appearances, materials, has_holes, hierarchy, lights, camera, effects, origin })
-    }
-
-    /// Origin of the stored coordinates, see [`origin`].
-    ///
-    /// # Errors
-    /// `Invalid` for coordinates beyond [`MAX_EXTENT`].
-    fn origin(&self) -> Result<DVec3> {
-        let boxes = self.objects.iter().map(|o| o.geometry.bounds(&o.to_world));
-        let extent = boxes.map(|(min, max)| min.abs().max(max.abs()).max_element()).fold(0.0, f64::max);
-        if extent > MAX_EXTENT || extent.is_nan() {
-            return Err(Error::invalid(Fault::new(format!("the scene's extent {extent:.3e} exceeds {MAX_EXTENT:e}"))));
-        }
-        Ok(origin::of(self.objects.iter().map(|o| o.geometry.detail(&o.to_world)), self.camera.eye()))
-    }
-}
-
 impl World {
     /// Surface point of a hit.
     #[inline]
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        if let Some(id) = hit.instance {
+            return self.point_of_instance(id, ray, hit);
+        }
         self.shapes[hit.shape as usize].point(hit.primitive, ray, &ShapeHit { t: hit.t, uv: hit.uv })
     }
 
@@ -217,15 +180,16 @@ impl World {
     /// - `view`: ray from the viewer, towards which shading normals are bent
     #[inline(always)]
     fn surface_at(&self, point: SurfacePoint, ray: &Ray, view: &Ray, hit: &Hit) -> Surface<'_> {
+        if let Some(id) = hit.instance {
+            return self.surface_of_instance(id, point, ray, view, hit);
+        }
         let part = self.part_appearance(hit);
         let (appearance, prepared) = (&self.appearances[hit.shape as usize], &self.materials[part.material.0 as usize]);
         let emission = part.emitter.as_ref().map(|e| (e.at(&point), appearance.first_light + hit.primitive));
         if let (Some(bsdf), false) = (prepared.uniform, appearance.has_shadow_terminator_offset) {
             return Surface::new(point, bsdf, emission);
         }
-        // A ray that hits a surface from inside has been inside since its last hit. This is exact for a body without others in it.
-        let inside = if ray.direction.dot(point.ng) > 0.0 { ray.length(hit.t, point.ng) } else { 0.0 };
-        let bsdf = prepared.surface.material.bsdf_at(&HitContext { point, inside });
+        let bsdf = prepared.surface.material.bsdf_at(&HitContext { point, inside: inside(ray, hit, &point) });
         if appearance.has_shadow_terminator_offset || prepared.needs_tangents {
             return self.with_shading_frame(Surface::new(point, bsdf, emission), view, hit);
         }
@@ -243,7 +207,9 @@ impl World {
     /// Material of the part that was hit.
     #[inline]
     fn prepared_material(&self, hit: &Hit) -> &PreparedMaterial {
-        &self.materials[self.part_appearance(hit).material.0 as usize]
+        let of_instance = hit.instance.and_then(|id| self.hierarchy.instance(id).material());
+        let material = of_instance.unwrap_or_else(|| self.part_appearance(hit).material);
+        &self.materials[material.0 as usize]
     }
 
     /// The surface with its shadow terminator offset, its tangent frame, and its normal or bump map.
@@ -255,11 +221,7 @@ impl World {
         }
         if prepared.needs_tangents {
             let tangents = shape.tangents(hit.primitive, &surface.point);
-            let ns = match (&prepared.surface.normal_modifier, tangents) {
-                (Some(normal_modifier), Some(tangents)) => normal_modifier.normal(&surface.point, tangents, -ray.direction),
-                _ => surface.point.ns,
-            };
-            surface.set_shading_frame(ns, tangents.map(|[u, _]| u));
+            prepared.set_shading_frame(&mut surface, tangents, ray);
         }
         surface
     }
@@ -285,6 +247,14 @@ impl World {
         }
         Some(Hit { t: distance + onward.length(hit.t, self.point(&onward, &hit).ng), ..hit })
     }
+}
+
+/// Length of the ray inside the body whose surface it hits (m).
+///
+/// A ray that hits a surface from inside has been inside since its last hit. This is exact for a body without others in it.
+#[inline(always)]
+fn inside(ray: &Ray, hit: &Hit, point: &SurfacePoint) -> f32 {
+    if ray.direction.dot(point.ng) > 0.0 { ray.length(hit.t, point.ng) } else { 0.0 }
 }
 
 /// Greatest number of holes that a ray passes.

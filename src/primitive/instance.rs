@@ -1,0 +1,222 @@
+//! Instances: primitives that are stored once and shown at many places.
+
+use std::sync::Arc;
+
+use arrayvec::ArrayVec;
+use glam::{DMat3, DVec3, Vec3};
+
+use super::{Hit, InstanceId, MAX_NESTING, Primitive};
+use crate::bsdf::MaterialId;
+use crate::math::float::ROUNDING;
+use crate::math::{Aabb, Ray, Transform};
+use crate::shape::{SurfacePoint, offset_bound};
+
+/// Primitives that instances show, in a space of their own.
+pub struct Group {
+    primitives: Box<dyn Primitive>,
+    /// Sphere around the bounding box (m).
+    center: DVec3,
+    radius: f64,
+    /// Greatest coordinate of rays that start in the sphere (m).
+    reach: f32,
+}
+
+impl Group {
+    /// A group of primitives. Their coordinates are most precise if they lie around the origin.
+    pub fn new(primitives: Box<dyn Primitive>) -> Group {
+        let bounds = primitives.bounds();
+        let (center, radius) = match bounds.is_empty() {
+            true => (DVec3::ZERO, 0.0),
+            false => {
+                (0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3()), 0.5 * (bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())
+            }
+        };
+        // Rounding must not cut corners of the box off.
+        let radius = radius * (1.0 + 8.0 * f64::EPSILON);
+        Group { center, radius, reach: (center.abs().max_element() + radius) as f32, primitives }
+    }
+
+    /// Number of instances within the group.
+    pub fn instance_count(&self) -> u32 {
+        self.primitives.instance_count()
+    }
+
+    /// Distance from the surfaces of the group that covers all roundings in its space: of corners, and of rays that enter it (m).
+    fn rounding(&self) -> f32 {
+        TOLERANCE * ROUNDING * self.reach
+    }
+}
+
+/// Roundings of a ray in the space of a group, and of the corners that it meets, in multiples of [`ROUNDING`] times the greatest
+/// coordinate r.
+///
+/// Each coordinate of the origin has an error of r, and of the direction of 1 at a distance of at most 2 r. Each corner has an error of
+/// r, as has the one that touches it in another instance. These errors of 5 r per axis have a length of √3 · 5 r < 9 r.
+const TOLERANCE: f32 = 9.0;
+
+/// Group at a place.
+pub struct Instance {
+    group: Arc<Group>,
+    /// Transform from the group's space to the space around it.
+    to_outer: Transform,
+    /// Material of all its surfaces; `None` for those of the group's shapes.
+    pub material: Option<MaterialId>,
+    /// Number of the instance. Those within the group follow.
+    first: u32,
+}
+
+/// Ray in the space of a group.
+struct GroupRay {
+    ray: Ray,
+    /// Distance to which the ray is known (m).
+    tolerance: f32,
+    /// Length in the group's space of the ray's unit of length.
+    scale: f64,
+    /// Distance by which the origin was moved towards the group, in its space (m).
+    start: f64,
+}
+
+impl GroupRay {
+    /// Distance along the outer ray of a hit at the distance `t`.
+    fn outer(&self, t: f32) -> f32 {
+        ((f64::from(t) + self.start) / self.scale) as f32
+    }
+}
+
+impl Instance {
+    /// An instance of a group.
+    ///
+    /// - `first`: number of the instance, which the numbers of the instances within it follow
+    pub fn new(group: Arc<Group>, to_outer: Transform, material: Option<MaterialId>, first: u32) -> Instance {
+        Instance { group, to_outer, material, first }
+    }
+
+    /// Number of the instance.
+    pub fn first(&self) -> u32 {
+        self.first
+    }
+
+    /// Number of the last instance within this one, or its own.
+    pub fn last(&self) -> u32 {
+        self.first + self.group.instance_count()
+    }
+
+    /// Bounding box in the outer space.
+    pub fn bounds(&self) -> Aabb {
+        let inner = self.group.primitives.bounds();
+        let [min, max] = self.to_outer.bounds([inner.min.as_dvec3(), inner.max.as_dvec3()]);
+        Aabb { min: min.as_vec3(), max: max.as_vec3() }
+    }
+
+    /// Nearest hit, see [`Primitive::intersect_within`].
+    pub fn intersect(&self, ray: &Ray, tolerance: f32) -> Option<Hit> {
+        let inner = self.ray(ray, tolerance)?;
+        // The next float, so that a hit is not lost whose distance rounds down in the outer space.
+        let t_max = inner.ray.t_max.next_up();
+        let hit = self.group.primitives.intersect_within(&Ray { t_max, ..inner.ray }, inner.tolerance)?;
+        let t = inner.outer(hit.t);
+        let instance = InstanceId::new(self.first + hit.instance.map_or(0, InstanceId::get));
+        (t > 0.0 && t < ray.t_max).then_some(Hit { t, instance, ..hit })
+    }
+
+    /// Whether there is a hit, see [`Primitive::occluded_within`].
+    pub fn occluded(&self, ray: &Ray, tolerance: f32) -> bool {
+        self.ray(ray, tolerance).is_some_and(|inner| self.group.primitives.occluded_within(&inner.ray, inner.tolerance))
+    }
+
+    /// The ray in the group's space; `None` if it does not come near the group.
+    ///
+    /// The origin is moved forward to the sphere around the group, so that its rounding is relative to the size of the group and not to
+    /// the distance from it.
+    fn ray(&self, ray: &Ray, tolerance: f32) -> Option<GroupRay> {
+        let Group { center, radius, .. } = *self.group;
+        let to_inner = self.to_outer.inverse_matrix();
+        let origin = to_inner.transform_point3(ray.origin.as_dvec3());
+        let direction = to_inner.transform_vector3(ray.direction.as_dvec3());
+        let scale = direction.length();
+        let direction = direction / scale;
+        let to_center = center - origin;
+        let along = to_center.dot(direction);
+        let tolerance = if tolerance > 0.0 { tolerance * greatest_stretch(to_inner.matrix3) } else { 0.0 };
+        let radius = radius + f64::from(tolerance);
+        // The comparisons are false also for NaN.
+        let is_near = along > -radius && (to_center - direction * along).length_squared() <= radius * radius;
+        let start = (along - radius).max(0.0);
+        let t_max = (f64::from(ray.t_max) * scale - start) as f32;
+        if !(is_near && t_max > 0.0) {
+            return None;
+        }
+        let origin = (origin + direction * start).as_vec3();
+        let ray = Ray { origin, from: origin, direction: direction.as_vec3(), t_max, time: ray.time };
+        Some(GroupRay { ray, tolerance: tolerance + self.group.rounding(), scale, start })
+    }
+
+    /// A surface point of the group in the outer space.
+    ///
+    /// Its offset covers the roundings in both spaces: n·(M e) = (Mᵀ n)·e for an error e in the group's space, and Mᵀ n is the normal
+    /// there divided by |M⁻ᵀ n|.
+    fn place(&self, point: &SurfacePoint) -> SurfacePoint {
+        let p = self.to_outer.point(point.p.as_dvec3()).as_vec3();
+        let normal = self.to_outer.inverse_matrix().matrix3.transpose() * point.ng.as_dvec3();
+        let stretch = normal.length();
+        let ng = (normal / stretch).as_vec3();
+        let within = point.offset + 2.0 * self.group.rounding();
+        let offset = (f64::from(within) / stretch) as f32 + offset_bound(ng, p.abs());
+        SurfacePoint { p, offset, ng, ns: ng, ..*point }
+    }
+}
+
+/// Instances within each other, the outermost first.
+#[derive(Default)]
+pub struct Nesting<'a>(ArrayVec<&'a Instance, MAX_NESTING>);
+
+impl<'a> Nesting<'a> {
+    /// An instance, and the ones within it that `id` names.
+    pub fn new(instance: &'a Instance, id: InstanceId) -> Nesting<'a> {
+        let inner =
+            InstanceId::new(id.get() - instance.first).map_or_else(Nesting::default, |inner| instance.group.primitives.instance(inner));
+        // Descriptions with deeper nesting are refused.
+        Nesting(std::iter::once(instance).chain(inner.0).take(MAX_NESTING).collect())
+    }
+
+    /// Material of all surfaces: that of the outermost instance which has one.
+    pub fn material(&self) -> Option<MaterialId> {
+        self.0.iter().find_map(|instance| instance.material)
+    }
+
+    /// Transform from the innermost group's space to the outermost space.
+    pub fn to_outer(&self) -> Transform {
+        self.0.iter().rev().fold(Transform::IDENTITY, |inner, instance| inner.then(&instance.to_outer))
+    }
+
+    /// Whether the transform to the outermost space mirrors.
+    pub fn flips_handedness(&self) -> bool {
+        self.0.iter().fold(false, |flips, instance| flips ^ instance.to_outer.flips_handedness())
+    }
+
+    /// A surface point of the innermost group in the outermost space. Its shading normal is the geometric one.
+    pub fn place(&self, point: &SurfacePoint) -> SurfacePoint {
+        self.0.iter().rev().fold(*point, |point, instance| instance.place(&point))
+    }
+
+    /// A vector of the innermost group in the outermost space.
+    pub fn vector(&self, v: Vec3) -> Vec3 {
+        self.0.iter().rev().fold(v.as_dvec3(), |v, instance| instance.to_outer.vector(v)).as_vec3()
+    }
+
+    /// A point of the outermost space in the space of the innermost group.
+    pub fn point_within(&self, p: DVec3) -> Vec3 {
+        self.0.iter().fold(p, |p, instance| instance.to_outer.inverse_matrix().transform_point3(p)).as_vec3()
+    }
+
+    /// A direction of the outermost space as a unit vector in the space of the innermost group.
+    pub fn direction_within(&self, w: Vec3) -> Vec3 {
+        let within = self.0.iter().fold(w.as_dvec3(), |w, instance| instance.to_outer.inverse_matrix().transform_vector3(w));
+        within.normalize().as_vec3()
+    }
+}
+
+/// An upper bound of the factor by which a matrix lengthens vectors.
+fn greatest_stretch(m: DMat3) -> f32 {
+    (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()).sqrt() as f32
+}

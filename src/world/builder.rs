@@ -1,0 +1,148 @@
+//! Builds a [`World`]: bakes shapes, places groups, and makes the lights and the hierarchy.
+
+use std::collections::BTreeSet;
+
+use glam::DVec3;
+
+use super::extent::{Extent, GroupExtent};
+use super::objects::{GroupId, Object, Objects};
+use super::spaces::{Copy, Hierarchies, baked, emitting_copies, spaces};
+use super::{PartAppearance, PreparedMaterial, ShapeAppearance, ShapePlace, ShapePlaces, World};
+use crate::bsdf::{MaterialId, SurfaceMaterial};
+use crate::camera::Camera;
+use crate::effects::Effects;
+use crate::error::Result;
+use crate::light::{Area, Emitter, Light, Lights};
+use crate::math::{Spectrum, Transform};
+use crate::primitive::InstanceId;
+use crate::shape::{Geometry, Sdf, Shape};
+
+/// Builder of a [`World`]. Coordinates are those of the user, in f64 where precision matters.
+pub struct WorldBuilder {
+    camera: Camera,
+    materials: Vec<SurfaceMaterial>,
+    scene: Objects,
+    /// Groups, each after those that it shows.
+    groups: Vec<Objects>,
+    lights: Vec<Light>,
+}
+
+impl WorldBuilder {
+    pub(super) fn new(camera: Camera) -> WorldBuilder {
+        WorldBuilder { camera, materials: vec![], scene: Objects::default(), groups: vec![], lights: vec![] }
+    }
+
+    /// Adds a material, optionally with a normal or bump map and holes.
+    pub fn material(&mut self, surface: impl Into<SurfaceMaterial>) -> MaterialId {
+        self.materials.push(surface.into());
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a shape with one material, which emits light if `emitter` is set.
+    pub fn shape(&mut self, geometry: impl Geometry + 'static, to_world: Transform, material: MaterialId, emitter: Option<Emitter>) {
+        self.scene.shape(geometry, to_world, material, emitter);
+    }
+
+    /// Adds a solid whose parts may have different materials and emission.
+    pub fn solid(&mut self, sdf: Sdf, to_world: Transform, parts: Vec<PartAppearance>) {
+        self.scene.solid(sdf, to_world, parts);
+    }
+
+    /// Adds shapes and instances to the scene itself.
+    pub fn objects(&mut self, mut objects: Objects) {
+        self.scene.shapes.append(&mut objects.shapes);
+        self.scene.instances.append(&mut objects.instances);
+    }
+
+    /// Adds a group, which shows only where there is an instance of it. It may contain instances of groups that were added before.
+    pub fn group(&mut self, objects: Objects) -> GroupId {
+        self.groups.push(objects);
+        GroupId(self.groups.len() as u32 - 1)
+    }
+
+    /// Adds a light that rays cannot hit, or the environment.
+    pub fn light(&mut self, light: Light) {
+        self.lights.push(light);
+    }
+
+    /// Builds the scene in coordinates around the region of its finest detail, with the hierarchy.
+    ///
+    /// # Errors
+    /// `Invalid` for shapes that no ray can hit and for coordinates beyond [`MAX_EXTENT`](super::MAX_EXTENT); `Limit` for more than
+    /// 2³² − 1 instances with those within them, or more than [`MAX_EMITTING_COPIES`](super::MAX_EMITTING_COPIES).
+    pub fn build(self) -> Result<World> {
+        let WorldBuilder { camera, materials, scene, groups, lights } = self;
+        let extents = GroupExtent::all(&groups);
+        let origin = Extent::of(&scene, &extents).checked()?.origin(camera.eye());
+        let origins = std::iter::once(origin).chain(extents.iter().map(|group| group.detail.middle));
+        let all = std::iter::once(scene).chain(groups);
+        let (objects, placements): (Vec<_>, Vec<_>) = all.map(|objects| (objects.shapes, objects.instances)).unzip();
+        let copies = emitting_copies(&objects, &placements)?;
+        let overrides: BTreeSet<MaterialId> = placements.iter().flatten().filter_map(|placement| placement.material).collect();
+
+        let spaces = spaces(&objects, origins);
+        let shapes = baked(&spaces, &copies)?;
+        let Hierarchies { scene: hierarchy, shown } = Hierarchies::new(&spaces, placements, &shapes)?;
+        let source = |copy: &Copy| spaces[copy.space].first_shape + copy.shape;
+        let place = |id: Option<InstanceId>, object: &Object| match id {
+            Some(id) if !object.emits() => ShapePlace::Instance(id),
+            _ => ShapePlace::Nowhere,
+        };
+        let of_groups = spaces.iter().zip(shown).skip(1).flat_map(|(space, id)| space.objects.iter().map(move |object| place(id, object)));
+        let described = objects[0].iter().map(|_| ShapePlace::World).chain(of_groups).collect();
+        let places = ShapePlaces { copies: copies.iter().map(source).collect(), described };
+
+        let lights = lights.into_iter().map(|light| light.recentred(origin)).collect();
+        let mut appearances = Appearances { shapes: &shapes, origin, lights, of_shapes: vec![] };
+        objects[0].iter().for_each(|object| appearances.add(object, None, true));
+        objects[1..].iter().flatten().for_each(|object| appearances.add(object, None, false));
+        copies.iter().for_each(|copy| appearances.add(copy.object, copy.material, true));
+        let Appearances { lights, of_shapes: appearances, .. } = appearances;
+
+        let bounds = hierarchy.bounds();
+        let lights = Lights::new(lights, shapes.clone(), (bounds.center(), bounds.radius()));
+        let materials: Vec<PreparedMaterial> =
+            materials.into_iter().map(|surface| PreparedMaterial::new(surface.recentred(origin))).collect();
+        let used = appearances.iter().flat_map(|d| &d.parts).map(|part| part.material).chain(overrides);
+        let prepared = used.map(|material| materials[material.0 as usize].surface.effects());
+        let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
+        let smooth = shapes.iter().filter(|s| s.has_shadow_terminator_offset()).map(|_| Effects::SMOOTH_SHADOWS);
+        let effects = prepared.chain(normals).chain(smooth).fold(lights.effects() | camera.effects(), Effects::union);
+        let camera = camera.recentred(origin);
+        let has_holes = effects.contains(Effects::CUT_OUTS);
+        Ok(World { shapes, appearances, places, materials, has_holes, hierarchy, lights, camera, effects, origin })
+    }
+}
+
+/// Appearances of the shapes and the lights, as far as they are made.
+struct Appearances<'a> {
+    shapes: &'a [Box<dyn Shape>],
+    origin: DVec3,
+    lights: Vec<Light>,
+    of_shapes: Vec<ShapeAppearance>,
+}
+
+impl Appearances<'_> {
+    /// Adds the appearance of the next shape.
+    ///
+    /// - `material`: material instead of the object's own
+    /// - `is_shown`: whether the shape itself is a light, and not its copies
+    fn add(&mut self, object: &Object, material: Option<MaterialId>, is_shown: bool) {
+        let (index, first_light) = (self.of_shapes.len(), self.lights.len() as u32);
+        let part = |part: &PartAppearance| {
+            let emitter = part.emitter.clone().map(|emitter| emitter.recentred(self.origin));
+            PartAppearance { emitter, material: material.unwrap_or(part.material) }
+        };
+        let parts: Vec<PartAppearance> = object.parts.iter().map(part).collect();
+        // A shape whose parts emit differently is not sampled. Its brightest emitter represents it among the lights.
+        let brightness = |emitter: &Emitter| Spectrum::from_illuminant(emitter.radiance).average();
+        let brightest = |a: &&Emitter, b: &&Emitter| brightness(a).total_cmp(&brightness(b));
+        let emitter = parts.iter().filter_map(|part| part.emitter.as_ref()).max_by(brightest);
+        if let Some(emitter) = emitter.filter(|_| is_shown) {
+            let light = |primitive| Light::Area(Area { shape: index as u32, primitive, emitter: emitter.clone() });
+            self.lights.extend((0..self.shapes[index].count()).map(light));
+        }
+        let has_shadow_terminator_offset = self.shapes[index].has_shadow_terminator_offset();
+        self.of_shapes.push(ShapeAppearance { parts, first_light, has_shadow_terminator_offset });
+    }
+}

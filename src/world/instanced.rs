@@ -1,0 +1,81 @@
+//! Surfaces of shapes that instances show. They are found in the space of the group, and placed in the world.
+
+use glam::{DVec3, Vec2Swizzles as _};
+
+use super::{PreparedMaterial, World, inside};
+use crate::bsdf::HitContext;
+use crate::math::Ray;
+use crate::primitive::{Hit, InstanceId, Nesting};
+use crate::scene::Surface;
+use crate::shape::{Shape, ShapeHit, SurfacePoint};
+
+impl World {
+    /// Surface point of a hit of an instance.
+    #[inline(never)]
+    pub(super) fn point_of_instance(&self, id: InstanceId, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let (nesting, shape) = (self.hierarchy.instance(id), &*self.shapes[hit.shape as usize]);
+        let p = ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(hit.t);
+        let mut point = nesting.place(&point_in_group(shape, &nesting, p, ray, hit));
+        if swaps_uv(shape, &nesting) {
+            point.uv = point.uv.yx();
+        }
+        if !shape.has_shading_normals() {
+            return point;
+        }
+        let ns = shape.instance_shading_normal(hit.primitive, hit.uv, &nesting.to_outer(), point.ng);
+        SurfacePoint { ns: ns.unwrap_or(point.ng), ..point }.facing(ray)
+    }
+
+    /// Surface at a point of an instance, see [`World::surface_at`]. It emits no light: instances of emitting shapes are copies.
+    #[inline(never)]
+    pub(super) fn surface_of_instance(&self, id: InstanceId, point: SurfacePoint, ray: &Ray, view: &Ray, hit: &Hit) -> Surface<'_> {
+        let nesting = self.hierarchy.instance(id);
+        let material = nesting.material().unwrap_or_else(|| self.part_appearance(hit).material);
+        let prepared = &self.materials[material.0 as usize];
+        let bsdf =
+            prepared.uniform.unwrap_or_else(|| prepared.surface.material.bsdf_at(&HitContext { point, inside: inside(ray, hit, &point) }));
+        let mut surface = Surface::new(point, bsdf, None);
+        let has_offset = self.appearances[hit.shape as usize].has_shadow_terminator_offset;
+        if has_offset || prepared.needs_tangents {
+            self.set_frame_of_instance(&mut surface, prepared, &nesting, view, hit);
+        }
+        surface
+    }
+
+    /// Sets the shadow terminator offset and the tangent frame of an instance's surface, as `with_shading_frame` does for others.
+    fn set_frame_of_instance(&self, surface: &mut Surface, prepared: &PreparedMaterial, nesting: &Nesting, view: &Ray, hit: &Hit) {
+        let shape = &*self.shapes[hit.shape as usize];
+        if self.appearances[hit.shape as usize].has_shadow_terminator_offset {
+            let offset = shape.instance_shadow_terminator_offset(hit.primitive, hit.uv, &nesting.to_outer(), &surface.point);
+            surface.set_shadow_origin(offset, view);
+        }
+        if prepared.needs_tangents {
+            let point = point_in_group(shape, nesting, surface.point.p.as_dvec3(), view, hit);
+            let mut tangents = shape.tangents(hit.primitive, &point).map(|tangents| tangents.map(|t| nesting.vector(t)));
+            if swaps_uv(shape, nesting) {
+                tangents.iter_mut().for_each(|tangents| tangents.reverse());
+            }
+            prepared.set_shading_frame(surface, tangents, view);
+        }
+    }
+
+    /// A point of a shape where a hit finds it: of an instance in the world, of other shapes as it is.
+    pub fn placed(&self, hit: &Hit, point: SurfacePoint) -> SurfacePoint {
+        hit.instance.map_or(point, |id| self.hierarchy.instance(id).place(&point))
+    }
+}
+
+/// Whether the texture coordinates u and v of a copy at this place would be swapped.
+fn swaps_uv(shape: &dyn Shape, nesting: &Nesting) -> bool {
+    shape.mirroring_swaps_uv() && nesting.flips_handedness()
+}
+
+/// Surface point of a hit in the space of the group.
+///
+/// - `p`: position of the hit in the world
+/// - `ray`: ray in the direction from which the surface is seen
+fn point_in_group(shape: &dyn Shape, nesting: &Nesting, p: DVec3, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    let (origin, direction) = (nesting.point_within(p), nesting.direction_within(ray.direction));
+    let ray = Ray { origin, from: origin, direction, ..*ray };
+    shape.point(hit.primitive, &ray, &ShapeHit { t: 0.0, uv: hit.uv })
+}

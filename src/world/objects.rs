@@ -1,0 +1,79 @@
+//! Shapes and instances as they are added, before anything is built.
+
+use super::PartAppearance;
+use crate::bsdf::MaterialId;
+use crate::light::Emitter;
+use crate::math::Transform;
+use crate::shape::{Geometry, Sdf};
+
+/// Shapes, and instances of groups, in a common space: that of the scene, or of a group.
+#[derive(Default)]
+pub struct Objects {
+    pub(super) shapes: Vec<Object>,
+    pub(super) instances: Vec<Placement>,
+}
+
+/// Shape with its transform to the common space, and the appearance of its parts.
+pub(super) struct Object {
+    pub geometry: Box<dyn Geometry>,
+    pub to_outer: Transform,
+    pub parts: Vec<PartAppearance>,
+}
+
+/// Group with its transform to the common space.
+pub(super) struct Placement {
+    pub group: GroupId,
+    pub to_outer: Transform,
+    pub material: Option<MaterialId>,
+}
+
+/// Index of a group of a [`WorldBuilder`](super::WorldBuilder).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GroupId(pub(super) u32);
+
+impl GroupId {
+    pub(super) fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// Index of the group's space: that of the scene comes first.
+    pub(super) fn space(self) -> usize {
+        1 + self.index()
+    }
+}
+
+impl Objects {
+    /// Adds a shape with one material, which emits light if `emitter` is set.
+    pub fn shape(&mut self, geometry: impl Geometry + 'static, to_outer: Transform, material: MaterialId, emitter: Option<Emitter>) {
+        self.parts(geometry, to_outer, vec![material], emitter);
+    }
+
+    /// Adds a shape with one material per part; there must be at least one.
+    pub fn parts(&mut self, geometry: impl Geometry + 'static, to_outer: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
+        let parts = materials.into_iter().map(|material| PartAppearance { material, emitter: emitter.clone() }).collect();
+        self.shapes.push(Object { geometry: Box::new(geometry), to_outer, parts });
+    }
+
+    /// Adds a solid whose parts may have different materials and emission.
+    pub fn solid(&mut self, sdf: Sdf, to_outer: Transform, parts: Vec<PartAppearance>) {
+        self.shapes.push(Object { geometry: Box::new(sdf), to_outer, parts });
+    }
+
+    /// Adds an instance of a group. The group's shapes are stored once, however many instances there are.
+    ///
+    /// - `material`: material of all surfaces of the instance, instead of their own
+    pub fn instance(&mut self, group: GroupId, to_outer: Transform, material: Option<MaterialId>) {
+        self.instances.push(Placement { group, to_outer, material });
+    }
+
+    /// Number of instances, without those within them.
+    pub fn instance_count(&self) -> usize {
+        self.instances.len()
+    }
+}
+
+impl Object {
+    pub fn emits(&self) -> bool {
+        self.parts.iter().any(|part| part.emitter.is_some())
+    }
+}

@@ -1,0 +1,159 @@
+//! The spaces of the scene and of its groups, with their shapes, instances and hierarchies.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::objects::{Object, Placement};
+use crate::accel;
+use crate::bsdf::MaterialId;
+use crate::error::{Error, Fault, Result};
+use crate::math::Transform;
+use crate::primitive::{Group, Instance, InstanceId, Primitive};
+use crate::shape::Shape;
+
+/// Greatest number of copies of emitting shapes that instances show.
+pub const MAX_EMITTING_COPIES: usize = 1 << 20;
+
+/// Shapes in a common space, and the part of it that f32 resolves best. The first space is that of the scene; those of groups follow.
+pub(super) struct Space<'a> {
+    pub objects: &'a [Object],
+    /// Index of the first shape.
+    pub first_shape: u32,
+    /// Transform to the coordinates in which shapes are stored.
+    to_stored: Transform,
+}
+
+/// The spaces of the scene and of all groups.
+///
+/// - `origins`: origin of the stored coordinates of each space
+pub(super) fn spaces(objects: &[Vec<Object>], origins: impl Iterator<Item = DVec3>) -> Vec<Space<'_>> {
+    let mut first_shape = 0;
+    let mut spaces = vec![];
+    for (objects, origin) in objects.iter().zip(origins) {
+        spaces.push(Space { objects, first_shape, to_stored: Transform::translate(-origin).unwrap_or(Transform::IDENTITY) });
+        first_shape += objects.len() as u32;
+    }
+    spaces
+}
+
+/// Copy of an emitting shape of a group, for one of the group's instances.
+pub(super) struct Copy<'a> {
+    pub object: &'a Object,
+    /// Index of the group's space, and of the shape within it.
+    pub space: usize,
+    pub shape: u32,
+    to_world: Transform,
+    pub material: Option<MaterialId>,
+}
+
+/// Copies of all emitting shapes that instances show. Each of them is a light of its own, so that sharing would save little memory.
+///
+/// - `objects`, `placements`: shapes and instances of each space; groups follow those that they show
+///
+/// # Errors
+/// `Limit` for more than [`MAX_EMITTING_COPIES`].
+pub(super) fn emitting_copies<'a>(objects: &'a [Vec<Object>], placements: &[Vec<Placement>]) -> Result<Vec<Copy<'a>>> {
+    let mut emits = vec![false; objects.len()];
+    for space in 1..objects.len() {
+        let within = placements[space].iter().any(|placement| emits[placement.group.space()]);
+        emits[space] = within || objects[space].iter().any(Object::emits);
+    }
+    let mut copies = vec![];
+    let mut open = vec![(0, Transform::IDENTITY, None)];
+    while let Some((space, to_world, material)) = open.pop() {
+        if space > 0 {
+            let emitting = (0..).zip(&objects[space]).filter(|(_, object)| object.emits());
+            copies.extend(emitting.map(|(shape, object)| Copy { object, space, shape, to_world, material }));
+        }
+        let emitting = placements[space].iter().rev().filter(|placement| emits[placement.group.space()]);
+        open.extend(emitting.map(|p| (p.group.space(), p.to_outer.then(&to_world), material.or(p.material))));
+        if copies.len() + open.len() > MAX_EMITTING_COPIES {
+            let message = format!("instances show more than {MAX_EMITTING_COPIES} copies of emitting shapes");
+            return Err(Error::Limit(Fault::new(message)));
+        }
+    }
+    Ok(copies)
+}
+
+/// Shapes of all spaces, in the order of their indices, and then the copies.
+///
+/// # Errors
+/// `Invalid` for shapes that no ray can hit.
+pub(super) fn baked(spaces: &[Space], copies: &[Copy]) -> Result<Arc<[Box<dyn Shape>]>> {
+    let own = spaces.iter().flat_map(|space| {
+        let bake = |object: &Object| object.geometry.bake(&object.to_outer.then(&space.to_stored));
+        space.objects.iter().map(bake)
+    });
+    let copied = copies.iter().map(|copy| {
+        let to_stored = copy.object.to_outer.then(&copy.to_world).then(&spaces[0].to_stored);
+        copy.object.geometry.bake(&to_stored)
+    });
+    Ok(own.chain(copied).collect::<Result<Vec<_>>>()?.into())
+}
+
+/// Hierarchy of the scene, with those of the groups in its instances.
+pub(super) struct Hierarchies {
+    pub scene: Box<dyn Primitive>,
+    /// An instance of each space: `None` for the scene.
+    pub shown: Vec<Option<InstanceId>>,
+}
+
+impl Hierarchies {
+    /// Builds the hierarchies of all spaces.
+    ///
+    /// # Errors
+    /// `Limit` for more than 2³² − 1 instances with those within them.
+    pub fn new(spaces: &[Space], mut placements: Vec<Vec<Placement>>, shapes: &Arc<[Box<dyn Shape>]>) -> Result<Hierarchies> {
+        let mut groups: Vec<Arc<Group>> = vec![];
+        for (space, placements) in spaces.iter().zip(&placements).skip(1) {
+            let emits = |shape: &u32| space.objects[(shape - space.first_shape) as usize].emits();
+            let own = (space.first_shape..space.end()).filter(|shape| !emits(shape)).collect();
+            let instances = instances(space, placements, &groups, spaces)?;
+            groups.push(Arc::new(Group::new(accel::build_with_instances(shapes.clone(), own, instances))));
+        }
+        let last = spaces.iter().map(Space::end).max().unwrap_or(0);
+        let own = (0..spaces[0].end()).chain(last..shapes.len() as u32).collect();
+        let instances = instances(&spaces[0], &placements[0], &groups, spaces)?;
+        let shown = shown(&placements, &groups);
+        // Before the hierarchy takes memory: there may be millions of placements.
+        placements.clear();
+        Ok(Hierarchies { scene: accel::build_with_instances(shapes.clone(), own, instances), shown })
+    }
+}
+
+impl Space<'_> {
+    /// Index after the last shape.
+    fn end(&self) -> u32 {
+        self.first_shape + self.objects.len() as u32
+    }
+}
+
+/// Instances in a space, numbered from 1.
+fn instances(space: &Space, placements: &[Placement], groups: &[Arc<Group>], spaces: &[Space]) -> Result<Vec<Instance>> {
+    let mut next = 1u32;
+    let instance = |placement: &Placement| {
+        let (group, inner) = (&groups[placement.group.index()], &spaces[placement.group.space()]);
+        let to_outer = inner.to_stored.inverse().then(&placement.to_outer).then(&space.to_stored);
+        let first = next;
+        let after = group.instance_count().checked_add(1).and_then(|count| next.checked_add(count));
+        next = after.ok_or_else(|| Error::Limit(Fault::new("instances within instances make more than 2^32 - 1 instances")))?;
+        Ok(Instance::new(group.clone(), to_outer, placement.material, first))
+    };
+    placements.iter().map(instance).collect()
+}
+
+/// An instance of each space, see [`Hierarchies::shown`]: outer spaces first, so that the place of each is known when its groups follow.
+fn shown(placements: &[Vec<Placement>], groups: &[Arc<Group>]) -> Vec<Option<InstanceId>> {
+    let mut shown = vec![None; placements.len()];
+    for outer in std::iter::once(0).chain((1..placements.len()).rev()) {
+        let around = if outer == 0 { Some(0) } else { shown[outer].map(InstanceId::get) };
+        let Some(mut next) = around.map(|number| number + 1) else { continue };
+        for placement in &placements[outer] {
+            let first = &mut shown[placement.group.space()];
+            *first = first.or(InstanceId::new(next));
+            next += 1 + groups[placement.group.index()].instance_count();
+        }
+    }
+    shown
+}
