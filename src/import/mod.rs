@@ -14,6 +14,7 @@ mod auto_camera;
 mod context;
 pub mod darts;
 mod gltf;
+mod instances;
 mod json_cursor;
 mod model;
 mod native;
@@ -88,6 +89,9 @@ pub fn import_with(
     let context = ImportContext::new(&file, files, auto_camera);
     let mut root = (dialect.read)(&content, &context)?;
     if let Some(root) = root.as_mut().filter(|_| context.faults.is_empty()) {
+        if dialect.name != native::DIALECT.name {
+            instances::share(root);
+        }
         change(root, &file)?;
         auto_camera::complete(&context, root);
     }

@@ -6,6 +6,7 @@ mod convert;
 mod darts;
 mod dialect;
 mod gltf;
+mod instances;
 mod local_scenes;
 mod models;
 mod obj;

@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use glam::{DMat4, Vec3};
+use glam::{BVec3, DMat4, Vec3};
 
 use super::document::Document;
+use super::instances::NOT_SHOWN;
 use super::material::{Colors, PreparedMaterial};
 use super::pose::Pose;
+use crate::describe::mesh::points::{self, InstancePoint};
 use crate::import::auto_camera;
 use crate::import::view::{ASPECT, Bounds, MissingParts};
 use crate::reader::Node;
@@ -22,6 +24,7 @@ pub fn scene(document: &Document) -> Option<Node> {
         materials: BTreeMap::new(),
         names: vec![],
         shapes: vec![],
+        groups: BTreeMap::new(),
         lights: vec![],
         cameras: vec![],
         lit: false,
@@ -71,6 +74,8 @@ struct SceneBuilder<'d, 'a> {
     /// Names of the materials.
     names: Vec<String>,
     shapes: Vec<Node>,
+    /// Groups of one mesh, by its file.
+    groups: BTreeMap<String, Node>,
     lights: Vec<Node>,
     /// Cameras with the ratio of width to height and their index.
     cameras: Vec<(Node, f64, usize)>,
@@ -109,42 +114,51 @@ impl SceneBuilder<'_, '_> {
             }
         };
         let Some(made) = made else { return };
-        let own = if made.is_posed { DMat4::IDENTITY } else { self.pose.of(node) };
+        let at = self.document.item("nodes", node.index());
+        let to_world = if made.is_posed { DMat4::IDENTITY } else { self.pose.of(node) };
+        if to_world.determinant() == 0.0 {
+            self.document.note(&at, NOT_SHOWN);
+            return;
+        }
+        let Some(instances) = self.document.instances(node) else { return };
         self.lit |= prepared.is_lamp;
-        for instance in self.document.instances(node).unwrap_or_default() {
-            let to_world = own * instance;
-            let shape = self.placed(node, mesh, &made, (name, prepared), &to_world);
-            if shape.is_some() {
+        let mut shown = vec![("file", at.make_text(&*made.file)), ("material", at.make_text(name))];
+        shown.extend(prepared.emission.clone().map(|emission| ("emission", emission)));
+        let mut members = vec![];
+        members.extend(node.name().or(mesh.name()).map(|name| ("name", at.make_text(name))));
+        match instances {
+            None => {
+                members.extend([("type", at.make_text("mesh"))].into_iter().chain(shown));
                 made.positions.iter().for_each(|p| self.bounds.add(to_world.transform_point3(p.as_dvec3())));
             }
-            self.shapes.extend(shape);
+            Some(points) => {
+                let shape = at.make_object([("type", at.make_text("mesh"))].into_iter().chain(shown));
+                self.groups.entry(made.file.clone()).or_insert_with(|| at.make_array([shape]));
+                let file = self.document.made_name(&format!("instances-{}", node.index()), "ply");
+                self.document.root.context().make(&*file, points::ply_binary(&points));
+                let instances = [("type", "instances"), ("group", &made.file), ("file", &file)];
+                members.extend(instances.map(|(key, value)| (key, at.make_text(value))));
+                self.add_bounds(&made.positions, &points, &to_world);
+            }
         }
-    }
-
-    /// Shape of an instance of a primitive; `None` if it is scaled to nothing, with a note.
-    fn placed(
-        &self,
-        node: &gltf::Node,
-        mesh: &gltf::Mesh,
-        made: &MeshFile,
-        (name, prepared): (&str, &PreparedMaterial),
-        to_world: &DMat4,
-    ) -> Option<Node> {
-        let at = self.document.item("nodes", node.index());
-        if to_world.determinant() == 0.0 {
-            self.document.note(&at, "what is scaled to nothing is left out: it does not show");
-            return None;
-        }
-        let mut members = vec![("type", at.make_text("mesh"))];
-        members.extend(node.name().or(mesh.name()).map(|name| ("name", at.make_text(name))));
-        members.extend([("file", at.make_text(&*made.file)), ("material", at.make_text(name))]);
-        members.extend(prepared.emission.clone().map(|emission| ("emission", emission)));
-        if *to_world != DMat4::IDENTITY {
+        if to_world != DMat4::IDENTITY {
             // Row by row.
             let matrix = at.make_numbers(to_world.transpose().to_cols_array());
             members.push(("transform", at.make_array([at.make_object([("matrix", matrix)])])));
         }
-        Some(at.make_object(members))
+        self.shapes.push(at.make_object(members));
+    }
+
+    /// Adds the boxes of instances to the bounds, because looking at all vertices of all of them may take long.
+    fn add_bounds(&mut self, positions: &[Vec3], points: &[InstancePoint], to_world: &DMat4) {
+        let (low, high) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        for point in points {
+            let matrix = *to_world * point.matrix();
+            for k in 0..8 {
+                let corner = Vec3::select(BVec3::new(k & 1 != 0, k & 2 != 0, k & 4 != 0), high, low);
+                self.bounds.add(matrix.transform_point3(corner.as_dvec3()));
+            }
+        }
     }
 
     /// Reads a material, once.
@@ -194,6 +208,9 @@ impl SceneBuilder<'_, '_> {
         let materials: Vec<(String, Node)> = self.materials.into_values().map(|(name, prepared)| (name, prepared.node)).collect();
         root.push(("materials", at.make_object(materials)));
         root.push(("lights", at.make_array(self.lights)));
+        if !self.groups.is_empty() {
+            root.push(("groups", at.make_object(self.groups)));
+        }
         root.push(("shapes", at.make_array(self.shapes)));
         at.make_object(root)
     }

@@ -34,7 +34,7 @@ fn nodes_inherit_the_transforms_of_their_parents() {
     // The quaternion is read as f32.
     assert_near(&scene.numbers("/shapes/0/transform/0/matrix"), &expected(3.0), 1e-6, "of two nodes");
     assert_near(&scene.numbers("/shapes/1/transform/0/matrix"), &expected(13.0), 0.0, "of a matrix");
-    assert_eq!(scene.at("/shapes/0/file"), scene.at("/shapes/1/file"));
+    assert_eq!(scene.at("/shapes/0/group"), scene.at("/shapes/1/group"));
     // (x, y) of the square is at (1 − 2 y, 4 + 2 x).
     let built = scene.built();
     met(&built, [0.5, 4.5, 20.0], [0.0, 0.0, -1.0], |surface, p| {
@@ -155,6 +155,8 @@ fn instances_of_a_mesh_are_placed() {
     model.doc["nodes"][0]["extensions"] = json!({ "EXT_mesh_gpu_instancing": { "attributes": attributes } });
     model.doc["nodes"][0]["translation"] = json!([100, 0, 0]);
     model.doc["extensionsRequired"] = json!(["EXT_mesh_gpu_instancing"]);
+    // A second node shows the same mesh once.
+    model.node(json!({ "mesh": 0, "translation": [0, 0, -50] }));
     let scene = read_model(&model);
     assert_eq!(scene.notes.iter().filter(|note| !note.contains("no camera") && !note.contains("no light")).count(), 0, "{:?}", scene.notes);
     let built = scene.built();
@@ -166,7 +168,8 @@ fn instances_of_a_mesh_are_placed() {
             assert_near(&surface.point.uv.as_dvec2().to_array(), &[0.55, 0.45], 1e-4, "which place of the square");
         });
     }
-    assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(4), "three copies and the key light");
+    assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(3), "the instances of both nodes and the key light");
+    assert_eq!((built.world.instance_count(), built.world.primitive_count()), (4, 2 + 1), "one square, and the key light");
     // Counts that do not agree are refused.
     model.doc["accessors"][scales]["count"] = json!(2);
     let folder = tempfile::tempdir().expect("a folder");
