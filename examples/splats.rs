@@ -61,11 +61,11 @@ impl Walk {
     fn follow(&self, path: &mut LightPath) -> Option<bool> {
         let (choice, position) = path.numbers.get_3d(dimension::vertex(0, Use::Light));
         let (_, direction) = path.numbers.get_3d(dimension::vertex(0, Use::Bsdf));
-        let emitted = self.scene.lights().emit(choice, position, direction)?;
+        let emitted = self.scene.lights().emit(choice, position, direction, 0.0)?;
         let hit = self.scene.intersect(&emitted.ray)?;
         let surface = self.scene.surface(&emitted.ray, &hit);
         // A camera with a lens would take a point of the lens from two more numbers.
-        let camera = self.scene.camera().connect(surface.point.p, path.aspect(), Vec2::ZERO)?;
+        let camera = self.scene.camera().connect(surface.point.p, path.aspect(), Vec2::ZERO, 0.0)?;
         let f = surface.eval(-emitted.ray.direction, camera.wi, TransportMode::Importance);
         let passed = self.scene.transmittance(&surface.shadow_ray(camera.wi, &ShadowTarget::Point(camera.end), 0.0))?;
         Some(path.splat(camera.film, emitted.flux() * f * camera.weight * passed, 1, emitted.light))

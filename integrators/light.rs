@@ -56,9 +56,10 @@ impl Default for LightTracer {
 impl Integrator for LightTracer {
     fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
         let calls_for = |effect| scene.effects().contains(effect);
-        let (has_lens, has_shading_normals) = (calls_for(Effects::THIN_LENS), calls_for(Effects::SHADING_NORMALS));
+        let has_shading_normals = calls_for(Effects::SHADING_NORMALS);
+        let (has_lens, has_motion) = (calls_for(Effects::THIN_LENS), calls_for(Effects::MOTION));
         let roulette = Roulette { from_depth: self.roulette_depth };
-        Box::new(Walk { scene, max_depth: self.max_depth, roulette, has_lens, has_shading_normals })
+        Box::new(Walk { scene, max_depth: self.max_depth, roulette, has_lens, has_motion, has_shading_normals })
     }
 
     /// Bias of `max_depth`. The integrator without the limit follows the same paths up to that depth; beyond it Russian roulette ends them.
@@ -77,6 +78,7 @@ struct Walk {
     max_depth: u32,
     roulette: Roulette,
     has_lens: bool,
+    has_motion: bool,
     has_shading_normals: bool,
 }
 
@@ -116,7 +118,8 @@ impl Walk {
     fn follow<R: Recorder + ?Sized>(&self, path: &mut LightPath, interrupt: Interrupt, recorder: &mut R) {
         let (choice, position) = path.numbers.get_3d(dimension::vertex(0, Use::Light));
         let (_, direction) = path.numbers.get_3d(dimension::vertex(0, Use::Bsdf));
-        let Some(emitted) = self.scene.lights().emit(choice, position, direction) else { return };
+        let time = if self.has_motion { path.numbers.get_1d(dimension::TIME) } else { 0.0 };
+        let Some(emitted) = self.scene.lights().emit(choice, position, direction, time) else { return };
         recorder.record(|| Event::Emission(emitted));
         let (flux, mut ray, mut beta) = (emitted.flux(), emitted.ray, Spectrum::ONE);
         for depth in 0..self.max_depth {
@@ -157,7 +160,7 @@ impl Walk {
             return;
         }
         let lens = if self.has_lens { path.numbers.get_3d(dimension::vertex(depth, Use::Light)).1 } else { Vec2::ZERO };
-        let Some(camera) = self.scene.camera().connect(surface.shadow_origin, path.aspect(), lens) else { return };
+        let Some(camera) = self.scene.camera().connect(surface.shadow_origin, path.aspect(), lens, ray.time) else { return };
         let value = flux * self.scattered(arrival, camera.wi) * camera.weight;
         if value.is_black() {
             return;

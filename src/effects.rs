@@ -42,6 +42,9 @@ impl Effects {
     /// Coarse meshes whose shadow terminator is that of the smooth surface that they stand for.
     pub const SMOOTH_SHADOWS: Effects = Effects(1 << 11);
 
+    /// Things that move while the shutter is open. Only then samples draw a time.
+    pub const MOTION: Effects = Effects(1 << 12);
+
     /// All effects.
     pub const ALL: Effects = Effects((1 << TABLE.len()) - 1);
 
@@ -108,7 +111,7 @@ impl Sub for Effects {
 }
 
 /// Table of all effects, in the order of their bits.
-const TABLE: [EffectInfo; 12] = [
+const TABLE: [EffectInfo; 13] = [
     EffectInfo { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
     EffectInfo { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
     EffectInfo { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
@@ -121,4 +124,5 @@ const TABLE: [EffectInfo; 12] = [
     EffectInfo { bit: Effects::CUT_OUTS, name: "cut-outs", cost: "one lookup per surface that a ray meets, shadow rays too" },
     EffectInfo { bit: Effects::UNSAMPLED_EMITTER, name: "lights met by chance", cost: "noise: no shadow ray looks for them" },
     EffectInfo { bit: Effects::SMOOTH_SHADOWS, name: "smooth shadows of coarse meshes", cost: "a few operations per hit" },
+    EffectInfo { bit: Effects::MOTION, name: "motion blur", cost: "one random number per camera ray" },
 ];

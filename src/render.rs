@@ -136,6 +136,7 @@ pub struct Render {
     /// Paths from the lights, if the integrator follows any.
     light_paths: Option<LightPaths>,
     has_lens: bool,
+    has_motion: bool,
     tiles: Vec<Crop>,
     /// Index of the next sample.
     next: u64,
@@ -160,7 +161,7 @@ impl Render {
     /// Prepares the integrator. No sample is taken yet.
     pub fn new(scene: Arc<dyn Scene>, integrator: &dyn Integrator, spec: &FilmSpec, settings: &Settings) -> Render {
         let estimator = integrator.prepare(scene.clone(), spec);
-        let has_lens = scene.effects().contains(Effects::THIN_LENS);
+        let (has_lens, has_motion) = (scene.effects().contains(Effects::THIN_LENS), scene.effects().contains(Effects::MOTION));
         debug_assert!(spec.allocation.is_even() || !integrator.splats(), "splats need the same number of samples for all pixels");
         let light_paths = integrator.splats().then(|| LightPaths::new(spec, &settings.sampler));
         let tiles = match &light_paths {
@@ -175,6 +176,7 @@ impl Render {
             sequences: settings.sampler.sequences(),
             light_paths,
             has_lens,
+            has_motion,
             tiles,
             next: 0,
             clamp: settings.clamp,
@@ -424,10 +426,11 @@ impl Render {
     #[inline(always)]
     fn camera_sample(&self, pixel: UVec2, numbers: &mut SampleNumbers) -> CameraSample {
         let (offset, weight) = self.spec.filter.sample(numbers.get_2d(dimension::FILM));
-        // Each effect owns its dimensions, so that drawing no lens point shifts no other number.
+        // Each effect owns its dimensions, so that drawing no lens point and no time shifts no other number.
         let lens = if self.has_lens { numbers.get_2d(dimension::LENS) } else { Vec2::ZERO };
+        let time = if self.has_motion { drawn_time(numbers) } else { 0.0 };
         let raster = pixel.as_vec2() + 0.5 + offset;
-        let ray = self.scene.camera().ray(raster / self.spec.size.as_vec2(), self.spec.aspect(), lens);
+        let ray = self.scene.camera().ray(raster / self.spec.size.as_vec2(), self.spec.aspect(), lens, time);
         CameraSample { ray, weight, pixel, raster, known_hit: None }
     }
 
@@ -458,4 +461,12 @@ fn tiles(crop: Crop, edge: u32) -> Vec<Crop> {
     let starts = |from: u32, to: u32| (from..to).step_by(edge as usize);
     let tile = |x: u32, y: u32| Crop { min: UVec2::new(x, y), max: UVec2::new(x, y).saturating_add(UVec2::splat(edge)).min(crop.max) };
     starts(crop.min.y, crop.max.y).flat_map(|y| starts(crop.min.x, crop.max.x).map(move |x| tile(x, y))).collect()
+}
+
+/// Time of a sample as a fraction of the shutter interval.
+// Never inlined, so that scenes at rest do not pay for it.
+#[cold]
+#[inline(never)]
+fn drawn_time(numbers: &mut SampleNumbers) -> f32 {
+    numbers.get_1d(dimension::TIME)
 }

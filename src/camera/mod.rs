@@ -54,8 +54,8 @@ pub struct CameraConnection {
 impl Camera {
     /// Connects a point with the camera; `None` if the point is not in front of it.
     ///
-    /// - `aspect`, `lens`: as in [`Camera::ray`]
-    pub fn connect(&self, p: Vec3, aspect: f32, lens: Vec2) -> Option<CameraConnection> {
+    /// - `aspect`, `lens`, `time`: as in [`Camera::ray`]
+    pub fn connect(&self, p: Vec3, aspect: f32, lens: Vec2, _time: f32) -> Option<CameraConnection> {
         match self {
             Camera::Perspective(camera) => camera.connect(p, aspect, lens),
             Camera::Orthographic(camera) => camera.connect(p, aspect),
@@ -67,13 +67,15 @@ impl Camera {
     ///
     /// - `film`: position in [0, 1)², from the upper left corner; `aspect`: width / height of the film
     /// - `lens`: uniform numbers in [0, 1)², used only by cameras with a lens
+    /// - `time`: fraction of the shutter interval, in [0, 1); 0 where nothing moves
     #[inline(always)]
-    pub fn ray(&self, film: Vec2, aspect: f32, lens: Vec2) -> Ray {
-        match self {
+    pub fn ray(&self, film: Vec2, aspect: f32, lens: Vec2, time: f32) -> Ray {
+        let ray = match self {
             Camera::Perspective(camera) => camera.ray(film, aspect, lens),
             Camera::Orthographic(camera) => camera.ray(film, aspect),
             Camera::Spherical(camera) => camera.ray(film),
-        }
+        };
+        Ray { time, ..ray }
     }
 
     /// Positions on the plane of the film, at its edges also outside of it, whose rays are those of `film`.

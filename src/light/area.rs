@@ -101,7 +101,7 @@ impl Area {
         let local = warp::cosine_hemisphere(Vec2::new(x, cx.direction.y));
         let w = Frame::around(point.ng * side).to_world(Local(local)).normalize();
         let le = self.emitter.at(&point).towards(point.ng, w);
-        let ray = Ray { from: point.p, ..Ray::new(offset_ray_origin(&point, w), w) };
+        let ray = Ray { from: point.p, time: cx.time, ..Ray::new(offset_ray_origin(&point, w), w) };
         let direction = Density::Smooth(SolidAnglePdf::new(share * warp::cosine_hemisphere_pdf(local)));
         let (position, &EmissionContext { light, probability, .. }) = (Density::Smooth(pdf), cx);
         let ray = EmittedRay { ray, point: Some(point), le, cos: local.z, position, direction, probability, light };

@@ -61,6 +61,8 @@ pub(super) struct EmissionContext {
     pub position: Vec2,
     /// Uniform numbers that choose the direction.
     pub direction: Vec2,
+    /// Fraction of the shutter interval.
+    pub time: f32,
 }
 
 impl EmissionContext {
@@ -82,6 +84,7 @@ impl EmissionContext {
     /// Ray along the normal of the area that its start is sampled on, and from no surface; `None` if it carries no light.
     fn ray(&self, ray: Ray, le: Spectrum, position: Density<AreaPdf>, direction: Density) -> Option<EmittedRay> {
         let EmissionContext { light, probability, .. } = *self;
+        let ray = Ray { time: self.time, ..ray };
         (!le.is_black()).then_some(EmittedRay { ray, point: None, le, cos: 1.0, position, direction, probability, light })
     }
 }

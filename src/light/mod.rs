@@ -175,15 +175,16 @@ impl Lights {
         Some(LightSample { wi, li, density, probability, target, light: index as u32 })
     }
 
-    /// Samples a ray that a light emits, at time 0.
+    /// Samples a ray that a light emits.
     ///
     /// - `choice`: uniform number that chooses the light
     /// - `position`, `direction`: uniform numbers that choose the start and the direction of the ray
+    /// - `time`: fraction of the shutter interval, in [0, 1); 0 where nothing moves
     ///
     /// `None` if the chosen light emits nothing along the sampled ray.
-    pub fn emit(&self, choice: f32, position: Vec2, direction: Vec2) -> Option<EmittedRay> {
+    pub fn emit(&self, choice: f32, position: Vec2, direction: Vec2, time: f32) -> Option<EmittedRay> {
         let (index, probability, _) = self.choice.as_ref()?.sample(choice);
-        let cx = EmissionContext { light: index as u32, probability, bounds: self.bounds, position, direction };
+        let cx = EmissionContext { light: index as u32, probability, bounds: self.bounds, position, direction, time };
         self.lights[index].emit(&self.shapes, &cx)
     }
 

@@ -26,7 +26,7 @@ fn pinhole(pose: Pose, fov: f64) -> Camera {
 }
 
 fn ray(camera: &Camera, film: [f32; 2], aspect: f32) -> Ray {
-    camera.ray(film.into(), aspect, Vec2::splat(0.5))
+    camera.ray(film.into(), aspect, Vec2::splat(0.5), 0.0)
 }
 
 fn direction(camera: &Camera, film: [f32; 2], aspect: f32) -> DVec3 {
@@ -124,7 +124,7 @@ proptest! {
             Camera::Spherical(Spherical { pose }),
         ];
         for camera in cameras {
-            let ray = camera.ray(film.into(), 1.5, lens.into());
+            let ray = camera.ray(film.into(), 1.5, lens.into(), 0.0);
             // Normalising rounds each component at most three times, so the length has the same relative error.
             prop_assert!((ray.direction.as_dvec3().length() - 1.0).abs() < 4.0 / 16_777_216.0, "{camera:?}: {ray:?}");
             prop_assert!(ray.t_max == f32::INFINITY && ray.time == 0.0);
@@ -135,7 +135,7 @@ proptest! {
     #[test]
     fn the_plane_of_focus_is_sharp(film in shares(), lens in shares(), fov in 5.0f64..120.0, radius in 0.001f32..0.5, focus in 0.5f32..20.0) {
         let camera = Camera::Perspective(Perspective::new(identity(), fov, radius, focus));
-        let ray = camera.ray(film.into(), 1.5, lens.into());
+        let ray = camera.ray(film.into(), 1.5, lens.into(), 0.0);
         let through = at_depth(&ray, f64::from(focus));
         let expected = at_depth(&self::ray(&pinhole(identity(), fov), film, 1.5), f64::from(focus));
         // For slanted rays the rounding error of the direction grows with the square of the slant.
@@ -233,7 +233,7 @@ fn the_circle_of_confusion_is_that_of_a_thin_lens() {
     let image = focal * focus / (focus - focal);
     let fov = 2.0 * (sensor / 2.0 / image).atan().to_degrees();
     let camera = Camera::Perspective(Perspective::new(identity(), fov, (focal / number / 2.0) as f32, focus as f32));
-    let height = |y: f32, lens: Vec2| at_depth(&camera.ray(Vec2::new(0.5, y), 1.5, lens), far).y;
+    let height = |y: f32, lens: Vec2| at_depth(&camera.ray(Vec2::new(0.5, y), 1.5, lens, 0.0), far).y;
     // The height that is seen at 4 m is linear in the height on the film, so two rays determine where 0 is seen.
     let seen_at = |lens: Vec2| {
         let (top, bottom) = (height(0.25, lens), height(0.75, lens));
@@ -256,7 +256,7 @@ fn the_whole_lens_is_used() {
     let (mut square, mut sum) = (0.0, DVec3::ZERO);
     for _ in 0..n {
         let lens = Vec2::new(random.unit() as f32, random.unit() as f32);
-        let p = camera.ray(Vec2::new(0.2, 0.7), 1.5, lens).origin.as_dvec3();
+        let p = camera.ray(Vec2::new(0.2, 0.7), 1.5, lens, 0.0).origin.as_dvec3();
         square += p.length_squared();
         sum += p;
     }
@@ -293,7 +293,7 @@ fn a_moved_world_gives_the_same_picture() {
         for i in 0..32 * 32 {
             let film = (Vec2::new((i % 32) as f32, (i / 32) as f32) + 0.5) / 32.0;
             let lens = random.square();
-            let [here, there] = worlds.each_ref().map(|world| world.intersect(&world.camera().ray(film, 1.0, lens)));
+            let [here, there] = worlds.each_ref().map(|world| world.intersect(&world.camera().ray(film, 1.0, lens, 0.0)));
             assert_eq!(here, there, "film point {film} of camera {kind}");
             hits += usize::from(here.is_some());
         }

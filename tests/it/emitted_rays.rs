@@ -80,7 +80,7 @@ fn rays(lights: &Lights, count: u32) -> impl Iterator<Item = EmittedRay> {
     (0..count).filter_map(move |i| {
         let mut numbers = sequence.sample(UVec2::ZERO, i.into());
         let (choice, position) = numbers.get_3d(0);
-        lights.emit(choice, position, numbers.get_2d(3))
+        lights.emit(choice, position, numbers.get_2d(3), 0.0)
     })
 }
 

@@ -9,6 +9,6 @@ pub mod zoo;
 use pt::integrator::{Entry, Integrator, choose};
 
 /// An integrator with its default options.
-fn new(entry: &Entry) -> Box<dyn Integrator> {
+pub fn new(entry: &Entry) -> Box<dyn Integrator> {
     choose(&[&[*entry]], None, Some(entry.name), "").expect("defaults are valid").1
 }

@@ -43,9 +43,9 @@ fn connections_are_the_rays_of_the_camera() {
     for (name, camera) in cameras() {
         for _ in 0..2000 {
             let (film, lens) = (random.uniform_square() * 0.98 + 0.01, random.uniform_square());
-            let ray = camera.ray(film, ASPECT, lens);
+            let ray = camera.ray(film, ASPECT, lens, 0.0);
             let p = ray.origin + ray.direction * random.range(0.5, 4.0) as f32;
-            let found = camera.connect(p, ASPECT, lens).unwrap_or_else(|| panic!("{name}: {film} is on the film"));
+            let found = camera.connect(p, ASPECT, lens, 0.0).unwrap_or_else(|| panic!("{name}: {film} is on the film"));
             // The rounding of a point 4 m away, about 2⁻²², is seen under a larger angle from half a metre.
             assert!((found.film - film).length() < 2e-5, "{name}: {film} became {}", found.film);
             assert!((found.wi + ray.direction).length() < 2e-6, "{name}: {:?} for {:?}", found.wi, -ray.direction);
@@ -73,12 +73,12 @@ fn importance_integrates_to_one() {
             let (z, phi) = (2.0 * middle(i) - 1.0, TAU * middle(j));
             let n = DVec3::new((1.0 - z * z).sqrt() * phi.cos(), z, (1.0 - z * z).sqrt() * phi.sin());
             let area = 4.0 * PI * RADIUS * RADIUS / f64::from(N * N);
-            if let Some(found) = camera.connect((center + n * RADIUS).as_vec3(), ASPECT, lens).filter(|found| is_on_film(found.film)) {
+            if let Some(found) = camera.connect((center + n * RADIUS).as_vec3(), ASPECT, lens, 0.0).filter(|found| is_on_film(found.film)) {
                 let cos = n.dot(-found.wi.as_dvec3());
                 let weight = f64::from(found.weight) * cos * area;
                 (0..4).for_each(|k| over_sphere[k] += weight * factors[k](n));
             }
-            let ray = camera.ray(Vec2::new(middle(i) as f32, middle(j) as f32), ASPECT, lens);
+            let ray = camera.ray(Vec2::new(middle(i) as f32, middle(j) as f32), ASPECT, lens, 0.0);
             let seen = (on_sphere(center, ray.origin, ray.direction) - center) / RADIUS;
             (0..4).for_each(|k| over_film[k] += factors[k](seen) / f64::from(N * N));
         }
@@ -94,7 +94,7 @@ fn importance_integrates_to_one() {
 #[test]
 fn nothing_behind_a_camera_is_connected() {
     for (name, camera) in cameras().into_iter().filter(|(name, _)| *name != "spherical") {
-        let ahead = camera.ray(Vec2::splat(0.5), ASPECT, Vec2::splat(0.5)).direction;
-        assert!(camera.connect(camera.eye().as_vec3() - ahead, ASPECT, Vec2::splat(0.5)).is_none(), "{name}");
+        let ahead = camera.ray(Vec2::splat(0.5), ASPECT, Vec2::splat(0.5), 0.0).direction;
+        assert!(camera.connect(camera.eye().as_vec3() - ahead, ASPECT, Vec2::splat(0.5), 0.0).is_none(), "{name}");
     }
 }

@@ -72,6 +72,7 @@ mod stderr_messages;
 mod terminator;
 mod tev;
 mod textures;
+mod times;
 mod transforms;
 mod varying;
 mod verdicts;

@@ -110,7 +110,7 @@ fn far_objects_do_not_move_the_pattern() {
         assert_eq!(world.origin().length() > 100.0, far, "only the far object moves the origin");
         for i in 0..64 * 64 {
             let film = (Vec2::new((i % 64) as f32, (i / 64) as f32) + 0.3) / 64.0;
-            let ray = world.camera().ray(film, 1.0, Vec2::ZERO);
+            let ray = world.camera().ray(film, 1.0, Vec2::ZERO, 0.0);
             let hit = world.intersect(&ray).expect("the floor fills the film");
             // +x is up in the picture and +z to the right, over eight metres each.
             let at = world.surface(&ray, &hit);

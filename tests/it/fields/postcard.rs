@@ -98,7 +98,7 @@ fn the_camera_is_the_originals() {
 }
 
 fn pinhole(camera: &pt::camera::Camera, x: f32, y: f32) -> Ray {
-    camera.ray(glam::Vec2::new(x / 960.0, y / 540.0), 960.0 / 540.0, glam::Vec2::ZERO)
+    camera.ray(glam::Vec2::new(x / 960.0, y / 540.0), 960.0 / 540.0, glam::Vec2::ZERO, 0.0)
 }
 
 /// A picture's channels with their standard errors.

@@ -123,7 +123,7 @@ fn camera_rays_are_those_of_the_program() {
             for _ in 0..20 {
                 let [x, y] = [0, 1].map(|_| random.unit());
                 let expected = (ahead + right * (2.0 * x - 1.0) * tan_x + up * (1.0 - 2.0 * y) * tan_y).normalize();
-                let ray = world.camera().ray(Vec2::new(x as f32, y as f32), 1.4, Vec2::splat(0.5));
+                let ray = world.camera().ray(Vec2::new(x as f32, y as f32), 1.4, Vec2::splat(0.5), 0.0);
                 assert!((ray.direction.as_dvec3() - expected).length() < FEW_ROUNDINGS, "{camera}: {} for {expected}", ray.direction);
                 assert!((ray.origin.as_dvec3() + world.origin() - eye).length() < 1e-5, "{camera}: {}", ray.origin);
             }
