@@ -12,7 +12,7 @@ use super::progress::Progress;
 use super::progress::{ProgressForm, WorkArgs};
 use super::reference::{self, ReferenceRenderer};
 use super::{note, print_stdout, render, signals};
-use crate::compare::{self, Budget, Comparison, MethodConfig, Reference, conclusions};
+use crate::compare::{self, Budget, Comparison, MethodConfig, Reference, conclusions, report};
 use crate::error::{Error, Fault, Result};
 use crate::film::FilmSpec;
 use crate::integrator::Entry;
@@ -234,7 +234,7 @@ fn summary(comparison: &Comparison, folder: &Path) -> String {
     let mut text = format!("against {}{known}\n", comparison.reference.origin);
     for method in &comparison.methods {
         let Some(last) = method.curve.last() else { continue };
-        let slope = method.slope.map_or(String::new(), |(slope, error)| format!(" · slope −{slope:.2} ± {error:.2}"));
+        let slope = method.slope.map_or(String::new(), |slope| format!(" · slope {}", report::slope(slope)));
         let error = per_cent(last.relmse.0.max(0.0).sqrt());
         text += &format!("{}: {} spp · {} · error {error} %{slope}\n", method.name, last.samples, duration(last.seconds));
     }

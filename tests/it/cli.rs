@@ -78,7 +78,7 @@ fn light_tracing_has_scramblings_and_refuses_what_it_cannot_do() {
         let (_, attributes) = pt::output::exr::read(&folder.path().join("x.exr")).expect("a readable picture");
         assert!(attributes.contains(&("pt/scramblings".into(), scramblings.into())), "{args:?}: {attributes:?}");
     }
-    for option in [&["--adaptive"][..], &["--clamp", "2"], &["--worst", "3"]] {
+    for option in [&["--adaptive"][..], &["--clamp", "2"], &["--worst", "3"], &["--clamp", "2", "--pixel", "1,1"]] {
         let args = [&["scene.json", "-i", "light"][..], option].concat();
         refused(folder.path(), &args, 2, &format!("{}: not with light", option[0]));
     }

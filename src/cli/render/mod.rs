@@ -34,6 +34,7 @@ pub fn render(args: &RenderArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
     if args.verbose {
         note(&check::contents(&loaded));
     }
+    plan::refuse_for_splats(args, &loaded)?;
     let pool = pool(args.work.threads)?;
     if let Some(plan) = args.pixel_plan() {
         return pool.install(|| pixel::pixel(&plan, loaded)).map(|()| ExitCode::SUCCESS);

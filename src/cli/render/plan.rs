@@ -99,7 +99,6 @@ impl RenderPlan {
     /// # Errors
     /// `Usage` for samples that do not exist and for outputs that cannot be written; `Io`.
     pub fn new(args: &RenderArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<RenderPlan> {
-        refuse_for_splats(args, loaded)?;
         let samples = samples(args, &loaded.built.sampler)?;
         let is_part = args.shard.is_some() || args.samples.is_some();
         let outputs = match (&args.output[..], is_part) {
@@ -214,7 +213,7 @@ impl RenderPlan {
 ///
 /// # Errors
 /// `Usage`.
-fn refuse_for_splats(args: &RenderArgs, loaded: &Loaded) -> Result<()> {
+pub(super) fn refuse_for_splats(args: &RenderArgs, loaded: &Loaded) -> Result<()> {
     let flag = [("--adaptive", args.adaptive), ("--clamp", args.clamp.is_some()), ("--worst", args.worst.is_some())];
     match flag.into_iter().find(|(_, is_given)| loaded.integrator.splats() && *is_given) {
         None => Ok(()),

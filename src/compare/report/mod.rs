@@ -12,6 +12,8 @@ mod table;
 
 use std::path::{Path, PathBuf};
 
+pub use plot::slope;
+
 use super::Comparison;
 use crate::error::{Error, Result};
 use crate::output;

@@ -49,7 +49,9 @@ pub fn elements(comparison: &Comparison) -> Vec<[String; 2]> {
     ALL.iter().map(|plot| [WIDE, NARROW].map(|format| svg::element(&(plot.draw)(comparison, format)))).collect()
 }
 
-/// Slope of relMSE over time: `−0.98 ± 0.02`.
+/// Slope of relMSE over time, in logarithms: `−0.98 ± 0.02`.
+///
+/// - `b`: exponent of relMSE ∝ time⁻ᵇ, and its standard error
 pub fn slope((b, deviation): (f64, f64)) -> String {
     let sign = if b > 0.0 { "−" } else { "" };
     format!("{sign}{:.2} ± {:.2}", b.abs(), deviation)
@@ -64,4 +66,15 @@ pub fn price(cost: &Cost) -> String {
 /// Reason why a method never reaches an error.
 pub fn unpriced(method: &Method, target: f64) -> String {
     if method.bias.is_some_and(|(bias, _)| bias >= target) { "never: bias".into() } else { "not known".into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The exponent of a falling error is shown as the falling slope, that of a growing error as a growing one.
+    #[test]
+    fn slopes_have_one_sign() {
+        assert_eq!([slope((0.976, 0.02)), slope((-1.28, 0.1))], ["−0.98 ± 0.02", "1.28 ± 0.10"]);
+    }
 }
