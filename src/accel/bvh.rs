@@ -203,7 +203,7 @@ impl Primitive for Bvh {
         }
     }
 
-    fn intersect_within(&self, ray: &Ray, tolerance: f32) -> Option<Hit> {
+    fn intersect_with_tolerance(&self, ray: &Ray, tolerance: f32) -> Option<Hit> {
         match self.set {
             Set::Plain => self.nearest::<Halves, _>(ray, Within(tolerance)),
             // SAFETY: `set` is AVX2 only if this machine has it.
@@ -213,7 +213,7 @@ impl Primitive for Bvh {
         }
     }
 
-    fn occluded_within(&self, ray: &Ray, tolerance: f32) -> bool {
+    fn occluded_with_tolerance(&self, ray: &Ray, tolerance: f32) -> bool {
         match self.set {
             Set::Plain => self.any::<Halves, _>(ray, Within(tolerance)),
             // SAFETY: `set` is AVX2 only if this machine has it.

@@ -76,7 +76,7 @@ impl Packet {
     #[inline(always)]
     pub fn intersect<T: Tolerance>(&self, lane: usize, ray: &Ray, t_max: f32, tolerance: T) -> Option<ShapeHit> {
         let corner = |k: usize| Vec3::new(self.corner[k][0][lane], self.corner[k][1][lane], self.corner[k][2][lane]);
-        triangle::intersect_within(ray, t_max, [corner(0), corner(1), corner(2)], tolerance)
+        triangle::intersect_with_tolerance(ray, t_max, [corner(0), corner(1), corner(2)], tolerance)
     }
 }
 

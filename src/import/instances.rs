@@ -42,7 +42,7 @@ fn own_groups(members: &[Member]) -> BTreeMap<String, Mesh> {
     let groups = members.iter().find(|member| member.key == "groups").map(|member| &member.node.value);
     let Some(Value::Object(groups)) = groups else { return BTreeMap::new() };
     let mesh = |group: &Member| {
-        let shape = group.node.child("0").filter(|_| group.node.child("1").is_none())?;
+        let shape = group.node.child("0").filter(|shape| group.node.child("1").is_none() && shape.child("transform").is_none())?;
         Some((mesh_key(shape)?, Mesh { count: 1, group: Some((group.key.clone(), shape.child("material").cloned())) }))
     };
     groups.iter().filter_map(mesh).collect()

@@ -212,3 +212,16 @@ fn permanent(m: DMat3) -> f64 {
     let [a, b, c] = [m.x_axis, m.y_axis, m.z_axis];
     a.x * (b.y * c.z + b.z * c.y) + a.y * (b.x * c.z + b.z * c.x) + a.z * (b.x * c.y + b.y * c.x)
 }
+
+/// Upper bound of the factor by which a matrix stretches a length: exact for similarities, otherwise √(‖M‖₁ ‖M‖∞).
+pub fn greatest_stretch(m: DMat3) -> f64 {
+    let square = m.transpose() * m;
+    let s2 = square.x_axis.x.max(square.y_axis.y).max(square.z_axis.z);
+    // The tolerance covers a few roundings of each entry.
+    let near = |column: DVec3, e: DVec3| (column - e * s2).abs().max_element() <= 16.0 * f64::EPSILON * s2;
+    if near(square.x_axis, DVec3::X) && near(square.y_axis, DVec3::Y) && near(square.z_axis, DVec3::Z) {
+        return s2.sqrt();
+    }
+    let norm = |m: DMat3| m.x_axis.abs().element_sum().max(m.y_axis.abs().element_sum()).max(m.z_axis.abs().element_sum());
+    (norm(m) * norm(m.transpose())).sqrt()
+}

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use arrayvec::ArrayVec;
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::{Hit, InstanceId, MAX_NESTING, Primitive};
 use crate::bsdf::MaterialId;
 use crate::math::float::ROUNDING;
+use crate::math::transform::greatest_stretch;
 use crate::math::{Aabb, Ray, Transform};
 use crate::shape::{SurfacePoint, offset_bound};
 
@@ -17,7 +18,7 @@ pub struct Group {
     /// Sphere around the bounding box (m).
     center: DVec3,
     radius: f64,
-    /// Greatest coordinate of rays that start in the sphere (m).
+    /// Greatest |coordinate| in the sphere (m).
     reach: f32,
 }
 
@@ -31,8 +32,6 @@ impl Group {
                 (0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3()), 0.5 * (bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())
             }
         };
-        // Rounding must not cut corners of the box off.
-        let radius = radius * (1.0 + 8.0 * f64::EPSILON);
         Group { center, radius, reach: (center.abs().max_element() + radius) as f32, primitives }
     }
 
@@ -47,11 +46,11 @@ impl Group {
     }
 }
 
-/// Roundings of a ray in the space of a group, and of the corners that it meets, in multiples of [`ROUNDING`] times the greatest
-/// coordinate r.
+/// Roundings of a ray in the space of a group, and of the corners that it meets, in multiples of [`ROUNDING`] times the reach r.
 ///
-/// Each coordinate of the origin has an error of r, and of the direction of 1 at a distance of at most 2 r. Each corner has an error of
-/// r, as has the one that touches it in another instance. These errors of 5 r per axis have a length of √3 · 5 r < 9 r.
+/// The origin lies within √3 r, and its rounding has at most that length. That of the unit direction has a length of 1, and acts over at
+/// most 3 r. Each corner has an error of √3 r at most, as has the one that touches it in another instance, each in its own direction:
+/// 3 √3 r + 3 r < 9 r.
 const TOLERANCE: f32 = 9.0;
 
 /// Group at a place.
@@ -108,20 +107,20 @@ impl Instance {
         Aabb { min: min.as_vec3(), max: max.as_vec3() }
     }
 
-    /// Nearest hit, see [`Primitive::intersect_within`].
+    /// Nearest hit, see [`Primitive::intersect_with_tolerance`].
     pub fn intersect(&self, ray: &Ray, tolerance: f32) -> Option<Hit> {
         let inner = self.ray(ray, tolerance)?;
         // The next float, so that a hit is not lost whose distance rounds down in the outer space.
         let t_max = inner.ray.t_max.next_up();
-        let hit = self.group.primitives.intersect_within(&Ray { t_max, ..inner.ray }, inner.tolerance)?;
+        let hit = self.group.primitives.intersect_with_tolerance(&Ray { t_max, ..inner.ray }, inner.tolerance)?;
         let t = inner.outer(hit.t);
         let instance = InstanceId::new(self.first + hit.instance.map_or(0, InstanceId::get));
         (t > 0.0 && t < ray.t_max).then_some(Hit { t, instance, ..hit })
     }
 
-    /// Whether there is a hit, see [`Primitive::occluded_within`].
+    /// Whether there is a hit, see [`Primitive::occluded_with_tolerance`]. A hit at the end of the ray, within rounding, may count or not.
     pub fn occluded(&self, ray: &Ray, tolerance: f32) -> bool {
-        self.ray(ray, tolerance).is_some_and(|inner| self.group.primitives.occluded_within(&inner.ray, inner.tolerance))
+        self.ray(ray, tolerance).is_some_and(|inner| self.group.primitives.occluded_with_tolerance(&inner.ray, inner.tolerance))
     }
 
     /// The ray in the group's space; `None` if it does not come near the group.
@@ -137,8 +136,9 @@ impl Instance {
         let direction = direction / scale;
         let to_center = center - origin;
         let along = to_center.dot(direction);
-        let tolerance = if tolerance > 0.0 { tolerance * greatest_stretch(to_inner.matrix3) } else { 0.0 };
-        let radius = radius + f64::from(tolerance);
+        let tolerance = self.tolerance(tolerance);
+        // The last part is the rounding of this computation.
+        let radius = radius + f64::from(tolerance) + 8.0 * f64::EPSILON * to_center.length();
         // The comparisons are false also for NaN.
         let is_near = along > -radius && (to_center - direction * along).length_squared() <= radius * radius;
         let start = (along - radius).max(0.0);
@@ -148,20 +148,26 @@ impl Instance {
         }
         let origin = (origin + direction * start).as_vec3();
         let ray = Ray { origin, from: origin, direction: direction.as_vec3(), t_max, time: ray.time };
-        Some(GroupRay { ray, tolerance: tolerance + self.group.rounding(), scale, start })
+        Some(GroupRay { ray, tolerance, scale, start })
     }
 
-    /// A surface point of the group in the outer space.
+    /// Tolerance of rays in the group's space.
     ///
-    /// Its offset covers the roundings in both spaces: n·(M e) = (Mᵀ n)·e for an error e in the group's space, and Mᵀ n is the normal
-    /// there divided by |M⁻ᵀ n|.
+    /// - `outer`: tolerance of the ray in the outer space (m)
+    fn tolerance(&self, outer: f32) -> f32 {
+        let own = self.group.rounding();
+        if outer > 0.0 { own + outer * greatest_stretch(self.to_outer.inverse_matrix().matrix3) as f32 } else { own }
+    }
+
+    /// Transforms a surface point and its error bound to the outer space.
+    ///
+    /// With the unit normals n and n′ = M⁻ᵀ n / |M⁻ᵀ n|, an error e becomes n′·(M e) = n·e / |M⁻ᵀ n|.
     fn place(&self, point: &SurfacePoint) -> SurfacePoint {
         let p = self.to_outer.point(point.p.as_dvec3()).as_vec3();
         let normal = self.to_outer.inverse_matrix().matrix3.transpose() * point.ng.as_dvec3();
         let stretch = normal.length();
         let ng = (normal / stretch).as_vec3();
-        let within = point.offset + 2.0 * self.group.rounding();
-        let offset = (f64::from(within) / stretch) as f32 + offset_bound(ng, p.abs());
+        let offset = (f64::from(point.offset) / stretch) as f32 + offset_bound(ng, p.abs());
         SurfacePoint { p, offset, ng, ns: ng, ..*point }
     }
 }
@@ -172,10 +178,10 @@ pub struct Nesting<'a>(ArrayVec<&'a Instance, MAX_NESTING>);
 
 impl<'a> Nesting<'a> {
     /// An instance, and the ones within it that `id` names.
-    pub fn new(instance: &'a Instance, id: InstanceId) -> Nesting<'a> {
+    pub(crate) fn new(instance: &'a Instance, id: InstanceId) -> Nesting<'a> {
         let inner =
             InstanceId::new(id.get() - instance.first).map_or_else(Nesting::default, |inner| instance.group.primitives.instance(inner));
-        // Descriptions with deeper nesting are refused.
+        // Scenes with deeper nesting are refused.
         Nesting(std::iter::once(instance).chain(inner.0).take(MAX_NESTING).collect())
     }
 
@@ -195,8 +201,13 @@ impl<'a> Nesting<'a> {
     }
 
     /// A surface point of the innermost group in the outermost space. Its shading normal is the geometric one.
+    ///
+    /// Its offset is more than twice the distance outside of triangles at which rays hit them, so that a ray which starts there does not
+    /// hit the surface that it leaves.
     pub fn place(&self, point: &SurfacePoint) -> SurfacePoint {
-        self.0.iter().rev().fold(*point, |point, instance| instance.place(&point))
+        let tolerance = self.0.iter().fold(0.0, |outer, instance| instance.tolerance(outer));
+        let point = SurfacePoint { offset: point.offset + 2.0 * tolerance, ..*point };
+        self.0.iter().rev().fold(point, |point, instance| instance.place(&point))
     }
 
     /// A vector of the innermost group in the outermost space.
@@ -205,18 +216,13 @@ impl<'a> Nesting<'a> {
     }
 
     /// A point of the outermost space in the space of the innermost group.
-    pub fn point_within(&self, p: DVec3) -> Vec3 {
+    pub fn point_to_local(&self, p: DVec3) -> Vec3 {
         self.0.iter().fold(p, |p, instance| instance.to_outer.inverse_matrix().transform_point3(p)).as_vec3()
     }
 
     /// A direction of the outermost space as a unit vector in the space of the innermost group.
-    pub fn direction_within(&self, w: Vec3) -> Vec3 {
+    pub fn direction_to_local(&self, w: Vec3) -> Vec3 {
         let within = self.0.iter().fold(w.as_dvec3(), |w, instance| instance.to_outer.inverse_matrix().transform_vector3(w));
         within.normalize().as_vec3()
     }
-}
-
-/// An upper bound of the factor by which a matrix lengthens vectors.
-fn greatest_stretch(m: DMat3) -> f32 {
-    (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared()).sqrt() as f32
 }

@@ -25,7 +25,8 @@ pub struct Hit {
     pub t: f32,
 }
 
-/// Number of an instance, from 1. An instance within an instance has a number for each instance of the outer group.
+/// Number of an instance, from 1, in the order of a walk through the tree of all instances: each is followed by those within it. What an
+/// instance of a group contains is counted for each instance of the group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct InstanceId(NonZeroU32);
 
@@ -63,21 +64,21 @@ pub trait Primitive: Send + Sync {
     /// Rays that enter an instance are rounded in its space. Without the tolerance they could pass between instances that touch.
     ///
     /// - `tolerance`: distance (m)
-    fn intersect_within(&self, ray: &Ray, _tolerance: f32) -> Option<Hit> {
+    fn intersect_with_tolerance(&self, ray: &Ray, _tolerance: f32) -> Option<Hit> {
         self.intersect(ray)
     }
 
-    /// Whether [`Primitive::intersect_within`] finds a hit.
-    fn occluded_within(&self, ray: &Ray, tolerance: f32) -> bool {
-        self.intersect_within(ray, tolerance).is_some()
+    /// Whether [`Primitive::intersect_with_tolerance`] finds a hit.
+    fn occluded_with_tolerance(&self, ray: &Ray, tolerance: f32) -> bool {
+        self.intersect_with_tolerance(ray, tolerance).is_some()
     }
 
-    /// Number of instances, and of those within them.
+    /// Number of instances, including those within them.
     fn instance_count(&self) -> u32 {
         0
     }
 
-    /// Instance with this number and those around it, the outermost first; empty if there is none.
+    /// Instance with this number and those around it, the outermost first; empty if there are no instances.
     fn instance(&self, _id: InstanceId) -> Nesting<'_> {
         Nesting::default()
     }

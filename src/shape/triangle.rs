@@ -24,15 +24,12 @@ use crate::math::Ray;
 /// Architectures* (2007). Tests: watertight, distances_and_weights_match_integers.
 #[inline(always)]
 pub fn intersect(ray: &Ray, t_max: f32, corners: [Vec3; 3]) -> Option<ShapeHit> {
-    intersect_within(ray, t_max, corners, Exact)
+    intersect_with_tolerance(ray, t_max, corners, Exact)
 }
 
-/// Hit of `ray` with a triangle, or with the plane of the triangle at most the tolerance outside, as seen along the ray, and at most
-/// 1/1024 of the triangle. The weights are those of the nearest point of the triangle.
-///
-/// An edge function is 2 |d × e| times the distance at which the ray passes the edge e.
+/// Hit of `ray` with a triangle, or with the nearest point of its border where the ray passes outside of it within the tolerance.
 #[inline(always)]
-pub fn intersect_within<T: Tolerance>(ray: &Ray, t_max: f32, corners: [Vec3; 3], tolerance: T) -> Option<ShapeHit> {
+pub fn intersect_with_tolerance<T: Tolerance>(ray: &Ray, t_max: f32, corners: [Vec3; 3], tolerance: T) -> Option<ShapeHit> {
     let o = ray.origin.as_dvec3();
     let d = ray.direction.as_dvec3();
     let [a, b, c] = corners.map(|v| v.as_dvec3() - o);
@@ -59,32 +56,36 @@ pub fn intersect_within<T: Tolerance>(ray: &Ray, t_max: f32, corners: [Vec3; 3],
     let edge = |p: DVec3, q: DVec3| d.dot((q - p).cross(q + p));
     let (wa, wb, wc) = (edge(b, c), edge(c, a), edge(a, b));
     let sum = wa + wb + wc;
-    let is_outside = wa.min(wb).min(wc) < 0.0 && wa.max(wb).max(wc) > 0.0;
-    if is_outside && (T::IS_EXACT || !is_near(d, [wa, wb, wc], [c - b, ac, ab], f64::from(tolerance.get()))) {
-        return None;
+    if wa.min(wb).min(wc) < 0.0 && wa.max(wb).max(wc) > 0.0 {
+        return if T::IS_EXACT { None } else { border(d, [a, b, c], f64::from(tolerance.get()), t_max) };
     }
-    (sum != 0.0).then(|| {
-        let [wb, wc] = if T::IS_EXACT { [wb / sum, wc / sum] } else { inside(wb / sum, wc / sum) };
-        ShapeHit { t: hit, uv: Vec2::new(wb as f32, wc as f32) }
-    })
+    (sum != 0.0).then(|| ShapeHit { t: hit, uv: Vec2::new((wb / sum) as f32, (wc / sum) as f32) })
 }
 
-/// Whether a ray passes the triangle at most `tolerance` outside, and at most 1/1024 of the triangle.
+/// The point of a triangle's border that the line of a ray passes most closely, if it passes within `tolerance` and the point is between
+/// 0 and `t_max`.
 ///
-/// - `d`: unit direction
-/// - `edges`: edges opposite to the corners with the edge functions `w`
+/// - `d`: unit direction of the ray
+/// - `corners`: corners relative to the ray's origin
 #[inline(never)]
-fn is_near(d: DVec3, w: [f64; 3], edges: [DVec3; 3], tolerance: f64) -> bool {
-    let sum: f64 = w.iter().sum();
-    let least = |edge: DVec3| -(2.0 * tolerance * d.cross(edge).length()).min(sum.abs() / 1024.0);
-    w.into_iter().zip(edges).all(|(w, edge)| w * sum.signum() >= least(edge))
-}
-
-/// Weights of a point of the triangle near the point with these weights, which may be outside.
-fn inside(wb: f64, wc: f64) -> [f64; 2] {
-    let (wb, wc) = (wb.max(0.0), wc.max(0.0));
-    let sum = (wb + wc).max(1.0);
-    [wb / sum, wc / sum]
+fn border(d: DVec3, corners: [DVec3; 3], tolerance: f64, t_max: f32) -> Option<ShapeHit> {
+    let mut nearest = (tolerance * tolerance, None);
+    for k in 0..3 {
+        let (p, edge) = (corners[k], corners[(k + 1) % 3] - corners[k]);
+        // Perpendicular to the ray, its line is the origin.
+        let (flat, across) = (p - d * p.dot(d), edge - d * edge.dot(d));
+        let along = (-flat.dot(across) / across.length_squared()).clamp(0.0, 1.0);
+        // NaN for an edge along the ray.
+        let along = if along.is_nan() { 0.0 } else { along };
+        let distance_squared = (flat + across * along).length_squared();
+        if distance_squared <= nearest.0 {
+            let mut weights = [0.0; 3];
+            (weights[k], weights[(k + 1) % 3]) = (1.0 - along, along);
+            nearest = (distance_squared, Some(((p + edge * along).dot(d) as f32, weights)));
+        }
+    }
+    let (t, [_, wb, wc]) = nearest.1?;
+    (t > 0.0 && t < t_max).then(|| ShapeHit { t, uv: Vec2::new(wb as f32, wc as f32) })
 }
 
 /// Distance at which a ray may pass a triangle and still hit it. Without one, the hits are exact at no cost.

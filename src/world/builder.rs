@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::extent::{Extent, GroupExtent};
 use super::objects::{GroupId, Object, Objects};
-use super::spaces::{Copy, Hierarchies, baked, emitting_copies, spaces};
+use super::spaces::{EmitterCopy, Hierarchies, baked, emitting_copies, spaces};
 use super::{PartAppearance, PreparedMaterial, ShapeAppearance, ShapePlace, ShapePlaces, World};
 use crate::bsdf::{MaterialId, SurfaceMaterial};
 use crate::camera::Camera;
@@ -69,10 +69,10 @@ impl WorldBuilder {
     ///
     /// # Errors
     /// `Invalid` for shapes that no ray can hit and for coordinates beyond [`MAX_EXTENT`](super::MAX_EXTENT); `Limit` for more than
-    /// 2³² − 1 instances with those within them, or more than [`MAX_EMITTING_COPIES`](super::MAX_EMITTING_COPIES).
+    /// 2³² − 2 instances with those within them, or more than [`MAX_EMITTING_COPIES`](super::MAX_EMITTING_COPIES).
     pub fn build(self) -> Result<World> {
         let WorldBuilder { camera, materials, scene, groups, lights } = self;
-        let extents = GroupExtent::all(&groups);
+        let extents = GroupExtent::all(&groups)?;
         let origin = Extent::of(&scene, &extents).checked()?.origin(camera.eye());
         let origins = std::iter::once(origin).chain(extents.iter().map(|group| group.detail.middle));
         let all = std::iter::once(scene).chain(groups);
@@ -83,7 +83,7 @@ impl WorldBuilder {
         let spaces = spaces(&objects, origins);
         let shapes = baked(&spaces, &copies)?;
         let Hierarchies { scene: hierarchy, shown } = Hierarchies::new(&spaces, placements, &shapes)?;
-        let source = |copy: &Copy| spaces[copy.space].first_shape + copy.shape;
+        let source = |copy: &EmitterCopy| spaces[copy.space].first_shape + copy.shape;
         let place = |id: Option<InstanceId>, object: &Object| match id {
             Some(id) if !object.emits() => ShapePlace::Instance(id),
             _ => ShapePlace::Nowhere,

@@ -61,13 +61,16 @@ impl Extent {
 
 impl GroupExtent {
     /// Extents of groups, each of which comes after those that it shows.
-    pub fn all(groups: &[Objects]) -> Vec<GroupExtent> {
-        groups.iter().fold(vec![], |mut extents, objects| {
-            let Extent { bounds, details } = Extent::of(objects, &extents);
+    ///
+    /// # Errors
+    /// `Invalid` for coordinates beyond [`MAX_EXTENT`].
+    pub fn all(groups: &[Objects]) -> Result<Vec<GroupExtent>> {
+        groups.iter().try_fold(vec![], |mut extents, objects| {
+            let Extent { bounds, details } = Extent::of(objects, &extents).checked()?;
             let center = if bounds == EMPTY { DVec3::ZERO } else { 0.5 * bounds[0] + 0.5 * bounds[1] };
             let density = details.iter().map(|detail| detail.density).sum();
             extents.push(GroupExtent { bounds, detail: Detail { middle: origin::of(details.into_iter(), center), density } });
-            extents
+            Ok(extents)
         })
     }
 

@@ -75,7 +75,7 @@ fn swaps_uv(shape: &dyn Shape, nesting: &Nesting) -> bool {
 /// - `p`: position of the hit in the world
 /// - `ray`: ray in the direction from which the surface is seen
 fn point_in_group(shape: &dyn Shape, nesting: &Nesting, p: DVec3, ray: &Ray, hit: &Hit) -> SurfacePoint {
-    let (origin, direction) = (nesting.point_within(p), nesting.direction_within(ray.direction));
+    let (origin, direction) = (nesting.point_to_local(p), nesting.direction_to_local(ray.direction));
     let ray = Ray { origin, from: origin, direction, ..*ray };
     shape.point(hit.primitive, &ray, &ShapeHit { t: 0.0, uv: hit.uv })
 }

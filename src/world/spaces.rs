@@ -9,13 +9,14 @@ use crate::accel;
 use crate::bsdf::MaterialId;
 use crate::error::{Error, Fault, Result};
 use crate::math::Transform;
-use crate::primitive::{Group, Instance, InstanceId, Primitive};
+use crate::primitive::{Group, Instance, InstanceId, MAX_NESTING, Primitive};
 use crate::shape::Shape;
 
 /// Greatest number of copies of emitting shapes that instances show.
 pub const MAX_EMITTING_COPIES: usize = 1 << 20;
 
-/// Shapes in a common space, and the part of it that f32 resolves best. The first space is that of the scene; those of groups follow.
+/// Shapes in a common space, and the shift to the coordinates in which they are stored. The first space is that of the scene; those of
+/// groups follow.
 pub(super) struct Space<'a> {
     pub objects: &'a [Object],
     /// Index of the first shape.
@@ -38,7 +39,7 @@ pub(super) fn spaces(objects: &[Vec<Object>], origins: impl Iterator<Item = DVec
 }
 
 /// Copy of an emitting shape of a group, for one of the group's instances.
-pub(super) struct Copy<'a> {
+pub(super) struct EmitterCopy<'a> {
     pub object: &'a Object,
     /// Index of the group's space, and of the shape within it.
     pub space: usize,
@@ -53,7 +54,7 @@ pub(super) struct Copy<'a> {
 ///
 /// # Errors
 /// `Limit` for more than [`MAX_EMITTING_COPIES`].
-pub(super) fn emitting_copies<'a>(objects: &'a [Vec<Object>], placements: &[Vec<Placement>]) -> Result<Vec<Copy<'a>>> {
+pub(super) fn emitting_copies<'a>(objects: &'a [Vec<Object>], placements: &[Vec<Placement>]) -> Result<Vec<EmitterCopy<'a>>> {
     let mut emits = vec![false; objects.len()];
     for space in 1..objects.len() {
         let within = placements[space].iter().any(|placement| emits[placement.group.space()]);
@@ -64,7 +65,7 @@ pub(super) fn emitting_copies<'a>(objects: &'a [Vec<Object>], placements: &[Vec<
     while let Some((space, to_world, material)) = open.pop() {
         if space > 0 {
             let emitting = (0..).zip(&objects[space]).filter(|(_, object)| object.emits());
-            copies.extend(emitting.map(|(shape, object)| Copy { object, space, shape, to_world, material }));
+            copies.extend(emitting.map(|(shape, object)| EmitterCopy { object, space, shape, to_world, material }));
         }
         let emitting = placements[space].iter().rev().filter(|placement| emits[placement.group.space()]);
         open.extend(emitting.map(|p| (p.group.space(), p.to_outer.then(&to_world), material.or(p.material))));
@@ -80,7 +81,7 @@ pub(super) fn emitting_copies<'a>(objects: &'a [Vec<Object>], placements: &[Vec<
 ///
 /// # Errors
 /// `Invalid` for shapes that no ray can hit.
-pub(super) fn baked(spaces: &[Space], copies: &[Copy]) -> Result<Arc<[Box<dyn Shape>]>> {
+pub(super) fn baked(spaces: &[Space], copies: &[EmitterCopy]) -> Result<Arc<[Box<dyn Shape>]>> {
     let own = spaces.iter().flat_map(|space| {
         let bake = |object: &Object| object.geometry.bake(&object.to_outer.then(&space.to_stored));
         space.objects.iter().map(bake)
@@ -103,10 +104,16 @@ impl Hierarchies {
     /// Builds the hierarchies of all spaces.
     ///
     /// # Errors
-    /// `Limit` for more than 2³² − 1 instances with those within them.
+    /// `Limit` for more than 2³² − 2 instances with those within them, or more than [`MAX_NESTING`] within each other.
     pub fn new(spaces: &[Space], mut placements: Vec<Vec<Placement>>, shapes: &Arc<[Box<dyn Shape>]>) -> Result<Hierarchies> {
         let mut groups: Vec<Arc<Group>> = vec![];
+        let mut depths: Vec<usize> = vec![];
         for (space, placements) in spaces.iter().zip(&placements).skip(1) {
+            let depth = 1 + placements.iter().map(|placement| depths[placement.group.index()]).max().unwrap_or(0);
+            if depth > MAX_NESTING {
+                return Err(Error::Limit(Fault::new(format!("more than {MAX_NESTING} instances within each other"))));
+            }
+            depths.push(depth);
             let emits = |shape: &u32| space.objects[(shape - space.first_shape) as usize].emits();
             let own = (space.first_shape..space.end()).filter(|shape| !emits(shape)).collect();
             let instances = instances(space, placements, &groups, spaces)?;
@@ -137,7 +144,7 @@ fn instances(space: &Space, placements: &[Placement], groups: &[Arc<Group>], spa
         let to_outer = inner.to_stored.inverse().then(&placement.to_outer).then(&space.to_stored);
         let first = next;
         let after = group.instance_count().checked_add(1).and_then(|count| next.checked_add(count));
-        next = after.ok_or_else(|| Error::Limit(Fault::new("instances within instances make more than 2^32 - 1 instances")))?;
+        next = after.ok_or_else(|| Error::Limit(Fault::new("instances within instances make more than 2^32 - 2 instances")))?;
         Ok(Instance::new(group.clone(), to_outer, placement.material, first))
     };
     placements.iter().map(instance).collect()

@@ -71,7 +71,7 @@ fn one_of_each() -> Value {
     ])
 }
 
-/// Names of the shapes, without those around them.
+/// Name of the shape that was hit.
 fn name(names: &[String], hit: &Hit) -> String {
     names[hit.shape as usize].clone()
 }

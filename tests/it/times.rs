@@ -126,8 +126,7 @@ impl Estimator for Clock {
     }
 }
 
-/// Times are stratified in every pixel: n of them differ from the mean of n strata by less than half a stratum, and with the same
-/// numbers for film and lens as without.
+/// Times are stratified in every pixel: the mean of n of them differs from ½ by less than half a stratum.
 #[test]
 fn times_are_stratified() {
     for kind in [Kind::Sobol, Kind::Stratified] {

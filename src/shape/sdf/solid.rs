@@ -3,8 +3,9 @@
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
 use super::march::{Fixed, Line, March};
-use super::space::{around, greatest_stretch};
+use super::space::around;
 use super::{Dual, Sdf};
+use crate::math::transform::greatest_stretch;
 use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
 use crate::shape::{Facet, Shape, ShapeHit, SurfacePoint, VertexColor, offset_bound};
 

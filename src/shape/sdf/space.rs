@@ -1,10 +1,11 @@
 //! Transformations of the space of a field.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::dual::Scalar;
 use super::{Field, everywhere};
 use crate::math::Transform;
+use crate::math::transform::greatest_stretch;
 
 /// Field under an affine transform M: s · d(M⁻¹ p), where s is the least factor by which M stretches a length
 ///
@@ -44,19 +45,6 @@ pub(super) fn around([low, high]: [DVec3; 2], to_world: &Transform) -> [DVec3; 2
         return everywhere();
     }
     to_world.bounds([low, high])
-}
-
-/// Upper bound of the factor by which a matrix stretches a length: exact for similarities, otherwise √(‖M‖₁ ‖M‖∞).
-pub(super) fn greatest_stretch(m: DMat3) -> f64 {
-    let square = m.transpose() * m;
-    let s2 = square.x_axis.x.max(square.y_axis.y).max(square.z_axis.z);
-    // The tolerance covers a few roundings of each entry.
-    let near = |column: DVec3, e: DVec3| (column - e * s2).abs().max_element() <= 16.0 * f64::EPSILON * s2;
-    if near(square.x_axis, DVec3::X) && near(square.y_axis, DVec3::Y) && near(square.z_axis, DVec3::Z) {
-        return s2.sqrt();
-    }
-    let norm = |m: DMat3| m.x_axis.abs().element_sum().max(m.y_axis.abs().element_sum()).max(m.z_axis.abs().element_sum());
-    (norm(m) * norm(m.transpose())).sqrt()
 }
 
 /// Part of a field at positive coordinates and its mirror image: d(|x|, y, z)
