@@ -59,8 +59,8 @@ fn count(shapes: &Node, meshes: &mut BTreeMap<String, Mesh>) {
     }
 }
 
-/// What a group of this shape has in common with others: all but the name and the place, and but the material if it is the only one.
-/// `None` if the shape shows no mesh file, or emits light.
+/// Key that is equal for shapes which can share a group: everything but name and transform, and but the material if there is only one,
+/// because instances can replace it. `None` if the shape shows no mesh file, or emits light.
 fn mesh_key(shape: &Node) -> Option<String> {
     let Value::Object(members) = &shape.value else { return None };
     let is_mesh = shape.child("type").and_then(Node::as_str) == Some("mesh") && shape.child("file").is_some();

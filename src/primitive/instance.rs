@@ -40,7 +40,7 @@ impl Group {
         self.primitives.instance_count()
     }
 
-    /// Distance from the surfaces of the group that covers all roundings in its space: of corners, and of rays that enter it (m).
+    /// Bound of the rounding errors in the group's space, of corners and of rays that enter it (m).
     fn rounding(&self) -> f32 {
         TOLERANCE * ROUNDING * self.reach
     }

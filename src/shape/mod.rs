@@ -132,7 +132,10 @@ pub trait Shape: Send + Sync {
         None
     }
 
-    /// As [`Shape::shadow_terminator_offset`], for an instance at the place `to_world`.
+    /// Height of the smooth surface above an instance of primitive `i` (m), see [`Shape::shadow_terminator_offset`].
+    ///
+    /// - `to_world`: transform of the instance
+    /// - `point`: the point in world space
     fn instance_shadow_terminator_offset(&self, _i: u32, _uv: Vec2, _to_world: &Transform, _point: &SurfacePoint) -> f32 {
         0.0
     }

@@ -50,8 +50,8 @@ fn world(files: [&str; 4]) -> World {
     built(&folder.path().join("scene.json")).unwrap_or_else(|error| panic!("{error}")).1.world
 }
 
-/// The same mesh from one file becomes instances, from several files copies, with the same places, normals and materials; what shines is
-/// no instance.
+/// Shapes of one mesh file become instances. Shapes of equal but separate files stay copies, and look the same: places, normals and
+/// materials agree. The lamp is no instance.
 #[test]
 fn repeated_meshes_become_instances() {
     let [shared, copied] = [world(["a.obj"; 4]), world(["a.obj", "b.obj", "c.obj", "d.obj"])];
