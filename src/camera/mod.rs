@@ -14,7 +14,7 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Vec2, Vec3};
 
 use crate::effects::Effects;
 use crate::error::Result;
-use crate::math::{Ray, Transform};
+use crate::math::{AreaPdf, Density, Ray, Transform};
 
 pub use orthographic::Orthographic;
 pub use perspective::Perspective;
@@ -51,7 +51,38 @@ pub struct CameraConnection {
     pub end: Vec3,
 }
 
+/// Importance of a given ray from the camera, and the densities with which [`Camera::ray`] samples it where film positions and lens
+/// positions are uniformly distributed.
+///
+/// Source and normalization: as [`CameraConnection`]. Tests: given_rays_have_the_densities_of_camera_rays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraImportance {
+    /// Position on the film.
+    pub film: Vec2,
+    /// Importance We: p(position) · p(direction) / |cos θ|, without the densities that are delta distributions. θ is the angle to the
+    /// axis of the camera; panoramas, which have no axis, have cos θ = 1.
+    pub we: f32,
+    /// Density of the start on the lens or, for parallel projections, on the plane of the eye.
+    pub position: Density<AreaPdf>,
+    /// Density of the direction.
+    pub direction: Density,
+}
+
 impl Camera {
+    /// Importance of a given ray; `None` if the film does not receive it.
+    ///
+    /// - `ray`: ray with a unit direction that starts at the eye or on the lens, or for parallel projections is parallel to the axis;
+    ///   this is not examined
+    /// - `aspect`: width / height of the film
+    pub fn importance(&self, ray: &Ray, aspect: f32) -> Option<CameraImportance> {
+        let importance = match self {
+            Camera::Perspective(camera) => camera.importance(ray, aspect),
+            Camera::Orthographic(camera) => camera.importance(ray, aspect),
+            Camera::Spherical(camera) => camera.importance(ray),
+        };
+        importance.filter(|found| found.film.cmpge(Vec2::ZERO).all() && found.film.cmplt(Vec2::ONE).all())
+    }
+
     /// Connects a point with the camera; `None` if the point is not in front of it.
     ///
     /// - `aspect`, `lens`, `time`: as in [`Camera::ray`]

@@ -1,9 +1,11 @@
 //! Perspective projection with a pinhole or a thin lens.
 
+use std::f32::consts::PI;
+
 use glam::{Vec2, Vec3};
 
-use super::{CameraConnection, Pose};
-use crate::math::{Ray, float, warp};
+use super::{CameraConnection, CameraImportance, Pose};
+use crate::math::{AreaPdf, Density, Ray, SolidAnglePdf, float, warp};
 
 /// Perspective camera with a thin lens.
 ///
@@ -75,15 +77,42 @@ impl Perspective {
         let end = self.pose.eye() + self.pose.vector(on_lens);
         let line = end - p;
         let away = self.pose.components(-line);
-        // The ray from the lens through the point, where it is in focus; at a distance of 1 for a pinhole.
-        let focus = on_lens / self.focus_distance + away / -away.z;
-        let aspect = self.aspect(aspect);
-        let film = Vec2::new(focus.x / (self.tan_half_fov * aspect), -focus.y / self.tan_half_fov) * 0.5 + 0.5;
-        let (d2, area) = (line.length_squared(), 4.0 * self.tan_half_fov * self.tan_half_fov * aspect);
+        let d2 = line.length_squared();
         let d = d2.sqrt();
         let cos = -away.z / d;
-        let weight = 1.0 / (area * cos * cos * cos * d2);
+        let weight = 1.0 / (self.film_area(aspect) * cos * cos * cos * d2);
+        let film = self.film(on_lens, away, aspect);
         (away.z < 0.0 && weight.is_finite()).then_some(CameraConnection { wi: line / d, film, weight, end })
+    }
+
+    /// Density 1 / (A cos³ θ) of the direction, and that of the point on the lens.
+    pub(super) fn importance(&self, ray: &Ray, aspect: f32) -> Option<CameraImportance> {
+        let away = self.pose.components(ray.direction);
+        let on_lens = if self.has_lens() { self.pose.components(ray.origin - self.pose.eye()) } else { Vec3::ZERO };
+        if away.z >= 0.0 {
+            return None;
+        }
+        let cos = -away.z;
+        let direction = 1.0 / (self.film_area(aspect) * cos * cos * cos);
+        let lens = 1.0 / (PI * self.lens_radius * self.lens_radius);
+        let (position, we) = match self.has_lens() {
+            true => (Density::Smooth(AreaPdf::new(lens)), lens * direction / cos),
+            false => (Density::Delta, direction / cos),
+        };
+        let film = self.film(on_lens, away, aspect);
+        Some(CameraImportance { film, we, position, direction: Density::Smooth(SolidAnglePdf::new(direction)) })
+    }
+
+    /// Area A = 4τ²a that the film shows at a distance of 1 (m²).
+    fn film_area(&self, aspect: f32) -> f32 {
+        4.0 * self.tan_half_fov * self.tan_half_fov * self.aspect(aspect)
+    }
+
+    /// Position on the film of the ray from a point of the lens in the direction `away`, both in the frame of the camera: that of the
+    /// point where the ray is in focus, at a distance of 1 for a pinhole.
+    fn film(&self, on_lens: Vec3, away: Vec3, aspect: f32) -> Vec2 {
+        let focus = on_lens / self.focus_distance + away / -away.z;
+        Vec2::new(focus.x / (self.tan_half_fov * self.aspect(aspect)), -focus.y / self.tan_half_fov) * 0.5 + 0.5
     }
 }
 

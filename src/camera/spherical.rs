@@ -5,8 +5,8 @@ use std::f32::consts::{PI, TAU};
 use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
-use super::{CameraConnection, Pose};
-use crate::math::{Ray, float};
+use super::{CameraConnection, CameraImportance, Pose};
+use crate::math::{Density, Ray, SolidAnglePdf, float};
 
 /// Latitude-longitude panorama. The centre of the film looks along −z, the left and right edges meet at +z, and the top edge is +y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,12 +27,25 @@ impl Spherical {
     pub(super) fn connect(&self, p: Vec3) -> Option<CameraConnection> {
         let line = self.pose.eye() - p;
         let (d2, w) = (line.length_squared(), self.pose.components(-line).try_normalize()?);
-        let sin = (w.x * w.x + w.z * w.z).sqrt();
-        let film = Vec2::new(float::atan2(w.x, -w.z) / TAU + 0.5, float::atan2(sin, w.y) / PI);
+        let (film, sin) = film(w);
         let weight = 1.0 / (2.0 * PI * PI * sin * d2);
         let connection = CameraConnection { wi: line / d2.sqrt(), film, weight, end: self.pose.eye() };
         weight.is_finite().then_some(connection)
     }
+
+    /// Density 1 / (2π² sin θ) of the direction, which is We.
+    pub(super) fn importance(&self, ray: &Ray) -> Option<CameraImportance> {
+        let (film, sin) = film(self.pose.components(ray.direction));
+        let we = 1.0 / (2.0 * PI * PI * sin);
+        let direction = Density::Smooth(SolidAnglePdf::new(we));
+        we.is_finite().then_some(CameraImportance { film, we, position: Density::Delta, direction })
+    }
+}
+
+/// Position on the film of a direction in the frame of the camera, and the sine of its angle to the vertical.
+fn film(w: Vec3) -> (Vec2, f32) {
+    let sin = (w.x * w.x + w.z * w.z).sqrt();
+    (Vec2::new(float::atan2(w.x, -w.z) / TAU + 0.5, float::atan2(sin, w.y) / PI), sin)
 }
 
 /// Positions next to the film that show the same direction: the panorama goes on beyond its left and right edges, and beyond the poles

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::emitted_ray::EmissionContext;
 use super::{EmittedRay, LightLiSample, ShadowTarget};
-use crate::math::{Density, Frame, Local, Ray, Rgb, SolidAnglePdf, Spectrum, warp};
+use crate::math::{AreaPdf, Density, Frame, Local, Ray, Rgb, SolidAnglePdf, Spectrum, warp};
 use crate::shape::{Shape, SurfacePoint, offset_ray_origin};
 use crate::texture::Texture;
 
@@ -106,6 +106,20 @@ impl Area {
         let (position, &EmissionContext { light, probability, .. }) = (Density::Smooth(pdf), cx);
         let ray = EmittedRay { ray, point: Some(point), le, cos: local.z, position, direction, probability, light };
         (!le.is_black() && local.z > 0.0).then_some(ray)
+    }
+
+    /// Densities of a given ray that starts at `point`, for a two-sided emitter with the probability ½ of the side.
+    pub(super) fn emission_density(&self, shapes: &[Box<dyn Shape>], point: Option<&SurfacePoint>, w: Vec3) -> (Density<AreaPdf>, Density) {
+        let Some(point) = point else { return (Density::Smooth(AreaPdf::new(0.0)), Density::Smooth(SolidAnglePdf::ZERO)) };
+        let cos = point.ng.dot(w);
+        let share = match self.emitter.two_sided {
+            true => 0.5,
+            false if cos > 0.0 => 1.0,
+            false => 0.0,
+        };
+        let local = Vec3::Z * cos.abs();
+        let direction = SolidAnglePdf::new(share * warp::cosine_hemisphere_pdf(local));
+        (Density::Smooth(shapes[self.shape as usize].area_pdf(self.primitive, point)), Density::Smooth(direction))
     }
 
     /// Whether the primitive emits and cannot be sampled, so that paths hit it only by chance.

@@ -36,16 +36,19 @@ impl EmittedRay {
     ///
     /// Its mean over all random numbers is the flux of all lights.
     pub fn flux(&self) -> Spectrum {
-        let position = match self.position {
-            Density::Smooth(pdf) => pdf.get(),
-            Density::Delta => 1.0,
-        };
-        let direction = match self.direction {
-            Density::Smooth(pdf) => pdf.get(),
-            Density::Delta => 1.0,
-        };
+        let position = self.position.smooth().map_or(1.0, AreaPdf::get);
+        let direction = self.direction.smooth().map_or(1.0, SolidAnglePdf::get);
         self.le * (self.cos / (position * direction)) / self.probability
     }
+}
+
+/// Densities with which a light emits a given ray, without the probability of the light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EmissionDensity {
+    /// Density of the start, as in [`EmittedRay::position`].
+    pub position: Density<AreaPdf>,
+    /// Density of the direction.
+    pub direction: Density,
 }
 
 /// Chosen light, the scene that it lights, and the random numbers for its ray.
@@ -77,8 +80,8 @@ impl EmissionContext {
     pub fn ray_from_infinity(&self, w: Vec3, le: Spectrum, direction: Density) -> Option<EmittedRay> {
         let (center, radius) = self.bounds;
         let offset = Frame::around(w).to_world(Local(warp::disk(self.position).extend(0.0)));
-        let position = AreaPdf::new(1.0 / (PI * radius * radius));
-        self.ray(Ray::new(center + (offset - w) * radius, w), le, Density::Smooth(position), direction).filter(|_| radius > 0.0)
+        let position = Density::Smooth(pdf_from_infinity(radius));
+        self.ray(Ray::new(center + (offset - w) * radius, w), le, position, direction).filter(|_| radius > 0.0)
     }
 
     /// Ray along the normal of the area that its start is sampled on, and from no surface; `None` if it carries no light.
@@ -87,4 +90,9 @@ impl EmissionContext {
         let ray = Ray { time: self.time, ..ray };
         (!le.is_black()).then_some(EmittedRay { ray, point: None, le, cos: 1.0, position, direction, probability, light })
     }
+}
+
+/// Density of the start of a ray from infinitely far away, for a scene with the given radius (m).
+pub(super) fn pdf_from_infinity(radius: f32) -> AreaPdf {
+    AreaPdf::new(1.0 / (PI * radius * radius))
 }

@@ -13,14 +13,14 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use self::emitted_ray::EmissionContext;
+use self::emitted_ray::{EmissionContext, pdf_from_infinity};
 use crate::effects::Effects;
 use crate::math::{Density, Discrete, SolidAnglePdf, Spectrum};
 use crate::shape::{Shape, SurfacePoint};
 
 pub use area::{Area, Emission, Emitter};
 pub use directional::Directional;
-pub use emitted_ray::EmittedRay;
+pub use emitted_ray::{EmissionDensity, EmittedRay};
 pub use environment::Environment;
 pub use point::Point;
 pub use spot::{Falloff, Spot};
@@ -186,6 +186,32 @@ impl Lights {
         let (index, probability, _) = self.choice.as_ref()?.sample(choice);
         let cx = EmissionContext { light: index as u32, probability, bounds: self.bounds, position, direction, time };
         self.lights[index].emit(&self.shapes, &cx)
+    }
+
+    /// Probability with which [`Lights::emit`] chooses the light `index`.
+    pub fn emission_probability(&self, index: u32) -> f32 {
+        self.choice.as_ref().map_or(0.0, |choice| choice.pmf(index as usize))
+    }
+
+    /// Densities with which [`Lights::emit`] samples a given ray once it has chosen the light `index`.
+    ///
+    /// A delta distribution is stated as such, whether or not the ray belongs to it. A one-sided light emits no ray backwards, nor a
+    /// spotlight one outside of its cone: the density of such a direction is 0.
+    ///
+    /// - `point`: start of the ray on an area light, `None` for other lights
+    /// - `w`: unit direction of the ray
+    ///
+    /// Tests: given_rays_have_the_densities_of_emitted_rays.
+    pub fn emission_density(&self, index: u32, point: Option<&SurfacePoint>, w: Vec3) -> EmissionDensity {
+        let from_infinity = Density::Smooth(pdf_from_infinity(self.bounds.1));
+        let (position, direction) = match &self.lights[index as usize] {
+            Light::Area(area) => area.emission_density(&self.shapes, point, w),
+            Light::Point(point) => (Density::Delta, Density::Smooth(point.emission_pdf())),
+            Light::Spot(spot) => (Density::Delta, Density::Smooth(spot.emission_pdf(w))),
+            Light::Directional(_) => (from_infinity, Density::Delta),
+            Light::Environment(environment) => (from_infinity, Density::Smooth(environment.pdf(-w))),
+        };
+        EmissionDensity { position, direction }
     }
 
     /// Density with which [`Lights::sample`] samples `point`, a point of the area light `index`.

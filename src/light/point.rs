@@ -30,8 +30,13 @@ impl Point {
 
     /// A ray in a uniformly distributed direction.
     pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
-        let pdf = SolidAnglePdf::new(warp::uniform_sphere_pdf());
-        cx.ray_from_position(self.position.as_vec3(), warp::uniform_sphere(cx.direction), Spectrum::from_illuminant(self.intensity), pdf)
+        let (position, w) = (self.position.as_vec3(), warp::uniform_sphere(cx.direction));
+        cx.ray_from_position(position, w, Spectrum::from_illuminant(self.intensity), self.emission_pdf())
+    }
+
+    /// Density 1 / 4π of an emitted direction.
+    pub(super) fn emission_pdf(&self) -> SolidAnglePdf {
+        SolidAnglePdf::new(warp::uniform_sphere_pdf())
     }
 
     /// Flux Φ = 4π I (W).

@@ -47,15 +47,30 @@ impl Spot {
 
     /// A ray in a uniformly distributed direction within the outer cone.
     pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
-        let opening = (1.0 - self.cos_outer) as f32;
-        let w = Frame::around(self.axis).to_world(Local(warp::uniform_cone(cx.direction, opening))).normalize();
-        let pdf = SolidAnglePdf::new(warp::uniform_cone_pdf(opening));
+        let w = Frame::around(self.axis).to_world(Local(warp::uniform_cone(cx.direction, self.opening()))).normalize();
+        let pdf = SolidAnglePdf::new(warp::uniform_cone_pdf(self.opening()));
         cx.ray_from_position(self.position.as_vec3(), w, Spectrum::from_illuminant(self.intensity) * self.falloff(w), pdf)
     }
 
-    /// Relative intensity in the direction w, with cos ∠(axis, w) = 1 − |axis − w|²/2 for unit vectors.
+    /// Density of an emitted direction: uniform within the outer cone.
+    pub(super) fn emission_pdf(&self, w: Vec3) -> SolidAnglePdf {
+        let is_inside = self.cos(w) > self.cos_outer;
+        if is_inside { SolidAnglePdf::new(warp::uniform_cone_pdf(self.opening())) } else { SolidAnglePdf::ZERO }
+    }
+
+    /// 1 − cos of the angle between the axis and the outer cone.
+    fn opening(&self) -> f32 {
+        (1.0 - self.cos_outer) as f32
+    }
+
+    /// cos ∠(axis, w) = 1 − |axis − w|²/2 for unit vectors.
+    fn cos(&self, w: Vec3) -> f64 {
+        1.0 - 0.5 * (self.axis.as_dvec3() - w.as_dvec3()).length_squared()
+    }
+
+    /// Relative intensity in the direction w.
     fn falloff(&self, w: Vec3) -> f32 {
-        let cos = 1.0 - 0.5 * (self.axis.as_dvec3() - w.as_dvec3()).length_squared();
+        let cos = self.cos(w);
         if cos >= self.cos_inner {
             return 1.0;
         }

@@ -30,6 +30,16 @@ pub enum Density<P = SolidAnglePdf> {
     Delta,
 }
 
+impl<P> Density<P> {
+    /// The density; `None` for a delta distribution.
+    pub fn smooth(self) -> Option<P> {
+        match self {
+            Density::Smooth(pdf) => Some(pdf),
+            Density::Delta => None,
+        }
+    }
+}
+
 impl SolidAnglePdf {
     /// Density 0.
     pub const ZERO: SolidAnglePdf = SolidAnglePdf(0.0);
@@ -66,6 +76,17 @@ impl AreaPdf {
         let d2 = line.length_squared();
         let pdf = (f64::from(self.0) * (d2 * d2.sqrt() / n.dot(line).abs())) as f32;
         pdf.is_finite().then_some(SolidAnglePdf(pdf))
+    }
+}
+
+impl SolidAnglePdf {
+    /// Converts to a density by area: p(A) = p(ω) · |cos θ| / d² = p(ω) · |n · line| / d³
+    ///
+    /// - `line`: vector of length d > 0 from the viewer to the point on the area
+    /// - `n`: unit normal of the area
+    pub fn to_area(self, line: DVec3, n: DVec3) -> AreaPdf {
+        let d2 = line.length_squared();
+        AreaPdf((f64::from(self.0) * (n.dot(line).abs() / (d2 * d2.sqrt()))) as f32)
     }
 }
 

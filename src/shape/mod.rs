@@ -84,6 +84,11 @@ pub trait Shape: Send + Sync {
     /// Samples a point on primitive `i`, uniformly by area unless the shape documents another density.
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf);
 
+    /// Density with which [`Shape::sample_area`] samples `point`, a point of primitive `i`.
+    fn area_pdf(&self, i: u32, _point: &SurfacePoint) -> AreaPdf {
+        AreaPdf::new(1.0 / self.area(i))
+    }
+
     /// Samples a point on primitive `i` that lights the point `from`, with its density by solid angle. The default samples by area.
     fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         let (point, pdf) = self.sample_area(i, u);
@@ -92,7 +97,7 @@ pub trait Shape: Send + Sync {
 
     /// Density with which [`Shape::sample_from`] samples `point`, a point of primitive `i`, for the point `from`.
     fn pdf_from(&self, i: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
-        area_to_solid_angle(point, AreaPdf::new(1.0 / self.area(i)), from).unwrap_or(SolidAnglePdf::ZERO)
+        area_to_solid_angle(point, self.area_pdf(i, point), from).unwrap_or(SolidAnglePdf::ZERO)
     }
 
     /// Index of the part of the shape, and so of its material, at the coordinates `uv` on primitive `i`.

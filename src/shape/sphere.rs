@@ -87,6 +87,11 @@ struct Ellipsoid {
 }
 
 impl Ellipsoid {
+    /// Density by area of a uniformly sampled point `n` of the unit sphere.
+    fn pdf_at(&self, n: DVec3) -> AreaPdf {
+        AreaPdf::new((1.0 / (4.0 * PI * stretch(self.linear, n))) as f32)
+    }
+
     /// Surface point for the point `n` of the unit sphere.
     fn at(&self, n: DVec3) -> SurfacePoint {
         let ng = (self.inverse.transpose() * n).normalize().as_vec3();
@@ -205,7 +210,11 @@ impl Shape for Ellipsoid {
     /// Samples the unit sphere uniformly. The density on an ellipsoid is higher where the sphere is stretched less.
     fn sample_area(&self, _: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         let n = warp::uniform_sphere(u).as_dvec3().normalize();
-        (self.at(n), AreaPdf::new((1.0 / (4.0 * PI * stretch(self.linear, n))) as f32))
+        (self.at(n), self.pdf_at(n))
+    }
+
+    fn area_pdf(&self, _: u32, point: &SurfacePoint) -> AreaPdf {
+        self.pdf_at((self.inverse * (point.p.as_dvec3() - self.center)).normalize())
     }
 
     /// From outside a sphere, samples uniformly in the cone of directions that it covers, so that no sample is wasted.
@@ -218,12 +227,10 @@ impl Shape for Ellipsoid {
         Some((self.at((self.inverse * world).normalize()), cone.pdf()))
     }
 
-    fn pdf_from(&self, _: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
-        if let Some(cone) = self.cone(from) {
-            return cone.pdf();
+    fn pdf_from(&self, i: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
+        match self.cone(from) {
+            Some(cone) => cone.pdf(),
+            None => area_to_solid_angle(point, self.area_pdf(i, point), from).unwrap_or(SolidAnglePdf::ZERO),
         }
-        let n = (self.inverse * (point.p.as_dvec3() - self.center)).normalize();
-        let pdf = AreaPdf::new((1.0 / (4.0 * PI * stretch(self.linear, n))) as f32);
-        area_to_solid_angle(point, pdf, from).unwrap_or(SolidAnglePdf::ZERO)
     }
 }

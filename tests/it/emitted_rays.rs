@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use pt::light::{Area, Directional, EmittedRay, Emitter, Environment, Falloff, Light, LightSampleContext, Lights, Point, Spot};
-use pt::math::{Rgb, Transform};
+use pt::math::{AreaPdf, Rgb, SolidAnglePdf, Transform};
 use pt::sampler::{Kind, SamplerSpec, Sequence};
 use pt::shape::{Cuboid, Disk, Geometry, Quad, Shape, Sphere};
 use pt::texture::Texture;
@@ -22,6 +22,16 @@ fn area(geometry: impl Geometry, at: DVec3, emitter: Emitter) -> LightsAndShapes
     let shape = geometry.bake(&turned.then(&Transform::translate(at).expect("finite"))).expect("a shape");
     let light = |primitive| Light::Area(Area { shape: 0, primitive, emitter: emitter.clone() });
     ((0..shape.count()).map(light).collect(), vec![shape])
+}
+
+/// An emitting ellipsoid of revolution and its flux π L A, with the area A of a prolate spheroid: 2π a² (1 + c/(a e) asin e).
+fn ellipsoid(at: DVec3) -> (LightsAndShapes, f64) {
+    let (a, c) = (0.2f64, 0.5f64);
+    let stretched = Transform::scale(DVec3::new(a, a, c)).expect("a scale");
+    let shape = Sphere { radius: 1.0 }.bake(&stretched.then(&Transform::translate(at).expect("finite"))).expect("a shape");
+    let e = (1.0 - (a / c).powi(2)).sqrt();
+    let light = Light::Area(Area { shape: 0, primitive: 0, emitter: gray(2.0) });
+    ((vec![light], vec![shape]), PI * 2.0 * TAU * a * a * (1.0 + c / (a * e) * e.asin()))
 }
 
 fn gray(value: f32) -> Emitter {
@@ -49,12 +59,14 @@ fn lights() -> Vec<(&'static str, Lights, f64)> {
     let angle = [0.9f64, 0.6].map(f64::acos);
     // ∫ (outer − θ)/(outer − inner) sin θ dθ between the cones, by parts.
     let linear = angle[0].cos() - (angle[1].sin() - angle[0].sin()) / (angle[1] - angle[0]);
+    let ellipsoid = ellipsoid(at);
     let rows: Vec<(&'static str, LightsAndShapes, f64)> = vec![
         ("quad", area(Quad { size: [0.8, 0.5] }, at, gray(3.0)), PI * 3.0 * 0.4),
         ("two-sided quad", area(Quad { size: [0.8, 0.5] }, at, two_sided), 2.0 * PI * 1.5 * 0.4),
         ("textured quad", area(Quad { size: [0.8, 0.5] }, at, half_white()), PI * 3.0 * 0.2),
         ("disk", area(Disk { radius: 0.4 }, at, gray(2.0)), PI * 2.0 * PI * 0.16),
         ("sphere", area(Sphere { radius: 0.3 }, at, gray(2.0)), PI * 2.0 * 4.0 * PI * 0.09),
+        ("ellipsoid", ellipsoid.0, ellipsoid.1),
         ("box", area(Cuboid { size: [0.3, 0.4, 0.5] }, at, gray(1.0)), PI * 2.0 * (0.12 + 0.15 + 0.2)),
         ("point", alone(Light::Point(Point { position: place, intensity: Rgb::gray(2.0) })), 4.0 * PI * 2.0),
         ("spot, smooth", alone(spot(Falloff::Smooth)), TAU * 2.0 * (1.0 - 0.75)),
@@ -82,6 +94,67 @@ fn rays(lights: &Lights, count: u32) -> impl Iterator<Item = EmittedRay> {
         let (choice, position) = numbers.get_3d(0);
         lights.emit(choice, position, numbers.get_2d(3), 0.0)
     })
+}
+
+/// A given ray has the densities with which it is emitted, to the rounding of its direction and its start.
+#[test]
+fn given_rays_have_the_densities_of_emitted_rays() {
+    for (name, lights, _) in lights() {
+        for ray in rays(&lights, 1 << 10) {
+            let given = lights.emission_density(ray.light, ray.point.as_ref(), ray.ray.direction);
+            let positions = [given.position, ray.position].map(|density| density.smooth().map(AreaPdf::get));
+            let directions = [given.direction, ray.direction].map(|density| density.smooth().map(SolidAnglePdf::get));
+            for [given, emitted] in [positions, directions] {
+                // The cosine of a direction near the horizon has lost digits: 10⁻⁶ of a density that is at most 1/π there.
+                let tolerance = 1e-4 * emitted.unwrap_or(0.0) + 1e-6;
+                assert_eq!(given.is_some(), emitted.is_some(), "{name}");
+                assert!((given.unwrap_or(0.0) - emitted.unwrap_or(0.0)).abs() <= tolerance, "{name}: {given:?} and not {emitted:?}");
+            }
+            assert_eq!(lights.emission_probability(ray.light), ray.probability, "{name}");
+        }
+    }
+}
+
+/// The density of directions integrates to 1 over the sphere, so that it is 0 just where a light emits nothing.
+#[test]
+fn densities_of_directions_integrate_to_one() {
+    const N: u32 = 300;
+    let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(N);
+    for (name, lights, _) in lights() {
+        let ray = rays(&lights, 16).last().expect("an emitted ray");
+        let density = |w: Vec3| lights.emission_density(ray.light, ray.point.as_ref(), w).direction.smooth();
+        if density(Vec3::Z).is_none() {
+            assert_eq!(name, "directional");
+            continue;
+        }
+        let mut sum = 0.0;
+        for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
+            let (z, phi) = (2.0 * middle(i) - 1.0, TAU * middle(j));
+            let w = DVec3::new((1.0 - z * z).sqrt() * phi.cos(), (1.0 - z * z).sqrt() * phi.sin(), z);
+            sum += f64::from(density(w.as_vec3()).map_or(0.0, SolidAnglePdf::get)) * 4.0 * PI / f64::from(N * N);
+        }
+        // The edge of a cone cuts through about N of the N² cells.
+        assert!((sum - 1.0).abs() < 1.0 / f64::from(N), "{name}: {sum}");
+    }
+}
+
+/// Uniform directions to a disk, stated by area, integrate to 1 over the disk; converted back, they are uniform again.
+#[test]
+fn densities_convert_between_solid_angle_and_area() {
+    const N: u32 = 4096;
+    let (distance, radius) = (0.7f64, 1.3f64);
+    let uniform = SolidAnglePdf::new((1.0 / (TAU * (1.0 - distance / distance.hypot(radius)))) as f32);
+    let mut sum = 0.0;
+    for k in 0..N {
+        let r = radius * (f64::from(k) + 0.5) / f64::from(N);
+        let line = DVec3::new(r, 0.0, -distance);
+        let by_area = uniform.to_area(line, DVec3::Z);
+        sum += f64::from(by_area.get()) * TAU * r * radius / f64::from(N);
+        let back = by_area.to_solid_angle(line, DVec3::Z).expect("not edge-on");
+        assert!((back.get() / uniform.get() - 1.0).abs() < 1e-6, "{back:?} at {r}");
+    }
+    // Each density is rounded to f32; the quadrature has an error of 1/N².
+    assert!((sum - 1.0).abs() < 1e-6, "{sum}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
-use pt::math::Transform;
+use pt::math::{AreaPdf, Ray, SolidAnglePdf, Transform};
 
 use crate::random::Random;
 
@@ -97,4 +97,64 @@ fn nothing_behind_a_camera_is_connected() {
         let ahead = camera.ray(Vec2::splat(0.5), ASPECT, Vec2::splat(0.5), 0.0).direction;
         assert!(camera.connect(camera.eye().as_vec3() - ahead, ASPECT, Vec2::splat(0.5), 0.0).is_none(), "{name}");
     }
+}
+
+/// A given ray has the film position and the densities of the camera ray that it is. Over all directions from the same start, the
+/// density and its product with a function of the film integrate to the means over the film.
+#[test]
+fn given_rays_have_the_densities_of_camera_rays() {
+    const N: u32 = 1000;
+    let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(N);
+    let mut random = Random::new(12);
+    for (name, camera) in cameras() {
+        for _ in 0..1000 {
+            let (film, lens) = (random.uniform_square() * 0.98 + 0.01, random.uniform_square());
+            let ray = camera.ray(film, ASPECT, lens, 0.0);
+            let given = camera.importance(&ray, ASPECT).unwrap_or_else(|| panic!("{name}: {film} is on the film"));
+            assert!((given.film - film).length() < 1e-5, "{name}: {film} became {}", given.film);
+            let d = random.range(0.5, 4.0) as f32;
+            let connection = camera.connect(ray.origin + ray.direction * d, ASPECT, lens, 0.0).expect("in front of the camera");
+            // What a point contributes is We divided by the density of the direction to the camera. That density is d² / cos θ times
+            // the density of the start on the lens, and for panoramas, which have no cosine, d².
+            let expected = given.direction.smooth().map_or(given.we, |direction| direction.get() / (d * d));
+            assert!((connection.weight / expected - 1.0).abs() < 1e-4, "{name}: {} and not {expected}", connection.weight);
+        }
+        let lens = Vec2::new(0.3, 0.8);
+        let ray = camera.ray(Vec2::new(0.4, 0.7), ASPECT, lens, 0.0);
+        let given = camera.importance(&ray, ASPECT).expect("on the film");
+        let cos = if name == "spherical" { 1.0 } else { axis(&camera).dot(ray.direction) };
+        let (position, direction) = (given.position.smooth().map(AreaPdf::get), given.direction.smooth().map(SolidAnglePdf::get));
+        let product = position.unwrap_or(1.0) * direction.unwrap_or(1.0);
+        assert!((given.we * cos / product - 1.0).abs() < 1e-5, "{name}: We {} for the densities' product {product}", given.we);
+        let area = match name {
+            "thin lens" => Some(PI * 0.25 * 0.25),
+            "orthographic" => Some(1.2 * 1.2 * f64::from(ASPECT)),
+            _ => None,
+        };
+        assert_eq!(position.is_some(), area.is_some(), "{name}");
+        let share = f64::from(position.unwrap_or(1.0)) * area.unwrap_or(1.0);
+        assert!((share - 1.0).abs() < 1e-6, "{name}: the density of the start integrates to {share}");
+        if direction.is_none() {
+            continue;
+        }
+        let functions: [fn(Vec2) -> f64; 3] = [|_| 1.0, |film| f64::from(film.x), |film| f64::from(film.y * film.y)];
+        let (mut over_sphere, expected) = ([0.0; 3], [1.0, 0.5, 1.0 / 3.0]);
+        for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
+            let (z, phi) = (2.0 * middle(i) - 1.0, TAU * middle(j));
+            let w = DVec3::new((1.0 - z * z).sqrt() * phi.cos(), (1.0 - z * z).sqrt() * phi.sin(), z).as_vec3();
+            if let Some(found) = camera.importance(&Ray::new(ray.origin, w), ASPECT) {
+                let density = f64::from(found.direction.smooth().map_or(0.0, SolidAnglePdf::get)) * 4.0 * PI / f64::from(N * N);
+                (0..3).for_each(|k| over_sphere[k] += density * functions[k](found.film));
+            }
+        }
+        for k in 0..3 {
+            // The edge of the film cuts through cells of the grid, as above; the poles of a panorama are integrable singularities.
+            assert!((over_sphere[k] - expected[k]).abs() < 5e-3, "{name}, function {k}: {} for {}", over_sphere[k], expected[k]);
+        }
+    }
+}
+
+/// Direction in which a camera looks.
+fn axis(camera: &Camera) -> Vec3 {
+    -camera.world_to_camera().row(2).truncate().as_vec3()
 }

@@ -158,6 +158,10 @@ impl Shape for Solid {
         (point, AreaPdf::new(0.0))
     }
 
+    fn area_pdf(&self, _: u32, _: &SurfacePoint) -> AreaPdf {
+        AreaPdf::new(0.0)
+    }
+
     fn sample_from(&self, _: u32, _: Vec3, _: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         None
     }
