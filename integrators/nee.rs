@@ -155,7 +155,7 @@ impl PathWalk for Walk {
         let (choice, u) = numbers.get_3d(dimension::vertex(path.depth, Use::Bsdf));
         let sample = surface.sample(wo, choice, u, TransportMode::Radiance);
         let BsdfSample { density, .. } = path.scatter(&surface, sample, self.roulette, numbers, recorder)?;
-        *arrival = Arrival { from: surface.light_context(path.ray.time), density };
+        *arrival = Arrival { from: surface.light_context(wo, path.ray.time), density };
         ControlFlow::Continue(())
     }
 }

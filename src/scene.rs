@@ -63,6 +63,8 @@ pub struct Surface<'a> {
     pub frame: Frame,
     /// Scattering model.
     pub bsdf: Bsdf<'a>,
+    /// Whether light may pass through the surface. Where it does not, no light behind the surface is sampled.
+    pub transmits: bool,
     /// Emission of the surface.
     pub emission: Option<Emission>,
     /// Index of the surface among the lights; valid only if `emission` is set.
@@ -72,12 +74,12 @@ pub struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    /// A surface with the frame of the point's shading normal.
+    /// A surface with the frame of the point's shading normal, through which light may pass.
     ///
     /// - `emission`: emission and index of the light
     pub fn new(point: SurfacePoint, bsdf: Bsdf<'a>, emission: Option<(Emission, u32)>) -> Surface<'a> {
         let (emission, light) = (emission.map(|e| e.0), emission.map_or(u32::MAX, |e| e.1));
-        Surface { frame: Frame::around(point.ns), shadow_origin: point.p, point, bsdf, emission, light }
+        Surface { frame: Frame::around(point.ns), shadow_origin: point.p, point, bsdf, transmits: true, emission, light }
     }
 
     /// Moves the origin of rays to the outside up to the smooth surface that a coarse mesh represents, `offset` above the point (m):
@@ -100,9 +102,13 @@ impl<'a> Surface<'a> {
     }
 
     /// The point as lights are sampled for it.
+    ///
+    /// - `wo`: direction to the viewer
     #[inline]
-    pub fn light_context(&self, time: f32) -> LightSampleContext {
-        LightSampleContext { p: self.shadow_origin, ng: self.point.ng, ns: self.point.ns, time }
+    pub fn light_context(&self, wo: Vec3, time: f32) -> LightSampleContext {
+        let SurfacePoint { ng, ns, .. } = self.point;
+        let ns = if ns.dot(wo) < 0.0 { -ns } else { ns };
+        LightSampleContext { p: self.shadow_origin, ng, ns, transmits: self.transmits, time }
     }
 
     /// Radiance that the surface emits in the direction `w`.

@@ -7,10 +7,10 @@ use super::bits;
 use super::build::{Wide, wide};
 use super::node::{Child, Node, STACK, Slabs, WIDEN, padding};
 use super::packet::{LANES, Packet};
-#[cfg(target_arch = "x86_64")]
-use super::simd::Whole;
-use super::simd::{Halves, Lanes, Set};
 use super::{INSTANCE, Item, Shapes};
+#[cfg(target_arch = "x86_64")]
+use crate::math::simd::Whole;
+use crate::math::simd::{Halves, Lanes, Set};
 use crate::math::{Aabb, Ray};
 use crate::primitive::{Hit, Instance, InstanceId, Nesting, Primitive};
 use crate::shape::triangle::{Exact, Tolerance, Within};

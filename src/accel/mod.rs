@@ -6,7 +6,6 @@ mod cut;
 mod list;
 mod node;
 mod packet;
-mod simd;
 
 use std::sync::Arc;
 

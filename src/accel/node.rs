@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use glam::{Vec3, Vec3A};
 
 use super::bits;
-use super::simd::{Lanes, splat};
+use crate::math::simd::{Lanes, splat};
 use crate::math::{Aabb, Ray};
 use crate::shape::triangle::Tolerance;
 

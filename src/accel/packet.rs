@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::simd::{Lanes, splat};
 use crate::math::Ray;
 use crate::math::float::ROUNDING;
+use crate::math::simd::{Lanes, splat};
 use crate::shape::ShapeHit;
 use crate::shape::triangle::{self, Tolerance};
 

@@ -130,7 +130,6 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         other => other,
     })?;
     warnings.extend(missing(&world).map(of_scene));
-    warnings.extend(many_copies(&world).map(|message| of_scene(&message)));
     let of_parts = Names::of(scene, &world);
     // The first entry of `needs` is the camera; the shapes of the scene and of its groups follow, as the world numbers them.
     let names: Vec<&str> = needs[1..].iter().map(|(name, _)| name.as_str()).collect();
@@ -154,19 +153,6 @@ fn missing(world: &World) -> Option<&'static str> {
         (true, false, true) => Some("no shapes and no background, the image will be black"),
         (false, _, true) => None,
     }
-}
-
-/// The number of copies of emitting shapes above which a warning tells of their cost.
-const MANY_COPIES: usize = 1000;
-
-/// Returns a warning if instances show very many emitting shapes.
-fn many_copies(world: &World) -> Option<String> {
-    let (copies, lights) = (world.copy_count(), world.lights().len());
-    let message = format!(
-        "instances show {copies} copies of emitting shapes, each a light of its own. Of {lights} lights one is chosen by its power, \
-         however far away: expect much noise"
-    );
-    (copies > MANY_COPIES).then_some(message)
 }
 
 struct Builder<'a> {

@@ -136,7 +136,7 @@ pub fn sample_light(
         return None;
     }
     let (choice, u) = numbers.get_3d(dimension::vertex(depth, Use::Light));
-    let light = scene.lights().sample(&surface.light_context(time), choice, u)?;
+    let light = scene.lights().sample(&surface.light_context(wo, time), choice, u)?;
     let f = surface.eval(wo, light.wi, TransportMode::Radiance);
     if f.is_black() {
         return None;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 
+use super::bounds::LightBounds;
 use super::emitted_ray::EmissionContext;
 use super::{EmittedRay, LightLiSample, ShadowTarget};
 use crate::math::{AreaPdf, Density, Frame, Local, Ray, Rgb, SolidAnglePdf, Spectrum, warp};
@@ -127,6 +128,20 @@ impl Area {
         !shapes[self.shape as usize].is_sampled() && !self.emitter.radiance.is_black()
     }
 
+    /// Bounds for the choice of the light. The intensity of a flat surface is A L along its normal. That of a closed surface is A L / 4 in
+    /// the mean over all directions, because max(0, cos θ) is ¼ in the mean.
+    pub(super) fn bounds(&self, shapes: &[Box<dyn Shape>]) -> LightBounds {
+        let shape = &shapes[self.shape as usize];
+        let (space, two_sided) = (shape.bounds(self.primitive), self.emitter.two_sided);
+        let of_a_side = self.power(shapes) / if two_sided { 2.0 * PI } else { PI };
+        if shape.is_flat(self.primitive) {
+            let normal = shape.sample_area(self.primitive, Vec2::splat(0.5)).0.ng.as_dvec3();
+            LightBounds::flat(space, normal, two_sided, of_a_side)
+        } else {
+            LightBounds::all_directions(space, 0.25 * of_a_side)
+        }
+    }
+
     /// Flux Φ = π A L of each side that emits, with the mean of the texture at a few points (W).
     pub(super) fn power(&self, shapes: &[Box<dyn Shape>]) -> f64 {
         let shape = &shapes[self.shape as usize];
@@ -145,6 +160,11 @@ impl Area {
     }
 }
 
+/// Least squared distance whose digits are all there in an f32 (m²).
+const MIN_SQUARE: f32 = f32::MIN_POSITIVE / f32::EPSILON;
+
+/// Unit direction to a point; `None` if it is `from` itself.
 fn towards(from: Vec3, point: &SurfacePoint) -> Option<Vec3> {
-    (point.p - from).try_normalize()
+    let line = point.p - from;
+    if line.length_squared() >= MIN_SQUARE { line.try_normalize() } else { line.as_dvec3().try_normalize().map(|w| w.as_vec3()) }
 }

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::emitted_ray::EmissionContext;
-use super::{EmittedRay, LightLiSample, ShadowTarget};
-use crate::math::{Density, Rgb, SolidAnglePdf, Spectrum, warp};
+use super::{EmittedRay, LightLiSample, LightSampleContext, ShadowTarget};
+use crate::math::{Density, Frame, Local, Rgb, SolidAnglePdf, Spectrum, warp};
 
 /// Environment with the same radiance from all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,20 +21,34 @@ impl Environment {
         Spectrum::from_illuminant(self.radiance)
     }
 
-    pub(super) fn sample(&self, u: Vec2) -> Option<LightLiSample> {
-        let wi = warp::uniform_sphere(u);
-        Some(LightLiSample { wi, li: self.radiance(wi), density: Density::Smooth(self.pdf(wi)), target: ShadowTarget::Infinity })
+    /// Samples a direction for a point: in proportion to the cosine on the side of the viewer where only that side counts, else
+    /// uniformly.
+    pub(super) fn sample(&self, cx: &LightSampleContext, u: Vec2) -> Option<LightLiSample> {
+        let wi = match cx.is_one_sided() {
+            true => Frame::around(cx.ns).to_world(Local(warp::cosine_hemisphere(u))).normalize(),
+            false => warp::uniform_sphere(u),
+        };
+        let density = Density::Smooth(self.pdf(cx, wi));
+        Some(LightLiSample { wi, li: self.radiance(wi), density, target: ShadowTarget::Infinity })
     }
 
-    /// Density 1 / 4π of a sampled direction.
-    pub(super) fn pdf(&self, _wi: Vec3) -> SolidAnglePdf {
-        SolidAnglePdf::new((0.25 / PI) as f32)
+    /// Density of a sampled direction.
+    pub(super) fn pdf(&self, cx: &LightSampleContext, wi: Vec3) -> SolidAnglePdf {
+        match cx.is_one_sided() {
+            true => SolidAnglePdf::new(warp::cosine_hemisphere_pdf(Vec3::Z * cx.ns.dot(wi))),
+            false => self.emission_pdf(),
+        }
+    }
+
+    /// Density 1 / 4π of an emitted direction.
+    pub(super) fn emission_pdf(&self) -> SolidAnglePdf {
+        SolidAnglePdf::new(warp::uniform_sphere_pdf())
     }
 
     /// A ray through the scene in a uniformly distributed direction.
     pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
         let wi = warp::uniform_sphere(cx.direction);
-        cx.ray_from_infinity(-wi, self.radiance(wi), Density::Smooth(self.pdf(wi)))
+        cx.ray_from_infinity(-wi, self.radiance(wi), Density::Smooth(self.emission_pdf()))
     }
 
     /// Flux Φ = π R² · 4π L through a scene of radius R (W).

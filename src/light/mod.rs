@@ -3,19 +3,24 @@
 //! A new light is a file in this folder, a variant in [`Light`] with an arm in each `match`, and a variant in `describe::light`.
 
 pub mod area;
+mod bounds;
+mod choice;
 pub mod directional;
 mod emitted_ray;
 pub mod environment;
 pub mod point;
 pub mod spot;
+mod tree;
 
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 
+use self::bounds::LightBounds;
+use self::choice::Choice;
 use self::emitted_ray::{EmissionContext, pdf_from_infinity};
 use crate::effects::Effects;
-use crate::math::{Density, Discrete, SolidAnglePdf, Spectrum};
+use crate::math::{Aabb, Density, Discrete, SolidAnglePdf, Spectrum};
 use crate::shape::{Shape, SurfacePoint};
 
 pub use area::{Area, Emission, Emitter};
@@ -47,8 +52,10 @@ pub struct LightSampleContext {
     pub p: Vec3,
     /// Geometric normal; zero where there is no surface.
     pub ng: Vec3,
-    /// Shading normal; zero where there is no surface.
+    /// Shading normal on the side of the viewer; zero where there is no surface.
     pub ns: Vec3,
+    /// Whether light from behind `ns` may be scattered to the viewer too.
+    pub transmits: bool,
     /// Time at which the path passes the point.
     pub time: f32,
 }
@@ -56,7 +63,14 @@ pub struct LightSampleContext {
 impl LightSampleContext {
     /// A point in empty space, at time 0.
     pub fn at(p: Vec3) -> LightSampleContext {
-        LightSampleContext { p, ng: Vec3::ZERO, ns: Vec3::ZERO, time: 0.0 }
+        LightSampleContext { p, ng: Vec3::ZERO, ns: Vec3::ZERO, transmits: false, time: 0.0 }
+    }
+}
+
+impl LightSampleContext {
+    /// Whether only light on the side of the viewer counts.
+    pub fn is_one_sided(&self) -> bool {
+        !self.transmits && self.ns != Vec3::ZERO
     }
 }
 
@@ -113,8 +127,10 @@ pub struct Lights {
     /// Centre and radius of the scene's bounding sphere (m).
     bounds: (Vec3, f32),
     lights: Vec<Light>,
-    /// Distribution over the lights, see [`selection_weights`].
-    choice: Option<Discrete>,
+    /// Choice of a light for a point.
+    choice: Choice,
+    /// Choice of a light that emits a ray, see [`emission_weights`].
+    emission: Option<Discrete>,
     /// Indices of the lights that are infinitely far away and that rays reach which hit nothing.
     infinite: Vec<u32>,
     /// Whether some light cannot be sampled.
@@ -129,7 +145,10 @@ impl Lights {
         let power: Vec<f64> = lights.iter().map(|light| light.power(&shapes, bounds.1.into())).collect();
         let infinite = (0..).zip(&lights).filter(|(_, light)| matches!(light, Light::Environment(_))).map(|(i, _)| i).collect();
         let has_unsampled_emitter = lights.iter().any(|light| matches!(light, Light::Area(area) if area.is_unsampled(&shapes)));
-        Lights { shapes, bounds, choice: Discrete::new(&selection_weights(&power)), infinite, lights, has_unsampled_emitter }
+        let light_bounds = lights.iter().zip(&power).map(|(light, power)| (*power > 0.0).then(|| light.bounds(&shapes)).flatten());
+        let choice = Choice::new(&lights, light_bounds.collect());
+        let emission = Discrete::new(&emission_weights(&power));
+        Lights { shapes, bounds, choice, emission, infinite, lights, has_unsampled_emitter }
     }
 
     /// Number of lights.
@@ -166,13 +185,13 @@ impl Lights {
     /// `None` if the chosen light sends no light from the sampled direction.
     #[inline]
     pub fn sample(&self, cx: &LightSampleContext, choice: f32, u: Vec2) -> Option<LightSample> {
-        let (index, probability, _) = self.choice.as_ref()?.sample(choice);
-        let LightLiSample { wi, li, density, target } = self.lights[index].sample(&self.shapes, cx, u)?;
+        let (light, probability) = self.choice.sample(cx, choice)?;
+        let LightLiSample { wi, li, density, target } = self.lights[light as usize].sample(&self.shapes, cx, u)?;
         let density = match density {
             Density::Delta => Density::Delta,
             Density::Smooth(pdf) => Density::Smooth(pdf * probability),
         };
-        Some(LightSample { wi, li, density, probability, target, light: index as u32 })
+        Some(LightSample { wi, li, density, probability, target, light })
     }
 
     /// Samples a ray that a light emits.
@@ -183,14 +202,14 @@ impl Lights {
     ///
     /// `None` if the chosen light emits nothing along the sampled ray.
     pub fn emit(&self, choice: f32, position: Vec2, direction: Vec2, time: f32) -> Option<EmittedRay> {
-        let (index, probability, _) = self.choice.as_ref()?.sample(choice);
+        let (index, probability, _) = self.emission.as_ref()?.sample(choice);
         let cx = EmissionContext { light: index as u32, probability, bounds: self.bounds, position, direction, time };
         self.lights[index].emit(&self.shapes, &cx)
     }
 
     /// Probability with which [`Lights::emit`] chooses the light `index`.
     pub fn emission_probability(&self, index: u32) -> f32 {
-        self.choice.as_ref().map_or(0.0, |choice| choice.pmf(index as usize))
+        self.emission.as_ref().map_or(0.0, |choice| choice.pmf(index as usize))
     }
 
     /// Densities with which [`Lights::emit`] samples a given ray once it has chosen the light `index`.
@@ -209,7 +228,7 @@ impl Lights {
             Light::Point(point) => (Density::Delta, Density::Smooth(point.emission_pdf())),
             Light::Spot(spot) => (Density::Delta, Density::Smooth(spot.emission_pdf(w))),
             Light::Directional(_) => (from_infinity, Density::Delta),
-            Light::Environment(environment) => (from_infinity, Density::Smooth(environment.pdf(-w))),
+            Light::Environment(environment) => (from_infinity, Density::Smooth(environment.emission_pdf())),
         };
         EmissionDensity { position, direction }
     }
@@ -236,25 +255,25 @@ impl Lights {
     /// Density with which [`Lights::sample`] samples the direction `wi` of the infinitely distant light `index`.
     pub fn background_pdf(&self, index: u32, cx: &LightSampleContext, wi: Vec3) -> SolidAnglePdf {
         match &self.lights[index as usize] {
-            Light::Environment(environment) => environment.pdf(wi) * self.probability(index, cx),
+            Light::Environment(environment) => environment.pdf(cx, wi) * self.probability(index, cx),
             _ => SolidAnglePdf::ZERO,
         }
     }
 
-    /// Probability with which the light is chosen for a point. It does not depend on the point yet.
-    fn probability(&self, index: u32, _cx: &LightSampleContext) -> f32 {
-        self.choice.as_ref().map_or(0.0, |choice| choice.pmf(index as usize))
+    /// Probability with which [`Lights::sample`] chooses the light `index`.
+    pub fn probability(&self, index: u32, cx: &LightSampleContext) -> f32 {
+        self.choice.probability(cx, index)
     }
 }
 
-/// Fraction of the probability that is divided equally among all lights.
+/// Fraction of the rays from the lights that is divided equally among all lights.
 const UNIFORM_FRACTION: f64 = 0.125;
 
-/// Probabilities of the lights: proportional to power, but at least `UNIFORM_FRACTION`/n for each of the n lights that emit.
+/// Probabilities of the lights that emit rays: proportional to power, but at least `UNIFORM_FRACTION`/n for each of the n lights.
 ///
-/// Power alone is a poor choice where a weak light is near and a strong one far away, and a probability below the resolution of a
-/// random number would lose the light altogether. Only ratios count, so that scaling all lights changes nothing.
-fn selection_weights(power: &[f64]) -> Vec<f32> {
+/// Power alone is a poor choice where the camera sees what a weak light shines on, and a probability below the resolution of a random
+/// number would lose the light altogether. Only ratios count, so that scaling all lights changes nothing.
+fn emission_weights(power: &[f64]) -> Vec<f32> {
     let total: f64 = power.iter().sum();
     let emitting = power.iter().filter(|&&p| p > 0.0).count() as f64;
     let weight = |&p: &f64| if p > 0.0 { (1.0 - UNIFORM_FRACTION) * (p / total) + UNIFORM_FRACTION / emitting } else { 0.0 };
@@ -269,7 +288,7 @@ impl Light {
             Light::Point(point) => point.sample(cx.p),
             Light::Spot(spot) => spot.sample(cx.p),
             Light::Directional(directional) => directional.sample(),
-            Light::Environment(environment) => environment.sample(u),
+            Light::Environment(environment) => environment.sample(cx, u),
         }
     }
 
@@ -280,6 +299,27 @@ impl Light {
             Light::Spot(spot) => spot.emit(cx),
             Light::Directional(directional) => directional.emit(cx),
             Light::Environment(environment) => environment.emit(cx),
+        }
+    }
+
+    /// Bounds for the choice of the light; `None` if it is infinitely far away.
+    fn bounds(&self, shapes: &[Box<dyn Shape>]) -> Option<LightBounds> {
+        match self {
+            Light::Area(area) => Some(area.bounds(shapes)),
+            Light::Point(point) => Some(LightBounds::all_directions(Aabb::around([point.position.as_vec3()]), point.intensity())),
+            Light::Spot(spot) => Some(spot.bounds()),
+            Light::Directional(_) | Light::Environment(_) => None,
+        }
+    }
+
+    /// Direction towards an infinitely distant light, `None` if it is all directions, and its irradiance: that on a plane perpendicular
+    /// to the direction, or on one side of any plane [W·m⁻²]. `None` for other lights.
+    fn infinite_irradiance(&self) -> Option<(Option<Vec3>, f64)> {
+        let average = |rgb| f64::from(Spectrum::from_illuminant(rgb).average());
+        match self {
+            Light::Directional(directional) => Some((Some(-directional.direction), average(directional.irradiance))),
+            Light::Environment(environment) => Some((None, std::f64::consts::PI * average(environment.radiance))),
+            Light::Area(_) | Light::Point(_) | Light::Spot(_) => None,
         }
     }
 
@@ -294,7 +334,7 @@ impl Light {
         }
     }
 
-    /// Estimate of the flux (W), for the choice among lights.
+    /// Estimate of the flux (W), for the choice of lights that emit rays. The light is never chosen if it is 0.
     fn power(&self, shapes: &[Box<dyn Shape>], radius: f64) -> f64 {
         match self {
             Light::Area(area) => area.power(shapes),

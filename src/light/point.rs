@@ -39,9 +39,14 @@ impl Point {
         SolidAnglePdf::new(warp::uniform_sphere_pdf())
     }
 
+    /// Mean intensity of the colours [W·sr⁻¹].
+    pub(super) fn intensity(&self) -> f64 {
+        f64::from(Spectrum::from_illuminant(self.intensity).average())
+    }
+
     /// Flux Φ = 4π I (W).
     pub(super) fn power(&self) -> f64 {
-        4.0 * PI * f64::from(Spectrum::from_illuminant(self.intensity).average())
+        4.0 * PI * self.intensity()
     }
 }
 

@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
 
+use super::bounds::LightBounds;
 use super::emitted_ray::EmissionContext;
 use super::point::direction_and_square;
 use super::{EmittedRay, LightLiSample, ShadowTarget};
-use crate::math::{Density, Frame, Local, Rgb, SolidAnglePdf, Spectrum, float, warp};
+use crate::math::{Aabb, Density, Frame, Local, Rgb, SolidAnglePdf, Spectrum, float, warp};
 
 /// Point light with full intensity within an inner cone, none beyond an outer cone, and a [`Falloff`] between.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +87,12 @@ impl Spot {
                 ((outer - here) / (outer - inner)) as f32
             }
         }
+    }
+
+    /// Bounds for the choice of the light.
+    pub(super) fn bounds(&self) -> LightBounds {
+        let intensity = f64::from(Spectrum::from_illuminant(self.intensity).average());
+        LightBounds::cone(Aabb::around([self.position.as_vec3()]), self.axis.as_dvec3(), self.cos_outer, intensity)
     }
 
     /// Flux Φ ≈ 2π I (1 − (cos inner + cos outer)/2), as if the mean of the falloff were ½ (W).

@@ -11,6 +11,7 @@ pub mod hash;
 pub mod measure;
 pub mod ray;
 pub mod rgb;
+pub(crate) mod simd;
 pub mod spectrum;
 pub mod spherical_rectangle;
 pub mod spherical_triangle;

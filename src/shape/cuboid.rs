@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::quad::Parallelogram;
 use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint};
 use crate::error::Result;
-use crate::math::{Aabb, AreaPdf, Ray, Transform};
+use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
 
 /// Box |x| ≤ a/2, |y| ≤ b/2, |z| ≤ c/2 with outward normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,5 +82,13 @@ impl Shape for Faces {
 
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         self.face(i).sample_area(0, u)
+    }
+
+    fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
+        self.face(i).sample_from(0, from, u)
+    }
+
+    fn pdf_from(&self, i: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
+        self.face(i).pdf_from(0, from, point)
     }
 }

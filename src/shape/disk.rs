@@ -70,6 +70,10 @@ impl Shape for Ellipse {
         Facet::Curved
     }
 
+    fn is_flat(&self, _: u32) -> bool {
+        true
+    }
+
     /// Intersects the plane. The hit is inside if a² + b² ≤ 1, where p − center = a·x + b·y.
     fn intersect(&self, _: u32, ray: &Ray) -> Option<ShapeHit> {
         let d = ray.direction.as_dvec3();

@@ -6,6 +6,7 @@
 pub mod cuboid;
 pub mod disk;
 pub mod mesh_data;
+mod near;
 pub mod quad;
 pub mod sdf;
 pub mod sphere;
@@ -66,6 +67,11 @@ pub trait Shape: Send + Sync {
 
     /// Flat facet of primitive `i`, which an accelerator may test instead of calling [`Shape::intersect`].
     fn facet(&self, i: u32) -> Facet;
+
+    /// Whether primitive `i` has the same normal everywhere.
+    fn is_flat(&self, i: u32) -> bool {
+        self.facet(i) != Facet::Curved
+    }
 
     /// First hit with 0 < t < `ray.t_max`. The default tests the facet.
     fn intersect(&self, i: u32, ray: &Ray) -> Option<ShapeHit> {

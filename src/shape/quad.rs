@@ -2,9 +2,9 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, offset_bound};
+use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, near, offset_bound};
 use crate::error::{Error, Fault, Result};
-use crate::math::{Aabb, AreaPdf, Ray, Transform};
+use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, SphericalRectangle, Transform};
 
 /// Rectangle |x| ≤ w/2, |y| ≤ h/2 in the plane z = 0 with the normal +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,12 @@ pub(super) struct Parallelogram {
     ng: Vec3,
     area: f32,
     offset: f32,
+    /// Whether the edges are perpendicular to each other.
+    is_rectangle: bool,
 }
+
+/// Greatest cosine between the edges of a rectangle, whose corners are rounded.
+const PERPENDICULAR: f64 = 1e-6;
 
 impl Parallelogram {
     /// A parallelogram whose corners are counter-clockwise seen from outside, or clockwise if `is_mirrored`.
@@ -55,7 +60,13 @@ impl Parallelogram {
         let normal = cross.try_normalize().ok_or_else(flat)?;
         let ng = if is_mirrored { -normal } else { normal }.as_vec3();
         let area = cross.length() as f32;
-        Ok(Parallelogram { corners, ng, area, offset: offset_bound(ng, Aabb::around(corners).magnitude()) })
+        let is_rectangle = (b - a).dot(d - a).abs() <= PERPENDICULAR * (b - a).length() * (d - a).length();
+        Ok(Parallelogram { corners, ng, area, is_rectangle, offset: offset_bound(ng, Aabb::around(corners).magnitude()) })
+    }
+
+    /// The rectangle as seen from a near point; `None` if it is to be sampled by area, as parallelograms are.
+    fn seen(&self, from: Vec3) -> Option<SphericalRectangle> {
+        if self.is_rectangle { near::rectangle(self.corners, from) } else { None }
     }
 
     fn at(&self, uv: Vec2) -> SurfacePoint {
@@ -98,5 +109,22 @@ impl Shape for Parallelogram {
 
     fn sample_area(&self, _: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         (self.at(u), AreaPdf::new(1.0 / self.area))
+    }
+
+    /// A near rectangle is sampled uniformly by the solid angle under which it is seen.
+    fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
+        if let Some(seen) = self.seen(from) {
+            let [a, b, _, d] = self.corners;
+            return Some((self.at(near::in_direction([a, b, d], from, seen.sample(u))), SolidAnglePdf::new(seen.pdf())));
+        }
+        let (point, pdf) = self.sample_area(i, u);
+        Some((point, area_to_solid_angle(&point, pdf, from)?))
+    }
+
+    fn pdf_from(&self, i: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
+        if let Some(seen) = self.seen(from) {
+            return SolidAnglePdf::new(seen.pdf());
+        }
+        area_to_solid_angle(point, self.area_pdf(i, point), from).unwrap_or(SolidAnglePdf::ZERO)
     }
 }

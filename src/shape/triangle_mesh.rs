@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::{Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, VertexColor, offset_bound, triangle};
+use super::{
+    Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, near, offset_bound, triangle,
+};
 use crate::error::{Error, Fault, Result};
-use crate::math::{Aabb, AreaPdf, Ray, Transform, warp};
+use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform, warp};
 
 /// Triangle mesh in object space.
 #[derive(Clone, Debug)]
@@ -171,6 +173,25 @@ impl Shape for BakedMesh {
 
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         (self.at(i, warp::triangle(u)), AreaPdf::new(1.0 / self.area(i)))
+    }
+
+    /// A near triangle is sampled uniformly by the solid angle under which it is seen.
+    fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
+        let corners = self.corners(i);
+        if let Some(seen) = near::triangle(corners, from) {
+            let weights = near::in_direction(corners, from, seen.sample(u));
+            let weights = weights / weights.element_sum().max(1.0);
+            return Some((self.at(i, weights), SolidAnglePdf::new(seen.pdf())));
+        }
+        let (point, pdf) = self.sample_area(i, u);
+        Some((point, area_to_solid_angle(&point, pdf, from)?))
+    }
+
+    fn pdf_from(&self, i: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
+        if let Some(seen) = near::triangle(self.corners(i), from) {
+            return SolidAnglePdf::new(seen.pdf());
+        }
+        area_to_solid_angle(point, self.area_pdf(i, point), from).unwrap_or(SolidAnglePdf::ZERO)
     }
 
     /// Solves p = p₀ + u ∂p/∂u + v ∂p/∂v at the corners for both derivatives.

@@ -34,7 +34,7 @@ impl World {
         let prepared = &self.materials[material.0 as usize];
         let bsdf =
             prepared.uniform.unwrap_or_else(|| prepared.surface.material.bsdf_at(&HitContext { point, inside: inside(ray, hit, &point) }));
-        let mut surface = Surface::new(point, bsdf, None);
+        let mut surface = prepared.surface(point, bsdf, None);
         let has_offset = self.appearances[hit.shape as usize].has_shadow_terminator_offset;
         if has_offset || prepared.needs_tangents {
             self.set_frame_of_instance(&mut surface, prepared, &nesting, view, hit);

@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3};
 use crate::bsdf::{Bsdf, HitContext, Material, MaterialId, Passage, SurfaceMaterial};
 use crate::camera::Camera;
 use crate::effects::Effects;
-use crate::light::{Emitter, Lights};
+use crate::light::{Emission, Emitter, Lights};
 use crate::math::{Ray, float};
 use crate::primitive::{Hit, InstanceId, Primitive};
 use crate::sampler::hash;
@@ -47,12 +47,21 @@ struct PreparedMaterial {
     /// BSDF, if it is the same everywhere and needs no tangents.
     uniform: Option<Bsdf<'static>>,
     needs_tangents: bool,
+    /// Whether light passes through the surface.
+    transmits: bool,
 }
 
 impl PreparedMaterial {
     fn new(surface: SurfaceMaterial) -> PreparedMaterial {
         let needs_tangents = surface.needs_tangents();
-        PreparedMaterial { uniform: surface.material.uniform().filter(|_| !needs_tangents), needs_tangents, surface }
+        let uniform = surface.material.uniform().filter(|_| !needs_tangents);
+        PreparedMaterial { uniform, needs_tangents, transmits: surface.material.transmits(), surface }
+    }
+
+    /// Surface of this material.
+    #[inline(always)]
+    fn surface<'a>(&self, point: SurfacePoint, bsdf: Bsdf<'a>, emission: Option<(Emission, u32)>) -> Surface<'a> {
+        Surface { transmits: self.transmits, ..Surface::new(point, bsdf, emission) }
     }
 
     /// Sets the shading normal of the normal or bump map, and the frame along the tangents.
@@ -125,11 +134,6 @@ impl World {
         self.hierarchy.instance_count()
     }
 
-    /// Number of copies of emitting shapes that instances show.
-    pub fn copy_count(&self) -> usize {
-        self.places.copies.len()
-    }
-
     /// Shape that was described, of which this one may be a copy: an index among the shapes of the scene and then those of the groups,
     /// in the order in which they were added.
     pub fn described_shape(&self, shape: u32) -> u32 {
@@ -187,13 +191,13 @@ impl World {
         let (appearance, prepared) = (&self.appearances[hit.shape as usize], &self.materials[part.material.0 as usize]);
         let emission = part.emitter.as_ref().map(|e| (e.at(&point), appearance.first_light + hit.primitive));
         if let (Some(bsdf), false) = (prepared.uniform, appearance.has_shadow_terminator_offset) {
-            return Surface::new(point, bsdf, emission);
+            return prepared.surface(point, bsdf, emission);
         }
         let bsdf = prepared.surface.material.bsdf_at(&HitContext { point, inside: inside(ray, hit, &point) });
         if appearance.has_shadow_terminator_offset || prepared.needs_tangents {
-            return self.with_shading_frame(Surface::new(point, bsdf, emission), view, hit);
+            return self.with_shading_frame(prepared.surface(point, bsdf, emission), view, hit);
         }
-        Surface::new(point, bsdf, emission)
+        prepared.surface(point, bsdf, emission)
     }
 
     /// Appearance of the part that was hit.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use pt::bsdf::TransportMode;
 use pt::build::{Built, Source};
 use pt::describe::{self, Files};
 use pt::effects::Effects;
@@ -12,6 +13,8 @@ use pt::integrators::ALL;
 use pt::render::{RenderReport, Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
+
+use crate::random::Random;
 
 #[path = "../../examples/make_meshes/main.rs"]
 mod make_meshes;
@@ -150,4 +153,29 @@ fn example(name: &str) -> PathBuf {
         assert!(built.is_ok_and(|status| status.success()), "the example {name} cannot be built");
     }
     path
+}
+
+/// A surface that does not transmit light scatters none to its other side: no light is sampled there. Every surface of the demo scenes.
+#[test]
+fn opaque_surfaces_scatter_nothing_across() {
+    let mut random = Random::new(7);
+    let (mut opaque, mut clear) = (0, 0);
+    for path in scenes() {
+        let world = Demo::load(&path).built.world;
+        for _ in 0..400 {
+            let ray = world.camera().ray(random.uniform_square(), 1.0, random.uniform_square(), 0.0);
+            let Some(hit) = world.intersect(&ray) else { continue };
+            let surface = world.surface(&ray, &hit);
+            if surface.transmits {
+                clear += 1;
+                continue;
+            }
+            opaque += 1;
+            let (wo, wi) = (-ray.direction, random.direction().as_vec3());
+            let ns = surface.light_context(wo, 0.0).ns;
+            let across = if wi.dot(ns) > 0.0 { -wi } else { wi };
+            assert!(surface.eval(wo, across, TransportMode::Radiance).is_black(), "{}: {:?}", path.display(), surface.bsdf);
+        }
+    }
+    assert!(opaque > 3000 && clear > 100, "{opaque} opaque and {clear} clear surfaces");
 }

@@ -37,6 +37,7 @@ mod lamp_warnings;
 mod light_choice;
 mod light_layers;
 mod light_tracer;
+mod light_trees;
 mod lights;
 mod marked;
 mod matte_models;

@@ -1,7 +1,7 @@
 //! SIMD vectors of eight numbers.
 //!
 //! All instruction sets do the same operations in the same order with the same rounding (without fused multiply-add), so that the choice
-//! changes no bit of any picture. It is made once for each hierarchy. `PT_SIMD=sse2` selects the plain one.
+//! changes no bit of any picture. It is made once for each hierarchy and each light tree. `PT_SIMD=sse2` selects the plain one.
 //!
 //! Tests: instruction_sets_agree.
 
@@ -23,6 +23,12 @@ pub trait Lanes: Copy {
     fn larger(self, other: Self) -> Self;
     /// Minimum; `other` if either is NaN.
     fn smaller(self, other: Self) -> Self;
+    /// Quotient.
+    fn over(self, other: Self) -> Self;
+    /// Square root.
+    fn root(self) -> Self;
+    /// `yes` where self < other, `no` elsewhere.
+    fn choose_below(self, other: Self, yes: Self, no: Self) -> Self;
     /// Bit mask of self ≤ other.
     fn at_most(self, other: Self) -> u32;
     /// Bit mask of self < other.
@@ -91,6 +97,22 @@ impl Lanes for Halves {
     }
 
     #[inline(always)]
+    fn over(self, other: Halves) -> Halves {
+        self.both(other, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn root(self) -> Halves {
+        Halves(self.0.map(|half| Vec4::from(half.to_array().map(f32::sqrt))))
+    }
+
+    #[inline(always)]
+    fn choose_below(self, other: Halves, yes: Halves, no: Halves) -> Halves {
+        let half = |k: usize| Vec4::select(self.0[k].cmplt(other.0[k]), yes.0[k], no.0[k]);
+        Halves([half(0), half(1)])
+    }
+
+    #[inline(always)]
     fn at_most(self, other: Halves) -> u32 {
         self.0[0].cmple(other.0[0]).bitmask() | self.0[1].cmple(other.0[1]).bitmask() << 4
     }
@@ -121,7 +143,7 @@ impl Lanes for Halves {
 pub use avx::Whole;
 
 #[cfg(target_arch = "x86_64")]
-#[allow(unsafe_code, reason = "the instructions exist only where the processor has AVX2, which `Set::found` asks")]
+#[allow(unsafe_code, reason = "the instructions exist only where the processor has AVX2, which `Set::detect` asks")]
 mod avx {
     use std::arch::x86_64::*;
 
@@ -131,7 +153,7 @@ mod avx {
     #[derive(Clone, Copy)]
     pub struct Whole(__m256);
 
-    // SAFETY: all code that makes or uses a `Whole` is compiled for AVX2 and runs only on machines that have it (see `bvh`).
+    // SAFETY: all code that makes or uses a `Whole` is compiled for AVX2 and runs only on machines that have it (see `accel::bvh` and `light::tree`).
     impl Lanes for Whole {
         #[inline(always)]
         fn splat(x: f32) -> Whole {
@@ -166,6 +188,21 @@ mod avx {
         #[inline(always)]
         fn smaller(self, other: Whole) -> Whole {
             Whole(unsafe { _mm256_min_ps(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn over(self, other: Whole) -> Whole {
+            Whole(unsafe { _mm256_div_ps(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn root(self) -> Whole {
+            Whole(unsafe { _mm256_sqrt_ps(self.0) })
+        }
+
+        #[inline(always)]
+        fn choose_below(self, other: Whole, yes: Whole, no: Whole) -> Whole {
+            Whole(unsafe { _mm256_blendv_ps(no.0, yes.0, _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)) })
         }
 
         #[inline(always)]
