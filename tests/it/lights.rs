@@ -278,8 +278,8 @@ fn tiles_are_lit_on_the_side_that_is_seen() {
             let nee = ALL.iter().find(|entry| entry.name == "nee").expect("an integrator");
             let scene: Arc<dyn Scene> = Arc::new(world.build().expect("a scene"));
             let mean = measure(scene, &*integrator(nee, DIRECT).expect("an integrator"), 1 << 16, 1);
-            // Of 65,536 samples, whose values differ by half at most: the standard error is below 0.2 %. Were the lights of the wrong side
-            // preferred, the mean would be the same with a standard error of 3 %.
+            // The 65,536 samples deviate from their mean by about half of it or less, which gives a standard error of at most 0.2 %. If
+            // the lights on the wrong side were preferred, the mean would be the same, but its standard error would be about 3 %.
             let error = mean.variance.sqrt() / mean.value;
             assert!(error < 0.004, "normal {normal}: standard error {error}");
             assert!((mean.value * PI / expected - 1.0).abs() < 0.01, "normal {normal}: {} and not {}", mean.value * PI, expected);

@@ -149,8 +149,8 @@ impl Node {
     /// angle under which the sphere is seen, and d the distance of the centre, or the radius of the sphere if that is more.
     ///
     /// The importance is 0 only where the sphere that contains the child sends no light. For the estimate that sphere would be too
-    /// large, because lights are spread over it: for lamps over a floor the mean square of samples is 1.3 times the least possible with
-    /// half of the radius, and 3.0 times with all of it (`choices_follow_what_lights_bring`).
+    /// large, because lights are spread over it: for lamps over a floor the mean square of samples is less than 1.5 times the least possible
+    /// with half of the radius, and 3.0 times with all of it (`choices_follow_what_lights_bring`).
     #[inline(always)]
     pub fn importances<L: Lanes>(&self, at: &Receiver) -> [f32; WIDTH] {
         let (zero, least) = (L::splat(0.0), L::splat(MIN_COSINE));
@@ -181,7 +181,7 @@ impl Node {
                 emitted.times(received)
             }
         };
-        // Neither rounded to 0, nor infinite at a light without extent.
+        // A light that can shine must not get the importance 0 by rounding, nor a point light an infinite one at its own place.
         let smallest = L::splat(f32::MIN_POSITIVE);
         let (intensity, d2) = (L::load(&self.intensity), d2.larger(radius2.times(L::splat(0.25))).larger(smallest));
         let importance = intensity.times(cosines).over(d2).larger(smallest).smaller(L::splat(f32::MAX / 16.0));
