@@ -35,7 +35,8 @@ pub trait Sampler: Send + Sync {
     /// Numbers of a dimension and of the next one. Samplers that stratify do so in both dimensions together.
     fn get_2d(&self, key: SampleKey, dimension: u32) -> Vec2;
 
-    /// Number of a dimension, such as for a choice, and the numbers of the next two, which belong together.
+    /// Number of a dimension, such as for a choice, and the numbers of the next two, which belong together. Samplers may stratify in all
+    /// three together; then these are other numbers than those of [`get_1d`](Sampler::get_1d) and [`get_2d`](Sampler::get_2d).
     fn get_3d(&self, key: SampleKey, dimension: u32) -> (f32, Vec2) {
         (self.get_1d(key, dimension), self.get_2d(key, dimension.wrapping_add(1)))
     }
@@ -154,7 +155,11 @@ impl Kind {
         (Kind::Independent, "independent", "Random numbers without structure: the plain Monte Carlo that error bars assume."),
         (Kind::Stratified, "stratified", "One number in each of spp equal strata of every dimension, in random order."),
         (Kind::Halton, "halton", "Radical inverses in prime bases, Owen-scrambled: any prefix is evenly spread over all dimensions."),
-        (Kind::Sobol, "sobol", "Owen-scrambled (0,2)-sequences, one per pair of dimensions: every 2^k samples fill each pair evenly."),
+        (
+            Kind::Sobol,
+            "sobol",
+            "Owen-scrambled Sobol' sequences, one for each choice, point or direction: every 2^k samples fill each evenly.",
+        ),
     ];
 }
 

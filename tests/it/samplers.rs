@@ -1,6 +1,6 @@
 //! Samplers: their numbers are pure functions of the place, evenly distributed and independent.
 
-use glam::{UVec2, Vec2};
+use glam::{UVec2, UVec3, Vec2, Vec3};
 use proptest::prelude::*;
 use pt::sampler::dimension::{self, Use};
 use pt::sampler::{Halton, Kind, SampleKey, Sampler, SamplerSpec, Sequence};
@@ -24,6 +24,10 @@ fn number(sequence: &Sequence, pixel: UVec2, index: u64, dimension: u32) -> f32 
 
 fn point(sequence: &Sequence, pixel: UVec2, index: u64, dimension: u32) -> Vec2 {
     sequence.sample(pixel, index).get_2d(dimension)
+}
+
+fn triple(sequence: &Sequence, pixel: UVec2, index: u64, dimension: u32) -> (f32, Vec2) {
+    sequence.sample(pixel, index).get_3d(dimension)
 }
 
 /// Sampler as another crate would write one.
@@ -106,8 +110,8 @@ proptest! {
                 for (&d, &(one, two, three)) in dimensions.iter().zip(&forwards).rev() {
                     prop_assert_eq!(number(&fresh, pixel, index, d), one);
                     prop_assert_eq!(point(&fresh, pixel, index, d), two);
-                    prop_assert_eq!((one, point(&fresh, pixel, index, d + 1)), three);
-                    for u in [one, two.x, two.y] {
+                    prop_assert_eq!(triple(&fresh, pixel, index, d), three);
+                    for u in [one, two.x, two.y, three.0, three.1.x, three.1.y] {
                         prop_assert!((0.0..1.0).contains(&u), "{:?}: {}", kind, u);
                     }
                 }
@@ -161,6 +165,31 @@ fn sobol_points_fill_every_elementary_interval() {
                     }
                     let line: Vec<_> = (first..first + n).map(|i| Vec2::new(number(&sampler, PIXEL, i, d), 0.0)).collect();
                     assert_even(&line, (1 << k, 1), &format!("dimension {d}"));
+                }
+            }
+        }
+    }
+}
+
+/// Numbers for a choice and a point fill boxes of all three dimensions, and the point alone is as even as without a choice.
+#[test]
+fn three_sobol_numbers_fill_every_box_together() {
+    for seed in 0..6 {
+        let sampler = build(Kind::Sobol, seed, 1);
+        for d in used_dimensions() {
+            for k in 0..=10u32 {
+                let n = 1u64 << k;
+                for first in [0, 5 * n, (7 << 32) + 3 * n] {
+                    let points: Vec<_> = (first..first + n).map(|i| triple(&sampler, PIXEL, i, d)).collect();
+                    for (a, c) in (0..=k).flat_map(|a| (0..=(k - a) / 2).map(move |c| (a, c))) {
+                        let boxes = UVec3::new(1 << (2 * c), 1 << a, 1 << (k - a - 2 * c));
+                        let mut taken = vec![false; n as usize];
+                        for &(choice, u) in &points {
+                            let at = (Vec3::new(choice, u.x, u.y) * boxes.as_vec3()).as_uvec3();
+                            let index = (at.z * boxes.y + at.y) * boxes.x + at.x;
+                            assert!(!std::mem::replace(&mut taken[index as usize], true), "dimension {d}: two points in a box of {boxes}");
+                        }
+                    }
                 }
             }
         }
@@ -249,37 +278,46 @@ fn stratified_points_take_each_cell_of_a_near_square_once() {
 #[test]
 fn dimensions_are_not_correlated() {
     let dimensions = used_dimensions();
+    let choices: Vec<u32> = (0..8).flat_map(|depth| [Use::Bsdf, Use::Light].map(|use_| dimension::vertex(depth, use_))).collect();
     for kind in kinds() {
         for (seed, n) in [(1, 64u64), (2, 256), (3, 1024), (4, 1000)] {
             let sampler = build(kind, seed, n);
-            // Each column has the numbers of one dimension, normalized to mean 0 and variance 1.
-            let mut columns: Vec<Vec<f64>> = Vec::new();
-            for &d in &dimensions {
-                let points: Vec<_> = (0..n).map(|i| point(&sampler, PIXEL, i, d)).collect();
-                columns.push((0..n).map(|i| f64::from(number(&sampler, PIXEL, i, d))).collect());
-                columns.push(points.iter().map(|p| f64::from(p.x)).collect());
-                columns.push(points.iter().map(|p| f64::from(p.y)).collect());
+            // Each column has the numbers of one dimension. Those of one use belong together.
+            let mut columns: Vec<Column> = Vec::new();
+            for &used in &dimensions {
+                let mut add = |dimension, number: &dyn Fn(u64) -> f32| {
+                    columns.push(Column { used, dimension, numbers: (0..n).map(|i| f64::from(number(i))).collect() });
+                };
+                add(used, &|i| number(&sampler, PIXEL, i, used));
+                add(used, &|i| point(&sampler, PIXEL, i, used).x);
+                add(used + 1, &|i| point(&sampler, PIXEL, i, used).y);
+                if choices.contains(&used) {
+                    add(used, &|i| triple(&sampler, PIXEL, i, used).0);
+                    add(used + 1, &|i| triple(&sampler, PIXEL, i, used).1.x);
+                    add(used + 2, &|i| triple(&sampler, PIXEL, i, used).1.y);
+                }
             }
-            let shares_numbers =
-                |i: usize, j: usize| i / 3 == j / 3 || matches!(kind, Kind::Halton | Kind::Independent) && shared(&dimensions, i, j);
+            // Samplers whose dimensions are the same whether they are asked for alone or together.
+            let has_one_meaning = matches!(kind, Kind::Halton | Kind::Independent);
             let mut worst: f64 = 0.0;
-            for i in 0..columns.len() {
-                for j in i + 1..columns.len() {
-                    if !shares_numbers(i, j) {
-                        worst = worst.max(correlation(&columns[i], &columns[j]).abs());
+            for (i, a) in columns.iter().enumerate() {
+                for b in &columns[i + 1..] {
+                    if a.used != b.used && !(has_one_meaning && a.dimension == b.dimension) {
+                        worst = worst.max(correlation(&a.numbers, &b.numbers).abs());
                     }
                 }
             }
-            // One in 16 000 independent pairs exceeds 4/√N. Of these 5 000 pairs in 16 repetitions, one exceeds 5/√N in one of 20 runs.
+            // One in 1.7 million independent pairs exceeds 5/√N: of these 10 000 pairs in 16 repetitions, one in one of 10 runs.
             assert!(worst < 5.0 / (n as f64).sqrt(), "{kind:?}, {n} samples: |r| = {worst}");
         }
     }
 }
 
-/// Whether two columns have the same dimension: columns 3k and 3k + 1 have dimension dₖ, and column 3k + 2 the next one.
-fn shared(dimensions: &[u32], i: usize, j: usize) -> bool {
-    let dimension_of = |column: usize| dimensions[column / 3] + u32::from(column % 3 == 2);
-    dimension_of(i) == dimension_of(j)
+/// Numbers of all samples in one dimension, asked for alone or together with others of the same use.
+struct Column {
+    used: u32,
+    dimension: u32,
+    numbers: Vec<f64>,
 }
 
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
@@ -296,19 +334,20 @@ fn each_sample_is_uniform_over_pixels() {
     let indices = [0u64, 1, 2, 5, 63, 1 << 33];
     let dimensions =
         [dimension::FILM, dimension::vertex(0, Use::Bsdf), dimension::vertex(3, Use::Light), dimension::vertex(200, Use::Bsdf)];
-    let tests = 4 * indices.len() * dimensions.len() * 2;
+    let tests = 4 * indices.len() * dimensions.len() * 3;
     for kind in kinds() {
         let sampler = build(kind, 11, 64);
         for index in indices {
             for d in dimensions {
-                let (mut squares, mut lines) = (vec![0; (CELLS * CELLS) as usize], vec![0; (CELLS * CELLS) as usize]);
+                let [mut squares, mut lines, mut choices] = [(); 3].map(|()| vec![0; (CELLS * CELLS) as usize]);
                 for i in 0..40_000 {
                     let pixel = UVec2::new(i % 200, i / 200);
                     let p = (point(&sampler, pixel, index, d) * CELLS as f32).as_uvec2();
                     squares[(p.y * CELLS + p.x) as usize] += 1;
                     lines[(number(&sampler, pixel, index, d) * (CELLS * CELLS) as f32) as usize] += 1;
+                    choices[(triple(&sampler, pixel, index, d).0 * (CELLS * CELLS) as f32) as usize] += 1;
                 }
-                for (counts, what) in [(squares, "2-D"), (lines, "1-D")] {
+                for (counts, what) in [(squares, "2-D"), (lines, "1-D"), (choices, "3-D")] {
                     let p = uniformity(&counts);
                     assert!(p > sidak(tests), "{kind:?} {what}, sample {index}, dimension {d}: p = {p}");
                 }

@@ -77,7 +77,7 @@ fn plate(more: u32) {
         (45.0, 0.904326791, 14),
         (60.0, 0.836232463, 15),
         (75.0, 0.596092048, 16),
-        (85.0, 0.240079638, 20),
+        (85.0, 0.240079638, 21),
     ];
     for (degrees, factor, log_paths) in FACTORS {
         // The gap under the plate is so small that light from beside it does not reach the part that is seen.
