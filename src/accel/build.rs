@@ -12,12 +12,10 @@ use super::node::{Child, MAX_DEPTH, Node};
 use crate::math::Aabb;
 use crate::math::float::unit_f32;
 
-/// Wide hierarchy whose leaves are lists of item numbers.
+/// Wide hierarchy.
 pub struct Wide {
     /// Inner nodes.
     pub nodes: Vec<Node>,
-    /// Item numbers of each leaf.
-    pub leaves: Vec<Vec<u32>>,
     /// Root.
     pub root: Child,
 }
@@ -25,7 +23,8 @@ pub struct Wide {
 /// Builds a hierarchy over boxes in the order of item numbers; `None` if there are no boxes.
 ///
 /// - `first_instance`: number of the first item that is an instance, whose test takes so long that each gets a leaf of its own
-pub fn wide(boxes: &[Aabb], first_instance: usize) -> Option<Wide> {
+/// - `leaf`: makes a leaf of some item numbers
+pub fn wide(boxes: &[Aabb], first_instance: usize, leaf: impl FnMut(&[u32]) -> Child) -> Option<Wide> {
     if boxes.is_empty() {
         return None;
     }
@@ -39,10 +38,11 @@ pub fn wide(boxes: &[Aabb], first_instance: usize) -> Option<Wide> {
         cuts: Cuts::new(&binary, &boxes, &weights),
         firsts: &firsts,
         duplicates: &duplicates,
-        wide: Wide { nodes: vec![], leaves: vec![], root: Child::leaf(0) },
+        nodes: vec![],
+        make_leaf: leaf,
     };
-    collapse.wide.root = collapse.subtree(0, 0);
-    Some(collapse.wide)
+    let root = collapse.subtree(0, 0);
+    Some(Wide { nodes: collapse.nodes, root })
 }
 
 /// Item and a later one with exactly the same box.
@@ -114,24 +114,25 @@ fn uneven(item: usize, b: &Aabb) -> obvhs::aabb::Aabb {
 }
 
 /// State of collapsing the binary hierarchy to a wide one.
-struct CollapseState<'a> {
+struct CollapseState<'a, F> {
     cuts: Cuts<'a>,
     /// Items in the order of the binary hierarchy.
     firsts: &'a [u32],
     duplicates: &'a [Duplicate],
-    wide: Wide,
+    nodes: Vec<Node>,
+    make_leaf: F,
 }
 
-impl CollapseState<'_> {
+impl<F: FnMut(&[u32]) -> Child> CollapseState<'_, F> {
     fn subtree(&mut self, index: usize, depth: usize) -> Child {
         let children = self.cuts.children(index);
         if children.is_empty() || depth == MAX_DEPTH {
             return self.leaf(index);
         }
-        let slot = self.wide.nodes.len();
-        self.wide.nodes.push(Node::new(&[]));
-        let children: Vec<(Aabb, Child)> = children.into_iter().map(|c| (self.cuts.bounds(c), self.subtree(c, depth + 1))).collect();
-        self.wide.nodes[slot] = Node::new(&children);
+        let slot = self.nodes.len();
+        self.nodes.push(Node::new(vec![]));
+        let children = children.into_iter().map(|c| (self.cuts.bounds(c), self.subtree(c, depth + 1))).collect();
+        self.nodes[slot] = Node::new(children);
         Child::inner(slot)
     }
 
@@ -141,8 +142,7 @@ impl CollapseState<'_> {
             items.extend(later(self.duplicates, first));
         }
         items.sort_unstable();
-        self.wide.leaves.push(items);
-        Child::leaf(self.wide.leaves.len() - 1)
+        (self.make_leaf)(&items)
     }
 }
 
@@ -167,8 +167,12 @@ mod tests {
     /// Coincident boxes are not passed to clustering and reinsertion, which would take quadratic time.
     #[test]
     fn coincident_boxes_are_one_leaf() {
-        let built = wide(&[unit_box(Vec3::ZERO); 10_000], 10_000).expect("boxes");
-        assert_eq!((built.nodes.len(), built.leaves), (0, vec![(0..10_000).collect()]));
+        let mut leaves = vec![];
+        let built = wide(&[unit_box(Vec3::ZERO); 10_000], 10_000, |items| {
+            leaves.push(items.to_vec());
+            Child::mixed(0)
+        });
+        assert_eq!((built.expect("boxes").nodes.len(), leaves), (0, vec![(0..10_000).collect()]));
     }
 
     /// If each round joins a fixed fraction of the clusters, the number of rounds grows logarithmically: log₂ 50,000 = 16, or 86 if a

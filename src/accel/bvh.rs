@@ -1,12 +1,12 @@
 //! Bounding volume hierarchy and its traversal.
 
 use arrayvec::ArrayVec;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use super::bits;
 use super::build::{Wide, wide};
-use super::node::{Child, Node, STACK, Slabs, WIDEN, padding};
-use super::packet::{LANES, Packet};
+use super::leaves::{Leaves, Place, Run};
+use super::node::{Child, Node, STACK, Slabs, Target, WIDEN, padding};
 use super::{INSTANCE, Item, Shapes};
 #[cfg(target_arch = "x86_64")]
 use crate::math::simd::Whole;
@@ -20,28 +20,17 @@ use crate::shape::{Facet, FacetUv, ShapeHit};
 pub struct Bvh {
     shapes: Shapes,
     instances: Vec<Instance>,
-    items: Vec<Item>,
     bounds: Aabb,
     nodes: Vec<Node>,
-    leaves: Vec<Leaf>,
-    packets: Vec<Packet>,
-    /// Item numbers of the curved primitives and of the instances, leaf by leaf.
-    curved: Vec<u32>,
+    leaves: Leaves,
     root: Option<Child>,
     set: Set,
-}
-
-/// Leaf: ranges of packets and of items that are not flat.
-#[derive(Clone, Copy)]
-struct Leaf {
-    packets: (u32, u32),
-    curved: (u32, u32),
 }
 
 /// Nearest hit so far.
 struct Nearest {
     hit: ShapeHit,
-    item: u32,
+    place: Place,
     /// Limit for the tests, which accept only t < t_max: the next float above `hit.t`, so that equally near hits of lower items are found.
     t_max: f32,
     /// Hit within the item, if it is an instance.
@@ -53,37 +42,49 @@ impl Bvh {
     pub fn new(shapes: Shapes, own: Vec<u32>, instances: Vec<Instance>) -> Bvh {
         let mut bvh = Bvh {
             instances,
-            items: vec![],
             bounds: Aabb::EMPTY,
             nodes: vec![],
-            leaves: vec![],
-            packets: vec![],
-            curved: vec![],
+            leaves: Leaves::with_capacity(0),
             root: None,
             set: Set::detect(),
             shapes: shapes.clone(),
         };
-        let mut boxes = bvh.list_items(own);
+        let (items, mut boxes) = bvh.list_items(own);
         bvh.bounds = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
         let pad = padding(&bvh.bounds);
         boxes.iter_mut().for_each(|b| *b = b.padded(pad));
-        let first_instance = bvh.items.partition_point(|item| item.shape != INSTANCE);
-        if let Some(Wide { nodes, leaves, root }) = wide(&boxes, first_instance) {
-            bvh.leaves = leaves.iter().map(|items| bvh.pack(items)).collect();
+        let first_instance = items.partition_point(|item| item.shape != INSTANCE);
+        let mut leaves = Leaves::with_capacity(items.iter().filter(|item| bvh.is_flat(item)).count());
+        let mut triangles = vec![];
+        let mut curved = vec![];
+        let built = wide(&boxes, first_instance, |numbers| {
+            triangles.clear();
+            curved.clear();
+            for item in numbers.iter().map(|&number| items[number as usize]) {
+                match bvh.corners(item) {
+                    Some(corners) => triangles.push((item, corners)),
+                    None => curved.push(item),
+                }
+            }
+            leaves.push(&triangles, &curved)
+        });
+        bvh.leaves = leaves;
+        if let Some(Wide { mut nodes, root }) = built {
+            nodes.shrink_to_fit();
             (bvh.nodes, bvh.root) = (nodes, Some(root));
         }
         bvh
     }
 
-    /// Lists one item per triangle, curved primitive or instance, and returns their boxes.
-    fn list_items(&mut self, own: Vec<u32>) -> Vec<Aabb> {
-        let mut boxes = vec![];
+    /// One item per triangle, curved primitive or instance, and their boxes.
+    fn list_items(&self, own: Vec<u32>) -> (Vec<Item>, Vec<Aabb>) {
+        let (mut items, mut boxes) = (vec![], vec![]);
         for shape in own {
             let family = &self.shapes[shape as usize];
             for primitive in 0..family.count() {
                 let mut add = |bounds: Aabb, facet_uv| {
                     boxes.push(bounds);
-                    self.items.push(Item { shape, primitive, facet_uv });
+                    items.push(Item { shape, primitive, facet_uv });
                 };
                 let facet = family.facet(primitive);
                 if facet == Facet::Curved {
@@ -96,85 +97,100 @@ impl Bvh {
             let bounds = instance.bounds();
             if !bounds.is_empty() {
                 boxes.push(bounds);
-                self.items.push(Item { shape: INSTANCE, primitive, facet_uv: FacetUv::Triangle });
+                items.push(Item { shape: INSTANCE, primitive, facet_uv: FacetUv::Triangle });
             }
         }
-        boxes
+        (items, boxes)
     }
 
-    /// Makes a leaf of some items.
-    fn pack(&mut self, items: &[u32]) -> Leaf {
-        let (first_packet, first_curved) = (self.packets.len() as u32, self.curved.len() as u32);
-        let mut triangles = vec![];
-        for &number in items {
-            let item = self.items[number as usize];
-            let facet = if item.shape == INSTANCE { Facet::Curved } else { self.shapes[item.shape as usize].facet(item.primitive) };
-            match facet.triangles().find(|(_, facet_uv)| *facet_uv == item.facet_uv) {
-                Some((corners, _)) => triangles.push((number, corners)),
-                None => self.curved.push(number),
-            }
+    /// Whether an item is a triangle.
+    fn is_flat(&self, item: &Item) -> bool {
+        item.shape != INSTANCE && self.shapes[item.shape as usize].facet(item.primitive) != Facet::Curved
+    }
+
+    /// Corners of an item that is a triangle.
+    fn corners(&self, item: Item) -> Option<[Vec3; 3]> {
+        if item.shape == INSTANCE {
+            return None;
         }
-        self.packets.extend(triangles.chunks(LANES).map(Packet::new));
-        Leaf { packets: (first_packet, self.packets.len() as u32), curved: (first_curved, self.curved.len() as u32) }
+        let facet = self.shapes[item.shape as usize].facet(item.primitive);
+        facet.triangles().find(|(_, facet_uv)| *facet_uv == item.facet_uv).map(|(corners, _)| corners)
     }
 
-    /// Updates the nearest hit with the hits in a leaf.
+    /// Updates the nearest hit with the hits in a run of triangles.
     #[inline(always)]
-    fn intersect_leaf<L: Lanes, T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
-        let leaf = self.leaves[leaf];
-        for packet in &self.packets[leaf.packets.0 as usize..leaf.packets.1 as usize] {
-            for lane in bits(packet.candidates::<L, T>(ray, nearest.t_max, tolerance)) {
-                if let Some(hit) = packet.intersect(lane, ray, nearest.t_max, tolerance) {
-                    nearest.update(hit, packet.item[lane]);
-                }
+    fn intersect_run<L: Lanes, T: Tolerance>(&self, run: Run, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
+        for lane in bits(run.products::<L, T>(ray, tolerance).may_hit(nearest.t_max)) {
+            if let Some(hit) = run.intersect(lane, ray, nearest.t_max, tolerance) {
+                self.update(nearest, hit, run.place(lane));
             }
         }
-        for &number in &self.curved[leaf.curved.0 as usize..leaf.curved.1 as usize] {
-            let (item, ray) = (self.items[number as usize], Ray { t_max: nearest.t_max, ..*ray });
+    }
+
+    /// Updates the nearest hit with the hits in a leaf of any items.
+    #[inline(always)]
+    fn intersect_mixed<L: Lanes, T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
+        let (runs, curved) = self.leaves.mixed(leaf);
+        for run in runs {
+            self.intersect_run::<L, T>(run, ray, tolerance, nearest);
+        }
+        for place in curved.map(Place::curved) {
+            let Some(item) = self.leaves.item(place) else { continue };
+            let ray = Ray { t_max: nearest.t_max, ..*ray };
             if item.shape == INSTANCE {
                 if let Some(hit) = self.instances[item.primitive as usize].intersect(&ray, tolerance.get()) {
-                    nearest.update_within(hit, number);
+                    self.update_within(nearest, hit, place);
                 }
             } else if let Some(hit) = self.shapes[item.shape as usize].intersect(item.primitive, &ray) {
-                nearest.update(hit, number);
+                self.update(nearest, hit, place);
             }
         }
     }
 
-    /// Whether the ray hits anything in a leaf.
+    /// Whether the ray hits a run of triangles.
     #[inline(always)]
-    fn leaf_occludes<L: Lanes, T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T) -> bool {
-        let leaf = self.leaves[leaf];
-        let flat = self.packets[leaf.packets.0 as usize..leaf.packets.1 as usize].iter().any(|packet| {
-            let mut candidates = bits(packet.candidates::<L, T>(ray, ray.t_max, tolerance));
-            candidates.any(|lane| packet.intersect(lane, ray, ray.t_max, tolerance).is_some())
-        });
-        flat || self.curved[leaf.curved.0 as usize..leaf.curved.1 as usize].iter().any(|&number| {
-            let item = self.items[number as usize];
-            match item.shape {
-                INSTANCE => self.instances[item.primitive as usize].occluded(ray, tolerance.get()),
-                shape => self.shapes[shape as usize].intersect(item.primitive, ray).is_some(),
-            }
-        })
+    fn run_occludes<L: Lanes, T: Tolerance>(run: Run, ray: &Ray, tolerance: T) -> bool {
+        let products = run.products::<L, T>(ray, tolerance);
+        let candidates = products.may_hit(ray.t_max);
+        candidates != 0
+            && (products.surely_hit(ray.t_max) != 0
+                || bits(candidates).any(|lane| run.intersect(lane, ray, ray.t_max, tolerance).is_some()))
     }
-}
 
-impl Nearest {
-    /// Replaces the hit by a nearer one, or by an equally near one of a lower item.
+    /// Whether the ray hits anything in a leaf of any items.
     #[inline(always)]
-    fn update(&mut self, hit: ShapeHit, item: u32) {
-        if hit.t < self.hit.t || (hit.t == self.hit.t && item < self.item) {
-            *self = Nearest { hit, item, t_max: hit.t.next_up(), ..*self };
+    fn mixed_occludes<L: Lanes, T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T) -> bool {
+        let (mut runs, mut curved) = self.leaves.mixed(leaf);
+        runs.any(|run| Bvh::run_occludes::<L, T>(run, ray, tolerance))
+            || curved.any(|index| match self.leaves.item(Place::curved(index)) {
+                None => false,
+                Some(Item { shape: INSTANCE, primitive, .. }) => self.instances[primitive as usize].occluded(ray, tolerance.get()),
+                Some(Item { shape, primitive, .. }) => self.shapes[shape as usize].intersect(primitive, ray).is_some(),
+            })
+    }
+
+    /// Replaces the nearest hit by a nearer one, or by an equally near one of a lower item.
+    #[inline(always)]
+    fn update(&self, nearest: &mut Nearest, hit: ShapeHit, place: Place) {
+        if hit.t < nearest.hit.t || (hit.t == nearest.hit.t && self.is_before(place, nearest.place)) {
+            *nearest = Nearest { hit, place, t_max: hit.t.next_up(), ..*nearest };
         }
     }
 
-    /// Replaces the hit by a nearer one in an instance.
+    /// Replaces the nearest hit by a nearer one in an instance.
     #[inline(never)]
-    fn update_within(&mut self, hit: Hit, item: u32) {
-        self.update(ShapeHit { t: hit.t, uv: hit.uv }, item);
-        if self.item == item {
-            self.within = Some(hit);
+    fn update_within(&self, nearest: &mut Nearest, hit: Hit, place: Place) {
+        self.update(nearest, ShapeHit { t: hit.t, uv: hit.uv }, place);
+        if nearest.place == place {
+            nearest.within = Some(hit);
         }
+    }
+
+    /// Whether an item is before another one. No item is after all others.
+    #[inline(never)]
+    fn is_before(&self, place: Place, other: Place) -> bool {
+        let number = |place: Place| self.leaves.item(place).map(|item| (item.shape, item.primitive, item.facet_uv as u8));
+        number(other).is_none_or(|other| number(place).is_some_and(|number| number < other))
     }
 }
 
@@ -255,19 +271,21 @@ impl Bvh {
     #[inline(always)]
     fn nearest<L: Lanes, T: Tolerance>(&self, ray: &Ray, tolerance: T) -> Option<Hit> {
         let slabs = Slabs::<L>::new(ray, tolerance);
-        let mut nearest = Nearest { hit: ShapeHit { t: ray.t_max, uv: Vec2::ZERO }, item: u32::MAX, t_max: ray.t_max, within: None };
+        let mut nearest = Nearest { hit: ShapeHit { t: ray.t_max, uv: Vec2::ZERO }, place: Place::NONE, t_max: ray.t_max, within: None };
         let mut stack = ArrayVec::<(f32, Child), STACK>::new();
         let mut next = Some((0.0, self.root?));
         while let Some((entry, child)) = next {
+            next = None;
             if entry <= nearest.hit.t * WIDEN {
-                match child.get() {
-                    Err(leaf) => self.intersect_leaf::<L, T>(leaf, ray, tolerance, &mut nearest),
-                    Ok(node) => self.nodes[node].push_hits::<L, T>(&slabs, nearest.t_max, &mut stack),
+                match child.target() {
+                    Target::Inner(node) => next = self.nodes[node].nearest::<L, T>(&slabs, nearest.t_max, &mut stack),
+                    Target::Run(first, count) => self.intersect_run::<L, T>(self.leaves.run(first, count), ray, tolerance, &mut nearest),
+                    Target::Mixed(leaf) => self.intersect_mixed::<L, T>(leaf, ray, tolerance, &mut nearest),
                 }
             }
-            next = stack.pop();
+            next = next.or_else(|| stack.pop());
         }
-        let item = self.items.get(nearest.item as usize)?;
+        let item = self.leaves.item(nearest.place)?;
         if item.shape == INSTANCE {
             return nearest.within;
         }
@@ -275,7 +293,7 @@ impl Bvh {
         Some(Hit { instance: None, shape: item.shape, primitive: item.primitive, uv, t: nearest.hit.t })
     }
 
-    /// Whether there is any hit, by traversal in any order until the first hit.
+    /// Whether there is any hit, by traversal until the first hit: the last child first, which most likely stops the ray.
     #[inline(always)]
     fn any<L: Lanes, T: Tolerance>(&self, ray: &Ray, tolerance: T) -> bool {
         let Some(root) = self.root else { return false };
@@ -283,13 +301,17 @@ impl Bvh {
         let mut stack = ArrayVec::<Child, STACK>::new();
         stack.push(root);
         while let Some(child) = stack.pop() {
-            match child.get() {
-                Err(leaf) if self.leaf_occludes::<L, T>(leaf, ray, tolerance) => return true,
-                Err(_) => {}
-                Ok(node) => {
+            let is_hit = match child.target() {
+                Target::Inner(node) => {
                     let (_, hits) = self.nodes[node].intersect::<L, T>(&slabs, ray.t_max);
                     stack.extend(bits(hits).map(|i| self.nodes[node].child[i]));
+                    false
                 }
+                Target::Run(first, count) => Bvh::run_occludes::<L, T>(self.leaves.run(first, count), ray, tolerance),
+                Target::Mixed(leaf) => self.mixed_occludes::<L, T>(leaf, ray, tolerance),
+            };
+            if is_hit {
+                return true;
             }
         }
         false

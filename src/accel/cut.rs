@@ -3,7 +3,7 @@
 //! A ray that hits the whole box hits a part of it with the probability A, the ratio of their surface areas. The least cost of n as at
 //! most r children of the node above is
 //!
-//!   cost(n, 1) = min( A(n) · PACKET · ⌈triangles/8⌉,  A(n) · NODE + split(n, 8) )      a leaf, or a node of its own
+//!   cost(n, 1) = min( A(n) · RUN · ⌈triangles/8⌉,  A(n) · NODE + split(n, 8) )      a leaf, or a node of its own
 //!   cost(n, r) = min( split(n, r),  cost(n, r − 1) )
 //!   split(n, r) = min over 0 < k < r of  cost(left, k) + cost(right, r − k)
 //!
@@ -12,14 +12,14 @@
 
 use obvhs::bvh2::Bvh2;
 
+use super::leaves::LANES;
 use super::node::WIDTH;
-use super::packet::LANES;
 use crate::math::Aabb;
 
-/// Cost of testing eight boxes, relative to [`PACKET`].
+/// Cost of testing eight boxes, relative to [`RUN`].
 const NODE: f32 = 1.0;
 /// Cost of testing eight triangles.
-const PACKET: f32 = 2.0;
+const RUN: f32 = 2.0;
 
 /// Greatest number of triangles in a leaf, except for triangles with equal boxes.
 pub const MAX_LEAF: u32 = LANES as u32;
@@ -139,7 +139,7 @@ impl<'a> Cuts<'a> {
     fn compute_costs(&mut self, index: usize, whole: f64) {
         // If the whole box has no area, every ray that hits it hits all parts.
         let share = if whole > 0.0 { (self.bounds[index].area() / whole) as f32 } else { 1.0 };
-        let leaf = share * PACKET * self.counts[index].div_ceil(LANES as u32) as f32;
+        let leaf = share * RUN * self.counts[index].div_ceil(LANES as u32) as f32;
         self.costs[index] = [leaf; WIDTH - 1];
         let Some(halves) = self.halves(index) else { return };
         let node = share * NODE + self.split(halves, WIDTH).0;

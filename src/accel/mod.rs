@@ -3,9 +3,9 @@
 mod build;
 mod bvh;
 mod cut;
+mod leaves;
 mod list;
 mod node;
-mod packet;
 
 use std::sync::Arc;
 

@@ -19,20 +19,35 @@ pub const MAX_DEPTH: usize = 24;
 pub const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
 
 /// Node with up to [`WIDTH`] children. Unused slots have boxes that no ray hits.
-#[repr(align(64))]
+// The children share a cache line with a face, so that they arrive with it.
+#[repr(C, align(64))]
 #[derive(Clone)]
 pub struct Node {
-    /// Lower faces along x, y, z, then upper faces, with one lane per child.
-    faces: [[f32; WIDTH]; 6],
     /// Children.
     pub child: [Child; WIDTH],
+    /// Lower faces along x, y, z, then upper faces, with one lane per child.
+    faces: [[f32; WIDTH]; 6],
 }
 
 /// Reference to an inner node or a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Child(u32);
 
+/// What a [`Child`] refers to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// Inner node with this index.
+    Inner(usize),
+    /// Leaf of at most eight triangles: the first of them, and their number.
+    Run(usize, usize),
+    /// Leaf of any items, with this index.
+    Mixed(usize),
+}
+
 const LEAF: u32 = 1 << 31;
+const MIXED: u32 = 1 << 30;
+/// Position of the number of triangles less 1, in three bits. The index of the first triangle is below.
+const COUNT_AT: u32 = 27;
 
 impl Child {
     /// Reference to the inner node with this index.
@@ -40,15 +55,27 @@ impl Child {
         Child(index as u32)
     }
 
-    /// Reference to the leaf with this index.
-    pub fn leaf(index: usize) -> Child {
-        Child(index as u32 | LEAF)
+    /// Reference to a run of triangles, from 1 to 8; `None` if the index of the first is too great for 27 bits.
+    pub fn run(first: usize, count: usize) -> Option<Child> {
+        (first >> COUNT_AT == 0).then_some(Child(LEAF | (count as u32).wrapping_sub(1) << COUNT_AT | first as u32))
     }
 
-    /// `Ok` with the index of an inner node, or `Err` with the index of a leaf.
+    /// Reference to the leaf of any items with this index.
+    pub fn mixed(index: usize) -> Child {
+        Child(LEAF | MIXED | index as u32)
+    }
+
+    /// What this refers to.
     #[inline(always)]
-    pub fn get(self) -> Result<usize, usize> {
-        if self.0 & LEAF == 0 { Ok(self.0 as usize) } else { Err((self.0 & !LEAF) as usize) }
+    pub fn target(self) -> Target {
+        let Child(bits) = self;
+        if bits & LEAF == 0 {
+            Target::Inner(bits as usize)
+        } else if bits & MIXED == 0 {
+            Target::Run((bits & ((1 << COUNT_AT) - 1)) as usize, (bits >> COUNT_AT & 7) as usize + 1)
+        } else {
+            Target::Mixed((bits & (MIXED - 1)) as usize)
+        }
     }
 }
 
@@ -96,7 +123,16 @@ pub const WIDEN: f32 = 1.0 + 2.0 * (3.0 * 0.5 * f32::EPSILON) + f32::EPSILON;
 
 impl Node {
     /// A node with the given boxes and children.
-    pub fn new(children: &[(Aabb, Child)]) -> Node {
+    ///
+    /// The children are sorted so that the last ones most likely stop a ray for the least work: triangles after inner nodes, curved items
+    /// and instances before them, and large boxes after small ones.
+    pub fn new(mut children: Vec<(Aabb, Child)>) -> Node {
+        let rank = |child: Child| match child.target() {
+            Target::Mixed(_) => 0,
+            Target::Inner(_) => 1,
+            Target::Run(..) => 2,
+        };
+        children.sort_by(|(a, x), (b, y)| rank(*x).cmp(&rank(*y)).then(a.area().total_cmp(&b.area())));
         let (low, high) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
         let mut node = Node { faces: [low, low, low, high, high, high], child: [Child(LEAF); WIDTH] };
         for (slot, (bounds, child)) in children.iter().enumerate() {
@@ -124,14 +160,26 @@ impl Node {
         (near, near.at_most(far))
     }
 
-    /// Pushes the children that the ray hits before `t_max` with their distances, the nearest last.
+    /// Nearest child that the ray hits before `t_max`, with its distance. The others are pushed, the nearest last.
     #[inline(always)]
-    pub fn push_hits<L: Lanes, T: Tolerance>(&self, slabs: &Slabs<L>, t_max: f32, stack: &mut ArrayVec<(f32, Child), STACK>) {
+    pub fn nearest<L: Lanes, T: Tolerance>(
+        &self,
+        slabs: &Slabs<L>,
+        t_max: f32,
+        stack: &mut ArrayVec<(f32, Child), STACK>,
+    ) -> Option<(f32, Child)> {
         let (near, hits) = self.intersect::<L, T>(slabs, t_max);
+        if hits == 0 {
+            return None;
+        }
         let near = near.to_array();
+        let mut hits = bits(hits).map(|i| (near[i], self.child[i]));
+        let mut nearest = hits.next()?;
         let first = stack.len();
-        for i in bits(hits) {
-            let entry = (near[i], self.child[i]);
+        for mut entry in hits {
+            if entry.0 < nearest.0 {
+                std::mem::swap(&mut entry, &mut nearest);
+            }
             stack.push(entry);
             let pushed = &mut stack[first..];
             let mut at = pushed.len() - 1;
@@ -141,6 +189,7 @@ impl Node {
             }
             pushed[at] = entry;
         }
+        Some(nearest)
     }
 }
 
