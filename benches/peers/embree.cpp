@@ -1,8 +1,9 @@
 // Rays of files against a mesh of files with Embree 3, one ray at a time, as `rays.rs` measures them with pt.
 //
-// Arguments: fast|robust|high (robust, with the build of the highest quality), vertices (f32), triangles (u32), then files of rays (f32: origin, 0, direction, end), each with `:any` at its
-// end if any hit will do. Prints the CPU seconds of the build and its bytes for each triangle beside the mesh, then for each file the
-// millions of rays per CPU second, best of three repetitions, and the share of rays that hit.
+// Arguments: fast, robust or high (robust, with the build of the highest quality); vertices (f32); triangles (u32); then files of rays
+// (f32: origin, 0, direction, end), with `:any` after the name if any hit will do. Prints the CPU seconds of the build and its bytes for
+// each triangle beside the mesh, then for each file the millions of rays per CPU second, best of three repetitions, and the share of
+// rays that hit.
 
 #include <embree3/rtcore.h>
 

@@ -66,12 +66,12 @@ struct Subject {
 fn main() {
     let folder = PathBuf::from("target/peers");
     fs::create_dir_all(&folder).expect("target/peers");
-    let mut wanted: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with('-')).collect();
-    let all = wanted.len();
-    wanted.retain(|arg| arg != "alone");
-    let embree = if wanted.len() < all { None } else { compile(&folder) };
+    let arguments: Vec<String> = std::env::args().collect();
+    let asks_for = |name: &str| arguments.iter().any(|argument| argument == name);
+    let embree = if asks_for("alone") { None } else { compile(&folder) };
+    let is_all = !asks_for("blob") && !asks_for("beams");
     for (name, subject) in [("blob", blob as fn() -> Subject), ("beams", beams)] {
-        if wanted.is_empty() || wanted.iter().any(|w| w == name) {
+        if is_all || asks_for(name) {
             measure(&subject(), &folder, embree.as_deref());
         }
     }

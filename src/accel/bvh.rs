@@ -49,12 +49,12 @@ impl Bvh {
             set: Set::detect(),
             shapes: shapes.clone(),
         };
-        let (items, mut boxes) = bvh.list_items(own);
+        let (items, mut boxes, triangle_count) = bvh.list_items(own);
         bvh.bounds = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
         let pad = padding(&bvh.bounds);
         boxes.iter_mut().for_each(|b| *b = b.padded(pad));
         let first_instance = items.partition_point(|item| item.shape != INSTANCE);
-        let mut leaves = Leaves::with_capacity(items.iter().filter(|item| bvh.is_flat(item)).count());
+        let mut leaves = Leaves::with_capacity(triangle_count);
         let mut triangles = vec![];
         let mut curved = vec![];
         let built = wide(&boxes, first_instance, |numbers| {
@@ -76,9 +76,9 @@ impl Bvh {
         bvh
     }
 
-    /// One item per triangle, curved primitive or instance, and their boxes.
-    fn list_items(&self, own: Vec<u32>) -> (Vec<Item>, Vec<Aabb>) {
-        let (mut items, mut boxes) = (vec![], vec![]);
+    /// One item per triangle, curved primitive or instance, their boxes, and the number of triangles.
+    fn list_items(&self, own: Vec<u32>) -> (Vec<Item>, Vec<Aabb>, usize) {
+        let (mut items, mut boxes, mut others) = (vec![], vec![], 0);
         for shape in own {
             let family = &self.shapes[shape as usize];
             for primitive in 0..family.count() {
@@ -89,6 +89,7 @@ impl Bvh {
                 let facet = family.facet(primitive);
                 if facet == Facet::Curved {
                     add(family.bounds(primitive), FacetUv::Triangle);
+                    others += 1;
                 }
                 facet.triangles().for_each(|(corners, facet_uv)| add(Aabb::around(corners), facet_uv));
             }
@@ -98,14 +99,11 @@ impl Bvh {
             if !bounds.is_empty() {
                 boxes.push(bounds);
                 items.push(Item { shape: INSTANCE, primitive, facet_uv: FacetUv::Triangle });
+                others += 1;
             }
         }
-        (items, boxes)
-    }
-
-    /// Whether an item is a triangle.
-    fn is_flat(&self, item: &Item) -> bool {
-        item.shape != INSTANCE && self.shapes[item.shape as usize].facet(item.primitive) != Facet::Curved
+        let triangle_count = items.len() - others;
+        (items, boxes, triangle_count)
     }
 
     /// Corners of an item that is a triangle.

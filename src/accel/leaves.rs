@@ -8,7 +8,7 @@ use super::Item;
 use super::node::Child;
 use crate::math::Ray;
 use crate::math::float::ROUNDING;
-use crate::math::simd::{Lanes, splat};
+use crate::math::simd::{Lanes, dot, splat};
 use crate::shape::ShapeHit;
 use crate::shape::triangle::{self, Tolerance};
 
@@ -226,11 +226,6 @@ fn minus<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
 fn cross<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
     let minor = |i: usize, j: usize| a[i].times(b[j]).minus(a[j].times(b[i]));
     [minor(1, 2), minor(2, 0), minor(0, 1)]
-}
-
-#[inline(always)]
-fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
-    a[0].times(b[0]).plus(a[1].times(b[1])).plus(a[2].times(b[2]))
 }
 
 /// Greatest absolute value.

@@ -49,6 +49,12 @@ pub fn splat<L: Lanes>(numbers: [f32; 3]) -> [L; 3] {
     [L::splat(numbers[0]), L::splat(numbers[1]), L::splat(numbers[2])]
 }
 
+/// Scalar product of vectors of three numbers.
+#[inline(always)]
+pub fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
+    a[0].times(b[0]).plus(a[1].times(b[1])).plus(a[2].times(b[2]))
+}
+
 /// Two vectors of four, available on every x86-64 processor and every other machine that glam supports.
 #[derive(Clone, Copy)]
 pub struct Halves([Vec4; 2]);

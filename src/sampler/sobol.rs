@@ -41,8 +41,7 @@ impl Sampler for Sobol {
     #[inline]
     fn get_2d(&self, key: SampleKey, dimension: u32) -> Vec2 {
         let (key, place) = scrambled_index(key, dimension);
-        let key_x = mix(key);
-        Vec2::new(unit_f32(scramble(place, key_x)), unit_f32(scramble(second_dimension(place), mix(key_x))))
+        pair(place, mix(key), mix(mix(key)))
     }
 
     /// The first number is that of the third dimension, so that the pair is as even as that of [`get_2d`](Sampler::get_2d).
@@ -51,9 +50,14 @@ impl Sampler for Sobol {
         let (key, place) = scrambled_index(key, dimension);
         let key_x = mix(key);
         let key_y = mix(key_x);
-        let pair = Vec2::new(unit_f32(scramble(place, key_x)), unit_f32(scramble(second_dimension(place), key_y)));
-        (unit_f32(scramble(third_dimension(place), mix(key_y))), pair)
+        (unit_f32(scramble(third_dimension(place), mix(key_y))), pair(place, key_x, key_y))
     }
+}
+
+/// The first two dimensions at a scrambled index with reversed bits.
+#[inline]
+fn pair(place: u32, key_x: u64, key_y: u64) -> Vec2 {
+    Vec2::new(unit_f32(scramble(place, key_x)), unit_f32(scramble(second_dimension(place), key_y)))
 }
 
 /// Key of a dimension's scrambling, and the scrambled index of the sample with reversed bits.

@@ -150,50 +150,46 @@ proptest! {
     }
 }
 
-#[test]
-fn sobol_points_fill_every_elementary_interval() {
+/// Calls a function for aligned blocks of 2ᵏ samples of the sampler `sobol`: with the sequence, the dimension, k and the first sample.
+fn for_each_sobol_block(check: impl Fn(&Sequence, u32, u32, u64)) {
     for seed in 0..6 {
         let sampler = build(Kind::Sobol, seed, 1);
-        for d in used_dimensions() {
-            for k in 0..=10u32 {
-                let n = 1u64 << k;
-                // The first 2ᵏ samples, a later aligned block of them, and one beyond 2³².
-                for first in [0, 5 * n, (7 << 32) + 3 * n] {
-                    let points: Vec<_> = (first..first + n).map(|i| point(&sampler, PIXEL, i, d)).collect();
-                    for a in 0..=k {
-                        assert_even(&points, (1 << a, 1 << (k - a)), &format!("dimension {d}"));
-                    }
-                    let line: Vec<_> = (first..first + n).map(|i| Vec2::new(number(&sampler, PIXEL, i, d), 0.0)).collect();
-                    assert_even(&line, (1 << k, 1), &format!("dimension {d}"));
-                }
-            }
+        for (d, k) in used_dimensions().into_iter().flat_map(|d| (0..=10u32).map(move |k| (d, k))) {
+            let n = 1u64 << k;
+            // The first 2ᵏ samples, a later aligned block of them, and one beyond 2³².
+            [0, 5 * n, (7 << 32) + 3 * n].into_iter().for_each(|first| check(&sampler, d, k, first));
         }
     }
+}
+
+#[test]
+fn sobol_points_fill_every_elementary_interval() {
+    for_each_sobol_block(|sampler, d, k, first| {
+        let samples = first..first + (1 << k);
+        let points: Vec<_> = samples.clone().map(|i| point(sampler, PIXEL, i, d)).collect();
+        for a in 0..=k {
+            assert_even(&points, (1 << a, 1 << (k - a)), &format!("dimension {d}"));
+        }
+        let line: Vec<_> = samples.map(|i| Vec2::new(number(sampler, PIXEL, i, d), 0.0)).collect();
+        assert_even(&line, (1 << k, 1), &format!("dimension {d}"));
+    });
 }
 
 /// Numbers for a choice and a point fill boxes of all three dimensions, and the point alone is as even as without a choice.
 #[test]
 fn three_sobol_numbers_fill_every_box_together() {
-    for seed in 0..6 {
-        let sampler = build(Kind::Sobol, seed, 1);
-        for d in used_dimensions() {
-            for k in 0..=10u32 {
-                let n = 1u64 << k;
-                for first in [0, 5 * n, (7 << 32) + 3 * n] {
-                    let points: Vec<_> = (first..first + n).map(|i| triple(&sampler, PIXEL, i, d)).collect();
-                    for (a, c) in (0..=k).flat_map(|a| (0..=(k - a) / 2).map(move |c| (a, c))) {
-                        let boxes = UVec3::new(1 << (2 * c), 1 << a, 1 << (k - a - 2 * c));
-                        let mut taken = vec![false; n as usize];
-                        for &(choice, u) in &points {
-                            let at = (Vec3::new(choice, u.x, u.y) * boxes.as_vec3()).as_uvec3();
-                            let index = (at.z * boxes.y + at.y) * boxes.x + at.x;
-                            assert!(!std::mem::replace(&mut taken[index as usize], true), "dimension {d}: two points in a box of {boxes}");
-                        }
-                    }
-                }
+    for_each_sobol_block(|sampler, d, k, first| {
+        let points: Vec<_> = (first..first + (1 << k)).map(|i| triple(sampler, PIXEL, i, d)).collect();
+        for (a, c) in (0..=k).flat_map(|a| (0..=(k - a) / 2).map(move |c| (a, c))) {
+            let boxes = UVec3::new(1 << (2 * c), 1 << a, 1 << (k - a - 2 * c));
+            let mut taken = vec![false; 1 << k];
+            for &(choice, u) in &points {
+                let at = (Vec3::new(choice, u.x, u.y) * boxes.as_vec3()).as_uvec3();
+                let index = (at.z * boxes.y + at.y) * boxes.x + at.x;
+                assert!(!std::mem::replace(&mut taken[index as usize], true), "dimension {d}: two points in a box of {boxes}");
             }
         }
-    }
+    });
 }
 
 #[test]

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{LightBounds, WIDTH};
 use crate::light::LightSampleContext;
 use crate::math::float::sin_cos_f64;
-use crate::math::simd::{Lanes, splat};
+use crate::math::simd::{Lanes, dot, splat};
 
 /// Bounds of the children of a node. A place without a child has the intensity 0.
 #[derive(Clone, Debug, Default)]
@@ -198,11 +198,6 @@ impl Node {
 #[inline(always)]
 fn load<L: Lanes>(vectors: &[[f32; WIDTH]; 3]) -> [L; 3] {
     [L::load(&vectors[0]), L::load(&vectors[1]), L::load(&vectors[2])]
-}
-
-#[inline(always)]
-fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
-    a[0].times(b[0]).plus(a[1].times(b[1])).plus(a[2].times(b[2]))
 }
 
 /// Cosine and sine of half the angle under which a sphere is seen, from the squared sine: (radius / distance)². If that is 1 or more, the
