@@ -1,8 +1,9 @@
 //! Rays per second of the hierarchy, beside Embree if it is installed.
 //!
 //! `cargo bench --bench rays [-- blob|beams] [alone]`. Two scenes are made here: a million triangles over a floor, and a closed room with
-//! 2.6 million triangles of long, thin, rotated beams. Rays are single ones: from a camera, two diffuse bounces, shadow rays to a lamp,
-//! ambient occlusion, and the diffuse rays again as rays without an end for which any hit will do.
+//! 2.6 million triangles of long, thin, rotated beams. The rays are those from a camera, two diffuse bounces, shadow rays to a lamp,
+//! ambient occlusion, and the diffuse rays again as rays without an end for which any hit will do. All programs trace single rays; pt
+//! traces them a second time side by side, as many neighbours at once as the machine has lanes.
 //!
 //! Embree 3 needs its headers, its library and g++ (`alone` leaves it out). The program beside it is `embree.cpp`, which reads the same
 //! files. It runs in its fast and in its robust mode with the default quality of the build, and in its robust mode with the highest. All
@@ -18,6 +19,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use cpu_time::ProcessTime;
 use glam::{UVec2, Vec3, Vec3Swizzles};
+use pt::accel;
+use pt::math::lanes::Width;
 use pt::math::{Frame, Local, Ray, Transform, float, warp};
 use pt::primitive::Primitive;
 use pt::sampler::{Independent, SampleNumbers, Sequence};
@@ -117,10 +120,11 @@ fn measure(subject: &Subject, folder: &Path, embree: Option<&Path>) {
         numbers.as_chunks().0.to_vec()
     };
     // For each program and turn, the rate and the share of hits of each kind.
-    let mut turns: [Vec<Vec<[f64; 2]>>; 4] = Default::default();
+    let (mut turns, mut packets): ([Vec<Vec<[f64; 2]>>; 4], Vec<_>) = Default::default();
     let mut builds = vec![];
     for _ in 0..3 {
         turns[0].push(kinds.iter().map(|kind| rate(&*hierarchy, kind)).collect());
+        packets.push(kinds.iter().map(|kind| packet_rate(&*hierarchy, kind)).collect());
         let lines = MODES.map(embree_lines);
         builds = lines.iter().filter_map(|lines| lines.first().copied()).collect();
         for (turn, lines) in turns[1..].iter_mut().zip(lines) {
@@ -142,6 +146,11 @@ fn measure(subject: &Subject, folder: &Path, embree: Option<&Path>) {
             let embree = median(turns, i);
             print!("   {mode} {:6.2} ({:.3} %) pt/it {:.2}", embree[0], 100.0 * embree[1], own[0] / embree[0]);
         }
+        let side_by_side = median(&packets, i);
+        print!("   side by side {:6.2}", side_by_side[0]);
+        for (mode, turns) in MODES.iter().zip(&turns[1..]).take(builds.len()) {
+            print!(" /{mode} {:.2}", side_by_side[0] / median(turns, i)[0]);
+        }
         println!();
     }
 }
@@ -152,14 +161,27 @@ const MODES: [&str; 3] = ["fast", "robust", "high"];
 /// Millions of rays per CPU second, and the share of the rays that hit.
 fn rate(hierarchy: &dyn Primitive, kind: &Rays) -> [f64; 2] {
     let hits = |ray: &Ray| if kind.is_any { hierarchy.occluded(ray) } else { hierarchy.intersect(ray).is_some() };
+    best_of_three(kind.rays.len(), || kind.rays.iter().filter(|ray| hits(ray)).count())
+}
+
+/// Millions of rays per CPU second, and the share of the rays that hit, for rays that are traced side by side.
+fn packet_rate(hierarchy: &dyn Primitive, kind: &Rays) -> [f64; 2] {
+    let width = Width::detect();
+    best_of_three(kind.rays.len(), || match kind.is_any {
+        true => accel::occluded_all(hierarchy, &kind.rays, width).into_iter().filter(|hit| *hit).count(),
+        false => accel::intersect_all(hierarchy, &kind.rays, width).into_iter().flatten().count(),
+    })
+}
+
+/// - `hits`: traces `rays` rays and counts the hits
+fn best_of_three(rays: usize, hits: impl Fn() -> usize) -> [f64; 2] {
     let (mut best, mut count) = (f64::INFINITY, 0);
     for _ in 0..3 {
         let start = ProcessTime::now();
-        count = kind.rays.iter().filter(|ray| hits(ray)).count();
+        count = hits();
         best = best.min(start.elapsed().as_secs_f64());
     }
-    let number = kind.rays.len() as f64;
-    [1e-6 * number / best, count as f64 / number]
+    [1e-6 * rays as f64 / best, count as f64 / rays as f64]
 }
 
 /// Rate and share of hits of one kind in the turn with the middle rate.

@@ -1,5 +1,8 @@
 //! Bounding volume hierarchy and its traversal.
 
+use std::any::Any;
+use std::ops::Range;
+
 use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
@@ -21,23 +24,32 @@ pub struct Bvh {
     shapes: Shapes,
     instances: Vec<Instance>,
     bounds: Aabb,
-    nodes: Vec<Node>,
-    leaves: Leaves,
-    root: Option<Child>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) leaves: Leaves,
+    pub(super) root: Option<Child>,
     set: Set,
+    /// Whether rays can be traced side by side: there are no instances, no hits depend on where a ray ends, and the coordinates of all
+    /// corners can be gathered.
+    has_packets: bool,
 }
 
 /// Nearest hit so far.
-struct Nearest {
-    hit: ShapeHit,
-    place: Place,
+pub(super) struct Nearest {
+    pub hit: ShapeHit,
+    pub place: Place,
     /// Limit for the tests, which accept only t < t_max: the next float above `hit.t`, so that equally near hits of lower items are found.
-    t_max: f32,
+    pub t_max: f32,
     /// Hit within the item, if it is an instance.
-    within: Option<Hit>,
+    pub within: Option<Hit>,
 }
 
 impl Bvh {
+    /// The hierarchy, if rays can be traced through it side by side with the hits of single rays.
+    pub fn for_packets(primitives: &dyn Primitive) -> Option<&Bvh> {
+        let any: &dyn Any = primitives;
+        any.downcast_ref::<Bvh>().filter(|bvh| bvh.has_packets)
+    }
+
     /// Builds the hierarchy over the primitives of the shapes with the indices `own`, and over instances.
     pub fn new(shapes: Shapes, own: Vec<u32>, instances: Vec<Instance>) -> Bvh {
         let mut bvh = Bvh {
@@ -48,6 +60,7 @@ impl Bvh {
             root: None,
             set: Set::detect(),
             shapes: shapes.clone(),
+            has_packets: false,
         };
         let (items, mut boxes, triangle_count) = bvh.list_items(own);
         bvh.bounds = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
@@ -69,6 +82,8 @@ impl Bvh {
             leaves.push(&triangles, &curved)
         });
         bvh.leaves = leaves;
+        let is_addressable = bvh.leaves.corners().len() < 1 << 31;
+        bvh.has_packets = is_addressable && bvh.instances.is_empty() && !shapes.iter().any(|shape| shape.hits_depend_on_end());
         if let Some(Wide { mut nodes, root }) = built {
             nodes.shrink_to_fit();
             (bvh.nodes, bvh.root) = (nodes, Some(root));
@@ -128,10 +143,17 @@ impl Bvh {
     /// Updates the nearest hit with the hits in a leaf of any items.
     #[inline(always)]
     fn intersect_mixed<L: Lanes, T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
-        let (runs, curved) = self.leaves.mixed(leaf);
+        let (runs, _) = self.leaves.mixed(leaf);
         for run in runs {
             self.intersect_run::<L, T>(run, ray, tolerance, nearest);
         }
+        self.intersect_curved(leaf, ray, tolerance, nearest);
+    }
+
+    /// Updates the nearest hit with the hits of the items in a leaf that are not flat.
+    #[inline(always)]
+    pub(super) fn intersect_curved<T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
+        let (_, curved) = self.leaves.mixed(leaf);
         for place in curved.map(Place::curved) {
             let Some(item) = self.leaves.item(place) else { continue };
             let ray = Ray { t_max: nearest.t_max, ..*ray };
@@ -158,13 +180,30 @@ impl Bvh {
     /// Whether the ray hits anything in a leaf of any items.
     #[inline(always)]
     fn mixed_occludes<L: Lanes, T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T) -> bool {
-        let (mut runs, mut curved) = self.leaves.mixed(leaf);
-        runs.any(|run| Bvh::run_occludes::<L, T>(run, ray, tolerance))
-            || curved.any(|index| match self.leaves.item(Place::curved(index)) {
+        let (runs, curved) = self.leaves.mixed(leaf);
+        // Loops, because a closure may be compiled apart from this function, without its instruction set.
+        for run in runs {
+            if Bvh::run_occludes::<L, T>(run, ray, tolerance) {
+                return true;
+            }
+        }
+        self.curved_occlude(curved, ray, tolerance)
+    }
+
+    /// Whether the ray hits any of the items in a leaf that are not flat.
+    #[inline(always)]
+    pub(super) fn curved_occlude<T: Tolerance>(&self, curved: Range<u32>, ray: &Ray, tolerance: T) -> bool {
+        for place in curved.map(Place::curved) {
+            let is_hit = match self.leaves.item(place) {
                 None => false,
                 Some(Item { shape: INSTANCE, primitive, .. }) => self.instances[primitive as usize].occluded(ray, tolerance.get()),
                 Some(Item { shape, primitive, .. }) => self.shapes[shape as usize].intersect(primitive, ray).is_some(),
-            })
+            };
+            if is_hit {
+                return true;
+            }
+        }
+        false
     }
 
     /// Replaces the nearest hit by a nearer one, or by an equally near one of a lower item.
@@ -251,8 +290,47 @@ impl Primitive for Bvh {
     }
 }
 
+/// Traversals below a child, for packets whose rays go on as single rays.
+impl Bvh {
+    /// Updates the nearest hit of a ray with those below a child.
+    #[inline(always)]
+    pub(super) fn descend(&self, child: Child, ray: &Ray, nearest: &mut Nearest) {
+        match self.set {
+            Set::Plain => self.nearest_below::<Halves, _>(child, ray, Exact, nearest),
+            // SAFETY: `set` is AVX2 only if this machine has it.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code, reason = "sound: the set is what this machine was found to have")]
+            Set::Avx2 => unsafe { self.nearest_below_avx2(child, ray, nearest) },
+        }
+    }
+
+    /// Whether a ray hits anything below a child.
+    #[inline(always)]
+    pub(super) fn is_any_below(&self, child: Child, ray: &Ray) -> bool {
+        match self.set {
+            Set::Plain => self.any_below::<Halves, _>(child, ray, Exact),
+            // SAFETY: `set` is AVX2 only if this machine has it.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code, reason = "sound: the set is what this machine was found to have")]
+            Set::Avx2 => unsafe { self.any_below_avx2(child, ray) },
+        }
+    }
+}
+
 /// Traversals, compiled once for each instruction set.
 impl Bvh {
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn nearest_below_avx2(&self, child: Child, ray: &Ray, nearest: &mut Nearest) {
+        self.nearest_below::<Whole, _>(child, ray, Exact, nearest);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn any_below_avx2(&self, child: Child, ray: &Ray) -> bool {
+        self.any_below::<Whole, _>(child, ray, Exact)
+    }
+
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn nearest_avx2<T: Tolerance>(&self, ray: &Ray, tolerance: T) -> Option<Hit> {
@@ -268,21 +346,8 @@ impl Bvh {
     /// Nearest hit, by front-to-back traversal: the nearest child first, the others in order on the stack.
     #[inline(always)]
     fn nearest<L: Lanes, T: Tolerance>(&self, ray: &Ray, tolerance: T) -> Option<Hit> {
-        let slabs = Slabs::<L>::new(ray, tolerance);
         let mut nearest = Nearest { hit: ShapeHit { t: ray.t_max, uv: Vec2::ZERO }, place: Place::NONE, t_max: ray.t_max, within: None };
-        let mut stack = ArrayVec::<(f32, Child), STACK>::new();
-        let mut next = Some((0.0, self.root?));
-        while let Some((entry, child)) = next {
-            next = None;
-            if entry <= nearest.hit.t * WIDEN {
-                match child.target() {
-                    Target::Inner(node) => next = self.nodes[node].nearest::<L, T>(&slabs, nearest.t_max, &mut stack),
-                    Target::Run(first, count) => self.intersect_run::<L, T>(self.leaves.run(first, count), ray, tolerance, &mut nearest),
-                    Target::Mixed(leaf) => self.intersect_mixed::<L, T>(leaf, ray, tolerance, &mut nearest),
-                }
-            }
-            next = next.or_else(|| stack.pop());
-        }
+        self.nearest_below::<L, T>(self.root?, ray, tolerance, &mut nearest);
         let item = self.leaves.item(nearest.place)?;
         if item.shape == INSTANCE {
             return nearest.within;
@@ -291,13 +356,38 @@ impl Bvh {
         Some(Hit { instance: None, shape: item.shape, primitive: item.primitive, uv, t: nearest.hit.t })
     }
 
+    /// Updates the nearest hit with those below a child.
+    #[inline(always)]
+    fn nearest_below<L: Lanes, T: Tolerance>(&self, child: Child, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
+        let slabs = Slabs::<L>::new(ray, tolerance);
+        let mut stack = ArrayVec::<(f32, Child), STACK>::new();
+        let mut next = Some((0.0, child));
+        while let Some((entry, child)) = next {
+            next = None;
+            if entry <= nearest.hit.t * WIDEN {
+                match child.target() {
+                    Target::Inner(node) => next = self.nodes[node].nearest::<L, T>(&slabs, nearest.t_max, &mut stack),
+                    Target::Run(first, count) => self.intersect_run::<L, T>(self.leaves.run(first, count), ray, tolerance, nearest),
+                    Target::Mixed(leaf) => self.intersect_mixed::<L, T>(leaf, ray, tolerance, nearest),
+                }
+            }
+            next = next.or_else(|| stack.pop());
+        }
+    }
+
     /// Whether there is any hit, by traversal until the first hit: the last child first, which most likely stops the ray.
     #[inline(always)]
     fn any<L: Lanes, T: Tolerance>(&self, ray: &Ray, tolerance: T) -> bool {
         let Some(root) = self.root else { return false };
+        self.any_below::<L, T>(root, ray, tolerance)
+    }
+
+    /// Whether there is any hit below a child.
+    #[inline(always)]
+    fn any_below<L: Lanes, T: Tolerance>(&self, child: Child, ray: &Ray, tolerance: T) -> bool {
         let slabs = Slabs::<L>::new(ray, tolerance);
         let mut stack = ArrayVec::<Child, STACK>::new();
-        stack.push(root);
+        stack.push(child);
         while let Some(child) = stack.pop() {
             let is_hit = match child.target() {
                 Target::Inner(node) => {

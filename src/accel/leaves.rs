@@ -49,6 +49,12 @@ impl Place {
     /// No item.
     pub const NONE: Place = Place(u32::MAX);
 
+    /// Number of the place of a triangle.
+    #[inline(always)]
+    pub fn number(self) -> u32 {
+        self.0
+    }
+
     /// Place of an item that is not flat.
     pub fn curved(index: u32) -> Place {
         Place(index | CURVED)
@@ -103,6 +109,11 @@ impl Leaves {
         Run { corners: &self.corners[ROWS * first..end], first, count }
     }
 
+    /// Coordinates of the corners of all triangles, see [`Run::corners_at`].
+    pub fn corners(&self) -> &[f32] {
+        &self.corners
+    }
+
     /// Runs of a leaf of any items, and the places of the items that are not flat.
     pub fn mixed(&self, index: usize) -> (impl Iterator<Item = Run<'_>>, Range<u32>) {
         let Mixed { triangles: (first, end), curved } = self.mixed[index];
@@ -128,12 +139,34 @@ impl Run<'_> {
         Place((self.first + lane) as u32)
     }
 
+    /// Number of triangles.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Index of the first coordinate of the triangle in a lane among those of all leaves, and the distance from one to the next.
+    #[inline(always)]
+    pub fn corners_at(&self, lane: usize) -> (u32, u32) {
+        ((ROWS * self.first + lane) as u32, self.count as u32)
+    }
+
+    /// Corners of the triangle in a lane.
+    #[inline(always)]
+    pub fn triangle(&self, lane: usize) -> [Vec3; 3] {
+        [self.corner(0, lane), self.corner(1, lane), self.corner(2, lane)]
+    }
+
+    #[inline(always)]
+    fn corner(&self, k: usize, lane: usize) -> Vec3 {
+        let (first, count) = (3 * k * self.count + lane, self.count);
+        Vec3::new(self.corners[first], self.corners[first + count], self.corners[first + 2 * count])
+    }
+
     /// Exact test of the triangle in a lane.
     #[inline(always)]
     pub fn intersect<T: Tolerance>(&self, lane: usize, ray: &Ray, t_max: f32, tolerance: T) -> Option<ShapeHit> {
-        let number = |row: usize| self.corners[row * self.count + lane];
-        let corner = |k: usize| Vec3::new(number(3 * k), number(3 * k + 1), number(3 * k + 2));
-        triangle::intersect_with_tolerance(ray, t_max, [corner(0), corner(1), corner(2)], tolerance)
+        triangle::intersect_with_tolerance(ray, t_max, self.triangle(lane), tolerance)
     }
 
     /// Products that decide about hits with all triangles.
@@ -215,7 +248,7 @@ impl<L: Lanes> Products<L> {
 }
 
 /// 2⁻¹²⁴, see [`Run::products`].
-const UNDERFLOW: f32 = 1.0 / (1u128 << 124) as f32;
+pub const UNDERFLOW: f32 = 1.0 / (1u128 << 124) as f32;
 
 #[inline(always)]
 fn minus<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {

@@ -6,13 +6,17 @@ mod cut;
 mod leaves;
 mod list;
 mod node;
+mod packet;
 
 use std::sync::Arc;
 
 use crate::primitive::{Instance, Primitive};
 use crate::shape::{FacetUv, Shape};
 
+pub(crate) use bvh::Bvh;
 pub use list::List;
+pub(crate) use packet::NO_PLACE;
+pub use packet::{Hits, intersect_all, occluded_all};
 
 /// Shapes of a scene.
 pub(crate) type Shapes = Arc<[Box<dyn Shape>]>;

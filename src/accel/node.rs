@@ -145,6 +145,15 @@ impl Node {
         node
     }
 
+    /// Places of the children, with the lower and upper corner of their boxes.
+    #[inline(always)]
+    pub fn boxes(&self) -> impl Iterator<Item = (usize, [Vec3; 2])> {
+        let corner =
+            |slot: usize, first: usize| Vec3::new(self.faces[first][slot], self.faces[first + 1][slot], self.faces[first + 2][slot]);
+        // Places without a child come last.
+        (0..WIDTH).take_while(|&slot| self.faces[0][slot] < f32::INFINITY).map(move |slot| (slot, [corner(slot, 0), corner(slot, 3)]))
+    }
+
     /// Distance at which the ray enters each box, and a bit mask of the boxes that it hits before `t_max`.
     #[inline(always)]
     pub fn intersect<L: Lanes, T: Tolerance>(&self, slabs: &Slabs<L>, t_max: f32) -> (L, u32) {

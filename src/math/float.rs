@@ -10,6 +10,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6, LN_2, LOG2_E, PI};
 
 use super::f64x2::F64x2;
+use super::lanes::Lanes;
 
 /// Greatest `f32` below 1, the greatest value of a uniform number.
 pub const ONE_MINUS_EPSILON: f32 = 1.0 - 1.0 / 16_777_216.0;
@@ -64,6 +65,24 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
 pub fn sin_cos_octant(x: f32) -> (f32, f32) {
     let (sin, cos) = series(f64::from(x));
     (sin as f32, cos as f32)
+}
+
+/// [`sin_cos_octant`] in each lane.
+#[inline(always)]
+pub fn sin_cos_octant_lanes<L: Lanes>(x: L::F32) -> (L::F32, L::F32) {
+    let r = L::widen(x);
+    let square = r * r;
+    let (sin, cos) = (polynomial_lanes::<L, 0>(square), polynomial_lanes::<L, 1>(square));
+    (L::narrow(r + r * square * sin), L::narrow(L::f64(1.0) + square * cos))
+}
+
+/// Polynomial `K` of [`polynomial_pair`] in each lane, for the sine or the cosine.
+#[inline(always)]
+fn polynomial_lanes<L: Lanes, const K: usize>(x: L::F64) -> L::F64 {
+    let c = const { [SIN_COS_14[0][K], SIN_COS_14[1][K], SIN_COS_14[2][K], SIN_COS_14[3][K], SIN_COS_14[4][K], SIN_COS_14[5][K]] };
+    let (low, middle, high) = (L::f64(c[0]) + L::f64(c[1]) * x, L::f64(c[2]) + L::f64(c[3]) * x, L::f64(c[4]) + L::f64(c[5]) * x);
+    let square = x * x;
+    low + square * (middle + square * high)
 }
 
 /// Taylor series of sin r and cos r for |r| ≤ π/4.

@@ -11,6 +11,8 @@ use std::ops::Mul;
 
 use glam::DVec3;
 
+use super::lanes::Lanes;
+
 /// Probability density by solid angle [sr⁻¹].
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct SolidAnglePdf(f32);
@@ -109,6 +111,19 @@ pub fn power_heuristic(this: SolidAnglePdf, other: SolidAnglePdf) -> f32 {
     }
     let ratio = other.0 / this.0;
     1.0 / (1.0 + ratio * ratio)
+}
+
+/// [`power_heuristic`] in each lane.
+#[inline(always)]
+pub fn power_heuristic_lanes<L: Lanes>(this: L::F32, other: L::F32) -> L::F32 {
+    let ratio = other / this;
+    L::select(L::le(this, L::f32(0.0)), L::f32(0.0), L::f32(1.0) / (L::f32(1.0) + ratio * ratio))
+}
+
+/// [`balance_heuristic`] in each lane.
+#[inline(always)]
+pub fn balance_heuristic_lanes<L: Lanes>(this: L::F32, other: L::F32) -> L::F32 {
+    L::select(L::le(this, L::f32(0.0)), L::f32(0.0), L::f32(1.0) / (L::f32(1.0) + other / this))
 }
 
 /// Balance heuristic: weight w = p / (p + q) of a sample with density p = `this` that another technique samples with density q = `other`.

@@ -50,6 +50,11 @@ impl Spectrum {
         self.0.to_array()
     }
 
+    /// Coefficients, for code that keeps those of several spectra side by side.
+    pub(crate) fn coefficients(self) -> [f32; 3] {
+        self.0.to_array()
+    }
+
     /// Whether all coefficients are 0.
     pub fn is_black(self) -> bool {
         // One test for all coefficients: all bits except the signs are 0.

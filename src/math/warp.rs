@@ -7,7 +7,8 @@ use std::f32::consts::FRAC_PI_4;
 
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 
-use super::float::{ONE_MINUS_EPSILON, atan2, exp_f64, exp_m1_f64, ln_f64, sin_cos_octant};
+use super::float::{ONE_MINUS_EPSILON, atan2, exp_f64, exp_m1_f64, ln_f64, sin_cos_octant, sin_cos_octant_lanes};
+use super::lanes::{Lanes, Vector};
 
 const INV_PI: f32 = std::f32::consts::FRAC_1_PI;
 const INV_2PI: f32 = INV_PI / 2.0;
@@ -98,6 +99,24 @@ pub fn uniform_hemisphere_inverse(w: Vec3) -> Vec2 {
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
     let (r, direction) = polar(u);
     (r * direction).extend(((1.0 - r) * (1.0 + r)).sqrt())
+}
+
+/// [`cosine_hemisphere`] in each lane.
+///
+/// Tests: lanes_have_the_bits_of_the_warp.
+#[inline(always)]
+pub fn cosine_hemisphere_lanes<L: Lanes>([u, v]: [L::F32; 2]) -> Vector<L> {
+    let (two, shift) = (L::f32(2.0), L::f32(ONE_MINUS_EPSILON));
+    let (x, y) = (two * u - shift, two * v - shift);
+    let (side_x, side_y) = (L::abs(x), L::abs(y));
+    let r = L::max(side_x, side_y);
+    let ratio = L::min(side_x, side_y) / L::max(r, L::f32(f32::MIN_POSITIVE));
+    let (sin, cos) = sin_cos_octant_lanes::<L>(L::f32(FRAC_PI_4) * ratio);
+    let steep = L::le(side_x, side_y);
+    let along_x = L::copysign(L::select(steep, sin, cos), x);
+    let along_y = L::copysign(L::select(steep, cos, sin), y);
+    let one = L::f32(1.0);
+    Vector { x: r * along_x, y: r * along_y, z: L::sqrt((one - r) * (one + r)) }
 }
 
 /// Density of [`cosine_hemisphere`]: z/π above the horizon, 0 below [sr⁻¹].
@@ -231,4 +250,42 @@ pub(crate) fn polar(u: Vec2) -> (f32, Vec2) {
 #[inline]
 fn to_unit_square(u: Vec2) -> Vec2 {
     u.clamp(Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::lanes::{Kernel, Width};
+    use super::*;
+
+    struct Hemisphere([[f32; 16]; 2]);
+
+    impl Kernel for Hemisphere {
+        type Output = Vec<Vec3>;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> Vec<Vec3> {
+            let w = cosine_hemisphere_lanes::<L>([L::load(&self.0[0]), L::load(&self.0[1])]);
+            let mut all = vec![];
+            for k in 0..L::COUNT {
+                all.push(w.get(k));
+            }
+            all
+        }
+    }
+
+    /// Also at the borders of the square and of its octants, where the cases meet.
+    #[test]
+    fn lanes_have_the_bits_of_the_warp() {
+        let special = [0.0, ONE_MINUS_EPSILON, 0.5, 0.5f32.next_down(), 0.25, 0.75, 1.0 / 3.0];
+        let numbers: Vec<f32> =
+            special.into_iter().chain((0..89u32).map(|k| super::super::float::unit_f32(k.wrapping_mul(0x9e37_79b9)))).collect();
+        let pairs: Vec<[f32; 2]> = numbers.iter().flat_map(|&u| numbers.iter().map(move |&v| [u, v])).collect();
+        for (group, width) in pairs.chunks_exact(16).flat_map(|group| Width::available().into_iter().map(move |width| (group, width))) {
+            let of = |axis: usize| std::array::from_fn(|k| group[k][axis]);
+            for (found, [u, v]) in width.run(Hemisphere([of(0), of(1)])).into_iter().zip(group) {
+                let wanted = cosine_hemisphere(Vec2::new(*u, *v));
+                assert_eq!(found.to_array().map(f32::to_bits), wanted.to_array().map(f32::to_bits), "{u}, {v}, {width:?}");
+            }
+        }
+    }
 }

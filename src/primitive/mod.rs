@@ -2,6 +2,7 @@
 
 mod instance;
 
+use std::any::Any;
 use std::num::NonZeroU32;
 
 use glam::Vec2;
@@ -46,7 +47,7 @@ impl InstanceId {
 pub const MAX_NESTING: usize = 8;
 
 /// Set of surfaces that rays can hit, such as a list or a hierarchy.
-pub trait Primitive: Send + Sync {
+pub trait Primitive: Any + Send + Sync {
     /// Bounding box.
     fn bounds(&self) -> Aabb;
 

@@ -21,6 +21,7 @@ use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
 pub use cuboid::Cuboid;
 pub use disk::Disk;
 pub use mesh_data::{MeshData, MeshPart};
+pub(crate) use near::NEAR;
 pub use quad::Quad;
 pub use sdf::Sdf;
 pub use sphere::Sphere;
@@ -117,6 +118,11 @@ pub trait Shape: Send + Sync {
         None
     }
 
+    /// Whether a hit may depend, in its last digits, on where the ray ends.
+    fn hits_depend_on_end(&self) -> bool {
+        false
+    }
+
     /// Whether points on the shape can be sampled. Otherwise its area counts as 0, and paths find its light only by chance.
     fn is_sampled(&self) -> bool {
         true
@@ -167,7 +173,8 @@ fn area_to_solid_angle(point: &SurfacePoint, pdf: AreaPdf, from: Vec3) -> Option
 pub enum Facet {
     /// Triangle. The `uv` of a hit are the barycentric weights of the second and third corner.
     Triangle([Vec3; 3]),
-    /// Parallelogram with the corners a, b, c, d in turn. The `uv` of a hit run along ab and ad.
+    /// Parallelogram with the corners a, b, c, d in turn. The `uv` of a hit run along ab and ad. Unless the shape has shading normals, its
+    /// point there is a + u ab + v ad with the same normal and offset everywhere; seen from a distance, it is sampled uniformly by area.
     Parallelogram([Vec3; 4]),
     /// No flat form: use [`Shape::intersect`].
     Curved,

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::math::{SphericalRectangle, SphericalTriangle};
 
 /// Number of radii within which a surface is near. Farther surfaces are sampled by area, which is cheaper and hardly noisier.
-const NEAR: f32 = 2.5;
+pub(crate) const NEAR: f32 = 2.5;
 
 /// Whether a surface is near a point.
 ///

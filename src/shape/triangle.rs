@@ -4,6 +4,7 @@ use glam::{DVec3, Vec2, Vec3};
 
 use super::ShapeHit;
 use crate::math::Ray;
+use crate::math::lanes::{Lanes, VectorF64};
 
 /// Hit of `ray` with a triangle before `t_max`, from either side, including edges and corners.
 ///
@@ -60,6 +61,62 @@ pub fn intersect_with_tolerance<T: Tolerance>(ray: &Ray, t_max: f32, corners: [V
         return if T::IS_EXACT { None } else { border(d, [a, b, c], f64::from(tolerance.get()), t_max) };
     }
     (sum != 0.0).then(|| ShapeHit { t: hit, uv: Vec2::new((wb / sum) as f32, (wc / sum) as f32) })
+}
+
+/// Hits of rays side by side with one triangle.
+#[derive(Clone, Copy)]
+pub struct HitsOfMany<L: Lanes> {
+    /// Which rays hit the triangle, in front of their origins. The other numbers hold for these only.
+    pub found: L::Mask,
+    /// Ray parameters (m).
+    pub t: L::F32,
+    /// Barycentric weights of the second corner.
+    pub u: L::F32,
+    /// Barycentric weights of the third corner.
+    pub v: L::F32,
+}
+
+/// Hits of several rays with a triangle, with the bits that [`intersect`] finds for each ray. The ends of the rays are left to the caller.
+///
+/// - `active`: rays to test
+///
+/// Tests: packets_find_what_single_rays_find.
+#[inline(always)]
+pub fn intersect_many<L: Lanes>(o: VectorF64<L>, d: VectorF64<L>, corners: [VectorF64<L>; 3], active: L::Mask) -> HitsOfMany<L> {
+    let [a, b, c] = corners;
+    let (a, b, c) = (a - o, b - o, c - o);
+    let (ab, ac) = (b - a, c - a);
+    let n = ab.cross(ac);
+    let (height, slope) = (n.dot(a), n.dot(d));
+    let zero = L::f64(0.0);
+    let mut t = height / slope;
+    let is_ill_conditioned =
+        L::lt_f64(slope * slope, L::f64(ILL_CONDITIONED) * ab.length_squared() * ac.length_squared() * d.length_squared());
+    if L::any(is_ill_conditioned & active) {
+        let square = d.length_squared();
+        let (a, b, c) = (a.dot(d) / square, b.dot(d) / square, c.dot(d) / square);
+        let clamped = L::min_f64(L::max_f64(t, L::min_f64(L::min_f64(a, b), c)), L::max_f64(L::max_f64(a, b), c));
+        t = L::select_f64(is_ill_conditioned, clamped, t);
+    }
+    let hit = L::narrow(t);
+    let found = active & L::lt_f64(zero, height * slope) & L::lt(L::f32(0.0), hit);
+    if !L::any(found) {
+        return HitsOfMany { found, t: hit, u: hit, v: hit };
+    }
+    let (wa, wb, wc) = (edge_of_many(d, b, c), edge_of_many(d, c, a), edge_of_many(d, a, b));
+    let sum = wa + wb + wc;
+    let least = L::min_f64(L::min_f64(wa, wb), wc);
+    let greatest = L::max_f64(L::max_f64(wa, wb), wc);
+    let is_outside = L::lt_f64(least, zero) & L::lt_f64(zero, greatest);
+    // For finite corners and rays the sum is never NaN.
+    let has_area = L::lt_f64(sum, zero) | L::lt_f64(zero, sum);
+    HitsOfMany { found: found & !is_outside & has_area, t: hit, u: L::narrow(wb / sum), v: L::narrow(wc / sum) }
+}
+
+/// Edge function of [`intersect`] in each lane.
+#[inline(always)]
+fn edge_of_many<L: Lanes>(d: VectorF64<L>, p: VectorF64<L>, q: VectorF64<L>) -> L::F64 {
+    d.dot((q - p).cross(q + p))
 }
 
 /// The point of a triangle's border that the line of a ray passes most closely, if it passes within `tolerance` and the point is between

@@ -142,6 +142,11 @@ impl Shape for Solid {
         uv.x as u32
     }
 
+    /// The end of the ray bounds the interval in which the root is sought.
+    fn hits_depend_on_end(&self) -> bool {
+        true
+    }
+
     fn distance(&self, p: DVec3) -> Option<(f64, u32)> {
         let (distance, part) = self.sdf.nearest(self.to_object.transform_point3(p));
         Some((distance / greatest_stretch(self.to_object.matrix3), part as u32))

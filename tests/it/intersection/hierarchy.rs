@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use pt::accel::{self, List};
+use pt::math::lanes::Width;
 use pt::math::{Ray, Transform};
 use pt::primitive::{Hit, Primitive};
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere};
@@ -100,6 +101,40 @@ fn the_hierarchy_finds_what_a_linear_search_finds() {
             // `t_max` at the hit itself and one float to either side.
             for t_max in [hit.t.next_down(), hit.t, hit.t.next_up(), hit.t * 0.5] {
                 compare(&*hierarchy, &list, &Ray { t_max, ..ray }, seed);
+            }
+        }
+    });
+}
+
+/// Rays that are traced side by side hit what they hit alone, in every width, for any `t_max`.
+#[test]
+fn packets_find_what_single_rays_find() {
+    (0..2000u64).into_par_iter().for_each(|seed| {
+        let mut random = Random::new(seed);
+        let scale = random.pick(&[1.0, 1.0, 1e-6, 1e6, 1e15]);
+        let shapes = shapes((0..1 + random.below(8)).map(|_| any_shape(&mut random, scale)).collect());
+        let hierarchy = accel::build(shapes.clone());
+        // Some groups have rays from one point into nearby directions, which visit the same nodes.
+        let mut rays: Vec<Ray> = (0..100).map(|_| ray(&mut random, &shapes, scale)).collect();
+        for first in (0..96).step_by(32) {
+            for k in 0..16 {
+                let direction = (rays[first].direction + random.direction().as_vec3() * 1e-2).normalize();
+                rays[first + k] = Ray { direction, ..rays[first] };
+            }
+        }
+        for ray in rays.clone() {
+            let Some(hit) = hierarchy.intersect(&ray) else { continue };
+            let t_max = random.pick(&[hit.t.next_down(), hit.t, hit.t.next_up(), hit.t * 0.5]);
+            rays.push(Ray { t_max, ..ray });
+        }
+        for width in Width::available() {
+            let hits = accel::intersect_all(&*hierarchy, &rays, width);
+            let occluded = accel::occluded_all(&*hierarchy, &rays, width);
+            assert_eq!((hits.len(), occluded.len()), (rays.len(), rays.len()));
+            for (ray, (found, is_occluded)) in rays.iter().zip(hits.into_iter().zip(occluded)) {
+                let wanted = hierarchy.intersect(ray);
+                assert_eq!(bits(found), bits(wanted), "seed {seed}, {width:?}, {ray:?}: {found:?} but {wanted:?}");
+                assert_eq!(is_occluded, wanted.is_some(), "seed {seed}, {width:?}, {ray:?}");
             }
         }
     });
