@@ -5,13 +5,19 @@ use std::sync::Arc;
 
 use pt::bsdf::{BsdfSample, TransportMode};
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraPath, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, Roulette, sample_light};
+use pt::integrator::{
+    Bias, CameraPath, CameraSample, Estimator, Integrator, MAX_DEPTH, PathLanes, PathWalk, Roulette, SideBySide, WideWalk, sample_light,
+};
 use pt::light::{LightSample, LightSampleContext};
-use pt::math::{Density, SolidAnglePdf, Spectrum, Vec3, balance_heuristic, power_heuristic};
+use pt::math::lanes::{self, Lanes, Vector};
+use pt::math::{
+    Density, SolidAnglePdf, Spectrum, Vec3, balance_heuristic, balance_heuristic_lanes, power_heuristic, power_heuristic_lanes,
+};
 use pt::recorder::{End, Event, Origin, Recorder};
-use pt::sampler::SampleNumbers;
 use pt::sampler::dimension::{self, Use};
+use pt::sampler::{NumberLanes, SampleNumbers};
 use pt::scene::{Scene, Surface};
+use pt::world::{ReceiverLanes, SurfaceLanes, WideWorld};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -74,6 +80,27 @@ impl Weights {
     }
 }
 
+/// Weights of several samples, one in each lane.
+impl Weights {
+    #[inline(always)]
+    fn of_light_lanes<L: Lanes>(self, light: L::F32, bsdf: L::F32) -> L::F32 {
+        match self {
+            Weights::Power => power_heuristic_lanes::<L>(light, bsdf),
+            Weights::Balance => balance_heuristic_lanes::<L>(light, bsdf),
+            Weights::Light => L::f32(1.0),
+        }
+    }
+
+    #[inline(always)]
+    fn of_bsdf_lanes<L: Lanes>(self, bsdf: L::F32, light: L::F32) -> L::F32 {
+        match self {
+            Weights::Power => power_heuristic_lanes::<L>(bsdf, light),
+            Weights::Balance => balance_heuristic_lanes::<L>(bsdf, light),
+            Weights::Light => L::select(L::lt(L::f32(0.0), light), L::f32(0.0), L::f32(1.0)),
+        }
+    }
+}
+
 impl Default for Nee {
     fn default() -> Nee {
         Nee { max_depth: 64, roulette_depth: 4, weights: Weights::Power }
@@ -117,6 +144,10 @@ struct Arrival {
 impl PathWalk for Walk {
     type State = State;
 
+    fn side_by_side(&self) -> Option<&dyn SideBySide> {
+        WideWalk::scene(self).map(|_| self as &dyn SideBySide)
+    }
+
     fn start(&self, camera: &CameraSample) -> State {
         // Light sampling cannot find what the camera sees directly.
         State {
@@ -157,6 +188,91 @@ impl PathWalk for Walk {
         let BsdfSample { density, .. } = path.scatter(&surface, sample, self.roulette, numbers, recorder)?;
         *arrival = Arrival { from: surface.light_context(wo, path.ray.time), density };
         ControlFlow::Continue(())
+    }
+}
+
+impl WideWalk for Walk {
+    fn scene(&self) -> Option<WideWorld<'_>> {
+        WideWorld::of(&*self.scene)
+    }
+
+    #[inline(always)]
+    fn step<L: Lanes>(
+        &self,
+        scene: WideWorld,
+        depth: u32,
+        paths: &mut PathLanes<L>,
+        numbers: &mut NumberLanes<L>,
+        active: L::Mask,
+    ) -> L::Mask {
+        let hits = scene.intersect(&paths.rays, active);
+        let found = L::mask(hits.found);
+        let arrival = (paths.from, paths.pdf);
+        scene.background(&paths.rays, active & !found, paths.beta, &mut paths.radiance, |lane, light, direction| {
+            self.background_weight(light, direction, &arrival_of(arrival, lane))
+        });
+        if !L::any(found) {
+            return found;
+        }
+        let surface = scene.surfaces(&paths.rays, &hits);
+        let wo = -paths.rays.direction;
+        paths.add(found, self.emission_lanes(scene, &surface, wo, paths));
+        if depth == self.max_depth {
+            return L::mask(0);
+        }
+        let (lit, direct) = self.direct_lanes(scene, &surface, wo, numbers, depth);
+        paths.add(lit, direct);
+
+        let sample = scene.scatter(&surface, wo, numbers.get_3d(dimension::vertex(depth, Use::Bsdf)), found);
+        paths.scatter(&surface, wo, &sample, self.roulette, depth, numbers)
+    }
+}
+
+/// How the path of a lane arrives.
+#[inline(always)]
+fn arrival_of<L: Lanes>((from, pdf): (ReceiverLanes<L>, L::F32), lane: usize) -> Arrival {
+    let pdf = lanes::get::<L>(pdf, lane);
+    let density = if pdf < 0.0 { Density::Delta } else { Density::Smooth(SolidAnglePdf::new(pdf)) };
+    Arrival { from: from.get(lane), density }
+}
+
+/// The terms of [`Walk`]'s sum for the paths of several lanes.
+impl Walk {
+    /// [`Walk::emission`] in each lane.
+    #[inline(always)]
+    fn emission_lanes<L: Lanes>(&self, scene: WideWorld, surface: &SurfaceLanes<L>, wo: Vector<L>, paths: &PathLanes<L>) -> Vector<L> {
+        let emitted = surface.emitted(wo);
+        let is_delta = L::lt(paths.pdf, L::f32(0.0));
+        let weighted = surface.found & !emitted.is_black() & !is_delta;
+        if !L::any(weighted) {
+            return emitted;
+        }
+        let by_light = scene.light_pdf(&paths.from, &paths.rays, surface, weighted);
+        let weight = self.weights.of_bsdf_lanes::<L>(paths.pdf, by_light);
+        emitted.scaled(L::select(weighted, weight, L::f32(1.0)))
+    }
+
+    /// [`Walk::direct`] in each lane, and the lanes that have light.
+    #[inline(always)]
+    fn direct_lanes<L: Lanes>(
+        &self,
+        scene: WideWorld,
+        surface: &SurfaceLanes<L>,
+        wo: Vector<L>,
+        numbers: &mut NumberLanes<L>,
+        depth: u32,
+    ) -> (L::Mask, Vector<L>) {
+        let smooth = scene.has_smooth_lobe(surface);
+        if !L::any(smooth) {
+            return (smooth, wo);
+        }
+        let light = scene.sample_light(&surface.receiver(wo), numbers.get_3d(dimension::vertex(depth, Use::Light)), smooth);
+        let (f, by_bsdf) = scene.eval(surface, wo, light.wi, light.found);
+        let unshadowed = light.found & !f.is_black();
+        let lit = unshadowed & !scene.occluded(&surface.shadow_rays(&light), unshadowed);
+        let is_delta = L::lt(light.pdf, L::f32(0.0));
+        let weight = L::select(is_delta, L::f32(1.0), self.weights.of_light_lanes::<L>(light.pdf, by_bsdf));
+        (lit, (f * light.weight).scaled(weight))
     }
 }
 

@@ -5,12 +5,16 @@ use std::sync::Arc;
 
 use pt::bsdf::TransportMode;
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraPath, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, Roulette};
+use pt::integrator::{
+    Bias, CameraPath, CameraSample, Estimator, Integrator, MAX_DEPTH, PathLanes, PathWalk, Roulette, SideBySide, WideWalk,
+};
 use pt::math::Spectrum;
+use pt::math::lanes::Lanes;
 use pt::recorder::{End, Event, Origin, Recorder};
-use pt::sampler::SampleNumbers;
 use pt::sampler::dimension::{self, Use};
+use pt::sampler::{NumberLanes, SampleNumbers};
 use pt::scene::Scene;
+use pt::world::WideWorld;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -67,6 +71,10 @@ impl PathWalk for Walk {
         CameraPath::new(camera)
     }
 
+    fn side_by_side(&self) -> Option<&dyn SideBySide> {
+        WideWalk::scene(self).map(|_| self as &dyn SideBySide)
+    }
+
     // Inlined into the loop over the steps, because a call would cost 3 % of a render.
     #[inline(always)]
     fn step<R: Recorder + ?Sized>(&self, path: &mut CameraPath, numbers: &mut SampleNumbers, recorder: &mut R) -> ControlFlow<Spectrum> {
@@ -87,5 +95,36 @@ impl PathWalk for Walk {
         let sample = surface.sample(wo, choice, u, TransportMode::Radiance);
         path.scatter(&surface, sample, self.roulette, numbers, recorder)?;
         ControlFlow::Continue(())
+    }
+}
+
+impl WideWalk for Walk {
+    fn scene(&self) -> Option<WideWorld<'_>> {
+        WideWorld::of(&*self.scene)
+    }
+
+    #[inline(always)]
+    fn step<L: Lanes>(
+        &self,
+        scene: WideWorld,
+        depth: u32,
+        paths: &mut PathLanes<L>,
+        numbers: &mut NumberLanes<L>,
+        active: L::Mask,
+    ) -> L::Mask {
+        let hits = scene.intersect(&paths.rays, active);
+        let found = L::mask(hits.found);
+        scene.background(&paths.rays, active & !found, paths.beta, &mut paths.radiance, |_, _, _| 1.0);
+        if !L::any(found) {
+            return found;
+        }
+        let surface = scene.surfaces(&paths.rays, &hits);
+        let wo = -paths.rays.direction;
+        paths.add(found, surface.emitted(wo));
+        if depth == self.max_depth {
+            return L::mask(0);
+        }
+        let sample = scene.scatter(&surface, wo, numbers.get_3d(dimension::vertex(depth, Use::Bsdf)), found);
+        paths.scatter(&surface, wo, &sample, self.roulette, depth, numbers)
     }
 }

@@ -5,6 +5,7 @@
 //! `examples/plug_in.rs`.
 
 mod interrupt;
+mod side_by_side;
 mod transport;
 
 use std::ops::ControlFlow;
@@ -27,6 +28,7 @@ use crate::sampler::SampleNumbers;
 use crate::scene::Scene;
 
 pub use interrupt::Interrupt;
+pub use side_by_side::{BATCH, Batch, CameraRays, PathLanes, SideBySide, WideWalk};
 pub use transport::{CameraPath, Roulette, sample_light};
 
 /// Settings of a light transport method.
@@ -59,6 +61,11 @@ pub trait Estimator: Send + Sync {
     /// An unbiased estimate of the radiance that arrives along the camera's ray [W·m⁻²·sr⁻¹], or of the part of it that
     /// [`LightPath::splat`] does not bring.
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum;
+
+    /// The method for many samples at once, if it has one for its scene. It is used for samples without a recorder.
+    fn side_by_side(&self) -> Option<&dyn SideBySide> {
+        None
+    }
 }
 
 /// Method that follows paths from vertex to vertex, generic over the recorder.
@@ -69,6 +76,11 @@ pub trait PathWalk: Send + Sync {
     /// What is known between two vertices, such as a [`CameraPath`].
     type State;
 
+    /// The method for many samples at once, see [`Estimator::side_by_side`].
+    fn side_by_side(&self) -> Option<&dyn SideBySide> {
+        None
+    }
+
     /// The state before the first vertex.
     fn start(&self, camera: &CameraSample) -> Self::State;
 
@@ -78,6 +90,10 @@ pub trait PathWalk: Send + Sync {
 }
 
 impl<W: PathWalk> Estimator for W {
+    fn side_by_side(&self) -> Option<&dyn SideBySide> {
+        PathWalk::side_by_side(self)
+    }
+
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
         match cx.recorder.take() {
             None => walk(self, camera, &mut cx.numbers, &mut NoRecorder, cx.interrupt),

@@ -1,6 +1,7 @@
 //! Render loop: waves of samples over tiles of pixels, in parallel.
 
 mod aovs;
+mod batches;
 mod light_paths;
 mod pixel;
 
@@ -12,12 +13,13 @@ use rayon::prelude::*;
 
 use crate::effects::Effects;
 use crate::film::{Crop, Film, FilmSpec, Layer, PixelLayout, PixelSums, Splat, SplatSums, Wave};
-use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt, LightPath};
+use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt, LightPath, SideBySide};
 use crate::math::{ExactSum, Spectrum};
 use crate::recorder::{Clamp, PathRecorder};
 use crate::sampler::{SampleNumbers, SamplerSpec, Sequence, dimension};
 use crate::scene::Scene;
 use aovs::Taken;
+use batches::Batches;
 use light_paths::LightPaths;
 use pixel::PixelAccumulator;
 
@@ -54,7 +56,8 @@ pub trait Observer: Sync {
     /// A wave is done, and the film has `_samples` samples for each pixel.
     fn wave_done(&self, _samples: u64, _film: &dyn Film) {}
 
-    /// Whether the render is cancelled. Called before every sample and from time to time during long ones; once `true`, it must stay so.
+    /// Whether the render is cancelled. Called before every sample and from time to time during long ones, and for paths side by side at
+    /// each vertex of a batch of them; once `true`, it must stay so.
     fn cancelled(&self) -> bool {
         false
     }
@@ -346,6 +349,10 @@ impl Render {
         let is_timed = self.spec.layers.contains(&Layer::Time);
         let is_cancelled = || observer.cancelled();
         let interrupt = Interrupt::new(&is_cancelled);
+        if let Some(method) = self.side_by_side(&accumulator) {
+            let batches = Batches { render: self, method, width: method.width(), accumulator, result, interrupt };
+            return batches.render(tile, wave).filter(|_| !is_cancelled());
+        }
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {
             // Outside of the crop only the paths from the lights count.
             if self.splats() && !shown.contains(UVec2::new(x, y)) {
@@ -397,6 +404,12 @@ impl Render {
         (!is_cancelled()).then_some(result)
     }
 
+    /// The method for many samples at once, if nothing asks for single ones.
+    fn side_by_side(&self, accumulator: &PixelAccumulator) -> Option<&dyn SideBySide> {
+        let is_plain = accumulator.aovs.is_none() && self.clamp.is_none() && !self.splats() && !self.has_motion;
+        self.estimator.side_by_side().filter(|_| is_plain)
+    }
+
     /// Layout of the sums of a pixel.
     fn layout(&self) -> PixelLayout {
         self.spec.layout(self.sampler.error_estimator())
@@ -406,7 +419,7 @@ impl Render {
     ///
     /// - `clamped`: sum to which the radiance removed by clamping is added
     fn sample(&self, camera: &CameraSample, cx: &mut Context, clamped: &mut ExactSum) -> Spectrum {
-        let filtered = |radiance: Spectrum| if radiance.is_valid() { radiance * camera.weight } else { Spectrum::gray(f32::NAN) };
+        let filtered = |radiance| filtered(radiance, camera.weight);
         let Some(limit) = self.clamp else {
             return filtered(self.estimator.li(camera, cx));
         };
@@ -448,6 +461,11 @@ impl Render {
         }
         sums
     }
+}
+
+/// Radiance times the filter weight of a sample; not finite if it is invalid.
+fn filtered(radiance: Spectrum, weight: f32) -> Spectrum {
+    if radiance.is_valid() { radiance * weight } else { Spectrum::gray(f32::NAN) }
 }
 
 /// Shortens the lifetime of the trait object to that of the reference.

@@ -1,5 +1,7 @@
 //! Interface between integrators and the scene.
 
+use std::any::Any;
+
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
@@ -11,7 +13,7 @@ use crate::primitive::Hit;
 use crate::shape::{SurfacePoint, offset_ray_origin};
 
 /// Scene as integrators see it.
-pub trait Scene: Send + Sync {
+pub trait Scene: Any + Send + Sync {
     /// Nearest hit with 0 < t < `ray.t_max`.
     fn intersect(&self, ray: &Ray) -> Option<Hit>;
 
@@ -239,4 +241,4 @@ impl<'a> Surface<'a> {
 }
 
 /// Four roundings of the coordinates of a direction or of a distance, relative to the length.
-const ROUNDING: f32 = 4.0 * f32::EPSILON;
+pub(crate) const ROUNDING: f32 = 4.0 * f32::EPSILON;

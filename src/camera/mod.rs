@@ -14,6 +14,7 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Vec2, Vec3};
 
 use crate::effects::Effects;
 use crate::error::Result;
+use crate::math::lanes::{Lanes, Vector};
 use crate::math::{AreaPdf, Density, Ray, Transform};
 
 pub use orthographic::Orthographic;
@@ -240,6 +241,12 @@ impl Pose {
 
     fn vector(&self, v: Vec3) -> Vec3 {
         self.right * v.x + self.up * v.y + self.back * v.z
+    }
+
+    /// [`Pose::vector`] in each lane.
+    #[inline(always)]
+    fn vectors<L: Lanes>(&self, v: Vector<L>) -> Vector<L> {
+        Vector::splat(self.right).scaled(v.x) + Vector::splat(self.up).scaled(v.y) + Vector::splat(self.back).scaled(v.z)
     }
 
     /// Components of a vector along right, up and back.

@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::{CameraConnection, CameraImportance, Pose};
+use crate::math::lanes::{Lanes, Vector};
 use crate::math::{AreaPdf, Density, Ray, SolidAnglePdf, float, warp};
 
 /// Perspective camera with a thin lens.
@@ -62,6 +63,15 @@ impl Perspective {
         let on_lens = self.on_lens(lens);
         let focus = towards * self.focus_distance;
         Ray::new(self.pose.eye() + self.pose.vector(on_lens), self.pose.vector(focus - on_lens).normalize())
+    }
+
+    /// Rays of a pinhole through several points of the film, as [`Camera::ray`](super::Camera::ray).
+    #[inline(always)]
+    pub(crate) fn pinhole_rays<L: Lanes>(&self, [x, y]: [L::F32; 2], aspect: f32) -> (Vector<L>, Vector<L>) {
+        let (one, two, tan) = (L::f32(1.0), L::f32(2.0), L::f32(self.tan_half_fov));
+        let (x, y) = ((two * x - one) * tan * L::f32(self.aspect(aspect)), (one - two * y) * tan);
+        let d = self.pose.vectors(Vector { x, y, z: L::f32(-1.0) });
+        (Vector::splat(self.pose.eye()), d.scaled(one / d.length()))
     }
 
     /// Point of the lens in the frame of the camera.

@@ -80,6 +80,14 @@ impl Filter {
         }
     }
 
+    /// Radius of a box filter; `None` for other filters.
+    pub(crate) fn box_radius(&self) -> Option<f32> {
+        match self.kind {
+            Kind::Box { radius } => Some(radius),
+            _ => None,
+        }
+    }
+
     /// Distance from the pixel's centre, along x or y, beyond which the filter is 0 (pixels).
     pub fn radius(&self) -> f32 {
         match &self.kind {

@@ -22,6 +22,11 @@ impl<'a> Interrupt<'a> {
         vertices % 256 == 255 && self.query()
     }
 
+    /// Whether the render was cancelled.
+    pub fn is_cancelled(self) -> bool {
+        self.query()
+    }
+
     #[cold]
     fn query(self) -> bool {
         self.is_cancelled.is_some_and(|is_cancelled| is_cancelled())

@@ -161,7 +161,7 @@ impl Area {
 }
 
 /// Least squared distance whose digits are all there in an f32 (m²).
-const MIN_SQUARE: f32 = f32::MIN_POSITIVE / f32::EPSILON;
+pub(crate) const MIN_SQUARE: f32 = f32::MIN_POSITIVE / f32::EPSILON;
 
 /// Unit direction to a point; `None` if it is `from` itself.
 fn towards(from: Vec3, point: &SurfacePoint) -> Option<Vec3> {

@@ -68,6 +68,11 @@ impl Choice {
         Choice { only, infinite: infinite.collect(), tree: is_many.then(|| LightTree::new(finite, lights.len(), scale)) }
     }
 
+    /// The only light that can be chosen, with the probability 1.
+    pub fn only(&self) -> Option<u32> {
+        self.only
+    }
+
     /// Chooses a light, with its probability; `None` if no light reaches the point.
     ///
     /// - `choice`: uniform number in [0, 1)

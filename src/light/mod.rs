@@ -161,6 +161,11 @@ impl Lights {
         self.lights.is_empty()
     }
 
+    /// The only light that can be chosen, if there is just one.
+    pub(crate) fn only(&self) -> Option<u32> {
+        self.choice.only()
+    }
+
     /// Whether any light has a radiance, intensity or irradiance above 0.
     pub fn has_emission(&self) -> bool {
         self.lights.iter().any(|light| !light.is_black())
@@ -239,6 +244,11 @@ impl Lights {
             Light::Area(area) => self.shapes[area.shape as usize].pdf_from(area.primitive, cx.p, point) * self.probability(index, cx),
             _ => SolidAnglePdf::ZERO,
         }
+    }
+
+    /// Whether rays that hit nothing may bring light.
+    pub(crate) fn has_background(&self) -> bool {
+        !self.infinite.is_empty()
     }
 
     /// Radiance of each infinitely distant light that arrives along a ray which hits nothing, and the index of the light.

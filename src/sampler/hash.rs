@@ -148,11 +148,11 @@ pub fn within_cell(cell: u32, cells: u32, random: u32) -> f32 {
 }
 
 // Fractional binary digits of the irrational numbers φ, √2, √3, √5 and √7, made odd or even as named.
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-const ODD_A: u64 = 0x6a09_e667_f3bc_c909;
-const ODD_B: u64 = 0xbb67_ae85_84ca_a73b;
-const EVEN_A: u32 = 0x3c6e_f372;
-const EVEN_B: u32 = 0xa54f_f53a;
+pub(super) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+pub(super) const ODD_A: u64 = 0x6a09_e667_f3bc_c909;
+pub(super) const ODD_B: u64 = 0xbb67_ae85_84ca_a73b;
+pub(super) const EVEN_A: u32 = 0x3c6e_f372;
+pub(super) const EVEN_B: u32 = 0xa54f_f53a;
 
 #[cfg(test)]
 mod tests {

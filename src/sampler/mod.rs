@@ -6,6 +6,7 @@
 mod halton;
 pub(crate) mod hash;
 mod independent;
+mod many;
 mod sequence;
 mod sobol;
 mod stratified;
@@ -14,6 +15,7 @@ use glam::{UVec2, Vec2};
 
 pub use halton::Halton;
 pub use independent::Independent;
+pub use many::{BatchNumbers, NumberLanes};
 pub use sequence::{SampleNumbers, Sequence};
 pub use sobol::Sobol;
 pub use stratified::Stratified;

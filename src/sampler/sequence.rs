@@ -48,7 +48,7 @@ impl Sequence {
 /// Tests: a_sample_has_the_numbers_of_its_key.
 #[derive(Clone, Copy)]
 pub struct SampleNumbers<'a> {
-    sequence: &'a Sequence,
+    pub(super) sequence: &'a Sequence,
     key: SampleKey,
     /// The independent numbers that were computed last.
     block: Block,

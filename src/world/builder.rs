@@ -7,12 +7,14 @@ use glam::DVec3;
 use super::extent::{Extent, GroupExtent};
 use super::objects::{GroupId, Object, Objects};
 use super::spaces::{EmitterCopy, Hierarchies, baked, emitting_copies, spaces};
+use super::wide::Tables;
 use super::{PartAppearance, PreparedMaterial, ShapeAppearance, ShapePlace, ShapePlaces, World};
 use crate::bsdf::{MaterialId, SurfaceMaterial};
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::Result;
 use crate::light::{Area, Emitter, Light, Lights};
+use crate::math::lanes::Width;
 use crate::math::{Spectrum, Transform};
 use crate::primitive::InstanceId;
 use crate::shape::{Geometry, Sdf, Shape};
@@ -25,11 +27,17 @@ pub struct WorldBuilder {
     /// Groups, each after those that it shows.
     groups: Vec<Objects>,
     lights: Vec<Light>,
+    width: Width,
 }
 
 impl WorldBuilder {
     pub(super) fn new(camera: Camera) -> WorldBuilder {
-        WorldBuilder { camera, materials: vec![], scene: Objects::default(), groups: vec![], lights: vec![] }
+        WorldBuilder { camera, materials: vec![], scene: Objects::default(), groups: vec![], lights: vec![], width: Width::detect() }
+    }
+
+    /// Sets the number of paths that are followed side by side. The default is that of the machine, [`Width::detect`].
+    pub fn width(&mut self, width: Width) {
+        self.width = width;
     }
 
     /// Adds a material, optionally with a normal or bump map and holes.
@@ -71,7 +79,7 @@ impl WorldBuilder {
     /// `Invalid` for shapes that no ray can hit and for coordinates beyond [`MAX_EXTENT`](super::MAX_EXTENT); `Limit` for more than
     /// 2³² − 2 instances with those within them, or more than [`MAX_EMITTING_COPIES`](super::MAX_EMITTING_COPIES).
     pub fn build(self) -> Result<World> {
-        let WorldBuilder { camera, materials, scene, groups, lights } = self;
+        let WorldBuilder { camera, materials, scene, groups, lights, width } = self;
         let extents = GroupExtent::all(&groups)?;
         let origin = Extent::of(&scene, &extents).checked()?.origin(camera.eye());
         let origins = std::iter::once(origin).chain(extents.iter().map(|group| group.detail.middle));
@@ -110,7 +118,10 @@ impl WorldBuilder {
         let effects = prepared.chain(normals).chain(smooth).fold(lights.effects() | camera.effects(), Effects::union);
         let camera = camera.recentred(origin);
         let has_holes = effects.contains(Effects::CUT_OUTS);
-        Ok(World { shapes, appearances, places, materials, has_holes, hierarchy, lights, camera, effects, origin })
+        let mut world =
+            World { shapes, appearances, places, materials, has_holes, hierarchy, lights, camera, effects, origin, tables: None };
+        world.tables = Tables::new(&world, width);
+        Ok(world)
     }
 }
 

@@ -6,6 +6,7 @@ mod instanced;
 mod objects;
 mod origin;
 mod spaces;
+mod wide;
 
 use std::sync::Arc;
 
@@ -24,6 +25,7 @@ use crate::shape::{Shape, ShapeHit, SurfacePoint, offset_ray_origin};
 pub use builder::WorldBuilder;
 pub use objects::{GroupId, Objects};
 pub use spaces::MAX_EMITTING_COPIES;
+pub use wide::{LightLanes, ReceiverLanes, ScatteredLanes, SurfaceLanes, WideWorld};
 
 /// Scene that is ready for rendering.
 pub struct World {
@@ -39,6 +41,8 @@ pub struct World {
     camera: Camera,
     effects: Effects,
     origin: DVec3,
+    /// Tables for paths side by side, if the scene allows them.
+    tables: Option<wide::Tables>,
 }
 
 /// Material with properties that are computed once.

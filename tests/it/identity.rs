@@ -4,6 +4,7 @@ mod division;
 mod effects;
 mod instructions;
 mod scaling;
+mod side_by_side;
 pub mod zoo;
 
 use pt::integrator::{Entry, Integrator, choose};

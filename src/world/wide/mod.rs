@@ -1,0 +1,385 @@
+//! Scene for paths that are followed side by side, one in each lane.
+//!
+//! Flat shapes, materials and emission lie in tables from which each lane reads its own. What has no table is computed for one lane
+//! after the other by the code for single paths. Either way each lane gets the bits that a single path gets.
+//!
+//! Tests: side_by_side_paths_have_the_bits_of_single_ones.
+
+mod bsdfs;
+mod lights;
+
+use std::any::Any;
+
+use glam::{Vec2, Vec3};
+
+use super::{PreparedMaterial, World};
+use crate::accel::{Bvh, Hits, NO_PLACE};
+use crate::bsdf::Bsdf;
+use crate::math::Ray;
+use crate::math::Spectrum;
+use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, Width, each_lane};
+use crate::scene::Scene;
+use crate::shape::{Facet, ShapeHit, SurfacePoint};
+
+pub use self::bsdfs::ScatteredLanes;
+use self::lights::QuadLight;
+pub use self::lights::{LightLanes, ReceiverLanes};
+
+/// Tables of a scene.
+pub(super) struct Tables {
+    width: Width,
+    /// Rows of [`FLAT`] numbers, one for each parallelogram: corner a, edges ab and ad, normal, offset.
+    flats: Vec<f32>,
+    /// Row of the first primitive of each shape; [`NONE`] for shapes of other kinds.
+    first_flat: Vec<u32>,
+    /// Rows of [`LOOK`] numbers, one for each part of each shape: reflectance, radiance, and as 0 or 1 whether the part is diffuse,
+    /// emits, does so on both sides, and lets light pass.
+    looks: Vec<f32>,
+    /// Row of the first part of each shape.
+    first_look: Vec<u32>,
+    /// Material of each part.
+    materials: Vec<u32>,
+    /// The only light, if it is a parallelogram without a texture.
+    light: Option<QuadLight>,
+}
+
+/// Numbers in a row of the table of parallelograms.
+const FLAT: u32 = 13;
+
+/// Numbers in a row of the table of parts.
+const LOOK: u32 = 10;
+
+/// Least cosine to the normal of a ray that surely moves away from the plane: a hundred times its rounding.
+const LEAVING: f32 = 100.0 * f32::EPSILON;
+
+/// Mark of a shape that has no rows.
+const NONE: u32 = u32::MAX;
+
+/// World and its tables.
+#[derive(Clone, Copy)]
+pub struct WideWorld<'a> {
+    world: &'a World,
+    tables: &'a Tables,
+    hierarchy: &'a Bvh,
+}
+
+/// Surfaces that rays have hit, one in each lane.
+pub struct SurfaceLanes<L: Lanes> {
+    /// Which lanes have one.
+    pub found: L::Mask,
+    /// Positions (m).
+    pub p: Vector<L>,
+    /// Unit geometric normals.
+    pub ng: Vector<L>,
+    /// Unit shading normals.
+    pub ns: Vector<L>,
+    /// Lanes through whose surface light may pass.
+    pub transmits: L::Mask,
+    offset: L::F32,
+    /// First two axes of the frame of the shading normal.
+    tangents: [Vector<L>; 2],
+    albedo: Vector<L>,
+    is_diffuse: L::Mask,
+    radiance: Vector<L>,
+    emits: L::Mask,
+    is_two_sided: L::Mask,
+    /// Indices of the materials.
+    materials: [u32; MAX_COUNT],
+    hits: Hits,
+}
+
+impl Tables {
+    /// Tables of a scene; `None` if its paths are better followed one by one: some material or emission is not the same everywhere, a
+    /// surface has holes or smooth shadows, there are instances or implicit surfaces,
+    /// the tables would be too long for their indices, or there is only one lane.
+    pub fn new(world: &World, width: Width) -> Option<Tables> {
+        let is_plain = |material: &PreparedMaterial| material.uniform.is_some();
+        let parts = || world.appearances.iter().flat_map(|appearance| &appearance.parts);
+        let is_wide = width.count() > 1
+            && Bvh::for_packets(&*world.hierarchy).is_some()
+            && !world.has_holes
+            && !world.appearances.iter().any(|appearance| appearance.has_shadow_terminator_offset)
+            && parts().all(|part| is_plain(&world.materials[part.material.0 as usize]))
+            && parts().all(|part| part.emitter.as_ref().is_none_or(|emitter| emitter.texture.is_none()));
+        if !is_wide {
+            return None;
+        }
+        let mut tables = Tables {
+            width,
+            flats: vec![0.0; FLAT as usize],
+            first_flat: vec![],
+            looks: vec![0.0; LOOK as usize],
+            first_look: vec![],
+            materials: vec![0],
+            light: QuadLight::of(world),
+        };
+        for (shape, appearance) in world.shapes.iter().zip(&world.appearances) {
+            let is_flat = shape.count() > 0 && (0..shape.count()).all(|i| matches!(shape.facet(i), Facet::Parallelogram(_)));
+            let is_flat = is_flat && !shape.has_shading_normals();
+            tables.first_flat.push(if is_flat { tables.flats.len() as u32 / FLAT } else { NONE });
+            for i in (0..shape.count()).filter(|_| is_flat) {
+                let Facet::Parallelogram([a, b, _, d]) = shape.facet(i) else { continue };
+                let point = shape.sample_area(i, Vec2::ZERO).0;
+                tables.flats.extend([a, b - a, d - a, point.ng].iter().flat_map(|v| v.to_array()));
+                tables.flats.push(point.offset);
+            }
+            tables.first_look.push(tables.materials.len() as u32);
+            for part in &appearance.parts {
+                let material = &world.materials[part.material.0 as usize];
+                let diffuse = match material.uniform {
+                    Some(Bsdf::Diffuse(diffuse)) => Some(diffuse.albedo),
+                    _ => None,
+                };
+                let emission = part.emitter.as_ref().map(|emitter| (Spectrum::from_illuminant(emitter.radiance), emitter.two_sided));
+                let is = |yes: bool| f32::from(u8::from(yes));
+                tables.looks.extend(diffuse.unwrap_or(Spectrum::BLACK).coefficients());
+                tables.looks.extend(emission.map_or(Spectrum::BLACK, |emission| emission.0).coefficients());
+                tables.looks.extend([
+                    is(diffuse.is_some()),
+                    is(emission.is_some()),
+                    is(emission.is_some_and(|emission| emission.1)),
+                    is(material.transmits),
+                ]);
+                tables.materials.push(part.material.0);
+            }
+        }
+        // Indices within the tables are 31-bit numbers.
+        let is_addressable = [tables.flats.len(), tables.looks.len()].into_iter().all(|length| length < i32::MAX as usize);
+        is_addressable.then_some(tables)
+    }
+}
+
+impl<'a> WideWorld<'a> {
+    /// A scene for paths that are followed side by side; `None` if they are better followed one by one.
+    pub fn of(scene: &dyn Scene) -> Option<WideWorld<'_>> {
+        let any: &dyn Any = scene;
+        let world = any.downcast_ref::<World>()?;
+        Some(WideWorld { world, tables: world.tables.as_ref()?, hierarchy: Bvh::for_packets(&*world.hierarchy)? })
+    }
+
+    /// Number of lanes.
+    pub fn width(&self) -> Width {
+        self.tables.width
+    }
+
+    /// Nearest hits of the rays in the lanes of `active`.
+    #[inline(always)]
+    pub fn intersect<L: Lanes>(&self, rays: &Rays<L>, active: L::Mask) -> Hits {
+        self.hierarchy.nearest_of_many(rays, active)
+    }
+
+    /// Which rays in the lanes of `active` hit something before their ends.
+    #[inline(always)]
+    pub fn occluded<L: Lanes>(&self, rays: &Rays<L>, active: L::Mask) -> L::Mask {
+        self.hierarchy.occluded_of_many(rays, active)
+    }
+
+    /// Adds to `radiance` the light of infinitely distant lights, each times its weight.
+    ///
+    /// - `rays`: those in the lanes of `which` hit nothing
+    /// - `beta`: throughputs of the paths
+    /// - `weight`: weight of the light with an index, for the ray of a lane
+    #[inline(always)]
+    pub fn background<L: Lanes>(
+        &self,
+        rays: &Rays<L>,
+        which: L::Mask,
+        beta: Vector<L>,
+        radiance: &mut Vector<L>,
+        weight: impl Fn(usize, u32, Vec3) -> f32,
+    ) {
+        let missed = L::bits(which);
+        if missed == 0 || !self.world.lights.has_background() {
+            return;
+        }
+        let (directions, betas, mut sums) = (rays.direction.to_arrays(), beta.to_arrays(), radiance.to_arrays());
+        for lane in each_lane(missed) {
+            let direction = Vec3::new(directions[0][lane], directions[1][lane], directions[2][lane]);
+            let beta = Spectrum::rgb(betas[0][lane], betas[1][lane], betas[2][lane]);
+            let mut sum = Spectrum::rgb(sums[0][lane], sums[1][lane], sums[2][lane]);
+            for (light, arriving) in self.world.lights.background(direction) {
+                sum += beta * (arriving * weight(lane, light, direction));
+            }
+            let sum = sum.coefficients();
+            (sums[0][lane], sums[1][lane], sums[2][lane]) = (sum[0], sum[1], sum[2]);
+        }
+        *radiance = Vector::from_arrays(&sums);
+    }
+
+    /// Surfaces that rays have hit.
+    #[inline(always)]
+    pub fn surfaces<L: Lanes>(&self, rays: &Rays<L>, hits: &Hits) -> SurfaceLanes<L> {
+        let tables = self.tables;
+        let (mut flats, mut looks, mut materials) = ([0; MAX_COUNT], [0; MAX_COUNT], [0; MAX_COUNT]);
+        let mut others = 0;
+        for lane in each_lane(hits.found) {
+            let (shape, primitive) = (hits.shape[lane] as usize, hits.primitive[lane]);
+            let first = tables.first_flat[shape];
+            if first == NONE {
+                others |= 1 << lane
+            } else {
+                flats[lane] = first + primitive
+            }
+            looks[lane] = tables.first_look[shape] + self.part(shape, hits, lane);
+            materials[lane] = tables.materials[looks[lane] as usize];
+        }
+        let row = L::load_u32(&flats) * L::u32(FLAT);
+        let flats = &tables.flats;
+        let (u, v) = (L::load(&hits.u), L::load(&hits.v));
+        let mut p = vector::<L>(flats, row, 0) + vector::<L>(flats, row, 3).scaled(u) + vector::<L>(flats, row, 6).scaled(v);
+        let (mut ng, mut offset) = (vector(flats, row, 9), L::gather(flats, row + L::u32(12)));
+        let mut ns = ng;
+        if others != 0 {
+            self.points(rays, hits, others, [&mut p, &mut ng, &mut ns], &mut offset);
+        }
+        let row = L::load_u32(&looks) * L::u32(LOOK);
+        let looks = &tables.looks;
+        let found = L::mask(hits.found);
+        SurfaceLanes {
+            found,
+            tangents: tangents(ns),
+            albedo: vector(looks, row, 0),
+            radiance: vector(looks, row, 3),
+            is_diffuse: is::<L>(looks, row, 6),
+            emits: is::<L>(looks, row, 7) & found,
+            is_two_sided: is::<L>(looks, row, 8),
+            transmits: is::<L>(looks, row, 9),
+            materials,
+            hits: *hits,
+            p,
+            ng,
+            ns,
+            offset,
+        }
+    }
+
+    /// Part of a shape that was hit.
+    #[inline(always)]
+    fn part(&self, shape: usize, hits: &Hits, lane: usize) -> u32 {
+        if self.world.appearances[shape].parts.len() > 1 {
+            return self.world.shapes[shape].part(hits.primitive[lane], Vec2::new(hits.u[lane], hits.v[lane]));
+        }
+        0
+    }
+
+    /// Points of shapes that have no table, lane by lane.
+    #[inline(always)]
+    fn points<L: Lanes>(&self, rays: &Rays<L>, hits: &Hits, which: u32, vectors: [&mut Vector<L>; 3], offset: &mut L::F32) {
+        let [p, ng, ns] = vectors;
+        let mut points = Points { p: p.to_arrays(), ng: ng.to_arrays(), ns: ns.to_arrays(), offset: [0.0; MAX_COUNT] };
+        L::store(*offset, &mut points.offset);
+        for lane in each_lane(which) {
+            points.set(lane, &self.point(&rays.get(lane), hits, lane));
+        }
+        (*p, *ng, *ns) = (Vector::from_arrays(&points.p), Vector::from_arrays(&points.ng), Vector::from_arrays(&points.ns));
+        *offset = L::load(&points.offset);
+    }
+
+    /// Point that the ray of a lane has hit.
+    #[inline(never)]
+    fn point(&self, ray: &Ray, hits: &Hits, lane: usize) -> SurfacePoint {
+        let hit = ShapeHit { t: hits.t[lane], uv: Vec2::new(hits.u[lane], hits.v[lane]) };
+        self.world.shapes[hits.shape[lane] as usize].point(hits.primitive[lane], ray, &hit)
+    }
+}
+
+/// Vectors of a table, from column `k` on.
+#[inline(always)]
+fn vector<L: Lanes>(table: &[f32], row: L::U32, k: u32) -> Vector<L> {
+    let x = row + L::u32(k);
+    Vector { x: L::gather(table, x), y: L::gather(table, x + L::u32(1)), z: L::gather(table, x + L::u32(2)) }
+}
+
+/// Truth values of a table, in column `k`.
+#[inline(always)]
+fn is<L: Lanes>(table: &[f32], row: L::U32, k: u32) -> L::Mask {
+    L::lt(L::f32(0.0), L::gather(table, row + L::u32(k)))
+}
+
+/// Points of several lanes.
+struct Points {
+    p: [[f32; MAX_COUNT]; 3],
+    ng: [[f32; MAX_COUNT]; 3],
+    ns: [[f32; MAX_COUNT]; 3],
+    offset: [f32; MAX_COUNT],
+}
+
+impl Points {
+    #[inline(always)]
+    fn set(&mut self, lane: usize, point: &SurfacePoint) {
+        for axis in 0..3 {
+            self.p[axis][lane] = point.p[axis];
+            self.ng[axis][lane] = point.ng[axis];
+            self.ns[axis][lane] = point.ns[axis];
+        }
+        self.offset[lane] = point.offset;
+    }
+}
+
+/// First two axes of [`Frame::around`](crate::math::Frame::around).
+#[inline(always)]
+pub(super) fn tangents<L: Lanes>(z: Vector<L>) -> [Vector<L>; 2] {
+    let one = L::f32(1.0);
+    let sign = L::copysign(one, z.z);
+    let a = -one / (sign + z.z);
+    let b = z.x * z.y * a;
+    [Vector { x: one + sign * z.x * z.x * a, y: sign * b, z: -sign * z.x }, Vector { x: b, y: sign + z.y * z.y * a, z: -z.y }]
+}
+
+impl<L: Lanes> SurfaceLanes<L> {
+    /// Radiance that the surfaces emit in the directions `w`, as [`Emission::towards`](crate::light::Emission::towards).
+    #[inline(always)]
+    pub fn emitted(&self, w: Vector<L>) -> Vector<L> {
+        let shines = self.emits & (self.is_two_sided | L::lt(L::f32(0.0), self.ng.dot(w)));
+        Vector::select(shines, self.radiance, Vector::splat(Vec3::ZERO))
+    }
+
+    /// Coordinates of directions in the frames of the shading normals.
+    #[inline(always)]
+    pub fn to_local(&self, w: Vector<L>) -> Vector<L> {
+        Vector { x: w.dot(self.tangents[0]), y: w.dot(self.tangents[1]), z: w.dot(self.ns) }
+    }
+
+    /// Rays in the directions `wi`, starting off the surfaces, without an end.
+    #[inline(always)]
+    pub fn spawn(&self, wi: Vector<L>) -> Rays<L> {
+        let off = self.ng.scaled(self.offset);
+        let below = L::lt(self.ng.dot(wi), L::f32(0.0));
+        let origin = Vector::select(below, self.p - off, self.p + off);
+        Rays { origin, direction: wi, t_max: L::f32(f32::INFINITY), skip: self.skip(wi, wi) }
+    }
+
+    /// Triangles that rays leave for good: see [`Rays::skip`].
+    ///
+    /// A ray starts off the plane through its point, by the offset of the point. This is four times as much as any part of the flat shape
+    /// may be off that plane because its corners, its normal and the point were rounded. A ray that moves away from the plane therefore does
+    /// not come back to the triangle. Whether it moves away is decided up to the rounding of the cosine.
+    ///
+    /// - `side`: directions on the sides of the triangles on which the rays start
+    #[inline(always)]
+    fn skip(&self, side: Vector<L>, direction: Vector<L>) -> L::U32 {
+        let (zero, cos) = (L::f32(0.0), self.ng.dot(direction));
+        let away = L::select(L::lt(self.ng.dot(side), zero), -cos, cos);
+        L::select_u32(L::lt(L::f32(LEAVING), away), L::load_u32(&self.hits.place), L::u32(NO_PLACE))
+    }
+
+    /// Shading normals on the side of `wo`.
+    #[inline(always)]
+    pub fn ns_towards(&self, wo: Vector<L>) -> Vector<L> {
+        Vector::select(L::lt(self.ns.dot(wo), L::f32(0.0)), -self.ns, self.ns)
+    }
+
+    /// Whether both normals agree on the sides of two directions, given in world space and in the local frames.
+    #[inline(always)]
+    fn normals_agree(&self, wo: Vector<L>, lo: L::F32, wi: Vector<L>, li: L::F32) -> L::Mask {
+        let same_side = L::lt(L::f32(0.0), self.ng.dot(wo) * self.ng.dot(wi));
+        !(same_side ^ on_one_side::<L>(lo, li))
+    }
+}
+
+/// Whether two cosines have the same sign.
+#[inline(always)]
+fn on_one_side<L: Lanes>(a: L::F32, b: L::F32) -> L::Mask {
+    let zero = L::f32(0.0);
+    (L::lt(zero, a) & L::lt(zero, b)) | (L::lt(a, zero) & L::lt(b, zero))
+}

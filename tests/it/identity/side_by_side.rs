@@ -1,0 +1,164 @@
+//! Paths that are followed side by side have the bits of single paths.
+
+use std::sync::Arc;
+
+use glam::{DVec3, UVec2, Vec2, Vec3};
+use pt::bsdf::microfacet::Distribution;
+use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
+use pt::bsdf::{Element, Material, MaterialId, textured};
+use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
+use pt::film::{Crop, FilmSpec, Filter};
+use pt::integrator::Integrator;
+use pt::integrators::nee::{Nee, Weights};
+use pt::integrators::path::Path;
+use pt::light::{Directional, Emitter, Environment, Falloff, Light, Point, Spot};
+use pt::math::lanes::Width;
+use pt::math::{Rgb, Transform};
+use pt::sampler::{Kind, SamplerSpec};
+use pt::shape::{Cuboid, Disk, MeshData, Quad, Sphere, TriangleMesh};
+use pt::world::{WideWorld, World, WorldBuilder};
+use rayon::prelude::*;
+
+use super::zoo::{Shot, bits, picture};
+use crate::geometry::icosphere;
+use crate::random::Random;
+
+/// Random scenes of all shapes, lights and cameras, with materials of many kinds, with both methods and all samplers.
+#[test]
+fn side_by_side_paths_have_the_bits_of_single_ones() {
+    let widths: Vec<Width> = Width::available().into_iter().filter(|width| width.count() > 1).collect();
+    (0..160u64).into_par_iter().for_each(|seed| {
+        let mut random = Random::new(seed);
+        let method = method(&mut random);
+        let shot = shot(&mut random);
+        let scene = |width: Width| {
+            let mut world = scene(&mut Random::new(seed ^ 1 << 32));
+            world.width(width);
+            Arc::new(world.build().expect("the scene is valid"))
+        };
+        let single = scene(Width::available()[0]);
+        assert!(WideWorld::of(&*single).is_none(), "one path is no group");
+        let wanted = bits(&picture(single, &*method, &shot));
+        for &width in &widths {
+            let wide = scene(width);
+            assert_eq!(WideWorld::of(&*wide).map(|wide| wide.width()), Some(width), "seed {seed}: the scene has tables");
+            assert!(bits(&picture(wide, &*method, &shot)) == wanted, "seed {seed}, {width:?}");
+        }
+    });
+}
+
+fn method(random: &mut Random) -> Box<dyn Integrator> {
+    let (max_depth, roulette_depth) = (random.pick(&[0, 1, 3, 64]), random.pick(&[0, 2, 4]));
+    match random.below(4) {
+        0 => Box::new(Path { max_depth, roulette_depth }),
+        _ => Box::new(Nee { max_depth, roulette_depth, weights: random.pick(&[Weights::Power, Weights::Balance, Weights::Light]) }),
+    }
+}
+
+fn shot(random: &mut Random) -> Shot {
+    let kind = random.pick(&[Kind::Sobol, Kind::Sobol, Kind::Independent, Kind::Halton, Kind::Stratified]);
+    let filter = match random.below(3) {
+        0 => Filter::tent(1.0),
+        1 => Filter::mitchell(2.0, 1.0 / 3.0, 1.0 / 3.0),
+        _ => Filter::default(),
+    };
+    let sampler = SamplerSpec { kind, spp: 1 + random.below(9) as u64, seed: random.below(100) as u64, ..SamplerSpec::default() };
+    let whole = FilmSpec::new(23, 17);
+    let crop = if random.below(3) == 0 { Crop { min: UVec2::new(3, 5), max: UVec2::new(20, 11) } } else { whole.crop };
+    Shot { film: FilmSpec { filter, crop, ..whole }, sampler, tile: random.pick(&[16, 64, 5]), ..Shot::default() }
+}
+
+fn scene(random: &mut Random) -> WorldBuilder {
+    let scale = random.pick(&[1.0, 1.0, 1e-3, 1e4]);
+    let mut world = World::builder(camera(random, scale));
+    let place = |transform: Transform| transform.then(&Transform::scale(DVec3::splat(scale)).expect("not zero"));
+    let materials: Vec<MaterialId> = materials().into_iter().map(|material| world.material(material)).collect();
+    let (diffuse, others) = materials.split_at(2);
+    let is_matte = random.below(3) == 0;
+    let any = |random: &mut Random| if is_matte || random.below(2) == 0 { random.pick(diffuse) } else { random.pick(others) };
+    let flat = Transform::rotate(DVec3::X, -90.0).expect("an axis");
+    world.shape(Quad { size: [6.0, 6.0] }, place(flat.then(&at(0.0, -1.0, 0.0))), random.pick(diffuse), None);
+    if random.below(2) == 0 {
+        let inwards = Transform::scale(DVec3::splat(-1.0)).expect("not zero");
+        world.shape(Cuboid { size: [7.0, 6.0, 12.0] }, place(inwards), random.pick(diffuse), None);
+    }
+    for _ in 0..1 + random.below(6) {
+        let transform = place(random.rotation().then(&Transform::translate(random.in_cube() * 1.5).expect("finite")));
+        let (material, emitter) = (any(random), (random.below(6) == 0).then(|| glow(random)));
+        match random.below(5) {
+            0 => world.shape(Quad { size: [1.0, 0.7] }, transform, material, emitter),
+            1 => world.shape(Cuboid { size: [0.7, 0.5, 0.9] }, transform, material, emitter),
+            2 => world.shape(Sphere { radius: 0.5 }, transform, material, emitter),
+            3 => world.shape(Disk { radius: 0.6 }, transform, material, emitter),
+            _ => world.shape(TriangleMesh::new(ball(random.below(2) == 0)), transform, material, emitter),
+        }
+    }
+    lights(random, &mut world, &place, diffuse[0]);
+    world
+}
+
+/// Often a single rectangle, which has code of its own; otherwise lights of all kinds.
+fn lights(random: &mut Random, world: &mut WorldBuilder, place: &dyn Fn(Transform) -> Transform, material: MaterialId) {
+    let down = Transform::rotate(DVec3::X, 90.0).expect("an axis");
+    if random.below(4) > 0 {
+        let lamp = Emitter { two_sided: random.below(2) == 0, ..glow(random) };
+        let tilted = if random.below(2) == 0 { down } else { random.rotation() };
+        world.shape(Quad { size: [0.8, 0.6] }, place(tilted.then(&at(0.3, 1.5, 0.2))), material, Some(lamp));
+    }
+    if random.below(3) == 0 {
+        world.light(Light::Environment(Environment { radiance: Rgb::new(0.1, 0.2, 0.4) }));
+    }
+    if random.below(4) == 0 {
+        let direction = random.direction().as_vec3();
+        world.light(Light::Directional(Directional { direction, irradiance: Rgb::new(0.5, 0.4, 0.3) }));
+        let axis = random.direction().as_vec3();
+        let (position, intensity) = (DVec3::new(-1.0, 1.2, 1.0), Rgb::new(1.0, 2.0, 4.0));
+        world.light(Light::Point(Point { position: random.in_cube(), intensity }));
+        world.light(Light::Spot(Spot { position, axis, intensity, cos_inner: 0.95, cos_outer: 0.8, falloff: Falloff::Smooth }));
+    }
+}
+
+fn glow(random: &mut Random) -> Emitter {
+    Emitter::new(Rgb::new(2.0, 8.0, 3.0) * random.unit() as f32)
+}
+
+fn at(x: f64, y: f64, z: f64) -> Transform {
+    Transform::translate(DVec3::new(x, y, z)).expect("finite")
+}
+
+fn camera(random: &mut Random, scale: f64) -> Camera {
+    let eye = DVec3::new(0.3, 0.6, 4.0) * scale;
+    let pose = Pose::new(&Transform::look_at(eye, DVec3::ZERO, DVec3::Y).expect("looks somewhere"));
+    let scale = scale as f32;
+    match random.below(5) {
+        0 => Camera::Orthographic(Orthographic { pose, height: 3.0 * scale }),
+        1 => Camera::Spherical(Spherical { pose }),
+        2 => Camera::Perspective(Perspective::new(pose, 45.0, 0.1 * scale, 4.0 * scale)),
+        _ => Camera::Perspective(Perspective::new(pose, 45.0, 0.0, 4.0 * scale)),
+    }
+}
+
+/// Two diffuse materials, then materials that have no code for lanes. All are the same everywhere.
+fn materials() -> Vec<Material> {
+    let rough = Roughness { alpha: Alpha::Constant(Vec2::splat(0.3)), distribution: Distribution::Ggx };
+    vec![
+        Material::diffuse(Rgb::new(0.7, 0.5, 0.3)),
+        Material::diffuse(Rgb::new(0.0, 0.9, 0.2)),
+        Material::diffuse(Rgb::BLACK),
+        Material::mirror(Rgb::new(0.9, 0.95, 1.0)),
+        Material::glass(1.5),
+        Material::plastic(Rgb::new(0.2, 0.5, 0.7), 1.5),
+        Material::metal((Rgb::new(0.2, 0.9, 1.1), Rgb::new(3.9, 2.4, 2.2)), None, true),
+        Material::metal(Element::Cu.index(), Some(rough), false),
+        Material::ThinDielectric(textured::ThinDielectric { eta: 1.33.into(), color: Rgb::WHITE.into() }),
+        Material::MatteCone(textured::MatteCone { color: Rgb::gray(0.7).into(), mattness: 0.2.into() }),
+    ]
+}
+
+/// Eighty triangles, with interpolated normals or without.
+fn ball(is_smooth: bool) -> MeshData {
+    let (points, triangles) = icosphere(1);
+    let positions: Vec<Vec3> = points.iter().map(|p| p.as_vec3() * 0.5).collect();
+    let normals = points.iter().filter(|_| is_smooth).map(|p| p.as_vec3()).collect();
+    MeshData { normals, positions, triangles, ..MeshData::default() }
+}
