@@ -350,7 +350,7 @@ impl Render {
         let is_cancelled = || observer.cancelled();
         let interrupt = Interrupt::new(&is_cancelled);
         if let Some(method) = self.side_by_side(&accumulator) {
-            let batches = Batches { render: self, method, width: method.width(), accumulator, result, interrupt };
+            let batches = Batches { render: self, method, accumulator, result, interrupt };
             return batches.render(tile, wave).filter(|_| !is_cancelled());
         }
         for (y, x) in (tile.min.y..tile.max.y).flat_map(|y| (tile.min.x..tile.max.x).map(move |x| (y, x))) {

@@ -6,11 +6,11 @@ use std::ops::Range;
 use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
-use super::bits;
 use super::build::{Wide, wide};
 use super::leaves::{Leaves, Place, Run};
 use super::node::{Child, Node, STACK, Slabs, Target, WIDEN, padding};
 use super::{INSTANCE, Item, Shapes};
+use crate::math::lanes::each_lane;
 #[cfg(target_arch = "x86_64")]
 use crate::math::simd::Whole;
 use crate::math::simd::{Halves, Lanes, Set};
@@ -133,7 +133,7 @@ impl Bvh {
     /// Updates the nearest hit with the hits in a run of triangles.
     #[inline(always)]
     fn intersect_run<L: Lanes, T: Tolerance>(&self, run: Run, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
-        for lane in bits(run.products::<L, T>(ray, tolerance).may_hit(nearest.t_max)) {
+        for lane in each_lane(run.products::<L, T>(ray, tolerance).may_hit(nearest.t_max)) {
             if let Some(hit) = run.intersect(lane, ray, nearest.t_max, tolerance) {
                 self.update(nearest, hit, run.place(lane));
             }
@@ -174,7 +174,7 @@ impl Bvh {
         let candidates = products.may_hit(ray.t_max);
         candidates != 0
             && (products.surely_hit(ray.t_max) != 0
-                || bits(candidates).any(|lane| run.intersect(lane, ray, ray.t_max, tolerance).is_some()))
+                || each_lane(candidates).any(|lane| run.intersect(lane, ray, ray.t_max, tolerance).is_some()))
     }
 
     /// Whether the ray hits anything in a leaf of any items.
@@ -392,7 +392,7 @@ impl Bvh {
             let is_hit = match child.target() {
                 Target::Inner(node) => {
                     let (_, hits) = self.nodes[node].intersect::<L, T>(&slabs, ray.t_max);
-                    stack.extend(bits(hits).map(|i| self.nodes[node].child[i]));
+                    stack.extend(each_lane(hits).map(|i| self.nodes[node].child[i]));
                     false
                 }
                 Target::Run(first, count) => Bvh::run_occludes::<L, T>(self.leaves.run(first, count), ray, tolerance),

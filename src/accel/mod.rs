@@ -49,13 +49,3 @@ struct Item {
 
 /// Mark of items that are instances.
 const INSTANCE: u32 = u32::MAX;
-
-/// Positions of the bits that are 1, from the lowest.
-#[inline(always)]
-fn bits(mut mask: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lowest = (mask != 0).then(|| mask.trailing_zeros() as usize);
-        mask &= mask.wrapping_sub(1);
-        lowest
-    })
-}

@@ -3,7 +3,7 @@
 use arrayvec::ArrayVec;
 use glam::{Vec3, Vec3A};
 
-use super::bits;
+use crate::math::lanes::each_lane;
 use crate::math::simd::{Lanes, splat};
 use crate::math::{Aabb, Ray};
 use crate::shape::triangle::Tolerance;
@@ -182,7 +182,7 @@ impl Node {
             return None;
         }
         let near = near.to_array();
-        let mut hits = bits(hits).map(|i| (near[i], self.child[i]));
+        let mut hits = each_lane(hits).map(|i| (near[i], self.child[i]));
         let mut nearest = hits.next()?;
         let first = stack.len();
         for mut entry in hits {

@@ -7,14 +7,13 @@ use super::{Render, SampleId, TileResult, filtered};
 use crate::camera::{Camera, Perspective};
 use crate::film::{Crop, Wave};
 use crate::integrator::{BATCH, Batch, CameraRays, Interrupt, SideBySide};
-use crate::math::lanes::{Kernel, Lanes, Vector, Width};
+use crate::math::lanes::{Kernel, Lanes, Vector};
 use crate::sampler::{NumberLanes, dimension};
 
 /// Samples of a tile. They are computed in batches and added up pixel by pixel, in the order of single samples.
 pub struct Batches<'a> {
     pub render: &'a Render,
     pub method: &'a dyn SideBySide,
-    pub width: Width,
     pub accumulator: PixelAccumulator,
     pub result: TileResult,
     pub interrupt: Interrupt<'a>,
@@ -52,7 +51,7 @@ impl Batches<'_> {
         }
         let render = self.render;
         match Pinhole::of(render) {
-            Some(rays) => self.width.run(StartLanes { rays, batch: &mut *batch }),
+            Some(rays) => self.method.width().run(StartLanes { rays, batch: &mut *batch }),
             None => batch.start_each(|pixel, numbers| render.camera_sample(pixel, numbers)),
         }
         self.method.estimate(batch, self.interrupt);

@@ -135,7 +135,7 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     /// Writes the numbers of the lanes of a mask side by side to the start of a slice. What is written behind them, within the first
     /// [`Lanes::COUNT`] numbers, is not specified. Panics if the slice is shorter than that.
     fn pack(x: Self::F32, mask: Self::Mask, to: &mut [f32]);
-    /// As [`Lanes::pack`].
+    /// Writes the numbers of the lanes of a mask side by side, as [`Lanes::pack`] does.
     fn pack_u32(x: Self::U32, mask: Self::Mask, to: &mut [u32]);
 
     /// Square root, correctly rounded.
@@ -159,7 +159,7 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     /// Whether a = b.
     fn eq_u32(a: Self::U32, b: Self::U32) -> Self::Mask;
 
-    /// The same numbers in double precision.
+    /// Converts to double precision, exactly.
     fn widen(x: Self::F32) -> Self::F64;
     /// The nearest numbers in single precision; ties go to the even one.
     fn narrow(x: Self::F64) -> Self::F32;
@@ -194,7 +194,7 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     fn shr_u64<const K: u32>(x: Self::U64) -> Self::U64;
     /// The upper and the lower 32 bits exchanged.
     fn rotate_32(x: Self::U64) -> Self::U64;
-    /// The same numbers in 64 bits.
+    /// Converts to 64 bits; the upper 32 are 0.
     fn wide(x: Self::U32) -> Self::U64;
     /// Upper 32 bits.
     fn high(x: Self::U64) -> Self::U32;

@@ -94,7 +94,7 @@ impl<L: Lanes> Vector<L> {
         Vector { x: L::select(mask, yes.x, no.x), y: L::select(mask, yes.y, no.y), z: L::select(mask, yes.z, no.z) }
     }
 
-    /// The same vectors in double precision.
+    /// Converts to double precision, exactly.
     #[inline(always)]
     pub fn widened(self) -> VectorF64<L> {
         VectorF64 { x: L::widen(self.x), y: L::widen(self.y), z: L::widen(self.z) }
