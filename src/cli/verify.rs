@@ -15,6 +15,7 @@ use crate::error::{Error, Fault, Result};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Entry;
 use crate::measure::format::{duration, per_cent};
+use crate::measure::agreement::Conclusion;
 use crate::measure::{Agreement, RelativeError, StopCondition, agreement, render_until};
 use crate::output::{self, Attributes, Tonemap, exr};
 use crate::render::{Render, Settings};
@@ -175,19 +176,27 @@ fn report(args: &VerifyArgs, a: &Side, b: &Side, agreement: &Agreement) -> Resul
         let p = crate::measure::agreement::p_values(a.as_sampled_image(), b.as_sampled_image())?;
         output::write(path, &p, &Attributes::new(), &Tonemap::default())?;
     }
-    let tests = agreement.to_string().split("; ").map(|line| format!("  {line}\n")).collect::<String>();
+    let is_heavy = agreement.heavy.contains(&true);
+    let tests = match is_heavy {
+        true => format!("  whole image, as far as a few samples more or less can explain: {}\n", agreement.rare),
+        false => agreement.to_string().split("; ").map(|line| format!("  {line}\n")).collect::<String>(),
+    };
     let seen = crate::measure::agreement::smallest_bias(a.as_sampled_image(), b.as_sampled_image(), args.alpha)?;
-    let power = format!("a difference of {} % of the whole picture's light would have shown\n", per_cent(seen));
+    // Where a few samples hold the noise, normal statistics do not tell what would have shown.
+    let power = match is_heavy {
+        true => String::new(),
+        false => format!("a difference of {} % of the whole picture's light would have shown\n", per_cent(seen)),
+    };
     let unsure: Vec<&str> =
         [a, b].into_iter().zip(agreement.heavy).filter(|(_, heavy)| *heavy).map(|(side, _)| side.name.as_str()).collect();
-    let (word, code) = match (agreement.accepts(), unsure.is_empty()) {
-        (_, false) => ("inconclusive", ExitCode::from(INCONCLUSIVE)),
-        (true, true) => ("the same picture, as far as one can tell", ExitCode::SUCCESS),
-        (false, true) => ("different pictures", ExitCode::FAILURE),
+    let (word, code) = match agreement.conclusion() {
+        Conclusion::Inconclusive => ("inconclusive", ExitCode::from(INCONCLUSIVE)),
+        Conclusion::Same => ("the same picture, as far as one can tell", ExitCode::SUCCESS),
+        Conclusion::Different => ("different pictures", ExitCode::FAILURE),
     };
-    let why = match unsure.is_empty() {
-        true => String::new(),
-        false => format!("heavy tail: a few samples hold all the noise of {}\n", unsure.join(" and ")),
+    let why = match is_heavy {
+        false => String::new(),
+        true => format!("heavy tail: a few samples hold all the noise of {}\n", unsure.join(" and ")),
     };
     print_stdout(&format!("{} and {}: {word}\n{tests}{why}{power}", a.name, b.name))?;
     Ok(code)

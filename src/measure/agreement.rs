@@ -14,9 +14,11 @@
 //! - the variance of a pixel counts as at least the mean variance of its block, and of its 8×8 neighbours;
 //! - the darker side may be dark only because it lacks rare samples: its statistic is corrected for skewness (Hall);
 //! - Σz² is formed of blocks so large that the skewness of a sum is small beside the random deviation of Σz²;
-//! - a picture whose noise is that of fewer than fifty samples in all permits no conclusion ([`Agreement::heavy`]).
+//! - where the noise of a picture is that of fewer than fifty samples in all ([`Agreement::heavy`]), the four tests permit no conclusion.
+//!   Then the whole images are different only if a few samples more or less cannot explain it ([`Agreement::rare`]), and never the same.
 
 mod pixel_group;
+mod rare_samples;
 
 use std::fmt;
 
@@ -48,15 +50,37 @@ pub struct Agreement {
     pub global: Verdict,
     /// Verdict of the test of Σz² over the blocks.
     pub spread: Verdict,
+    /// Verdict of the test of the whole image where a few samples hold all the noise.
+    pub rare: Verdict,
     /// For each image, whether a few samples hold all its noise (relative to its light), or the image is black. More samples could
-    /// change such an image in unknown ways, so the tests permit no conclusion.
+    /// change such an image in unknown ways.
     pub heavy: [bool; 2],
+}
+
+/// Conclusion from all tests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Conclusion {
+    /// No difference was found.
+    Same,
+    /// The images are not estimates of the same picture.
+    Different,
+    /// A few samples hold all the noise of an image, and could explain the difference.
+    Inconclusive,
 }
 
 impl Agreement {
     /// Returns whether all four tests accept.
     pub fn accepts(&self) -> bool {
         self.all().iter().all(|(_, verdict)| verdict.accepts())
+    }
+
+    /// The conclusion from all tests.
+    pub fn conclusion(&self) -> Conclusion {
+        match (self.heavy.contains(&true), self.accepts(), self.rare.accepts()) {
+            (false, true, _) => Conclusion::Same,
+            (false, false, _) | (true, _, false) => Conclusion::Different,
+            (true, _, true) => Conclusion::Inconclusive,
+        }
     }
 
     fn all(&self) -> [(&'static str, Verdict); 4] {
@@ -90,6 +114,8 @@ const CHANNELS: [&str; 3] = ["R", "G", "B"];
 pub fn agreement(a: SampledImage, b: SampledImage, alpha: f64) -> Result<Agreement> {
     let level = sidak(alpha, 4 * CHANNELS.len());
     let pairs: Vec<ChannelPair> = CHANNELS.into_iter().map(|channel| ChannelPair::new(a, b, channel)).collect::<Result<_>>()?;
+    // Where it decides, this test is the only one.
+    let rare = test_level(pairs.iter().map(ChannelPair::rare_p), sidak(alpha, CHANNELS.len()));
     let colors: Vec<[Verdict; 4]> = pairs.iter().map(|pair| pair.test(level)).collect();
     let heavy = [0, 1].map(|k| pairs.iter().any(|pair| pair.is_heavy(k)) || pairs.iter().all(|pair| pair.is_black(k)));
     let worst = |k: usize| {
@@ -98,7 +124,7 @@ pub fn agreement(a: SampledImage, b: SampledImage, alpha: f64) -> Result<Agreeme
         let worst = all.fold(None, |worst: Option<Verdict>, v| worst.filter(|w| w.p / w.level <= v.p / v.level).or(Some(v)));
         Verdict { tests, ..worst.unwrap_or(Verdict { p: 1.0, level, tests }) }
     };
-    Ok(Agreement { pixel: worst(0), block: worst(1), global: worst(2), spread: worst(3), heavy })
+    Ok(Agreement { pixel: worst(0), block: worst(1), global: worst(2), spread: worst(3), rare, heavy })
 }
 
 /// Returns an image of p-values: for each pixel and colour, the probability that chance alone makes so large a difference. It is
@@ -164,6 +190,16 @@ impl ChannelPair {
             test_all([MeanTest::sum(&whole)].into_iter(), level),
             spread(&coarse, level),
         ]
+    }
+
+    /// Returns the p-value of the test of whole images whose noise comes from a few samples.
+    fn rare_p(&self) -> f64 {
+        // A black picture says nothing: light may be missing that no sample has met.
+        if self.is_black(0) || self.is_black(1) {
+            return 1.0;
+        }
+        let [a, b] = PixelGroup::joined(self.blocks(0.0)).sums;
+        rare_samples::p([&a, &b])
     }
 
     /// Returns whether the relative error √(Σ v/(s² + ε)) comes from fewer than [`MIN_SAMPLES`] samples. s is the light of the
@@ -277,13 +313,19 @@ fn rounded(mean: Mean) -> Mean {
 
 /// Tests each input, and returns the smallest p-value with the number of tests.
 fn test_all(tested: impl Iterator<Item = MeanTest>, level: f64) -> Verdict {
+    let verdict = test_level(tested.map(|one| one.p()), 0.0);
+    Verdict { level: sidak(level, verdict.tests), ..verdict }
+}
+
+/// Smallest of some p-values, of which each has this level.
+fn test_level(all: impl Iterator<Item = f64>, level: f64) -> Verdict {
     let (mut p, mut tests) = (1.0f64, 0);
-    for one in tested {
+    for one in all {
         // A NaN counts as disagreement.
-        p = p.min(Some(one.p()).filter(|p| !p.is_nan()).unwrap_or(0.0));
+        p = p.min(Some(one).filter(|p| !p.is_nan()).unwrap_or(0.0));
         tests += 1;
     }
-    Verdict { p, level: sidak(level, tests), tests }
+    Verdict { p, level, tests }
 }
 
 /// Tests whether Σz² of n blocks follows χ² with n degrees of freedom. It is too large where the images differ, and too small where

@@ -140,6 +140,70 @@ fn noise_of_a_few_samples_is_a_heavy_tail() {
     assert_eq!(heavy(&flat(0.0)), [true, false]);
 }
 
+/// n equal samples where λ were expected, in a picture that is otherwise known: p is twice Poisson's probability, which is known exactly.
+#[test]
+fn few_samples_explain_what_poisson_allows() {
+    for (found, expected) in [(2u64, 9.0), (3, 4.0), (5, 40.0), (1, 12.0)] {
+        let size = 3.0;
+        // One sample each in n pixels of 64, and the rest without light.
+        let lit = Mean { value: size, variance: size * size, samples: 1e6 };
+        let dark = Mean { value: 0.0, variance: 0.0, samples: 1e6 };
+        let side = GroupSum::of((0..64).map(|i| if i < found { lit } else { dark }));
+        let known = GroupSum::of([Mean { value: expected * size, variance: 0.0, samples: 1e6 }].into_iter());
+        let exact = 2.0 * Poisson::new(expected).unwrap().cdf(found);
+        let p = rare_samples::p([&side, &known]);
+        assert!((p / exact.min(1.0) - 1.0).abs() < 1e-6, "{found} of {expected}: {p:e}, {exact:e}");
+        assert_eq!(p, rare_samples::p([&known, &side]));
+    }
+}
+
+/// Three samples hold the noise of a picture. One that is ten times as bright is another, whatever a few more such samples bring. One
+/// that has the light of two more of them may be the same.
+#[test]
+fn a_heavy_tail_does_not_hide_a_brighter_lamp() {
+    let light = (SIZE * SIZE) as f64;
+    let dotted = |value: f64| {
+        let mut image = noise(1, |_, _| value);
+        (0..SIZE * SIZE).for_each(|pixel| put(&mut image, pixel, value, 0.0));
+        (1..4).for_each(|dot| put(&mut image, 5000 * dot, 0.05 * light, 0.05 * light));
+        image
+    };
+    let conclusion = |other: &Image| compare(&dotted(1.0), other).conclusion();
+    assert_eq!(conclusion(&noise(2, |_, _| 10.0)), Conclusion::Different);
+    assert_eq!(conclusion(&noise(2, |_, _| 1.25)), Conclusion::Inconclusive);
+    assert_eq!(conclusion(&noise(2, |_, _| 1.0)), Conclusion::Inconclusive);
+    assert_eq!(conclusion(&noise(2, |_, _| 0.0)), Conclusion::Inconclusive, "black says nothing");
+    assert_eq!(conclusion(&dotted(1.0)), Conclusion::Inconclusive);
+}
+
+/// Two pictures of the same expectation, with λ bright dots each on average, of a fifth of the picture's light. Often one has none and the
+/// other some. They are never the same for certain, and at a level of 1 % hardly ever different.
+#[test]
+fn samples_that_only_one_side_has_met_are_no_difference() {
+    let light = (SIZE * SIZE) as f64;
+    let dotted = |seed: u64, expected: f64| {
+        let mut uniform = uniform(seed);
+        let mut image = noise(1, |_, _| 1.0);
+        (0..SIZE * SIZE).for_each(|pixel| put(&mut image, pixel, 1.0, 0.0));
+        // Poisson: events of a unit rate before the time `expected`.
+        let (mut time, mut dots) = (-(1.0 - uniform()).ln(), 0);
+        while time < expected {
+            put(&mut image, 997 * (dots + 1), 1.0 + 0.2 * light, 0.2 * light);
+            (time, dots) = (time - (1.0 - uniform()).ln(), dots + 1);
+        }
+        image
+    };
+    for expected in [1.0, 2.0, 4.0] {
+        let wrong = |run: &u64| {
+            let pair = [2 * run, 2 * run + 1].map(|seed| dotted(1000 * expected as u64 + seed, expected));
+            let found = compare(&pair[0], &pair[1]);
+            found.heavy.contains(&true) && found.conclusion() == Conclusion::Different
+        };
+        let wrong = (0..60).filter(wrong).count();
+        assert!(wrong <= 3, "{wrong} of 60 with {expected} dots");
+    }
+}
+
 /// k hits where 60 were expected: no more significant than Poisson's distribution, which is known exactly here, but more
 /// significant than its root.
 #[test]
