@@ -7,6 +7,7 @@ use glam::UVec2;
 use super::FilmSpec;
 use super::layer::{self, Layer};
 use super::pixel_sums::{Estimate, PixelSums, estimate, freedom};
+use super::standard_error::standard_errors;
 
 /// Picture of linear channels over a crop, in rows from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +63,9 @@ impl Image {
         };
         let mut channels: Vec<Channel> = (0..3).map(|c| channel(RGB[c].into(), &|pixel| pixel[c].0)).collect();
         if freedom(sums.error_estimator(), spec.allocation.range()[0] * samples) > 0.0 {
-            channels.extend((0..3).map(|c| channel(format!("StdErr.{}", RGB[c]), &|pixel| pixel[c].1.sqrt())));
+            let errors = standard_errors(spec, sums, &estimates, &taken);
+            let values = |c: usize| errors.iter().map(|pixel| pixel[c] as f32).collect();
+            channels.extend((0..3).map(|c| Channel { name: format!("StdErr.{}", RGB[c]), values: values(c) }));
         }
         channels.push(Channel { name: "SampleCount.Y".into(), values: (0..estimates.len()).map(|i| taken(i) as f32).collect() });
         channels.extend(layer::places(&spec.layers).flat_map(|(layer, place)| layer_channels(spec, sums, layer, place, &taken)));

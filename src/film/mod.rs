@@ -6,8 +6,10 @@ pub mod image;
 pub mod layer;
 pub mod memory;
 pub mod moments;
+pub(crate) mod neighborhood;
 pub mod pixel_sums;
 pub mod splat;
+mod standard_error;
 
 use std::ops::Range;
 
@@ -28,7 +30,8 @@ pub use splat::{Splat, SplatSums};
 pub struct FilmSpec {
     /// Width and height of the whole picture (pixels).
     pub size: UVec2,
-    /// Part of the picture that is rendered. Its pixels equal those of the whole picture, bit for bit.
+    /// Part of the picture that is rendered. Its pixels equal those of the whole picture, bit for bit; only standard errors that are
+    /// shared with neighbours differ at its edges.
     pub crop: Crop,
     /// Reconstruction filter.
     pub filter: Filter,

@@ -17,7 +17,7 @@ use std::time::Duration;
 
 use super::ErrorObserver;
 use super::error::epsilon::floor_at;
-use super::error::neighborhood::neighborhood;
+use crate::film::neighborhood::neighborhood;
 use crate::film::pixel_sums::estimate;
 use crate::film::{Allocation, Film, FilmSpec, MomentFilm};
 use crate::integrator::Integrator;

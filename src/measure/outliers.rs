@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
 use super::EPSILON;
-use super::error::neighborhood::neighborhood;
+use crate::film::neighborhood::neighborhood;
 use crate::film::{Film, MomentFilm};
 use crate::math::Spectrum;
 use crate::render::{Render, SampleId};

@@ -102,6 +102,41 @@ fn intervals_hold(cases: &[(ErrorEstimator, u64)]) {
     }
 }
 
+/// The pixels of two or eight scramblings lie within 1.96 standard errors of the truth in 93 to 97 % of the cases, and hardly any beyond
+/// six, although the two means of a pixel alone would put a tenth of them there: |m₁ − m₂|/2 < |x − r|/6 has the probability
+/// 2/π · arctan(1/6) = 10.5 %.
+#[test]
+fn standard_errors_of_scramblings_hold() {
+    let reference = exact();
+    for (name, draw) in [("uniform", (|random: &mut Random| 2.0 * random.unit()) as fn(&mut Random) -> f64), ("exponential", exponential)] {
+        for k in [2, 8] {
+            let noise = Noise { draw, error_estimator: ErrorEstimator::Scramblings(k), samples: 256 };
+            let deviations = |seed: u64| {
+                let image = noise.taken(seed).image();
+                let channel = |image: &Image, name: &str| image.channel(name).expect("a channel").to_vec();
+                let [x, r] = [&image, &reference].map(|picture| channel(picture, "G"));
+                let z = |((x, r), e): ((f32, f32), f32)| ((x - r) / e).abs();
+                x.into_iter().zip(r).zip(channel(&image, "StdErr.G")).map(z).collect::<Vec<f32>>()
+            };
+            let all: Vec<f32> = (0..40).flat_map(deviations).collect();
+            let share = |holds: &dyn Fn(&f32) -> bool| all.iter().filter(|z| holds(z)).count() as f64 / all.len() as f64;
+            let (within, beyond) = (share(&|z| *z < 1.96), share(&|z| *z > 6.0));
+            assert!((0.93..0.97).contains(&within), "{name}, {k} scramblings: {within} within 1.96");
+            assert!(beyond < 1e-3, "{name}, {k} scramblings: {beyond} beyond 6");
+        }
+    }
+}
+
+/// Sharing variances with neighbours changes no sum: Σ σ² over the picture is Σ (m₁ − m₂)²/4.
+#[test]
+fn standard_errors_keep_their_sum() {
+    let film = Noise { draw: exponential, error_estimator: ErrorEstimator::Scramblings(2), samples: 64 }.taken(3);
+    let own: f64 = film.total().pixels().map(|p| ((p[0] - p[3]) / 64.0).powi(2)).sum();
+    let image = film.image();
+    let shared: f64 = image.channel("StdErr.R").expect("errors").iter().map(|e| f64::from(*e).powi(2)).sum();
+    assert!((shared / own - 1.0).abs() < 1e-6, "{shared} {own}");
+}
+
 /// Light that is 2^k times as bright has the same relative error, to the last bit, because a power of two changes only exponents.
 #[test]
 fn errors_do_not_depend_on_the_unit_of_light() {

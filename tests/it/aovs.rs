@@ -348,7 +348,8 @@ fn layers_are_the_same_bits_however_they_are_divided() {
         assert!(sums(&paused) == sums(&at_once), "{k}: sums with pauses");
         let crop = Crop { min: UVec2::new(7, 4), max: UVec2::new(16, 9) };
         let part = zoo::picture(shot.zoo.build(), &integrator, &Shot { film: FilmSpec { crop, ..shot.film.clone() }, ..shot });
-        for ((name, part), (_, whole)) in bits(&part).iter().zip(&wanted) {
+        // Standard errors are shared with neighbours, of which a crop has fewer.
+        for ((name, part), (_, whole)) in bits(&part).iter().zip(&wanted).filter(|((name, _), _)| !name.starts_with("StdErr.")) {
             let row = |y: usize| whole[(y + 4) * 24 + 7..][..9].to_vec();
             assert!(*part == (0..5).flat_map(row).collect::<Vec<_>>(), "{k} {name}");
         }

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::contribution::{Contribution, LocalReference, PixelEstimate};
 use super::epsilon::floor_at;
-use super::neighborhood::neighborhood;
 use crate::film::MomentFilm;
+use crate::film::neighborhood::neighborhood;
 use crate::film::pixel_sums::{Estimate, Skew, estimate};
 
 /// Estimates of every pixel of a film, with access to those of its neighbours.

@@ -4,7 +4,6 @@ mod contribution;
 mod correlation;
 pub(in crate::measure) mod epsilon;
 mod local_reference;
-pub(in crate::measure) mod neighborhood;
 mod relative;
 
 pub use epsilon::{EPSILON, floor};

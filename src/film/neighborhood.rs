@@ -5,7 +5,7 @@
 ///
 /// - `pixels`: number of pixels of the picture, in rows of `width`
 /// - `reach`: distance from the pixel in the middle to the edge of the square (pixels)
-pub(in crate::measure) fn neighborhood(i: usize, reach: usize, width: usize, pixels: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn neighborhood(i: usize, reach: usize, width: usize, pixels: usize) -> impl Iterator<Item = usize> {
     let span = move |at: usize, end: usize| at.saturating_sub(reach)..(at + reach + 1).min(end);
     let (across, down) = (span(i % width, width), span(i / width, pixels / width));
     down.flat_map(move |y| across.clone().map(move |x| y * width + x))

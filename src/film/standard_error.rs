@@ -1,0 +1,67 @@
+//! Standard errors of the pixels of a picture.
+//!
+//! Where every sample is independent, the variance of the samples gives the standard error of their mean. Where the samples of a pixel
+//! are divided among K scramblings, only the K means tell it. With two of them the estimate v = (m₁ − m₂)²/4 is right on average, but
+//! both means may be nearly equal by chance: a tenth of all pixels deviate from the truth by more than six of their own √v. So each v is
+//! shared with the pixels around, in proportion to the standard deviation u of their own samples:
+//!
+//! ```text
+//! σ²ᵢ = uᵢ Σ v_q / Σ u_j        over the neighbours q of i, and over the neighbours j of q
+//! ```
+//!
+//! The sum of σ² over the picture is that of v, so that it is still right on average. A pixel with an outlier keeps a larger error than
+//! its neighbours. Where pixels have different numbers n of samples, n v takes the place of v and n σ² that of σ².
+//!
+//! At the edge of a crop fewer neighbours are known than in the whole picture, so that standard errors there may differ from those of the
+//! whole picture.
+//!
+//! Tests: standard_errors_of_scramblings_hold, standard_errors_keep_their_sum.
+
+use rayon::prelude::*;
+
+use super::FilmSpec;
+use super::neighborhood::neighborhood;
+use super::pixel_sums::{Estimate, PixelSums, Skew};
+use crate::sampler::ErrorEstimator;
+
+/// Radius of the neighbourhood (pixels): 49 pixels of two scramblings each give 49 degrees of freedom.
+const REACH: usize = 3;
+
+/// Number of scramblings from which the variance of a pixel needs no neighbours: with 15 degrees of freedom, 93 % of the pixels deviate
+/// by less than 1.96 standard errors, where 95 % are meant.
+const ENOUGH: u32 = 16;
+
+/// Standard error of red, green and blue of each pixel.
+///
+/// - `estimates`: mean and variance of each pixel
+/// - `taken`: number of samples of pixel i
+pub(super) fn standard_errors(
+    spec: &FilmSpec,
+    sums: &PixelSums,
+    estimates: &[Estimate],
+    taken: &(dyn Fn(usize) -> u64 + Sync),
+) -> Vec<[f64; 3]> {
+    let own = |pixel: &Estimate| pixel.map(|(_, variance)| variance.sqrt());
+    match sums.error_estimator() {
+        ErrorEstimator::Scramblings(k) if k < ENOUGH => {}
+        _ => return estimates.iter().map(own).collect(),
+    }
+    let deviation = |(i, pixel)| {
+        let n = taken(i);
+        (Skew::of(sums.error_estimator(), pixel, n).variance * n as f64).sqrt()
+    };
+    let deviations: Vec<f64> = sums.pixels().enumerate().map(deviation).collect();
+    let around = |i: usize| neighborhood(i, REACH, spec.crop.size().x as usize, estimates.len());
+    let totals: Vec<f64> = (0..estimates.len()).into_par_iter().map(|i| around(i).map(|j| deviations[j]).sum()).collect();
+    // n v / Σ u, for each colour
+    let share = |q: usize| estimates[q].map(|(_, variance)| if totals[q] > 0.0 { taken(q) as f64 * variance / totals[q] } else { 0.0 });
+    let shares: Vec<[f64; 3]> = (0..estimates.len()).into_par_iter().map(share).collect();
+    let error = |i: usize| {
+        if totals[i] == 0.0 {
+            return own(&estimates[i]);
+        }
+        let sum = around(i).fold([0.0; 3], |sum, q| std::array::from_fn(|c| sum[c] + shares[q][c]));
+        sum.map(|sum: f64| (deviations[i] * sum / taken(i) as f64).sqrt())
+    };
+    (0..estimates.len()).into_par_iter().map(error).collect()
+}
