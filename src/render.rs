@@ -295,11 +295,12 @@ impl Render {
         most.min((in_time.log2() as u32).max((samples / 8).checked_ilog2().unwrap_or(0)))
     }
 
-    /// Sample index that can be reached within the time at the speed so far.
+    /// Sample index that can be reached within the time at the speed so far. The first sample is often slower than the others, so after
+    /// it alone half a sample more is tried.
     fn affordable(&self, time: Duration) -> u64 {
         let RenderReport { samples, elapsed, .. } = self.report;
         let more = samples as f64 * time.saturating_sub(elapsed).as_secs_f64() / elapsed.as_secs_f64();
-        if samples == 0 { u64::MAX } else { self.next.saturating_add(more as u64) }
+        if samples == 0 { u64::MAX } else { self.next.saturating_add(if samples == 1 { more.round() } else { more } as u64) }
     }
 
     /// Renders a wave completely or, if cancelled, not at all, so that the picture is a function of its sample count.

@@ -7,7 +7,7 @@ use super::note;
 use super::outputs::{OutputKinds, check_outputs, is_part};
 use super::parse::share;
 use super::render::plan;
-use super::summary::{attributes, print_summary};
+use super::summary::{Accuracy, attributes, print_summary};
 use super::tone_mapping::ToneMapping;
 use crate::error::{Error, Fault, Result};
 use crate::film::MomentFilm;
@@ -36,9 +36,9 @@ pub fn merge(args: &MergeArgs) -> Result<ExitCode> {
     check_outputs(&args.output, OutputKinds::Both, &inputs, "is one of the parts")?;
     let (parts, pictures): (Vec<&PathBuf>, Vec<&PathBuf>) = args.output.iter().partition(|path| is_part(path));
     let sum = part::merge(args.parts.iter().map(|path| Stored::open(path)).collect::<Result<_>>()?)?;
-    let (samples, history) = match sum.whole() {
+    let (samples, (accuracy, history)) = match sum.whole() {
         Ok(film) => (format!("{} spp", film.samples()), write_pictures(args, &pictures, &sum, film)?),
-        Err(_) if pictures.is_empty() => (format!("samples {}", plan::ranges(&sum.runs())), ErrorHistory::default()),
+        Err(_) if pictures.is_empty() => (format!("samples {}", plan::ranges(&sum.runs())), (Accuracy::Unknown, ErrorHistory::default())),
         Err(missing) => {
             let (start, end) = (missing.start, missing.end);
             let message = format!("samples {start}..{end} are missing; -o FILE.ptc adds what there is");
@@ -47,20 +47,21 @@ pub fn merge(args: &MergeArgs) -> Result<ExitCode> {
     };
     let films: Vec<&MomentFilm> = sum.films.iter().collect();
     parts.iter().try_for_each(|path| part::write(path, &sum.about, &films, &sum.report, &sum.history))?;
-    print_summary(&sum.about, &samples, &sum.report, &history, args.confidence, args.output.iter().map(PathBuf::as_path));
+    print_summary(&sum.about, &samples, &sum.report, (&accuracy, &history), args.confidence, args.output.iter().map(PathBuf::as_path));
     Ok(ExitCode::SUCCESS)
 }
 
 /// Writes the pictures; returns the history of their error.
-fn write_pictures(args: &MergeArgs, pictures: &[&PathBuf], sum: &Part, film: &MomentFilm) -> Result<ErrorHistory> {
+fn write_pictures(args: &MergeArgs, pictures: &[&PathBuf], sum: &Part, film: &MomentFilm) -> Result<(Accuracy, ErrorHistory)> {
     let history = history(film, sum);
-    let attributes = attributes(&sum.about, film, history.last().and_then(|last| last.error), args.confidence, None);
+    let accuracy = Accuracy::of(film, &history, args.confidence);
+    let attributes = attributes(&sum.about, film, &accuracy, args.confidence, None);
     let image = film.image();
     pictures.iter().try_for_each(|path| output::write(path, &image, &attributes, &args.tone_mapping.tonemap(&image)))?;
     if image.pixels().flatten().all(|value| value == 0.0) {
         note("warning: the image is black");
     }
-    Ok(history)
+    Ok((accuracy, history))
 }
 
 /// History of the parts, with the error of their sum.

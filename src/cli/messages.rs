@@ -114,11 +114,11 @@ impl Drop for Loading {
 mod tests {
     use super::wrapped;
 
-    const CLOSING: &str = "512×512 · nee · 64 spp · 9.6 s · relative error 9 % (95 %: 8.8–9.2) · 1 % would take about 5 min 57 s · cornell-box.exr, cornell-box.png";
+    const CLOSING: &str = "512×512 · nee · 64 spp · 9.6 s · relative error 9 % (95 %: 8.8–9.2) · 1 % would take about 5 min (4 min 10 s–6 min 00 s) · cornell-box.exr, cornell-box.png";
 
     #[test]
     fn closing_lines_break_between_their_parts() {
-        let expected = "512×512 · nee · 64 spp · 9.6 s · relative error 9 % (95 %: 8.8–9.2) ·\n  1 % would take about 5 min 57 s · cornell-box.exr, cornell-box.png";
+        let expected = "512×512 · nee · 64 spp · 9.6 s · relative error 9 % (95 %: 8.8–9.2) ·\n  1 % would take about 5 min (4 min 10 s–6 min 00 s) ·\n  cornell-box.exr, cornell-box.png";
         assert_eq!(wrapped(CLOSING, 80), expected);
         assert_eq!(wrapped(CLOSING, 200), CLOSING);
     }

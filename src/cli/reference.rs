@@ -13,7 +13,7 @@ use super::outputs::{OutputKinds, check_outputs};
 use super::parse::{duration, share, size, whole};
 use super::progress::Progress;
 use super::progress::WorkArgs;
-use super::summary::{attributes, print_summary};
+use super::summary::{Accuracy, attributes, print_summary};
 use super::{INCONCLUSIVE, note, render, signals};
 use crate::describe::Identity;
 use crate::error::{Error, Result};
@@ -197,15 +197,15 @@ fn render_reference(args: &ReferenceArgs, loaded: Loaded, renderer: &ReferenceRe
     if cached.report.samples > before.samples {
         renderer.write(path, &cached)?;
     }
-    let error = cached.history.last().and_then(|last| last.error);
-    let attributes = attributes(&renderer.about, &cached.film, error, args.confidence, None);
+    let accuracy = Accuracy::of(&cached.film, &cached.history, args.confidence);
+    let attributes = attributes(&renderer.about, &cached.film, &accuracy, args.confidence, None);
     if cached.report.samples > 0 {
         let image = cached.film.image();
         args.output.iter().try_for_each(|path| output::write(path, &image, &attributes, &Tonemap::default()))?;
     }
     let files = args.output.iter().map(PathBuf::as_path).chain([path]);
     let samples = format!("{} spp, {} of them kept", cached.report.samples, before.samples);
-    print_summary(&renderer.about, &samples, &cached.report, &cached.history, args.confidence, files);
+    print_summary(&renderer.about, &samples, &cached.report, (&accuracy, &cached.history), args.confidence, files);
     if let Some(signal) = signals::caught() {
         return Err(Error::Interrupted(signal));
     }

@@ -9,14 +9,15 @@ use super::load::{Loaded, load};
 use super::parse::{duration as parse_duration, share, size};
 use super::progress::Progress;
 use super::progress::WorkArgs;
+use super::summary::REFUSED;
 use super::{INCONCLUSIVE, note, print_stdout, render, signals};
 use crate::build::Built;
 use crate::error::{Error, Fault, Result};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Entry;
-use crate::measure::format::{duration, per_cent};
 use crate::measure::agreement::Conclusion;
-use crate::measure::{Agreement, RelativeError, StopCondition, agreement, render_until};
+use crate::measure::format::{duration, per_cent};
+use crate::measure::{Agreement, Refusal, StopCondition, agreement, render_until};
 use crate::output::{self, Attributes, Tonemap, exr};
 use crate::render::{Render, Settings};
 use crate::sampler::SamplerSpec;
@@ -50,6 +51,9 @@ pub struct VerifyArgs {
     pub work: WorkArgs,
 }
 
+/// Confidence of the stated errors; only the error itself is printed.
+const CONFIDENCE: f64 = 0.95;
+
 /// Independent scramblings of each side; the test uses their variance.
 const SCRAMBLINGS: u32 = 16;
 
@@ -59,6 +63,8 @@ struct Side {
     image: Image,
     /// Number n of independent values behind each mean; its variance has n − 1 degrees of freedom.
     samples: u64,
+    /// Whether the picture itself says that a few pixels hold all its noise.
+    is_heavy: bool,
 }
 
 /// Runs the command.
@@ -95,7 +101,8 @@ fn compare_sides(args: &VerifyArgs, loaded: Loaded, tables: &[&[Entry]]) -> Resu
         });
     }
     let [a, b] = sides.try_into().map_err(|_| Error::Usage("expected two sides".into()))?;
-    let agreement = agreement(a.as_sampled_image(), b.as_sampled_image(), args.alpha)?;
+    let mut agreement = agreement(a.as_sampled_image(), b.as_sampled_image(), args.alpha)?;
+    [&a, &b].into_iter().zip(&mut agreement.heavy).for_each(|(side, heavy)| *heavy |= side.is_heavy);
     report(args, &a, &b, &agreement)
 }
 
@@ -127,7 +134,9 @@ fn read_side(path: &Path, film: &FilmSpec) -> Result<Side> {
     let freedom =
         attributes.iter().find(|(name, _)| name == "pt/standardErrorFreedom").and_then(|(_, value)| value.to_string().parse::<u64>().ok());
     let freedom = freedom.ok_or_else(|| refused("does not say how sure its standard errors are (pt/standardErrorFreedom)".into()))?;
-    Ok(Side { name: path.display().to_string(), image, samples: freedom + 1 })
+    // The standard errors of a pixel are shared with those around it, which hides that a few samples make them.
+    let is_heavy = attributes.iter().any(|(name, value)| name == REFUSED && value.to_string() == Refusal::HeavyTail.to_string());
+    Ok(Side { name: path.display().to_string(), image, samples: freedom + 1, is_heavy })
 }
 
 fn render_side(
@@ -149,8 +158,11 @@ fn render_side(
         return Err(Error::Interrupted(signal));
     }
     let error = history.last().and_then(|last| last.error);
-    let known = error.filter(RelativeError::is_established);
-    let told = known.map_or(String::new(), |error| format!(", relative error {} %", per_cent(error.value)));
+    let told = match error.map(|error| error.stated(CONFIDENCE)) {
+        Some(Ok(error)) => format!(", relative error {} %", per_cent(error.value)),
+        Some(Err(refusal)) => format!(", relative error cannot be established ({refusal})"),
+        None => String::new(),
+    };
     note(&format!("{}: {} spp in {}{told}", entry.name, moments.samples(), duration(render.report().elapsed.as_secs_f64())));
     let freedom = moments.freedom();
     if freedom == 0.0 {
@@ -160,7 +172,7 @@ fn render_side(
             moments.samples()
         )));
     }
-    Ok(Side { name: entry.name.into(), image: moments.image(), samples: freedom as u64 + 1 })
+    Ok(Side { name: entry.name.into(), image: moments.image(), samples: freedom as u64 + 1, is_heavy: false })
 }
 
 impl Side {

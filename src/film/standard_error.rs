@@ -15,7 +15,7 @@
 //! At the edge of a crop fewer neighbours are known than in the whole picture, so that standard errors there may differ from those of the
 //! whole picture.
 //!
-//! Tests: standard_errors_of_scramblings_hold, standard_errors_keep_their_sum.
+//! Tests: standard_errors_of_scramblings_hold, standard_errors_keep_their_sum; `cargo bench --bench accuracy -- pixels` counts on scenes.
 
 use rayon::prelude::*;
 

@@ -1,5 +1,7 @@
 //! Distance of a picture from a reference.
 
+use std::collections::HashSet;
+
 use super::error::{errors, floor};
 use crate::film::Image;
 
@@ -27,11 +29,19 @@ const TRIMMED: f64 = 1e-3;
 impl Distance {
     /// Distance of an image from a reference; `None` for pictures of different sizes and for a black reference.
     pub fn between(image: &Image, reference: &Image) -> Option<Distance> {
+        Distance::without(image, reference, &[])
+    }
+
+    /// Distance of an image from a reference, without some of the pixels. ε is still that of the whole reference.
+    ///
+    /// - `aside`: indices of the pixels that do not count
+    pub fn without(image: &Image, reference: &Image, aside: &[usize]) -> Option<Distance> {
+        let aside: HashSet<usize> = aside.iter().copied().collect();
         let floor = floor(reference).filter(|_| image.size == reference.size)?;
         let errors = errors(reference);
         let variance = |i: usize, c: usize| errors.map_or(0.0, |channels| f64::from(channels[c][i]).powi(2));
         let (mut mse, mut shares) = (0.0, Vec::with_capacity(image.pixels().count()));
-        for (i, (x, r)) in image.pixels().zip(reference.pixels()).enumerate() {
+        for (i, (x, r)) in image.pixels().zip(reference.pixels()).enumerate().filter(|(i, _)| !aside.contains(i)) {
             let mut share = 0.0;
             for c in 0..3 {
                 let (x, r) = (f64::from(x[c]), f64::from(r[c]));

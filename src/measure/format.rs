@@ -1,6 +1,6 @@
 //! Errors, times and prices as text for people.
 
-use super::{ErrorHistory, ErrorTarget, Outcome, Price, RelativeError};
+use super::{ErrorHistory, ErrorInterval, ErrorTarget, Forecast, Outcome, Refusal};
 
 /// Relative errors whose prices are listed.
 pub const TARGETS: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
@@ -20,26 +20,23 @@ pub fn number(x: f64, digits: i32) -> String {
 }
 
 /// An error with its interval: `2.1 % (95 %: 2.0–2.2)`.
-pub fn error(error: &RelativeError, confidence: f64) -> String {
-    if error.is_vague() {
-        return format!("about {} % (still too noisy to say how sure)", per_cent(error.value));
-    }
-    let [low, high] = error.interval(confidence).map(per_cent);
-    format!("{} % ({} %: {low}–{high})", per_cent(error.value), per_cent(confidence))
+pub fn error(error: &ErrorInterval, confidence: f64) -> String {
+    let [value, low, high] = [error.value, error.low, error.high].map(per_cent);
+    format!("{value} % ({} %: {low}–{high})", per_cent(confidence))
 }
 
-/// The price of the next smaller error: `1 % would take about 14 s`.
+/// The price of the next smaller error: `1 % would take about 14 s (12 s–16 s)`.
 pub fn next_price(history: &ErrorHistory, confidence: f64) -> Option<String> {
-    let error = history.last()?.error?;
+    let error = history.last()?.error?.stated(confidence).ok()?;
     let target = TARGETS.into_iter().rev().filter(|target| *target < 0.8 * error.value).find(|target| *target >= 0.01);
     let target = target.or_else(|| TARGETS.into_iter().find(|target| *target < 0.8 * error.value))?;
     let price = history.price(target, confidence)?;
-    Some(format!("{} % would take about {}", per_cent(target), duration(price.seconds)))
+    Some(format!("{} % would take about {}", per_cent(target), self::price(&price)))
 }
 
 /// A price with its interval: `38 s (35 s–41 s)`.
-pub fn price(price: &Price) -> String {
-    format!("{} ({})", duration(price.seconds), between(price.low, price.high))
+pub fn price(price: &Forecast) -> String {
+    format!("{} ({})", duration(price.value), between(price.low, price.high))
 }
 
 /// An interval of times: `35 s–41 s`. If both ends read the same, their distance from the middle is given: `± 3 %`.
@@ -58,7 +55,7 @@ pub fn outcome(target: &ErrorTarget, outcome: Outcome) -> String {
     match outcome {
         Outcome::Met => format!("{what}: met ({} % sure)", per_cent(target.confidence)),
         Outcome::NotMet => format!("{what}: not met"),
-        Outcome::NotEstablished => format!("{what}: cannot be established (heavy tail: a few pixels hold all the noise)"),
+        Outcome::NotEstablished => format!("{what}: cannot be established ({})", Refusal::HeavyTail),
     }
 }
 
@@ -115,13 +112,9 @@ mod tests {
         }
     }
 
-    /// ln 10 / 1.96 = 1.175 is the spread of an interval from a tenth to ten times the error.
     #[test]
-    fn an_error_has_an_interval_where_that_says_something() {
-        let told = |value, spread| error(&RelativeError { value, spread, effective_pixels: 1e4 }, 0.95);
-        assert_eq!(told(0.021, 0.025), "2.1 % (95 %: 2–2.2)");
-        assert_eq!(told(2.0, 1.17), "200 % (95 %: 20–1981)");
-        assert_eq!(told(2.67, 1.18), "about 267 % (still too noisy to say how sure)");
+    fn an_error_has_an_interval() {
+        assert_eq!(error(&ErrorInterval { value: 0.021, low: 0.02, high: 0.022 }, 0.95), "2.1 % (95 %: 2–2.2)");
     }
 
     #[test]

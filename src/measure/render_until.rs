@@ -2,9 +2,11 @@
 
 use std::time::Duration;
 
-use super::{Checkpoint, ErrorHistory, RelativeError, checkpoints};
+use super::error_history::{is_coarse, is_planned};
+use super::{Checkpoint, ErrorHistory, Refusal, RelativeError, checkpoints};
 use crate::film::{Film, MomentFilm};
 use crate::render::{Observer, Render, RenderReport, Silent};
+use crate::sampler::ErrorEstimator;
 
 /// Condition at which a render stops: the first of these limits that is reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,18 +20,39 @@ pub struct StopCondition {
 }
 
 impl StopCondition {
-    /// Returns whether the error is measured after so many samples. A measurement costs as much as a fraction of a sample, so
-    /// without a target only a few late ones are made, which give the slope.
-    fn measures_error_at(&self, samples: u64) -> bool {
+    /// Returns whether the error is measured at a checkpoint. A measurement costs as much as a fraction of a sample, so without a
+    /// target only a few late ones are made, which give the slope. With a target every checkpoint counts from where the target may be
+    /// reached.
+    fn measures_error_at(&self, samples: u64, history: &ErrorHistory) -> bool {
         let late = samples.saturating_mul(16) >= self.samples || self.time.is_some();
-        self.target.is_some() || samples == self.samples || late && samples.is_power_of_two()
+        match self.target {
+            _ if samples == self.samples => true,
+            Some(_) => is_coarse(samples) || self.may_be_met_at(samples, history),
+            None => late && samples.is_power_of_two(),
+        }
+    }
+
+    /// Returns whether the target, if there is one, is probably reached after so many samples.
+    fn may_be_met_at(&self, samples: u64, history: &ErrorHistory) -> bool {
+        self.target.is_some_and(|target| history.error_at(samples).is_some_and(|error| error <= target.error))
+    }
+
+    /// The history without the checkpoints that a render which never paused would not have: those at which it was paused.
+    fn without_pauses(&self, history: ErrorHistory) -> ErrorHistory {
+        let mut kept = ErrorHistory { checkpoints: vec![], ..history };
+        for checkpoint in history.checkpoints {
+            if is_planned(checkpoint.samples) && self.measures_error_at(checkpoint.samples, &kept) {
+                kept.checkpoints.push(checkpoint);
+            }
+        }
+        kept
     }
 
     /// Expected number of samples per pixel, extrapolated from the history.
     fn expected(&self, history: &ErrorHistory) -> u64 {
         let samples = |target: &ErrorTarget| {
-            let (price, last) = (history.price(target.error, target.confidence)?, history.last()?);
-            Some((last.samples as f64 * (price.seconds / last.seconds).max(1.0)) as u64)
+            let (forecast, last) = (history.samples_for(target.error, target.confidence)?, history.last()?);
+            Some(forecast.value.max(last.samples as f64) as u64)
         };
         self.target.as_ref().and_then(samples).map_or(self.samples, |expected| expected.min(self.samples))
     }
@@ -85,12 +108,14 @@ pub fn render_until(render: &mut Render, film: &mut impl HasMoments, until: &Sto
 
 /// Continues a render that [`render_until`] began. It measures and stops as if the render had never paused.
 pub fn resume_until(
-    mut history: ErrorHistory,
+    history: ErrorHistory,
     render: &mut Render,
     film: &mut impl HasMoments,
     until: &StopCondition,
     observer: &dyn ErrorObserver,
 ) -> ErrorHistory {
+    let is_independent = render.sampler().error_estimator() == ErrorEstimator::Samples;
+    let mut history = until.without_pauses(ErrorHistory { is_independent, ..history });
     let mut tests = SequentialTest::default();
     let is_met = until.target.is_some_and(|target| history.checkpoints.iter().any(|before| tests.is_met(target, Some(before))));
     let (seen, done) = (history.last().map_or(0, |last| last.samples), film.moments().samples());
@@ -100,7 +125,10 @@ pub fn resume_until(
         return history;
     }
     let is_ahead = |samples: &u64| *samples > seen && *samples >= done;
-    for samples in checkpoints(until.samples).filter(|samples| is_ahead(samples) && until.measures_error_at(*samples)) {
+    for samples in checkpoints(until.samples).filter(is_ahead) {
+        if !until.measures_error_at(samples, &history) {
+            continue;
+        }
         while render.step(samples, until.time, film, observer) {
             observer.wave_finished(render.report(), film.moments(), &history);
         }
@@ -109,7 +137,8 @@ pub fn resume_until(
             history.checkpoints.push(measure_error(render, film));
             observer.error_measured(&history, until.expected(&history));
         }
-        // The render was cancelled or ran out of time. That moment was not planned, so no decision is made at it.
+        // The render was cancelled or ran out of time. That moment was not planned, but it does not depend on the error, so that its test
+        // counts in `ErrorTarget::outcome` like the others.
         if reached < samples || until.target.is_some_and(|target| tests.is_met(target, history.last())) {
             break;
         }
@@ -126,6 +155,8 @@ fn measure_error(render: &Render, film: &impl HasMoments) -> Checkpoint {
 /// level.
 ///
 /// αⱼ = α / (j (j + 1)),  Σ αⱼ = α
+///
+/// A test at which the estimate itself is above the target cannot succeed. It takes no risk and is not counted.
 #[derive(Default)]
 struct SequentialTest {
     taken: u32,
@@ -134,9 +165,9 @@ struct SequentialTest {
 impl SequentialTest {
     /// Tests whether the error lies below the target.
     fn is_met(&mut self, target: ErrorTarget, at: Option<&Checkpoint>) -> bool {
-        let Some(error) = at.and_then(|checkpoint| checkpoint.error).filter(RelativeError::is_established) else { return false };
+        let Some(error) = at.and_then(|checkpoint| checkpoint.error).filter(|error| error.value <= target.error) else { return false };
         self.taken += 1;
-        error.below(1.0 - risk(target, self.taken)) <= target.error
+        error.below(1.0 - risk(target, self.taken)).is_ok_and(|below| below <= target.error)
     }
 }
 
@@ -151,7 +182,7 @@ impl ErrorTarget {
         let mut tests = SequentialTest::default();
         let met = history.checkpoints.iter().any(|checkpoint| tests.is_met(*self, Some(checkpoint)));
         match history.checkpoints.iter().rev().find_map(|checkpoint| checkpoint.error) {
-            Some(last) if !last.is_established() => Outcome::NotEstablished,
+            Some(last) if last.refusal() == Some(Refusal::HeavyTail) => Outcome::NotEstablished,
             Some(_) if met => Outcome::Met,
             _ => Outcome::NotMet,
         }

@@ -288,7 +288,10 @@ impl Header {
             path: path.to_owned(),
             about,
             report: RenderReport { samples, invalid: self.invalid, first_invalid, elapsed: seconds, ..RenderReport::default() },
-            history: ErrorHistory { checkpoints: self.history.into_iter().map(|stored| stored.checkpoint()).collect::<Option<_>>()? },
+            history: ErrorHistory {
+                checkpoints: self.history.into_iter().map(|stored| stored.checkpoint()).collect::<Option<_>>()?,
+                is_independent: error_estimator == ErrorEstimator::Samples,
+            },
             waves,
             start,
         })

@@ -37,7 +37,8 @@ pub fn merge(parts: Vec<Stored>) -> Result<Part> {
         }
     }
     // The checkpoints of a single render remain valid.
-    let history = if parts.len() == 1 { first.history.clone() } else { ErrorHistory::default() };
+    let checkpoints = if parts.len() == 1 { first.history.checkpoints.clone() } else { vec![] };
+    let history = ErrorHistory { checkpoints, ..first.history };
     Ok(Part { about: first.about.clone(), films, report: report(&parts), history })
 }
 

@@ -10,7 +10,7 @@ use pt::describe::{self, Files};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::choose;
 use pt::integrators::ALL;
-use pt::measure::{Distance, RelativeError, SampledImage, agreement, sidak};
+use pt::measure::{Distance, ErrorInterval, RelativeError, SampledImage, agreement, sidak};
 use pt::render::{Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
@@ -227,7 +227,7 @@ fn intervals_hold(renders: u64) {
         let reference = film(world.clone(), "nee", "", spec.clone(), sampler(1 << 40, 1 << 13)).image();
         let holds = |seed: &u64| {
             let film = film(world.clone(), "light", "", spec.clone(), sampler(*seed, 512));
-            let [low, high] = RelativeError::of(&film).expect("an error").interval(0.95);
+            let ErrorInterval { low, high, .. } = RelativeError::of(&film).expect("an error").stated(0.95).expect("a stated error");
             let error = Distance::between(&film.image(), &reference).expect("the same size").relmse.max(0.0).sqrt();
             (low..=high).contains(&error)
         };

@@ -1,14 +1,12 @@
-//! Observer of a render: shows progress, writes checkpoints, and prints the price list of a long render.
+//! Observer of a render: shows progress, writes checkpoints, and tells after the first seconds what a smaller error would take.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::plan::RenderPlan;
-use crate::cli::pilot;
 use crate::cli::progress::Progress;
 use crate::film::{Film, MomentFilm};
-use crate::measure::{Checkpoint, ErrorHistory, ErrorObserver, RelativeError};
+use crate::measure::{Checkpoint, ErrorHistory, ErrorObserver, Refusal, RelativeError, format};
 use crate::part;
 use crate::render::{Observer, RenderReport};
 
@@ -20,51 +18,49 @@ pub struct CheckpointObserver<'a> {
     last: Mutex<Instant>,
     /// Time at which the render is given up if there is no picture by then.
     deadline: Option<Instant>,
-    prices: Option<Prices<'a>>,
+    /// Confidence of the price that is printed once; `None` where no price is to be printed, or after it was printed.
+    price: Mutex<Option<f64>>,
 }
 
-/// State of the price list, which is printed once.
-struct Prices<'a> {
-    integrator: &'a str,
-    confidence: f64,
-    printed: AtomicBool,
-}
-
-/// Render time after which the render's own samples serve as a pilot for the price list.
+/// Render time after which the render's own samples serve as a pilot for the price of a smaller error.
 const PILOT: Duration = Duration::from_secs(5);
-/// Remaining time from which the price list is worth printing.
+/// Remaining time from which the price is worth printing.
 const LONG: Duration = Duration::from_secs(60);
 
 /// Smallest limit for the time of the first sample of each pixel; the limit is twice the time of the render.
 const MIN_DEADLINE: Duration = Duration::from_secs(10);
 
 impl<'a> CheckpointObserver<'a> {
-    /// Observer without a price list.
+    /// Observer that prints no price.
     ///
     /// - `time`: time limit of the render, if it starts from the beginning
     pub fn new(progress: &'a Progress, plan: &'a RenderPlan, time: Option<Duration>) -> CheckpointObserver<'a> {
         let now = Instant::now();
         let deadline = time.and_then(|time| now.checked_add(time.saturating_mul(2).max(MIN_DEADLINE)));
-        CheckpointObserver { progress, plan, last: Mutex::new(now), deadline, prices: None }
+        CheckpointObserver { progress, plan, last: Mutex::new(now), deadline, price: Mutex::new(None) }
     }
 
-    /// Makes the observer print the price list of a long render, from its first seconds.
-    pub fn with_prices(self, integrator: &'a str, confidence: f64) -> CheckpointObserver<'a> {
-        CheckpointObserver { prices: Some(Prices { integrator, confidence, printed: false.into() }), ..self }
+    /// Makes the observer of a long render print, after the first seconds, what a smaller error would take.
+    pub fn with_price(self, confidence: f64) -> CheckpointObserver<'a> {
+        CheckpointObserver { price: Mutex::new(Some(confidence)), ..self }
     }
 
-    fn print_prices(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
-        let Some(prices) = self.prices.as_ref().filter(|prices| !prices.printed.load(Ordering::Relaxed)) else { return };
+    fn print_price(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
+        let Ok(mut price) = self.price.lock() else { return };
+        let Some(confidence) = *price else { return };
         let is_long = report.elapsed >= PILOT && self.progress.remaining().is_some_and(|seconds| seconds >= LONG.as_secs_f64());
         let Some(error) = is_long.then(|| RelativeError::of(film)).flatten() else { return };
         // A pilot with few samples gives no prices yet, however long it took.
-        if error.is_established() && error.is_vague() {
+        if error.refusal() == Some(Refusal::TooNoisy) {
             return;
         }
-        prices.printed.store(true, Ordering::Relaxed);
+        *price = None;
         let now = Checkpoint { samples: film.samples(), seconds: report.elapsed.as_secs_f64(), error: Some(error) };
         let checkpoints = history.checkpoints.iter().copied().chain([now]).collect();
-        self.progress.note(&pilot::print(&[(prices.integrator, ErrorHistory { checkpoints })], prices.confidence));
+        let history = ErrorHistory { checkpoints, ..history.clone() };
+        if let Some(next) = format::next_price(&history, confidence) {
+            self.progress.note(&next);
+        }
     }
 
     fn write_checkpoint(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
@@ -102,7 +98,7 @@ impl ErrorObserver for CheckpointObserver<'_> {
     }
 
     fn wave_finished(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
-        self.print_prices(report, film, history);
+        self.print_price(report, film, history);
         self.write_checkpoint(report, film, history);
     }
 }

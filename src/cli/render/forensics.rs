@@ -9,7 +9,7 @@ use crate::film::{Film, MomentFilm};
 use crate::integrator::Integrator;
 use crate::measure::bias_report::{BATCH, BiasBudget, estimate_bias};
 use crate::measure::format::per_cent;
-use crate::measure::{BiasEstimate, ErrorHistory, Outliers, bias_report, find_outliers};
+use crate::measure::{BiasEstimate, ErrorHistory, Outliers, Refusal, bias_report, find_outliers};
 use crate::render::{Render, RenderReport, SampleId};
 use crate::scene::Scene;
 use crate::world::World;
@@ -45,7 +45,7 @@ pub fn print_reports(picture: &RenderedPicture, facets: Option<(World, usize)>) 
         let matters = |removed: &BiasEstimate| plan.reports.bias || plan.reports.is_verbose || removed.samples == 0 || removed.share > 0.0;
         picture.biases(facets).iter().filter(|removed| matters(removed)).for_each(|removed| print_stderr(&bias_line(removed)));
     }
-    let unknown = history.last().and_then(|last| last.error).is_some_and(|error| !error.is_established());
+    let unknown = history.last().and_then(|last| last.error).is_some_and(|error| error.refusal() == Some(Refusal::HeavyTail));
     match plan.reports.outliers {
         Some(count) => print_stdout(&worst_samples(plan, &find_outliers(render, film, count as usize))),
         None if unknown && !is_quiet() && !render.splats() => {

@@ -12,7 +12,7 @@ use crate::cli::display::DisplayedFilm;
 use crate::cli::load::Loaded;
 use crate::cli::progress::{Progress, ProgressForm};
 use crate::cli::stats::{RayCounter, Summary};
-use crate::cli::summary::{self, attributes, print_summary};
+use crate::cli::summary::{self, Accuracy, attributes, print_summary};
 use crate::cli::{INCONCLUSIVE, is_quiet, note, pilot, print_stderr, print_stdout, signals};
 use crate::describe::Names;
 use crate::error::{Error, Result};
@@ -49,6 +49,8 @@ struct Rendered {
     render: Render,
     displayed: DisplayedFilm,
     history: ErrorHistory,
+    /// What is stated about the error.
+    accuracy: Accuracy,
     /// Report of the runs before this one.
     before: RenderReport,
     /// Counter of the rays, if statistics are requested.
@@ -113,8 +115,8 @@ impl<'a> Picture<'a> {
         let before = start.report.clone();
         let progress = Progress::new(plan.progress, spec, until.samples - plan.samples.start, until.time).resumed(&before);
         let observer = CheckpointObserver::new(&progress, plan, until.time.filter(|_| before.samples == 0));
-        let has_prices = !is_quiet() && plan.price_list.is_none() && !plan.is_part;
-        let observer = if has_prices { observer.with_prices(self.entry.name, plan.confidence) } else { observer };
+        let tells_price = !is_quiet() && plan.price_list.is_none() && !plan.is_part;
+        let observer = if tells_price { observer.with_price(plan.confidence) } else { observer };
         let mut displayed = DisplayedFilm::new(start.film, plan.display_server.as_deref(), &self.stem);
         let mut render = Render::new(scene, &*self.integrator, spec, &self.settings).resumed(start.next, start.report);
         let history = match plan.is_part {
@@ -122,7 +124,8 @@ impl<'a> Picture<'a> {
             false => measure::resume_until(start.history, &mut render, &mut displayed, until, &observer),
         };
         progress.finish();
-        Rendered { render, displayed, history, before, counter }
+        let accuracy = Accuracy::of(&displayed.film, &history, plan.confidence);
+        Rendered { render, displayed, history, accuracy, before, counter }
     }
 
     /// Writes parts and pictures. Both are tried, so that a failure does not affect the others.
@@ -134,17 +137,16 @@ impl<'a> Picture<'a> {
         }
         let parts = self.plan.write_parts(film, report, history);
         if !self.plan.is_part {
-            self.write_pictures(film, report, history)?;
+            self.write_pictures(rendered)?;
         }
         parts
     }
 
-    fn write_pictures(&self, film: &MomentFilm, report: &RenderReport, history: &ErrorHistory) -> Result<()> {
-        let plan = self.plan;
+    fn write_pictures(&self, rendered: &Rendered) -> Result<()> {
+        let (plan, film, report) = (self.plan, &rendered.displayed.film, rendered.render.report());
         let image = film.image();
-        let error = history.last().and_then(|last| last.error);
         let clamped = forensics::clamped(plan.clamp, film, report);
-        let attributes = attributes(&plan.about, film, error, plan.confidence, clamped.as_ref());
+        let attributes = attributes(&plan.about, film, &rendered.accuracy, plan.confidence, clamped.as_ref());
         let tonemap = plan.tone_mapping.tonemap(&image);
         write_all(&plan.pictures, &image, &attributes, &tonemap)?;
         if !is_quiet() {
@@ -156,11 +158,11 @@ impl<'a> Picture<'a> {
 
     /// Prints the closing line, the analysis and the statistics.
     fn report(&mut self, rendered: &Rendered) -> Result<()> {
-        let Rendered { render, displayed, history, before, counter } = rendered;
+        let Rendered { render, displayed, history, before, counter, .. } = rendered;
         let (plan, film, report) = (self.plan, &displayed.film, render.report());
         if !is_quiet() || rendered.is_late() {
             let samples = if plan.is_part { format!("samples {}", plan::ranges(&[film.range()])) } else { summary::samples(film) };
-            print_summary(&plan.about, &samples, report, history, plan.confidence, plan.written());
+            print_summary(&plan.about, &samples, report, (&rendered.accuracy, history), plan.confidence, plan.written());
             self.outcome(rendered).iter().for_each(|(target, outcome)| note(&format::outcome(target, *outcome)));
         }
         if report.samples > 0 && !report.cancelled && !plan.is_part {

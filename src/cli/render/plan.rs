@@ -20,7 +20,7 @@ use crate::output::Format;
 use crate::output::attributes::of_camera;
 use crate::part::{self, About, Part, Stored};
 use crate::render::RenderReport;
-use crate::sampler::{Kind, SamplerSpec};
+use crate::sampler::{ErrorEstimator, Kind, SamplerSpec};
 
 /// Plan of a render. Everything after it is made reads the plan, not the arguments.
 pub struct RenderPlan {
@@ -131,6 +131,12 @@ impl RenderPlan {
             }
         }
         let built = &loaded.built;
+        if let Some(flag) =
+            [("--target", args.target.is_some()), ("--pilot", args.pilot.is_some())].into_iter().find_map(|(f, g)| g.then_some(f))
+            && built.sampler.error_estimator() == ErrorEstimator::Scramblings(1)
+        {
+            return Err(Error::Usage(format!("{flag}: a single scrambling tells no error; it takes --scramblings 2 or more")));
+        }
         let about = About::new(loaded.identity()?, &built.film, built.sampler.error_estimator(), of_camera(&built.world, &built.film));
         let (parts, pictures): (Vec<PathBuf>, Vec<PathBuf>) = outputs.into_iter().partition(|path| self::is_part(path));
         if !built.film.layers.is_empty() && !pictures.iter().any(|path| Format::of(path) == Some(Format::Exr)) {

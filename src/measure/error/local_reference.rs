@@ -54,14 +54,14 @@ impl PixelStatistics {
         Some(PixelStatistics { width, freedom, floor, pixels, gray, skewness_ratio })
     }
 
-    /// Contribution of each pixel to relMSE, averaged over its colours.
-    pub fn contributions(&self) -> Vec<Contribution> {
-        (0..self.pixels.len()).into_par_iter().map(|i| self.contribution(i)).collect()
+    /// Contribution of each pixel to relMSE, averaged over its colours, with the index of the pixel.
+    pub fn contributions(&self) -> Vec<(usize, Contribution)> {
+        (0..self.pixels.len()).into_par_iter().map(|i| (i, self.contribution(i))).collect()
     }
 
-    /// relMSE · P without any correction: each pixel is divided by its own value.
-    pub fn uncorrected(&self) -> f64 {
-        self.pixels.iter().flatten().map(|(x, v)| v / (3.0 * (x * x + self.floor))).sum()
+    /// Contribution of a pixel without any correction: it is divided by its own value.
+    pub fn uncorrected(&self, i: usize) -> f64 {
+        self.pixels[i].iter().map(|(x, v)| v / (3.0 * (x * x + self.floor))).sum()
     }
 
     fn contribution(&self, i: usize) -> Contribution {

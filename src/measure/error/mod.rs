@@ -4,7 +4,9 @@ mod contribution;
 mod correlation;
 pub(in crate::measure) mod epsilon;
 mod local_reference;
+mod most_pixels;
 mod relative;
 
 pub use epsilon::{EPSILON, floor};
-pub use relative::{RelativeError, errors};
+pub use most_pixels::MostPixels;
+pub use relative::{ErrorInterval, Refusal, RelativeError, errors};

@@ -1,8 +1,10 @@
 //! Relative error of a picture, estimated from the picture's own error bars.
 
+use std::fmt;
+
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::contribution::residual_variance;
+use super::contribution::{Contribution, residual_variance};
 use super::correlation::correlation;
 use super::local_reference::PixelStatistics;
 use crate::film::{Film, Image, MomentFilm};
@@ -34,6 +36,44 @@ pub struct RelativeError {
 /// to second order only.
 const UNSURE: f64 = 0.25;
 
+/// An error, and the ends of the interval that holds it with the requested probability.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorInterval {
+    /// √relMSE
+    pub value: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end of the interval.
+    pub high: f64,
+}
+
+/// Reason why no error can be stated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// A few pixels hold all the noise. If one more bright sample arrived, the estimate would change completely.
+    HeavyTail,
+    /// Noise drowns the picture, so that not even the order of magnitude of the error is known.
+    TooNoisy,
+}
+
+impl Refusal {
+    /// Name and explanation.
+    pub fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Refusal::HeavyTail => ("heavy tail", "a few pixels hold all the noise"),
+            Refusal::TooNoisy => ("too noisy", "more samples are needed"),
+        }
+    }
+}
+
+/// Writes name and explanation: `heavy tail: a few pixels hold all the noise`.
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let (name, explanation) = self.words();
+        write!(f, "{name}: {explanation}")
+    }
+}
+
 /// Smallest number of equally noisy pixels that tells the noise of a picture.
 ///
 /// With 30 pixels the relative standard deviation of relMSE is 21 to 26 %, just where an interval about a logarithm still has a
@@ -48,44 +88,68 @@ impl RelativeError {
     pub fn of(film: &MomentFilm) -> Option<RelativeError> {
         let picture = PixelStatistics::new(film, film.spec().crop.size().x as usize)?;
         let contributions = picture.contributions();
-        let sum: f64 = contributions.iter().map(|contribution| contribution.value).sum();
-        let square: f64 = contributions.iter().map(|contribution| contribution.value * contribution.value).sum();
-        let variance_ratio: f64 = contributions.iter().map(|contribution| contribution.value * contribution.variance_ratio).sum();
+        Some(RelativeError::over(&contributions, &picture, correlation(film, picture.floor)))
+    }
+
+    /// Relative error of some of the pixels.
+    ///
+    /// - `contributions`: indices of the pixels, with their contributions to relMSE
+    /// - `correlation`: φ of the errors of the pixels
+    pub(super) fn over(contributions: &[(usize, Contribution)], picture: &PixelStatistics, correlation: f64) -> RelativeError {
+        let total = |of: &dyn Fn(&Contribution) -> f64| contributions.iter().map(|(_, contribution)| of(contribution)).sum::<f64>();
+        let (sum, square) = (total(&|c| c.value), total(&|c| c.value * c.value));
+        let variance_ratio = total(&|c| c.value * c.variance_ratio);
         let count = contributions.len() as f64;
         if square == 0.0 {
-            return Some(RelativeError { value: 0.0, spread: 0.0, effective_pixels: count });
+            return RelativeError { value: 0.0, spread: 0.0, effective_pixels: f64::INFINITY };
         }
         // σ² g(r) where the error is.
         let noise = variance_ratio / sum / residual_variance(picture.freedom);
         // E[g(x)]/g(r) = 1 + 3s² + 15s⁴ + … for symmetric noise. The fourth order is not corrected, and up to two thirds of it may
         // be left.
         let beyond = 10.0 * noise * noise;
-        let corrected = UNSURE * (sum / picture.uncorrected()).ln();
-        let random = (variance_ratio * correlation(film, picture.floor)).sqrt();
+        let uncorrected: f64 = contributions.iter().map(|(i, _)| picture.uncorrected(*i)).sum();
+        let corrected = UNSURE * (sum / uncorrected).ln();
+        let random = (variance_ratio * correlation).sqrt();
         let spread = 0.5 * (random / sum).hypot(corrected).hypot(beyond);
-        Some(RelativeError { value: (sum / count).sqrt(), spread, effective_pixels: sum * sum / square })
+        RelativeError { value: (sum / count).sqrt(), spread, effective_pixels: sum * sum / square }
     }
 
-    /// Interval that holds the error with this probability.
-    pub fn interval(&self, confidence: f64) -> [f64; 2] {
-        let reach = quantile(0.5 + 0.5 * confidence) * self.spread;
-        [self.value * (-reach).exp(), self.value * reach.exp()]
+    /// The error with the interval that holds it with this probability.
+    ///
+    /// This is the only rule of what is stated: whoever prints, writes, compares or extrapolates an error asks here.
+    ///
+    /// # Errors
+    /// The reason why nothing can be stated.
+    pub fn stated(&self, confidence: f64) -> Result<ErrorInterval, Refusal> {
+        match self.refusal() {
+            Some(refusal) => Err(refusal),
+            None => {
+                let reach = quantile(0.5 + 0.5 * confidence) * self.spread;
+                Ok(ErrorInterval { value: self.value, low: self.value * (-reach).exp(), high: self.value * reach.exp() })
+            }
+        }
+    }
+
+    /// Reason why the error cannot be stated, if there is one.
+    pub fn refusal(&self) -> Option<Refusal> {
+        match self.effective_pixels < FEWEST {
+            true => Some(Refusal::HeavyTail),
+            false => Some(Refusal::TooNoisy).filter(|_| self.spread > VAGUE),
+        }
+    }
+
+    /// Bound above which the error lies with this probability, stated or not.
+    pub(super) fn above(&self, confidence: f64) -> f64 {
+        self.value * (-quantile(confidence) * self.spread).exp()
     }
 
     /// Bound below which the error lies with this probability.
-    pub fn below(&self, confidence: f64) -> f64 {
-        self.value * (quantile(confidence) * self.spread).exp()
-    }
-
-    /// Returns whether enough pixels share the noise. If a few bright pixels hold all of it, the next one would change the estimate
-    /// completely.
-    pub fn is_established(&self) -> bool {
-        self.effective_pixels >= FEWEST
-    }
-
-    /// Returns whether not even the order of magnitude is known, because noise drowns the picture.
-    pub fn is_vague(&self) -> bool {
-        self.spread > VAGUE
+    ///
+    /// # Errors
+    /// The reason why nothing can be stated.
+    pub fn below(&self, confidence: f64) -> Result<f64, Refusal> {
+        self.stated(confidence).map(|error| error.value * (quantile(confidence) * self.spread).exp())
     }
 }
 

@@ -1,0 +1,89 @@
+//! How often the stated 95 % interval contains the true relative error.
+
+use pt::film::Image;
+use pt::measure::{Distance, MostPixels, RelativeError};
+use pt::sampler::Kind;
+use rayon::prelude::*;
+
+use super::share::Share;
+use super::subject::Subject;
+use super::{REFERENCE, SAMPLERS, after, reference, relmse, small, taken};
+
+pub const SCENES: [&str; 7] = ["cornell-box", "mirror-balls", "mis-plates", "statue", "triangle-stacks", "matter", "caustic"];
+/// Samples per pixel at an early and at a late check of the error.
+const SAMPLES: [u64; 2] = [64, 256];
+
+pub fn print(scenes: &[&str], seeds: u64) -> pt::Result<()> {
+    let (mut intervals, mut bounds) = (Share::default(), Share::default());
+    println!(
+        "| scene | spp | sampler | error | stated / true | interval holds | bound of most pixels holds | relMSE of 2 scramblings / 1 |\n\
+         |---|---|---|---|---|---|---|---|"
+    );
+    for name in scenes {
+        let subject = small(name)?;
+        let reference = reference(&subject, REFERENCE);
+        for samples in SAMPLES {
+            for kind in SAMPLERS {
+                let count = counted(&subject, kind, samples, &reference, seeds);
+                println!("| {name} | {samples} | {kind:?} | {} |", count.row(seeds));
+                intervals.add(count.interval);
+                bounds.add(count.bound);
+            }
+        }
+    }
+    println!("\nThe interval holds in {intervals} pictures that state one: {}.", intervals.percent());
+    println!("Where none is stated, the bound of most pixels holds in {bounds} pictures: {}.\n", bounds.percent());
+    Ok(())
+}
+
+fn counted(subject: &Subject, kind: Kind, samples: u64, reference: &Image, seeds: u64) -> Count {
+    let look = |seed: u64| {
+        let (film, _) = taken(subject, kind, 2, seed, &after(samples));
+        let plain = if kind == Kind::Independent { 0.0 } else { relmse(&taken(subject, kind, 1, seed, &after(samples)).0, reference) };
+        let most = MostPixels::of(&film).map(|most| {
+            let truth = Distance::without(&film.image(), reference, &most.aside).expect("a reference").relmse.max(0.0);
+            (most.at_least(0.95), truth.sqrt())
+        });
+        (RelativeError::of(&film).expect("error bars"), most, relmse(&film, reference), plain)
+    };
+    let looks: Vec<_> = (0..seeds).into_par_iter().map(look).collect();
+    let mut count = Count::default();
+    for (error, most, truth, plain) in looks {
+        count.square += truth;
+        count.plain_square += plain;
+        match (error.stated(0.95), most) {
+            (Ok(stated), _) => {
+                count.interval.count((stated.low..=stated.high).contains(&truth.sqrt()));
+                count.stated_square += stated.value * stated.value;
+                count.true_square += truth;
+            }
+            (Err(_), Some((at_least, truth))) => count.bound.count(truth >= at_least),
+            (Err(_), None) => {}
+        }
+    }
+    count
+}
+
+/// Comparison of stated and true errors over some seeds.
+#[derive(Default)]
+struct Count {
+    /// Pictures that state an interval.
+    interval: Share,
+    /// Pictures that state a bound for most pixels.
+    bound: Share,
+    stated_square: f64,
+    /// Sum over the pictures that state an interval.
+    true_square: f64,
+    square: f64,
+    /// Sum over pictures without error bars.
+    plain_square: f64,
+}
+
+impl Count {
+    fn row(&self, seeds: u64) -> String {
+        let error = 100.0 * (self.square / seeds as f64).sqrt();
+        let ratio = if self.interval.of > 0 { format!("{:.3}", (self.stated_square / self.true_square).sqrt()) } else { "–".into() };
+        let cost = if self.plain_square > 0.0 { format!("{:.2}", self.square / self.plain_square) } else { "–".into() };
+        format!("{error:.1} % | {ratio} | {} | {} | {cost}", self.interval, self.bound)
+    }
+}

@@ -1,0 +1,81 @@
+//! Accuracy of error bars and of predicted costs: the tables of docs/accuracy.md.
+//!
+//! `cargo bench --bench accuracy [-- TABLES] [SEEDS] [SCENES]`: the default is all tables, 100 seeds and the scenes of each table. Each
+//! has three samplers.
+//!
+//! - coverage: how often the stated 95 % interval contains the true relative error
+//! - pixels: how many pixels are as far from the truth as their standard errors say
+//! - prices: how often the interval of the number of samples that a smaller error takes contains the number that it then takes
+//! - targets: how often the true error is below a target that was met, and what was spent to know it
+//! - adaptive: relMSE, and time × relMSE, of adaptive samples over those of as many uniform ones
+
+mod adaptive;
+mod coverage;
+mod pixels;
+mod prices;
+mod share;
+#[path = "../subject/mod.rs"]
+mod subject;
+mod targets;
+
+use pt::film::{Image, MomentFilm};
+use pt::measure::{Distance, ErrorHistory, StopCondition, render_until};
+use pt::render::{Render, Settings, Silent};
+use pt::sampler::{Kind, SamplerSpec};
+use subject::Subject;
+
+/// A table: its name, its scenes, and the function that prints it for some of them.
+type Table = (&'static str, &'static [&'static str], fn(&[&str], u64) -> pt::Result<()>);
+
+const TABLES: [Table; 5] = [
+    ("coverage", &coverage::SCENES, coverage::print),
+    ("pixels", &pixels::SCENES, pixels::print),
+    ("prices", &prices::SCENES, prices::print),
+    ("targets", &targets::SCENES, targets::print),
+    ("adaptive", &adaptive::SCENES, adaptive::print),
+];
+
+const SAMPLERS: [Kind; 3] = [Kind::Independent, Kind::Halton, Kind::Sobol];
+/// Number of samples of a reference picture.
+const REFERENCE: u64 = 1 << 14;
+
+fn main() -> pt::Result<()> {
+    let words: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with('-')).collect();
+    let has = |name: &str| words.iter().any(|word| word == name);
+    let seeds: u64 = words.iter().filter_map(|word| word.parse().ok()).next().unwrap_or(100);
+    let any = TABLES.iter().any(|(name, ..)| has(name));
+    for (_, scenes, print) in TABLES.iter().filter(|(name, ..)| !any || has(name)) {
+        let asked: Vec<&str> = scenes.iter().copied().filter(|scene| has(scene)).collect();
+        print(if asked.is_empty() { scenes } else { &asked }, seeds)?;
+    }
+    Ok(())
+}
+
+/// A scene in a small size, on which many renders take little time.
+fn small(name: &str) -> pt::Result<Subject> {
+    Subject::load(name, &[("/film/width", "48"), ("/film/height", "36")])
+}
+
+/// Stop condition of a number of samples, without a time limit or a target error.
+const fn after(samples: u64) -> StopCondition {
+    StopCondition { samples, time: None, target: None }
+}
+
+/// Picture of a seed, and the history of its error.
+fn taken(subject: &Subject, kind: Kind, scramblings: u32, seed: u64, until: &StopCondition) -> (MomentFilm, ErrorHistory) {
+    let settings = Settings::new(SamplerSpec { kind, seed, spp: until.samples, scramblings });
+    let mut film = MomentFilm::new(subject.spec.clone());
+    let mut render = Render::new(subject.scene.clone(), &*subject.integrator, &subject.spec, &settings);
+    let history = render_until(&mut render, &mut film, until, &Silent);
+    (film, history)
+}
+
+/// Reference picture, with random numbers that no other render has.
+fn reference(subject: &Subject, samples: u64) -> Image {
+    taken(subject, Kind::Sobol, 8, u64::MAX, &after(samples)).0.image()
+}
+
+/// True relMSE of a film.
+fn relmse(film: &MomentFilm, reference: &Image) -> f64 {
+    Distance::between(&film.image(), reference).expect("a reference").relmse.max(0.0)
+}
