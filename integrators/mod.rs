@@ -34,7 +34,7 @@ pub const ALL: &[Entry] = &[
     Entry::of::<whitted::Whitted>(
         "whitted",
         "Whitted's ray tracing: direct light, and branches at mirrors and glass",
-        Effects::ALL.without(Effects::INTERREFLECTION.union(Effects::UNSAMPLED_EMITTER)),
+        Effects::ALL.without(Effects::SCATTERED.union(Effects::UNSAMPLED_EMITTER)),
     ),
     Entry::of::<card::Card>(
         "card",

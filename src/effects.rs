@@ -17,33 +17,39 @@ struct EffectInfo {
 impl Effects {
     /// The empty set.
     pub const NONE: Effects = Effects(0);
-    /// Emitting surfaces.
+    /// Emitting surfaces on which points can be sampled.
     pub const AREA_LIGHT: Effects = Effects(1 << 0);
     /// Lights that a ray cannot hit: point, spot, directional.
     pub const POINT_LIGHT: Effects = Effects(1 << 1);
     /// Light from infinitely far away, all around.
     pub const ENVIRONMENT: Effects = Effects(1 << 2);
-    /// Surfaces that scatter into a continuum of directions and so light each other.
+    /// Matte surfaces, which scatter into all directions and so light each other.
     pub const INTERREFLECTION: Effects = Effects(1 << 3);
     /// Mirrors: reflection into a single direction.
     pub const SPECULAR_REFLECTION: Effects = Effects(1 << 4);
+    /// Rough metals and coats: reflection into a lobe of directions.
+    pub const GLOSSY_REFLECTION: Effects = Effects(1 << 5);
     /// Clear glass: refraction into a single direction.
-    pub const REFRACTION: Effects = Effects(1 << 5);
+    pub const REFRACTION: Effects = Effects(1 << 6);
+    /// Frosted glass: refraction into a lobe of directions.
+    pub const ROUGH_REFRACTION: Effects = Effects(1 << 7);
     /// Depth of field.
-    pub const THIN_LENS: Effects = Effects(1 << 6);
+    pub const THIN_LENS: Effects = Effects(1 << 8);
     /// Shading normals that differ from the geometric normals: interpolated, or from a normal or bump map.
-    pub const SHADING_NORMALS: Effects = Effects(1 << 7);
+    pub const SHADING_NORMALS: Effects = Effects(1 << 9);
     /// Parameters that vary over a surface.
-    pub const TEXTURES: Effects = Effects(1 << 8);
+    pub const TEXTURES: Effects = Effects(1 << 10);
     /// Surfaces with holes.
-    pub const CUT_OUTS: Effects = Effects(1 << 9);
+    pub const CUT_OUTS: Effects = Effects(1 << 11);
     /// Emitting surfaces on which no point can be sampled, so that paths hit them only by chance.
-    pub const UNSAMPLED_EMITTER: Effects = Effects(1 << 10);
+    pub const UNSAMPLED_EMITTER: Effects = Effects(1 << 12);
     /// Coarse meshes whose shadow terminator is that of the smooth surface that they stand for.
-    pub const SMOOTH_SHADOWS: Effects = Effects(1 << 11);
-
+    pub const SMOOTH_SHADOWS: Effects = Effects(1 << 13);
     /// Things that move while the shutter is open. Only then samples draw a time.
-    pub const MOTION: Effects = Effects(1 << 12);
+    pub const MOTION: Effects = Effects(1 << 14);
+
+    /// Light between surfaces that scatter into a continuum of directions, of which a path follows one at random.
+    pub const SCATTERED: Effects = Effects::INTERREFLECTION.union(Effects::GLOSSY_REFLECTION).union(Effects::ROUGH_REFRACTION);
 
     /// All effects.
     pub const ALL: Effects = Effects((1 << TABLE.len()) - 1);
@@ -66,6 +72,16 @@ impl Effects {
     /// Whether the set is empty.
     pub const fn is_empty(self) -> bool {
         self.0 == 0
+    }
+
+    /// The effects of the same surfaces with roughness: lobes in the place of single directions.
+    pub fn roughened(self) -> Effects {
+        let lobes = [(Effects::SPECULAR_REFLECTION, Effects::GLOSSY_REFLECTION), (Effects::REFRACTION, Effects::ROUGH_REFRACTION)];
+        let rough = |effects: Effects, (smooth, rough): (Effects, Effects)| match effects.contains(smooth) {
+            true => effects.without(smooth) | rough,
+            false => effects,
+        };
+        lobes.into_iter().fold(self, rough)
     }
 
     /// Each effect of the set.
@@ -111,13 +127,15 @@ impl Sub for Effects {
 }
 
 /// Table of all effects, in the order of their bits.
-const TABLE: [EffectInfo; 13] = [
+const TABLE: [EffectInfo; 15] = [
     EffectInfo { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
     EffectInfo { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
     EffectInfo { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
     EffectInfo { bit: Effects::INTERREFLECTION, name: "diffuse interreflection", cost: "one more ray per bounce" },
     EffectInfo { bit: Effects::SPECULAR_REFLECTION, name: "mirror reflection", cost: "one more ray per bounce" },
-    EffectInfo { bit: Effects::REFRACTION, name: "refraction", cost: "one more ray per interface" },
+    EffectInfo { bit: Effects::GLOSSY_REFLECTION, name: "glossy reflection", cost: "one more ray per bounce" },
+    EffectInfo { bit: Effects::REFRACTION, name: "refraction in clear glass", cost: "one more ray per interface" },
+    EffectInfo { bit: Effects::ROUGH_REFRACTION, name: "refraction in rough glass", cost: "one more ray per interface" },
     EffectInfo { bit: Effects::THIN_LENS, name: "depth of field", cost: "two random numbers per camera ray" },
     EffectInfo { bit: Effects::SHADING_NORMALS, name: "shading normals", cost: "one interpolation per hit" },
     EffectInfo { bit: Effects::TEXTURES, name: "textures", cost: "one lookup per parameter and hit" },

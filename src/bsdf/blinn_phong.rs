@@ -69,6 +69,6 @@ parameters! {
     }
 
     fn effects(&self) -> Effects {
-        Effects::INTERREFLECTION
+        Effects::GLOSSY_REFLECTION
     }
 }

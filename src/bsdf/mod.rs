@@ -169,8 +169,8 @@ pub trait ScatteringModel {
 fn lobe_effects(width: &Texture) -> Effects {
     match width {
         Texture::Constant(none) if none.is_black() => Effects::SPECULAR_REFLECTION,
-        Texture::Constant(_) => Effects::INTERREFLECTION,
-        _ => Effects::SPECULAR_REFLECTION | Effects::INTERREFLECTION,
+        Texture::Constant(_) => Effects::GLOSSY_REFLECTION,
+        _ => Effects::SPECULAR_REFLECTION | Effects::GLOSSY_REFLECTION,
     }
 }
 

@@ -65,6 +65,6 @@ parameters! {
     }
 
     fn effects(&self) -> Effects {
-        Effects::INTERREFLECTION
+        Effects::GLOSSY_REFLECTION
     }
 }

@@ -205,7 +205,10 @@ impl Builder<'_> {
         }
         let (kind, own) = self.material(&format!("{pointer}/material"), shape.material());
         let mut effects = own.1;
-        effects |= emitter.as_ref().map_or(Effects::NONE, |_| Effects::AREA_LIGHT);
+        let emits = |emitter: &Option<Emitter>| emitter.as_ref().is_some_and(|emitter| !emitter.radiance.is_black());
+        if emits(&emitter) && !matches!(shape, Shape::Sdf(_)) {
+            effects |= Effects::AREA_LIGHT;
+        }
         let own = own.0;
         self.note_lamp(pointer, shape, to_world);
         match shape {
@@ -236,8 +239,8 @@ impl Builder<'_> {
             Shape::Sdf(s) => {
                 let Some((solid, parts, more)) = self.sdf(pointer, s, PartAppearance { material: own, emitter }) else { return Ok(()) };
                 effects |= more;
-                if parts.iter().any(|part| part.emitter.is_some()) {
-                    effects |= Effects::AREA_LIGHT | Effects::UNSAMPLED_EMITTER;
+                if parts.iter().any(|part| emits(&part.emitter)) {
+                    effects |= Effects::UNSAMPLED_EMITTER;
                 }
                 self.boxes.push(solid.bounds(to_world));
                 self.objects.solid(solid, *to_world, parts);

@@ -2,6 +2,7 @@
 
 use super::load::SceneArgs;
 use super::load::{Loaded, load};
+use super::messages::broken;
 use super::print_stdout;
 use crate::describe;
 use crate::effects::Effects;
@@ -52,8 +53,12 @@ pub fn contents(loaded: &Loaded) -> String {
     for effect in effects.iter() {
         text += &line(effect, &needed_by(&built.needs, effect), loaded.entry.simulates);
     }
-    text + &format!("\nnot called for, and off\n  {}\n", Effects::ALL - effects)
+    let off = format!("  {}", Effects::ALL - effects);
+    text + &format!("\nnot called for, and off\n{}\n", broken(&off, ",", COLUMNS))
 }
+
+/// Width of the list of effects.
+const COLUMNS: usize = 80;
 
 /// Number of instances, if there are any.
 fn instances(world: &World) -> String {

@@ -51,10 +51,10 @@ fn wrapped(text: &str, width: usize) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Breaks a line.
+/// Breaks a line. What follows a break is indented.
 ///
 /// - `end`: text that ends each part but the last, before a space
-fn broken(line: &str, end: &str, width: usize) -> String {
+pub fn broken(line: &str, end: &str, width: usize) -> String {
     let mut text = String::new();
     let mut used = 0;
     for part in line.split_inclusive(&format!("{end} ")) {

@@ -133,8 +133,8 @@ pub struct Lights {
     emission: Option<Discrete>,
     /// Indices of the lights that are infinitely far away and that rays reach which hit nothing.
     infinite: Vec<u32>,
-    /// Whether some light cannot be sampled.
-    has_unsampled_emitter: bool,
+    /// Effects that simulating the lights requires.
+    effects: Effects,
 }
 
 impl Lights {
@@ -144,11 +144,15 @@ impl Lights {
     pub fn new(lights: Vec<Light>, shapes: Arc<[Box<dyn Shape>]>, bounds: (Vec3, f32)) -> Lights {
         let power: Vec<f64> = lights.iter().map(|light| light.power(&shapes, bounds.1.into())).collect();
         let infinite = (0..).zip(&lights).filter(|(_, light)| matches!(light, Light::Environment(_))).map(|(i, _)| i).collect();
-        let has_unsampled_emitter = lights.iter().any(|light| matches!(light, Light::Area(area) if area.is_unsampled(&shapes)));
+        let of = |light: &Light| match light {
+            Light::Area(area) if area.is_unsampled(&shapes) => Effects::UNSAMPLED_EMITTER,
+            _ => light.effects(),
+        };
+        let effects = lights.iter().map(of).fold(Effects::NONE, Effects::union);
         let light_bounds = lights.iter().zip(&power).map(|(light, power)| (*power > 0.0).then(|| light.bounds(&shapes)).flatten());
         let choice = Choice::new(&lights, light_bounds.collect());
         let emission = Discrete::new(&emission_weights(&power));
-        Lights { shapes, bounds, choice, emission, infinite, lights, has_unsampled_emitter }
+        Lights { shapes, bounds, choice, emission, infinite, lights, effects }
     }
 
     /// Number of lights.
@@ -178,8 +182,7 @@ impl Lights {
 
     /// Effects that simulating the lights requires.
     pub fn effects(&self) -> Effects {
-        let unsampled = if self.has_unsampled_emitter { Effects::UNSAMPLED_EMITTER } else { Effects::NONE };
-        self.lights.iter().map(Light::effects).fold(unsampled, Effects::union)
+        self.effects
     }
 
     /// Samples a direction towards a light.
@@ -365,9 +368,10 @@ impl Light {
         self
     }
 
-    /// Effects that simulating the light requires.
+    /// Effects that simulating the light requires; none if it is black. Points are taken to be samplable.
     pub fn effects(&self) -> Effects {
         match self {
+            _ if self.is_black() => Effects::NONE,
             Light::Area(_) => Effects::AREA_LIGHT,
             Light::Point(_) | Light::Spot(_) | Light::Directional(_) => Effects::POINT_LIGHT,
             Light::Environment(_) => Effects::ENVIRONMENT,

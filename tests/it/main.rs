@@ -13,6 +13,7 @@ mod bias_report;
 mod boxes;
 mod bsdfs;
 mod cameras;
+mod check;
 mod cli;
 mod compounds;
 mod demo_scenes;

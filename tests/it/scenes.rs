@@ -105,7 +105,7 @@ pub fn integrator(entry: &Entry, depth: Depth) -> Option<Box<dyn Integrator>> {
 
 /// Effects that a picture requires. With a single scattering event surfaces cannot light each other.
 pub fn needs(scene: &dyn Scene, depth: Depth) -> Effects {
-    if depth.max <= 1 { scene.effects() - Effects::INTERREFLECTION } else { scene.effects() }
+    if depth.max <= 1 { scene.effects() - Effects::SCATTERED } else { scene.effects() }
 }
 
 /// The edge of the film [pixels] of which every sample estimates the same number.

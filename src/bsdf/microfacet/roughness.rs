@@ -88,13 +88,13 @@ impl Roughness {
         }
     }
 
-    /// The effects of a rough surface, with those of a smooth one where a texture may be 0.
+    /// The effects of a rough surface: lobes, and the single directions of a smooth one where a texture may be 0.
     ///
     /// - `smooth`: the effects of the smooth surface
     pub fn effects(&self, smooth: Effects) -> Effects {
         match &self.alpha {
-            Alpha::Constant(_) | Alpha::Textured { roughness: Texture::Constant(_), .. } => Effects::INTERREFLECTION,
-            Alpha::Textured { .. } | Alpha::Widths(_) => Effects::INTERREFLECTION | smooth,
+            Alpha::Constant(_) | Alpha::Textured { roughness: Texture::Constant(_), .. } => smooth.roughened(),
+            Alpha::Textured { .. } | Alpha::Widths(_) => smooth.roughened() | smooth,
         }
     }
 
