@@ -4,6 +4,7 @@ mod axis;
 mod bars;
 mod curves;
 mod drawing;
+mod envelope;
 mod error_curve;
 mod font;
 mod frame;

@@ -1,78 +1,64 @@
-//! Plot of time against error for all methods. The Pareto front holds the points for which no other point has both less time and less
-//! error.
+//! Plot of time against error for all methods, with the Pareto front: the least error that any method has reached at each time.
 
 use super::curves::hint;
 use super::drawing::{Color, Dashes, Drawing, Point};
+use super::envelope::{Piece, envelope};
 use super::error_curve::{ErrorPoint, error_curve};
 use super::frame::{Entry, Format, Frame, Quantity};
-use crate::compare::Comparison;
+use crate::compare::{Comparison, Method};
+use crate::measure::format;
 
-/// Index of a method, and one of its checkpoints.
-type Candidate = (usize, ErrorPoint);
-
-/// Draws the Pareto front.
+/// Draws the Pareto front. It has the colour of the best method, and its interval as a band.
 pub fn front(comparison: &Comparison, format: Format) -> Drawing {
-    let of = |(index, method)| error_curve(method, comparison.confidence).into_iter().map(move |c| (index, c));
-    let all: Vec<Candidate> = comparison.methods.iter().enumerate().flat_map(of).collect();
-    let best = unbeaten(&all);
-    let points: Vec<Point> = all.iter().map(|(_, c)| [c.seconds, c.error]).collect();
-    let entry = |(index, method): (usize, &crate::compare::Method)| Entry { index, text: method.name.clone() };
+    let curves: Vec<Vec<ErrorPoint>> = comparison.methods.iter().map(|method| error_curve(method, comparison.confidence)).collect();
+    let pieces = envelope(&curves);
+    let points: Vec<Point> = curves.iter().flatten().map(|c| [c.seconds, c.error]).collect();
+    let entry = |(index, method): (usize, &Method)| Entry { index, text: method.name.clone() };
     let legend: Vec<Entry> = comparison.methods.iter().enumerate().map(entry).collect();
     let mut frame = Frame::new(format, "The best for the time: Pareto front", &legend, Quantity::Seconds, &points);
-    stairs(&mut frame, &best);
-    let name = |index: usize| &comparison.methods[index].name;
-    let radius = 0.36 * format.font_size;
-    for (index, c) in &all {
-        let (at, is_best) = (frame.place([c.seconds, c.error]), best.iter().any(|(p, b)| p == index && b == c));
-        let (size, opacity) = if is_best { (radius, 1.0) } else { (0.8 * radius, 0.3) };
-        frame.drawing.symbol(*index, at, size, opacity, hint(name(*index), c));
+    beaten(&mut frame, &pieces);
+    for (index, curve) in curves.iter().enumerate() {
+        let points = curve.iter().map(|c| frame.place([c.seconds, c.error])).collect();
+        frame.drawing.line(points, Color::Method(index), 1.0, Dashes::Short);
     }
-    let each: Vec<String> = best.iter().map(|(index, c)| hint(name(*index), c)).collect();
-    frame.drawing.description = format!("Pareto front of time against error: {}.", each.join("; "));
+    for Piece { curve, ends: [start, end] } in &pieces {
+        let place = |c: &ErrorPoint, error: f64| frame.place([c.seconds, error]);
+        let band = vec![place(start, start.high), place(end, end.high), place(end, end.low), place(start, start.low)];
+        let line = vec![place(start, start.error), place(end, end.error)];
+        frame.drawing.area(band, Color::Method(*curve), 0.18, "");
+        frame.drawing.line(line, Color::Method(*curve), 3.0, Dashes::None);
+    }
+    let radius = 0.32 * format.font_size;
+    for (index, curve) in curves.iter().enumerate() {
+        for c in curve {
+            let at = frame.place([c.seconds, c.error]);
+            let is_best = pieces.iter().any(|piece| piece.curve == index && piece.ends.contains(c));
+            let opacity = if is_best { 1.0 } else { 0.3 };
+            frame.drawing.symbol(index, at, radius, opacity, hint(&comparison.methods[index].name, c));
+        }
+    }
+    frame.drawing.description = describe(comparison, &pieces);
     frame.drawing
 }
 
-/// Points of the front in order of time: each has a smaller error than all faster ones.
-fn unbeaten(all: &[Candidate]) -> Vec<Candidate> {
-    let mut sorted = all.to_vec();
-    sorted.sort_by(|(_, a), (_, b)| a.seconds.total_cmp(&b.seconds).then(a.error.total_cmp(&b.error)));
-    let mut best: Vec<Candidate> = vec![];
-    for candidate in sorted {
-        if best.last().is_none_or(|(_, last)| candidate.1.error < last.error) {
-            best.push(candidate);
-        }
+/// Shades the area above the front, where something better is known, and joins the pieces by a thin line.
+fn beaten(frame: &mut Frame, pieces: &[Piece]) {
+    let Some((first, last)) = pieces.first().zip(pieces.last()) else { return };
+    let mut points = vec![[frame.x.at(first.ends[0].seconds), frame.top]];
+    for end in pieces.iter().flat_map(|piece| piece.ends) {
+        points.push(frame.place([end.seconds, end.error]));
     }
-    best
+    points.push([frame.right, frame.y.at(last.ends[1].error)]);
+    frame.drawing.line(points.clone(), Color::Muted, 1.0, Dashes::None);
+    points.push([frame.right, frame.top]);
+    frame.drawing.area(points, Color::Muted, 0.08, "");
 }
 
-/// Draws the front as steps: between two points the earlier one is the best.
-fn stairs(frame: &mut Frame, best: &[Candidate]) {
-    let mut points: Vec<Point> = vec![];
-    for (_, c) in best {
-        let at = frame.place([c.seconds, c.error]);
-        let before = points.last().map_or([at[0], frame.top], |last: &Point| [at[0], last[1]]);
-        points.extend([before, at]);
-    }
-    if let Some(last) = points.last().copied() {
-        points.push([frame.right, last[1]]);
-    }
-    // The area above is beaten.
-    let mut beaten = points.clone();
-    if !beaten.is_empty() {
-        beaten.push([frame.right, frame.top]);
-    }
-    frame.drawing.area(beaten, Color::Muted, 0.08, "");
-    frame.drawing.line(points, Color::Text, 1.5, Dashes::None);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_front_beats_all_others() {
-        let at = |seconds, error| (0, ErrorPoint { samples: 1.0, seconds, error, low: error, high: error });
-        let all = [at(4.0, 0.1), at(1.0, 0.3), at(2.0, 0.4), at(3.0, 0.1), at(8.0, 0.05), at(1.0, 0.5)];
-        assert_eq!(unbeaten(&all), [at(1.0, 0.3), at(3.0, 0.1), at(8.0, 0.05)]);
-    }
+/// The best methods in words: `path from 4 ms (200 %), nee from 19 ms (30 %) to 1.5 s (3 %)`.
+fn describe(comparison: &Comparison, pieces: &[Piece]) -> String {
+    let told = |c: &ErrorPoint| format!("{} ({} %)", format::duration(c.seconds), format::per_cent(c.error));
+    let owners = pieces.chunk_by(|a, b| a.curve == b.curve).filter_map(|run| run.first());
+    let each: Vec<String> = owners.map(|piece| format!("{} from {}", comparison.methods[piece.curve].name, told(&piece.ends[0]))).collect();
+    let end = pieces.last().map_or(String::new(), |piece| format!(" to {}", told(&piece.ends[1])));
+    format!("Pareto front of time against error: {}{end}.", each.join(", "))
 }
