@@ -5,7 +5,7 @@ use pt::measure::{Distance, MostPixels, RelativeError};
 use pt::sampler::Kind;
 use rayon::prelude::*;
 
-use super::share::Share;
+use super::share::{Share, median};
 use super::subject::Subject;
 use super::{REFERENCE, SAMPLERS, after, reference, relmse, small, taken};
 
@@ -16,7 +16,7 @@ const SAMPLES: [u64; 2] = [64, 256];
 pub fn print(scenes: &[&str], seeds: u64) -> pt::Result<()> {
     let (mut intervals, mut bounds) = (Share::default(), Share::default());
     println!(
-        "| scene | spp | sampler | error | stated / true | interval holds | bound of most pixels holds | relMSE of 2 scramblings / 1 |\n\
+        "| scene | spp | sampler | error | stated / true | interval holds | bound of most pixels holds, median true / bound | relMSE of 2 scramblings / 1 |\n\
          |---|---|---|---|---|---|---|---|"
     );
     for name in scenes {
@@ -57,7 +57,10 @@ fn counted(subject: &Subject, kind: Kind, samples: u64, reference: &Image, seeds
                 count.stated_square += stated.value * stated.value;
                 count.true_square += truth;
             }
-            (Err(_), Some((at_least, truth))) => count.bound.count(truth >= at_least),
+            (Err(_), Some((at_least, truth))) => {
+                count.bound.count(truth >= at_least);
+                count.above_bound.push(truth / at_least);
+            }
             (Err(_), None) => {}
         }
     }
@@ -71,6 +74,8 @@ struct Count {
     interval: Share,
     /// Pictures that state a bound for most pixels.
     bound: Share,
+    /// True errors of most pixels divided by their bounds.
+    above_bound: Vec<f64>,
     stated_square: f64,
     /// Sum over the pictures that state an interval.
     true_square: f64,
@@ -84,6 +89,7 @@ impl Count {
         let error = 100.0 * (self.square / seeds as f64).sqrt();
         let ratio = if self.interval.of > 0 { format!("{:.3}", (self.stated_square / self.true_square).sqrt()) } else { "–".into() };
         let cost = if self.plain_square > 0.0 { format!("{:.2}", self.square / self.plain_square) } else { "–".into() };
-        format!("{error:.1} % | {ratio} | {} | {} | {cost}", self.interval, self.bound)
+        let above = if self.bound.of > 0 { format!(", {:.2}", median(self.above_bound.clone())) } else { String::new() };
+        format!("{error:.1} % | {ratio} | {} | {}{above} | {cost}", self.interval, self.bound)
     }
 }

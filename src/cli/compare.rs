@@ -7,17 +7,20 @@ use std::time::Duration;
 
 use super::load::SceneArgs;
 use super::load::{Loaded, load};
+use super::messages::fitted;
 use super::parse::{duration as parse_duration, share, size};
 use super::progress::Progress;
 use super::progress::{ProgressForm, WorkArgs};
+use super::quote::quoted;
 use super::reference::{self, ReferenceRenderer};
+use super::summary::{Accuracy, attributes};
 use super::{note, print_stdout, render, signals};
 use crate::compare::{self, Budget, Comparison, MethodConfig, Reference, conclusions, report};
 use crate::error::{Error, Fault, Result};
 use crate::film::FilmSpec;
 use crate::integrator::Entry;
 use crate::measure::format::{duration, per_cent};
-use crate::measure::{Metric, RelativeError, StopCondition};
+use crate::measure::{Metric, Refusal, RelativeError, StopCondition};
 use crate::output::{self, exr};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::scene::Scene;
@@ -134,7 +137,7 @@ fn configs(args: &CompareArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<V
 
 /// Reads a reference: it must have the same pixels and only finite values.
 fn read_reference(path: &Path, film: &FilmSpec) -> Result<Reference> {
-    let (image, _) = exr::read(path)?;
+    let (image, attributes) = exr::read(path)?;
     let refused = |text: String| Error::invalid(Fault::new(text).in_file(path));
     render::same_pixels(path, &image, film)?;
     if let Some(missing) = ["R", "G", "B"].into_iter().find(|name| image.channel(name).is_none()) {
@@ -144,7 +147,7 @@ fn read_reference(path: &Path, film: &FilmSpec) -> Result<Reference> {
     if broken > 0 {
         return Err(refused(format!("the reference has {broken} values that are no numbers")));
     }
-    Ok(Reference { image, origin: path.display().to_string(), error: None })
+    Ok(Reference::from_file(image, path.display().to_string(), attributes))
 }
 
 fn measure(
@@ -166,7 +169,7 @@ fn measure(
         Some(reference) => reference,
         None => {
             let time = args.reference_time.unwrap_or(time);
-            compute_reference(&scene, &renderer, cached, time)?.ok_or_else(interrupted)?
+            compute_reference(args, &scene, &renderer, cached, time)?.ok_or_else(interrupted)?
         }
     };
     if reference.image.pixels().flatten().all(|value| value == 0.0) {
@@ -183,17 +186,19 @@ fn measure(
     let progress = Progress::new(args.work.progress, &spec, u32::MAX.into(), Some(budget.time.unwrap_or(time) * count));
     let methods = compare::run(&scene, &spec, configs, &budget, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
     progress.finish();
-    let conclusions = conclusions(&methods);
+    let conclusions = conclusions(&methods, &reference, args.confidence);
     let comparison = Comparison { scene: stem, reference, methods, metrics: budget.metrics, confidence: args.confidence, conclusions };
-    output::write(&folder.join("reference.exr"), &comparison.reference.image, &vec![], &output::Tonemap::default())?;
+    let Reference { image, attributes, .. } = &comparison.reference;
+    output::write(&folder.join("reference.exr"), image, attributes, &output::Tonemap::default())?;
     compare::report::write(&comparison, folder, args.jeri)?;
-    remark_coarse_reference(&comparison);
-    print_stdout(&summary(&comparison, folder))?;
+    remark_coarse_reference(args, &comparison)?;
+    print_stdout(&fitted(&summary(&comparison, folder)))?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Computes a reference: from the cached one if it exists, which is improved, and by rendering otherwise.
 fn compute_reference(
+    args: &CompareArgs,
     scene: &Arc<dyn Scene>,
     renderer: &ReferenceRenderer,
     cached: Option<PathBuf>,
@@ -211,27 +216,54 @@ fn compute_reference(
     if made.report.cancelled {
         return Ok(None);
     }
-    let error = RelativeError::of(&made.film).map(|error| error.value);
+    // A reference whose samples tell no error is no truth either.
+    let error = RelativeError::of(&made.film).or(Some(RelativeError::refused(Refusal::TooNoisy)));
+    let accuracy = Accuracy::of(&made.film, &made.history, args.confidence);
+    let attributes = attributes(&renderer.about, &made.film, &accuracy, args.confidence, None);
     let origin = format!("{origin} by {}, {} spp", renderer.entry.name, made.film.samples());
-    Ok(Some(Reference { image: made.film.image(), origin, error }))
+    Ok(Some(Reference { image: made.film.image(), origin, error, attributes }))
 }
 
-/// Notes if the reference is too coarse: its variance should be at most a tenth of that of the best method.
-fn remark_coarse_reference(comparison: &Comparison) {
-    let Some(own) = comparison.reference.error else { return };
+/// Notes if the reference is too coarse: its error must be known, and its variance should be at most a tenth of that of the best method.
+fn remark_coarse_reference(args: &CompareArgs, comparison: &Comparison) -> Result<()> {
+    let Some(own) = comparison.reference.error else {
+        note(&format!("note: {} does not state its own error: times for errors below it are wrong", comparison.reference.origin));
+        return Ok(());
+    };
+    if let Some(refusal) = own.refusal() {
+        let advice = "another --reference-integrator or a longer --reference-time may help";
+        note(&format!("note: the reference's own error cannot be established ({refusal}), so no time is stated; {advice}"));
+        return Ok(());
+    }
     let last = |method: &compare::Method| method.curve.last().map(|last| (last.relmse.0, method.name.clone()));
     let best = comparison.methods.iter().filter_map(last).filter(|(relmse, _)| *relmse > 0.0).min_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some((relmse, name)) = best.filter(|(relmse, _)| 10.0 * own * own > *relmse) {
-        let needed = per_cent((relmse / 10.0).sqrt());
-        let [width, height] = comparison.reference.image.size.to_array();
-        let wish = format!("pt reference --size {width}x{height} --error {needed}%");
-        note(&format!("note: the reference's variance is more than a tenth of that of {name}; {wish} makes one that is better"));
+    if let Some((relmse, name)) = best.filter(|(relmse, _)| 10.0 * own.value * own.value > *relmse) {
+        let command = reference_command(args, &comparison.reference, (relmse / 10.0).sqrt())?;
+        note(&format!("note: the reference's variance is more than a tenth of that of {name}; one that is better:\n  {command}"));
     }
+    Ok(())
+}
+
+/// Command that computes a reference with an error, which the same comparison without `--reference` then finds in the cache.
+fn reference_command(args: &CompareArgs, reference: &Reference, error: f64) -> Result<String> {
+    let mut words = vec!["pt".to_owned(), "reference".to_owned(), args.scene.path()?.display().to_string()];
+    let mut flag = |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
+    args.scene.overrides.iter().for_each(|text| flag("-D", Some(text.clone())));
+    flag("--integrator", args.reference_integrator.clone());
+    flag("--cache", args.cache.as_ref().map(|path| path.display().to_string()));
+    let [width, height] = reference.image.full_size.to_array();
+    flag("--size", Some(format!("{width}x{height}")));
+    // An error of 100 % and above is no goal.
+    flag("--error", Some(format!("{}%", per_cent(error.min(0.5)))));
+    let mut command: Vec<String> = words.iter().map(|word| quoted(word)).collect();
+    if args.scene.allow_outside {
+        command.push("--allow-outside".into());
+    }
+    Ok(command.join(" "))
 }
 
 fn summary(comparison: &Comparison, folder: &Path) -> String {
-    let known = comparison.reference.error.map_or(String::new(), |error| format!(", relative error {} %", per_cent(error)));
-    let mut text = format!("against {}{known}\n", comparison.reference.origin);
+    let mut text = format!("against {}, {}\n", comparison.reference.origin, comparison.reference.own_error(comparison.confidence));
     for method in &comparison.methods {
         let Some(last) = method.curve.last() else { continue };
         let slope = method.slope.map_or(String::new(), |slope| format!(" · slope {}", report::slope(slope)));

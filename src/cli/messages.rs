@@ -1,6 +1,6 @@
 //! Output to stderr other than errors: notes, warnings, and a message while a scene is read.
 
-use std::io::{IsTerminal, Write, stderr};
+use std::io::{IsTerminal, Write, stderr, stdout};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -39,6 +39,12 @@ pub fn print_stderr(text: &str) {
     let text = printable(text);
     let text = width.map_or_else(|| text.to_string(), |(width, _)| wrapped(&text, width.0.into()));
     let _ = writeln!(stderr().lock(), "{text}");
+}
+
+/// Text for stdout: broken at the width of the terminal if it is one.
+pub fn fitted(text: &str) -> String {
+    let width = if stdout().is_terminal() { terminal_size::terminal_size_of(stdout()) } else { None };
+    width.map_or_else(|| text.to_owned(), |(width, _)| wrapped(text, width.0.into()) + "\n")
 }
 
 /// Breaks lines that are wider than a terminal: a closing line between its parts, other lines between words. Indented lines, such

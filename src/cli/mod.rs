@@ -18,6 +18,7 @@ mod outputs;
 mod parse;
 mod pilot;
 mod progress;
+mod quote;
 mod reference;
 mod render;
 mod sample;

@@ -72,7 +72,8 @@ pub struct ReferenceRenderer {
     sampler: SamplerSpec,
     /// Film of the reference.
     pub spec: FilmSpec,
-    about: About,
+    /// Facts about the reference, as its files state them.
+    pub about: About,
 }
 
 /// State of a reference.

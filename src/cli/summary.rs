@@ -5,15 +5,13 @@ use std::path::Path;
 use crate::film::{Film, MomentFilm};
 use crate::measure::format::per_cent;
 use crate::measure::{BiasEstimate, ErrorHistory, ErrorInterval, MostPixels, Refusal, format};
+use crate::output::attributes::REFUSED;
 use crate::output::{Attributes, Value};
 use crate::part::About;
 use crate::render::RenderReport;
 use crate::sampler::ErrorEstimator;
 
 use super::{note, print_stderr, signals};
-
-/// Attribute with the reason why no error of the whole picture is stated.
-pub const REFUSED: &str = "pt/relativeErrorRefused";
 
 /// What is stated about the error of a picture, in its file and in the closing line alike.
 pub enum Accuracy {
@@ -140,7 +138,7 @@ pub fn samples(film: &MomentFilm) -> String {
 ///
 /// ```text
 ///  · relative error 2.1 % (95 %: 2.0–2.2) · 1 % would take about 14 s (12 s–16 s)
-///  · relative error cannot be established (heavy tail); of 99.9 % of the pixels at least 2.9 %, 2 pixels hold 52 % of the noise
+///  · relative error cannot be established (heavy tail); for 99.9 % of the pixels at least 2.9 %; 2 pixels hold 52 % of the noise
 /// ```
 fn accuracy(accuracy: &Accuracy, history: &ErrorHistory, confidence: f64) -> String {
     match accuracy {
@@ -154,7 +152,7 @@ fn accuracy(accuracy: &Accuracy, history: &ErrorHistory, confidence: f64) -> Str
             let most = most.as_ref().map_or(String::new(), |most| {
                 let pixels = if most.noisiest == 1 { "1 pixel holds".into() } else { format!("{} pixels hold", most.noisiest) };
                 let (share, error, noise) = (most.share, per_cent(most.at_least(confidence)), per_cent(most.noise));
-                format!("; of {} % of the pixels at least {error} %, {pixels} {noise} % of the noise", (1e3 * share).round() / 10.0)
+                format!("; for {} % of the pixels at least {error} %; {pixels} {noise} % of the noise", (1e3 * share).round() / 10.0)
             });
             let (short, _) = refusal.words();
             format!(" · relative error cannot be established ({short}){most}")

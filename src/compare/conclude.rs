@@ -1,12 +1,17 @@
 //! Conclusions of a comparison, as sentences.
 
-use super::{Method, TARGETS};
+use super::{Cost, CostKind, Method, NoPrice, Reference, TARGETS};
 use crate::measure::format::{duration, per_cent};
 
-/// Returns the conclusions: which method is cheapest for which error, how much slower the others are, where two of them cross, and
-/// what each leaves out.
-pub fn conclusions(methods: &[Method]) -> Vec<String> {
-    let mut sentences: Vec<String> = (0..3).filter_map(|k| cheapest(methods, k)).collect();
+/// Number of the [`TARGETS`] that have sentences.
+const TOLD: usize = 3;
+
+/// Returns the conclusions: which method is cheapest for which error, how much slower the others are, why no time is stated, where two
+/// methods cross, and what each leaves out.
+pub fn conclusions(methods: &[Method], reference: &Reference, confidence: f64) -> Vec<String> {
+    let mut sentences = prices(methods);
+    sentences.extend(coarse_reference(methods, reference, confidence));
+    sentences.extend(reasons(methods));
     sentences.extend(crossings(methods));
     for method in methods {
         if let Some((bias, error)) = method.bias {
@@ -21,38 +26,117 @@ pub fn conclusions(methods: &[Method]) -> Vec<String> {
     sentences
 }
 
-/// Sentence about one target: `For 3 %, nee is the cheapest with 4.1 s; path takes 33 (31–35) times as long.`
-fn cheapest(methods: &[Method], k: usize) -> Option<String> {
-    let priced = |method: &Method| method.prices.get(k).copied().flatten();
-    let mut able: Vec<&Method> = methods.iter().filter(|method| priced(method).is_some()).collect();
-    able.sort_by(|a, b| priced(a).map(|p| p.seconds).partial_cmp(&priced(b).map(|p| p.seconds)).unwrap_or(std::cmp::Ordering::Equal));
-    let (best, others) = able.split_first()?;
-    let cost = priced(best)?;
-    let foretold = if cost.extrapolated { "about " } else { "" };
-    let mut text = format!("For {} %, {} is the cheapest with {foretold}{}", per_cent(TARGETS[k]), best.name, duration(cost.seconds));
-    for other in others {
-        let theirs = priced(other)?;
-        let ratio = theirs.seconds / cost.seconds;
-        let (low, high) = ratio_interval((cost.seconds, cost.low, cost.high), (theirs.seconds, theirs.low, theirs.high));
-        text += &match low > 1.0 {
-            true => format!("; {} takes {} ({}–{}) times as long", other.name, two_digits(ratio), two_digits(low), two_digits(high)),
-            false => {
-                format!("; {} takes about as long ({} times, {}–{})", other.name, two_digits(ratio), two_digits(low), two_digits(high))
-            }
-        };
+/// Price of a method, if one is stated.
+fn priced(method: &Method, k: usize) -> Option<Cost> {
+    method.prices.get(k).and_then(|price| price.ok())
+}
+
+/// Sentences about the targets. Neighbours of which the same is said share one: `For 3 % and 1 %, whitted never gets there.`
+fn prices(methods: &[Method]) -> Vec<String> {
+    let mut told: Vec<(Vec<String>, String)> = vec![];
+    for (k, target) in TARGETS.iter().enumerate().take(TOLD) {
+        let (target, text) = (format!("{} %", per_cent(*target)), about(methods, k));
+        match told.last_mut() {
+            _ if text.is_empty() => {}
+            Some((targets, same)) if *same == text => targets.push(target),
+            _ => told.push((vec![target], text)),
+        }
     }
-    let unable: Vec<&str> = methods.iter().filter(|method| priced(method).is_none()).map(|method| method.name.as_str()).collect();
-    if !unable.is_empty() {
-        text += &format!("; {} never {} there", unable.join(" and "), if unable.len() == 1 { "gets" } else { "get" });
+    told.into_iter().map(|(targets, text)| format!("For {}, {text}.", and(&targets))).collect()
+}
+
+/// What is known of the times to one target; empty if nothing is.
+fn about(methods: &[Method], k: usize) -> String {
+    let mut able: Vec<(&Method, Cost)> = methods.iter().filter_map(|method| Some((method, priced(method, k)?))).collect();
+    able.sort_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds));
+    let mut clauses = match able.iter().any(|(_, cost)| cost.kind == CostKind::AtMost) {
+        // A bound may be far above the time: no method is known to be the cheapest.
+        true => able.iter().map(|(method, cost)| format!("{} takes {}", method.name, time(cost))).collect(),
+        false => ranking(&able),
+    };
+    let unable = |reasons: &[NoPrice]| -> Vec<String> {
+        let is_one = |method: &&Method| method.prices.get(k).is_some_and(|price| price.err().is_some_and(|why| reasons.contains(&why)));
+        methods.iter().filter(is_one).map(|method| method.name.clone()).collect()
+    };
+    let mut tell = |reasons: &[NoPrice], text: &dyn Fn(&[String]) -> String| match &unable(reasons)[..] {
+        [] => {}
+        names => clauses.push(text(names)),
+    };
+    let plural = |names: &[String], one: &str, many: &str| format!("{} {}", and(names), if names.len() == 1 { one } else { many });
+    tell(&[NoPrice::Bias], &|names| plural(names, "never gets there", "never get there"));
+    tell(&[NoPrice::Lacks], &|names| plural(names, "is not known to get there", "are not known to get there"));
+    tell(&[NoPrice::FewPixels, NoPrice::Rising, NoPrice::Spread], &|names| {
+        format!("the time{} of {} cannot be established", if names.len() == 1 { "" } else { "s" }, and(names))
+    });
+    tell(&[NoPrice::Reference], &|names| {
+        format!("the reference is too coarse to tell the time{} of {}", if names.len() == 1 { "" } else { "s" }, and(names))
+    });
+    clauses.join("; ")
+}
+
+/// The cheapest method, and how many times as long the others take. `able` is in order of time.
+fn ranking(able: &[(&Method, Cost)]) -> Vec<String> {
+    let Some(((best, cost), others)) = able.split_first() else { return vec![] };
+    let first = format!("{} is the cheapest with {}", best.name, time(cost));
+    let other = |(other, theirs): &(&Method, Cost)| {
+        let (ratio, [low, high]) = (theirs.seconds / cost.seconds, ratio_interval(cost, theirs));
+        let [times, from, to] = [ratio, low, high].map(two_digits);
+        match (low > 1.0, low >= 0.5 && high <= 2.0) {
+            _ if !high.is_finite() => format!("{} takes longer by a factor that cannot be established", other.name),
+            (true, _) => format!("{} takes {times} ({from}–{to}) times as long", other.name),
+            (false, true) => format!("{} takes about as long ({times} times, {from}–{to})", other.name),
+            (false, false) => format!("{} may take longer ({times} times, {from}–{to})", other.name),
+        }
+    };
+    std::iter::once(first).chain(others.iter().map(other)).collect()
+}
+
+/// Time of a sentence: `4.1 s`, `about 14 s`, `less than 1 s`.
+fn time(cost: &Cost) -> String {
+    match cost.kind {
+        CostKind::Measured => duration(cost.seconds),
+        CostKind::Extrapolated => format!("about {}", duration(cost.seconds)),
+        CostKind::AtMost => format!("less than {}", duration(cost.seconds)),
     }
-    Some(text + ".")
 }
 
 /// Interval of the ratio of two independent times: the half widths of the logarithms add as squares.
-fn ratio_interval(a: (f64, f64, f64), b: (f64, f64, f64)) -> (f64, f64) {
-    let reach = |(middle, _, high): (f64, f64, f64)| (high / middle).ln();
+fn ratio_interval(a: &Cost, b: &Cost) -> [f64; 2] {
+    let reach = |cost: &Cost| (cost.high / cost.seconds).ln();
     let both = reach(a).hypot(reach(b));
-    (b.0 / a.0 * (-both).exp(), b.0 / a.0 * both.exp())
+    [-both, both].map(|reach| b.seconds / a.seconds * reach.exp())
+}
+
+/// Sentence about the reference, if it is too coarse for one of the targets.
+fn coarse_reference(methods: &[Method], reference: &Reference, confidence: f64) -> Option<String> {
+    let is_refused = |method: &Method| method.prices.iter().take(TOLD).any(|price| *price == Err(NoPrice::Reference));
+    let error = reference.error.filter(|_| methods.iter().any(is_refused))?;
+    Some(match error.refusal() {
+        None => format!("No time is stated for errors below that of the reference itself, {}.", reference.own_error(confidence)),
+        Some(refusal) => format!("The reference's own error cannot be established ({refusal}), so no time is stated."),
+    })
+}
+
+/// Sentences that say why times cannot be established.
+fn reasons(methods: &[Method]) -> Vec<String> {
+    let of = |reason: NoPrice| -> Vec<String> {
+        let has = |method: &&Method| method.prices.iter().take(TOLD).any(|price| *price == Err(reason));
+        methods.iter().filter(has).map(|method| method.name.clone()).collect()
+    };
+    let sentence = |reason: NoPrice| {
+        let names = and(&of(reason));
+        Some(match reason {
+            _ if names.is_empty() => return None,
+            NoPrice::FewPixels => {
+                format!("A few pixels hold most of the error of {names} (heavy tail): the next bright sample may change it.")
+            }
+            NoPrice::Rising => format!("The error of {names} has not fallen with time (heavy tail), so that no time beyond is foretold."),
+            NoPrice::Spread => format!("The renders of {names} differ by too much to state a time; more --replicates or --time may tell."),
+            // What is said of the times says it.
+            NoPrice::Bias | NoPrice::Lacks | NoPrice::Reference => return None,
+        })
+    };
+    [NoPrice::FewPixels, NoPrice::Rising, NoPrice::Spread].into_iter().filter_map(sentence).collect()
 }
 
 /// Sentences about methods that change their order from one error to a smaller one: `nee and path cross between 3 % and 1 %.`
@@ -60,11 +144,12 @@ fn crossings(methods: &[Method]) -> Vec<String> {
     let mut found = vec![];
     for (i, a) in methods.iter().enumerate() {
         for b in &methods[i + 1..] {
-            let order = |k: usize| match (a.prices.get(k).copied().flatten(), b.prices.get(k).copied().flatten()) {
-                (Some(x), Some(y)) if x.high < y.low => Some(true),
-                (Some(x), Some(y)) if y.high < x.low => Some(false),
-                (Some(_), None) => Some(true),
-                (None, Some(_)) => Some(false),
+            // A method that never gets there is the slower one. Where no time is known for another reason, no order is.
+            let order = |k: usize| match (*a.prices.get(k)?, *b.prices.get(k)?) {
+                (Ok(x), Ok(y)) if x.high < y.low => Some(true),
+                (Ok(x), Ok(y)) if y.high < x.low => Some(false),
+                (Ok(_), Err(NoPrice::Bias)) => Some(true),
+                (Err(NoPrice::Bias), Ok(_)) => Some(false),
                 _ => None,
             };
             let orders: Vec<(usize, bool)> = (0..TARGETS.len()).filter_map(|k| Some((k, order(k)?))).collect();
@@ -77,6 +162,15 @@ fn crossings(methods: &[Method]) -> Vec<String> {
     found
 }
 
+/// `a`, `a and b`, `a, b and c`.
+fn and(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
 fn two_digits(x: f64) -> String {
     per_cent(x / 100.0)
 }
@@ -85,13 +179,23 @@ fn two_digits(x: f64) -> String {
 mod tests {
     use glam::UVec2;
 
+    use super::super::synthetic::image;
     use super::*;
-    use crate::compare::Cost;
     use crate::film::Image;
+    use crate::measure::RelativeError;
 
-    /// - `prices`: seconds of each target, known to a factor of 1.1; `None` where the method never reaches it
-    fn method(name: &str, prices: [Option<f64>; 4]) -> Method {
-        let cost = |seconds: f64| Cost { seconds, low: seconds / 1.1, high: seconds * 1.1, extrapolated: false };
+    /// Time that is known to a factor of 1.1.
+    fn s(seconds: f64) -> Result<Cost, NoPrice> {
+        Ok(Cost { seconds, low: seconds / 1.1, high: seconds * 1.1, kind: CostKind::Measured })
+    }
+
+    fn at_most(seconds: f64) -> Result<Cost, NoPrice> {
+        Ok(Cost { seconds, low: 0.0, high: seconds, kind: CostKind::AtMost })
+    }
+
+    const NEVER: Result<Cost, NoPrice> = Err(NoPrice::Bias);
+
+    fn method(name: &str, prices: [Result<Cost, NoPrice>; 4]) -> Method {
         let image = Image { full_size: UVec2::ZERO, origin: UVec2::ZERO, size: UVec2::ZERO, channels: vec![] };
         Method {
             name: name.into(),
@@ -103,15 +207,24 @@ mod tests {
             sample: image,
             slope: None,
             bias: None,
-            prices: prices.map(|price| price.map(cost)).into(),
+            bias_bound: None,
+            prices: prices.into(),
             lacks: String::new(),
         }
     }
 
+    fn reference(effective_pixels: f64) -> Reference {
+        let error = RelativeError { value: 0.02, spread: 0.1, effective_pixels };
+        Reference { image: image(|_| 1.0, 0.0), origin: "r".into(), error: Some(error), attributes: vec![] }
+    }
+
+    fn said(methods: &[Method]) -> Vec<String> {
+        conclusions(methods, &reference(1e4), 0.95)
+    }
+
     #[test]
     fn the_cheapest_is_named_and_how_much_longer_others_take() {
-        let methods = [method("a", [Some(1.0), Some(10.0), Some(100.0), Some(1000.0)]), method("b", [Some(4.0), Some(10.5), None, None])];
-        let said = conclusions(&methods);
+        let said = said(&[method("a", [s(1.0), s(10.0), s(100.0), s(1000.0)]), method("b", [s(4.0), s(10.5), NEVER, NEVER])]);
         // 4 times; the half widths of the logarithms add as squares: e^(√2 ln 1.1) = 1.144.
         assert_eq!(said[0], "For 10 %, a is the cheapest with 1 s; b takes 4 (3.5–4.6) times as long.");
         assert_eq!(said[1], "For 3 %, a is the cheapest with 10 s; b takes about as long (1.1 times, 0.92–1.2).");
@@ -119,18 +232,68 @@ mod tests {
         assert_eq!(said.len(), 3, "{said:?}");
     }
 
+    /// `About as long` is within a factor of two. A time that may be longer or much longer is said as such, and an interval without end
+    /// does not appear as a number.
+    #[test]
+    fn wide_intervals_are_not_called_about_as_long() {
+        let wide = |seconds: f64, factor: f64| Ok(Cost { low: seconds / factor, high: seconds * factor, ..s(seconds).expect("a time") });
+        let of = |other: Result<Cost, NoPrice>| said(&[method("a", [s(1.0); 4]), method("b", [other; 4])])[0].clone();
+        // √(ln²1.1 + ln²8) = 2.0816: 4 · e^∓2.0816.
+        assert_eq!(of(wide(4.0, 8.0)), "For 10 %, 3 % and 1 %, a is the cheapest with 1 s; b may take longer (4 times, 0.5–32).");
+        let endless = of(wide(4.0, f64::INFINITY));
+        assert_eq!(endless, "For 10 %, 3 % and 1 %, a is the cheapest with 1 s; b takes longer by a factor that cannot be established.");
+    }
+
+    /// A bound may be far above the true time, so that it is not ranked.
+    #[test]
+    fn bounds_are_listed_and_not_ranked() {
+        let said = said(&[method("a", [at_most(2.0), s(3.0), s(9.0), s(9.0)]), method("b", [s(1.0), s(5.0), s(9.5), s(9.0)])]);
+        assert_eq!(said[0], "For 10 %, b takes 1 s; a takes less than 2 s.");
+    }
+
+    #[test]
+    fn methods_without_a_time_are_told_with_the_reason() {
+        let [few, spread, lacks, coarse] = [NoPrice::FewPixels, NoPrice::Spread, NoPrice::Lacks, NoPrice::Reference].map(Err);
+        let a = method("a", [s(1.0), few, few, few]);
+        let said = said(&[a, method("b", [spread, spread, coarse, coarse]), method("c", [lacks; 4]), method("d", [NEVER; 4])]);
+        let unestablished = "d never gets there; c is not known to get there; the time";
+        assert_eq!(
+            said[..3],
+            [
+                format!("For 10 %, a is the cheapest with 1 s; {unestablished} of b cannot be established."),
+                format!("For 3 %, {unestablished}s of a and b cannot be established."),
+                format!("For 1 %, {unestablished} of a cannot be established; the reference is too coarse to tell the time of b."),
+            ]
+        );
+        assert_eq!(said[3], "No time is stated for errors below that of the reference itself, relative error 2 % (95 %: 1.6–2.4).");
+        assert!(
+            said[4].starts_with("A few pixels hold most of the error of a ") && said[5].starts_with("The renders of b differ"),
+            "{said:?}"
+        );
+    }
+
+    #[test]
+    fn a_reference_of_unknown_error_is_told() {
+        let said = conclusions(&[method("a", [Err(NoPrice::Reference); 4])], &reference(20.0), 0.95);
+        assert_eq!(said[0], "For 10 %, 3 % and 1 %, the reference is too coarse to tell the time of a.");
+        assert!(said[1].starts_with("The reference's own error cannot be established"), "{said:?}");
+    }
+
     #[test]
     fn methods_cross_where_the_cheaper_is_another() {
-        let methods =
-            [method("a", [Some(1.0), Some(10.0), Some(300.0), None]), method("b", [Some(3.0), Some(11.0), Some(50.0), Some(90.0)])];
-        assert_eq!(conclusions(&methods).last().map(String::as_str), Some("a and b cross between 10 % and 1 %."));
+        let crossing = [method("a", [s(1.0), s(10.0), s(300.0), NEVER]), method("b", [s(3.0), s(11.0), s(50.0), s(90.0)])];
+        assert_eq!(said(&crossing).last().map(String::as_str), Some("a and b cross between 10 % and 1 %."));
+        // A time that is not known has no place in an order.
+        let unknown = Err(NoPrice::Spread);
+        let open = [method("a", [s(1.0), unknown, unknown, unknown]), method("b", [s(3.0), s(11.0), s(50.0), s(90.0)])];
+        let turned = [open[1].clone(), open[0].clone()];
+        assert!(!said(&open).iter().chain(&said(&turned)).any(|text| text.contains("cross")));
     }
 
     #[test]
     fn bias_and_what_is_left_out_are_told() {
-        let prices = [Some(1.0), None, None, None];
-        let biased = Method { bias: Some((0.05, 0.002)), lacks: "glass".into(), ..method("a", prices) };
-        let said = conclusions(&[biased]);
+        let biased = Method { bias: Some((0.05, 0.002)), lacks: "glass".into(), ..method("a", [s(1.0), NEVER, NEVER, NEVER]) };
+        let said = said(&[biased]);
         assert!(said.contains(&"a settles 5 ± 0.2 % away from the reference: that is bias, which no time removes.".to_owned()), "{said:?}");
         assert!(said.contains(&"a does not simulate glass, which the scene calls for.".to_owned()), "{said:?}");
     }

@@ -3,10 +3,17 @@
 //! Every method renders the scene several times with different random numbers. The methods take turns, so that a machine that slows
 //! down slows all of them. At doubling checkpoints each picture is measured against a reference.
 
+mod bias;
 mod conclude;
-pub mod curve;
+mod curve;
+mod method;
+mod price;
+mod reference;
+mod replicates;
 pub mod report;
 pub mod run;
+#[cfg(test)]
+mod synthetic;
 
 use std::sync::Arc;
 
@@ -17,6 +24,7 @@ use crate::sampler::SamplerSpec;
 
 pub use crate::measure::format::TARGETS;
 pub use conclude::conclusions;
+pub use reference::Reference;
 pub use run::{Budget, run};
 
 /// Results of a comparison, as the report needs them.
@@ -34,17 +42,6 @@ pub struct Comparison {
     pub confidence: f64,
     /// Conclusions, one sentence each.
     pub conclusions: Vec<String>,
-}
-
-/// Picture that the others are measured against.
-#[derive(Clone, Debug)]
-pub struct Reference {
-    /// Picture, with `StdErr.R`, `StdErr.G`, `StdErr.B` if its errors are known; they are subtracted.
-    pub image: Image,
-    /// Origin: a file, or how the picture was computed.
-    pub origin: String,
-    /// Relative error √relMSE of the reference itself, if known.
-    pub error: Option<f64>,
 }
 
 /// A way to render a scene.
@@ -80,12 +77,14 @@ pub struct Method {
     pub image: Image,
     /// Picture of one replicate after the last checkpoint, as a user would get it.
     pub sample: Image,
-    /// Exponent b in relMSE ~ seconds⁻ᵇ, with its standard error; `None` for fewer than three checkpoints.
+    /// Exponent s in √relMSE ~ secondsˢ, with its standard error; `None` for fewer than three checkpoints.
     pub slope: Option<(f64, f64)>,
     /// Bias: √relMSE that more samples do not remove, with its standard error; `None` if none can be detected.
     pub bias: Option<(f64, f64)>,
-    /// Time that an error takes, for each of [`TARGETS`]; `None` if the method never reaches it.
-    pub prices: Vec<Option<Cost>>,
+    /// √relMSE that the bias does not exceed, whether one can be detected or not; `None` if nothing is known of it.
+    pub bias_bound: Option<f64>,
+    /// Time that an error takes, for each of [`TARGETS`], or the reason why none is stated.
+    pub prices: Vec<Result<Cost, NoPrice>>,
     /// Effects that the scene needs and the method leaves out, in words; empty if there are none.
     pub lacks: String,
 }
@@ -95,12 +94,54 @@ pub struct Method {
 pub struct Cost {
     /// Render time (seconds).
     pub seconds: f64,
-    /// Lower end of the interval (seconds).
+    /// Lower end of the interval (seconds); 0 for a bound.
     pub low: f64,
     /// Upper end of the interval (seconds).
     pub high: f64,
-    /// Whether the time lies outside of the checkpoints and is extrapolated.
-    pub extrapolated: bool,
+    /// How the time is known.
+    pub kind: CostKind,
+}
+
+/// How a time is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CostKind {
+    /// It lies between checkpoints.
+    Measured,
+    /// It lies beyond the last checkpoint.
+    Extrapolated,
+    /// The first checkpoint is there already: the time is an upper bound.
+    AtMost,
+}
+
+/// Reason why no time is stated for an error. The module `price` has the criteria.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoPrice {
+    /// The method's bias is at least as large: it never gets there.
+    Bias,
+    /// The method leaves something out, and the data do not exclude a bias as large as the error.
+    Lacks,
+    /// The reference is not known to be closer to the truth than the error.
+    Reference,
+    /// A few pixels hold most of the method's error.
+    FewPixels,
+    /// The error does not fall with time.
+    Rising,
+    /// The replicates disagree on the time.
+    Spread,
+}
+
+impl NoPrice {
+    /// The reason in a few words, for tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            NoPrice::Bias => "never: bias",
+            NoPrice::Lacks => "not known to get there",
+            NoPrice::Reference => "reference too coarse",
+            NoPrice::FewPixels => "not established: few pixels",
+            NoPrice::Rising => "not established: error grows",
+            NoPrice::Spread => "not established: renders differ",
+        }
+    }
 }
 
 /// Errors of one picture at one checkpoint.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::curve;
+use super::method::method;
 use super::{Measurement, Method, MethodConfig, Reference};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::measure::metric::{ImagePair, Named};
@@ -58,8 +58,8 @@ pub fn run(
         let mut advanced = false;
         // Methods are the inner loop, so that neighbours in time are different methods.
         for replicate in 0..budget.replicates as usize {
-            for (method, runs) in runs.iter_mut().enumerate() {
-                if !affordable(&measured[method], budget, samples) {
+            for (index, runs) in runs.iter_mut().enumerate() {
+                if !affordable(&measured[index], budget, samples) {
                     continue;
                 }
                 advanced = true;
@@ -70,9 +70,9 @@ pub fn run(
                 }
                 let (image, replicate) = (film.image(), replicate as u32);
                 let Distance { mse, relmse, trimmed } = Distance::between(&image, &reference.image)?;
-                let others = others(&budget.metrics, &configs[method].name, &image, reference)?;
+                let others = others(&budget.metrics, &configs[index].name, &image, reference)?;
                 let seconds = render.report().elapsed.as_secs_f64();
-                measured[method].push(Measurement { replicate, samples, seconds, mse, relmse, trimmed, others });
+                measured[index].push(Measurement { replicate, samples, seconds, mse, relmse, trimmed, others });
             }
         }
         if !advanced {
@@ -81,7 +81,7 @@ pub fn run(
     }
     let methods = configs.into_iter().zip(runs).zip(measured).map(|((config, runs), measurements)| {
         let pictures: Vec<Image> = runs.iter().map(|run| run.film.image()).collect();
-        curve::method(config, &pictures, measurements, reference, confidence)
+        method(config, &pictures, measurements, reference, confidence)
     });
     Some(methods.collect())
 }

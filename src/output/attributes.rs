@@ -11,6 +11,9 @@ use crate::scene::Scene;
 /// Attributes by name: `pt/…` are pt's own, the others OpenEXR's or pbrt's.
 pub type Attributes = Vec<(String, Value)>;
 
+/// Name of the attribute with the reason why no error of the whole picture is stated.
+pub const REFUSED: &str = "pt/relativeErrorRefused";
+
 /// Value of an attribute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Value {

@@ -100,7 +100,10 @@ fn a_pilot_predicts_render_times_of_each_integrator() {
         let first = text.lines().position(|line| line.trim_start().starts_with(&format!("{name} "))).expect("a line");
         let lines: Vec<&str> = text.lines().skip(first).take(4).collect();
         let priced = lines.iter().all(|line| line.contains(" % ") && line.contains('('));
-        assert!(priced || lines[0].contains("cannot be established: too noisy: more samples are needed (a longer --pilot)"), "{text}");
+        assert!(
+            priced || lines[0].contains("cannot be established: too noisy: more samples are needed; a longer --pilot may help"),
+            "{text}"
+        );
         assert!(lines.iter().all(|line| line.chars().count() <= 80), "{text}");
         priced
     };
@@ -203,6 +206,61 @@ fn compare_writes_a_report_and_says_which_is_cheapest() {
     assert!(said(folder.path(), 2, &["compare", CORNELL, "--metric", "flop"]).contains("did you mean \"flip\""));
     let again = ["compare", CORNELL, "--size", "24x24", "--spp", "64", "--reference", "report/reference.exr"];
     assert!(said(folder.path(), 3, &again).contains("expected 24 × 24 pixels"));
+}
+
+/// The report's reference is a reference for other commands: it states its error, and how sure its standard errors are.
+#[test]
+fn the_reference_of_a_report_serves_other_commands() {
+    let folder = folder();
+    let size = ["--size", "32x32"];
+    let compare = [&["compare", CORNELL, "--spp", "16", "--integrators", "nee", "--progress", "none"], &size[..]].concat();
+    said(folder.path(), 0, &[&compare[..], &["--reference-time", "0.2s", "--cache", "cache", "-o", "first"]].concat());
+    let verify = ["verify", CORNELL, "nee", "first/reference.exr", "--size", "32x32", "--spp", "256", "--alpha", "0.01%"];
+    let output = Command::cargo_bin("pt").expect("the binary").current_dir(folder.path()).args(verify).output().expect("a run");
+    assert!(matches!(output.status.code(), Some(0 | 7)), "{}", String::from_utf8_lossy(&output.stderr));
+    // A given reference keeps its attributes.
+    said(folder.path(), 0, &[&compare[..], &["--reference", "first/reference.exr", "-o", "second"]].concat());
+    let attributes = ["first", "second"].map(|report| exr::read(&folder.path().join(report).join("reference.exr")).expect("a picture").1);
+    assert!(attributes[0].iter().any(|(name, _)| name == "pt/relativeErrorHigh"), "{:?}", attributes[0]);
+    assert_eq!(attributes[0], attributes[1]);
+    assert!(!folder.path().join("first/reference.ptc").exists(), "nothing else is left behind");
+}
+
+/// A reference with an error of about 16 % is coarser than what 128 samples give: that is noted with a command that can be copied, no time
+/// is stated for a smaller error, and what the reference lacks is not called a bias of the method.
+#[test]
+fn a_coarse_reference_is_noted_with_a_command_that_works() {
+    let folder = folder();
+    let scene = "my box's copy.json";
+    std::fs::copy(CORNELL, folder.path().join(scene)).expect("copied");
+    let wider = ["-D", "/camera/fov=40", "--size", "24x24"];
+    said(folder.path(), 0, &[&[scene, "--spp", "32", "--seed", "3", "-q", "-o", "coarse.exr"], &wider[..]].concat());
+    let given = ["compare", scene, "--spp", "128", "--integrators", "nee", "--reference", "coarse.exr", "--cache", "kept"];
+    let text = said(folder.path(), 0, &[&given[..], &wider, &["--progress", "none", "-o", "report"]].concat());
+    assert!(
+        text.contains("the reference is too coarse to tell the time of nee") && text.contains("against coarse.exr, relative error "),
+        "{text}"
+    );
+    assert!(!text.contains("nee settles") && !text.contains("nee never"), "{text}");
+
+    let command = text.lines().find_map(|line| line.strip_prefix("  pt reference ")).unwrap_or_else(|| panic!("no command in {text}"));
+    assert!(command.contains("-D /camera/fov=40") && command.contains("--cache kept --size 24x24 --error "), "{command}");
+    let program = assert_cmd::cargo::cargo_bin("pt");
+    let line = format!("'{}' reference {command} --spp 1", program.display());
+    let run = std::process::Command::new("sh").arg("-c").arg(&line).current_dir(folder.path()).output().expect("a shell");
+    assert!(matches!(run.status.code(), Some(0 | 7)), "{line}: {}", String::from_utf8_lossy(&run.stderr));
+}
+
+/// Where a few pixels hold all the noise of the reference, no method is the cheapest.
+#[test]
+fn of_a_caustic_no_time_is_stated() {
+    let folder = folder();
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/caustic.json");
+    said(folder.path(), 0, &[scene, "--size", "120x90", "--spp", "64", "--seed", "1", "-q", "-o", "truth.exr"]);
+    let given = ["compare", scene, "--size", "120x90", "--spp", "32", "--integrators", "nee", "--reference", "truth.exr", "-o", "report"];
+    let text = said(folder.path(), 0, &given);
+    let nothing = "For 10 %, 3 % and 1 %, the reference is too coarse to tell the time of nee.";
+    assert!(text.contains(nothing) && !text.contains("cheapest"), "{text}");
 }
 
 /// The method with the least time for the largest error in the report's data.

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use pt::compare::{Comparison, TARGETS, report};
+use pt::compare::{Comparison, CostKind, NoPrice, TARGETS, report};
 use pt::output::exr;
 use serde_json::Value;
 use synthetic::comparison;
@@ -90,6 +90,7 @@ fn json_holds_what_was_measured() {
     let document: Value = serde_json::from_str(&text(&written(&comparison, false), "convergence.json")).expect("JSON");
     assert_eq!(document["scene"], "cornell-box");
     assert_eq!(document["reference"]["error"], 0.0007);
+    assert_eq!(document["reference"]["established"], true);
     assert!(document["formulas"]["relmse"].as_str().expect("a formula").contains("(r² + ε)"));
     for (method, found) in comparison.methods.iter().zip(document["methods"].as_array().expect("methods")) {
         assert_eq!(found["name"], method.name);
@@ -105,8 +106,11 @@ fn json_holds_what_was_measured() {
         same(&found["points"][3]["mape:eps=0.5,robust"]["stderr"], Some(method.curve[3].others[0].1));
         for (i, target) in TARGETS.into_iter().enumerate() {
             assert_eq!(found["prices"][i]["error"], target);
-            same(&found["prices"][i]["seconds"], method.prices[i].map(|cost| cost.seconds));
-            assert_eq!(found["prices"][i]["extrapolated"].as_bool(), method.prices[i].map(|cost| cost.extrapolated));
+            let price = method.prices[i];
+            same(&found["prices"][i]["seconds"], price.ok().map(|cost| cost.seconds));
+            assert_eq!(found["prices"][i]["extrapolated"].as_bool(), price.ok().map(|cost| cost.kind == CostKind::Extrapolated));
+            assert_eq!(found["prices"][i]["at_most"].as_bool(), price.ok().map(|cost| cost.kind == CostKind::AtMost));
+            assert_eq!(found["prices"][i]["reason"].as_str(), price.err().map(NoPrice::name));
         }
     }
     assert!(document["methods"][3]["prices"][1]["seconds"].is_null(), "a biased method never reaches 3 %");
@@ -163,7 +167,7 @@ fn plots_contain_every_curve_and_bias() {
     for name in ["error-against-time", "error-against-samples"] {
         let plot = text(&folder, &format!("plots/{name}.svg"));
         assert!(plot.contains("bias of whitted: 11 %"), "{name}");
-        assert!(plot.contains("nee · sobol: slope −1.30 ± 0.02"), "{name}");
+        assert!(plot.contains("nee · sobol: slope −0.65 ± 0.01"), "{name}");
         assert_eq!(plot.matches("<title>nee: ").count(), 9, "a hint for each checkpoint");
     }
     let bars = text(&folder, "plots/time-to-error.svg");

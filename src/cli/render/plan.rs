@@ -10,6 +10,7 @@ use crate::cli::note;
 use crate::cli::outputs::{OutputKinds, check_outputs, is_part};
 use crate::cli::pilot::{PricedIntegrator, selected_integrators};
 use crate::cli::progress::ProgressForm;
+use crate::cli::quote::quoted;
 use crate::cli::stats::TextOrJson;
 use crate::cli::tone_mapping::ToneMapping;
 use crate::error::{Error, Fault, Result};
@@ -264,12 +265,6 @@ fn replay_command(args: &RenderArgs) -> Result<String> {
         command.push("--allow-outside".into());
     }
     Ok(command.join(" "))
-}
-
-/// Quotes a word for a shell.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
 /// Range of samples that the run takes.

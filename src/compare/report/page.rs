@@ -6,7 +6,7 @@ use super::embedded_image::EmbeddedImage;
 use super::escape::{script, xml};
 use super::names;
 use super::plot::{self, error_curve};
-use crate::compare::{Comparison, Method, TARGETS};
+use crate::compare::{Comparison, CostKind, Method, Reference, TARGETS};
 use crate::error::{Error, Result};
 use crate::film::Image;
 use crate::measure::Metric;
@@ -50,8 +50,9 @@ fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
 }
 
 fn reference(comparison: &Comparison) -> String {
-    let error = comparison.reference.error.map(|error| format!(", its own error {} %, subtracted", format::per_cent(error)));
-    format!("{}{}", xml(&comparison.reference.origin), error.unwrap_or_default())
+    let Reference { origin, error, .. } = &comparison.reference;
+    let subtracted = if error.is_some_and(|error| error.refusal().is_none()) { ", subtracted" } else { "" };
+    format!("{}, {}{subtracted}", xml(origin), unbroken(&comparison.reference.own_error(comparison.confidence)))
 }
 
 /// Text that no line break can divide between a number and its unit.
@@ -82,10 +83,11 @@ fn row(comparison: &Comparison, index: usize) -> String {
     cells += &cell("", "Slope", method.slope.map_or("–".into(), plot::slope));
     for (i, target) in TARGETS.into_iter().enumerate() {
         let class = if is_cheapest(comparison, index, i) { "price best" } else { "price" };
-        cells += &cell(class, &format!("Time to {} %", format::per_cent(target)), price(method, i, target));
+        cells += &cell(class, &format!("Time to {} %", format::per_cent(target)), price(method, i));
     }
     let bias = method.bias.map(|(bias, deviation)| format!("{} ± {} %", format::per_cent(bias), format::per_cent(deviation)));
-    cells += &cell("", "Bias", bias.unwrap_or("none seen".into()));
+    let bound = || method.bias_bound.map_or(String::new(), |bound| format!(" <small>below {} %</small>", format::per_cent(bound)));
+    cells += &cell("", "Bias", bias.unwrap_or_else(|| format!("none seen{}", bound())));
     let lacks = if method.lacks.is_empty() { "nothing".into() } else { xml(&method.lacks) };
     cells += &cell("lacks", "Leaves out", lacks);
     let swatch = format!("<i class=\"swatch f-m{}\"></i>", index % 6);
@@ -122,20 +124,29 @@ fn last(comparison: &Comparison, method: &Method) -> String {
     format!("{error} % <small>{low}–{high} %<br>{} spp, {}</small>", last.samples, format::duration(last.seconds))
 }
 
-fn price(method: &Method, i: usize, target: f64) -> String {
-    let Some(cost) = method.prices.get(i).copied().flatten() else { return format!("<small>{}</small>", plot::unpriced(method, target)) };
+fn price(method: &Method, i: usize) -> String {
+    let cost = match method.prices.get(i) {
+        Some(Ok(cost)) => cost,
+        Some(Err(reason)) => return format!("<small>{}</small>", reason.name()),
+        None => return "–".into(),
+    };
     // A line may break between two times, but not within one.
     let [seconds, interval] =
         [format::duration(cost.seconds), format::between(cost.low, cost.high)].map(|text| text.replace(' ', "\u{a0}"));
-    if cost.extrapolated {
-        format!("<span title=\"foretold\">≈ {seconds}</span> <small>{interval}</small>")
-    } else {
-        format!("{seconds} <small>{interval}</small>")
+    match cost.kind {
+        CostKind::Measured => format!("{seconds} <small>{interval}</small>"),
+        CostKind::Extrapolated => format!("<span title=\"foretold\">≈ {seconds}</span> <small>{interval}</small>"),
+        CostKind::AtMost => format!("<span title=\"the first checkpoint is there already\">&lt; {seconds}</span>"),
     }
 }
 
 fn is_cheapest(comparison: &Comparison, index: usize, i: usize) -> bool {
-    let seconds = |method: &Method| method.prices.get(i).copied().flatten().map(|cost| cost.seconds);
+    let costs = || comparison.methods.iter().filter_map(|method| method.prices.get(i)?.ok());
+    // A bound may be far above the true time, so that it is not ranked.
+    if costs().any(|cost| cost.kind == CostKind::AtMost) {
+        return false;
+    }
+    let seconds = |method: &Method| method.prices.get(i).and_then(|price| price.ok()).map(|cost| cost.seconds);
     let least = comparison.methods.iter().filter_map(seconds).min_by(f64::total_cmp);
     comparison.methods.len() > 1 && least.is_some() && seconds(&comparison.methods[index]) == least
 }

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::escape;
-use crate::compare::{CheckpointStats, Comparison, Cost, Measurement, Method, TARGETS};
+use crate::compare::{CheckpointStats, Comparison, Cost, CostKind, Measurement, Method, NoPrice, Reference, TARGETS};
 use crate::error::{Error, Result};
 use crate::measure::Metric;
 use crate::measure::error::EPSILON;
@@ -30,7 +30,7 @@ fn formulas() -> Formulas {
         trimmed: "relmse without the 0.1 % of the pixels that add most",
         epsilon: format!("ε = {EPSILON} · mean(r)²"),
         error: "√relmse",
-        slope: "b of relmse ~ seconds⁻ᵇ; 1 for Monte Carlo",
+        slope: "s of error ~ secondsˢ; −1/2 for Monte Carlo",
         seconds: "of rendering, wall clock, all threads; spp are samples per pixel",
     }
 }
@@ -97,7 +97,23 @@ struct Document<'a> {
 #[derive(Serialize)]
 struct ReferenceRow<'a> {
     origin: &'a str,
+    /// The reference's own relative error and its interval; null if they cannot be stated.
     error: Option<f64>,
+    low: Option<f64>,
+    high: Option<f64>,
+    /// Whether the error can be stated; null if nothing is known of it.
+    established: Option<bool>,
+}
+
+fn reference(reference: &Reference, confidence: f64) -> ReferenceRow<'_> {
+    let stated = reference.error.and_then(|error| error.stated(confidence).ok());
+    ReferenceRow {
+        origin: &reference.origin,
+        error: stated.map(|error| error.value),
+        low: stated.map(|error| error.low),
+        high: stated.map(|error| error.high),
+        established: reference.error.map(|error| error.refusal().is_none()),
+    }
 }
 
 #[derive(Serialize)]
@@ -107,6 +123,8 @@ struct MethodRow<'a> {
     sampler: &'a str,
     slope: Option<Estimate>,
     bias: Option<Estimate>,
+    /// Error that the bias does not exceed.
+    bias_bound: Option<f64>,
     prices: Vec<PriceRow>,
     lacks: &'a str,
     measurements: Vec<MeasurementRow>,
@@ -125,7 +143,7 @@ impl From<(f64, f64)> for Estimate {
     }
 }
 
-/// All members but the target are null if the method never reaches the error.
+/// Either the time or the reason why none is stated is null.
 #[derive(Serialize)]
 struct PriceRow {
     error: f64,
@@ -133,6 +151,9 @@ struct PriceRow {
     low: Option<f64>,
     high: Option<f64>,
     extrapolated: Option<bool>,
+    /// Whether the time is only an upper bound.
+    at_most: Option<bool>,
+    reason: Option<&'static str>,
 }
 
 #[derive(Serialize)]
@@ -162,7 +183,7 @@ struct PointRow {
 pub fn json(comparison: &Comparison) -> Result<Vec<u8>> {
     let document = Document {
         scene: &comparison.scene,
-        reference: ReferenceRow { origin: &comparison.reference.origin, error: comparison.reference.error },
+        reference: reference(&comparison.reference, comparison.confidence),
         confidence: comparison.confidence,
         formulas: formulas(),
         metrics: comparison.metrics.iter().map(|metric| (metric.name(), metric.formula())).collect(),
@@ -175,13 +196,16 @@ pub fn json(comparison: &Comparison) -> Result<Vec<u8>> {
 }
 
 fn method<'m>(method: &'m Method, metrics: &[Metric]) -> MethodRow<'m> {
-    let price = |(error, cost): (f64, Option<Cost>)| PriceRow {
+    let row = |error: f64, cost: Option<Cost>, reason: Option<NoPrice>| PriceRow {
         error,
         seconds: cost.map(|c| c.seconds),
         low: cost.map(|c| c.low),
         high: cost.map(|c| c.high),
-        extrapolated: cost.map(|c| c.extrapolated),
+        extrapolated: cost.map(|c| c.kind == CostKind::Extrapolated),
+        at_most: cost.map(|c| c.kind == CostKind::AtMost),
+        reason: reason.map(NoPrice::name),
     };
+    let price = |(error, price): (f64, Result<Cost, NoPrice>)| row(error, price.ok(), price.err());
     let measurement = |m: &Measurement| MeasurementRow {
         replicate: m.replicate,
         spp: m.samples,
@@ -205,6 +229,7 @@ fn method<'m>(method: &'m Method, metrics: &[Metric]) -> MethodRow<'m> {
         sampler: &method.sampler,
         slope: method.slope.map(Into::into),
         bias: method.bias.map(Into::into),
+        bias_bound: method.bias_bound,
         prices: TARGETS.into_iter().zip(method.prices.iter().copied()).map(price).collect(),
         lacks: &method.lacks,
         measurements: method.measurements.iter().map(measurement).collect(),

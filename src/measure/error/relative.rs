@@ -115,6 +115,12 @@ impl RelativeError {
         RelativeError { value: (sum / count).sqrt(), spread, effective_pixels: sum * sum / square }
     }
 
+    /// An error of which nothing is known but the reason why it cannot be stated.
+    pub fn refused(refusal: Refusal) -> RelativeError {
+        let effective_pixels = if refusal == Refusal::HeavyTail { 0.0 } else { f64::INFINITY };
+        RelativeError { value: f64::NAN, spread: f64::INFINITY, effective_pixels }
+    }
+
     /// The error with the interval that holds it with this probability.
     ///
     /// This is the only rule of what is stated: whoever prints, writes, compares or extrapolates an error asks here.

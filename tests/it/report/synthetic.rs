@@ -5,9 +5,9 @@
 //! ```
 
 use glam::UVec2;
-use pt::compare::{CheckpointStats, Comparison, Cost, Measurement, Method, Reference, TARGETS};
+use pt::compare::{CheckpointStats, Comparison, Cost, CostKind, Measurement, Method, NoPrice, Reference, TARGETS};
 use pt::film::{Channel, Image};
-use pt::measure::Metric;
+use pt::measure::{Metric, RelativeError};
 
 pub const SIZE: UVec2 = UVec2::new(96, 64);
 /// The picture is a part of a larger one.
@@ -25,7 +25,12 @@ pub fn comparison() -> Comparison {
     ];
     Comparison {
         scene: "cornell-box".into(),
-        reference: Reference { image: reference(), origin: "nee, 65 536 samples per pixel".into(), error: Some(0.0007) },
+        reference: Reference {
+            image: reference(),
+            origin: "nee, 65 536 samples per pixel".into(),
+            error: Some(RelativeError { value: 0.0007, spread: 0.02, effective_pixels: 5000.0 }),
+            attributes: vec![],
+        },
         methods,
         metrics: ["mape:eps=0.5,robust", "flip"].map(|name| Metric::parse(name).expect("a metric")).into(),
         confidence: 0.95,
@@ -50,12 +55,13 @@ impl ErrorModel {
         self.variance * samples.powf(-self.order) + self.bias * self.bias
     }
 
-    fn price(&self, error: f64) -> Option<Cost> {
+    fn price(&self, error: f64) -> Result<Cost, NoPrice> {
         let left = error * error - self.bias * self.bias;
         let seconds = self.cost * (self.variance / left).powf(1.0 / self.order);
         let last = self.cost * f64::from(1u32 << (CHECKPOINTS - 1));
-        let cost = Cost { seconds, low: 0.85 * seconds, high: 1.2 * seconds, extrapolated: seconds > last };
-        (left > 0.0).then_some(cost)
+        let kind = if seconds > last { CostKind::Extrapolated } else { CostKind::Measured };
+        let cost = Cost { seconds, low: 0.85 * seconds, high: 1.2 * seconds, kind };
+        if left > 0.0 { Ok(cost) } else { Err(NoPrice::Bias) }
     }
 }
 
@@ -80,8 +86,9 @@ fn method(seed: u32, name: &str, sampler: &str, model: ErrorModel) -> Method {
         curve,
         image: picture(seed + 100, model.bias, (last / f64::from(REPLICATES)).sqrt()),
         sample,
-        slope: Some((if model.bias > 0.0 { 0.04 } else { model.order }, 0.02)),
+        slope: Some((if model.bias > 0.0 { -0.02 } else { -0.5 * model.order }, 0.01)),
         bias: Some((model.bias, 0.002)).filter(|(bias, _)| *bias > 0.0),
+        bias_bound: Some(model.bias + 0.008),
         prices: TARGETS.into_iter().map(|target| model.price(target)).collect(),
         lacks: if model.bias > 0.0 { "diffuse interreflection".into() } else { String::new() },
     }

@@ -43,7 +43,7 @@ fn extent(curves: &[Vec<ErrorPoint>], x: impl Fn(&ErrorPoint) -> f64, biases: im
     checkpoints().flat_map(ends).chain(biases.map(|bias| [anywhere, bias])).collect()
 }
 
-/// Label of a method with its slope: `nee: slope −0.98 ± 0.02`.
+/// Label of a method with its slope: `nee: slope −0.49 ± 0.01`.
 fn name(method: &Method) -> String {
     match method.slope {
         Some(slope) => format!("{}: slope {}", method.name, super::slope(slope)),

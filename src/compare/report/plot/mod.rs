@@ -13,7 +13,7 @@ mod raster;
 mod svg;
 
 use super::Files;
-use crate::compare::{Comparison, Cost, Method};
+use crate::compare::{Comparison, Cost, CostKind, Method, NoPrice};
 use crate::error::Result;
 use crate::measure::format;
 
@@ -50,32 +50,46 @@ pub fn elements(comparison: &Comparison) -> Vec<[String; 2]> {
     ALL.iter().map(|plot| [WIDE, NARROW].map(|format| svg::element(&(plot.draw)(comparison, format)))).collect()
 }
 
-/// Slope of relMSE over time, in logarithms: `−0.98 ± 0.02`.
+/// Slope of the error √relMSE over time, as it appears on logarithmic axes: `−0.49 ± 0.01`.
 ///
-/// - `b`: exponent of relMSE ∝ time⁻ᵇ, and its standard error
-pub fn slope((b, deviation): (f64, f64)) -> String {
-    let sign = if b > 0.0 { "−" } else { "" };
-    format!("{sign}{:.2} ± {:.2}", b.abs(), deviation)
+/// - `slope`: exponent s of √relMSE ∝ timeˢ, and its standard error
+pub fn slope((slope, deviation): (f64, f64)) -> String {
+    let size = format!("{:.2}", slope.abs());
+    let sign = if slope < 0.0 && size != "0.00" { "−" } else { "" };
+    format!("{sign}{size} ± {deviation:.2}")
 }
 
-/// Time with its interval: `14 s (12 s–17 s)`, with `≈` before extrapolated ones.
+/// Time with its interval: `14 s (12 s–17 s)`, with `≈` before extrapolated ones and `<` before bounds.
 pub fn price(cost: &Cost) -> String {
-    let (seconds, interval) = (format::duration(cost.seconds), format::between(cost.low, cost.high));
-    format!("{}{seconds} ({interval})", if cost.extrapolated { "≈ " } else { "" })
+    match cost.kind {
+        CostKind::AtMost => time(cost),
+        _ => format!("{} ({})", time(cost), format::between(cost.low, cost.high)),
+    }
 }
 
-/// Reason why a method never reaches an error.
-pub fn unpriced(method: &Method, target: f64) -> String {
-    if method.bias.is_some_and(|(bias, _)| bias >= target) { "never: bias".into() } else { "not known".into() }
+/// Time without its interval.
+pub fn time(cost: &Cost) -> String {
+    let sign = match cost.kind {
+        CostKind::Measured => "",
+        CostKind::Extrapolated => "≈ ",
+        CostKind::AtMost => "< ",
+    };
+    format!("{sign}{}", format::duration(cost.seconds))
+}
+
+/// Time of a method to one of the targets, or the reason why none is stated.
+pub fn price_of(method: &Method, i: usize) -> Result<Cost, &'static str> {
+    method.prices.get(i).map_or(Err("–"), |price| price.map_err(NoPrice::name))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// The exponent of a falling error is shown as the falling slope, that of a growing error as a growing one.
+    /// The slope has the sign of the curve that the eye sees, and 0 has none.
     #[test]
-    fn slopes_have_one_sign() {
-        assert_eq!([slope((0.976, 0.02)), slope((-1.28, 0.1))], ["−0.98 ± 0.02", "1.28 ± 0.10"]);
+    fn slopes_have_the_sign_of_their_curve() {
+        let told = [(-0.488, 0.01), (0.64, 0.05), (-0.001, 0.2), (-0.51, 0.83)].map(slope);
+        assert_eq!(told, ["−0.49 ± 0.01", "0.64 ± 0.05", "0.00 ± 0.20", "−0.51 ± 0.83"]);
     }
 }
