@@ -16,7 +16,7 @@
 //! σₓ = √( (2 σ_ln error)² + (σ_b h)² + (σ_b∞ (x − h))² ) / f′(x),     h = d (1 − e^(−x/d))
 //! ```
 //!
-//! The constants were fitted to the error curves of ten scenes with three samplers; `cargo bench --bench accuracy -- prices` shows how
+//! The constants were fitted to the error curves of seven scenes with up to three samplers; `cargo bench --bench accuracy -- prices` shows how
 //! often the intervals hold.
 
 use statrs::distribution::{ContinuousCDF, Normal};

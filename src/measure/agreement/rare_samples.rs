@@ -59,7 +59,8 @@ impl RareSamples {
         RareSamples { value, dark: value - count * each, each, count }
     }
 
-    /// The same sum with the same variance, made of samples that are at least as large as those of another sum.
+    /// Describes the sum by fewer, larger samples, as large as those of `other`. Its value and its variance stay; nothing changes if its
+    /// samples are as large already.
     fn with_samples_of(self, other: &RareSamples) -> RareSamples {
         if other.each <= self.each {
             return self;
