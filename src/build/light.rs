@@ -1,10 +1,10 @@
-//! Builds the lights without a surface, and the background.
+//! Builds the lights without a surface.
 
 use glam::DVec3;
 
 use super::{Builder, rgb};
 use crate::describe;
-use crate::light::{Directional, Environment, Falloff, Light, Point, Spot};
+use crate::light::{Directional, Falloff, Light, Point, Spot, Sun};
 use crate::math::float;
 
 impl Builder<'_> {
@@ -15,11 +15,6 @@ impl Builder<'_> {
             self.needs.push((name, made.effects()));
             self.world.light(made);
         }
-        if let Some(background) = &self.scene.background {
-            let made = Light::Environment(Environment { radiance: rgb(&background.radiance) });
-            self.needs.push(("background".into(), made.effects()));
-            self.world.light(made);
-        }
     }
 }
 
@@ -28,7 +23,11 @@ fn light_of(described: &describe::Light) -> (Light, Option<&String>) {
         describe::Light::Point(l) => (Light::Point(Point { position: l.position.0.into(), intensity: rgb(&l.intensity) }), l.name.as_ref()),
         describe::Light::Directional(l) => {
             let direction = DVec3::from(l.direction.0).normalize().as_vec3();
-            (Light::Directional(Directional { direction, irradiance: rgb(&l.irradiance) }), l.name.as_ref())
+            let light = match l.angle.get() > 0.0 {
+                true => Light::Sun(Sun::of_irradiance(direction, l.irradiance.linear(), l.angle.get() / 2.0)),
+                false => Light::Directional(Directional { direction, irradiance: rgb(&l.irradiance) }),
+            };
+            (light, l.name.as_ref())
         }
         describe::Light::Spot(l) => {
             let position = DVec3::from(l.position.0);

@@ -1,5 +1,6 @@
 //! Builds the world from the description of a scene: reads files, resolves names, composes transforms.
 
+mod background;
 mod camera;
 mod field;
 mod glass;
@@ -22,7 +23,7 @@ use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
 use crate::film::{FilmSpec, Layer};
-use crate::light::{Emitter, Light};
+use crate::light::Emitter;
 use crate::math::{Rgb, Transform};
 use crate::reader::{Node, locate};
 use crate::sampler::SamplerSpec;
@@ -103,6 +104,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     builder.needs.extend(of_groups);
     builder.needs.append(&mut builder.override_needs);
     builder.lights();
+    builder.background();
     if builder.textures > MOST_TEXTURES {
         let message = format!("textures within textures make more than {MOST_TEXTURES} of them");
         return Err(Error::Limit(locate(source.root, source.file, "/textures", message)));
@@ -146,7 +148,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
 /// Returns a warning if the picture will be black, or show only the background.
 fn missing(world: &World) -> Option<&'static str> {
     let lights = world.lights();
-    let has_background = lights.iter().any(|light| matches!(light, Light::Environment(sky) if !sky.radiance.is_black()));
+    let has_background = lights.has_background();
     match (world.shapes().is_empty(), has_background, lights.has_emission()) {
         (true, true, _) => Some("no shapes, the image will show the background alone"),
         (_, _, false) => Some("no light, the image will be black"),

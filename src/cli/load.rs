@@ -38,6 +38,9 @@ pub struct SceneArgs {
     /// Put a matte ground under a model, to catch its shadow.
     #[arg(long)]
     ground: bool,
+    /// Light the scene by a clear sky and its sun, in place of its background. -D /background/sky/elevation=5 is a low sun.
+    #[arg(long)]
+    sky: bool,
 }
 
 impl SceneArgs {
@@ -51,10 +54,20 @@ impl SceneArgs {
         AutoCamera { up: self.up, view: self.view, ground: self.ground }
     }
 
-    /// Returns the overrides, split at the first `=`.
+    /// Returns the overrides, split at the first `=`. The first is that of `--sky`, whose values others may change.
     pub fn overrides(&self) -> Result<Vec<(&str, &str)>> {
         let split = |text: &String| format!("-D {text}: expected /POINTER=VALUE, such as -D /camera/fov=60");
-        self.overrides.iter().map(|text| text.split_once('=').ok_or_else(|| Error::Usage(split(text)))).collect()
+        let others = self.overrides.iter().map(|text| text.split_once('=').ok_or_else(|| Error::Usage(split(text))));
+        self.sky.then_some(Ok(("/background", r#"{"sky": {}}"#))).into_iter().chain(others).collect()
+    }
+
+    /// The flags of the scene that decide the picture, for commands that repeat it.
+    pub fn flags(&self) -> Vec<String> {
+        let flags = [("--sky", self.sky), ("--ground", self.ground), ("--allow-outside", self.allow_outside)];
+        let given = flags.into_iter().filter(|(_, is_given)| *is_given).map(|(flag, _)| flag.to_owned());
+        let view = self.view.map(|view| ["--view".to_owned(), view.name.to_owned()]);
+        let up = self.up.map(|up| ["--up".to_owned(), if up == Up::Z { "z" } else { "y" }.to_owned()]);
+        given.chain(view.into_iter().flatten()).chain(up.into_iter().flatten()).collect()
     }
 }
 

@@ -8,12 +8,12 @@ use super::camera::Camera;
 use super::cycles;
 use super::field_check;
 use super::film::Film;
-use super::light::{Light, SpotLight};
+use super::light::{DirectionalLight, Light, SpotLight};
 use super::scene::Scene;
 use super::shape::{Instances, Mesh, Sdf, Shape};
 use super::{Material, MaterialRef};
 use crate::bsdf::microfacet::RoughnessKeys;
-use crate::format::{Hex, LookAt, Texture, TextureSpace, Textured, Transform};
+use crate::format::{Hex, LookAt, Radiometric, Texture, TextureSpace, Textured, Transform};
 use crate::primitive::MAX_NESTING;
 use crate::reader::{Faults, Node, escaped, unknown};
 
@@ -39,8 +39,16 @@ pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
     }
     checker.shapes("/shapes", &scene.shapes);
     for (i, light) in scene.lights.iter().enumerate() {
-        if let Light::Spot(spot) = light {
-            checker.spot(&format!("/lights/{i}"), spot);
+        match light {
+            Light::Spot(spot) => checker.spot(&format!("/lights/{i}"), spot),
+            Light::Directional(light) => checker.disk(&format!("/lights/{i}/angle"), light),
+            Light::Point(_) => {}
+        }
+    }
+    if let Some(background) = &scene.background {
+        checker.transform("/background/transform", &background.transform);
+        for (key, message) in background.faults() {
+            checker.fault(&format!("/background{key}"), message);
         }
     }
 }
@@ -321,6 +329,17 @@ impl Checker<'_> {
     fn look_at(&self, pointer: &str, look_at: &LookAt) {
         if let Err(message) = look_at.check() {
             self.fault(pointer, message);
+        }
+    }
+
+    /// Checks that the disk of a directional light is not brighter than numbers allow.
+    fn disk(&self, pointer: &str, light: &DirectionalLight) {
+        let most = light.radiance().map_or(0.0, |radiance| radiance.into_iter().fold(0.0, f64::max));
+        if Radiometric::new(most).is_none() {
+            self.fault(
+                pointer,
+                format!("the disk would have a radiance of {most:.1e} W/(m² sr), expected at most 1e30: a larger angle, or 0"),
+            );
         }
     }
 

@@ -127,6 +127,9 @@ pub fn files_of(scene: &Scene) -> Vec<(String, &str)> {
     scene.materials.iter().for_each(|(name, material)| files.material(&format!("/materials{}", escaped(name)), material));
     scene.groups.iter().for_each(|(name, shapes)| files.shapes(&format!("/groups{}", escaped(name)), shapes));
     files.shapes("/shapes", &scene.shapes);
+    if let Some(image) = scene.background.as_ref().and_then(|background| background.image.as_deref()) {
+        files.0.push(("/background/image".to_owned(), image));
+    }
     files.0
 }
 

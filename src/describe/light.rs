@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::format::{Color, ConeAngle, Direction, Point, Radiometric};
+use crate::format::{Color, ConeAngle, Direction, DiskAngle, Point, Radiometric};
+use crate::math::float::sin_cos_degrees;
 use crate::reader::by_type;
 
 /// A light without a surface: no ray can hit it.
@@ -31,7 +32,7 @@ pub struct PointLight {
     pub intensity: Color<Radiometric>,
 }
 
-/// Light from one direction at infinite distance: a sun without size.
+/// Light from one direction at infinite distance, such as sunlight.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DirectionalLight {
@@ -42,6 +43,22 @@ pub struct DirectionalLight {
     pub direction: Direction,
     /// Irradiance on a surface perpendicular to the light, in W·m⁻².
     pub irradiance: Color<Radiometric>,
+    /// The full angle of the disk that the light comes from, in degrees; the sun's is 0.533. A disk makes soft shadows, and the camera and
+    /// mirrors see it. 0 is a light without size: sharp shadows, and nothing to be seen.
+    #[serde(default, skip_serializing_if = "DirectionalLight::is_parallel")]
+    pub angle: DiskAngle,
+}
+
+impl DirectionalLight {
+    fn is_parallel(angle: &DiskAngle) -> bool {
+        angle.get() == 0.0
+    }
+
+    /// Radiance of the disk, in W·m⁻²·sr⁻¹, that makes the irradiance; `None` for a light without size.
+    pub(super) fn radiance(&self) -> Option<[f64; 3]> {
+        let sin = sin_cos_degrees(self.angle.get() / 2.0).0;
+        (self.angle.get() > 0.0).then(|| self.irradiance.linear().map(|irradiance| irradiance / (std::f64::consts::PI * sin * sin)))
+    }
 }
 
 /// A point that emits into a cone.

@@ -7,6 +7,7 @@
 //! struct in the family's file and a variant in the family's enum and in its `by_type!`. Then run
 //! `PT_BLESS=1 cargo test --test it scene_format` for the page, and add an example to `tests/it/everything.json`.
 
+mod background;
 mod camera;
 mod check;
 mod cycles;
@@ -30,6 +31,7 @@ mod shape;
 
 pub use crate::bsdf::description::*;
 pub use crate::format::*;
+pub use background::{Background, Mapping, Sky};
 pub use camera::*;
 pub use emission::*;
 pub use field::*;

@@ -16,7 +16,7 @@ pub struct Names {
     pub shapes: Vec<String>,
     /// The name of each shape's material, where the shape has a single named one, and no instance may replace it.
     pub materials: Vec<Option<String>>,
-    /// The names of the lights without a surface, numbered as in [`Lights`], then of the background.
+    /// The names of the lights without a surface, numbered as in [`Lights`], then of the background and of the sun in its sky.
     lights: Vec<String>,
 }
 
@@ -47,7 +47,7 @@ impl Names {
             };
             name.clone().unwrap_or_else(|| format!("/lights/{i}"))
         };
-        names.lights = scene.lights.iter().enumerate().map(named).chain(["background".to_owned()]).collect();
+        names.lights = scene.lights.iter().enumerate().map(named).chain(["background", "sun"].map(str::to_owned)).collect();
         names
     }
 

@@ -1,4 +1,4 @@
-//! Reads the pixels of textures from picture files: PNG, JPEG, WebP and OpenEXR, recognised by content.
+//! Reads the pixels of textures from picture files: PNG, JPEG, WebP, OpenEXR and Radiance HDR, recognised by content.
 
 use std::io::{BufRead, BufReader, Seek};
 use std::path::Path;
@@ -29,7 +29,10 @@ pub fn load(path: &Path, name: &str, encoding: Encoding, channel: Option<Channel
 ///
 /// # Errors
 /// Those of [`load`].
-pub fn read(source: impl BufRead + Seek, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
+pub fn read(mut source: impl BufRead + Seek, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
+    if is_deep(source.fill_buf().map_err(|e| Error::io(name, e))?) {
+        return Err(invalid(name, "a deep OpenEXR picture, with several values in a pixel: flatten it in a compositing program first"));
+    }
     let reader = ImageReader::new(source).with_guessed_format().map_err(|e| Error::io(name, e))?;
     let format = reader.format().filter(is_read).ok_or_else(|| {
         let found = reader.format().map_or("an unknown format".to_owned(), title);
@@ -47,15 +50,22 @@ pub fn read(source: impl BufRead + Seek, name: &str, encoding: Encoding, channel
     Ok((pixels(picture, encoding, channel, name)?, warnings))
 }
 
+/// Whether a file that begins with these bytes is a deep OpenEXR picture, which pt does not read: bit 11 of the version.
+///
+/// Source: *OpenEXR File Layout*, "Version Field".
+fn is_deep(start: &[u8]) -> bool {
+    start.starts_with(b"\x76\x2f\x31\x01") && start.get(5).is_some_and(|flags| flags & 0x08 != 0)
+}
+
 fn invalid(name: &str, message: &str) -> Error {
     Error::invalid(Fault::new(message).in_file(name))
 }
 
 /// The formats that are read, as text for messages.
-pub const READ: &str = "PNG, JPEG, WebP or OpenEXR";
+pub const READ: &str = "PNG, JPEG, WebP, OpenEXR or Radiance HDR";
 
 fn is_read(format: &ImageFormat) -> bool {
-    matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP | ImageFormat::OpenExr)
+    matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP | ImageFormat::OpenExr | ImageFormat::Hdr)
 }
 
 /// The name of a format, for messages.
@@ -64,6 +74,7 @@ fn title(format: ImageFormat) -> String {
         ImageFormat::WebP => "WebP".to_owned(),
         ImageFormat::OpenExr => "OpenEXR".to_owned(),
         ImageFormat::Jpeg => "JPEG".to_owned(),
+        ImageFormat::Hdr => "Radiance HDR".to_owned(),
         other => other.extensions_str().first().map_or("an unknown format".to_owned(), |extension| extension.to_uppercase()),
     }
 }

@@ -6,13 +6,14 @@ use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::background::Background;
 use super::camera::Camera;
 use super::film::Film;
 use super::light::Light;
 use super::sampler::Sampler;
 use super::shape::{Instances, Shape};
 use super::{Material, MaterialRef};
-use crate::format::{Color, Radiometric, Texture, Version};
+use crate::format::{Texture, Version};
 use crate::reader::Node;
 
 /// A scene in pt's format.
@@ -84,14 +85,6 @@ impl Scene {
             }
         }
     }
-}
-
-/// Light from infinite distance, from all directions.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Background {
-    /// Radiance, in W·m⁻²·sr⁻¹, the same from every direction.
-    pub radiance: Color<Radiometric>,
 }
 
 /// The integrator's part of the scene file as JSON. Only the integrator knows its options and reads them.

@@ -126,7 +126,7 @@ impl CheckerScale {
     }
 }
 
-/// A picture: PNG, JPEG, WebP or OpenEXR. Its lower left corner is at the texture coordinates (0, 0), its upper right corner at (1, 1).
+/// A picture: PNG, JPEG, WebP, OpenEXR or Radiance HDR. Its lower left corner is at the texture coordinates (0, 0), its upper right corner at (1, 1).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Image {
@@ -299,13 +299,19 @@ pub enum TextureSpace {
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
 pub enum Encoding {
-    /// `srgb` for PNG, JPEG and WebP, `linear` for OpenEXR.
+    /// `srgb` for PNG, JPEG and WebP, `linear` for OpenEXR and Radiance HDR.
     #[default]
     Auto,
     /// Encoded with the sRGB curve, as photographs and colours are.
     Srgb,
     /// Linear values, such as roughness or masks.
     Linear,
+}
+
+impl Encoding {
+    pub(crate) fn is_auto(&self) -> bool {
+        *self == Encoding::Auto
+    }
 }
 
 /// A channel of a picture or of vertex colours.

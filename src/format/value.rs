@@ -153,6 +153,14 @@ ranged! {
     FieldOfView: f64 read as f64 ("an angle in degrees", "number") in Excluded(0.0), Excluded(180.0);
     /// The half angle of a cone, in degrees.
     ConeAngle: f64 read as f64 ("an angle in degrees", "number") in Included(0.0), Included(180.0);
+    /// The full angle under which a disk in the sky is seen, in degrees.
+    DiskAngle: f64 read as f64 ("an angle in degrees", "number") in Included(0.0), Included(180.0);
+    /// The angle of the sun above the horizon, in degrees.
+    Elevation: f64 read as f64 ("an angle in degrees", "number") in Included(-18.0), Included(90.0);
+    /// The ratio of the extinction by air and aerosols to that by air alone.
+    Turbidity: f64 read as f64 ("a number", "number") in Included(1.0), Included(10.0);
+    /// The height of an observer above the ground, in metres.
+    Altitude: f64 read as f64 ("a number", "number") in Included(0.0), Included(50000.0);
     /// A number of pixels along one side of an image.
     Side: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(65536.0);
     /// A number of samples in each pixel.
@@ -161,6 +169,13 @@ ranged! {
     Octaves: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(16.0);
     /// The version of the scene format.
     Version: u32 read as i128 ("a version", "integer") in Included(1.0), Included(1.0);
+}
+
+impl Default for DiskAngle {
+    /// No size.
+    fn default() -> DiskAngle {
+        DiskAngle::known(0.0)
+    }
 }
 
 /// A position, in metres: `[x, y, z]`.

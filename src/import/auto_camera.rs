@@ -89,6 +89,9 @@ impl MissingParts {
             add(root, "background", at.make_object([("radiance", at.make_number(SKY))]));
         }
         shapes.into_iter().for_each(|shape| add(root, "shapes", shape));
+        if self.bounds.auto_camera.up() == DVec3::Z {
+            raise_background(at, root);
+        }
     }
 
     /// Key light as a shape that emits from behind the camera.
@@ -121,6 +124,17 @@ impl MissingParts {
         let middle = self.bounds.middle();
         let from = middle + up * (low - middle.dot(up));
         disk(at, "ground", [from, from + up * radius], radius * GROUND_RADIUS, [("material", matte(at, GROUND_ALBEDO))])
+    }
+}
+
+/// Turns a sky or a picture of the surroundings, which has +y up, so that +z is up; unless it is turned already.
+fn raise_background(at: &JsonCursor, root: &mut Node) {
+    let turn = at.make_object([("axis", at.make_numbers([1.0, 0.0, 0.0])), ("degrees", at.make_number(90.0))]);
+    let steps = at.make_array([at.make_object([("rotate", turn)])]);
+    let Value::Object(members) = &mut root.value else { return };
+    let Some(background) = members.iter_mut().find(|member| member.key == "background").map(|member| &mut member.node) else { return };
+    if ["image", "sky"].iter().any(|key| background.child(key).is_some()) && background.child("transform").is_none() {
+        add(background, "transform", steps);
     }
 }
 

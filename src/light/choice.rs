@@ -1,9 +1,7 @@
 //! Choice of a light for a point.
 
-use glam::Vec3;
-
-use super::tree::{Importances, LightTree, Receiver};
-use super::{Light, LightBounds, LightSampleContext};
+use super::tree::{Importances, LightTree, Receiver, Sides};
+use super::{InfiniteIrradiance, Light, LightBounds, LightSampleContext};
 use crate::math::float::ONE_MINUS_EPSILON;
 
 /// Chooses one of several lights in proportion to about the irradiance that each brings to a point if nothing is in its way.
@@ -20,11 +18,8 @@ pub(super) struct Choice {
 /// Light that is infinitely far away.
 struct Infinite {
     light: u32,
-    /// Unit direction towards the light; `None` if it is in all directions.
-    direction: Option<Vec3>,
-    /// Irradiance on a plane that faces the direction, or on one side of any plane for a light in all directions; relative to the
-    /// intensities in the tree [W·m⁻²].
-    irradiance: f32,
+    /// Irradiance, relative to the intensities in the tree [W·m⁻²].
+    irradiance: InfiniteIrradiance,
 }
 
 /// Fraction of the choices that is divided equally between the infinite lights and all other lights together. What is in the way of
@@ -48,23 +43,19 @@ impl Choice {
         // Intensities and irradiances are compared as numbers: any unit will do, as long as it is a power of two.
         let unit = finite.iter().fold(0.0, |most: f64, (bounds, _)| most.max(bounds.intensity));
         let infinite = (0..).zip(lights).filter_map(|(light, each)| {
-            let (direction, irradiance) = each.infinite_irradiance().filter(|(_, irradiance)| *irradiance > 0.0)?;
-            Some((light, direction, irradiance))
+            let irradiance = each.infinite_irradiance().filter(|irradiance| irradiance.most() > 0.0)?;
+            Some(Infinite { light, irradiance })
         });
-        let infinite: Vec<(u32, Option<Vec3>, f64)> = infinite.collect();
-        let unit = infinite.iter().fold(unit, |most, (.., irradiance)| most.max(*irradiance));
+        let infinite: Vec<Infinite> = infinite.collect();
+        let unit = infinite.iter().fold(unit, |most, infinite| most.max(infinite.irradiance.most()));
         // Scaling all lights by a power of two then changes no bit.
         let scale = f64::from_bits(unit.to_bits() & 0x7ff0_0000_0000_0000).recip();
         let only = match (&finite[..], &infinite[..]) {
-            ([(_, light)], []) | ([], [(light, ..)]) => Some(*light),
+            ([(_, light)], []) | ([], [Infinite { light, .. }]) => Some(*light),
             _ => None,
         };
         let is_many = only.is_none() && !finite.is_empty();
-        let infinite = infinite.into_iter().map(|(light, direction, irradiance)| Infinite {
-            light,
-            direction,
-            irradiance: ((irradiance * scale) as f32).max(f32::MIN_POSITIVE),
-        });
+        let infinite = infinite.into_iter().map(|each| Infinite { irradiance: each.irradiance.scaled(scale), ..each });
         Choice { only, infinite: infinite.collect(), tree: is_many.then(|| LightTree::new(finite, lights.len(), scale)) }
     }
 
@@ -149,9 +140,37 @@ impl Parts {
 
 impl Infinite {
     fn importance(&self, at: &Receiver) -> f32 {
-        match self.direction {
-            None => self.irradiance * at.side_count(),
-            Some(direction) => self.irradiance * at.cosine(at.normal.dot(direction)),
+        match &self.irradiance {
+            InfiniteIrradiance::Equal(irradiance) => *irradiance as f32 * at.side_count(),
+            // The cosine of the nearest point of a disk is at most that of its middle and the sine of its half angle.
+            InfiniteIrradiance::Towards(direction, irradiance, sine) => {
+                *irradiance as f32 * at.cosine((at.normal.dot(*direction) + sine).min(1.0))
+            }
+            InfiniteIrradiance::Map(rotation, map) => match at.sides {
+                Sides::NoSurface => map.mean() * at.side_count(),
+                Sides::Both => map.at(*rotation * at.normal) + map.at(-(*rotation * at.normal)),
+                Sides::One => map.at(*rotation * at.normal),
+            },
+        }
+    }
+}
+
+impl InfiniteIrradiance {
+    /// Irradiance of a plane that faces the light, or the mean over all planes [W·m⁻²].
+    fn most(&self) -> f64 {
+        match self {
+            InfiniteIrradiance::Equal(irradiance) | InfiniteIrradiance::Towards(_, irradiance, _) => *irradiance,
+            InfiniteIrradiance::Map(_, map) => map.mean().into(),
+        }
+    }
+
+    /// The same times a factor, above 0 in single precision.
+    fn scaled(self, factor: f64) -> InfiniteIrradiance {
+        let scaled = |irradiance: f64| (irradiance * factor).max(f32::MIN_POSITIVE.into());
+        match self {
+            InfiniteIrradiance::Equal(irradiance) => InfiniteIrradiance::Equal(scaled(irradiance)),
+            InfiniteIrradiance::Towards(direction, irradiance, sine) => InfiniteIrradiance::Towards(direction, scaled(irradiance), sine),
+            InfiniteIrradiance::Map(rotation, map) => InfiniteIrradiance::Map(rotation, map.scaled(factor)),
         }
     }
 }

@@ -21,23 +21,15 @@ impl Environment {
         Spectrum::from_illuminant(self.radiance)
     }
 
-    /// Samples a direction for a point: in proportion to the cosine on the side of the viewer where only that side counts, else
-    /// uniformly.
+    /// Samples a direction for a point.
     pub(super) fn sample(&self, cx: &LightSampleContext, u: Vec2) -> Option<LightLiSample> {
-        let wi = match cx.is_one_sided() {
-            true => Frame::around(cx.ns).to_world(Local(warp::cosine_hemisphere(u))).normalize(),
-            false => warp::uniform_sphere(u),
-        };
-        let density = Density::Smooth(self.pdf(cx, wi));
-        Some(LightLiSample { wi, li: self.radiance(wi), density, target: ShadowTarget::Infinity })
+        let wi = flat_sample(cx, u);
+        Some(LightLiSample { wi, li: self.radiance(wi), density: Density::Smooth(flat_pdf(cx, wi)), target: ShadowTarget::Infinity })
     }
 
     /// Density of a sampled direction.
     pub(super) fn pdf(&self, cx: &LightSampleContext, wi: Vec3) -> SolidAnglePdf {
-        match cx.is_one_sided() {
-            true => SolidAnglePdf::new(warp::cosine_hemisphere_pdf(Vec3::Z * cx.ns.dot(wi))),
-            false => self.emission_pdf(),
-        }
+        flat_pdf(cx, wi)
     }
 
     /// Density 1 / 4π of an emitted direction.
@@ -55,4 +47,21 @@ impl Environment {
     pub(super) fn power(&self, radius: f64) -> f64 {
         4.0 * PI * PI * radius * radius * f64::from(Spectrum::from_illuminant(self.radiance).average())
     }
+}
+
+/// Samples a direction for light that is the same in all directions: in proportion to the cosine on the side of the viewer where only that
+/// side counts, else uniformly.
+pub(super) fn flat_sample(cx: &LightSampleContext, u: Vec2) -> Vec3 {
+    match cx.is_one_sided() {
+        true => Frame::around(cx.ns).to_world(Local(warp::cosine_hemisphere(u))).normalize(),
+        false => warp::uniform_sphere(u),
+    }
+}
+
+/// Density of a direction that [`flat_sample`] samples.
+pub(super) fn flat_pdf(cx: &LightSampleContext, wi: Vec3) -> SolidAnglePdf {
+    SolidAnglePdf::new(match cx.is_one_sided() {
+        true => warp::cosine_hemisphere_pdf(Vec3::Z * cx.ns.dot(wi)),
+        false => warp::uniform_sphere_pdf(),
+    })
 }

@@ -8,17 +8,21 @@ mod choice;
 pub mod directional;
 mod emitted_ray;
 pub mod environment;
+pub mod environment_map;
 pub mod point;
+pub mod sky;
 pub mod spot;
+pub mod sun;
 mod tree;
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Mat3, Vec2, Vec3};
 
 use self::bounds::LightBounds;
 use self::choice::Choice;
 use self::emitted_ray::{EmissionContext, pdf_from_infinity};
+use self::environment_map::IrradianceMap;
 use crate::effects::Effects;
 use crate::math::{Aabb, Density, Discrete, SolidAnglePdf, Spectrum};
 use crate::shape::{Shape, SurfacePoint};
@@ -27,8 +31,11 @@ pub use area::{Area, Emission, Emitter};
 pub use directional::Directional;
 pub use emitted_ray::{EmissionDensity, EmittedRay};
 pub use environment::Environment;
+pub use environment_map::{EnvironmentMap, Mapping};
 pub use point::Point;
+pub use sky::{Sky, SkyLight};
 pub use spot::{Falloff, Spot};
+pub use sun::Sun;
 
 /// Light of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,8 +48,12 @@ pub enum Light {
     Spot(Spot),
     /// Parallel light.
     Directional(Directional),
-    /// Light from all directions.
+    /// Disk of light, infinitely far away.
+    Sun(Sun),
+    /// The same light from all directions.
     Environment(Environment),
+    /// Light from all directions as a picture shows it.
+    EnvironmentMap(Arc<EnvironmentMap>),
 }
 
 /// Point that a light is sampled for. The choice among lights and the densities of directions may depend on all of it.
@@ -121,6 +132,16 @@ struct LightLiSample {
     target: ShadowTarget,
 }
 
+/// Irradiance from a light that is infinitely far away, the mean of the colour components [W·m⁻²].
+enum InfiniteIrradiance {
+    /// The same on one side of any plane.
+    Equal(f64),
+    /// On a plane that faces the light, with the unit direction towards its middle, and the sine of the half angle of its disk.
+    Towards(Vec3, f64, f32),
+    /// By the normal in the coordinates that the rotation leads to.
+    Map(Mat3, IrradianceMap),
+}
+
 /// Lights of a scene.
 pub struct Lights {
     shapes: Arc<[Box<dyn Shape>]>,
@@ -143,7 +164,7 @@ impl Lights {
     /// - `bounds`: centre and radius of the scene's bounding sphere (m), which determines the power of distant lights
     pub fn new(lights: Vec<Light>, shapes: Arc<[Box<dyn Shape>]>, bounds: (Vec3, f32)) -> Lights {
         let power: Vec<f64> = lights.iter().map(|light| light.power(&shapes, bounds.1.into())).collect();
-        let infinite = (0..).zip(&lights).filter(|(_, light)| matches!(light, Light::Environment(_))).map(|(i, _)| i).collect();
+        let infinite = (0..).zip(&lights).filter(|(_, light)| light.is_background() && !light.is_black()).map(|(i, _)| i).collect();
         let of = |light: &Light| match light {
             Light::Area(area) if area.is_unsampled(&shapes) => Effects::UNSAMPLED_EMITTER,
             _ => light.effects(),
@@ -236,7 +257,9 @@ impl Lights {
             Light::Point(point) => (Density::Delta, Density::Smooth(point.emission_pdf())),
             Light::Spot(spot) => (Density::Delta, Density::Smooth(spot.emission_pdf(w))),
             Light::Directional(_) => (from_infinity, Density::Delta),
+            Light::Sun(sun) => (from_infinity, Density::Smooth(sun.pdf(-w))),
             Light::Environment(environment) => (from_infinity, Density::Smooth(environment.emission_pdf())),
+            Light::EnvironmentMap(map) => (from_infinity, Density::Smooth(map.emission_pdf(-w))),
         };
         EmissionDensity { position, direction }
     }
@@ -261,16 +284,21 @@ impl Lights {
     pub fn background(&self, direction: Vec3) -> impl Iterator<Item = (u32, Spectrum)> {
         self.infinite.iter().map(move |&i| match &self.lights[i as usize] {
             Light::Environment(environment) => (i, environment.radiance(direction)),
+            Light::EnvironmentMap(map) => (i, map.radiance(direction)),
+            Light::Sun(sun) => (i, sun.radiance(direction)),
             _ => (i, Spectrum::BLACK),
         })
     }
 
     /// Density with which [`Lights::sample`] samples the direction `wi` of the infinitely distant light `index`.
     pub fn background_pdf(&self, index: u32, cx: &LightSampleContext, wi: Vec3) -> SolidAnglePdf {
-        match &self.lights[index as usize] {
-            Light::Environment(environment) => environment.pdf(cx, wi) * self.probability(index, cx),
-            _ => SolidAnglePdf::ZERO,
-        }
+        let pdf = match &self.lights[index as usize] {
+            Light::Environment(environment) => environment.pdf(cx, wi),
+            Light::EnvironmentMap(map) => map.pdf(cx, wi),
+            Light::Sun(sun) => sun.pdf(wi),
+            _ => return SolidAnglePdf::ZERO,
+        };
+        pdf * self.probability(index, cx)
     }
 
     /// Probability with which [`Lights::sample`] chooses the light `index`.
@@ -301,7 +329,9 @@ impl Light {
             Light::Point(point) => point.sample(cx.p),
             Light::Spot(spot) => spot.sample(cx.p),
             Light::Directional(directional) => directional.sample(),
+            Light::Sun(sun) => sun.sample(u),
             Light::Environment(environment) => environment.sample(cx, u),
+            Light::EnvironmentMap(map) => map.sample(cx, u),
         }
     }
 
@@ -311,7 +341,9 @@ impl Light {
             Light::Point(point) => point.emit(cx),
             Light::Spot(spot) => spot.emit(cx),
             Light::Directional(directional) => directional.emit(cx),
+            Light::Sun(sun) => sun.emit(cx),
             Light::Environment(environment) => environment.emit(cx),
+            Light::EnvironmentMap(map) => map.emit(cx),
         }
     }
 
@@ -321,17 +353,28 @@ impl Light {
             Light::Area(area) => Some(area.bounds(shapes)),
             Light::Point(point) => Some(LightBounds::all_directions(Aabb::around([point.position.as_vec3()]), point.intensity())),
             Light::Spot(spot) => Some(spot.bounds()),
-            Light::Directional(_) | Light::Environment(_) => None,
+            Light::Directional(_) | Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => None,
         }
     }
 
-    /// Direction towards an infinitely distant light, `None` if it is all directions, and its irradiance: that on a plane perpendicular
-    /// to the direction, or on one side of any plane [W·m⁻²]. `None` for other lights.
-    fn infinite_irradiance(&self) -> Option<(Option<Vec3>, f64)> {
+    /// Whether rays that hit nothing may bring its light.
+    fn is_background(&self) -> bool {
+        matches!(self, Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_))
+    }
+
+    /// Irradiance from an infinitely distant light; `None` for other lights.
+    fn infinite_irradiance(&self) -> Option<InfiniteIrradiance> {
         let average = |rgb| f64::from(Spectrum::from_illuminant(rgb).average());
         match self {
-            Light::Directional(directional) => Some((Some(-directional.direction), average(directional.irradiance))),
-            Light::Environment(environment) => Some((None, std::f64::consts::PI * average(environment.radiance))),
+            Light::Directional(directional) => {
+                Some(InfiniteIrradiance::Towards(-directional.direction, average(directional.irradiance), 0.0))
+            }
+            Light::Sun(sun) => Some(InfiniteIrradiance::Towards(-sun.direction, sun.irradiance(), sun.sine())),
+            Light::Environment(environment) => Some(InfiniteIrradiance::Equal(std::f64::consts::PI * average(environment.radiance))),
+            Light::EnvironmentMap(map) => {
+                let (rotation, irradiance) = map.irradiance();
+                Some(InfiniteIrradiance::Map(rotation, irradiance))
+            }
             Light::Area(_) | Light::Point(_) | Light::Spot(_) => None,
         }
     }
@@ -343,7 +386,9 @@ impl Light {
             Light::Point(point) => point.intensity.is_black(),
             Light::Spot(spot) => spot.intensity.is_black(),
             Light::Directional(directional) => directional.irradiance.is_black(),
+            Light::Sun(sun) => sun.radiance.is_black(),
             Light::Environment(environment) => environment.radiance.is_black(),
+            Light::EnvironmentMap(map) => map.mean() == 0.0,
         }
     }
 
@@ -354,7 +399,9 @@ impl Light {
             Light::Point(point) => point.power(),
             Light::Spot(spot) => spot.power(),
             Light::Directional(directional) => directional.power(radius),
+            Light::Sun(sun) => sun.power(radius),
             Light::Environment(environment) => environment.power(radius),
+            Light::EnvironmentMap(map) => map.power(radius),
         }
     }
 
@@ -363,7 +410,7 @@ impl Light {
         match &mut self {
             Light::Point(point) => point.position -= origin,
             Light::Spot(spot) => spot.position -= origin,
-            Light::Area(_) | Light::Directional(_) | Light::Environment(_) => {}
+            Light::Area(_) | Light::Directional(_) | Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => {}
         }
         self
     }
@@ -374,7 +421,7 @@ impl Light {
             _ if self.is_black() => Effects::NONE,
             Light::Area(_) => Effects::AREA_LIGHT,
             Light::Point(_) | Light::Spot(_) | Light::Directional(_) => Effects::POINT_LIGHT,
-            Light::Environment(_) => Effects::ENVIRONMENT,
+            Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => Effects::ENVIRONMENT,
         }
     }
 }

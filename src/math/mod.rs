@@ -2,6 +2,7 @@
 
 pub mod bounds;
 pub mod discrete;
+pub mod equal_area;
 pub mod exact;
 mod f64x2;
 pub mod float;

@@ -75,7 +75,9 @@ impl Pixels {
         &self.values
     }
 
-    fn get(&self, x: usize, y: usize) -> Rgb {
+    /// Colour of a pixel, counted from the upper left corner.
+    #[inline]
+    pub(crate) fn get(&self, x: usize, y: usize) -> Rgb {
         let [r, g, b] = self.values[y * self.size.x as usize + x];
         Rgb::new(r, g, b)
     }

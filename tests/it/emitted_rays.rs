@@ -3,8 +3,11 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::{DVec3, UVec2, Vec2, Vec3};
-use pt::light::{Area, Directional, EmittedRay, Emitter, Environment, Falloff, Light, LightSampleContext, Lights, Point, Spot};
+use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
+use pt::light::{
+    Area, Directional, EmittedRay, Emitter, Environment, EnvironmentMap, Falloff, Light, LightSampleContext, Lights, Mapping, Point, Spot,
+    Sun,
+};
 use pt::math::{AreaPdf, Rgb, SolidAnglePdf, Transform};
 use pt::sampler::{Kind, SamplerSpec, Sequence};
 use pt::shape::{Cuboid, Disk, Geometry, Quad, Shape, Sphere};
@@ -60,6 +63,8 @@ fn lights() -> Vec<(&'static str, Lights, f64)> {
     // ∫ (outer − θ)/(outer − inner) sin θ dθ between the cones, by parts.
     let linear = angle[0].cos() - (angle[1].sin() - angle[0].sin()) / (angle[1] - angle[0]);
     let ellipsoid = ellipsoid(at);
+    let sun = PI * 6.25 * TAU * (1.0 - 30f64.to_radians().cos()) * 3.0;
+    let (map, mean) = environment_map();
     let rows: Vec<(&'static str, LightsAndShapes, f64)> = vec![
         ("quad", area(Quad { size: [0.8, 0.5] }, at, gray(3.0)), PI * 3.0 * 0.4),
         ("two-sided quad", area(Quad { size: [0.8, 0.5] }, at, two_sided), 2.0 * PI * 1.5 * 0.4),
@@ -77,9 +82,20 @@ fn lights() -> Vec<(&'static str, Lights, f64)> {
             alone(Light::Directional(Directional { direction: Vec3::new(0.2, -0.9, 0.4).normalize(), irradiance: Rgb::gray(1.5) })),
             PI * 6.25 * 1.5,
         ),
+        ("sun", alone(Light::Sun(Sun::new(Vec3::new(0.2, -0.9, 0.4).normalize(), Rgb::gray(3.0), 30.0))), sun),
+        ("map", alone(map), 4.0 * PI * PI * 6.25 * mean),
         ("sky", alone(Light::Environment(Environment { radiance: Rgb::gray(0.7) })), 4.0 * PI * PI * 6.25 * 0.7),
     ];
     rows.into_iter().map(|(name, (lights, shapes), flux)| (name, Lights::new(lights, shapes.into(), BOUNDS), flux)).collect()
+}
+
+/// A picture of 4 × 4 pixels, the second row of which is bright, and the mean of its radiance. The area of a pixel is the same on the
+/// octahedral map, where the interpolation keeps the mean.
+fn environment_map() -> (Light, f64) {
+    let values = (0..16).map(|k| if k / 4 == 1 { [2.0; 3] } else { [0.1; 3] }).collect();
+    let pixels = Arc::new(Pixels::new(UVec2::new(4, 4), values).expect("pixels"));
+    let map = EnvironmentMap::new(pixels, Mapping::Octahedral, Rgb::WHITE, Mat3::IDENTITY);
+    (Light::EnvironmentMap(Arc::new(map)), (4.0 * 2.0 + 12.0 * 0.1) / 16.0)
 }
 
 /// Random numbers of Sobol' sequences, whose pairs are evenly distributed.

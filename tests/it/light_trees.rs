@@ -1,11 +1,15 @@
 //! The choice among many lights: probabilities that are exact, and that follow what each light brings to a point.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
-use pt::light::{Area, Directional, Emitter, Environment, Falloff, Light, LightSampleContext, Lights, Point, Spot};
+use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
+use pt::light::{
+    Area, Directional, Emitter, Environment, EnvironmentMap, Falloff, Light, LightSampleContext, Lights, Mapping, Point, Spot, Sun,
+};
 use pt::math::{Rgb, Transform};
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere};
+use pt::texture::image::Pixels;
 
 use crate::random::Random;
 
@@ -22,7 +26,7 @@ struct Scene {
 impl Scene {
     /// All kinds of lights at random places.
     ///
-    /// - `distant`: number of suns, besides one sky
+    /// - `distant`: number of suns, besides a sky, a sun with a disk and a map
     /// - `decades`: number of decades above 1 and below over which powers are spread
     fn mixed(count: usize, distant: usize, decades: f64, random: &mut Random) -> Scene {
         let mut scene = Scene::default();
@@ -44,6 +48,8 @@ impl Scene {
         }
         if distant > 0 {
             scene.lights.push(Light::Environment(Environment { radiance: Rgb::gray(0.2) }));
+            scene.lights.push(Light::Sun(Sun::new(random.direction().as_vec3(), Rgb::gray(5.0), 10.0)));
+            scene.lights.push(environment_map(1.0));
         }
         scene
     }
@@ -67,7 +73,9 @@ impl Scene {
             Light::Point(p) => Light::Point(Point { position: p.position * size, intensity: p.intensity * (power * area) }),
             Light::Spot(s) => Light::Spot(Spot { position: s.position * size, intensity: s.intensity * (power * area), ..s }),
             Light::Directional(d) => Light::Directional(Directional { irradiance: d.irradiance * power, ..d }),
+            Light::Sun(s) => Light::Sun(Sun { radiance: s.radiance * power, ..s }),
             Light::Environment(e) => Light::Environment(Environment { radiance: e.radiance * power }),
+            Light::EnvironmentMap(_) => environment_map(power),
         });
         Lights::new(lights.collect(), shapes.into(), (Vec3::ZERO, RADIUS as f32 * length))
     }
@@ -83,6 +91,13 @@ impl Scene {
         }
         Lights::new(vec![light; count], shapes.into(), (Vec3::ZERO, RADIUS as f32))
     }
+}
+
+/// A picture of a bright half of the sky.
+fn environment_map(scale: f32) -> Light {
+    let values = (0..32).map(|k| if k % 8 < 4 { [0.3, 0.2, 0.1] } else { [0.0, 0.01, 0.0] }).collect();
+    let pixels = Arc::new(Pixels::new(UVec2::new(8, 4), values).expect("pixels"));
+    Light::EnvironmentMap(Arc::new(EnvironmentMap::new(pixels, Mapping::LatLong, Rgb::gray(scale), Mat3::IDENTITY)))
 }
 
 fn moved(place: DVec3) -> Transform {

@@ -19,6 +19,7 @@ mod compounds;
 mod demo_scenes;
 mod discrete;
 mod emitted_rays;
+mod environment_maps;
 mod fields;
 mod film;
 mod float;

@@ -14,12 +14,20 @@ const MARK: &str = "<!-- tables -->\n";
 pub const EVERYTHING: &str = include_str!("everything.json");
 
 /// The alternatives of which a scene has only one, with their pointers.
-const ALTERNATIVES: [(&str, &str); 8] = [
+const ALTERNATIVES: [(&str, &str); 10] = [
     ("/camera", r#"{"type": "orthographic", "height": 3, "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}}"#),
     ("/camera", r#"{"type": "spherical", "transform": [{"scale": 2}]}"#),
     ("/film/filter", r#"{"type": "box", "radius": 1}"#),
     ("/film/filter", r#"{"type": "tent", "radius": 2}"#),
     ("/film/filter", r#"{"type": "gaussian", "radius": 2, "sigma": 0.7}"#),
+    (
+        "/background",
+        r#"{"image": "sky.hdr", "mapping": "octahedral", "encoding": "linear", "scale": [1, 2, 3], "transform": [{"rotate": {"axis": [0, 1, 0], "degrees": 90}}]}"#,
+    ),
+    (
+        "/background",
+        r#"{"sky": {"elevation": 5, "azimuth": 90, "irradiance": [3, 2, 1], "turbidity": 3, "ground": 0.1, "altitude": 100, "sun": false}}"#,
+    ),
     ("/sampler/type", "independent"),
     ("/sampler/type", "stratified"),
     ("/sampler/type", "sobol"),

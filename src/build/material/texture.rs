@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use crate::build::transform::placed;
 use crate::build::{Builder, rgb};
-use crate::describe::{self, Encoding, Size, TextureSpace, Textured, identity, picture};
+use crate::describe::{self, Channel, Encoding, Size, TextureSpace, Textured, identity, picture};
 use crate::error::Error;
 use crate::math::{Rgb, Transform};
 use crate::reader::escaped;
@@ -106,17 +106,9 @@ impl Builder<'_> {
         }
     }
 
-    /// Builds an image texture. A picture is read once for each encoding and channel. Returns black after adding a fault.
+    /// Builds an image texture. Returns black after adding a fault.
     fn image(&mut self, pointer: &str, described: &describe::Image, range: Range) -> Texture {
-        let key = (described.file.clone(), described.encoding, described.channel);
-        let pixels = match self.pictures.get(&key) {
-            Some(known) => known.clone(),
-            None => {
-                let loaded = self.picture(pointer, described);
-                self.pictures.insert(key, loaded.clone());
-                loaded
-            }
-        };
+        let pixels = self.picture(&format!("{pointer}/file"), &described.file, described.encoding, described.channel);
         let Some(pixels) = pixels else { return Rgb::BLACK.into() };
         if range == Range::Shares
             && let Some(message) = picture::beyond_shares(&pixels)
@@ -139,17 +131,36 @@ impl Builder<'_> {
         Texture::Image(Image { pixels, scale, wrap, filter })
     }
 
-    fn picture(&mut self, pointer: &str, described: &describe::Image) -> Option<Arc<Pixels>> {
-        match self.source.files.picture(&described.file, described.encoding, described.channel) {
+    /// Reads a picture, once for each encoding and channel. Returns nothing after adding a fault.
+    ///
+    /// - `pointer`: JSON pointer of the file's name
+    pub(in crate::build) fn picture(
+        &mut self,
+        pointer: &str,
+        file: &str,
+        encoding: Encoding,
+        channel: Option<Channel>,
+    ) -> Option<Arc<Pixels>> {
+        let key = (file.to_owned(), encoding, channel);
+        if let Some(known) = self.pictures.get(&key) {
+            return known.clone();
+        }
+        let loaded = self.read_picture(pointer, file, encoding, channel);
+        self.pictures.insert(key, loaded.clone());
+        loaded
+    }
+
+    fn read_picture(&mut self, pointer: &str, file: &str, encoding: Encoding, channel: Option<Channel>) -> Option<Arc<Pixels>> {
+        match self.source.files.picture(file, encoding, channel) {
             Ok((pixels, warnings)) => {
                 self.warnings.extend(warnings);
-                let name = described.channel.map_or_else(|| described.file.clone(), |channel| format!("{}, {channel:?}", described.file));
+                let name = channel.map_or_else(|| file.to_owned(), |channel| format!("{file}, {channel:?}"));
                 self.contents.insert(name, identity::of_picture(&pixels));
                 return Some(Arc::new(pixels));
             }
             Err(Error::Invalid(faults)) => {
                 for fault in faults {
-                    self.fault(&format!("{pointer}/file"), &format!("{}: {}", described.file, fault.message));
+                    self.fault(pointer, &format!("{file}: {}", fault.message));
                 }
             }
             Err(other) => self.failures.push(other),

@@ -261,9 +261,7 @@ fn replay_command(args: &RenderArgs) -> Result<String> {
     flag("--scramblings", args.scramblings.map(|k| k.to_string()));
     flag("--clamp", args.clamp.map(|limit| limit.to_string()));
     let mut command: Vec<String> = words.iter().map(|word| quoted(word)).collect();
-    if args.scene.allow_outside {
-        command.push("--allow-outside".into());
-    }
+    command.extend(args.scene.flags());
     Ok(command.join(" "))
 }
 

@@ -17,7 +17,7 @@ use crate::math::float::ONE_MINUS_EPSILON;
 use crate::math::simd::Whole;
 use crate::math::simd::{Halves, Set};
 
-pub(super) use self::node::Receiver;
+pub(super) use self::node::{Receiver, Sides};
 
 /// Greatest number of children of a node.
 const WIDTH: usize = 8;

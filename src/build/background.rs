@@ -1,0 +1,104 @@
+//! Builds the light from infinite distance, all around.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use super::{Builder, rgb, transform};
+use crate::describe::{self, Background};
+use crate::light::sky::SUN_HALF_ANGLE;
+use crate::light::{Environment, EnvironmentMap, Light, Mapping, Sky, Sun};
+use crate::math::float::sin_cos_degrees;
+use crate::math::{Rgb, Transform};
+use crate::texture::image::Pixels;
+
+impl Builder<'_> {
+    pub(super) fn background(&mut self) {
+        let Some(background) = &self.scene.background else { return };
+        if let Some(radiance) = &background.radiance {
+            self.infinite_light("background", Light::Environment(Environment { radiance: rgb(radiance) }));
+        }
+        if let Some(map) = background.image.as_ref().and_then(|file| self.environment_map(background, file)) {
+            self.infinite_light("background", map);
+        }
+        if let Some(sky) = &background.sky {
+            self.sky(background, sky);
+        }
+    }
+
+    fn infinite_light(&mut self, name: &str, light: Light) {
+        self.needs.push((name.into(), light.effects()));
+        self.world.light(light);
+    }
+
+    /// Adds a sky as an environment map, and its sun.
+    fn sky(&mut self, background: &Background, described: &describe::Sky) {
+        let Some(to_world) = self.rotation(&background.transform) else { return };
+        let sky = Sky {
+            elevation: described.elevation.get(),
+            turbidity: described.turbidity.get(),
+            ground: described.ground.linear(),
+            altitude: described.altitude.get(),
+        };
+        let light = sky.light();
+        // The picture shows the sun in its middle, which is −z: azimuths turn it clockwise as seen from above.
+        let (sin, cos) = sin_cos_degrees(described.azimuth.get());
+        let turn = DMat3::from_cols(DVec3::new(cos, 0.0, sin), DVec3::Y, DVec3::new(-sin, 0.0, cos));
+        let map = EnvironmentMap::new(Arc::new(light.pixels), Mapping::LatLong, rgb(&described.irradiance), (to_world * turn).as_mat3());
+        self.infinite_light("background", Light::EnvironmentMap(Arc::new(map)));
+        if described.sun {
+            let irradiance: [f64; 3] = std::array::from_fn(|k| described.irradiance.linear()[k] * light.sun[k]);
+            let (sin_up, cos_up) = sin_cos_degrees(sky.elevation);
+            let towards = to_world * DVec3::new(cos_up * sin, sin_up, -cos_up * cos);
+            self.infinite_light("sun", Light::Sun(Sun::of_irradiance(-towards.as_vec3(), irradiance, SUN_HALF_ANGLE)));
+        }
+    }
+
+    /// Builds the environment map of a picture; nothing after adding a fault.
+    fn environment_map(&mut self, background: &Background, file: &str) -> Option<Light> {
+        let pixels = self.picture("/background/image", file, background.encoding, None);
+        let to_world = self.rotation(&background.transform);
+        let (pixels, to_world) = (pixels?, to_world?);
+        let mapping = match background.mapping {
+            describe::Mapping::LatLong => Mapping::LatLong,
+            describe::Mapping::Octahedral => Mapping::Octahedral,
+        };
+        if mapping == Mapping::Octahedral && pixels.size().x != pixels.size().y {
+            let [width, height] = pixels.size().to_array();
+            self.fault("/background/image", &format!("{file}: expected a square picture for an octahedral map, found {width} × {height}"));
+            return None;
+        }
+        self.note_unusual_shape(file, mapping, &pixels);
+        let scale = background.scale.as_ref().map_or(Rgb::WHITE, rgb);
+        Some(Light::EnvironmentMap(Arc::new(EnvironmentMap::new(pixels, mapping, scale, to_world.as_mat3()))))
+    }
+
+    /// Warns of a picture whose pixels are not square on the equator, which are probably cropped or of another mapping.
+    fn note_unusual_shape(&mut self, file: &str, mapping: Mapping, pixels: &Pixels) {
+        let [width, height] = pixels.size().to_array();
+        if mapping == Mapping::LatLong && width == height && width > 1 {
+            let message = format!("{file}: {width} × {height} pixels, though maps by latitude and longitude are twice as wide as high; ");
+            self.warnings.push(message + "if it is pbrt's octahedral map, say \"mapping\": \"octahedral\"");
+        }
+    }
+
+    /// The rotation that the steps of a transform make; nothing after adding a fault about steps that do more than turn and mirror.
+    fn rotation(&mut self, steps: &describe::Transform) -> Option<DMat3> {
+        match transform::placed(steps, &Transform::IDENTITY) {
+            Ok(to_world) => {
+                let matrix = to_world.matrix();
+                let is_rotation = (matrix.matrix3.transpose() * matrix.matrix3).abs_diff_eq(DMat3::IDENTITY, NEARLY);
+                if is_rotation && matrix.translation.length() <= NEARLY {
+                    return Some(matrix.matrix3);
+                }
+                let message = "expected rotations only: light from infinite distance has no place and no size";
+                self.fault("/background/transform", message);
+            }
+            Err(message) => self.fault("/background/transform", &message),
+        }
+        None
+    }
+}
+
+/// Deviation from a rotation that numbers with seven digits in a scene file have.
+const NEARLY: f64 = 1e-5;
