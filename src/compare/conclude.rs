@@ -205,6 +205,7 @@ mod tests {
             curve: vec![],
             image: image.clone(),
             sample: image,
+            snapshots: vec![],
             slope: None,
             bias: None,
             bias_bound: None,

@@ -3,13 +3,21 @@
 use super::bias::SquaredBias;
 use super::curve::{mean, one, points, slope};
 use super::price::Priced;
-use super::{Measurement, Method, MethodConfig, Reference, TARGETS};
+use super::{Measurement, Method, MethodConfig, Reference, Snapshot, TARGETS};
 use crate::film::Image;
 
 /// Combines the measurements of one method.
 ///
 /// - `pictures`: pictures of the replicates after the last checkpoint
-pub fn method(config: MethodConfig, pictures: &[Image], measurements: Vec<Measurement>, reference: &Reference, confidence: f64) -> Method {
+/// - `snapshots`: pictures of the first replicate at its last checkpoints
+pub fn method(
+    config: MethodConfig,
+    pictures: &[Image],
+    snapshots: Vec<Snapshot>,
+    measurements: Vec<Measurement>,
+    reference: &Reference,
+    confidence: f64,
+) -> Method {
     let (curve, slope) = (points(&measurements), slope(&measurements));
     let image = mean(pictures);
     let bias = SquaredBias::between(&image, &reference.image);
@@ -23,6 +31,7 @@ pub fn method(config: MethodConfig, pictures: &[Image], measurements: Vec<Measur
         sampler: config.sampler_name,
         curve,
         sample: one(pictures, &image),
+        snapshots,
         image,
         slope,
         bias: detected,

@@ -12,6 +12,7 @@ mod reference;
 mod replicates;
 pub mod report;
 pub mod run;
+mod snapshot;
 #[cfg(test)]
 mod synthetic;
 
@@ -26,6 +27,7 @@ pub use crate::measure::format::TARGETS;
 pub use conclude::conclusions;
 pub use reference::Reference;
 pub use run::{Budget, run};
+pub use snapshot::Snapshot;
 
 /// Results of a comparison, as the report needs them.
 #[derive(Clone, Debug)]
@@ -77,6 +79,8 @@ pub struct Method {
     pub image: Image,
     /// Picture of one replicate after the last checkpoint, as a user would get it.
     pub sample: Image,
+    /// Pictures of that replicate at its last checkpoints, in order of samples; the last one is [`Method::sample`].
+    pub snapshots: Vec<Snapshot>,
     /// Exponent s in √relMSE ~ secondsˢ, with its standard error; `None` for fewer than three checkpoints.
     pub slope: Option<(f64, f64)>,
     /// Bias: √relMSE that more samples do not remove, with its standard error; `None` if none can be detected.

@@ -1,9 +1,11 @@
 //! Measurements: every method, every replicate, checkpoint by checkpoint.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
 use super::method::method;
+use super::snapshot::{self, Snapshot};
 use super::{Measurement, Method, MethodConfig, Reference};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::measure::metric::{ImagePair, Named};
@@ -30,6 +32,8 @@ pub struct Budget {
 struct Run {
     render: Render,
     film: MomentFilm,
+    /// Pictures at the last checkpoints; only the first replicate keeps them.
+    snapshots: VecDeque<Snapshot>,
 }
 
 /// Renders all methods in turn, a checkpoint at a time, and measures each picture against the reference.
@@ -50,7 +54,7 @@ pub fn run(
         // Each replicate is one sequence without scramblings: the variance among the replicates gives the error.
         let sampler = SamplerSpec { seed, spp: budget.samples, scramblings: 1, ..config.sampler };
         let render = Render::new(scene.clone(), &*config.integrator, spec, &Settings::new(sampler));
-        Run { render, film: MomentFilm::new(spec.clone()) }
+        Run { render, film: MomentFilm::new(spec.clone()), snapshots: VecDeque::new() }
     };
     let mut runs: Vec<Vec<Run>> = configs.iter().map(|c| (0..budget.replicates).map(|r| start(c, r)).collect()).collect();
     let mut measured: Vec<Vec<Measurement>> = runs.iter().map(|_| vec![]).collect();
@@ -63,7 +67,7 @@ pub fn run(
                     continue;
                 }
                 advanced = true;
-                let Run { render, film } = &mut runs[replicate];
+                let Run { render, film, snapshots } = &mut runs[replicate];
                 render.advance(samples, film, observer);
                 if render.report().cancelled {
                     return None;
@@ -72,6 +76,9 @@ pub fn run(
                 let Distance { mse, relmse, trimmed } = Distance::between(&image, &reference.image)?;
                 let others = others(&budget.metrics, &configs[index].name, &image, reference)?;
                 let seconds = render.report().elapsed.as_secs_f64();
+                if replicate == 0 {
+                    snapshot::keep(snapshots, Snapshot::new(samples, seconds, relmse, image));
+                }
                 measured[index].push(Measurement { replicate, samples, seconds, mse, relmse, trimmed, others });
             }
         }
@@ -79,9 +86,10 @@ pub fn run(
             break;
         }
     }
-    let methods = configs.into_iter().zip(runs).zip(measured).map(|((config, runs), measurements)| {
+    let methods = configs.into_iter().zip(runs).zip(measured).map(|((config, mut runs), measurements)| {
         let pictures: Vec<Image> = runs.iter().map(|run| run.film.image()).collect();
-        method(config, &pictures, measurements, reference, confidence)
+        let snapshots = runs.first_mut().map(|first| std::mem::take(&mut first.snapshots)).unwrap_or_default();
+        method(config, &pictures, snapshots.into(), measurements, reference, confidence)
     });
     Some(methods.collect())
 }

@@ -51,7 +51,7 @@ impl EmbeddedImage {
 }
 
 /// Smallest k with largest < 2^(15 + k). The largest half float is 65504 < 2^16, so rounding cannot overflow.
-fn exponent(largest: f32) -> i32 {
+pub fn exponent(largest: f32) -> i32 {
     if largest == 0.0 {
         return 0;
     }

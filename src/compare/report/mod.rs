@@ -2,11 +2,13 @@
 //!
 //! To add a plot: a file in `plot/`, a row in `plot::ALL`.
 
+mod embedded_difference;
 mod embedded_image;
 mod escape;
 mod jeri;
 mod names;
 mod page;
+mod pictures;
 mod plot;
 mod table;
 
@@ -52,7 +54,8 @@ pub fn write(comparison: &Comparison, folder: &Path, jeri: bool) -> Result<()> {
 fn same_size(comparison: &Comparison) -> Result<()> {
     let size = comparison.reference.image.size;
     for method in &comparison.methods {
-        for image in [&method.image, &method.sample] {
+        let snapshots = method.snapshots.iter().map(|snapshot| &snapshot.image);
+        for image in [&method.image, &method.sample].into_iter().chain(snapshots) {
             if image.size != size {
                 let text = format!("the picture of {} is {}, its reference {}", method.name, image.size, size);
                 return Err(Error::Internal(text));

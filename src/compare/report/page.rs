@@ -1,14 +1,10 @@
 //! The page `index.html`: one file that contains everything.
 
-use serde::Serialize;
-
-use super::embedded_image::EmbeddedImage;
 use super::escape::{script, xml};
-use super::names;
+use super::pictures::pictures;
 use super::plot::{self, error_curve};
 use crate::compare::{Comparison, CostKind, Method, Reference, TARGETS};
 use crate::error::{Error, Result};
-use crate::film::Image;
 use crate::measure::Metric;
 use crate::measure::error::EPSILON;
 use crate::measure::format;
@@ -149,52 +145,6 @@ fn is_cheapest(comparison: &Comparison, index: usize, i: usize) -> bool {
     let seconds = |method: &Method| method.prices.get(i).and_then(|price| price.ok()).map(|cost| cost.seconds);
     let least = comparison.methods.iter().filter_map(seconds).min_by(f64::total_cmp);
     comparison.methods.len() > 1 && least.is_some() && seconds(&comparison.methods[index]) == least
-}
-
-/// Pictures for the viewer; the reference comes first.
-#[derive(Serialize)]
-struct Pictures {
-    size: [u32; 2],
-    /// First pixel of the pictures, in coordinates of the whole picture.
-    origin: [u32; 2],
-    epsilon: f64,
-    pictures: Vec<Picture>,
-}
-
-#[derive(Serialize)]
-struct Picture {
-    name: String,
-    /// Index of the method's colour.
-    color: Option<usize>,
-    /// One replicate, as a user would get it; `None` for the reference.
-    render: Option<View>,
-    /// Mean of all replicates.
-    mean: View,
-}
-
-#[derive(Serialize)]
-struct View {
-    color: EmbeddedImage,
-    error: Option<EmbeddedImage>,
-}
-
-fn pictures(comparison: &Comparison) -> Pictures {
-    let view = |image: &Image| View { color: EmbeddedImage::color(image), error: EmbeddedImage::error(image) };
-    let image = &comparison.reference.image;
-    let reference = Picture { name: names::REFERENCE.into(), color: None, render: None, mean: view(image) };
-    let methods = names::titles(comparison).into_iter().zip(&comparison.methods).enumerate();
-    let method = |(index, (name, method)): (usize, (String, &Method))| Picture {
-        name,
-        color: Some(index % 6),
-        render: Some(view(&method.sample)),
-        mean: view(&method.image),
-    };
-    Pictures {
-        size: image.size.to_array(),
-        origin: image.origin.to_array(),
-        epsilon: EPSILON,
-        pictures: std::iter::once(reference).chain(methods.map(method)).collect(),
-    }
 }
 
 #[cfg(test)]

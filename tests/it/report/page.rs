@@ -3,8 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use pt::compare::report;
+use pt::compare::{Comparison, Snapshot, report};
 use pt::film::Image;
+use pt::measure::Metric;
+use pt::measure::metric::{ImagePair, Named};
+use pt::output::Tonemap;
 use pt::output::exr;
 use pt::output::tonemap::srgb;
 use serde_json::json;
@@ -42,14 +45,40 @@ fn the_page_works_in_a_browser() {
     page.zooms_and_pans();
     page.splits();
     page.shows_errors();
+    page.shows_equal_times_and_equal_errors(&comparison());
+    page.swaps();
+    page.shows_flip(&comparison());
+    page.crops_show_the_same_part();
     page.explains_its_keys();
     page.fits(1400, 900);
+    page.browser.resize(1280, 800);
+    page.fits(1280, 800);
 
     page.browser.resize(390, 844);
     page.fits(390, 844);
     page.is_touched();
     assert_eq!(page.browser.complaints(), [""; 0], "the console is quiet");
     page.photograph();
+}
+
+/// Nothing is wider than the window for 2 methods, and for 8 with long names.
+#[test]
+fn the_page_fits_for_two_to_eight_methods() {
+    let Some(browser) = Browser::open() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let page = Page { browser, pictures: vec![] };
+    let full = comparison();
+    for count in [2, 8] {
+        let mut some = Comparison { methods: full.methods.iter().cycle().take(count).cloned().collect(), ..full.clone() };
+        some.methods[1].name = "bidirectional · independent".into();
+        report::write(&some, folder.path(), false).expect("a report");
+        page.browser.visit(&folder.path().join("index.html"));
+        for (width, height) in [(1280, 800), (390, 844)] {
+            page.browser.resize(width, height);
+            page.fits(width, height);
+        }
+    }
+    assert_eq!(page.browser.complaints(), [""; 0], "the console is quiet");
 }
 
 /// The pictures of the report's files: the reference, then each method's render.
@@ -105,7 +134,7 @@ impl Page {
 
     /// Every element that can be focused has a name, and plots have a description.
     fn is_labelled(&self) {
-        let nameless = "return [...document.querySelectorAll('button, select, [tabindex], svg[role=img]')] \
+        let nameless = "return [...document.querySelectorAll('button, select, input, [tabindex], svg[role=img]')] \
                         .filter(e => !(e.getAttribute('aria-label') || e.textContent).trim()).map(e => e.outerHTML)";
         assert_eq!(self.browser.run(nameless), json!([]));
         assert!(self.browser.run("return document.querySelectorAll('svg[role=img]').length") == 8);
@@ -244,6 +273,122 @@ impl Page {
         self.browser.press("r");
     }
 
+    /// At each stop of the slider, every method shows the checkpoint that is nearest to the time or error chosen, on a logarithmic
+    /// scale. The pixels are those of its picture, and its error is told within one eighth.
+    fn shows_equal_times_and_equal_errors(&self, comparison: &Comparison) {
+        let kept = |snapshots: &'_ [Snapshot], value: &dyn Fn(&Snapshot) -> f64, wanted: f64| -> u64 {
+            let distance = |one: &&Snapshot| (value(one) / wanted).ln().abs();
+            snapshots.iter().rev().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("a checkpoint").samples
+        };
+        let values: [(&str, &dyn Fn(&Snapshot) -> f64); 2] = [("seconds", &|s| s.seconds), ("error", &|s| s.error.expect("an error"))];
+        for (by, value) in values {
+            self.browser.press("r");
+            self.browser.click(&format!("[data-by={by}]"));
+            assert_eq!([self.state("by"), self.state("view")], [json!(by), json!("render")]);
+            let stops: Vec<f64> = serde_json::from_value(self.state("stops")).expect("numbers");
+            assert!(stops.len() > 6, "{stops:?}");
+            self.browser.run("document.querySelector('#stop').focus()");
+            for at in (0..stops.len()).rev() {
+                assert_eq!(self.state("stop"), at, "stops of the slider");
+                let chosen: Vec<u64> = comparison.methods.iter().map(|m| kept(&m.snapshots, value, stops[at])).collect();
+                let shown = self.state("samples");
+                assert!(shown[0].is_null(), "the reference has no checkpoints");
+                assert_eq!(shown.as_array().expect("a list")[1..], chosen.iter().map(|n| json!(n)).collect::<Vec<_>>(), "{by}, stop {at}");
+                self.is_labelled_with(comparison, &chosen);
+                self.browser.press(LEFT);
+            }
+            self.browser.press(".");
+            assert_eq!(self.state("stop"), 1);
+        }
+        self.browser.press("m");
+        assert!(self.state("samples")[1].is_null(), "the mean of all has no checkpoints");
+        self.browser.press("rq");
+        assert_eq!(self.state("by"), "error");
+        self.browser.press("r");
+    }
+
+    /// Picture and words are those of these checkpoints.
+    fn is_labelled_with(&self, comparison: &Comparison, samples: &[u64]) {
+        let read = self.browser.run(&format!("return window.pt.read({}, {}).map(p => p.rgb)", WALL[0], WALL[1]));
+        let words = self.browser.run("return document.querySelector('#stop').getAttribute('aria-valuetext')");
+        let crops = self.browser.run("return [...document.querySelectorAll('.crop small')].map(e => e.textContent)");
+        let reference = comparison.reference.image.rgb(WALL[0] - ORIGIN.x, WALL[1] - ORIGIN.y);
+        for (i, (method, samples)) in comparison.methods.iter().zip(samples).enumerate() {
+            let snapshot = method.snapshots.iter().find(|one| one.samples == *samples).expect("a checkpoint");
+            let crop = crops[i + 1].as_str().expect("a text");
+            assert!(crop.starts_with(&format!("{samples} spp · ")) && crop.ends_with(" %"), "{crop}");
+            assert!(words.as_str().expect("a text").contains(&format!("; {} {crop}", method.name)), "{words}");
+            for (c, value) in snapshot.image.rgb(WALL[0] - ORIGIN.x, WALL[1] - ORIGIN.y).into_iter().map(f64::from).enumerate() {
+                let (found, r) = (read[i + 1][c].as_f64().expect("a number"), f64::from(reference[c]));
+                let tolerance = (value - r).abs() / 8.0 + (value.abs() + r.abs()) / 2048.0;
+                assert!((found - value).abs() <= tolerance, "{} at {samples}: {found} for {value}", method.name);
+            }
+        }
+    }
+
+    fn swaps(&self) {
+        self.browser.press("2");
+        self.browser.press_with(SHIFT, "4");
+        self.browser.press("wx");
+        assert_eq!([self.state("shown"), self.state("other")], [4, 2]);
+        self.shows(WALL, self.expected(4, WALL, srgb), "the other picture");
+        self.browser.click("#swap");
+        self.shows(WALL, self.expected(2, WALL, srgb), "the first picture again");
+        self.browser.press_with(SHIFT, "0");
+        self.browser.press("r");
+    }
+
+    /// The page tells the FLIP of every picture as the measure does, within half a step of 10^(3/255).
+    fn shows_flip(&self, comparison: &Comparison) {
+        self.browser.press("p");
+        assert_eq!(self.state("overlay"), "flip");
+        let found = self.browser.run(&format!("return window.pt.flip({}, {})", WALL[0], WALL[1]));
+        let named = |image| Named { name: "", image };
+        for (i, method) in comparison.methods.iter().enumerate() {
+            let pair = ImagePair::new(named(&method.sample), named(&comparison.reference.image), Tonemap::default()).expect("a pair");
+            let map = Metric::parse("flip").expect("a measure").measure(&pair).map;
+            let value = map[((WALL[1] - ORIGIN.y) * SIZE.x + WALL[0] - ORIGIN.x) as usize];
+            let told = found[i + 1].as_f64().expect("a number");
+            assert!((told / value).log10().abs() < 1.51 / 255.0, "{}: {told} for {value}", method.name);
+        }
+        self.browser.press("0");
+        self.shows(WALL, [0x44, 0x01, 0x54], "the reference differs from itself by nothing");
+        self.browser.press("1r");
+    }
+
+    /// All small pictures show the part that the large one shows, also after the wheel has turned over one of them.
+    fn crops_show_the_same_part(&self) {
+        let at_a_pixel = format!(
+            "const b = document.querySelector('canvas').getBoundingClientRect(); const [x, y] = window.pt.locate({}, {}); \
+             const [u, v] = [(x - b.left) / b.width, (y - b.top) / b.height]; \
+             return [...document.querySelectorAll('.crop canvas')].map(c => \
+             [...c.getContext('2d').getImageData(u * c.width, v * c.height, 1, 1).data].slice(0, 3))",
+            BESIDE[0], BESIDE[1]
+        );
+        let check = |when: &str| {
+            let found = self.browser.run(&at_a_pixel);
+            for picture in 0..self.pictures.len() {
+                let expected = self.expected(picture, BESIDE, srgb);
+                let found: Vec<u8> = serde_json::from_value(found[picture].clone()).expect("three bytes");
+                assert!(
+                    found.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 1),
+                    "{when}: picture {picture} shows {found:?}, not {expected:?}"
+                );
+            }
+        };
+        self.browser.press("r");
+        let crop = "const c = document.querySelectorAll('.crop canvas')[2]; c.scrollIntoView({block: 'center', behavior: 'instant'}); \
+             const b = c.getBoundingClientRect(); return [b.x + 0.6 * b.width, b.y + 0.3 * b.height]";
+        check("at first");
+        let before = self.number("zoom");
+        self.browser.wheel(point(&self.browser.run(crop)), -300);
+        assert!(self.number("zoom") > 1.5 * before, "the wheel over a small picture zooms all");
+        check("zoomed");
+        self.browser.click(".crop:nth-child(3)");
+        assert_eq!(self.state("shown"), 2);
+        self.browser.press("r");
+    }
+
     fn explains_its_keys(&self) {
         self.browser.press("?");
         assert_eq!(self.browser.run("return document.querySelector('#help').open"), true);
@@ -253,10 +398,12 @@ impl Page {
 
     /// Nothing is wider than the window, and the text of plots is legible.
     fn fits(&self, width: u32, height: u32) {
+        let wide = format!(
+            "return [...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > {width} + 0.5) \
+             .map(e => e.outerHTML.slice(0, 80))"
+        );
+        assert_eq!(self.browser.run(&wide), json!([]));
         assert_eq!(self.browser.run("return [innerWidth, innerHeight]"), json!([width, height]));
-        let wide = "return [...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > innerWidth + 0.5) \
-                    .map(e => e.outerHTML.slice(0, 80))";
-        assert_eq!(self.browser.run(wide), json!([]));
         let small = "return [...document.querySelectorAll('svg text')].filter(e => e.getClientRects().length && \
                      e.getScreenCTM().a * parseFloat(e.getAttribute('font-size')) < 11).map(e => e.textContent)";
         assert_eq!(self.browser.run(small), json!([]));

@@ -5,7 +5,7 @@
 //! ```
 
 use glam::UVec2;
-use pt::compare::{CheckpointStats, Comparison, Cost, CostKind, Measurement, Method, NoPrice, Reference, TARGETS};
+use pt::compare::{CheckpointStats, Comparison, Cost, CostKind, Measurement, Method, NoPrice, Reference, Snapshot, TARGETS};
 use pt::film::{Channel, Image};
 use pt::measure::{Metric, RelativeError};
 
@@ -76,8 +76,17 @@ fn method(seed: u32, name: &str, sampler: &str, model: ErrorModel) -> Method {
     };
     let measurements: Vec<Measurement> = (0..CHECKPOINTS).flat_map(|c| (0..REPLICATES).map(move |r| measure(c, r))).collect();
     let curve = measurements.chunks(REPLICATES as usize).map(point).collect();
-    let last = model.relmse(f64::from(1u32 << (CHECKPOINTS - 1))) - model.bias * model.bias;
+    let variance = |checkpoint: u32| model.relmse(f64::from(1u32 << checkpoint)) - model.bias * model.bias;
+    let last = variance(CHECKPOINTS - 1);
     let sample = picture(seed, model.bias, last.sqrt());
+    // The first checkpoint has lost its picture.
+    let snapshot = |checkpoint: u32| {
+        let Measurement { samples, seconds, relmse, .. } = measure(checkpoint, 0);
+        let other = || picture(seed + 1000 * (CHECKPOINTS - checkpoint), model.bias, variance(checkpoint).sqrt());
+        let image = if checkpoint == CHECKPOINTS - 1 { sample.clone() } else { other() };
+        Snapshot::new(samples, seconds, relmse, image)
+    };
+    let snapshots = (1..CHECKPOINTS).map(snapshot).collect();
     Method {
         name: name.into(),
         integrator: name.split(' ').next().unwrap_or(name).into(),
@@ -86,6 +95,7 @@ fn method(seed: u32, name: &str, sampler: &str, model: ErrorModel) -> Method {
         curve,
         image: picture(seed + 100, model.bias, (last / f64::from(REPLICATES)).sqrt()),
         sample,
+        snapshots,
         slope: Some((if model.bias > 0.0 { -0.02 } else { -0.5 * model.order }, 0.01)),
         bias: Some((model.bias, 0.002)).filter(|(bias, _)| *bias > 0.0),
         bias_bound: Some(model.bias + 0.008),

@@ -22,23 +22,75 @@
     return { bits, unit: 2 ** plane.exponent };
   }
 
-  const view = (planes) => planes && { color: decode(planes.color), error: decode(planes.error) };
+  const value = (plane, i) => (plane.values ? plane.values[i] : HALF[plane.bits[i]] * plane.unit);
+
+  // The reference plus a difference in floats of eight bits, which are the upper half of a half float.
+  function addDifference(reference, { data: text, exponent }) {
+    const bytes = atob(text);
+    const unit = 2 ** exponent;
+    return { values: Float32Array.from({ length: bytes.length }, (_, i) => value(reference, i) + HALF[bytes.charCodeAt(i) << 8] * unit) };
+  }
+
+  // FLIP from its logarithm in bytes.
+  const FLIP = Float32Array.from({ length: 256 }, (_, byte) => (byte ? 10 ** (data.decades * (byte / 255 - 1)) : 0));
+  const decodeFlip = (text) => text && Float32Array.from(atob(text), (byte) => FLIP[byte.charCodeAt(0)]);
+
+  const view = (planes) => planes && { color: decode(planes.color), error: decode(planes.error), flip: decodeFlip(planes.flip) };
+  // Pictures of checkpoints are decoded when they are first seen.
+  const lazily = (make) => { let made; return () => (made ??= make()); };
+  const reference = decode(data.pictures[0].mean.color);
   const pictures = data.pictures.map((picture) => {
     const mean = view(picture.mean);
-    return { name: picture.name, color: picture.color, views: { mean, render: view(picture.render) || mean } };
+    const render = view(picture.render) || mean;
+    const early = ({ difference, flip }) => () => ({ color: addDifference(reference, difference), error: null, flip: decodeFlip(flip) });
+    const checkpoints = picture.checkpoints.map((one) => ({ ...one, view: one.difference ? lazily(early(one)) : () => render }));
+    return { name: picture.name, color: picture.color, views: { mean, render }, checkpoints };
   });
-  const value = (plane, i) => HALF[plane.bits[i]] * plane.unit;
 
-  const reference = pictures[0].views.mean.color;
   const mean = reference.bits.reduce((sum, _, i) => sum + value(reference, i), 0) / reference.bits.length;
   const floor = data.epsilon * mean * mean;
 
-  const start = { shown: Math.min(1, pictures.length - 1), other: 0, split: null, view: "render", overlay: "picture", exposure: 0, curve: "sRGB", zoom: null, x: width / 2, y: height / 2 };
+  const start = { shown: Math.min(1, pictures.length - 1), other: 0, split: null, view: "render", by: "seconds", stop: Infinity, overlay: "picture", exposure: 0, curve: "sRGB", zoom: null, x: width / 2, y: height / 2 };
   const state = { ...start, probe: [width >> 1, height >> 1], pinned: false };
+
+  // Which checkpoint is shown. Times and errors to choose from are apart as neighbouring checkpoints are: a factor of 2 in time, √2 in
+  // error. Each method shows the checkpoint that is nearest on a logarithmic scale.
+
+  const all = pictures.flatMap((picture) => picture.checkpoints);
+  const STOPS = { seconds: stops(all.map((one) => one.seconds), 2).reverse(), error: stops(all.map((one) => one.error), Math.SQRT2) };
+
+  // Values from the largest down to the smallest, by a factor.
+  function stops(values, factor) {
+    const known = values.filter((v) => v > 0);
+    if (!known.length) return [];
+    const [low, high] = [Math.min(...known), Math.max(...known)];
+    const count = Math.ceil(Math.log(high / low) / Math.log(factor) - 0.25);
+    return Array.from({ length: count + 1 }, (_, i) => high / factor ** i);
+  }
+
+  const lastStop = () => Math.max(STOPS[state.by].length - 1, 0);
+  const stopIndex = () => Math.min(state.stop, lastStop());
+  const wanted = () => STOPS[state.by][stopIndex()];
+
+  function chosen(index) {
+    const { checkpoints } = pictures[index];
+    if (state.view === "mean" || !checkpoints.length) return null;
+    // An error below that of the reference is the smallest of all.
+    const distance = (one) => Math.abs(Math.log((one[state.by] ?? STOPS.error.at(-1) / Math.SQRT2) / wanted())) || 0;
+    return checkpoints.reduce((best, one) => (distance(one) <= distance(best) ? one : best));
+  }
+
+  // Says where a picture is far from what was chosen: by more than the gap between checkpoints.
+  function remark(one) {
+    if (!one) return "";
+    const ratio = one[state.by] / wanted();
+    if (state.by === "seconds") return ratio > 2 ? "its first picture" : ratio < 0.5 ? "its last picture" : "";
+    return ratio > 1.5 ? "gets no closer" : one.error !== null && ratio < 1 / 1.5 ? "its first picture" : "";
+  }
 
   // What a pixel is.
 
-  const viewOf = (index, which = state.view) => pictures[index].views[which];
+  const viewOf = (index, which = state.view) => (which === "render" && chosen(index)?.view()) || pictures[index].views[which];
 
   function colors(index, pixel, which) {
     const plane = viewOf(index, which).color;
@@ -68,6 +120,8 @@
     return deviation(index, pixel) * Math.sqrt(sum / 3);
   }
 
+  const visible = (index, pixel) => (index ? viewOf(index).flip?.[pixel] ?? null : 0);
+
   // From numbers to what a screen shows.
 
   const srgb = (x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
@@ -83,18 +137,20 @@
   }
 
   // Viridis, from 0.1 % to 100 %.
-  const STOPS = ["440154", "482878", "3e4989", "31688e", "26828e", "1f9e89", "35b779", "6ece58", "b5de2b", "fde725"].map((hex) => [0, 2, 4].map((i) => parseInt(hex.slice(i, i + 2), 16)));
+  const VIRIDIS = ["440154", "482878", "3e4989", "31688e", "26828e", "1f9e89", "35b779", "6ece58", "b5de2b", "fde725"].map((hex) => [0, 2, 4].map((i) => parseInt(hex.slice(i, i + 2), 16)));
   function falseColor(relative) {
-    const at = Math.min(Math.max((Math.log10(relative) + 3) / 3, 0), 1) * (STOPS.length - 1) || 0;
-    const i = Math.min(Math.floor(at), STOPS.length - 2);
-    return STOPS[i].map((low, c) => low + (at - i) * (STOPS[i + 1][c] - low));
+    const at = Math.min(Math.max((Math.log10(relative) + 3) / 3, 0), 1) * (VIRIDIS.length - 1) || 0;
+    const i = Math.min(Math.floor(at), VIRIDIS.length - 2);
+    return VIRIDIS[i].map((low, c) => low + (at - i) * (VIRIDIS[i + 1][c] - low));
   }
+
+  const isMissing = (index) => (state.overlay === "bar" && !viewOf(index).error) || (state.overlay === "flip" && index > 0 && !viewOf(index).flip);
 
   const bitmaps = new Map();
   function bitmap(index) {
-    const key = [index, state.view, state.overlay, state.exposure, state.curve].join();
+    const key = [index, state.view, chosen(index)?.samples, state.overlay, state.exposure, state.curve].join();
     if (bitmaps.has(key)) return bitmaps.get(key);
-    if (bitmaps.size > 2 * pictures.length + 4) bitmaps.clear();
+    if (bitmaps.size > 3 * pictures.length + 4) bitmaps.clear();
     const surface = Object.assign(document.createElement("canvas"), { width, height });
     const target = surface.getContext("2d");
     const image = target.createImageData(width, height);
@@ -105,7 +161,16 @@
   }
 
   function fill(out, index) {
-    const { color, error: bars } = viewOf(index);
+    const { color } = viewOf(index);
+    if (state.overlay === "picture" && color.values) {
+      const gain = 2 ** state.exposure;
+      const curve = CURVES[state.curve];
+      for (let i = 0, o = 0; i < color.values.length; i += 3, o += 4) {
+        for (let c = 0; c < 3; c++) out[o + c] = 255 * (curve(color.values[i + c] * gain) || 0);
+        out[o + 3] = 255;
+      }
+      return;
+    }
     if (state.overlay === "picture") {
       const tone = toneTable(color.unit);
       for (let i = 0, o = 0; i < color.bits.length; i += 3, o += 4) {
@@ -116,8 +181,8 @@
       }
       return;
     }
-    const relative = state.overlay === "error" ? error : bar;
-    if (relative === bar && !bars) return;
+    if (isMissing(index)) return;
+    const relative = { error, bar, flip: visible }[state.overlay];
     for (let pixel = 0, o = 0; pixel < width * height; pixel++, o += 4) {
       [out[o], out[o + 1], out[o + 2]] = falseColor(relative(index, pixel));
       out[o + 3] = 255;
@@ -140,7 +205,8 @@
     requestAnimationFrame(() => { waiting = false; draw(); });
   }
 
-  function draw() {
+  // Makes a canvas as fine as the screen. A picture is drawn on it with so many CSS pixels per pixel.
+  function prepare(canvas, context, zoom) {
     const density = window.devicePixelRatio || 1;
     const [w, h] = [canvas.clientWidth, canvas.clientHeight];
     if (canvas.width !== Math.round(w * density) || canvas.height !== Math.round(h * density)) {
@@ -149,8 +215,26 @@
     }
     context.setTransform(density, 0, 0, density, 0, 0);
     context.clearRect(0, 0, w, h);
-    context.imageSmoothingEnabled = zoom() * density < 1;
+    context.imageSmoothingEnabled = zoom * density < 1;
     context.imageSmoothingQuality = "high";
+    return [w, h];
+  }
+
+  // All pictures side by side: each shows the part that the large one shows.
+  const crops = [];
+  function drawCrops() {
+    const scale = (surface) => surface.clientWidth / (canvas.clientWidth || 1);
+    crops.forEach(({ surface }, index) => {
+      const size = zoom() * scale(surface);
+      const target = surface.getContext("2d");
+      const [w, h] = prepare(surface, target, size);
+      target.drawImage(bitmap(index), w / 2 - state.x * size, h / 2 - state.y * size, width * size, height * size);
+    });
+  }
+
+  function draw() {
+    const [w, h] = prepare(canvas, context, zoom());
+    drawCrops();
     const [x, y] = toStage(0, 0);
     const paint = (index, from, to) => {
       context.save();
@@ -188,12 +272,20 @@
   const perCent = (v) => (v === null ? "–" : `${number(100 * v, 2)} %`);
 
   function describe() {
-    const missing = (index) => state.overlay === "bar" && !viewOf(index).error;
-    const title = (index) => pictures[index].name + (missing(index) ? ": knows no error bars" : "");
+    const lack = state.overlay === "flip" ? ": has no FLIP" : ": knows no error bars";
+    const title = (index) => pictures[index].name + (isMissing(index) ? lack : "");
     element("left-name").textContent = title(state.shown);
     element("right-name").textContent = title(state.other);
+    element("left-facts").textContent = facts(state.shown);
+    element("right-facts").textContent = facts(state.other);
+    describeStop();
+    crops.forEach(({ button, line, note }, index) => {
+      line.textContent = facts(index);
+      note.textContent = remark(chosen(index));
+      button.setAttribute("aria-pressed", index === state.shown);
+    });
     const isSplit = state.split !== null;
-    for (const id of ["right-name", "handle", "other"]) element(id).hidden = !isSplit;
+    for (const id of ["right", "handle"]) element(id).hidden = !isSplit;
     handle.style.left = `${100 * (state.split ?? 0.5)}%`;
     handle.setAttribute("aria-valuenow", Math.round(100 * (state.split ?? 0.5)));
     handle.setAttribute("aria-valuetext", `${pictures[state.shown].name} left, ${pictures[state.other].name} right`);
@@ -207,9 +299,40 @@
     element("curve").textContent = state.curve;
     element("zoom").value = `${Math.round(100 * zoom())} %`;
     element("scale").hidden = state.overlay === "picture";
-    element("scale-title").textContent = state.overlay === "bar" ? "standard error, relative" : "error against the reference, relative";
+    const TITLES = { bar: "standard error, relative", error: "error against the reference, relative", flip: "FLIP; 100 %: green against blue" };
+    element("scale-title").textContent = TITLES[state.overlay] ?? "";
+    element("measure").textContent = state.overlay === "flip" ? "FLIP" : "Error";
     canvas.style.touchAction = zoom() > 1.01 * fitting() ? "none" : "pan-y";
     readout();
+  }
+
+  // Samples, seconds and error of the picture that is shown: `64 spp · 0.98 s · 3.1 %`.
+  function facts(index) {
+    const one = chosen(index);
+    if (!one) return index && state.view === "mean" ? "mean of all renders" : "";
+    return `${one.samples} spp · ${duration(one.seconds)} · ${one.error === null ? "below the reference" : perCent(one.error)}`;
+  }
+
+  function duration(seconds) {
+    if (seconds < 0.9995) return `${number(1000 * seconds, 2)} ms`;
+    if (seconds < 59.95) return `${number(seconds, 2)} s`;
+    const [big, unit, small, rest] = seconds < 3599.5 ? [60, "min", 1, "s"] : [3600, "h", 60, "min"];
+    const whole = Math.round(seconds / small);
+    return `${Math.floor((whole * small) / big)} ${unit} ${String(whole % (big / small)).padStart(2, "0")} ${rest}`;
+  }
+
+  // The chosen time or error, also in words for those who do not see the pictures.
+  function describeStop() {
+    const [slider, value] = [element("stop"), wanted()];
+    if (value === undefined) return;
+    slider.max = lastStop();
+    slider.value = stopIndex();
+    const text = state.view === "mean" ? "all samples" : state.by === "seconds" ? duration(value) : perCent(value);
+    element("stop-value").value = text;
+    slider.setAttribute("aria-label", state.by === "seconds" ? "Time of rendering" : "Relative error");
+    const each = pictures.map(({ name }, i) => (chosen(i) ? `${name} ${facts(i)}` : null)).filter(Boolean);
+    slider.setAttribute("aria-valuetext", [text, ...each].join("; "));
+    document.querySelectorAll("[data-by]").forEach((button) => button.setAttribute("aria-pressed", state.view === "render" && button.dataset.by === state.by));
   }
 
   function readout() {
@@ -218,7 +341,7 @@
     const pixel = y * width + x;
     [...element("values").rows].forEach((row, i) => {
       row.classList.toggle("shown", i === state.shown);
-      const cells = [...colors(i, pixel).map((v) => number(v)), deviation(i, pixel) === null ? "–" : number(deviation(i, pixel), 2), i ? perCent(error(i, pixel)) : ""];
+      const cells = [...colors(i, pixel).map((v) => number(v)), deviation(i, pixel) === null ? "–" : number(deviation(i, pixel), 2), i ? perCent(state.overlay === "flip" ? visible(i, pixel) : error(i, pixel)) : ""];
       cells.forEach((text, c) => { row.cells[c + 1].textContent = text; });
     });
   }
@@ -236,6 +359,17 @@
   const show = (index) => index < pictures.length && set({ shown: index });
   const toggle = (name, on, off) => set({ [name]: state[name] === on ? off : on });
   const split = (at) => set({ split: clamp(at, 0, 1) });
+  const swap = () => set({ shown: state.other, other: state.shown });
+  // One render has checkpoints; the mean of all has none.
+  const choose = (by, stop) => set({ by, stop: clamp(stop, 0, STOPS[by].length - 1), view: "render" });
+  // The other scale begins where the picture shown is.
+  function chooseBy(by) {
+    const value = chosen(state.shown)?.[by];
+    const distance = (at) => Math.abs(Math.log(STOPS[by][at] / value));
+    const isLast = stopIndex() === lastStop() || !(value > 0);
+    const stop = isLast ? Infinity : STOPS[by].reduce((best, _, at) => (distance(at) < distance(best) ? at : best), 0);
+    choose(by, stop);
+  }
   const flipCurve = () => toggle("curve", "Filmic", "sRGB");
 
   function zoomBy(factor, x = canvas.clientWidth / 2, y = canvas.clientHeight / 2) {
@@ -302,11 +436,12 @@
     probe(x, y, !again);
   });
   canvas.addEventListener("pointercancel", lift);
-  canvas.addEventListener("wheel", (event) => {
+  function onWheel(event, at) {
     event.preventDefault();
     const lines = event.deltaMode === 1 ? 33 : 1;
-    zoomBy(Math.exp(-0.002 * clamp(event.deltaY * lines, -400, 400)), ...onStage(event));
-  }, { passive: false });
+    zoomBy(Math.exp(-0.002 * clamp(event.deltaY * lines, -400, 400)), ...at);
+  }
+  canvas.addEventListener("wheel", (event) => onWheel(event, onStage(event)), { passive: false });
 
   handle.addEventListener("pointerdown", (event) => handle.setPointerCapture(event.pointerId));
   handle.addEventListener("pointermove", (event) => {
@@ -320,6 +455,11 @@
     E: () => set({ exposure: state.exposure - 0.5 }),
     a: fitExposure,
     t: flipCurve,
+    x: swap,
+    ",": () => STOPS[state.by].length && choose(state.by, stopIndex() - 1),
+    ".": () => STOPS[state.by].length && choose(state.by, stopIndex() + 1),
+    q: () => all.length && chooseBy(state.by === "seconds" ? "error" : "seconds"),
+    p: () => toggle("overlay", "flip", "picture"),
     d: () => toggle("overlay", "error", "picture"),
     b: () => toggle("overlay", "bar", "picture"),
     m: () => toggle("view", "mean", "render"),
@@ -367,9 +507,26 @@
     swatch(head, color);
     head.append(name);
     for (let c = 0; c < 5; c++) add(row, "td", {});
+    const crop = add(element("crops"), "button", { className: "crop", onclick: () => show(i) });
+    const surface = add(crop, "canvas", {});
+    surface.setAttribute("aria-hidden", "true");
+    const title = add(crop, "b", {});
+    swatch(title, color);
+    title.append(name);
+    crops.push({ button: crop, surface, line: add(crop, "small", {}), note: add(crop, "em", {}) });
+    surface.addEventListener("wheel", (event) => {
+      // The point under the pointer is the same point of the large picture.
+      const box = surface.getBoundingClientRect();
+      const scale = canvas.clientWidth / box.width;
+      onWheel(event, [(event.clientX - box.left) * scale, (event.clientY - box.top) * scale]);
+    }, { passive: false });
   });
+  element("budget").hidden = !STOPS.seconds.length;
+  element("stop").addEventListener("input", (event) => choose(state.by, Number(event.target.value)));
+  document.querySelectorAll("[data-by]").forEach((button) => button.addEventListener("click", () => chooseBy(button.dataset.by)));
   const click = (id, act) => element(id).addEventListener("click", act);
   click("split", KEYS.w);
+  click("swap", swap);
   click("darker", KEYS.E);
   click("brighter", KEYS.e);
   click("curve", flipCurve);
@@ -381,12 +538,20 @@
   document.querySelectorAll("[data-overlay]").forEach((button) => button.addEventListener("click", () => set({ overlay: button.dataset.overlay })));
   document.querySelectorAll("[data-view]").forEach((button) => button.addEventListener("click", () => set({ view: button.dataset.view })));
   stage.style.setProperty("--shape", `${width} / ${height}`);
-  new ResizeObserver(() => { describe(); redraw(); }).observe(canvas);
+  // The small pictures have the shape of the large one.
+  const resized = () => {
+    element("crops").style.setProperty("--shape", `${canvas.clientWidth} / ${canvas.clientHeight}`);
+    describe();
+    redraw();
+  };
+  new ResizeObserver(resized).observe(canvas);
   describe();
 
   // For tests and consoles.
   window.pt = {
-    state: () => ({ ...state, zoom: zoom() }),
+    state: () => ({ ...state, zoom: zoom(), stop: stopIndex(), stops: STOPS[state.by], samples: pictures.map((_, i) => chosen(i)?.samples ?? null) }),
+    // FLIP of pixel (x, y) of the whole picture, for every picture.
+    flip: (x, y) => pictures.map((_, i) => visible(i, (y - data.origin[1]) * width + x - data.origin[0])),
     // Pixel (x, y) of the whole picture: of every picture its colours and standard error.
     read: (x, y, which = state.view) => {
       const pixel = (y - data.origin[1]) * width + x - data.origin[0];

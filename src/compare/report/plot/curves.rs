@@ -23,11 +23,11 @@ fn draw(comparison: &Comparison, format: Format, title: &str, across: Quantity) 
     let points = extent(&curves, x, biases);
     let legend: Vec<Entry> = comparison.methods.iter().enumerate().map(|(index, method)| Entry { index, text: name(method) }).collect();
     let mut frame = Frame::new(format, title, &legend, across, &points);
-    guide(&mut frame);
     for (index, error_curve) in curves.iter().enumerate() {
         band(&mut frame, index, error_curve, x);
     }
-    plateaus(&mut frame, comparison);
+    let free_below = plateaus(&mut frame, comparison);
+    guide(&mut frame, free_below);
     for (index, (error_curve, method)) in curves.iter().zip(&comparison.methods).enumerate() {
         curve(&mut frame, index, error_curve, x, &method.name);
     }
@@ -51,8 +51,14 @@ fn name(method: &Method) -> String {
     }
 }
 
-/// Draws the slope of plain Monte Carlo: half the error for four times the work.
-fn guide(frame: &mut Frame) {
+/// Draws the slope of plain Monte Carlo: half the error for four times the work. It is left out if its label has no room below
+/// `free_below`.
+fn guide(frame: &mut Frame, free_below: f64) {
+    let font_size = frame.format.font_size - 1.0;
+    let at = [frame.left + 6.0, frame.bottom - 0.6 * font_size];
+    if at[1] < free_below + 1.1 * font_size {
+        return;
+    }
     let [left, right] = [frame.left, frame.right].map(|pixel| frame.x.value(pixel));
     // The line is in the lower left, where no curve is.
     let start = frame.y.value(frame.top + 0.75 * (frame.bottom - frame.top));
@@ -60,8 +66,6 @@ fn guide(frame: &mut Frame) {
     let across = (right / left).min((start / end).powi(2));
     let points = vec![frame.place([left, start]), frame.place([left * across, start / across.sqrt()])];
     frame.drawing.line(points.clone(), Color::Muted, 1.0, Dashes::Short);
-    let font_size = frame.format.font_size - 1.0;
-    let at = [frame.left + 6.0, frame.bottom - 0.6 * font_size];
     frame.drawing.text(at, "½ error for 4 × work", Color::Muted, font_size, Anchor::Start);
 }
 
@@ -75,7 +79,8 @@ fn band(frame: &mut Frame, index: usize, error_curve: &[ErrorPoint], x: impl Fn(
 }
 
 /// Draws the bias of each method as a line that its curve never crosses. Labels that would overlap are moved apart.
-fn plateaus(frame: &mut Frame, comparison: &Comparison) {
+/// Returns the baseline of the lowest label.
+fn plateaus(frame: &mut Frame, comparison: &Comparison) -> f64 {
     let font_size = frame.format.font_size - 1.0;
     let mut biased: Vec<(usize, &Method, f64)> =
         comparison.methods.iter().enumerate().filter_map(|(i, m)| m.bias.map(|bias| (i, m, bias.0))).collect();
@@ -90,6 +95,7 @@ fn plateaus(frame: &mut Frame, comparison: &Comparison) {
         frame.drawing.text([frame.left + 6.0, baseline], text, Color::Text, font_size, Anchor::Start);
         above = baseline;
     }
+    above
 }
 
 fn curve(frame: &mut Frame, index: usize, error_curve: &[ErrorPoint], x: impl Fn(&ErrorPoint) -> f64, name: &str) {
