@@ -120,7 +120,7 @@ impl CommandLine {
         let files: Vec<PathBuf> = match &self.command {
             None => scene(&self.render.scene),
             Some(Command::Check(args)) => scene(&args.scene),
-            Some(Command::Compare(args)) => scene(&args.scene),
+            Some(Command::Compare(args)) => args.replay.iter().cloned().chain(scene(&args.scene)).collect(),
             Some(Command::Convert(args)) => scene(&args.scene),
             Some(Command::Reference(args)) => scene(&args.scene),
             Some(Command::Verify(args)) => scene(&args.scene),

@@ -1,26 +1,27 @@
 //! Conclusions of a comparison, as sentences.
 
-use super::{Cost, CostKind, Method, NoPrice, Reference, TARGETS};
+use super::{Commands, Conclusion, Cost, CostKind, Method, NoPrice, Reference, TARGETS};
 use crate::measure::format::{duration, per_cent};
 
 /// Number of the [`TARGETS`] that have sentences.
 const TOLD: usize = 3;
 
 /// Returns the conclusions: which method is cheapest for which error, how much slower the others are, why no time is stated, where two
-/// methods cross, and what each leaves out.
-pub fn conclusions(methods: &[Method], reference: &Reference, confidence: f64) -> Vec<String> {
-    let mut sentences = prices(methods);
-    sentences.extend(coarse_reference(methods, reference, confidence));
-    sentences.extend(reasons(methods));
-    sentences.extend(crossings(methods));
+/// methods cross, and what each leaves out. Each comes with the command that shows it.
+pub fn conclusions(methods: &[Method], reference: &Reference, confidence: f64, commands: &Commands) -> Vec<Conclusion> {
+    let with = |text: String, command: String| Conclusion { text, command: Some(command) };
+    let mut sentences = prices(methods, commands);
+    let whole = coarse_reference(methods, reference, confidence).into_iter().chain(reasons(methods)).chain(crossings(methods));
+    sentences.extend(whole.map(|text| with(text, commands.whole.clone())));
     for method in methods {
         if let Some((bias, error)) = method.bias {
             let (bias, error) = (per_cent(bias), per_cent(error));
-            sentences
-                .push(format!("{} settles {bias} ± {error} % away from the reference: that is bias, which no time removes.", method.name));
+            let text = format!("{} settles {bias} ± {error} % away from the reference: that is bias, which no time removes.", method.name);
+            sentences.push(with(text, commands.verify(method)));
         }
         if !method.lacks.is_empty() {
-            sentences.push(format!("{} does not simulate {}, which the scene calls for.", method.name, method.lacks));
+            let text = format!("{} does not simulate {}, which the scene calls for.", method.name, method.lacks);
+            sentences.push(with(text, commands.check()));
         }
     }
     sentences
@@ -32,17 +33,26 @@ fn priced(method: &Method, k: usize) -> Option<Cost> {
 }
 
 /// Sentences about the targets. Neighbours of which the same is said share one: `For 3 % and 1 %, whitted never gets there.`
-fn prices(methods: &[Method]) -> Vec<String> {
-    let mut told: Vec<(Vec<String>, String)> = vec![];
+///
+/// The command renders with the fastest method to the first of the targets; where no time is known it repeats the comparison.
+fn prices(methods: &[Method], commands: &Commands) -> Vec<Conclusion> {
+    let mut told: Vec<(Vec<String>, String, String)> = vec![];
     for (k, target) in TARGETS.iter().enumerate().take(TOLD) {
-        let (target, text) = (format!("{} %", per_cent(*target)), about(methods, k));
+        let text = about(methods, k);
+        let able = methods.iter().filter_map(|method| Some((method, priced(method, k)?.seconds)));
+        let fastest = able.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(method, _)| commands.render(method, *target));
+        let target = format!("{} %", per_cent(*target));
         match told.last_mut() {
             _ if text.is_empty() => {}
-            Some((targets, same)) if *same == text => targets.push(target),
-            _ => told.push((vec![target], text)),
+            Some((targets, same, _)) if *same == text => targets.push(target),
+            _ => told.push((vec![target], text, fastest.unwrap_or_else(|| commands.whole.clone()))),
         }
     }
-    told.into_iter().map(|(targets, text)| format!("For {}, {text}.", and(&targets))).collect()
+    let sentence = |(targets, text, command): (Vec<String>, String, String)| Conclusion {
+        text: format!("For {}, {text}.", and(&targets)),
+        command: Some(command),
+    };
+    told.into_iter().map(sentence).collect()
 }
 
 /// What is known of the times to one target; empty if nothing is.
@@ -177,11 +187,8 @@ fn two_digits(x: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use glam::UVec2;
-
-    use super::super::synthetic::image;
+    use super::super::synthetic::{self, image};
     use super::*;
-    use crate::film::Image;
     use crate::measure::RelativeError;
 
     /// Time that is known to a factor of 1.1.
@@ -196,22 +203,7 @@ mod tests {
     const NEVER: Result<Cost, NoPrice> = Err(NoPrice::Bias);
 
     fn method(name: &str, prices: [Result<Cost, NoPrice>; 4]) -> Method {
-        let image = Image { full_size: UVec2::ZERO, origin: UVec2::ZERO, size: UVec2::ZERO, channels: vec![] };
-        Method {
-            name: name.into(),
-            integrator: name.into(),
-            sampler: "sobol".into(),
-            measurements: vec![],
-            curve: vec![],
-            image: image.clone(),
-            sample: image,
-            snapshots: vec![],
-            slope: None,
-            bias: None,
-            bias_bound: None,
-            prices: prices.into(),
-            lacks: String::new(),
-        }
+        Method { prices: prices.into(), ..synthetic::method(name) }
     }
 
     fn reference(effective_pixels: f64) -> Reference {
@@ -219,8 +211,24 @@ mod tests {
         Reference { image: image(|_| 1.0, 0.0), origin: "r".into(), error: Some(error), attributes: vec![] }
     }
 
+    fn commands() -> Commands {
+        let [whole, scene, size, reference] = ["pt compare s.json", "s.json", "--size 8x8", "r.exr"].map(str::to_owned);
+        Commands { whole, scene, size, reference }
+    }
+
     fn said(methods: &[Method]) -> Vec<String> {
-        conclusions(methods, &reference(1e4), 0.95)
+        conclusions(methods, &reference(1e4), 0.95, &commands()).into_iter().map(|conclusion| conclusion.text).collect()
+    }
+
+    /// The command renders with the cheapest, verifies what is biased, and lists what is left out.
+    #[test]
+    fn every_conclusion_has_its_command() {
+        let biased = Method { bias: Some((0.05, 0.002)), lacks: "glass".into(), ..method("b", [s(0.5), NEVER, NEVER, NEVER]) };
+        let all = [method("a", [s(1.0), s(10.0), Err(NoPrice::Spread), NEVER]), biased];
+        let found: Vec<_> = conclusions(&all, &reference(1e4), 0.95, &commands()).into_iter().filter_map(|one| one.command).collect();
+        let render = |name: &str, target: &str| format!("pt s.json --size 8x8 --integrator {name} --sampler sobol --target {target}");
+        let [whole, verify, check] = ["pt compare s.json", "pt verify s.json b r.exr --size 8x8", "pt check s.json"].map(str::to_owned);
+        assert_eq!(found, [render("b", "10%"), render("a", "3%"), whole.clone(), whole.clone(), whole, verify, check]);
     }
 
     #[test]
@@ -275,7 +283,8 @@ mod tests {
 
     #[test]
     fn a_reference_of_unknown_error_is_told() {
-        let said = conclusions(&[method("a", [Err(NoPrice::Reference); 4])], &reference(20.0), 0.95);
+        let said = conclusions(&[method("a", [Err(NoPrice::Reference); 4])], &reference(20.0), 0.95, &commands());
+        let said: Vec<String> = said.into_iter().map(|conclusion| conclusion.text).collect();
         assert_eq!(said[0], "For 10 %, 3 % and 1 %, the reference is too coarse to tell the time of a.");
         assert!(said[1].starts_with("The reference's own error cannot be established"), "{said:?}");
     }

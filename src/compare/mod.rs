@@ -4,11 +4,14 @@
 //! down slows all of them. At doubling checkpoints each picture is measured against a reference.
 
 mod bias;
+mod commands;
 mod conclude;
 mod curve;
 mod method;
 mod price;
+mod provenance;
 mod reference;
+pub mod replay;
 mod replicates;
 pub mod report;
 pub mod run;
@@ -24,7 +27,9 @@ use crate::measure::Metric;
 use crate::sampler::SamplerSpec;
 
 pub use crate::measure::format::TARGETS;
+pub use commands::{Commands, Conclusion};
 pub use conclude::conclusions;
+pub use provenance::Provenance;
 pub use reference::Reference;
 pub use run::{Budget, run};
 pub use snapshot::Snapshot;
@@ -42,8 +47,10 @@ pub struct Comparison {
     pub metrics: Vec<Metric>,
     /// Confidence of all intervals.
     pub confidence: f64,
-    /// Conclusions, one sentence each.
-    pub conclusions: Vec<String>,
+    /// Conclusions.
+    pub conclusions: Vec<Conclusion>,
+    /// How the comparison was made.
+    pub provenance: Provenance,
 }
 
 /// A way to render a scene.
@@ -58,6 +65,8 @@ pub struct MethodConfig {
     pub integrator: Arc<dyn Integrator>,
     /// The sampler.
     pub sampler: SamplerSpec,
+    /// Samples per pixel at most, if fewer than [`Budget::samples`].
+    pub most: Option<u64>,
     /// Effects that the scene needs and the integrator leaves out, in words.
     pub lacks: String,
 }

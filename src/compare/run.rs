@@ -63,7 +63,8 @@ pub fn run(
         // Methods are the inner loop, so that neighbours in time are different methods.
         for replicate in 0..budget.replicates as usize {
             for (index, runs) in runs.iter_mut().enumerate() {
-                if !affordable(&measured[index], budget, samples) {
+                let most = configs[index].most.unwrap_or(u64::MAX);
+                if samples > most || !affordable(&measured[index], budget, samples) {
                     continue;
                 }
                 advanced = true;

@@ -2,7 +2,7 @@
 
 use glam::UVec2;
 
-use super::Measurement;
+use super::{Measurement, Method};
 use crate::film::{Channel, Image};
 
 /// relMSE = v t⁻ᵇ at 1, 2, 4, … seconds.
@@ -22,4 +22,24 @@ pub fn image(value: impl Fn(usize) -> f32, error: f32) -> Image {
     let colors = ["R", "G", "B"].map(|name| channel(name, (0..1024).map(&value).collect()));
     let errors = ["StdErr.R", "StdErr.G", "StdErr.B"].map(|name| channel(name, vec![error; 1024]));
     Image { full_size: size, origin: UVec2::ZERO, size, channels: colors.into_iter().chain(errors).collect() }
+}
+
+/// Method without results.
+pub fn method(name: &str) -> Method {
+    let image = Image { full_size: UVec2::ZERO, origin: UVec2::ZERO, size: UVec2::ZERO, channels: vec![] };
+    Method {
+        name: name.into(),
+        integrator: name.into(),
+        sampler: "sobol".into(),
+        measurements: vec![],
+        curve: vec![],
+        image: image.clone(),
+        sample: image,
+        snapshots: vec![],
+        slope: None,
+        bias: None,
+        bias_bound: None,
+        prices: vec![],
+        lacks: String::new(),
+    }
 }

@@ -263,6 +263,82 @@ fn of_a_caustic_no_time_is_stated() {
     assert!(text.contains(nothing) && !text.contains("cheapest"), "{text}");
 }
 
+/// A replay from another folder and with other threads finds the same bits. What the recorded run had otherwise is told, and a changed
+/// error ends with exit code 1.
+#[test]
+fn a_replay_says_what_changed() {
+    let folder = folder();
+    let compare = ["compare", CORNELL, "--size", "24x24", "--spp", "16", "--integrators", "nee,path", "--progress", "none"];
+    said(folder.path(), 0, &[&compare[..], &["--reference-time", "0.2s", "-o", "report"]].concat());
+    let file = folder.path().join("report/convergence.json");
+    let data: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&file).expect("data")).expect("JSON");
+    let made = &data["provenance"];
+    let seeds: Vec<u64> = serde_json::from_value(made["seeds"].clone()).expect("seeds");
+    assert!(seeds.len() == 4 && seeds.windows(2).all(|pair| pair[1] == pair[0] + 1), "{seeds:?}");
+    assert!(made["command"].as_str().is_some_and(|text| text.starts_with("pt compare ") && text.ends_with("-o report")), "{made}");
+    assert!(made["version"].as_str().is_some_and(|text| text.starts_with(env!("CARGO_PKG_VERSION"))), "{made}");
+    assert!(data["conclusions"][0]["command"].as_str().is_some_and(|text| text.starts_with("pt ")), "{data}");
+
+    let elsewhere = tempfile::tempdir().expect("a temporary folder");
+    let path = file.display().to_string();
+    let replay =
+        |code: i32, path: &str| said(elsewhere.path(), code, &["compare", "--replay", path, "--threads", "1", "--progress", "none"]);
+    let text = replay(0, &path);
+    for name in ["nee", "path"] {
+        let line = text.lines().find(|line| line.starts_with(&format!("{name}: 16 spp · error "))).unwrap_or_else(|| panic!("{text}"));
+        assert!(line.contains("the same picture bit for bit"), "{text}");
+    }
+    assert!(text.contains("Threads: 1, was ") || made["threads"] == 1, "{text}");
+    assert!(text.ends_with("no error changed beyond chance\n"), "{text}");
+
+    // As if the recorded run had been of another version, with twice the errors.
+    let mut other = data.clone();
+    other["provenance"]["version"] = "0.0.1 (old)".into();
+    other["methods"][0]["hash"] = "0".into();
+    for measurement in other["methods"][0]["measurements"].as_array_mut().expect("measurements") {
+        measurement["relmse"] = (4.0 * measurement["relmse"].as_f64().expect("a number")).into();
+    }
+    let changed = folder.path().join("report/changed.json");
+    std::fs::write(&changed, other.to_string()).expect("written");
+    let text = replay(1, &changed.display().to_string());
+    assert!(text.contains(", was 0.0.1 (old)") && text.contains("changed beyond chance (p = "), "{text}");
+    assert!(text.ends_with("an error changed beyond chance\n"), "{text}");
+    assert_eq!(std::fs::read_dir(elsewhere.path()).expect("a folder").count(), 0, "nothing is written");
+}
+
+#[test]
+fn a_replay_of_anything_else_is_refused() {
+    let folder = folder();
+    let refused = |code: i32, text: &str| {
+        std::fs::write(folder.path().join("data.json"), text).expect("written");
+        let told = said(folder.path(), code, &["compare", "--replay", "data.json", "--progress", "none"]);
+        assert_eq!(told.lines().count(), 1, "{told}");
+        told
+    };
+    let expected = "expected the convergence.json of a report of pt compare";
+    assert!(refused(3, "no JSON").contains(expected));
+    assert!(refused(3, "{\"methods\": []}").contains("missing field `provenance`"));
+    let recorded = |arguments: &str| {
+        format!(
+            "{{\"methods\": [], \"provenance\": {{\"version\": \"\", \"command\": \"pt {arguments}\", \"arguments\": {}, \"folder\": \"\", \
+             \"cpu\": \"\", \"threads\": 1, \"seeds\": [], \"scene_hash\": \"\", \"reference_hash\": \"\"}}}}",
+            serde_json::json!(arguments.split(' ').collect::<Vec<_>>())
+        )
+    };
+    assert!(refused(3, &recorded("check scene.json")).contains("found the command \"pt check scene.json\""));
+    assert!(refused(3, &recorded("compare -")).contains("its scene was read from stdin"));
+    let told = said(folder.path(), 5, &["compare", "--replay", "nowhere.json"]);
+    assert!(told.contains("nowhere.json"), "{told}");
+    let told = said(folder.path(), 2, &["compare", CORNELL, "--replay", "data.json"]);
+    assert!(told.contains("cannot be used with"), "{told}");
+    // Another picture in the place of the report's reference.
+    let compare = ["compare", CORNELL, "--size", "8x8", "--spp", "2", "--integrators", "nee", "--reference-time", "0.1s", "-o", "report"];
+    said(folder.path(), 0, &compare);
+    said(folder.path(), 0, &[CORNELL, "--size", "8x8", "--spp", "1", "--seed", "5", "-q", "-o", "report/reference.exr"]);
+    let told = said(folder.path(), 3, &["compare", "--replay", "report/convergence.json", "--progress", "none"]);
+    assert!(told.contains("expected the reference of the report, hash "), "{told}");
+}
+
 /// The method with the least time for the largest error in the report's data.
 fn cheapest(folder: &Path) -> String {
     let text = std::fs::read_to_string(folder.join("report/convergence.json")).expect("data");

@@ -114,6 +114,9 @@ fn json_holds_what_was_measured() {
         }
     }
     assert!(document["methods"][3]["prices"][1]["seconds"].is_null(), "a biased method never reaches 3 %");
+    assert_eq!(document["provenance"], serde_json::to_value(&comparison.provenance).expect("JSON"));
+    assert_eq!(document["methods"][1]["hash"], pt::output::hash(&comparison.methods[1].image).to_string());
+    assert_eq!(document["conclusions"][0]["command"].as_str(), comparison.conclusions[0].command.as_deref());
 }
 
 /// With NaN, names that contain markup, and methods without a curve, the report is still valid.

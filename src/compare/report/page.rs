@@ -3,11 +3,12 @@
 use super::escape::{script, xml};
 use super::pictures::pictures;
 use super::plot::{self, error_curve};
-use crate::compare::{Comparison, CostKind, Method, Reference, TARGETS};
+use crate::compare::{Comparison, Conclusion, CostKind, Method, Reference, TARGETS};
 use crate::error::{Error, Result};
 use crate::measure::Metric;
 use crate::measure::error::EPSILON;
 use crate::measure::format;
+use crate::output;
 
 const TEMPLATE: &str = include_str!("assets/page.html");
 
@@ -18,7 +19,8 @@ pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
         "scene" => xml(&comparison.scene),
         "style" => include_str!("assets/page.css").into(),
         "dark" => include_str!("assets/dark.css").into(),
-        "conclusions" => comparison.conclusions.iter().map(|text| format!("<p>{}</p>\n", xml(&unbroken(text)))).collect(),
+        "conclusions" => comparison.conclusions.iter().map(conclusion).collect(),
+        "provenance" => provenance(comparison),
         "reference" => reference(comparison),
         "confidence" => format::per_cent(comparison.confidence),
         "targets" => TARGETS.iter().map(|t| format!("<th scope=\"col\">{} %</th>\n", format::per_cent(*t))).collect(),
@@ -63,6 +65,36 @@ fn unbroken(text: &str) -> String {
         joined.push_str(word);
     }
     joined
+}
+
+/// Sentence, with its command behind a word that opens it.
+fn conclusion(Conclusion { text, command }: &Conclusion) -> String {
+    let details =
+        command.as_deref().map_or(String::new(), |text| format!("<details><summary>Command</summary>{}</details>\n", command_line(text)));
+    format!("<p>{}</p>\n{details}", xml(&unbroken(text)))
+}
+
+/// Command with a button that copies it.
+fn command_line(text: &str) -> String {
+    format!("<span class=\"command\"><code>{0}</code><button data-copy aria-label=\"Copy the command {0}\">Copy</button></span>", xml(text))
+}
+
+/// Facts about how the comparison was made; empty if nothing is known.
+fn provenance(comparison: &Comparison) -> String {
+    let made = &comparison.provenance;
+    if made.command.is_empty() {
+        return String::new();
+    }
+    let row = |name: &str, value: &str| format!("<dt>{name}</dt><dd>{value}</dd>\n");
+    let mut rows = row("Command", &command_line(&made.command));
+    rows += &row("Repeat it", &command_line("pt compare --replay convergence.json"));
+    rows.extend(made.facts().iter().map(|(name, value)| row(name, &xml(value))));
+    rows.extend(
+        comparison.methods.iter().map(|method| row(&format!("Hash of {}", xml(&method.name)), &output::hash(&method.image).to_string())),
+    );
+    format!(
+        "<section aria-labelledby=\"made-title\">\n<h2 id=\"made-title\">How it was made</h2>\n<dl id=\"made\">\n{rows}</dl>\n</section>\n"
+    )
 }
 
 fn figure([wide, narrow]: &[String; 2]) -> String {

@@ -6,10 +6,11 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::escape;
-use crate::compare::{CheckpointStats, Comparison, Cost, CostKind, Measurement, Method, NoPrice, Reference, TARGETS};
+use crate::compare::{CheckpointStats, Comparison, Cost, CostKind, Measurement, Method, NoPrice, Provenance, Reference, TARGETS};
 use crate::error::{Error, Result};
 use crate::measure::Metric;
 use crate::measure::error::EPSILON;
+use crate::output;
 
 /// Formulas of the columns.
 #[derive(Serialize)]
@@ -90,8 +91,16 @@ struct Document<'a> {
     formulas: Formulas,
     /// Additional measures by name, with their formulas.
     metrics: BTreeMap<String, String>,
-    conclusions: &'a [String],
+    conclusions: Vec<ConclusionRow<'a>>,
     methods: Vec<MethodRow<'a>>,
+    provenance: &'a Provenance,
+}
+
+#[derive(Serialize)]
+struct ConclusionRow<'a> {
+    text: &'a str,
+    /// Command that shows it.
+    command: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -121,6 +130,8 @@ struct MethodRow<'a> {
     name: &'a str,
     integrator: &'a str,
     sampler: &'a str,
+    /// Hash of the mean of all replicates.
+    hash: String,
     slope: Option<Estimate>,
     bias: Option<Estimate>,
     /// Error that the bias does not exceed.
@@ -187,8 +198,9 @@ pub fn json(comparison: &Comparison) -> Result<Vec<u8>> {
         confidence: comparison.confidence,
         formulas: formulas(),
         metrics: comparison.metrics.iter().map(|metric| (metric.name(), metric.formula())).collect(),
-        conclusions: &comparison.conclusions,
+        conclusions: comparison.conclusions.iter().map(|one| ConclusionRow { text: &one.text, command: one.command.as_deref() }).collect(),
         methods: comparison.methods.iter().map(|one| method(one, &comparison.metrics)).collect(),
+        provenance: &comparison.provenance,
     };
     let mut bytes = serde_json::to_vec_pretty(&document).map_err(|e| Error::Internal(format!("cannot write JSON: {e}")))?;
     bytes.push(b'\n');
@@ -227,6 +239,7 @@ fn method<'m>(method: &'m Method, metrics: &[Metric]) -> MethodRow<'m> {
         name: &method.name,
         integrator: &method.integrator,
         sampler: &method.sampler,
+        hash: output::hash(&method.image).to_string(),
         slope: method.slope.map(Into::into),
         bias: method.bias.map(Into::into),
         bias_bound: method.bias_bound,

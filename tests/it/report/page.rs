@@ -49,6 +49,7 @@ fn the_page_works_in_a_browser() {
     page.swaps();
     page.shows_flip(&comparison());
     page.crops_show_the_same_part();
+    page.tells_how_it_was_made(&comparison());
     page.explains_its_keys();
     page.fits(1400, 900);
     page.browser.resize(1280, 800);
@@ -316,7 +317,7 @@ impl Page {
         for (i, (method, samples)) in comparison.methods.iter().zip(samples).enumerate() {
             let snapshot = method.snapshots.iter().find(|one| one.samples == *samples).expect("a checkpoint");
             let crop = crops[i + 1].as_str().expect("a text");
-            assert!(crop.starts_with(&format!("{samples} spp · ")) && crop.ends_with(" %"), "{crop}");
+            assert!(crop.starts_with(&format!("{samples} spp · ")) && crop.ends_with(" %") && !crop.contains("e+"), "{crop}");
             assert!(words.as_str().expect("a text").contains(&format!("; {} {crop}", method.name)), "{words}");
             for (c, value) in snapshot.image.rgb(WALL[0] - ORIGIN.x, WALL[1] - ORIGIN.y).into_iter().map(f64::from).enumerate() {
                 let (found, r) = (read[i + 1][c].as_f64().expect("a number"), f64::from(reference[c]));
@@ -387,6 +388,23 @@ impl Page {
         self.browser.click(".crop:nth-child(3)");
         assert_eq!(self.state("shown"), 2);
         self.browser.press("r");
+    }
+
+    /// The page has the commands, the machine, the seeds and the hashes; a command opens below its conclusion and can be selected.
+    fn tells_how_it_was_made(&self, comparison: &Comparison) {
+        let made = self.browser.run("return document.querySelector('#made').innerText");
+        let made = made.as_str().expect("a text");
+        let hash = pt::output::hash(&comparison.methods[2].image).to_string();
+        let provenance = &comparison.provenance;
+        for fact in [&provenance.command, &provenance.version, &provenance.cpu, &provenance.scene_hash, &provenance.reference_hash, &hash] {
+            assert!(made.contains(fact.as_str()), "{fact} is not in {made}");
+        }
+        assert!(made.contains("1, 2, 3, 4, 5, 6, 7, 8") && made.contains("pt compare --replay convergence.json"), "{made}");
+        self.browser.click("#conclusions summary");
+        self.browser.click("#conclusions [data-copy]");
+        let selected = self.browser.run("return getSelection().toString()");
+        assert_eq!(selected.as_str(), comparison.conclusions[0].command.as_deref());
+        self.browser.run("document.querySelector('#canvas').scrollIntoView({block: 'center', behavior: 'instant'})");
     }
 
     fn explains_its_keys(&self) {

@@ -5,7 +5,9 @@
 //! ```
 
 use glam::UVec2;
-use pt::compare::{CheckpointStats, Comparison, Cost, CostKind, Measurement, Method, NoPrice, Reference, Snapshot, TARGETS};
+use pt::compare::{
+    CheckpointStats, Comparison, Conclusion, Cost, CostKind, Measurement, Method, NoPrice, Provenance, Reference, Snapshot, TARGETS,
+};
 use pt::film::{Channel, Image};
 use pt::measure::{Metric, RelativeError};
 
@@ -35,10 +37,24 @@ pub fn comparison() -> Comparison {
         metrics: ["mape:eps=0.5,robust", "flip"].map(|name| Metric::parse(name).expect("a metric")).into(),
         confidence: 0.95,
         conclusions: vec![
-            "For 3 % and less nee · sobol is the cheapest: 1 % takes about 0.33 s, where path takes 2 min 40 s.".into(),
+            Conclusion {
+                text: "For 3 % and less nee · sobol is the cheapest: 1 % takes about 0.33 s, where path takes 2 min 40 s.".into(),
+                command: Some("pt cornell-box.json -D '/camera/fov=40' --integrator nee --sampler sobol --target 3%".into()),
+            },
             "For 10 % nee is as good; path is 11 times slower at every error.".into(),
             "whitted stops at 11 %: it leaves out diffuse interreflection, and no time helps.".into(),
         ],
+        provenance: Provenance {
+            version: "0.1.0 (0123456789ab)".into(),
+            command: "pt compare cornell-box.json -D '/camera/fov=40'".into(),
+            arguments: ["compare", "cornell-box.json", "-D", "/camera/fov=40"].map(str::to_owned).into(),
+            folder: "/home".into(),
+            cpu: "A Processor <64 cores>".into(),
+            threads: 16,
+            seeds: (1..=u64::from(REPLICATES)).collect(),
+            scene_hash: "00112233445566778899aabbccddeeff".into(),
+            reference_hash: "ffeeddccbbaa99887766554433221100".into(),
+        },
     }
 }
 

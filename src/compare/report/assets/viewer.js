@@ -267,7 +267,7 @@
   const number = (v, digits = 4) => {
     if (!Number.isFinite(v)) return String(v);
     const size = Math.abs(v);
-    return size !== 0 && (size < 1e-4 || size >= 9999.5) ? v.toExponential(2) : v.toPrecision(digits);
+    return size !== 0 && (size < 1e-4 || size >= 9999.5) ? v.toExponential(2) : size >= 10 ** digits - 0.5 ? String(Math.round(v)) : v.toPrecision(digits);
   };
   const perCent = (v) => (v === null ? "–" : `${number(100 * v, 2)} %`);
 
@@ -525,6 +525,14 @@
   element("stop").addEventListener("input", (event) => choose(state.by, Number(event.target.value)));
   document.querySelectorAll("[data-by]").forEach((button) => button.addEventListener("click", () => chooseBy(button.dataset.by)));
   const click = (id, act) => element(id).addEventListener("click", act);
+  document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", () => {
+    const code = button.previousElementSibling;
+    getSelection().selectAllChildren(code);
+    const done = (text) => { button.textContent = text; setTimeout(() => { button.textContent = "Copy"; }, 1500); };
+    // Where a browser refuses, the command is selected all the same.
+    if (!navigator.clipboard) done("Selected");
+    else navigator.clipboard.writeText(code.textContent).then(() => done("Copied"), () => done("Selected"));
+  }));
   click("split", KEYS.w);
   click("swap", swap);
   click("darker", KEYS.E);

@@ -5,6 +5,9 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
+mod origin;
+mod replay;
+
 use super::load::SceneArgs;
 use super::load::{Loaded, load};
 use super::messages::fitted;
@@ -15,7 +18,7 @@ use super::quote::quoted;
 use super::reference::{self, ReferenceRenderer};
 use super::summary::{Accuracy, attributes};
 use super::{note, print_stdout, render, signals};
-use crate::compare::{self, Budget, Comparison, MethodConfig, Reference, conclusions, report};
+use crate::compare::{self, Budget, Commands, Comparison, MethodConfig, Provenance, Reference, conclusions, report};
 use crate::error::{Error, Fault, Result};
 use crate::film::FilmSpec;
 use crate::integrator::Entry;
@@ -72,6 +75,14 @@ pub struct CompareArgs {
     /// Write data for the JERI viewer too.
     #[arg(long)]
     pub jeri: bool,
+    /// Repeat a comparison from its convergence.json, with as many samples and the report's reference, and say what changed beyond
+    /// chance. Nothing is written; exit code 1 if an error changed.
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = ["path", "overrides", "integrators", "samplers", "output", "spp", "time", "replicates", "reference", "reference_integrator", "reference_time", "size", "confidence", "metric", "jeri"]
+    )]
+    pub replay: Option<PathBuf>,
     #[command(flatten)]
     pub work: WorkArgs,
 }
@@ -80,8 +91,14 @@ pub struct CompareArgs {
 const PIXELS: u32 = 1 << 16;
 const TIME: Duration = Duration::from_secs(8);
 
+/// Samples per pixel of a replicate that only time limits.
+const UNLIMITED: u64 = 1 << 30;
+
 /// Runs the command.
 pub fn compare(args: &CompareArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
+    if let Some(file) = &args.replay {
+        return replay::replay(file, &args.work, tables);
+    }
     let loaded = load_resized(args, tables)?;
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     args.metric.iter().try_for_each(|name| Metric::parse(name).map(drop))?;
@@ -128,6 +145,7 @@ fn configs(args: &CompareArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<V
                 sampler_name: sampler_name.into(),
                 integrator: integrator.clone(),
                 sampler: SamplerSpec { kind: *kind, ..loaded.built.sampler },
+                most: None,
                 lacks: entry.lacks(effects).unwrap_or_default(),
             });
         }
@@ -162,6 +180,7 @@ fn measure(
     let renderer = ReferenceRenderer::new(&loaded, args.reference_integrator.as_deref(), tables)?;
     let cached = reference::cache(args.cache.as_deref()).ok().map(|cache| renderer.path(&cache)).filter(|path| path.exists());
     let stem = loaded.stem.clone();
+    let mut provenance = origin::provenance(args, &loaded)?;
     let scene: Arc<dyn Scene> = Arc::new(loaded.built.world);
     let time = args.time.unwrap_or(TIME);
     let interrupted = || Error::Interrupted(signals::caught().unwrap_or_default());
@@ -177,7 +196,7 @@ fn measure(
     }
     let budget = Budget {
         replicates: args.replicates,
-        samples: args.spp.map_or(1 << 30, u64::from),
+        samples: args.spp.map_or(UNLIMITED, u64::from),
         // With a limit of samples alone, time is not limited.
         time: if args.spp.is_some() && args.time.is_none() { None } else { Some(time) },
         metrics: args.metric.iter().map(|name| Metric::parse(name)).collect::<Result<_>>()?,
@@ -186,8 +205,11 @@ fn measure(
     let progress = Progress::new(args.work.progress, &spec, u32::MAX.into(), Some(budget.time.unwrap_or(time) * count));
     let methods = compare::run(&scene, &spec, configs, &budget, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
     progress.finish();
-    let conclusions = conclusions(&methods, &reference, args.confidence);
-    let comparison = Comparison { scene: stem, reference, methods, metrics: budget.metrics, confidence: args.confidence, conclusions };
+    provenance.reference_hash = output::hash(&reference.image).to_string();
+    let commands = origin::commands(args, &provenance, &reference.image, folder)?;
+    let conclusions = conclusions(&methods, &reference, args.confidence, &commands);
+    let (metrics, confidence) = (budget.metrics, args.confidence);
+    let comparison = Comparison { scene: stem, reference, methods, metrics, confidence, conclusions, provenance };
     let Reference { image, attributes, .. } = &comparison.reference;
     output::write(&folder.join("reference.exr"), image, attributes, &output::Tonemap::default())?;
     compare::report::write(&comparison, folder, args.jeri)?;
@@ -270,6 +292,6 @@ fn summary(comparison: &Comparison, folder: &Path) -> String {
         let error = per_cent(last.relmse.0.max(0.0).sqrt());
         text += &format!("{}: {} spp · {} · error {error} %{slope}\n", method.name, last.samples, duration(last.seconds));
     }
-    comparison.conclusions.iter().for_each(|sentence| text += &format!("{sentence}\n"));
+    comparison.conclusions.iter().for_each(|conclusion| text += &format!("{}\n", conclusion.text));
     text + &format!("{}\n", folder.join("index.html").display())
 }

@@ -1,0 +1,56 @@
+//! Commands that a reader of a report can copy.
+
+use super::Method;
+use crate::measure::format::per_cent;
+
+/// Conclusion of a comparison.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Conclusion {
+    /// One sentence.
+    pub text: String,
+    /// Command that shows it, to copy into a shell.
+    pub command: Option<String>,
+}
+
+impl From<String> for Conclusion {
+    fn from(text: String) -> Conclusion {
+        Conclusion { text, command: None }
+    }
+}
+
+impl From<&str> for Conclusion {
+    fn from(text: &str) -> Conclusion {
+        text.to_owned().into()
+    }
+}
+
+/// Parts of commands, quoted for a shell.
+#[derive(Clone, Debug)]
+pub struct Commands {
+    /// Command of the whole comparison.
+    pub whole: String,
+    /// The scene and the options that choose it: `scene.json -D /camera/fov=40`.
+    pub scene: String,
+    /// Size of the pictures: `--size 256x256`.
+    pub size: String,
+    /// The report's picture of the reference.
+    pub reference: String,
+}
+
+impl Commands {
+    /// Renders with a method up to an error.
+    pub fn render(&self, method: &Method, target: f64) -> String {
+        let Method { integrator, sampler, .. } = method;
+        format!("pt {} {} --integrator {integrator} --sampler {sampler} --target {}%", self.scene, self.size, per_cent(target))
+    }
+
+    /// Tests whether a method converges to the reference.
+    pub fn verify(&self, method: &Method) -> String {
+        format!("pt verify {} {} {} {}", self.scene, method.integrator, self.reference, self.size)
+    }
+
+    /// Lists the effects that the scene calls for.
+    pub fn check(&self) -> String {
+        format!("pt check {}", self.scene)
+    }
+}
