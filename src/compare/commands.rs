@@ -38,14 +38,20 @@ pub struct Commands {
 }
 
 impl Commands {
-    /// Renders with a method up to an error.
+    /// Renders with a method up to an error. Pictures from files are compared again.
     pub fn render(&self, method: &Method, target: f64) -> String {
+        if !method.files.is_empty() {
+            return self.whole.clone();
+        }
         let Method { integrator, sampler, .. } = method;
         format!("pt {} {} --integrator {integrator} --sampler {sampler} --target {}%", self.scene, self.size, per_cent(target))
     }
 
-    /// Tests whether a method converges to the reference.
+    /// Tests whether a method converges to the reference. Of pictures from files the first is measured.
     pub fn verify(&self, method: &Method) -> String {
+        if let Some(file) = method.files.first() {
+            return format!("pt image diff {file} {}", self.reference);
+        }
         format!("pt verify {} {} {} {}", self.scene, method.integrator, self.reference, self.size)
     }
 

@@ -75,7 +75,7 @@ fn about(methods: &[Method], k: usize) -> String {
     let plural = |names: &[String], one: &str, many: &str| format!("{} {}", and(names), if names.len() == 1 { one } else { many });
     tell(&[NoPrice::Bias], &|names| plural(names, "never gets there", "never get there"));
     tell(&[NoPrice::Lacks], &|names| plural(names, "is not known to get there", "are not known to get there"));
-    tell(&[NoPrice::FewPixels, NoPrice::Rising, NoPrice::Spread], &|names| {
+    tell(&[NoPrice::FewPixels, NoPrice::Rising, NoPrice::Spread, NoPrice::Single], &|names| {
         format!("the time{} of {} cannot be established", if names.len() == 1 { "" } else { "s" }, and(names))
     });
     tell(&[NoPrice::Reference], &|names| {
@@ -142,11 +142,14 @@ fn reasons(methods: &[Method]) -> Vec<String> {
             }
             NoPrice::Rising => format!("The error of {names} has not fallen with time (heavy tail), so that no time beyond is foretold."),
             NoPrice::Spread => format!("The renders of {names} differ by too much to state a time; more --replicates or --time may tell."),
+            NoPrice::Single => {
+                format!("There is one picture of {names}; repeats with other random numbers may tell its times and its bias.")
+            }
             // What is said of the times says it.
             NoPrice::Bias | NoPrice::Lacks | NoPrice::Reference => return None,
         })
     };
-    [NoPrice::FewPixels, NoPrice::Rising, NoPrice::Spread].into_iter().filter_map(sentence).collect()
+    [NoPrice::FewPixels, NoPrice::Rising, NoPrice::Spread, NoPrice::Single].into_iter().filter_map(sentence).collect()
 }
 
 /// Sentences about methods that change their order from one error to a smaller one: `nee and path cross between 3 % and 1 %.`

@@ -32,7 +32,7 @@ pub fn points(measurements: &[Measurement]) -> Vec<CheckpointStats> {
     samples.into_iter().map(point).collect()
 }
 
-/// Mean of the pictures; its standard error comes from their variance.
+/// Mean of the pictures; its standard error comes from their variance, which a single picture does not tell.
 pub fn mean(pictures: &[Image]) -> Image {
     let Some(first) = pictures.first() else {
         return Image { full_size: glam::UVec2::ZERO, origin: glam::UVec2::ZERO, size: glam::UVec2::ZERO, channels: vec![] };
@@ -50,7 +50,9 @@ pub fn mean(pictures: &[Image]) -> Image {
         channels.push(Channel { name: name.into(), values: (0..pixels).map(|i| middle(i) as f32).collect() });
         errors.push(Channel { name: format!("StdErr.{name}"), values: (0..pixels).map(|i| error(i) as f32).collect() });
     }
-    channels.extend(errors);
+    if pictures.len() > 1 {
+        channels.extend(errors);
+    }
     Image { channels, ..first.clone() }
 }
 

@@ -6,12 +6,33 @@ use super::price::Priced;
 use super::{Measurement, Method, MethodConfig, Reference, Snapshot, TARGETS};
 use crate::film::Image;
 
+/// What a report says of a method beside its results.
+pub struct About {
+    /// Name in the report.
+    pub name: String,
+    /// Name of the integrator.
+    pub integrator: String,
+    /// Name of the sampler.
+    pub sampler: String,
+    /// Effects that the scene needs and the method leaves out, in words.
+    pub lacks: String,
+    /// Files of its pictures; empty for a method that is rendered.
+    pub files: Vec<String>,
+}
+
+impl From<MethodConfig> for About {
+    fn from(config: MethodConfig) -> About {
+        let MethodConfig { name, integrator_name, sampler_name, lacks, .. } = config;
+        About { name, integrator: integrator_name, sampler: sampler_name, lacks, files: vec![] }
+    }
+}
+
 /// Combines the measurements of one method.
 ///
 /// - `pictures`: pictures of the replicates after the last checkpoint
 /// - `snapshots`: pictures of the first replicate at its last checkpoints
 pub fn method(
-    config: MethodConfig,
+    about: About,
     pictures: &[Image],
     snapshots: Vec<Snapshot>,
     measurements: Vec<Measurement>,
@@ -20,15 +41,16 @@ pub fn method(
 ) -> Method {
     let (curve, slope) = (points(&measurements), slope(&measurements));
     let image = mean(pictures);
-    let bias = SquaredBias::between(&image, &reference.image);
-    let lacks = !config.lacks.is_empty();
+    // The noise of a single picture is not known and cannot be told from bias.
+    let bias = SquaredBias::between(&image, &reference.image).filter(|_| pictures.len() > 1);
+    let lacks = !about.lacks.is_empty();
     let priced = Priced { measurements: &measurements, curve: &curve, slope, bias, lacks, reference, confidence };
     let prices = TARGETS.iter().map(|target| priced.price(*target)).collect();
     let detected = priced.detected_bias();
     Method {
-        name: config.name,
-        integrator: config.integrator_name,
-        sampler: config.sampler_name,
+        name: about.name,
+        integrator: about.integrator,
+        sampler: about.sampler,
         curve,
         sample: one(pictures, &image),
         snapshots,
@@ -37,7 +59,8 @@ pub fn method(
         bias: detected,
         bias_bound: bias.map(|bias| bias.bound()),
         prices,
-        lacks: config.lacks,
+        lacks: about.lacks,
+        files: about.files,
         measurements,
     }
 }

@@ -7,6 +7,7 @@ mod bias;
 mod commands;
 mod conclude;
 mod curve;
+mod given;
 mod method;
 mod price;
 mod provenance;
@@ -29,6 +30,7 @@ use crate::sampler::SamplerSpec;
 pub use crate::measure::format::TARGETS;
 pub use commands::{Commands, Conclusion};
 pub use conclude::conclusions;
+pub use given::{GivenPicture, given};
 pub use provenance::Provenance;
 pub use reference::Reference;
 pub use run::{Budget, run};
@@ -100,6 +102,16 @@ pub struct Method {
     pub prices: Vec<Result<Cost, NoPrice>>,
     /// Effects that the scene needs and the method leaves out, in words; empty if there are none.
     pub lacks: String,
+    /// Files of its pictures, quoted for a shell; empty for a method that is rendered. The samples of such pictures are not known:
+    /// numbers of samples are then places in the order of time.
+    pub files: Vec<String>,
+}
+
+impl Method {
+    /// Samples per pixel of a checkpoint; `None` for pictures from files.
+    pub fn spp(&self, samples: u64) -> Option<u64> {
+        self.files.is_empty().then_some(samples)
+    }
 }
 
 /// Time that an error takes, with its interval.
@@ -141,6 +153,8 @@ pub enum NoPrice {
     Rising,
     /// The replicates disagree on the time.
     Spread,
+    /// There is a single picture, whose error has no interval.
+    Single,
 }
 
 impl NoPrice {
@@ -153,6 +167,7 @@ impl NoPrice {
             NoPrice::FewPixels => "not established: few pixels",
             NoPrice::Rising => "not established: error grows",
             NoPrice::Spread => "not established: renders differ",
+            NoPrice::Single => "not established: one picture",
         }
     }
 }

@@ -17,7 +17,7 @@
 //! 3. The error is not that of a few pixels: after the last checkpoint relMSE is at most twice that without the largest 0.1 % of the
 //!    pixels. Otherwise the next bright sample would change it completely.
 //! 4. The error does not grow with time if the time is extrapolated.
-//! 5. The replicates agree on the time: its interval reaches at most from a tenth to ten times of it.
+//! 5. There are several replicates, and they agree on the time: its interval reaches at most from a tenth to ten times of it.
 
 use std::cmp::Ordering;
 
@@ -60,6 +60,9 @@ impl Priced<'_> {
     /// # Errors
     /// The reason why no time is stated.
     pub fn price(&self, target: f64) -> Result<Cost, NoPrice> {
+        if self.measurements.iter().all(|m| m.replicate == 0) {
+            return Err(NoPrice::Single);
+        }
         if self.detected_bias().is_some_and(|(bias, _)| bias >= target) {
             return Err(NoPrice::Bias);
         }

@@ -40,8 +40,8 @@ pub struct RecordedMethod {
 /// Recorded errors of one picture.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub struct RecordedMeasurement {
-    /// Samples per pixel.
-    pub spp: u64,
+    /// Samples per pixel; `None` for pictures from files.
+    pub spp: Option<u64>,
     /// Render time.
     pub seconds: f64,
     /// Relative mean squared error.
@@ -51,7 +51,7 @@ pub struct RecordedMeasurement {
 impl RecordedMethod {
     /// Samples per pixel of the last checkpoint.
     pub fn last(&self) -> Option<u64> {
-        self.measurements.iter().map(|m| m.spp).max()
+        self.measurements.iter().filter_map(|m| m.spp).max()
     }
 }
 
@@ -73,12 +73,13 @@ pub fn changes(recorded: &[RecordedMethod], methods: &[Method], hash: impl Fn(&M
         None => Change { text: format!("{}: is missing", before.name), error: true },
         Some(method) => change(before, method, &hash(method), level),
     };
-    recorded.iter().map(one).collect()
+    // Pictures from files are not rendered again.
+    recorded.iter().filter(|method| method.last().is_some()).map(one).collect()
 }
 
 fn change(before: &RecordedMethod, method: &Method, hash: &str, level: f64) -> Change {
     let samples = before.last().unwrap_or(0);
-    let then: Vec<&RecordedMeasurement> = before.measurements.iter().filter(|m| m.spp == samples).collect();
+    let then: Vec<&RecordedMeasurement> = before.measurements.iter().filter(|m| m.spp == Some(samples)).collect();
     let now: Vec<&Measurement> = method.measurements.iter().filter(|m| m.samples == samples).collect();
     let errors = [mean(now.iter().map(|m| m.relmse)), mean(then.iter().map(|m| m.relmse))];
     let times = [mean(now.iter().map(|m| m.seconds.ln())), mean(then.iter().map(|m| m.seconds.ln()))];
@@ -121,7 +122,7 @@ mod tests {
     const NOISE: [f64; 4] = [0.97, 1.02, 1.03, 0.98];
 
     fn recorded(relmse: f64, seconds: f64) -> RecordedMethod {
-        let one = |noise: f64| RecordedMeasurement { spp: 8, seconds: seconds * noise, relmse: relmse * noise };
+        let one = |noise: f64| RecordedMeasurement { spp: Some(8), seconds: seconds * noise, relmse: relmse * noise };
         RecordedMethod { name: "nee".into(), hash: "old".into(), measurements: NOISE.map(one).into() }
     }
 

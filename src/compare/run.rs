@@ -90,13 +90,13 @@ pub fn run(
     let methods = configs.into_iter().zip(runs).zip(measured).map(|((config, mut runs), measurements)| {
         let pictures: Vec<Image> = runs.iter().map(|run| run.film.image()).collect();
         let snapshots = runs.first_mut().map(|first| std::mem::take(&mut first.snapshots)).unwrap_or_default();
-        method(config, &pictures, snapshots.into(), measurements, reference, confidence)
+        method(config.into(), &pictures, snapshots.into(), measurements, reference, confidence)
     });
     Some(methods.collect())
 }
 
 /// Values of the additional measures; `None` for pictures that cannot be compared.
-fn others(metrics: &[Metric], name: &str, image: &Image, reference: &Reference) -> Option<Vec<f64>> {
+pub fn others(metrics: &[Metric], name: &str, image: &Image, reference: &Reference) -> Option<Vec<f64>> {
     if metrics.is_empty() {
         return Some(vec![]);
     }

@@ -41,5 +41,6 @@ pub fn method(name: &str) -> Method {
         bias_bound: None,
         prices: vec![],
         lacks: String::new(),
+        files: vec![],
     }
 }

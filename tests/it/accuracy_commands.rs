@@ -339,6 +339,82 @@ fn a_replay_of_anything_else_is_refused() {
     assert!(told.contains("expected the reference of the report, hash "), "{told}");
 }
 
+/// Pictures from files have rows, curves and verdicts: their times are those given, repeats share a checkpoint, the bias of pictures
+/// without interreflection is told, and a single picture gets no time. Samples that nobody knows are not stated.
+#[test]
+fn pictures_of_others_are_contestants() {
+    let folder = folder();
+    let size = ["--size", "24x24"];
+    let render = |file: &str, integrator: &str, spp: &str, seed: &str| {
+        let given = [CORNELL, "--integrator", integrator, "--spp", spp, "--seed", seed, "-q", "-o", file];
+        said(folder.path(), 0, &[&given[..], &size].concat());
+    };
+    render("truth.exr", "nee", "2048", "9");
+    for (file, integrator, spp, seed) in [
+        ("a.exr", "nee", "16", "21"),
+        ("b.exr", "nee", "16", "22"),
+        ("c=@.exr", "nee", "256", "23"),
+        ("d.exr", "nee", "256", "24"),
+        ("e.exr", "whitted", "64", "25"),
+        ("f.exr", "whitted", "64", "26"),
+    ] {
+        render(file, integrator, spp, seed);
+    }
+    let compare =
+        ["compare", CORNELL, "--spp", "8", "--integrators", "nee", "--reference", "truth.exr", "--progress", "none", "-o", "report"];
+    let pictures =
+        ["far=a.exr@1s", "far=b.exr@1.1s", "far=c=@.exr@16s", "far=d.exr@16s", "dark=e.exr@3s", "dark=f.exr@3s", "lone=d.exr@2s"];
+    let pictures: Vec<&str> = pictures.iter().flat_map(|picture| ["--picture", picture]).collect();
+    let text = said(folder.path(), 0, &[&compare[..], &size, &pictures].concat());
+    assert!(text.contains("far: 16 s · error ") && text.contains("lone: 2 s · error "), "{text}");
+    assert!(text.contains("dark settles ") && text.contains("There is one picture of lone;") && !text.contains("far settles"), "{text}");
+
+    let data = std::fs::read_to_string(folder.path().join("report/convergence.json")).expect("data");
+    let data: serde_json::Value = serde_json::from_str(&data).expect("JSON");
+    let names: Vec<&str> = data["methods"].as_array().expect("methods").iter().filter_map(|method| method["name"].as_str()).collect();
+    assert_eq!(names, ["nee", "far", "dark", "lone"]);
+    let far = &data["methods"][1];
+    let measured: Vec<(f64, u64, bool)> = far["measurements"]
+        .as_array()
+        .expect("measurements")
+        .iter()
+        .map(|m| (m["seconds"].as_f64().expect("s"), m["replicate"].as_u64().expect("r"), m["spp"].is_null()))
+        .collect();
+    assert_eq!(measured, [(1.0, 0, true), (1.1, 1, true), (16.0, 0, true), (16.0, 1, true)]);
+    // `lone` is one of the pictures of `far`, with the same error.
+    assert_eq!(data["methods"][3]["measurements"][0]["relmse"], far["measurements"][3]["relmse"]);
+    assert!(data["methods"][3]["prices"][0]["seconds"].is_null() && data["methods"][3]["bias_bound"].is_null(), "{data}");
+    let conclusions = data["conclusions"].as_array().expect("conclusions");
+    let bias = conclusions.iter().find(|one| one["text"].as_str().is_some_and(|text| text.starts_with("dark settles"))).expect("a bias");
+    assert_eq!(bias["command"], "pt image diff e.exr report/reference.exr");
+    let csv = std::fs::read_to_string(folder.path().join("report/convergence.csv")).expect("a table");
+    assert!(csv.contains("\nfar,0,,1,") && csv.contains("\nfar,mean,,16,"), "{csv}");
+
+    // Pictures are not rendered again.
+    let text = said(folder.path(), 0, &["compare", "--replay", "report/convergence.json", "--progress", "none"]);
+    assert!(text.contains("nee: 8 spp · ") && !text.contains("far"), "{text}");
+}
+
+#[test]
+fn pictures_that_cannot_be_contestants_are_refused() {
+    let folder = folder();
+    said(folder.path(), 0, &[CORNELL, "--size", "8x8", "--spp", "1", "-q", "-o", "small.exr"]);
+    let refused = |code: i32, picture: &str, expected: &str| {
+        let given = ["compare", CORNELL, "--size", "9x9", "--spp", "1", "--integrators", "nee", "--progress", "none", "--picture", picture];
+        let told = said(folder.path(), code, &[&given[..], &["-o", "report"]].concat());
+        assert!(told.contains(expected), "{told}");
+        assert!(!folder.path().join("report").exists(), "nothing is written");
+    };
+    for text in ["small.exr", "x=small.exr", "=small.exr@1s", "x=@1s"] {
+        refused(2, text, "expected NAME=FILE@DURATION");
+    }
+    refused(2, "x=small.exr@soon", "\"soon\" after @");
+    refused(2, "x=small.exr@0s", "\"0s\" after @");
+    refused(2, "nee=small.exr@1s", "nee is a method that is rendered");
+    refused(3, "x=small.exr@1s", "expected 9 × 9 pixels as the scene has, found 8 × 8");
+    refused(3, "x=missing.exr@1s", "missing.exr");
+}
+
 /// The method with the least time for the largest error in the report's data.
 fn cheapest(folder: &Path) -> String {
     let text = std::fs::read_to_string(folder.join("report/convergence.json")).expect("data");

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 mod origin;
+mod picture;
 mod replay;
 
 use super::load::SceneArgs;
@@ -18,13 +19,13 @@ use super::quote::quoted;
 use super::reference::{self, ReferenceRenderer};
 use super::summary::{Accuracy, attributes};
 use super::{note, print_stdout, render, signals};
-use crate::compare::{self, Budget, Commands, Comparison, MethodConfig, Provenance, Reference, conclusions, report};
+use crate::compare::{self, Budget, Commands, Comparison, GivenPicture, MethodConfig, Provenance, Reference, conclusions, report};
 use crate::error::{Error, Fault, Result};
-use crate::film::FilmSpec;
+use crate::film::{FilmSpec, Image};
 use crate::integrator::Entry;
 use crate::measure::format::{duration, per_cent};
 use crate::measure::{Metric, Refusal, RelativeError, StopCondition};
-use crate::output::{self, exr};
+use crate::output::{self, Attributes, exr};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::scene::Scene;
 
@@ -75,12 +76,16 @@ pub struct CompareArgs {
     /// Write data for the JERI viewer too.
     #[arg(long)]
     pub jeri: bool,
+    /// Picture of another renderer as a contestant, with the time that it took: an EXR of the same pixels. May be repeated; pictures
+    /// of one name and about one time are repeats, which give error bars.
+    #[arg(long, value_name = "NAME=FILE@DURATION", value_parser = picture::parse)]
+    pub picture: Vec<picture::PictureArg>,
     /// Repeat a comparison from its convergence.json, with as many samples and the report's reference, and say what changed beyond
     /// chance. Nothing is written; exit code 1 if an error changed.
     #[arg(
         long,
         value_name = "FILE",
-        conflicts_with_all = ["path", "overrides", "integrators", "samplers", "output", "spp", "time", "replicates", "reference", "reference_integrator", "reference_time", "size", "confidence", "metric", "jeri"]
+        conflicts_with_all = ["path", "overrides", "integrators", "samplers", "output", "spp", "time", "replicates", "reference", "reference_integrator", "reference_time", "size", "confidence", "metric", "picture", "jeri"]
     )]
     pub replay: Option<PathBuf>,
     #[command(flatten)]
@@ -104,10 +109,11 @@ pub fn compare(args: &CompareArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
     args.metric.iter().try_for_each(|name| Metric::parse(name).map(drop))?;
     let configs = configs(args, &loaded, tables)?;
     let given = args.reference.as_deref().map(|path| read_reference(path, &loaded.built.film)).transpose()?;
+    let pictures = picture::read(&args.picture, &configs, &loaded.built.film)?;
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}-report", loaded.stem)));
     std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
     signals::catch()?;
-    render::pool(args.work.threads)?.install(|| measure(args, loaded, configs, given, &folder, tables))
+    render::pool(args.work.threads)?.install(|| measure(args, loaded, (configs, pictures), given, &folder, tables))
 }
 
 /// Loads the scene, in a smaller size unless one is requested: the decrease of the error does not depend on the size.
@@ -155,23 +161,31 @@ fn configs(args: &CompareArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<V
 
 /// Reads a reference: it must have the same pixels and only finite values.
 fn read_reference(path: &Path, film: &FilmSpec) -> Result<Reference> {
+    let (image, attributes) = read_picture(path, film, "reference")?;
+    Ok(Reference::from_file(image, path.display().to_string(), attributes))
+}
+
+/// Reads a picture with the scene's pixels and only finite values.
+///
+/// - `role`: what it is, for messages
+fn read_picture(path: &Path, film: &FilmSpec, role: &str) -> Result<(Image, Attributes)> {
     let (image, attributes) = exr::read(path)?;
     let refused = |text: String| Error::invalid(Fault::new(text).in_file(path));
     render::same_pixels(path, &image, film)?;
     if let Some(missing) = ["R", "G", "B"].into_iter().find(|name| image.channel(name).is_none()) {
-        return Err(refused(format!("the reference has no channel {missing}")));
+        return Err(refused(format!("the {role} has no channel {missing}")));
     }
     let broken = image.pixels().flatten().filter(|value| !value.is_finite()).count();
     if broken > 0 {
-        return Err(refused(format!("the reference has {broken} values that are no numbers")));
+        return Err(refused(format!("the {role} has {broken} values that are no numbers")));
     }
-    Ok(Reference::from_file(image, path.display().to_string(), attributes))
+    Ok((image, attributes))
 }
 
 fn measure(
     args: &CompareArgs,
     loaded: Loaded,
-    configs: Vec<MethodConfig>,
+    (configs, pictures): (Vec<MethodConfig>, Vec<GivenPicture>),
     given: Option<Reference>,
     folder: &Path,
     tables: &[&[Entry]],
@@ -203,8 +217,10 @@ fn measure(
     };
     let count = configs.len() as u32;
     let progress = Progress::new(args.work.progress, &spec, u32::MAX.into(), Some(budget.time.unwrap_or(time) * count));
-    let methods = compare::run(&scene, &spec, configs, &budget, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
+    let mut methods = compare::run(&scene, &spec, configs, &budget, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
     progress.finish();
+    let unlike = || Error::Internal("a picture cannot be compared with the reference".into());
+    methods.extend(compare::given(pictures, &budget.metrics, &reference, args.confidence).ok_or_else(unlike)?);
     provenance.reference_hash = output::hash(&reference.image).to_string();
     let commands = origin::commands(args, &provenance, &reference.image, folder)?;
     let conclusions = conclusions(&methods, &reference, args.confidence, &commands);
@@ -290,7 +306,8 @@ fn summary(comparison: &Comparison, folder: &Path) -> String {
         let Some(last) = method.curve.last() else { continue };
         let slope = method.slope.map_or(String::new(), |slope| format!(" · slope {}", report::slope(slope)));
         let error = per_cent(last.relmse.0.max(0.0).sqrt());
-        text += &format!("{}: {} spp · {} · error {error} %{slope}\n", method.name, last.samples, duration(last.seconds));
+        let samples = method.spp(last.samples).map_or(String::new(), |samples| format!("{samples} spp · "));
+        text += &format!("{}: {samples}{} · error {error} %{slope}\n", method.name, duration(last.seconds));
     }
     comparison.conclusions.iter().for_each(|conclusion| text += &format!("{}\n", conclusion.text));
     text + &format!("{}\n", folder.join("index.html").display())

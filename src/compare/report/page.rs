@@ -115,8 +115,15 @@ fn row(comparison: &Comparison, index: usize) -> String {
     }
     let bias = method.bias.map(|(bias, deviation)| format!("{} ± {} %", format::per_cent(bias), format::per_cent(deviation)));
     let bound = || method.bias_bound.map_or(String::new(), |bound| format!(" <small>below {} %</small>", format::per_cent(bound)));
-    cells += &cell("", "Bias", bias.unwrap_or_else(|| format!("none seen{}", bound())));
-    let lacks = if method.lacks.is_empty() { "nothing".into() } else { xml(&method.lacks) };
+    let unseen = || if method.bias_bound.is_some() { format!("none seen{}", bound()) } else { "not known".into() };
+    cells += &cell("", "Bias", bias.unwrap_or_else(unseen));
+    let lacks = if !method.files.is_empty() {
+        "not known".into()
+    } else if method.lacks.is_empty() {
+        "nothing".into()
+    } else {
+        xml(&method.lacks)
+    };
     cells += &cell("lacks", "Leaves out", lacks);
     let swatch = format!("<i class=\"swatch f-m{}\"></i>", index % 6);
     format!("<tr><th scope=\"row\">{swatch}{}</th>\n{cells}</tr>\n", xml(&method.name))
@@ -149,7 +156,9 @@ fn measures(comparison: &Comparison) -> String {
 fn last(comparison: &Comparison, method: &Method) -> String {
     let Some(last) = error_curve(method, comparison.confidence).into_iter().next_back() else { return "below the reference's".into() };
     let [error, low, high] = [last.error, last.low, last.high].map(format::per_cent);
-    format!("{error} % <small>{low}–{high} %<br>{} spp, {}</small>", last.samples, format::duration(last.seconds))
+    let interval = if low == high { String::new() } else { format!("{low}–{high} %<br>") };
+    let samples = last.samples.map_or(String::new(), |samples| format!("{samples} spp, "));
+    format!("{error} % <small>{interval}{samples}{}</small>", format::duration(last.seconds))
 }
 
 fn price(method: &Method, i: usize) -> String {

@@ -48,7 +48,8 @@ struct View {
 
 #[derive(Serialize)]
 struct Checkpoint {
-    samples: u64,
+    /// Samples per pixel, if known.
+    samples: Option<u64>,
     seconds: f64,
     /// Relative error of the picture; `None` if it is below that of the reference.
     error: Option<f64>,
@@ -80,7 +81,7 @@ fn picture(index: usize, name: String, method: &Method, reference: &Reference) -
         |image: &Image| View { color: EmbeddedImage::color(image), error: EmbeddedImage::error(image), flip: flip(image, reference) };
     let last = method.snapshots.len().saturating_sub(1);
     let checkpoint = |(i, snapshot): (usize, &Snapshot)| Checkpoint {
-        samples: snapshot.samples,
+        samples: method.spp(snapshot.samples),
         seconds: snapshot.seconds,
         error: snapshot.error,
         difference: (i < last).then(|| EmbeddedDifference::between(&snapshot.image, &reference.image)),

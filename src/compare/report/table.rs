@@ -64,16 +64,18 @@ pub fn csv(comparison: &Comparison) -> Vec<u8> {
     text.push_str(&format!("method,replicate,spp,seconds,{},{}\n", joined(""), joined("_stderr")));
     for method in &comparison.methods {
         let name = escape::csv(&method.name);
+        // Empty where the samples are not known.
+        let spp = |samples: u64| method.spp(samples).map_or(String::new(), |samples| samples.to_string());
         for Measurement { replicate, samples, seconds, mse, relmse, trimmed, others } in &method.measurements {
             let values = row([*mse, *relmse, *trimmed].into_iter().chain(others.iter().copied()));
             let no_errors = ",".repeat(columns.len());
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{name},{replicate},{samples},{seconds},{values}{no_errors}");
+            let _ = writeln!(text, "{name},{replicate},{},{seconds},{values}{no_errors}", spp(*samples));
         }
         for CheckpointStats { samples, seconds, mse, relmse, trimmed, others } in &method.curve {
             let values = || [*mse, *relmse, *trimmed].into_iter().chain(others.iter().copied());
             let (means, errors) = (row(values().map(|value| value.0)), row(values().map(|value| value.1)));
-            let _ = writeln!(text, "{name},mean,{samples},{seconds},{means},{errors}");
+            let _ = writeln!(text, "{name},mean,{},{seconds},{means},{errors}", spp(*samples));
         }
     }
     text.into_bytes()
@@ -132,6 +134,8 @@ struct MethodRow<'a> {
     sampler: &'a str,
     /// Hash of the mean of all replicates.
     hash: String,
+    /// Files of pictures that were given.
+    files: &'a [String],
     slope: Option<Estimate>,
     bias: Option<Estimate>,
     /// Error that the bias does not exceed.
@@ -170,7 +174,8 @@ struct PriceRow {
 #[derive(Serialize)]
 struct MeasurementRow {
     replicate: u32,
-    spp: u64,
+    /// Null for pictures from files, as in `points`.
+    spp: Option<u64>,
     seconds: f64,
     mse: f64,
     relmse: f64,
@@ -181,7 +186,7 @@ struct MeasurementRow {
 
 #[derive(Serialize)]
 struct PointRow {
-    spp: u64,
+    spp: Option<u64>,
     seconds: f64,
     mse: Estimate,
     relmse: Estimate,
@@ -220,7 +225,7 @@ fn method<'m>(method: &'m Method, metrics: &[Metric]) -> MethodRow<'m> {
     let price = |(error, price): (f64, Result<Cost, NoPrice>)| row(error, price.ok(), price.err());
     let measurement = |m: &Measurement| MeasurementRow {
         replicate: m.replicate,
-        spp: m.samples,
+        spp: method.spp(m.samples),
         seconds: m.seconds,
         mse: m.mse,
         relmse: m.relmse,
@@ -228,7 +233,7 @@ fn method<'m>(method: &'m Method, metrics: &[Metric]) -> MethodRow<'m> {
         others: metrics.iter().map(Metric::name).zip(m.others.iter().copied()).collect(),
     };
     let point = |p: &CheckpointStats| PointRow {
-        spp: p.samples,
+        spp: method.spp(p.samples),
         seconds: p.seconds,
         mse: p.mse.into(),
         relmse: p.relmse.into(),
@@ -239,6 +244,7 @@ fn method<'m>(method: &'m Method, metrics: &[Metric]) -> MethodRow<'m> {
         name: &method.name,
         integrator: &method.integrator,
         sampler: &method.sampler,
+        files: &method.files,
         hash: output::hash(&method.image).to_string(),
         slope: method.slope.map(Into::into),
         bias: method.bias.map(Into::into),

@@ -117,6 +117,7 @@ fn method(seed: u32, name: &str, sampler: &str, model: ErrorModel) -> Method {
         bias_bound: Some(model.bias + 0.008),
         prices: TARGETS.into_iter().map(|target| model.price(target)).collect(),
         lacks: if model.bias > 0.0 { "diffuse interreflection".into() } else { String::new() },
+        files: vec![],
     }
 }
 

@@ -148,7 +148,7 @@
 
   const bitmaps = new Map();
   function bitmap(index) {
-    const key = [index, state.view, chosen(index)?.samples, state.overlay, state.exposure, state.curve].join();
+    const key = [index, state.view, chosen(index)?.seconds, state.overlay, state.exposure, state.curve].join();
     if (bitmaps.has(key)) return bitmaps.get(key);
     if (bitmaps.size > 3 * pictures.length + 4) bitmaps.clear();
     const surface = Object.assign(document.createElement("canvas"), { width, height });
@@ -310,7 +310,8 @@
   function facts(index) {
     const one = chosen(index);
     if (!one) return index && state.view === "mean" ? "mean of all renders" : "";
-    return `${one.samples} spp · ${duration(one.seconds)} · ${one.error === null ? "below the reference" : perCent(one.error)}`;
+    const samples = one.samples === null ? "" : `${one.samples} spp · `;
+    return `${samples}${duration(one.seconds)} · ${one.error === null ? "below the reference" : perCent(one.error)}`;
   }
 
   function duration(seconds) {

@@ -17,8 +17,14 @@ pub fn against_time(comparison: &Comparison, format: Format) -> Drawing {
 }
 
 fn draw(comparison: &Comparison, format: Format, title: &str, across: Quantity) -> Drawing {
-    let curves: Vec<Vec<ErrorPoint>> = comparison.methods.iter().map(|method| error_curve(method, comparison.confidence)).collect();
-    let x = |checkpoint: &ErrorPoint| if across == Quantity::Samples { checkpoint.samples } else { checkpoint.seconds };
+    let mut curves: Vec<Vec<ErrorPoint>> = comparison.methods.iter().map(|method| error_curve(method, comparison.confidence)).collect();
+    if across == Quantity::Samples {
+        curves.iter_mut().for_each(|curve| curve.retain(|checkpoint| checkpoint.samples.is_some()));
+    }
+    let x = |checkpoint: &ErrorPoint| match across {
+        Quantity::Samples => checkpoint.samples.unwrap_or(1.0),
+        _ => checkpoint.seconds,
+    };
     let biases = comparison.methods.iter().filter_map(|method| method.bias).map(|(bias, _)| bias);
     let points = extent(&curves, x, biases);
     let legend: Vec<Entry> = comparison.methods.iter().enumerate().map(|(index, method)| Entry { index, text: name(method) }).collect();
@@ -109,7 +115,8 @@ fn curve(frame: &mut Frame, index: usize, error_curve: &[ErrorPoint], x: impl Fn
 /// Text of a point: `nee: 64 samples, 1.2 s, 3.1 % (2.9–3.3 %)`.
 pub fn hint(name: &str, c: &ErrorPoint) -> String {
     let [error, low, high] = [c.error, c.low, c.high].map(format::per_cent);
-    format!("{name}: {} samples, {}, {error} % ({low}–{high} %)", c.samples, format::duration(c.seconds))
+    let samples = c.samples.map_or(String::new(), |samples| format!("{samples} samples, "));
+    format!("{name}: {samples}{}, {error} % ({low}–{high} %)", format::duration(c.seconds))
 }
 
 fn describe(comparison: &Comparison, curves: &[Vec<ErrorPoint>], title: &str) -> String {

@@ -82,13 +82,7 @@ fn at(curve: &[ErrorPoint], seconds: f64) -> Option<ErrorPoint> {
 /// Point between two others, interpolated in logarithms.
 fn between(a: &ErrorPoint, b: &ErrorPoint, share: f64) -> ErrorPoint {
     let mix = |value: fn(&ErrorPoint) -> f64| value(a) * (value(b) / value(a)).powf(share);
-    ErrorPoint {
-        samples: mix(|p| p.samples),
-        seconds: mix(|p| p.seconds),
-        error: mix(|p| p.error),
-        low: mix(|p| p.low),
-        high: mix(|p| p.high),
-    }
+    ErrorPoint { samples: None, seconds: mix(|p| p.seconds), error: mix(|p| p.error), low: mix(|p| p.low), high: mix(|p| p.high) }
 }
 
 #[cfg(test)]
@@ -101,7 +95,7 @@ mod tests {
     fn curve(v: f64, slope: f64, times: &[f64]) -> Vec<ErrorPoint> {
         let point = |t: &f64| {
             let error = v * t.powf(slope);
-            ErrorPoint { samples: 1.0, seconds: *t, error, low: error / 1.1, high: error * 1.1 }
+            ErrorPoint { samples: None, seconds: *t, error, low: error / 1.1, high: error * 1.1 }
         };
         times.iter().map(point).collect()
     }

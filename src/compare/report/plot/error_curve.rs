@@ -15,8 +15,8 @@ use crate::compare::{CheckpointStats, Method};
 /// Error at one checkpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorPoint {
-    /// Samples per pixel.
-    pub samples: f64,
+    /// Samples per pixel, if known.
+    pub samples: Option<f64>,
     /// Render time.
     pub seconds: f64,
     /// Relative error √relMSE.
@@ -40,7 +40,7 @@ fn checkpoint(method: &Method, point: &CheckpointStats, confidence: f64) -> Erro
     let reach = if reach.is_finite() { reach } else { 0.0 };
     let error = mean.sqrt();
     let [low, high] = [-reach, reach].map(|r| error * r.exp());
-    ErrorPoint { samples: point.samples as f64, seconds: point.seconds, error, low, high }
+    ErrorPoint { samples: method.spp(point.samples).map(|samples| samples as f64), seconds: point.seconds, error, low, high }
 }
 
 /// Quantile of Student's distribution; of the normal distribution if the number of replicates is unknown.
