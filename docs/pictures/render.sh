@@ -37,6 +37,7 @@ esac
 # The same number of samples per pixel, so that the two can be compared.
 picture mis-plates        mis-plates      --size 360x270 --spp 256
 picture mis-plates-path   mis-plates      --size 264x198 --spp 256 --integrator path
+picture terrace           terrace
 # One stop darker, so that too much light would show as well as too little; and what is there.
 picture furnace           furnace         --size 320x200 --spp 256 --exposure -1
 picture furnace-normals   furnace         --size 320x200 --spp 64 --integrator normals

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use super::{Builder, rgb, transform};
-use crate::describe::{self, Background};
+use crate::describe::{self, Background, Radiometric};
 use crate::light::sky::SUN_HALF_ANGLE;
 use crate::light::{Environment, EnvironmentMap, Light, Mapping, Sky, Sun};
 use crate::math::float::sin_cos_degrees;
@@ -70,10 +70,15 @@ impl Builder<'_> {
         }
         self.note_unusual_shape(file, mapping, &pixels);
         let scale = background.scale.as_ref().map_or(Rgb::WHITE, rgb);
+        let most = f64::from(pixels.most()) * f64::from(scale.max());
+        if Radiometric::new(most).is_none() {
+            self.fault("/background/image", &format!("{file}: a radiance of {most:.1e} W/(m² sr) with its scale, expected at most 1e30"));
+            return None;
+        }
         Some(Light::EnvironmentMap(Arc::new(EnvironmentMap::new(pixels, mapping, scale, to_world.as_mat3()))))
     }
 
-    /// Warns of a picture whose pixels are not square on the equator, which are probably cropped or of another mapping.
+    /// Warns of a square picture by latitude and longitude, which probably is of the other mapping.
     fn note_unusual_shape(&mut self, file: &str, mapping: Mapping, pixels: &Pixels) {
         let [width, height] = pixels.size().to_array();
         if mapping == Mapping::LatLong && width == height && width > 1 {
@@ -89,7 +94,11 @@ impl Builder<'_> {
                 let matrix = to_world.matrix();
                 let is_rotation = (matrix.matrix3.transpose() * matrix.matrix3).abs_diff_eq(DMat3::IDENTITY, NEARLY);
                 if is_rotation && matrix.translation.length() <= NEARLY {
-                    return Some(matrix.matrix3);
+                    // The axes are made perpendicular and of unit length, which rounded numbers in a file are not.
+                    let [x, y, z] = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
+                    let x = x.normalize();
+                    let y = (y - x * x.dot(y)).normalize();
+                    return Some(DMat3::from_cols(x, y, (z - x * x.dot(z) - y * y.dot(z)).normalize()));
                 }
                 let message = "expected rotations only: light from infinite distance has no place and no size";
                 self.fault("/background/transform", message);

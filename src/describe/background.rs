@@ -38,7 +38,8 @@ pub struct Background {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sky {
-    /// Elevation of the sun above the horizon, in degrees. Below 0 it has set, and the sky darkens until −18.
+    /// Elevation of the sun above the horizon, in degrees. Its disk is shown whole until its middle has set; then the sky
+    /// darkens, until −18.
     pub elevation: Elevation,
     /// Azimuth of the sun, in degrees: 0 is −z, 90 is +x, 180 is +z.
     pub azimuth: Real,
@@ -50,7 +51,7 @@ pub struct Sky {
     pub turbidity: Turbidity,
     /// The share of light that the ground reflects.
     pub ground: Color<Fraction>,
-    /// The height of the observer above the ground, in metres.
+    /// The height of the observer above the ground, in metres. The ground is lit as the place below the observer is.
     pub altitude: Altitude,
     /// Whether the sun's disk, 0.533° wide, is part of the scene. Without it there is the light of the sky alone.
     pub sun: bool,

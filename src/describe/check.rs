@@ -47,11 +47,22 @@ pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
     }
     if let Some(background) = &scene.background {
         checker.transform("/background/transform", &background.transform);
+        let sunlight = background.sky.iter().flat_map(|sky| sky.irradiance.linear()).fold(0.0, f64::max);
+        if sunlight > MOST_SUNLIGHT {
+            let message = format!("expected at most {MOST_SUNLIGHT:e} W/m², found {sunlight:e}: the sun's disk is 15,000 times as bright");
+            checker.fault("/background/sky/irradiance", message);
+        }
         for (key, message) in background.faults() {
             checker.fault(&format!("/background{key}"), message);
         }
     }
 }
+
+/// Least angle of a disk (degrees): directions of 32-bit floats do not tell points of smaller disks apart.
+const LEAST_DISK: f64 = 1e-4;
+
+/// Most irradiance of a sun with the angle of ours, so that its disk has a radiance of at most 1e30.
+const MOST_SUNLIGHT: f64 = 1e25;
 
 struct Checker<'s> {
     scene: &'s Scene,
@@ -334,6 +345,11 @@ impl Checker<'_> {
 
     /// Checks that the disk of a directional light is not brighter than numbers allow.
     fn disk(&self, pointer: &str, light: &DirectionalLight) {
+        let angle = light.angle.get();
+        if angle > 0.0 && angle < LEAST_DISK {
+            self.fault(pointer, format!("expected 0, or an angle from {LEAST_DISK}, found {angle}"));
+            return;
+        }
         let most = light.radiance().map_or(0.0, |radiance| radiance.into_iter().fold(0.0, f64::max));
         if Radiometric::new(most).is_none() {
             self.fault(

@@ -160,7 +160,7 @@ ranged! {
     /// The ratio of the extinction by air and aerosols to that by air alone.
     Turbidity: f64 read as f64 ("a number", "number") in Included(1.0), Included(10.0);
     /// The height of an observer above the ground, in metres.
-    Altitude: f64 read as f64 ("a number", "number") in Included(0.0), Included(50000.0);
+    Altitude: f64 read as f64 ("a number", "number") in Included(0.0), Included(3000.0);
     /// A number of pixels along one side of an image.
     Side: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(65536.0);
     /// A number of samples in each pixel.

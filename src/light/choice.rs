@@ -142,9 +142,11 @@ impl Infinite {
     fn importance(&self, at: &Receiver) -> f32 {
         match &self.irradiance {
             InfiniteIrradiance::Equal(irradiance) => *irradiance as f32 * at.side_count(),
-            // The cosine of the nearest point of a disk is at most that of its middle and the sine of its half angle.
+            // Raised by the sine of the half angle, the cosine is above 0 where any point of the disk is above the horizon.
             InfiniteIrradiance::Towards(direction, irradiance, sine) => {
-                *irradiance as f32 * at.cosine((at.normal.dot(*direction) + sine).min(1.0))
+                let cos = at.normal.dot(*direction);
+                let cos = if at.sides == Sides::Both { cos.abs() } else { cos };
+                *irradiance as f32 * at.cosine((cos + sine).min(1.0))
             }
             InfiniteIrradiance::Map(rotation, map) => match at.sides {
                 Sides::NoSurface => map.mean() * at.side_count(),

@@ -76,9 +76,7 @@ impl LightSampleContext {
     pub fn at(p: Vec3) -> LightSampleContext {
         LightSampleContext { p, ng: Vec3::ZERO, ns: Vec3::ZERO, transmits: false, time: 0.0 }
     }
-}
 
-impl LightSampleContext {
     /// Whether only light on the side of the viewer counts.
     pub fn is_one_sided(&self) -> bool {
         !self.transmits && self.ns != Vec3::ZERO

@@ -2,20 +2,21 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, UVec2};
+use glam::{DVec3, Mat3, UVec2};
 use pt::bsdf::{Material, MaterialId, TransportMode, textured};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::{FilmSpec, Image};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
 use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::{ALL, path::Path};
-use pt::light::{Emitter, Environment, Light, LightSampleContext};
+use pt::light::{Emitter, Environment, EnvironmentMap, Light, LightSampleContext, Mapping};
 use pt::math::{Rgb, Spectrum, Transform, Vec3};
 use pt::measure::{SampledImage, agreement, sidak};
 use pt::sampler::dimension::{self, Use};
 use pt::sampler::{SamplerSpec, Sequence};
 use pt::scene::Scene;
 use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
+use pt::texture::image::Pixels;
 use pt::world::{World, WorldBuilder};
 
 use crate::glass::{block, round_mesh};
@@ -92,7 +93,15 @@ fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId)
     }
 }
 
-/// Generates a scene: a box open towards the camera, with a lamp and three objects. Every third scene also has a sky.
+/// A picture of the surroundings whose pixels on one side are eight times as bright as on the other.
+fn bright_half(radiance: Rgb) -> Light {
+    let values = (0..32).map(|k| if k % 8 < 2 { radiance * 2.0 } else { radiance * 0.25 }.to_array()).collect();
+    let pixels = Arc::new(Pixels::new(UVec2::new(8, 4), values).expect("pixels"));
+    Light::EnvironmentMap(Arc::new(EnvironmentMap::new(pixels, Mapping::LatLong, Rgb::WHITE, Mat3::from_rotation_y(1.0))))
+}
+
+/// Generates a scene: a box open towards the camera, with a lamp and three objects. Every third scene also has a sky, every sixth a picture
+/// of one.
 pub fn generated(scene: u64, matte: bool) -> Arc<World> {
     let mut dice = Dice::new(if matte { scene } else { 1000 + scene });
     let pose = Pose::new(&Transform::look_at(DVec3::new(0.1, 0.1, 3.4), DVec3::ZERO, DVec3::Y).unwrap());
@@ -107,7 +116,8 @@ pub fn generated(scene: u64, matte: bool) -> Arc<World> {
     let dark = world.material(Material::mirror(Rgb::gray(0.1)));
     lamp(&mut world, scene, &mut dice, dark);
     if scene.is_multiple_of(3) || !matte {
-        world.light(Light::Environment(Environment { radiance: stored(dice.color(0.2, 0.8)) }));
+        let radiance = stored(dice.color(0.2, 0.8));
+        world.light(if scene.is_multiple_of(2) { bright_half(radiance) } else { Light::Environment(Environment { radiance }) });
     }
     for thing in 0..3 {
         // Glass, mirror, metal and matte cone in turn, so that every scene has clear and matte objects.

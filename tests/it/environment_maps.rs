@@ -1,6 +1,7 @@
 //! Environment maps and suns: conventions, densities, exact irradiances, and bits that do not change with scale and rotation.
 
 use std::collections::BTreeMap;
+use std::f32::consts::FRAC_1_SQRT_2;
 use std::f64::consts::{PI, TAU};
 use std::io::Cursor;
 use std::sync::Arc;
@@ -8,7 +9,7 @@ use std::sync::Arc;
 use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
 use pt::build::{Built, Source};
 use pt::describe::{self, Files};
-use pt::light::{Environment, EnvironmentMap, Light, LightSample, LightSampleContext, Lights, Mapping, Sun};
+use pt::light::{Environment, EnvironmentMap, Light, LightSample, LightSampleContext, Lights, Mapping, Sky, Sun};
 use pt::math::equal_area::{sphere_to_square, square_to_sphere};
 use pt::math::{Rgb, Spectrum};
 use pt::scene::Scene as _;
@@ -93,7 +94,7 @@ fn the_square_maps_to_the_sphere_as_in_pbrt() {
     for (square, w) in [
         ([0.5, 0.5], [0.0, 0.0, 1.0]),
         ([0.75, 0.5], [0.661438, 0.0, 0.75]),
-        ([0.25, 0.25], [-0.707107, -0.707107, 0.0]),
+        ([0.25, 0.25], [-FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0]),
         ([0.625, 0.75], [0.449609, 0.778746, 0.4375]),
         ([0.9, 0.8], [0.665432, 0.384188, -0.64]),
     ] {
@@ -126,14 +127,18 @@ fn equal_areas_are_equal_solid_angles() {
     }
 }
 
-/// The directions that each renderer's maps show, after the rotation that docs/scene-format.md gives for it: the columns and rows that
+/// Name of a program, its mapping, the size of a picture, the rotation to the world, and directions with the columns and rows that they
+/// show.
+type Convention = (&'static str, Mapping, [u32; 2], Mat3, &'static [([f32; 3], [f32; 2])]);
+
+/// The directions that each renderer's maps show, after the rotation that docs/environment.md gives for it: the columns and rows that
 /// are seen in a picture whose red is the column and whose green is the row, both counted from 1.
 #[test]
 fn each_convention_has_its_directions() {
     let half_turn = Mat3::from_rotation_y(std::f32::consts::PI);
     let quarter_turn = Mat3::from_rotation_y(-std::f32::consts::FRAC_PI_2);
     let up_is_z = Mat3::from_rotation_x(std::f32::consts::FRAC_PI_2);
-    let rows: [(&str, Mapping, [u32; 2], Mat3, &[([f32; 3], [f32; 2])]); 4] = [
+    let rows: [Convention; 4] = [
         // Of pt: −z in the middle, +x to its right.
         (
             "pt",
@@ -174,7 +179,7 @@ fn each_convention_has_its_directions() {
             &[
                 ([0.0, 0.0, 1.0], [4.5, 4.5]),
                 ([0.661438, 0.0, 0.75], [6.5, 4.5]),
-                ([-0.707107, -0.707107, 0.0], [2.5, 2.5]),
+                ([-FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0], [2.5, 2.5]),
                 ([0.449609, 0.778746, 0.4375], [5.5, 6.5]),
                 ([0.665432, 0.384188, -0.64], [7.7, 6.9]),
             ],
@@ -232,7 +237,8 @@ fn densities_integrate_to_one() {
 fn a_picture_is_sampled_in_proportion_to_its_interpolation() {
     const N: u32 = 600;
     const SAMPLES: u32 = 1 << 16;
-    let functions: [(&str, fn(Vec3) -> f64); 4] = [
+    type Function = (&'static str, fn(Vec3) -> f64);
+    let functions: [Function; 4] = [
         ("whole", |_| 1.0),
         ("x", |w| f64::from(w.x > 0.1)),
         ("y", |w| f64::from(w.y).powi(2)),
@@ -319,7 +325,8 @@ fn maps_of_one_colour_are_constant_environments() {
             assert_eq!(map.sample(&cx, choice, u), constant.sample(&cx, choice, u), "{mapping:?}");
             assert_eq!(map.background_pdf(0, &cx, w), constant.background_pdf(0, &cx, w), "{mapping:?}");
             assert_eq!(radiance(&map, w), radiance(&constant, w), "{mapping:?}");
-            assert_eq!(map.emit(choice, u, random.square(), 0.0).is_some(), true);
+            let start = random.square();
+            assert_eq!(map.emit(choice, start, u, 0.0), constant.emit(choice, start, u, 0.0), "{mapping:?}");
         }
     }
 }
@@ -348,7 +355,7 @@ fn turned_maps_keep_their_bits() {
     let exchanged = |w: Vec3| Vec3::new(-w.z, w.y, w.x);
     for mapping in [Mapping::LatLong, Mapping::Octahedral] {
         let [plain, turned] = [Mat3::IDENTITY, turn].map(|to_world| lights(turned([16, 16], mapping, to_world, noisy(11))));
-        let mut random = Random::new(9);
+        let (mut random, mut turned_count) = (Random::new(9), 0);
         for _ in 0..5000 {
             let w = random.direction().as_vec3();
             assert_eq!(radiance(&plain, w), radiance(&turned, exchanged(w)), "{mapping:?}");
@@ -357,15 +364,18 @@ fn turned_maps_keep_their_bits() {
             let [a, b] = [&plain, &turned].map(|lights| lights.sample(&LightSampleContext::at(Vec3::ZERO), 0.5, u));
             if let (Some(a), Some(b)) = (a, b) {
                 let has_turned = exchanged(a.wi) == b.wi && a.li == b.li && smooth(&a).to_bits() == smooth(&b).to_bits();
+                turned_count += u32::from(has_turned);
                 assert!(has_turned || a.wi == b.wi, "{mapping:?}: {a:?} and {b:?}");
             }
         }
+        // Peaks have more than half of the light.
+        assert!(turned_count > 2000, "{mapping:?}: {turned_count}");
     }
 }
 
-/// Black maps have no light and are never chosen; one row of light in a black map is found.
+/// Black maps have no light and are never chosen.
 #[test]
-fn dark_maps_and_small_maps() {
+fn dark_maps_are_never_chosen() {
     let mut random = Random::new(10);
     let dark = map([8, 4], Mapping::LatLong, |_, _| [0.0; 3]);
     assert_eq!(dark.mean(), 0.0);
@@ -382,8 +392,7 @@ fn dark_maps_and_small_maps() {
     }
 }
 
-/// The share of a map in the choice among lights follows its irradiance on the surface: within a tenth for a smooth map, and never below
-/// a fiftieth of the mean over all normals.
+/// The share of a map in the choice among lights follows its irradiance on the surface, within a tenth for a smooth map.
 #[test]
 fn irradiance_by_harmonics_is_near_the_integral() {
     let sky = |_: u32, y: u32| if y < 16 { [0.2, 0.5, 1.0] } else { [0.1, 0.08, 0.05] };
@@ -467,6 +476,43 @@ fn picture(format: image::ImageFormat) -> (image::Rgb32FImage, Vec<u8>) {
     (picture, bytes.into_inner())
 }
 
+/// The sun stands where its azimuth and elevation say, also in a sky that is turned; without the disk there is the sky alone.
+#[test]
+fn the_sun_stands_where_the_scene_says() {
+    let sky = |keys: &str, transform: &str| format!(r#"{{ "sky": {{ {keys} }}, "transform": [{transform}] }}"#);
+    let turn = r#"{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }"#;
+    let (sin, cos) = f32::to_radians(30.0).sin_cos();
+    for (keys, transform, towards) in [
+        (r#""elevation": 30, "azimuth": 0"#, "", Vec3::new(0.0, sin, -cos)),
+        (r#""elevation": 30, "azimuth": 90"#, "", Vec3::new(cos, sin, 0.0)),
+        (r#""elevation": 30, "azimuth": 180"#, turn, Vec3::new(0.0, -cos, sin)),
+        (r#""elevation": 90"#, turn, Vec3::Z),
+    ] {
+        let lit = built(&sky(keys, transform), ("", vec![])).expect("a scene");
+        let lights = lit.world.lights();
+        // The disk is 6 · 10⁴ times as bright as the sky around it.
+        let [at, beside] = [towards, towards + Vec3::new(0.02, 0.0, 0.0)].map(|w| radiance(lights, w.normalize()).average());
+        assert!(at > 1e3 * beside && beside > 0.0, "{keys} {transform}: {at} and {beside}");
+        // Around the zenith of the sky the sun lights a surface by its elevation; the bright part of the sky is around the sun.
+        let alone = built(&sky(&format!(r#"{keys}, "sun": false"#), transform), ("", vec![])).expect("a scene");
+        let around = radiance(alone.world.lights(), towards).average();
+        assert!(around < at / 1e3 && around > radiance(alone.world.lights(), -towards).average(), "{keys} {transform}: {around}");
+        assert_eq!((lights.len(), alone.world.lights().len()), (2, 1));
+    }
+}
+
+/// The sky has the same bits on one thread and on three.
+#[test]
+fn the_sky_has_the_same_bits_on_any_number_of_threads() {
+    let sky = Sky { elevation: 12.0, turbidity: 3.0, ground: [0.3; 3], altitude: 100.0 };
+    let [one, three] = [1, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| sky.light())
+    });
+    assert_eq!(one.pixels, three.pixels);
+    assert_eq!(one.sun, three.sun);
+}
+
 /// Radiance HDR and OpenEXR show the values that are in them, times the scale, in the middles of their pixels.
 #[test]
 fn files_of_maps_are_read() {
@@ -508,6 +554,11 @@ fn wrong_backgrounds_are_refused() {
         image::Rgb32FImage::from_pixel(2, 2, image::Rgb([1.0; 3])).write_to(&mut bytes, image::ImageFormat::OpenExr).expect("written");
         bytes.into_inner()
     };
+    let bright = || {
+        let mut bytes = Cursor::new(vec![]);
+        image::Rgb32FImage::from_pixel(4, 2, image::Rgb([100.0; 3])).write_to(&mut bytes, image::ImageFormat::OpenExr).expect("written");
+        bytes.into_inner()
+    };
     // Deep data is a bit of the version.
     let deep = || {
         let mut bytes = exr();
@@ -517,6 +568,8 @@ fn wrong_backgrounds_are_refused() {
     for (background, bytes, wanted) in [
         ("{}", exr(), r#"expected "radiance", "image" (a picture of the surroundings) or "sky""#),
         (r#"{ "radiance": 1, "image": "a.exr" }"#, exr(), "give one of radiance, image and sky"),
+        (r#"{ "image": "a.exr", "scale": 1e30, "transform": [] }"#, bright(), "expected at most 1e30"),
+        (r#"{ "sky": { "irradiance": 1e26 } }"#, exr(), "expected at most 1e25 W/m²"),
         (r#"{ "sky": {}, "radiance": 1 }"#, exr(), "give one of radiance, image and sky"),
         (r#"{ "sky": { "elevation": 91 } }"#, exr(), "expected an angle in degrees from -18 to 90, found 91"),
         (r#"{ "radiance": 1, "scale": 2 }"#, exr(), r#"only a background with an "image" has this"#),

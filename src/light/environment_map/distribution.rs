@@ -39,7 +39,7 @@ pub(super) struct Distribution {
     /// For each row of cells, the share of the row's weight in each cell and all before it.
     cumulative: Vec<f32>,
     /// Integral of the weight over the unit square.
-    integral: f32,
+    integral: f64,
 }
 
 impl Distribution {
@@ -53,7 +53,7 @@ impl Distribution {
         let sums: Vec<f32> = cumulative.par_chunks_mut(columns).enumerate().map(row).collect();
         let rows = Discrete::new(&sums)?;
         let size = weights.size().as_dvec2();
-        let integral = (rows.total() / (size.x * size.y)) as f32;
+        let integral = rows.total() / (size.x * size.y);
         Some(Distribution { rows, cumulative, integral })
     }
 
@@ -75,20 +75,22 @@ impl Distribution {
     ///
     /// - `weight`: interpolated weight of the point
     pub fn density(&self, weight: f32) -> f32 {
-        weight / self.integral
+        (f64::from(weight) / self.integral) as f32
     }
 }
 
 /// Sets the cumulative shares of a row of cells; returns the sum of its weights, each times the area of its cell in pixels.
 fn fill_row(weights: &impl Weights, y: usize, shares: &mut [f32]) -> f32 {
     let mut sum = 0.0;
-    for (x, share) in shares.iter_mut().enumerate() {
-        let cell = Cell::new(weights, [x, y]);
-        sum += f64::from(cell.weight());
-        *share = sum as f32;
+    let mut sums = Vec::with_capacity(shares.len());
+    for x in 0..shares.len() {
+        sum += f64::from(Cell::new(weights, [x, y]).weight());
+        sums.push(sum);
     }
-    let scale = if sum > 0.0 { 1.0 / sum } else { 0.0 };
-    shares.iter_mut().for_each(|share| *share = (f64::from(*share) * scale) as f32);
+    if sum > 0.0 {
+        // The last share is exactly 1, so that a random number below 1 always finds a cell with weight.
+        shares.iter_mut().zip(sums).for_each(|(share, part)| *share = (part / sum) as f32);
+    }
     sum as f32
 }
 

@@ -9,7 +9,8 @@ pub(super) const COUNT: usize = 9;
 
 /// Irradiance from all directions on one side of a surface, as a function of its normal.
 ///
-/// A cosine lobe keeps hardly more than the first three bands of spherical harmonics: the error is a few per cent.
+/// A cosine lobe keeps hardly more than the first three bands of spherical harmonics: for maps without small bright parts the error is below a
+/// tenth.
 ///
 /// Source: Ramamoorthi and Hanrahan, *An Efficient Representation for Irradiance Environment Maps* (2001).
 /// Tests: irradiance_by_harmonics_is_near_the_integral.
@@ -40,10 +41,10 @@ impl IrradianceMap {
         IrradianceMap { coefficients, mean: (PI * radiance[0] * basis(DVec3::Y)[0]) as f32 }
     }
 
-    /// The same for radiance times a factor.
+    /// The same for radiance times a factor; the mean stays above 0.
     pub(crate) fn scaled(&self, factor: f64) -> IrradianceMap {
         let scaled = |x: f32| (f64::from(x) * factor) as f32;
-        IrradianceMap { coefficients: self.coefficients.map(scaled), mean: scaled(self.mean) }
+        IrradianceMap { coefficients: self.coefficients.map(scaled), mean: scaled(self.mean).max(f32::MIN_POSITIVE) }
     }
 
     /// Mean irradiance over all normals [W·m⁻²].

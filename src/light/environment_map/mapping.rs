@@ -72,7 +72,7 @@ impl Mapping {
         let IVec2 { x, y } = pixel;
         let (width, height) = (size.x as i32, size.y as i32);
         let inside = match self {
-            // All longitudes follow each other in a circle; a pole has no other side.
+            // Longitudes follow each other in a circle. Beyond a pole the row at the pole is repeated.
             Mapping::LatLong => IVec2::new(x.rem_euclid(width), y.clamp(0, height - 1)),
             // Each side of the square is folded onto itself.
             Mapping::Octahedral => {

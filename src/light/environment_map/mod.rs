@@ -33,7 +33,7 @@ pub use self::mapping::Mapping;
 /// cosine of a surface; the peaks in proportion to their interpolated radiance. So dim directions keep a density above 0 beside a sun, and
 /// a picture of one colour is sampled as a constant environment: with the same bits.
 ///
-/// Tests: one_bright_pixel_is_sampled_without_noise, dark_maps_and_small_maps, maps_of_one_colour_are_constant_environments,
+/// Tests: one_bright_pixel_is_sampled_without_noise, dark_maps_are_never_chosen, maps_of_one_colour_are_constant_environments,
 /// turned_maps_keep_their_bits, scaled_maps_keep_their_bits, densities_integrate_to_one.
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {
@@ -59,6 +59,8 @@ struct Picture {
     scale: Rgb,
     /// Mean of the colour components from which on radiance counts as a peak [W·m⁻²·sr⁻¹].
     threshold: f32,
+    /// [`Mapping::row_weight`] of all rows, from that before the first to that behind the last.
+    row_weights: Vec<f32>,
 }
 
 /// Two maps are equal if they have the same settings and the same pixels.
@@ -78,7 +80,9 @@ impl EnvironmentMap {
     /// - `scale`: factor for the values of the picture, which are radiances after it [W·m⁻²·sr⁻¹]
     /// - `to_world`: rotation from the coordinates of [`Mapping`] to the world; it may mirror
     pub fn new(pixels: Arc<Pixels>, mapping: Mapping, scale: Rgb, to_world: Mat3) -> EnvironmentMap {
-        let mut picture = Picture { pixels, mapping, scale, threshold: f32::INFINITY };
+        let rows = pixels.size().y;
+        let row_weights = (-1..=rows as i32).map(|row| mapping.row_weight(row, rows)).collect();
+        let mut picture = Picture { pixels, mapping, scale, threshold: f32::INFINITY, row_weights };
         let Moments { mean, harmonics } = picture.moments();
         picture.threshold = (THRESHOLD * mean) as f32;
         let flat = picture.mean_of_rows(|rgb| rgb.average().min(picture.threshold));
@@ -261,6 +265,6 @@ impl Weights for Picture {
     fn weight(&self, pixel: IVec2) -> f32 {
         let peak = ((self.pixel(pixel) * self.scale).average() - self.threshold).max(0.0);
         // The sign of a row beyond a pole lets the interpolation be 0 at the pole.
-        peak * self.mapping.row_weight(pixel.y, self.pixels.size().y)
+        peak * self.row_weights[(pixel.y + 1) as usize]
     }
 }

@@ -1,7 +1,7 @@
 //! The sky by day: sunlight scattered by air, computed from the physics of scattering.
 //!
 //! Light of a single scattering is integrated along each direction. Light of further scatterings is added by the approximation of
-//! [`Multiple`]. Refraction by the air, clouds, the stars and polarization are left out.
+//! Hillaire (2020). Refraction by the air, clouds, the stars and polarization are left out.
 //!
 //! Tests: sunlight_is_dimmed_as_the_exact_integrals_say, single_scattering_is_that_of_the_exact_integrals,
 //! multiple_scattering_keeps_the_energy.

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use super::atmosphere::{Atmosphere, Color, GROUND, TOP};
-use super::path::{Path, radius_at};
+use super::path::{Path, radius_at, square};
 use super::sunlight::Sunlight;
 use crate::math::float::sin_cos_f64;
 
@@ -19,6 +19,7 @@ pub(super) struct Multiple {
     radiance: Vec<Color>,
 }
 
+/// Entries of the table by height and by elevation of the sun.
 const HEIGHTS: usize = 24;
 const ELEVATIONS: usize = 32;
 
@@ -26,13 +27,14 @@ const ELEVATIONS: usize = 32;
 const UP: u32 = 8;
 const AROUND: u32 = 8;
 
+/// Steps of the integrals along these directions.
 const STEPS: u32 = 8;
 
 impl Multiple {
-    /// - `ground`: albedo of the ground
+    /// Computes the table for the air and a ground of this albedo.
     pub fn new(atmosphere: &Atmosphere, sunlight: &Sunlight, ground: Color) -> Multiple {
         let of_height = |row: usize| {
-            let radius = GROUND + (TOP - GROUND) * (row as f64 / (HEIGHTS - 1) as f64).powi(2).clamp(1e-6, 1.0 - 1e-6);
+            let radius = GROUND + (TOP - GROUND) * square(row as f64 / (HEIGHTS - 1) as f64).clamp(1e-6, 1.0 - 1e-6);
             let paths: Vec<(f64, Path)> =
                 (0..UP).map(|k| (f64::from(2 * k + 1) / f64::from(UP)) - 1.0).map(|z| (z, Path::new(radius, z, STEPS))).collect();
             (0..ELEVATIONS).map(|column| at(atmosphere, sunlight, ground, radius, &paths, cosine_of(column))).collect::<Vec<Color>>()

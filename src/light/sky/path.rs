@@ -48,7 +48,7 @@ impl Path {
         let length = if hits_ground { distance_to_ground(radius, cos) } else { distance_to_top(radius, cos) };
         let (mut points, mut amounts) = (Vec::with_capacity(3 * steps as usize), [0.0; KINDS]);
         for step in 0..steps {
-            let at = |k: u32| length * (f64::from(k) / f64::from(steps)).powi(2);
+            let at = |k: u32| length * square(f64::from(k) / f64::from(steps));
             let (start, width) = (at(step), at(step + 1) - at(step));
             let radii = NODES.map(|node| radius_at(radius, cos, start + width * node));
             let found = radii.map(densities);
@@ -72,7 +72,7 @@ impl Path {
 /// - `radius`: distance of the start from the centre of the earth (m); `cos`: cosine of the angle to the zenith there, above the horizon
 pub(super) fn amounts_to_top(radius: f64, cos: f64, steps: u32) -> Amounts {
     let length = distance_to_top(radius, cos);
-    let at = |k: u32| length * (f64::from(k) / f64::from(steps)).powi(2);
+    let at = |k: u32| length * square(f64::from(k) / f64::from(steps));
     let step = |k: u32| {
         let (start, width) = (at(k), at(k + 1) - at(k));
         let found = NODES.map(|node| densities(radius_at(radius, cos, start + width * node)));
@@ -104,4 +104,9 @@ pub(super) fn distance_to_top(radius: f64, cos: f64) -> f64 {
 fn distance_to_ground(radius: f64, cos: f64) -> f64 {
     let along = radius * cos;
     (-along - (along * along - (radius - GROUND) * (radius + GROUND)).max(0.0).sqrt()).max(0.0)
+}
+
+/// x², by a product: `powi` may have other bits on other systems.
+pub(super) fn square(x: f64) -> f64 {
+    x * x
 }
