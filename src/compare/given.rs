@@ -123,7 +123,7 @@ mod tests {
     /// Two repeats that are a fifth too bright, with opposite noise of 0.01: b² = (0.2² − 0.01²)/1.01.
     #[test]
     fn the_bias_of_pictures_is_told() {
-        let brighter = |i: usize, noise: f32| 1.2 + if i % 2 == 0 { noise } else { -noise };
+        let brighter = |i: usize, noise: f32| 1.2 + if i.is_multiple_of(2) { noise } else { -noise };
         let one = |noise: f32| GivenPicture { image: image(|i| brighter(i, noise), 0.0), ..picture(1.0, 0.0) };
         let (bias, _) = measured(vec![one(0.01), one(-0.01)]).bias.expect("a bias");
         assert_relative_eq!(bias, ((0.04f64 - 1e-4) / 1.01).sqrt(), max_relative = 1e-5);

@@ -85,7 +85,7 @@ pub struct CompareArgs {
     #[arg(
         long,
         value_name = "FILE",
-        conflicts_with_all = ["path", "overrides", "integrators", "samplers", "output", "spp", "time", "replicates", "reference", "reference_integrator", "reference_time", "size", "confidence", "metric", "picture", "jeri"]
+        conflicts_with_all = ["path", "overrides", "integrators", "samplers", "output", "spp", "time", "replicates", "reference", "reference_integrator", "reference_time", "size", "confidence", "metric", "picture", "jeri", "sky", "ground", "view", "up", "allow_outside"]
     )]
     pub replay: Option<PathBuf>,
     #[command(flatten)]
@@ -294,9 +294,7 @@ fn reference_command(args: &CompareArgs, reference: &Reference, error: f64) -> R
     // An error of 100 % and above is no goal.
     flag("--error", Some(format!("{}%", per_cent(error.min(0.5)))));
     let mut command: Vec<String> = words.iter().map(|word| quoted(word)).collect();
-    if args.scene.allow_outside {
-        command.push("--allow-outside".into());
-    }
+    command.extend(args.scene.flags());
     Ok(command.join(" "))
 }
 

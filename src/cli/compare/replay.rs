@@ -64,9 +64,14 @@ fn repeat(
     provenance.reference_hash = recorded.provenance.reference_hash.clone();
     let spec = loaded.built.film.clone().without_layers();
     let mut configs = configs(args, &loaded, tables)?;
-    for config in &mut configs {
+    // A method without a recorded number of samples would be rendered without end.
+    configs.retain_mut(|config| {
         let before = recorded.methods.iter().find(|method| method.name == config.name);
         config.most = before.and_then(|method| method.last());
+        config.most.is_some()
+    });
+    if configs.is_empty() {
+        return Err(Error::Usage("--replay: the recorded command renders none of the recorded methods".into()));
     }
     let scene: Arc<dyn Scene> = Arc::new(loaded.built.world);
     let samples = args.spp.map_or(super::UNLIMITED, u64::from);

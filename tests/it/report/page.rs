@@ -281,7 +281,8 @@ impl Page {
             let distance = |one: &&Snapshot| (value(one) / wanted).ln().abs();
             snapshots.iter().rev().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("a checkpoint").samples
         };
-        let values: [(&str, &dyn Fn(&Snapshot) -> f64); 2] = [("seconds", &|s| s.seconds), ("error", &|s| s.error.expect("an error"))];
+        type Value<'a> = (&'a str, &'a dyn Fn(&Snapshot) -> f64);
+        let values: [Value; 2] = [("seconds", &|s| s.seconds), ("error", &|s| s.error.expect("an error"))];
         for (by, value) in values {
             self.browser.press("r");
             self.browser.click(&format!("[data-by={by}]"));
