@@ -154,7 +154,7 @@ fn unusable_pictures_are_refused() {
         assert!(code == 3 && message.contains("p: ") && !message.contains('\n'), "{code} {message} at {end}");
     }
     assert_eq!(refusal(&folder.write("bomb.png", &bomb(bytes))).0, 4);
-    let expected = "p: expected a picture in PNG, JPEG, WebP or OpenEXR, found";
+    let expected = "p: expected a picture in PNG, JPEG, WebP, OpenEXR or Radiance HDR, found";
     assert_eq!(refusal(&folder.write("p.gif", b"GIF89a...")), (3, format!("{expected} GIF")));
     assert_eq!(refusal(&folder.write("p.png", b"no picture")), (3, format!("{expected} an unknown format")));
     assert_eq!(refusal(&folder.0.path().join("none.png")).0, 3);
