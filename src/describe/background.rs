@@ -93,19 +93,6 @@ impl Mapping {
 }
 
 impl Background {
-    /// The same radiance from all directions.
-    pub fn constant(radiance: Color<Radiometric>) -> Background {
-        Background {
-            radiance: Some(radiance),
-            image: None,
-            sky: None,
-            mapping: Mapping::default(),
-            encoding: Encoding::Auto,
-            scale: None,
-            transform: Transform::default(),
-        }
-    }
-
     /// What is wrong with the keys together, with the key that each message is about.
     pub(super) fn faults(&self) -> Vec<(&'static str, &'static str)> {
         let of_image =
