@@ -4,7 +4,7 @@
 //! t = (m₁ − m₂)/√(v₁ + v₂)        Welch's test, over the replicates, of relMSE and of ln seconds
 //! ```
 //!
-//! The same scene, settings and version give the same bits, so that a picture with the hash of the recorded one did not change at all.
+//! A scene with the same settings and version gives the same bits: a picture whose hash is the recorded one has not changed.
 //! Where the bits differ, the errors are compared. Errors and times of all methods together are called changed with a probability of
 //! [`RISK`] if nothing did. The replicates of a run share the state of their machine: a change of times may be that of the machine.
 

@@ -41,7 +41,7 @@ mod tests {
     use super::super::synthetic::image;
     use super::*;
 
-    /// Of ten doublings the last eight stay, from 4 to 512 samples: a factor of 128.
+    /// After ten checkpoints, whose samples double from 1 to 512, the pictures of the last eight are left: those of 4 to 512 samples.
     #[test]
     fn the_last_checkpoints_keep_their_pictures() {
         let mut kept = VecDeque::new();

@@ -166,7 +166,7 @@ impl InfiniteIrradiance {
         }
     }
 
-    /// The same times a factor, above 0 in single precision.
+    /// This irradiance times a factor. Single precision must not round it to 0, or the light would never be chosen.
     fn scaled(self, factor: f64) -> InfiniteIrradiance {
         let scaled = |irradiance: f64| (irradiance * factor).max(f32::MIN_POSITIVE.into());
         match self {

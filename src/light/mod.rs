@@ -50,7 +50,7 @@ pub enum Light {
     Directional(Directional),
     /// Disk of light, infinitely far away.
     Sun(Sun),
-    /// The same light from all directions.
+    /// Light of one radiance from all directions.
     Environment(Environment),
     /// Light from all directions as a picture shows it.
     EnvironmentMap(Arc<EnvironmentMap>),
@@ -132,7 +132,7 @@ struct LightLiSample {
 
 /// Irradiance from a light that is infinitely far away, the mean of the colour components [W·m⁻²].
 enum InfiniteIrradiance {
-    /// The same on one side of any plane.
+    /// Irradiance that is equal on one side of any plane.
     Equal(f64),
     /// On a plane that faces the light, with the unit direction towards its middle, and the sine of the half angle of its disk.
     Towards(Vec3, f64, f32),

@@ -41,7 +41,7 @@ impl IrradianceMap {
         IrradianceMap { coefficients, mean: (PI * radiance[0] * basis(DVec3::Y)[0]) as f32 }
     }
 
-    /// The same for radiance times a factor; the mean stays above 0.
+    /// Irradiance for radiance times a factor. Its mean is not rounded to 0, so that the light can be chosen.
     pub(crate) fn scaled(&self, factor: f64) -> IrradianceMap {
         let scaled = |x: f32| (f64::from(x) * factor) as f32;
         IrradianceMap { coefficients: self.coefficients.map(scaled), mean: scaled(self.mean).max(f32::MIN_POSITIVE) }

@@ -219,6 +219,11 @@ impl Picture {
         self.pixels.get(x as usize, y as usize)
     }
 
+    /// Weight of the pixels of a row in means over all directions.
+    fn row_weight(&self, row: u32) -> f64 {
+        self.row_weights[row as usize + 1].into()
+    }
+
     /// Mean over all directions of a function of the radiance in the pixels.
     ///
     /// The rows are added up in their order, so that the sum has the same bits with any number of threads.
@@ -226,10 +231,10 @@ impl Picture {
         let UVec2 { x: columns, y: rows } = self.pixels.size();
         let row = |y: u32| {
             let line = (0..columns).map(|x| f64::from(of(self.pixels.get(x as usize, y as usize) * self.scale)));
-            f64::from(self.mapping.row_weight(y as i32, rows)) * line.sum::<f64>()
+            self.row_weight(y) * line.sum::<f64>()
         };
         let sums: Vec<f64> = (0..rows).into_par_iter().map(row).collect();
-        let weights: f64 = (0..rows).map(|y| f64::from(self.mapping.row_weight(y as i32, rows))).sum();
+        let weights: f64 = (0..rows).map(|y| self.row_weight(y)).sum();
         sums.iter().sum::<f64>() / (weights * f64::from(columns))
     }
 
@@ -238,7 +243,7 @@ impl Picture {
         let pieces = (columns as usize).min(PIECES);
         let row = |y: u32| {
             let mut sums = [0.0; COUNT];
-            let weight = f64::from(self.mapping.row_weight(y as i32, rows));
+            let weight = self.row_weight(y);
             for piece in 0..pieces {
                 let [from, to] = [piece, piece + 1].map(|k| k * columns as usize / pieces);
                 let radiance: f64 = (from..to).map(|x| f64::from((self.pixels.get(x, y as usize) * self.scale).average())).sum();
@@ -249,7 +254,7 @@ impl Picture {
             sums
         };
         let lines: Vec<[f64; COUNT]> = (0..rows).into_par_iter().map(row).collect();
-        let weights: f64 = (0..rows).map(|y| f64::from(self.mapping.row_weight(y as i32, rows))).sum();
+        let weights: f64 = (0..rows).map(|y| self.row_weight(y)).sum();
         let unit = 4.0 * PI / (weights * f64::from(columns));
         let harmonics: [f64; COUNT] = std::array::from_fn(|k| unit * lines.iter().map(|line| line[k]).sum::<f64>());
         Moments { mean: harmonics[0] / (4.0 * PI * irradiance::basis(glam::DVec3::Y)[0]), harmonics }

@@ -14,7 +14,7 @@ pub(super) const KINDS: usize = 3;
 /// Height at which the density of molecules has fallen to 1/e of that at the ground (m).
 const RAYLEIGH_HEIGHT: f64 = 8e3;
 
-/// The same of aerosols (m).
+/// Height at which the density of aerosols has fallen to 1/e of that at the ground (m).
 const MIE_HEIGHT: f64 = 1.2e3;
 
 /// Height of the middle of the ozone layer, above and below which its density falls linearly to 0 within [`OZONE_WIDTH`] (m).

@@ -10,6 +10,7 @@ mod atmosphere;
 mod multiple;
 mod path;
 mod sunlight;
+mod table;
 
 use std::f64::consts::PI;
 
@@ -209,7 +210,7 @@ mod tests {
         assert_eq!(observer(-1.0).sunlight(), [0.0; 3]);
     }
 
-    /// The same integrals for light that is scattered once, by elevation of the sun, elevation of the view, and azimuth between them.
+    /// Exact integrals of light that is scattered once, by elevation of the sun, elevation of the view, and azimuth between them.
     #[test]
     fn single_scattering_is_that_of_the_exact_integrals() {
         for (sun, view, azimuth, exact) in [

@@ -2,11 +2,10 @@
 
 use std::f64::consts::PI;
 
-use rayon::prelude::*;
-
 use super::atmosphere::{Atmosphere, Color, GROUND, TOP};
 use super::path::{Path, radius_at, square};
 use super::sunlight::Sunlight;
+use super::table::{Table, coordinate};
 use crate::math::float::sin_cos_f64;
 
 /// Radiance of light scattered at least twice, averaged over all directions, by height and elevation of the sun.
@@ -16,7 +15,7 @@ use crate::math::float::sin_cos_f64;
 ///
 /// Source: Hillaire, *A Scalable and Production Ready Sky and Atmosphere Rendering Technique* (2020), §5.5.
 pub(super) struct Multiple {
-    radiance: Vec<Color>,
+    radiance: Table,
 }
 
 /// Entries of the table by height and by elevation of the sun.
@@ -33,37 +32,26 @@ const STEPS: u32 = 8;
 impl Multiple {
     /// Computes the table for the air and a ground of this albedo.
     pub fn new(atmosphere: &Atmosphere, sunlight: &Sunlight, ground: Color) -> Multiple {
-        let of_height = |row: usize| {
-            let radius = GROUND + (TOP - GROUND) * square(row as f64 / (HEIGHTS - 1) as f64).clamp(1e-6, 1.0 - 1e-6);
+        let of_height = |y: f64| {
+            let radius = GROUND + (TOP - GROUND) * square(y).clamp(1e-6, 1.0 - 1e-6);
             let paths: Vec<(f64, Path)> =
                 (0..UP).map(|k| (f64::from(2 * k + 1) / f64::from(UP)) - 1.0).map(|z| (z, Path::new(radius, z, STEPS))).collect();
-            (0..ELEVATIONS).map(|column| at(atmosphere, sunlight, ground, radius, &paths, cosine_of(column))).collect::<Vec<Color>>()
+            (0..ELEVATIONS).map(|column| at(atmosphere, sunlight, ground, radius, &paths, cosine_of(column))).collect()
         };
-        let rows: Vec<Vec<Color>> = (0..HEIGHTS).into_par_iter().map(of_height).collect();
-        Multiple { radiance: rows.concat() }
+        Multiple { radiance: Table::new(ELEVATIONS, HEIGHTS, of_height) }
     }
 
     /// Radiance for a unit irradiance of the sun at the upper end of the atmosphere [sr⁻¹].
     ///
     /// - `radius`: distance from the centre of the earth (m); `cos`: cosine between the zenith and the sun there
     pub fn at(&self, radius: f64, cos: f64) -> Color {
-        let [(row, y), (column, x)] =
-            [(((radius - GROUND) / (TOP - GROUND)).max(0.0).sqrt(), HEIGHTS), (place_of(cos), ELEVATIONS)].map(|(share, count)| {
-                let at = share.clamp(0.0, 1.0) * (count - 1) as f64;
-                let low = at.floor().min((count - 2) as f64);
-                (low as usize, at - low)
-            });
-        let line = |row: usize, k: usize| {
-            let at = row * ELEVATIONS + column;
-            self.radiance[at][k] * (1.0 - x) + self.radiance[at + 1][k] * x
-        };
-        std::array::from_fn(|k| line(row, k) * (1.0 - y) + line(row + 1, k) * y)
+        self.radiance.at(place_of(cos), ((radius - GROUND) / (TOP - GROUND)).max(0.0).sqrt())
     }
 }
 
 /// Cosine of a column of the table: the columns are dense around the horizon.
 fn cosine_of(column: usize) -> f64 {
-    let x = 2.0 * column as f64 / (ELEVATIONS - 1) as f64 - 1.0;
+    let x = 2.0 * coordinate(column, ELEVATIONS) - 1.0;
     x * x.abs()
 }
 

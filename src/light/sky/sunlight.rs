@@ -1,9 +1,8 @@
 //! Sunlight that reaches a point of the atmosphere.
 
-use rayon::prelude::*;
-
-use super::atmosphere::{Amounts, Atmosphere, Color, GROUND, KINDS, TOP};
+use super::atmosphere::{Atmosphere, Color, GROUND, TOP};
 use super::path::{amounts_to_top, distance_to_top, is_below_horizon};
+use super::table::{Table, coordinate};
 
 /// Amounts of particles between points of the atmosphere and its upper end, as a table.
 ///
@@ -13,10 +12,11 @@ use super::path::{amounts_to_top, distance_to_top, is_below_horizon};
 /// Source: Bruneton, *Precomputed Atmospheric Scattering: a New Implementation* (2017).
 pub(super) struct Sunlight {
     atmosphere: Atmosphere,
-    amounts: Vec<Amounts>,
+    /// Amounts of particles (m).
+    amounts: Table,
 }
 
-/// Entries of the table by height and by direction. With fewer, interpolated sunlight near the horizon would be off by more than 10⁻³.
+/// Entries of the table by height and by direction: light that is scattered once is then within 10⁻³ of the exact integrals.
 const HEIGHTS: usize = 96;
 const DIRECTIONS: usize = 512;
 
@@ -24,23 +24,23 @@ const DIRECTIONS: usize = 512;
 const STEPS: u32 = 12;
 
 impl Sunlight {
+    /// Computes the table of an atmosphere.
     pub fn new(atmosphere: Atmosphere) -> Sunlight {
-        let row = |height: usize| {
-            (0..DIRECTIONS).map(move |direction| {
-                let [x, y] = [(direction, DIRECTIONS), (height, HEIGHTS)].map(|(k, count)| k as f64 / (count - 1) as f64);
-                let rho = y * horizon();
-                let radius = (rho * rho + GROUND * GROUND).sqrt();
-                let (least, most) = (TOP - radius, rho + horizon());
-                let distance = least + x * (most - least);
+        let row = |y: f64| {
+            let rho = y * horizon();
+            let radius = (rho * rho + GROUND * GROUND).sqrt();
+            let (least, most) = (TOP - radius, rho + horizon());
+            // Rounding must not turn the direction of the horizon into one towards the ground.
+            let lowest = -rho / radius;
+            let entry = |direction: usize| {
+                let distance = least + coordinate(direction, DIRECTIONS) * (most - least);
                 let cos = ((TOP - radius) * (TOP + radius) - distance * distance) / (2.0 * radius * distance);
                 let cos = if distance > 0.0 { cos.clamp(-1.0, 1.0) } else { 1.0 };
-                // Rounding must not turn the direction of the horizon into one towards the ground.
-                let lowest = -rho / radius;
                 amounts_to_top(radius, cos.max(lowest), STEPS)
-            })
+            };
+            (0..DIRECTIONS).map(entry).collect()
         };
-        let rows: Vec<Vec<Amounts>> = (0..HEIGHTS).into_par_iter().map(|height| row(height).collect()).collect();
-        Sunlight { atmosphere, amounts: rows.concat() }
+        Sunlight { atmosphere, amounts: Table::new(DIRECTIONS, HEIGHTS, row) }
     }
 
     /// Share of the sunlight that reaches a point; 0 in the shadow of the earth.
@@ -53,17 +53,7 @@ impl Sunlight {
         let rho = ((radius - GROUND) * (radius + GROUND)).max(0.0).sqrt();
         let (least, most) = (TOP - radius, rho + horizon());
         let x = (distance_to_top(radius, cos) - least) / (most - least);
-        let [(column, x), (row, y)] = [(x, DIRECTIONS), (rho / horizon(), HEIGHTS)].map(|(share, count)| {
-            let at = share.clamp(0.0, 1.0) * (count - 1) as f64;
-            let low = at.floor().min((count - 2) as f64);
-            (low as usize, at - low)
-        });
-        let line = |row: usize, kind: usize| {
-            let at = row * DIRECTIONS + column;
-            self.amounts[at][kind] * (1.0 - x) + self.amounts[at + 1][kind] * x
-        };
-        let amounts: [f64; KINDS] = std::array::from_fn(|kind| line(row, kind) * (1.0 - y) + line(row + 1, kind) * y);
-        self.atmosphere.transmittance(&amounts)
+        self.atmosphere.transmittance(&self.amounts.at(x, rho / horizon()))
     }
 }
 
