@@ -38,6 +38,21 @@ esac
 picture mis-plates        mis-plates      --size 360x270 --spp 256
 picture mis-plates-path   mis-plates      --size 264x198 --spp 256 --integrator path
 picture terrace           terrace
+# Models in the light that they get without any of their own, for docs/import.md.
+model() {
+    name=model-$1 mesh=$2
+    shift 2
+    case $wanted in
+    "  " | *" $name "*)
+        target/release/pt "scenes/meshes/$mesh.ply" --size 264x264 --spp 1024 --tonemap agx --exposure auto "$@" \
+            -o "docs/pictures/$name.png" --progress none ;;
+    esac
+}
+model sky     statue
+model studio  statue --studio --view front -D '/shapes/0/material={"type":"conductor","metal":"Au","roughness":0.25}'
+model sunset  pawn   --sky -D /background/sky/elevation=5 -D '/shapes/0/material={"type":"conductor","metal":"Cu","roughness":0.4}'
+model plastic pawn   --studio -D '/shapes/0/material={"type":"plastic","albedo":[0.5,0.03,0.03]}'
+model glass   pawn   --studio --integrator path -D '/shapes/0/material={"type":"dielectric","eta":1.5}'
 # One stop darker, so that too much light would show as well as too little; and what is there.
 picture furnace           furnace         --size 320x200 --spp 256 --exposure -1
 picture furnace-normals   furnace         --size 320x200 --spp 64 --integrator normals

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::memory;
 use super::messages::Loading;
+use super::quote::quoted;
 use crate::build::{Built, Source};
 use crate::describe::{self, Files, Identity, Scramblings, Shape};
 use crate::error::text::one_line;
@@ -35,12 +36,21 @@ pub struct SceneArgs {
     /// Axis of a model that points up, y or z. Default: y, for STL z.
     #[arg(long, value_name = "AXIS", value_parser = up)]
     up: Option<Up>,
-    /// Put a matte ground under a model, to catch its shadow.
-    #[arg(long)]
+    /// Put a matte ground under a model, to catch its shadow. Default: under a model that has no light.
+    #[arg(long, overrides_with = "no_ground")]
     ground: bool,
+    /// Put no ground under a model.
+    #[arg(long)]
+    no_ground: bool,
     /// Light the scene by a clear sky and its sun, in place of its background. -D /background/sky/elevation=5 is a low sun.
     #[arg(long)]
     sky: bool,
+    /// Light the scene by a picture of the surroundings (environment map), in place of its background.
+    #[arg(long, value_name = "FILE", conflicts_with = "sky")]
+    environment: Option<PathBuf>,
+    /// Light a model that has no light by the lamps of a studio, in place of the sky.
+    #[arg(long, conflicts_with_all = ["sky", "environment"])]
+    studio: bool,
 }
 
 impl SceneArgs {
@@ -51,23 +61,54 @@ impl SceneArgs {
 
     /// Options for a model without a camera.
     pub fn auto_camera(&self) -> AutoCamera {
-        AutoCamera { up: self.up, view: self.view, ground: self.ground }
+        AutoCamera { up: self.up, view: self.view, ground: (self.ground || self.no_ground).then_some(self.ground), studio: self.studio }
     }
 
-    /// Returns the overrides, split at the first `=`. The first is that of `--sky`, whose values others may change.
-    pub fn overrides(&self) -> Result<Vec<(&str, &str)>> {
-        let split = |text: &String| format!("-D {text}: expected /POINTER=VALUE, such as -D /camera/fov=60");
-        let others = self.overrides.iter().map(|text| text.split_once('=').ok_or_else(|| Error::Usage(split(text))));
-        self.sky.then_some(Ok(("/background", r#"{"sky": {}}"#))).into_iter().chain(others).collect()
+    /// Applies `--sky`, `--environment` and then `-D`, which may change what those set.
+    fn override_values(&self, root: &mut Node) -> Result<()> {
+        if self.sky {
+            root.set_by("--sky", "/background", r#"{"sky": {}}"#)?;
+        }
+        if let Some(name) = self.environment_name() {
+            root.set_by("--environment", "/background", &serde_json::json!({ "image": name }).to_string())?;
+        }
+        let usage = |text: &str| Error::Usage(format!("-D {text}: expected /POINTER=VALUE, such as -D /camera/fov=60"));
+        self.overrides.iter().try_for_each(|text| {
+            let (pointer, value) = text.split_once('=').ok_or_else(|| usage(text))?;
+            root.set(pointer, value)
+        })
+    }
+
+    /// Name, in the scene, of the picture of `--environment`. No file of the scene's own folder is meant.
+    fn environment_name(&self) -> Option<String> {
+        let file = self.environment.as_ref()?.file_name().map_or_else(Default::default, |name| name.to_string_lossy());
+        Some(format!("environment/{file}"))
+    }
+
+    /// Adds the picture of `--environment` to the files that come with the scene.
+    fn add_environment(&self, files: &mut Files) -> Result<()> {
+        if let (Some(path), Some(name)) = (&self.environment, self.environment_name()) {
+            // The user names this file, not the scene, so it may lie anywhere.
+            let anywhere = Files { allow_outside: true, ..Files::default() };
+            files.made.insert(name, anywhere.bytes(&path.to_string_lossy())?);
+        }
+        Ok(())
     }
 
     /// The flags of the scene that decide the picture, for commands that repeat it.
     pub fn flags(&self) -> Vec<String> {
-        let flags = [("--sky", self.sky), ("--ground", self.ground), ("--allow-outside", self.allow_outside)];
+        let flags = [
+            ("--sky", self.sky),
+            ("--studio", self.studio),
+            ("--ground", self.ground),
+            ("--no-ground", self.no_ground),
+            ("--allow-outside", self.allow_outside),
+        ];
         let given = flags.into_iter().filter(|(_, is_given)| *is_given).map(|(flag, _)| flag.to_owned());
         let view = self.view.map(|view| ["--view".to_owned(), view.name.to_owned()]);
         let up = self.up.map(|up| ["--up".to_owned(), if up == Up::Z { "z" } else { "y" }.to_owned()]);
-        given.chain(view.into_iter().flatten()).chain(up.into_iter().flatten()).collect()
+        let environment = self.environment.as_ref().map(|path| ["--environment".to_owned(), quoted(&path.display().to_string())]);
+        given.chain([view, up, environment].into_iter().flatten().flatten()).collect()
     }
 }
 
@@ -206,14 +247,16 @@ fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
 /// # Errors
 /// The errors of [`import_with`], and `Usage` for overrides of a value that the scene cannot have.
 fn imported(scene: &SceneArgs, more: &[Override], integrator: Option<&str>) -> Result<Imported> {
-    import_with(scene.path()?, scene.allow_outside, scene.auto_camera(), |root, file| {
+    let mut imported = import_with(scene.path()?, scene.allow_outside, scene.auto_camera(), |root, file| {
         apply_overrides(root, scene, more, integrator).map_err(|refusal| scene_faults_or(refusal, root, file))
-    })
+    })?;
+    scene.add_environment(&mut imported.files)?;
+    Ok(imported)
 }
 
 fn apply_overrides(root: &mut Node, scene: &SceneArgs, more: &[Override], integrator: Option<&str>) -> Result<()> {
     let had_integrator = root.child("integrator").is_some();
-    scene.overrides()?.into_iter().try_for_each(|(pointer, text)| root.set(pointer, text))?;
+    scene.override_values(root)?;
     more.iter().try_for_each(|flag| root.set_by(&flag.words, flag.pointer, &flag.value))?;
     // Options from the command line, for a scene without an integrator, are those of the integrator that renders.
     if !had_integrator && root.child("integrator").is_some_and(|options| options.child("type").is_none()) {

@@ -32,6 +32,8 @@ pub enum Curve {
     None,
     /// A shoulder like film's.
     Filmic,
+    /// Bright and saturated colours fade to white (AgX).
+    Agx,
     /// Divide by the brightest value; no transfer curve.
     Normalize,
     /// The curve of the postcard path tracer.
@@ -54,6 +56,7 @@ impl From<Curve> for output::Curve {
         match curve {
             Curve::None => output::Curve::None,
             Curve::Filmic => output::Curve::Filmic,
+            Curve::Agx => output::Curve::Agx,
             Curve::Normalize => output::Curve::Normalize,
             Curve::Postcard => output::Curve::Postcard,
         }

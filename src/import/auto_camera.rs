@@ -8,11 +8,14 @@
 //!
 //!   The largest values of the left-hand sides, R and L, give its place: c_z = (R + L)/2, cₓ = t (R − L)/2. Top and bottom give a
 //!   second c_z, with a = 1, and the larger c_z is taken.
-//! - A sky has radiance 0.25 in all directions. A key light, a disk to the left of the camera, above it and behind it, is never in
-//!   the picture. Its radius is 1/4 of its distance from the middle of the bounding box, and its irradiance on a surface there that
-//!   faces it is 2.5 W·m⁻². It is placed relative to the camera that renders, even if that camera comes from elsewhere.
+//! - The light is that of a clear sky by day. Its sun stands to the left of the camera and behind it. A matte ground lies under
+//!   everything; its albedo is that of the ground of the sky, so that the two meet without a visible edge.
+//! - The light of a studio, on request, is a sky of radiance 0.25 in all directions and three lamps, disks placed relative to the
+//!   camera. The key light, to the left, above and behind the camera, is never in the picture; its radius is 1/4 of its distance from
+//!   the middle of the bounding box, and its irradiance on a surface there that faces it is 2.5 W·m⁻². A fill light on the right is
+//!   twice as large and weaker; a rim light behind and above the model lights its edges.
 //!
-//! A white matte surface (albedo 0.8) that faces the key light and sees all of the sky then has a radiance of about 0.8.
+//! All of it is placed relative to the camera that renders, even if that camera comes from elsewhere.
 
 use std::f64::consts::PI;
 
@@ -26,16 +29,31 @@ use crate::reader::{Location, Member, Node, Value};
 /// Width of the picture if the file has none (pixels).
 pub const WIDTH: u32 = 640;
 
-/// Direction from the middle to the key light: to the right of the camera, up, and backwards.
+/// A lamp of the studio.
+struct Lamp {
+    name: &'static str,
+    /// Direction from the middle to the lamp: to the right of the camera, up, and backwards.
+    direction: DVec3,
+    /// Irradiance on a surface in the middle that faces the lamp (W·m⁻²).
+    irradiance: f64,
+    /// Distance from the middle in radii of the lamp.
+    distance: f64,
+}
+
+/// Direction from the middle to the key light, and above the horizon to the sun.
 const KEY: DVec3 = DVec3::new(-0.8, 0.9, 0.7);
 
-/// Distance of the key light from the middle, in radii of the light; and at least as many radii of the bounding sphere.
-const KEY_DISTANCE: f64 = 4.0;
+const STUDIO: [Lamp; 3] = [
+    Lamp { name: "key light", direction: KEY, irradiance: 2.5, distance: 4.0 },
+    Lamp { name: "fill light", direction: DVec3::new(1.1, 0.4, 0.6), irradiance: 0.6, distance: 2.0 },
+    Lamp { name: "rim light", direction: DVec3::new(0.4, 1.6, -0.5), irradiance: 1.5, distance: 5.0 },
+];
 
-/// Irradiance of the key light on a surface in the middle that faces it (W·m⁻²).
-const KEY_IRRADIANCE: f64 = 2.5;
+/// Distance of the lamps from the middle in radii of the bounding sphere, unless the camera is farther away.
+const LAMP_DISTANCE: f64 = 4.0;
 
-const SKY: f64 = 0.25;
+/// Radiance around the studio, the same from all directions (W·m⁻²·sr⁻¹).
+const STUDIO_SKY: f64 = 0.25;
 
 /// Camera that sees everything.
 pub fn camera(at: &JsonCursor, bounds: &Bounds) -> Node {
@@ -66,7 +84,7 @@ pub fn complete(context: &ImportContext, root: &mut Node) {
     match context.take_missing() {
         Some(missing) => missing.complete(&at, root),
         None if context.auto_camera == AutoCamera::default() => {}
-        None => at.note("--view, --up and --ground are for models (glTF, OBJ, PLY, STL): they change nothing here"),
+        None => at.note("--view, --up, --ground, --no-ground and --studio are for models (glTF, OBJ, PLY, STL): they change nothing here"),
     }
 }
 
@@ -79,40 +97,73 @@ impl MissingParts {
             at.note(format!("no camera: placed at {}, looking at {}; --view and --up turn it", rounded_point(from), rounded_point(to)));
         }
         let has = |key: &str| root.child(key).is_some_and(|node| !matches!(&node.value, Value::Array(list) if list.is_empty()));
+        let is_dark = self.light && !has("background") && !has("lights");
+        let auto_camera = &self.bounds.auto_camera;
+        let eye = look_at.as_ref().and_then(|l| Some((point(l.child("from"))?, point(l.child("to"))?, point(l.child("up")))));
+        let is_under_sky = self.light && !has("lights") && root.get("/background/sky").is_some();
         let mut shapes = vec![];
-        if self.bounds.auto_camera.ground {
+        if auto_camera.ground.unwrap_or((is_dark || is_under_sky) && !auto_camera.is_below()) {
             shapes.push(self.ground(at));
         }
-        if self.light && !has("background") && !has("lights") {
-            let eye = look_at.as_ref().and_then(|l| Some((point(l.child("from"))?, point(l.child("to"))?, point(l.child("up")))));
-            shapes.push(self.key_light(at, eye));
-            add(root, "background", at.make_object([("radiance", at.make_number(SKY))]));
+        match (is_dark, auto_camera.studio) {
+            (true, true) => {
+                shapes.extend(STUDIO.iter().map(|lamp| self.lamp(at, lamp, eye)));
+                add(root, "background", at.make_object([("radiance", at.make_number(STUDIO_SKY))]));
+                at.note(format!("no light: that of a studio was added, a sky of radiance {STUDIO_SKY} and three lamps"));
+            }
+            (true, false) => {
+                add(root, "background", at.make_object([("sky", at.make_object::<&str>([]))]));
+                at.note("no light: a clear sky was added; --studio and --environment FILE are other lights");
+            }
+            (false, true) => at.note("--studio: the scene has light, and no other was added"),
+            (false, false) => {}
         }
         shapes.into_iter().for_each(|shape| add(root, "shapes", shape));
-        if self.bounds.auto_camera.up() == DVec3::Z {
-            raise_background(at, root);
+        if let Some(background) = member(root, "background") {
+            self.place_sun(at, background, eye);
+            if auto_camera.up() == DVec3::Z {
+                raise(at, background);
+            }
         }
     }
 
-    /// Key light as a shape that emits from behind the camera.
-    fn key_light(&self, at: &JsonCursor, eye: Option<(DVec3, DVec3, Option<DVec3>)>) -> Node {
+    /// Axes of the camera that renders.
+    ///
+    /// - `eye`: its `from`, `to` and `up`, if it has a `look_at`
+    fn axes(&self, eye: Option<Eye>) -> Axes {
+        eye.map_or(self.bounds.axes, |(from, to, up)| Axes::looking(from - to, up.unwrap_or(DVec3::Y)))
+    }
+
+    /// Puts the sun of a sky to the left of the camera and behind it, unless its azimuth is stated or the sky is turned.
+    fn place_sun(&self, at: &JsonCursor, background: &mut Node, eye: Option<Eye>) {
+        if background.child("transform").is_some() {
+            return;
+        }
+        let Some(sky) = member(background, "sky").filter(|sky| sky.child("azimuth").is_none()) else { return };
+        let Axes { right, up, back } = self.axes(eye);
+        let towards = self.bounds.auto_camera.up.unwrap_or_default().upright(KEY.x * right + KEY.y * up + KEY.z * back);
+        // 0 is −z and 90 is +x.
+        let azimuth = towards.x.atan2(-towards.z).to_degrees().round();
+        add(sky, "azimuth", at.make_number(azimuth));
+    }
+
+    /// A lamp of the studio as a shape that emits towards the middle.
+    fn lamp(&self, at: &JsonCursor, lamp: &Lamp, eye: Option<Eye>) -> Node {
         let (middle, radius) = (self.bounds.middle(), self.bounds.radius());
-        let axes = eye.map_or(self.bounds.axes, |(from, to, up)| Axes::looking(from - to, up.unwrap_or(DVec3::Y)));
-        let Axes { right, up, back } = axes;
-        let towards = (KEY.x * right + KEY.y * up + KEY.z * back).normalize();
-        // The disk is tilted, so its nearest point is less far behind the middle than its centre, by its radius times the sine.
-        let slope = towards.dot(back) - (1.0 - towards.dot(back).powi(2)).sqrt() / KEY_DISTANCE;
-        let behind = eye.map_or(0.0, |(from, ..)| (from - middle).dot(back) / slope);
-        let distance = (KEY_DISTANCE * radius).max(1.05 * behind);
-        let from = middle + towards * distance;
-        at.note(format!("no light: a sky of radiance {SKY} and a key light at {} were added", rounded_point(from)));
+        let Axes { right, up, back } = self.axes(eye);
+        let towards = (lamp.direction.x * right + lamp.direction.y * up + lamp.direction.z * back).normalize();
+        // The disk is tilted, so the nearest point of one behind the camera is less far behind the middle than its centre, by its radius
+        // times the sine.
+        let slope = towards.dot(back) - (1.0 - towards.dot(back).powi(2)).sqrt() / lamp.distance;
+        let behind = eye.filter(|_| slope > 0.0).map_or(0.0, |(from, ..)| (from - middle).dot(back) / slope);
+        let distance = (LAMP_DISTANCE * radius).max(1.05 * behind);
         // The disk fills a cone of half angle θ with tan θ = r/d: E = π L sin² θ.
-        let radiance = KEY_IRRADIANCE / PI * (1.0 + KEY_DISTANCE * KEY_DISTANCE);
+        let radiance = lamp.irradiance / PI * (1.0 + lamp.distance * lamp.distance);
         disk(
             at,
-            "key light",
-            [from, middle],
-            distance / KEY_DISTANCE,
+            lamp.name,
+            [middle + towards * distance, middle],
+            distance / lamp.distance,
             [("emission", at.make_number(radiance)), ("material", matte(at, 0.0))],
         )
     }
@@ -127,24 +178,32 @@ impl MissingParts {
     }
 }
 
+/// `from`, `to` and `up` of a camera.
+type Eye = (DVec3, DVec3, Option<DVec3>);
+
 /// Turns a sky or a picture of the surroundings, which has +y up, so that +z is up; unless it is turned already.
-fn raise_background(at: &JsonCursor, root: &mut Node) {
+fn raise(at: &JsonCursor, background: &mut Node) {
     let turn = at.make_object([("axis", at.make_numbers([1.0, 0.0, 0.0])), ("degrees", at.make_number(90.0))]);
     let steps = at.make_array([at.make_object([("rotate", turn)])]);
-    let Value::Object(members) = &mut root.value else { return };
-    let Some(background) = members.iter_mut().find(|member| member.key == "background").map(|member| &mut member.node) else { return };
     if ["image", "sky"].iter().any(|key| background.child(key).is_some()) && background.child("transform").is_none() {
         add(background, "transform", steps);
     }
 }
 
+/// Member of an object.
+fn member<'a>(node: &'a mut Node, key: &str) -> Option<&'a mut Node> {
+    let Value::Object(members) = &mut node.value else { return None };
+    members.iter_mut().find(|member| member.key == key).map(|member| &mut member.node)
+}
+
 /// Adds to a list of the scene, or adds a key that it lacks.
 fn add(root: &mut Node, key: &str, node: Node) {
-    let Value::Object(members) = &mut root.value else { return };
-    match members.iter_mut().find(|member| member.key == key).map(|member| &mut member.node.value) {
-        Some(Value::Array(list)) => list.push(node),
-        Some(_) => {}
-        None => members.push(Member { key: key.to_owned(), key_location: node.location.clone(), node }),
+    if let Some(present) = member(root, key) {
+        if let Value::Array(list) = &mut present.value {
+            list.push(node);
+        }
+    } else if let Value::Object(members) = &mut root.value {
+        members.push(Member { key: key.to_owned(), key_location: node.location.clone(), node });
     }
 }
 
@@ -153,7 +212,8 @@ fn add(root: &mut Node, key: &str, node: Node) {
 const GROUND_RADIUS: f64 = 10.0;
 const GROUND_GAP: f64 = 1e-3;
 
-const GROUND_ALBEDO: f64 = 0.5;
+/// Albedo of the ground under a sky, unless the scene says otherwise, and of the ground under a model.
+const GROUND_ALBEDO: f64 = 0.3;
 
 fn matte(at: &JsonCursor, albedo: f64) -> Node {
     at.make_object([("type", at.make_text("diffuse")), ("albedo", at.make_number(albedo))])

@@ -15,15 +15,17 @@ pub const FOV: f64 = 40.0;
 /// Share of the picture's width and height that the scene fills.
 const FILLED: f64 = 0.9;
 
-/// Options of the command line for the camera, and for a ground.
+/// Options of the command line for the camera, the light and a ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AutoCamera {
     /// Axis that points up; `None` for the file's own.
     pub up: Option<Up>,
     /// Side from which the camera looks; `None` for three-quarter.
     pub view: Option<Viewpoint>,
-    /// Whether a ground is added below everything.
-    pub ground: bool,
+    /// Whether a ground is added below everything; `None` for one where the light is added too, and the camera looks from above.
+    pub ground: Option<bool>,
+    /// Whether light that is added is that of a studio, and not that of the sky.
+    pub studio: bool,
 }
 
 /// Axis that points up.
@@ -60,6 +62,14 @@ impl Viewpoint {
 }
 
 impl Up {
+    /// Converts from the file's axes to x right, y up, z front.
+    pub(super) fn upright(self, v: DVec3) -> DVec3 {
+        match self {
+            Up::Y => v,
+            Up::Z => DVec3::new(v.x, v.z, -v.y),
+        }
+    }
+
     /// Converts from x right, y up, z front to the file's axes.
     fn turned(self, v: DVec3) -> DVec3 {
         match self {
@@ -70,6 +80,11 @@ impl Up {
 }
 
 impl AutoCamera {
+    /// Whether the camera looks upwards from below, where a ground would hide everything.
+    pub(super) fn is_below(&self) -> bool {
+        self.view.is_some_and(|view| view.back.y < 0.0)
+    }
+
     /// Up direction of the scene.
     pub(super) fn up(&self) -> DVec3 {
         self.up.unwrap_or_default().turned(DVec3::Y)

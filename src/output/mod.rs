@@ -1,5 +1,6 @@
 //! Picture files: writing, as a whole or not at all, and reading.
 
+mod agx;
 pub mod attributes;
 pub mod colormap;
 pub(crate) mod decode;

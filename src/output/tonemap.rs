@@ -1,6 +1,7 @@
 //! Tone mapping from linear radiance to display values, with the same bytes on every platform. It is for 8-bit files only; EXR
 //! keeps the linear values.
 
+use super::agx::agx;
 use crate::film::Image;
 use crate::math::float::{exp_f64, ln_f64, powf};
 
@@ -21,6 +22,8 @@ pub enum Curve {
     None,
     /// Curve with a shoulder like that of film, sRGB. Source: Narkowicz's fit of the ACES reference curve (2016).
     Filmic,
+    /// Bright and saturated colours fade to white. Source: Sobotka's AgX (2022).
+    Agx,
     /// Divide by the brightest value of the picture, without a transfer curve.
     Normalize,
     /// x/(x + 1) after a small lift, without a transfer curve: the curve of the postcard path tracer.
@@ -37,29 +40,26 @@ impl Tonemap {
     pub fn display(&self, image: &Image) -> Vec<[f32; 3]> {
         let gain = powf(2.0, self.exposure);
         let brightest = image.pixels().flatten().filter(|v| v.is_finite()).fold(0.0, f32::max) * gain;
-        image.pixels().map(|rgb| rgb.map(|v| self.curve.map(v * gain, brightest).clamp(0.0, 1.0))).collect()
+        image.pixels().map(|rgb| self.curve.map(rgb.map(|v| v * gain), brightest).map(|v| v.clamp(0.0, 1.0))).collect()
     }
 }
 
 impl Curve {
-    /// Maps linear radiance to a display value, in [0, 1] for values in range.
-    fn map(self, x: f32, brightest: f32) -> f32 {
+    /// Maps a linear colour to display values, in [0, 1] for values in range.
+    ///
+    /// - `brightest`: the largest value of the picture
+    fn map(self, rgb: [f32; 3], brightest: f32) -> [f32; 3] {
         // Outside of this range the rational curves have poles (below 0) or overflow (far above white).
-        let tame = x.clamp(0.0, 1e9);
+        let tame = rgb.map(|v| v.clamp(0.0, 1e9));
         match self {
-            Curve::None => srgb(x),
-            Curve::Filmic => srgb(tame * (2.51 * tame + 0.03) / (tame * (2.43 * tame + 0.59) + 0.14)),
-            Curve::Normalize => {
-                if brightest > 0.0 {
-                    x / brightest
-                } else {
-                    0.0
-                }
-            }
-            Curve::Postcard => {
-                let lifted = tame + 14.0 / 241.0;
+            Curve::None => rgb.map(srgb),
+            Curve::Filmic => tame.map(|v| srgb(v * (2.51 * v + 0.03) / (v * (2.43 * v + 0.59) + 0.14))),
+            Curve::Agx => agx(tame),
+            Curve::Normalize => rgb.map(|v| if brightest > 0.0 { v / brightest } else { 0.0 }),
+            Curve::Postcard => tame.map(|v| {
+                let lifted = v + 14.0 / 241.0;
                 lifted / (lifted + 1.0)
-            }
+            }),
         }
     }
 }

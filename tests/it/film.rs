@@ -306,7 +306,7 @@ fn picture(size: UVec2, value: impl Fn(usize, usize) -> f32) -> Image {
     Image { full_size: size, origin: UVec2::ZERO, size, channels: (0..3).map(channel).collect() }
 }
 
-const CURVES: [Curve; 4] = [Curve::None, Curve::Filmic, Curve::Normalize, Curve::Postcard];
+const CURVES: [Curve; 5] = [Curve::None, Curve::Filmic, Curve::Agx, Curve::Normalize, Curve::Postcard];
 
 fn toned(values: &[f32], exposure: f32, curve: Curve) -> Vec<u8> {
     Tonemap { exposure, curve }.apply(&grays(values)).into_iter().step_by(3).collect()

@@ -53,7 +53,7 @@ fn is_of_light(channel: &str) -> bool {
 /// Notes which exposure was chosen, or that another one would show more, if an 8-bit picture is written.
 pub fn remark_exposure(tone_mapping: &ToneMapping, outputs: &[PathBuf], image: &Image, tonemap: &Tonemap) {
     let developed = outputs.iter().find(|path| matches!(Format::of(path), Some(Format::Png | Format::Ppm)));
-    let Some(developed) = developed.filter(|_| matches!(tonemap.curve, Curve::None | Curve::Filmic)) else { return };
+    let Some(developed) = developed.filter(|_| matches!(tonemap.curve, Curve::None | Curve::Filmic | Curve::Agx)) else { return };
     if tone_mapping.exposure == Exposure::Auto {
         note(&format!("note: developed with --exposure {}", tonemap.exposure));
     } else if let Some(fault) = exposure::fault(image, tonemap) {

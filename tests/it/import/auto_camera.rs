@@ -52,7 +52,7 @@ fn views_show_the_sides_that_they_name() {
         ("bottom", Up::Z, [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]),
     ];
     for (name, up, towards, upwards) in sides {
-        let scene = wedge(AutoCamera { view: Some(view(name)), up: Some(up), ground: false }, &[]);
+        let scene = wedge(AutoCamera { view: Some(view(name)), up: Some(up), ..AutoCamera::default() }, &[]);
         let (_, [_, above, back]) = camera(&scene);
         assert_near(&back.to_array(), &towards, 1e-12, &format!("{name}, {up:?}: to the camera"));
         assert_near(&above.to_array(), &upwards, 1e-12, &format!("{name}, {up:?}: up"));
@@ -65,7 +65,7 @@ fn views_show_the_sides_that_they_name() {
 fn everything_is_seen_from_every_side() {
     for view in Viewpoint::ALL {
         for up in [Up::Y, Up::Z] {
-            let scene = wedge(AutoCamera { view: Some(view), up: Some(up), ground: false }, &[]);
+            let scene = wedge(AutoCamera { view: Some(view), up: Some(up), ..AutoCamera::default() }, &[]);
             let (from, [right, above, back]) = camera(&scene);
             let tan = (scene.number("/camera/fov").to_radians() / 2.0).tan();
             let aspect = scene.number("/film/width") / scene.number("/film/height");
@@ -90,7 +90,7 @@ fn no_picture_shows_the_key_light() {
     for look_at in cameras {
         let overrides = [("/camera/look_at", look_at)];
         for view in Viewpoint::ALL {
-            let auto_camera = AutoCamera { view: Some(view), up: None, ground: false };
+            let auto_camera = AutoCamera { view: Some(view), studio: true, ground: Some(false), ..AutoCamera::default() };
             let scene = wedge(auto_camera, if look_at.is_empty() { &[] } else { &overrides });
             assert_eq!(scene.notes_say("no camera"), look_at.is_empty(), "{look_at}: {:?}", scene.notes);
             let (eye, [.., back]) = camera(&scene);
@@ -110,6 +110,62 @@ fn no_picture_shows_the_key_light() {
     }
 }
 
+/// A model without light gets a sky whose sun stands to the left of the camera, and behind it or above, from every side and with every
+/// axis up, and a ground unless the camera looks from below.
+#[test]
+fn models_without_light_get_a_sky_and_its_sun_is_behind_the_camera() {
+    let cameras = [
+        ("", Up::Y),
+        ("", Up::Z),
+        (r#"{"from":[0,0.5,30],"to":[0,0,0.2]}"#, Up::Y),
+        (r#"{"from":[-900,20,5],"to":[0,0,0]}"#, Up::Y),
+        (r#"{"from":[-900,20,5],"to":[0,0,0],"up":[0,0,1]}"#, Up::Z),
+    ];
+    for ((look_at, up), view) in cameras.into_iter().flat_map(|camera| Viewpoint::ALL.map(|view| (camera, view))) {
+        let overrides = [("/camera/look_at", look_at)];
+        let auto_camera = AutoCamera { view: Some(view), up: Some(up), ..AutoCamera::default() };
+        let scene = wedge(auto_camera, if look_at.is_empty() { &[] } else { &overrides });
+        assert!(scene.notes_say("no light: a clear sky was added"), "{:?}", scene.notes);
+        let azimuth = scene.number("/background/sky/azimuth").to_radians();
+        let level = DVec3::new(azimuth.sin(), 0.0, -azimuth.cos());
+        let towards = if up == Up::Y { level } else { DVec3::new(level.x, -level.z, 0.0) };
+        let (_, [right, above, back]) = camera(&scene);
+        // For a camera that looks straight down or up, "behind" is no side.
+        let is_steep = above.dot(if up == Up::Y { DVec3::Y } else { DVec3::Z }).abs() < 0.5;
+        let case = format!("{look_at} {} {up:?}: {towards}", view.name);
+        assert!(towards.dot(right) < -0.5, "{case}");
+        assert!(is_steep || towards.dot(back) > 0.2, "{case}");
+        let grounds = if view.name == "bottom" { 0 } else { 1 };
+        assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(1 + grounds), "{case}");
+    }
+}
+
+/// What the scene or the command line says about the sun stays.
+#[test]
+fn a_stated_azimuth_stays() {
+    let scene = wedge(AutoCamera::default(), &[("/background", r#"{"sky": {"azimuth": 7}}"#)]);
+    assert_eq!(scene.number("/background/sky/azimuth"), 7.0);
+    assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(2), "a ground under a sky that was asked for");
+    let albedo = serde_json::to_value(pt::describe::Sky::default()).expect("JSON")["ground"].clone();
+    assert_eq!(scene.at("/shapes/1/material/albedo"), &albedo, "the ground meets the ground of the sky without an edge");
+    let scene = wedge(AutoCamera { ground: Some(false), ..AutoCamera::default() }, &[]);
+    assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(1));
+}
+
+/// Each lamp of the studio gives the middle its irradiance: key, fill and rim.
+#[test]
+fn a_studio_has_three_lamps() {
+    let scene = wedge(AutoCamera { studio: true, ..AutoCamera::default() }, &[]);
+    assert!(scene.notes_say("that of a studio"), "{:?}", scene.notes);
+    assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(5), "the model, the ground and the lamps");
+    for (lamp, irradiance) in [(2, 2.5), (3, 0.6), (4, 1.5)] {
+        let [from, to] = ["from", "to"].map(|key| DVec3::from_slice(&scene.numbers(&format!("/shapes/{lamp}/transform/1/look_at/{key}"))));
+        let radius2 = scene.number(&format!("/shapes/{lamp}/radius")).powi(2);
+        let sin2 = radius2 / (radius2 + (from - to).length_squared());
+        assert_near(&[PI * scene.number(&format!("/shapes/{lamp}/emission")) * sin2], &[irradiance], 1e-9, "irradiance");
+    }
+}
+
 /// If the command line adds a light, no default light is added.
 #[test]
 fn lights_from_the_command_line_replace_the_default_lights() {
@@ -117,7 +173,7 @@ fn lights_from_the_command_line_replace_the_default_lights() {
     {
         let scene = wedge(AutoCamera::default(), &[(pointer, value)]);
         assert!(!scene.notes_say("no light"), "{:?}", scene.notes);
-        assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(1));
+        assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(1), "no lamp, and no ground");
     }
 }
 
@@ -125,7 +181,7 @@ fn lights_from_the_command_line_replace_the_default_lights() {
 #[test]
 fn the_ground_is_below_everything() {
     for (up, axis, lowest) in [(Up::Y, DVec3::Y, -1.0), (Up::Z, DVec3::Z, -0.5)] {
-        let built = wedge(AutoCamera { up: Some(up), view: None, ground: true }, &[]).built();
+        let built = wedge(AutoCamera { up: Some(up), ground: Some(true), ..AutoCamera::default() }, &[]).built();
         let beside = DVec3::splat(9.0) * (DVec3::ONE - axis);
         met(&built, (beside + 2.0 * axis).to_array(), (-axis).as_vec3().to_array(), |surface, p| {
             let gap = lowest - p.dot(axis);
@@ -142,7 +198,7 @@ fn scenes_with_a_camera_are_not_framed() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("s.json");
     fs::write(&path, r#"{"pt": 1, "camera": {}, "shapes": []}"#).expect("a file");
-    let scene = try_read_with(&path, AutoCamera { ground: true, ..AutoCamera::default() }, &[]).unwrap_or_else(|e| panic!("{e}"));
-    assert!(scene.notes_say("--view, --up and --ground are for models"), "{:?}", scene.notes);
+    let scene = try_read_with(&path, AutoCamera { ground: Some(true), ..AutoCamera::default() }, &[]).unwrap_or_else(|e| panic!("{e}"));
+    assert!(scene.notes_say("are for models"), "{:?}", scene.notes);
     assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(0));
 }

@@ -78,3 +78,23 @@ fn a_scene_is_not_overwritten_and_a_wrong_one_not_written() {
         assert!(!folder.path().join("out.json").exists());
     }
 }
+
+/// `--environment FILE` is the scene with that picture as its background, wherever the file lies; `convert` takes the picture along.
+#[test]
+fn a_picture_of_the_surroundings_from_the_command_line_comes_with_the_scene() {
+    let folder = tempfile::tempdir().expect("a folder");
+    scene(folder.path());
+    fs::create_dir(folder.path().join("maps")).expect("a folder");
+    // Any picture will do: here it is the scene itself, with its bright background.
+    succeeds(folder.path(), &["scene.json", "--spp", "4", "-o", "maps/around.exr", "--progress", "none"]);
+    succeeds(folder.path(), &["convert", "scene.json", "wanted.json", "-D", r#"/background={"image": "maps/around.exr"}"#]);
+    succeeds(folder.path(), &["convert", "scene.json", "parts/given.json", "--environment", "maps/around.exr"]);
+    assert!(folder.path().join("parts/given-files/environment/around.exr").is_file());
+    same_bits(folder.path(), "wanted.json", "parts/given.json");
+    let output = pt(folder.path(), &["check", "scene.json", "--environment", "maps/arounf.exr"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(said, "error: maps/arounf.exr: no such file, did you mean \"maps/around.exr\"?\n");
+    assert_eq!(output.status.code(), Some(3));
+    let output = pt(folder.path(), &["check", "scene.json", "--environment", "maps/around.exr", "--sky"]);
+    assert_eq!(output.status.code(), Some(2), "two backgrounds");
+}

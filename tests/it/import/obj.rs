@@ -4,10 +4,11 @@ use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
+use pt::import::AutoCamera;
 use serde_json::json;
 
 use super::convert::{same_bits, succeeds};
-use super::read::{Read, assert_near, met, read, try_read};
+use super::read::{Read, assert_near, met, read, try_read, try_read_with};
 use super::table::rows;
 use crate::random::Random;
 
@@ -74,7 +75,8 @@ fn key_lights_have_the_documented_irradiance() {
     let folder = tempfile::tempdir().expect("a folder");
     for size in [1e-6, 1.0, 1e6] {
         fs::write(folder.path().join("m.obj"), format!("v 0 0 0\nv {size:e} 0 0\nv 0 {size:e} {size:e}\nf 1 2 3\n")).expect("a file");
-        let scene = read(&folder.path().join("m.obj"));
+        let studio = AutoCamera { studio: true, ground: Some(false), ..AutoCamera::default() };
+        let scene = try_read_with(&folder.path().join("m.obj"), studio, &[]).unwrap_or_else(|e| panic!("{e}"));
         let lamp = "/shapes/1";
         let from = vector(&scene.numbers(&format!("{lamp}/transform/1/look_at/from")));
         let middle = DVec3::splat(size / 2.0);

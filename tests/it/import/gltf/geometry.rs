@@ -185,7 +185,7 @@ fn points_lines_and_degenerate_triangles_are_left_out() {
     }
     model.node(json!({ "mesh": 0, "scale": [1, 1, 0] }));
     let scene = read_model(&model);
-    // The shapes are the square and the key light.
+    // The shapes are the square and the ground.
     assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(2));
     for sentence in
         ["points and lines are left out", "without area is left out", "without positions is left out", "scaled to nothing is left out"]

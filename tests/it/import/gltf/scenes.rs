@@ -168,8 +168,8 @@ fn instances_of_a_mesh_are_placed() {
             assert_near(&surface.point.uv.as_dvec2().to_array(), &[0.55, 0.45], 1e-4, "which place of the square");
         });
     }
-    assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(3), "the instances of both nodes and the key light");
-    assert_eq!((built.world.instance_count(), built.world.primitive_count()), (4, 2 + 1), "one square, and the key light");
+    assert_eq!(scene.at("/shapes").as_array().map(Vec::len), Some(3), "the instances of both nodes and the ground");
+    assert_eq!((built.world.instance_count(), built.world.primitive_count()), (4, 2 + 1), "one square, and the ground");
     // Counts that do not agree are refused.
     model.doc["accessors"][scales]["count"] = json!(2);
     let folder = tempfile::tempdir().expect("a folder");
