@@ -14,7 +14,8 @@ use crate::import::{AutoCamera, Up, Viewpoint};
 use crate::import::{Imported, import_with};
 use crate::integrator::{self, Entry, Integrator};
 use crate::reader::Node;
-use crate::sampler::SamplerSpec;
+use crate::sampler::{Kind, SamplerSpec};
+use crate::scene::Scene;
 use crate::world::World;
 use std::path::PathBuf;
 
@@ -170,6 +171,38 @@ impl Loaded {
         }
         let scramblings = if integrator.splats() { Scramblings::SPLATTING } else { describe::Sampler::default().scramblings };
         SamplerSpec { scramblings: scramblings.get(), ..sampler }
+    }
+
+    /// Makes another integrator the one that renders.
+    pub fn select(&mut self, entry: Entry, integrator: Arc<dyn Integrator>) {
+        self.built.sampler = self.sampler_for(&*integrator);
+        if !states_scramblings(&self.root) {
+            self.description.sampler.scramblings =
+                if integrator.splats() { Scramblings::SPLATTING } else { describe::Sampler::default().scramblings };
+        }
+        (self.entry, self.integrator) = (entry, integrator);
+    }
+
+    /// Makes another sampler the one that renders.
+    ///
+    /// # Errors
+    /// `Internal` for a sampler that scenes cannot name.
+    pub fn select_sampler(&mut self, kind: Kind) -> Result<()> {
+        let described = serde_json::from_value(serde_json::json!(kind.name()));
+        self.description.sampler.kind = described.map_err(|error| Error::Internal(format!("{}: {error}", kind.name())))?;
+        self.built.sampler.kind = kind;
+        Ok(())
+    }
+
+    /// Calls a function with the shared scene, for renders that end before the function does. Returns the scene and the result.
+    ///
+    /// # Errors
+    /// `Internal` if a render outlives the function.
+    pub fn with_scene<T>(mut self, run: impl FnOnce(&Arc<dyn Scene>) -> T) -> Result<(Loaded, T)> {
+        let world = Arc::new(self.built.world);
+        let result = run(&(world.clone() as Arc<dyn Scene>));
+        self.built.world = Arc::into_inner(world).ok_or_else(|| Error::Internal("a pilot still holds the scene".into()))?;
+        Ok((self, result))
     }
 
     /// Scene with the shadows of its facets, and the number of meshes that differ; `None` if there are none.

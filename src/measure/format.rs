@@ -78,7 +78,7 @@ pub fn duration(seconds: f64) -> String {
 }
 
 /// A number with two significant digits, or more if they stand before the decimal point.
-fn two_digits(x: f64) -> String {
+pub fn two_digits(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}");
     }

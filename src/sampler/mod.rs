@@ -163,6 +163,11 @@ impl Kind {
             "Owen-scrambled Sobol' sequences, one for each choice, point or direction: every 2^k samples fill each evenly.",
         ),
     ];
+
+    /// Name of the sampler in scene files and on the command line.
+    pub fn name(self) -> &'static str {
+        Kind::ALL.iter().find(|row| row.0 == self).map_or("unknown", |row| row.1)
+    }
 }
 
 /// Assignment of dimensions: a block of 8 for the camera, then a block of 8 for each vertex of a path. The number of dimensions that a

@@ -8,6 +8,7 @@ mod agreement;
 mod all_at_once;
 mod analytic;
 mod aovs;
+mod auto;
 mod bad_input;
 mod bias_report;
 mod boxes;

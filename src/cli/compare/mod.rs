@@ -143,7 +143,7 @@ fn configs(args: &CompareArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<V
     for name in &args.integrators {
         let (entry, integrator) = loaded.choose(tables, name)?;
         for kind in &samplers {
-            let sampler_name = Kind::ALL.iter().find(|row| row.0 == *kind).map_or("", |row| row.1);
+            let sampler_name = kind.name();
             let name = if samplers.len() > 1 { format!("{} · {sampler_name}", entry.name) } else { entry.name.to_owned() };
             all.push(MethodConfig {
                 name,

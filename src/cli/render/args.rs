@@ -14,6 +14,9 @@ use crate::cli::tone_mapping::ToneMapping;
 use crate::error::{Error, Result};
 use crate::film::Layer;
 
+/// Value of `--integrator` and `--sampler` that asks for a choice by a pilot.
+pub const AUTO: &str = "auto";
+
 /// Render SCENE.
 #[derive(clap::Args, Debug)]
 pub struct RenderArgs {
@@ -22,7 +25,8 @@ pub struct RenderArgs {
     /// Samples per pixel, the same as --spp.
     #[arg(value_name = "SPP", value_parser = whole(1, u32::MAX), conflicts_with = "spp", allow_negative_numbers = true)]
     count: Option<u32>,
-    /// Integrator: see `pt list integrators`. Default: the scene's, or nee.
+    /// Integrator: see `pt list integrators`. `auto` tries all that simulate what the scene calls for, and takes the one that reaches an
+    /// error soonest. Default: the scene's, or nee.
     #[arg(short, long, value_name = "NAME")]
     pub integrator: Option<String>,
     /// Output file: .exr (linear, float), .png, .ppm, .pfm. May be repeated. Default: SCENE.exr and SCENE.png here.
@@ -42,7 +46,7 @@ pub struct RenderArgs {
     /// Seed of the random numbers: another seed gives another, independent picture.
     #[arg(long, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     pub seed: Option<u64>,
-    /// Sampler of the random numbers: see `pt list samplers`.
+    /// Sampler of the random numbers: see `pt list samplers`. `auto` tries them, and takes the one that reaches an error soonest.
     #[arg(long, value_name = "NAME")]
     pub sampler: Option<String>,
     /// Number of independent scramblings that share the samples of a pixel, from which the error is estimated (all samplers but
@@ -149,7 +153,7 @@ impl RenderArgs {
             let names = layers_named(&self.aov)?;
             set(format!("--aov {}", self.aov.join(",")), "/film/layers", format!("{names:?}"));
         }
-        if let Some(name) = &self.sampler {
+        if let Some(name) = self.sampler.as_ref().filter(|name| *name != AUTO) {
             sampler_named(name)?;
             set(format!("--sampler {name}"), "/sampler/type", name.clone());
         }

@@ -1,6 +1,7 @@
 //! `pt SCENE`: loads, renders and writes.
 
 mod args;
+mod auto;
 mod checkpoint;
 mod forensics;
 mod picture;
@@ -27,15 +28,17 @@ use remarks::remark_missing_effects;
 /// Runs the command.
 pub fn render(args: &RenderArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
     let start = Instant::now();
-    let loaded = load(&args.scene, &args.overrides()?, args.integrator.as_deref(), tables)?;
+    let named = args.integrator.as_deref().filter(|name| *name != args::AUTO);
+    let loaded = load(&args.scene, &args.overrides()?, named, tables)?;
     let load_seconds = start.elapsed().as_secs_f64();
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    let pool = pool(args.work.threads)?;
+    let loaded = pool.install(|| auto::choose(args, loaded, tables))?;
     remark_missing_effects(&loaded);
     if args.verbose {
         note(&check::contents(&loaded));
     }
     plan::refuse_for_splats(args, &loaded)?;
-    let pool = pool(args.work.threads)?;
     if let Some(plan) = args.pixel_plan() {
         return pool.install(|| pixel::pixel(&plan, loaded)).map(|()| ExitCode::SUCCESS);
     }

@@ -165,7 +165,7 @@ impl RenderPlan {
                 bias: args.ledger,
                 is_verbose: args.verbose,
                 stats: args.stats,
-                replay: replay_command(args)?,
+                replay: replay_command(args, loaded)?,
             },
             resume,
         })
@@ -249,15 +249,16 @@ fn until(args: &RenderArgs, planned: u64) -> StopCondition {
 }
 
 /// Start of the command that replays a sample: all options that decide the samples.
-fn replay_command(args: &RenderArgs) -> Result<String> {
+fn replay_command(args: &RenderArgs, loaded: &Loaded) -> Result<String> {
     let mut words = vec!["pt".to_owned(), args.scene.path()?.display().to_string()];
     let mut flag = |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
     args.scene.overrides.iter().for_each(|text| flag("-D", Some(text.clone())));
-    flag("--integrator", args.integrator.clone());
+    // The names that `auto` has chosen.
+    flag("--integrator", args.integrator.as_ref().map(|_| loaded.entry.name.to_owned()));
     flag("--size", args.size.map(|[width, height]| format!("{width}x{height}")));
     flag("--spp", args.spp().map(|spp| spp.to_string()));
     flag("--seed", args.seed.map(|seed| seed.to_string()));
-    flag("--sampler", args.sampler.clone());
+    flag("--sampler", args.sampler.as_ref().map(|_| loaded.built.sampler.kind.name().to_owned()));
     flag("--scramblings", args.scramblings.map(|k| k.to_string()));
     flag("--clamp", args.clamp.map(|limit| limit.to_string()));
     let mut command: Vec<String> = words.iter().map(|word| quoted(word)).collect();
