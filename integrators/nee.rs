@@ -171,7 +171,7 @@ impl PathWalk for Walk {
             }
             return path.end(End::Escaped, recorder);
         };
-        let surface = self.scene.surface(&path.ray, &hit);
+        let surface = path.surface(&*self.scene, &hit);
         let wo = -path.ray.direction;
         recorder.record(|| Event::vertex(path.depth, &path.ray, &hit, &surface, path.beta));
         let (emitted, weight) = self.emission(&surface, wo, arrival);

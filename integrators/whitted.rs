@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use pt::bsdf::TransportMode;
+use pt::bsdf::{BsdfSample, TransportMode};
 use pt::film::FilmSpec;
 use pt::integrator::{Bias, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, sample_light};
-use pt::math::{Ray, Spectrum, Vec3};
+use pt::math::{Ray, RayDifferential, Spectrum, SurfaceDifferential, Vec3};
 use pt::primitive::Hit;
 use pt::recorder::{End, Event, Origin, Recorder};
 use pt::sampler::SampleNumbers;
@@ -68,6 +68,8 @@ struct Branch {
     ray: Ray,
     beta: Spectrum,
     depth: u32,
+    /// Differential between the ray and those beside it, where a texture depends on it.
+    differential: Option<RayDifferential>,
 }
 
 /// State of the walk: the branches that are still to be followed, and the radiance found so far.
@@ -87,7 +89,7 @@ impl PathWalk for Walk {
     type State = State;
 
     fn start(&self, camera: &CameraSample) -> State {
-        let next = Branch { ray: camera.ray, beta: Spectrum::ONE, depth: 0 };
+        let next = Branch { ray: camera.ray, beta: Spectrum::ONE, depth: 0, differential: camera.differential };
         State { next, known_hit: camera.known_hit, stack: [None; _], count: 0, radiance: Spectrum::BLACK }
     }
 
@@ -121,7 +123,7 @@ impl Walk {
         numbers: &mut SampleNumbers,
         recorder: &mut R,
     ) -> [Option<Branch>; 2] {
-        let Branch { ray, beta, depth } = branch;
+        let Branch { ray, beta, depth, differential } = branch;
         let Some(hit) = hit else {
             for (light, emitted) in self.scene.lights().background(ray.direction) {
                 *radiance += recorder.light(beta * emitted, depth, || Origin::background(light, 1.0));
@@ -129,7 +131,10 @@ impl Walk {
             recorder.record(|| Event::end(depth, End::Escaped));
             return [None; 2];
         };
-        let surface = self.scene.surface(&ray, &hit);
+        let (surface, at): (Surface, Option<SurfaceDifferential>) = match &differential {
+            Some(differential) => self.scene.surface_with_footprint(&ray, &hit, differential),
+            None => (self.scene.surface(&ray, &hit), None),
+        };
         let wo = -ray.direction;
         recorder.record(|| Event::vertex(depth, &ray, &hit, &surface, beta));
         *radiance += recorder.light(beta * surface.emitted(wo), depth, || Origin::emission(&surface, 1.0));
@@ -142,23 +147,28 @@ impl Walk {
         }
         let lobes = self.lobes(&surface, wo, depth, numbers);
         for lobe in lobes.iter().flatten() {
-            recorder.record(|| Event::delta(depth, &surface, wo, lobe));
+            recorder.record(|| Event::delta(depth, &surface, wo, &(lobe.0, lobe.1.weight)));
         }
         if lobes == [None; 2] {
             recorder.record(|| Event::end(depth, End::NotFollowed));
         }
-        let onward = |(wi, weight): (Vec3, Spectrum)| Branch { ray: surface.spawn(wi, ray.time), beta: beta * weight, depth: depth + 1 };
+        let onward = |(wi, sample): (Vec3, BsdfSample)| Branch {
+            ray: surface.spawn(wi, ray.time),
+            beta: beta * sample.weight,
+            depth: depth + 1,
+            differential: at.and_then(|at| at.scattered(surface.frame.z, ray.direction, wi, sample.eta)),
+        };
         lobes.map(|lobe| lobe.map(onward))
     }
 
     /// Directions and weights of all delta lobes where branching is allowed, otherwise of one of them.
-    fn lobes(&self, surface: &Surface, wo: Vec3, depth: u32, numbers: &mut SampleNumbers) -> [Option<(Vec3, Spectrum)>; 2] {
-        let mut lobes = surface.delta_lobes(wo, TransportMode::Radiance).map(|(wi, sample)| (wi, sample.weight));
+    fn lobes(&self, surface: &Surface, wo: Vec3, depth: u32, numbers: &mut SampleNumbers) -> [Option<(Vec3, BsdfSample)>; 2] {
+        let mut lobes = surface.delta_lobes(wo, TransportMode::Radiance);
         let (first, second) = (lobes.next(), lobes.next());
         let (Some(a), Some(b), true) = (first, second, depth >= self.branch_depth) else { return [first, second] };
-        let share = a.1.max() / (a.1.max() + b.1.max());
-        let chosen =
-            if numbers.get_1d(dimension::vertex(depth, Use::Bsdf)) < share { (a.0, a.1 / share) } else { (b.0, b.1 / (1.0 - share)) };
-        [Some(chosen), None]
+        let (of_a, of_b) = (a.1.weight.max(), b.1.weight.max());
+        let share = of_a / (of_a + of_b);
+        let ((wi, sample), share) = if numbers.get_1d(dimension::vertex(depth, Use::Bsdf)) < share { (a, share) } else { (b, 1.0 - share) };
+        [Some((wi, BsdfSample { weight: sample.weight / share, ..sample })), None]
     }
 }

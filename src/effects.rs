@@ -47,6 +47,8 @@ impl Effects {
     pub const SMOOTH_SHADOWS: Effects = Effects(1 << 13);
     /// Things that move while the shutter is open. Only then samples draw a time.
     pub const MOTION: Effects = Effects(1 << 14);
+    /// Textures that are averaged over the part of the surface that a camera ray stands for.
+    pub const FOOTPRINTS: Effects = Effects(1 << 15);
 
     /// Light between surfaces that scatter into a continuum of directions, of which a path follows one at random.
     pub const SCATTERED: Effects = Effects::INTERREFLECTION.union(Effects::GLOSSY_REFLECTION).union(Effects::ROUGH_REFRACTION);
@@ -127,7 +129,7 @@ impl Sub for Effects {
 }
 
 /// Table of all effects, in the order of their bits.
-const TABLE: [EffectInfo; 15] = [
+const TABLE: [EffectInfo; 16] = [
     EffectInfo { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
     EffectInfo { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
     EffectInfo { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
@@ -143,4 +145,9 @@ const TABLE: [EffectInfo; 15] = [
     EffectInfo { bit: Effects::UNSAMPLED_EMITTER, name: "lights met by chance", cost: "noise: no shadow ray looks for them" },
     EffectInfo { bit: Effects::SMOOTH_SHADOWS, name: "smooth shadows of coarse meshes", cost: "a few operations per hit" },
     EffectInfo { bit: Effects::MOTION, name: "motion blur", cost: "one random number per camera ray" },
+    EffectInfo {
+        bit: Effects::FOOTPRINTS,
+        name: "texture footprints",
+        cost: "two more rays of the camera per sample, wider lookups up to the first matte surface",
+    },
 ];

@@ -20,7 +20,7 @@ use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::Error;
 use crate::film::{FilmSpec, Splat};
-use crate::math::{Ray, Spectrum};
+use crate::math::{Ray, RayDifferential, Spectrum};
 use crate::primitive::Hit;
 use crate::reader::{self, Faults, Node, UnknownKeys};
 use crate::recorder::{NoRecorder, PathRecorder, Recorder};
@@ -136,6 +136,8 @@ pub struct CameraSample {
     /// What the ray hits, if that was found already for the layers of the picture; the inner `None` means that it hits nothing.
     /// An estimator that traces the ray itself gets the same hit.
     pub known_hit: Option<Option<Hit>>,
+    /// How the ray differs from those beside it at the distance of the texture footprint; `None` if no texture depends on it.
+    pub differential: Option<RayDifferential>,
 }
 
 impl CameraSample {

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use crate::effects::Effects;
 use crate::film::{Crop, Film, FilmSpec, Layer, PixelLayout, PixelSums, Splat, SplatSums, Wave};
 use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt, LightPath, SideBySide};
-use crate::math::{ExactSum, Spectrum};
+use crate::math::{ExactSum, Ray, RayDifferential, Spectrum};
 use crate::recorder::{Clamp, PathRecorder};
 use crate::sampler::{SampleNumbers, SamplerSpec, Sequence, dimension};
 use crate::scene::Scene;
@@ -140,6 +140,8 @@ pub struct Render {
     light_paths: Option<LightPaths>,
     has_lens: bool,
     has_motion: bool,
+    /// Whether textures are averaged over footprints.
+    has_footprints: bool,
     tiles: Vec<Crop>,
     /// Index of the next sample.
     next: u64,
@@ -172,7 +174,6 @@ impl Render {
             Some(paths) => paths.strips(settings.tile.saturating_mul(settings.tile)),
         };
         Render {
-            scene,
             estimator,
             spec: spec.clone(),
             sampler: settings.sampler,
@@ -180,7 +181,9 @@ impl Render {
             light_paths,
             has_lens,
             has_motion,
+            has_footprints: scene.effects().contains(Effects::FOOTPRINTS) && spec.texture_footprint.is_on(),
             tiles,
+            scene,
             next: 0,
             clamp: settings.clamp,
             wave_time: settings.wave_time,
@@ -223,7 +226,7 @@ impl Render {
     ) -> (Spectrum, bool) {
         let pixel = UVec2::from(id.pixel);
         let (_, mut numbers) = self.numbers(pixel, id.index);
-        let camera = self.camera_sample(pixel, &mut numbers);
+        let camera = self.camera_sample(pixel, id.index, &mut numbers);
         let mut is_valid = true;
         let light_path = self.light_path(pixel, id.index, splats, &mut is_valid);
         let mut cx = Context { numbers, recorder: shortened(recorder), interrupt, light_path };
@@ -233,6 +236,11 @@ impl Render {
     /// Whether paths from the lights bring light to other pixels than that of the sample.
     pub fn splats(&self) -> bool {
         self.light_paths.is_some()
+    }
+
+    /// Whether textures are averaged over footprints.
+    pub fn has_footprints(&self) -> bool {
+        self.has_footprints
     }
 
     /// What the path from a light needs that belongs to a sample, if there is one.
@@ -250,7 +258,7 @@ impl Render {
     /// Camera ray of one sample.
     pub fn camera(&self, id: SampleId) -> CameraSample {
         let pixel = UVec2::from(id.pixel);
-        self.camera_sample(pixel, &mut self.numbers(pixel, id.index).1)
+        self.camera_sample(pixel, id.index, &mut self.numbers(pixel, id.index).1)
     }
 
     /// Index of the sequence of a sample, and the numbers of the sample.
@@ -378,7 +386,7 @@ impl Render {
                 }
                 let start = is_timed.then(Instant::now);
                 let (r, mut numbers) = self.numbers(pixel, index);
-                let mut camera = self.camera_sample(pixel, &mut numbers);
+                let mut camera = self.camera_sample(pixel, index, &mut numbers);
                 if let Some(aovs) = &accumulator.aovs {
                     camera = aovs.traced(camera, &*self.scene);
                 }
@@ -438,14 +446,24 @@ impl Render {
     /// Camera ray of a sample.
     // Always inlined into the loop, although there are other callers.
     #[inline(always)]
-    fn camera_sample(&self, pixel: UVec2, numbers: &mut SampleNumbers) -> CameraSample {
+    fn camera_sample(&self, pixel: UVec2, index: u64, numbers: &mut SampleNumbers) -> CameraSample {
         let (offset, weight) = self.spec.filter.sample(numbers.get_2d(dimension::FILM));
         // Each effect owns its dimensions, so that drawing no lens point and no time shifts no other number.
         let lens = if self.has_lens { numbers.get_2d(dimension::LENS) } else { Vec2::ZERO };
         let time = if self.has_motion { drawn_time(numbers) } else { 0.0 };
         let raster = pixel.as_vec2() + 0.5 + offset;
         let ray = self.scene.camera().ray(raster / self.spec.size.as_vec2(), self.spec.aspect(), lens, time);
-        CameraSample { ray, weight, pixel, raster, known_hit: None }
+        let differential = if self.has_footprints { Some(self.differential(&ray, raster, lens, index)) } else { None };
+        CameraSample { ray, weight, pixel, raster, known_hit: None, differential }
+    }
+
+    /// Differential of a camera ray at the distance of the texture footprint of its sample.
+    // Never inlined, so that scenes without textures do not pay for it.
+    #[inline(never)]
+    fn differential(&self, ray: &Ray, raster: Vec2, lens: Vec2, index: u64) -> RayDifferential {
+        let size = self.spec.size.as_vec2();
+        let between = self.scene.camera().differential(ray, raster / size, 1.0 / size, self.spec.aspect(), lens);
+        between * self.spec.texture_footprint.width(index, self.sequences.len() as u64)
     }
 
     /// Assembles the sums of all tiles into rows of the crop.

@@ -8,7 +8,7 @@ use crate::bsdf::{Bsdf, BsdfSample, TransportMode};
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::{Emission, LightSampleContext, Lights, ShadowTarget};
-use crate::math::{Frame, Local, Ray, SolidAnglePdf, Spectrum};
+use crate::math::{Frame, Local, Ray, RayDifferential, SolidAnglePdf, Spectrum, SurfaceDifferential};
 use crate::primitive::Hit;
 use crate::shape::{SurfacePoint, offset_ray_origin};
 
@@ -22,6 +22,12 @@ pub trait Scene: Any + Send + Sync {
 
     /// Surface at the point that `ray` hit.
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_>;
+
+    /// Surface at the point that `ray` hit, with its textures averaged over the footprint of the ray; and how point, normal and ray differ
+    /// between the ray and those beside it, if that is known and the surface reflects or refracts into single directions.
+    ///
+    /// - `differential`: differential between the ray and those beside it
+    fn surface_with_footprint(&self, ray: &Ray, hit: &Hit, differential: &RayDifferential) -> (Surface<'_>, Option<SurfaceDifferential>);
 
     /// Surface at the point that `ray` hit, as a path from the camera finds it that arrives from the direction `wo`.
     ///

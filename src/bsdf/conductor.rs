@@ -244,7 +244,7 @@ impl Lookup for textured::Conductor {
 
     fn at(&self, at: &HitContext) -> Bsdf<'static> {
         let reflectance = self.reflectance.at(at);
-        let Some(facets) = self.roughness.as_ref().and_then(|roughness| roughness.at(&at.point)) else {
+        let Some(facets) = self.roughness.as_ref().and_then(|roughness| roughness.at(&at.texture)) else {
             return Bsdf::Conductor(Conductor { reflectance });
         };
         let mean = |losses| rough_conductor::MultiScatter::new(losses, facets.alpha, self.reflectance.mean(&reflectance));
@@ -296,8 +296,8 @@ impl Metallic {
     fn at(&self, at: &HitContext) -> Reflectance {
         match self {
             Metallic::Index { reflectance, .. } => *reflectance,
-            Metallic::Indices { eta, k } => Reflectance::of_index(eta.at(&at.point), k.at(&at.point)),
-            Metallic::Color(color) => Reflectance::Schlick { normal: Spectrum::from_albedo(color.at(&at.point)) },
+            Metallic::Indices { eta, k } => Reflectance::of_index(eta.at(&at.texture), k.at(&at.texture)),
+            Metallic::Color(color) => Reflectance::Schlick { normal: Spectrum::from_albedo(color.at(&at.texture)) },
         }
     }
 

@@ -228,7 +228,7 @@ impl textured::Dielectric {
 
     /// The colour of the surface times the transmittance of the path segment inside the body.
     fn color_at(&self, at: &HitContext) -> Spectrum {
-        let color = Spectrum::from_albedo(self.color.at(&at.point));
+        let color = Spectrum::from_albedo(self.color.at(&at.texture));
         match self.absorption.filter(|_| at.inside > 0.0) {
             None => color,
             Some(absorption) => color * Spectrum::from_coefficients(absorption).map(|sigma| float::exp(-sigma * at.inside)),
@@ -240,8 +240,8 @@ impl Lookup for textured::Dielectric {
     type Model = Bsdf<'static>;
 
     fn at(&self, at: &HitContext) -> Bsdf<'static> {
-        let (eta, color) = (self.eta.at(&at.point), self.color_at(at));
-        let facets = self.roughness.as_ref().and_then(|roughness| roughness.at(&at.point));
+        let (eta, color) = (self.eta.at(&at.texture), self.color_at(at));
+        let facets = self.roughness.as_ref().and_then(|roughness| roughness.at(&at.texture));
         let Some(facets) = facets.filter(|facets| RoughDielectric::is_rough(eta, facets.alpha)) else {
             return Bsdf::Dielectric(Dielectric { eta, color });
         };

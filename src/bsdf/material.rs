@@ -6,7 +6,7 @@ use super::microfacet::Roughness;
 use super::{Bsdf, Compound, Material, Metallic, Mix, Share, textured};
 use crate::math::Rgb;
 use crate::shape::{SurfacePoint, VertexColor};
-use crate::texture::{Number, Texture};
+use crate::texture::{Number, Texture, TextureContext};
 
 /// Whether light passes through a surface, and what is behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -22,26 +22,20 @@ pub enum Passage {
 /// The context of a hit that the lookup of parameters may depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HitContext {
-    /// The point of the surface.
-    pub point: SurfacePoint,
+    /// The point of the surface, with the footprint of textures.
+    pub texture: TextureContext,
     /// The length of the path segment inside the body behind the surface (m); 0 for light from outside.
     pub inside: f32,
 }
 
 impl HitContext {
     /// A context for the lookup of parameters that are the same everywhere.
-    pub(super) const ANYWHERE: HitContext = HitContext::from_outside(SurfacePoint {
-        p: Vec3::ZERO,
-        offset: 0.0,
-        ng: Vec3::Z,
-        ns: Vec3::Z,
-        uv: Vec2::ZERO,
-        color: VertexColor::WHITE,
-    });
+    pub(super) const ANYWHERE: HitContext =
+        HitContext { texture: TextureContext { p: Vec3::ZERO, uv: Vec2::ZERO, color: VertexColor::WHITE, footprint: None }, inside: 0.0 };
 
     /// The context of light that comes from outside of the body.
-    pub const fn from_outside(point: SurfacePoint) -> HitContext {
-        HitContext { point, inside: 0.0 }
+    pub fn from_outside(point: SurfacePoint) -> HitContext {
+        HitContext { texture: TextureContext::exact(&point), inside: 0.0 }
     }
 
     /// Looks up the model of a material in this context.

@@ -196,7 +196,7 @@ pub trait TexturedModel: Lookup {
 
     /// The effects of the model's textures.
     fn texture_effects(&self) -> Effects {
-        if self.textures().into_iter().all(Texture::is_constant) { Effects::NONE } else { Effects::TEXTURES }
+        self.textures().into_iter().map(Texture::effects).fold(Effects::NONE, Effects::union)
     }
 }
 

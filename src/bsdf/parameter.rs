@@ -65,7 +65,7 @@ impl TextureParameter for Color {
 
     #[inline]
     fn value(texture: &Texture, at: &HitContext) -> Spectrum {
-        Spectrum::from_albedo(texture.at(&at.point))
+        Spectrum::from_albedo(texture.at(&at.texture))
     }
 }
 
@@ -74,7 +74,7 @@ impl TextureParameter for Share {
 
     #[inline]
     fn value(texture: &Texture, at: &HitContext) -> f32 {
-        texture.scalar(&at.point)
+        texture.scalar(&at.texture)
     }
 }
 
@@ -116,7 +116,7 @@ impl<T: Copy + Into<f64>> Parameter for Number<T> {
 
     #[inline]
     fn at(textured: &texture::Number, at: &HitContext) -> f32 {
-        textured.at(&at.point)
+        textured.at(&at.texture)
     }
 
     fn recentred(textured: texture::Number, origin: DVec3) -> texture::Number {

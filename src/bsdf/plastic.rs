@@ -188,9 +188,9 @@ impl Lookup for textured::Plastic {
     type Model = Bsdf<'static>;
 
     fn at(&self, at: &HitContext) -> Bsdf<'static> {
-        let eta = self.eta.at(&at.point);
+        let eta = self.eta.at(&at.texture);
         let internal = self.internal.unwrap_or_else(|| Plastic::internal(eta));
-        Bsdf::Plastic(Plastic { albedo: Spectrum::from_albedo(self.albedo.at(&at.point)), eta, internal })
+        Bsdf::Plastic(Plastic { albedo: Spectrum::from_albedo(self.albedo.at(&at.texture)), eta, internal })
     }
 
     fn textures(&self) -> Vec<&Texture> {

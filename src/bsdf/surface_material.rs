@@ -8,7 +8,7 @@ use crate::effects::Effects;
 use crate::format::Textured;
 use crate::math::Frame;
 use crate::shape::{SurfacePoint, bent};
-use crate::texture::{Number, Product, Texture};
+use crate::texture::{Number, Product, Texture, TextureContext};
 
 /// A material with the properties that belong to the surface and not to scattering: a normal modifier and opacity.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,12 +56,13 @@ impl NormalModifier {
     /// - `tangents`: ∂p/∂u, ∂p/∂v (m)
     ///
     /// A normal that points below the surface, or away from the viewer, would make the point black. It is bent back, towards the
-    /// surface's own normal and then towards `wo`, so that the shading there differs from that of the map.
+    /// surface's own normal and then towards `wo`, so that the shading there differs from that of the map. Maps are not averaged over
+    /// footprints, since the mean of normals is that of a flatter surface.
     ///
     /// Tests: mapped_planes_are_lit_as_by_quadrature, modified_normals_face_the_viewer.
     pub fn normal(&self, point: &SurfacePoint, tangents: [Vec3; 2], wo: Vec3) -> Vec3 {
         let turned = match self {
-            NormalModifier::NormalMap { map, strength } => mapped(map, strength.at(point), point, tangents),
+            NormalModifier::NormalMap { map, strength } => mapped(map, strength.at(&TextureContext::exact(point)), point, tangents),
             NormalModifier::BumpMap { map, scale } => sloped(map, scale, point, tangents),
         };
         let normal = turned.and_then(Vec3::try_normalize).map_or(point.ns, |n| bent(n, point.ng, LEAST_COS));
@@ -91,7 +92,7 @@ fn mapped(map: &Texture, strength: f32, point: &SurfacePoint, [du, dv]: [Vec3; 2
     let frame = Frame::along(point.ns, du)?;
     // A mirrored parametrization mirrors the map.
     let hand = 1f32.copysign(frame.y.dot(dv));
-    let [x, y, z] = map.at(point).to_array().map(|c| 2.0 * c - 1.0);
+    let [x, y, z] = map.at(&TextureContext::exact(point)).to_array().map(|c| 2.0 * c - 1.0);
     Some(frame.x * (strength * x) + frame.y * (strength * y * hand) + frame.z * z)
 }
 
@@ -104,7 +105,7 @@ fn sloped(map: &Texture, scale: &Number, point: &SurfacePoint, [du, dv]: [Vec3; 
     // f64, because steep slopes of f32 heights would overflow in the normalization.
     let height = |uv: Vec2| {
         let p = point.p + du * uv.x + dv * uv.y;
-        let moved = SurfacePoint { p, uv: point.uv + uv, ..*point };
+        let moved = TextureContext::exact(&SurfacePoint { p, uv: point.uv + uv, ..*point });
         f64::from(scale.at(&moved)) * f64::from(map.scalar(&moved))
     };
     let slope = |step: Vec2| (height(step) - height(-step)) / (2.0 * f64::from(STEP));
@@ -122,7 +123,8 @@ impl SurfaceMaterial {
 
     /// The effects that simulating the surface needs.
     pub fn effects(&self) -> Effects {
-        let textured = |texture: &Texture| if texture.is_constant() { Effects::NONE } else { Effects::TEXTURES };
+        // They are looked up without footprints.
+        let textured = |texture: &Texture| texture.effects().without(Effects::FOOTPRINTS);
         let normal_modifier = self.normal_modifier.as_ref().map_or(Effects::NONE, |normal_modifier| {
             normal_modifier.textures().map(textured).fold(Effects::SHADING_NORMALS, Effects::union)
         });

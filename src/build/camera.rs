@@ -9,7 +9,7 @@ use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use crate::describe;
 use crate::film::layer::with_lights;
 use crate::film::memory;
-use crate::film::{Allocation, Crop, FilmSpec, Filter, Layer, LightNames};
+use crate::film::{Allocation, Crop, FilmSpec, Filter, Layer, LightNames, TextureFootprint};
 use crate::math::Transform;
 use crate::sampler::{Kind, SamplerSpec};
 
@@ -46,7 +46,9 @@ pub(super) fn film(described: &describe::Film) -> FilmSpec {
     let size = UVec2::new(described.width.get(), described.height.get());
     let layers = described.layers.iter().copied().map(layer).collect::<BTreeSet<_>>().into_iter().collect();
     let crop = Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) };
-    FilmSpec { size, crop, filter, layers, lights: LightNames::default(), allocation: Allocation::default() }
+    let texture_footprint =
+        described.texture_footprint.map_or(TextureFootprint::Shrinking, |width| TextureFootprint::Fixed(width.get() as f32));
+    FilmSpec { size, crop, filter, layers, lights: LightNames::default(), allocation: Allocation::default(), texture_footprint }
 }
 
 fn layer(described: describe::Layer) -> Layer {

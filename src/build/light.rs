@@ -1,53 +1,101 @@
 //! Builds the lights without a surface.
 
-use glam::DVec3;
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
 
 use super::{Builder, rgb};
 use crate::describe;
-use crate::light::{Directional, Falloff, Light, Point, Spot, Sun};
+use crate::error::Error;
+use crate::format::Radiometric;
+use crate::light::{Directional, Falloff, Light, Point, ProfiledPoint, Projector, Spot, Sun};
 use crate::math::float;
 
 impl Builder<'_> {
     pub(super) fn lights(&mut self) {
         for (i, described) in self.scene.lights.iter().enumerate() {
-            let (made, name) = light_of(described);
-            let name = name.map_or_else(|| format!("/lights/{i}"), |name| format!("{name:?}"));
+            let pointer = format!("/lights/{i}");
+            let (made, name) = match described {
+                describe::Light::Point(l) => (self.point(&pointer, l), l.name.as_ref()),
+                describe::Light::Directional(l) => (Some(directional(l)), l.name.as_ref()),
+                describe::Light::Spot(l) => (self.spot(&pointer, l), l.name.as_ref()),
+            };
+            let Some(made) = made else { continue };
+            let name = name.map_or(pointer, |name| format!("{name:?}"));
             self.needs.push((name, made.effects()));
             self.world.light(made);
         }
     }
+
+    /// A point light; nothing after adding a fault.
+    fn point(&mut self, pointer: &str, l: &describe::PointLight) -> Option<Light> {
+        let (position, intensity) = (l.position.0.into(), rgb(&l.intensity));
+        let Some(file) = &l.profile else { return Some(Light::Point(Point { position, intensity })) };
+        let profile = match self.source.files.profile(file) {
+            Ok((profile, warnings, hash)) => {
+                self.warnings.extend(warnings);
+                self.contents.insert(file.clone(), hash);
+                Arc::new(profile)
+            }
+            Err(Error::Invalid(faults)) => {
+                for fault in faults {
+                    self.fault(&format!("{pointer}/profile"), &format!("{file}: {}", fault.message));
+                }
+                return None;
+            }
+            Err(other) => {
+                self.failures.push(other);
+                return None;
+            }
+        };
+        let unit = |direction: Option<describe::Direction>, default: DVec3| direction.map_or(default, |d| DVec3::from(d.0).normalize());
+        let axis = unit(l.direction, DVec3::NEG_Y);
+        let across = unit(l.across, if axis.x.abs() < NEARLY_ALONG { DVec3::X } else { DVec3::Z });
+        let x = (across - axis * axis.dot(across)).normalize();
+        let axes = [x, axis.cross(x), axis].map(|v| v.as_vec3());
+        Some(Light::Profiled(ProfiledPoint { position, axes, intensity, profile }))
+    }
+
+    /// A spotlight; nothing after adding a fault.
+    fn spot(&mut self, pointer: &str, l: &describe::SpotLight) -> Option<Light> {
+        let axis = l.axis().unwrap_or(DVec3::NEG_Z).as_vec3();
+        let cos = |angle: describe::ConeAngle| float::sin_cos_degrees(angle.get()).1;
+        let falloff = match l.falloff {
+            describe::Falloff::Smooth => Falloff::Smooth,
+            describe::Falloff::Linear => Falloff::Linear,
+            describe::Falloff::Squared => Falloff::Squared,
+        };
+        let spot = Spot {
+            position: DVec3::from(l.position.0),
+            axis,
+            intensity: rgb(&l.intensity),
+            cos_inner: cos(l.inner_angle),
+            cos_outer: cos(l.outer_angle),
+            falloff,
+        };
+        let Some(file) = &l.image else { return Some(Light::Spot(spot)) };
+        let pixels = self.picture(&format!("{pointer}/image"), file, l.encoding, None)?;
+        let most = f64::from(pixels.most()) * f64::from(spot.intensity.max());
+        if Radiometric::new(most).is_none() {
+            self.fault(
+                &format!("{pointer}/image"),
+                &format!("{file}: an intensity of {most:.1e} W/sr with its picture, expected at most 1e30"),
+            );
+            return None;
+        }
+        let (sin, cos) = float::sin_cos_degrees(l.image_angle.map_or(l.outer_angle.get(), |angle| angle.get()));
+        let up = l.up.map_or(if axis.y.abs() < NEARLY_ALONG as f32 { Vec3::Y } else { Vec3::NEG_Z }, |up| DVec3::from(up.0).as_vec3());
+        Projector::new(spot, up, (sin / cos) as f32, pixels).map(|projector| Light::Projector(Box::new(projector)))
+    }
 }
 
-fn light_of(described: &describe::Light) -> (Light, Option<&String>) {
-    match described {
-        describe::Light::Point(l) => (Light::Point(Point { position: l.position.0.into(), intensity: rgb(&l.intensity) }), l.name.as_ref()),
-        describe::Light::Directional(l) => {
-            let direction = DVec3::from(l.direction.0).normalize().as_vec3();
-            let light = match l.angle.get() > 0.0 {
-                true => Light::Sun(Sun::of_irradiance(direction, l.irradiance.linear(), l.angle.get() / 2.0)),
-                false => Light::Directional(Directional { direction, irradiance: rgb(&l.irradiance) }),
-            };
-            (light, l.name.as_ref())
-        }
-        describe::Light::Spot(l) => {
-            let position = DVec3::from(l.position.0);
-            let towards = l.to.map(|to| DVec3::from(to.0) - position);
-            let axis = l.direction.map(|d| DVec3::from(d.0)).or(towards).unwrap_or(DVec3::NEG_Z);
-            let cos = |angle: describe::ConeAngle| float::sin_cos_degrees(angle.get()).1;
-            let falloff = match l.falloff {
-                describe::Falloff::Smooth => Falloff::Smooth,
-                describe::Falloff::Linear => Falloff::Linear,
-                describe::Falloff::Squared => Falloff::Squared,
-            };
-            let spot = Spot {
-                position,
-                axis: axis.normalize().as_vec3(),
-                intensity: rgb(&l.intensity),
-                cos_inner: cos(l.inner_angle),
-                cos_outer: cos(l.outer_angle),
-                falloff,
-            };
-            (Light::Spot(spot), l.name.as_ref())
-        }
+/// Cosine above which a default direction is too close to an axis.
+const NEARLY_ALONG: f64 = 0.999;
+
+fn directional(l: &describe::DirectionalLight) -> Light {
+    let direction = DVec3::from(l.direction.0).normalize().as_vec3();
+    match l.angle.get() > 0.0 {
+        true => Light::Sun(Sun::of_irradiance(direction, l.irradiance.linear(), l.angle.get() / 2.0)),
+        false => Light::Directional(Directional { direction, irradiance: rgb(&l.irradiance) }),
     }
 }

@@ -30,6 +30,7 @@ use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
 use crate::shape::{Cuboid, Disk, Geometry, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
+use crate::texture::pyramid::Pyramid;
 use crate::world::{Objects, PartAppearance, World, WorldBuilder};
 pub use camera::film_memory;
 use instances::BuiltGroup;
@@ -88,6 +89,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         textures: 0,
         parts: 0,
         pictures: BTreeMap::new(),
+        pyramids: BTreeMap::new(),
         contents: Contents::new(),
         boxes: vec![],
         lamps: vec![],
@@ -97,6 +99,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         faults: vec![],
         failures: vec![],
     };
+    builder.world.texture_footprints(scene.film.has_footprints());
     builder.groups()?;
     let of_groups = std::mem::take(&mut builder.needs);
     builder.shapes("/shapes", &scene.shapes, &Transform::IDENTITY)?;
@@ -172,6 +175,8 @@ struct Builder<'a> {
     parts: usize,
     /// The pictures read so far; `None` for one that could not be used.
     pictures: BTreeMap<(String, Encoding, Option<Channel>), Option<Arc<Pixels>>>,
+    /// The pictures at lower resolutions made so far.
+    pyramids: BTreeMap<(String, Encoding, Option<Channel>), Arc<Pyramid>>,
     contents: Contents,
     /// The bounding box of each shape, and of all instances of a description, in the coordinates of the scene or of a group.
     boxes: Vec<(DVec3, DVec3)>,

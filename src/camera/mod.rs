@@ -15,7 +15,7 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Vec2, Vec3};
 use crate::effects::Effects;
 use crate::error::Result;
 use crate::math::lanes::{Lanes, Vector};
-use crate::math::{AreaPdf, Density, Ray, Transform};
+use crate::math::{AreaPdf, Density, Ray, RayDifferential, Transform};
 
 pub use orthographic::Orthographic;
 pub use perspective::Perspective;
@@ -108,6 +108,18 @@ impl Camera {
             Camera::Spherical(camera) => camera.ray(film),
         };
         Ray { time, ..ray }
+    }
+
+    /// Differential of a ray of the camera, between neighbouring pixels of the film.
+    ///
+    /// - `ray`: the ray through `film`; the other parameters are those with which it was made
+    /// - `pixel`: width and height of a pixel, in the unit of `film`
+    pub fn differential(&self, ray: &Ray, film: Vec2, pixel: Vec2, aspect: f32, lens: Vec2) -> RayDifferential {
+        // Film positions end at 1.
+        let step = |k: usize| if film[k] + pixel[k] < 1.0 { 1.0 } else { -1.0 };
+        let step = [step(0), step(1)];
+        let beside = |offset: Vec2| self.ray(film + offset, aspect, lens, ray.time);
+        ray.differential_to([beside(Vec2::new(step[0] * pixel.x, 0.0)), beside(Vec2::new(0.0, step[1] * pixel.y))], step)
     }
 
     /// Positions on the plane of the film, at its edges also outside of it, whose rays are those of `film`.

@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::Lights;
-use crate::math::Ray;
+use crate::math::{Ray, RayDifferential, SurfaceDifferential};
 use crate::primitive::Hit;
 use crate::render::RenderReport;
 use crate::scene::{Scene, Surface};
@@ -66,6 +66,10 @@ impl Scene for RayCounter {
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.scene.surface(ray, hit)
+    }
+
+    fn surface_with_footprint(&self, ray: &Ray, hit: &Hit, differential: &RayDifferential) -> (Surface<'_>, Option<SurfaceDifferential>) {
+        self.scene.surface_with_footprint(ray, hit, differential)
     }
 
     fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {

@@ -4,11 +4,13 @@
 
 use std::collections::BTreeSet;
 
+use glam::DVec3;
+
 use super::camera::Camera;
 use super::cycles;
 use super::field_check;
 use super::film::Film;
-use super::light::{DirectionalLight, Light, SpotLight};
+use super::light::{DirectionalLight, Light, PointLight, SpotLight};
 use super::scene::Scene;
 use super::shape::{Instances, Mesh, Sdf, Shape};
 use super::{Material, MaterialRef};
@@ -16,6 +18,9 @@ use crate::bsdf::microfacet::RoughnessKeys;
 use crate::format::{Hex, LookAt, Radiometric, Texture, TextureSpace, Textured, Transform};
 use crate::primitive::MAX_NESTING;
 use crate::reader::{Faults, Node, escaped, unknown};
+
+/// The least sine of the angle between two directions that span a plane.
+const LEAST_SINE: f64 = 1e-6;
 
 /// Adds to `faults` all that is wrong with `scene`, which was read from `root`.
 pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
@@ -42,7 +47,7 @@ pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
         match light {
             Light::Spot(spot) => checker.spot(&format!("/lights/{i}"), spot),
             Light::Directional(light) => checker.disk(&format!("/lights/{i}/angle"), light),
-            Light::Point(_) => {}
+            Light::Point(point) => checker.point(&format!("/lights/{i}"), point),
         }
     }
     if let Some(background) = &scene.background {
@@ -359,7 +364,32 @@ impl Checker<'_> {
         }
     }
 
+    fn point(&self, pointer: &str, point: &PointLight) {
+        let without = [("direction", point.direction), ("across", point.across)];
+        for (key, _) in without.into_iter().filter(|(_, given)| given.is_some() && point.profile.is_none()) {
+            self.fault(&format!("{pointer}/{key}"), "only a point with a \"profile\" has this");
+        }
+        let [axis, across] = [point.direction, point.across].map(|direction| direction.map(|d| DVec3::from(d.0).normalize()));
+        if across.is_some_and(|across| across.cross(axis.unwrap_or(DVec3::NEG_Y)).length() < LEAST_SINE) {
+            self.fault(&format!("{pointer}/across"), "expected another direction than that of the vertical angle 0");
+        }
+    }
+
     fn spot(&self, pointer: &str, spot: &SpotLight) {
+        let needs_image = [("encoding", !spot.encoding.is_auto()), ("image_angle", spot.image_angle.is_some()), ("up", spot.up.is_some())];
+        for (key, _) in needs_image.into_iter().filter(|(_, given)| *given && spot.image.is_none()) {
+            self.fault(&format!("{pointer}/{key}"), "only a spot with an \"image\" has this");
+        }
+        let axis = spot.axis();
+        if let (Some(up), Some(axis)) = (spot.up, axis)
+            && DVec3::from(up.0).normalize().cross(axis).length() < LEAST_SINE
+        {
+            self.fault(&format!("{pointer}/up"), "expected another direction than that of the light");
+        }
+        if spot.image.is_some() && spot.image_angle.is_none() && spot.outer_angle.get() >= 90.0 {
+            let message = "with an \"outer_angle\" of 90 or more the width of the picture is needed: \"image_angle\", below 90";
+            self.fault(&format!("{pointer}/outer_angle"), message);
+        }
         if spot.direction.is_some() == spot.to.is_some() {
             self.fault(pointer, "a spot needs either \"direction\" or \"to\"");
         }

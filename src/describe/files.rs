@@ -8,6 +8,9 @@ use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use super::file::open;
+use super::identity::of_bytes as hash_of;
+use super::ies;
+use super::light::Light;
 use super::mesh;
 use super::mesh::points::{self, InstancePoint};
 use super::picture;
@@ -15,6 +18,8 @@ use super::scene::Scene;
 use super::shape::Shape;
 use super::{Material, MaterialRef};
 use crate::format::{Channel, Encoding, Texture, Textured};
+use crate::light::IntensityProfile;
+use crate::math::hash::Hash;
 use crate::reader::escaped;
 use crate::shape::MeshData;
 use crate::texture::image::Pixels;
@@ -89,6 +94,16 @@ impl Files {
         }
     }
 
+    /// Reads the measured intensities in the IES file of that name, as [`ies::read`] does, and the hash of the file.
+    ///
+    /// # Errors
+    /// Those of [`ies::read`] and of [`Files::bytes`].
+    pub fn profile(&self, name: &str) -> Result<(IntensityProfile, Vec<String>, Hash)> {
+        let content = self.bytes(name)?;
+        let (profile, warnings) = ies::read(&content, name)?;
+        Ok((profile, warnings, hash_of(&content)))
+    }
+
     /// Says what is wrong with the name of a file; `None` if the scene may read it.
     ///
     /// The text of the path is checked first, so that no message tells what exists outside of the folder. Then the file system is
@@ -127,6 +142,14 @@ pub fn files_of(scene: &Scene) -> Vec<(String, &str)> {
     scene.materials.iter().for_each(|(name, material)| files.material(&format!("/materials{}", escaped(name)), material));
     scene.groups.iter().for_each(|(name, shapes)| files.shapes(&format!("/groups{}", escaped(name)), shapes));
     files.shapes("/shapes", &scene.shapes);
+    for (i, light) in scene.lights.iter().enumerate() {
+        let named = match light {
+            Light::Point(point) => ("profile", point.profile.as_deref()),
+            Light::Spot(spot) => ("image", spot.image.as_deref()),
+            Light::Directional(_) => continue,
+        };
+        files.0.extend(named.1.map(|file| (format!("/lights/{i}/{}", named.0), file)));
+    }
     if let Some(image) = scene.background.as_ref().and_then(|background| background.image.as_deref()) {
         files.0.push(("/background/image".to_owned(), image));
     }

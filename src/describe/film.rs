@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::format::{Fraction, Positive, Side};
+use crate::format::{Fraction, NonNegative, Positive, Side};
 use crate::reader::by_type;
 
 /// The image: its size, pixel filter and layers.
@@ -20,6 +20,10 @@ pub struct Film {
     pub crop: Option<[u32; 4]>,
     /// The pixel filter.
     pub filter: Filter,
+    /// The width of the area around a camera ray over which textures are averaged, in pixels; 0 looks them up at points. Default: 1/n
+    /// pixels for the sample n of a pixel, rounded down to a power of two, so that the blur vanishes as samples are added.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub texture_footprint: Option<NonNegative>,
     /// The layers that EXR files have beside the picture: means over each pixel of properties of the first surface, or of light sorted
     /// by its path. The picture itself does not change.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -108,7 +112,14 @@ pub struct MitchellFilter {
 
 impl Default for Film {
     fn default() -> Film {
-        Film { width: Side::known(512), height: Side::known(512), crop: None, filter: Filter::Box(BoxFilter::default()), layers: vec![] }
+        Film {
+            width: Side::known(512),
+            height: Side::known(512),
+            crop: None,
+            filter: Filter::Box(BoxFilter::default()),
+            texture_footprint: None,
+            layers: vec![],
+        }
     }
 }
 
@@ -137,6 +148,11 @@ impl Default for MitchellFilter {
 }
 
 impl Film {
+    /// Whether textures are averaged over footprints.
+    pub fn has_footprints(&self) -> bool {
+        self.texture_footprint.is_none_or(|width| width.get() > 0.0)
+    }
+
     /// The part to render, `[x0, x1, y0, y1]` in pixels: the crop, or the full image.
     pub fn bounds(&self) -> [u32; 4] {
         self.crop.unwrap_or([0, self.width.get(), 0, self.height.get()])

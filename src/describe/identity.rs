@@ -121,8 +121,13 @@ fn is_numeric(value: &Value) -> bool {
 }
 
 fn of_text(text: &str) -> Hash {
+    of_bytes(text.as_bytes())
+}
+
+/// The hash of a file's content.
+pub(crate) fn of_bytes(bytes: &[u8]) -> Hash {
     let mut hasher = Hasher::default();
-    hasher.bytes(text.as_bytes());
+    hasher.bytes(bytes);
     hasher.finish()
 }
 

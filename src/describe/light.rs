@@ -1,9 +1,10 @@
 //! Descriptions of lights without a surface. (Shapes emit light by their `emission`.)
 
+use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::format::{Color, ConeAngle, Direction, DiskAngle, Point, Radiometric};
+use crate::format::{Color, ConeAngle, Direction, DiskAngle, Encoding, HalfAngle, Point, Radiometric};
 use crate::math::float::sin_cos_degrees;
 use crate::reader::by_type;
 
@@ -19,7 +20,7 @@ pub enum Light {
 
 by_type!(Light { Point(PointLight), Directional(DirectionalLight), Spot(SpotLight) });
 
-/// A point that emits equally in every direction.
+/// A point that emits equally in every direction, or as a lamp was measured to do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PointLight {
@@ -28,8 +29,19 @@ pub struct PointLight {
     pub name: Option<String>,
     /// The position, in metres.
     pub position: Point,
-    /// Radiant intensity, in W·sr⁻¹.
+    /// Radiant intensity, in W·sr⁻¹; with `profile` that in the direction where it is greatest.
     pub intensity: Color<Radiometric>,
+    /// An IES file with the measured intensity of a lamp for each direction: the path, relative to the scene file's folder. Only ratios
+    /// of its values count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub profile: Option<String>,
+    /// The direction of the profile's vertical angle 0. Default: straight down, −y. Only with `profile`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<Direction>,
+    /// The direction of the profile's horizontal angle 0, made perpendicular to `direction`. Default: +x, or +z where `direction` is
+    /// along x. Only with `profile`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub across: Option<Direction>,
 }
 
 /// Light from one direction at infinite distance, such as sunlight.
@@ -87,6 +99,27 @@ pub struct SpotLight {
     /// How the intensity falls off from the inner to the outer angle.
     #[serde(default)]
     pub falloff: Falloff,
+    /// A picture that the light projects, as a slide: the path, relative to the scene file's folder. It multiplies the intensity; beside it
+    /// there is no light.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image: Option<String>,
+    /// How colours are encoded in the picture. Only with `image`.
+    #[serde(default, skip_serializing_if = "Encoding::is_auto")]
+    pub encoding: Encoding,
+    /// Half the angle under which the light sees the width of its picture, in degrees. Default: `outer_angle`. Only with `image`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image_angle: Option<HalfAngle>,
+    /// The direction towards the upper edge of the picture. Default: +y, or −z where the axis is along y. Only with `image`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub up: Option<Direction>,
+}
+
+impl SpotLight {
+    /// The unit axis of the cone; `None` if it points at itself, or nowhere.
+    pub(crate) fn axis(&self) -> Option<DVec3> {
+        let towards = self.to.map(|to| DVec3::from(to.0) - DVec3::from(self.position.0));
+        self.direction.map(|d| DVec3::from(d.0)).or(towards)?.try_normalize()
+    }
 }
 
 /// The falloff of a spot's intensity between its angles, where x runs from 0 at the outer to 1 at the inner angle.

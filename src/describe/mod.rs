@@ -18,6 +18,7 @@ mod file;
 mod files;
 mod film;
 pub(crate) mod identity;
+pub mod ies;
 mod light;
 pub mod mesh;
 mod names;

@@ -2,6 +2,7 @@
 
 pub mod allocation;
 pub mod filter;
+mod footprint;
 pub mod image;
 pub mod layer;
 pub mod memory;
@@ -19,6 +20,7 @@ use crate::sampler::ErrorEstimator;
 
 pub use allocation::Allocation;
 pub use filter::Filter;
+pub use footprint::TextureFootprint;
 pub use image::{Channel, Image};
 pub use layer::{Layer, LightNames};
 pub use moments::{Moments, Tree};
@@ -41,6 +43,8 @@ pub struct FilmSpec {
     pub lights: LightNames,
     /// Relative number of samples of each pixel of the crop.
     pub allocation: Allocation,
+    /// Width of the area over which textures are averaged.
+    pub texture_footprint: TextureFootprint,
 }
 
 impl FilmSpec {
@@ -54,12 +58,18 @@ impl FilmSpec {
             layers: vec![],
             lights: LightNames::default(),
             allocation: Allocation::default(),
+            texture_footprint: TextureFootprint::default(),
         }
     }
 
     /// The film without layers.
     pub fn without_layers(self) -> FilmSpec {
         FilmSpec { layers: vec![], ..self }
+    }
+
+    /// The film with textures looked up at points.
+    pub fn without_footprints(self) -> FilmSpec {
+        FilmSpec { texture_footprint: TextureFootprint::Fixed(0.0), ..self }
     }
 
     /// Layout of the sums of a pixel.

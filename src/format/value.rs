@@ -153,6 +153,8 @@ ranged! {
     FieldOfView: f64 read as f64 ("an angle in degrees", "number") in Excluded(0.0), Excluded(180.0);
     /// The half angle of a cone, in degrees.
     ConeAngle: f64 read as f64 ("an angle in degrees", "number") in Included(0.0), Included(180.0);
+    /// Half the angle under which something flat is seen, in degrees.
+    HalfAngle: f64 read as f64 ("an angle in degrees", "number") in Excluded(0.0), Excluded(90.0);
     /// The full angle under which a disk in the sky is seen, in degrees.
     DiskAngle: f64 read as f64 ("an angle in degrees", "number") in Included(0.0), Included(180.0);
     /// The angle of the sun above the horizon, in degrees.

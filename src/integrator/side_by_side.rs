@@ -70,9 +70,11 @@ impl<'a> Batch<'a> {
     }
 
     /// Gives each sample its camera ray and the weight of the reconstruction filter.
-    pub fn start_each(&mut self, mut camera: impl FnMut(UVec2, &mut SampleNumbers) -> CameraSample) {
+    ///
+    /// - `camera`: camera sample for the place of a sample in the batch, its pixel and its numbers
+    pub fn start_each(&mut self, mut camera: impl FnMut(usize, UVec2, &mut SampleNumbers) -> CameraSample) {
         for (k, (&pixel, numbers)) in self.pixels.iter().zip(self.numbers.samples()).enumerate() {
-            let CameraSample { ray, weight, .. } = camera(pixel, numbers);
+            let CameraSample { ray, weight, .. } = camera(k, pixel, numbers);
             self.weights[k] = weight;
             self.paths.start::<One>(k, Vector::splat(ray.origin), Vector::splat(ray.direction));
         }

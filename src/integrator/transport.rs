@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::CameraSample;
 use crate::bsdf::{BsdfSample, TransportMode};
 use crate::light::LightSample;
-use crate::math::{Ray, Spectrum, Vec3};
+use crate::math::{Density, Ray, RayDifferential, Spectrum, SurfaceDifferential, Vec3};
 use crate::primitive::Hit;
 use crate::recorder::{End, Event, Origin, Recorder};
 use crate::sampler::SampleNumbers;
@@ -27,19 +27,45 @@ pub struct CameraPath {
     pub radiance: Spectrum,
     /// Hit of the camera ray, until it is used.
     known_hit: Option<Option<Hit>>,
+    differential: PathDifferential,
+}
+
+/// How a path from the camera differs from those beside it.
+#[derive(Clone, Copy, Debug)]
+enum PathDifferential {
+    /// Unknown: no texture depends on it, or the path was scattered by something else than smooth mirrors and glass.
+    None,
+    /// Between two vertices.
+    Ray(RayDifferential),
+    /// At a vertex.
+    Surface(SurfaceDifferential),
 }
 
 impl CameraPath {
     /// A path that starts at the camera.
     pub fn new(camera: &CameraSample) -> CameraPath {
         let CameraSample { ray, known_hit, .. } = *camera;
-        CameraPath { ray, depth: 0, beta: Spectrum::ONE, eta_scale: 1.0, radiance: Spectrum::BLACK, known_hit }
+        let differential = camera.differential.map_or(PathDifferential::None, PathDifferential::Ray);
+        CameraPath { ray, depth: 0, beta: Spectrum::ONE, eta_scale: 1.0, radiance: Spectrum::BLACK, known_hit, differential }
     }
 
     /// Next surface that the path hits.
     #[inline(always)]
     pub fn hit(&mut self, scene: &dyn Scene) -> Option<Hit> {
         self.known_hit.take().unwrap_or_else(|| scene.intersect(&self.ray))
+    }
+
+    /// Surface that the path hit, with its textures averaged over the path's footprint.
+    #[inline(always)]
+    pub fn surface<'s>(&mut self, scene: &'s dyn Scene, hit: &Hit) -> Surface<'s> {
+        match &self.differential {
+            PathDifferential::Ray(differential) => {
+                let (surface, onward) = scene.surface_with_footprint(&self.ray, hit, differential);
+                self.differential = onward.map_or(PathDifferential::None, PathDifferential::Surface);
+                surface
+            }
+            _ => scene.surface(&self.ray, hit),
+        }
     }
 
     /// Adds light that arrives along the ray, from the surface or the background that it hits.
@@ -81,9 +107,23 @@ impl CameraPath {
         recorder.record(|| Event::scattering(depth, surface, wo, &(wi, sample), roulette.chance(depth, carried)));
         let Some(survivors) = roulette.survive(depth, carried, numbers) else { return self.end(End::Roulette, recorder) };
         self.beta *= survivors;
+        if let PathDifferential::Surface(at) = &self.differential {
+            let onward = scattered(at, surface, -wo, wi, &sample);
+            self.differential = onward.map_or(PathDifferential::None, PathDifferential::Ray);
+        }
         self.ray = surface.spawn(wi, self.ray.time);
         self.depth += 1;
         ControlFlow::Continue(sample)
+    }
+}
+
+/// Differential of a ray that leaves a surface; `None` after anything but reflection or refraction into a single direction. Then
+/// textures are looked up at points, since the paths through a pixel spread over far more than it shows.
+#[inline(never)]
+fn scattered(at: &SurfaceDifferential, surface: &Surface, arriving: Vec3, wi: Vec3, sample: &BsdfSample) -> Option<RayDifferential> {
+    match sample.density {
+        Density::Delta => at.scattered(surface.frame.z, arriving, wi, sample.eta),
+        Density::Smooth(_) => None,
     }
 }
 

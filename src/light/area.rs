@@ -10,7 +10,7 @@ use super::emitted_ray::EmissionContext;
 use super::{EmittedRay, LightLiSample, ShadowTarget};
 use crate::math::{AreaPdf, Density, Frame, Local, Ray, Rgb, SolidAnglePdf, Spectrum, warp};
 use crate::shape::{Shape, SurfacePoint, offset_ray_origin};
-use crate::texture::Texture;
+use crate::texture::{Texture, TextureContext};
 
 /// Diffuse emission of a point, with the same radiance in all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,11 +46,11 @@ impl Emitter {
     }
 
     /// Emission at a point.
-    pub fn at(&self, point: &SurfacePoint) -> Emission {
+    pub fn at(&self, at: &TextureContext) -> Emission {
         let (whole, two_sided) = (Spectrum::from_illuminant(self.radiance), self.two_sided);
         match &self.texture {
             None => Emission { radiance: whole, two_sided },
-            Some(texture) => Emission { radiance: whole * Spectrum::from_coefficients(texture.at(point)), two_sided },
+            Some(texture) => Emission { radiance: whole * Spectrum::from_coefficients(texture.at(at)), two_sided },
         }
     }
 
@@ -83,7 +83,7 @@ impl Area {
     pub(super) fn sample(&self, shapes: &[Box<dyn Shape>], from: Vec3, u: Vec2) -> Option<LightLiSample> {
         let (point, pdf) = shapes[self.shape as usize].sample_from(self.primitive, from, u)?;
         let wi = towards(from, &point)?;
-        let li = self.emitter.at(&point).towards(point.ng, -wi);
+        let li = self.emitter.at(&TextureContext::exact(&point)).towards(point.ng, -wi);
         (!li.is_black()).then_some(LightLiSample { wi, li, density: Density::Smooth(pdf), target: ShadowTarget::Surface(point) })
     }
 
@@ -101,7 +101,7 @@ impl Area {
         };
         let local = warp::cosine_hemisphere(Vec2::new(x, cx.direction.y));
         let w = Frame::around(point.ng * side).to_world(Local(local)).normalize();
-        let le = self.emitter.at(&point).towards(point.ng, w);
+        let le = self.emitter.at(&TextureContext::exact(&point)).towards(point.ng, w);
         let ray = Ray { from: point.p, time: cx.time, ..Ray::new(offset_ray_origin(&point, w), w) };
         let direction = Density::Smooth(SolidAnglePdf::new(share * warp::cosine_hemisphere_pdf(local)));
         let (position, &EmissionContext { light, probability, .. }) = (Density::Smooth(pdf), cx);
@@ -155,7 +155,7 @@ impl Area {
     fn mean(&self, shape: &dyn Shape) -> Spectrum {
         let middle = |k: u32| (k as f32 + 0.5) / LOOKUPS as f32;
         let points = (0..LOOKUPS * LOOKUPS).map(|k| Vec2::new(middle(k % LOOKUPS), middle(k / LOOKUPS)));
-        let seen = points.map(|u| self.emitter.at(&shape.sample_area(self.primitive, u).0).radiance);
+        let seen = points.map(|u| self.emitter.at(&TextureContext::exact(&shape.sample_area(self.primitive, u).0)).radiance);
         seen.fold(Spectrum::BLACK, |sum, radiance| sum + radiance) / (LOOKUPS * LOOKUPS) as f32
     }
 }

@@ -10,6 +10,8 @@ mod emitted_ray;
 pub mod environment;
 pub mod environment_map;
 pub mod point;
+pub mod profile;
+mod projector;
 pub mod sky;
 pub mod spot;
 pub mod sun;
@@ -33,6 +35,8 @@ pub use emitted_ray::{EmissionDensity, EmittedRay};
 pub use environment::Environment;
 pub use environment_map::{EnvironmentMap, Mapping};
 pub use point::Point;
+pub use profile::{IntensityProfile, ProfiledPoint};
+pub use projector::Projector;
 pub use sky::{Sky, SkyLight};
 pub use spot::{Falloff, Spot};
 pub use sun::Sun;
@@ -46,6 +50,10 @@ pub enum Light {
     Point(Point),
     /// Point light with a cone.
     Spot(Spot),
+    /// Point light with a measured intensity for each direction.
+    Profiled(ProfiledPoint),
+    /// Spotlight that projects a picture.
+    Projector(Box<Projector>),
     /// Parallel light.
     Directional(Directional),
     /// Disk of light, infinitely far away.
@@ -254,6 +262,8 @@ impl Lights {
             Light::Area(area) => area.emission_density(&self.shapes, point, w),
             Light::Point(point) => (Density::Delta, Density::Smooth(point.emission_pdf())),
             Light::Spot(spot) => (Density::Delta, Density::Smooth(spot.emission_pdf(w))),
+            Light::Profiled(point) => (Density::Delta, Density::Smooth(point.emission_pdf(w))),
+            Light::Projector(projector) => (Density::Delta, Density::Smooth(projector.emission_pdf(w))),
             Light::Directional(_) => (from_infinity, Density::Delta),
             Light::Sun(sun) => (from_infinity, Density::Smooth(sun.pdf(-w))),
             Light::Environment(environment) => (from_infinity, Density::Smooth(environment.emission_pdf())),
@@ -326,6 +336,8 @@ impl Light {
             Light::Area(area) => area.sample(shapes, cx.p, u),
             Light::Point(point) => point.sample(cx.p),
             Light::Spot(spot) => spot.sample(cx.p),
+            Light::Profiled(point) => point.sample(cx.p),
+            Light::Projector(projector) => projector.sample(cx.p),
             Light::Directional(directional) => directional.sample(),
             Light::Sun(sun) => sun.sample(u),
             Light::Environment(environment) => environment.sample(cx, u),
@@ -338,6 +350,8 @@ impl Light {
             Light::Area(area) => area.emit(shapes, cx),
             Light::Point(point) => point.emit(cx),
             Light::Spot(spot) => spot.emit(cx),
+            Light::Profiled(point) => point.emit(cx),
+            Light::Projector(projector) => projector.emit(cx),
             Light::Directional(directional) => directional.emit(cx),
             Light::Sun(sun) => sun.emit(cx),
             Light::Environment(environment) => environment.emit(cx),
@@ -351,6 +365,8 @@ impl Light {
             Light::Area(area) => Some(area.bounds(shapes)),
             Light::Point(point) => Some(LightBounds::all_directions(Aabb::around([point.position.as_vec3()]), point.intensity())),
             Light::Spot(spot) => Some(spot.bounds()),
+            Light::Profiled(point) => Some(point.bounds()),
+            Light::Projector(projector) => Some(projector.bounds()),
             Light::Directional(_) | Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => None,
         }
     }
@@ -373,7 +389,7 @@ impl Light {
                 let (rotation, irradiance) = map.irradiance();
                 Some(InfiniteIrradiance::Map(rotation, irradiance))
             }
-            Light::Area(_) | Light::Point(_) | Light::Spot(_) => None,
+            Light::Area(_) | Light::Point(_) | Light::Spot(_) | Light::Profiled(_) | Light::Projector(_) => None,
         }
     }
 
@@ -383,6 +399,8 @@ impl Light {
             Light::Area(area) => area.emitter.radiance.is_black(),
             Light::Point(point) => point.intensity.is_black(),
             Light::Spot(spot) => spot.intensity.is_black(),
+            Light::Profiled(point) => point.intensity.is_black(),
+            Light::Projector(projector) => projector.is_black(),
             Light::Directional(directional) => directional.irradiance.is_black(),
             Light::Sun(sun) => sun.radiance.is_black(),
             Light::Environment(environment) => environment.radiance.is_black(),
@@ -396,6 +414,8 @@ impl Light {
             Light::Area(area) => area.power(shapes),
             Light::Point(point) => point.power(),
             Light::Spot(spot) => spot.power(),
+            Light::Profiled(point) => point.power(),
+            Light::Projector(projector) => projector.power(),
             Light::Directional(directional) => directional.power(radius),
             Light::Sun(sun) => sun.power(radius),
             Light::Environment(environment) => environment.power(radius),
@@ -408,6 +428,8 @@ impl Light {
         match &mut self {
             Light::Point(point) => point.position -= origin,
             Light::Spot(spot) => spot.position -= origin,
+            Light::Profiled(point) => point.position -= origin,
+            Light::Projector(projector) => projector.spot.position -= origin,
             Light::Area(_) | Light::Directional(_) | Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => {}
         }
         self
@@ -418,7 +440,7 @@ impl Light {
         match self {
             _ if self.is_black() => Effects::NONE,
             Light::Area(_) => Effects::AREA_LIGHT,
-            Light::Point(_) | Light::Spot(_) | Light::Directional(_) => Effects::POINT_LIGHT,
+            Light::Point(_) | Light::Spot(_) | Light::Profiled(_) | Light::Projector(_) | Light::Directional(_) => Effects::POINT_LIGHT,
             Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => Effects::ENVIRONMENT,
         }
     }

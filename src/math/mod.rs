@@ -1,6 +1,7 @@
 //! Vectors, densities, transforms and numerics.
 
 pub mod bounds;
+pub mod differential;
 pub mod discrete;
 pub mod equal_area;
 pub mod exact;
@@ -21,6 +22,7 @@ pub mod transform;
 pub mod warp;
 
 pub use bounds::Aabb;
+pub use differential::{RayDifferential, SurfaceDifferential};
 pub use discrete::Discrete;
 pub use exact::ExactSum;
 pub use frame::{Frame, Local};

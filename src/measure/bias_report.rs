@@ -32,6 +32,8 @@ pub struct BiasEstimate {
 pub struct BiasBudget {
     /// Greatest number of camera samples.
     pub samples: u64,
+    /// Samples of each pixel in the picture. Those of the estimate have indices below it, on which texture footprints depend.
+    pub per_pixel: u64,
     /// Greatest duration of the estimation. The clock is checked after every [`BATCH`] samples.
     pub time: Duration,
 }
@@ -62,32 +64,29 @@ pub fn bias_report(
     budget: BiasBudget,
 ) -> Vec<BiasEstimate> {
     let removed =
-        |Bias { setting, without }: Bias| estimate_bias(setting, (scene, integrator), (scene, &*without), spec, seed, mean, budget);
+        |Bias { setting, without }: Bias| estimate_bias(setting, (scene, integrator, spec), (scene, &*without, spec), seed, mean, budget);
     integrator.biases().into_iter().map(removed).collect()
 }
 
-/// Estimates the light that one of two methods lacks. They differ by a bias: two integrators, or one integrator on two scenes.
+/// Estimates the light that one of two methods lacks. They differ by a bias: two integrators, one integrator on two scenes, or two settings
+/// of the film that change neither its size nor its crop.
 ///
 /// The share is negative where the bias adds light.
 ///
 /// - `with`, `without`: the method with the bias and without it
 /// - the other parameters are those of [`bias_report`]
-pub fn estimate_bias(
-    setting: String,
-    with: SceneAndIntegrator,
-    without: SceneAndIntegrator,
-    spec: &FilmSpec,
-    seed: u64,
-    mean: f64,
-    budget: BiasBudget,
-) -> BiasEstimate {
+pub fn estimate_bias(setting: String, with: Method, without: Method, seed: u64, mean: f64, budget: BiasBudget) -> BiasEstimate {
     let own = hash::dimension_key(!seed, OWN_NUMBERS);
     let settings = Settings::new(SamplerSpec { kind: Kind::Independent, seed: own, ..SamplerSpec::default() });
-    let [with, without] = [with, without].map(|(scene, integrator)| Render::new(scene.clone(), integrator, spec, &settings));
+    let spec = with.2;
+    let [with, without] = [with, without].map(|(scene, integrator, spec)| Render::new(scene.clone(), integrator, spec, &settings));
     let (mut sum, mut square, mut samples) = (0.0, 0.0, 0);
     let start = Instant::now();
     while samples < budget.samples && (samples == 0 || start.elapsed() < budget.time) {
-        let batch = (samples..samples + BATCH).into_par_iter().map(|i| difference(&with, &without, spec, own, i)).collect::<Vec<_>>();
+        let batch = (samples..samples + BATCH)
+            .into_par_iter()
+            .map(|i| difference(&with, &without, spec, own, i, budget.per_pixel))
+            .collect::<Vec<_>>();
         batch.into_iter().for_each(|d| (sum, square) = (sum + d, square + d * d));
         samples += BATCH;
     }
@@ -96,20 +95,20 @@ pub fn estimate_bias(
     BiasEstimate { setting, share: part(removed.value), error: part(removed.standard_error()) * part(mean), samples }
 }
 
-/// A scene and the integrator that renders it.
-pub type SceneAndIntegrator<'a> = (&'a Arc<dyn Scene>, &'a dyn Integrator);
+/// A scene, the integrator that renders it, and the film.
+pub type Method<'a> = (&'a Arc<dyn Scene>, &'a dyn Integrator, &'a FilmSpec);
 
 /// Number that no scrambling of a picture's pixel has.
 const OWN_NUMBERS: u32 = u32::MAX;
 
 /// Difference that sample i shows: the mean over the colours. Invalid samples count as 0 here, as the render itself reports them.
-fn difference(with: &Render, without: &Render, spec: &FilmSpec, key: u64, i: u64) -> f64 {
+fn difference(with: &Render, without: &Render, spec: &FilmSpec, key: u64, i: u64, per_pixel: u64) -> f64 {
     // Every pixel of the whole picture has a path from the lights, which may bring light to the crop.
     let from = if with.splats() { Crop { min: UVec2::ZERO, max: spec.size } } else { spec.crop };
     let place = hash::dimension_key(key, i as u32) % from.pixel_count();
     let width = u64::from(from.size().x);
     let pixel = from.min + UVec2::new((place % width) as u32, (place / width) as u32);
-    let id = SampleId { pixel: pixel.into(), index: i };
+    let id = SampleId { pixel: pixel.into(), index: i % per_pixel.max(1) };
     let share = from.pixel_count() as f64 / spec.crop.pixel_count() as f64;
     let [with, without] = [with, without].map(|render| contribution(render, spec.crop, id));
     let difference = without - with;

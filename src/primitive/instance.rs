@@ -215,6 +215,11 @@ impl<'a> Nesting<'a> {
         self.0.iter().rev().fold(v.as_dvec3(), |v, instance| instance.to_outer.vector(v)).as_vec3()
     }
 
+    /// A vector of the outermost space in the space of the innermost group.
+    pub fn vector_to_local(&self, v: Vec3) -> Vec3 {
+        self.0.iter().fold(v.as_dvec3(), |v, instance| instance.to_outer.inverse_matrix().transform_vector3(v)).as_vec3()
+    }
+
     /// A point of the outermost space in the space of the innermost group.
     pub fn point_to_local(&self, p: DVec3) -> Vec3 {
         self.0.iter().fold(p, |p, instance| instance.to_outer.inverse_matrix().transform_point3(p)).as_vec3()

@@ -52,7 +52,7 @@ impl Batches<'_> {
         let render = self.render;
         match Pinhole::of(render) {
             Some(rays) => self.method.width().run(StartLanes { rays, batch: &mut *batch }),
-            None => batch.start_each(|pixel, numbers| render.camera_sample(pixel, numbers)),
+            None => batch.start_each(|k, pixel, numbers| render.camera_sample(pixel, indices[k], numbers)),
         }
         self.method.estimate(batch, self.interrupt);
         for ((pixel, weight, radiance), &index) in batch.estimates().zip(&*indices) {

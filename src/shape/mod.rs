@@ -88,6 +88,14 @@ pub trait Shape: Send + Sync {
         None
     }
 
+    /// Change of the unit shading normal when the point moves by `along`, a tangential vector (m), to first order; `None` if the shape does
+    /// not know it.
+    ///
+    /// - `uv`: coordinates of the hit on the primitive
+    fn normal_change(&self, i: u32, _uv: Vec2, _point: &SurfacePoint, _along: Vec3) -> Option<Vec3> {
+        self.is_flat(i).then_some(Vec3::ZERO)
+    }
+
     /// Samples a point on primitive `i`, uniformly by area unless the shape documents another density.
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf);
 
@@ -149,6 +157,15 @@ pub trait Shape: Send + Sync {
         None
     }
 
+    /// Change of the shading normal of an instance of primitive `i` when the point moves by `along`, as [`Shape::normal_change`]; `None` if
+    /// it follows from that of the primitive itself.
+    ///
+    /// - `to_world`: transform of the instance
+    /// - `along`: tangential vector in world space (m)
+    fn instance_normal_change(&self, _i: u32, _uv: Vec2, _to_world: &Transform, _along: Vec3) -> Option<Vec3> {
+        None
+    }
+
     /// Height of the smooth surface above an instance of primitive `i` (m), see [`Shape::shadow_terminator_offset`].
     ///
     /// - `to_world`: transform of the instance
@@ -161,6 +178,12 @@ pub trait Shape: Send + Sync {
     fn has_shadow_terminator_offset(&self) -> bool {
         false
     }
+}
+
+/// Change of v/|v| when v changes by `change`.
+pub(crate) fn unit_change(v: DVec3, change: DVec3) -> DVec3 {
+    let unit = v.normalize();
+    (change - unit * unit.dot(change)) / v.length()
 }
 
 /// Density by solid angle as seen from `from`, converted from a density by area; `None` if the surface is seen edge-on.

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
-use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, offset_bound};
+use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, offset_bound, unit_change};
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Frame, Ray, SolidAnglePdf, Transform, float, warp};
 
@@ -205,6 +205,13 @@ impl Shape for Ellipsoid {
         let along = |d: DVec3| (self.linear * d).as_vec3();
         let (east, south) = (DVec3::new(-n.y, n.x, 0.0) * TAU, DVec3::new(n.x * n.z, n.y * n.z, -sine * sine) * (PI / sine));
         (sine > 0.0).then(|| [along(east), along(south)])
+    }
+
+    /// The normal is q/|q| with q = A (p − c), A = M⁻ᵀ M⁻¹ for the matrix M of the ellipsoid.
+    fn normal_change(&self, _: u32, _: Vec2, point: &SurfacePoint, along: Vec3) -> Option<Vec3> {
+        let stretched = |v: DVec3| self.inverse.transpose() * (self.inverse * v);
+        let q = stretched(point.p.as_dvec3() - self.center);
+        Some(unit_change(q, stretched(along.as_dvec3())).as_vec3())
     }
 
     /// Samples the unit sphere uniformly. The density on an ellipsoid is higher where the sphere is stretched less.

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::{
     Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, near, offset_bound, triangle,
+    unit_change,
 };
 use crate::error::{Error, Fault, Result};
 use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform, warp};
@@ -68,6 +69,20 @@ impl Geometry for TriangleMesh {
             smooth_shadows,
         }))
     }
+}
+
+/// Change of the interpolated normal of a triangle when the point moves by `along` (m).
+///
+/// - `normals`: unit normals of the corners
+/// - `w`: barycentric weights of the second and third corner
+fn interpolated_change([a, b, c]: [DVec3; 3], normals: [Vec3; 3], w: Vec2, along: Vec3) -> Vec3 {
+    let (ab, ac, along) = (b - a, c - a, along.as_dvec3());
+    let n = ab.cross(ac);
+    // The weights of the second and third corner grow by these amounts.
+    let (to_b, to_c) = (along.cross(ac).dot(n) / n.length_squared(), ab.cross(along).dot(n) / n.length_squared());
+    let [na, nb, nc] = normals.map(|normal| normal.as_dvec3());
+    let w = w.as_dvec2();
+    unit_change(na * (1.0 - w.x - w.y) + nb * w.x + nc * w.y, (nb - na) * to_b + (nc - na) * to_c).as_vec3()
 }
 
 /// Median coordinate of some points along an axis; 0 if there are none. Changes the order of the points.
@@ -205,6 +220,19 @@ impl Shape for BakedMesh {
         let (pq, pr) = (q - p, r - p);
         let area = pq.perp_dot(pr);
         (area != 0.0).then(|| [(ab * pr.y - ac * pq.y) / area, (ac * pq.x - ab * pr.x) / area].map(|x| x.as_vec3()))
+    }
+
+    fn normal_change(&self, i: u32, w: Vec2, point: &SurfacePoint, along: Vec3) -> Option<Vec3> {
+        if point.ns == point.ng {
+            return Some(Vec3::ZERO);
+        }
+        let normals = self.triangles[i as usize].map(|v| self.normals[v as usize]);
+        Some(interpolated_change(self.corners(i).map(|p| p.as_dvec3()), normals, w, along))
+    }
+
+    fn instance_normal_change(&self, i: u32, w: Vec2, to_world: &Transform, along: Vec3) -> Option<Vec3> {
+        let corners = self.corners(i).map(|p| to_world.point(p.as_dvec3()));
+        Some(self.placed_normals(i, to_world).map_or(Vec3::ZERO, |normals| interpolated_change(corners, normals, w, along)))
     }
 
     fn part(&self, i: u32, _: Vec2) -> u32 {

@@ -2,9 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Space, Texture};
+use super::{Space, Texture, TextureContext};
 use crate::math::Rgb;
-use crate::shape::SurfacePoint;
 
 /// A checkerboard: `even` where ⌊x⌋ + ⌊y⌋ + ⌊z⌋ is even, in cells of the texture's space.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,15 +20,34 @@ pub struct Checker {
 
 impl Checker {
     /// Looks up the colour at a point.
-    pub fn at(&self, point: &SurfacePoint) -> Rgb {
-        let cell = (self.space.coordinates(point) * self.scale.as_dvec3()).map(f64::floor);
-        if is_even(cell) { self.even.at(point) } else { self.odd.at(point) }
+    pub fn at(&self, at: &TextureContext) -> Rgb {
+        let place = self.space.coordinates(at) * self.scale.as_dvec3();
+        if let Some(widths) = self.space.widths(at) {
+            let share = even_share(place, widths * self.scale.as_dvec3());
+            return self.odd.at(at).mix(self.even.at(at), share as f32);
+        }
+        if is_even(place.map(f64::floor)) { self.even.at(at) } else { self.odd.at(at) }
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Checker {
         let space = self.space.recentred(origin);
         Checker { even: self.even.recentred(origin), odd: self.odd.recentred(origin), scale: self.scale, space }
     }
+}
+
+/// The share of the even cells in a box around a point: ½ (1 + Π mean of s over the box's side), where s is 1 and −1 in turn.
+///
+/// Tests: filtered_checkers_are_means_over_boxes.
+fn even_share(place: DVec3, widths: DVec3) -> f64 {
+    let mean = |k: usize| {
+        let (x, w) = (place[k], widths[k]);
+        // The integral of s from 0 to x is a triangle wave: even for even x, so that whole pairs of cells cancel.
+        let integral = |x: f64| 1.0 - (x.rem_euclid(2.0) - 1.0).abs();
+        let [from, to] = [x - 0.5 * w, x + 0.5 * w];
+        // A box within one cell: the difference of the integrals would lose digits.
+        if from.floor() == to.floor() { 1.0 - 2.0 * from.floor().rem_euclid(2.0) } else { (integral(to) - integral(from)) / w }
+    };
+    0.5 * (1.0 + mean(0) * mean(1) * mean(2))
 }
 
 /// Whether the sum of three whole numbers is even.

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use glam::{UVec2, Vec2};
+use glam::{DVec2, UVec2, Vec2};
 
+use super::TextureContext;
+pub use super::pixels::Pixels;
+use super::pyramid::Pyramid;
 use crate::math::Rgb;
-use crate::shape::SurfacePoint;
 
 /// A picture over the texture coordinates, with values interpolated between the centres of pixels.
 ///
@@ -16,20 +18,14 @@ use crate::shape::SurfacePoint;
 pub struct Image {
     /// The pixels, which several textures may share.
     pub pixels: Arc<Pixels>,
+    /// The picture at lower resolutions; without it lookups are not averaged over footprints.
+    pub pyramid: Option<Arc<Pyramid>>,
     /// How often the picture repeats in one unit of the texture coordinates, along u and v.
     pub scale: Vec2,
     /// The continuation beyond the borders.
     pub wrap: Wrap,
     /// The interpolation between the centres of pixels.
     pub filter: Filter,
-}
-
-/// The pixels of a picture: linear Rec. 709 colours, row by row from the top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pixels {
-    size: UVec2,
-    values: Vec<[f32; 3]>,
-    most: f32,
 }
 
 /// How a picture continues beyond its borders.
@@ -52,43 +48,29 @@ pub enum Filter {
     Nearest,
 }
 
-impl Pixels {
-    /// The pixels of a picture; `None` where the number of values does not fit the size, or is 0.
-    pub fn new(size: UVec2, values: Vec<[f32; 3]>) -> Option<Pixels> {
-        let count = size.x as usize * size.y as usize;
-        let most = values.as_flattened().iter().copied().fold(0.0, f32::max);
-        (count > 0 && values.len() == count).then_some(Pixels { size, values, most })
-    }
-
-    /// The largest component of all pixels.
-    pub fn most(&self) -> f32 {
-        self.most
-    }
-
-    /// Width and height, in pixels.
-    pub fn size(&self) -> UVec2 {
-        self.size
-    }
-
-    /// Red, green and blue of all pixels, row by row from the top.
-    pub fn values(&self) -> &[[f32; 3]] {
-        &self.values
-    }
-
-    /// Colour of a pixel, counted from the upper left corner.
-    #[inline]
-    pub(crate) fn get(&self, x: usize, y: usize) -> Rgb {
-        let [r, g, b] = self.values[y * self.size.x as usize + x];
-        Rgb::new(r, g, b)
-    }
-}
-
 impl Image {
-    /// Looks up the colour at a point.
-    pub fn at(&self, point: &SurfacePoint) -> Rgb {
-        let size = self.pixels.size;
-        // f64, so that large texture coordinates keep their position within the picture.
-        let uv = point.uv.as_dvec2() * self.scale.as_dvec2();
+    /// Looks up the colour at a point: averaged over the footprint if that is larger than a pixel of the picture.
+    pub fn at(&self, at: &TextureContext) -> Rgb {
+        if let (Some(pyramid), Some(sides)) = (&self.pyramid, at.footprint.map(|footprint| footprint.uv)) {
+            let (size, uv) = (self.pixels.size(), self.scaled(at.uv));
+            let sides = sides.map(|side| side.as_dvec2() * self.scale.as_dvec2() * size.as_dvec2() * DVec2::new(1.0, -1.0));
+            if let Some(ellipse) = pyramid.ellipse(&self.pixels, sides) {
+                let UVec2 { x: width, y: height } = ellipse.size;
+                let place = DVec2::new(uv.x * f64::from(width), (1.0 - uv.y) * f64::from(height));
+                return ellipse.average(place, |x| self.wrap.index(x, width), |y| self.wrap.index(y, height));
+            }
+        }
+        self.value(at.uv)
+    }
+
+    /// Texture coordinates in units of the picture. f64, so that large ones keep their position within the picture.
+    fn scaled(&self, uv: Vec2) -> DVec2 {
+        uv.as_dvec2() * self.scale.as_dvec2()
+    }
+
+    /// Looks up the colour at texture coordinates.
+    pub fn value(&self, uv: Vec2) -> Rgb {
+        let (size, uv) = (self.pixels.size(), self.scaled(uv));
         let (x, y) = (uv.x * f64::from(size.x), (1.0 - uv.y) * f64::from(size.y));
         let column = |x: f64| self.wrap.index(x, size.x);
         let row = |y: f64| self.wrap.index(y, size.y);

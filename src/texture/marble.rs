@@ -3,9 +3,8 @@
 use glam::DVec3;
 
 use super::noise::Turbulence;
-use super::{Space, Texture};
+use super::{Space, Texture, TextureContext};
 use crate::math::{Rgb, float};
-use crate::shape::SurfacePoint;
 
 /// Layers across z, disturbed by turbulence: a blend from `base` to `veins` by the share ½ (1 + sin(scale·z + 10·turbulence(p))).
 ///
@@ -29,10 +28,10 @@ const OCTAVES: u32 = 7;
 
 impl Marble {
     /// Looks up the colour at a point.
-    pub fn at(&self, point: &SurfacePoint) -> Rgb {
-        let p = self.space.coordinates(point);
+    pub fn at(&self, at: &TextureContext) -> Rgb {
+        let p = self.space.coordinates(at);
         let phase = self.scale * p.z + 10.0 * self.turbulence.at(p, OCTAVES);
-        self.base.at(point).mix(self.veins.at(point), 0.5 * (1.0 + float::sin(phase as f32)))
+        self.base.at(at).mix(self.veins.at(at), 0.5 * (1.0 + float::sin(phase as f32)))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Marble {

@@ -2,9 +2,8 @@
 
 use glam::DVec3;
 
-use super::Texture;
+use super::{Texture, TextureContext};
 use crate::math::Rgb;
-use crate::shape::SurfacePoint;
 
 /// The blend (1 − t) a + t b, for each of red, green and blue by itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,8 +36,8 @@ pub struct Threshold {
 
 impl Threshold {
     /// Looks up the colour at a point.
-    pub fn at(&self, point: &SurfacePoint) -> Rgb {
-        self.by.at(point).map(|a| if a >= self.at { 1.0 } else { 0.0 })
+    pub fn at(&self, at: &TextureContext) -> Rgb {
+        self.by.at(at).map(|a| if a >= self.at { 1.0 } else { 0.0 })
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Threshold {
@@ -48,9 +47,9 @@ impl Threshold {
 
 impl Mix {
     /// Looks up the colour at a point.
-    pub fn at(&self, point: &SurfacePoint) -> Rgb {
-        let share = self.share.at(point);
-        self.a.at(point) * (Rgb::WHITE - share) + self.b.at(point) * share
+    pub fn at(&self, at: &TextureContext) -> Rgb {
+        let share = self.share.at(at);
+        self.a.at(at) * (Rgb::WHITE - share) + self.b.at(at) * share
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Mix {
@@ -60,8 +59,8 @@ impl Mix {
 
 impl Product {
     /// Looks up the colour at a point.
-    pub fn at(&self, point: &SurfacePoint) -> Rgb {
-        self.a.at(point) * self.b.at(point)
+    pub fn at(&self, at: &TextureContext) -> Rgb {
+        self.a.at(at) * self.b.at(at)
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Product {

@@ -3,20 +3,24 @@
 //! To add a texture, write a file in this folder, a variant with its match arms here, and a description in `format/texture.rs`.
 
 pub mod checker;
+mod footprint;
 pub mod image;
 pub mod marble;
 pub mod mix;
 pub mod noise;
 pub mod number;
+pub mod pixels;
+pub mod pyramid;
 pub mod space;
 pub mod vertex;
 
 use glam::DVec3;
 
+use crate::effects::Effects;
 use crate::math::Rgb;
-use crate::shape::SurfacePoint;
 
 pub use checker::Checker;
+pub use footprint::{Footprint, TextureContext};
 pub use image::Image;
 pub use marble::Marble;
 pub use mix::{Mix, Product, Threshold};
@@ -49,24 +53,24 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// Looks up the colour at a point.
-    pub fn at(&self, point: &SurfacePoint) -> Rgb {
+    /// Looks up the colour at a point, averaged over the footprint if there is one.
+    pub fn at(&self, at: &TextureContext) -> Rgb {
         match self {
             Texture::Constant(value) => *value,
-            Texture::Checker(checker) => checker.at(point),
-            Texture::Image(image) => image.at(point),
-            Texture::Noise(noise) => noise.at(point),
-            Texture::Marble(marble) => marble.at(point),
-            Texture::Mix(mix) => mix.at(point),
-            Texture::Product(product) => product.at(point),
-            Texture::Threshold(threshold) => threshold.at(point),
-            Texture::Vertex(vertex) => vertex.at(point),
+            Texture::Checker(checker) => checker.at(at),
+            Texture::Image(image) => image.at(at),
+            Texture::Noise(noise) => noise.at(at),
+            Texture::Marble(marble) => marble.at(at),
+            Texture::Mix(mix) => mix.at(at),
+            Texture::Product(product) => product.at(at),
+            Texture::Threshold(threshold) => threshold.at(at),
+            Texture::Vertex(vertex) => vertex.at(at),
         }
     }
 
     /// Looks up a number at a point: the mean of red, green and blue.
-    pub fn scalar(&self, point: &SurfacePoint) -> f32 {
-        self.at(point).average()
+    pub fn scalar(&self, at: &TextureContext) -> f32 {
+        self.at(at).average()
     }
 
     /// The texture after the world has been moved by −`origin`.
@@ -87,6 +91,27 @@ impl Texture {
         match share {
             Texture::Constant(share) => Texture::Constant(a * (Rgb::WHITE - share) + b * share),
             share => Texture::Mix(Box::new(Mix { a: a.into(), b: b.into(), share })),
+        }
+    }
+
+    /// Whether lookups depend on the footprint.
+    pub fn is_filtered(&self) -> bool {
+        match self {
+            Texture::Constant(_) | Texture::Vertex(_) | Texture::Threshold(_) => false,
+            Texture::Checker(_) | Texture::Noise(_) => true,
+            Texture::Image(image) => image.pyramid.is_some(),
+            Texture::Marble(marble) => marble.base.is_filtered() || marble.veins.is_filtered(),
+            Texture::Mix(mix) => [&mix.a, &mix.b, &mix.share].into_iter().any(Texture::is_filtered),
+            Texture::Product(product) => product.a.is_filtered() || product.b.is_filtered(),
+        }
+    }
+
+    /// The effects that lookups of the texture are.
+    pub fn effects(&self) -> Effects {
+        match (self.is_constant(), self.is_filtered()) {
+            (true, _) => Effects::NONE,
+            (false, false) => Effects::TEXTURES,
+            (false, true) => Effects::TEXTURES | Effects::FOOTPRINTS,
         }
     }
 

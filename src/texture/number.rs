@@ -2,9 +2,8 @@
 
 use glam::DVec3;
 
-use super::Texture;
+use super::{Texture, TextureContext};
 use crate::math::Rgb;
-use crate::shape::SurfacePoint;
 
 /// A constant number, or from + (to − from) · t by a texture t. Colours count by their mean.
 ///
@@ -35,10 +34,10 @@ impl Number {
     }
 
     /// Looks up the number at a point.
-    pub fn at(&self, point: &SurfacePoint) -> f32 {
+    pub fn at(&self, at: &TextureContext) -> f32 {
         match self {
             Number::Constant(value) => *value,
-            Number::Between(between) => mixed(between.from, between.to, between.by.at(point)),
+            Number::Between(between) => mixed(between.from, between.to, between.by.at(at)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Vertex colours.
 
+use super::TextureContext;
 use crate::math::Rgb;
-use crate::shape::SurfacePoint;
 
 /// The interpolated colour of a mesh's vertices, or a channel of it; 1 on shapes without such colours.
 ///
@@ -14,8 +14,8 @@ pub struct Vertex {
 
 impl Vertex {
     /// Looks up the colour at a point.
-    pub fn at(&self, point: &SurfacePoint) -> Rgb {
-        let [r, g, b, a] = point.color.to_array();
+    pub fn at(&self, at: &TextureContext) -> Rgb {
+        let [r, g, b, a] = at.color.to_array();
         match self.channel {
             None => Rgb::new(r, g, b),
             Some(k) => Rgb::gray([r, g, b, a][k]),

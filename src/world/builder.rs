@@ -28,16 +28,30 @@ pub struct WorldBuilder {
     groups: Vec<Objects>,
     lights: Vec<Light>,
     width: Width,
+    has_footprints: bool,
 }
 
 impl WorldBuilder {
     pub(super) fn new(camera: Camera) -> WorldBuilder {
-        WorldBuilder { camera, materials: vec![], scene: Objects::default(), groups: vec![], lights: vec![], width: Width::detect() }
+        WorldBuilder {
+            camera,
+            materials: vec![],
+            scene: Objects::default(),
+            groups: vec![],
+            lights: vec![],
+            width: Width::detect(),
+            has_footprints: true,
+        }
     }
 
     /// Sets the number of paths that are followed side by side. The default is that of the machine, [`Width::detect`].
     pub fn width(&mut self, width: Width) {
         self.width = width;
+    }
+
+    /// Sets whether textures are averaged over footprints, which is the default.
+    pub fn texture_footprints(&mut self, has_footprints: bool) {
+        self.has_footprints = has_footprints;
     }
 
     /// Adds a material, optionally with a normal or bump map and holes.
@@ -79,7 +93,7 @@ impl WorldBuilder {
     /// `Invalid` for shapes that no ray can hit and for coordinates beyond [`MAX_EXTENT`](super::MAX_EXTENT); `Limit` for more than
     /// 2³² − 2 instances with those within them, or more than [`MAX_EMITTING_COPIES`](super::MAX_EMITTING_COPIES).
     pub fn build(self) -> Result<World> {
-        let WorldBuilder { camera, materials, scene, groups, lights, width } = self;
+        let WorldBuilder { camera, materials, scene, groups, lights, width, has_footprints } = self;
         let extents = GroupExtent::all(&groups)?;
         let origin = Extent::of(&scene, &extents).checked()?.origin(camera.eye());
         let origins = std::iter::once(origin).chain(extents.iter().map(|group| group.detail.middle));
@@ -116,6 +130,7 @@ impl WorldBuilder {
         let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
         let smooth = shapes.iter().filter(|s| s.has_shadow_terminator_offset()).map(|_| Effects::SMOOTH_SHADOWS);
         let effects = prepared.chain(normals).chain(smooth).fold(lights.effects() | camera.effects(), Effects::union);
+        let effects = if has_footprints { effects } else { effects.without(Effects::FOOTPRINTS) };
         let camera = camera.recentred(origin);
         let has_holes = effects.contains(Effects::CUT_OUTS);
         let mut world =

@@ -1,6 +1,6 @@
 //! Surfaces of shapes that instances show. They are found in the space of the group, and placed in the world.
 
-use glam::{DVec3, Vec2Swizzles as _};
+use glam::{DVec3, Vec2Swizzles as _, Vec3};
 
 use super::{PreparedMaterial, World, inside};
 use crate::bsdf::HitContext;
@@ -8,6 +8,7 @@ use crate::math::Ray;
 use crate::primitive::{Hit, InstanceId, Nesting};
 use crate::scene::Surface;
 use crate::shape::{Shape, ShapeHit, SurfacePoint};
+use crate::texture::{Footprint, TextureContext};
 
 impl World {
     /// Surface point of a hit of an instance.
@@ -28,35 +29,67 @@ impl World {
 
     /// Surface at a point of an instance, see [`World::surface_at`]. It emits no light: instances of emitting shapes are copies.
     #[inline(never)]
-    pub(super) fn surface_of_instance(&self, id: InstanceId, point: SurfacePoint, ray: &Ray, view: &Ray, hit: &Hit) -> Surface<'_> {
+    pub(super) fn surface_of_instance(
+        &self,
+        id: InstanceId,
+        point: SurfacePoint,
+        footprint: Option<Footprint>,
+        ray: &Ray,
+        view: &Ray,
+        hit: &Hit,
+    ) -> Surface<'_> {
         let nesting = self.hierarchy.instance(id);
         let material = nesting.material().unwrap_or_else(|| self.part_appearance(hit).material);
         let prepared = &self.materials[material.0 as usize];
-        let bsdf =
-            prepared.uniform.unwrap_or_else(|| prepared.surface.material.bsdf_at(&HitContext { point, inside: inside(ray, hit, &point) }));
+        let bsdf = prepared.uniform.unwrap_or_else(|| {
+            prepared.surface.material.bsdf_at(&HitContext {
+                texture: TextureContext { footprint, ..TextureContext::exact(&point) },
+                inside: inside(ray, hit, &point),
+            })
+        });
         let mut surface = prepared.surface(point, bsdf, None);
         let has_offset = self.appearances[hit.shape as usize].has_shadow_terminator_offset;
         if has_offset || prepared.needs_tangents {
-            self.set_frame_of_instance(&mut surface, prepared, &nesting, view, hit);
+            self.set_frame_of_instance(&mut surface, prepared, (id, &nesting), view, hit);
         }
         surface
     }
 
     /// Sets the shadow terminator offset and the tangent frame of an instance's surface, as `with_shading_frame` does for others.
-    fn set_frame_of_instance(&self, surface: &mut Surface, prepared: &PreparedMaterial, nesting: &Nesting, view: &Ray, hit: &Hit) {
+    fn set_frame_of_instance(
+        &self,
+        surface: &mut Surface,
+        prepared: &PreparedMaterial,
+        (id, nesting): (InstanceId, &Nesting),
+        view: &Ray,
+        hit: &Hit,
+    ) {
         let shape = &*self.shapes[hit.shape as usize];
         if self.appearances[hit.shape as usize].has_shadow_terminator_offset {
             let offset = shape.instance_shadow_terminator_offset(hit.primitive, hit.uv, &nesting.to_outer(), &surface.point);
             surface.set_shadow_origin(offset, view);
         }
         if prepared.needs_tangents {
-            let point = point_in_group(shape, nesting, surface.point.p.as_dvec3(), view, hit);
-            let mut tangents = shape.tangents(hit.primitive, &point).map(|tangents| tangents.map(|t| nesting.vector(t)));
-            if swaps_uv(shape, nesting) {
-                tangents.iter_mut().for_each(|tangents| tangents.reverse());
-            }
+            let tangents = self.tangents_of_instance(id, &surface.point, view, hit);
             prepared.set_shading_frame(surface, tangents, view);
         }
+    }
+
+    /// Derivatives of the position by the texture coordinates at a hit of an instance (m).
+    #[inline(never)]
+    pub(super) fn tangents_of_instance(&self, id: InstanceId, point: &SurfacePoint, view: &Ray, hit: &Hit) -> Option<[Vec3; 2]> {
+        let (nesting, shape) = (self.hierarchy.instance(id), &*self.shapes[hit.shape as usize]);
+        let within = self.point_in_group_of(&nesting, point, view, hit);
+        let mut tangents = shape.tangents(hit.primitive, &within).map(|tangents| tangents.map(|t| nesting.vector(t)));
+        if swaps_uv(shape, &nesting) {
+            tangents.iter_mut().for_each(|tangents| tangents.reverse());
+        }
+        tangents
+    }
+
+    /// The point of a hit in the space of the group.
+    pub(super) fn point_in_group_of(&self, nesting: &Nesting, point: &SurfacePoint, view: &Ray, hit: &Hit) -> SurfacePoint {
+        point_in_group(&*self.shapes[hit.shape as usize], nesting, point.p.as_dvec3(), view, hit)
     }
 
     /// A point of a shape where a hit finds it: of an instance in the world, of other shapes as it is.

@@ -2,6 +2,7 @@
 
 mod builder;
 mod extent;
+mod footprints;
 mod instanced;
 mod objects;
 mod origin;
@@ -16,11 +17,12 @@ use crate::bsdf::{Bsdf, HitContext, Material, MaterialId, Passage, SurfaceMateri
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::{Emission, Emitter, Lights};
-use crate::math::{Ray, float};
+use crate::math::{Ray, RayDifferential, SurfaceDifferential, float};
 use crate::primitive::{Hit, InstanceId, Primitive};
 use crate::sampler::hash;
 use crate::scene::{Scene, Surface};
 use crate::shape::{Shape, ShapeHit, SurfacePoint, offset_ray_origin};
+use crate::texture::{Footprint, TextureContext};
 
 pub use builder::WorldBuilder;
 pub use objects::{GroupId, Objects};
@@ -53,13 +55,17 @@ struct PreparedMaterial {
     needs_tangents: bool,
     /// Whether light passes through the surface.
     transmits: bool,
+    /// Whether the surface may reflect or refract into single directions.
+    has_delta_lobes: bool,
 }
 
 impl PreparedMaterial {
     fn new(surface: SurfaceMaterial) -> PreparedMaterial {
         let needs_tangents = surface.needs_tangents();
         let uniform = surface.material.uniform().filter(|_| !needs_tangents);
-        PreparedMaterial { uniform, needs_tangents, transmits: surface.material.transmits(), surface }
+        let single = [Effects::SPECULAR_REFLECTION, Effects::REFRACTION];
+        let has_delta_lobes = single.into_iter().any(|effect| surface.material.effects().contains(effect));
+        PreparedMaterial { uniform, needs_tangents, transmits: surface.material.transmits(), has_delta_lobes, surface }
     }
 
     /// Surface of this material.
@@ -184,20 +190,24 @@ impl World {
 
     /// Surface at a point.
     ///
+    /// - `footprint`: area over which textures are averaged
     /// - `ray`: ray that hit the point, along which light is absorbed
     /// - `view`: ray from the viewer, towards which shading normals are bent
     #[inline(always)]
-    fn surface_at(&self, point: SurfacePoint, ray: &Ray, view: &Ray, hit: &Hit) -> Surface<'_> {
+    fn surface_at(&self, point: SurfacePoint, footprint: Option<Footprint>, ray: &Ray, view: &Ray, hit: &Hit) -> Surface<'_> {
         if let Some(id) = hit.instance {
-            return self.surface_of_instance(id, point, ray, view, hit);
+            return self.surface_of_instance(id, point, footprint, ray, view, hit);
         }
         let part = self.part_appearance(hit);
         let (appearance, prepared) = (&self.appearances[hit.shape as usize], &self.materials[part.material.0 as usize]);
-        let emission = part.emitter.as_ref().map(|e| (e.at(&point), appearance.first_light + hit.primitive));
+        let emission = part.emitter.as_ref().map(|e| (e.at(&TextureContext::exact(&point)), appearance.first_light + hit.primitive));
         if let (Some(bsdf), false) = (prepared.uniform, appearance.has_shadow_terminator_offset) {
             return prepared.surface(point, bsdf, emission);
         }
-        let bsdf = prepared.surface.material.bsdf_at(&HitContext { point, inside: inside(ray, hit, &point) });
+        let bsdf = prepared.surface.material.bsdf_at(&HitContext {
+            texture: TextureContext { footprint, ..TextureContext::exact(&point) },
+            inside: inside(ray, hit, &point),
+        });
         if appearance.has_shadow_terminator_offset || prepared.needs_tangents {
             return self.with_shading_frame(prepared.surface(point, bsdf, emission), view, hit);
         }
@@ -220,6 +230,14 @@ impl World {
         &self.materials[material.0 as usize]
     }
 
+    /// Derivatives of the position by the texture coordinates at a hit (m).
+    fn tangents(&self, point: &SurfacePoint, view: &Ray, hit: &Hit) -> Option<[Vec3; 2]> {
+        match hit.instance {
+            Some(id) => self.tangents_of_instance(id, point, view, hit),
+            None => self.shapes[hit.shape as usize].tangents(hit.primitive, point),
+        }
+    }
+
     /// The surface with its shadow terminator offset, its tangent frame, and its normal or bump map.
     #[inline(never)]
     fn with_shading_frame<'a>(&self, mut surface: Surface<'a>, ray: &Ray, hit: &Hit) -> Surface<'a> {
@@ -228,7 +246,7 @@ impl World {
             surface.set_shadow_origin(shape.shadow_terminator_offset(hit.primitive, hit.uv, &surface.point), ray);
         }
         if prepared.needs_tangents {
-            let tangents = shape.tangents(hit.primitive, &surface.point);
+            let tangents = self.tangents(&surface.point, ray, hit);
             prepared.set_shading_frame(&mut surface, tangents, ray);
         }
         surface
@@ -241,7 +259,7 @@ impl World {
         for passed in 0..MAX_HOLES {
             let Some(opacity) = &self.prepared_material(&hit).surface.opacity else { break };
             let point = self.point(&onward, &hit);
-            if hole_number(ray, passed) < opacity.scalar(&point) {
+            if hole_number(ray, passed) < opacity.scalar(&TextureContext::exact(&point)) {
                 break;
             }
             // The origin is off the surface and so off the ray; lengths are measured along the ray.
@@ -290,14 +308,18 @@ impl Scene for World {
     }
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
-        self.surface_at(self.point(ray, hit), ray, ray, hit)
+        self.surface_at(self.point(ray, hit), None, ray, ray, hit)
+    }
+
+    fn surface_with_footprint(&self, ray: &Ray, hit: &Hit, differential: &RayDifferential) -> (Surface<'_>, Option<SurfaceDifferential>) {
+        self.surface_with_footprint(ray, hit, differential)
     }
 
     fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {
         let point = self.point(ray, hit);
         let view = Ray { origin: point.p + wo * hit.t, from: point.p + wo * hit.t, direction: -wo, ..*ray };
         let ns = self.point(&view, hit).ns;
-        self.surface_at(SurfacePoint { ns, ..point }, ray, &view, hit)
+        self.surface_at(SurfacePoint { ns, ..point }, None, ray, &view, hit)
     }
 
     fn lights(&self) -> &Lights {

@@ -38,7 +38,7 @@ fn glowing(albedo: f64) -> Arc<dyn Scene> {
 }
 
 fn only(scene: &Arc<dyn Scene>, integrator: &dyn Integrator, mean: f64, samples: u64) -> BiasEstimate {
-    let all = bias_report(scene, integrator, &FilmSpec::new(8, 8), 5, mean, BiasBudget { samples, time: HOUR });
+    let all = bias_report(scene, integrator, &FilmSpec::new(8, 8), 5, mean, BiasBudget { samples, per_pixel: samples, time: HOUR });
     let [removed] = <[BiasEstimate; 1]>::try_from(all).expect("one bias");
     removed
 }

@@ -379,7 +379,7 @@ fn a_texture_controls_a_mix() {
 pub fn ramp(low: f32, high: f32) -> Texture {
     let pixels = Pixels::new(UVec2::new(2, 1), vec![[low; 3], [high; 3]]).expect("two pixels");
     // Pixel centres lie at 1/4 and 3/4: half of the range is between them.
-    Texture::Image(Image { pixels: Arc::new(pixels), scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Bilinear })
+    Texture::Image(Image { pixels: Arc::new(pixels), pyramid: None, scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Bilinear })
 }
 
 /// A quad in the plane z = 0 with corners ±1, seen from above.

@@ -1,12 +1,12 @@
 //! Rays that lights emit carry the light that light sampling finds.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
 use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
 use pt::light::{
-    Area, Directional, EmittedRay, Emitter, Environment, EnvironmentMap, Falloff, Light, LightSampleContext, Lights, Mapping, Point, Spot,
-    Sun,
+    Area, Directional, EmittedRay, Emitter, Environment, EnvironmentMap, Falloff, IntensityProfile, Light, LightSampleContext, Lights,
+    Mapping, Point, ProfiledPoint, Projector, Spot, Sun,
 };
 use pt::math::{AreaPdf, Rgb, SolidAnglePdf, Transform};
 use pt::sampler::{Kind, SamplerSpec, Sequence};
@@ -44,13 +44,30 @@ fn gray(value: f32) -> Emitter {
 /// Emission on the left half of a texture: 0 on the right.
 fn half_white() -> Emitter {
     let pixels = Pixels::new(UVec2::new(2, 1), vec![[1.0; 3], [0.0; 3]]).expect("two pixels");
-    let image = Image { pixels: pixels.into(), scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Nearest };
+    let image = Image { pixels: pixels.into(), pyramid: None, scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Nearest };
     Emitter { texture: Some(Arc::new(Texture::Image(image))), ..gray(3.0) }
 }
 
 fn spot(falloff: Falloff) -> Light {
     let axis = Vec3::new(0.3, -0.9, 0.2).normalize();
     Light::Spot(Spot { position: DVec3::new(0.5, 1.0, 0.2), axis, intensity: Rgb::gray(2.0), cos_inner: 0.9, cos_outer: 0.6, falloff })
+}
+
+/// The intensity 2 before the light and falling linearly with the angle to 0 behind it.
+fn profile() -> Light {
+    let (vertical, horizontal) = (vec![0.0, FRAC_PI_2 as f32, PI as f32], vec![0.0, 3.0, TAU as f32]);
+    let profile = IntensityProfile::new(vertical, horizontal, [5.0, 5.0, 0.0].repeat(3)).expect("a profile");
+    let z = Vec3::new(0.3, -0.9, 0.2).normalize();
+    let x = z.any_orthonormal_vector();
+    let (position, axes) = (DVec3::new(0.5, 1.0, 0.2), [x, z.cross(x), z]);
+    Light::Profiled(ProfiledPoint { position, axes, intensity: Rgb::gray(2.0), profile: Arc::new(profile) })
+}
+
+/// A white square, within the cone of the spotlight.
+fn projector() -> Light {
+    let Light::Spot(spot) = spot(Falloff::Linear) else { unreachable!() };
+    let white = Arc::new(Pixels::new(UVec2::ONE, vec![[1.0; 3]]).expect("a pixel"));
+    Light::Projector(Box::new(Projector::new(spot, Vec3::Y, 0.3, white).expect("not along the axis")))
 }
 
 /// Lights alone in a scene, with their flux (W) by the formulas of geometry.
@@ -77,6 +94,10 @@ fn lights() -> Vec<(&'static str, Lights, f64)> {
         ("spot, smooth", alone(spot(Falloff::Smooth)), TAU * 2.0 * (1.0 - 0.75)),
         ("spot, squared", alone(spot(Falloff::Squared)), TAU * 2.0 * (0.1 + 0.3 / 3.0)),
         ("spot, linear", alone(spot(Falloff::Linear)), TAU * 2.0 * (0.1 + linear)),
+        // ½π I around the axis, and falling to 0 behind: 2π I (1 + ∫ (1 − 2x/π) cos x dx from 0 to π/2).
+        ("profile", alone(profile()), 2.0 * TAU * (1.0 + 2.0 / PI)),
+        // The solid angle of a square pyramid whose half angles have the tangent t is 4 asin(t²/(1 + t²)).
+        ("projector", alone(projector()), 2.0 * 4.0 * (0.09f64 / 1.09).asin()),
         (
             "directional",
             alone(Light::Directional(Directional { direction: Vec3::new(0.2, -0.9, 0.4).normalize(), irradiance: Rgb::gray(1.5) })),

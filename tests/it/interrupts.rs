@@ -13,7 +13,7 @@ use pt::effects::Effects;
 use pt::film::{Film, FilmSpec, MomentFilm, memory};
 use pt::integrators::ALL;
 use pt::light::Lights;
-use pt::math::Ray;
+use pt::math::{Ray, RayDifferential, SurfaceDifferential};
 use pt::primitive::Hit;
 use pt::render::{Observer, Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
@@ -41,6 +41,10 @@ impl Scene for Tripwire {
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.scene.surface(ray, hit)
+    }
+
+    fn surface_with_footprint(&self, ray: &Ray, hit: &Hit, differential: &RayDifferential) -> (Surface<'_>, Option<SurfaceDifferential>) {
+        self.scene.surface_with_footprint(ray, hit, differential)
     }
 
     fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {

@@ -331,7 +331,7 @@ fn cones_fall_off_with_the_square() {
 fn textured_lamps_light_as_their_bright_part_does() {
     use pt::texture::image::{Filter, Image, Pixels, Wrap};
     let pixels = Pixels::new(glam::UVec2::new(2, 1), vec![[1.0; 3], [0.0; 3]]).expect("two pixels");
-    let image = Image { pixels: pixels.into(), scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Nearest };
+    let image = Image { pixels: pixels.into(), pyramid: None, scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Nearest };
     let plain = Emitter::new(Rgb::gray(3.0));
     let textured = Emitter { texture: Some(std::sync::Arc::new(pt::texture::Texture::Image(image))), ..plain.clone() };
     let down = |x: f64| Transform::look_at(DVec3::new(x, 0.0, 1.0), DVec3::new(x, 0.0, 2.0), DVec3::Y).expect("a place");

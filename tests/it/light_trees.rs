@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
 use pt::light::{
-    Area, Directional, Emitter, Environment, EnvironmentMap, Falloff, Light, LightSampleContext, Lights, Mapping, Point, Spot, Sun,
+    Area, Directional, Emitter, Environment, EnvironmentMap, Falloff, Light, LightSampleContext, Lights, Mapping, Point, ProfiledPoint,
+    Spot, Sun,
 };
 use pt::math::{Rgb, Transform};
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere};
@@ -76,6 +77,13 @@ impl Scene {
             Light::Sun(s) => Light::Sun(Sun { radiance: s.radiance * power, ..s }),
             Light::Environment(e) => Light::Environment(Environment { radiance: e.radiance * power }),
             Light::EnvironmentMap(_) => environment_map(power),
+            Light::Profiled(p) => {
+                Light::Profiled(ProfiledPoint { position: p.position * size, intensity: p.intensity * (power * area), ..p })
+            }
+            Light::Projector(mut p) => {
+                p.spot = Spot { position: p.spot.position * size, intensity: p.spot.intensity * (power * area), ..p.spot };
+                Light::Projector(p)
+            }
         });
         Lights::new(lights.collect(), shapes.into(), (Vec3::ZERO, RADIUS as f32 * length))
     }

@@ -124,7 +124,7 @@ fn plane(pixels: &[DVec3], lit: Lit) -> WorldBuilder {
     let values = pixels.iter().map(|n| n.as_vec3().to_array()).collect();
     let pixels = Pixels::new(UVec2::splat(TEXELS as u32), values).expect("as many as the size says");
     let scale = Vec2::splat(REPEATS as f32);
-    let map = Texture::Image(Image { pixels: Arc::new(pixels), scale, wrap: Wrap::Repeat, filter: Filter::Bilinear });
+    let map = Texture::Image(Image { pixels: Arc::new(pixels), pyramid: None, scale, wrap: Wrap::Repeat, filter: Filter::Bilinear });
     let normal_modifier = Some(NormalModifier::NormalMap { map, strength: 1.0.into() });
     let material = world.material(SurfaceMaterial { normal_modifier, ..Material::diffuse(stored(gray(ALBEDO))).into() });
     world.shape(Quad { size: [SIDE; 2] }, Transform::IDENTITY, material, None);

@@ -8,7 +8,7 @@ use pt::camera::{Camera, Perspective, Pose};
 use pt::effects::Effects;
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::light::{Emitter, Lights};
-use pt::math::{Ray, Rgb, Transform};
+use pt::math::{Ray, RayDifferential, Rgb, SurfaceDifferential, Transform};
 use pt::primitive::Hit;
 use pt::render::{Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
@@ -102,6 +102,10 @@ impl Scene for Oracle {
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.world.surface(ray, hit)
+    }
+
+    fn surface_with_footprint(&self, ray: &Ray, hit: &Hit, differential: &RayDifferential) -> (Surface<'_>, Option<SurfaceDifferential>) {
+        self.world.surface_with_footprint(ray, hit, differential)
     }
 
     fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {

@@ -8,7 +8,7 @@ use pt::math::{Ray, Rgb};
 use pt::scene::Scene;
 use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::noise::{Turbulence, perlin, turbulence};
-use pt::texture::{Marble, Space, Texture};
+use pt::texture::{Marble, Space, Texture, TextureContext};
 use pt::world::World;
 
 use crate::random::Random;
@@ -124,7 +124,7 @@ fn marble_is_a_sine_stirred_by_turbulence() {
             let p = random.in_cube().as_vec3();
             let point = SurfacePoint { p, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::ZERO, color: VertexColor::WHITE };
             let expected = base.mix(veins, share(to_texture.point(p.as_dvec3())) as f32);
-            let found = marble.at(&point);
+            let found = marble.at(&TextureContext::exact(&point));
             for (found, expected) in found.to_array().into_iter().zip(expected.to_array()) {
                 assert!(f64::from((found - expected).abs()) < TOLERANCE, "{scale} at {p}: {found}, expected {expected}");
             }

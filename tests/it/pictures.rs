@@ -14,13 +14,14 @@ use pt::scene::Scene as _;
 use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::image::{Filter, Pixels, Wrap};
 use pt::texture::noise::{fbm, perlin, turbulence};
-use pt::texture::{Image, Mix, Product, Texture, Threshold};
+use pt::texture::{Image, Mix, Product, Texture, TextureContext, Threshold};
 use tempfile::TempDir;
 
 use crate::random::Random;
 
 fn at(texture: &Texture, u: f32, v: f32) -> Rgb {
-    texture.at(&SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, v), color: VertexColor::WHITE })
+    let point = SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, v), color: VertexColor::WHITE };
+    texture.at(&TextureContext::exact(&point))
 }
 
 fn gray(levels: &[f32], width: u32) -> Arc<Pixels> {
@@ -29,7 +30,7 @@ fn gray(levels: &[f32], width: u32) -> Arc<Pixels> {
 }
 
 fn texture(pixels: &Arc<Pixels>, wrap: Wrap, filter: Filter) -> Texture {
-    Texture::Image(Image { pixels: pixels.clone(), scale: Vec2::ONE, wrap, filter })
+    Texture::Image(Image { pixels: pixels.clone(), pyramid: None, scale: Vec2::ONE, wrap, filter })
 }
 
 /// Rows of a picture run from the top, and v from the bottom. At a pixel's centre both filters give its exact value.

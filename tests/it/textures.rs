@@ -8,7 +8,7 @@ use pt::effects::Effects;
 use pt::math::{Rgb, Spectrum, Transform};
 use pt::scene::Scene;
 use pt::shape::{Quad, Sphere, SurfacePoint, VertexColor};
-use pt::texture::{Checker, Space, Texture};
+use pt::texture::{Checker, Space, Texture, TextureContext};
 use pt::world::World;
 
 use crate::random::cases;
@@ -26,6 +26,10 @@ fn world() -> Space {
 
 fn point(p: Vec3, uv: Vec2) -> SurfacePoint {
     SurfacePoint { p, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv, color: VertexColor::WHITE }
+}
+
+fn at(p: Vec3, uv: Vec2) -> TextureContext {
+    TextureContext::exact(&point(p, uv))
 }
 
 /// The colour of a cell, computed with integers only.
@@ -52,14 +56,14 @@ proptest! {
     fn cells_of_space_alternate((cell, place) in cell_and_place(), scale in scales(), uv in [-9f32..9.0, -9f32..9.0]) {
         let p = (cell.as_vec3() + place) / scale;
         let texture = checker(EVEN, ODD, scale, world());
-        prop_assert_eq!(texture.at(&point(p, Vec2::from_array(uv))), shown(cell));
+        prop_assert_eq!(texture.at(&at(p, Vec2::from_array(uv))), shown(cell));
     }
 
     #[test]
     fn cells_of_the_surface_alternate((cell, place) in cell_and_place(), scale in scales(), p in [-9f32..9.0, -9f32..9.0, -9f32..9.0]) {
         let uv = ((cell.as_vec3() + place) / scale).truncate();
         let texture = checker(EVEN, ODD, scale, Space::Uv);
-        prop_assert_eq!(texture.at(&point(Vec3::from_array(p), uv)), shown(cell.with_z(0)));
+        prop_assert_eq!(texture.at(&at(Vec3::from_array(p), uv)), shown(cell.with_z(0)));
     }
 
     #[test]
@@ -70,7 +74,7 @@ proptest! {
         let inner = |n: i32| n * cell + (place * n as f32).floor().as_ivec3();
         let expected = if shown(cell) == EVEN { shown(inner(2)) } else { shown(inner(4).with_z(0) + IVec3::X) };
         let p = cell.as_vec3() + place;
-        prop_assert_eq!(texture.at(&point(p, p.truncate())), expected);
+        prop_assert_eq!(texture.at(&at(p, p.truncate())), expected);
     }
 
     /// texture(p) = recentred(p − o), also for nested checkers.
@@ -84,7 +88,7 @@ proptest! {
         let texture = checker(checker(EVEN, ODD, Vec3::splat(4.0), world()), ODD, Vec3::splat(0.5), Space::World(quarter_turn));
         let (p, uv) = (cell.as_vec3() + place, place.truncate());
         let recentred = texture.clone().recentred(origin);
-        prop_assert_eq!(recentred.at(&point((p.as_dvec3() - origin).as_vec3(), uv)), texture.at(&point(p, uv)));
+        prop_assert_eq!(recentred.at(&at((p.as_dvec3() - origin).as_vec3(), uv)), texture.at(&at(p, uv)));
     }
 }
 

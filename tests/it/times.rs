@@ -13,7 +13,7 @@ use pt::film::{Crop, FilmSpec, MomentFilm};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
 use pt::integrators::ALL;
 use pt::light::Lights;
-use pt::math::{Ray, Spectrum};
+use pt::math::{Ray, RayDifferential, Spectrum, SurfaceDifferential};
 use pt::primitive::Hit;
 use pt::render::{Render, SampleId, Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
@@ -48,6 +48,11 @@ impl Scene for Watched {
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.note(ray);
         self.scene.surface(ray, hit)
+    }
+
+    fn surface_with_footprint(&self, ray: &Ray, hit: &Hit, differential: &RayDifferential) -> (Surface<'_>, Option<SurfaceDifferential>) {
+        self.note(ray);
+        self.scene.surface_with_footprint(ray, hit, differential)
     }
 
     fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {

@@ -10,7 +10,7 @@ use pt::math::{Local, Rgb};
 use pt::proof::at;
 use pt::scene::Scene;
 use pt::shape::{SurfacePoint, VertexColor};
-use pt::texture::{Number, Texture};
+use pt::texture::{Number, Texture, TextureContext};
 
 use crate::compounds::{albedo, ramp};
 use crate::random::Random;
@@ -89,8 +89,9 @@ fn same(found: &Bsdf, expected: &Bsdf, random: &mut Random, what: &str) {
 /// The number goes from one end to the other, and reaches both exactly, whichever is greater. A constant texture gives a constant number.
 #[test]
 fn textured_numbers_lie_between_their_ends() {
-    let place =
+    let point =
         |u: f32| SurfacePoint { p: Vec3::ZERO, offset: 0.0, ng: Vec3::Z, ns: Vec3::Z, uv: Vec2::new(u, 0.5), color: VertexColor::WHITE };
+    let place = |u: f32| TextureContext::exact(&point(u));
     for (from, to) in [(1.1f32, 1.7f32), (1e8, 0.0), (-3.0, 5.0)] {
         let number = Number::between(from, to, ramp(0.0, 1.0));
         assert_eq!(number.range(), [from.min(to), from.max(to)]);

@@ -14,8 +14,7 @@ use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Diffuse, HitContext, Lobe, Mater
 use crate::effects::Effects;
 use crate::format::Textured;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, fresnel};
-use crate::shape::SurfacePoint;
-use crate::texture::{Number, Texture};
+use crate::texture::{Number, Texture, TextureContext};
 
 /// A material with a clear coat, on both sides of the surface.
 ///
@@ -92,7 +91,7 @@ impl Coat {
         let roughness = roughness.map(tables);
         let smooth_mean = eta.constant().map(smooth_mean);
         let coat = Coat { eta, color: color.into(), roughness, smooth_mean, keep_base_color: false, passed_at_nodes: None };
-        Coat { passed_at_nodes: coat.is_uniform().then(|| coat.at(&HitContext::ANYWHERE.point).passed_at_nodes()), ..coat }
+        Coat { passed_at_nodes: coat.is_uniform().then(|| coat.at(&HitContext::ANYWHERE.texture).passed_at_nodes()), ..coat }
     }
 
     /// Whether the reflectance of the coat is the same everywhere.
@@ -106,7 +105,7 @@ impl Coat {
         Coat { keep_base_color: true, ..self }
     }
 
-    fn at(&self, at: &SurfacePoint) -> Layer<'_> {
+    fn at(&self, at: &TextureContext) -> Layer<'_> {
         let eta = self.eta.at(at);
         let facets = self.roughness.as_ref().and_then(|(roughness, losses)| Some((roughness.at(at)?, losses.at(eta))));
         let smooth_mean = self.smooth_mean.unwrap_or_else(|| smooth_mean(eta));
@@ -220,7 +219,7 @@ const MIN_COS2: f32 = 1e-6;
 
 impl Coated {
     fn at(&self, at: &HitContext) -> (Layer<'_>, Bsdf<'_>) {
-        (self.coat.at(&at.point), at.bsdf_of(&self.base))
+        (self.coat.at(&at.texture), at.bsdf_of(&self.base))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Coated {

@@ -55,7 +55,7 @@ impl Mix {
     /// t at a hit, if it is the same for all directions.
     fn constant(&self, at: &HitContext) -> Option<f32> {
         match &self.share {
-            Share::Texture(texture) => Some(texture.at(&at.point).average().clamp(0.0, 1.0)),
+            Share::Texture(texture) => Some(texture.at(&at.texture).average().clamp(0.0, 1.0)),
             Share::Fresnel { .. } => None,
         }
     }
@@ -68,7 +68,7 @@ impl Mix {
     fn share_of(&self, at: &HitContext, wo: Local, wi: Local) -> [f32; 2] {
         match &self.share {
             Share::Fresnel { eta } => {
-                let eta = eta.at(&at.point);
+                let eta = eta.at(&at.texture);
                 let [o, i] = [wo, wi].map(|w| fresnel::dielectric(w.abs_cos(), eta));
                 [1.0 - o.max(i), o.min(i)]
             }

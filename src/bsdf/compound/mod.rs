@@ -187,8 +187,7 @@ impl Compound {
     pub fn effects(&self) -> Effects {
         let parts = self.parts().into_iter().map(Material::effects).fold(Effects::NONE, Effects::union);
         let (own, textures) = of_each!(self, member => (member.own_effects(), member.textures()));
-        let textured = textures.into_iter().any(|texture| !texture.is_constant());
-        parts | own | if textured { Effects::TEXTURES } else { Effects::NONE }
+        textures.into_iter().map(Texture::effects).fold(parts | own, Effects::union)
     }
 
     /// Whether light passes through the surface, and what is behind it: the largest value of the parts.

@@ -82,8 +82,8 @@ impl Sheen {
     }
 
     fn at(&self, at: &HitContext) -> (Fibres, Bsdf<'_>) {
-        let tables = self.tables.at(alpha(self.roughness.scalar(&at.point)));
-        (Fibres { color: Spectrum::from_albedo(self.color.at(&at.point)), tables }, at.bsdf_of(&self.base))
+        let tables = self.tables.at(alpha(self.roughness.scalar(&at.texture)));
+        (Fibres { color: Spectrum::from_albedo(self.color.at(&at.texture)), tables }, at.bsdf_of(&self.base))
     }
 
     pub(super) fn recentred(self, origin: DVec3) -> Sheen {

@@ -6,8 +6,7 @@ use super::energy_loss::Domain;
 use super::{Distribution, Microfacets};
 use crate::effects::Effects;
 use crate::math::Rgb;
-use crate::shape::SurfacePoint;
-use crate::texture::Texture;
+use crate::texture::{Texture, TextureContext};
 
 /// The roughness of a surface and the distribution of its facets' normals.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,11 +55,11 @@ fn constant(texture: &Texture) -> Option<f32> {
 
 impl Roughness {
     /// The facets at a point; `None` where the surface counts as smooth.
-    pub fn at(&self, point: &SurfacePoint) -> Option<Microfacets> {
+    pub fn at(&self, at: &TextureContext) -> Option<Microfacets> {
         let alpha = match &self.alpha {
             Alpha::Constant(alpha) => *alpha,
-            Alpha::Textured { roughness, anisotropy } => alpha(roughness.scalar(point), anisotropy.scalar(point)),
-            Alpha::Widths(widths) => Vec2::from(widths.each_ref().map(|width| width.scalar(point))),
+            Alpha::Textured { roughness, anisotropy } => alpha(roughness.scalar(at), anisotropy.scalar(at)),
+            Alpha::Widths(widths) => Vec2::from(widths.each_ref().map(|width| width.scalar(at))),
         };
         Microfacets::new(alpha, self.distribution)
     }

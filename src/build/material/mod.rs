@@ -30,13 +30,18 @@ impl Builder<'_> {
                     let message = format!("sends light into more than {MAX_DELTA_LOBES} single directions: mix fewer kinds of glass");
                     self.fault(&key, &message);
                 }
-                let effects = surface.effects();
+                let effects = self.effects_of(&surface);
                 let known = (self.world.material(surface), effects);
                 self.materials.insert(key, known);
                 known
             }
         };
         (described.kind().to_owned(), (id, effects))
+    }
+
+    /// The effects of a material in this scene.
+    fn effects_of(&self, surface: &SurfaceMaterial) -> Effects {
+        if self.scene.film.has_footprints() { surface.effects() } else { surface.effects().without(Effects::FOOTPRINTS) }
     }
 
     /// Builds a material with its normal or bump map and its opacity.

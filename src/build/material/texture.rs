@@ -12,6 +12,7 @@ use crate::math::{Rgb, Transform};
 use crate::reader::escaped;
 use crate::texture::image::{Filter, Pixels, Wrap};
 use crate::texture::noise::Turbulence;
+use crate::texture::pyramid::Pyramid;
 use crate::texture::{Checker, Image, Marble, Mix, Noise, Product, Space, Texture, Threshold, Vertex};
 
 /// The largest number of textures within textures. Each use is a copy, so that nested checkerboards grow as 2ⁿ.
@@ -53,7 +54,8 @@ impl Builder<'_> {
         };
         match picture {
             Some(describe::Texture::Image(picture)) if picture.encoding == Encoding::Auto => {
-                self.image(pointer, &describe::Image { encoding: Encoding::Linear, ..picture.clone() }, Range::Shares)
+                let linear = describe::Image { encoding: Encoding::Linear, ..picture.clone() };
+                self.image(pointer, &linear, Range::Shares)
             }
             _ => self.textured(pointer, described),
         }
@@ -128,7 +130,13 @@ impl Builder<'_> {
             Size::Square(both) => Vec2::splat(both.get() as f32),
             Size::Sides(sides) => Vec2::from(sides.map(|side| side.get() as f32)),
         };
-        Texture::Image(Image { pixels, scale, wrap, filter })
+        // What is emitted is looked up at points, as light samples do.
+        let averages = self.scene.film.has_footprints() && range == Range::Shares;
+        let pyramid = averages.then(|| {
+            let key = (described.file.clone(), described.encoding, described.channel);
+            self.pyramids.entry(key).or_insert_with(|| Arc::new(Pyramid::new(&pixels))).clone()
+        });
+        Texture::Image(Image { pixels, pyramid, scale, wrap, filter })
     }
 
     /// Reads a picture, once for each encoding and channel. Returns nothing after adding a fault.

@@ -74,12 +74,18 @@ impl RenderedPicture<'_> {
         let part = if plan.reports.bias { 20 } else { 100 };
         // Each sample traces two paths.
         let samples = film.samples() * spec.crop.pixel_count() / (2 * part);
-        let budget = BiasBudget { samples: samples.max(BATCH), time: render.report().elapsed / part as u32 };
+        let per_pixel = film.samples();
+        let budget = BiasBudget { samples: samples.max(BATCH), per_pixel, time: render.report().elapsed / part as u32 };
         let mut removed: Vec<BiasEstimate> = clamped(plan.clamp, film, render.report()).into_iter().collect();
         removed.extend(bias_report(scene, integrator, spec, seed, mean, budget));
         if let Some((facets, count)) = facets {
             let (facets, setting): (Arc<dyn Scene>, _) = (Arc::new(facets), format!("smooth_shadows (meshes: {count})"));
-            removed.push(estimate_bias(setting, (scene, integrator), (&facets, integrator), spec, seed, mean, budget));
+            removed.push(estimate_bias(setting, (scene, integrator, spec), (&facets, integrator, spec), seed, mean, budget));
+        }
+        // It moves light over some pixels and removes none, so that its share of all light is of interest to those who ask.
+        if (plan.reports.bias || plan.reports.is_verbose) && render.has_footprints() {
+            let (exact, setting) = (spec.clone().without_footprints(), "texture_footprint".to_owned());
+            removed.push(estimate_bias(setting, (scene, integrator, spec), (scene, integrator, &exact), seed, mean, budget));
         }
         removed
     }

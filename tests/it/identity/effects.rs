@@ -7,7 +7,7 @@ use pt::camera::Camera;
 use pt::effects::Effects;
 use pt::integrators::ALL;
 use pt::light::Lights;
-use pt::math::Ray;
+use pt::math::{Ray, RayDifferential, SurfaceDifferential};
 use pt::primitive::Hit;
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::{Scene, Surface};
@@ -29,6 +29,10 @@ impl Scene for Wide {
 
     fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
         self.0.surface(ray, hit)
+    }
+
+    fn surface_with_footprint(&self, ray: &Ray, hit: &Hit, differential: &RayDifferential) -> (Surface<'_>, Option<SurfaceDifferential>) {
+        self.0.surface_with_footprint(ray, hit, differential)
     }
 
     fn surface_seen_from(&self, ray: &Ray, hit: &Hit, wo: Vec3) -> Surface<'_> {

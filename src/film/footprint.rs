@@ -1,0 +1,37 @@
+//! The width of the area over which textures are averaged.
+
+/// Width of the area around a camera ray over which the textures that it meets are averaged.
+///
+/// It is never a function of the number of samples that a picture is to have, so that parts of a render and longer renders keep their
+/// bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum TextureFootprint {
+    /// 1/n pixels for the sample n of a pixel, n rounded down to a power of two. The blur of the mean of n samples so falls with 1/n, faster
+    /// than its noise: with 1/√n, for which each sample would stand for its part of the pixel, the blur of many samples would exceed their
+    /// standard error.
+    #[default]
+    Shrinking,
+    /// The same width for all samples (pixels). 0 looks textures up at points.
+    Fixed(f32),
+}
+
+impl TextureFootprint {
+    /// Width for a sample (pixels).
+    ///
+    /// - `index`: index of the sample in its pixel
+    /// - `sequences`: number of sequences among which the samples are divided. Their samples have the same widths.
+    pub fn width(self, index: u64, sequences: u64) -> f32 {
+        match self {
+            TextureFootprint::Fixed(width) => width,
+            TextureFootprint::Shrinking => {
+                let taken = (index / sequences).checked_ilog2().map_or(1, |level| sequences << level);
+                1.0 / taken as f32
+            }
+        }
+    }
+
+    /// Whether textures are averaged at all.
+    pub fn is_on(self) -> bool {
+        self != TextureFootprint::Fixed(0.0)
+    }
+}
