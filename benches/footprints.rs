@@ -81,7 +81,7 @@ fn formula() -> Texture {
     Texture::Checker(Box::new(Checker { even, odd, scale: Vec3::splat(2048.0), space: Space::Uv }))
 }
 
-/// The same checkerboard as a picture of 2 x 2 cells with 64 pixels each.
+/// The same checkerboard as a picture that is repeated: it shows two by two cells, each 64 pixels wide and high.
 fn picture() -> Texture {
     let value = |i: u32| if (i % 128 / 64 + i / 128 / 64) % 2 == 1 { 0.9 } else { 0.1 };
     let values = (0..128 * 128).map(|i| [value(i); 3]).collect();

@@ -365,13 +365,13 @@ impl Checker<'_> {
     }
 
     fn point(&self, pointer: &str, point: &PointLight) {
-        let without = [("direction", point.direction), ("across", point.across)];
-        for (key, _) in without.into_iter().filter(|(_, given)| given.is_some() && point.profile.is_none()) {
+        let needs_profile = [("direction", point.direction), ("across", point.across)];
+        for (key, _) in needs_profile.into_iter().filter(|(_, given)| given.is_some() && point.profile.is_none()) {
             self.fault(&format!("{pointer}/{key}"), "only a point with a \"profile\" has this");
         }
         let [axis, across] = [point.direction, point.across].map(|direction| direction.map(|d| DVec3::from(d.0).normalize()));
         if across.is_some_and(|across| across.cross(axis.unwrap_or(DVec3::NEG_Y)).length() < LEAST_SINE) {
-            self.fault(&format!("{pointer}/across"), "expected another direction than that of the vertical angle 0");
+            self.fault(&format!("{pointer}/across"), "expected a direction that is not along that of the vertical angle 0");
         }
     }
 
@@ -380,11 +380,10 @@ impl Checker<'_> {
         for (key, _) in needs_image.into_iter().filter(|(_, given)| *given && spot.image.is_none()) {
             self.fault(&format!("{pointer}/{key}"), "only a spot with an \"image\" has this");
         }
-        let axis = spot.axis();
-        if let (Some(up), Some(axis)) = (spot.up, axis)
+        if let (Some(up), Some(axis)) = (spot.up, spot.axis())
             && DVec3::from(up.0).normalize().cross(axis).length() < LEAST_SINE
         {
-            self.fault(&format!("{pointer}/up"), "expected another direction than that of the light");
+            self.fault(&format!("{pointer}/up"), "expected a direction that is not along that of the light");
         }
         if spot.image.is_some() && spot.image_angle.is_none() && spot.outer_angle.get() >= 90.0 {
             let message = "with an \"outer_angle\" of 90 or more the width of the picture is needed: \"image_angle\", below 90";

@@ -11,7 +11,7 @@ pub enum TextureFootprint {
     /// standard error.
     #[default]
     Shrinking,
-    /// The same width for all samples (pixels). 0 looks textures up at points.
+    /// One width for all samples (pixels). With 0, textures are looked up at points and not averaged.
     Fixed(f32),
 }
 

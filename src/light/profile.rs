@@ -118,7 +118,7 @@ impl Grid<'_> {
 /// Angle from the z axis, and around it from x, from 0 to 2π.
 fn angles(w: Vec3) -> (f32, f32) {
     let phi = float::atan2(w.y, w.x);
-    // The arc sine of the smaller component would be more precise near the poles; a profile has steps of a degree.
+    // Unlike the arc cosine of z, this keeps its digits near the poles.
     (float::atan2((w.x * w.x + w.y * w.y).sqrt(), w.z), if phi < 0.0 { phi + std::f32::consts::TAU } else { phi })
 }
 

@@ -94,7 +94,7 @@ fn lights() -> Vec<(&'static str, Lights, f64)> {
         ("spot, smooth", alone(spot(Falloff::Smooth)), TAU * 2.0 * (1.0 - 0.75)),
         ("spot, squared", alone(spot(Falloff::Squared)), TAU * 2.0 * (0.1 + 0.3 / 3.0)),
         ("spot, linear", alone(spot(Falloff::Linear)), TAU * 2.0 * (0.1 + linear)),
-        // ½π I around the axis, and falling to 0 behind: 2π I (1 + ∫ (1 − 2x/π) cos x dx from 0 to π/2).
+        // I before the light, and falling to 0 behind it: 2π I (1 + ∫ (1 − 2x/π) cos x dx from 0 to π/2) = 2π I (1 + 2/π).
         ("profile", alone(profile()), 2.0 * TAU * (1.0 + 2.0 / PI)),
         // The solid angle of a square pyramid whose half angles have the tangent t is 4 asin(t²/(1 + t²)).
         ("projector", alone(projector()), 2.0 * 4.0 * (0.09f64 / 1.09).asin()),

@@ -57,7 +57,7 @@ fn profiles_have_the_values_of_their_file() {
 #[test]
 fn profiles_are_unfolded_by_symmetry() {
     let vertical = [0.0, 90.0, 180.0];
-    // The value at 90° from the axis is the cosine or so of what the horizontal angle is folded to.
+    // The value at 90° from the axis falls linearly with the angle that the horizontal angle is folded to.
     let profile = |horizontal: &[f64], of: &dyn Fn(f64) -> f64| {
         let values: Vec<f64> = horizontal.iter().flat_map(|phi| [50.0, of(*phi), 50.0]).collect();
         read(&file(&vertical, horizontal, &values))

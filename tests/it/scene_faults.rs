@@ -62,6 +62,26 @@ fn materials_and_lights() {
             r#""lights": [^{"type": "spot", "position": [0,0,0], "to": [0,1,0], "intensity": 1, "outer_angle": 5}]"#,
             "/lights/0/inner_angle: inner_angle 25 is larger than outer_angle 5",
         ),
+        (
+            r#""lights": [{"type": "point", "position": [0,0,0], "intensity": 1, "across": ^[1,0,0]}]"#,
+            "/lights/0/across: only a point with a \"profile\" has this",
+        ),
+        (
+            r#""lights": [{"type": "point", "position": [0,0,0], "intensity": 1, "profile": "lamp.ies", "across": ^[0,2,0]}]"#,
+            "/lights/0/across: expected a direction that is not along that of the vertical angle 0",
+        ),
+        (
+            r#""lights": [{"type": "spot", "position": [0,0,0], "to": [0,1,0], "intensity": 1, "image_angle": ^20}]"#,
+            "/lights/0/image_angle: only a spot with an \"image\" has this",
+        ),
+        (
+            r#""lights": [{"type": "spot", "position": [0,0,0], "to": [0,1,0], "intensity": 1, "image": "a.png", "up": ^[0,-3,0]}]"#,
+            "/lights/0/up: expected a direction that is not along that of the light",
+        ),
+        (
+            r#""lights": [{"type": "spot", "position": [0,0,0], "to": [0,1,0], "intensity": 1, "image": "a.png", "outer_angle": ^95}]"#,
+            "/lights/0/outer_angle: with an \"outer_angle\" of 90 or more the width of the picture is needed",
+        ),
         (r#""lights": [{"type": "directional", "direction": ^[0,0,0], "irradiance": 1}]"#, "/lights/0/direction: expected a direction"),
     ]);
 }
