@@ -1,5 +1,6 @@
 //! Spotlights that project a picture.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
@@ -25,6 +26,8 @@ pub struct Projector {
     picture: Image,
     /// Mean of the picture.
     mean: f64,
+    /// Cosine of half the angle of the smallest cone around the axis that contains all light: that of the spotlight, or of the corners.
+    cos_outer: f64,
 }
 
 impl Projector {
@@ -39,7 +42,10 @@ impl Projector {
         let mean = pixels.values().iter().map(sum).sum::<f64>() / pixels.values().len() as f64;
         let half = Vec2::new(half_width, half_width * size.y / size.x);
         let picture = Image { pixels, pyramid: None, scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Bilinear };
-        Some(Projector { up: right.cross(spot.axis), spot, right, half, picture, mean })
+        // The directions of the corners are rounded to f32.
+        let corner = half.as_dvec2().length() + 8.0 * f64::from(f32::EPSILON);
+        let cos_outer = spot.cos_outer.max((1.0 + corner * corner).sqrt().recip());
+        Some(Projector { up: right.cross(spot.axis), spot, right, half, picture, mean, cos_outer })
     }
 
     /// Value of the picture in the direction `w`; black beside it.
@@ -58,20 +64,20 @@ impl Projector {
         (!li.is_black()).then_some(LightLiSample { li, ..sample })
     }
 
-    /// A ray in a direction as that of the spotlight.
+    /// A ray in a direction within the cone around the picture.
     pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
-        let emitted = self.spot.emit(cx)?;
+        let emitted = self.spot.emit_within(self.cos_outer, cx)?;
         let le = emitted.le * self.picture(emitted.ray.direction);
         (!le.is_black()).then_some(EmittedRay { le, ..emitted })
     }
 
     pub(super) fn emission_pdf(&self, w: Vec3) -> SolidAnglePdf {
-        self.spot.emission_pdf(w)
+        self.spot.emission_pdf_within(self.cos_outer, w)
     }
 
-    /// Bounds for the choice of the light: those of the spotlight.
+    /// Bounds for the choice of the light, with the mean of the picture.
     pub(super) fn bounds(&self) -> LightBounds {
-        self.spot.bounds()
+        self.spot.bounds_within(self.cos_outer, self.mean)
     }
 
     /// Whether no light comes through the picture.
@@ -79,8 +85,8 @@ impl Projector {
         self.spot.intensity == Rgb::BLACK || self.mean == 0.0
     }
 
-    /// Flux of the spotlight times the mean of the picture, about (W).
+    /// Flux Φ ≈ I Ω mean, with the solid angle Ω of the cone around the picture (W).
     pub(super) fn power(&self) -> f64 {
-        self.spot.power() * self.mean
+        self.spot.peak() * TAU * (1.0 - self.cos_outer) * self.mean
     }
 }

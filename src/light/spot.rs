@@ -48,20 +48,28 @@ impl Spot {
 
     /// A ray in a uniformly distributed direction within the outer cone.
     pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
-        let w = Frame::around(self.axis).to_world(Local(warp::uniform_cone(cx.direction, self.opening()))).normalize();
-        let pdf = SolidAnglePdf::new(warp::uniform_cone_pdf(self.opening()));
+        self.emit_within(self.cos_outer, cx)
+    }
+
+    /// A ray in a uniformly distributed direction within a cone around the axis.
+    ///
+    /// - `cos_outer`: cosine of half the angle of the cone
+    pub(super) fn emit_within(&self, cos_outer: f64, cx: &EmissionContext) -> Option<EmittedRay> {
+        let opening = (1.0 - cos_outer) as f32;
+        let w = Frame::around(self.axis).to_world(Local(warp::uniform_cone(cx.direction, opening))).normalize();
+        let pdf = SolidAnglePdf::new(warp::uniform_cone_pdf(opening));
         cx.ray_from_position(self.position.as_vec3(), w, Spectrum::from_illuminant(self.intensity) * self.falloff(w), pdf)
     }
 
     /// Density of an emitted direction: uniform within the outer cone.
     pub(super) fn emission_pdf(&self, w: Vec3) -> SolidAnglePdf {
-        let is_inside = self.cos(w) > self.cos_outer;
-        if is_inside { SolidAnglePdf::new(warp::uniform_cone_pdf(self.opening())) } else { SolidAnglePdf::ZERO }
+        self.emission_pdf_within(self.cos_outer, w)
     }
 
-    /// 1 − cos of the angle between the axis and the outer cone.
-    fn opening(&self) -> f32 {
-        (1.0 - self.cos_outer) as f32
+    /// Density of a direction that [`Spot::emit_within`] samples.
+    pub(super) fn emission_pdf_within(&self, cos_outer: f64, w: Vec3) -> SolidAnglePdf {
+        let is_inside = self.cos(w) > cos_outer;
+        if is_inside { SolidAnglePdf::new(warp::uniform_cone_pdf((1.0 - cos_outer) as f32)) } else { SolidAnglePdf::ZERO }
     }
 
     /// cos ∠(axis, w) = 1 − |axis − w|²/2 for unit vectors.
@@ -91,12 +99,23 @@ impl Spot {
 
     /// Bounds for the choice of the light.
     pub(super) fn bounds(&self) -> LightBounds {
-        let intensity = f64::from(Spectrum::from_illuminant(self.intensity).average());
-        LightBounds::cone(Aabb::around([self.position.as_vec3()]), self.axis.as_dvec3(), self.cos_outer, intensity)
+        self.bounds_within(self.cos_outer, 1.0)
+    }
+
+    /// Bounds for the choice of a light that emits within a cone around the axis, with a share of the intensity.
+    ///
+    /// - `cos_outer`: cosine of half the angle of the cone
+    pub(super) fn bounds_within(&self, cos_outer: f64, share: f64) -> LightBounds {
+        LightBounds::cone(Aabb::around([self.position.as_vec3()]), self.axis.as_dvec3(), cos_outer, self.peak() * share)
+    }
+
+    /// Intensity on the axis, the mean of the colour components [W·sr⁻¹].
+    pub(super) fn peak(&self) -> f64 {
+        f64::from(Spectrum::from_illuminant(self.intensity).average())
     }
 
     /// Flux Φ ≈ 2π I (1 − (cos inner + cos outer)/2), as if the mean of the falloff were ½ (W).
     pub(super) fn power(&self) -> f64 {
-        TAU * f64::from(Spectrum::from_illuminant(self.intensity).average()) * (1.0 - 0.5 * (self.cos_inner + self.cos_outer))
+        TAU * self.peak() * (1.0 - 0.5 * (self.cos_inner + self.cos_outer))
     }
 }
