@@ -3,62 +3,17 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 use super::bounds::LightBounds;
+use super::emission_distribution::EmissionDistribution;
 use super::emitted_ray::EmissionContext;
-use super::{EmittedRay, LightLiSample, ShadowTarget};
-use crate::math::{AreaPdf, Density, Frame, Local, Ray, Rgb, SolidAnglePdf, Spectrum, warp};
+use super::emitter::Emitter;
+use super::{EmittedRay, Light, LightLiSample, ShadowTarget};
+use crate::math::{AreaPdf, Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, warp};
 use crate::shape::{Shape, SurfacePoint, offset_ray_origin};
-use crate::texture::{Texture, TextureContext};
-
-/// Diffuse emission of a point, with the same radiance in all directions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Emission {
-    /// Radiance [W·m⁻²·sr⁻¹].
-    pub radiance: Spectrum,
-    /// Whether both sides emit, not only the side of the normal.
-    pub two_sided: bool,
-}
-
-impl Emission {
-    /// Radiance that a surface with normal `ng` emits in the direction `w`.
-    pub fn towards(&self, ng: Vec3, w: Vec3) -> Spectrum {
-        if self.two_sided || ng.dot(w) > 0.0 { self.radiance } else { Spectrum::BLACK }
-    }
-}
-
-/// Settings of the emission of a shape, optionally multiplied by a texture.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Emitter {
-    /// Radiance [W·m⁻²·sr⁻¹], or its value where the texture is 1.
-    pub radiance: Rgb,
-    /// Whether both sides emit, not only the side of the normal.
-    pub two_sided: bool,
-    /// Factor that varies over the surface.
-    pub texture: Option<Arc<Texture>>,
-}
-
-impl Emitter {
-    /// Emission of one side, the same everywhere.
-    pub fn new(radiance: Rgb) -> Emitter {
-        Emitter { radiance, two_sided: false, texture: None }
-    }
-
-    /// Emission at a point.
-    pub fn at(&self, at: &TextureContext) -> Emission {
-        let (whole, two_sided) = (Spectrum::from_illuminant(self.radiance), self.two_sided);
-        match &self.texture {
-            None => Emission { radiance: whole, two_sided },
-            Some(texture) => Emission { radiance: whole * Spectrum::from_coefficients(texture.at(at)), two_sided },
-        }
-    }
-
-    /// The emitter in coordinates shifted by −`origin`.
-    pub fn recentred(self, origin: DVec3) -> Emitter {
-        Emitter { texture: self.texture.map(|texture| Arc::new(Texture::clone(&texture).recentred(origin))), ..self }
-    }
-}
+use crate::texture::TextureContext;
 
 /// Area light: one emitting primitive of a shape.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,31 +24,77 @@ pub struct Area {
     pub primitive: u32,
     /// Emission of the primitive.
     pub emitter: Emitter,
+    /// Where on the primitive its light comes from; `None` without a texture and before the light is part of a scene.
+    distribution: Option<Arc<EmissionDistribution>>,
 }
 
-/// Number of texture lookups along each side of a primitive, for the estimate of its power.
-const LOOKUPS: u32 = 4;
+/// Number of texture lookups for all lights of a scene together, which takes about a second.
+const LOOKUPS: usize = 1 << 21;
 
-/// Least power of a textured primitive, as a fraction of its power with a white texture. The power is estimated from a few points
+/// Least power of a textured primitive, as a fraction of its power with a white texture. The power is estimated from some points
 /// and must not be 0 where the primitive may emit.
 const MIN_POWER: f32 = 1.0 / 1024.0;
 
+/// Finds out for each light with a texture where on its primitive the light comes from.
+pub(super) fn distributed(mut lights: Vec<Light>, shapes: &[Box<dyn Shape>]) -> Vec<Light> {
+    let is_textured = |light: &Light| matches!(light, Light::Area(area) if area.emitter.texture.is_some());
+    let count = lights.iter().filter(|light| is_textured(light)).count();
+    let lookups = (LOOKUPS / count.max(1)) as u32;
+    lights.par_iter_mut().filter(|light| is_textured(light)).for_each(|light| {
+        if let Light::Area(area) = light {
+            area.distribute(&*shapes[area.shape as usize], lookups);
+        }
+    });
+    lights
+}
+
 impl Area {
+    /// The light of a primitive.
+    ///
+    /// - `shape`: index of the shape
+    /// - `primitive`: index of the primitive within the shape
+    pub fn new(shape: u32, primitive: u32, emitter: Emitter) -> Area {
+        Area { shape, primitive, emitter, distribution: None }
+    }
+
+    fn distribute(&mut self, shape: &dyn Shape, lookups: u32) {
+        if shape.is_sampled() {
+            self.distribution = Some(Arc::new(EmissionDistribution::new(shape, self.primitive, &self.emitter, lookups)));
+        }
+    }
+
     #[inline]
     pub(super) fn sample(&self, shapes: &[Box<dyn Shape>], from: Vec3, u: Vec2) -> Option<LightLiSample> {
-        let (point, pdf) = shapes[self.shape as usize].sample_from(self.primitive, from, u)?;
+        let shape = &*shapes[self.shape as usize];
+        let (point, pdf) = match &self.distribution {
+            None => shape.sample_from(self.primitive, from, u)?,
+            Some(distribution) => distribution.sample_from(shape, self.primitive, from, u)?,
+        };
         let wi = towards(from, &point)?;
         let li = self.emitter.at(&TextureContext::exact(&point)).towards(point.ng, -wi);
         (!li.is_black()).then_some(LightLiSample { wi, li, density: Density::Smooth(pdf), target: ShadowTarget::Surface(point) })
     }
 
+    /// Density by solid angle with which [`Area::sample`] samples `point` for the point `from`.
+    #[inline]
+    pub(super) fn pdf_from(&self, shapes: &[Box<dyn Shape>], from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
+        let shape = &*shapes[self.shape as usize];
+        match &self.distribution {
+            None => shape.pdf_from(self.primitive, from, point),
+            Some(distribution) => distribution.pdf_from(shape, self.primitive, from, point),
+        }
+    }
+
     /// A ray in a direction around the normal, with a density proportional to the cosine. A two-sided emitter chooses the side first.
     pub(super) fn emit(&self, shapes: &[Box<dyn Shape>], cx: &EmissionContext) -> Option<EmittedRay> {
-        let shape = &shapes[self.shape as usize];
+        let shape = &*shapes[self.shape as usize];
         if !shape.is_sampled() {
             return None;
         }
-        let (point, pdf) = shape.sample_area(self.primitive, cx.position);
+        let (point, pdf) = match &self.distribution {
+            None => shape.sample_area(self.primitive, cx.position),
+            Some(distribution) => distribution.sample_area(shape, self.primitive, cx.position),
+        };
         let (side, share, x) = match self.emitter.two_sided {
             true if cx.direction.x < 0.5 => (1.0, 0.5, 2.0 * cx.direction.x),
             true => (-1.0, 0.5, 2.0 * cx.direction.x - 1.0),
@@ -120,7 +121,12 @@ impl Area {
         };
         let local = Vec3::Z * cos.abs();
         let direction = SolidAnglePdf::new(share * warp::cosine_hemisphere_pdf(local));
-        (Density::Smooth(shapes[self.shape as usize].area_pdf(self.primitive, point)), Density::Smooth(direction))
+        let shape = &*shapes[self.shape as usize];
+        let position = match &self.distribution {
+            None => shape.area_pdf(self.primitive, point),
+            Some(distribution) => distribution.area_pdf(shape, self.primitive, point),
+        };
+        (Density::Smooth(position), Density::Smooth(direction))
     }
 
     /// Whether the primitive emits and cannot be sampled, so that paths hit it only by chance.
@@ -142,21 +148,12 @@ impl Area {
         }
     }
 
-    /// Flux Φ = π A L of each side that emits, with the mean of the texture at a few points (W).
+    /// Flux Φ = π A L of each side that emits (W).
     pub(super) fn power(&self, shapes: &[Box<dyn Shape>]) -> f64 {
-        let shape = &shapes[self.shape as usize];
-        let radiance = Spectrum::from_illuminant(self.emitter.radiance);
+        let whole = Spectrum::from_illuminant(self.emitter.radiance).average();
         let sides = if self.emitter.two_sided { 2.0 } else { 1.0 };
-        let seen = if self.emitter.texture.is_none() { radiance } else { radiance * MIN_POWER + self.mean(shape.as_ref()) };
-        sides * PI * f64::from(shape.area(self.primitive)) * f64::from(seen.average())
-    }
-
-    /// Mean of the emitted radiance at a grid of points.
-    fn mean(&self, shape: &dyn Shape) -> Spectrum {
-        let middle = |k: u32| (k as f32 + 0.5) / LOOKUPS as f32;
-        let points = (0..LOOKUPS * LOOKUPS).map(|k| Vec2::new(middle(k % LOOKUPS), middle(k / LOOKUPS)));
-        let seen = points.map(|u| self.emitter.at(&TextureContext::exact(&shape.sample_area(self.primitive, u).0)).radiance);
-        seen.fold(Spectrum::BLACK, |sum, radiance| sum + radiance) / (LOOKUPS * LOOKUPS) as f32
+        let mean = self.distribution.as_ref().map_or(whole, |distribution| whole * MIN_POWER + distribution.mean);
+        sides * PI * f64::from(shapes[self.shape as usize].area(self.primitive)) * f64::from(mean)
     }
 }
 

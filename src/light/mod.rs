@@ -6,7 +6,10 @@ pub mod area;
 mod bounds;
 mod choice;
 pub mod directional;
+mod distribution;
+mod emission_distribution;
 mod emitted_ray;
+mod emitter;
 pub mod environment;
 pub mod environment_map;
 pub mod point;
@@ -29,9 +32,10 @@ use crate::effects::Effects;
 use crate::math::{Aabb, Density, Discrete, SolidAnglePdf, Spectrum};
 use crate::shape::{Shape, SurfacePoint};
 
-pub use area::{Area, Emission, Emitter};
+pub use area::Area;
 pub use directional::Directional;
 pub use emitted_ray::{EmissionDensity, EmittedRay};
+pub use emitter::{Emission, Emitter};
 pub use environment::Environment;
 pub use environment_map::{EnvironmentMap, Mapping};
 pub use point::Point;
@@ -169,6 +173,7 @@ impl Lights {
     ///
     /// - `bounds`: centre and radius of the scene's bounding sphere (m), which determines the power of distant lights
     pub fn new(lights: Vec<Light>, shapes: Arc<[Box<dyn Shape>]>, bounds: (Vec3, f32)) -> Lights {
+        let lights = area::distributed(lights, &shapes);
         let power: Vec<f64> = lights.iter().map(|light| light.power(&shapes, bounds.1.into())).collect();
         let infinite = (0..).zip(&lights).filter(|(_, light)| light.is_background() && !light.is_black()).map(|(i, _)| i).collect();
         let of = |light: &Light| match light {
@@ -275,7 +280,7 @@ impl Lights {
     /// Density with which [`Lights::sample`] samples `point`, a point of the area light `index`.
     pub fn pdf(&self, index: u32, cx: &LightSampleContext, point: &SurfacePoint) -> SolidAnglePdf {
         match &self.lights[index as usize] {
-            Light::Area(area) => self.shapes[area.shape as usize].pdf_from(area.primitive, cx.p, point) * self.probability(index, cx),
+            Light::Area(area) => area.pdf_from(&self.shapes, cx.p, point) * self.probability(index, cx),
             _ => SolidAnglePdf::ZERO,
         }
     }

@@ -84,6 +84,10 @@ impl Shape for Faces {
         self.face(i).sample_area(0, u)
     }
 
+    fn area_coordinates(&self, i: u32, point: &SurfacePoint) -> Option<Vec2> {
+        self.face(i).area_coordinates(0, point)
+    }
+
     fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         self.face(i).sample_from(0, from, u)
     }

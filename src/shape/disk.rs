@@ -101,4 +101,8 @@ impl Shape for Ellipse {
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         (self.at(warp::disk(u)), AreaPdf::new(1.0 / self.area(i)))
     }
+
+    fn area_coordinates(&self, _: u32, point: &SurfacePoint) -> Option<Vec2> {
+        Some(warp::disk_inverse(2.0 * point.uv - 1.0))
+    }
 }

@@ -104,6 +104,11 @@ pub trait Shape: Send + Sync {
         AreaPdf::new(1.0 / self.area(i))
     }
 
+    /// The numbers for which [`Shape::sample_area`] gives `point`, a point of primitive `i`; `None` if the shape does not know them.
+    fn area_coordinates(&self, _i: u32, _point: &SurfacePoint) -> Option<Vec2> {
+        None
+    }
+
     /// Samples a point on primitive `i` that lights the point `from`, with its density by solid angle. The default samples by area.
     fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         let (point, pdf) = self.sample_area(i, u);

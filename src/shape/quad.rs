@@ -111,6 +111,10 @@ impl Shape for Parallelogram {
         (self.at(u), AreaPdf::new(1.0 / self.area))
     }
 
+    fn area_coordinates(&self, _: u32, point: &SurfacePoint) -> Option<Vec2> {
+        Some(point.uv)
+    }
+
     /// A near rectangle is sampled uniformly by the solid angle under which it is seen.
     fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         if let Some(seen) = self.seen(from) {

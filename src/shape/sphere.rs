@@ -224,6 +224,11 @@ impl Shape for Ellipsoid {
         self.pdf_at((self.inverse * (point.p.as_dvec3() - self.center)).normalize())
     }
 
+    fn area_coordinates(&self, _: u32, point: &SurfacePoint) -> Option<Vec2> {
+        let n = (self.inverse * (point.p.as_dvec3() - self.center)).normalize();
+        Some(warp::uniform_sphere_inverse(n.as_vec3()))
+    }
+
     /// From outside a sphere, samples uniformly in the cone of directions that it covers, so that no sample is wasted.
     fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         let Some(cone) = self.cone(from) else {

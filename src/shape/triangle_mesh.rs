@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 
 use super::{
     Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, near, offset_bound, triangle,
@@ -75,14 +75,18 @@ impl Geometry for TriangleMesh {
 ///
 /// - `normals`: unit normals of the corners
 /// - `w`: barycentric weights of the second and third corner
-fn interpolated_change([a, b, c]: [DVec3; 3], normals: [Vec3; 3], w: Vec2, along: Vec3) -> Vec3 {
-    let (ab, ac, along) = (b - a, c - a, along.as_dvec3());
-    let n = ab.cross(ac);
-    // The weights of the second and third corner grow by these amounts.
-    let (to_b, to_c) = (along.cross(ac).dot(n) / n.length_squared(), ab.cross(along).dot(n) / n.length_squared());
+fn interpolated_change(corners: [DVec3; 3], normals: [Vec3; 3], w: Vec2, along: Vec3) -> Vec3 {
+    let DVec2 { x: to_b, y: to_c } = weights_along(corners, along.as_dvec3());
     let [na, nb, nc] = normals.map(|normal| normal.as_dvec3());
     let w = w.as_dvec2();
     unit_change(na * (1.0 - w.x - w.y) + nb * w.x + nc * w.y, (nb - na) * to_b + (nc - na) * to_c).as_vec3()
+}
+
+/// By how much the barycentric weights of the second and third corner of a triangle grow when the point moves by `along` (m).
+fn weights_along([a, b, c]: [DVec3; 3], along: DVec3) -> DVec2 {
+    let (ab, ac) = (b - a, c - a);
+    let n = ab.cross(ac);
+    DVec2::new(along.cross(ac).dot(n), ab.cross(along).dot(n)) / n.length_squared()
 }
 
 /// Median coordinate of some points along an axis; 0 if there are none. Changes the order of the points.
@@ -188,6 +192,12 @@ impl Shape for BakedMesh {
 
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         (self.at(i, warp::triangle(u)), AreaPdf::new(1.0 / self.area(i)))
+    }
+
+    fn area_coordinates(&self, i: u32, point: &SurfacePoint) -> Option<Vec2> {
+        let corners = self.corners(i).map(|corner| corner.as_dvec3());
+        let weights = weights_along(corners, point.p.as_dvec3() - corners[0]).as_vec2();
+        Some(warp::triangle_inverse(weights)).filter(|u| u.is_finite())
     }
 
     /// A near triangle is sampled uniformly by the solid angle under which it is seen.

@@ -165,7 +165,7 @@ impl Appearances<'_> {
         let brightest = |a: &&Emitter, b: &&Emitter| brightness(a).total_cmp(&brightness(b));
         let emitter = parts.iter().filter_map(|part| part.emitter.as_ref()).max_by(brightest);
         if let Some(emitter) = emitter.filter(|_| is_shown) {
-            let light = |primitive| Light::Area(Area { shape: index as u32, primitive, emitter: emitter.clone() });
+            let light = |primitive| Light::Area(Area::new(index as u32, primitive, emitter.clone()));
             self.lights.extend((0..self.shapes[index].count()).map(light));
         }
         let has_shadow_terminator_offset = self.shapes[index].has_shadow_terminator_offset();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Mat3, UVec2};
+use glam::{DVec3, Mat3, UVec2, Vec2};
 use pt::bsdf::{Material, MaterialId, TransportMode, textured};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::{FilmSpec, Image};
@@ -16,7 +16,8 @@ use pt::sampler::dimension::{self, Use};
 use pt::sampler::{SamplerSpec, Sequence};
 use pt::scene::Scene;
 use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
-use pt::texture::image::Pixels;
+use pt::texture::Texture;
+use pt::texture::image::{Filter, Image as TextureImage, Pixels, Wrap};
 use pt::world::{World, WorldBuilder};
 
 use crate::glass::{block, round_mesh};
@@ -78,9 +79,16 @@ fn substance(kind: u32, dice: &mut Dice) -> Material {
     }
 }
 
-/// Adds a lamp under the ceiling, of each family of shapes in turn, large enough to be hit by chance.
+/// A picture with one bright pixel of four.
+fn bright_quarter() -> Texture {
+    let pixels = Pixels::new(UVec2::new(2, 2), vec![[0.1; 3], [2.0, 1.5, 1.0], [0.0; 3], [0.3; 3]]).expect("pixels");
+    Texture::Image(TextureImage { pixels: pixels.into(), pyramid: None, scale: Vec2::ONE, wrap: Wrap::Clamp, filter: Filter::Bilinear })
+}
+
+/// Adds a lamp under the ceiling, of each family of shapes in turn, large enough to be hit by chance. Every third lamp has a texture.
 fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId) {
-    let emitter = Emitter { two_sided: scene / 4 % 2 == 1, ..Emitter::new(stored(dice.color(1.0, 4.0))) };
+    let texture = scene.is_multiple_of(3).then(|| Arc::new(bright_quarter()));
+    let emitter = Emitter { two_sided: scene / 4 % 2 == 1, texture, ..Emitter::new(stored(dice.color(1.0, 4.0))) };
     let place = facing(DVec3::new(dice.within(-0.2, 0.2), 0.8, dice.within(-0.3, 0.3)), dice.point(0.4) - DVec3::Y);
     match scene % 4 {
         0 => world.shape(Quad { size: [1.2, 1.0] }, place, dark, Some(emitter)),

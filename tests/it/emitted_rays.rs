@@ -23,7 +23,7 @@ type LightsAndShapes = (Vec<Light>, Vec<Box<dyn Shape>>);
 fn area(geometry: impl Geometry, at: DVec3, emitter: Emitter) -> LightsAndShapes {
     let turned = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 40.0).expect("an axis");
     let shape = geometry.bake(&turned.then(&Transform::translate(at).expect("finite"))).expect("a shape");
-    let light = |primitive| Light::Area(Area { shape: 0, primitive, emitter: emitter.clone() });
+    let light = |primitive| Light::Area(Area::new(0, primitive, emitter.clone()));
     ((0..shape.count()).map(light).collect(), vec![shape])
 }
 
@@ -33,7 +33,7 @@ fn ellipsoid(at: DVec3) -> (LightsAndShapes, f64) {
     let stretched = Transform::scale(DVec3::new(a, a, c)).expect("a scale");
     let shape = Sphere { radius: 1.0 }.bake(&stretched.then(&Transform::translate(at).expect("finite"))).expect("a shape");
     let e = (1.0 - (a / c).powi(2)).sqrt();
-    let light = Light::Area(Area { shape: 0, primitive: 0, emitter: gray(2.0) });
+    let light = Light::Area(Area::new(0, 0, gray(2.0)));
     ((vec![light], vec![shape]), PI * 2.0 * TAU * a * a * (1.0 + c / (a * e) * e.asin()))
 }
 
@@ -86,6 +86,7 @@ fn lights() -> Vec<(&'static str, Lights, f64)> {
         ("quad", area(Quad { size: [0.8, 0.5] }, at, gray(3.0)), PI * 3.0 * 0.4),
         ("two-sided quad", area(Quad { size: [0.8, 0.5] }, at, two_sided), 2.0 * PI * 1.5 * 0.4),
         ("textured quad", area(Quad { size: [0.8, 0.5] }, at, half_white()), PI * 3.0 * 0.2),
+        ("textured disk", area(Disk { radius: 0.4 }, at, half_white()), PI * 3.0 * PI * 0.08),
         ("disk", area(Disk { radius: 0.4 }, at, gray(2.0)), PI * 2.0 * PI * 0.16),
         ("sphere", area(Sphere { radius: 0.3 }, at, gray(2.0)), PI * 2.0 * 4.0 * PI * 0.09),
         ("ellipsoid", ellipsoid.0, ellipsoid.1),

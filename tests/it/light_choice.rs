@@ -20,7 +20,7 @@ use crate::random::Random;
 fn lit(geometry: &dyn Geometry, to_world: &Transform, two_sided: bool) -> Lights {
     let shape = geometry.bake(to_world).expect("the shape can be hit");
     let emitter = Emitter { two_sided, ..Emitter::new(Rgb::WHITE) };
-    let lights = (0..shape.count()).map(|primitive| Light::Area(Area { shape: 0, primitive, emitter: emitter.clone() })).collect();
+    let lights = (0..shape.count()).map(|primitive| Light::Area(Area::new(0, primitive, emitter.clone()))).collect();
     Lights::new(lights, vec![shape].into(), (Vec3::ZERO, 1.0))
 }
 
@@ -52,7 +52,7 @@ fn each_alone(geometry: &dyn Geometry, to_world: &Transform, two_sided: bool) ->
     let light = |primitive| {
         let emitter = Emitter { two_sided, ..Emitter::new(Rgb::WHITE) };
         let shape = geometry.bake(to_world).expect("the shape can be hit");
-        Lights::new(vec![Light::Area(Area { shape: 0, primitive, emitter })], vec![shape].into(), (Vec3::ZERO, 1.0))
+        Lights::new(vec![Light::Area(Area::new(0, primitive, emitter))], vec![shape].into(), (Vec3::ZERO, 1.0))
     };
     (0..count).map(light).collect()
 }
@@ -227,7 +227,7 @@ fn share(light: Light, shapes: Vec<Box<dyn Shape>>, radius: f32, power: f64) -> 
 #[test]
 fn rays_are_emitted_by_power() {
     let gray = Rgb::new(1.0, 2.0, 6.0); // 3 in the mean
-    let area = |two_sided| Light::Area(Area { shape: 0, primitive: 0, emitter: Emitter { two_sided, ..Emitter::new(gray) } });
+    let area = |two_sided| Light::Area(Area::new(0, 0, Emitter { two_sided, ..Emitter::new(gray) }));
     let spot = Spot {
         position: DVec3::new(0.0, 0.0, 2.0),
         axis: Vec3::NEG_Z,
@@ -337,7 +337,7 @@ fn textured_lamps_light_as_their_bright_part_does() {
     let down = |x: f64| Transform::look_at(DVec3::new(x, 0.0, 1.0), DVec3::new(x, 0.0, 2.0), DVec3::Y).expect("a place");
     let irradiance = |size: [f64; 2], x: f64, emitter: Emitter| {
         let shape = Quad { size }.bake(&down(x)).expect("a quad");
-        let lights = Lights::new(vec![Light::Area(Area { shape: 0, primitive: 0, emitter })], vec![shape].into(), (Vec3::ZERO, 1.0));
+        let lights = Lights::new(vec![Light::Area(Area::new(0, 0, emitter))], vec![shape].into(), (Vec3::ZERO, 1.0));
         const N: u32 = 256;
         let middle = |k: u32| (k as f32 + 0.5) / N as f32;
         let cx = LightSampleContext::at(Vec3::new(0.3, 0.2, 0.0));

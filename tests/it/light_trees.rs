@@ -57,7 +57,7 @@ impl Scene {
 
     fn area(&mut self, geometry: Box<dyn Geometry>, place: DVec3, turn: Transform, radiance: Rgb, two_sided: bool) {
         let emitter = Emitter { two_sided, ..Emitter::new(radiance) };
-        self.lights.push(Light::Area(Area { shape: self.shapes.len() as u32, primitive: 0, emitter }));
+        self.lights.push(Light::Area(Area::new(self.shapes.len() as u32, 0, emitter)));
         self.shapes.push((geometry, place, turn));
     }
 
@@ -70,7 +70,7 @@ impl Scene {
         let shapes: Vec<Box<dyn Shape>> = self.shapes.iter().map(baked).collect();
         let (length, area) = (size as f32, (size * size) as f32);
         let lights = self.lights.iter().cloned().map(|light| match light {
-            Light::Area(a) => Light::Area(Area { emitter: Emitter { radiance: a.emitter.radiance * power, ..a.emitter }, ..a }),
+            Light::Area(a) => Light::Area(Area::new(a.shape, a.primitive, Emitter { radiance: a.emitter.radiance * power, ..a.emitter })),
             Light::Point(p) => Light::Point(Point { position: p.position * size, intensity: p.intensity * (power * area) }),
             Light::Spot(s) => Light::Spot(Spot { position: s.position * size, intensity: s.intensity * (power * area), ..s }),
             Light::Directional(d) => Light::Directional(Directional { irradiance: d.irradiance * power, ..d }),

@@ -77,6 +77,7 @@ mod statistics;
 mod stderr_messages;
 mod terminator;
 mod tev;
+mod textured_lights;
 mod textures;
 mod times;
 mod transforms;

@@ -1,6 +1,5 @@
 //! Environment map: a picture of the surroundings, infinitely far away.
 
-mod distribution;
 mod irradiance;
 mod mapping;
 
@@ -10,8 +9,8 @@ use std::sync::Arc;
 use glam::{IVec2, Mat3, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
-use self::distribution::{Distribution, Weights, bilinear};
 use self::irradiance::COUNT;
+use super::distribution::{Distribution, Weights, bilinear};
 use super::emitted_ray::EmissionContext;
 use super::environment::{flat_pdf, flat_sample};
 use super::{EmittedRay, LightLiSample, LightSampleContext, ShadowTarget};

@@ -1,0 +1,180 @@
+//! Distribution of the light that a textured primitive emits.
+
+use glam::{IVec2, UVec2, Vec2, Vec3};
+
+use super::distribution::{Distribution, Weights, bilinear};
+use super::emitter::Emitter;
+use crate::math::float::ONE_MINUS_EPSILON;
+use crate::math::{AreaPdf, SolidAnglePdf};
+use crate::shape::{Shape, SurfacePoint};
+use crate::texture::{Footprint, TextureContext};
+
+/// Distribution of the light that a textured primitive emits.
+///
+/// The radiance L is divided into a flat part min(L, t) and peaks max(0, L − t), t being a little above the mean of L. Points are sampled
+/// with the density
+///
+/// p = s p_flat + (1 − s) p_peaks,
+///
+/// where s is the share of the flat part in the light. The flat part is sampled as the shape samples light of one radiance; the peaks by a
+/// table of their radiance over the unit square of [`Shape::sample_area`], which is interpolated. A coarse table only costs noise, since
+/// the flat part reaches every point.
+///
+/// Tests: emission_is_sampled_in_proportion_to_its_texture, given_rays_have_the_densities_of_emitted_rays.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct EmissionDistribution {
+    /// Mean radiance over the primitive and over the colour components [W·m⁻²·sr⁻¹].
+    pub mean: f32,
+    /// Share s of the flat part.
+    flat_share: f32,
+    /// Distribution of the peaks; `None` if there are none, or the shape knows no inverse of its sampling.
+    peaks: Option<(Table, Distribution)>,
+}
+
+/// Ratio of the threshold between flat part and peaks to the mean radiance. Above 1, so that rounding makes no peaks of one colour.
+const THRESHOLD: f32 = 1.0 + 1.0 / 16.0;
+
+/// Greatest share of the flat part for which peaks are sampled by themselves. Beyond it they bring less than sampling them costs.
+const MAX_FLAT_SHARE: f32 = 0.95;
+
+/// Least number of entries along each side of a table.
+const MIN_SIDE: u32 = 4;
+/// Greatest number of entries along each side of a table.
+const MAX_SIDE: u32 = 256;
+
+impl EmissionDistribution {
+    /// The distribution for a primitive.
+    ///
+    /// - `lookups`: number of texture lookups that it may take
+    pub fn new(shape: &dyn Shape, primitive: u32, emitter: &Emitter, lookups: u32) -> EmissionDistribution {
+        let side = lookups.isqrt().clamp(MIN_SIDE, MAX_SIDE);
+        let mut table = Table::new(shape, primitive, emitter, side);
+        let mean = table.mean();
+        let mut flat = Table { side, weights: table.weights.clone() };
+        for (flat, weight) in flat.weights.iter_mut().zip(&mut table.weights) {
+            *flat = weight.min(THRESHOLD * mean);
+            *weight -= *flat;
+        }
+        let flat_share = if mean > 0.0 { flat.mean() / mean } else { 1.0 };
+        let has_inverse = || shape.area_coordinates(primitive, &shape.sample_area(primitive, Vec2::splat(0.5)).0).is_some();
+        let pays = side > MIN_SIDE && flat_share < MAX_FLAT_SHARE && has_inverse();
+        let peaks = if pays { Distribution::new(&table).map(|distribution| (table, distribution)) } else { None };
+        EmissionDistribution { mean, flat_share: if peaks.is_some() { flat_share } else { 1.0 }, peaks }
+    }
+
+    /// Samples a point that lights `from`, with its density by solid angle.
+    #[inline(never)]
+    pub fn sample_from(&self, shape: &dyn Shape, primitive: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
+        if self.peaks.is_none() {
+            return shape.sample_from(primitive, from, u);
+        }
+        let point = match self.part(u) {
+            Part::Flat(u) => shape.sample_from(primitive, from, u)?.0,
+            Part::Peak(u) => shape.sample_area(primitive, u).0,
+        };
+        let pdf = self.pdf_from(shape, primitive, from, &point);
+        (pdf.get() > 0.0).then_some((point, pdf))
+    }
+
+    /// Density by solid angle of a point for the point `from`.
+    #[inline(never)]
+    pub fn pdf_from(&self, shape: &dyn Shape, primitive: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
+        let flat = shape.pdf_from(primitive, from, point);
+        let Some(peak) = self.peak_density(shape, primitive, point) else { return flat };
+        let by_area = AreaPdf::new(shape.area_pdf(primitive, point).get() * peak);
+        let by_angle = by_area.to_solid_angle((point.p - from).as_dvec3(), point.ng.as_dvec3()).map_or(0.0, SolidAnglePdf::get);
+        SolidAnglePdf::new(self.flat_share * flat.get() + (1.0 - self.flat_share) * by_angle)
+    }
+
+    /// Samples a point, with its density by area.
+    pub fn sample_area(&self, shape: &dyn Shape, primitive: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
+        let (Part::Flat(u) | Part::Peak(u)) = self.part(u);
+        let (point, _) = shape.sample_area(primitive, u);
+        (point, self.area_pdf(shape, primitive, &point))
+    }
+
+    /// Density by area of a point.
+    pub fn area_pdf(&self, shape: &dyn Shape, primitive: u32, point: &SurfacePoint) -> AreaPdf {
+        let flat = shape.area_pdf(primitive, point);
+        let Some(peak) = self.peak_density(shape, primitive, point) else { return flat };
+        AreaPdf::new(flat.get() * (self.flat_share + (1.0 - self.flat_share) * peak))
+    }
+
+    /// The part that a sample belongs to.
+    fn part(&self, u: Vec2) -> Part {
+        let Some((table, distribution)) = &self.peaks else { return Part::Flat(u) };
+        let of_interval = |low: f32, high: f32| Vec2::new(((u.x - low) / (high - low)).min(ONE_MINUS_EPSILON), u.y);
+        if u.x < self.flat_share {
+            Part::Flat(of_interval(0.0, self.flat_share))
+        } else {
+            Part::Peak(distribution.sample(table, of_interval(self.flat_share, 1.0)))
+        }
+    }
+
+    /// Density of the peaks at a point by the area of the unit square; `None` if all light is flat.
+    fn peak_density(&self, shape: &dyn Shape, primitive: u32, point: &SurfacePoint) -> Option<f32> {
+        let (table, distribution) = self.peaks.as_ref()?;
+        let u = shape.area_coordinates(primitive, point)?;
+        Some(distribution.density(table.at(u)))
+    }
+}
+
+/// The part of the light that a sample belongs to, with its numbers in [0, 1)².
+enum Part {
+    Flat(Vec2),
+    /// The numbers follow the distribution of the peaks.
+    Peak(Vec2),
+}
+
+/// Radiance over the unit square of [`Shape::sample_area`], interpolated between the centres of square cells.
+#[derive(Clone, Debug, PartialEq)]
+struct Table {
+    /// Number of cells along each side.
+    side: u32,
+    /// Mean of the colour components in each cell, times the area of the primitive that a unit of the square stands for.
+    weights: Vec<f32>,
+}
+
+impl Table {
+    /// Looks the emission up in each cell, averaged over the cell where the texture can be.
+    fn new(shape: &dyn Shape, primitive: u32, emitter: &Emitter, side: u32) -> Table {
+        let step = 1.0 / side as f32;
+        let area = shape.area(primitive);
+        let sample = |x: f32, y: f32| shape.sample_area(primitive, Vec2::new(x, y) * step);
+        let weight = |k: u32| {
+            let (x, y) = ((k % side) as f32, (k / side) as f32);
+            let (point, pdf) = sample(x + 0.5, y + 0.5);
+            let across = |[a, b]: [(SurfacePoint, AreaPdf); 2]| b.0.p - a.0.p;
+            // The last number stays below 1.
+            let sides = [[sample(x, y + 0.5), sample(x + 0.999, y + 0.5)], [sample(x + 0.5, y), sample(x + 0.5, y + 0.999)]].map(across);
+            let footprint = Some(Footprint::new(sides, shape.tangents(primitive, &point)));
+            let at = TextureContext { footprint, ..TextureContext::exact(&point) };
+            emitter.at(&at).radiance.average() / (pdf.get() * area)
+        };
+        Table { side, weights: (0..side * side).map(weight).collect() }
+    }
+
+    fn mean(&self) -> f32 {
+        (self.weights.iter().map(|&weight| f64::from(weight)).sum::<f64>() / self.weights.len() as f64) as f32
+    }
+
+    /// The interpolated weight at a point of the unit square.
+    fn at(&self, u: Vec2) -> f32 {
+        let place = u * self.side as f32 - 0.5;
+        let first = place.floor();
+        bilinear(self.around([first.x as i32, first.y as i32]), place - first)
+    }
+}
+
+impl Weights for Table {
+    fn size(&self) -> UVec2 {
+        UVec2::splat(self.side)
+    }
+
+    /// Beyond the borders, the weight of the nearest cell.
+    fn weight(&self, cell: IVec2) -> f32 {
+        let last = IVec2::splat(self.side as i32 - 1);
+        let cell = cell.clamp(IVec2::ZERO, last).as_uvec2();
+        self.weights[(cell.y * self.side + cell.x) as usize]
+    }
+}
