@@ -54,7 +54,10 @@ pub trait Prepare {
     /// Builds the texture of a reflectance or of a number from 0 to 1.
     fn texture(&mut self, key: &str, described: &Textured) -> Texture;
 
-    /// Builds the texture of a normal map. Its picture is linear unless its `encoding` says otherwise.
+    /// Builds the texture of a number from 0 to 1 that is looked up at points, and not averaged over what a pixel shows.
+    fn texture_at_points(&mut self, key: &str, described: &Textured) -> Texture;
+
+    /// Builds the texture of a normal map, which is looked up at points. Its picture is linear unless its `encoding` says otherwise.
     fn normal_map(&mut self, key: &str, described: &Textured) -> Texture;
 
     /// Prepares a material within this one.

@@ -214,7 +214,7 @@ impl Description for described::Bumped {
     fn surface(&self, builder: &mut dyn Prepare) -> SurfaceMaterial {
         let scale = builder.number("scale", &self.scale);
         let normals = self.normal_map.as_ref().map(|map| builder.normal_map("normal_map", map));
-        let heights = self.bump_map.as_ref().map(|map| builder.texture("bump_map", map));
+        let heights = self.bump_map.as_ref().map(|map| builder.texture_at_points("bump_map", map));
         let normals = normals.map(|map| NormalModifier::NormalMap { map, strength: scale.clone() });
         let normal_modifier = normals.or(heights.map(|map| NormalModifier::BumpMap { map, scale }));
         SurfaceMaterial { normal_modifier, ..builder.surface("surface", &self.surface) }
@@ -236,7 +236,7 @@ impl Description for described::Masked {
     }
 
     fn surface(&self, builder: &mut dyn Prepare) -> SurfaceMaterial {
-        let opacity = builder.texture("opacity", &self.opacity);
+        let opacity = builder.texture_at_points("opacity", &self.opacity);
         let inner = builder.surface("surface", &self.surface);
         let opacity = match inner.opacity {
             None => opacity,

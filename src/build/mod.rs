@@ -35,7 +35,7 @@ use crate::world::{Objects, PartAppearance, World, WorldBuilder};
 pub use camera::film_memory;
 use instances::BuiltGroup;
 use lamps::Lamp;
-use material::{MOST_PARTS, MOST_TEXTURES, Range};
+use material::{MOST_PARTS, MOST_TEXTURES, Use};
 
 /// A scene ready to render.
 pub struct Built {
@@ -261,7 +261,7 @@ impl Builder<'_> {
 
     fn emitter(&mut self, pointer: &str, described: &crate::describe::Emission) -> Emitter {
         let texture =
-            described.texture.as_ref().map(|texture| Arc::new(self.ranged(&format!("{pointer}/texture"), texture, Range::Amounts)));
+            described.texture.as_ref().map(|texture| Arc::new(self.texture_for(&format!("{pointer}/texture"), texture, Use::Emission)));
         Emitter { radiance: rgb(&described.radiance), two_sided: described.two_sided, texture }
     }
 

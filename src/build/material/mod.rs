@@ -11,7 +11,7 @@ use crate::effects::Effects;
 use crate::reader::escaped;
 use crate::texture::Texture;
 
-pub(super) use texture::{MOST_TEXTURES, Range};
+pub(super) use texture::{MOST_TEXTURES, Use};
 
 /// The largest number of materials within materials. Each use is a copy, so that nested mixes grow as 2ⁿ.
 pub(super) const MOST_PARTS: usize = 1 << 12;
@@ -71,6 +71,10 @@ struct At<'b, 'a> {
 impl Prepare for At<'_, '_> {
     fn texture(&mut self, key: &str, described: &Textured) -> Texture {
         self.builder.textured(&format!("{}/{key}", self.pointer), described)
+    }
+
+    fn texture_at_points(&mut self, key: &str, described: &Textured) -> Texture {
+        self.builder.texture_for(&format!("{}/{key}", self.pointer), described, Use::Points)
     }
 
     fn normal_map(&mut self, key: &str, described: &Textured) -> Texture {

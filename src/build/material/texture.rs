@@ -18,28 +18,30 @@ use crate::texture::{Checker, Image, Marble, Mix, Noise, Product, Space, Texture
 /// The largest number of textures within textures. Each use is a copy, so that nested checkerboards grow as 2ⁿ.
 pub(in crate::build) const MOST_TEXTURES: usize = 1 << 16;
 
-/// The allowed values of a picture.
+/// What a texture is used for. It says which values its pictures may have, and whether lookups average over what a pixel shows.
 #[derive(Clone, Copy, PartialEq)]
-pub(in crate::build) enum Range {
-    /// Values from 0 to 1, for reflectances, transmittances and numbers.
-    Shares,
-    /// Finite values from 0, for emission.
-    Amounts,
+pub(in crate::build) enum Use {
+    /// A reflectance, a transmittance or a number: values from 0 to 1, averaged.
+    Scattering,
+    /// A normal, a height or an opacity: values from 0 to 1, looked up at points.
+    Points,
+    /// Emission: finite values from 0, looked up at points as samples of lights do.
+    Emission,
 }
 
 impl Builder<'_> {
     /// Builds the texture of a reflectance, or of a number from 0 to 1.
     pub(in crate::build) fn textured(&mut self, pointer: &str, described: &Textured) -> Texture {
-        self.ranged(pointer, described, Range::Shares)
+        self.texture_for(pointer, described, Use::Scattering)
     }
 
-    /// Builds a texture. Its pictures must have values in a range.
-    pub(in crate::build) fn ranged(&mut self, pointer: &str, described: &Textured, range: Range) -> Texture {
+    /// Builds a texture for a use.
+    pub(in crate::build) fn texture_for(&mut self, pointer: &str, described: &Textured, purpose: Use) -> Texture {
         match described {
             Textured::Color(color) => Texture::Constant(rgb(color)),
-            Textured::Texture(inline) => self.texture(pointer, inline, range),
+            Textured::Texture(inline) => self.texture(pointer, inline, purpose),
             Textured::Named(name) => match self.scene.textures.get(name) {
-                Some(texture) => self.texture(&format!("/textures{}", escaped(name)), texture, range),
+                Some(texture) => self.texture(&format!("/textures{}", escaped(name)), texture, purpose),
                 None => Rgb::BLACK.into(),
             },
         }
@@ -55,25 +57,25 @@ impl Builder<'_> {
         match picture {
             Some(describe::Texture::Image(picture)) if picture.encoding == Encoding::Auto => {
                 let linear = describe::Image { encoding: Encoding::Linear, ..picture.clone() };
-                self.image(pointer, &linear, Range::Shares)
+                self.image(pointer, &linear, Use::Points)
             }
-            _ => self.textured(pointer, described),
+            _ => self.texture_for(pointer, described, Use::Points),
         }
     }
 
-    fn texture(&mut self, pointer: &str, described: &describe::Texture, range: Range) -> Texture {
+    fn texture(&mut self, pointer: &str, described: &describe::Texture, purpose: Use) -> Texture {
         use describe::Texture as T;
         self.textures += 1;
         if self.textures > MOST_TEXTURES {
             return Rgb::BLACK.into();
         }
         if let T::Image(t) = described {
-            return self.image(pointer, t, range);
+            return self.image(pointer, t, purpose);
         }
         let space = self.space(pointer, described);
         let mut part = |key: &str, described: &Textured| {
-            let range = if key == "share" { Range::Shares } else { range };
-            self.ranged(&format!("{pointer}/{key}"), described, range)
+            let purpose = if key == "share" && purpose == Use::Emission { Use::Points } else { purpose };
+            self.texture_for(&format!("{pointer}/{key}"), described, purpose)
         };
         match described {
             T::Constant(t) => Texture::Constant(rgb(&t.color)),
@@ -109,10 +111,10 @@ impl Builder<'_> {
     }
 
     /// Builds an image texture. Returns black after adding a fault.
-    fn image(&mut self, pointer: &str, described: &describe::Image, range: Range) -> Texture {
+    fn image(&mut self, pointer: &str, described: &describe::Image, purpose: Use) -> Texture {
         let pixels = self.picture(&format!("{pointer}/file"), &described.file, described.encoding, described.channel);
         let Some(pixels) = pixels else { return Rgb::BLACK.into() };
-        if range == Range::Shares
+        if purpose != Use::Emission
             && let Some(message) = picture::beyond_shares(&pixels)
         {
             self.fault(&format!("{pointer}/file"), &format!("{}: {message}; only what is emitted may be more", described.file));
@@ -130,8 +132,7 @@ impl Builder<'_> {
             Size::Square(both) => Vec2::splat(both.get() as f32),
             Size::Sides(sides) => Vec2::from(sides.map(|side| side.get() as f32)),
         };
-        // What is emitted is looked up at points, as light samples do.
-        let averages = self.scene.film.has_footprints() && range == Range::Shares;
+        let averages = self.scene.film.has_footprints() && purpose == Use::Scattering;
         let pyramid = averages.then(|| {
             let key = (described.file.clone(), described.encoding, described.channel);
             self.pyramids.entry(key).or_insert_with(|| Arc::new(Pyramid::new(&pixels))).clone()
