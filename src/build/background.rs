@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use super::{Builder, rgb, transform};
 use crate::describe::{self, Background, Radiometric};
-use crate::light::sky::SUN_HALF_ANGLE;
+use crate::light::sky::{SUN_HALF_ANGLE, SunPosition};
 use crate::light::{Environment, EnvironmentMap, Light, Mapping, Sky, Sun};
 use crate::math::float::sin_cos_degrees;
 use crate::math::{Rgb, Transform};
@@ -34,15 +34,12 @@ impl Builder<'_> {
     /// Adds a sky as an environment map, and its sun.
     fn sky(&mut self, background: &Background, described: &describe::Sky) {
         let Some(to_world) = self.rotation(&background.transform) else { return };
-        let sky = Sky {
-            elevation: described.elevation.get(),
-            turbidity: described.turbidity.get(),
-            ground: described.ground.linear(),
-            altitude: described.altitude.get(),
-        };
+        let Some(SunPosition { elevation, azimuth }) = self.sun_position(described) else { return };
+        let sky =
+            Sky { elevation, turbidity: described.turbidity.get(), ground: described.ground.linear(), altitude: described.altitude.get() };
         let light = sky.light();
         // The picture shows the sun in its middle, which is −z: azimuths turn it clockwise as seen from above.
-        let (sin, cos) = sin_cos_degrees(described.azimuth.get());
+        let (sin, cos) = sin_cos_degrees(azimuth);
         let turn = DMat3::from_cols(DVec3::new(cos, 0.0, sin), DVec3::Y, DVec3::new(-sin, 0.0, cos));
         let map = EnvironmentMap::new(Arc::new(light.pixels), Mapping::LatLong, rgb(&described.irradiance), (to_world * turn).as_mat3());
         self.infinite_light("background", Light::EnvironmentMap(Arc::new(map)));
@@ -52,6 +49,21 @@ impl Builder<'_> {
             let towards = to_world * DVec3::new(cos_up * sin, sin_up, -cos_up * cos);
             self.infinite_light("sun", Light::Sun(Sun::of_irradiance(-towards.as_vec3(), irradiance, SUN_HALF_ANGLE)));
         }
+    }
+
+    /// Where the sun stands, as stated or by place and time; nothing after adding a fault about a night.
+    fn sun_position(&mut self, described: &describe::Sky) -> Option<SunPosition> {
+        let Some(describe::Place { latitude, longitude, time }) = &described.place else {
+            let elevation = described.elevation.as_ref().map_or(ELEVATION, |elevation| elevation.get());
+            return Some(SunPosition { elevation, azimuth: described.azimuth.as_ref().map_or(AZIMUTH, |azimuth| azimuth.get()) });
+        };
+        let sun = SunPosition::new(latitude.get(), longitude.get(), time.seconds());
+        if sun.elevation < NIGHT {
+            let below = -sun.elevation;
+            self.fault("/background/sky/place", &format!("the sun is {below:.1}° below the horizon there: pt has no sky of the night"));
+            return None;
+        }
+        Some(sun)
     }
 
     /// Builds the environment map of a picture; nothing after adding a fault.
@@ -108,6 +120,13 @@ impl Builder<'_> {
         None
     }
 }
+
+/// Elevation and azimuth of the sun that is not stated (degrees): to the right of a camera that looks down −z, and a little behind it.
+const ELEVATION: f64 = 40.0;
+const AZIMUTH: f64 = 120.0;
+
+/// Elevation of the sun below which the sky has no light from it (degrees).
+const NIGHT: f64 = -18.0;
 
 /// Deviation from a rotation that numbers with seven digits in a scene file have.
 const NEARLY: f64 = 1e-5;

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::format::{Altitude, Color, Elevation, Encoding, Fraction, Radiometric, Real, Transform, Turbidity};
+use crate::format::{Altitude, Color, Elevation, Encoding, Fraction, Latitude, Longitude, Moment, Radiometric, Real, Transform, Turbidity};
 
 /// Light from infinite distance, from all directions: give `radiance`, `image` or `sky`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -35,14 +35,19 @@ pub struct Background {
 }
 
 /// The sky by day and the sun, over a flat ground, with +y up. Clouds, refraction and stars are left out.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sky {
     /// Elevation of the sun above the horizon, in degrees. Its disk is shown whole until its middle has set; then the sky
-    /// darkens, until −18.
-    pub elevation: Elevation,
-    /// Azimuth of the sun, in degrees: 0 is −z, 90 is +x, 180 is +z.
-    pub azimuth: Real,
+    /// darkens, until −18. Default: 40, or as `place` says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub elevation: Option<Elevation>,
+    /// Azimuth of the sun, in degrees: 0 is −z, 90 is +x, 180 is +z. Default: 120, or as `place` says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub azimuth: Option<Real>,
+    /// Where and when the sun is seen, in place of `elevation` and `azimuth`. North is −z, east is +x.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<Place>,
     /// Irradiance of the sun on a surface that faces it above the atmosphere, in W·m⁻². All radiances of the sky are proportional to it. With
     /// the default, π, a white surface that faces the sun there has a radiance of 1.
     pub irradiance: Color<Radiometric>,
@@ -53,7 +58,8 @@ pub struct Sky {
     pub ground: Color<Fraction>,
     /// The height of the observer above the ground, in metres. The ground is lit as the place below the observer is.
     pub altitude: Altitude,
-    /// Whether the sun's disk, 0.533° wide, is part of the scene. Without it there is the light of the sky alone.
+    /// Whether the sun's disk, 0.533° wide, is part of the scene. Without it there is the light of the sky alone, and that of the ground
+    /// below the horizon, which the sun still shines on.
     pub sun: bool,
 }
 
@@ -61,8 +67,9 @@ impl Default for Sky {
     /// A clear day, with the sun to the right of a camera that looks down −z, and a little behind it.
     fn default() -> Sky {
         Sky {
-            elevation: Elevation::known(40.0),
-            azimuth: Real::known(120.0),
+            elevation: None,
+            azimuth: None,
+            place: None,
             irradiance: Color::Gray(Radiometric::known(std::f64::consts::PI)),
             turbidity: Turbidity::known(2.0),
             ground: Color::Gray(Fraction::known(0.3)),
@@ -70,6 +77,19 @@ impl Default for Sky {
             sun: true,
         }
     }
+}
+
+/// A place on the earth and a time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Place {
+    /// Latitude, in degrees; north is positive.
+    pub latitude: Latitude,
+    /// Longitude, in degrees; east is positive.
+    pub longitude: Longitude,
+    /// Date and time with their distance from UTC: `2026-06-21T18:30+02:00`, or with `Z` for UTC. The position of the sun is good to 0.01°
+    /// from 1900 to 2100.
+    pub time: Moment,
 }
 
 /// How a picture shows the directions around the scene.
@@ -99,7 +119,9 @@ impl Background {
             [("/mapping", !self.mapping.is_default()), ("/encoding", !self.encoding.is_auto()), ("/scale", self.scale.is_some())];
         let given = [("radiance", self.radiance.is_some()), ("image", self.image.is_some()), ("sky", self.sky.is_some())];
         let given: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(key, _)| key).collect();
+        let stands_twice = self.sky.as_ref().is_some_and(|sky| sky.place.is_some() && (sky.elevation.is_some() || sky.azimuth.is_some()));
         match given[..] {
+            ["sky"] if stands_twice => vec![("/sky/place", "give \"place\", or \"elevation\" and \"azimuth\"")],
             [] => vec![("", "expected \"radiance\", \"image\" (a picture of the surroundings) or \"sky\"")],
             ["image"] => vec![],
             [other] => {

@@ -32,7 +32,7 @@ mod shape;
 
 pub use crate::bsdf::description::*;
 pub use crate::format::*;
-pub use background::{Background, Mapping, Sky};
+pub use background::{Background, Mapping, Place, Sky};
 pub use camera::*;
 pub use emission::*;
 pub use field::*;

@@ -4,6 +4,7 @@
 //! in [`describe`](crate::describe) are built from them.
 
 mod color;
+mod moment;
 mod size;
 mod texture;
 mod transform;
@@ -11,6 +12,7 @@ mod value;
 mod varying;
 
 pub use color::*;
+pub use moment::*;
 pub use size::*;
 pub use texture::*;
 pub use transform::*;

@@ -159,6 +159,10 @@ ranged! {
     DiskAngle: f64 read as f64 ("an angle in degrees", "number") in Included(0.0), Included(180.0);
     /// The angle of the sun above the horizon, in degrees.
     Elevation: f64 read as f64 ("an angle in degrees", "number") in Included(-18.0), Included(90.0);
+    /// A latitude on the earth, in degrees.
+    Latitude: f64 read as f64 ("an angle in degrees", "number") in Included(-90.0), Included(90.0);
+    /// A longitude on the earth, in degrees.
+    Longitude: f64 read as f64 ("an angle in degrees", "number") in Included(-180.0), Included(180.0);
     /// The ratio of the extinction by air and aerosols to that by air alone.
     Turbidity: f64 read as f64 ("a number", "number") in Included(1.0), Included(10.0);
     /// The height of an observer above the ground, in metres.

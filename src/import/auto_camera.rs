@@ -134,12 +134,14 @@ impl MissingParts {
         eye.map_or(self.bounds.axes, |(from, to, up)| Axes::looking(from - to, up.unwrap_or(DVec3::Y)))
     }
 
-    /// Puts the sun of a sky to the left of the camera and behind it, unless its azimuth is stated or the sky is turned.
+    /// Puts the sun of a sky to the left of the camera and behind it, unless its azimuth or place is stated or the sky is turned.
     fn place_sun(&self, at: &JsonCursor, background: &mut Node, eye: Option<Eye>) {
         if background.child("transform").is_some() {
             return;
         }
-        let Some(sky) = member(background, "sky").filter(|sky| sky.child("azimuth").is_none()) else { return };
+        let Some(sky) = member(background, "sky").filter(|sky| sky.child("azimuth").is_none() && sky.child("place").is_none()) else {
+            return;
+        };
         let Axes { right, up, back } = self.axes(eye);
         let towards = self.bounds.auto_camera.up.unwrap_or_default().upright(KEY.x * right + KEY.y * up + KEY.z * back);
         // 0 is −z and 90 is +x.

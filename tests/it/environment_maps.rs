@@ -486,11 +486,15 @@ fn the_sun_stands_where_the_scene_says() {
     let sky = |keys: &str, transform: &str| format!(r#"{{ "sky": {{ {keys} }}, "transform": [{transform}] }}"#);
     let turn = r#"{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }"#;
     let (sin, cos) = f32::to_radians(30.0).sin_cos();
+    // The example of the Solar Position Algorithm, with -z to the north and +x to the east.
+    let golden = r#""place": { "latitude": 39.742476, "longitude": -105.1786, "time": "2003-10-17T12:30:30-07:00" }"#;
+    let ((sin_up, cos_up), (sin_east, cos_east)) = (f32::to_radians(39.872).sin_cos(), f32::to_radians(194.34).sin_cos());
     for (keys, transform, towards) in [
         (r#""elevation": 30, "azimuth": 0"#, "", Vec3::new(0.0, sin, -cos)),
         (r#""elevation": 30, "azimuth": 90"#, "", Vec3::new(cos, sin, 0.0)),
         (r#""elevation": 30, "azimuth": 180"#, turn, Vec3::new(0.0, -cos, sin)),
         (r#""elevation": 90"#, turn, Vec3::Z),
+        (golden, "", Vec3::new(cos_up * sin_east, sin_up, -cos_up * cos_east)),
     ] {
         let lit = built(&sky(keys, transform), ("", vec![])).expect("a scene");
         let lights = lit.world.lights();
@@ -576,6 +580,22 @@ fn wrong_backgrounds_are_refused() {
         (r#"{ "sky": { "irradiance": 1e26 } }"#, exr(), "expected at most 1e25 W/m²"),
         (r#"{ "sky": {}, "radiance": 1 }"#, exr(), "give one of radiance, image and sky"),
         (r#"{ "sky": { "elevation": 91 } }"#, exr(), "expected an angle in degrees from -18 to 90, found 91"),
+        (
+            r#"{ "sky": { "azimuth": 3, "place": { "latitude": 48, "longitude": 11, "time": "2026-06-21T12:00Z" } } }"#,
+            exr(),
+            r#"/background/sky/place: give "place", or "elevation" and "azimuth""#,
+        ),
+        (
+            r#"{ "sky": { "place": { "latitude": 48, "longitude": 11, "time": "2026-12-21T23:00Z" } } }"#,
+            exr(),
+            "° below the horizon there: pt has no sky of the night",
+        ),
+        (
+            r#"{ "sky": { "place": { "latitude": 48, "longitude": 11, "time": "21 June 2026" } } }"#,
+            exr(),
+            "expected a time with its distance from UTC, as 2026-06-21T18:30+02:00, found",
+        ),
+        (r#"{ "sky": { "place": { "latitude": 91, "longitude": 11, "time": "2026-06-21T12:00Z" } } }"#, exr(), "from -90 to 90, found 91"),
         (r#"{ "radiance": 1, "scale": 2 }"#, exr(), r#"only a background with an "image" has this"#),
         (r#"{ "image": "b.exr" }"#, exr(), "b.exr: no such file"),
         (r#"{ "image": "a.exr", "mapping": "octahedral" }"#, exr(), "expected a square picture for an octahedral map, found 8 × 4"),

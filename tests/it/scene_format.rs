@@ -14,7 +14,7 @@ const MARK: &str = "<!-- tables -->\n";
 pub const EVERYTHING: &str = include_str!("everything.json");
 
 /// The alternatives of which a scene has only one, with their pointers.
-const ALTERNATIVES: [(&str, &str); 10] = [
+const ALTERNATIVES: [(&str, &str); 11] = [
     ("/camera", r#"{"type": "orthographic", "height": 3, "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}}"#),
     ("/camera", r#"{"type": "spherical", "transform": [{"scale": 2}]}"#),
     ("/film/filter", r#"{"type": "box", "radius": 1}"#),
@@ -28,6 +28,7 @@ const ALTERNATIVES: [(&str, &str); 10] = [
         "/background",
         r#"{"sky": {"elevation": 5, "azimuth": 90, "irradiance": [3, 2, 1], "turbidity": 3, "ground": 0.1, "altitude": 100, "sun": false}}"#,
     ),
+    ("/background", r#"{"sky": {"place": {"latitude": 48.1, "longitude": 11.6, "time": "2026-06-21T18:30+02:00"}}}"#),
     ("/sampler/type", "independent"),
     ("/sampler/type", "stratified"),
     ("/sampler/type", "sobol"),

@@ -9,6 +9,7 @@
 mod atmosphere;
 mod multiple;
 mod path;
+mod position;
 mod sunlight;
 mod table;
 
@@ -20,6 +21,7 @@ use rayon::prelude::*;
 use self::atmosphere::{Atmosphere, Color, GROUND, phases};
 use self::multiple::Multiple;
 use self::path::{Path, PathPoint, amounts_to_top, is_below_horizon};
+pub use self::position::SunPosition;
 use self::sunlight::Sunlight;
 use crate::math::float::{sin_cos_degrees, sin_cos_f64};
 use crate::texture::image::Pixels;
