@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Mat3, UVec2, Vec2};
+use glam::{DVec3, UVec2, Vec2};
 use pt::bsdf::{Material, MaterialId, TransportMode, textured};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::{FilmSpec, Image};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
 use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::{ALL, path::Path};
-use pt::light::{Emitter, Environment, EnvironmentMap, Light, LightSampleContext, Mapping};
+use pt::light::{Emitter, Environment, Light, LightSampleContext};
 use pt::math::{Rgb, Spectrum, Transform, Vec3};
 use pt::measure::{SampledImage, agreement, sidak};
 use pt::sampler::dimension::{self, Use};
@@ -21,6 +21,7 @@ use pt::texture::image::{Filter, Image as TextureImage, Pixels, Wrap};
 use pt::world::{World, WorldBuilder};
 
 use crate::glass::{block, round_mesh};
+use crate::identity::zoo::bright_half;
 use crate::scenes::{Depth, at, facing, integrator, needs, picture, stored};
 
 /// Maximum depths at which all integrators must agree.
@@ -99,13 +100,6 @@ fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId)
             world.shape(TriangleMesh::new(round_mesh(1)), squeezed, dark, Some(emitter));
         }
     }
-}
-
-/// A picture of the surroundings whose pixels on one side are eight times as bright as on the other.
-fn bright_half(radiance: Rgb) -> Light {
-    let values = (0..32).map(|k| if k % 8 < 2 { radiance * 2.0 } else { radiance * 0.25 }.to_array()).collect();
-    let pixels = Arc::new(Pixels::new(UVec2::new(8, 4), values).expect("pixels"));
-    Light::EnvironmentMap(Arc::new(EnvironmentMap::new(pixels, Mapping::LatLong, Rgb::WHITE, Mat3::from_rotation_y(1.0))))
 }
 
 /// Generates a scene: a box open towards the camera, with a lamp and three objects. Every third scene also has a sky, every sixth a picture

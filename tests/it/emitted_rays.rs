@@ -1,18 +1,20 @@
 //! Rays that lights emit carry the light that light sampling finds.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
 use pt::light::{
-    Area, Directional, EmittedRay, Emitter, Environment, EnvironmentMap, Falloff, IntensityProfile, Light, LightSampleContext, Lights,
-    Mapping, Point, ProfiledPoint, Projector, Spot, Sun,
+    Area, Directional, EmittedRay, Emitter, Environment, EnvironmentMap, Falloff, Light, LightSampleContext, Lights, Mapping, Point, Spot,
+    Sun,
 };
 use pt::math::{AreaPdf, Rgb, SolidAnglePdf, Transform};
 use pt::sampler::{Kind, SamplerSpec, Sequence};
 use pt::shape::{Cuboid, Disk, Geometry, Quad, Shape, Sphere};
 use pt::texture::Texture;
 use pt::texture::image::{Filter, Image, Pixels, Wrap};
+
+use crate::identity::zoo::{profile, projector};
 
 /// Bounding sphere of the scenes: centre and radius (m).
 const BOUNDS: (Vec3, f32) = (Vec3::new(0.2, -0.1, 0.3), 2.5);
@@ -51,23 +53,6 @@ fn half_white() -> Emitter {
 fn spot(falloff: Falloff) -> Light {
     let axis = Vec3::new(0.3, -0.9, 0.2).normalize();
     Light::Spot(Spot { position: DVec3::new(0.5, 1.0, 0.2), axis, intensity: Rgb::gray(2.0), cos_inner: 0.9, cos_outer: 0.6, falloff })
-}
-
-/// The intensity 2 before the light and falling linearly with the angle to 0 behind it.
-fn profile() -> Light {
-    let (vertical, horizontal) = (vec![0.0, FRAC_PI_2 as f32, PI as f32], vec![0.0, 3.0, TAU as f32]);
-    let profile = IntensityProfile::new(vertical, horizontal, [5.0, 5.0, 0.0].repeat(3)).expect("a profile");
-    let z = Vec3::new(0.3, -0.9, 0.2).normalize();
-    let x = z.any_orthonormal_vector();
-    let (position, axes) = (DVec3::new(0.5, 1.0, 0.2), [x, z.cross(x), z]);
-    Light::Profiled(ProfiledPoint { position, axes, intensity: Rgb::gray(2.0), profile: Arc::new(profile) })
-}
-
-/// A white square, within the cone of the spotlight.
-fn projector() -> Light {
-    let Light::Spot(spot) = spot(Falloff::Linear) else { unreachable!() };
-    let white = Arc::new(Pixels::new(UVec2::ONE, vec![[1.0; 3]]).expect("a pixel"));
-    Light::Projector(Box::new(Projector::new(spot, Vec3::Y, 0.3, white).expect("not along the axis")))
 }
 
 /// Lights alone in a scene, with their flux (W) by the formulas of geometry.

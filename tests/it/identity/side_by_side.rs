@@ -11,7 +11,7 @@ use pt::film::{Crop, FilmSpec, Filter};
 use pt::integrator::Integrator;
 use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::path::Path;
-use pt::light::{Directional, Emitter, Environment, Falloff, Light, Point, Spot};
+use pt::light::{Directional, Emitter, Environment, Falloff, Light, Point, Spot, Sun};
 use pt::math::lanes::Width;
 use pt::math::{Rgb, Transform};
 use pt::sampler::{Kind, SamplerSpec};
@@ -19,7 +19,7 @@ use pt::shape::{Cuboid, Disk, MeshData, Quad, Sphere, TriangleMesh};
 use pt::world::{WideWorld, World, WorldBuilder};
 use rayon::prelude::*;
 
-use super::zoo::{Shot, bits, picture};
+use super::zoo::{Shot, bits, bright_half, picture, profile, projector};
 use crate::geometry::icosphere;
 use crate::random::Random;
 
@@ -107,6 +107,12 @@ fn lights(random: &mut Random, world: &mut WorldBuilder, place: &dyn Fn(Transfor
     }
     if random.below(3) == 0 {
         world.light(Light::Environment(Environment { radiance: Rgb::new(0.1, 0.2, 0.4) }));
+    }
+    if random.below(4) == 0 {
+        world.light(bright_half(Rgb::new(0.3, 0.2, 0.4)));
+        world.light(Light::Sun(Sun::new(random.direction().as_vec3(), Rgb::new(9.0, 8.0, 5.0), 10.0)));
+        world.light(profile());
+        world.light(projector());
     }
     if random.below(4) == 0 {
         let direction = random.direction().as_vec3();

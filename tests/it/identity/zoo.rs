@@ -1,20 +1,24 @@
 //! A small scene with every kind of material, light, shape and texture, and the settings to render it.
 
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{Element, Material, NormalModifier, Principled, SurfaceMaterial, textured};
 use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::integrator::Integrator;
-use pt::light::{Directional, Emitter, Environment, Falloff, Light, Point, Spot};
+use pt::light::{
+    Directional, Emitter, Environment, EnvironmentMap, Falloff, IntensityProfile, Light, Mapping, Point, ProfiledPoint, Projector, Spot,
+};
 use pt::math::{Rgb, Transform};
 use pt::render::{RenderReport, Settings, Silent, render};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 use pt::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
+use pt::texture::image::Pixels;
 use pt::texture::{Checker, Space, Texture};
 use pt::world::World;
 
@@ -133,7 +137,10 @@ impl Zoo {
         let has = |which| self.lights == Which::All || self.lights == which;
         let lamp = has(Which::AreaOnly).then(|| Emitter::new(glow(6.0, 5.0, 4.0)));
         world.shape(Quad { size: [0.8, 0.6] }, self.place(down.then(&at(0.3, 2.5, 0.2))), material, lamp);
-        let bulb = has(Which::AreaOnly).then(|| Emitter { two_sided: true, ..Emitter::new(glow(2.0, 8.0, 3.0)) });
+        let (even, odd) = (Texture::Constant(Rgb::gray(2.0)), Texture::Constant(Rgb::gray(0.1)));
+        let checker = Checker { even, odd, scale: Vec3::splat(3.0), space: Space::Uv };
+        let texture = Some(Arc::new(Texture::Checker(Box::new(checker))));
+        let bulb = has(Which::AreaOnly).then(|| Emitter { two_sided: true, texture, ..Emitter::new(glow(2.0, 8.0, 3.0)) });
         world.shape(Sphere { radius: 0.1 }, self.place(at(-0.4, 1.4, 0.5)), material, bulb);
         if has(Which::DirectionalOnly) {
             let direction = Vec3::new(0.5, -0.75, -0.4).normalize();
@@ -141,8 +148,18 @@ impl Zoo {
         }
         if has(Which::EnvironmentOnly) {
             world.light(Light::Environment(Environment { radiance: glow(0.1, 0.2, 0.4) }));
+            world.light(bright_half(glow(0.3, 0.2, 0.1)));
         }
         if self.lights == Which::All {
+            if let Light::Profiled(lamp) = profile() {
+                let (position, intensity) = (lamp.position * self.scale, glow(0.4, 0.3, 0.2) * square);
+                world.light(Light::Profiled(ProfiledPoint { position, intensity, ..lamp }));
+            }
+            if let Light::Projector(mut projector) = projector() {
+                projector.spot.position *= self.scale;
+                projector.spot.intensity = glow(0.5, 0.6, 0.7) * square;
+                world.light(Light::Projector(projector));
+            }
             let position = DVec3::new(1.5, 2.0, 1.0) * self.scale;
             world.light(Light::Point(Point { position, intensity: glow(2.0, 1.0, 1.0) * square }));
             let (position, axis) = (DVec3::new(-2.0, 2.0, 1.0) * self.scale, Vec3::new(0.6, -0.64, -0.48).normalize());
@@ -169,6 +186,31 @@ impl Zoo {
             Lens::Spherical => Camera::Spherical(Spherical { pose }),
         }
     }
+}
+
+/// A picture of the surroundings whose pixels on one side are eight times as bright as on the other.
+pub fn bright_half(radiance: Rgb) -> Light {
+    let values = (0..32).map(|k| if k % 8 < 2 { radiance * 2.0 } else { radiance * 0.25 }.to_array()).collect();
+    let pixels = Arc::new(Pixels::new(UVec2::new(8, 4), values).expect("pixels"));
+    Light::EnvironmentMap(Arc::new(EnvironmentMap::new(pixels, Mapping::LatLong, Rgb::WHITE, Mat3::from_rotation_y(1.0))))
+}
+
+/// The intensity 2 before the light and falling linearly with the angle to 0 behind it.
+pub fn profile() -> Light {
+    let (vertical, horizontal) = (vec![0.0, FRAC_PI_2, PI], vec![0.0, 3.0, TAU]);
+    let profile = IntensityProfile::new(vertical, horizontal, [5.0, 5.0, 0.0].repeat(3)).expect("a profile");
+    let z = Vec3::new(0.3, -0.9, 0.2).normalize();
+    let x = z.any_orthonormal_vector();
+    let (position, axes) = (DVec3::new(0.5, 1.0, 0.2), [x, z.cross(x), z]);
+    Light::Profiled(ProfiledPoint { position, axes, intensity: Rgb::gray(2.0), profile: Arc::new(profile) })
+}
+
+/// A white square, within the cone of the spotlight.
+pub fn projector() -> Light {
+    let (position, axis) = (DVec3::new(0.5, 1.0, 0.2), Vec3::new(0.3, -0.9, 0.2).normalize());
+    let spot = Spot { position, axis, intensity: Rgb::gray(2.0), cos_inner: 0.9, cos_outer: 0.6, falloff: Falloff::Linear };
+    let white = Arc::new(Pixels::new(UVec2::ONE, vec![[1.0; 3]]).expect("a pixel"));
+    Light::Projector(Box::new(Projector::new(spot, Vec3::Y, 0.3, white).expect("not along the axis")))
 }
 
 /// Eighty triangles with interpolated normals and texture coordinates.
