@@ -11,7 +11,8 @@ use pt::math::{Ray, RayDifferential, Rgb, Transform};
 use pt::render::{Render, SampleId, Settings};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
-use pt::shape::{Cuboid, MeshData, Quad, Sphere, SurfacePoint, TriangleMesh, VertexColor};
+use pt::shape::sdf::{Ball, Field, Ring, SmoothUnion};
+use pt::shape::{Cuboid, MeshData, Quad, Sdf, Sphere, SurfacePoint, TriangleMesh, VertexColor};
 use pt::texture::image::{Filter, Pixels, Wrap};
 use pt::texture::noise::{fbm, filtered_fbm};
 use pt::texture::pyramid::Pyramid;
@@ -41,6 +42,13 @@ fn world(add: impl Fn(&mut WorldBuilder, [MaterialId; 2])) -> World {
     builder.shape(Cuboid { size: [20.0; 3] }, moved(0.3, 0.2, 0.1), matte, None);
     add(&mut builder, smooth);
     builder.build().expect("a sound scene")
+}
+
+/// A ball that goes smoothly into a ring around it, as a distance field.
+fn field() -> Sdf {
+    let ball = Field::Ball(Ball { center: DVec3::ZERO, radius: 0.8 });
+    let ring = Field::Ring(Ring { center: DVec3::ZERO, radius: 0.9, tube: 0.3, half: false });
+    Sdf::new(Field::SmoothUnion(SmoothUnion { of: vec![ball, ring], width: 0.4 }))
 }
 
 /// A dome with normals that are interpolated over its triangles.
@@ -96,15 +104,24 @@ fn differentials_are_those_of_neighbouring_rays() {
         moved(0.1, -0.1, 0.2),
     ]);
     type Add = fn(&mut WorldBuilder, MaterialId, Transform);
-    let direct: [(&str, Add); 3] = [
+    let direct: [(&str, Add); 4] = [
         ("ellipsoid", |builder, material, to| builder.shape(Sphere { radius: 1.0 }, to, material, None)),
         ("box", |builder, material, to| builder.shape(Cuboid { size: [2.0; 3] }, to, material, None)),
         ("dome", |builder, material, to| builder.shape(dome(), to, material, None)),
+        ("field", |builder, material, to| builder.shape(field(), to, material, None)),
     ];
-    let instanced: [(&str, Add); 2] = [
+    let instanced: [(&str, Add); 3] = [
         ("instance of an ellipsoid", |builder, material, to| {
             let mut objects = Objects::default();
             objects.shape(Sphere { radius: 1.0 }, Transform::scale(DVec3::new(1.0, 1.2, 0.9)).expect("not flat"), material, None);
+            let group = builder.group(objects);
+            let mut shown = Objects::default();
+            shown.instance(group, to, None);
+            builder.objects(shown);
+        }),
+        ("instance of a field", |builder, material, to| {
+            let mut objects = Objects::default();
+            objects.shape(field(), Transform::IDENTITY, material, None);
             let group = builder.group(objects);
             let mut shown = Objects::default();
             shown.instance(group, to, None);
