@@ -38,8 +38,8 @@ pub struct Background {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sky {
-    /// Elevation of the sun above the horizon, in degrees. Its disk is shown whole until its middle has set; then the sky
-    /// darkens, until −18. Default: 40, or as `place` says.
+    /// Elevation of the sun above the horizon, in degrees. As its disk sets, between 0.27 and −0.27, it is shown
+    /// whole and dimmed by the part that has set; then the sky darkens, until −18. Default: 40, or as `place` says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elevation: Option<Elevation>,
     /// Azimuth of the sun, in degrees: 0 is −z, 90 is +x, 180 is +z. Default: 120, or as `place` says.

@@ -20,10 +20,10 @@ use rayon::prelude::*;
 
 use self::atmosphere::{Atmosphere, Color, GROUND, phases};
 use self::multiple::Multiple;
-use self::path::{Path, PathPoint, amounts_to_top, is_below_horizon};
+use self::path::{Path, PathPoint, amounts_to_top};
 pub use self::position::SunPosition;
 use self::sunlight::Sunlight;
-use crate::math::float::{sin_cos_degrees, sin_cos_f64};
+use crate::math::float::{acos_f64, sin_cos_degrees, sin_cos_f64};
 use crate::texture::image::Pixels;
 
 /// Half of the angle under which the sun is seen (degrees).
@@ -64,6 +64,8 @@ struct Observer {
     multiple: Option<Multiple>,
     /// Distance from the centre of the earth (m).
     radius: f64,
+    /// Elevation of the sun (degrees).
+    elevation: f64,
     /// Sine and cosine of the sun's angle to the zenith.
     sun: (f64, f64),
 }
@@ -122,15 +124,37 @@ impl Observer {
         let sunlight = Sunlight::new(atmosphere);
         let multiple = ground.map(|ground| Multiple::new(&atmosphere, &sunlight, ground));
         let (sin, cos) = sin_cos_degrees(90.0 - elevation);
-        Observer { atmosphere, sunlight, multiple, radius: GROUND + altitude, sun: (sin, cos) }
+        Observer { atmosphere, sunlight, multiple, radius: GROUND + altitude, elevation, sun: (sin, cos) }
     }
 
-    /// Share of the sun's light that arrives, by an integral of its own: near the horizon it is more exact than the table.
+    /// Share of the sun's light that arrives: the integral over the part of the disk above the horizon. With strips of the disk at the
+    /// height α cos θ above its middle, α being its half angle, it is
+    ///
+    /// ∫ T(elevation + α cos θ) 2/π sin² θ dθ,
+    ///
+    /// where T is the transmittance.
     fn sunlight(&self) -> Color {
-        if is_below_horizon(self.radius, self.sun.1) {
-            return [0.0; 3];
+        const STRIPS: u32 = 16;
+        let lowest = -((self.radius - GROUND) * (self.radius + GROUND)).max(0.0).sqrt() / self.radius;
+        let horizon = 90.0 - acos_f64(lowest) * (180.0 / PI);
+        // From the top of the disk to the horizon, or to its lower end.
+        let end = acos_f64((horizon - self.elevation) / SUN_HALF_ANGLE);
+        let width = end / f64::from(STRIPS);
+        let mut sum = [0.0; 3];
+        for strip in 0..STRIPS {
+            let (sin, cos) = sin_cos_f64((f64::from(strip) + 0.5) * width);
+            let passed = self.passed(sin_cos_degrees(self.elevation + SUN_HALF_ANGLE * cos).0.max(lowest));
+            (0..3).for_each(|k| sum[k] += passed[k] * sin * sin * width * (2.0 / PI));
         }
-        self.atmosphere.transmittance(&amounts_to_top(self.radius, self.sun.1, 4 * STEPS))
+        sum
+    }
+
+    /// Transmittance of the air along a direction that does not meet the ground, by an integral of its own: near the horizon it is more
+    /// exact than the table.
+    ///
+    /// - `cos`: cosine of the angle to the zenith
+    fn passed(&self, cos: f64) -> Color {
+        self.atmosphere.transmittance(&amounts_to_top(self.radius, cos, 4 * STEPS))
     }
 
     /// The view at an angle to the zenith with a given cosine.
@@ -207,7 +231,8 @@ mod tests {
             (5.0, [0.543844, 0.249647, 0.063732]),
             (2.0, [0.331011, 0.085372, 0.006173]),
         ] {
-            assert_near(observer(elevation).sunlight(), exact, &format!("{elevation}°"));
+            let observer = observer(elevation);
+            assert_near(observer.passed(observer.sun.1), exact, &format!("{elevation}°"));
         }
         assert_eq!(observer(-1.0).sunlight(), [0.0; 3]);
     }
@@ -231,6 +256,26 @@ mod tests {
             let view_cos = sin_cos_degrees(90.0 - view).1;
             let found = observer.scattered(&observer.view(view_cos), f64::to_radians(azimuth));
             assert_near(found, exact, &format!("sun {sun}°, view {view}°, azimuth {azimuth}°"));
+        }
+    }
+
+    /// The sun sets without a jump: its light falls with each hundredth of a degree by at most a twelfth of what it was before it touched the
+    /// horizon, to nothing when the last of its disk has set. High above the horizon the disk counts as its middle does.
+    #[test]
+    fn the_sun_sets_gradually() {
+        let light = |elevation: f64| Observer::new(Atmosphere::of_turbidity(2.0), 0.0, elevation, None).sunlight();
+        let whole = light(0.3);
+        let lights: Vec<Color> = (0..=60).map(|k| light(0.3 - 0.01 * f64::from(k))).collect();
+        for (k, pair) in lights.windows(2).enumerate() {
+            for channel in 0..3 {
+                let fall = (pair[0][channel] - pair[1][channel]) / whole[channel];
+                assert!((0.0..1.0 / 12.0).contains(&fall), "step {k}: {pair:?}");
+            }
+        }
+        assert!(lights[56][0] > 0.0 && lights[57] == [0.0; 3], "{lights:?}");
+        let observer = Observer::new(Atmosphere::of_turbidity(2.0), 0.0, 40.0, None);
+        for (disk, middle) in observer.sunlight().into_iter().zip(observer.passed(observer.sun.1)) {
+            assert!((disk / middle - 1.0).abs() < 1e-4, "{disk} and {middle}");
         }
     }
 
