@@ -28,7 +28,7 @@ pub struct Area {
     distribution: Option<Arc<EmissionDistribution>>,
 }
 
-/// Number of texture lookups for all lights of a scene together, which takes about a second.
+/// Number of texture lookups for all lights of a scene together, which bounds the time to load it.
 const LOOKUPS: usize = 1 << 21;
 
 /// Least power of a textured primitive, as a fraction of its power with a white texture. The power is estimated from some points
