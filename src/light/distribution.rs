@@ -66,7 +66,8 @@ impl Distribution {
         let column = shares.partition_point(|&share| share <= u.x).min(columns - 1);
         let before = if column == 0 { 0.0 } else { shares[column - 1] };
         let rest_x = ((u.x - before) / (shares[column] - before)).clamp(0.0, ONE_MINUS_EPSILON);
-        let cell = Cell::new(weights, [column, row]);
+        let around = weights.around([column as i32 - 1, row as i32 - 1]);
+        let cell = Cell::new(size, [column, row], around);
         let point = cell.sample(Vec2::new(rest_x, rest_y));
         ((point - 0.5) / size.as_vec2()).clamp(Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON))
     }
@@ -81,10 +82,13 @@ impl Distribution {
 
 /// Sets the cumulative shares of a row of cells; returns the sum of its weights, each times the area of its cell in pixels.
 fn fill_row(weights: &impl Weights, y: usize, shares: &mut [f32]) -> f32 {
+    let size = weights.size();
+    let line = |row: i32| (-1..=size.x as i32).map(|x| weights.weight(IVec2::new(x, row))).collect::<Vec<f32>>();
+    let (above, below) = (line(y as i32 - 1), line(y as i32));
     let mut sum = 0.0;
     let mut sums = Vec::with_capacity(shares.len());
     for x in 0..shares.len() {
-        sum += f64::from(Cell::new(weights, [x, y]).weight());
+        sum += f64::from(Cell::new(size, [x, y], [above[x], above[x + 1], below[x], below[x + 1]]).weight());
         sums.push(sum);
     }
     if sum > 0.0 {
@@ -103,15 +107,14 @@ struct Cell {
 }
 
 impl Cell {
+    /// - `around`: weights of the four pixels, [`Weights::around`]
     #[inline]
-    fn new(weights: &impl Weights, cell: [usize; 2]) -> Cell {
-        let size = weights.size();
+    fn new(size: UVec2, cell: [usize; 2], around: [f32; 4]) -> Cell {
         let extent = [(cell[0], size.x), (cell[1], size.y)].map(|(at, count)| {
             let low = if at == 0 { 0.5 } else { at as f32 };
             let high = if at == count as usize { at as f32 + 0.5 } else { at as f32 + 1.0 };
             low..high
         });
-        let around = weights.around([cell[0] as i32 - 1, cell[1] as i32 - 1]);
         let inside = |axis: usize, x: f32| x - cell[axis] as f32;
         let [x, y] = &extent;
         let corner = |x, y| bilinear(around, Vec2::new(inside(0, x), inside(1, y))).max(0.0);

@@ -4,19 +4,14 @@ use glam::{IVec2, UVec2, Vec2, Vec3};
 
 use super::distribution::{Distribution, Weights, bilinear};
 use super::emitter::Emitter;
-use crate::math::float::ONE_MINUS_EPSILON;
+use super::flat_share::{FlatShare, Part, THRESHOLD};
 use crate::math::{AreaPdf, SolidAnglePdf};
 use crate::shape::{Shape, SurfacePoint};
 use crate::texture::{Footprint, TextureContext};
 
 /// Distribution of the light that a textured primitive emits.
 ///
-/// The radiance L is divided into a flat part min(L, t) and peaks max(0, L − t), t being a little above the mean of L. Points are sampled
-/// with the density
-///
-/// p = s p_flat + (1 − s) p_peaks,
-///
-/// where s is the share of the flat part in the light. The flat part is sampled as the shape samples light of one radiance; the peaks by a
+/// Points are sampled in two parts ([`FlatShare`]). The flat part is sampled as the shape samples light of one radiance; the peaks by a
 /// table of their radiance over the unit square of [`Shape::sample_area`], which is interpolated. A coarse table only costs noise, since
 /// the flat part reaches every point.
 ///
@@ -25,14 +20,11 @@ use crate::texture::{Footprint, TextureContext};
 pub(super) struct EmissionDistribution {
     /// Mean radiance over the primitive and over the colour components [W·m⁻²·sr⁻¹].
     pub mean: f32,
-    /// Share s of the flat part.
-    flat_share: f32,
+    /// Share of the flat part in the light and in the samples.
+    flat_share: FlatShare,
     /// Distribution of the peaks; `None` if there are none, or the shape knows no inverse of its sampling.
     peaks: Option<(Table, Distribution)>,
 }
-
-/// Ratio of the threshold between flat part and peaks to the mean radiance. Above 1, so that rounding makes no peaks of one colour.
-const THRESHOLD: f32 = 1.0 + 1.0 / 16.0;
 
 /// Greatest share of the flat part for which peaks are sampled by themselves. Beyond it they bring less than sampling them costs.
 const MAX_FLAT_SHARE: f32 = 0.95;
@@ -59,7 +51,7 @@ impl EmissionDistribution {
         let has_inverse = || shape.area_coordinates(primitive, &shape.sample_area(primitive, Vec2::splat(0.5)).0).is_some();
         let pays = side > MIN_SIDE && flat_share < MAX_FLAT_SHARE && has_inverse();
         let peaks = if pays { Distribution::new(&table).map(|distribution| (table, distribution)) } else { None };
-        EmissionDistribution { mean, flat_share: if peaks.is_some() { flat_share } else { 1.0 }, peaks }
+        EmissionDistribution { mean, flat_share: if peaks.is_some() { FlatShare::new(flat_share) } else { FlatShare::ALL }, peaks }
     }
 
     /// Samples a point that lights `from`, with its density by solid angle.
@@ -68,9 +60,9 @@ impl EmissionDistribution {
         if self.peaks.is_none() {
             return shape.sample_from(primitive, from, u);
         }
-        let point = match self.part(u) {
+        let point = match self.flat_share.choose(u) {
             Part::Flat(u) => shape.sample_from(primitive, from, u)?.0,
-            Part::Peak(u) => shape.sample_area(primitive, u).0,
+            Part::Peaks(u) => shape.sample_area(primitive, self.peak(u)?).0,
         };
         let pdf = self.pdf_from(shape, primitive, from, &point);
         (pdf.get() > 0.0).then_some((point, pdf))
@@ -83,12 +75,15 @@ impl EmissionDistribution {
         let Some(peak) = self.peak_density(shape, primitive, point) else { return flat };
         let by_area = AreaPdf::new(shape.area_pdf(primitive, point).get() * peak);
         let by_angle = by_area.to_solid_angle((point.p - from).as_dvec3(), point.ng.as_dvec3()).map_or(0.0, SolidAnglePdf::get);
-        SolidAnglePdf::new(self.flat_share * flat.get() + (1.0 - self.flat_share) * by_angle)
+        SolidAnglePdf::new(self.flat_share.density(flat.get(), by_angle))
     }
 
     /// Samples a point, with its density by area.
     pub fn sample_area(&self, shape: &dyn Shape, primitive: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
-        let (Part::Flat(u) | Part::Peak(u)) = self.part(u);
+        let u = match self.flat_share.choose(u) {
+            Part::Flat(u) => u,
+            Part::Peaks(u) => self.peak(u).unwrap_or(u),
+        };
         let (point, _) = shape.sample_area(primitive, u);
         (point, self.area_pdf(shape, primitive, &point))
     }
@@ -97,18 +92,13 @@ impl EmissionDistribution {
     pub fn area_pdf(&self, shape: &dyn Shape, primitive: u32, point: &SurfacePoint) -> AreaPdf {
         let flat = shape.area_pdf(primitive, point);
         let Some(peak) = self.peak_density(shape, primitive, point) else { return flat };
-        AreaPdf::new(flat.get() * (self.flat_share + (1.0 - self.flat_share) * peak))
+        AreaPdf::new(flat.get() * self.flat_share.density(1.0, peak))
     }
 
-    /// The part that a sample belongs to.
-    fn part(&self, u: Vec2) -> Part {
-        let Some((table, distribution)) = &self.peaks else { return Part::Flat(u) };
-        let of_interval = |low: f32, high: f32| Vec2::new(((u.x - low) / (high - low)).min(ONE_MINUS_EPSILON), u.y);
-        if u.x < self.flat_share {
-            Part::Flat(of_interval(0.0, self.flat_share))
-        } else {
-            Part::Peak(distribution.sample(table, of_interval(self.flat_share, 1.0)))
-        }
+    /// A sample of the unit square in proportion to the peaks; `None` if all light is flat.
+    fn peak(&self, u: Vec2) -> Option<Vec2> {
+        let (table, distribution) = self.peaks.as_ref()?;
+        Some(distribution.sample(table, u))
     }
 
     /// Density of the peaks at a point by the area of the unit square; `None` if all light is flat.
@@ -117,13 +107,6 @@ impl EmissionDistribution {
         let u = shape.area_coordinates(primitive, point)?;
         Some(distribution.density(table.at(u)))
     }
-}
-
-/// The part of the light that a sample belongs to, with its numbers in [0, 1)².
-enum Part {
-    Flat(Vec2),
-    /// The numbers follow the distribution of the peaks.
-    Peak(Vec2),
 }
 
 /// Radiance over the unit square of [`Shape::sample_area`], interpolated between the centres of square cells.

@@ -12,6 +12,7 @@ mod emitted_ray;
 mod emitter;
 pub mod environment;
 pub mod environment_map;
+mod flat_share;
 pub mod point;
 pub mod profile;
 mod projector;

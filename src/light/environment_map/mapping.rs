@@ -68,9 +68,13 @@ impl Mapping {
     }
 
     /// Pixel of the picture that a pixel up to one beyond its borders stands for.
+    #[inline]
     pub fn wrap(self, pixel: IVec2, size: UVec2) -> UVec2 {
         let IVec2 { x, y } = pixel;
         let (width, height) = (size.x as i32, size.y as i32);
+        if (0..width).contains(&x) && (0..height).contains(&y) {
+            return pixel.as_uvec2();
+        }
         let inside = match self {
             // Longitudes follow each other in a circle. Beyond a pole the row at the pole is repeated.
             Mapping::LatLong => IVec2::new(x.rem_euclid(width), y.clamp(0, height - 1)),

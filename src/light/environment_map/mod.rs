@@ -13,8 +13,8 @@ use self::irradiance::COUNT;
 use super::distribution::{Distribution, Weights, bilinear};
 use super::emitted_ray::EmissionContext;
 use super::environment::{flat_pdf, flat_sample};
+use super::flat_share::{FlatShare, Part, THRESHOLD};
 use super::{EmittedRay, LightLiSample, LightSampleContext, ShadowTarget};
-use crate::math::float::ONE_MINUS_EPSILON;
 use crate::math::{Density, Rgb, SolidAnglePdf, Spectrum, warp};
 use crate::texture::image::Pixels;
 
@@ -23,14 +23,9 @@ pub use self::mapping::Mapping;
 
 /// Light from all directions as a picture shows it, interpolated between the centres of pixels.
 ///
-/// The radiance L is divided into a flat part min(L, t) and peaks max(0, L − t), t being a little above the mean of L. Directions are
-/// sampled with the density
-///
-/// p(ω) = s p_flat(ω) + (1 − s) p_peaks(ω),
-///
-/// where s is the share of the flat part in the light. The flat part is sampled as the light of a constant environment is, also with the
-/// cosine of a surface; the peaks in proportion to their interpolated radiance. So dim directions keep a density above 0 beside a sun, and
-/// a picture of one colour is sampled as a constant environment: with the same bits.
+/// Its light is sampled in two parts. The flat part, radiance up to a little above the mean, is sampled as the light of a constant
+/// environment is, also with the cosine of a surface; the peaks above it in proportion to their interpolated radiance. A picture of one
+/// colour is sampled as a constant environment: with the same bits.
 ///
 /// Tests: one_bright_pixel_is_sampled_without_noise, dark_maps_are_never_chosen, maps_of_one_colour_are_constant_environments,
 /// turned_maps_keep_their_bits, scaled_maps_keep_their_bits, densities_integrate_to_one.
@@ -41,8 +36,10 @@ pub struct EnvironmentMap {
     to_picture: Mat3,
     /// Distribution of the peaks; `None` if there are none.
     peaks: Option<Distribution>,
-    /// Share s of the flat part.
-    flat_share: f32,
+    /// Share of the flat part in the light, and in the rays that the map emits.
+    flat_share: FlatShare,
+    /// Share of the flat part in the samples for surfaces.
+    surface_share: FlatShare,
     /// Mean radiance over all directions and colour components [W·m⁻²·sr⁻¹].
     mean: f64,
     /// Irradiance in the picture's coordinates.
@@ -70,8 +67,12 @@ impl PartialEq for EnvironmentMap {
     }
 }
 
-/// Ratio of the threshold between flat part and peaks to the mean radiance. Above 1, so that rounding makes no peaks of one colour.
-const THRESHOLD: f64 = 1.0 + 1.0 / 16.0;
+/// Share of the flat part in the samples for surfaces, relative to its share in the light.
+///
+/// Paths meet the flat part by the sampling of materials too, so that fewer samples of it are needed: MIS compensation (Karlík et al.,
+/// MIS Compensation: Optimizing Sampling Techniques in Multiple Importance Sampling, 2019). It is not 0, so that a direction with light has
+/// a density above 0 also for integrators that sample nothing but lights; the mean square of their samples is at most doubled.
+const COMPENSATION: f32 = 0.5;
 
 impl EnvironmentMap {
     /// An environment map.
@@ -83,11 +84,15 @@ impl EnvironmentMap {
         let row_weights = (-1..=rows as i32).map(|row| mapping.row_weight(row, rows)).collect();
         let mut picture = Picture { pixels, mapping, scale, threshold: f32::INFINITY, row_weights };
         let Moments { mean, harmonics } = picture.moments();
-        picture.threshold = (THRESHOLD * mean) as f32;
+        picture.threshold = (f64::from(THRESHOLD) * mean) as f32;
         let flat = picture.mean_of_rows(|rgb| rgb.average().min(picture.threshold));
         let peaks = Distribution::new(&picture);
-        let flat_share = if peaks.is_some() { (flat / mean) as f32 } else { 1.0 };
-        EnvironmentMap { picture, to_picture: to_world.transpose(), peaks, flat_share, mean, irradiance: IrradianceMap::new(harmonics) }
+        let [flat_share, surface_share] = match peaks {
+            Some(_) => [1.0, COMPENSATION].map(|factor| FlatShare::new(factor * (flat / mean) as f32)),
+            None => [FlatShare::ALL; 2],
+        };
+        let irradiance = IrradianceMap::new(harmonics);
+        EnvironmentMap { picture, to_picture: to_world.transpose(), peaks, flat_share, surface_share, mean, irradiance }
     }
 
     /// Mean radiance over all directions and colour components [W·m⁻²·sr⁻¹].
@@ -103,33 +108,38 @@ impl EnvironmentMap {
 
     /// Samples a direction for a point.
     pub(super) fn sample(&self, cx: &LightSampleContext, u: Vec2) -> Option<LightLiSample> {
-        let wi = match self.part(u) {
+        let wi = match self.surface_share.choose(u) {
             Part::Flat(u) => flat_sample(cx, u),
-            Part::Peak(wi) => wi,
+            Part::Peaks(u) => self.peak(u)?,
         };
-        let (li, pdf) = (self.radiance(wi), self.pdf(cx, wi));
+        let (li, pdf) = self.radiance_and_density(self.surface_share, flat_pdf(cx, wi), wi);
         let is_possible = pdf.get() > 0.0 && !li.is_black();
         is_possible.then_some(LightLiSample { wi, li, density: Density::Smooth(pdf), target: ShadowTarget::Infinity })
     }
 
     /// Density of a sampled direction.
     pub(super) fn pdf(&self, cx: &LightSampleContext, wi: Vec3) -> SolidAnglePdf {
-        self.mixture(flat_pdf(cx, wi), wi)
+        self.radiance_and_density(self.surface_share, flat_pdf(cx, wi), wi).1
     }
 
     /// Density with which the light emits rays that come from the direction `wi`.
     pub(super) fn emission_pdf(&self, wi: Vec3) -> SolidAnglePdf {
-        self.mixture(SolidAnglePdf::new(warp::uniform_sphere_pdf()), wi)
+        self.emitted(wi).1
+    }
+
+    /// Radiance from the direction `wi`, and the density of a ray that the light emits from there.
+    fn emitted(&self, wi: Vec3) -> (Spectrum, SolidAnglePdf) {
+        self.radiance_and_density(self.flat_share, SolidAnglePdf::new(warp::uniform_sphere_pdf()), wi)
     }
 
     /// A ray through the scene.
     pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
-        let wi = match self.part(cx.direction) {
+        let wi = match self.flat_share.choose(cx.direction) {
             Part::Flat(u) => warp::uniform_sphere(u),
-            Part::Peak(wi) => wi,
+            Part::Peaks(u) => self.peak(u)?,
         };
-        let pdf = self.emission_pdf(wi);
-        cx.ray_from_infinity(-wi, self.radiance(wi), Density::Smooth(pdf)).filter(|_| pdf.get() > 0.0)
+        let (radiance, pdf) = self.emitted(wi);
+        cx.ray_from_infinity(-wi, radiance, Density::Smooth(pdf)).filter(|_| pdf.get() > 0.0)
     }
 
     /// Flux Φ = π R² · 4π L through a scene of radius R, with the mean radiance L (W).
@@ -142,38 +152,35 @@ impl EnvironmentMap {
         (self.to_picture, self.irradiance)
     }
 
-    /// Chooses between the flat part and the peaks, and samples the peaks.
-    fn part(&self, u: Vec2) -> Part {
-        match &self.peaks {
-            Some(peaks) if u.x >= self.flat_share => {
-                let x = ((u.x - self.flat_share) / (1.0 - self.flat_share)).min(ONE_MINUS_EPSILON);
-                let uv = peaks.sample(&self.picture, Vec2::new(x, u.y));
-                let w = self.to_picture.transpose() * self.picture.mapping.direction(uv);
-                // In f64 the length does not depend on the order of the axes, which rotations by quarter turns exchange.
-                Part::Peak(w.as_dvec3().normalize().as_vec3())
-            }
-            _ => Part::Flat(Vec2::new((u.x / self.flat_share).min(ONE_MINUS_EPSILON), u.y)),
-        }
+    /// Samples a direction of the peaks.
+    fn peak(&self, u: Vec2) -> Option<Vec3> {
+        let uv = self.peaks.as_ref()?.sample(&self.picture, u);
+        let w = self.to_picture.transpose() * self.picture.mapping.direction(uv);
+        // In f64 the length does not depend on the order of the axes, which rotations by quarter turns exchange.
+        Some(w.as_dvec3().normalize().as_vec3())
     }
 
-    /// Density of both parts together.
+    /// Radiance from a direction, and the density of both parts together.
     ///
     /// - `flat`: density of the flat part
-    fn mixture(&self, flat: SolidAnglePdf, wi: Vec3) -> SolidAnglePdf {
-        let Some(peaks) = &self.peaks else { return flat };
+    fn radiance_and_density(&self, share: FlatShare, flat: SolidAnglePdf, wi: Vec3) -> (Spectrum, SolidAnglePdf) {
         let w = self.to_picture * wi;
-        let weight = self.picture.interpolated_weight(self.picture.mapping.coordinates(w));
+        let place = self.picture.place(self.picture.mapping.coordinates(w));
+        let pixels = self.picture.around(place.pixel);
+        let radiance = Spectrum::from_illuminant(self.picture.radiance(&pixels, place.share));
+        let Some(peaks) = &self.peaks else { return (radiance, flat) };
+        let weight = self.picture.peak_weight(&pixels, &place);
         let peak = self.picture.mapping.by_solid_angle(w, peaks.density(weight));
-        SolidAnglePdf::new(self.flat_share * flat.get() + (1.0 - self.flat_share) * peak)
+        (radiance, SolidAnglePdf::new(share.density(flat.get(), peak)))
     }
 }
 
-/// Part of the light that a direction is sampled for.
-enum Part {
-    /// The flat part, with random numbers for the direction.
-    Flat(Vec2),
-    /// The peaks, with the direction.
-    Peak(Vec3),
+/// A place between the centres of four pixels.
+struct Place {
+    /// The pixel to the left and above.
+    pixel: IVec2,
+    /// Position between its centre and that of the pixel to the right and below, in [0, 1]².
+    share: Vec2,
 }
 
 /// Integrals of the radiance over all directions.
@@ -190,26 +197,48 @@ const PIECES: usize = 512;
 impl Picture {
     /// Radiance at coordinates of the picture.
     fn at(&self, uv: Vec2) -> Rgb {
-        let ([left, top], share) = self.place(uv);
+        let Place { pixel, share } = self.place(uv);
+        self.radiance(&self.around(pixel), share)
+    }
+
+    /// Radiance between four pixels, [`Picture::around`].
+    #[inline]
+    fn radiance(&self, &[a, b, c, d]: &[Rgb; 4], share: Vec2) -> Rgb {
         // Between equal values, this form has no rounding.
         let between = |a: Rgb, b: Rgb, share: f32| a + (b - a) * share;
-        let line = |y| between(self.pixel(IVec2::new(left, y)), self.pixel(IVec2::new(left + 1, y)), share.x);
-        between(line(top), line(top + 1), share.y) * self.scale
+        between(between(a, b, share.x), between(c, d, share.x), share.y) * self.scale
     }
 
-    /// Weight of the peaks at coordinates of the picture.
-    fn interpolated_weight(&self, uv: Vec2) -> f32 {
-        let (pixel, share) = self.place(uv);
-        bilinear(self.around(pixel), share).max(0.0)
+    /// Weight of the peaks between four pixels, [`Picture::around`].
+    #[inline]
+    fn peak_weight(&self, &[a, b, c, d]: &[Rgb; 4], Place { pixel, share }: &Place) -> f32 {
+        let [above, below] = [pixel.y, pixel.y + 1];
+        let corners = [self.peak(a, above), self.peak(b, above), self.peak(c, below), self.peak(d, below)];
+        bilinear(corners, *share).max(0.0)
     }
 
-    /// Pixel to the left of coordinates and above them, and their position between its centre and that of the pixels to the right and
-    /// below.
-    fn place(&self, uv: Vec2) -> ([i32; 2], Vec2) {
+    /// Place of coordinates.
+    #[inline]
+    fn place(&self, uv: Vec2) -> Place {
         let size = self.pixels.size();
         let at = uv * size.as_vec2() - 0.5;
-        let pixel = at.floor().clamp(Vec2::NEG_ONE, size.as_vec2() - 1.0);
-        (pixel.as_ivec2().to_array(), (at - pixel).clamp(Vec2::ZERO, Vec2::ONE))
+        // Rounds down, as numbers from −1 on allow, since `floor` is a call where the compiler may use no SSE 4.1.
+        let pixel = ((at + 1.0).as_ivec2() - 1).clamp(IVec2::NEG_ONE, size.as_ivec2() - 1);
+        Place { pixel, share: (at - pixel.as_vec2()).clamp(Vec2::ZERO, Vec2::ONE) }
+    }
+
+    /// Values of a pixel, of that to its right, and of the two below.
+    #[inline]
+    fn around(&self, first: IVec2) -> [Rgb; 4] {
+        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|step| self.pixel(first + IVec2::from(step)))
+    }
+
+    /// Weight of a value of a row as a peak.
+    #[inline]
+    fn peak(&self, value: Rgb, row: i32) -> f32 {
+        let peak = ((value * self.scale).average() - self.threshold).max(0.0);
+        // The sign of a row beyond a pole lets the interpolation be 0 at the pole.
+        peak * self.row_weights[(row + 1) as usize]
     }
 
     #[inline]
@@ -267,8 +296,6 @@ impl Weights for Picture {
 
     #[inline]
     fn weight(&self, pixel: IVec2) -> f32 {
-        let peak = ((self.pixel(pixel) * self.scale).average() - self.threshold).max(0.0);
-        // The sign of a row beyond a pole lets the interpolation be 0 at the pole.
-        peak * self.row_weights[(pixel.y + 1) as usize]
+        self.peak(self.pixel(pixel), pixel.y)
     }
 }
