@@ -20,7 +20,7 @@ pub struct MergeArgs {
     /// Parts of one picture.
     #[arg(value_name = "PART", required = true)]
     pub parts: Vec<PathBuf>,
-    /// Output file: .exr, .png, .ppm, .pfm, or .ptc, which may lack samples. May be repeated.
+    /// Output file: .exr, .hdr, .png, .ppm, .pfm, or .ptc, which may lack samples. May be repeated.
     #[arg(short, long, value_name = "FILE", required = true)]
     pub output: Vec<PathBuf>,
     /// Confidence of errors.

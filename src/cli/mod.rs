@@ -99,7 +99,7 @@ pub enum Command {
     Reference(ReferenceArgs),
     /// Sample warps, samplers or a material, as numbers and pictures. Without arguments: list them.
     Sample(SampleArgs),
-    /// Compare, inspect and convert pictures: .exr, .png, .ppm, .pfm, and .jpg to read.
+    /// Compare, inspect and convert pictures: .exr, .hdr, .png, .ppm, .pfm, and .jpg to read.
     Image {
         #[command(subcommand)]
         verb: image::Verb,

@@ -43,7 +43,7 @@ pub struct ReferenceArgs {
     /// Integrator of the reference. Default: nee.
     #[arg(short, long, value_name = "NAME")]
     pub integrator: Option<String>,
-    /// Additional output file: .exr, .png, .ppm, .pfm. May be repeated.
+    /// Additional output file: .exr, .hdr, .png, .ppm, .pfm. May be repeated.
     #[arg(short, long, value_name = "FILE")]
     pub output: Vec<PathBuf>,
     /// Folder of cached references. Default: pt in the user's folder for caches.

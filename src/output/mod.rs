@@ -8,6 +8,7 @@ mod decode_error;
 pub mod exposure;
 pub mod exr;
 pub mod hash;
+pub mod hdr;
 pub mod layer;
 mod open;
 pub mod pfm;
@@ -41,6 +42,8 @@ pub use tonemap::{Curve, Tonemap};
 pub enum Format {
     /// Linear f32, every channel.
     Exr,
+    /// Linear, red, green and blue with 8 bits each and one exponent.
+    Hdr,
     /// sRGB, 8 bits.
     Png,
     /// sRGB, 8 bits, no compression.
@@ -51,12 +54,13 @@ pub enum Format {
 
 impl Format {
     /// Extensions of all formats, for messages.
-    pub const EXTENSIONS: &str = ".exr, .png, .ppm or .pfm";
+    pub const EXTENSIONS: &str = ".exr, .hdr, .png, .ppm or .pfm";
 
     /// Format of a path by its extension; `None` for an unknown one.
     pub fn of(path: &Path) -> Option<Format> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "exr" => Some(Format::Exr),
+            "hdr" => Some(Format::Hdr),
             "png" => Some(Format::Png),
             "ppm" => Some(Format::Ppm),
             "pfm" => Some(Format::Pfm),
@@ -73,6 +77,7 @@ pub fn write(path: &Path, image: &Image, attributes: &Attributes, tonemap: &Tone
     let unknown = || Error::Usage(format!("{}: expected a name that ends in {}", path.display(), Format::EXTENSIONS));
     let bytes = match Format::of(path).ok_or_else(unknown)? {
         Format::Exr => exr::encode(image, attributes)?,
+        Format::Hdr => hdr::encode(image)?,
         Format::Png => png::encode(image, tonemap)?,
         Format::Ppm => png::encode_ppm(image, tonemap),
         Format::Pfm => pfm::encode(image),

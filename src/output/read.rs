@@ -1,4 +1,4 @@
-//! Reading of EXR, PNG, JPEG, PPM and PFM files, recognised by their content.
+//! Reading of EXR, Radiance HDR, PNG, JPEG, PPM and PFM files, recognised by their content.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use image::ImageFormat;
 
 use super::decode_error::DecodeError;
 use super::open::bytes;
-use super::{Attributes, exr, pfm, png};
+use super::{Attributes, exr, hdr, pfm, png};
 use crate::error::Result;
 use crate::film::Image;
 
@@ -40,18 +40,20 @@ fn decode(bytes: &[u8]) -> Result<(Image, Attributes), DecodeError> {
     let plain = |image| (image, vec![]);
     match Kind::of(bytes).ok_or_else(unknown)? {
         Kind::Exr => exr::decode(bytes),
+        Kind::Hdr => hdr::decode(bytes).map(plain),
         Kind::Pfm => pfm::decode(bytes).map(plain),
         Kind::Encoded(format) => png::decode(bytes, format).map(plain),
     }
 }
 
 fn unknown() -> DecodeError {
-    DecodeError::Invalid("unknown picture format: expected EXR, PNG, JPEG, PPM or PFM".into())
+    DecodeError::Invalid("unknown picture format: expected EXR, HDR, PNG, JPEG, PPM or PFM".into())
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Exr,
+    Hdr,
     Pfm,
     Encoded(ImageFormat),
 }
@@ -60,6 +62,7 @@ impl Kind {
     fn of(bytes: &[u8]) -> Option<Kind> {
         match bytes {
             [0x76, 0x2f, 0x31, 0x01, ..] => Some(Kind::Exr),
+            [b'#', b'?', ..] => Some(Kind::Hdr),
             [b'P', b'F' | b'f', ..] => Some(Kind::Pfm),
             [0x89, b'P', b'N', b'G', ..] => Some(Kind::Encoded(ImageFormat::Png)),
             [0xff, 0xd8, 0xff, ..] => Some(Kind::Encoded(ImageFormat::Jpeg)),
@@ -71,6 +74,7 @@ impl Kind {
     fn title(self) -> &'static str {
         match self {
             Kind::Exr => "OpenEXR",
+            Kind::Hdr => "Radiance HDR",
             Kind::Pfm => "PFM",
             Kind::Encoded(ImageFormat::Png) => "PNG",
             Kind::Encoded(ImageFormat::Jpeg) => "JPEG",

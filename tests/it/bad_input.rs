@@ -461,7 +461,7 @@ const CALLS: &[Row] = &[
     ("B37", "right.json -o right.json/x.exr", 5, "error: right.json/x.exr: Not a directory (os error 20)\n"),
     ("B37", "scene.exr -o scene.exr", 2, "error: scene.exr: is the scene file, which would be overwritten"),
     ("B37", "right.json -o folder.exr", 2, "error: folder.exr: is a folder, expected a file"),
-    ("B37", "right.json -o x.jpg", 2, "error: x.jpg: expected a name that ends in .exr, .png, .ppm or .pfm"),
+    ("B37", "right.json -o x.jpg", 2, "error: x.jpg: expected a name that ends in .exr, .hdr, .png, .ppm or .pfm"),
     ("B37", "right.json -o folder/.exr", 2, "expected a name that ends in"),
     ("B37", "right.json -o x.exr -o ./x.exr", 2, "error: ./x.exr: given twice as an output"),
     ("B52", "", 2, "expected a scene"),

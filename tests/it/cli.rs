@@ -106,12 +106,13 @@ fn every_integrator_is_chosen_by_name_and_keeps_the_options_it_has() {
 #[test]
 fn several_outputs_each_by_its_extension() {
     let folder = folder();
-    pt(folder.path(), &["scene.json", "-o", "a.exr", "-o", "b.png", "-o", "c.ppm", "-o", "d.pfm"]).success();
+    pt(folder.path(), &["scene.json", "-o", "a.exr", "-o", "b.png", "-o", "c.ppm", "-o", "d.pfm", "-o", "e.hdr"]).success();
     let start = |name: &str| fs::read(folder.path().join(name)).expect("written")[..3].to_vec();
     assert_eq!(start("a.exr"), [0x76, 0x2f, 0x31]);
     assert_eq!(start("b.png"), [0x89, b'P', b'N']);
     assert_eq!(start("c.ppm"), *b"P6\n");
     assert_eq!(start("d.pfm"), *b"PF\n");
+    assert_eq!(start("e.hdr"), *b"#?R");
 }
 
 #[test]

@@ -92,7 +92,7 @@ fn what_cannot_be_done_is_refused() {
         ("diff a.exr none.exr", 3, "none.exr: no such file"),
         ("diff a.exr b.exr -m flop", 2, "unknown metric \"flop\", did you mean \"flip\"?"),
         ("diff a.exr b.exr -o b.exr", 2, "b.exr: is one of the pictures, which would be overwritten"),
-        ("diff a.exr b.exr -o d.gif", 2, "d.gif: expected a name that ends in .exr, .png, .ppm or .pfm"),
+        ("diff a.exr b.exr -o d.gif", 2, "d.gif: expected a name that ends in .exr, .hdr, .png, .ppm or .pfm"),
         ("diff a.exr b.exr -o no/d.exr", 5, "no/d.exr: there is no folder no"),
         ("diff a.exr b.exr --layer StdErr", 3, "a.exr: unknown layer \"StdErr\", there are none"),
         ("convert a.exr -o a.exr", 2, "a.exr: is the input, which would be overwritten"),

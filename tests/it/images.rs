@@ -96,6 +96,27 @@ fn levels_of_8_bits_survive() {
     }
 }
 
+/// Radiance HDR keeps values with 8 bits and a common exponent, and rounds others to the nearest.
+#[test]
+fn hdr_rounds_to_the_nearest() {
+    let folder = folder();
+    let [tiny, huge] = [2f32.powi(-100), 2f32.powi(120)];
+    let kept = [0.0, 1.0, 255.0, 3.0, 0.5, 0.0625, 128.0, 2.0, 0.0, huge, 0.0, 0.0, tiny, 3.0 * tiny, 0.0];
+    let colours = |values: &[f32]| {
+        let of = |c: usize| values.iter().skip(c).step_by(3).copied().collect::<Vec<f32>>();
+        whole([values.len() as u32 / 3, 1], vec![channel("R", &of(0)), channel("G", &of(1)), channel("B", &of(2))])
+    };
+    assert_same(&opened(&write(folder.path(), "a.hdr", &colours(&kept), &vec![])), &colours(&kept));
+    // Units of 1, 1/2 and 2: 63.9 is nearer to 64 than to 63.75, which is the largest value with units of 1/4.
+    let [from, to] = [[128.4, 3.6, 0.49, 63.9, 0.24, 0.1, 255.75, 5.0, 2.9], [128.0, 4.0, 0.0, 64.0, 0.0, 0.0, 256.0, 6.0, 2.0]];
+    let found = opened(&write(folder.path(), "a.hdr", &colours(&from), &vec![]));
+    assert_same(&found, &colours(&to));
+    // The largest value 10³⁸ is 2¹²⁶ times 1.1755, or 150.5 units of 2¹¹⁹.
+    let (without, largest) = ([-0.5, f32::NAN, 1.0, f32::INFINITY, 1e38, 0.0], 150.0 * 2f32.powi(119));
+    let found = opened(&write(folder.path(), "a.hdr", &colours(&without), &vec![]));
+    assert_same(&found, &colours(&[0.0, 0.0, 1.0, largest, largest, 0.0]));
+}
+
 /// PFM files in both byte orders, grey and coloured, with rows from the bottom. Of the scale only the sign counts.
 #[test]
 fn pfm_by_hand() {
@@ -129,7 +150,7 @@ fn pfm_by_hand() {
 fn truncated_pictures_are_refused() {
     let folder = folder();
     let image = whole([5, 4], ["R", "G", "B"].map(|name| channel(name, &[0.25; 20])).into());
-    for name in ["a.exr", "a.png", "a.ppm", "a.pfm"] {
+    for name in ["a.exr", "a.hdr", "a.png", "a.ppm", "a.pfm"] {
         let bytes = std::fs::read(write(folder.path(), name, &image, &vec![])).expect("written");
         let cut = folder.path().join("cut");
         // The last twelve bytes of a PNG only say that it ends.
@@ -142,7 +163,7 @@ fn truncated_pictures_are_refused() {
     }
     let path = |name: &str| folder.path().join(name);
     std::fs::write(path("text"), "hello").expect("written");
-    assert!(refusal(&path("text")).1.ends_with("text: unknown picture format: expected EXR, PNG, JPEG, PPM or PFM"));
+    assert!(refusal(&path("text")).1.ends_with("text: unknown picture format: expected EXR, HDR, PNG, JPEG, PPM or PFM"));
     assert!(refusal(&path("none.exr")).1.ends_with("none.exr: no such file"));
     assert!(refusal(folder.path()).1.ends_with(": not a regular file"));
 }

@@ -15,7 +15,7 @@ pub struct AverageArgs {
     /// Input files.
     #[arg(required = true, value_name = "FILE")]
     pub inputs: Vec<PathBuf>,
-    /// Output file: .exr, .png, .ppm or .pfm. May be repeated.
+    /// Output file: .exr, .hdr, .png, .ppm or .pfm. May be repeated.
     #[arg(short, long, value_name = "OUT", required = true)]
     pub output: Vec<PathBuf>,
     #[command(flatten)]

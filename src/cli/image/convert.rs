@@ -13,7 +13,7 @@ pub struct ConvertArgs {
     /// Input file.
     #[arg(value_name = "IN")]
     pub input: PathBuf,
-    /// Output file: .exr, .png, .ppm or .pfm. May be repeated.
+    /// Output file: .exr, .hdr, .png, .ppm or .pfm. May be repeated.
     #[arg(short, long, value_name = "OUT", required = true)]
     pub output: Vec<PathBuf>,
     #[command(flatten)]

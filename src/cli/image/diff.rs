@@ -26,7 +26,7 @@ pub struct DiffArgs {
     /// Error measure, such as relmse, mse:robust or relmse:eps=1e-2: see `pt list metrics`. May be repeated.
     #[arg(short, long, value_name = "NAME", default_value = "relmse")]
     pub metric: Vec<String>,
-    /// Output file for the error of every pixel: .exr or .pfm as numbers, .png or .ppm (of the first measure) as colours.
+    /// Output file for the error of every pixel: .exr, .hdr or .pfm as numbers, .png or .ppm (of the first measure) as colours.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// End with exit code 1 if any measure is larger.

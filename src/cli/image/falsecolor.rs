@@ -23,7 +23,7 @@ pub struct FalsecolorArgs {
     /// Reference, to show errors.
     #[arg(value_name = "B")]
     pub second: Option<PathBuf>,
-    /// Output file: .png, .ppm, .exr or .pfm.
+    /// Output file: .png, .ppm, .exr, .hdr or .pfm.
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// With B: the error measure; see `pt list metrics`.

@@ -29,7 +29,7 @@ pub struct RenderArgs {
     /// error soonest. Default: the scene's, or nee.
     #[arg(short, long, value_name = "NAME")]
     pub integrator: Option<String>,
-    /// Output file: .exr (linear, float), .png, .ppm, .pfm. May be repeated. Default: SCENE.exr and SCENE.png here.
+    /// Output file: .exr (linear, float), .hdr, .png, .ppm, .pfm. May be repeated. Default: SCENE.exr and SCENE.png here.
     #[arg(short, long, value_name = "FILE", alias = "outfile")]
     pub output: Vec<PathBuf>,
     /// Name the picture by the time at which it is begun, YY_MM_DD-hh_mm_ss.exr and .png.
