@@ -1,8 +1,8 @@
-"""Renders four scenes with pt and with Mitsuba 3, alternately, and prints the time and the noise of both.
+"""Renders five scenes with pt and with Mitsuba 3, alternately, and prints the time and the noise of both.
 
     pip install mitsuba numpy        (Mitsuba's fast variant needs LLVM 19 or later, see DRJIT_LIBLLVM_PATH)
     cargo build --release
-    python3 benches/peers/peers.py [cornell blob glass lights] [--seeds 4] [--spp 64] [--pt target/release/pt]
+    python3 benches/peers/peers.py [cornell blob glass lights outdoors] [--seeds 4] [--spp 64] [--pt target/release/pt]
 
 Both programs get the same geometry, two-sided materials, depth of paths and box filter, and one thread. Noise is the variance of a pixel
 between renders with different seeds, divided by its squared mean plus 0.01, in the mean over pixels and colours: the relative mean square
@@ -128,7 +128,42 @@ def blob():
     return dict(shapes=shapes, depth=7, sky=[1, 1, 1])
 
 
-SCENES = dict(cornell=cornell, blob=blob, glass=glass, lights=lights)
+def surroundings(directions):
+    """Radiance from directions: a sky with a bright spot of 3 degrees, and a lit window to the right."""
+    x, y, z = np.moveaxis(directions, -1, 0)
+    sky = np.exp(-2.5 * np.abs(y))[..., None] * [0.35, 0.3, 0.25] + np.clip(y, 0, 1)[..., None] * [0.1, 0.25, 0.6]
+    toward = directions @ (np.array([-0.6, 0.5, 0.62]) / np.linalg.norm([-0.6, 0.5, 0.62]))
+    spot = np.exp((toward - 1) / (1 - math.cos(math.radians(3))))[..., None] * [400, 330, 240]
+    window = (1 / (1 + np.exp(40 * (np.maximum(np.abs(y - 0.3), np.abs(z)) - 0.2))) * (x > 0))[..., None] * [9, 10, 12]
+    return (sky + spot + window).astype("<f4")
+
+
+def outdoors():
+    """Boxes and a ball on a plane, in the light of a picture. Each program gets the picture by its own convention."""
+    width, height = 1024, 512
+    turn = (np.arange(width) + 0.5) / width * 2 * np.pi - np.pi
+
+    def picture(down, middle, right):
+        """A picture with +y at its top: angles from +y of the rows, the direction in the middle, and the direction to its right."""
+        across = np.cos(turn)[:, None] * middle + np.sin(turn)[:, None] * right
+        return surroundings(np.sin(down)[:, None, None] * across + np.cos(down)[:, None, None] * np.array([0, 1, 0]))
+
+    maps = {
+        # Rows from pole to pole: pt has the borders of the picture at the poles, Mitsuba the centres of the first and last row.
+        "pt": picture((np.arange(height) + 0.5) / height * np.pi, np.array([0, 0, -1]), np.array([1, 0, 0])),
+        "mitsuba": picture(np.arange(height) / (height - 1) * np.pi, np.array([0, 0, 1]), np.array([-1, 0, 0])),
+    }
+    mi.Bitmap(maps["pt"]).write(f"{FOLDER}/map.exr")
+    shapes = [
+        quad((20, 20), (0, -1, 0), UP, "white"),
+        block((0.6, 1.2, 0.6), (-0.33, -0.4, -0.3), 17),
+        block((0.6, 0.6, 0.6), (0.34, -0.7, 0.36), -17),
+        dict(kind="sphere", matrix=place((-0.5, -0.65, 0.6), scale=(0.35,) * 3), material="red", emission=None),
+    ]
+    return dict(shapes=shapes, depth=7, map=maps["mitsuba"])
+
+
+SCENES = dict(cornell=cornell, blob=blob, glass=glass, lights=lights, outdoors=outdoors)
 
 
 def for_pt(scene, path):
@@ -149,6 +184,7 @@ def for_pt(scene, path):
         "materials": {**materials, "glass": {"type": "dielectric", "eta": 1.5}},
         "shapes": [shape(s) for s in scene["shapes"]],
         **({"background": {"radiance": scene["sky"]}} if "sky" in scene else {}),
+        **({"background": {"image": "map.exr"}} if "map" in scene else {}),
     }
     with open(path, "w") as file:
         json.dump(written, file)
@@ -176,7 +212,9 @@ def for_mitsuba(scene):
         loaded[f"shape{k}"] = shape
     if "sky" in scene:
         loaded["sky"] = {"type": "constant", "radiance": {"type": "rgb", "value": [float(x) for x in scene["sky"]]}}
-    return mi.load_dict(loaded)
+    if "map" in scene:
+        loaded["map"] = {"type": "envmap", "bitmap": mi.Bitmap(scene["map"])}
+    return mi.load_dict(loaded, parallel=False)
 
 
 def read_pfm(path):
@@ -220,10 +258,11 @@ def main():
     arguments.add_argument("--pt", default="target/release/pt")
     options = arguments.parse_args()
     os.makedirs(FOLDER, exist_ok=True)
+    # Before the limit to one thread, with which Mitsuba never ends writing an EXR picture.
+    scenes = {name: SCENES[name]() for name in options.scenes}
     dr.set_thread_count(1)
     print(f"Mitsuba {mi.__version__} {mi.variant()}, {options.spp} samples per pixel, {options.seeds} seeds, one thread")
-    for name in options.scenes:
-        scene = SCENES[name]()
+    for name, scene in scenes.items():
         for_pt(scene, f"{FOLDER}/{name}.json")
         peer = for_mitsuba(scene)
         rows = {("pt", s): ([], []) for s in ["independent", "sobol"]}

@@ -39,6 +39,7 @@ picture mis-plates        mis-plates      --size 360x270 --spp 256
 picture mis-plates-path   mis-plates      --size 264x198 --spp 256 --integrator path
 picture terrace           terrace
 picture gallery           gallery         --size 320x200 --spp 1024
+picture reflections       reflections     --size 360x203 --spp 2048
 # Models in the light that they get without any of their own, for docs/import.md.
 model() {
     name=model-$1 mesh=$2
