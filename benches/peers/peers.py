@@ -214,7 +214,7 @@ def for_mitsuba(scene):
         loaded["sky"] = {"type": "constant", "radiance": {"type": "rgb", "value": [float(x) for x in scene["sky"]]}}
     if "map" in scene:
         loaded["map"] = {"type": "envmap", "bitmap": mi.Bitmap(scene["map"])}
-    return mi.load_dict(loaded, parallel=False)
+    return mi.load_dict(loaded)
 
 
 def read_pfm(path):

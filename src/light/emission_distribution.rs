@@ -62,7 +62,7 @@ impl EmissionDistribution {
         }
         let point = match self.flat_share.choose(u) {
             Part::Flat(u) => shape.sample_from(primitive, from, u)?.0,
-            Part::Peaks(u) => shape.sample_area(primitive, self.peak(u)?).0,
+            Part::Peaks(u) => shape.sample_area(primitive, self.sample_peaks(u)?).0,
         };
         let pdf = self.pdf_from(shape, primitive, from, &point);
         (pdf.get() > 0.0).then_some((point, pdf))
@@ -82,7 +82,7 @@ impl EmissionDistribution {
     pub fn sample_area(&self, shape: &dyn Shape, primitive: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         let u = match self.flat_share.choose(u) {
             Part::Flat(u) => u,
-            Part::Peaks(u) => self.peak(u).unwrap_or(u),
+            Part::Peaks(u) => self.sample_peaks(u).unwrap_or(u),
         };
         let (point, _) = shape.sample_area(primitive, u);
         (point, self.area_pdf(shape, primitive, &point))
@@ -96,7 +96,7 @@ impl EmissionDistribution {
     }
 
     /// A sample of the unit square in proportion to the peaks; `None` if all light is flat.
-    fn peak(&self, u: Vec2) -> Option<Vec2> {
+    fn sample_peaks(&self, u: Vec2) -> Option<Vec2> {
         let (table, distribution) = self.peaks.as_ref()?;
         Some(distribution.sample(table, u))
     }

@@ -15,7 +15,7 @@ use crate::film::Image;
 /// Largest value that is written.
 const MAX: f32 = 1e38;
 
-/// Encodes red, green and blue. Values are rounded to the nearest that the format has: by at most 1/256 of the largest in their pixel.
+/// Encodes red, green and blue. Values are rounded to the nearest that the format has: by less than 1/255 of the largest in their pixel.
 ///
 /// What the format cannot have is written as the nearest value: negative values and NaN as 0, those above 10³⁸ as 10³⁸.
 pub fn encode(image: &Image) -> Result<Vec<u8>> {

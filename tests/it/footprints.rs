@@ -51,6 +51,14 @@ fn field() -> Sdf {
     Sdf::new(Field::SmoothUnion(SmoothUnion { of: vec![ball, ring], width: 0.4 }))
 }
 
+/// Adds a group of objects and an instance of it.
+fn show_instance(builder: &mut WorldBuilder, objects: Objects, to: Transform) {
+    let group = builder.group(objects);
+    let mut shown = Objects::default();
+    shown.instance(group, to, None);
+    builder.objects(shown);
+}
+
 /// A dome with normals that are interpolated over its triangles.
 fn dome() -> TriangleMesh {
     let n = 8;
@@ -114,26 +122,17 @@ fn differentials_are_those_of_neighbouring_rays() {
         ("instance of an ellipsoid", |builder, material, to| {
             let mut objects = Objects::default();
             objects.shape(Sphere { radius: 1.0 }, Transform::scale(DVec3::new(1.0, 1.2, 0.9)).expect("not flat"), material, None);
-            let group = builder.group(objects);
-            let mut shown = Objects::default();
-            shown.instance(group, to, None);
-            builder.objects(shown);
+            show_instance(builder, objects, to);
         }),
         ("instance of a field", |builder, material, to| {
             let mut objects = Objects::default();
             objects.shape(field(), Transform::IDENTITY, material, None);
-            let group = builder.group(objects);
-            let mut shown = Objects::default();
-            shown.instance(group, to, None);
-            builder.objects(shown);
+            show_instance(builder, objects, to);
         }),
         ("instance of a dome", |builder, material, to| {
             let mut objects = Objects::default();
             objects.shape(dome(), Transform::IDENTITY, material, None);
-            let group = builder.group(objects);
-            let mut shown = Objects::default();
-            shown.instance(group, to, None);
-            builder.objects(shown);
+            show_instance(builder, objects, to);
         }),
     ];
     let paths: [(usize, &[Turn]); 4] = [(0, &[]), (0, &[Turn::Reflect]), (1, &[Turn::Refract]), (1, &[Turn::Refract, Turn::Refract])];

@@ -110,7 +110,7 @@ impl EnvironmentMap {
     pub(super) fn sample(&self, cx: &LightSampleContext, u: Vec2) -> Option<LightLiSample> {
         let wi = match self.surface_share.choose(u) {
             Part::Flat(u) => flat_sample(cx, u),
-            Part::Peaks(u) => self.peak(u)?,
+            Part::Peaks(u) => self.sample_peaks(u)?,
         };
         let (li, pdf) = self.radiance_and_density(self.surface_share, flat_pdf(cx, wi), wi);
         let is_possible = pdf.get() > 0.0 && !li.is_black();
@@ -136,7 +136,7 @@ impl EnvironmentMap {
     pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
         let wi = match self.flat_share.choose(cx.direction) {
             Part::Flat(u) => warp::uniform_sphere(u),
-            Part::Peaks(u) => self.peak(u)?,
+            Part::Peaks(u) => self.sample_peaks(u)?,
         };
         let (radiance, pdf) = self.emitted(wi);
         cx.ray_from_infinity(-wi, radiance, Density::Smooth(pdf)).filter(|_| pdf.get() > 0.0)
@@ -153,7 +153,7 @@ impl EnvironmentMap {
     }
 
     /// Samples a direction of the peaks.
-    fn peak(&self, u: Vec2) -> Option<Vec3> {
+    fn sample_peaks(&self, u: Vec2) -> Option<Vec3> {
         let uv = self.peaks.as_ref()?.sample(&self.picture, u);
         let w = self.to_picture.transpose() * self.picture.mapping.direction(uv);
         // In f64 the length does not depend on the order of the axes, which rotations by quarter turns exchange.
