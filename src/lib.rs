@@ -133,6 +133,7 @@ pub mod sampler;
 pub mod scene;
 pub mod shape;
 pub mod texture;
+pub mod torture;
 pub mod world;
 
 #[cfg(feature = "cli")]

@@ -9,24 +9,12 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-#[path = "it/geometry.rs"]
-#[allow(dead_code)]
-mod geometry;
-
-#[path = "it/random.rs"]
-#[allow(dead_code)]
-mod random;
-
-#[path = "it/identity/zoo.rs"]
-#[allow(dead_code)]
-mod zoo;
-
 use pt::film::{FilmSpec, MomentFilm};
 use pt::integrator::{Integrator, choose};
 use pt::integrators::nee::Nee;
 use pt::render::{Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
-use zoo::Zoo;
+use pt::torture::everything::Everything;
 
 /// The system's allocator, counted on the thread that renders, because allocations of other threads depend on how busy the machine is.
 struct Counting;
@@ -70,7 +58,7 @@ const TILES: u64 = (SIZE[0] / TILE * (SIZE[1] / TILE)) as u64;
 
 /// Number of allocations of a render on one thread.
 fn allocations(integrator: &dyn Integrator, kind: Kind, spp: u64) -> u64 {
-    let scene = Zoo::default().build();
+    let scene = Everything::default().build();
     let settings = Settings { tile: TILE, ..Settings::new(SamplerSpec { kind, seed: 1, spp, ..SamplerSpec::default() }) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be had");
     pool.install(|| {

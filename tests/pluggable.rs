@@ -6,20 +6,8 @@
 #[allow(dead_code)]
 mod integrators;
 
-#[path = "it/geometry.rs"]
-#[allow(dead_code)]
-mod geometry;
-
-#[path = "it/random.rs"]
-#[allow(dead_code)]
-mod random;
-
-#[path = "it/identity/zoo.rs"]
-#[allow(dead_code)]
-mod zoo;
-
 use pt::integrator::choose;
-use zoo::{Shot, render_on};
+use pt::torture::everything::{Shot, render_on};
 
 /// Every integrator, compiled here and in the library, renders the same bits, on different numbers of threads.
 #[test]

@@ -221,7 +221,7 @@ impl<L: Lanes> Products<L> {
     /// determinant is within its error is kept. Coordinates above 2⁴⁰ m are beyond what it promises, because products of
     /// three lengths are beyond the range of f32.
     ///
-    /// Tests: certain_hits_are_hits, watertight, the_hierarchy_finds_what_a_linear_search_finds.
+    /// Tests: certain_hits_are_hits, row G1 of `pt torture`, the_hierarchy_finds_what_a_linear_search_finds.
     #[inline(always)]
     pub fn may_hit(&self, t_max: f32) -> u32 {
         let Products { det, u, v, t, slack, t_slack, lanes } = *self;

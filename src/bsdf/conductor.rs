@@ -80,7 +80,7 @@ fn schlick(normal: Spectrum, cos: f32) -> Spectrum {
 ///
 /// - sampling: the mirror direction, with weight F
 ///
-/// Source: Born and Wolf, *Principles of Optics*, ch. 14. Tests: conductors_reflect_as_the_handbook_says,
+/// Source: Born and Wolf, *Principles of Optics*, ch. 14. Tests: row F11 of `pt torture`,
 /// a_conductor_follows_the_complex_fresnel_equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {

@@ -25,7 +25,7 @@ use crate::texture::{Number, Texture};
 /// - sampling: reflection with probability F, otherwise refraction, so that weight = colour (· s)
 ///
 /// Source: Walter et al., *Microfacet Models for Refraction* (2007), §2; Veach, thesis (1997), §5.2.
-/// Tests: slab_is_parallel, magnification, glass_in_a_uniform_field, furnace.
+/// Tests: row O1 of `pt torture`, magnification, row O15 of `pt torture`, furnace.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
     /// η, the index of refraction inside over outside.

@@ -24,8 +24,8 @@ use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 /// - sampling: visible normals, so that weight = F G₂/G₁ ≤ 1; with probability 1 − E(wo) cosine-weighted, for f₂
 ///
 /// Source: Walter et al., *Microfacet Models for Refraction* (2007); Heitz (2014); Kulla and Conty (2017) with F₂ as given by
-/// Fdez-Agüera, *A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting* (2019). Tests: strong_furnace,
-/// compensated_surfaces_are_white, rough_models_are_proved.
+/// Fdez-Agüera, *A Multiple-Scattering Microfacet Model for Real-Time Image-based Lighting* (2019). Tests: row M2 and
+/// row M4 of `pt torture`, rough_models_are_proved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughConductor {
     /// F as a function of the angle.

@@ -29,7 +29,7 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 ///   with probability 1 − E(wo) cosine-weighted on either side, for f₂
 ///
 /// Source: Walter et al., *Microfacet Models for Refraction through Rough Surfaces* (2007); Kulla and Conty (2017).
-/// Tests: glass_furnace, compensated_surfaces_are_white, rough_models_are_proved, radiance_is_compressed_and_restored.
+/// Tests: row M5 and row M4 of `pt torture`, rough_models_are_proved, radiance_is_compressed_and_restored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
     /// η, the index of refraction inside over outside.

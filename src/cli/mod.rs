@@ -27,6 +27,7 @@ mod signals;
 mod stats;
 mod summary;
 mod tone_mapping;
+mod torture;
 mod trace;
 mod usage_error;
 mod verify;
@@ -53,6 +54,7 @@ use render::RenderArgs;
 use sample::SampleArgs;
 use schema::SchemaArgs;
 use std::path::PathBuf;
+use torture::TortureArgs;
 use verify::VerifyArgs;
 
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
@@ -99,6 +101,9 @@ pub enum Command {
     Reference(ReferenceArgs),
     /// Sample warps, samplers or a material, as numbers and pictures. Without arguments: list them.
     Sample(SampleArgs),
+    /// Test that hard cases stay numerically stable: scenes and formulas with exact answers, put to this program. Exit code 1 if
+    /// one fails.
+    Torture(TortureArgs),
     /// Compare, inspect and convert pictures: .exr, .hdr, .png, .ppm, .pfm, and .jpg to read.
     Image {
         #[command(subcommand)]
@@ -192,6 +197,7 @@ fn run(args: CommandLine, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Reference(args)) => return reference::reference(&args, tables),
         Some(Command::Merge(args)) => return merge::merge(&args),
         Some(Command::Verify(args)) => return verify::verify(&args, tables),
+        Some(Command::Torture(args)) => return torture::torture(&args),
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::Convert(args)) => convert::convert(&args, tables)?,
         Some(Command::List { what }) => list::list(what, tables)?,

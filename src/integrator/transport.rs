@@ -136,7 +136,7 @@ fn scattered(at: &SurfaceDifferential, surface: &Surface, arriving: Vec3, wi: Ve
 /// grow by ρ/q per bounce, and for ρ² > q the variance would be unbounded. A path between perfect mirrors is therefore ended by
 /// the depth limit, not by roulette.
 ///
-/// Source: Arvo and Kirk, *Particle Transport and Image Synthesis* (1990). Tests: roulette_keeps_the_mean.
+/// Source: Arvo and Kirk, *Particle Transport and Image Synthesis* (1990). Tests: row W1 of `pt torture`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roulette {
     /// Depth of the first vertex at which a path may end.

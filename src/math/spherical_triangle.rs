@@ -12,7 +12,7 @@
 //!
 //! Source: Van Oosterom and Strackee, *The Solid Angle of a Plane Triangle* (1983); the division of the triangle is that of
 //! Arvo, *Stratified Sampling of Spherical Triangles* (1995).
-//! Tests: solid_angles_of_triangles, directions_are_uniform, directions_lie_inside, round_trip, mirror_images.
+//! Tests: row G13 of `pt torture`, directions_are_uniform, directions_lie_inside, round_trip, mirror_images.
 
 use glam::{DVec3, Vec2, Vec3};
 

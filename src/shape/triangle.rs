@@ -22,7 +22,7 @@ use crate::math::lanes::{Lanes, VectorF64};
 /// Returns t and the weights of b and c; `None` for edge-on and degenerate triangles.
 ///
 /// Source: Shevtsov, Soupikov, Kapustin, *Ray-Triangle Intersection Algorithm for Modern CPU
-/// Architectures* (2007). Tests: watertight, distances_and_weights_match_integers.
+/// Architectures* (2007). Tests: row G1 of `pt torture`, distances_and_weights_match_integers.
 #[inline(always)]
 pub fn intersect(ray: &Ray, t_max: f32, corners: [Vec3; 3]) -> Option<ShapeHit> {
     intersect_with_tolerance(ray, t_max, corners, Exact)

@@ -292,7 +292,7 @@ impl Shape for BakedMesh {
 ///
 /// Source: Hanika, *Hacking the Shadow Terminator* (Ray Tracing Gems II, 2021), whose point is moved by
 /// Σ wₖ max(0, nₖ·(vₖ − p)) nₖ. That is nearly the same for fine meshes, but on coarse ones some rays still hit their own facets.
-/// Tests: offset_rays_leave_a_convex_mesh, smooth_cylinder.
+/// Tests: offset_rays_leave_a_convex_mesh, row N22 of `pt torture`.
 fn terminator_offset(corners: [Vec3; 3], normals: [Vec3; 3], w: Vec2, point: &SurfacePoint) -> f32 {
     let weights = [1.0 - w.x - w.y, w.x, w.y];
     let (mut depth, mut slant) = (0.0, 0.0);

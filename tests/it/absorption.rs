@@ -11,7 +11,7 @@ use pt::scene::Scene;
 use pt::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
 use pt::world::World;
 
-use crate::scenes::{Depth, Effort, Law, at, confirm, gray, probe, stored};
+use crate::scenes::{Depth, Effort, KnownRadiance, at, confirm, gray, probe, stored};
 
 /// The CIE 1931 observer by a method other than the library's table: a fit of a few bell curves with an error of 1 %.
 ///
@@ -103,12 +103,12 @@ fn thin_plate() {
 }
 
 /// A ball of radius 1 in uniform light of radiance 1, seen from outside through its middle.
-fn in_white_light(name: String, material: Material, radiance: f64) -> Law {
+fn in_white_light(name: String, material: Material, radiance: f64) -> KnownRadiance {
     let mut world = World::builder(probe(DVec3::new(0.0, 0.0, 4.0), DVec3::new(0.0, 0.0, 1.0)));
     let material = world.material(material);
     world.shape(Sphere { radius: 1.0 }, at(DVec3::ZERO), material, None);
     world.light(Light::Environment(Environment { radiance: Rgb::WHITE }));
-    Law::new(name, world, radiance, Depth { max: 1000, roulette: 8 })
+    KnownRadiance::new(name, world, radiance, Depth { max: 1000, roulette: 8 })
 }
 
 /// A ball of glass with the transmittance A along its diameter has L = R + (1 − R)² A / (1 − R A), including inner reflections.
@@ -121,7 +121,7 @@ fn glass_absorbs_along_the_path() {
         let exact = r + (1.0 - r) * (1.0 - r) * left / (1.0 - r * left);
         in_white_light(format!("glass {eta} that leaves {left}"), body, exact).resolution(1e-3, 2e-3)
     };
-    confirm([(1.0, 0.5), (1.5, 0.5), (1.5, 0.05), (2.42, 0.9)].map(row).into(), Effort::Quick);
+    confirm([(1.0, 0.5), (1.5, 0.5), (1.5, 0.05), (2.42, 0.9)].map(row).into(), Effort::Standard);
 }
 
 fn round(alpha: f32, distribution: Distribution) -> Roughness {
@@ -147,7 +147,7 @@ fn rough_bodies_are_invisible_in_uniform_light() {
         clear(1.5, 0.5, Distribution::Beckmann),
         clear(1.0 / 1.33, 0.3, Distribution::Ggx),
     ];
-    confirm(laws, Effort::Quick);
+    confirm(laws, Effort::Standard);
 }
 
 /// The grain of brushed metal runs along the first texture coordinate, for shapes of any orientation.

@@ -20,9 +20,9 @@ use pt::texture::Texture;
 use pt::texture::image::{Filter, Image as TextureImage, Pixels, Wrap};
 use pt::world::{World, WorldBuilder};
 
-use crate::glass::{block, round_mesh};
-use crate::identity::zoo::bright_half;
 use crate::scenes::{Depth, at, facing, integrator, needs, picture, stored};
+use pt::torture::everything::bright_half;
+use pt::torture::meshes::{block, round_mesh};
 
 /// Maximum depths at which all integrators must agree.
 const DEPTH: Depth = Depth { max: 12, roulette: 3 };

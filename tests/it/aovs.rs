@@ -22,8 +22,8 @@ use pt::shape::{MeshData, Quad, Sphere, TriangleMesh};
 use pt::texture::{Checker, Space, Texture};
 use pt::world::{World, WorldBuilder};
 
-use crate::identity::zoo::{self, Lens, Shot, Zoo, bits};
 use crate::scenes::{at, facing, gray, picture, stored};
+use pt::torture::everything::{self, Everything, Lens, Shot, bits};
 
 /// Radius of the box filter that makes a pixel nearly a point [pixels].
 const POINT: f32 = 1e-5;
@@ -314,12 +314,12 @@ fn matrices_find_the_pixel() {
 fn layers_change_no_bit_of_the_picture() {
     for (entry, (kind, ..)) in ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
         let integrator = choose(&[&[*entry]], None, Some(entry.name), "").expect("defaults are valid").1;
-        let zoo = Zoo { lens_radius: 0.1, ..Zoo::default() };
+        let scene = Everything { lens_radius: 0.1, ..Everything::default() };
         let sampler = SamplerSpec { kind: *kind, spp: 5, seed: 3, ..SamplerSpec::default() };
-        let without = Shot { zoo, sampler, film: FilmSpec::new(20, 15), ..Shot::default() };
+        let without = Shot { scene, sampler, film: FilmSpec::new(20, 15), ..Shot::default() };
         let layers = Layer::ALL.iter().map(|row| row.0).collect();
         let with = Shot { film: FilmSpec { layers, ..without.film.clone() }, ..without.clone() };
-        let [without, with] = [without, with].map(|shot| bits(&zoo::picture(shot.zoo.build(), &*integrator, &shot)));
+        let [without, with] = [without, with].map(|shot| bits(&everything::picture(shot.scene.build(), &*integrator, &shot)));
         assert!(with.len() > without.len() && with[..without.len()] == without, "{} {kind:?}", entry.name);
     }
 }
@@ -331,23 +331,23 @@ fn layers_are_the_same_bits_however_they_are_divided() {
     for (k, camera) in [(1, Lens::Perspective), (2, Lens::Spherical), (8, Lens::Orthographic)] {
         let film = FilmSpec { layers: all(), filter: Filter::mitchell(2.0, 1.0 / 3.0, 1.0 / 3.0), ..FilmSpec::new(24, 18) };
         let sampler = SamplerSpec { kind: Kind::Sobol, spp: 21, seed: 3, scramblings: k };
-        let shot = Shot { zoo: Zoo { camera, ..Zoo::default() }, film, sampler, ..Shot::default() };
-        let wanted = zoo::render_on(1, &integrator, &shot);
+        let shot = Shot { scene: Everything { camera, ..Everything::default() }, film, sampler, ..Shot::default() };
+        let wanted = everything::render_on(1, &integrator, &shot);
         for (threads, tile) in [(2, 5), (3, 1), (2, u32::MAX)] {
-            let found = zoo::render_on(threads, &integrator, &Shot { tile, ..shot.clone() });
+            let found = everything::render_on(threads, &integrator, &Shot { tile, ..shot.clone() });
             assert!(found == wanted, "{k} {threads} threads, tiles of {tile}");
         }
         let mut paused = MomentFilm::new(shot.film.clone());
-        let mut render = Render::new(shot.zoo.build(), &integrator, &shot.film, &Settings::new(sampler));
+        let mut render = Render::new(shot.scene.build(), &integrator, &shot.film, &Settings::new(sampler));
         [3, 5, 6, 13, 21].into_iter().for_each(|samples| render.advance(samples, &mut paused, &Silent));
         assert!(bits(&paused.image()) == wanted, "{k} with pauses");
         // The comparison is of the sums in f64, because a picture in f32 would hide their last bits.
         let mut at_once = MomentFilm::new(shot.film.clone());
-        Render::new(shot.zoo.build(), &integrator, &shot.film, &Settings::new(sampler)).advance(21, &mut at_once, &Silent);
+        Render::new(shot.scene.build(), &integrator, &shot.film, &Settings::new(sampler)).advance(21, &mut at_once, &Silent);
         let sums = |film: &MomentFilm| film.total().layers().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
         assert!(sums(&paused) == sums(&at_once), "{k}: sums with pauses");
         let crop = Crop { min: UVec2::new(7, 4), max: UVec2::new(16, 9) };
-        let part = zoo::picture(shot.zoo.build(), &integrator, &Shot { film: FilmSpec { crop, ..shot.film.clone() }, ..shot });
+        let part = everything::picture(shot.scene.build(), &integrator, &Shot { film: FilmSpec { crop, ..shot.film.clone() }, ..shot });
         // Standard errors are shared with neighbours, of which a crop has fewer.
         for ((name, part), (_, whole)) in bits(&part).iter().zip(&wanted).filter(|((name, _), _)| !name.starts_with("StdErr.")) {
             let row = |y: usize| whole[(y + 4) * 24 + 7..][..9].to_vec();

@@ -5,8 +5,8 @@ use pt::accel;
 use pt::math::{Ray, Transform};
 use pt::shape::{Cuboid, Geometry, Quad, Shape};
 
-use crate::geometry::shapes;
 use crate::random::Random;
+use pt::torture::meshes::shapes;
 
 const SIZE: [f64; 3] = [1.5, 0.8, 2.5];
 

@@ -14,7 +14,7 @@ use pt::shape::{Cuboid, Disk, Geometry, Quad, Shape, Sphere};
 use pt::texture::Texture;
 use pt::texture::image::{Filter, Image, Pixels, Wrap};
 
-use crate::identity::zoo::{profile, projector};
+use pt::torture::everything::{profile, projector};
 
 /// Bounding sphere of the scenes: centre and radius (m).
 const BOUNDS: (Vec3, f32) = (Vec3::new(0.2, -0.1, 0.3), 2.5);

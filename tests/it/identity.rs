@@ -1,11 +1,9 @@
-//! A picture has the same bits for every division of the work, and for every unit of length and of light.
+//! A picture has the same bits for every division of the work.
 
 mod division;
 mod effects;
 mod instructions;
-mod scaling;
 mod side_by_side;
-pub mod zoo;
 
 use pt::integrator::{Entry, Integrator, choose};
 

@@ -19,8 +19,8 @@ use pt::render::{Observer, Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::{Scene, Surface};
 
-use crate::identity::zoo::{Zoo, bits};
 use crate::random::cases;
+use pt::torture::everything::{Everything, bits};
 
 /// A scene that cancels the render after a number of rays.
 struct Tripwire {
@@ -152,7 +152,7 @@ proptest! {
     /// such wave. The picture equals, bit for bit, that of as many samples, and the waves need no more memory than was reserved.
     #[test]
     fn an_interrupt_loses_an_eighth_at_most(patience in 1u64..9000, kind in 0usize..4) {
-        let (scene, kind): (Arc<dyn Scene>, Kind) = (Zoo::default().build(), Kind::ALL[kind].0);
+        let (scene, kind): (Arc<dyn Scene>, Kind) = (Everything::default().build(), Kind::ALL[kind].0);
         let spec = FilmSpec::new(3, 2);
         let nee = || pt::integrator::choose(&[ALL], None, Some("nee"), "").expect("it is in the table").1;
         let waves = Waves { patience, ..Waves::default() };

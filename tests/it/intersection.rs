@@ -4,4 +4,3 @@
 mod exact;
 mod hierarchy;
 mod sphere;
-mod watertight;

@@ -13,8 +13,8 @@ use pt::math::float::sin_cos_degrees;
 use pt::math::{Density, Rgb, Transform};
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere, TriangleMesh};
 
-use crate::geometry::{icosphere, mesh};
 use crate::random::Random;
+use pt::torture::meshes::{icosphere, mesh};
 
 /// Lights of one shape. The index of a light is that of its primitive.
 fn lit(geometry: &dyn Geometry, to_world: &Transform, two_sided: bool) -> Lights {

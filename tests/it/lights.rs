@@ -13,8 +13,8 @@ use pt::scene::Scene;
 use pt::shape::{Disk, Quad, Sphere, TriangleMesh};
 use pt::world::{World, WorldBuilder};
 
-use crate::glass::round_mesh;
-use crate::scenes::{Depth, Effort, Law, at, black, confirm, facing, glow, gray, integrator, measure, probe, stored, two_sided};
+use crate::scenes::{Depth, Effort, KnownRadiance, at, black, confirm, facing, glow, gray, integrator, measure, probe, stored, two_sided};
+use pt::torture::meshes::round_mesh;
 
 const DIRECT: Depth = Depth { max: 1, roulette: u32::MAX };
 
@@ -33,20 +33,20 @@ fn tiny_far_and_huge_lights() {
         let mut world = tile(d - r);
         let dark = world.material(black());
         world.shape(Sphere { radius: r }, at(DVec3::Y * d), dark, glow(1.0));
-        Law::new(format!("sphere, r {r:e}, d {d:e}"), world, (r / d).powi(2), DIRECT).resolution(1e-3, 2e-3)
+        KnownRadiance::new(format!("sphere, r {r:e}, d {d:e}"), world, (r / d).powi(2), DIRECT).resolution(1e-3, 2e-3)
     };
     let disk = |r: f64, h: f64| {
         let mut world = tile(h);
         let dark = world.material(black());
         world.shape(Disk { radius: r }, facing(DVec3::Y * h, -DVec3::Y), dark, glow(1.0));
-        Law::new(format!("disk, r {r:e}, h {h:e}"), world, r * r / (r * r + h * h), DIRECT).resolution(1e-3, 2e-3)
+        KnownRadiance::new(format!("disk, r {r:e}, h {h:e}"), world, r * r / (r * r + h * h), DIRECT).resolution(1e-3, 2e-3)
     };
     let spheres = [(1e-5, 1.0), (1e-3, 1.0), (1.0, 1e5), (1e3, 1.001e3), (1e6, 1e7), (1e-9, 1e-6)].map(|(r, d)| sphere(r, d));
     let disks = [(1e-5, 1.0), (1.0, 1e4), (1e-9, 1e-7), (1e9, 1e10)].map(|(r, h)| disk(r, h));
-    confirm(spheres.into_iter().chain(disks).collect(), Effort::Quick);
+    confirm(spheres.into_iter().chain(disks).collect(), Effort::Standard);
     // The lamp covers nearly the whole sky, but samples by area are almost never near.
     let sky = [disk(1e3, 1.0), disk(1e5, 1.0)].map(|law| law.by_chance(1e-3).not_by_lights_alone());
-    confirm(sky.into(), Effort::Quick);
+    confirm(sky.into(), Effort::Standard);
 }
 
 /// Lamps seen edge-on, below the horizon or from their dark side give exactly no light, and all numbers are finite.
@@ -100,11 +100,11 @@ fn inside_a_sphere_light() {
         let mut world = tile(1.0);
         let dark = world.material(black());
         world.shape(Sphere { radius }, at(center), dark, two_sided(1.0));
-        let law = Law::new(format!("inside a sphere around {center}"), world, 1.0, DIRECT).resolution(1e-3, 3e-3).by_chance(1e-3);
+        let law = KnownRadiance::new(format!("inside a sphere around {center}"), world, 1.0, DIRECT).resolution(1e-3, 3e-3).by_chance(1e-3);
         // Off the centre the wall is near, and samples by area vary strongly.
         if center == DVec3::ZERO { law } else { law.not_by_lights_alone() }
     };
-    confirm(vec![inside(DVec3::ZERO, 1.0), inside(DVec3::new(0.5, 0.3, 0.2), 1.0), inside(DVec3::Y * 99.0, 100.0)], Effort::Quick);
+    confirm(vec![inside(DVec3::ZERO, 1.0), inside(DVec3::new(0.5, 0.3, 0.2), 1.0), inside(DVec3::Y * 99.0, 100.0)], Effort::Standard);
 
     let mut world = tile(1.0);
     let dark = world.material(black());
@@ -182,12 +182,12 @@ fn scenes_without_light_give_no_samples() {
 }
 
 /// Floor lit by one light without extent, seen at the origin, so that the radiance has no noise.
-fn floor_under(name: String, light: Light, radiance: f64) -> Law {
+fn floor_under(name: String, light: Light, radiance: f64) -> KnownRadiance {
     let mut world = World::builder(probe(DVec3::new(0.6, 0.9, 0.3), DVec3::ZERO));
     let white = world.material(Material::diffuse(stored(gray(0.5))));
     world.shape(Quad { size: [2.0; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
     world.light(light);
-    let law = Law::new(name, world, radiance, DIRECT).resolution(1e-5, 1e-5);
+    let law = KnownRadiance::new(name, world, radiance, DIRECT).resolution(1e-5, 1e-5);
     assert!(law.scene.effects().contains(Effects::POINT_LIGHT));
     law
 }
@@ -216,7 +216,7 @@ fn spot_lights() {
         s * s * (3.0 - 2.0 * s)
     };
     let tilts = [0.0, 10.0, 19.99, 20.01, 22.0, 25.0, 27.0, 30.01, 45.0, 90.0, 180.0];
-    confirm(tilts.map(|tilt| floor_under(format!("spot tilted by {tilt}°"), spot(tilt), full * step(tilt))).into(), Effort::Quick);
+    confirm(tilts.map(|tilt| floor_under(format!("spot tilted by {tilt}°"), spot(tilt), full * step(tilt))).into(), Effort::Standard);
 }
 
 /// L = ρ/π · E cos θ down to grazing angles, and 0 from below.
@@ -227,7 +227,7 @@ fn directional_lights() {
         let light = Light::Directional(Directional { direction, irradiance: stored(gray(3.0)) });
         floor_under(format!("directional, {degrees}°"), light, 0.5 / PI * 3.0 * degrees.to_radians().cos().max(0.0))
     };
-    confirm([0.0, 30.0, 60.0, 85.0, 89.0, 120.0, 180.0].map(law).into(), Effort::Quick);
+    confirm([0.0, 30.0, 60.0, 85.0, 89.0, 120.0, 180.0].map(law).into(), Effort::Standard);
 }
 
 /// An occluder casts an exactly black shadow for every kind of light. An object behind the light casts none.

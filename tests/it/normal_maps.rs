@@ -15,7 +15,7 @@ use pt::texture::{Image, Texture};
 use pt::world::{World, WorldBuilder};
 
 use crate::random::Random;
-use crate::scenes::{Depth, Effort, Law, black, confirm, facing, glow, gray, stored};
+use crate::scenes::{Depth, Effort, KnownRadiance, black, confirm, facing, glow, gray, stored};
 
 const ALBEDO: f64 = 0.5;
 /// Edge of the quad, which is centred at the origin (m).
@@ -172,9 +172,9 @@ fn mapped_planes_are_lit_as_by_quadrature() {
     for (name, pixels) in maps() {
         for (lit, resolution) in [(Lit::Sky, 2e-3), (Lit::Sun, 2e-3), (Lit::Lamp, 8e-3)] {
             let expected = lit.mean(|p, wo| seen(&pixels, p, wo));
-            let law = Law::new(format!("{name}, {lit:?}"), plane(&pixels, lit), expected, Depth::exactly(1));
+            let law = KnownRadiance::new(format!("{name}, {lit:?}"), plane(&pixels, lit), expected, Depth::exactly(1));
             laws.push(law.resolution(5e-4, resolution));
         }
     }
-    confirm(laws, Effort::Quick);
+    confirm(laws, Effort::Standard);
 }

@@ -9,8 +9,8 @@ use pt::shape::{Cuboid, Disk, Geometry, Quad, Shape, Sphere, TriangleMesh};
 use pt::texture::image::{Filter, Image, Pixels, Wrap};
 use pt::texture::{Texture, TextureContext};
 
-use crate::geometry::mesh;
 use crate::random::Random;
+use pt::torture::meshes::mesh;
 
 /// A picture of 32 × 32 pixels with a bright spot on a dim ground.
 fn spot() -> Emitter {

@@ -12,7 +12,7 @@
 //! root.
 //!
 //! Source: Kulla and Conty, *Revisiting Physically Based Shading at Imageworks* (2017).
-//! Tests: strong_furnace, glass_furnace, compensated_surfaces_are_white.
+//! Tests: row M2, row M5 and row M4 of `pt torture`.
 
 use std::collections::BTreeMap;
 use std::fmt;

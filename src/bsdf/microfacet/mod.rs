@@ -67,7 +67,7 @@ impl Microfacets {
     ///
     /// - `h`: a vector along the normal, of any length
     ///
-    /// Tests: distribution_of_normals, weak_furnace.
+    /// Tests: row M6 and row M1 of `pt torture`.
     #[inline]
     pub fn density(&self, h: Local) -> f32 {
         // sin² from the coordinates: 1 − cos² would cancel for a small alpha.
@@ -92,7 +92,7 @@ impl Microfacets {
     /// - G₁(w) = 1/(1 + Λ) = 2 cos θ / (cos θ + S)
     /// - G₂(a, b) = 1/(1 + Λ(a) + Λ(b)) = 2 cos a cos b / (cos a S(b) + cos b S(a)), with height-correlated masking and shadowing
     ///
-    /// Source: Smith (1967); Heitz, *Understanding the Masking-Shadowing Function* (2014). Tests: weak_furnace.
+    /// Source: Smith (1967); Heitz, *Understanding the Masking-Shadowing Function* (2014). Tests: row M1 of `pt torture`.
     #[inline]
     pub fn projected_area(&self, w: Local) -> f32 {
         let sine2 = (self.alpha * w.0.truncate()).length_squared();

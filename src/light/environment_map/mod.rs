@@ -27,7 +27,7 @@ pub use self::mapping::Mapping;
 /// environment is, also with the cosine of a surface; the peaks above it in proportion to their interpolated radiance. A picture of one
 /// colour is sampled as a constant environment: with the same bits.
 ///
-/// Tests: one_bright_pixel_is_sampled_without_noise, dark_maps_are_never_chosen, maps_of_one_colour_are_constant_environments,
+/// Tests: row W17 of `pt torture`, dark_maps_are_never_chosen, maps_of_one_colour_are_constant_environments,
 /// turned_maps_keep_their_bits, scaled_maps_keep_their_bits, densities_integrate_to_one.
 #[derive(Clone, Debug)]
 pub struct EnvironmentMap {

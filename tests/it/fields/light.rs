@@ -20,7 +20,7 @@ use pt::shape::sdf::*;
 use pt::shape::{Quad, Sdf};
 use pt::world::{PartAppearance, World, WorldBuilder};
 
-use crate::scenes::{Depth, Effort, Law, black, confirm, facing, glow, gray, measure, picture, probe, stored};
+use crate::scenes::{Depth, Effort, KnownRadiance, black, confirm, facing, glow, gray, measure, picture, probe, stored};
 
 fn ball(radius: f64) -> Field {
     Field::Ball(Ball { center: DVec3::ZERO, radius })
@@ -69,8 +69,8 @@ fn emission_of_fields_is_found_by_chance() {
     let (radius, height) = (0.8, 1.0f64);
     let wanted = 0.5 * 4.0 * (radius / height).powi(2);
     let depth = Depth { max: 1, roulette: 8 };
-    let law = Law::new("a ball over a floor", lamp(radius, height), wanted, depth);
-    confirm(vec![law.resolution(5e-3, 5e-3).by_chance(5e-3).not_by_lights_alone()], Effort::Quick);
+    let law = KnownRadiance::new("a ball over a floor", lamp(radius, height), wanted, depth);
+    confirm(vec![law.resolution(5e-3, 5e-3).by_chance(5e-3).not_by_lights_alone()], Effort::Standard);
 
     let scene = lamp(radius, height).build().expect("a world");
     assert!(scene.effects().contains(Effects::UNSAMPLED_EMITTER) && scene.lights().has_emission());

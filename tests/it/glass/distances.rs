@@ -11,8 +11,9 @@ use pt::scene::{Scene, Surface};
 use pt::shape::{Quad, Sphere, TriangleMesh};
 use pt::world::{World, WorldBuilder};
 
-use super::{block, no_camera, pane};
 use crate::scenes::{Depth, at, black, facing, glow, gray, integrator, picture, probe, room, stored};
+use pt::torture::glass::{no_camera, pane};
+use pt::torture::meshes::block;
 
 const ETA: f32 = 1.7;
 /// The absorption coefficient of the glass (1/m).

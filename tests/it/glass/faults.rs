@@ -22,8 +22,8 @@ use pt::measure::{SampledImage, agreement};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 
-use super::ruler::{Stand, read};
 use crate::scenes::picture;
+use pt::torture::glass::{Stand, read};
 
 /// Formula of refraction, correct or with a typical mistake.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,7 @@
 //! O6. Glass that touches glass: what pt does with coincident faces, and how to describe such bodies instead.
 
+use pt::world::WorldBuilder;
+
 use super::*;
 
 const ETA: f64 = 1.5;
@@ -20,7 +22,7 @@ fn met(scene: &World, mut ray: Ray) -> (Vec<u32>, Vec3) {
     ray.origin -= scene.origin().as_vec3();
     while let Some(hit) = scene.intersect(&ray) {
         shapes.push(hit.shape);
-        ray = passed(scene, ray, 1);
+        ray = passed(scene, ray, 1).expect("an interface");
     }
     (shapes, ray.direction)
 }
@@ -77,7 +79,7 @@ fn one_face_with_the_ratio_of_the_indices_lies_between_two_media() {
     }
     let scene = world.build().unwrap();
     for degrees in [0.0f64, 1.0, 10.0, 30.0] {
-        let inside = through(&scene, slanting(degrees), 2).direction.x;
+        let inside = through(&scene, slanting(degrees), 2).expect("two interfaces").direction.x;
         assert!((f64::from(inside) - degrees.to_radians().sin() / water).abs() < 1e-6, "{degrees}°: {inside} in water");
         assert!((leaves(&scene, degrees) - degrees.to_radians().sin()).abs() < 1e-6, "{degrees}°");
     }

@@ -8,8 +8,8 @@ use pt::math::Spectrum;
 use pt::sampler::{Kind, SamplerSpec};
 
 use super::new;
-use super::zoo::{Lens, Shot, Zoo, picture, render_on};
 use crate::random::{Random, cases};
+use pt::torture::everything::{Everything, Lens, Shot, picture, render_on};
 
 #[test]
 fn threads_and_tiles_do_not_matter() {
@@ -27,10 +27,10 @@ fn threads_and_tiles_do_not_matter() {
 fn crops_are_parts_of_the_full_picture() {
     for (entry, (kind, ..)) in ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
         let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 4, seed: 3, ..SamplerSpec::default() }, ..Shot::default() };
-        let full = picture(shot.zoo.build(), &*new(entry), &shot);
+        let full = picture(shot.scene.build(), &*new(entry), &shot);
         let crop = Crop { min: UVec2::new(7, 11), max: UVec2::new(30, 13) };
         let film = FilmSpec { crop, ..shot.film.clone() };
-        let part = picture(shot.zoo.build(), &*new(entry), &Shot { film, ..shot });
+        let part = picture(shot.scene.build(), &*new(entry), &Shot { film, ..shot });
         for (x, y) in (0..23).flat_map(|x| (0..2).map(move |y| (x, y))) {
             assert_eq!(part.rgb(x, y).map(f32::to_bits), full.rgb(x + 7, y + 11).map(f32::to_bits), "{} {kind:?} {x} {y}", entry.name);
         }
@@ -46,9 +46,9 @@ fn no_sample_is_invalid() {
         [Lens::Perspective, Lens::Orthographic, Lens::Spherical].into_iter().flat_map(|c| filters.clone().map(|f| (c, f)))
     {
         for entry in ALL {
-            let zoo = Zoo { camera, lens_radius: 0.1, ..Zoo::default() };
+            let scene = Everything { camera, lens_radius: 0.1, ..Everything::default() };
             let film = FilmSpec { filter: filter.clone(), ..FilmSpec::new(40, 30) };
-            picture(zoo.build(), &*new(entry), &Shot { zoo, film, ..Shot::default() });
+            picture(scene.build(), &*new(entry), &Shot { scene, film, ..Shot::default() });
         }
     }
 }

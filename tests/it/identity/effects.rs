@@ -13,7 +13,7 @@ use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::{Scene, Surface};
 
 use super::new;
-use super::zoo::{Shot, Which, Zoo, bits, picture};
+use pt::torture::everything::{Everything, Shot, Which, bits, picture};
 
 /// A scene that claims to have all effects.
 struct Wide(Arc<dyn Scene>);
@@ -60,11 +60,11 @@ impl Scene for Wide {
 #[test]
 fn simulating_effects_that_do_not_occur_changes_no_bit() {
     for (entry, lights) in ALL.iter().flat_map(|e| [Which::All, Which::AreaOnly, Which::EnvironmentOnly].map(|l| (e, l))) {
-        let zoo = Zoo { lights, ..Zoo::default() };
-        let shot = Shot { zoo, ..Shot::default() };
-        assert_ne!(zoo.build().effects(), Effects::ALL);
+        let scene = Everything { lights, ..Everything::default() };
+        let shot = Shot { scene, ..Shot::default() };
+        assert_ne!(scene.build().effects(), Effects::ALL);
         let [narrow, wide] =
-            [zoo.build() as Arc<dyn Scene>, Arc::new(Wide(zoo.build()))].map(|scene| bits(&picture(scene, &*new(entry), &shot)));
+            [scene.build() as Arc<dyn Scene>, Arc::new(Wide(scene.build()))].map(|scene| bits(&picture(scene, &*new(entry), &shot)));
         assert!(narrow == wide, "{} {lights:?}", entry.name);
     }
 }
@@ -75,9 +75,9 @@ fn simulating_effects_that_do_not_occur_changes_no_bit() {
 fn unused_effects_do_not_shift_random_numbers() {
     for (entry, (kind, ..)) in ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
         let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 4, seed: 3, ..SamplerSpec::default() }, ..Shot::default() };
-        let taken = |zoo: Zoo| bits(&picture(zoo.build(), &*new(entry), &shot));
-        let wanted = taken(Zoo::default());
-        assert!(taken(Zoo { lens_radius: 1e-30, ..Zoo::default() }) == wanted, "{} {kind:?}: the lens", entry.name);
-        assert!(taken(Zoo { idle: true, ..Zoo::default() }) == wanted, "{} {kind:?}: the idle light", entry.name);
+        let taken = |scene: Everything| bits(&picture(scene.build(), &*new(entry), &shot));
+        let wanted = taken(Everything::default());
+        assert!(taken(Everything { lens_radius: 1e-30, ..Everything::default() }) == wanted, "{} {kind:?}: the lens", entry.name);
+        assert!(taken(Everything { idle: true, ..Everything::default() }) == wanted, "{} {kind:?}: the idle light", entry.name);
     }
 }

@@ -19,9 +19,9 @@ use pt::shape::{Cuboid, Disk, MeshData, Quad, Sphere, TriangleMesh};
 use pt::world::{WideWorld, World, WorldBuilder};
 use rayon::prelude::*;
 
-use super::zoo::{Shot, bits, bright_half, picture, profile, projector};
-use crate::geometry::icosphere;
 use crate::random::Random;
+use pt::torture::everything::{Shot, bits, bright_half, picture, profile, projector};
+use pt::torture::meshes::icosphere;
 
 /// Random scenes of all shapes, lights and cameras, with materials of many kinds, with both methods and all samplers.
 #[test]

@@ -12,9 +12,9 @@ use pt::shape::{Sphere, TriangleMesh};
 use pt::world::{Objects, World};
 use rayon::prelude::*;
 
-use crate::geometry::{baked, icosphere, mesh, shapes};
 use crate::random::Random;
 use crate::scenes::probe;
+use pt::torture::meshes::{baked, icosphere, mesh, shapes};
 
 /// One face of an icosphere, in finer triangles.
 struct Face {

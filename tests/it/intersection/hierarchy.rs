@@ -8,8 +8,8 @@ use pt::primitive::{Hit, Primitive};
 use pt::shape::{Disk, Geometry, Quad, Shape, Sphere};
 use rayon::prelude::*;
 
-use crate::geometry::{baked, mesh, shapes};
 use crate::random::Random;
+use pt::torture::meshes::{baked, mesh, shapes};
 
 /// Triangles with corners on a small grid (shared edges, coincident, degenerate ones) or anywhere, and duplicates.
 fn soup(random: &mut Random, scale: f64) -> Box<dyn Shape> {
@@ -156,27 +156,7 @@ fn invalid_rays_hit_nothing() {
             }
         }
     }
-    assert_eq!(accel::build(crate::geometry::shapes(vec![])).intersect(&Ray::new(Vec3::ZERO, Vec3::Z)), None);
-}
-
-/// Triangles of zero area, with repeated corners or with collinear corners are never hit.
-#[test]
-fn degenerate_triangles_are_never_hit() {
-    for seed in 0..200_000 {
-        let mut random = Random::new(seed);
-        let (a, b) = (random.in_cube().as_vec3(), random.in_cube().as_vec3());
-        let k = random.pick(&[0.0, 0.5, 1.0, 2.0, 4.0]);
-        // The corner lies exactly on the line: k is a power of two, and b is rounded first so that b − a is exact.
-        let (a, b) = ((a * 64.0).round() / 64.0, (b * 64.0).round() / 64.0);
-        let corners = [a, b, a + (b - a) * k];
-        let target = a.lerp(b, random.unit() as f32 * 2.0);
-        let origin = (random.in_cube() * 3.0).as_vec3();
-        for direction in [(target - origin).normalize(), (b - a).normalize_or(Vec3::X), random.direction().as_vec3()] {
-            for origin in [origin, target - direction] {
-                assert_eq!(pt::shape::triangle::intersect(&Ray::new(origin, direction), f32::INFINITY, corners), None, "seed {seed}");
-            }
-        }
-    }
+    assert_eq!(accel::build(pt::torture::meshes::shapes(vec![])).intersect(&Ray::new(Vec3::ZERO, Vec3::Z)), None);
 }
 
 /// Where triangles coincide, the hit is on the one with the lowest index, in whatever order the hierarchy stores them.

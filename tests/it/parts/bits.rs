@@ -11,8 +11,8 @@ use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
 
 use super::{about, merged, numbers, stored, write};
-use crate::identity::zoo::{Zoo, bits};
 use crate::random::{Random, cases};
+use pt::torture::everything::{Everything, bits};
 
 fn nee() -> Box<dyn pt::integrator::Integrator> {
     pt::integrator::choose(&[ALL], None, Some("nee"), "").expect("it is in the table").1
@@ -40,7 +40,7 @@ proptest! {
     fn any_parts_in_any_order_are_the_whole(total in 1u64..150, cuts in 0usize..6, kind in 0usize..4, log_k in 0u32..5, seed in any::<u64>()) {
         let mut random = Random::new(seed);
         let sampler = SamplerSpec { kind: Kind::ALL[kind].0, seed: 5, spp: total, scramblings: 1 << log_k };
-        let scene: Arc<dyn Scene> = Zoo::default().build();
+        let scene: Arc<dyn Scene> = Everything::default().build();
         let whole = taken(&scene, sampler, 0, total, 1, 16).0;
         let mut ends: Vec<u64> = (0..cuts).map(|_| random.below(total as usize + 1) as u64).chain([0, total]).collect();
         ends.sort_unstable();
@@ -94,7 +94,7 @@ impl ErrorObserver for Impatient {}
 fn pausing_at_any_wave_changes_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("state.ptc");
-    let scene: Arc<dyn Scene> = Zoo::default().build();
+    let scene: Arc<dyn Scene> = Everything::default().build();
     let sampler = SamplerSpec { seed: 5, kind: Kind::Sobol, spp: 0, scramblings: 2 };
     // A target error that is reached, one that is not, and no target.
     for (target, samples) in [(Some(0.5), 96), (Some(1e-3), 75), (None, 75)] {

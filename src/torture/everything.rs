@@ -3,63 +3,79 @@
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
-use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
-use pt::bsdf::microfacet::Distribution;
-use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
-use pt::bsdf::{Element, Material, NormalModifier, Principled, SurfaceMaterial, textured};
-use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
-use pt::film::{FilmSpec, Image, MomentFilm};
-use pt::integrator::Integrator;
-use pt::light::{
+use crate::bsdf::microfacet::Distribution;
+use crate::bsdf::microfacet::roughness::{Alpha, Roughness};
+use crate::bsdf::{Element, Material, NormalModifier, Principled, SurfaceMaterial, textured};
+use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
+use crate::film::{FilmSpec, Image, MomentFilm};
+use crate::integrator::Integrator;
+use crate::light::{
     Directional, Emitter, Environment, EnvironmentMap, Falloff, IntensityProfile, Light, Mapping, Point, ProfiledPoint, Projector, Spot,
 };
-use pt::math::{Rgb, Transform};
-use pt::render::{RenderReport, Settings, Silent, render};
-use pt::sampler::SamplerSpec;
-use pt::scene::Scene;
-use pt::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
-use pt::texture::image::Pixels;
-use pt::texture::{Checker, Space, Texture};
-use pt::world::World;
+use crate::math::{Rgb, Transform};
+use crate::render::{RenderReport, Settings, Silent, render};
+use crate::sampler::SamplerSpec;
+use crate::scene::Scene;
+use crate::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
+use crate::texture::image::Pixels;
+use crate::texture::{Checker, Space, Texture};
+use crate::world::World;
+use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
 
-use crate::geometry::icosphere;
+use super::meshes::icosphere;
 
 /// The parameters of the scene.
 #[derive(Clone, Copy, Debug)]
-pub struct Zoo {
+pub struct Everything {
     /// Factor of all lengths. Intensities are scaled by its square, so that the picture stays the same.
     pub scale: f64,
     /// Emission of every light.
     pub emission: f32,
+    /// Radius of the lens, in units of the scale.
     pub lens_radius: f32,
+    /// Kind of the camera.
     pub camera: Lens,
+    /// Which lights shine.
     pub lights: Which,
     /// Whether to add a point light without power and a shape outside of the picture.
     pub idle: bool,
 }
 
+/// Kind of the camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lens {
+    /// Central projection.
     Perspective,
+    /// Parallel rays.
     Orthographic,
+    /// All directions.
     Spherical,
 }
 
+/// Which lights shine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {
+    /// All of them.
     All,
+    /// Surfaces that emit.
     AreaOnly,
+    /// Parallel light.
     DirectionalOnly,
+    /// Light from all around.
     EnvironmentOnly,
 }
 
-impl Default for Zoo {
-    fn default() -> Zoo {
-        Zoo { scale: 1.0, emission: 1.0, lens_radius: 0.0, camera: Lens::Perspective, lights: Which::All, idle: false }
+impl Default for Everything {
+    fn default() -> Everything {
+        Everything { scale: 1.0, emission: 1.0, lens_radius: 0.0, camera: Lens::Perspective, lights: Which::All, idle: false }
     }
 }
 
-impl Zoo {
+impl Everything {
+    /// The scene, built.
+    ///
+    /// # Panics
+    /// A length is not finite.
     pub fn build(&self) -> Arc<World> {
         let mut world = World::builder(self.camera());
         let checker = |space| {
@@ -100,7 +116,7 @@ impl Zoo {
         world.shape(Disk { radius: 0.9 }, self.place(at(0.0, 1.0, -1.9)), mirror, None);
         world.shape(TriangleMesh::new(ball()), self.place(at(1.2, 0.6, 0.2)), spotted, None);
         self.add_lights(&mut world, &at, &down, spotted);
-        Arc::new(world.build().expect("the zoo is valid"))
+        Arc::new(world.build().expect("a valid scene"))
     }
 
     /// Materials within materials, on a surface with a relief.
@@ -127,10 +143,10 @@ impl Zoo {
 
     fn add_lights(
         &self,
-        world: &mut pt::world::WorldBuilder,
+        world: &mut crate::world::WorldBuilder,
         at: &dyn Fn(f64, f64, f64) -> Transform,
         down: &Transform,
-        material: pt::bsdf::MaterialId,
+        material: crate::bsdf::MaterialId,
     ) {
         let glow = |r, g, b| Rgb::new(r, g, b) * self.emission;
         let square = (self.scale * self.scale) as f32;
@@ -224,27 +240,35 @@ fn ball() -> MeshData {
 /// Settings to render the scene.
 #[derive(Clone, Debug)]
 pub struct Shot {
-    pub zoo: Zoo,
+    /// The scene.
+    pub scene: Everything,
+    /// The film.
     pub film: FilmSpec,
+    /// The sampler.
     pub sampler: SamplerSpec,
+    /// Edge of a tile (pixels).
     pub tile: u32,
 }
 
 impl Default for Shot {
     fn default() -> Shot {
         let sampler = SamplerSpec { spp: 11, seed: 7, ..SamplerSpec::default() };
-        Shot { zoo: Zoo::default(), film: FilmSpec::new(40, 30), sampler, tile: 16 }
+        Shot { scene: Everything::default(), film: FilmSpec::new(40, 30), sampler, tile: 16 }
     }
 }
 
 /// The bits of a picture, standard errors included.
 pub type Bits = Vec<(String, Vec<u32>)>;
 
+/// The bits of a picture.
 pub fn bits(image: &Image) -> Bits {
     image.channels.iter().map(|c| (c.name.clone(), c.values.iter().map(|v| v.to_bits()).collect())).collect()
 }
 
 /// Renders on the threads of the caller.
+///
+/// # Panics
+/// A sample is not a number.
 pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, shot: &Shot) -> Image {
     let mut film = MomentFilm::new(shot.film.clone());
     let settings = Settings { tile: shot.tile, ..Settings::new(shot.sampler) };
@@ -255,7 +279,10 @@ pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, shot: &Shot) 
 }
 
 /// Renders on this number of threads.
+///
+/// # Panics
+/// There are no threads to be had, or a sample is not a number.
 pub fn render_on(threads: usize, integrator: &dyn Integrator, shot: &Shot) -> Bits {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had");
-    pool.install(|| bits(&picture(shot.zoo.build(), integrator, shot)))
+    pool.install(|| bits(&picture(shot.scene.build(), integrator, shot)))
 }

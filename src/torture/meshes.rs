@@ -1,10 +1,10 @@
-//! Meshes that several suites of laws share.
+//! Meshes of the hard cases.
 
 use std::sync::Arc;
 
+use crate::math::Transform;
+use crate::shape::{Geometry, MeshData, MeshPart, Shape, TriangleMesh};
 use glam::{DVec3, Vec3};
-use pt::math::Transform;
-use pt::shape::{Geometry, MeshData, Shape, TriangleMesh};
 
 /// A mesh without normals and texture coordinates.
 pub fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> MeshData {
@@ -12,10 +12,14 @@ pub fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> MeshData {
 }
 
 /// The mesh in world space, coordinates unchanged to the bit.
+///
+/// # Panics
+/// No triangle has an area.
 pub fn baked(mesh: MeshData) -> Box<dyn Shape> {
     TriangleMesh::new(mesh).bake(&Transform::IDENTITY).expect("some triangle has an area")
 }
 
+/// The shapes as an accelerator takes them.
 pub fn shapes(shapes: Vec<Box<dyn Shape>>) -> Arc<[Box<dyn Shape>]> {
     shapes.into()
 }
@@ -56,4 +60,38 @@ fn split(mut points: Vec<DVec3>, triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<[u3
         finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
     }
     (points, finer)
+}
+
+/// A closed box around the origin; `half` are its half extents.
+pub fn block(half: Vec3) -> MeshData {
+    let positions = (0..8).map(|k| Vec3::from_array([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 })) * half).collect();
+    let triangles: Vec<[u32; 3]> =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]].into_iter().flat_map(halves).collect();
+    let parts = vec![MeshPart { triangles: 0..triangles.len() as u32, ..MeshPart::default() }];
+    MeshData { positions, triangles, parts, ..MeshData::default() }
+}
+
+fn halves([a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
+    [[a, b, c], [a, c, d]]
+}
+
+/// A unit sphere of flat triangles: an octahedron, each triangle divided by four `levels` times.
+pub fn round_mesh(levels: u32) -> MeshData {
+    let mut faces: Vec<[Vec3; 3]> = vec![];
+    for signs in 0..8 {
+        let [x, y, z] = [0, 1, 2].map(|axis| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 });
+        let corners = [Vec3::X * x, Vec3::Y * y, Vec3::Z * z];
+        faces.push(if x * y * z > 0.0 { corners } else { [corners[0], corners[2], corners[1]] });
+    }
+    for _ in 0..levels {
+        let split = |[a, b, c]: [Vec3; 3]| {
+            let [ab, bc, ca] = [a + b, b + c, c + a].map(Vec3::normalize);
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        };
+        faces = faces.into_iter().flat_map(split).collect();
+    }
+    let count = faces.len() as u32;
+    let parts = vec![MeshPart { triangles: 0..count, ..MeshPart::default() }];
+    let triangles = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    MeshData { positions: faces.into_iter().flatten().collect(), triangles, parts, ..MeshData::default() }
 }
