@@ -126,6 +126,7 @@ pub mod output;
 pub mod part;
 pub mod primitive;
 pub mod proof;
+pub mod rays;
 pub mod reader;
 pub mod recorder;
 pub mod render;

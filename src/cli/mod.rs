@@ -19,6 +19,7 @@ mod parse;
 mod pilot;
 mod progress;
 mod quote;
+mod rays;
 mod reference;
 mod render;
 mod sample;
@@ -49,6 +50,7 @@ use load::SceneArgs;
 use merge::MergeArgs;
 use messages::{is_quiet, note, print_stderr};
 use progress::{ProgressForm, WorkArgs};
+use rays::RaysArgs;
 use reference::ReferenceArgs;
 use render::RenderArgs;
 use sample::SampleArgs;
@@ -104,6 +106,8 @@ pub enum Command {
     /// Test that hard cases stay numerically stable: scenes and formulas with exact answers, put to this program. Exit code 1 if
     /// one fails.
     Torture(TortureArgs),
+    /// Find where rays meet a mesh, and which points it contains, in double precision, without pictures.
+    Rays(RaysArgs),
     /// Compare, inspect and convert pictures: .exr, .hdr, .png, .ppm, .pfm, and .jpg to read.
     Image {
         #[command(subcommand)]
@@ -130,6 +134,7 @@ impl CommandLine {
             Some(Command::Reference(args)) => scene(&args.scene),
             Some(Command::Verify(args)) => scene(&args.scene),
             Some(Command::Merge(args)) => args.parts.clone(),
+            Some(Command::Rays(args)) => vec![args.mesh.clone()],
             Some(Command::Image { verb }) => verb.files(),
             Some(Command::Sample(args)) => args.scene.iter().chain(&args.what).take(1).map(PathBuf::from).collect(),
             Some(_) => vec![],
@@ -199,6 +204,7 @@ fn run(args: CommandLine, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Verify(args)) => return verify::verify(&args, tables),
         Some(Command::Torture(args)) => return torture::torture(&args),
         Some(Command::Check(check)) => check::check(&check, tables)?,
+        Some(Command::Rays(args)) => rays::rays(&args)?,
         Some(Command::Convert(args)) => convert::convert(&args, tables)?,
         Some(Command::List { what }) => list::list(what, tables)?,
         Some(Command::Schema(args)) => schema::schema(&args, tables)?,

@@ -11,6 +11,7 @@ use crate::bsdf::{Bsdf, Diffuse};
 use crate::light::ShadowTarget;
 use crate::math::{Ray, Spectrum, SphericalTriangle, Transform};
 use crate::primitive::Primitive;
+use crate::rays::{self, RayCaster};
 use crate::scene::Surface;
 use crate::shape::{Disk, Geometry, Quad, Shape, Sphere, SurfacePoint, VertexColor, triangle};
 
@@ -19,7 +20,7 @@ pub fn rows() -> Vec<Row> {
     vec![
         leaks(),
         adversarial(),
-        Row::not_yet("G2", "hits along a ray, counted once at shared edges and vertices"),
+        crossings(),
         axis_parallel(),
         self_hits(),
         shadow_rays(),
@@ -130,6 +131,28 @@ fn adversarial() -> Row {
                 let origin = from.lerp(shell.center, random.pick(&[1e-3, 0.1, 0.5])).as_vec3();
                 let ray = Ray::new(origin, (to - origin.as_dvec3()).try_normalize()?.as_vec3());
                 Some(shell.leak(&ray))
+            })
+        })
+    })
+}
+
+/// All hits along rays through a closed mesh, by the ray caster in double precision: from outside an even number, from inside an odd one.
+fn crossings() -> Row {
+    let row = Row::new("G2", "rays that cross a closed mesh an odd number of times from outside, even from inside", "none may");
+    let row = row.peers("Embree and trimesh count edges twice or not at all (embree #188, trimesh #1180)");
+    [(1.0, 0.0), (2f64.powi(-20), 0.0), (2f64.powi(20), 0.0), (1.0, 1e6)].into_iter().fold(row, |row, (radius, coordinate)| {
+        row.never(format!("at features, radius {radius:.1e}, x {coordinate:e}"), RAYS / 10, move |tries| {
+            let shell = Shell::sphere(4, DVec3::splat(coordinate), radius);
+            let points = shell.points.iter().map(|p| p.as_dvec3()).collect();
+            let caster = RayCaster::new(points, shell.triangles.clone()).expect("a mesh");
+            Failures::count_judged(tries, |random| {
+                let (near, far) = (shell.feature(random), shell.feature(random));
+                let line = (far - near).try_normalize()?;
+                let is_outside = random.below(2) == 0;
+                let origin = if is_outside { near - line * (4.0 * radius) } else { shell.center + random.in_cube() * (0.5 * radius) };
+                let ray = rays::Ray::new(origin, far - origin);
+                let is_odd = caster.all(&ray).len() % 2 == 1;
+                Some((is_odd == is_outside).then(|| format!("{ray:?}")))
             })
         })
     })

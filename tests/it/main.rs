@@ -55,6 +55,7 @@ mod patterns;
 mod pictures;
 mod proof;
 mod random;
+mod rays;
 mod reader;
 mod recorder;
 mod references;

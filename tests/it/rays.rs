@@ -1,0 +1,177 @@
+//! The ray caster in double precision: its decisions are those of exact arithmetic, also on edges and at vertices.
+
+use std::io::Write;
+use std::process::{Command, Output, Stdio};
+
+use glam::DVec3;
+use pt::rays::{Hit, Ray, RayCaster};
+use pt::torture::meshes::icosphere;
+
+use crate::random::Random;
+
+type Int3 = [i128; 3];
+
+fn sub(a: Int3, b: Int3) -> Int3 {
+    [0, 1, 2].map(|i| a[i] - b[i])
+}
+
+fn determinant(a: Int3, b: Int3, c: Int3) -> i128 {
+    a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+}
+
+fn real(a: Int3) -> DVec3 {
+    DVec3::from_array(a.map(|x| x as f64))
+}
+
+/// Whether a ray meets a triangle, in integers. The direction d is replaced by K³ d + (K², K, 1) with K = 10⁶, which for coordinates up to 4
+/// has the signs that an infinitely small turn towards x, then y, then z has: determinants without K are below 10⁴.
+fn meets(origin: Int3, direction: Int3, corners: [Int3; 3]) -> Option<bool> {
+    const K: i128 = 1_000_000;
+    let turned = [0, 1, 2].map(|i| K.pow(3) * direction[i] + K.pow(2 - i as u32));
+    let [a, b, c] = corners.map(|corner| sub(corner, origin));
+    let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| determinant(turned, p, q).signum());
+    let height = determinant(a, b, c).signum();
+    let is_met = sides[0] != 0 && sides.iter().all(|side| *side == sides[0]) && height == sides[0];
+    is_met.then_some(sides[0] < 0)
+}
+
+/// Small integers, where most rays pass through edges, vertices and within planes.
+#[test]
+fn the_caster_agrees_with_a_search_in_integers() {
+    let mut met = 0;
+    for seed in 0..4000 {
+        let mut random = Random::new(seed);
+        let mut integers = |size: i128| [(); 3].map(|()| random.below(2 * size as usize + 1) as i128 - size);
+        let corners: Vec<[Int3; 3]> = (0..12).map(|_| [(); 3].map(|()| integers(2))).collect();
+        let positions = corners.as_flattened().iter().map(|p| real(*p)).collect();
+        let triangles = (0..12).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let caster = RayCaster::new(positions, triangles).expect("a mesh");
+        for _ in 0..50 {
+            let (origin, direction) = (integers(4), integers(2));
+            if direction == [0; 3] {
+                continue;
+            }
+            let exact: Vec<(u32, bool)> =
+                (0..12).filter_map(|k| meets(origin, direction, corners[k]).map(|enters| (k as u32, enters))).collect();
+            let ray = Ray::new(real(origin), real(direction));
+            let mut found: Vec<(u32, bool)> = caster.all(&ray).iter().map(|hit| (hit.triangle, hit.enters)).collect();
+            found.sort_unstable();
+            assert_eq!(found, exact, "seed {seed}: {origin:?} {direction:?}");
+            assert_eq!(caster.any(&ray), !exact.is_empty());
+            assert_eq!(caster.closest(&ray), caster.all(&ray).first().copied());
+            met += exact.len();
+        }
+    }
+    assert!(met > 20_000, "{met}");
+}
+
+/// Closed meshes at any scale and place: rays aimed exactly at vertices, edges and centroids cross the mesh an even number of times from
+/// outside, and an odd number from inside; entries and exits alternate.
+#[test]
+fn rays_through_features_cross_once() {
+    for (scale, centre) in [(1.0, 0.0), (2f64.powi(-20), 0.0), (2f64.powi(20), 0.0), (1.0, 1e6), (1e3, -1e9)] {
+        let (points, triangles) = icosphere(2);
+        let points: Vec<DVec3> = points.iter().map(|p| *p * scale + DVec3::splat(centre)).collect();
+        let caster = RayCaster::new(points.clone(), triangles.clone()).expect("a mesh");
+        let mut random = Random::new(5);
+        for _ in 0..5000 {
+            let mut feature = || {
+                let [a, b, c] = random.pick(&triangles).map(|v| points[v as usize]);
+                random.pick(&[a, 0.5 * (a + b), (a + b + c) / 3.0])
+            };
+            let (near, far) = (feature(), feature());
+            let direction = far - near;
+            if direction == DVec3::ZERO {
+                continue;
+            }
+            // From outside, on the line through both or nearly so.
+            let outside = caster.all(&Ray::new(near - direction * (4.0 * scale / direction.length()), direction));
+            assert!(outside.len().is_multiple_of(2), "{near} {far}: {outside:?}");
+            let within = DVec3::splat(centre) + random.in_cube() * (0.5 * scale);
+            let inside = caster.all(&Ray::new(within, far - within));
+            assert!(inside.len() % 2 == 1, "{within} {far}: {inside:?}");
+            assert!(caster.contains(within) && caster.winding(within) == 1);
+        }
+    }
+}
+
+/// Distances, weights and points agree with one another and with the plane.
+#[test]
+fn hits_lie_on_their_triangles() {
+    let (points, triangles) = icosphere(1);
+    let caster = RayCaster::new(points, triangles).expect("a mesh");
+    let mut random = Random::new(6);
+    for _ in 0..20_000 {
+        let (origin, target) = (random.direction() * 3.0, random.in_cube() * 0.5);
+        let ray = Ray::new(origin, (target - origin) * random.magnitude(1e-3, 1e3));
+        let Some(Hit { t, triangle, uv, enters }) = caster.closest(&ray) else { continue };
+        let [a, b, c] = caster.corners(triangle);
+        let point = a * (1.0 - uv.x - uv.y) + b * uv.x + c * uv.y;
+        assert!((point - ray.at(t)).length() < 1e-13 && enters, "{ray:?}");
+        assert!(caster.normal(triangle).dot(ray.direction) < 0.0);
+        // Cut off just before and just behind the hit.
+        assert!(!caster.any(&Ray { t_max: t * (1.0 - 1e-12), ..ray }) && caster.any(&Ray { t_max: t * (1.0 + 1e-12), ..ray }));
+    }
+}
+
+/// Batches give what single rays give; rays with numbers that are none, and meshes without triangles, have no hits.
+#[test]
+fn unusual_input() {
+    let (points, triangles) = icosphere(1);
+    let caster = RayCaster::new(points.clone(), triangles.clone()).expect("a mesh");
+    let mut random = Random::new(7);
+    let rays: Vec<Ray> = (0..1000).map(|_| Ray::new(random.in_cube() * 2.0, random.direction())).collect();
+    assert_eq!(caster.closest_of(&rays), rays.iter().map(|ray| caster.closest(ray)).collect::<Vec<_>>());
+    for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, 1e200] {
+        let rays = [Ray::new(DVec3::splat(bad), DVec3::X), Ray::new(DVec3::ZERO, DVec3::new(bad, 0.0, 1.0))];
+        assert!(rays.iter().all(|ray| caster.closest(ray).is_none() && !caster.any(ray) && caster.all(ray).is_empty()), "{bad}");
+    }
+    assert!(caster.closest(&Ray::new(DVec3::ZERO, DVec3::ZERO)).is_none());
+    assert!(caster.closest(&Ray { t_max: f64::NAN, ..Ray::new(DVec3::ZERO, DVec3::X) }).is_none());
+    let empty = RayCaster::new(vec![], vec![]).expect("a mesh");
+    assert!(empty.is_empty() && empty.closest(&Ray::new(DVec3::ZERO, DVec3::X)).is_none() && !empty.contains(DVec3::ZERO));
+    let said = |positions: Vec<DVec3>, triangles| RayCaster::new(positions, triangles).err().expect("no mesh").to_string();
+    assert!(said(points, vec![[0, 1, 99]]).contains("triangle [0, 1, 99]: there are only 42 vertices"));
+    assert!(said(vec![DVec3::new(0.0, 1e70, 0.0)], vec![]).contains("vertex 0"));
+}
+
+fn pt(args: &[&str], input: &str) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pt"))
+        .arg("rays")
+        .args(args)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("a run");
+    child.stdin.take().expect("a pipe").write_all(input.as_bytes()).expect("it reads");
+    child.wait_with_output().expect("it ends")
+}
+
+#[test]
+fn the_command_reads_rays_and_points() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mesh = folder.path().join("unit.obj");
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+    std::fs::write(&mesh, format!("{corners}f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")).expect("a file");
+    let mesh = mesh.to_str().expect("a name");
+
+    let output = pt(&[mesh, "--from", "-", "--all"], "ox,oy,oz,dx,dy,dz\n.25,.25,-1,0,0,2\n# a comment\n\n5 5 5 0 0 1\n");
+    let text = String::from_utf8(output.stdout).expect("text");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 4, "{text}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(lines[1].starts_with("0,0.5,0.25,0.25,0,0,") && lines[1].ends_with(",0,0,-1,front"), "{text}");
+    assert!(lines[2].starts_with("0,0.75,0.25,0.25,0.5,3,") && lines[2].ends_with(",back"), "{text}");
+    assert_eq!(lines[3], "1,,,,,,,,,,,");
+
+    let output = pt(&[mesh, "--inside", "-"], ".1 .1 .1\n1,1,1\n");
+    assert_eq!(String::from_utf8(output.stdout).expect("text"), "x,y,z,inside,winding\n0.1,0.1,0.1,1,1\n1,1,1,0,0\n");
+
+    let told = |input: &str| {
+        let output = pt(&[mesh, "--from", "-"], input);
+        (output.status.code(), String::from_utf8(output.stderr).expect("text"))
+    };
+    assert_eq!(told("0 0 0 0 0\n"), (Some(3), "error: -:1: found \"0 0 0 0 0\", expected 6 numbers\n".into()));
+    assert_eq!(told("0 0 0 0 0 1\n0 0 0 0 0 x\n").0, Some(3));
+    assert!(pt(&[mesh], "").status.code() == Some(2));
+}
