@@ -92,6 +92,7 @@ fn numbers<const N: usize>(path: &Path) -> Result<Vec<[f64; N]>> {
     };
     read.map_err(|e| Error::io(path, e))?;
     let mut rows = vec![];
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     for (k, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#')) {
         let words: Vec<&str> = line.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty()).collect();
         let values: Option<Vec<f64>> = words.iter().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect();

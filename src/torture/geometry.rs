@@ -328,7 +328,7 @@ fn shadow_rays() -> Row {
 fn small_lamp() -> Row {
     Row::new("G4b", "shadow rays that hit the small lamp that they end at, far away and grazing", "none may").never(
         "1 to 10^4 times its size away, cosines from 1e-3",
-        RAYS,
+        2 * RAYS,
         |tries| {
             Failures::count(tries, |random| {
                 let place = random.rotation();
@@ -349,7 +349,7 @@ fn small_lamp() -> Row {
 fn gap() -> Row {
     Row::new("G5", "rays through a gap of 4e-5 between a unit sphere and a shell", "in turn, and no surface twice")
         .peers("Mitsuba before 2026-09 skips the gap (#1871)")
-        .never("from outside inwards, and back", 1_000_000, |tries| {
+        .never("from outside inwards, and back", 2_000_000, |tries| {
             let gap = 4e-5;
             let [inner, outer] = [1.0, 1.0 + gap].map(|radius| Sphere { radius }.bake(&Transform::IDENTITY).expect("a sphere"));
             Failures::count(tries, |random| {
@@ -388,7 +388,7 @@ fn offsets() -> Row {
             })
         })
         // A floor through the origin has no rounding error: its rays start on it, and do not hit it.
-        .never("a floor through the origin: none", 1_000_000, |tries| {
+        .never("a floor through the origin: none", 2_000_000, |tries| {
             let floor = Quad { size: [2.0, 2.0] }.bake(&Transform::IDENTITY).expect("an area");
             Failures::count(tries, |random| {
                 let (point, _) = floor.sample_area(0, random.square());
@@ -446,7 +446,7 @@ fn double_precision() -> Row {
 fn degenerate() -> Row {
     Row::new("G8", "triangles without area are never hit", "exact").peers("a degenerate light gave NaN (openmoonray #251)").never(
         "repeated or collinear corners",
-        1_000_000,
+        10_000_000,
         |tries| {
             Failures::count(tries, |random| {
                 // Corners on a grid and a power of two: the third lies exactly on the line.

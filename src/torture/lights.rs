@@ -52,7 +52,7 @@ fn sampled() -> Row {
 
 /// From on and within a sphere.
 fn inside() -> Row {
-    Row::new("L7", "samples of a spherical lamp from its surface and from within", "finite").never("unit sphere", 1_000_000, |tries| {
+    Row::new("L7", "samples of a spherical lamp from its surface and from within", "finite").never("unit sphere", 2_000_000, |tries| {
         let sphere = Sphere { radius: 1.0 }.bake(&Transform::IDENTITY).expect("a sphere");
         Failures::count_judged(tries, |random| {
             let from = (random.direction() * random.pick(&[0.0, 0.5, 1.0 - 1e-7, 1.0, 1.0 + 1e-7, 1.0001])).as_vec3();

@@ -156,7 +156,7 @@ fn the_command_reads_rays_and_points() {
     std::fs::write(&mesh, format!("{corners}f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")).expect("a file");
     let mesh = mesh.to_str().expect("a name");
 
-    let output = pt(&[mesh, "--from", "-", "--all"], "ox,oy,oz,dx,dy,dz\n.25,.25,-1,0,0,2\n# a comment\n\n5 5 5 0 0 1\n");
+    let output = pt(&[mesh, "--from", "-", "--all"], "\u{feff}ox,oy,oz,dx,dy,dz\n.25,.25,-1,0,0,2\n# a comment\n\n5 5 5 0 0 1\n");
     let text = String::from_utf8(output.stdout).expect("text");
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 4, "{text}{}", String::from_utf8_lossy(&output.stderr));
