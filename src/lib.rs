@@ -133,6 +133,7 @@ pub mod render;
 pub mod sampler;
 pub mod scene;
 pub mod shape;
+pub mod stress;
 pub mod texture;
 pub mod torture;
 pub mod world;

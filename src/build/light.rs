@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::{Builder, rgb};
 use crate::describe;
@@ -48,9 +48,7 @@ impl Builder<'_> {
                 return None;
             }
         };
-        let unit = |direction: Option<describe::Direction>, default: DVec3| direction.map_or(default, |d| DVec3::from(d.0).normalize());
-        let axis = unit(l.direction, DVec3::NEG_Y);
-        let across = unit(l.across, if axis.x.abs() < NEARLY_ALONG { DVec3::X } else { DVec3::Z });
+        let [axis, across] = l.axes();
         let x = (across - axis * axis.dot(across)).normalize();
         let axes = [x, axis.cross(x), axis].map(|v| v.as_vec3());
         Some(Light::Profiled(ProfiledPoint { position, axes, intensity, profile }))
@@ -84,13 +82,9 @@ impl Builder<'_> {
             return None;
         }
         let (sin, cos) = float::sin_cos_degrees(l.image_angle.map_or(l.outer_angle.get(), |angle| angle.get()));
-        let up = l.up.map_or(if axis.y.abs() < NEARLY_ALONG as f32 { Vec3::Y } else { Vec3::NEG_Z }, |up| DVec3::from(up.0).as_vec3());
-        Projector::new(spot, up, (sin / cos) as f32, pixels).map(|projector| Light::Projector(Box::new(projector)))
+        Projector::new(spot, l.image_up().as_vec3(), (sin / cos) as f32, pixels).map(|projector| Light::Projector(Box::new(projector)))
     }
 }
-
-/// Cosine above which a default direction is too close to an axis.
-const NEARLY_ALONG: f64 = 0.999;
 
 fn directional(l: &describe::DirectionalLight) -> Light {
     let direction = DVec3::from(l.direction.0).normalize().as_vec3();

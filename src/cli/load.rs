@@ -140,7 +140,7 @@ pub struct Loaded {
     pub stem: String,
     /// Scene in pt's own format, with overrides.
     pub root: Node,
-    file: String,
+    pub file: String,
     /// Files of the scene.
     pub files: Files,
 }

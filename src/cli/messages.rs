@@ -76,6 +76,25 @@ pub fn broken(line: &str, end: &str, width: usize) -> String {
     text
 }
 
+/// Text after a start, in lines of at most 80 characters that are indented by the length of the start.
+pub fn indented(start: &str, text: &str) -> String {
+    const WIDTH: usize = 80;
+    let indent = start.chars().count();
+    let (mut lines, mut length) = (start.to_owned(), indent);
+    for (k, word) in text.split(' ').enumerate() {
+        let width = word.chars().count();
+        if k > 0 && length + 1 + width > WIDTH {
+            lines += &format!("\n{:indent$}{word}", "");
+            length = indent + width;
+        } else {
+            lines += if k > 0 { " " } else { "" };
+            lines += word;
+            length += width + usize::from(k > 0);
+        }
+    }
+    lines + "\n"
+}
+
 /// Prints a message if reading a scene takes long.
 pub struct Loading {
     done: Option<Sender<()>>,

@@ -26,6 +26,7 @@ mod sample;
 mod schema;
 mod signals;
 mod stats;
+mod stress;
 mod summary;
 mod tone_mapping;
 mod torture;
@@ -56,6 +57,7 @@ use render::RenderArgs;
 use sample::SampleArgs;
 use schema::SchemaArgs;
 use std::path::PathBuf;
+use stress::StressArgs;
 use torture::TortureArgs;
 use verify::VerifyArgs;
 
@@ -106,6 +108,8 @@ pub enum Command {
     /// Test that hard cases stay numerically stable: scenes and formulas with exact answers, put to this program. Exit code 1 if
     /// one fails.
     Torture(TortureArgs),
+    /// Try changes of a scene that must not change its picture: its size, its place, far objects and more. Exit code 1 if one does.
+    Stress(StressArgs),
     /// Find where rays meet a mesh, and which points it contains, in double precision, without pictures.
     Rays(RaysArgs),
     /// Compare, inspect and convert pictures: .exr, .hdr, .png, .ppm, .pfm, and .jpg to read.
@@ -133,6 +137,7 @@ impl CommandLine {
             Some(Command::Convert(args)) => scene(&args.scene),
             Some(Command::Reference(args)) => scene(&args.scene),
             Some(Command::Verify(args)) => scene(&args.scene),
+            Some(Command::Stress(args)) => scene(&args.scene),
             Some(Command::Merge(args)) => args.parts.clone(),
             Some(Command::Rays(args)) => vec![args.mesh.clone()],
             Some(Command::Image { verb }) => verb.files(),
@@ -203,6 +208,7 @@ fn run(args: CommandLine, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Merge(args)) => return merge::merge(&args),
         Some(Command::Verify(args)) => return verify::verify(&args, tables),
         Some(Command::Torture(args)) => return torture::torture(&args),
+        Some(Command::Stress(args)) => return stress::stress(&args, tables),
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::Rays(args)) => rays::rays(&args)?,
         Some(Command::Convert(args)) => convert::convert(&args, tables)?,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use super::messages::indented;
 use super::parse::threads;
 use super::{VERSION, print_stdout, render};
 use crate::error::{Error, Result};
@@ -140,14 +141,14 @@ fn run(args: &TortureArgs, effort: Effort, form: Option<Form>, tables: &[(&str, 
 /// Line of a row in the list.
 fn listed(row: &Row) -> String {
     let word = if row.cases.is_empty() { format!(" ({})", Verdict::NotYet.word()) } else { String::new() };
-    wrapped(&format!("  {:<5}", row.id), &format!("{}{word}", row.what))
+    indented(&format!("  {:<5}", row.id), &format!("{}{word}", row.what))
 }
 
 /// Line of a row with its result and the number of its cases; `worst` is the greatest error as a share of the tolerance.
 fn line(row: &Row, verdict: Verdict, cases: usize, worst: Option<f64>) -> String {
     let cases = if cases == 0 { String::new() } else { cases.to_string() };
     let worst = worst.map_or(String::new(), |share| if share.is_finite() { format!("{:.0} %", 100.0 * share) } else { "–".into() });
-    wrapped(&format!("  {:<5}{:<9}{cases:>5}{worst:>8}  ", row.id, verdict.word()), row.what)
+    indented(&format!("  {:<5}{:<9}{cases:>5}{worst:>8}  ", row.id, verdict.word()), row.what)
 }
 
 /// Line of a row, and lines of its failures or, if `verbose`, of all its cases.
@@ -162,7 +163,7 @@ fn row_text(row: &Row, records: &[Record], verbose: bool) -> String {
     }
     if fails || verbose {
         let peers = if row.peers.is_empty() { String::new() } else { format!("; elsewhere: {}", row.peers) };
-        text += &wrapped("       ", &format!("tolerance: {}{peers}", row.reason));
+        text += &indented("       ", &format!("tolerance: {}{peers}", row.reason));
     }
     text
 }
@@ -179,7 +180,7 @@ fn case_text(record: &Record) -> String {
         format!("         expected {expected}, found {found}: error {error:.1e} of {:.1e}{samples}\n", answer.tolerance)
     };
     if !answer.note.is_empty() {
-        text += &wrapped("         ", &answer.note);
+        text += &indented("         ", &answer.note);
     }
     text
 }
@@ -191,23 +192,4 @@ fn number(x: f64) -> String {
     } else {
         format!("{x:.9e}")
     }
-}
-
-/// Text after a start, in lines of at most 80 characters that are indented by the length of the start.
-fn wrapped(start: &str, text: &str) -> String {
-    const WIDTH: usize = 80;
-    let indent = start.chars().count();
-    let (mut lines, mut length) = (start.to_owned(), indent);
-    for (k, word) in text.split(' ').enumerate() {
-        let width = word.chars().count();
-        if k > 0 && length + 1 + width > WIDTH {
-            lines += &format!("\n{:indent$}{word}", "");
-            length = indent + width;
-        } else {
-            lines += if k > 0 { " " } else { "" };
-            lines += word;
-            length += width + usize::from(k > 0);
-        }
-    }
-    lines + "\n"
 }

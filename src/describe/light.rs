@@ -61,6 +61,18 @@ pub struct DirectionalLight {
     pub angle: DiskAngle,
 }
 
+/// Cosine above which a default direction is too close to an axis.
+const NEARLY_ALONG: f64 = 0.999;
+
+impl PointLight {
+    /// The axis of the profile and the direction of its horizontal angle 0, not yet perpendicular, with their defaults (unit).
+    pub(crate) fn axes(&self) -> [DVec3; 2] {
+        let unit = |direction: Option<Direction>, default: DVec3| direction.map_or(default, |d| DVec3::from(d.0).normalize());
+        let axis = unit(self.direction, DVec3::NEG_Y);
+        [axis, unit(self.across, if axis.x.abs() < NEARLY_ALONG { DVec3::X } else { DVec3::Z })]
+    }
+}
+
 impl DirectionalLight {
     fn is_parallel(angle: &DiskAngle) -> bool {
         angle.get() == 0.0
@@ -119,6 +131,12 @@ impl SpotLight {
     pub(crate) fn axis(&self) -> Option<DVec3> {
         let towards = self.to.map(|to| DVec3::from(to.0) - DVec3::from(self.position.0));
         self.direction.map(|d| DVec3::from(d.0)).or(towards)?.try_normalize()
+    }
+
+    /// The direction that is up in the picture, or its default.
+    pub(crate) fn image_up(&self) -> DVec3 {
+        let is_upright = self.axis().unwrap_or(DVec3::NEG_Z).y.abs() < NEARLY_ALONG;
+        self.up.map_or(if is_upright { DVec3::Y } else { DVec3::NEG_Z }, |up| DVec3::from(up.0))
     }
 }
 

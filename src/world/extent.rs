@@ -55,7 +55,7 @@ impl Extent {
 
     /// Origin of the stored coordinates, see [`origin`].
     pub fn origin(self, eye: DVec3) -> DVec3 {
-        origin::of(self.details.into_iter(), eye)
+        origin::of(self.details.into_iter().map(|detail| origin::seen_from(detail, eye)), eye)
     }
 }
 

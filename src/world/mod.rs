@@ -133,6 +133,15 @@ impl World {
         WorldBuilder::new(camera)
     }
 
+    /// Centre (m, the user's coordinates) and radius (m) of a sphere around all shapes; the radius is 0 if there are none.
+    pub fn bounding_sphere(&self) -> (DVec3, f64) {
+        let bounds = self.hierarchy.bounds();
+        match bounds.is_empty() {
+            true => (self.origin, 0.0),
+            false => (bounds.center().as_dvec3() + self.origin, f64::from(bounds.radius())),
+        }
+    }
+
     /// Number of primitives of all shapes, those of groups counted once.
     pub fn primitive_count(&self) -> u64 {
         let shown = (0..).zip(self.shapes.iter()).filter(|(shape, _)| self.place(*shape) != ShapePlace::Nowhere);

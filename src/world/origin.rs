@@ -9,6 +9,16 @@ use glam::DVec3;
 
 use crate::shape::Detail;
 
+/// Angle under which the camera sees the finest detail that counts (rad). Where the camera is at the origin, f32 resolves 65,000 steps
+/// within it.
+const FINEST_ANGLE: f64 = 1.0 / 256.0;
+
+/// The detail of a surface that a camera at `eye` can show: what is far away counts as no finer than it looks. Otherwise a single tiny
+/// object far away would take the precision from all that the picture shows.
+pub fn seen_from(detail: Detail, eye: DVec3) -> Detail {
+    Detail { density: detail.density.min(1.0 / (FINEST_ANGLE * detail.middle.distance(eye))), ..detail }
+}
+
 /// Weighted median of the centres of the details, separately for each axis, with their densities as weights. If all points of an
 /// interval are medians, the one nearest to the camera; the camera if there are no details.
 ///
@@ -69,6 +79,19 @@ mod tests {
             assert_eq!(with(&[detail(-far, 1.0)]), at_home, "one object at -{far} m");
             assert_eq!(with(&[detail(-far, 1e-3), detail(far, 1e-3)]), at_home, "a fine pair at {far} m");
             assert_eq!(with(&[detail(0.5 * far, far)]), at_home, "a ground of {far} m");
+        }
+    }
+
+    /// A single fine object that is too far away to be seen does not move the origin, at any distance and size.
+    #[test]
+    fn the_origin_stays_where_the_camera_sees_detail() {
+        let (eye, home) = (DVec3::X, [detail(1.0, 0.3), detail(1.5, 0.2), detail(1.25, 0.1)]);
+        let origin = |details: &[Detail]| of(details.iter().map(|detail| seen_from(*detail, eye)), eye).x;
+        for far in [1e3, 1e6, 1e12] {
+            for size in [1e-9, 1e-3, 1.0] {
+                let with = origin(&[&home[..], &[detail(far, size)]].concat());
+                assert!((1.0..=1.5).contains(&with), "{size} m large at {far} m: {with}");
+            }
         }
     }
 

@@ -72,6 +72,7 @@ mod shell;
 mod spherical;
 mod statistics;
 mod stderr_messages;
+mod stress;
 mod terminator;
 mod tev;
 mod textured_lights;

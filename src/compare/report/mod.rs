@@ -14,6 +14,8 @@ mod table;
 
 use std::path::{Path, PathBuf};
 
+pub(crate) use escape::xml;
+pub(crate) use page::fill;
 pub use plot::slope;
 
 use super::Comparison;

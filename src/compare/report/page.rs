@@ -36,7 +36,7 @@ pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
 }
 
 /// Replaces every `{{name}}` of the template by its value. Values are not searched again.
-fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
+pub fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
     let mut parts = template.split("{{");
     let mut page = parts.next().unwrap_or_default().to_owned();
     for part in parts {
