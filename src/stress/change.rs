@@ -82,7 +82,7 @@ impl Similarity {
         json!({ "matrix": matrix.concat() })
     }
 
-    /// The same without displacement and size, for directions.
+    /// The rotation or reflection alone: how directions change.
     fn turned(&self) -> Similarity {
         Similarity { scale: 1.0, shift: DVec3::ZERO, ..*self }
     }
@@ -156,7 +156,7 @@ impl Edit {
     /// - `root`: the scene's JSON tree, which has the options of its integrator
     ///
     /// # Errors
-    /// Of reading meshes; `Internal` where a scene cannot be written as JSON.
+    /// The errors of reading mesh files; `Internal` if the scene cannot be written as JSON.
     pub fn apply(&self, scene: &Scene, root: &Node, files: &Files) -> Result<Value> {
         let internal = |error| Error::Internal(format!("scene as JSON: {error}"));
         let mut changed = serde_json::to_value(scene).map_err(internal)?;

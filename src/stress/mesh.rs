@@ -20,7 +20,7 @@ const INNER: f64 = 0.9;
 /// Edits every mesh of one material, those within groups too. Files are replaced by their triangles.
 ///
 /// # Errors
-/// Of reading meshes.
+/// The errors of reading mesh files.
 pub fn edit_all(changed: &mut Value, scene: &Scene, files: &Files, edit: fn(&mut MeshData)) -> Result<()> {
     edit_list(&mut changed["shapes"], &scene.shapes, files, edit)?;
     for (name, shapes) in &scene.groups {

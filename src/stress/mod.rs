@@ -98,7 +98,7 @@ impl<'a> Trial<'a> {
     /// Renders the scene as it is.
     ///
     /// # Errors
-    /// Of building the scene.
+    /// The errors of building the scene, see [`build`].
     pub fn new(subject: Subject<'a>, rendering: Rendering<'a>) -> Result<Trial<'a>> {
         let Variant { world, names, integrator, warnings } = subject.built(subject.description, subject.root)?;
         let (center, radius) = world.bounding_sphere();

@@ -21,7 +21,7 @@ const ENLARGED: f32 = 100.0;
 /// - `tonemap`: of the pictures
 ///
 /// # Errors
-/// Of encoding pictures.
+/// The errors of encoding a picture as PNG.
 pub fn html(scene: &str, sentence: &str, facts: &str, trial: &Trial, outcomes: &[Outcome], tonemap: &Tonemap) -> Result<String> {
     let unchanged = trial.image();
     let rows = outcomes.iter().map(|outcome| row(outcome, &unchanged, tonemap)).collect::<Result<String>>()?;

@@ -23,8 +23,8 @@ const RAYS: usize = 4;
 const MOST_HITS: usize = 256;
 /// Difference of two distances that rounding does not make, relative to the shorter one.
 const OTHER: f64 = 1e-3;
-/// The same relative to the radius of the scene. Rays start off their surface by the error of its place, and at grazing incidence such a
-/// shift moves the next hit by many times as much.
+/// Difference of two distances that rounding can make, relative to the radius of the scene. Rays start a little off their surface, and
+/// where they meet the next one at a small angle this moves the hit by many times as much.
 const OTHER_PLACE: f64 = 1e-3;
 /// Number of offsets within which a hit of the surface that a ray leaves is a mistake.
 const NEAR: f32 = 10.0;
