@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 
 use super::build::{Wide, wide};
 use super::leaves::{Leaves, Place, Run};
-use super::node::{Child, Node, STACK, Slabs, Target, WIDEN, padding};
+use super::node::{Child, Node, STACK, Slabs, Target, WIDEN, padded};
 use super::{INSTANCE, Item, Shapes};
 use crate::math::lanes::each_lane;
 #[cfg(target_arch = "x86_64")]
@@ -64,8 +64,7 @@ impl Bvh {
         };
         let (items, mut boxes, triangle_count) = bvh.list_items(own);
         bvh.bounds = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
-        let pad = padding(&bvh.bounds);
-        boxes.iter_mut().for_each(|b| *b = b.padded(pad));
+        boxes.iter_mut().for_each(|b| *b = padded(b));
         let first_instance = items.partition_point(|item| item.shape != INSTANCE);
         let mut leaves = Leaves::with_capacity(triangle_count);
         let mut triangles = vec![];
@@ -403,5 +402,40 @@ impl Bvh {
             }
         }
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::math::Transform;
+    use crate::shape::{Geometry, Sphere};
+
+    /// Greatest excess of a box in the hierarchy over the items below it, as a share of the items' greatest coordinate.
+    fn greatest_excess(bvh: &Bvh) -> f32 {
+        let boxes = bvh.nodes.iter().flat_map(|node| node.boxes().map(|(slot, bounds)| (bounds, node.child[slot])));
+        let excess = |([min, max], child): ([Vec3; 2], Child)| {
+            let Target::Mixed(leaf) = child.target() else { return 0.0 };
+            let items = bvh.leaves.mixed(leaf).1.filter_map(|index| bvh.leaves.item(Place::curved(index)));
+            let bounds = items.map(|item| bvh.shapes[item.shape as usize].bounds(item.primitive)).fold(Aabb::EMPTY, Aabb::union);
+            (bounds.min - min).max(max - bounds.max).max_element() / bounds.magnitude().max_element()
+        };
+        boxes.map(excess).fold(0.0, f32::max)
+    }
+
+    /// A far object does not enlarge the boxes of others: they exceed the items in them by two units in the last place of the items' own
+    /// coordinates and by one that rounds the sum. If they were widened by the extent of the whole scene, an object 10⁶ diameters away
+    /// would make each box as large as a quarter of the scene, and each ray would meet most items.
+    #[test]
+    fn far_objects_leave_the_boxes_of_others_alone() {
+        let grid = (0..64).map(|k| DVec3::new((k % 4) as f64, (k / 4 % 4) as f64, (k / 16) as f64));
+        let far = DVec3::new(4e6, 0.0, 0.0);
+        let ball = |center: DVec3| Sphere { radius: 0.3 }.bake(&Transform::translate(center).expect("finite")).expect("a ball");
+        let shapes: Vec<_> = grid.chain([far]).map(ball).collect();
+        let bvh = Bvh::new(shapes.into(), (0..65).collect(), vec![]);
+        let excess = greatest_excess(&bvh);
+        assert!(excess > 0.0 && excess <= 3.0 * f32::EPSILON, "{excess:e}");
     }
 }

@@ -202,8 +202,12 @@ impl Node {
     }
 }
 
-/// Padding of the bounds of every item: two units in the last place of the greatest coordinate, because the corners themselves were
-/// rounded once.
-pub fn padding(scene: &Aabb) -> Vec3 {
-    Vec3::splat(2.0 * f32::EPSILON * scene.magnitude().max_element())
+/// Bounds of an item, padded by two units in the last place of its own greatest coordinate, because bounds of curved shapes and of
+/// instances were rounded once. The box test needs no padding of its own: see [`WIDEN`].
+///
+/// The padding does not depend on the rest of the scene. If it did, one object far away would enlarge the boxes of all others.
+///
+/// Tests: far_objects_leave_the_boxes_of_others_alone.
+pub fn padded(item: &Aabb) -> Aabb {
+    item.padded(Vec3::splat(2.0 * f32::EPSILON * item.magnitude().max_element()))
 }
