@@ -3,13 +3,12 @@
 mod background;
 mod camera;
 mod field;
-mod glass;
 mod instances;
 mod lamps;
 mod light;
+mod lint;
 mod material;
 mod mesh;
-mod precision;
 mod transform;
 
 use std::collections::BTreeMap;
@@ -47,6 +46,8 @@ pub struct Built {
     pub sampler: SamplerSpec,
     /// Sentences about probable mistakes in the scene, and how they were handled.
     pub warnings: Vec<String>,
+    /// Such sentences that hold for integrators whose paths start at the camera only.
+    pub warnings_for_camera_paths: Vec<String>,
     /// The names of shapes, materials and lights.
     pub names: Names,
     /// The parts of the scene by name, each with the effects that it needs.
@@ -138,14 +139,16 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     let of_parts = Names::of(scene, &world);
     // The first entry of `needs` is the camera; the shapes of the scene and of its groups follow, as the world numbers them.
     let names: Vec<&str> = needs[1..].iter().map(|(name, _)| name.as_str()).collect();
-    warnings.extend(precision::warnings(&world, &names).iter().map(|message| of_scene(message)));
-    warnings.extend(glass::warnings(&world, &names).iter().map(|message| of_scene(message)));
+    let linted = lint::Linted { world: &world, shapes: &names, names: &of_parts };
+    warnings.extend(lint::warnings(&linted).iter().map(|message| of_scene(message)));
+    let for_camera_paths = lint::warnings_for_camera_paths(&linted).iter().map(|message| of_scene(message)).collect();
     let mut film = camera::film(&scene.film);
     if film.layers.contains(&Layer::Light(0)) {
         film.lights = of_parts.lights(world.lights());
         film.layers = with_lights(&film.layers, film.lights.names.len());
     }
-    Ok(Built { world, film, sampler: camera::sampler(&scene.sampler), warnings, names: of_parts, needs, contents })
+    let sampler = camera::sampler(&scene.sampler);
+    Ok(Built { world, film, sampler, warnings, warnings_for_camera_paths: for_camera_paths, names: of_parts, needs, contents })
 }
 
 /// Returns a warning if the picture will be black, or show only the background.

@@ -8,6 +8,7 @@ use super::messages::Loading;
 use super::quote::quoted;
 use crate::build::{Built, Source};
 use crate::describe::{self, Files, Identity, Scramblings, Shape};
+use crate::effects::Effects;
 use crate::error::text::one_line;
 use crate::error::{Error, Fault, MAX_FAULTS, Result};
 use crate::import::{AutoCamera, Up, Viewpoint};
@@ -239,6 +240,9 @@ pub fn load(scene: &SceneArgs, more: &[Override], integrator: Option<&str>, tabl
     memory::check(&description, &root, &file)?;
     let mut built = crate::build::build(&description, Source { root: &root, file: &file, files: &files })?;
     built.warnings.splice(..0, notes.iter().map(Fault::to_string));
+    if entry.simulates.contains(Effects::POINT_LIGHT) && !integrator.splats() {
+        built.warnings.append(&mut built.warnings_for_camera_paths);
+    }
     // Warnings contain names from files.
     built.warnings.iter_mut().for_each(|warning| *warning = one_line(warning).into_owned());
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());

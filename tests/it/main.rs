@@ -41,6 +41,7 @@ mod light_layers;
 mod light_tracer;
 mod light_trees;
 mod lights;
+mod lints;
 mod marked;
 mod matte_models;
 mod measured_lights;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec3};
 
+use super::Linted;
 use crate::bsdf::MaterialId;
 use crate::math::Aabb;
 use crate::shape::{Facet, Shape, offset_bound, triangle};
@@ -16,11 +17,9 @@ const MOST_SIZES_AWAY: f32 = 1e7;
 const LEAST_OFFSETS: f64 = 4.0;
 
 /// Warnings about the shape that is too small for its distance from the origin, and about bodies that are too thin.
-///
-/// - `names`: the name of each shape of the world
-pub(super) fn warnings(world: &World, names: &[&str]) -> Vec<String> {
+pub(super) fn warnings(linted: &Linted) -> Vec<String> {
+    let (world, name) = (linted.world, |shape: usize| linted.name(shape as u32));
     let shapes = world.shapes();
-    let name = |shape: usize| names.get(world.described_shape(shape as u32) as usize).copied().unwrap_or("?");
     let bounds: Vec<Aabb> = shapes.iter().map(|shape| (0..shape.count()).fold(Aabb::EMPTY, |all, i| all.union(shape.bounds(i)))).collect();
     let small = lost(&bounds).map(|(shape, text)| format!("{}: {text}", name(shape)));
     let thin =
@@ -79,7 +78,7 @@ impl Body {
     }
 }
 
-/// The bodies of the scene with an inside that light reaches. Open surfaces are not included; `glass` reports them.
+/// The bodies of the scene with an inside that light reaches. Open surfaces are not included; `open_glass` reports them.
 fn bodies(world: &World, bounds: &[Aabb]) -> Vec<Body> {
     let (mut closed, mut open) = (vec![], BTreeMap::<MaterialId, (DVec3, Body)>::new());
     for (shape, baked) in world.shapes().iter().enumerate() {
