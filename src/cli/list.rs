@@ -18,6 +18,7 @@ pub enum Family {
     Materials,
     Textures,
     Lights,
+    Meters,
     Cameras,
     Filters,
     /// Layers beside the picture.
@@ -29,13 +30,14 @@ pub enum Family {
 
 /// Runs the command.
 pub fn list(what: Option<Family>, tables: &[&[Entry]]) -> Result<()> {
-    const ALL: [Family; 11] = [
+    const ALL: [Family; 12] = [
         Family::Integrators,
         Family::Samplers,
         Family::Shapes,
         Family::Materials,
         Family::Textures,
         Family::Lights,
+        Family::Meters,
         Family::Cameras,
         Family::Filters,
         Family::Aovs,
@@ -65,6 +67,7 @@ fn rows(family: Family, tables: &[&[Entry]]) -> Vec<(String, String)> {
         Family::Materials => describe::members("Material"),
         Family::Textures => describe::members("Texture"),
         Family::Lights => describe::members("Light"),
+        Family::Meters => describe::members("Meter"),
         Family::Cameras => describe::members("Camera"),
         Family::Filters => describe::members("Filter"),
         Family::Dialects => import::ALL.iter().map(|dialect| pair(dialect.name, dialect.about)).collect(),

@@ -14,6 +14,7 @@ mod man;
 mod memory;
 mod merge;
 mod messages;
+mod meter;
 mod outputs;
 mod parse;
 mod pilot;
@@ -50,6 +51,7 @@ use convert::ConvertArgs;
 use load::SceneArgs;
 use merge::MergeArgs;
 use messages::{is_quiet, note, print_stderr};
+use meter::MeterArgs;
 use progress::{ProgressForm, WorkArgs};
 use rays::RaysArgs;
 use reference::ReferenceArgs;
@@ -110,6 +112,8 @@ pub enum Command {
     Torture(TortureArgs),
     /// Try changes of a scene that must not change its picture: its size, its place, far objects and more. Exit code 1 if one does.
     Stress(StressArgs),
+    /// Measure irradiance and radiance at the scene's meters, with error bars.
+    Meter(MeterArgs),
     /// Find where rays meet a mesh, and which points it contains, in double precision, without pictures.
     Rays(RaysArgs),
     /// Compare, inspect and convert pictures: .exr, .hdr, .png, .ppm, .pfm, and .jpg to read.
@@ -138,6 +142,7 @@ impl CommandLine {
             Some(Command::Reference(args)) => scene(&args.scene),
             Some(Command::Verify(args)) => scene(&args.scene),
             Some(Command::Stress(args)) => scene(&args.scene),
+            Some(Command::Meter(args)) => scene(&args.scene),
             Some(Command::Merge(args)) => args.parts.clone(),
             Some(Command::Rays(args)) => vec![args.mesh.clone()],
             Some(Command::Image { verb }) => verb.files(),
@@ -209,6 +214,7 @@ fn run(args: CommandLine, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Verify(args)) => return verify::verify(&args, tables),
         Some(Command::Torture(args)) => return torture::torture(&args),
         Some(Command::Stress(args)) => return stress::stress(&args, tables),
+        Some(Command::Meter(args)) => return meter::meter(&args, tables),
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::Rays(args)) => rays::rays(&args)?,
         Some(Command::Convert(args)) => convert::convert(&args, tables)?,

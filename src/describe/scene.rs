@@ -10,6 +10,7 @@ use super::background::Background;
 use super::camera::Camera;
 use super::film::Film;
 use super::light::Light;
+use super::meter::Meter;
 use super::sampler::Sampler;
 use super::shape::{Instances, Shape};
 use super::{Material, MaterialRef};
@@ -52,6 +53,9 @@ pub struct Scene {
     /// The light that comes along rays that hit nothing. Default: none, black.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub background: Option<Background>,
+    /// Places where `pt meter` measures light. They do not change the picture.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub meters: Vec<Meter>,
 }
 
 impl Scene {

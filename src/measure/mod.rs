@@ -15,6 +15,7 @@ pub mod forecast;
 pub mod format;
 pub mod level;
 pub mod mean;
+pub mod meter;
 pub mod metric;
 pub mod outliers;
 pub mod render_until;

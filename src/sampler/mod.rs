@@ -179,6 +179,8 @@ pub mod dimension {
     pub const LENS: u32 = 2;
     /// Time within the shutter interval (1).
     pub const TIME: u32 = 4;
+    /// Choice of a light (1), then a point or direction (2), for light that arrives at a meter.
+    pub const METER_LIGHT: u32 = 5;
 
     /// Number of dimensions per block.
     pub(crate) const BLOCK: u32 = 8;

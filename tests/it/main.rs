@@ -46,6 +46,7 @@ mod marked;
 mod matte_models;
 mod measured_lights;
 mod meshes;
+mod meters;
 mod metrics;
 mod normal_maps;
 mod oracle;
