@@ -162,6 +162,16 @@ impl CommandLine {
             Some(_) => None,
         }
     }
+
+    /// Number of threads that is asked for.
+    fn threads(&self) -> Option<u32> {
+        match &self.command {
+            Some(Command::Rays(args)) => args.threads,
+            Some(Command::Stress(args)) => args.threads,
+            Some(Command::Torture(args)) => args.threads,
+            _ => self.work()?.threads,
+        }
+    }
 }
 
 /// Exit code of a question without an answer: a target that was not reached, a test without power.
@@ -205,6 +215,9 @@ fn finish(result: Result<ExitCode>, json: bool) -> ExitCode {
 
 /// Runs the command. A subcommand that tests something has exit codes of its own.
 fn run(args: CommandLine, tables: &[&[Entry]]) -> Result<ExitCode> {
+    if !matches!(args.command, Some(Command::List { .. } | Command::Schema(_) | Command::Completions { .. } | Command::Man { .. })) {
+        render::start_threads(args.threads())?;
+    }
     match args.command {
         Some(Command::Sample(args)) => return sample::sample(&args),
         Some(Command::Compare(args)) => return compare::compare(&args, tables),

@@ -20,6 +20,7 @@ mod demo_scenes;
 mod discrete;
 mod emitted_rays;
 mod environment_maps;
+mod faults;
 mod fields;
 mod film;
 mod float;

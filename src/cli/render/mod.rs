@@ -70,9 +70,29 @@ pub fn same_pixels(path: &Path, image: &Image, film: &FilmSpec) -> Result<()> {
 
 /// Thread pool with this number of threads, or one for each core.
 pub fn pool(threads: Option<u32>) -> Result<rayon::ThreadPool> {
-    let threads = threads.map_or(0, |n| n as usize);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|e| Error::Limit(Fault::new(format!("cannot start {threads} threads: {e}"))))
+    builder(threads).build().map_err(|refusal| no_threads(threads, &refusal))
+}
+
+/// Starts the threads that work of rayon takes outside of any pool, such as the building of scenes. Without this, rayon panics where
+/// the system has no threads left.
+///
+/// # Errors
+/// `Limit` if the system has none.
+pub fn start_threads(threads: Option<u32>) -> Result<()> {
+    match builder(threads).build_global() {
+        // An error without a source says that they are running already.
+        Err(refusal) if std::error::Error::source(&refusal).is_some() => Err(no_threads(threads, &refusal)),
+        _ => Ok(()),
+    }
+}
+
+fn builder(threads: Option<u32>) -> rayon::ThreadPoolBuilder {
+    rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, |n| n as usize))
+}
+
+fn no_threads(threads: Option<u32>, refusal: &rayon::ThreadPoolBuildError) -> Error {
+    let wanted = threads.map_or("a thread for each core".to_owned(), |n| format!("{n} threads"));
+    Error::Limit(Fault::new(format!("cannot start {wanted}: {refusal}")))
 }
 
 /// Sampler of this name.
