@@ -16,8 +16,8 @@ pub struct ConvertArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Output file: .json. Files that came with the scene go into a folder beside it, others stay where they are.
-    #[arg(value_name = "OUT", required = true)]
-    pub output: PathBuf,
+    #[arg(value_name = "OUT")]
+    pub output: Option<PathBuf>,
 }
 
 /// Writes the scene, and the files that came with it into a folder beside it.
@@ -25,7 +25,8 @@ pub struct ConvertArgs {
 /// # Errors
 /// The errors of [`load`], because a scene that cannot be rendered is not written; `Usage` if a scene would be overwritten; `Io`.
 pub fn convert(args: &ConvertArgs, tables: &[&[Entry]]) -> Result<()> {
-    let to = &args.output;
+    // clap requires no argument after one that it does not require, and the scene is one.
+    let to = args.output.as_deref().ok_or_else(|| Error::Usage("expected where to write, as in pt convert IN OUT.json".into()))?;
     let loaded = load(&args.scene, &[], None, tables)?;
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     let usage = |message: &str| Error::Usage(format!("{}: {message}", to.display()));

@@ -166,6 +166,7 @@ impl CommandLine {
     /// Number of threads that is asked for.
     fn threads(&self) -> Option<u32> {
         match &self.command {
+            Some(Command::Meter(args)) => args.threads,
             Some(Command::Rays(args)) => args.threads,
             Some(Command::Stress(args)) => args.threads,
             Some(Command::Torture(args)) => args.threads,

@@ -9,8 +9,9 @@ use rayon::prelude::*;
 
 use super::parse::threads;
 use super::{note, print_stdout, render};
-use crate::error::{Error, Fault, Result};
+use crate::error::{Error, Result};
 use crate::output;
+use crate::rays::table::rows;
 use crate::rays::{Hit, Ray, RayCaster};
 
 #[derive(clap::Args, Debug)]
@@ -80,10 +81,10 @@ fn contained(caster: &RayCaster, rows: &[[f64; 3]]) -> String {
     format!("x,y,z,inside,winding\n{}", lines.concat())
 }
 
-/// The lines of a file, `N` numbers each. A first line with words is a heading; empty lines and those that begin with # are left out.
+/// The rows of a table in a file.
 ///
 /// # Errors
-/// `Invalid` with the line for anything else; `Io` if the file cannot be read.
+/// `Invalid` with the line for what is no number; `Io` if the file cannot be read.
 fn numbers<const N: usize>(path: &Path) -> Result<Vec<[f64; N]>> {
     let mut text = String::new();
     let read = match path.to_str() {
@@ -91,20 +92,5 @@ fn numbers<const N: usize>(path: &Path) -> Result<Vec<[f64; N]>> {
         _ => std::fs::read_to_string(path).map(|content| text = content),
     };
     read.map_err(|e| Error::io(path, e))?;
-    let mut rows = vec![];
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-    for (k, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#')) {
-        let words: Vec<&str> = line.split(|c: char| c == ',' || c.is_whitespace()).filter(|word| !word.is_empty()).collect();
-        let values: Option<Vec<f64>> = words.iter().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect();
-        let is_heading = rows.is_empty() && words.iter().all(|word| word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '"'));
-        match values.as_deref().map(<[f64; N]>::try_from) {
-            Some(Ok(row)) => rows.push(row),
-            None if is_heading => {}
-            _ => {
-                let fault = Fault::new(format!("found {:?}, expected {N} numbers", line.trim()));
-                return Err(Error::invalid(fault.in_file(path).at_line(k + 1)));
-            }
-        }
-    }
-    Ok(rows)
+    rows(&text).map_err(|fault| Error::invalid(fault.in_file(path)))
 }

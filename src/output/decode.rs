@@ -41,6 +41,9 @@ pub fn decode<R: BufRead + Seek>(mut reader: ImageReader<R>) -> Result<DynamicIm
         if fits { DynamicImage::from_decoder(decoder).map(Some) } else { Ok(None) }
     };
     match unwound(decoded) {
+        Ok(Ok(Some(picture))) if picture.width() == 0 || picture.height() == 0 => {
+            Err(Undecoded::Invalid(format!("it has {} × {} pixels", picture.width(), picture.height())))
+        }
         Ok(Ok(Some(picture))) => Ok(picture),
         Ok(Ok(None) | Err(ImageError::Limits(_))) => Err(Undecoded::TooLarge),
         Ok(Err(ImageError::IoError(error))) if error.kind() != std::io::ErrorKind::UnexpectedEof => Err(Undecoded::Unread(error)),

@@ -34,6 +34,7 @@
 //! Tests: row G2 of `pt torture`, the_caster_agrees_with_a_search_in_integers, rays_through_features_cross_once.
 
 mod exact;
+pub mod table;
 mod tree;
 mod triangle;
 

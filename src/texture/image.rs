@@ -56,7 +56,8 @@ impl Image {
             let sides = sides.map(|side| side.as_dvec2() * self.scale.as_dvec2() * size.as_dvec2() * DVec2::new(1.0, -1.0));
             if let Some(ellipse) = pyramid.ellipse(&self.pixels, sides) {
                 let UVec2 { x: width, y: height } = ellipse.size;
-                let place = DVec2::new(uv.x * f64::from(width), (1.0 - uv.y) * f64::from(height));
+                let (x, y) = (uv.x * f64::from(width), (1.0 - uv.y) * f64::from(height));
+                let place = DVec2::new(self.wrap.nearer(x, width), self.wrap.nearer(y, height));
                 return ellipse.average(place, |x| self.wrap.index(x, width), |y| self.wrap.index(y, height));
             }
         }
@@ -85,7 +86,19 @@ impl Image {
     }
 }
 
+/// Distance from the picture beyond which positions are replaced by nearer ones (pixels): from 2⁵³ on, x + 1 is x.
+const FAR: f64 = (1u64 << 40) as f64;
+
 impl Wrap {
+    /// A position within [`FAR`] that shows the same.
+    fn nearer(self, x: f64, n: u32) -> f64 {
+        match self {
+            _ if x.abs() <= FAR => x,
+            Wrap::Clamp => x.clamp(-FAR, FAR),
+            Wrap::Repeat | Wrap::Mirror => x % (2.0 * f64::from(n)),
+        }
+    }
+
     /// The pixel from 0 to `n` − 1 for the whole number `i`.
     fn index(self, i: f64, n: u32) -> usize {
         let n = f64::from(n);

@@ -27,6 +27,7 @@ mod float;
 mod footprints;
 mod forensics;
 mod fresnel;
+mod fuzz;
 mod glass;
 mod identity;
 mod image_verbs;
