@@ -103,7 +103,9 @@ pub fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>
         // The file itself is used: its wrapper would name the temporary path in errors.
         write(file.as_file_mut())?;
         file.as_file().sync_all()?;
-        file.persist(target)?;
+        file.persist(&target)?;
+        // So that a power failure does not undo the renaming. Systems whose folders cannot be opened as files do without.
+        let _ = File::open(folder(&target)).and_then(|folder| folder.sync_all());
         Ok(())
     };
     put().map_err(|e| Error::io(path, e))
