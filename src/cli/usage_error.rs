@@ -13,7 +13,8 @@ use crate::reader::closest;
 
 /// Prints help and version on stdout, and errors of the call on stderr.
 pub fn print(usage_error: &clap::Error) -> ExitCode {
-    let words: Vec<String> = std::env::args().skip(1).collect();
+    // Words that are no Unicode are refused like others.
+    let words: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
     let json = words.iter().take_while(|word| *word != "--").any(|word| word == "--json-errors");
     if !usage_error.use_stderr() {
         return finish(printed(usage_error.print()).map(|()| ExitCode::SUCCESS), json);

@@ -30,7 +30,7 @@ pub struct VerifyArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Two integrators, or an integrator and an EXR with error bars.
-    #[arg(value_name = "SIDE", num_args = 2, required = true)]
+    #[arg(value_name = "SIDE", num_args = 2)]
     pub sides: Vec<String>,
     /// Samples per pixel of each rendered side. Default: the scene's.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
@@ -69,6 +69,10 @@ struct Side {
 
 /// Runs the command.
 pub fn verify(args: &VerifyArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
+    // clap requires no argument after one that it does not require, and the scene is one.
+    if args.sides.is_empty() {
+        return Err(Error::Usage("expected a scene and two sides, as in pt verify scene.json nee path".into()));
+    }
     let resized = args.size.map(render::resized).unwrap_or_default();
     let loaded = load(&args.scene, &resized, None, tables)?;
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));

@@ -446,3 +446,18 @@ fn the_warning_of_a_black_picture_is_given_only_without_light() {
         assert_eq!(said.contains("will be black"), is_black, "{scale}: {said}");
     }
 }
+
+/// Words that are no Unicode are refused with a message, as others are.
+#[cfg(unix)]
+#[test]
+fn words_that_are_no_unicode_are_refused() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    for words in [&[&b"--\xff\xffc"[..]][..], &[b"check", b"\xff.json", b"--\xfe"], &[b"a", b"b", b"\xff"]] {
+        let output =
+            Command::cargo_bin("pt").expect("pt").args(words.iter().map(|word| OsStr::from_bytes(word))).output().expect("it runs");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && said.starts_with("error: ") && !said.contains("panicked"), "{words:?}: {said}");
+    }
+}
