@@ -104,7 +104,8 @@ pub fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>
         write(file.as_file_mut())?;
         file.as_file().sync_all()?;
         file.persist(&target)?;
-        // So that a power failure does not undo the renaming. Systems whose folders cannot be opened as files do without.
+        // A folder is written to the disk later than its files, and a power failure before that would undo the renaming. Where a folder
+        // cannot be opened as a file, as on Windows, this step is left out.
         let _ = File::open(folder(&target)).and_then(|folder| folder.sync_all());
         Ok(())
     };

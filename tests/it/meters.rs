@@ -63,8 +63,8 @@ fn overhead(mut lamp: Value, height: f64) -> Value {
     scene(json!({"shapes": [lamp]}))
 }
 
-/// Checks a reading against a formula: within `digits` where there is no noise, and within 4.5 standard errors in any case (with
-/// 31 degrees of freedom rarer than 1 in 10⁴).
+/// Checks a reading against a formula, within 4.5 standard errors and the rounding of f32. With 31 degrees of freedom a right reading fails
+/// in fewer than 1 of 10⁴ cases.
 fn agrees(scene: &Value, integrator: &str, meter: &Meter, truth: f64) {
     let reading = reading(scene, integrator, meter, 7, 1 << 14);
     let mean = reading.values[3];

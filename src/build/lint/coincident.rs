@@ -22,9 +22,10 @@ const PATHS: u32 = 1 << 11;
 const VERTICES: u32 = 4;
 /// The number of points that rounding at edges may put on two surfaces.
 const BY_ROUNDING: u32 = 2;
-/// The least |cosine| between the normals of surfaces that lie in the same place.
+/// The least |cosine| between the normals of surfaces that lie in the same place. At an angle of more than 2.6° they only cross.
 const PARALLEL: f32 = 0.999;
-/// The distance within which two surfaces are in the same place, in offsets at which rays start and in roundings of coordinates.
+/// The distance within which two surfaces are in the same place: the offset at which rays start from each of the two, and two roundings
+/// of the coordinates of each.
 const OFFSETS: f32 = 2.0;
 const ROUNDINGS: f32 = 4.0;
 /// The largest number of primitives of a shape that is looked for behind another, so that scenes load quickly.

@@ -12,7 +12,8 @@ use crate::math::Density;
 use crate::scene::Scene as _;
 use crate::world::World;
 
-/// The least number of rays of a light for a warning about it.
+/// The least number of rays of a light for a warning about it: an opening of a twentieth of all directions is then missed by all of them
+/// in 1 of 27 cases.
 const ENOUGH: u32 = 64;
 
 /// What the rays of one light meet first.

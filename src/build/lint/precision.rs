@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DVec3, Vec3};
 
 use super::Linted;
+use super::rays::bounds;
 use crate::bsdf::MaterialId;
 use crate::math::Aabb;
 use crate::shape::{Facet, Shape, offset_bound, triangle};
@@ -19,8 +20,8 @@ const LEAST_OFFSETS: f64 = 4.0;
 /// Warnings about the shape that is too small for its distance from the origin, and about bodies that are too thin.
 pub(super) fn warnings(linted: &Linted) -> Vec<String> {
     let (world, name) = (linted.world, |shape: usize| linted.name(shape as u32));
-    let shapes = world.shapes();
-    let bounds: Vec<Aabb> = shapes.iter().map(|shape| (0..shape.count()).fold(Aabb::EMPTY, |all, i| all.union(shape.bounds(i)))).collect();
+    let count = world.shapes().len() as u32;
+    let bounds: Vec<Aabb> = (0..count).map(|shape| bounds(world, shape)).collect();
     let small = lost(&bounds).map(|(shape, text)| format!("{}: {text}", name(shape)));
     let thin =
         bodies(world, &bounds).into_iter().filter(Body::is_too_thin).map(|body| format!("{}: {}", name(body.shape), body.complaint()));

@@ -64,7 +64,7 @@ fn kills_change_no_bit() {
     }
 }
 
-/// The same for a shard, which is merged with the others.
+/// A shard that is killed and resumed merges with the others to the picture of the whole render, bit for bit.
 #[test]
 fn kills_of_a_shard_change_no_bit() {
     let folder = folder();

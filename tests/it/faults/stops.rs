@@ -68,7 +68,7 @@ fn closed_pipes() {
         assert!(code.is_some_and(|code| code == if line == "no.json" { 3 } else { 0 }), "{line}: {code:?}");
     }
     assert_eq!(picture(at, "x.exr"), picture(at, "whole.exr"));
-    // Neither stdin nor stdout nor stderr is open at all.
+    // The program also runs where stdin, stdout and stderr are closed.
     let output = shell(at, "", "s.json --spp 4 -o y.exr --stats", "<&- >&- 2>&-");
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(picture(at, "y.exr"), picture(at, "whole.exr"));
