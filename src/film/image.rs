@@ -83,9 +83,9 @@ impl Image {
         RGB.map(|name| self.channel(name).and_then(|values| values.get(i)).copied().unwrap_or(0.0))
     }
 
-    /// Red, green and blue of each pixel.
+    /// Red, green and blue of each pixel. Missing channels are 0.
     pub fn pixels(&self) -> impl Iterator<Item = [f32; 3]> {
-        let [r, g, b] = RGB.map(|name| self.channel(name).unwrap_or(&[]));
-        r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b])
+        let channels = RGB.map(|name| self.channel(name));
+        (0..self.size.element_product() as usize).map(move |i| channels.map(|values| values.map_or(0.0, |values| values[i])))
     }
 }

@@ -45,6 +45,8 @@ fn describe(about: &mut LayerAttributes, shared: &mut ImageAttributes, name: &st
         (TO_CAMERA, Value::Matrix(matrix)) => return about.world_to_camera = Some(*matrix),
         (TO_NDC, Value::Matrix(matrix)) => return about.world_to_normalized_device = Some(*matrix),
         (SCREEN_WIDTH, Value::Number(width)) => return about.screen_window_width = *width,
+        // The format has no others.
+        (PIXEL_ASPECT, Value::Number(ratio)) if !(1e-6..=1e6).contains(ratio) => return,
         (PIXEL_ASPECT, Value::Number(ratio)) => return shared.pixel_aspect = *ratio,
         (_, Value::Text(text)) => AttributeValue::Text(utf8(text)),
         (_, Value::Integer(number)) => AttributeValue::I32(*number),
