@@ -47,7 +47,8 @@ impl EmissionDistribution {
             *flat = weight.min(THRESHOLD * mean);
             *weight -= *flat;
         }
-        let flat_share = if mean > 0.0 { flat.mean() / mean } else { 1.0 };
+        // Numbers below the normal ones are too coarse to divide: light that faint is sampled as light of one radiance.
+        let flat_share = if mean.is_normal() { flat.mean() / mean } else { 1.0 };
         let has_inverse = || shape.area_coordinates(primitive, &shape.sample_area(primitive, Vec2::splat(0.5)).0).is_some();
         let pays = side > MIN_SIDE && flat_share < MAX_FLAT_SHARE && has_inverse();
         let peaks = if pays { Distribution::new(&table).map(|distribution| (table, distribution)) } else { None };

@@ -86,7 +86,8 @@ impl EnvironmentMap {
         let Moments { mean, harmonics } = picture.moments();
         picture.threshold = (f64::from(THRESHOLD) * mean) as f32;
         let flat = picture.mean_of_rows(|rgb| rgb.average().min(picture.threshold));
-        let peaks = Distribution::new(&picture);
+        // Numbers below the normal ones are too coarse to divide: light that faint is sampled as light of one radiance.
+        let peaks = if picture.threshold.is_normal() { Distribution::new(&picture) } else { None };
         let [flat_share, surface_share] = match peaks {
             Some(_) => [1.0, COMPENSATION].map(|factor| FlatShare::new(factor * (flat / mean) as f32)),
             None => [FlatShare::ALL; 2],
