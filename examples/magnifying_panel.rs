@@ -10,7 +10,7 @@ use std::sync::Arc;
 use pt::bsdf::{Lobe, TransportMode};
 use pt::effects::Effects;
 use pt::film::FilmSpec;
-use pt::integrator::{CameraSample, Context, Entry, Estimator, Integrator, sample_light};
+use pt::integrator::{CameraSample, Context, Entry, Estimator, Integrator, Vacuum, sample_light};
 use pt::math::{Density, Spectrum};
 use pt::sampler::dimension::{self, Use};
 use pt::scene::Scene;
@@ -58,7 +58,7 @@ impl Estimator for Walk {
             if sees_lights {
                 radiance += beta * surface.emitted(wo);
             }
-            let direct = sample_light(&*self.scene, &surface, wo, depth, 0.0, &mut cx.numbers);
+            let direct = sample_light(&*self.scene, &Vacuum, &surface, wo, dimension::vertex(depth, Use::Light), 0.0, &mut cx.numbers);
             radiance += beta * direct.map_or(Spectrum::BLACK, |(direct, _)| direct);
             let (choice, u) = cx.numbers.get_3d(dimension::vertex(depth, Use::Bsdf));
             let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else { break };

@@ -34,12 +34,12 @@ pub const ALL: &[Entry] = &[
     Entry::of::<whitted::Whitted>(
         "whitted",
         "Whitted's ray tracing: direct light, and branches at mirrors and glass",
-        Effects::ALL.without(Effects::SCATTERED.union(Effects::UNSAMPLED_EMITTER)),
+        Effects::ALL.without(Effects::SCATTERED.union(Effects::UNSAMPLED_EMITTER).union(Effects::MEDIA)),
     ),
     Entry::of::<card::Card>(
         "card",
         "path tracing as short programs have it: fixed steps off surfaces, a sun behind windows; else the same as path",
-        Effects::ALL.without(Effects::POINT_LIGHT),
+        Effects::ALL.without(Effects::POINT_LIGHT.union(Effects::MEDIA)),
     ),
     Entry::of::<normals::Normals>("normals", "the shading normal of what the camera sees, as a colour", Effects::NONE),
     Entry::of::<ao::AmbientOcclusion>("ao", "ambient occlusion: the share of scattered directions that is free", Effects::NONE),

@@ -1,12 +1,16 @@
 //! Path tracing with next-event estimation and multiple importance sampling.
 
+use std::any::Any;
+use std::marker::PhantomData;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use pt::bsdf::{BsdfSample, TransportMode};
+use pt::effects::Effects;
 use pt::film::FilmSpec;
 use pt::integrator::{
-    Bias, CameraPath, CameraSample, Estimator, Integrator, MAX_DEPTH, PathLanes, PathWalk, Roulette, SideBySide, WideWalk, sample_light,
+    Bias, CameraPath, CameraSample, Estimator, Filled, Integrator, MAX_DEPTH, PathLanes, PathWalk, Roulette, SideBySide, Space, Vacuum,
+    WideWalk, sample_light,
 };
 use pt::light::{LightSample, LightSampleContext};
 use pt::math::lanes::{self, Lanes, Vector};
@@ -14,9 +18,9 @@ use pt::math::{
     Density, SolidAnglePdf, Spectrum, Vec3, balance_heuristic, balance_heuristic_lanes, power_heuristic, power_heuristic_lanes,
 };
 use pt::recorder::{End, Event, Origin, Recorder};
-use pt::sampler::dimension::{self, Use};
+use pt::sampler::dimension::{self, OnWay, Use};
 use pt::sampler::{NumberLanes, SampleNumbers};
-use pt::scene::{Scene, Surface};
+use pt::scene::{Interaction, Scene, Surface};
 use pt::world::{ReceiverLanes, SurfaceLanes, WideWorld};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -26,6 +30,11 @@ use serde::{Deserialize, Serialize};
 /// L = Σ_k β_k [ w_light f·|cos| Le / p_light  +  w_bsdf Le(next vertex) ],  w_light + w_bsdf = 1
 ///
 /// Delta lights and delta lobes can be found by one technique only, which has weight 1.
+///
+/// In participating media, a point where the medium scatters the path is a vertex like others, with the phase function in the place of
+/// f·|cos|, and light samples are weakened by the media on their way. Lights are not sampled at that point, but at one on the way to the
+/// next surface that is chosen whether or not the path scatters, and near to a light: in thin media few paths scatter, and most light
+/// comes from where the lamps are near.
 ///
 /// Source: Veach and Guibas, *Optimally Combining Sampling Techniques for Monte Carlo Rendering* (1995).
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -109,8 +118,10 @@ impl Default for Nee {
 
 impl Integrator for Nee {
     fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
-        let roulette = Roulette { from_depth: self.roulette_depth };
-        Box::new(Walk { scene, max_depth: self.max_depth, roulette, weights: self.weights })
+        match scene.effects().contains(Effects::MEDIA) {
+            true => Box::new(self.walk::<Filled>(scene)),
+            false => Box::new(self.walk::<Vacuum>(scene)),
+        }
     }
 
     /// Bias of `max_depth`. The integrator without the limit follows the same paths up to that depth; beyond it Russian roulette ends them.
@@ -120,18 +131,27 @@ impl Integrator for Nee {
     }
 }
 
-struct Walk {
+impl Nee {
+    fn walk<S>(&self, scene: Arc<dyn Scene>) -> Walk<S> {
+        let roulette = Roulette { from_depth: self.roulette_depth };
+        Walk { scene, max_depth: self.max_depth, roulette, weights: self.weights, space: PhantomData }
+    }
+}
+
+/// The method in a space without or with media.
+struct Walk<S> {
     scene: Arc<dyn Scene>,
     max_depth: u32,
     roulette: Roulette,
     weights: Weights,
+    space: PhantomData<S>,
 }
 
 /// State of the walk: the path, and how it arrives at its next vertex.
-#[derive(Clone, Copy)]
-struct State {
+struct State<S> {
     path: CameraPath,
     arrival: Arrival,
+    space: S,
 }
 
 /// Start and density of the path's last step, which weight the emission found at its end against light sampling.
@@ -141,30 +161,42 @@ struct Arrival {
     density: Density,
 }
 
-impl PathWalk for Walk {
-    type State = State;
+impl<S: Space> PathWalk for Walk<S> {
+    type State = State<S>;
 
+    /// Only paths in empty space are followed side by side.
     fn side_by_side(&self) -> Option<&dyn SideBySide> {
-        WideWalk::scene(self).map(|_| self as &dyn SideBySide)
+        let any: &dyn Any = self;
+        let walk = any.downcast_ref::<Walk<Vacuum>>()?;
+        WideWalk::scene(walk).map(|_| walk as &dyn SideBySide)
     }
 
-    fn start(&self, camera: &CameraSample) -> State {
+    fn start(&self, camera: &CameraSample) -> State<S> {
         // Light sampling cannot find what the camera sees directly.
         State {
             path: CameraPath::new(camera),
             arrival: Arrival { from: LightSampleContext::at(camera.ray.origin), density: Density::Delta },
+            space: S::at_camera(&*self.scene, camera),
         }
     }
 
     // Inlined into the loop over the steps, because a call would cost 3 % of a render.
     #[inline(always)]
-    fn step<R: Recorder + ?Sized>(
-        &self,
-        State { path, arrival }: &mut State,
-        numbers: &mut SampleNumbers,
-        recorder: &mut R,
-    ) -> ControlFlow<Spectrum> {
-        let Some(hit) = path.hit(&*self.scene) else {
+    fn step<R: Recorder + ?Sized>(&self, state: &mut State<S>, numbers: &mut SampleNumbers, recorder: &mut R) -> ControlFlow<Spectrum> {
+        let State { path, arrival, space } = state;
+        let hit = path.hit(&*self.scene);
+        if path.depth < self.max_depth
+            && let Some((point, weight, space)) = space.point_on_way(&*self.scene, path, hit.as_ref(), numbers)
+        {
+            let (wo, dimension) = (-path.ray.direction, dimension::on_way(path.depth, OnWay::Light));
+            if let Some((direct, light, mis)) = self.direct(&point, &space, wo, dimension, path.ray.time, numbers) {
+                path.add_scattered(direct * weight, recorder, || Origin::light(&light, mis));
+            }
+        }
+        if let Some(point) = space.scatter(&*self.scene, path, hit.as_ref(), numbers, recorder) {
+            return self.scatter(&point, state, numbers, recorder);
+        }
+        let Some(hit) = hit else {
             for (light, radiance) in self.scene.lights().background(path.ray.direction) {
                 let weight = self.background_weight(light, path.ray.direction, arrival);
                 path.add_emission(radiance * weight, recorder, || Origin::background(light, weight));
@@ -176,22 +208,12 @@ impl PathWalk for Walk {
         recorder.record(|| Event::vertex(path.depth, &path.ray, &hit, &surface, path.beta));
         let (emitted, weight) = self.emission(&surface, wo, arrival);
         path.add_emission(emitted, recorder, || Origin::emission(&surface, weight));
-        if path.depth == self.max_depth {
-            return path.end(End::DepthLimit, recorder);
-        }
-        if let Some((direct, light, weight)) = self.direct(&surface, wo, path.depth, path.ray.time, numbers) {
-            path.add_scattered(direct, recorder, || Origin::light(&light, weight));
-        }
-
-        let (choice, u) = numbers.get_3d(dimension::vertex(path.depth, Use::Bsdf));
-        let sample = surface.sample(wo, choice, u, TransportMode::Radiance);
-        let BsdfSample { density, .. } = path.scatter(&surface, sample, self.roulette, numbers, recorder)?;
-        *arrival = Arrival { from: surface.light_context(wo, path.ray.time), density };
-        ControlFlow::Continue(())
+        space.arrive(&*self.scene, &hit, &surface);
+        self.scatter(&surface, state, numbers, recorder)
     }
 }
 
-impl WideWalk for Walk {
+impl WideWalk for Walk<Vacuum> {
     fn scene(&self) -> Option<WideWorld<'_>> {
         WideWorld::of(&*self.scene)
     }
@@ -237,7 +259,7 @@ fn arrival_of<L: Lanes>((from, pdf): (ReceiverLanes<L>, L::F32), lane: usize) ->
 }
 
 /// The terms of [`Walk`]'s sum for the paths of several lanes.
-impl Walk {
+impl Walk<Vacuum> {
     /// [`Walk::emission`] in each lane.
     #[inline(always)]
     fn emission_lanes<L: Lanes>(&self, scene: WideWorld, surface: &SurfaceLanes<L>, wo: Vector<L>, paths: &PathLanes<L>) -> Vector<L> {
@@ -276,8 +298,35 @@ impl Walk {
     }
 }
 
-// Inlined into both compiled walks, because calls would cost 2 % of a render.
-impl Walk {
+// Inlined into all compiled walks, because calls would cost 2 % of a render.
+impl<S: Space> Walk<S> {
+    /// Adds the light that a vertex scatters into the path, and goes on in a sampled direction.
+    #[inline(always)]
+    fn scatter<I: Interaction, R: Recorder + ?Sized>(
+        &self,
+        at: &I,
+        State { path, arrival, space }: &mut State<S>,
+        numbers: &mut SampleNumbers,
+        recorder: &mut R,
+    ) -> ControlFlow<Spectrum> {
+        let (wo, time) = (-path.ray.direction, path.ray.time);
+        if path.depth == self.max_depth {
+            return path.end(End::DepthLimit, recorder);
+        }
+        if !space.was_lit_on_way() {
+            let dimension = dimension::vertex(path.depth, Use::Light);
+            if let Some((direct, light, weight)) = self.direct(at, space, wo, dimension, time, numbers) {
+                path.add_scattered(direct, recorder, || Origin::light(&light, weight));
+            }
+        }
+        let (choice, u) = numbers.get_3d(dimension::vertex(path.depth, Use::Bsdf));
+        let sample = at.sample(wo, choice, u, TransportMode::Radiance);
+        let BsdfSample { density, .. } = path.scatter(at, sample, self.roulette, numbers, recorder)?;
+        space.leave(path.ray.direction);
+        *arrival = Arrival { from: at.light_context(wo, time), density };
+        ControlFlow::Continue(())
+    }
+
     /// Emission of a surface that BSDF sampling found, times its weight against light sampling, and the weight.
     #[inline(always)]
     fn emission(&self, surface: &Surface, wo: Vec3, arrival: &Arrival) -> (Spectrum, f32) {
@@ -303,18 +352,19 @@ impl Walk {
 
     /// Direct light of one light sample, times its weight against BSDF sampling, with the sample and the weight.
     #[inline(always)]
-    fn direct(
+    fn direct<I: Interaction>(
         &self,
-        surface: &Surface,
+        at: &I,
+        space: &S,
         wo: Vec3,
-        depth: u32,
+        dimension: u32,
         time: f32,
         numbers: &mut SampleNumbers,
     ) -> Option<(Spectrum, LightSample, f32)> {
-        let (direct, light) = sample_light(&*self.scene, surface, wo, depth, time, numbers)?;
+        let (direct, light) = sample_light(&*self.scene, space, at, wo, dimension, time, numbers)?;
         match light.density {
             Density::Smooth(pdf) => {
-                let weight = self.weights.of_light(pdf, || surface.pdf(wo, light.wi));
+                let weight = self.weights.of_light(pdf, || at.pdf(wo, light.wi));
                 Some((direct * weight, light, weight))
             }
             Density::Delta => Some((direct, light, 1.0)),

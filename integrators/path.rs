@@ -1,19 +1,23 @@
 //! Path tracing without light sampling.
 
+use std::any::Any;
+use std::marker::PhantomData;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use pt::bsdf::TransportMode;
+use pt::effects::Effects;
 use pt::film::FilmSpec;
 use pt::integrator::{
-    Bias, CameraPath, CameraSample, Estimator, Integrator, MAX_DEPTH, PathLanes, PathWalk, Roulette, SideBySide, WideWalk,
+    Bias, CameraPath, CameraSample, Estimator, Filled, Integrator, MAX_DEPTH, PathLanes, PathWalk, Roulette, SideBySide, Space, Vacuum,
+    WideWalk,
 };
 use pt::math::Spectrum;
 use pt::math::lanes::Lanes;
 use pt::recorder::{End, Event, Origin, Recorder};
 use pt::sampler::dimension::{self, Use};
 use pt::sampler::{NumberLanes, SampleNumbers};
-use pt::scene::Scene;
+use pt::scene::{Interaction, Scene};
 use pt::world::WideWorld;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,7 +27,8 @@ use serde::{Deserialize, Serialize};
 /// L = Σ_k β_k Le(x_k),  β_k = Π f·|cos| / pdf
 ///
 /// No light is sampled, so that no light can be counted twice. The method is slow where lights are small, does not see lights
-/// without extent, and serves as the reference for all other methods.
+/// without extent, and serves as the reference for all other methods. Where a participating medium scatters the path, the factor of β is
+/// the phase function divided by its density, 1.
 ///
 /// Source: Kajiya, *The Rendering Equation* (1986).
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -48,7 +53,10 @@ impl Default for Path {
 
 impl Integrator for Path {
     fn prepare(&self, scene: Arc<dyn Scene>, _film: &FilmSpec) -> Box<dyn Estimator> {
-        Box::new(Walk { scene, max_depth: self.max_depth, roulette: Roulette { from_depth: self.roulette_depth } })
+        match scene.effects().contains(Effects::MEDIA) {
+            true => Box::new(self.walk::<Filled>(scene)),
+            false => Box::new(self.walk::<Vacuum>(scene)),
+        }
     }
 
     /// Bias of `max_depth`. The integrator without the limit follows the same paths up to that depth; beyond it Russian roulette ends them.
@@ -58,27 +66,48 @@ impl Integrator for Path {
     }
 }
 
-struct Walk {
+impl Path {
+    fn walk<S>(&self, scene: Arc<dyn Scene>) -> Walk<S> {
+        Walk { scene, max_depth: self.max_depth, roulette: Roulette { from_depth: self.roulette_depth }, space: PhantomData }
+    }
+}
+
+/// The method in a space without or with media.
+struct Walk<S> {
     scene: Arc<dyn Scene>,
     max_depth: u32,
     roulette: Roulette,
+    space: PhantomData<S>,
 }
 
-impl PathWalk for Walk {
-    type State = CameraPath;
+impl<S: Space> PathWalk for Walk<S> {
+    type State = (CameraPath, S);
 
-    fn start(&self, camera: &CameraSample) -> CameraPath {
-        CameraPath::new(camera)
+    fn start(&self, camera: &CameraSample) -> (CameraPath, S) {
+        (CameraPath::new(camera), S::at_camera(&*self.scene, camera))
     }
 
+    /// Only paths in empty space are followed side by side.
     fn side_by_side(&self) -> Option<&dyn SideBySide> {
-        WideWalk::scene(self).map(|_| self as &dyn SideBySide)
+        let any: &dyn Any = self;
+        let walk = any.downcast_ref::<Walk<Vacuum>>()?;
+        WideWalk::scene(walk).map(|_| walk as &dyn SideBySide)
     }
 
     // Inlined into the loop over the steps, because a call would cost 3 % of a render.
     #[inline(always)]
-    fn step<R: Recorder + ?Sized>(&self, path: &mut CameraPath, numbers: &mut SampleNumbers, recorder: &mut R) -> ControlFlow<Spectrum> {
-        let Some(hit) = path.hit(&*self.scene) else {
+    fn step<R: Recorder + ?Sized>(
+        &self,
+        state: &mut (CameraPath, S),
+        numbers: &mut SampleNumbers,
+        recorder: &mut R,
+    ) -> ControlFlow<Spectrum> {
+        let (path, space) = state;
+        let hit = path.hit(&*self.scene);
+        if let Some(point) = space.scatter(&*self.scene, path, hit.as_ref(), numbers, recorder) {
+            return self.scatter(&point, state, numbers, recorder);
+        }
+        let Some(hit) = hit else {
             for (light, radiance) in self.scene.lights().background(path.ray.direction) {
                 path.add_emission(radiance, recorder, || Origin::background(light, 1.0));
             }
@@ -88,17 +117,33 @@ impl PathWalk for Walk {
         let wo = -path.ray.direction;
         recorder.record(|| Event::vertex(path.depth, &path.ray, &hit, &surface, path.beta));
         path.add_emission(surface.emitted(wo), recorder, || Origin::emission(&surface, 1.0));
+        space.arrive(&*self.scene, &hit, &surface);
+        self.scatter(&surface, state, numbers, recorder)
+    }
+}
+
+impl<S: Space> Walk<S> {
+    /// Goes on from a vertex in a sampled direction.
+    #[inline(always)]
+    fn scatter<I: Interaction, R: Recorder + ?Sized>(
+        &self,
+        at: &I,
+        (path, space): &mut (CameraPath, S),
+        numbers: &mut SampleNumbers,
+        recorder: &mut R,
+    ) -> ControlFlow<Spectrum> {
         if path.depth == self.max_depth {
             return path.end(End::DepthLimit, recorder);
         }
         let (choice, u) = numbers.get_3d(dimension::vertex(path.depth, Use::Bsdf));
-        let sample = surface.sample(wo, choice, u, TransportMode::Radiance);
-        path.scatter(&surface, sample, self.roulette, numbers, recorder)?;
+        let sample = at.sample(-path.ray.direction, choice, u, TransportMode::Radiance);
+        path.scatter(at, sample, self.roulette, numbers, recorder)?;
+        space.leave(path.ray.direction);
         ControlFlow::Continue(())
     }
 }
 
-impl WideWalk for Walk {
+impl WideWalk for Walk<Vacuum> {
     fn scene(&self) -> Option<WideWorld<'_>> {
         WideWorld::of(&*self.scene)
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pt::bsdf::{BsdfSample, TransportMode};
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, sample_light};
+use pt::integrator::{Bias, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, Vacuum, sample_light};
 use pt::math::{Ray, RayDifferential, Spectrum, SurfaceDifferential, Vec3};
 use pt::primitive::Hit;
 use pt::recorder::{End, Event, Origin, Recorder};
@@ -142,7 +142,9 @@ impl Walk {
             recorder.record(|| Event::end(depth, End::DepthLimit));
             return [None; 2];
         }
-        if let Some((direct, light)) = sample_light(&*self.scene, &surface, wo, depth, ray.time, numbers) {
+        if let Some((direct, light)) =
+            sample_light(&*self.scene, &Vacuum, &surface, wo, dimension::vertex(depth, Use::Light), ray.time, numbers)
+        {
             *radiance += recorder.light(beta * direct, depth + 1, || Origin::light(&light, 1.0));
         }
         let lobes = self.lobes(&surface, wo, depth, numbers);

@@ -50,6 +50,9 @@ impl Effects {
     /// Textures that are averaged over the part of the surface that a camera ray stands for.
     pub const FOOTPRINTS: Effects = Effects(1 << 15);
 
+    /// Media that absorb, scatter or emit light between surfaces.
+    pub const MEDIA: Effects = Effects(1 << 16);
+
     /// Light between surfaces that scatter into a continuum of directions, of which a path follows one at random.
     pub const SCATTERED: Effects = Effects::INTERREFLECTION.union(Effects::GLOSSY_REFLECTION).union(Effects::ROUGH_REFRACTION);
 
@@ -129,7 +132,7 @@ impl Sub for Effects {
 }
 
 /// Table of all effects, in the order of their bits.
-const TABLE: [EffectInfo; 16] = [
+const TABLE: [EffectInfo; 17] = [
     EffectInfo { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
     EffectInfo { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
     EffectInfo { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
@@ -149,5 +152,10 @@ const TABLE: [EffectInfo; 16] = [
         bit: Effects::FOOTPRINTS,
         name: "texture footprints",
         cost: "two more rays of the camera per sample, wider lookups up to the first matte surface",
+    },
+    EffectInfo {
+        bit: Effects::MEDIA,
+        name: "participating media",
+        cost: "a vertex wherever a medium scatters, a ray through each boundary, paths one by one",
     },
 ];

@@ -4,8 +4,10 @@
 //! at a time and is called from many threads. A new method is a file with both and an [`Entry`]; see `integrators/` and
 //! `examples/plug_in.rs`.
 
+mod direct;
 mod interrupt;
 mod side_by_side;
+mod space;
 mod transport;
 
 use std::ops::ControlFlow;
@@ -21,15 +23,18 @@ use crate::effects::Effects;
 use crate::error::Error;
 use crate::film::{FilmSpec, Splat};
 use crate::math::{Ray, RayDifferential, Spectrum};
+use crate::medium::Inside;
 use crate::primitive::Hit;
 use crate::reader::{self, Faults, Node, UnknownKeys};
 use crate::recorder::{NoRecorder, PathRecorder, Recorder};
 use crate::sampler::SampleNumbers;
 use crate::scene::Scene;
 
+pub use direct::sample_light;
 pub use interrupt::Interrupt;
 pub use side_by_side::{BATCH, Batch, CameraRays, PathLanes, SideBySide, WideWalk};
-pub use transport::{CameraPath, Roulette, sample_light};
+pub use space::{Filled, Space, Vacuum};
+pub use transport::{CameraPath, Roulette};
 
 /// Settings of a light transport method.
 pub trait Integrator: Send + Sync {
@@ -136,6 +141,8 @@ pub struct CameraSample {
     /// What the ray hits, if that was found already for the layers of the picture; the inner `None` means that it hits nothing.
     /// An estimator that traces the ray itself gets the same hit.
     pub known_hit: Option<Option<Hit>>,
+    /// Bodies with media around the start of the ray.
+    pub inside: Inside,
     /// How the ray differs from those beside it at the distance of the texture footprint; `None` if no texture depends on it.
     pub differential: Option<RayDifferential>,
 }

@@ -122,6 +122,7 @@ pub mod integrators;
 pub mod light;
 pub mod math;
 pub mod measure;
+pub mod medium;
 pub mod output;
 pub mod part;
 pub mod primitive;

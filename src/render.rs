@@ -15,6 +15,7 @@ use crate::effects::Effects;
 use crate::film::{Crop, Film, FilmSpec, Layer, PixelLayout, PixelSums, Splat, SplatSums, Wave};
 use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt, LightPath, SideBySide};
 use crate::math::{ExactSum, Ray, RayDifferential, Spectrum};
+use crate::medium::Inside;
 use crate::recorder::{Clamp, PathRecorder};
 use crate::sampler::{SampleNumbers, SamplerSpec, Sequence, dimension};
 use crate::scene::Scene;
@@ -140,6 +141,8 @@ pub struct Render {
     light_paths: Option<LightPaths>,
     has_lens: bool,
     has_motion: bool,
+    /// Bodies with media around the camera.
+    inside: Inside,
     /// Whether textures are averaged over footprints.
     has_footprints: bool,
     tiles: Vec<Crop>,
@@ -181,6 +184,7 @@ impl Render {
             light_paths,
             has_lens,
             has_motion,
+            inside: scene.media().map_or_else(Inside::default, |media| *media.at_camera()),
             has_footprints: scene.effects().contains(Effects::FOOTPRINTS) && spec.texture_footprint.is_on(),
             tiles,
             scene,
@@ -454,7 +458,7 @@ impl Render {
         let raster = pixel.as_vec2() + 0.5 + offset;
         let ray = self.scene.camera().ray(raster / self.spec.size.as_vec2(), self.spec.aspect(), lens, time);
         let differential = if self.has_footprints { Some(self.differential(&ray, raster, lens, index)) } else { None };
-        CameraSample { ray, weight, pixel, raster, known_hit: None, differential }
+        CameraSample { ray, weight, pixel, raster, known_hit: None, inside: self.inside, differential }
     }
 
     /// Differential of a camera ray at the distance of the texture footprint of its sample.

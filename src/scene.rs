@@ -1,5 +1,7 @@
 //! Interface between integrators and the scene.
 
+mod interaction;
+
 use std::any::Any;
 
 use glam::{DVec3, Vec2, Vec3};
@@ -9,8 +11,11 @@ use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::{Emission, LightSampleContext, Lights, ShadowTarget};
 use crate::math::{Frame, Local, Ray, RayDifferential, SolidAnglePdf, Spectrum, SurfaceDifferential};
+use crate::medium::{Boundaries, InterfaceCrossing, Media};
 use crate::primitive::Hit;
-use crate::shape::{SurfacePoint, offset_ray_origin};
+use crate::shape::SurfacePoint;
+
+pub use interaction::{Interaction, MediumPoint};
 
 /// Scene as integrators see it.
 pub trait Scene: Any + Send + Sync {
@@ -41,6 +46,21 @@ pub trait Scene: Any + Send + Sync {
     /// Camera of the scene.
     fn camera(&self) -> &Camera;
 
+    /// Media of the scene; `None` for a scene whose space is empty.
+    fn media(&self) -> Option<&Media> {
+        None
+    }
+
+    /// Surfaces of bodies with media at the point of a hit.
+    fn boundaries(&self, _hit: &Hit, _point: &SurfacePoint) -> Boundaries {
+        Boundaries::new()
+    }
+
+    /// First boundary of a medium without a surface on a ray, before its end. Such boundaries are no hits: only media ask for them.
+    fn interface(&self, _ray: &Ray) -> Option<InterfaceCrossing> {
+        None
+    }
+
     /// Effects that a picture of the scene requires.
     fn effects(&self) -> Effects;
 
@@ -49,8 +69,7 @@ pub trait Scene: Any + Send + Sync {
 }
 
 impl dyn Scene + '_ {
-    /// Share of the light that passes from one end of the ray to the other; `None` if none does. As long as scenes contain nothing but
-    /// surfaces, all of it passes or none.
+    /// Share of the light that passes from one end of a ray in empty space to the other: all of it, or `None`.
     #[inline(always)]
     pub fn transmittance(&self, ray: &Ray) -> Option<Spectrum> {
         (!self.occluded(ray)).then_some(Spectrum::ONE)
@@ -226,23 +245,7 @@ impl<'a> Surface<'a> {
     // Always inlined: otherwise the compiler would keep it out of line in `integrator::sample_light`, too.
     #[inline(always)]
     pub fn shadow_ray(&self, wi: Vec3, target: &ShadowTarget, time: f32) -> Ray {
-        let [from, origin] = self.ray_start(wi);
-        let end = match target {
-            ShadowTarget::Infinity => return self.spawn(wi, time),
-            ShadowTarget::Point(end) => *end,
-            // The rounding of the direction moves the far end of the ray: end that much farther off the light, whose own offset covers
-            // only the rounding of its own coordinates.
-            ShadowTarget::Surface(point) => {
-                // The sum of the coordinates is an upper bound of the length.
-                let deviation = ROUNDING * (point.p - origin).abs().element_sum();
-                offset_ray_origin(&SurfacePoint { offset: point.offset + deviation, ..*point }, -wi)
-            }
-        };
-        let line = end - origin;
-        let distance = line.length();
-        // t of a hit is rounded a few times: stop short of the end by that much.
-        let t_max = distance * (1.0 - ROUNDING);
-        Ray { origin, from, direction: line / distance, t_max, time }
+        interaction::shadow_ray(self.ray_start(wi), wi, target, time)
     }
 }
 

@@ -14,7 +14,7 @@ const LAYERS: &[&[&[&str]]] = &[
     &[&["math"], &["effects"], &["format"]],
     &[&["sampler"]],
     // Families that meet: a texture is looked up at a shape's point, a light may be a shape.
-    &[&["shape"], &["texture"], &["bsdf"], &["light"], &["camera"]],
+    &[&["shape"], &["texture"], &["bsdf"], &["medium"], &["light"], &["camera"]],
     &[&["primitive"], &["accel"], &["scene"], &["world"]],
     &[&["film"], &["recorder"], &["integrator"], &["render"]],
     &[&["output"], &["describe"], &["build"], &["import"]],

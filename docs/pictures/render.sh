@@ -37,6 +37,8 @@ esac
 # The same number of samples per pixel, so that the two can be compared.
 picture mis-plates        mis-plates      --size 360x270 --spp 256
 picture mis-plates-path   mis-plates      --size 264x198 --spp 256 --integrator path
+picture fog               fog             --size 360x270 --spp 256
+picture media             media           --size 400x200 --spp 512
 picture terrace           terrace
 picture gallery           gallery         --size 320x200 --spp 1024
 picture reflections       reflections     --size 360x203 --spp 2048

@@ -17,6 +17,7 @@ pub mod dielectric;
 pub mod diffuse;
 pub mod diffuse_transmission;
 pub mod element;
+pub mod interface;
 pub mod lommel_seeliger;
 pub mod material;
 pub mod matte_cone;
@@ -48,6 +49,7 @@ pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
 pub use element::Element;
+pub use interface::Interface;
 pub use lommel_seeliger::LommelSeeliger;
 pub use material::{HitContext, Passage};
 pub use matte_cone::MatteCone;
@@ -95,6 +97,8 @@ pub enum Lobe {
     Reflection,
     /// Transmission, to the other side.
     Transmission,
+    /// Scattering at a point of a medium, which has no sides.
+    Medium,
 }
 
 /// The delta lobes of a model: single directions that each get a share of the light. Plain models have at most two.

@@ -259,6 +259,7 @@ materials! {
         Conductor = conductor,
         Dielectric = dielectric,
         Plastic = plastic,
+        Interface = interface,
     }
     chosen {
         RoughConductor = rough_conductor as "conductor",

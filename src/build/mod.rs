@@ -8,6 +8,7 @@ mod lamps;
 mod light;
 mod lint;
 mod material;
+mod medium;
 mod mesh;
 mod transform;
 
@@ -17,13 +18,14 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::bsdf::MaterialId;
-use crate::describe::{Channel, Color, Contents, Encoding, Files, Names, Point, Scene, Shape, Size};
+use crate::describe::{Channel, Color, Contents, Encoding, Files, Material, MaterialRef, Names, Point, Scene, Shape, Size};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
 use crate::film::{FilmSpec, Layer};
 use crate::light::Emitter;
 use crate::math::{Rgb, Transform};
+use crate::medium::{Media, MediumId};
 use crate::reader::{Node, locate};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
@@ -87,6 +89,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         objects: Objects::default(),
         groups: BTreeMap::new(),
         materials: BTreeMap::new(),
+        media: BTreeMap::new(),
         textures: 0,
         parts: 0,
         pictures: BTreeMap::new(),
@@ -106,6 +109,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     builder.shapes("/shapes", &scene.shapes, &Transform::IDENTITY)?;
     builder.world.objects(std::mem::take(&mut builder.objects));
     builder.needs.extend(of_groups);
+    builder.surroundings();
     builder.needs.append(&mut builder.override_needs);
     builder.lights();
     builder.background();
@@ -129,6 +133,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     warnings.extend(builder.averted(&camera));
     needs.append(&mut builder.needs);
     let contents = std::mem::take(&mut builder.contents);
+    let media = builder.medium_names();
     let place = |fault: Fault| if fault.file.is_empty() { locate(source.root, source.file, "/shapes", fault.message) } else { fault };
     let world = builder.world.build().map_err(|error| match error {
         Error::Invalid(faults) => Error::Invalid(faults.into_iter().map(place).collect()),
@@ -136,7 +141,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         other => other,
     })?;
     warnings.extend(missing(&world).map(of_scene));
-    let of_parts = Names::of(scene, &world);
+    let of_parts = Names::of(scene, &world, media);
     // The first entry of `needs` is the camera; the shapes of the scene and of its groups follow, as the world numbers them.
     let names: Vec<&str> = needs[1..].iter().map(|(name, _)| name.as_str()).collect();
     let linted = lint::Linted { world: &world, shapes: &names, names: &of_parts };
@@ -144,7 +149,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     let for_camera_paths = lint::warnings_for_camera_paths(&linted).iter().map(|message| of_scene(message)).collect();
     let mut film = camera::film(&scene.film);
     if film.layers.contains(&Layer::Light(0)) {
-        film.lights = of_parts.lights(world.lights());
+        film.lights = of_parts.lights(world.lights(), world.media().is_some_and(Media::emits));
         film.layers = with_lights(&film.layers, film.lights.names.len());
     }
     let sampler = camera::sampler(&scene.sampler);
@@ -172,6 +177,8 @@ struct Builder<'a> {
     groups: BTreeMap<String, BuiltGroup>,
     /// The materials built so far with their effects, by JSON pointer.
     materials: BTreeMap<String, (MaterialId, Effects)>,
+    /// The media built so far, by JSON pointer.
+    media: BTreeMap<String, MediumId>,
     /// The number of textures built so far.
     textures: usize,
     /// The number of materials within materials built so far.
@@ -213,8 +220,12 @@ impl Builder<'_> {
         if let Shape::Instances(instances) = shape {
             return self.instances(pointer, instances, to_world);
         }
-        let (kind, own) = self.material(&format!("{pointer}/material"), shape.material());
+        let medium = shape.medium().map(|described| self.medium(&format!("{pointer}/medium"), described));
+        // A medium alone has no surface.
+        let interface = medium.map(|_| MaterialRef::Inline(Box::new(Material::Interface(Default::default()))));
+        let (kind, own) = self.material(&format!("{pointer}/material"), shape.material().or(interface.as_ref()));
         let mut effects = own.1;
+        effects |= medium.map_or(Effects::NONE, |_| Effects::MEDIA);
         let emits = |emitter: &Option<Emitter>| emitter.as_ref().is_some_and(|emitter| !emitter.radiance.is_black());
         if emits(&emitter) && !matches!(shape, Shape::Sdf(_)) {
             effects |= Effects::AREA_LIGHT;
@@ -257,6 +268,7 @@ impl Builder<'_> {
             }
             Shape::Group(_) | Shape::Instances(_) => {}
         }
+        medium.into_iter().for_each(|medium| self.objects.fill(medium));
         let name = shape.name().map_or_else(|| format!("{pointer}, {kind}"), |name| format!("{name:?}, {kind}"));
         self.needs.push((name, effects));
         Ok(())

@@ -12,6 +12,7 @@ use super::parse::{duration as parse_duration, share, threads};
 use super::{INCONCLUSIVE, note, print_stdout, render, signals};
 use crate::build::Built;
 use crate::describe;
+use crate::effects::Effects;
 use crate::error::text::one_line;
 use crate::error::{Error, Fault, Result};
 use crate::integrator::Entry;
@@ -74,7 +75,11 @@ pub fn meter(args: &MeterArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
 }
 
 fn run(args: &MeterArgs, loaded: Loaded) -> Result<ExitCode> {
-    let Loaded { built: Built { world, film, sampler, .. }, entry, integrator, description, .. } = loaded;
+    let Loaded { built: Built { world, film, sampler, .. }, entry, integrator, description, file, .. } = loaded;
+    if world.effects().contains(Effects::MEDIA) {
+        let message = "pt meter cannot measure light in scenes with participating media yet; render the place and read the pixels";
+        return Err(Error::invalid(Fault::new(message).in_file(&file)));
+    }
     if let Some(lacks) = entry.lacks(world.effects()) {
         note(&format!("note: {} does not simulate what this scene calls for: {lacks}", entry.name));
     }

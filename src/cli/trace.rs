@@ -13,7 +13,8 @@ use crate::film::Splat;
 use crate::integrator::CameraSample;
 use crate::light::{EmittedRay, Lights};
 use crate::math::{Density, Spectrum};
-use crate::recorder::{Contribution, End, Event, Scattering, Technique, Vertex};
+use crate::medium::MediumId;
+use crate::recorder::{Contribution, End, Event, MediumVertex, Scattering, Technique, Vertex};
 use crate::render::SampleId;
 
 /// Paths of a camera sample.
@@ -71,14 +72,18 @@ impl Trace<'_> {
         let ray = self.camera.ray;
         let mut text = format!("{head}, from {} towards {}\n", point(self.place(ray.origin)), direction(ray.direction));
         let mut branches = Branches::default();
-        let mut ns = Vec3::ZERO;
+        let mut ns = None;
         for event in self.events {
             let indent = "    ".repeat(branches.indent(event));
             // Writing to a string cannot fail.
             let _ = match event {
                 Event::Vertex(vertex) => {
-                    ns = vertex.ns;
+                    ns = Some(vertex.ns);
                     writeln!(text, "{indent}{}", self.vertex(vertex))
+                }
+                Event::Medium(vertex) => {
+                    ns = None;
+                    writeln!(text, "{indent}{}", self.medium_vertex(vertex))
                 }
                 Event::Light(contribution) => writeln!(text, "{indent}     + {}", self.contribution(contribution, ns)),
                 Event::Scattering(scattering) => writeln!(text, "{indent}     {}", scattered(scattering)),
@@ -112,6 +117,18 @@ impl Trace<'_> {
         format!("{depth:<4} {shape}{triangle}{instance}, {material}, at {at} after {distance} m, cos {cos}, throughput {}", color(*beta))
     }
 
+    /// Text of a point where a medium scatters the path.
+    fn medium_vertex(&self, vertex: &MediumVertex) -> String {
+        let MediumVertex { depth, distance, medium, point: p, phase, beta, .. } = vertex;
+        let (name, at, distance) = (self.medium(*medium), point(self.place(*p)), short(*distance));
+        format!("{depth:<4} {name} ({phase}), at {at} after {distance} m, throughput {}", color(*beta))
+    }
+
+    /// Name of a medium.
+    fn medium(&self, medium: MediumId) -> &str {
+        self.names.media.get(medium.0 as usize).map_or("?", String::as_str)
+    }
+
     /// Text of the start of a path at a light.
     fn emitted(&self, emitted: &EmittedRay) -> String {
         let (name, ray) = (self.names.light(self.lights, emitted.light), emitted.ray);
@@ -121,13 +138,16 @@ impl Trace<'_> {
 
     /// Text of a contribution.
     ///
-    /// - `ns`: shading normal where the light was sampled
-    fn contribution(&self, contribution: &Contribution, ns: Vec3) -> String {
+    /// - `ns`: shading normal where the light was sampled; `None` in a medium
+    fn contribution(&self, contribution: &Contribution, ns: Option<Vec3>) -> String {
         let Contribution { value, whole, origin, depth } = contribution;
-        let name = origin.light.map_or("?", |light| self.names.light(self.lights, light));
+        let name = origin.light.map_or("a medium", |light| self.names.light(self.lights, light));
         let how = match origin.technique {
             Technique::Emission => "emission".to_owned(),
-            Technique::Light { wi, density } => format!("light sample, cos {}, {}", short(ns.dot(wi)), dense(density)),
+            Technique::Light { wi, density } => {
+                let cos = ns.map_or(String::new(), |ns| format!(", cos {}", short(ns.dot(wi))));
+                format!("light sample{cos}, {}", dense(density))
+            }
         };
         let weight = if origin.weight == 1.0 { String::new() } else { format!(", MIS weight {}", short(origin.weight)) };
         let clamped = if value == whole { String::new() } else { format!(", clamped from {}", exact(*whole)) };
@@ -151,6 +171,10 @@ impl Trace<'_> {
                 "instance": v.hit.instance.map(|id| id.get()),
                 "material": self.names.materials.get(v.hit.shape as usize), "model": v.model, "point": self.place(v.point),
                 "distance": v.distance, "ng": v.ng.to_array(), "ns": v.ns.to_array(), "wo": v.wo.to_array(), "throughput": v.beta.to_rgb(),
+            }),
+            Event::Medium(v) => json!({
+                "event": "medium", "depth": v.depth, "medium": self.medium(v.medium), "phase": v.phase, "point": self.place(v.point),
+                "distance": v.distance, "wo": v.wo.to_array(), "throughput": v.beta.to_rgb(),
             }),
             Event::Light(c) => {
                 let (technique, wi, density) = match c.origin.technique {
@@ -193,7 +217,7 @@ struct Branches {
 impl Branches {
     fn indent(&mut self, event: &Event) -> usize {
         match event {
-            Event::Vertex(vertex) => self.enter(vertex.depth),
+            Event::Vertex(Vertex { depth, .. }) | Event::Medium(MediumVertex { depth, .. }) => self.enter(*depth),
             // Light of the background, and the end of a path there, belong to no vertex.
             Event::Light(c) if c.origin.technique == Technique::Emission && self.at != Some(c.depth) => self.enter(c.depth),
             Event::End { depth, .. } => {
@@ -238,21 +262,19 @@ fn scattered(s: &Scattering) -> String {
         Density::Smooth(_) => format!(", f·cos {}", color(s.value)),
         Density::Delta => String::new(),
     };
+    let (eval, cos) = match s.lobe {
+        Lobe::Medium => (String::new(), String::new()),
+        _ => (eval, format!(", cos {}", short(s.cos))),
+    };
     let chance = if s.survival < 1.0 { format!(", lives on with a chance of {}", short(s.survival)) } else { String::new() };
-    format!(
-        "→ {} towards {}, cos {}{eval}, {}, weight {}{chance}",
-        lobe(s.lobe),
-        direction(s.wi),
-        short(s.cos),
-        dense(s.density),
-        color(s.weight)
-    )
+    format!("→ {} towards {}{cos}{eval}, {}, weight {}{chance}", lobe(s.lobe), direction(s.wi), dense(s.density), color(s.weight))
 }
 
 fn lobe(lobe: Lobe) -> &'static str {
     match lobe {
         Lobe::Reflection => "reflection",
         Lobe::Transmission => "transmission",
+        Lobe::Medium => "phase function",
     }
 }
 

@@ -11,6 +11,7 @@ use super::cycles;
 use super::field_check;
 use super::film::Film;
 use super::light::{DirectionalLight, Light, PointLight, SpotLight};
+use super::medium::MediumRef;
 use super::scene::Scene;
 use super::shape::{Instances, Mesh, Sdf, Shape};
 use super::{Material, MaterialRef};
@@ -43,6 +44,7 @@ pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
         checker.shapes(&format!("/groups{}", escaped(name)), shapes);
     }
     checker.shapes("/shapes", &scene.shapes);
+    scene.medium.iter().for_each(|medium| checker.medium_ref("/medium", medium));
     for (i, light) in scene.lights.iter().enumerate() {
         match light {
             Light::Spot(spot) => checker.spot(&format!("/lights/{i}"), spot),
@@ -235,12 +237,51 @@ impl Checker<'_> {
         if let Some(texture) = shape.emission().and_then(|emission| emission.texture.as_ref()) {
             self.textured(&format!("{pointer}/emission/texture"), texture);
         }
+        if let Some(medium) = shape.medium() {
+            self.medium(pointer, shape, medium);
+        }
+        let is_interface = match shape.material() {
+            Some(material) => matches!(self.scene.material(material), Some(Material::Interface(_))),
+            None => shape.medium().is_some(),
+        };
+        if is_interface && shape.emission().is_some() {
+            let message =
+                "what is only the boundary of a medium has no surface that could emit: give a \"material\", or leave out \"emission\"";
+            self.fault(&format!("{pointer}/emission"), message);
+        }
         match shape {
             Shape::Mesh(mesh) => self.mesh(pointer, shape, mesh),
             Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes),
             Shape::Sdf(sdf) => self.sdf(pointer, sdf),
             Shape::Instances(instances) => self.instances(pointer, instances),
             Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) | Shape::Box(_) => {}
+        }
+    }
+
+    /// Checks the medium inside a shape.
+    fn medium(&self, pointer: &str, shape: &Shape, medium: &MediumRef) {
+        let at = format!("{pointer}/medium");
+        self.medium_ref(&at, medium);
+        if pointer.starts_with("/groups") {
+            self.fault(&at, "shapes of groups that instances show cannot contain a medium: put the shape under \"shapes\"");
+        }
+        let Some(material) = shape.material() else { return };
+        if self.has_holes(material, 0) {
+            self.fault(&at, "a shape with holes cannot contain a medium: leave out \"medium\", or the \"masked\" material");
+        }
+        if let Some(Material::Dielectric(glass)) = self.scene.material(material)
+            && glass.absorption.is_some()
+        {
+            self.fault(&at, "the material has an \"absorption\" of its own: give the absorption in the medium");
+        }
+    }
+
+    fn medium_ref(&self, pointer: &str, medium: &MediumRef) {
+        match medium {
+            MediumRef::Named(name) if !self.scene.media.contains_key(name) => {
+                self.unknown_name(pointer, "medium", name, self.scene.media.keys());
+            }
+            _ => {}
         }
     }
 

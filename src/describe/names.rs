@@ -16,6 +16,8 @@ pub struct Names {
     pub shapes: Vec<String>,
     /// The name of each shape's material, where the shape has a single named one, and no instance may replace it.
     pub materials: Vec<Option<String>>,
+    /// The names of the media, numbered as [`MediumId`](crate::medium::MediumId) is.
+    pub media: Vec<String>,
     /// The names of the lights without a surface, numbered as in [`Lights`], then of the background and of the sun in its sky.
     lights: Vec<String>,
 }
@@ -24,8 +26,9 @@ impl Names {
     /// Collects the names of a scene's parts.
     ///
     /// - `world`: the scene as it was built; it has copies of shapes
-    pub fn of(scene: &Scene, world: &World) -> Names {
-        let mut names = Names { shapes: vec![], materials: vec![], lights: vec![] };
+    /// - `media`: the names of the media, in the order in which they were built
+    pub fn of(scene: &Scene, world: &World, media: Vec<String>) -> Names {
+        let mut names = Names { shapes: vec![], materials: vec![], media, lights: vec![] };
         names.add("/shapes", &scene.shapes);
         let own = names.shapes.len();
         for name in scene.shown_groups() {
@@ -88,7 +91,9 @@ impl Names {
     }
 
     /// The distinct names of the lights, and the number of each light's name.
-    pub fn lights(&self, lights: &Lights) -> LightNames {
+    ///
+    /// - `media_emit`: whether media emit light, which counts as one more light
+    pub fn lights(&self, lights: &Lights, media_emit: bool) -> LightNames {
         let (mut known, mut names) = (HashMap::new(), vec![]);
         let mut group = |index: usize| {
             let name = self.light(lights, index as u32);
@@ -97,8 +102,12 @@ impl Names {
                 names.len() as u32 - 1
             })
         };
-        let of = (0..lights.len()).map(&mut group).collect();
-        LightNames { names, of }
+        let mut of: Vec<u32> = (0..lights.len()).map(&mut group).collect();
+        if media_emit {
+            of.push(names.len() as u32);
+            names.push("media".to_owned());
+        }
+        LightNames { names, of: of.into() }
     }
 }
 

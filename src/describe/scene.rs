@@ -10,6 +10,7 @@ use super::background::Background;
 use super::camera::Camera;
 use super::film::Film;
 use super::light::Light;
+use super::medium::{Medium, MediumRef};
 use super::meter::Meter;
 use super::sampler::Sampler;
 use super::shape::{Instances, Shape};
@@ -40,6 +41,12 @@ pub struct Scene {
     /// Textures by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub textures: BTreeMap<String, Texture>,
+    /// Participating media by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub media: BTreeMap<String, Medium>,
+    /// The medium around all shapes, which reaches to infinity. No light from infinitely far away passes it. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub medium: Option<MediumRef>,
     /// The shapes of the scene.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shapes: Vec<Shape>,
@@ -64,6 +71,14 @@ impl Scene {
         match chosen {
             MaterialRef::Inline(inline) => Some(inline),
             MaterialRef::Named(name) => self.materials.get(name),
+        }
+    }
+
+    /// The medium that a reference names; `None` for an unknown name.
+    pub(crate) fn medium<'s>(&'s self, chosen: &'s MediumRef) -> Option<&'s Medium> {
+        match chosen {
+            MediumRef::Inline(inline) => Some(inline),
+            MediumRef::Named(name) => self.media.get(name),
         }
     }
 

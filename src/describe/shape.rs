@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::MaterialRef;
 use super::emission::Emission;
 use super::field::{Bounds, Field, FixedMarch, SdfPart};
+use super::medium::MediumRef;
 use crate::format::{Color, Fraction, Point, Positive, Real, Size, Transform, Vector};
 use crate::reader::{by_kind, by_type};
 
@@ -30,8 +31,21 @@ by_type!(Shape {
     Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Box(Cuboid), Sdf(Sdf), Group(Group), Instances(Instances)
 });
 
-/// Defines a struct with the keys that all shapes except groups and instances have in common. (serde's `flatten` would lose positions in the file.)
+/// Defines a struct with the keys that all shapes except groups and instances have in common, and `closed` ones the medium inside. (serde's
+/// `flatten` would lose positions in the file.)
 macro_rules! surface {
+    (closed $(#[$meta:meta])* pub struct $name:ident { $($own:tt)* }) => {
+        surface! {
+            $(#[$meta])*
+            pub struct $name {
+                $($own)*
+                /// The medium inside the shape, which must be closed: fog, smoke, milk, coloured water. A shape with a medium and without a
+                /// material has no surface, see the material `interface`. Not in groups that instances show, and not together with holes.
+                #[serde(default, skip_serializing_if = "Option::is_none")]
+                pub medium: Option<MediumRef>,
+            }
+        }
+    };
     ($(#[$meta:meta])* pub struct $name:ident { $($own:tt)* }) => {
         $(#[$meta])*
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -55,6 +69,7 @@ macro_rules! surface {
 }
 
 surface! {
+    closed
     /// A triangle mesh, from a file or from `positions` and `triangles` given here.
     pub struct Mesh {
         /// The path of an .obj, .ply or .stl file, relative to the scene file's folder. The file must lie in that folder (see
@@ -89,6 +104,7 @@ surface! {
 }
 
 surface! {
+    closed
     /// A sphere; its normal points outwards. Texture coordinates: u is the angle about z, from +x towards +y, as a share of a full turn;
     /// v is the angle from +z, as a share of half a turn: 0 at +z, 1 at −z. The upper edge of a picture, v = 1, is therefore at −z. A
     /// first step `{"scale": -1}` of the transform puts the upper edge at +z and the middle of the picture at +x, not mirrored as seen
@@ -122,6 +138,7 @@ surface! {
 }
 
 surface! {
+    closed
     /// A box with its sides along the axes; its normals point outwards. It is a closed surface, which glass needs. Each face has texture
     /// coordinates from 0 to 1. As seen from outside, on the four sides u runs to the right and v along +y; on the top (+y) u runs along
     /// +x and v along −z; at the bottom u runs along +x and v along +z.
@@ -136,6 +153,7 @@ surface! {
 }
 
 surface! {
+    closed
     /// A solid given by its signed distance field (negative inside): one `field`, or `parts` with different materials.
     /// It has no texture coordinates. Its surface cannot be sampled: its emission is found only by paths that happen to hit it.
     pub struct Sdf {
@@ -299,6 +317,17 @@ impl Shape {
             Shape::Sdf(s) => s.material.as_ref(),
             Shape::Group(_) => None,
             Shape::Instances(s) => s.material.as_ref(),
+        }
+    }
+
+    /// The medium inside; `None` where none is given, and for flat shapes, groups and instances.
+    pub fn medium(&self) -> Option<&MediumRef> {
+        match self {
+            Shape::Mesh(s) => s.medium.as_ref(),
+            Shape::Sphere(s) => s.medium.as_ref(),
+            Shape::Box(s) => s.medium.as_ref(),
+            Shape::Sdf(s) => s.medium.as_ref(),
+            Shape::Quad(_) | Shape::Disk(_) | Shape::Group(_) | Shape::Instances(_) => None,
         }
     }
 

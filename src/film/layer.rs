@@ -46,7 +46,7 @@ pub enum Layer {
 pub struct LightNames {
     /// Distinct names. An emitting mesh is many lights with one name.
     pub names: Vec<String>,
-    /// Index into `names` for each light.
+    /// Index into `names` for each light, and then for the media if they emit.
     pub of: Arc<[u32]>,
 }
 

@@ -149,6 +149,10 @@ ranged! {
     Exponent: f64 read as f64 ("a number", "number") in Included(0.0), Included(1e8);
     /// The imaginary part of a metal's index of refraction.
     Extinction: f64 read as f64 ("an extinction coefficient", "number") in Included(0.0), Included(1000.0);
+    /// The share of light that is lost on a unit of length, per metre.
+    Coefficient: f64 read as f64 ("a number", "number") in Included(0.0), Included(BRIGHTEST);
+    /// The mean cosine of the angle by which light is scattered.
+    Asymmetry: f64 read as f64 ("a number", "number") in Included(-0.999), Included(0.999);
     /// The full angle of a view, in degrees.
     FieldOfView: f64 read as f64 ("an angle in degrees", "number") in Excluded(0.0), Excluded(180.0);
     /// The half angle of a cone, in degrees.

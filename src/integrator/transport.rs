@@ -1,16 +1,15 @@
-//! Paths from the camera, Russian roulette and light sampling, shared by integrators.
+//! Paths from the camera and Russian roulette, shared by integrators.
 
 use std::ops::ControlFlow;
 
 use super::CameraSample;
-use crate::bsdf::{BsdfSample, TransportMode};
-use crate::light::LightSample;
+use crate::bsdf::BsdfSample;
 use crate::math::{Density, Ray, RayDifferential, Spectrum, SurfaceDifferential, Vec3};
 use crate::primitive::Hit;
 use crate::recorder::{End, Event, Origin, Recorder};
 use crate::sampler::SampleNumbers;
 use crate::sampler::dimension::{self, Use};
-use crate::scene::{Scene, Surface};
+use crate::scene::{Interaction, Scene, Surface};
 
 /// Path from the camera, between two vertices.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +36,7 @@ enum PathDifferential {
     None,
     /// Between two vertices.
     Ray(RayDifferential),
-    /// At a vertex.
+    /// At a surface.
     Surface(SurfaceDifferential),
 }
 
@@ -91,9 +90,9 @@ impl CameraPath {
     ///
     /// - `sample`: sampled direction in world space and the sample
     #[inline(always)]
-    pub fn scatter<R: Recorder + ?Sized>(
+    pub fn scatter<I: Interaction, R: Recorder + ?Sized>(
         &mut self,
-        surface: &Surface,
+        at: &I,
         sample: Option<(Vec3, BsdfSample)>,
         roulette: Roulette,
         numbers: &mut SampleNumbers,
@@ -104,25 +103,30 @@ impl CameraPath {
         self.beta *= sample.weight;
         self.eta_scale *= sample.eta * sample.eta;
         let carried = self.beta * self.eta_scale;
-        recorder.record(|| Event::scattering(depth, surface, wo, &(wi, sample), roulette.chance(depth, carried)));
+        recorder.record(|| Event::scattering(depth, at, wo, &(wi, sample), roulette.chance(depth, carried)));
         let Some(survivors) = roulette.survive(depth, carried, numbers) else { return self.end(End::Roulette, recorder) };
         self.beta *= survivors;
-        if let PathDifferential::Surface(at) = &self.differential {
-            let onward = scattered(at, surface, -wo, wi, &sample);
+        if let (PathDifferential::Surface(differential), Some(normal)) = (&self.differential, at.normal()) {
+            let onward = scattered(differential, normal, -wo, wi, &sample);
             self.differential = onward.map_or(PathDifferential::None, PathDifferential::Ray);
         }
-        self.ray = surface.spawn(wi, self.ray.time);
+        self.ray = at.spawn(wi, self.ray.time);
         self.depth += 1;
         ControlFlow::Continue(sample)
+    }
+
+    /// Forgets the differential of the path, which only mirrors and glass keep.
+    pub(super) fn leave_surfaces(&mut self) {
+        self.differential = PathDifferential::None;
     }
 }
 
 /// Differential of a ray that leaves a surface; `None` after anything but reflection or refraction into a single direction. Then
 /// textures are looked up at points, since the paths through a pixel spread over far more than it shows.
 #[inline(never)]
-fn scattered(at: &SurfaceDifferential, surface: &Surface, arriving: Vec3, wi: Vec3, sample: &BsdfSample) -> Option<RayDifferential> {
+fn scattered(at: &SurfaceDifferential, normal: Vec3, arriving: Vec3, wi: Vec3, sample: &BsdfSample) -> Option<RayDifferential> {
     match sample.density {
-        Density::Delta => at.scattered(surface.frame.z, arriving, wi, sample.eta),
+        Density::Delta => at.scattered(normal, arriving, wi, sample.eta),
         Density::Smooth(_) => None,
     }
 }
@@ -159,28 +163,4 @@ impl Roulette {
         let q = self.chance(depth, beta);
         (numbers.get_1d(dimension::vertex(depth, Use::Roulette)) < q).then(|| 1.0 / q)
     }
-}
-
-/// Direct light of one light sample, f·|cos|·Li / pdf, and the sample.
-///
-/// `None` where the surface has only delta lobes, does not scatter the light towards `wo`, or is in shadow.
-pub fn sample_light(
-    scene: &dyn Scene,
-    surface: &Surface,
-    wo: Vec3,
-    depth: u32,
-    time: f32,
-    numbers: &mut SampleNumbers,
-) -> Option<(Spectrum, LightSample)> {
-    if !surface.bsdf.has_smooth_lobe() {
-        return None;
-    }
-    let (choice, u) = numbers.get_3d(dimension::vertex(depth, Use::Light));
-    let light = scene.lights().sample(&surface.light_context(wo, time), choice, u)?;
-    let f = surface.eval(wo, light.wi, TransportMode::Radiance);
-    if f.is_black() {
-        return None;
-    }
-    let passed = scene.transmittance(&surface.shadow_ray(light.wi, &light.target, time))?;
-    Some((f * passed * light.weight(), light))
 }

@@ -248,6 +248,23 @@ impl Lights {
         self.lights[index].emit(&self.shapes, &cx)
     }
 
+    /// A point of a light that is chosen by its power; `None` if that light is infinitely far away.
+    ///
+    /// - `choice`, `u`: uniform numbers that choose the light and the point
+    pub fn place(&self, choice: f32, u: Vec2) -> Option<Vec3> {
+        match &self.lights[self.emission.as_ref()?.sample(choice).0] {
+            Light::Area(area) => {
+                let shape = &self.shapes[area.shape as usize];
+                shape.is_sampled().then(|| shape.sample_area(area.primitive, u).0.p)
+            }
+            Light::Point(light) => Some(light.position.as_vec3()),
+            Light::Spot(light) => Some(light.position.as_vec3()),
+            Light::Profiled(light) => Some(light.position.as_vec3()),
+            Light::Projector(light) => Some(light.spot.position.as_vec3()),
+            Light::Directional(_) | Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => None,
+        }
+    }
+
     /// Probability with which [`Lights::emit`] chooses the light `index`.
     pub fn emission_probability(&self, index: u32) -> f32 {
         self.emission.as_ref().map_or(0.0, |choice| choice.pmf(index as usize))

@@ -50,6 +50,11 @@ impl Spectrum {
         self.0.to_array()
     }
 
+    /// The spectrum with these coefficients, see [`Spectrum::coefficients`].
+    pub(crate) fn from_array(coefficients: [f32; 3]) -> Spectrum {
+        Spectrum(coefficients.into())
+    }
+
     /// Coefficients, for code that keeps those of several spectra side by side.
     pub(crate) fn coefficients(self) -> [f32; 3] {
         self.0.to_array()

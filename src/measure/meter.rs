@@ -15,6 +15,7 @@ use crate::bsdf::{Bsdf, Diffuse};
 use crate::integrator::{CameraSample, Context, Estimator, Interrupt};
 use crate::light::LightSampleContext;
 use crate::math::{Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, warp};
+use crate::medium::Inside;
 use crate::primitive::Hit;
 use crate::sampler::{Kind, SampleNumbers, SamplerSpec, Sequence, dimension, hash};
 use crate::scene::{Scene, Surface};
@@ -229,7 +230,7 @@ fn radiance(
 ) -> (Spectrum, Option<Hit>) {
     let hit = scene.intersect(ray);
     let (pixel, raster, known_hit) = (UVec2::ZERO, Vec2::ZERO, Some(hit));
-    let camera = CameraSample { ray: *ray, weight: 1.0, pixel, raster, known_hit, differential: None };
+    let camera = CameraSample { ray: *ray, weight: 1.0, pixel, raster, known_hit, inside: Inside::default(), differential: None };
     (estimator.li(&camera, &mut Context { numbers, recorder: None, interrupt, light_path: None }), hit)
 }
 

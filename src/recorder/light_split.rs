@@ -31,7 +31,7 @@ pub struct LightSplit {
 impl LightSplit {
     /// A split without light.
     ///
-    /// - `group_of`: group of each light, see [`LightNames`](crate::film::LightNames)
+    /// - `group_of`: group of each light, and then of the media if they emit, see [`LightNames`](crate::film::LightNames)
     pub fn new(group_of: Arc<[u32]>) -> LightSplit {
         let count = group_of.iter().max().map_or(0, |last| *last as usize + 1);
         LightSplit {
@@ -58,7 +58,9 @@ impl PathRecorder for LightSplit {
             1 => self.direct += light.value,
             _ => self.indirect += light.value,
         }
-        let group = light.origin.light.and_then(|light| self.group_of.get(light as usize));
+        // What media emit comes after the lights.
+        let source = light.origin.light.map_or(self.group_of.len().saturating_sub(1), |light| light as usize);
+        let group = self.group_of.get(source);
         if let Some(sum) = group.and_then(|group| self.groups.get_mut(*group as usize)) {
             *sum += light.value;
         }

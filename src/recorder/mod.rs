@@ -14,8 +14,9 @@ use crate::bsdf::{BsdfSample, Lobe, TransportMode};
 use crate::film::Splat;
 use crate::light::{EmittedRay, LightSample};
 use crate::math::{Density, Ray, Spectrum};
+use crate::medium::MediumId;
 use crate::primitive::Hit;
-use crate::scene::Surface;
+use crate::scene::{Interaction, MediumPoint, Surface};
 use crate::shape::SurfacePoint;
 
 pub use clamp::Clamp;
@@ -41,6 +42,8 @@ pub trait PathRecorder {
 pub enum Event {
     /// The path hit a surface.
     Vertex(Vertex),
+    /// A medium scattered the path.
+    Medium(MediumVertex),
     /// Light was added to the radiance.
     Light(Contribution),
     /// The path was scattered and goes on.
@@ -81,6 +84,25 @@ pub struct Vertex {
     pub beta: Spectrum,
 }
 
+/// Point of a medium at which a path is scattered. Vectors are in the coordinates of the built scene and point away from the point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MediumVertex {
+    /// Scattering events before this vertex.
+    pub depth: u32,
+    /// Distance from the previous vertex, or from the last boundary of a medium (m).
+    pub distance: f32,
+    /// Medium.
+    pub medium: MediumId,
+    /// Position (m).
+    pub point: Vec3,
+    /// Direction towards the previous vertex or the camera.
+    pub wo: Vec3,
+    /// Name of the phase function, as in scene files.
+    pub phase: &'static str,
+    /// Throughput on arrival, with the share of the light that is scattered.
+    pub beta: Spectrum,
+}
+
 /// Light that is added to the radiance. The radiance of a camera sample is the sum of all `value`s in the order of the events.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contribution {
@@ -97,7 +119,7 @@ pub struct Contribution {
 /// Light that a contribution comes from, and the technique that found it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Origin {
-    /// Index of the light among the lights.
+    /// Index of the light among the lights; `None` for media.
     pub light: Option<u32>,
     /// Sampling technique.
     pub technique: Technique,
@@ -126,13 +148,13 @@ pub struct Scattering {
     pub depth: u32,
     /// Direction in which the path goes on.
     pub wi: Vec3,
-    /// ns · wi
+    /// ns · wi; 1 in media
     pub cos: f32,
     /// Reflection or transmission.
     pub lobe: Lobe,
     /// Density of `wi`.
     pub density: Density,
-    /// f·|cos| [sr⁻¹]; 0 for delta lobes.
+    /// f·|cos|, or the phase function [sr⁻¹]; 0 for delta lobes.
     pub value: Spectrum,
     /// f·|cos| / density
     pub weight: Spectrum,
@@ -206,12 +228,17 @@ impl Event {
         Event::Vertex(Vertex { depth, distance, hit: *hit, point, ng, ns, wo, model: surface.bsdf.name(), beta })
     }
 
+    /// Event of scattering in a medium.
+    pub fn medium(depth: u32, distance: f32, medium: MediumId, point: &MediumPoint, wo: Vec3, beta: Spectrum) -> Event {
+        Event::Medium(MediumVertex { depth, distance, medium, point: point.p, wo, phase: point.phase.name(), beta })
+    }
+
     /// Event of scattering into a sampled direction.
     ///
     /// - `survival`: probability with which Russian roulette continues the path
-    pub fn scattering(depth: u32, surface: &Surface, wo: Vec3, (wi, sample): &(Vec3, BsdfSample), survival: f32) -> Event {
-        let value = surface.eval(wo, *wi, TransportMode::Radiance);
-        let cos = surface.point.ns.dot(*wi);
+    pub fn scattering<I: Interaction>(depth: u32, at: &I, wo: Vec3, (wi, sample): &(Vec3, BsdfSample), survival: f32) -> Event {
+        let value = at.eval(wo, *wi, TransportMode::Radiance);
+        let cos = at.normal().map_or(1.0, |normal| normal.dot(*wi));
         let BsdfSample { lobe, density, weight, .. } = *sample;
         Event::Scattering(Scattering { depth, wi: *wi, cos, lobe, density, value, weight, survival })
     }
@@ -240,6 +267,11 @@ impl Origin {
     /// - `light`: index of the light
     pub fn background(light: u32, weight: f32) -> Origin {
         Origin { light: Some(light), technique: Technique::Emission, weight }
+    }
+
+    /// Origin of light that a medium emits.
+    pub fn medium() -> Origin {
+        Origin { light: None, technique: Technique::Emission, weight: 1.0 }
     }
 
     /// Origin of light found by sampling a light.

@@ -198,6 +198,24 @@ pub mod dimension {
         Medium = 7,
     }
 
+    /// Use of numbers for a point on the way to a path vertex, where a medium may scatter light into the path. The value is the offset
+    /// within a block of its own.
+    #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+    pub enum OnWay {
+        /// Choice of a light near which the point shall be (1), then a point of it (2).
+        Guide = 0,
+        /// Distance (1).
+        Distance = 3,
+        /// Choice of a light (1), then a point or direction (2).
+        Light = 4,
+    }
+
+    /// First dimension of a use on the way to the path vertex of the given depth. These blocks lie beyond those of vertices.
+    #[inline]
+    pub const fn on_way(depth: u32, use_: OnWay) -> u32 {
+        (1u32 << 31).wrapping_add(BLOCK.wrapping_mul(depth)).wrapping_add(use_ as u32)
+    }
+
     /// First dimension of a use at the path vertex of the given depth. The camera's block comes before depth 0.
     #[inline]
     pub const fn vertex(depth: u32, use_: Use) -> u32 {

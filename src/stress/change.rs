@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::mesh;
 use crate::describe::{Files, Light, Scene, Shape};
 use crate::error::{Error, Result};
-use crate::format::TextureSpace;
+use crate::format::{Coefficient, Color, TextureSpace};
 use crate::reader::Node;
 
 /// A change of a scene after which its picture must be the same.
@@ -277,6 +277,14 @@ fn place_light(light: &mut Value, described: &Light, place: &Similarity) {
     light["intensity"] = json!(intensity.linear().map(|i| i * place.scale * place.scale));
 }
 
+/// Divides a colour by a number.
+fn divide_color(object: &mut serde_json::Map<String, Value>, key: &str, divisor: f64) {
+    let color = object.get(key).cloned().and_then(|value| serde_json::from_value::<Color<Coefficient>>(value).ok());
+    if let Some(color) = color {
+        object.insert(key.to_owned(), json!(color.linear().map(|c| c / divisor)));
+    }
+}
+
 fn change_vector(object: &mut Value, key: &str, change: impl Fn(DVec3) -> DVec3) {
     let vector = object.get(key).cloned().and_then(|value| serde_json::from_value::<[f64; 3]>(value).ok());
     if let Some(vector) = vector {
@@ -284,7 +292,8 @@ fn change_vector(object: &mut Value, key: &str, change: impl Fn(DVec3) -> DVec3)
     }
 }
 
-/// Textures that vary over the position in the world, heights of bump maps, and lengths of absorption, wherever they stand.
+/// Textures that vary over the position in the world, heights of bump maps, lengths of absorption and coefficients of media, wherever they
+/// stand.
 fn place_materials(value: &mut Value, place: &Similarity) {
     match value {
         Value::Array(items) => items.iter_mut().for_each(|item| place_materials(item, place)),
@@ -300,6 +309,9 @@ fn place_materials(value: &mut Value, place: &Similarity) {
                     Some(number) => *height = json!(number * place.scale),
                     None => ["from", "to"].into_iter().for_each(|key| multiply(height, key, place.scale)),
                 }
+            }
+            if members.get("type").is_some_and(|kind| kind == "homogeneous") {
+                ["absorption", "scattering"].into_iter().for_each(|key| divide_color(members, key, place.scale));
             }
             if let Some(absorption) = members.get_mut("absorption").filter(|absorption| absorption.is_object()) {
                 multiply(absorption, "distance", place.scale);

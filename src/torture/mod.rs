@@ -13,6 +13,7 @@ mod fresnel;
 mod geometry;
 pub mod glass;
 mod lights;
+mod media;
 pub mod meshes;
 pub mod radiance;
 mod radiometry;
@@ -41,7 +42,7 @@ pub const TABLES: [Table; 10] = [
     Table { subject: "Fresnel's and Snell's laws", rows: fresnel::rows },
     Table { subject: "panes, lenses and prisms of glass", rows: glass::rows },
     Table { subject: "scenes whose radiance is known by formula", rows: radiometry::rows },
-    Table { subject: "fog and other media", rows: not_yet::media },
+    Table { subject: "fog and other media", rows: media::rows },
     Table { subject: "materials", rows: bsdfs::rows },
     Table { subject: "intersection", rows: geometry::rows },
     Table { subject: "what must not change a picture, and samples that are no numbers", rows: stability::rows },
@@ -255,24 +256,5 @@ impl Failures {
 
     fn each(batches: u64, count: impl Fn(u64, &mut Random) -> Failures + Sync) -> Failures {
         (0..batches).into_par_iter().map(|k| count(k, &mut Random::new(k))).reduce(Failures::default, Failures::join)
-    }
-}
-
-/// Rows of features that pt does not have. They are listed, and never pass.
-mod not_yet {
-    use super::Row;
-
-    pub fn media() -> Vec<Row> {
-        vec![
-            Row::not_yet("V1", "transmittance of a homogeneous medium, up to an optical depth of 80"),
-            Row::not_yet("V2", "single scattering in a slab"),
-            Row::not_yet("V3", "light of a lamp scattered along a ray"),
-            Row::not_yet("V4", "albedo of a half space"),
-            Row::not_yet("V5", "radiance reflected by a half space"),
-            Row::not_yet("V6", "an emitting medium of one temperature"),
-            Row::not_yet("V7", "phase function of Henyey and Greenstein"),
-            Row::not_yet("V8", "Rayleigh's phase function"),
-            Row::not_yet("V9", "nested media, and 10⁴ thin slabs in place of one"),
-        ]
     }
 }

@@ -5,17 +5,20 @@ use std::collections::BTreeSet;
 use glam::DVec3;
 
 use super::extent::{Extent, GroupExtent};
+use super::media::Touching;
 use super::objects::{GroupId, Object, Objects};
 use super::spaces::{EmitterCopy, Hierarchies, baked, emitting_copies, spaces};
 use super::wide::Tables;
 use super::{PartAppearance, PreparedMaterial, ShapeAppearance, ShapePlace, ShapePlaces, World};
-use crate::bsdf::{MaterialId, SurfaceMaterial};
+use crate::accel;
+use crate::bsdf::{Material, MaterialId, SurfaceMaterial};
 use crate::camera::Camera;
 use crate::effects::Effects;
-use crate::error::Result;
+use crate::error::{Error, Fault, Result};
 use crate::light::{Area, Emitter, Light, Lights};
 use crate::math::lanes::Width;
-use crate::math::{Spectrum, Transform};
+use crate::math::{Aabb, Spectrum, Transform};
+use crate::medium::{Body, MOST_BODIES, Media, Medium, MediumId};
 use crate::primitive::InstanceId;
 use crate::shape::{Geometry, Sdf, Shape};
 
@@ -27,6 +30,9 @@ pub struct WorldBuilder {
     /// Groups, each after those that it shows.
     groups: Vec<Objects>,
     lights: Vec<Light>,
+    media: Vec<Medium>,
+    /// Medium outside of all shapes that have one.
+    around: Option<MediumId>,
     width: Width,
     has_footprints: bool,
 }
@@ -39,6 +45,8 @@ impl WorldBuilder {
             scene: Objects::default(),
             groups: vec![],
             lights: vec![],
+            media: vec![],
+            around: None,
             width: Width::detect(),
             has_footprints: true,
         }
@@ -70,6 +78,22 @@ impl WorldBuilder {
         self.scene.solid(sdf, to_world, parts);
     }
 
+    /// Adds a medium.
+    pub fn medium(&mut self, medium: Medium) -> MediumId {
+        self.media.push(medium);
+        MediumId(self.media.len() as u32 - 1)
+    }
+
+    /// Fills the shape that was added last with a medium. The shape must be closed.
+    pub fn fill(&mut self, medium: MediumId) {
+        self.scene.fill(medium);
+    }
+
+    /// Sets the medium outside of all shapes that have one.
+    pub fn surround(&mut self, medium: MediumId) {
+        self.around = Some(medium);
+    }
+
     /// Adds shapes and instances to the scene itself.
     pub fn objects(&mut self, mut objects: Objects) {
         self.scene.shapes.append(&mut objects.shapes);
@@ -91,9 +115,10 @@ impl WorldBuilder {
     ///
     /// # Errors
     /// `Invalid` for shapes that no ray can hit and for coordinates beyond [`MAX_EXTENT`](super::MAX_EXTENT); `Limit` for more than
-    /// 2³² − 2 instances with those within them, or more than [`MAX_EMITTING_COPIES`](super::MAX_EMITTING_COPIES).
+    /// 2³² − 2 instances with those within them, more than [`MAX_EMITTING_COPIES`](super::MAX_EMITTING_COPIES), or more than
+    /// [`MOST_BODIES`] shapes with a medium.
     pub fn build(self) -> Result<World> {
-        let WorldBuilder { camera, materials, scene, groups, lights, width, has_footprints } = self;
+        let WorldBuilder { camera, materials, scene, groups, lights, media, around, width, has_footprints } = self;
         let extents = GroupExtent::all(&groups)?;
         let origin = Extent::of(&scene, &extents).checked()?.origin(camera.eye());
         let origins = std::iter::once(origin).chain(extents.iter().map(|group| group.detail.middle));
@@ -104,7 +129,12 @@ impl WorldBuilder {
 
         let spaces = spaces(&objects, origins);
         let shapes = baked(&spaces, &copies)?;
-        let Hierarchies { scene: hierarchy, shown } = Hierarchies::new(&spaces, placements, &shapes)?;
+        let is_interface = |part: &PartAppearance| matches!(materials[part.material.0 as usize].material, Material::Interface(_));
+        let interfaces: BTreeSet<u32> =
+            (0..).zip(&objects[0]).filter(|(_, object)| object.parts.iter().all(is_interface)).map(|(shape, _)| shape).collect();
+        let Hierarchies { scene: hierarchy, shown } = Hierarchies::new(&spaces, placements, &shapes, &interfaces)?;
+        let interfaces =
+            (!interfaces.is_empty()).then(|| accel::build_with_instances(shapes.clone(), interfaces.into_iter().collect(), vec![]));
         let source = |copy: &EmitterCopy| spaces[copy.space].first_shape + copy.shape;
         let place = |id: Option<InstanceId>, object: &Object| match id {
             Some(id) if !object.emits() => ShapePlace::Instance(id),
@@ -121,23 +151,64 @@ impl WorldBuilder {
         copies.iter().for_each(|copy| appearances.add(copy.object, copy.material, true));
         let Appearances { lights, of_shapes: appearances, .. } = appearances;
 
-        let bounds = hierarchy.bounds();
+        let bounds = interfaces.as_ref().map_or(Aabb::EMPTY, |interfaces| interfaces.bounds()).union(hierarchy.bounds());
         let lights = Lights::new(lights, shapes.clone(), (bounds.center(), bounds.radius()));
         let materials: Vec<PreparedMaterial> =
             materials.into_iter().map(|surface| PreparedMaterial::new(surface.recentred(origin))).collect();
+        let bodies = bodies(&objects[0])?;
         let used = appearances.iter().flat_map(|d| &d.parts).map(|part| part.material).chain(overrides);
         let prepared = used.map(|material| materials[material.0 as usize].surface.effects());
         let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
         let smooth = shapes.iter().filter(|s| s.has_shadow_terminator_offset()).map(|_| Effects::SMOOTH_SHADOWS);
+        let in_media = (!bodies.is_empty() || around.is_some()).then_some(Effects::MEDIA);
+        let prepared = prepared.chain(in_media);
         let effects = prepared.chain(normals).chain(smooth).fold(lights.effects() | camera.effects(), Effects::union);
         let effects = if has_footprints { effects } else { effects.without(Effects::FOOTPRINTS) };
         let camera = camera.recentred(origin);
         let has_holes = effects.contains(Effects::CUT_OUTS);
-        let mut world =
-            World { shapes, appearances, places, materials, has_holes, hierarchy, lights, camera, effects, origin, tables: None };
+        let media = effects.contains(Effects::MEDIA).then(|| Media::new(media, bodies, around));
+        let touching = media.as_ref().and_then(|media| Touching::new(media, &shapes));
+        let tables = None;
+        let mut world = World {
+            shapes,
+            appearances,
+            places,
+            materials,
+            has_holes,
+            hierarchy,
+            interfaces,
+            bounds,
+            lights,
+            camera,
+            media,
+            touching,
+            effects,
+            origin,
+            tables,
+        };
+        if world.media.is_some() {
+            let at_camera = world.bodies_around(world.camera.eye().as_vec3());
+            world.media = world.media.map(|media| media.with_camera(at_camera));
+        }
         world.tables = Tables::new(&world, width);
         Ok(world)
     }
+}
+
+/// The shapes with media.
+///
+/// # Errors
+/// `Limit` for more than [`MOST_BODIES`].
+fn bodies(objects: &[Object]) -> Result<Vec<Body>> {
+    let body = |(shape, object): (u32, &Object)| {
+        let (low, high) = object.geometry.bounds(&object.to_outer);
+        Some(Body { shape, medium: object.medium?, volume: (high - low).element_product() })
+    };
+    let bodies: Vec<Body> = (0..).zip(objects).filter_map(body).collect();
+    if bodies.len() > MOST_BODIES {
+        return Err(Error::Limit(Fault::new(format!("more than {MOST_BODIES} shapes have a medium"))));
+    }
+    Ok(bodies)
 }
 
 /// Appearances of the shapes and the lights, as far as they are made.

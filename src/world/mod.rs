@@ -4,6 +4,7 @@ mod builder;
 mod extent;
 mod footprints;
 mod instanced;
+mod media;
 mod objects;
 mod origin;
 mod spaces;
@@ -17,7 +18,8 @@ use crate::bsdf::{Bsdf, HitContext, Material, MaterialId, Passage, SurfaceMateri
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::{Emission, Emitter, Lights};
-use crate::math::{Ray, RayDifferential, SurfaceDifferential, float};
+use crate::math::{Aabb, Ray, RayDifferential, SurfaceDifferential, float};
+use crate::medium::{Boundaries, InterfaceCrossing, Media};
 use crate::primitive::{Hit, InstanceId, Primitive};
 use crate::sampler::hash;
 use crate::scene::{Scene, Surface};
@@ -39,8 +41,16 @@ pub struct World {
     /// Whether any material has holes.
     has_holes: bool,
     hierarchy: Box<dyn Primitive>,
+    /// Shapes that are only boundaries of media. They are no part of the hierarchy.
+    interfaces: Option<Box<dyn Primitive>>,
+    /// Bounds of all shapes.
+    bounds: Aabb,
     lights: Lights,
     camera: Camera,
+    /// Media, if the scene has any.
+    media: Option<Media>,
+    /// Bodies with media that touch, if any do.
+    touching: Option<media::Touching>,
     effects: Effects,
     origin: DVec3,
     /// Tables for paths side by side, if the scene allows them.
@@ -135,7 +145,7 @@ impl World {
 
     /// Centre (m, the user's coordinates) and radius (m) of a sphere around all shapes; the radius is 0 if there are none.
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
-        let bounds = self.hierarchy.bounds();
+        let bounds = &self.bounds;
         match bounds.is_empty() {
             true => (self.origin, 0.0),
             false => (bounds.center().as_dvec3() + self.origin, f64::from(bounds.radius())),
@@ -174,6 +184,11 @@ impl World {
     pub fn inside(&self, shape: usize) -> Option<MaterialId> {
         let materials = self.appearances.get(shape)?.parts.iter().map(|part| part.material);
         materials.into_iter().find(|id| self.materials[id.0 as usize].surface.material.passage() == Passage::Body)
+    }
+
+    /// Whether a shape is only the boundary of a medium, so that rays do not hit it.
+    pub fn is_interface(&self, shape: u32) -> bool {
+        self.place(shape) == ShapePlace::World && self.materials(shape).all(|material| matches!(material, Material::Interface(_)))
     }
 
     /// Material at a hit.
@@ -337,6 +352,18 @@ impl Scene for World {
 
     fn camera(&self) -> &Camera {
         &self.camera
+    }
+
+    fn media(&self) -> Option<&Media> {
+        self.media.as_ref()
+    }
+
+    fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
+        self.boundaries_at(hit, point)
+    }
+
+    fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {
+        self.interface_on(ray)
     }
 
     fn effects(&self) -> Effects {

@@ -4,6 +4,7 @@ use super::PartAppearance;
 use crate::bsdf::MaterialId;
 use crate::light::Emitter;
 use crate::math::Transform;
+use crate::medium::MediumId;
 use crate::shape::{Geometry, Sdf};
 
 /// Shapes, and instances of groups, in a common space: that of the scene, or of a group.
@@ -18,6 +19,8 @@ pub(super) struct Object {
     pub geometry: Box<dyn Geometry>,
     pub to_outer: Transform,
     pub parts: Vec<PartAppearance>,
+    /// Medium inside.
+    pub medium: Option<MediumId>,
 }
 
 /// Group with its transform to the common space.
@@ -51,12 +54,19 @@ impl Objects {
     /// Adds a shape with one material per part; there must be at least one.
     pub fn parts(&mut self, geometry: impl Geometry + 'static, to_outer: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
         let parts = materials.into_iter().map(|material| PartAppearance { material, emitter: emitter.clone() }).collect();
-        self.shapes.push(Object { geometry: Box::new(geometry), to_outer, parts });
+        self.shapes.push(Object { geometry: Box::new(geometry), to_outer, parts, medium: None });
     }
 
     /// Adds a solid whose parts may have different materials and emission.
     pub fn solid(&mut self, sdf: Sdf, to_outer: Transform, parts: Vec<PartAppearance>) {
-        self.shapes.push(Object { geometry: Box::new(sdf), to_outer, parts });
+        self.shapes.push(Object { geometry: Box::new(sdf), to_outer, parts, medium: None });
+    }
+
+    /// Fills the shape that was added last with a medium. The shape must be closed. The media of shapes of groups have no effect.
+    pub fn fill(&mut self, medium: MediumId) {
+        if let Some(shape) = self.shapes.last_mut() {
+            shape.medium = Some(medium);
+        }
     }
 
     /// Adds an instance of a group. The group's shapes are stored once, however many instances there are.

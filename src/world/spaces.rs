@@ -1,5 +1,6 @@
 //! The spaces of the scene and of its groups, with their shapes, instances and hierarchies.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -103,9 +104,16 @@ pub(super) struct Hierarchies {
 impl Hierarchies {
     /// Builds the hierarchies of all spaces.
     ///
+    /// - `left_out`: shapes of the scene that rays do not hit
+    ///
     /// # Errors
     /// `Limit` for more than 2³² − 2 instances with those within them, or more than [`MAX_NESTING`] within each other.
-    pub fn new(spaces: &[Space], mut placements: Vec<Vec<Placement>>, shapes: &Arc<[Box<dyn Shape>]>) -> Result<Hierarchies> {
+    pub fn new(
+        spaces: &[Space],
+        mut placements: Vec<Vec<Placement>>,
+        shapes: &Arc<[Box<dyn Shape>]>,
+        left_out: &BTreeSet<u32>,
+    ) -> Result<Hierarchies> {
         let mut groups: Vec<Arc<Group>> = vec![];
         let mut depths: Vec<usize> = vec![];
         for (space, placements) in spaces.iter().zip(&placements).skip(1) {
@@ -120,7 +128,7 @@ impl Hierarchies {
             groups.push(Arc::new(Group::new(accel::build_with_instances(shapes.clone(), own, instances))));
         }
         let last = spaces.iter().map(Space::end).max().unwrap_or(0);
-        let own = (0..spaces[0].end()).chain(last..shapes.len() as u32).collect();
+        let own = (0..spaces[0].end()).filter(|shape| !left_out.contains(shape)).chain(last..shapes.len() as u32).collect();
         let instances = instances(&spaces[0], &placements[0], &groups, spaces)?;
         let shown = shown(&placements, &groups);
         // Before the hierarchy takes memory: there may be millions of placements.

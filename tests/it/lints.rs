@@ -293,3 +293,57 @@ fn healthy(random: &mut Random) -> Value {
         json!({"from": [8.0 * random.unit() - 4.0, 1.0 + 3.0 * random.unit(), 7.0 + 2.0 * random.unit()], "to": [0, 0.8, 0]});
     scene
 }
+
+/// A body with a medium whose surface has a hole; glass with a medium is told of as glass.
+#[test]
+fn open_bodies_with_media_are_named() {
+    let crate_of = |faces: usize, material: Value| {
+        let positions = json!([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]);
+        let all = [
+            [0, 2, 1],
+            [0, 3, 2],
+            [4, 5, 6],
+            [4, 6, 7],
+            [0, 1, 5],
+            [0, 5, 4],
+            [3, 7, 6],
+            [3, 6, 2],
+            [1, 2, 6],
+            [1, 6, 5],
+            [0, 4, 7],
+            [0, 7, 3],
+        ];
+        let mut shape = json!({"type": "mesh", "name": "cloud", "positions": positions, "triangles": all[..faces],
+            "medium": {"type": "homogeneous", "scattering": 1}, "transform": [{"translate": [0, 0.5, 0]}]});
+        if !material.is_null() {
+            shape["material"] = material;
+        }
+        with(&[shape])
+    };
+    is_told(
+        &crate_of(11, Value::Null),
+        &["cloud", "boundary of a medium", "open or inconsistently wound", "close it"],
+        &crate_of(12, Value::Null),
+    );
+    is_told(&crate_of(11, glass()), &["cloud", "open or inconsistently wound glass"], &crate_of(12, glass()));
+}
+
+/// A medium without end under a sky, which hides it; in a box, and without a sky, there is no warning.
+#[test]
+fn media_that_hide_the_sky_are_told() {
+    let mut under_sky = with(&[]);
+    under_sky["medium"] = json!({"type": "homogeneous", "scattering": 0.1});
+    let mut indoors = lit_only_by(under_sky.clone(), json!({"type": "point", "position": [0, 1.5, 0.2], "intensity": 1}));
+    indoors["background"]["radiance"] = json!(0);
+    is_told(&under_sky, &["/medium", "no light from infinitely far away", "put the medium into a large box"], &indoors);
+    let parallel = lit_only_by(under_sky.clone(), json!({"type": "directional", "direction": [0, -1, 0], "irradiance": 1}));
+    assert!(said(&parallel).iter().any(|warning| warning.contains("infinitely far away")));
+    // It is true: the picture under the sky is black but for what is near.
+    let dense = |extinction: f64| {
+        let mut scene =
+            json!({"pt": 1, "camera": {}, "film": {"width": 8, "height": 8}, "sampler": {"spp": 4}, "background": {"radiance": 1}});
+        scene["medium"] = json!({"type": "homogeneous", "scattering": extinction});
+        scene
+    };
+    assert!(rendered(&dense(0.1), "nee").0 == 0.0 && rendered(&dense(0.0), "nee").0 == 1.0);
+}

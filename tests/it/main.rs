@@ -47,6 +47,7 @@ mod lints;
 mod marked;
 mod matte_models;
 mod measured_lights;
+mod media;
 mod meshes;
 mod meters;
 mod metrics;

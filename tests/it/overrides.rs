@@ -38,7 +38,11 @@ fn overrides_with_unknown_pointers_report_the_known_part() {
     let cases = [
         ("", "1", "-D =1: expected a JSON pointer"),
         ("/materials/glas/eta", "1", "-D /materials/glas/eta=1: /materials has no \"glas\", did you mean \"glass\"?"),
-        ("/materials/xyzzy/eta", "1", "-D /materials/xyzzy/eta=1: /materials has no \"xyzzy\", only diffuse, mirror, gold, glass, matte"),
+        (
+            "/materials/xyzzy/eta",
+            "1",
+            "-D /materials/xyzzy/eta=1: /materials has no \"xyzzy\", only boundary, diffuse, mirror, gold, glass",
+        ),
         ("/shapes/6/name", "x", "-D /shapes/6/name=x: /shapes is a list of 6: expected a number below 6, found \"6\""),
         ("/shapes/00/name", "x", "-D /shapes/00/name=x: /shapes is a list of 6"),
         ("/camera/fov/x", "1", "-D /camera/fov/x=1: /camera/fov is 50.5: it has no \"x\""),

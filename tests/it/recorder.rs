@@ -8,7 +8,7 @@ use pt::describe::{self, Files};
 use pt::integrator::choose;
 use pt::integrators::ALL;
 use pt::math::{Density, Spectrum, Vec3};
-use pt::recorder::{Contribution, End, Event, LightSplit, PathRecorder, Scattering, Technique, Vertex};
+use pt::recorder::{Contribution, End, Event, LightSplit, MediumVertex, PathRecorder, Scattering, Technique, Vertex};
 use pt::render::{Render, SampleId, Settings};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
@@ -87,8 +87,9 @@ fn recorded_light_adds_up_to_the_radiance() {
 #[test]
 fn throughputs_follow_from_the_vertices() {
     let (mut smooth, mut vertices) = (0, 0);
-    for_recorded(100, |name, _, _, _, events| {
-        if ![" path ", " nee ", " light "].iter().any(|method| name.contains(method)) {
+    for_recorded(100, |name, scene, _, _, events| {
+        // Paths in media have a law of their own, `paths_in_media_are_recorded`.
+        if scene.media().is_some() || ![" path ", " nee ", " light "].iter().any(|method| name.contains(method)) {
             return;
         }
         let mut last: Option<(&Vertex, Option<&Scattering>)> = None;
@@ -122,6 +123,7 @@ fn throughputs_follow_from_the_vertices() {
                     }
                     last = Some((vertex, Some(scattering)));
                 }
+                Event::Medium(_) => panic!("{name} has no medium"),
                 // A path from a light starts after the camera's ray.
                 Event::Emission(_) => last = None,
                 Event::Light(_) | Event::Splat(_) | Event::End { .. } => {}
@@ -143,11 +145,14 @@ fn contributions_have_valid_depths_lights_and_weights() {
         let mut depth = 0;
         for event in events {
             match event {
-                Event::Vertex(vertex) => depth = vertex.depth,
+                Event::Vertex(Vertex { depth: at, .. }) | Event::Medium(MediumVertex { depth: at, .. }) => depth = *at,
                 Event::Light(c) => {
-                    assert!(c.origin.light.is_some_and(|light| (light as usize) < scene.lights().len()), "{name}: {c:?}");
+                    let is_known = |light: u32| (light as usize) < scene.lights().len();
+                    assert!(c.origin.light.map_or(scene.media().is_some(), is_known), "{name}: {c:?}");
                     assert!((0.0..=1.0).contains(&c.origin.weight) && c.value == c.whole, "{name}: {c:?}");
                     match c.origin.technique {
+                        // Light that a medium scatters on the way to the next vertex.
+                        Technique::Light { .. } if scene.media().is_some() => assert!(c.depth <= depth + 2, "{name}"),
                         Technique::Light { .. } => assert_eq!(c.depth, depth + 1, "{name}"),
                         Technique::Emission => assert!(c.depth == depth || c.depth == depth + 1 || name.contains(" whitted "), "{name}"),
                     }
@@ -214,7 +219,7 @@ fn clamping_limits_only_indirect_light() {
 fn split_light_adds_up_to_all_light() {
     let (mut indirect, mut several) = (0, 0);
     for_recorded(100, |name, scene, render, id, events| {
-        let group_of: std::sync::Arc<[u32]> = (0..scene.lights().len() as u32).collect();
+        let group_of: std::sync::Arc<[u32]> = (0..=scene.lights().len() as u32).collect();
         let mut split = LightSplit::new(group_of);
         render.replay(id, Some(&mut split));
         if events.is_empty() {

@@ -7,7 +7,7 @@ use pt::bsdf::{Lobe, TransportMode};
 use pt::build::Source;
 use pt::describe::{self, Files};
 use pt::film::{FilmSpec, Image, MomentFilm};
-use pt::integrator::{CameraSample, Context, Estimator, Integrator, choose, sample_light};
+use pt::integrator::{CameraSample, Context, Estimator, Integrator, Vacuum, choose, sample_light};
 use pt::math::{Density, Spectrum};
 use pt::measure::{SampledImage, agreement};
 use pt::render::{Settings, Silent, render};
@@ -100,8 +100,9 @@ impl Estimator for Walk {
             if sees_lights {
                 radiance += beta * surface.emitted(wo);
             }
-            radiance +=
-                beta * sample_light(&*self.scene, &surface, wo, depth, 0.0, &mut cx.numbers).map_or(Spectrum::BLACK, |(direct, _)| direct);
+            radiance += beta
+                * sample_light(&*self.scene, &Vacuum, &surface, wo, dimension::vertex(depth, Use::Light), 0.0, &mut cx.numbers)
+                    .map_or(Spectrum::BLACK, |(direct, _)| direct);
             let (choice, u) = cx.numbers.get_3d(dimension::vertex(depth, Use::Bsdf));
             let Some((wi, sample)) = surface.sample(wo, choice, u, TransportMode::Radiance) else { break };
             beta *= sample.weight;

@@ -56,7 +56,7 @@ fn pairs(world: &World) -> BTreeSet<[u32; 2]> {
     let count = world.shapes().len() as u32;
     let each = POINTS.checked_div(count).map_or(0, |each| each.min(MOST_POINTS));
     let mut found = BTreeMap::<[u32; 2], u32>::new();
-    for shape in (0..count).filter(|&shape| world.place(shape) == ShapePlace::World) {
+    for shape in (0..count).filter(|&shape| world.place(shape) == ShapePlace::World && !world.is_interface(shape)) {
         for from in points(world, shape, each) {
             for side in [1.0, -1.0] {
                 let (away, near) = (from.point.ng * side, near(world, &from.hit, &from.point));

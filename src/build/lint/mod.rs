@@ -9,6 +9,7 @@
 mod camera_place;
 mod coincident;
 mod lights;
+mod media;
 mod open_glass;
 mod overlaps;
 mod precision;
@@ -42,8 +43,16 @@ impl Linted<'_> {
 type Lint = fn(&Linted) -> Vec<String>;
 
 /// All kinds of mistakes, in the order of their warnings.
-const LINTS: [Lint; 6] =
-    [precision::warnings, open_glass::warnings, overlaps::warnings, coincident::warnings, camera_place::warnings, lights::shut_in];
+const LINTS: [Lint; 8] = [
+    precision::warnings,
+    open_glass::warnings,
+    media::open,
+    media::hidden,
+    overlaps::warnings,
+    coincident::warnings,
+    camera_place::warnings,
+    lights::shut_in,
+];
 
 /// The largest number of objects that the warnings of one kind name.
 const NAMED: usize = 4;

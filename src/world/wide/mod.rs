@@ -90,7 +90,7 @@ pub struct SurfaceLanes<L: Lanes> {
 
 impl Tables {
     /// Tables of a scene; `None` if its paths are better followed one by one: some material or emission is not the same everywhere, a
-    /// surface has holes or smooth shadows, there are instances or implicit surfaces, the tables would be too long for their indices, or
+    /// surface has holes or smooth shadows, there are media, instances or implicit surfaces, the tables would be too long for their indices, or
     /// there is only one lane.
     pub fn new(world: &World, width: Width) -> Option<Tables> {
         let is_plain = |material: &PreparedMaterial| material.uniform.is_some();
@@ -98,6 +98,7 @@ impl Tables {
         let is_wide = width.count() > 1
             && Bvh::for_packets(&*world.hierarchy).is_some()
             && !world.has_holes
+            && world.media.is_none()
             && !world.appearances.iter().any(|appearance| appearance.has_shadow_terminator_offset)
             && parts().all(|part| is_plain(&world.materials[part.material.0 as usize]))
             && parts().all(|part| part.emitter.as_ref().is_none_or(|emitter| emitter.texture.is_none()));

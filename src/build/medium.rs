@@ -1,0 +1,62 @@
+//! Builds media.
+
+use std::collections::BTreeMap;
+
+use super::{Builder, rgb};
+use crate::describe::{self, MediumRef};
+use crate::effects::Effects;
+use crate::math::Spectrum;
+use crate::medium::{Medium, MediumId, Phase};
+use crate::reader::escaped;
+
+impl Builder<'_> {
+    /// Builds a medium, or finds it if it was built before.
+    pub(super) fn medium(&mut self, pointer: &str, chosen: &MediumRef) -> MediumId {
+        let key = match chosen {
+            MediumRef::Named(name) => format!("/media{}", escaped(name)),
+            MediumRef::Inline(_) => pointer.to_owned(),
+        };
+        if let Some(known) = self.media.get(&key) {
+            return *known;
+        }
+        // Scenes that name unknown media are refused.
+        let built = self.scene.medium(chosen).map_or_else(|| Medium::new(Spectrum::BLACK, Spectrum::BLACK, Phase::Isotropic), built);
+        let id = self.world.medium(built);
+        self.media.insert(key, id);
+        id
+    }
+
+    /// The names of the media, in the order in which they were built. A medium without a name has its JSON pointer instead.
+    pub(super) fn medium_names(&self) -> Vec<String> {
+        let mut named: Vec<(MediumId, &str)> = self.media.iter().map(|(key, id)| (*id, key.as_str())).collect();
+        named.sort();
+        let named_media = self.scene.media.keys().map(|name| (format!("/media{}", escaped(name)), name));
+        let names: BTreeMap<String, &String> = named_media.collect();
+        named.into_iter().map(|(_, key)| names.get(key).map_or_else(|| key.to_owned(), |name| (*name).clone())).collect()
+    }
+
+    /// Builds the medium around all shapes.
+    pub(super) fn surroundings(&mut self) {
+        let Some(described) = &self.scene.medium else { return };
+        let medium = self.medium("/medium", described);
+        self.world.surround(medium);
+        self.override_needs.push(("/medium, around all shapes".to_owned(), Effects::MEDIA));
+    }
+}
+
+fn built(described: &describe::Medium) -> Medium {
+    let describe::Medium::Homogeneous(medium) = described;
+    let absorption = Spectrum::from_coefficients(rgb(&medium.absorption));
+    let scattering = Spectrum::from_coefficients(rgb(&medium.scattering));
+    let built = Medium::new(absorption, scattering, phase(&medium.phase)).with_priority(medium.priority);
+    built.emitting(Spectrum::from_illuminant(rgb(&medium.emission)))
+}
+
+fn phase(described: &describe::Phase) -> Phase {
+    match described {
+        describe::Phase::Isotropic(_) => Phase::Isotropic,
+        describe::Phase::HenyeyGreenstein(phase) => Phase::henyey_greenstein(phase.g.get()),
+        describe::Phase::Rayleigh(_) => Phase::Rayleigh,
+        describe::Phase::Mix(mix) => Phase::Mix(Box::new([phase(&mix.a), phase(&mix.b)]), mix.share.get() as f32),
+    }
+}

@@ -1,0 +1,373 @@
+//! Participating media: what does not change a picture, what integrators agree on, and what they are told of.
+//!
+//! Formulas and published numbers are rows V1 to V10 of `pt torture`.
+
+use std::fs;
+use std::sync::Arc;
+
+use assert_cmd::Command;
+use glam::{DVec3, UVec2};
+use pt::bsdf::{Material, MaterialId, textured};
+use pt::film::{FilmSpec, Image};
+use pt::integrator::{Context, Integrator, Interrupt};
+use pt::integrators::ALL;
+use pt::integrators::nee::Nee;
+use pt::integrators::path::Path;
+use pt::light::{Emitter, Environment, Light};
+use pt::math::{Rgb, Spectrum, Transform};
+use pt::measure::{SampledImage, agreement, sidak};
+use pt::medium::{Medium, Phase};
+use pt::recorder::{End, Event};
+use pt::sampler::{Kind, SamplerSpec};
+use pt::scene::Scene;
+use pt::shape::{Cuboid, Quad, Sphere};
+use pt::world::{World, WorldBuilder};
+use serde_json::{Value, json};
+
+use crate::marked::assert_fault_in_scene;
+use crate::scenes::{at, facing, gray, picture};
+
+/// Samples of each pixel, and width and height of the pictures.
+const SAMPLES: u64 = 128;
+const EDGE: u32 = 16;
+
+fn spectrum([r, g, b]: [f32; 3]) -> Spectrum {
+    Spectrum::rgb(r, g, b)
+}
+
+fn interface(world: &mut WorldBuilder) -> MaterialId {
+    world.material(Material::from(textured::Interface))
+}
+
+/// A camera with a wide view.
+fn camera(from: DVec3, to: DVec3) -> pt::camera::Camera {
+    let pose = pt::camera::Pose::new(&Transform::look_at(from, to, DVec3::Y).expect("a view"));
+    pt::camera::Camera::Perspective(pt::camera::Perspective::new(pose, 0.7, 0.0, 1.0))
+}
+
+/// A room that is open to the front, with a lamp of some size under its ceiling; `scale` multiplies all lengths.
+fn room(scale: f64) -> WorldBuilder {
+    let mut world = World::builder(camera(DVec3::Z * 4.0 * scale, DVec3::ZERO));
+    let white = world.material(Material::diffuse(Rgb::gray(0.7)));
+    let red = world.material(Material::diffuse(Rgb::new(0.7, 0.2, 0.1)));
+    for (place, normal, material) in [
+        (DVec3::NEG_Y, DVec3::Y, white),
+        (DVec3::Y, DVec3::NEG_Y, white),
+        (DVec3::NEG_Z, DVec3::Z, white),
+        (DVec3::NEG_X, DVec3::X, red),
+        (DVec3::X, DVec3::NEG_X, white),
+    ] {
+        world.shape(Quad { size: [2.0 * scale; 2] }, facing(place * scale, normal), material, None);
+    }
+    let lamp = Some(Emitter::new(Rgb::new(4.0, 3.0, 2.0)));
+    world.shape(Quad { size: [scale; 2] }, facing(DVec3::Y * 0.99 * scale, DVec3::NEG_Y), white, lamp);
+    world
+}
+
+/// A cloud whose coefficients differ between the colours.
+fn smoke() -> Medium {
+    Medium::new(spectrum([0.2, 0.5, 0.1]), spectrum([1.0, 0.4, 3.0]), Phase::henyey_greenstein(0.6))
+}
+
+/// A shape with a medium, placed in a scene.
+fn fill(world: &mut WorldBuilder, shape: impl pt::shape::Geometry + 'static, place: DVec3, material: MaterialId, medium: Medium) {
+    let medium = world.medium(medium);
+    world.shape(shape, at(place), material, None);
+    world.fill(medium);
+}
+
+/// Scenes with media of all kinds, by name.
+fn scenes() -> Vec<(&'static str, WorldBuilder)> {
+    let mut scenes = vec![];
+
+    let mut world = room(1.0);
+    let boundary = interface(&mut world);
+    fill(&mut world, Sphere { radius: 0.6 }, DVec3::ZERO, boundary, smoke());
+    scenes.push(("a ball of smoke in a room", world));
+
+    let mut world = room(1.0);
+    let haze = world.medium(Medium::new(gray(0.02), gray(0.2), Phase::Rayleigh));
+    world.surround(haze);
+    scenes.push(("a room full of haze", world));
+
+    let mut world = room(1.0);
+    let glass = world.material(Material::glass(1.33));
+    fill(
+        &mut world,
+        Sphere { radius: 0.5 },
+        DVec3::Y * -0.4,
+        glass,
+        Medium::new(gray(0.01), spectrum([4.0, 5.0, 6.0]), Phase::henyey_greenstein(0.8)),
+    );
+    scenes.push(("a ball of milk", world));
+
+    // A block of smoke on the floor and at the wall, so that faces coincide, with a ball of another medium in it and a matte ball in that.
+    let mut world = room(1.0);
+    let (boundary, matte) = (interface(&mut world), world.material(Material::diffuse(Rgb::gray(0.8))));
+    fill(&mut world, Cuboid { size: [1.0, 1.0, 1.0] }, DVec3::new(-0.5, -0.5, -0.5), boundary, smoke());
+    fill(&mut world, Sphere { radius: 0.3 }, DVec3::new(-0.5, -0.5, -0.5), boundary, Medium::new(gray(0.5), gray(0.5), Phase::Isotropic));
+    world.shape(Sphere { radius: 0.1 }, at(DVec3::new(-0.5, -0.5, -0.5)), matte, None);
+    scenes.push(("smoke on the floor, with a ball in it", world));
+
+    // A fire: it emits, and its light is scattered by haze.
+    let mut world = room(1.0);
+    let boundary = interface(&mut world);
+    let haze =
+        world.medium(Medium::new(gray(0.05), gray(0.3), Phase::Mix(Box::new([Phase::Isotropic, Phase::henyey_greenstein(-0.5)]), 0.4)));
+    world.surround(haze);
+    let flame = Medium::new(gray(1.0), gray(0.2), Phase::Isotropic).emitting(spectrum([6.0, 3.0, 1.0]));
+    fill(&mut world, Sphere { radius: 0.4 }, DVec3::Y * -0.5, boundary, flame);
+    scenes.push(("a flame in haze", world));
+
+    // The camera within a cloud, under a sky.
+    let mut world = World::builder(camera(DVec3::Z * 0.5, DVec3::ZERO));
+    let (boundary, matte) = (interface(&mut world), world.material(Material::diffuse(Rgb::gray(0.5))));
+    fill(&mut world, Sphere { radius: 1.0 }, DVec3::ZERO, boundary, smoke());
+    world.shape(Sphere { radius: 0.2 }, at(DVec3::new(0.1, 0.0, -0.4)), matte, None);
+    world.light(Light::Environment(Environment { radiance: Rgb::new(0.5, 0.7, 1.0) }));
+    scenes.push(("the camera in a cloud", world));
+    scenes
+}
+
+fn shot(scene: Arc<World>, integrator: &dyn Integrator, kind: Kind, seed: u64, spp: u64) -> Image {
+    picture(scene, integrator, FilmSpec::new(EDGE, EDGE), SamplerSpec { kind, spp, seed, ..SamplerSpec::default() })
+}
+
+/// `path`, which finds light by chance, and `nee`, which samples lights and phase functions, converge to the same pictures.
+#[test]
+fn integrators_agree_in_media() {
+    let scenes = scenes();
+    let level = sidak(0.01, scenes.len());
+    for (seed, (name, world)) in (0..).zip(scenes) {
+        let scene = Arc::new(world.build().expect(name));
+        let by_chance = shot(scene.clone(), &Path::default(), Kind::Independent, 2 * seed, 8 * SAMPLES);
+        let by_samples = shot(scene.clone(), &Nee::default(), Kind::Independent, 2 * seed + 1, SAMPLES);
+        let of = |image, samples| SampledImage { image, samples };
+        let found = agreement(of(&by_chance, 8 * SAMPLES), of(&by_samples, SAMPLES), level).expect("two pictures");
+        assert!(found.accepts(), "{name}: {found}");
+    }
+}
+
+/// The bits of a picture.
+fn bits(image: &Image) -> Vec<u32> {
+    image.pixels().flatten().map(f32::to_bits).collect()
+}
+
+/// A scene of other size has the same bits if the media are as much thinner.
+#[test]
+fn size_times_extinction_is_all_that_counts() {
+    let scaled = |exponent: i32| {
+        let scale = 2f64.powi(exponent);
+        let mut world = room(scale);
+        let boundary = interface(&mut world);
+        let by = |s: Spectrum| s * (1.0 / scale) as f32;
+        let smoke = Medium::new(by(spectrum([0.2, 0.5, 0.1])), by(spectrum([1.0, 0.4, 3.0])), Phase::henyey_greenstein(0.6));
+        fill(&mut world, Sphere { radius: 0.6 * scale }, DVec3::ZERO, boundary, smoke);
+        let haze = world.medium(Medium::new(by(gray(0.02)), by(gray(0.2)), Phase::Rayleigh).emitting(gray(0.1)));
+        world.surround(haze);
+        Arc::new(world.build().expect("a room"))
+    };
+    for integrator in [&Path::default() as &dyn Integrator, &Nee::default()] {
+        let wanted = bits(&shot(scaled(0), integrator, Kind::Sobol, 1, 4));
+        for exponent in [-20, -3, 20] {
+            assert!(bits(&shot(scaled(exponent), integrator, Kind::Sobol, 1, 4)) == wanted, "2^{exponent}");
+        }
+    }
+}
+
+/// A picture in media is the same with any number of threads and any tiles.
+#[test]
+fn threads_and_tiles_do_not_matter_in_media() {
+    for (name, world) in scenes() {
+        let scene = Arc::new(world.build().expect(name));
+        let render = |threads: usize, tile: u32| {
+            let mut film = pt::film::MomentFilm::new(FilmSpec::new(EDGE, EDGE));
+            let sampler = SamplerSpec { kind: Kind::Sobol, spp: 4, ..SamplerSpec::default() };
+            let settings = pt::render::Settings { tile, ..pt::render::Settings::new(sampler) };
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| pt::render::render(scene.clone(), &Nee::default(), &mut film, &settings, &pt::render::Silent));
+            bits(&film.image())
+        };
+        let wanted = render(1, 16);
+        assert!(render(2, 5) == wanted && render(3, 1) == wanted, "{name}");
+    }
+}
+
+/// A boundary within a medium changes no path: a cube of smoke cut into slices that touch has the picture of the whole cube, sample by
+/// sample, but for the rounding of lengths.
+#[test]
+fn slices_of_smoke_are_the_whole() {
+    let cut = |slices: u32| {
+        let mut world = room(1.0);
+        let boundary = interface(&mut world);
+        let thickness = 1.0 / f64::from(slices);
+        for k in 0..slices {
+            let z = (f64::from(k) + 0.5) * thickness - 0.5;
+            fill(&mut world, Cuboid { size: [1.0, 1.0, thickness] }, DVec3::Z * z, boundary, smoke());
+        }
+        Arc::new(world.build().expect("slices"))
+    };
+    let whole = shot(cut(1), &Nee::default(), Kind::Sobol, 0, 16);
+    for slices in [2, 5, 12] {
+        let parts = shot(cut(slices), &Nee::default(), Kind::Sobol, 0, 16);
+        let off: f32 = parts.pixels().zip(whole.pixels()).flat_map(|(a, b)| (0..3).map(move |c| (a[c] - b[c]).abs())).sum();
+        let all: f32 = whole.pixels().flatten().sum();
+        // A path that rounding leads past an edge is another path; there are few.
+        assert!(off < 2e-3 * all, "{slices} slices: {off} of {all}");
+    }
+}
+
+/// A box without a medium and without a surface changes nothing, and neither does the way in which a gray medium is written down.
+#[test]
+fn what_is_not_there_does_not_show() {
+    let base = json!({"pt": 1, "camera": {"look_at": {"from": [0, 1, 4], "to": [0, 0.5, 0]}}, "film": {"width": 24, "height": 16},
+        "sampler": {"spp": 4}, "lights": [{"type": "point", "position": [1, 3, 1], "intensity": 20}], "background": {"radiance": 0.1},
+        "shapes": [{"type": "quad", "size": 10, "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": -90}}]}]});
+    let with = |shape: Value| {
+        let mut scene = base.clone();
+        scene["shapes"].as_array_mut().expect("shapes").push(shape);
+        scene
+    };
+    let block = |medium: Value, material: Value| {
+        let mut shape = json!({"type": "box", "size": 1, "center": [0, 0.5, 0]});
+        for (key, value) in [("medium", medium), ("material", material)].into_iter().filter(|(_, value)| !value.is_null()) {
+            shape[key] = value;
+        }
+        with(shape)
+    };
+    let boundary = json!({"type": "interface"});
+    for integrator in ["nee", "path"] {
+        let empty = rendered(&base, integrator);
+        assert!(rendered(&block(Value::Null, boundary.clone()), integrator) == empty, "{integrator}: an interface");
+        let nothing = json!({"type": "homogeneous"});
+        assert!(rendered(&block(nothing, Value::Null), integrator) == empty, "{integrator}: a medium of nothing");
+        let fog = |scattering: Value| block(json!({"type": "homogeneous", "scattering": scattering, "absorption": 0.25}), Value::Null);
+        let gray = rendered(&fog(json!(2)), integrator);
+        assert!(gray == rendered(&fog(json!([2, 2, 2])), integrator) && gray != empty, "{integrator}: a gray medium");
+    }
+}
+
+/// The bits of a scene's picture as the program renders it.
+fn rendered(scene: &Value, integrator: &str) -> Vec<u32> {
+    let (folder, _) = run(scene, &["-i", integrator, "-o", "x.exr"]);
+    bits(&pt::output::exr::read(&folder.path().join("x.exr")).expect("a picture").0)
+}
+
+/// Runs the program on a scene; returns its folder and what it says.
+fn run(scene: &Value, args: &[&str]) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("s.json"), scene.to_string()).expect("written");
+    let mut command = Command::cargo_bin("pt").expect("the program");
+    let run = command.current_dir(folder.path()).args(["s.json", "--progress", "none"]).args(args).assert().success();
+    let output = run.get_output();
+    let said = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned()).concat();
+    (folder, said)
+}
+
+/// What is recorded of a path in media adds up to its radiance, and each vertex follows from the one before: it lies at the recorded
+/// distance in the recorded direction, and a gray medium multiplies the throughput by its albedo.
+#[test]
+fn paths_in_media_are_recorded() {
+    let mut world = room(1.0);
+    let haze = world.medium(Medium::new(gray(0.5), gray(1.5), Phase::henyey_greenstein(0.4)));
+    world.surround(haze);
+    let scene: Arc<dyn Scene> = Arc::new(world.build().expect("a room"));
+    let spec = FilmSpec::new(EDGE, EDGE);
+    let estimator = Nee::default().prepare(scene.clone(), &spec);
+    let sequence = SamplerSpec::default().build();
+    let (mut in_media, mut checked) = (0, 0);
+    for k in 0..2000u32 {
+        let (pixel, aspect) = (UVec2::new(k % EDGE, k / EDGE % EDGE), 1.0);
+        let ray = scene.camera().ray((pixel.as_vec2() + 0.5) / EDGE as f32, aspect, pt::math::Vec2::ZERO, 0.0);
+        let camera = pt::integrator::CameraSample {
+            ray,
+            weight: 1.0,
+            pixel,
+            raster: pixel.as_vec2() + 0.5,
+            known_hit: None,
+            inside: *scene.media().expect("haze").at_camera(),
+            differential: None,
+        };
+        let mut events: Vec<Event> = vec![];
+        let numbers = sequence.sample(pixel, k.into());
+        let mut cx = Context { numbers, recorder: Some(&mut events), interrupt: Interrupt::NEVER, light_path: None };
+        let radiance = estimator.li(&camera, &mut cx);
+        let sum = events.iter().filter_map(|e| if let Event::Light(light) = e { Some(light.value) } else { None });
+        assert_eq!(sum.fold(Spectrum::BLACK, |sum, value| sum + value), radiance);
+        let (mut place, mut direction, mut beta) = (ray.origin, ray.direction, Spectrum::ONE);
+        for event in &events {
+            let (point, distance, wo, arrived, albedo) = match event {
+                Event::Vertex(v) => (v.point, v.distance, v.wo, v.beta, 1.0),
+                Event::Medium(v) => (v.point, v.distance, v.wo, v.beta, 0.75),
+                Event::Scattering(s) => {
+                    (direction, beta) = (s.wi, beta * s.weight * (1.0 / s.survival));
+                    continue;
+                }
+                Event::End { why: End::Absorbed, .. } => break,
+                _ => continue,
+            };
+            assert!((place + direction * distance - point).length() < 1e-4, "{event:?}");
+            assert!((wo + direction).length() < 1e-6, "{event:?}");
+            assert!((arrived - beta * albedo).map(f32::abs).max() < 1e-5 * beta.max(), "{event:?} after {beta:?}");
+            (place, beta) = (point, arrived);
+            in_media += u32::from(albedo < 1.0);
+            checked += 1;
+        }
+    }
+    assert!(in_media > 2000 && checked > in_media, "{in_media} of {checked}");
+}
+
+/// Faults of media, each at its place.
+#[test]
+fn faults_of_media_have_their_place() {
+    assert_fault_in_scene(&[
+        (r#""medium": ^"mist", "media": {"fog": {"type": "homogeneous"}}"#, "/medium: unknown medium \"mist\""),
+        (
+            r#""media": {"fog": {"type": "homogeneous", "phase": {"type": "henyey_greenstein", "g": ^0.9995}}}"#,
+            "/media/fog/phase/g: expected a number from -0.999 to 0.999, found 0.9995",
+        ),
+        (r#""media": {"fog": {"type": "homogeneous", "absorption": ^-1}}"#, "/media/fog/absorption: expected a number from 0 to 1e30"),
+        (r#""media": {"fog": {"type": "homogeneous", "absorption": [0, ^1e31, 0]}}"#, "/media/fog/absorption/1: expected a number"),
+        (r#""media": {"fog": {"type": ^"cloud"}}"#, "/media/fog/type: unknown"),
+        (r#""shapes": [{"type": "quad", ^"medium": {"type": "homogeneous"}}]"#, "/shapes/0/medium: unknown key"),
+        (
+            r#""groups": {"g": [{"type": "sphere", "medium": ^{"type": "homogeneous"}}]}"#,
+            "/groups/g/0/medium: shapes of groups that instances show cannot contain a medium",
+        ),
+        (
+            r#""shapes": [{"type": "sphere", "medium": {"type": "homogeneous"}, "emission": ^1}]"#,
+            "/shapes/0/emission: what is only the boundary of a medium has no surface that could emit",
+        ),
+        (
+            r#""shapes": [{"type": "sphere", "medium": ^{"type": "homogeneous"},
+                "material": {"type": "masked", "surface": {"type": "diffuse"}, "opacity": 0.5}}]"#,
+            "/shapes/0/medium: a shape with holes cannot contain a medium",
+        ),
+        (
+            r#""shapes": [{"type": "sphere", "medium": ^{"type": "homogeneous"},
+                "material": {"type": "dielectric", "absorption": {"color": 0.5, "distance": 1}}}]"#,
+            "/shapes/0/medium: the material has an \"absorption\" of its own",
+        ),
+    ]);
+}
+
+/// Integrators that lack media say so, and those that have them do not; a meter refuses; and a trace names the media of a path.
+#[test]
+fn media_are_told_of() {
+    let scene = json!({"pt": 1, "camera": {"look_at": {"from": [0, 0, 3], "to": [0, 0, 0]}}, "film": {"width": 8, "height": 8},
+        "sampler": {"spp": 1}, "media": {"fog": {"type": "homogeneous", "scattering": 5}}, "background": {"radiance": 1},
+        "meters": [{"type": "irradiance", "position": [0, 2, 0], "normal": [0, 1, 0]}],
+        "shapes": [{"type": "sphere", "medium": "fog"}]});
+    for entry in ALL.iter().filter(|entry| !entry.simulates.is_empty()) {
+        let (_, said) = run(&scene, &["-i", entry.name, "-o", "x.exr"]);
+        let lacks = said.contains("does not simulate") && said.contains("participating media");
+        assert_eq!(lacks, !["path", "nee"].contains(&entry.name), "{}: {said}", entry.name);
+    }
+    let (_, said) = run(&scene, &["--pixel", "4,4", "--sample", "0", "--trace"]);
+    assert!(said.contains("fog (isotropic), at ("), "{said}");
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("s.json"), scene.to_string()).expect("written");
+    let refused = Command::cargo_bin("pt").expect("the program").current_dir(folder.path()).args(["meter", "s.json"]).assert().code(3);
+    let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    assert!(said.contains("participating media"), "{said}");
+}
