@@ -107,6 +107,12 @@ fn rows() -> Vec<Row> {
             &[(ball, json!({ "type": "masked", "surface": matte(json!(0.6)), "opacity": { "type": "threshold", "by": checker } }))],
         ),
         row(Effects::UNSAMPLED_EMITTER, "a solid that glows", &[("/shapes/-", solid(json!(0)))], &[("/shapes/-", solid(json!(3)))]),
+        row(
+            Effects::MEDIA,
+            "haze around everything",
+            &[],
+            &[("/shapes/-", json!({ "type": "box", "size": 40, "medium": { "type": "homogeneous", "scattering": 0.05 } }))],
+        ),
         row(Effects::SMOOTH_SHADOWS, "smooth shadows on a mesh", &[("/shapes/-", pawn(false))], &[("/shapes/-", pawn(true))]),
     ]
 }

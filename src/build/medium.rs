@@ -6,7 +6,7 @@ use super::{Builder, rgb};
 use crate::describe::{self, MediumRef};
 use crate::effects::Effects;
 use crate::math::Spectrum;
-use crate::medium::{Medium, MediumId, Phase};
+use crate::medium::{MOST_DEPTH, Medium, MediumId, Phase};
 use crate::reader::escaped;
 
 impl Builder<'_> {
@@ -20,10 +20,33 @@ impl Builder<'_> {
             return *known;
         }
         // Scenes that name unknown media are refused.
-        let built = self.scene.medium(chosen).map_or_else(|| Medium::new(Spectrum::BLACK, Spectrum::BLACK, Phase::Isotropic), built);
+        let built = match self.scene.medium(chosen) {
+            None => Medium::new(Spectrum::BLACK, Spectrum::BLACK, Phase::Isotropic),
+            Some(described) => {
+                let (at, built) = (format!("{key}/density"), built(described));
+                match described.density().and_then(|density| self.density(&at, density)) {
+                    Some(density) => self.checked(&at, built.with_density(density)),
+                    None => built,
+                }
+            }
+        };
         let id = self.world.medium(built);
         self.media.insert(key, id);
         id
+    }
+
+    /// A medium with a density, after adding a fault if it is too dense.
+    fn checked(&mut self, pointer: &str, medium: Medium) -> Medium {
+        let per_metre = f64::from(medium.extinction().max());
+        let depth = medium.density().map_or(0.0, |density| density.most_per_cell() * per_metre);
+        if depth > MOST_DEPTH {
+            let message = format!(
+                "an optical depth of {depth:.1e} within a few values of the density, expected at most {MOST_DEPTH:e}: make the \
+                 coefficients or the density smaller"
+            );
+            self.fault(pointer, &message);
+        }
+        medium
     }
 
     /// The names of the media, in the order in which they were built. A medium without a name has its JSON pointer instead.
@@ -44,12 +67,15 @@ impl Builder<'_> {
     }
 }
 
+/// A described medium, without its density.
 fn built(described: &describe::Medium) -> Medium {
-    let describe::Medium::Homogeneous(medium) = described;
-    let absorption = Spectrum::from_coefficients(rgb(&medium.absorption));
-    let scattering = Spectrum::from_coefficients(rgb(&medium.scattering));
-    let built = Medium::new(absorption, scattering, phase(&medium.phase)).with_priority(medium.priority);
-    built.emitting(Spectrum::from_illuminant(rgb(&medium.emission)))
+    let (absorption, scattering, emission, described_phase, priority) = match described {
+        describe::Medium::Homogeneous(m) => (&m.absorption, &m.scattering, &m.emission, &m.phase, m.priority),
+        describe::Medium::Heterogeneous(m) => (&m.absorption, &m.scattering, &m.emission, &m.phase, m.priority),
+    };
+    let [absorption, scattering] = [absorption, scattering].map(|color| Spectrum::from_coefficients(rgb(color)));
+    let built = Medium::new(absorption, scattering, phase(described_phase)).with_priority(priority);
+    built.emitting(Spectrum::from_illuminant(rgb(emission)))
 }
 
 fn phase(described: &describe::Phase) -> Phase {

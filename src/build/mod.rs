@@ -2,6 +2,7 @@
 
 mod background;
 mod camera;
+mod density;
 mod field;
 mod instances;
 mod lamps;

@@ -11,7 +11,7 @@ use super::cycles;
 use super::field_check;
 use super::film::Film;
 use super::light::{DirectionalLight, Light, PointLight, SpotLight};
-use super::medium::MediumRef;
+use super::medium::{Density, Medium, MediumRef};
 use super::scene::Scene;
 use super::shape::{Instances, Mesh, Sdf, Shape};
 use super::{Material, MaterialRef};
@@ -44,6 +44,9 @@ pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
         checker.shapes(&format!("/groups{}", escaped(name)), shapes);
     }
     checker.shapes("/shapes", &scene.shapes);
+    for (name, medium) in &scene.media {
+        checker.density(&format!("/media{}", escaped(name)), medium);
+    }
     scene.medium.iter().for_each(|medium| checker.medium_ref("/medium", medium));
     for (i, light) in scene.lights.iter().enumerate() {
         match light {
@@ -281,7 +284,32 @@ impl Checker<'_> {
             MediumRef::Named(name) if !self.scene.media.contains_key(name) => {
                 self.unknown_name(pointer, "medium", name, self.scene.media.keys());
             }
-            _ => {}
+            MediumRef::Named(_) => {}
+            MediumRef::Inline(medium) => self.density(pointer, medium),
+        }
+    }
+
+    /// Checks how the density of a medium varies.
+    fn density(&self, pointer: &str, medium: &Medium) {
+        let Some(density) = medium.density() else { return };
+        let at = |key: &str| format!("{pointer}/density/{key}");
+        self.transform(&at("transform"), density.transform());
+        if let Some((pointer, message)) = density.bounds().and_then(|bounds| field_check::sides(&at("bounds"), bounds)) {
+            self.fault(&pointer, message);
+        }
+        let Density::Grid(grid) = density else { return };
+        match (&grid.file, &grid.values, grid.size) {
+            (None, None, _) => self.fault(&format!("{pointer}/density"), "expected a \"file\", or \"size\" and \"values\""),
+            (Some(_), Some(_), _) => self.fault(&at("values"), "give a file or values, not both"),
+            (None, Some(_), None) => self.fault(&at("values"), "expected a \"size\": the number of values along x, y and z"),
+            (None, Some(values), Some(size)) => {
+                let count: u128 = size.iter().map(|side| u128::from(side.get())).product();
+                if count != values.len() as u128 {
+                    let size = size.map(|side| side.get().to_string()).join(" × ");
+                    self.fault(&at("values"), format!("expected {size} = {count} values, found {}", values.len()));
+                }
+            }
+            (Some(_), None, _) => {}
         }
     }
 

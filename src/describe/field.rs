@@ -291,7 +291,7 @@ pub struct SdfPart {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
-    /// One corner, in the shape's own space, in metres.
+    /// One corner, in metres: in the shape's own space, or before the transform of a density.
     pub low: Point,
     /// The corner opposite to `low`, in metres; its coordinates are larger.
     pub high: Point,

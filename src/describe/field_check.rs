@@ -30,6 +30,13 @@ enum Thickness {
     FromExtrusion,
 }
 
+/// Says what is wrong with the corners of a box, with its JSON pointer.
+pub(super) fn sides(pointer: &str, sides: &impl Sides) -> Option<(String, String)> {
+    let axis = sides.sides().into_iter().position(|side| side <= 0.0)?;
+    let [low, high] = sides.corners().map(|corner| corner.0[axis]);
+    Some((format!("{pointer}/high/{axis}"), format!("expected a number above {low}, that of low, found {high}")))
+}
+
 struct Checker(Vec<(String, String)>);
 
 impl Checker {
@@ -92,11 +99,8 @@ impl Checker {
         }
     }
 
-    fn sides(&mut self, pointer: &str, sides: &impl Sides) {
-        if let Some(axis) = sides.sides().into_iter().position(|side| side <= 0.0) {
-            let [low, high] = sides.corners().map(|corner| corner.0[axis]);
-            self.fault(format!("{pointer}/high/{axis}"), format!("expected a number above {low}, that of low, found {high}"));
-        }
+    fn sides(&mut self, pointer: &str, box_: &impl Sides) {
+        self.0.extend(sides(pointer, box_));
     }
 
     fn thick(&mut self, pointer: &str, key: &str, radius: f64, thickness: Thickness) {

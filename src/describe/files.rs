@@ -7,15 +7,19 @@ use std::collections::BTreeMap;
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
+use glam::UVec3;
+
 use super::file::open;
 use super::identity::of_bytes as hash_of;
 use super::ies;
 use super::light::Light;
+use super::medium::{Density, Medium, MediumRef};
 use super::mesh;
 use super::mesh::points::{self, InstancePoint};
 use super::picture;
 use super::scene::Scene;
 use super::shape::Shape;
+use super::volume::{self, Volume};
 use super::{Material, MaterialRef};
 use crate::format::{Channel, Encoding, Texture, Textured};
 use crate::light::IntensityProfile;
@@ -104,6 +108,15 @@ impl Files {
         Ok((profile, warnings, hash_of(&content)))
     }
 
+    /// Reads the grid of numbers in the file of that name, as [`volume::read`] does, and the hash of the file.
+    ///
+    /// # Errors
+    /// Those of [`volume::read`] and of [`Files::bytes`].
+    pub fn volume(&self, name: &str, size: Option<UVec3>) -> Result<(Volume, Hash)> {
+        let content = self.bytes(name)?;
+        Ok((volume::read(&content, name, size)?, hash_of(&content)))
+    }
+
     /// Says what is wrong with the name of a file; `None` if the scene may read it.
     ///
     /// The text of the path is checked first, so that no message tells what exists outside of the folder. Then the file system is
@@ -140,6 +153,8 @@ pub fn files_of(scene: &Scene) -> Vec<(String, &str)> {
     let mut files = Named(vec![]);
     scene.textures.iter().for_each(|(name, texture)| files.texture(&format!("/textures{}", escaped(name)), texture));
     scene.materials.iter().for_each(|(name, material)| files.material(&format!("/materials{}", escaped(name)), material));
+    scene.media.iter().for_each(|(name, medium)| files.medium(&format!("/media{}", escaped(name)), medium));
+    files.medium_ref("/medium", scene.medium.as_ref());
     scene.groups.iter().for_each(|(name, shapes)| files.shapes(&format!("/groups{}", escaped(name)), shapes));
     files.shapes("/shapes", &scene.shapes);
     for (i, light) in scene.lights.iter().enumerate() {
@@ -217,6 +232,7 @@ impl<'s> Named<'s> {
             if let Some(texture) = shape.emission().and_then(|emission| emission.texture.as_ref()) {
                 self.textured(&format!("{pointer}/emission/texture"), texture);
             }
+            self.medium_ref(&format!("{pointer}/medium"), shape.medium());
             match shape {
                 Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes),
                 Shape::Mesh(mesh) => {
@@ -244,6 +260,17 @@ impl<'s> Named<'s> {
                 Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) | Shape::Box(_) => {}
             }
         }
+    }
+
+    fn medium_ref(&mut self, pointer: &str, medium: Option<&'s MediumRef>) {
+        if let Some(MediumRef::Inline(medium)) = medium {
+            self.medium(pointer, medium);
+        }
+    }
+
+    fn medium(&mut self, pointer: &str, medium: &'s Medium) {
+        let file = medium.density().and_then(Density::file);
+        self.0.extend(file.map(|file| (format!("{pointer}/density/file"), file)));
     }
 
     fn material_ref(&mut self, pointer: &str, material: &'s MaterialRef) {

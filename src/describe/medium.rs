@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::format::{Asymmetry, Coefficient, Color, Fraction, Radiometric};
+use super::field::Bounds;
+use crate::format::{
+    Asymmetry, Coefficient, Color, Fraction, NonNegative, Octaves, Positive, Radiometric, Real, Resolution, Side, Transform,
+};
 use crate::reader::{by_kind, by_type};
 
 /// A participating medium: it absorbs, scatters or emits light in the space between surfaces.
@@ -12,9 +15,20 @@ use crate::reader::{by_kind, by_type};
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Medium {
     Homogeneous(Homogeneous),
+    Heterogeneous(Heterogeneous),
 }
 
-by_type!(Medium { Homogeneous(Homogeneous) });
+by_type!(Medium { Homogeneous(Homogeneous), Heterogeneous(Heterogeneous) });
+
+impl Medium {
+    /// How the density varies, if it does.
+    pub fn density(&self) -> Option<&Density> {
+        match self {
+            Medium::Homogeneous(_) => None,
+            Medium::Heterogeneous(medium) => Some(&medium.density),
+        }
+    }
+}
 
 /// A medium that is the same everywhere. A ray of light keeps the share exp(−(absorption + scattering) · length) of its radiance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -36,6 +50,153 @@ pub struct Homogeneous {
     /// Where shapes with media overlap, the medium with the lowest priority number counts; of equal ones that of the smaller shape.
     #[serde(default)]
     pub priority: i32,
+}
+
+/// A medium whose density varies from place to place. The coefficients are those where the density is 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Heterogeneous {
+    /// σa, the share of the light that is absorbed on a short length, per metre.
+    #[serde(default = "none")]
+    pub absorption: Color<Coefficient>,
+    /// σs, the share of the light that is scattered on a short length, per metre.
+    #[serde(default = "none")]
+    pub scattering: Color<Coefficient>,
+    /// The radiance Le that the medium would have if it were opaque and did not scatter, in W·m⁻²·sr⁻¹.
+    #[serde(default = "dark")]
+    pub emission: Color<Radiometric>,
+    /// The directions of scattered light.
+    #[serde(default)]
+    pub phase: Phase,
+    /// Where shapes with media overlap, the medium with the lowest priority number counts; of equal ones that of the smaller shape.
+    #[serde(default)]
+    pub priority: i32,
+    /// The factor of the coefficients at each point.
+    pub density: Density,
+}
+
+/// How dense a medium is at each point of the world.
+#[allow(missing_docs, reason = "a variant's meaning is that of its struct, whose text the schema takes")]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Density {
+    Grid(GridDensity),
+    Noise(NoiseDensity),
+    Exponential(ExponentialDensity),
+}
+
+by_type!(Density { Grid(GridDensity), Noise(NoiseDensity), Exponential(ExponentialDensity) });
+
+impl Density {
+    /// The file that it is read from.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            Density::Grid(grid) => grid.file.as_deref(),
+            Density::Noise(_) | Density::Exponential(_) => None,
+        }
+    }
+
+    /// The box outside of which the density is 0, if the scene says it.
+    pub fn bounds(&self) -> Option<&Bounds> {
+        match self {
+            Density::Grid(grid) => grid.bounds.as_ref(),
+            Density::Noise(noise) => noise.bounds.as_ref(),
+            Density::Exponential(air) => air.bounds.as_ref(),
+        }
+    }
+
+    /// The steps that place the box in the world.
+    pub fn transform(&self) -> &Transform {
+        match self {
+            Density::Grid(grid) => &grid.transform,
+            Density::Noise(noise) => &noise.transform,
+            Density::Exponential(air) => &air.transform,
+        }
+    }
+}
+
+/// Numbers on a grid in a box, linear between them along each axis. Outside of the box the density is 0.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GridDensity {
+    /// A file with the numbers, relative to the scene file's folder: a `.vol` file of Mitsuba with one channel of 32-bit floats, a `.pbrt`
+    /// file with one medium of type "uniformgrid", or else 32-bit floats, little-endian, x fastest, whose `size` is given here.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// The number of values along x, y and z, for `values` and for files that do not tell it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<[Side; 3]>,
+    /// The numbers themselves instead of a file: x varies fastest, then y, then z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub values: Option<Vec<Coefficient>>,
+    /// Where in the box the values are.
+    #[serde(default)]
+    pub values_at: ValuesAt,
+    /// The box, before the transform. Default: that of the file, or else from (0, 0, 0) to (1, 1, 1).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<Bounds>,
+    /// The steps that place the box in the world, the first acting first. Shapes around it do not move it.
+    #[serde(default)]
+    pub transform: Transform,
+}
+
+/// A cloud: noise in a box, thinner away from its middle.
+///
+/// The density is offset + amplitude · fbm(p / size) − falloff · r², limited to 0 to 1, where fbm is a sum of octaves of gradient noise and r
+/// the distance from the middle of the box, which is 1 at the middle of each side. It is computed on a grid once, and is linear between
+/// the values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NoiseDensity {
+    /// The size of the largest lumps, in metres before the transform.
+    #[serde(default = "quarter")]
+    pub size: Positive,
+    /// The number of octaves. Each has half the size and half the strength of the one before.
+    #[serde(default = "five")]
+    pub octaves: Octaves,
+    /// The strength of the noise, which lies between about −1 and 1.
+    #[serde(default = "one")]
+    pub amplitude: NonNegative,
+    /// The density in the middle without noise.
+    #[serde(default = "half")]
+    pub offset: Real,
+    /// How much the density without noise falls from the middle of the box to the middle of its sides.
+    #[serde(default = "one")]
+    pub falloff: NonNegative,
+    /// The number of values along the longest side of the box.
+    #[serde(default = "fine")]
+    pub resolution: Resolution,
+    /// The box, before the transform. Default: from (0, 0, 0) to (1, 1, 1).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<Bounds>,
+    /// The steps that place the box in the world, the first acting first. Shapes around it do not move it.
+    #[serde(default)]
+    pub transform: Transform,
+}
+
+/// Fog near the ground, or air: the density is 1 at the bottom of a box, and e^(−height / scale_height) above it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExponentialDensity {
+    /// The height over which the density falls to 1/e, in metres before the transform. Up is +y.
+    pub scale_height: Positive,
+    /// The box, before the transform; outside of it the density is 0. Default: from (0, 0, 0) to (1, 1, 1).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<Bounds>,
+    /// The steps that place the box in the world, the first acting first. Shapes around it do not move it.
+    #[serde(default)]
+    pub transform: Transform,
+}
+
+/// Where in a box the values of a grid are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ValuesAt {
+    /// In the centres of equal cells, as in files of Mitsuba and pbrt. From the outermost ones to the sides of the box the density is constant.
+    #[default]
+    Centers,
+    /// In the corners of equal cells: the outermost values lie on the sides of the box.
+    Corners,
 }
 
 /// A phase function: how much light is scattered by which angle.
@@ -97,6 +258,26 @@ impl Default for Phase {
     fn default() -> Phase {
         Phase::Isotropic(Isotropic {})
     }
+}
+
+fn one() -> NonNegative {
+    NonNegative::known(1.0)
+}
+
+fn half() -> Real {
+    Real::known(0.5)
+}
+
+fn quarter() -> Positive {
+    Positive::known(0.25)
+}
+
+fn five() -> Octaves {
+    Octaves::known(5)
+}
+
+fn fine() -> Resolution {
+    Resolution::known(128)
 }
 
 fn none() -> Color<Coefficient> {

@@ -31,6 +31,7 @@ mod sampler;
 mod scene;
 mod schema;
 mod shape;
+pub mod volume;
 
 pub use crate::bsdf::description::*;
 pub use crate::format::*;

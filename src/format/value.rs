@@ -175,6 +175,8 @@ ranged! {
     Side: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(65536.0);
     /// A number of samples in each pixel.
     SamplesPerPixel: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(u32::MAX as f64);
+    /// A number of values along one side of a grid that is computed.
+    Resolution: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(256.0);
     /// The number of octaves of noise that are summed.
     Octaves: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(16.0);
     /// The version of the scene format.

@@ -31,6 +31,6 @@ pub fn sample_light<I: Interaction, S: Space>(
     if f.is_black() {
         return None;
     }
-    let passed = space.transmittance(scene, &at.shadow_ray(light.wi, &light.target, time))?;
+    let passed = space.transmittance(scene, &at.shadow_ray(light.wi, &light.target, time), dimension, numbers)?;
     Some((f * passed * light.weight(), light))
 }

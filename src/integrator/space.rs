@@ -5,20 +5,22 @@
 mod distances;
 mod flight;
 mod stretches;
+mod tracking;
 mod way;
 
 use std::ops::ControlFlow;
 
 use self::flight::Flight;
 use self::stretches::{Stretch, stretches};
+use self::tracking::Collision;
 use self::way::Way;
 use super::{CameraPath, CameraSample};
 use crate::math::{Ray, Spectrum, Vec3};
-use crate::medium::{Boundaries, Inside, transmittance};
+use crate::medium::{Boundaries, Density, Inside, Media, Medium, transmittance};
 use crate::primitive::Hit;
 use crate::recorder::{Event, Origin, Recorder};
-use crate::sampler::SampleNumbers;
 use crate::sampler::dimension::{self, Use};
+use crate::sampler::{SampleNumbers, Stream};
 use crate::scene::{MediumPoint, Scene, Surface};
 
 /// Space in which a path is: what lies between its vertices, and what it needs to know of that.
@@ -62,8 +64,11 @@ pub trait Space: Send + Sync + 'static {
     /// Takes note of the direction in which the path leaves its vertex.
     fn leave(&mut self, wi: Vec3);
 
-    /// Share of the light that passes along a ray from the vertex of the path to the end of the ray; `None` if none does.
-    fn transmittance(&self, scene: &dyn Scene, ray: &Ray) -> Option<Spectrum>;
+    /// Share of the light that passes along a ray from the vertex of the path to the end of the ray, or an estimate of it; `None` if none
+    /// does.
+    ///
+    /// - `dimension`: dimension whose stream of random numbers the estimate may use
+    fn transmittance(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Option<Spectrum>;
 }
 
 /// Empty space: light passes from surface to surface.
@@ -111,7 +116,7 @@ impl Space for Vacuum {
     fn leave(&mut self, _: Vec3) {}
 
     #[inline(always)]
-    fn transmittance(&self, scene: &dyn Scene, ray: &Ray) -> Option<Spectrum> {
+    fn transmittance(&self, scene: &dyn Scene, ray: &Ray, _: u32, _: &SampleNumbers) -> Option<Spectrum> {
         scene.transmittance(ray)
     }
 }
@@ -155,26 +160,14 @@ impl Space for Filled {
     ) -> Option<MediumPoint<'s>> {
         let media = scene.media()?;
         let (ray, depth) = (path.ray, path.depth);
-        let mut flight = None;
+        let mut travel = Travel { path, recorder, media, flight: None, tentative: None, numbers };
         let visit = |stretch: &Stretch<'s>| {
             let Some((id, medium)) = stretch.medium else { return ControlFlow::Continue(()) };
-            let length = stretch.length;
-            if medium.emits() {
-                path.add_emission(medium.emitted(length), recorder, Origin::medium);
-            }
-            if !medium.scatters() {
-                path.beta *= transmittance(medium.depth(length));
-                return ControlFlow::Continue(());
-            }
-            let flight = flight.get_or_insert_with(|| Flight::new(media, path.beta, numbers.get_1d(dimension::vertex(depth, Use::Medium))));
-            let extinction = medium.extinction().coefficients()[flight.channel];
-            let reach = if extinction > 0.0 { flight.left / extinction } else { f32::INFINITY };
-            if reach >= length {
-                path.beta *= flight.pass(medium, length);
-                return ControlFlow::Continue(());
-            }
-            path.beta *= flight.scattered(medium, reach);
-            ControlFlow::Break((id, medium, stretch.start + reach))
+            let scattered = match medium.density() {
+                Some(density) => travel.through_density(medium, density, stretch),
+                None => travel.through(medium, stretch),
+            };
+            scattered.map_break(|length| (id, medium, length))
         };
         let t_max = hit.map_or(f32::INFINITY, |hit| hit.t);
         let ControlFlow::Break((id, medium, length)) = stretches(scene, media, &mut self.inside, &ray, t_max, visit) else { return None };
@@ -217,16 +210,91 @@ impl Space for Filled {
         self.has_point_on_way = false;
     }
 
-    fn transmittance(&self, scene: &dyn Scene, ray: &Ray) -> Option<Spectrum> {
+    fn transmittance(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Option<Spectrum> {
         let unoccluded = scene.transmittance(ray)?;
         let Some(media) = scene.media() else { return Some(unoccluded) };
-        let mut depth = Spectrum::BLACK;
+        let (mut depth, mut passed, mut stream) = (Spectrum::BLACK, Spectrum::ONE, None);
         let add = |stretch: &Stretch| {
-            depth += stretch.medium.map_or(Spectrum::BLACK, |(_, medium)| medium.depth(stretch.length));
-            ControlFlow::<()>::Continue(())
+            match stretch.medium.map(|(_, medium)| (medium, medium.density())) {
+                None => {}
+                Some((medium, None)) => depth += medium.depth(stretch.length),
+                Some((medium, Some(density))) => {
+                    let stream = stream.get_or_insert_with(|| numbers.stream(dimension));
+                    passed *= tracking::ratio(medium, density, ray, stretch, stream);
+                }
+            }
+            if passed.is_black() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let _ = stretches(scene, media, &mut self.beyond(ray.direction), ray, ray.t_max, add);
-        let passed = transmittance(depth);
+        passed *= transmittance(depth);
         (!passed.is_black()).then_some(passed)
+    }
+}
+
+/// A path on its way to the next surface.
+struct Travel<'t, 'n, R: ?Sized> {
+    path: &'t mut CameraPath,
+    recorder: &'t mut R,
+    media: &'t Media,
+    /// How far the path goes; from the first medium that scatters on.
+    flight: Option<Flight>,
+    /// Numbers for tentative collisions; from the first medium with a density on.
+    tentative: Option<Stream>,
+    numbers: &'t mut SampleNumbers<'n>,
+}
+
+impl<R: Recorder + ?Sized> Travel<'_, '_, R> {
+    /// Dimension of the way.
+    fn dimension(&self) -> u32 {
+        dimension::vertex(self.path.depth, Use::Medium)
+    }
+
+    fn flight(&mut self) -> &mut Flight {
+        let (dimension, beta) = (self.dimension(), self.path.beta);
+        self.flight.get_or_insert_with(|| Flight::new(self.media, beta, self.numbers.get_1d(dimension)))
+    }
+
+    /// Goes through a medium whose density is 1. Breaks with the length of the whole way if the path is scattered (m).
+    fn through(&mut self, medium: &Medium, stretch: &Stretch) -> ControlFlow<f32> {
+        let length = stretch.length;
+        if medium.emits() {
+            self.path.add_emission(medium.emitted(length), self.recorder, Origin::medium);
+        }
+        if !medium.scatters() {
+            self.path.beta *= transmittance(medium.depth(length));
+            return ControlFlow::Continue(());
+        }
+        let flight = self.flight();
+        let extinction = medium.extinction().coefficients()[flight.channel];
+        let reach = if extinction > 0.0 { flight.left / extinction } else { f32::INFINITY };
+        let is_scattered = reach < length;
+        let weight = if is_scattered { flight.scattered(medium, reach) } else { flight.pass(medium, length) };
+        self.path.beta *= weight;
+        if is_scattered { ControlFlow::Break(stretch.start + reach) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Goes through a medium whose density varies. Breaks with the length of the whole way if the path is scattered (m).
+    fn through_density(&mut self, medium: &Medium, density: &Density, stretch: &Stretch) -> ControlFlow<f32> {
+        let mut stream = self.tentative.take().unwrap_or_else(|| self.numbers.stream(self.dimension()));
+        let ray = self.path.ray;
+        let end = tracking::collisions(medium, density, &ray, stretch, &mut stream, |Collision { length, real }, numbers| {
+            if medium.emits() {
+                self.path.add_emission(medium.emission() * real, self.recorder, Origin::medium);
+            }
+            if !medium.scatters() {
+                self.path.beta *= Spectrum::ONE - real;
+                return if self.path.beta.is_black() { ControlFlow::Break(None) } else { ControlFlow::Continue(()) };
+            }
+            let flight = self.flight();
+            let is_scattered = numbers.next_1d() < real.coefficients()[flight.channel];
+            let weight = if is_scattered { flight.collided(medium, real) } else { flight.missed(medium, real) };
+            self.path.beta *= weight;
+            if is_scattered { ControlFlow::Break(Some(length)) } else { ControlFlow::Continue(()) }
+        });
+        self.tentative = Some(stream);
+        match end {
+            ControlFlow::Break(Some(length)) => ControlFlow::Break(length),
+            ControlFlow::Break(None) | ControlFlow::Continue(()) => ControlFlow::Continue(()),
+        }
     }
 }

@@ -1,19 +1,30 @@
 //! Participating media: what fills the space between surfaces and absorbs, scatters or emits light on its way, such as fog, milk and
 //! coloured water.
 //!
-//! [`Medium`] has the coefficients, [`Phase`] the directions into which it scatters, and [`Media`] says where which medium is.
+//! [`Medium`] has the coefficients, [`Density`] how they vary, [`Phase`] the directions into which light is scattered, and [`Media`] says
+//! where which medium is.
 
+mod density;
+mod grid;
+mod majorants;
 mod media;
 mod phase;
 
+use glam::DVec3;
+
 use crate::math::{Spectrum, float};
 
+pub use density::{Density, MOST_DEPTH, MOST_VALUES, value_count};
+pub use grid::{Grid, Places};
+pub use majorants::{Line, Segment};
 pub use media::{Body, Boundaries, Boundary, Inside, InterfaceCrossing, MOST_BODIES, MOST_NESTED, Media};
 pub use phase::{MOST_ASYMMETRY, Phase};
 
-/// Medium with the same coefficients everywhere.
+/// Medium: its coefficients, and its density, by which they are multiplied.
 ///
-/// dL/ds = −(σa + σs) L + σa Le + σs ∫ p(ω, ω') L(ω') dω'
+/// dL/ds = ρ [ −(σa + σs) L + σa Le + σs ∫ p(ω, ω') L(ω') dω' ]
+///
+/// Without a density, ρ is 1 everywhere.
 ///
 /// Source: Chandrasekhar, *Radiative Transfer* (1960), §1.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +41,8 @@ pub struct Medium {
     pub priority: i32,
     /// Whether the extinction is equal for all wavelengths.
     is_gray: bool,
+    /// ρ; `None` where it is 1 everywhere.
+    density: Option<Box<Density>>,
 }
 
 /// Index of a medium among the media of its scene.
@@ -44,7 +57,7 @@ impl Medium {
     pub fn new(absorption: Spectrum, scattering: Spectrum, phase: Phase) -> Medium {
         let extinction = absorption + scattering;
         let is_gray = extinction.min() == extinction.max();
-        Medium { extinction, scattering, emission: Spectrum::BLACK, phase, priority: 0, is_gray }
+        Medium { extinction, scattering, emission: Spectrum::BLACK, phase, priority: 0, is_gray, density: None }
     }
 
     /// The medium with an emission of its own.
@@ -61,12 +74,28 @@ impl Medium {
         Medium { priority, ..self }
     }
 
-    /// σa + σs (m⁻¹).
+    /// The medium with a density that varies.
+    pub fn with_density(self, density: Density) -> Medium {
+        Medium { density: Some(Box::new(density)), ..self }
+    }
+
+    /// The medium in coordinates whose origin is at `origin` (m).
+    pub(crate) fn recentred(self, origin: DVec3) -> Medium {
+        Medium { density: self.density.map(|density| Box::new(density.recentred(origin))), ..self }
+    }
+
+    /// Density; `None` where it is 1 everywhere.
+    #[inline]
+    pub fn density(&self) -> Option<&Density> {
+        self.density.as_deref()
+    }
+
+    /// σa + σs (m⁻¹), where the density is 1.
     pub fn extinction(&self) -> Spectrum {
         self.extinction
     }
 
-    /// σs (m⁻¹).
+    /// σs (m⁻¹), where the density is 1.
     pub fn scattering(&self) -> Spectrum {
         self.scattering
     }
@@ -91,7 +120,12 @@ impl Medium {
         !self.emission.is_black()
     }
 
-    /// τ = (σa + σs) s, the optical depth over a length; 0 without extinction, even if the length is infinite.
+    /// σa Le / (σa + σs) [W·m⁻²·sr⁻¹].
+    pub fn emission(&self) -> Spectrum {
+        self.emission
+    }
+
+    /// τ = (σa + σs) s, the optical depth over a length where the density is 1; 0 without extinction, even if the length is infinite.
     ///
     /// - `length`: s (m)
     #[inline]
@@ -99,7 +133,7 @@ impl Medium {
         self.extinction.map(|extinction| optical_depth(extinction, length))
     }
 
-    /// Radiance that the medium emits along a length, less what it absorbs and scatters of that: (1 − e^(−τ)) σa Le / (σa + σs).
+    /// Radiance that the medium emits along a length where the density is 1, less what it absorbs and scatters of that: (1 − e^(−τ)) σa Le / (σa + σs).
     pub fn emitted(&self, length: f32) -> Spectrum {
         self.emission.zip(self.depth(length), |emission, depth| emission * -float::exp_m1_f64(-f64::from(depth)) as f32)
     }

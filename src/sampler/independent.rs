@@ -35,6 +35,22 @@ impl Sampler for Independent {
     }
 }
 
+/// Independent uniform numbers in [0, 1) without an end.
+#[derive(Clone, Debug)]
+pub struct Stream(Xoshiro256PlusPlus);
+
+impl Stream {
+    pub(super) fn new(seed: u64) -> Stream {
+        Stream(Xoshiro256PlusPlus::seed_from_u64(seed))
+    }
+
+    /// The next number.
+    #[inline]
+    pub fn next_1d(&mut self) -> f32 {
+        unit_f32((self.0.next_u64() >> 32) as u32)
+    }
+}
+
 /// The block of one sample's numbers that was asked for last. The stream of a block is computed once for all its numbers.
 #[derive(Clone, Copy, Default)]
 pub struct Block {

@@ -14,7 +14,7 @@ mod stratified;
 use glam::{UVec2, Vec2};
 
 pub use halton::Halton;
-pub use independent::Independent;
+pub use independent::{Independent, Stream};
 pub use many::{BatchNumbers, NumberLanes};
 pub use sequence::{SampleNumbers, Sequence};
 pub use sobol::Sobol;

@@ -2,7 +2,8 @@
 
 use glam::{UVec2, Vec2};
 
-use super::independent::Block;
+use super::hash::{dimension_key, mix};
+use super::independent::{Block, Stream};
 use super::{Halton, Independent, SampleKey, Sampler, Sobol, Stratified};
 
 /// Sampler with its settings, shared by all threads.
@@ -58,6 +59,13 @@ impl SampleNumbers<'_> {
     /// Key from which the numbers are computed.
     pub fn key(&self) -> SampleKey {
         self.key
+    }
+
+    /// Independent numbers without an end, for uses that cannot say beforehand how many they need. They belong to a dimension, and are other
+    /// numbers than that of [`SampleNumbers::get_1d`].
+    pub fn stream(&self, dimension: u32) -> Stream {
+        // The hash of some samplers is that of the pixel alone.
+        Stream::new(dimension_key(mix(!self.key.hash) ^ mix(self.key.index), dimension))
     }
 
     /// Number of a dimension.

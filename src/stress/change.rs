@@ -310,8 +310,12 @@ fn place_materials(value: &mut Value, place: &Similarity) {
                     None => ["from", "to"].into_iter().for_each(|key| multiply(height, key, place.scale)),
                 }
             }
-            if members.get("type").is_some_and(|kind| kind == "homogeneous") {
+            if members.get("type").is_some_and(|kind| kind == "homogeneous" || kind == "heterogeneous") {
                 ["absorption", "scattering"].into_iter().for_each(|key| divide_color(members, key, place.scale));
+            }
+            if let Some(Value::Object(density)) = members.get_mut("density") {
+                let steps = density.entry("transform").or_insert_with(|| json!([]));
+                steps.as_array_mut().expect("a transform").push(place.step());
             }
             if let Some(absorption) = members.get_mut("absorption").filter(|absorption| absorption.is_object()) {
                 multiply(absorption, "distance", place.scale);

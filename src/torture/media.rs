@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, UVec3, Vec3};
 
 use super::radiance::{Depth, KnownRadiance, at, black, facing, glow, gray, picture, probe, room};
 use super::{Answer, Row};
@@ -12,7 +12,7 @@ use crate::integrators::nee::Nee;
 use crate::light::{Directional, Environment, Light, Point};
 use crate::math::float::ROUNDING;
 use crate::math::{Rgb, Spectrum, Transform};
-use crate::medium::{Medium, Phase};
+use crate::medium::{Density, Grid, Medium, Phase, Places};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::shape::{Cuboid, Quad, Sphere};
 use crate::world::{World, WorldBuilder};
@@ -34,6 +34,7 @@ pub fn rows() -> Vec<Row> {
         mean("V9", "media within each other, and by priority", nested()),
         mean("V10", "light that slabs reflect and transmit in all", slabs()),
         slices(),
+        mean("V12", "media whose density varies: ramps, slabs, and media that vanish or glow", densities()),
     ]
 }
 
@@ -302,6 +303,52 @@ fn slices() -> Row {
             image.rgb(0, 0)[0].into()
         })
     })
+}
+
+/// A density of two values along z in a box of width [`WIDE`] below the plane z = 0.
+fn ramp(thickness: f64, values: [f32; 2], places: Places) -> Density {
+    let size = DVec3::new(WIDE, WIDE, thickness);
+    let placed = Transform::translate(DVec3::new(-0.5, -0.5, -1.0)).and_then(|below| Ok(below.then(&Transform::scale(size)?)));
+    Density::new(Grid::new(UVec3::new(1, 1, 2), values.into(), places), &placed.expect("a box"))
+}
+
+/// V12. With a density, the same laws hold for its integral.
+///
+/// The lower half of a ramp from 0 to 1 over a thickness of d has the optical depth σ d/8 with values in the corners of the grid, σ d/16 with
+/// values in its centres (and 0 without interpolation).
+fn densities() -> Vec<KnownRadiance> {
+    let mut scenes = vec![];
+    for (places, name, share) in [(Places::Corners, "corners", 8.0), (Places::Centers, "centres", 16.0)] {
+        let mut world = World::builder(probe(DVec3::Z * 4.0, DVec3::ZERO));
+        let ramp = medium(4.0, 0.0, Phase::Isotropic).with_density(ramp(2.0, [1.0, 0.0], places));
+        let (material, medium) = (world.material(interface()), world.medium(ramp));
+        world.shape(Cuboid { size: [4.0, 4.0, 1.0] }, at(DVec3::Z * -0.5), material, None);
+        world.fill(medium);
+        let name = format!("half a ramp with values in the {name}");
+        scenes.push(KnownRadiance::new(name, surround(world), (-8.0f64 / share).exp(), LONG).resolution(1e-3, 4e-3).by_chance(4e-3));
+    }
+    // The slab of V10 as one of even density.
+    let even = |albedo, g| medium(1.0, albedo, Phase::henyey_greenstein(g)).with_density(ramp(2.0, [1.0; 2], Places::Corners));
+    let mut world = slab(2.0, 1.0, interface(), even(0.9, 0.75));
+    let screen = world.material(black());
+    world.shape(Quad { size: [4.0 * WIDE; 2] }, facing(DVec3::Z * -66.0, DVec3::Z), screen, None);
+    let known = KnownRadiance::new("R: albedo 0.9, g = 0.75, optical depth 2", surround(world), 0.097_39, LONG);
+    scenes.push(known.resolution(2e-3, 1e-2).by_chance(1e-2));
+    // A medium that scatters all light vanishes in uniform light, whatever its density.
+    for (name, scattering) in [("gray", [3.0; 3]), ("of another extinction for each wavelength", [0.5, 3.0, 8.0])] {
+        let [r, g, b] = scattering;
+        let fog = Medium::new(Spectrum::BLACK, Spectrum::rgb(r, g, b), Phase::henyey_greenstein(0.5));
+        let world = surround(slab(2.0, 0.5, interface(), fog.with_density(ramp(2.0, [0.25, 1.0], Places::Centers))));
+        scenes.push(
+            KnownRadiance::new(format!("a slab that scatters all light, {name}"), world, 1.0, LONG).resolution(1e-3, 4e-3).by_chance(4e-3),
+        );
+    }
+    // One that only absorbs and emits has the radiance 1 − e^−τ, here with τ = 1.25.
+    let flame = medium(1.0, 0.0, Phase::Isotropic).emitting(Spectrum::ONE).with_density(ramp(2.0, [0.25, 1.0], Places::Centers));
+    let world = slab(2.0, 1.0, interface(), flame);
+    let glowing = KnownRadiance::new("a slab that glows", world, 1.0 - (-1.25f64).exp(), LONG);
+    scenes.push(glowing.resolution(1e-3, 4e-3).by_chance(4e-3));
+    scenes
 }
 
 /// V10. Light that a slab reflects (R) and lets pass (T) in all, in uniform light from above. Surfaces reflect by Fresnel.

@@ -166,6 +166,7 @@ impl WorldBuilder {
         let effects = if has_footprints { effects } else { effects.without(Effects::FOOTPRINTS) };
         let camera = camera.recentred(origin);
         let has_holes = effects.contains(Effects::CUT_OUTS);
+        let media = media.into_iter().map(|medium| medium.recentred(origin)).collect();
         let media = effects.contains(Effects::MEDIA).then(|| Media::new(media, bodies, around));
         let touching = media.as_ref().and_then(|media| Touching::new(media, &shapes));
         let tables = None;

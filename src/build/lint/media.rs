@@ -46,7 +46,7 @@ pub(super) fn hidden(linted: &Linted) -> Vec<String> {
     let lights = linted.world.lights();
     let has_distant = lights.effects().contains(Effects::ENVIRONMENT) || lights.iter().any(|light| matches!(light, Light::Directional(_)));
     let around = linted.world.media().and_then(|media| media.around());
-    let is_opaque = around.is_some_and(|medium| medium.extinction().min() > 0.0);
+    let is_opaque = around.is_some_and(|medium| medium.density().is_none() && medium.extinction().min() > 0.0);
     let said = "/medium: the medium around the scene has no end, so that no light from infinitely far away passes it: backgrounds, suns and \
                 directional lights do not show; put the medium into a large box or sphere";
     (has_distant && is_opaque).then(|| said.to_owned()).into_iter().collect()

@@ -13,6 +13,8 @@ use crate::medium::{Media, Medium};
 ///
 /// scattered: σs T / Σ_c q_c σ_c T_c,  not scattered: T / Σ_c q_c T_c
 ///
+/// Where the density varies, T and σ are those of the tentative collisions (see `tracking`), and the same weights follow.
+///
 /// Source: Kutz, Habel, Li and Novák, *Spectral and Decomposition Tracking for Rendering Heterogeneous Volumes* (2017); Miller,
 /// Georgiev and Jarosz, *A Null-Scattering Path Integral Formulation of Light Transport* (2019).
 #[derive(Clone, Copy, Debug)]
@@ -74,9 +76,35 @@ impl Flight {
         if medium.is_gray() {
             return Spectrum::ONE;
         }
-        let passed = self.relative(depth);
-        let chance: f32 = (0..3).map(|c| self.chances[c] * passed[c]).sum();
-        self.chances = std::array::from_fn(|c| self.chances[c] * passed[c] / chance);
-        Spectrum::from_array(passed.map(|passed| passed / chance))
+        self.given(self.relative(depth))
+    }
+
+    /// Weight of a path that collides with the medium at a point and is scattered there.
+    ///
+    /// - `real`: probability of each channel to collide there
+    pub fn collided(&self, medium: &Medium, real: Spectrum) -> Spectrum {
+        if medium.is_gray() {
+            return medium.albedo();
+        }
+        let real = real.coefficients();
+        let chance: f32 = (0..3).map(|c| self.chances[c] * real[c]).sum();
+        medium.albedo() * Spectrum::from_array(real.map(|real| real / chance))
+    }
+
+    /// Weight of a path that does not collide with the medium at a point.
+    ///
+    /// - `real`: probability of each channel to collide there
+    pub fn missed(&mut self, medium: &Medium, real: Spectrum) -> Spectrum {
+        if medium.is_gray() {
+            return Spectrum::ONE;
+        }
+        self.given(real.coefficients().map(|real| 1.0 - real))
+    }
+
+    /// Weight of a path to which something happened, for which each channel has a probability, or a number proportional to it.
+    fn given(&mut self, of: [f32; 3]) -> Spectrum {
+        let chance: f32 = (0..3).map(|c| self.chances[c] * of[c]).sum();
+        self.chances = std::array::from_fn(|c| self.chances[c] * of[c] / chance);
+        Spectrum::from_array(of.map(|of| of / chance))
     }
 }

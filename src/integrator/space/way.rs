@@ -42,10 +42,14 @@ impl<'s> Way<'s> {
         Way { stretches: ArrayVec::new(), range: [f32::INFINITY, 0.0], depth: Spectrum::BLACK }
     }
 
-    /// Adds the stretches along a ray up to a hit. Returns whether something scatters on it, and there are not too many stretches.
+    /// Adds the stretches along a ray up to a hit. Returns whether something scatters on it, nothing has a density that varies, and there
+    /// are not too many stretches.
     // In place, because moving a way would take as long as all else.
     pub fn follow(&mut self, scene: &dyn Scene, media: &'s Media, inside: &Inside, ray: &Ray, hit: Option<&Hit>) -> bool {
         let add = |stretch: &Stretch<'s>| {
+            if stretch.medium.is_some_and(|(_, medium)| medium.density().is_some()) {
+                return ControlFlow::Break(());
+            }
             if let Some((_, medium)) = stretch.medium.filter(|(_, medium)| medium.scatters()) {
                 self.range = [self.range[0].min(stretch.start), stretch.start + stretch.length];
                 self.depth += medium.depth(stretch.length);

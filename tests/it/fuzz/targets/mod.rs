@@ -36,6 +36,8 @@ pub const ALL: &[Target] = &[
     Target { name: "points", run: |at, bytes| assets::within(at, "points.ply", bytes, "points.json"), tries: 400 },
     Target { name: "lamp", run: |at, bytes| assets::within(at, "l.ies", bytes, "lamp.json"), tries: 400 },
     Target { name: "texture", run: |at, bytes| assets::within(at, "p.png", bytes, "textures.json"), tries: 200 },
+    Target { name: "volume", run: |at, bytes| assets::within(at, "v.vol", bytes, "volume.json"), tries: 400 },
+    Target { name: "grid", run: |at, bytes| assets::within(at, "v.pbrt", bytes, "grid.json"), tries: 400 },
     Target { name: "picture", run: assets::picture, tries: 600 },
     Target { name: "part", run: parts::merge, tries: 600 },
     Target { name: "rays", run: words::rays, tries: 400 },

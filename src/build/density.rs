@@ -1,0 +1,92 @@
+//! Builds densities of media. Each becomes a grid of numbers in a box.
+
+use glam::{DVec3, UVec3};
+use rayon::prelude::*;
+
+use super::{Builder, transform};
+use crate::Error;
+use crate::describe::volume::Volume;
+use crate::describe::{self, ExponentialDensity, GridDensity, NoiseDensity, ValuesAt};
+use crate::math::Transform;
+use crate::math::float;
+use crate::medium::{Density, Grid, Places};
+use crate::texture::noise::fbm;
+
+/// A box: its lower and upper corner, in metres.
+type Bounds = [DVec3; 2];
+
+const UNIT_CUBE: Bounds = [DVec3::ZERO, DVec3::ONE];
+
+impl Builder<'_> {
+    /// Builds a density; nothing after adding a fault.
+    pub(super) fn density(&mut self, pointer: &str, described: &describe::Density) -> Option<Density> {
+        use describe::Density as D;
+        let given = described.bounds().map(|bounds| [bounds.low.0, bounds.high.0].map(DVec3::from));
+        let (grid, bounds) = match described {
+            D::Grid(grid) => {
+                let volume = self.volume(pointer, grid)?;
+                let places = match grid.values_at {
+                    ValuesAt::Centers => Places::Centers,
+                    ValuesAt::Corners => Places::Corners,
+                };
+                (Grid::new(volume.size, volume.values, places), given.or(volume.bounds).unwrap_or(UNIT_CUBE))
+            }
+            D::Noise(described) => (noise(described, given.unwrap_or(UNIT_CUBE)), given.unwrap_or(UNIT_CUBE)),
+            D::Exponential(described) => (exponential(described, given.unwrap_or(UNIT_CUBE)), given.unwrap_or(UNIT_CUBE)),
+        };
+        let [low, high] = bounds;
+        let to_box = Transform::scale(high - low).and_then(|scale| Ok(scale.then(&Transform::translate(low)?)));
+        match (to_box, transform::placed(described.transform(), &Transform::IDENTITY)) {
+            (Ok(to_box), Ok(to_world)) => return Some(Density::new(grid, &to_box.then(&to_world))),
+            (Err(error), _) => self.fault(&format!("{pointer}/bounds"), &error.to_string()),
+            (_, Err(message)) => self.fault(&format!("{pointer}/transform"), &message),
+        }
+        None
+    }
+
+    /// The values of a grid; nothing after adding a fault.
+    fn volume(&mut self, pointer: &str, grid: &GridDensity) -> Option<Volume> {
+        let size = grid.size.map(|size| UVec3::from_array(size.map(|side| side.get())));
+        let Some(file) = &grid.file else {
+            // Grids without a file have a size, and as many values as it says.
+            let values = grid.values.iter().flatten().map(|value| value.get() as f32).collect();
+            return Some(Volume { size: size?, values, bounds: None });
+        };
+        match self.source.files.volume(file, size) {
+            Ok((volume, hash)) => {
+                self.contents.insert(file.clone(), hash);
+                return Some(volume);
+            }
+            Err(Error::Invalid(faults)) => self.file_faults(&format!("{pointer}/file"), file, faults),
+            Err(other) => self.failures.push(other),
+        }
+        None
+    }
+}
+
+/// offset + amplitude · fbm(p / size) − falloff · r², from 0 to 1.
+fn noise(described: &NoiseDensity, [low, high]: Bounds) -> Grid {
+    let sides = high - low;
+    let cell = sides.max_element() / f64::from(described.resolution.get());
+    let size = (sides / cell).round().as_uvec3().max(UVec3::ONE);
+    let at = |x: u32, y: u32, z: u32| {
+        let share = (UVec3::new(x, y, z).as_dvec3() + 0.5) / size.as_dvec3();
+        let noise = fbm((low + share * sides) / described.size.get(), described.octaves.get());
+        let r = 2.0 * share - 1.0;
+        let density = described.offset.get() + described.amplitude.get() * noise - described.falloff.get() * r.length_squared();
+        // The difference of two infinite numbers is none.
+        if density.is_nan() { 0.0 } else { density.clamp(0.0, 1.0) as f32 }
+    };
+    let layer = |z: u32| (0..size.y).flat_map(move |y| (0..size.x).map(move |x| at(x, y, z)));
+    Grid::new(size, (0..size.z).into_par_iter().flat_map_iter(layer).collect(), Places::Centers)
+}
+
+/// Number of layers of a density that falls exponentially. Over 16 scale heights, linear interpolation between them adds 3·10⁻⁵ of the density.
+const LAYERS: u32 = 1024;
+
+/// e^(−height / scale height), with +y up.
+fn exponential(described: &ExponentialDensity, [low, high]: Bounds) -> Grid {
+    let step = (high.y - low.y) / f64::from(LAYERS - 1) / described.scale_height.get();
+    let values = (0..LAYERS).map(|layer| float::exp_f64(-step * f64::from(layer)) as f32).collect();
+    Grid::new(UVec3::new(1, LAYERS, 1), values, Places::Corners)
+}
