@@ -19,7 +19,7 @@ const LAYERS: &[&[&[&str]]] = &[
     &[&["film"], &["recorder"], &["integrator"], &["render"]],
     &[&["output"], &["describe"], &["build"], &["import"]],
     &[&["integrators"]],
-    &[&["measure"], &["part"], &["proof"], &["rays"], &["torture"], &["compare"], &["stress"], &["cli"], &["main"]],
+    &[&["measure"], &["part"], &["proof"], &["rays"], &["compare"], &["torture"], &["stress"], &["cli"], &["main"]],
 ];
 
 /// Circles that stay: folder, modules, and the reason.

@@ -10,7 +10,7 @@ use super::{VERSION, print_stdout, render};
 use crate::error::{Error, Result};
 use crate::measure::format::duration;
 use crate::output;
-use crate::torture::{Effort, Record, Row, TABLES, Verdict, csv, json, markdown};
+use crate::torture::{Effort, Record, Row, TABLES, Verdict, csv, html, json, markdown, number, worst_share};
 
 #[derive(clap::Args, Debug)]
 pub struct TortureArgs {
@@ -32,7 +32,7 @@ pub struct TortureArgs {
     /// List the rows without running them.
     #[arg(long)]
     pub list: bool,
-    /// Output file: all cases as .json or .csv, or a table of the rows as .md.
+    /// Output file: a page (.html), all cases as .json or .csv, or a table of the rows as .md.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Number of threads. Default: all cores. The answers do not depend on it.
@@ -85,6 +85,7 @@ enum Form {
     Json,
     Csv,
     Markdown,
+    Page,
 }
 
 impl Form {
@@ -94,7 +95,8 @@ impl Form {
             Some("json") => Ok(Form::Json),
             Some("csv") => Ok(Form::Csv),
             Some("md") => Ok(Form::Markdown),
-            _ => Err(Error::Usage(format!("{}: expected a name that ends in .json, .csv or .md", path.display()))),
+            Some("html") => Ok(Form::Page),
+            _ => Err(Error::Usage(format!("{}: expected a name that ends in .html, .json, .csv or .md", path.display()))),
         }
     }
 }
@@ -119,14 +121,6 @@ fn run(args: &TortureArgs, effort: Effort, form: Option<Form>, tables: &[(&str, 
             }
         }
     }
-    if let (Some(path), Some(form)) = (&args.output, form) {
-        let text = match form {
-            Form::Json => json(VERSION, effort, &records, &missing),
-            Form::Csv => csv(&records, &missing),
-            Form::Markdown => markdown(&records, &missing),
-        };
-        output::replace(path, text.as_bytes())?;
-    }
     let failed = records.iter().filter(|record| record.verdict() == Verdict::Fails).count();
     let verdict = match failed {
         0 => format!("all {} cases hold", records.len()),
@@ -134,6 +128,18 @@ fn run(args: &TortureArgs, effort: Effort, form: Option<Form>, tables: &[(&str, 
     };
     let not_yet = if missing.is_empty() { String::new() } else { format!("; {} rows are not yet tested", missing.len()) };
     let took = duration(start.elapsed().as_secs_f64());
+    if let (Some(path), Some(form)) = (&args.output, form) {
+        let text = match form {
+            Form::Json => json(VERSION, effort, &records, &missing),
+            Form::Csv => csv(&records, &missing),
+            Form::Markdown => markdown(&records, &missing),
+            Form::Page => {
+                let facts = format!("Effort: {}, in {took}.", format!("{effort:?}").to_lowercase());
+                html(&format!("pt {VERSION}"), &format!("{verdict}{not_yet}"), &facts, tables, &records)
+            }
+        };
+        output::replace(path, text.as_bytes())?;
+    }
     print_stdout(&format!("* greatest error of a row's cases, in per cent of what its tolerance permits\n{verdict}{not_yet} ({took})\n"))?;
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
@@ -154,10 +160,7 @@ fn line(row: &Row, verdict: Verdict, cases: usize, worst: Option<f64>) -> String
 /// Line of a row, and lines of its failures or, if `verbose`, of all its cases.
 fn row_text(row: &Row, records: &[Record], verbose: bool) -> String {
     let fails = records.iter().any(|record| record.verdict() == Verdict::Fails);
-    // Where nothing may differ, there is no share of a tolerance.
-    let shares = records.iter().filter(|record| record.answer.tolerance > 0.0);
-    let worst = shares.map(|record| record.answer.error(record.case.expected) / record.answer.tolerance).reduce(f64::max);
-    let mut text = line(row, if fails { Verdict::Fails } else { Verdict::Holds }, records.len(), worst);
+    let mut text = line(row, if fails { Verdict::Fails } else { Verdict::Holds }, records.len(), worst_share(records));
     for record in records.iter().filter(|record| verbose || record.verdict() == Verdict::Fails) {
         text += &case_text(record);
     }
@@ -183,13 +186,4 @@ fn case_text(record: &Record) -> String {
         text += &indented("         ", &answer.note);
     }
     text
-}
-
-/// A number with ten digits.
-fn number(x: f64) -> String {
-    if x == 0.0 || (1e-3..1e7).contains(&x.abs()) {
-        format!("{:.10}", x).trim_end_matches('0').trim_end_matches('.').into()
-    } else {
-        format!("{x:.9e}")
-    }
 }

@@ -15,6 +15,8 @@ pub mod glass;
 mod lights;
 mod media;
 pub mod meshes;
+#[cfg(feature = "cli")]
+mod page;
 pub mod radiance;
 mod radiometry;
 mod random;
@@ -26,8 +28,10 @@ mod transforms;
 
 use rayon::prelude::*;
 
+#[cfg(feature = "cli")]
+pub use page::html;
 pub use random::Random;
-pub use report::{Record, csv, json, markdown};
+pub use report::{Record, csv, json, markdown, number, worst_share};
 
 /// One subject, with its rows.
 pub struct Table {

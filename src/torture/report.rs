@@ -32,6 +32,21 @@ impl Verdict {
     }
 }
 
+/// Greatest error of some cases, as a share of what their tolerance permits; `None` where nothing may differ.
+pub fn worst_share(records: &[Record]) -> Option<f64> {
+    let shares = records.iter().filter(|record| record.answer.tolerance > 0.0);
+    shares.map(|record| record.answer.error(record.case.expected) / record.answer.tolerance).reduce(f64::max)
+}
+
+/// A number with ten digits.
+pub fn number(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e7).contains(&x.abs()) {
+        format!("{:.10}", x).trim_end_matches('0').trim_end_matches('.').into()
+    } else {
+        format!("{x:.9e}")
+    }
+}
+
 /// One JSON object: the program, the effort, and a list of all cases. Numbers that JSON does not have are null.
 pub fn json(version: &str, effort: Effort, records: &[Record], missing: &[&Row]) -> String {
     let number = |x: f64| if x.is_finite() { json!(x) } else { Value::Null };

@@ -4,7 +4,7 @@
 
 use std::process::{Command, Output};
 
-use pt::torture::{Answer, Effort, Failures, Row, TABLES, Verdict, csv, json, markdown};
+use pt::torture::{Answer, Effort, Failures, Row, TABLES, Verdict, csv, html, json, markdown};
 
 /// Asserts that all cases of the table that begins with this row hold.
 fn assert_holds(first: &str, effort: Effort) {
@@ -107,6 +107,26 @@ fn wrong_answers_fail() {
     assert!(table.ends_with("| Z2 | a feature | | | not yet | | |\n"), "{table}");
 }
 
+/// The page has each case, opens rows that fail and names them on top, and shows text as it is.
+#[test]
+fn the_page_shows_what_fails() {
+    let rows = vec![
+        Row::new("Z1", "answers < of a test", "exact").number("right", 1.0, 0.0, || 1.0).number("off & on", 1.0, 0.1, || 1.05),
+        Row::new("Z2", "a wrong one", "because").number("off", 1.0, 0.1, || 1.2),
+        Row::not_yet("Z3", "a feature"),
+    ];
+    let tables = [("tests", rows)];
+    let records: Vec<_> = tables[0].1.iter().flat_map(|row| row.ask(Effort::Quick)).collect();
+    let page = html("pt", "1 of 3 cases FAIL", "", &tables, &records);
+    for part in ["<li><a href=\"#Z2\">Z2: a wrong one</a></li>", "answers &lt; of a test", "off &amp; on", "<details open><summary>1 case<"]
+    {
+        assert!(page.contains(part), "{part} is not in {page}");
+    }
+    let count = |word: &str| page.matches(word).count();
+    assert_eq!([count("<li>"), count("<details open>"), count("<details>"), count("class=\"missing\"")], [1, 1, 1, 1]);
+    assert!(page.contains("50 %<span") && !page.contains("{{"), "{page}");
+}
+
 /// A count gives the same result for any number of threads.
 #[test]
 fn counts_do_not_depend_on_threads() {
@@ -147,7 +167,7 @@ fn unknown_rows_and_files_are_refused() {
     let (code, text) = told(&["--only", "Q*"]);
     assert!(code == Some(2) && text.contains("--only Q*: no such row, expected one of F1 F2"), "{text}");
     let (code, text) = told(&["-o", "table.txt"]);
-    assert!(code == Some(2) && text.contains("table.txt: expected a name that ends in .json, .csv or .md"), "{text}");
+    assert!(code == Some(2) && text.contains("table.txt: expected a name that ends in .html, .json, .csv or .md"), "{text}");
     let (code, text) = told(&["--quick", "--full"]);
     assert!(code == Some(2) && text.contains("cannot be used with"), "{text}");
 }
