@@ -40,6 +40,7 @@ picture mis-plates-path   mis-plates      --size 264x198 --spp 256 --integrator 
 picture fog               fog             --size 360x270 --spp 256
 picture media             media           --size 400x200 --spp 512
 picture cloud             cloud           --size 400x250 --spp 256 --exposure auto --tonemap filmic
+picture translucent       translucent     --size 360x203 --spp 192 --exposure auto --tonemap filmic
 picture terrace           terrace
 picture gallery           gallery         --size 320x200 --spp 1024
 picture reflections       reflections     --size 360x203 --spp 2048

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::{Builder, rgb};
-use crate::describe::{self, MediumRef};
+use crate::describe::{self, Color, MediumRef, PerChannel, Subsurface};
 use crate::effects::Effects;
-use crate::math::Spectrum;
+use crate::math::{Rgb, Spectrum};
+use crate::medium::subsurface::single_scattering_albedo;
 use crate::medium::{MOST_DEPTH, Medium, MediumId, Phase};
 use crate::reader::escaped;
 
@@ -72,10 +73,31 @@ fn built(described: &describe::Medium) -> Medium {
     let (absorption, scattering, emission, described_phase, priority) = match described {
         describe::Medium::Homogeneous(m) => (&m.absorption, &m.scattering, &m.emission, &m.phase, m.priority),
         describe::Medium::Heterogeneous(m) => (&m.absorption, &m.scattering, &m.emission, &m.phase, m.priority),
+        describe::Medium::Subsurface(m) => return translucent(m).with_priority(m.priority),
     };
     let [absorption, scattering] = [absorption, scattering].map(|color| Spectrum::from_coefficients(rgb(color)));
     let built = Medium::new(absorption, scattering, phase(described_phase)).with_priority(priority);
     built.emitting(Spectrum::from_illuminant(rgb(emission)))
+}
+
+/// The medium of a translucent body.
+fn translucent(described: &Subsurface) -> Medium {
+    let scale = described.scale.get();
+    let spectrum = |coefficients: [f64; 3]| {
+        let [r, g, b] = coefficients.map(|x| (x / scale) as f32);
+        Spectrum::from_coefficients(Rgb::new(r, g, b))
+    };
+    // Scenes that name neither a measured material nor an albedo with a mean free path are refused.
+    if let Some(measured) = described.measured {
+        let [scattering, absorption] = measured.coefficients();
+        return Medium::new(spectrum(absorption), spectrum(scattering), Phase::Isotropic);
+    }
+    let g = described.g.get();
+    let albedo = described.albedo.as_ref().map_or([0.0; 3], Color::linear).map(|albedo| single_scattering_albedo(albedo, g));
+    let extinction = described.mean_free_path.as_ref().map_or([1.0; 3], PerChannel::each).map(f64::recip);
+    let absorption = std::array::from_fn(|c| (1.0 - albedo[c]) * extinction[c]);
+    let scattering = std::array::from_fn(|c| albedo[c] * extinction[c]);
+    Medium::new(spectrum(absorption), spectrum(scattering), Phase::henyey_greenstein(g))
 }
 
 fn phase(described: &describe::Phase) -> Phase {

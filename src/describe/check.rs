@@ -45,7 +45,7 @@ pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
     }
     checker.shapes("/shapes", &scene.shapes);
     for (name, medium) in &scene.media {
-        checker.density(&format!("/media{}", escaped(name)), medium);
+        checker.medium_itself(&format!("/media{}", escaped(name)), medium);
     }
     scene.medium.iter().for_each(|medium| checker.medium_ref("/medium", medium));
     for (i, light) in scene.lights.iter().enumerate() {
@@ -285,13 +285,35 @@ impl Checker<'_> {
                 self.unknown_name(pointer, "medium", name, self.scene.media.keys());
             }
             MediumRef::Named(_) => {}
-            MediumRef::Inline(medium) => self.density(pointer, medium),
+            MediumRef::Inline(medium) => self.medium_itself(pointer, medium),
+        }
+    }
+
+    /// Checks a medium, wherever it is described.
+    fn medium_itself(&self, pointer: &str, medium: &Medium) {
+        match medium {
+            Medium::Homogeneous(_) => {}
+            Medium::Heterogeneous(medium) => self.density(pointer, &medium.density),
+            Medium::Subsurface(body) => {
+                let seen = [("albedo", body.albedo.is_some()), ("mean_free_path", body.mean_free_path.is_some())];
+                for (key, is_given) in seen {
+                    match (body.measured.is_some(), is_given) {
+                        (true, true) => {
+                            self.fault(&format!("{pointer}/{key}"), "give \"measured\", or albedo and mean_free_path, not both")
+                        }
+                        (false, false) => self.fault(pointer, format!("expected \"measured\", or albedo and mean_free_path: no \"{key}\"")),
+                        _ => {}
+                    }
+                }
+                if body.measured.is_some() && body.g.get() != 0.0 {
+                    self.fault(&format!("{pointer}/g"), "measured materials scatter evenly: leave out g");
+                }
+            }
         }
     }
 
     /// Checks how the density of a medium varies.
-    fn density(&self, pointer: &str, medium: &Medium) {
-        let Some(density) = medium.density() else { return };
+    fn density(&self, pointer: &str, density: &Density) {
         let at = |key: &str| format!("{pointer}/density/{key}");
         self.transform(&at("transform"), density.transform());
         if let Some((pointer, message)) = density.bounds().and_then(|bounds| field_check::sides(&at("bounds"), bounds)) {

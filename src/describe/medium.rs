@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::field::Bounds;
 use crate::format::{
-    Asymmetry, Coefficient, Color, Fraction, NonNegative, Octaves, Positive, Radiometric, Real, Resolution, Side, Transform,
+    Asymmetry, Coefficient, Color, Fraction, NonNegative, Octaves, PerChannel, Positive, Radiometric, Real, Resolution, Side, Transform,
 };
+use crate::medium::subsurface::Measured;
 use crate::reader::{by_kind, by_type};
 
 /// A participating medium: it absorbs, scatters or emits light in the space between surfaces.
@@ -16,15 +17,16 @@ use crate::reader::{by_kind, by_type};
 pub enum Medium {
     Homogeneous(Homogeneous),
     Heterogeneous(Heterogeneous),
+    Subsurface(Subsurface),
 }
 
-by_type!(Medium { Homogeneous(Homogeneous), Heterogeneous(Heterogeneous) });
+by_type!(Medium { Homogeneous(Homogeneous), Heterogeneous(Heterogeneous), Subsurface(Subsurface) });
 
 impl Medium {
     /// How the density varies, if it does.
     pub fn density(&self) -> Option<&Density> {
         match self {
-            Medium::Homogeneous(_) => None,
+            Medium::Homogeneous(_) | Medium::Subsurface(_) => None,
             Medium::Heterogeneous(medium) => Some(&medium.density),
         }
     }
@@ -73,6 +75,31 @@ pub struct Heterogeneous {
     pub priority: i32,
     /// The factor of the coefficients at each point.
     pub density: Density,
+}
+
+/// A translucent body: skin, marble, wax, milk. It is the same everywhere, and its coefficients follow from what one sees of it, or are
+/// measured ones.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Subsurface {
+    /// A measured material instead of `albedo` and `mean_free_path`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<Measured>,
+    /// The share of even light that a thick block without a surface reflects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub albedo: Option<Color<Fraction>>,
+    /// The mean length that light goes before it is absorbed or scattered, in metres: 1/(σa + σs).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_free_path: Option<PerChannel<Positive>>,
+    /// The mean cosine of the angle of scattering, with `albedo`. Measured materials scatter evenly.
+    #[serde(default = "even")]
+    pub g: Asymmetry,
+    /// A factor of all lengths in the body: 10 makes one of ten times the size look the same.
+    #[serde(default = "all_lengths")]
+    pub scale: Positive,
+    /// Where shapes with media overlap, the medium with the lowest priority number counts; of equal ones that of the smaller shape.
+    #[serde(default)]
+    pub priority: i32,
 }
 
 /// How dense a medium is at each point of the world.
@@ -258,6 +285,14 @@ impl Default for Phase {
     fn default() -> Phase {
         Phase::Isotropic(Isotropic {})
     }
+}
+
+fn even() -> Asymmetry {
+    Asymmetry::known(0.0)
+}
+
+fn all_lengths() -> Positive {
+    Positive::known(1.0)
 }
 
 fn one() -> NonNegative {

@@ -9,6 +9,7 @@ mod grid;
 mod majorants;
 mod media;
 mod phase;
+pub mod subsurface;
 
 use glam::DVec3;
 

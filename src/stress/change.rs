@@ -313,6 +313,10 @@ fn place_materials(value: &mut Value, place: &Similarity) {
             if members.get("type").is_some_and(|kind| kind == "homogeneous" || kind == "heterogeneous") {
                 ["absorption", "scattering"].into_iter().for_each(|key| divide_color(members, key, place.scale));
             }
+            if members.get("type").is_some_and(|kind| kind == "subsurface") {
+                let scale = members.get("scale").and_then(Value::as_f64).unwrap_or(1.0);
+                members.insert("scale".to_owned(), json!(scale * place.scale));
+            }
             if let Some(Value::Object(density)) = members.get_mut("density") {
                 let steps = density.entry("transform").or_insert_with(|| json!([]));
                 steps.as_array_mut().expect("a transform").push(place.step());

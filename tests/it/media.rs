@@ -311,6 +311,28 @@ fn what_is_not_there_does_not_show() {
     }
 }
 
+/// A large ball of a medium with an albedo, without a surface: in even light, an orthographic picture of it shows the albedo in the mean over
+/// its disk.
+#[test]
+fn translucent_bodies_have_their_albedo() {
+    let albedo = [0.8, 0.5, 0.2];
+    for g in [0.0, 0.6] {
+        let wax = json!({"type": "subsurface", "albedo": albedo, "mean_free_path": [1e-3, 2e-3, 4e-3], "g": g, "scale": 0.5});
+        let scene = json!({"pt": 1, "camera": {"type": "orthographic", "height": 2, "look_at": {"from": [0, 0, 4], "to": [0, 0, 0]}},
+            "film": {"width": 24, "height": 24, "filter": {"type": "box"}}, "integrator": {"type": "path", "max_depth": 4096},
+            "sampler": {"spp": 64}, "background": {"radiance": 1}, "shapes": [{"type": "sphere", "medium": wax}]});
+        let (folder, _) = run(&scene, &["-o", "x.exr"]);
+        let (found, _) = pt::output::read(&folder.path().join("x.exr")).expect("a picture");
+        let mean = |c: usize| found.pixels().map(|rgb| f64::from(rgb[c])).sum::<f64>() / f64::from(24 * 24);
+        // Outside of the disk, a share of 1 − π/4, the picture is 1. The formula has an error of 0.01, the mean of 0.003.
+        let disk = std::f64::consts::FRAC_PI_4;
+        for (c, wanted) in albedo.into_iter().enumerate() {
+            let found = 1.0 - (1.0 - mean(c)) / disk;
+            assert!((found - wanted).abs() < 0.02, "g = {g}, channel {c}: {found}, not {wanted}");
+        }
+    }
+}
+
 /// A cloud from a `.vol` file over a bowl, as Mitsuba's own test has it, beside its reference picture.
 #[test]
 fn clouds_are_those_of_mitsuba() {
@@ -428,6 +450,15 @@ fn faults_of_media_have_their_place() {
         (r#""media": {"fog": {"type": "homogeneous", "absorption": [0, ^1e31, 0]}}"#, "/media/fog/absorption/1: expected a number"),
         (r#""media": {"fog": {"type": ^"cloud"}}"#, "/media/fog/type: unknown"),
         (r#""media": {"fog": ^{"type": "heterogeneous"}}"#, "/media/fog: missing key \"density\""),
+        (
+            r#""media": {"wax": ^{"type": "subsurface", "albedo": 0.5}}"#,
+            "/media/wax: expected \"measured\", or albedo and mean_free_path: no \"mean_free_path\"",
+        ),
+        (
+            r#""media": {"wax": {"type": "subsurface", "albedo": ^0.5, "measured": "skin1"}}"#,
+            "/media/wax/albedo: give \"measured\", or albedo and mean_free_path, not both",
+        ),
+        (r#""media": {"wax": {"type": "subsurface", "measured": ^"wax"}}"#, "/media/wax/measured: unknown name \"wax\""),
         (
             r#""media": {"fog": {"type": "heterogeneous", "density": ^{"type": "grid"}}}"#,
             "/media/fog/density: expected a \"file\", or \"size\" and \"values\"",
