@@ -22,17 +22,19 @@ impl Builder<'_> {
     pub(super) fn density(&mut self, pointer: &str, described: &describe::Density) -> Option<Density> {
         use describe::Density as D;
         let given = described.bounds().map(|bounds| [bounds.low.0, bounds.high.0].map(DVec3::from));
-        let (grid, bounds) = match described {
+        let mut bounds = given.unwrap_or(UNIT_CUBE);
+        let grid = match described {
             D::Grid(grid) => {
                 let volume = self.volume(pointer, grid)?;
                 let places = match grid.values_at {
                     ValuesAt::Centers => Places::Centers,
                     ValuesAt::Corners => Places::Corners,
                 };
-                (Grid::new(volume.size, volume.values, places), given.or(volume.bounds).unwrap_or(UNIT_CUBE))
+                bounds = given.or(volume.bounds).unwrap_or(UNIT_CUBE);
+                Grid::new(volume.size, volume.values, places)
             }
-            D::Noise(described) => (noise(described, given.unwrap_or(UNIT_CUBE)), given.unwrap_or(UNIT_CUBE)),
-            D::Exponential(described) => (exponential(described, given.unwrap_or(UNIT_CUBE)), given.unwrap_or(UNIT_CUBE)),
+            D::Noise(described) => noise(described, bounds),
+            D::Exponential(described) => exponential(described, bounds),
         };
         let [low, high] = bounds;
         let to_box = Transform::scale(high - low).and_then(|scale| Ok(scale.then(&Transform::translate(low)?)));
@@ -74,7 +76,7 @@ fn noise(described: &NoiseDensity, [low, high]: Bounds) -> Grid {
         let noise = fbm((low + share * sides) / described.size.get(), described.octaves.get());
         let r = 2.0 * share - 1.0;
         let density = described.offset.get() + described.amplitude.get() * noise - described.falloff.get() * r.length_squared();
-        // The difference of two infinite numbers is none.
+        // Extreme settings give the difference of two infinite numbers, which is not a number.
         if density.is_nan() { 0.0 } else { density.clamp(0.0, 1.0) as f32 }
     };
     let layer = |z: u32| (0..size.y).flat_map(move |y| (0..size.x).map(move |x| at(x, y, z)));

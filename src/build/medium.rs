@@ -25,6 +25,9 @@ impl Builder<'_> {
             None => Medium::new(Spectrum::BLACK, Spectrum::BLACK, Phase::Isotropic),
             Some(described) => {
                 let (at, built) = (format!("{key}/density"), built(described));
+                if !built.extinction().is_finite() {
+                    self.fault(&key, "coefficients beyond the range of 32-bit floats: give longer lengths or a larger scale");
+                }
                 match described.density().and_then(|density| self.density(&at, density)) {
                     Some(density) => self.checked(&at, built.with_density(density)),
                     None => built,

@@ -239,7 +239,7 @@ pub enum Phase {
 
 by_type!(Phase { Isotropic(Isotropic), HenyeyGreenstein(HenyeyGreenstein), Rayleigh(Rayleigh), Mix(PhaseMix) });
 
-/// The same in all directions.
+/// A phase function that scatters light equally into all directions.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Isotropic {}

@@ -38,7 +38,7 @@ pub struct Medium {
     emission: Spectrum,
     /// Directions of scattered light.
     pub phase: Phase,
-    /// Of several media in one place, that of the lowest number counts.
+    /// Where shapes with media overlap, the medium with the lowest priority number fills the common space.
     pub priority: i32,
     /// Whether the extinction is equal for all wavelengths.
     is_gray: bool,

@@ -148,7 +148,7 @@ fn scenes() -> Vec<(&'static str, WorldBuilder)> {
     world.shape(Sphere { radius: 0.2 }, at(DVec3::new(0.3, 0.1, 0.3)), matte, None);
     scenes.push(("a cloud whose density varies", world));
 
-    // The same density in glass, where it only absorbs and glows.
+    // A block of glass whose medium absorbs and emits but does not scatter, with the density of the cloud above.
     let mut world = room(1.0);
     let glass = world.material(Material::glass(1.2));
     let density = cloud(1.0, 1.0).density().expect("a density").clone();
@@ -500,6 +500,26 @@ fn faults_of_media_have_their_place() {
             "/shapes/0/medium: the material has an \"absorption\" of its own",
         ),
     ]);
+}
+
+/// Media whose numbers no ray could be followed with are refused when the scene is built.
+#[test]
+fn impossible_media_are_refused() {
+    let dense = json!({"type": "grid", "size": [2, 1, 1], "values": [1, 1e9]});
+    for (medium, expected) in [
+        (json!({"type": "heterogeneous", "scattering": 1, "density": dense}), "/shapes/0/medium/density: an optical depth of"),
+        (
+            json!({"type": "subsurface", "albedo": 1, "mean_free_path": 1e-30, "scale": 1e-20}),
+            "/shapes/0/medium: coefficients beyond the range",
+        ),
+    ] {
+        let scene = json!({"pt": 1, "camera": {}, "shapes": [{"type": "sphere", "medium": medium}]});
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("s.json"), scene.to_string()).expect("written");
+        let refused = Command::cargo_bin("pt").expect("the program").current_dir(folder.path()).arg("s.json").assert().code(3);
+        let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+        assert!(said.contains(expected), "{said}");
+    }
 }
 
 /// Integrators that lack media say so, and those that have them do not; a meter refuses; and a trace names the media of a path.
