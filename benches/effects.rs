@@ -50,6 +50,10 @@ fn rows() -> Vec<Row> {
         json!({ "type": "mesh", "file": "meshes/pawn.ply", "smooth_shadows": smooth, "material": "walls",
             "transform": [{ "translate": [0, 0, 1] }] })
     };
+    let slide = |x: f64| {
+        let key = |time: f64, by: f64| json!({ "time": time, "transform": [{ "translate": [x + by, 0.6, 0] }] });
+        json!({ "keyframes": [key(0.0, -0.2), key(1.0, 0.2)] })
+    };
     let mirrors = |walls: Value| [("/materials/walls", walls.clone()), (ball, walls)];
     let mirror = json!({ "type": "mirror", "color": 0.5 });
     vec![
@@ -113,6 +117,12 @@ fn rows() -> Vec<Row> {
             &[],
             &[("/shapes/-", json!({ "type": "box", "size": 40, "medium": { "type": "homogeneous", "scattering": 0.05 } }))],
         ),
+        row(
+            Effects::MOTION,
+            "balls that move, not balls at rest",
+            &[],
+            &[("/shapes/2/transform/0", slide(-1.4)), ("/shapes/3/transform/0", slide(0.0)), ("/shapes/4/transform/0", slide(1.4))],
+        ),
         row(Effects::SMOOTH_SHADOWS, "smooth shadows on a mesh", &[("/shapes/-", pawn(false))], &[("/shapes/-", pawn(true))]),
     ]
 }
@@ -139,7 +149,8 @@ fn scene(changes: &[(&'static str, Value)]) -> pt::Result<(Arc<dyn Scene>, pt::f
     for (pointer, change) in changes {
         let (parent, key) = pointer.rsplit_once('/').expect("a pointer");
         match value.pointer_mut(parent).expect(pointer) {
-            Value::Array(list) => list.push(change.clone()),
+            Value::Array(list) if key == "-" => list.push(change.clone()),
+            Value::Array(list) => list[key.parse::<usize>().expect(pointer)] = change.clone(),
             parent => parent[key] = change.clone(),
         }
     }

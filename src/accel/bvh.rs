@@ -279,13 +279,13 @@ impl Primitive for Bvh {
         self.instances.last().map_or(0, Instance::last)
     }
 
-    fn instance(&self, id: InstanceId) -> Nesting<'_> {
+    fn instance(&self, id: InstanceId, time: f32) -> Nesting<'_> {
         // Instances without others within them are numbered without gaps.
         let index = match self.instance_count() as usize == self.instances.len() {
             true => id.get() as usize - 1,
             false => self.instances.partition_point(|instance| instance.first() <= id.get()).wrapping_sub(1),
         };
-        self.instances.get(index).map_or_else(Nesting::default, |instance| Nesting::new(instance, id))
+        self.instances.get(index).map_or_else(Nesting::default, |instance| Nesting::new(instance, id, time))
     }
 }
 

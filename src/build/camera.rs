@@ -10,25 +10,28 @@ use crate::describe;
 use crate::film::layer::with_lights;
 use crate::film::memory;
 use crate::film::{Allocation, Crop, FilmSpec, Filter, Layer, LightNames, TextureFootprint};
-use crate::math::Transform;
+use crate::math::{AnimatedTransform, Transform};
 use crate::sampler::{Kind, SamplerSpec};
 
 /// Builds the camera.
 ///
 /// # Errors
 /// A message about steps that together have no inverse.
-pub(super) fn camera(described: &describe::Camera) -> Result<Camera, String> {
+pub(super) fn camera(described: &describe::Camera, shutter: &describe::Shutter) -> Result<Camera, String> {
     let to_world = match described.placement() {
-        (Some(at), _) => transform::look_at(at),
-        (None, Some(steps)) => Some(transform::placed(steps, &Transform::IDENTITY)?),
+        (Some(at), _) => transform::look_at(at).map(AnimatedTransform::Still),
+        (None, Some(steps)) => Some(transform::animated(steps, &Transform::IDENTITY, shutter)?),
         (None, None) => None,
     };
-    let pose = Pose::new(&to_world.unwrap_or(Transform::IDENTITY));
+    let pose = Pose::animated(&to_world.unwrap_or(Transform::IDENTITY.into()));
     Ok(match described {
         describe::Camera::Perspective(c) => {
             let (lens, focus) = (c.lens_radius.get() as f32, c.focus_distance.get() as f32);
             let camera = Perspective::new(pose, c.fov.get(), lens, focus);
-            Camera::Perspective(c.horizontal_fov.map_or(camera, |across| camera.across(c.fov.get(), across.get())))
+            Camera::Perspective(match c.horizontal_fov {
+                Some(across) => camera.across(c.fov.get(), across.get()),
+                None => camera,
+            })
         }
         describe::Camera::Orthographic(c) => Camera::Orthographic(Orthographic { pose, height: c.height.get() as f32 }),
         describe::Camera::Spherical(_) => Camera::Spherical(Spherical { pose }),

@@ -8,7 +8,7 @@ use crate::describe::mesh::points::{InstancePoint, MAX_POINTS};
 use crate::describe::{Instances, MaterialRef, Placement, identity};
 use crate::effects::Effects;
 use crate::error::{Error, Result};
-use crate::math::Transform;
+use crate::math::{AnimatedTransform, Transform};
 use crate::reader::{escaped, locate};
 use crate::world::{GroupId, Objects};
 
@@ -43,8 +43,9 @@ impl Placer<'_> {
     /// Places an instance.
     ///
     /// - `to_outer`: the whole transform of the instance
-    fn place(&mut self, to_outer: Transform, material: Option<MaterialId>) {
-        self.objects.instance(self.group.id, to_outer, material.or(self.material));
+    fn place(&mut self, to_outer: AnimatedTransform, material: Option<MaterialId>) {
+        self.effects |= if to_outer.is_moving() { Effects::MOTION } else { Effects::NONE };
+        self.objects.instance(self.group.id, to_outer.clone(), material.or(self.material));
         let placed = self.group.bounds.map(|(low, high)| to_outer.bounds([low, high]).into());
         self.bounds = placed.into_iter().chain(self.bounds).reduce(union);
     }
@@ -85,7 +86,7 @@ impl Builder<'_> {
         match (&described.placements, &described.file) {
             (Some(placements), _) => self.place_each(&mut placer, placements),
             (None, Some(file)) => self.place_points(&mut placer, file, &described.materials)?,
-            (None, None) => placer.place(*to_outer, None),
+            (None, None) => placer.place((*to_outer).into(), None),
         }
         let Placer { objects, bounds, effects, .. } = placer;
         if objects.instance_count() == before {
@@ -114,7 +115,7 @@ impl Builder<'_> {
     fn place_each(&mut self, placer: &mut Placer, placements: &[Placement]) {
         for (i, placement) in placements.iter().enumerate() {
             let material = self.own_material(placer, &format!("placements/{i}/material"), placement.material.as_ref());
-            match transform::placed(&placement.transform, &placer.to_outer) {
+            match transform::animated(&placement.transform, &placer.to_outer, &self.scene.shutter) {
                 Ok(to_outer) => placer.place(to_outer, material),
                 Err(message) => self.fault(&format!("{}/placements/{i}/transform", placer.pointer), &message),
             }
@@ -152,7 +153,7 @@ impl Builder<'_> {
                 self.fault(&format!("{}/file", placer.pointer), &format!("{file}: vertex {i}: no transform with an inverse"));
                 return Ok(());
             };
-            placer.place(to_outer, material);
+            placer.place(to_outer.into(), material);
         }
         Ok(())
     }

@@ -4,27 +4,43 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Builder, rgb};
+use super::{Builder, rgb, transform};
 use crate::describe;
 use crate::error::Error;
 use crate::format::Radiometric;
-use crate::light::{Directional, Falloff, Light, Point, ProfiledPoint, Projector, Spot, Sun};
-use crate::math::float;
+use crate::light::{Directional, Falloff, Light, Placed, Point, ProfiledPoint, Projector, Spot, Sun};
+use crate::math::{Transform, float};
 
 impl Builder<'_> {
     pub(super) fn lights(&mut self) {
         for (i, described) in self.scene.lights.iter().enumerate() {
             let pointer = format!("/lights/{i}");
-            let (made, name) = match described {
-                describe::Light::Point(l) => (self.point(&pointer, l), l.name.as_ref()),
-                describe::Light::Directional(l) => (Some(directional(l)), l.name.as_ref()),
-                describe::Light::Spot(l) => (self.spot(&pointer, l), l.name.as_ref()),
+            let made = match described {
+                describe::Light::Point(l) => self.point(&pointer, l),
+                describe::Light::Directional(l) => Some(directional(l)),
+                describe::Light::Spot(l) => self.spot(&pointer, l),
             };
-            let Some(made) = made else { continue };
-            let name = name.map_or(pointer, |name| format!("{name:?}"));
+            let Some(made) = made.and_then(|light| self.placed(&pointer, light, described.transform())) else { continue };
+            let name = described.name().map_or(pointer, |name| format!("{name:?}"));
             self.needs.push((name, made.effects()));
             self.world.light(made);
         }
+    }
+
+    /// A light with its transform; nothing after adding a fault.
+    fn placed(&mut self, pointer: &str, light: Light, steps: &describe::Transform) -> Option<Light> {
+        if steps.is_identity() {
+            return Some(light);
+        }
+        let pointer = format!("{pointer}/transform");
+        match transform::animated(steps, &Transform::IDENTITY, &self.scene.shutter) {
+            Ok(to_world) => match Placed::new(light, to_world) {
+                Some(placed) => return Some(Light::Placed(Box::new(placed))),
+                None => self.fault(&pointer, "a light is placed by translations and rotations only: leave out scales and mirrors"),
+            },
+            Err(message) => self.fault(&pointer, &message),
+        }
+        None
     }
 
     /// A point light; nothing after adding a fault.

@@ -25,7 +25,7 @@ use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
 use crate::film::{FilmSpec, Layer};
 use crate::light::Emitter;
-use crate::math::{Rgb, Transform};
+use crate::math::{AnimatedTransform, Rgb, Transform};
 use crate::medium::{Media, MediumId};
 use crate::reader::{Node, locate};
 use crate::sampler::SamplerSpec;
@@ -76,13 +76,13 @@ pub struct Source<'a> {
 /// `Invalid` with all files that lie outside of the scene's folder, all mesh files that cannot be used and all shapes that cannot be
 /// placed; `Io` where a file cannot be read; `Limit` where nested textures or materials are too many.
 pub fn build(scene: &Scene, source: Source) -> Result<Built> {
-    let camera = camera::camera(&scene.camera);
+    let camera = camera::camera(&scene.camera, &scene.shutter);
     let misplaced = camera.as_ref().err().map(|message| ("/camera/transform".to_owned(), message.clone()));
     let refused = misplaced.into_iter().chain(source.files.refused(scene)).take(crate::MAX_FAULTS);
     let refused: Vec<Fault> = refused.map(|(pointer, message)| locate(source.root, source.file, &pointer, message)).collect();
     let Some(camera) = camera.ok().filter(|_| refused.is_empty()) else { return Err(Error::Invalid(refused)) };
     let mut needs = vec![("camera".to_owned(), camera.effects())];
-    let world = World::builder(camera);
+    let world = World::builder(camera.clone());
     let mut builder = Builder {
         scene,
         source,
@@ -141,7 +141,15 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         Error::Limit(fault) => Error::Limit(locate(source.root, source.file, "/groups", fault.message)),
         other => other,
     })?;
+    if camera_meets_media(&world) {
+        let message = "the camera moves into or out of a medium, or between two: let it stay within one, or outside of all";
+        return Err(Error::invalid(locate(source.root, source.file, "/camera/transform", message)));
+    }
     warnings.extend(missing(&world).map(of_scene));
+    let has_keyframes = scene.has_keyframes() && scene.shutter.open != scene.shutter.close;
+    if has_keyframes && !world.effects().contains(Effects::MOTION) {
+        warnings.push(of_scene("/shutter: nothing moves while the shutter is open: the keyframes are at other times, or all the same"));
+    }
     let of_parts = Names::of(scene, &world, media);
     // The first entry of `needs` is the camera; the shapes of the scene and of its groups follow, as the world numbers them.
     let names: Vec<&str> = needs[1..].iter().map(|(name, _)| name.as_str()).collect();
@@ -155,6 +163,16 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
     }
     let sampler = camera::sampler(&scene.sampler);
     Ok(Built { world, film, sampler, warnings, warnings_for_camera_paths: for_camera_paths, names: of_parts, needs, contents })
+}
+
+/// The number of times at which the media around a moving camera are looked for.
+const MOMENTS: u16 = 64;
+
+/// Whether the camera moves across the boundary of a medium: paths begin with the media that are around it when the shutter opens.
+fn camera_meets_media(world: &World) -> bool {
+    let around = |k: u16| world.bodies_around(world.camera().eye_at(f32::from(k) / f32::from(MOMENTS)).as_vec3());
+    let first = world.media().filter(|_| world.camera().is_moving()).map(|media| *media.at_camera());
+    first.is_some_and(|first| (0..=MOMENTS).any(|k| around(k) != first))
 }
 
 /// Returns a warning if the picture will be black, or show only the background.
@@ -205,11 +223,33 @@ impl Builder<'_> {
     fn shapes(&mut self, pointer: &str, shapes: &[Shape], outer: &Transform) -> Result<()> {
         for (i, shape) in shapes.iter().enumerate() {
             let pointer = format!("{pointer}/{i}");
-            match transform::placed(shape.transform(), outer) {
-                Ok(to_world) => self.shape(&pointer, shape, &to_world)?,
+            match transform::animated(shape.transform(), outer, &self.scene.shutter) {
+                Ok(AnimatedTransform::Still(to_world)) => self.shape(&pointer, shape, &to_world)?,
+                Ok(moving) => self.moving(&pointer, shape, moving)?,
                 Err(message) => self.fault(&format!("{pointer}/transform"), &message),
             }
         }
+        Ok(())
+    }
+
+    /// Builds a shape that moves, with all that it contains.
+    ///
+    /// # Errors
+    /// Those of the shapes.
+    fn moving(&mut self, pointer: &str, shape: &Shape, to_world: AnimatedTransform) -> Result<()> {
+        let outer = (std::mem::take(&mut self.objects), std::mem::take(&mut self.boxes), std::mem::take(&mut self.lamps));
+        let first = self.needs.len();
+        self.shape(pointer, shape, &Transform::IDENTITY)?;
+        self.needs[first..].iter_mut().for_each(|(_, effects)| *effects |= Effects::MOTION);
+        if let Shape::Instances(instances) = shape {
+            // The shapes of the group are listed apart, and may also show elsewhere, at rest.
+            let name = instances.name.as_ref().map_or_else(|| format!("{pointer}, instances"), |name| format!("{name:?}, instances"));
+            self.override_needs.push((name, Effects::MOTION));
+        }
+        let (inner, boxes) = (std::mem::take(&mut self.objects), std::mem::take(&mut self.boxes));
+        (self.objects, self.boxes, self.lamps) = outer;
+        self.boxes.extend(boxes.into_iter().map(|(low, high)| <(DVec3, DVec3)>::from(to_world.bounds([low, high]))));
+        self.objects.moving(inner, to_world);
         Ok(())
     }
 

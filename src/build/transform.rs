@@ -2,9 +2,10 @@
 
 use glam::{DMat4, DVec3};
 
-use crate::describe::{self, LookAt, Scale, Step};
+use crate::describe::{self, Keyframe, LookAt, Scale, Shutter, Step};
+use crate::error::Error;
 use crate::format::check_volume;
-use crate::math::Transform;
+use crate::math::{AnimatedTransform, Keyframes, Transform};
 
 /// Composes all steps, the first acting first, and then `outer`, the transform of the groups around.
 ///
@@ -19,6 +20,44 @@ pub(in crate::build) fn placed(steps: &describe::Transform, outer: &Transform) -
     Ok(total)
 }
 
+/// Composes all steps as [`placed`], with the motion of keyframes while the shutter is open. What does not move meanwhile is still.
+///
+/// # Errors
+/// Those of [`placed`], and a message about keyframes that cannot be interpolated.
+pub(in crate::build) fn animated(steps: &describe::Transform, outer: &Transform, shutter: &Shutter) -> Result<AnimatedTransform, String> {
+    if !steps.has_keyframes() {
+        return placed(steps, outer).map(AnimatedTransform::Still);
+    }
+    let mut total = AnimatedTransform::Still(Transform::IDENTITY);
+    for step in &steps.0 {
+        let next = match step {
+            Step::Keyframes(keyframes) => motion(keyframes, shutter)?,
+            _ => step_of(step).ok_or("a step cannot be undone")?.into(),
+        };
+        total = total.then(&next);
+    }
+    let total = total.then(&(*outer).into());
+    for time in [0.0, 0.5, 1.0] {
+        let at = total.at(time);
+        if !(at.matrix().is_finite() && at.inverse_matrix().is_finite()) {
+            return Err("the steps together cannot be undone".into());
+        }
+        check_volume(at.determinant()).map_err(|message| format!("all steps together: {message}"))?;
+    }
+    Ok(total)
+}
+
+/// The motion of keyframes while the shutter is open.
+fn motion(keyframes: &[Keyframe], shutter: &Shutter) -> Result<AnimatedTransform, String> {
+    let key = |keyframe: &Keyframe| Ok((keyframe.time.get(), placed(&keyframe.transform, &Transform::IDENTITY)?));
+    let keys = keyframes.iter().map(key).collect::<Result<Vec<_>, String>>()?;
+    let during = Keyframes::new(&keys).and_then(|keyframes| keyframes.during(shutter.open.get(), shutter.close.get()));
+    during.map(AnimatedTransform::from).map_err(|error| match error {
+        Error::Invalid(faults) => faults.into_iter().map(|fault| fault.message).collect(),
+        other => other.to_string(),
+    })
+}
+
 fn step_of(step: &Step) -> Option<Transform> {
     let map = match step {
         Step::Translate(by) => Transform::translate(by.0.into()),
@@ -26,6 +65,8 @@ fn step_of(step: &Step) -> Option<Transform> {
         Step::Scale(Scale::PerAxis(by)) => Transform::scale((*by).into()),
         Step::Rotate(rotate) => Transform::rotate(rotate.axis.0.into(), rotate.degrees.get()),
         Step::LookAt(at) => Transform::look_at(at.from.0.into(), at.to.0.into(), at.up.0.into()),
+        // A checked scene has keyframes only where `animated` takes them.
+        Step::Keyframes(_) => return None,
         Step::Matrix(rows) => Transform::from_matrix(DMat4::from_cols_array(&rows.map(|x| x.get())).transpose()),
     };
     map.ok()

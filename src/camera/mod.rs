@@ -15,14 +15,16 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Vec2, Vec3};
 use crate::effects::Effects;
 use crate::error::Result;
 use crate::math::lanes::{Lanes, Vector};
-use crate::math::{AreaPdf, Density, Ray, RayDifferential, Transform};
+use crate::math::{AnimatedTransform, AreaPdf, Density, Ray, RayDifferential, Transform};
 
 pub use orthographic::Orthographic;
 pub use perspective::Perspective;
 pub use spherical::Spherical;
 
 /// Camera of a scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// Functions without a time treat a camera that moves as it is when the shutter opens.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Camera {
     /// Perspective projection, optionally with a thin lens.
     Perspective(Perspective),
@@ -76,7 +78,8 @@ impl Camera {
     ///   this is not examined
     /// - `aspect`: width / height of the film
     pub fn importance(&self, ray: &Ray, aspect: f32) -> Option<CameraImportance> {
-        let importance = match self {
+        let moved = self.moved(ray.time);
+        let importance = match moved.as_ref().unwrap_or(self) {
             Camera::Perspective(camera) => camera.importance(ray, aspect),
             Camera::Orthographic(camera) => camera.importance(ray, aspect),
             Camera::Spherical(camera) => camera.importance(ray),
@@ -87,8 +90,9 @@ impl Camera {
     /// Connects a point with the camera; `None` if the point is not in front of it.
     ///
     /// - `aspect`, `lens`, `time`: as in [`Camera::ray`]
-    pub fn connect(&self, p: Vec3, aspect: f32, lens: Vec2, _time: f32) -> Option<CameraConnection> {
-        match self {
+    pub fn connect(&self, p: Vec3, aspect: f32, lens: Vec2, time: f32) -> Option<CameraConnection> {
+        let moved = self.moved(time);
+        match moved.as_ref().unwrap_or(self) {
             Camera::Perspective(camera) => camera.connect(p, aspect, lens),
             Camera::Orthographic(camera) => camera.connect(p, aspect),
             Camera::Spherical(camera) => camera.connect(p),
@@ -102,7 +106,8 @@ impl Camera {
     /// - `time`: fraction of the shutter interval, in [0, 1); 0 where nothing moves
     #[inline(always)]
     pub fn ray(&self, film: Vec2, aspect: f32, lens: Vec2, time: f32) -> Ray {
-        let ray = match self {
+        let moved = self.moved(time);
+        let ray = match moved.as_ref().unwrap_or(self) {
             Camera::Perspective(camera) => camera.ray(film, aspect, lens),
             Camera::Orthographic(camera) => camera.ray(film, aspect),
             Camera::Spherical(camera) => camera.ray(film),
@@ -135,16 +140,38 @@ impl Camera {
 
     /// Effects that simulating the camera requires.
     pub fn effects(&self) -> Effects {
-        match self {
+        let lens = match self {
             Camera::Perspective(camera) if camera.has_lens() => Effects::THIN_LENS,
             _ => Effects::NONE,
-        }
+        };
+        if self.is_moving() { lens | Effects::MOTION } else { lens }
     }
 
-    /// Depth of a point (m): along the axis of the camera, for panoramas the distance from the eye.
-    pub fn depth(&self, p: DVec3) -> f64 {
-        let pose = self.pose();
-        match self {
+    /// Whether the camera moves while the shutter is open.
+    pub fn is_moving(&self) -> bool {
+        self.pose().motion.is_some()
+    }
+
+    /// The camera as it is at a time; `None` if it does not move.
+    #[inline(always)]
+    fn moved(&self, time: f32) -> Option<Camera> {
+        self.pose().motion.as_ref().map(|motion| self.with_pose(Pose::new(&motion.at(time))))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn with_pose(&self, pose: Pose) -> Camera {
+        let mut camera = self.clone();
+        *camera.pose_mut() = pose;
+        camera
+    }
+
+    /// Depth of a point at a time (m): along the axis of the camera, for panoramas the distance from the eye.
+    pub fn depth(&self, p: DVec3, time: f32) -> f64 {
+        let moved = self.moved(time);
+        let camera = moved.as_ref().unwrap_or(self);
+        let pose = camera.pose();
+        match camera {
             Camera::Spherical(_) => (p - pose.eye).length(),
             _ => (pose.eye - p).dot(pose.back.as_dvec3()),
         }
@@ -152,7 +179,7 @@ impl Camera {
 
     /// Matrix from world space to camera space, with x right, y up and −z ahead (m).
     pub fn world_to_camera(&self) -> DMat4 {
-        let Pose { eye, right, up, back } = *self.pose();
+        let Pose { eye, right, up, back, .. } = *self.pose();
         let turn = DMat3::from_cols(right.as_dvec3(), up.as_dvec3(), back.as_dvec3()).transpose();
         DMat4::from_mat3_translation(turn, -(turn * eye))
     }
@@ -196,6 +223,11 @@ impl Camera {
         self.pose().eye
     }
 
+    /// Position of the camera at a time (m).
+    pub fn eye_at(&self, time: f32) -> DVec3 {
+        self.moved(time).map_or(self.eye(), |camera| camera.eye())
+    }
+
     /// Whether a ray of the camera can hit the side to which `n` points of the plane through `p`.
     pub fn faces(&self, p: DVec3, n: DVec3) -> bool {
         let pose = self.pose();
@@ -214,33 +246,45 @@ impl Camera {
         }
     }
 
-    /// The camera in coordinates shifted by −`origin`.
-    pub fn recentred(mut self, origin: DVec3) -> Camera {
-        let pose = match &mut self {
+    fn pose_mut(&mut self) -> &mut Pose {
+        match self {
             Camera::Perspective(camera) => &mut camera.pose,
             Camera::Orthographic(camera) => &mut camera.pose,
             Camera::Spherical(camera) => &mut camera.pose,
-        };
+        }
+    }
+
+    /// The camera in coordinates shifted by −`origin`.
+    pub fn recentred(mut self, origin: DVec3) -> Camera {
+        let pose = self.pose_mut();
         pose.eye -= origin;
+        pose.motion = pose.motion.take().map(|motion| motion.shifted(-origin));
         self
     }
 }
 
 /// Position and orientation of a camera. The scale of a transform is ignored: distances are those of the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
-    /// Position (m).
+    /// Position when the shutter opens (m).
     pub eye: DVec3,
     right: Vec3,
     up: Vec3,
     back: Vec3,
+    /// Transform from camera space to world space, if it changes while the shutter is open.
+    motion: Option<AnimatedTransform>,
 }
 
 impl Pose {
     /// Pose given by the transform from camera space to world space.
     pub fn new(to_world: &Transform) -> Pose {
         let axis = |v: DVec3| to_world.vector(v).normalize().as_vec3();
-        Pose { eye: to_world.point(DVec3::ZERO), right: axis(DVec3::X), up: axis(DVec3::Y), back: axis(DVec3::Z) }
+        Pose { eye: to_world.point(DVec3::ZERO), right: axis(DVec3::X), up: axis(DVec3::Y), back: axis(DVec3::Z), motion: None }
+    }
+
+    /// Pose of a camera that may move.
+    pub fn animated(to_world: &AnimatedTransform) -> Pose {
+        Pose { motion: Some(to_world.clone()).filter(AnimatedTransform::is_moving), ..Pose::new(&to_world.at(0.0)) }
     }
 
     /// Pose at `from` that looks at `to`.

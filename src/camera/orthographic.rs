@@ -6,7 +6,7 @@ use super::{CameraConnection, CameraImportance, Pose};
 use crate::math::{AreaPdf, Density, Ray};
 
 /// Parallel projection along −z. The film shows `height` metres of the plane z = 0 from top to bottom.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Orthographic {
     /// Position and orientation.
     pub pose: Pose,

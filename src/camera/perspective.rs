@@ -13,7 +13,7 @@ use crate::math::{AreaPdf, Density, Ray, SolidAnglePdf, float, warp};
 /// The film point (x, y), with coordinates from −1 to 1, is focused on (x·a·τ, y·τ, −1)·focus_distance. Here τ = tan(fov/2), and a
 /// is the aspect ratio: that of the film, so that pixels are square, or one set by [`Perspective::across`]. The rays of a film point
 /// start on the lens, a disk around the eye.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Perspective {
     /// Position and orientation.
     pub pose: Pose,

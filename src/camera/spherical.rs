@@ -9,7 +9,7 @@ use super::{CameraConnection, CameraImportance, Pose};
 use crate::math::{Density, Ray, SolidAnglePdf, float};
 
 /// Latitude-longitude panorama. The centre of the film looks along −z, the left and right edges meet at +z, and the top edge is +y.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Spherical {
     /// Position and orientation.
     pub pose: Pose,

@@ -16,7 +16,7 @@ use super::scene::Scene;
 use super::shape::{Instances, Mesh, Sdf, Shape};
 use super::{Material, MaterialRef};
 use crate::bsdf::microfacet::RoughnessKeys;
-use crate::format::{Hex, LookAt, Radiometric, Texture, TextureSpace, Textured, Transform};
+use crate::format::{Hex, Keyframe, LookAt, Radiometric, Step, Texture, TextureSpace, Textured, Transform};
 use crate::primitive::MAX_NESTING;
 use crate::reader::{Faults, Node, escaped, unknown};
 
@@ -27,6 +27,7 @@ const LEAST_SINE: f64 = 1e-6;
 pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
     let checker = Checker { scene, root, faults, emitting: emitting_groups(scene) };
     checker.camera(&scene.camera);
+    checker.shutter();
     checker.film(&scene.film);
     checker.integrator();
     for (name, texture) in &scene.textures {
@@ -41,14 +42,15 @@ pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
         checker.material(&format!("/materials{}", escaped(name)), material);
     }
     for (name, shapes) in &scene.groups {
-        checker.shapes(&format!("/groups{}", escaped(name)), shapes);
+        checker.shapes(&format!("/groups{}", escaped(name)), shapes, false);
     }
-    checker.shapes("/shapes", &scene.shapes);
+    checker.shapes("/shapes", &scene.shapes, false);
     for (name, medium) in &scene.media {
         checker.medium_itself(&format!("/media{}", escaped(name)), medium);
     }
     scene.medium.iter().for_each(|medium| checker.medium_ref("/medium", medium));
     for (i, light) in scene.lights.iter().enumerate() {
+        checker.motion(&format!("/lights/{i}/transform"), light.transform());
         match light {
             Light::Spot(spot) => checker.spot(&format!("/lights/{i}"), spot),
             Light::Directional(light) => checker.disk(&format!("/lights/{i}/angle"), light),
@@ -115,7 +117,7 @@ impl Checker<'_> {
             self.fault("/camera/transform", "give look_at or transform, not both (a transform may contain look_at)");
         }
         look_at.inspect(|look_at| self.look_at("/camera/look_at", look_at));
-        transform.inspect(|transform| self.transform("/camera/transform", transform));
+        transform.inspect(|transform| self.motion("/camera/transform", transform));
     }
 
     fn film(&self, film: &Film) {
@@ -225,14 +227,18 @@ impl Checker<'_> {
         }
     }
 
-    fn shapes(&self, pointer: &str, shapes: &[Shape]) {
+    /// Checks shapes.
+    ///
+    /// - `moves`: whether they are in a group that moves
+    fn shapes(&self, pointer: &str, shapes: &[Shape], moves: bool) {
         for (i, shape) in shapes.iter().enumerate() {
-            self.shape(&format!("{pointer}/{i}"), shape);
+            self.shape(&format!("{pointer}/{i}"), shape, moves);
         }
     }
 
-    fn shape(&self, pointer: &str, shape: &Shape) {
-        self.transform(&format!("{pointer}/transform"), shape.transform());
+    fn shape(&self, pointer: &str, shape: &Shape, moves: bool) {
+        self.motion(&format!("{pointer}/transform"), shape.transform());
+        let moves = moves || shape.transform().has_keyframes();
         if let Some(material) = shape.material() {
             self.material_ref(&format!("{pointer}/material"), material);
             self.whole_light(&format!("{pointer}/material"), shape, material);
@@ -242,6 +248,12 @@ impl Checker<'_> {
         }
         if let Some(medium) = shape.medium() {
             self.medium(pointer, shape, medium);
+            if moves {
+                self.fault(
+                    &format!("{pointer}/medium"),
+                    "a shape that contains a medium cannot move: leave out \"medium\", or the keyframes",
+                );
+            }
         }
         let is_interface = match shape.material() {
             Some(material) => matches!(self.scene.material(material), Some(Material::Interface(_))),
@@ -254,7 +266,7 @@ impl Checker<'_> {
         }
         match shape {
             Shape::Mesh(mesh) => self.mesh(pointer, shape, mesh),
-            Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes),
+            Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes, moves),
             Shape::Sdf(sdf) => self.sdf(pointer, sdf),
             Shape::Instances(instances) => self.instances(pointer, instances),
             Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) | Shape::Box(_) => {}
@@ -346,7 +358,7 @@ impl Checker<'_> {
             self.fault(&format!("{pointer}/materials"), "materials for the points of a file, but there is no \"file\"");
         }
         for (i, placement) in instances.placements.iter().flatten().enumerate() {
-            self.transform(&format!("{pointer}/placements/{i}/transform"), &placement.transform);
+            self.motion(&format!("{pointer}/placements/{i}/transform"), &placement.transform);
         }
         for (at, material) in instances.materials() {
             self.material_ref(&format!("{pointer}/{at}"), material);
@@ -433,6 +445,47 @@ impl Checker<'_> {
         }
     }
 
+    /// Checks a transform that may have keyframes.
+    fn motion(&self, pointer: &str, transform: &Transform) {
+        for (i, step) in transform.0.iter().enumerate() {
+            let at = format!("{pointer}/{i}/{}", step.key());
+            match step {
+                Step::Keyframes(keyframes) => self.keyframes(&at, keyframes),
+                _ => step.check().err().into_iter().for_each(|message| self.fault(&at, message)),
+            }
+        }
+    }
+
+    fn keyframes(&self, pointer: &str, keyframes: &[Keyframe]) {
+        if keyframes.is_empty() {
+            self.fault(pointer, "expected at least one keyframe");
+        }
+        for (i, keyframe) in keyframes.iter().enumerate() {
+            let at = format!("{pointer}/{i}/transform");
+            for (k, step) in keyframe.transform.0.iter().enumerate() {
+                let message = match step {
+                    Step::Keyframes(_) => Err("keyframes within keyframes: put them into a step of their own".to_owned()),
+                    _ => step.check(),
+                };
+                message.err().into_iter().for_each(|message| self.fault(&format!("{at}/{k}/{}", step.key()), message));
+            }
+        }
+        for (i, pair) in keyframes.windows(2).enumerate() {
+            let [before, after] = [pair[0].time.get(), pair[1].time.get()];
+            if after <= before {
+                let message = format!("expected a time after that of the keyframe before it, {before} s, found {after}");
+                self.fault(&format!("{pointer}/{}/time", i + 1), message);
+            }
+        }
+    }
+
+    fn shutter(&self) {
+        let [open, close] = [self.scene.shutter.open.get(), self.scene.shutter.close.get()];
+        if close < open {
+            self.fault("/shutter/close", format!("expected a time from {open} s on, when the shutter opens, found {close}"));
+        }
+    }
+
     fn look_at(&self, pointer: &str, look_at: &LookAt) {
         if let Err(message) = look_at.check() {
             self.fault(pointer, message);
@@ -442,6 +495,9 @@ impl Checker<'_> {
     /// Checks that the disk of a directional light is not brighter than numbers allow.
     fn disk(&self, pointer: &str, light: &DirectionalLight) {
         let angle = light.angle.get();
+        if angle > 0.0 && !light.transform.is_identity() {
+            self.fault(pointer, "a light with an angle has no transform: turn its direction, or leave out the angle");
+        }
         if angle > 0.0 && angle < LEAST_DISK {
             self.fault(pointer, format!("expected 0, or an angle from {LEAST_DISK}, found {angle}"));
             return;

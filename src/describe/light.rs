@@ -4,7 +4,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::format::{Color, ConeAngle, Direction, DiskAngle, Encoding, HalfAngle, Point, Radiometric};
+use crate::format::{Color, ConeAngle, Direction, DiskAngle, Encoding, HalfAngle, Point, Radiometric, Transform};
 use crate::math::float::sin_cos_degrees;
 use crate::reader::by_type;
 
@@ -20,6 +20,26 @@ pub enum Light {
 
 by_type!(Light { Point(PointLight), Directional(DirectionalLight), Spot(SpotLight) });
 
+impl Light {
+    /// The transform, without the light's own position and directions.
+    pub fn transform(&self) -> &Transform {
+        match self {
+            Light::Point(l) => &l.transform,
+            Light::Directional(l) => &l.transform,
+            Light::Spot(l) => &l.transform,
+        }
+    }
+
+    /// The name, where one is given.
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Light::Point(l) => l.name.as_deref(),
+            Light::Directional(l) => l.name.as_deref(),
+            Light::Spot(l) => l.name.as_deref(),
+        }
+    }
+}
+
 /// A point that emits equally in every direction, or as a lamp was measured to do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -27,6 +47,9 @@ pub struct PointLight {
     /// The name of the light in messages and statistics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// Places the light, after its own position and directions, and may move it. It must keep lengths: translate, rotate, look at.
+    #[serde(default, skip_serializing_if = "Transform::is_identity")]
+    pub transform: Transform,
     /// The position, in metres.
     pub position: Point,
     /// Radiant intensity, in W·sr⁻¹; with `profile` that in the direction where it is greatest.
@@ -51,6 +74,9 @@ pub struct DirectionalLight {
     /// The name of the light in messages and statistics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// Places the light, after its own direction, and may move it. It must keep lengths: translate, rotate, look at. Not with an `angle`.
+    #[serde(default, skip_serializing_if = "Transform::is_identity")]
+    pub transform: Transform,
     /// The direction in which the light travels.
     pub direction: Direction,
     /// Irradiance on a surface perpendicular to the light, in W·m⁻².
@@ -92,6 +118,9 @@ pub struct SpotLight {
     /// The name of the light in messages and statistics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// Places the light, after its own position and directions, and may move it. It must keep lengths: translate, rotate, look at.
+    #[serde(default, skip_serializing_if = "Transform::is_identity")]
+    pub transform: Transform,
     /// The position, in metres.
     pub position: Point,
     /// The axis of the cone, in the direction in which the light travels. Give this or `to`.

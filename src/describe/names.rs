@@ -28,32 +28,32 @@ impl Names {
     /// - `world`: the scene as it was built; it has copies of shapes
     /// - `media`: the names of the media, in the order in which they were built
     pub fn of(scene: &Scene, world: &World, media: Vec<String>) -> Names {
-        let mut names = Names { shapes: vec![], materials: vec![], media, lights: vec![] };
-        names.add("/shapes", &scene.shapes);
-        let own = names.shapes.len();
+        let mut described = Described::default();
+        described.add("/shapes", &scene.shapes);
+        let own = described.shapes.len();
         for name in scene.shown_groups() {
-            names.add(&format!("/groups{}", escaped(name)), &scene.groups[name]);
+            described.add(&format!("/groups{}", escaped(name)), &scene.groups[name]);
         }
         if scene.groups.values().chain([&scene.shapes]).any(|shapes| replace_materials(shapes)) {
-            names.materials[own..].fill(None);
+            described.materials[own..].fill(None);
         }
-        for copy in names.shapes.len()..world.shapes().len() {
-            let described = world.described_shape(copy as u32) as usize;
-            names.shapes.push(names.shapes[described].clone());
-            names.materials.push(names.materials[described].clone());
-        }
-        let named = |(i, light): (usize, &Light)| {
-            let name = match light {
-                Light::Point(l) => &l.name,
-                Light::Directional(l) => &l.name,
-                Light::Spot(l) => &l.name,
-            };
-            name.clone().unwrap_or_else(|| format!("/lights/{i}"))
-        };
-        names.lights = scene.lights.iter().enumerate().map(named).chain(["background", "sun"].map(str::to_owned)).collect();
-        names
+        let of_world = || (0..world.shapes().len() as u32).map(|shape| world.described_shape(shape) as usize);
+        let shapes = of_world().map(|shape| described.shapes[shape].clone()).collect();
+        let materials = of_world().map(|shape| described.materials[shape].clone()).collect();
+        let named = |(i, light): (usize, &Light)| light.name().map_or_else(|| format!("/lights/{i}"), str::to_owned);
+        let lights = scene.lights.iter().enumerate().map(named).chain(["background", "sun"].map(str::to_owned)).collect();
+        Names { shapes, materials, media, lights }
     }
+}
 
+/// The names of shapes and of their materials, in the order in which they are described.
+#[derive(Default)]
+struct Described {
+    shapes: Vec<String>,
+    materials: Vec<Option<String>>,
+}
+
+impl Described {
     /// Adds shapes in the order in which they are built. Each member of a group counts as a shape; the group itself and instances do not.
     fn add(&mut self, pointer: &str, shapes: &[Shape]) {
         for (i, shape) in shapes.iter().enumerate() {
@@ -80,7 +80,9 @@ impl Names {
             self.materials.push(material.filter(|_| !parted));
         }
     }
+}
 
+impl Names {
     /// The name of the light with this number. The name of an area light is that of its shape.
     pub fn light(&self, lights: &Lights, index: u32) -> &str {
         let name = match lights.iter().nth(index as usize) {

@@ -15,7 +15,7 @@ use super::meter::Meter;
 use super::sampler::Sampler;
 use super::shape::{Instances, Shape};
 use super::{Material, MaterialRef};
-use crate::format::{Texture, Version};
+use crate::format::{Shutter, Texture, Transform, Version};
 use crate::reader::Node;
 
 /// A scene in pt's format.
@@ -26,6 +26,9 @@ pub struct Scene {
     pub pt: Version,
     /// The camera.
     pub camera: Camera,
+    /// When the shutter is open. Only what has keyframes depends on it.
+    #[serde(default, skip_serializing_if = "Shutter::is_default")]
+    pub shutter: Shutter,
     /// The image: its size, pixel filter and layers.
     #[serde(default)]
     pub film: Film,
@@ -80,6 +83,23 @@ impl Scene {
             MediumRef::Inline(inline) => Some(inline),
             MediumRef::Named(name) => self.media.get(name),
         }
+    }
+
+    /// Whether anything has keyframes.
+    pub(crate) fn has_keyframes(&self) -> bool {
+        fn of(shapes: &[Shape]) -> bool {
+            shapes.iter().any(|shape| {
+                shape.transform().has_keyframes()
+                    || match shape {
+                        Shape::Group(group) => of(&group.shapes),
+                        Shape::Instances(instances) => instances.placements.iter().flatten().any(|p| p.transform.has_keyframes()),
+                        _ => false,
+                    }
+            })
+        }
+        self.camera.placement().1.is_some_and(Transform::has_keyframes)
+            || self.lights.iter().any(|light| light.transform().has_keyframes())
+            || self.groups.values().chain([&self.shapes]).any(|shapes| of(shapes))
     }
 
     /// The names of the groups that the scene shows, each after those that it contains. There must be no circles.

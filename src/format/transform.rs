@@ -16,6 +16,11 @@ impl Transform {
     pub fn is_identity(&self) -> bool {
         self.0.is_empty()
     }
+
+    /// Whether there are keyframes among the steps.
+    pub fn has_keyframes(&self) -> bool {
+        self.0.iter().any(|step| matches!(step, Step::Keyframes(_)))
+    }
 }
 
 /// One step of a transform: an object with exactly one key. Vectors are columns; the coordinates are right-handed.
@@ -33,6 +38,43 @@ pub enum Step {
     LookAt(LookAt),
     /// Multiplies by a 4 × 4 matrix, given as 16 numbers row by row; the last row is `0, 0, 0, 1`.
     Matrix([Real; 16]),
+    /// Moves: transforms at several times, see `shutter`. Shapes, groups, instances, lights and the camera can move.
+    Keyframes(Vec<Keyframe>),
+}
+
+/// A transform at a time. Between two of them positions and sizes change evenly, and orientations turn evenly by the shorter way: a wheel
+/// that turns by half a turn or more needs keyframes in between. Before the first and after the last nothing moves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Keyframe {
+    /// The time, in seconds; later than that of the keyframe before it.
+    pub time: Real,
+    /// The transform at that time, without keyframes in it.
+    #[serde(default, skip_serializing_if = "Transform::is_identity")]
+    pub transform: Transform,
+}
+
+/// When the shutter is open: what moves meanwhile is blurred.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Shutter {
+    /// The time at which the shutter opens, in seconds.
+    pub open: Real,
+    /// The time at which it closes, in seconds. If it closes when it opens, the picture shows that moment.
+    pub close: Real,
+}
+
+impl Default for Shutter {
+    fn default() -> Shutter {
+        Shutter { open: Real::known(0.0), close: Real::known(1.0) }
+    }
+}
+
+impl Shutter {
+    /// Whether these are the defaults.
+    pub fn is_default(&self) -> bool {
+        *self == Shutter::default()
+    }
 }
 
 #[derive(Deserialize)]
@@ -43,25 +85,27 @@ struct StepKeys {
     rotate: Option<Rotate>,
     look_at: Option<LookAt>,
     matrix: Option<[Real; 16]>,
+    keyframes: Option<Vec<Keyframe>>,
 }
 
 impl TryFrom<StepKeys> for Step {
     type Error = &'static str;
 
     fn try_from(keys: StepKeys) -> Result<Step, &'static str> {
-        let StepKeys { translate, scale, rotate, look_at, matrix } = keys;
+        let StepKeys { translate, scale, rotate, look_at, matrix, keyframes } = keys;
         let mut steps = [
             translate.map(Step::Translate),
             scale.map(Step::Scale),
             rotate.map(Step::Rotate),
             look_at.map(Step::LookAt),
             matrix.map(Step::Matrix),
+            keyframes.map(Step::Keyframes),
         ]
         .into_iter()
         .flatten();
         match (steps.next(), steps.next()) {
             (Some(step), None) => Ok(step),
-            _ => Err("expected exactly one of translate, scale, rotate, look_at, matrix in each step"),
+            _ => Err("expected exactly one of translate, scale, rotate, look_at, matrix, keyframes in each step"),
         }
     }
 }
@@ -115,15 +159,17 @@ impl Step {
             Step::Rotate(_) => "rotate",
             Step::LookAt(_) => "look_at",
             Step::Matrix(_) => "matrix",
+            Step::Keyframes(_) => "keyframes",
         }
     }
 
     /// Checks that the step is an affine transform with an inverse.
     ///
     /// # Errors
-    /// A message about a step without an inverse, or a matrix that is not affine.
+    /// A message about a step without an inverse, or a matrix that is not affine, or keyframes.
     pub(crate) fn check(&self) -> Result<(), String> {
         match self {
+            Step::Keyframes(_) => Err("only shapes, groups, instances, lights and the camera can move".into()),
             Step::Translate(_) | Step::Rotate(_) => Ok(()),
             Step::LookAt(look_at) => look_at.check(),
             Step::Scale(Scale::Uniform(s)) => invertible([[*s, 0.0, 0.0], [0.0, *s, 0.0], [0.0, 0.0, *s]]),

@@ -10,7 +10,7 @@ use super::bounds::LightBounds;
 use super::emission_distribution::EmissionDistribution;
 use super::emitted_ray::EmissionContext;
 use super::emitter::Emitter;
-use super::{EmittedRay, Light, LightLiSample, ShadowTarget};
+use super::{EmittedRay, EmitterMotion, Light, LightLiSample, LightSampleContext, ShadowTarget};
 use crate::math::{AreaPdf, Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, warp};
 use crate::shape::{Shape, SurfacePoint, offset_ray_origin};
 use crate::texture::TextureContext;
@@ -26,6 +26,8 @@ pub struct Area {
     pub emitter: Emitter,
     /// Where on the primitive its light comes from; `None` without a texture and before the light is part of a scene.
     distribution: Option<Arc<EmissionDistribution>>,
+    /// Motion of the shape, which is at rest in its own space; `None` if it does not move.
+    motion: Option<Arc<EmitterMotion>>,
 }
 
 /// Number of texture lookups for all lights of a scene together, which bounds the time to load it.
@@ -54,7 +56,7 @@ impl Area {
     /// - `shape`: index of the shape
     /// - `primitive`: index of the primitive within the shape
     pub fn new(shape: u32, primitive: u32, emitter: Emitter) -> Area {
-        Area { shape, primitive, emitter, distribution: None }
+        Area { shape, primitive, emitter, distribution: None, motion: None }
     }
 
     fn distribute(&mut self, shape: &dyn Shape, lookups: u32) {
@@ -63,26 +65,58 @@ impl Area {
         }
     }
 
+    /// The light of a primitive that moves.
+    pub(crate) fn moving(self, motion: Option<Arc<EmitterMotion>>) -> Area {
+        Area { motion, ..self }
+    }
+
     #[inline]
-    pub(super) fn sample(&self, shapes: &[Box<dyn Shape>], from: Vec3, u: Vec2) -> Option<LightLiSample> {
+    pub(super) fn sample(&self, shapes: &[Box<dyn Shape>], cx: &LightSampleContext, u: Vec2) -> Option<LightLiSample> {
         let shape = &*shapes[self.shape as usize];
-        let (point, pdf) = match &self.distribution {
-            None => shape.sample_from(self.primitive, from, u)?,
-            Some(distribution) => distribution.sample_from(shape, self.primitive, from, u)?,
+        let (point, pdf) = match &self.motion {
+            None => self.sample_at_rest(shape, cx.p, u)?,
+            Some(motion) => {
+                let moment = motion.at(cx.time);
+                let (point, pdf) = self.sample_at_rest(shape, moment.to_local(cx.p), u)?;
+                let point = moment.place(&point);
+                (point, moment.by_solid_angle(pdf, towards(cx.p, &point)?))
+            }
         };
-        let wi = towards(from, &point)?;
+        let wi = towards(cx.p, &point)?;
         let li = self.emitter.at(&TextureContext::exact(&point)).towards(point.ng, -wi);
         (!li.is_black()).then_some(LightLiSample { wi, li, density: Density::Smooth(pdf), target: ShadowTarget::Surface(point) })
     }
 
-    /// Density by solid angle with which [`Area::sample`] samples `point` for the point `from`.
+    /// Samples a point for the point `from`, both in the space of the shape, with its density by solid angle.
     #[inline]
-    pub(super) fn pdf_from(&self, shapes: &[Box<dyn Shape>], from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {
-        let shape = &*shapes[self.shape as usize];
+    fn sample_at_rest(&self, shape: &dyn Shape, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         match &self.distribution {
-            None => shape.pdf_from(self.primitive, from, point),
-            Some(distribution) => distribution.pdf_from(shape, self.primitive, from, point),
+            None => shape.sample_from(self.primitive, from, u),
+            Some(distribution) => distribution.sample_from(shape, self.primitive, from, u),
         }
+    }
+
+    /// Density by solid angle with which [`Area::sample`] samples `point` for the point of `cx`.
+    #[inline]
+    pub(super) fn pdf_from(&self, shapes: &[Box<dyn Shape>], cx: &LightSampleContext, point: &SurfacePoint) -> SolidAnglePdf {
+        let at_rest = |from: Vec3, point: &SurfacePoint| {
+            let shape = &*shapes[self.shape as usize];
+            match &self.distribution {
+                None => shape.pdf_from(self.primitive, from, point),
+                Some(distribution) => distribution.pdf_from(shape, self.primitive, from, point),
+            }
+        };
+        let Some(motion) = &self.motion else { return at_rest(cx.p, point) };
+        let moment = motion.at(cx.time);
+        let pdf = at_rest(moment.to_local(cx.p), &moment.point_to_local(point));
+        towards(cx.p, point).map_or(SolidAnglePdf::ZERO, |wi| moment.by_solid_angle(pdf, wi))
+    }
+
+    /// A point of the surface at a time, if points of it can be sampled.
+    pub(super) fn place(&self, shapes: &[Box<dyn Shape>], u: Vec2, time: f32) -> Option<Vec3> {
+        let shape = &shapes[self.shape as usize];
+        let point = shape.is_sampled().then(|| shape.sample_area(self.primitive, u).0)?;
+        Some(self.motion.as_ref().map_or(point, |motion| motion.at(time).place(&point)).p)
     }
 
     /// A ray in a direction around the normal, with a density proportional to the cosine. A two-sided emitter chooses the side first.
@@ -94,6 +128,13 @@ impl Area {
         let (point, pdf) = match &self.distribution {
             None => shape.sample_area(self.primitive, cx.position),
             Some(distribution) => distribution.sample_area(shape, self.primitive, cx.position),
+        };
+        let (point, pdf) = match &self.motion {
+            None => (point, pdf),
+            Some(motion) => {
+                let moment = motion.at(cx.time);
+                (moment.place(&point), moment.by_area(pdf, point.ng))
+            }
         };
         let (side, share, x) = match self.emitter.two_sided {
             true if cx.direction.x < 0.5 => (1.0, 0.5, 2.0 * cx.direction.x),
@@ -111,7 +152,13 @@ impl Area {
     }
 
     /// Densities of a given ray that starts at `point`, for a two-sided emitter with the probability ½ of the side.
-    pub(super) fn emission_density(&self, shapes: &[Box<dyn Shape>], point: Option<&SurfacePoint>, w: Vec3) -> (Density<AreaPdf>, Density) {
+    pub(super) fn emission_density(
+        &self,
+        shapes: &[Box<dyn Shape>],
+        point: Option<&SurfacePoint>,
+        w: Vec3,
+        time: f32,
+    ) -> (Density<AreaPdf>, Density) {
         let Some(point) = point else { return (Density::Smooth(AreaPdf::new(0.0)), Density::Smooth(SolidAnglePdf::ZERO)) };
         let cos = point.ng.dot(w);
         let share = match self.emitter.two_sided {
@@ -121,11 +168,21 @@ impl Area {
         };
         let local = Vec3::Z * cos.abs();
         let direction = SolidAnglePdf::new(share * warp::cosine_hemisphere_pdf(local));
-        let shape = &*shapes[self.shape as usize];
-        let position = match &self.distribution {
-            None => shape.area_pdf(self.primitive, point),
-            Some(distribution) => distribution.area_pdf(shape, self.primitive, point),
+        let at_rest = |point: &SurfacePoint| {
+            let shape = &*shapes[self.shape as usize];
+            match &self.distribution {
+                None => shape.area_pdf(self.primitive, point),
+                Some(distribution) => distribution.area_pdf(shape, self.primitive, point),
+            }
         };
+        let position = self.motion.as_ref().map_or_else(
+            || at_rest(point),
+            |motion| {
+                let moment = motion.at(time);
+                let local = moment.point_to_local(point);
+                moment.by_area(at_rest(&local), local.ng)
+            },
+        );
         (Density::Smooth(position), Density::Smooth(direction))
     }
 
@@ -140,6 +197,10 @@ impl Area {
         let shape = &shapes[self.shape as usize];
         let (space, two_sided) = (shape.bounds(self.primitive), self.emitter.two_sided);
         let of_a_side = self.power(shapes) / if two_sided { 2.0 * PI } else { PI };
+        // What moves may also turn.
+        if let Some(motion) = &self.motion {
+            return LightBounds::all_directions(motion.bounds(&space), 0.5 * of_a_side);
+        }
         if shape.is_flat(self.primitive) {
             let normal = shape.sample_area(self.primitive, Vec2::splat(0.5)).0.ng.as_dvec3();
             LightBounds::flat(space, normal, two_sided, of_a_side)
@@ -153,7 +214,8 @@ impl Area {
         let whole = Spectrum::from_illuminant(self.emitter.radiance).average();
         let sides = if self.emitter.two_sided { 2.0 } else { 1.0 };
         let mean = self.distribution.as_ref().map_or(whole, |distribution| whole * MIN_POWER + distribution.mean);
-        sides * PI * f64::from(shapes[self.shape as usize].area(self.primitive)) * f64::from(mean)
+        let growth = self.motion.as_ref().map_or(1.0, |motion| motion.growth());
+        sides * PI * f64::from(shapes[self.shape as usize].area(self.primitive)) * f64::from(mean) * growth
     }
 }
 

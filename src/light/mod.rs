@@ -3,6 +3,7 @@
 //! A new light is a file in this folder, a variant in [`Light`] with an arm in each `match`, and a variant in `describe::light`.
 
 pub mod area;
+mod area_motion;
 mod bounds;
 mod choice;
 pub mod directional;
@@ -13,6 +14,7 @@ mod emitter;
 pub mod environment;
 pub mod environment_map;
 mod flat_share;
+mod placed;
 pub mod point;
 pub mod profile;
 mod projector;
@@ -34,11 +36,13 @@ use crate::math::{Aabb, Density, Discrete, SolidAnglePdf, Spectrum};
 use crate::shape::{Shape, SurfacePoint};
 
 pub use area::Area;
+pub use area_motion::EmitterMotion;
 pub use directional::Directional;
 pub use emitted_ray::{EmissionDensity, EmittedRay};
 pub use emitter::{Emission, Emitter};
 pub use environment::Environment;
 pub use environment_map::{EnvironmentMap, Mapping};
+pub use placed::Placed;
 pub use point::Point;
 pub use profile::{IntensityProfile, ProfiledPoint};
 pub use projector::Projector;
@@ -67,6 +71,8 @@ pub enum Light {
     Environment(Environment),
     /// Light from all directions as a picture shows it.
     EnvironmentMap(Arc<EnvironmentMap>),
+    /// Light without a surface that a transform places, and may move.
+    Placed(Box<Placed>),
 }
 
 /// Point that a light is sampled for. The choice among lights and the densities of directions may depend on all of it.
@@ -251,18 +257,9 @@ impl Lights {
     /// A point of a light that is chosen by its power; `None` if that light is infinitely far away.
     ///
     /// - `choice`, `u`: uniform numbers that choose the light and the point
-    pub fn place(&self, choice: f32, u: Vec2) -> Option<Vec3> {
-        match &self.lights[self.emission.as_ref()?.sample(choice).0] {
-            Light::Area(area) => {
-                let shape = &self.shapes[area.shape as usize];
-                shape.is_sampled().then(|| shape.sample_area(area.primitive, u).0.p)
-            }
-            Light::Point(light) => Some(light.position.as_vec3()),
-            Light::Spot(light) => Some(light.position.as_vec3()),
-            Light::Profiled(light) => Some(light.position.as_vec3()),
-            Light::Projector(light) => Some(light.spot.position.as_vec3()),
-            Light::Directional(_) | Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => None,
-        }
+    /// - `time`: fraction of the shutter interval
+    pub fn place(&self, choice: f32, u: Vec2, time: f32) -> Option<Vec3> {
+        self.lights[self.emission.as_ref()?.sample(choice).0].place(&self.shapes, u, time)
     }
 
     /// Probability with which [`Lights::emit`] chooses the light `index`.
@@ -277,28 +274,17 @@ impl Lights {
     ///
     /// - `point`: start of the ray on an area light, `None` for other lights
     /// - `w`: unit direction of the ray
+    /// - `time`: fraction of the shutter interval
     ///
     /// Tests: given_rays_have_the_densities_of_emitted_rays.
-    pub fn emission_density(&self, index: u32, point: Option<&SurfacePoint>, w: Vec3) -> EmissionDensity {
-        let from_infinity = Density::Smooth(pdf_from_infinity(self.bounds.1));
-        let (position, direction) = match &self.lights[index as usize] {
-            Light::Area(area) => area.emission_density(&self.shapes, point, w),
-            Light::Point(point) => (Density::Delta, Density::Smooth(point.emission_pdf())),
-            Light::Spot(spot) => (Density::Delta, Density::Smooth(spot.emission_pdf(w))),
-            Light::Profiled(point) => (Density::Delta, Density::Smooth(point.emission_pdf(w))),
-            Light::Projector(projector) => (Density::Delta, Density::Smooth(projector.emission_pdf(w))),
-            Light::Directional(_) => (from_infinity, Density::Delta),
-            Light::Sun(sun) => (from_infinity, Density::Smooth(sun.pdf(-w))),
-            Light::Environment(environment) => (from_infinity, Density::Smooth(environment.emission_pdf())),
-            Light::EnvironmentMap(map) => (from_infinity, Density::Smooth(map.emission_pdf(-w))),
-        };
-        EmissionDensity { position, direction }
+    pub fn emission_density(&self, index: u32, point: Option<&SurfacePoint>, w: Vec3, time: f32) -> EmissionDensity {
+        self.lights[index as usize].emission_density(&self.shapes, self.bounds.1, (point, w, time))
     }
 
     /// Density with which [`Lights::sample`] samples `point`, a point of the area light `index`.
     pub fn pdf(&self, index: u32, cx: &LightSampleContext, point: &SurfacePoint) -> SolidAnglePdf {
         match &self.lights[index as usize] {
-            Light::Area(area) => area.pdf_from(&self.shapes, cx.p, point) * self.probability(index, cx),
+            Light::Area(area) => area.pdf_from(&self.shapes, cx, point) * self.probability(index, cx),
             _ => SolidAnglePdf::ZERO,
         }
     }
@@ -356,7 +342,7 @@ impl Light {
     #[inline]
     fn sample(&self, shapes: &[Box<dyn Shape>], cx: &LightSampleContext, u: Vec2) -> Option<LightLiSample> {
         match self {
-            Light::Area(area) => area.sample(shapes, cx.p, u),
+            Light::Area(area) => area.sample(shapes, cx, u),
             Light::Point(point) => point.sample(cx.p),
             Light::Spot(spot) => spot.sample(cx.p),
             Light::Profiled(point) => point.sample(cx.p),
@@ -365,7 +351,48 @@ impl Light {
             Light::Sun(sun) => sun.sample(u),
             Light::Environment(environment) => environment.sample(cx, u),
             Light::EnvironmentMap(map) => map.sample(cx, u),
+            Light::Placed(placed) => placed.sample(shapes, cx, u),
         }
+    }
+
+    /// A point of the light at a time, see [`Lights::place`].
+    fn place(&self, shapes: &[Box<dyn Shape>], u: Vec2, time: f32) -> Option<Vec3> {
+        match self {
+            Light::Area(area) => area.place(shapes, u, time),
+            Light::Point(light) => Some(light.position.as_vec3()),
+            Light::Spot(light) => Some(light.position.as_vec3()),
+            Light::Profiled(light) => Some(light.position.as_vec3()),
+            Light::Projector(light) => Some(light.spot.position.as_vec3()),
+            Light::Directional(_) | Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => None,
+            Light::Placed(placed) => placed.light().place(shapes, u, time).map(|p| placed.point(p, time)),
+        }
+    }
+
+    /// Densities of a given ray, see [`Lights::emission_density`].
+    ///
+    /// - `radius`: radius of the scene's bounding sphere (m)
+    fn emission_density(
+        &self,
+        shapes: &[Box<dyn Shape>],
+        radius: f32,
+        (point, w, time): (Option<&SurfacePoint>, Vec3, f32),
+    ) -> EmissionDensity {
+        let from_infinity = Density::Smooth(pdf_from_infinity(radius));
+        let (position, direction) = match self {
+            Light::Area(area) => area.emission_density(shapes, point, w, time),
+            Light::Point(point) => (Density::Delta, Density::Smooth(point.emission_pdf())),
+            Light::Spot(spot) => (Density::Delta, Density::Smooth(spot.emission_pdf(w))),
+            Light::Profiled(point) => (Density::Delta, Density::Smooth(point.emission_pdf(w))),
+            Light::Projector(projector) => (Density::Delta, Density::Smooth(projector.emission_pdf(w))),
+            Light::Directional(_) => (from_infinity, Density::Delta),
+            Light::Sun(sun) => (from_infinity, Density::Smooth(sun.pdf(-w))),
+            Light::Environment(environment) => (from_infinity, Density::Smooth(environment.emission_pdf())),
+            Light::EnvironmentMap(map) => (from_infinity, Density::Smooth(map.emission_pdf(-w))),
+            Light::Placed(placed) => {
+                return placed.light().emission_density(shapes, radius, (point, placed.direction_to_local(w, time), time));
+            }
+        };
+        EmissionDensity { position, direction }
     }
 
     fn emit(&self, shapes: &[Box<dyn Shape>], cx: &EmissionContext) -> Option<EmittedRay> {
@@ -379,6 +406,7 @@ impl Light {
             Light::Sun(sun) => sun.emit(cx),
             Light::Environment(environment) => environment.emit(cx),
             Light::EnvironmentMap(map) => map.emit(cx),
+            Light::Placed(placed) => placed.emit(shapes, cx),
         }
     }
 
@@ -390,6 +418,7 @@ impl Light {
             Light::Spot(spot) => Some(spot.bounds()),
             Light::Profiled(point) => Some(point.bounds()),
             Light::Projector(projector) => Some(projector.bounds()),
+            Light::Placed(placed) => placed.bounds(shapes),
             Light::Directional(_) | Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => None,
         }
     }
@@ -412,6 +441,11 @@ impl Light {
                 let (rotation, irradiance) = map.irradiance();
                 Some(InfiniteIrradiance::Map(rotation, irradiance))
             }
+            // It may come from any side.
+            Light::Placed(placed) => match placed.light() {
+                Light::Directional(directional) => Some(InfiniteIrradiance::Equal(average(directional.irradiance))),
+                _ => None,
+            },
             Light::Area(_) | Light::Point(_) | Light::Spot(_) | Light::Profiled(_) | Light::Projector(_) => None,
         }
     }
@@ -428,6 +462,7 @@ impl Light {
             Light::Sun(sun) => sun.radiance.is_black(),
             Light::Environment(environment) => environment.radiance.is_black(),
             Light::EnvironmentMap(map) => map.mean() == 0.0,
+            Light::Placed(placed) => placed.light().is_black(),
         }
     }
 
@@ -443,12 +478,14 @@ impl Light {
             Light::Sun(sun) => sun.power(radius),
             Light::Environment(environment) => environment.power(radius),
             Light::EnvironmentMap(map) => map.power(radius),
+            Light::Placed(placed) => placed.light().power(shapes, radius),
         }
     }
 
     /// The light in coordinates shifted by −`origin`.
     pub fn recentred(mut self, origin: DVec3) -> Light {
         match &mut self {
+            Light::Placed(placed) => **placed = placed.clone().recentred(origin),
             Light::Point(point) => point.position -= origin,
             Light::Spot(spot) => spot.position -= origin,
             Light::Profiled(point) => point.position -= origin,
@@ -465,6 +502,7 @@ impl Light {
             Light::Area(_) => Effects::AREA_LIGHT,
             Light::Point(_) | Light::Spot(_) | Light::Profiled(_) | Light::Projector(_) | Light::Directional(_) => Effects::POINT_LIGHT,
             Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_) => Effects::ENVIRONMENT,
+            Light::Placed(placed) => placed.effects(),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Vectors, densities, transforms and numerics.
 
+pub mod animation;
 pub mod bounds;
 pub mod differential;
 pub mod discrete;
@@ -21,6 +22,7 @@ pub mod spherical_triangle;
 pub mod transform;
 pub mod warp;
 
+pub use animation::{AnimatedTransform, Keyframes};
 pub use bounds::Aabb;
 pub use differential::{RayDifferential, SurfaceDifferential};
 pub use discrete::Discrete;

@@ -187,6 +187,14 @@ impl Transform {
         self.matrix
     }
 
+    /// Transform of a linear part with its inverse, and a translation.
+    ///
+    /// - `flips`: whether the transform mirrors
+    pub(super) fn of_parts([linear, inverse]: [DMat3; 2], translation: DVec3, flips: bool) -> Transform {
+        let matrix = DAffine3::from_mat3_translation(linear, translation);
+        Transform { matrix, inverse: DAffine3::from_mat3_translation(inverse, -(inverse * translation)), flips }
+    }
+
     fn checked(matrix: DAffine3, inverse: DAffine3, flips: bool) -> Option<Transform> {
         (matrix.is_finite() && inverse.is_finite()).then_some(Transform { matrix, inverse, flips })
     }

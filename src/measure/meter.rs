@@ -12,6 +12,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::Mean;
 use crate::bsdf::{Bsdf, Diffuse};
+use crate::effects::Effects;
 use crate::integrator::{CameraSample, Context, Estimator, Interrupt};
 use crate::light::LightSampleContext;
 use crate::math::{Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, warp};
@@ -172,21 +173,22 @@ fn reading(sums: &[Sum]) -> Reading {
 impl Meter {
     /// An unbiased estimate of the quantity by one sample.
     fn sample(&self, scene: &dyn Scene, estimator: &dyn Estimator, mut numbers: SampleNumbers, interrupt: Interrupt) -> Spectrum {
+        let time = if scene.effects().contains(Effects::MOTION) { numbers.get_1d(dimension::TIME) } else { 0.0 };
         match self.quantity {
             Quantity::Irradiance { normal, radius } => {
                 let frame = Frame::around(normal);
                 let on_disk = warp::disk(numbers.get_2d(dimension::LENS)) * radius;
                 let p = self.position + frame.to_world(Local(Vec3::new(on_disk.x, on_disk.y, 0.0)));
                 let plane = plane(p, normal);
-                let direct = direct(scene, &plane, &mut numbers);
+                let direct = direct(scene, &plane, time, &mut numbers);
                 let local = warp::cosine_hemisphere(numbers.get_2d(dimension::FILM));
-                let ray = plane.spawn(frame.to_world(Local(local)), 0.0);
+                let ray = plane.spawn(frame.to_world(Local(local)), time);
                 let (radiance, hit) = radiance(scene, estimator, &ray, numbers, interrupt);
                 direct + (radiance - sampled_from_lights(scene, &plane, &ray, hit, local.z / PI)) * PI
             }
             Quantity::Radiance { direction, one_minus_cos } => {
                 let local = warp::uniform_cone(numbers.get_2d(dimension::FILM), one_minus_cos);
-                let ray = Ray::new(self.position, Frame::around(direction).to_world(Local(local)));
+                let ray = Ray { time, ..Ray::new(self.position, Frame::around(direction).to_world(Local(local))) };
                 radiance(scene, estimator, &ray, numbers, interrupt).0
             }
         }
@@ -202,11 +204,11 @@ fn plane(p: Vec3, normal: Vec3) -> Surface<'static> {
 
 /// The irradiance by one light sample, weighted by the balance heuristic against directions that are sampled by their cosine:
 /// Li cos θ / (p_light + cos θ/π); for delta lights the whole of it.
-fn direct(scene: &dyn Scene, plane: &Surface, numbers: &mut SampleNumbers) -> Spectrum {
+fn direct(scene: &dyn Scene, plane: &Surface, time: f32, numbers: &mut SampleNumbers) -> Spectrum {
     let (choice, u) = numbers.get_3d(dimension::METER_LIGHT);
-    let Some(light) = scene.lights().sample(&context(plane), choice, u) else { return Spectrum::BLACK };
+    let Some(light) = scene.lights().sample(&context(plane, time), choice, u) else { return Spectrum::BLACK };
     let cos = plane.point.ng.dot(light.wi);
-    if cos <= 0.0 || scene.occluded(&plane.shadow_ray(light.wi, &light.target, 0.0)) {
+    if cos <= 0.0 || scene.occluded(&plane.shadow_ray(light.wi, &light.target, time)) {
         return Spectrum::BLACK;
     }
     match light.density {
@@ -215,9 +217,9 @@ fn direct(scene: &dyn Scene, plane: &Surface, numbers: &mut SampleNumbers) -> Sp
     }
 }
 
-fn context(plane: &Surface) -> LightSampleContext {
+fn context(plane: &Surface, time: f32) -> LightSampleContext {
     let SurfacePoint { p, ng, ns, .. } = plane.point;
-    LightSampleContext { p, ng, ns, transmits: false, time: 0.0 }
+    LightSampleContext { p, ng, ns, transmits: false, time }
 }
 
 /// The radiance that arrives along a ray, by the estimator, and what the ray hits.
@@ -238,7 +240,7 @@ fn radiance(
 ///
 /// - `pdf`: p, the density with which the ray's direction was sampled
 fn sampled_from_lights(scene: &dyn Scene, plane: &Surface, ray: &Ray, hit: Option<Hit>, pdf: f32) -> Spectrum {
-    let (lights, context) = (scene.lights(), context(plane));
+    let (lights, context) = (scene.lights(), context(plane, ray.time));
     let share = |by_light: SolidAnglePdf| by_light.get() / (by_light.get() + pdf);
     let Some(hit) = hit else {
         let all = lights.background(ray.direction);

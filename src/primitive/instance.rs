@@ -1,5 +1,6 @@
 //! Instances: primitives that are stored once and shown at many places.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use arrayvec::ArrayVec;
@@ -9,8 +10,8 @@ use super::{Hit, InstanceId, MAX_NESTING, Primitive};
 use crate::bsdf::MaterialId;
 use crate::math::float::ROUNDING;
 use crate::math::transform::greatest_stretch;
-use crate::math::{Aabb, Ray, Transform};
-use crate::shape::{SurfacePoint, offset_bound};
+use crate::math::{Aabb, AnimatedTransform, Ray, Transform};
+use crate::shape::SurfacePoint;
 
 /// Primitives that instances show, in a space of their own.
 pub struct Group {
@@ -40,8 +41,9 @@ impl Group {
         self.primitives.instance_count()
     }
 
-    /// Bound of the rounding errors in the group's space, of corners and of rays that enter it (m).
-    fn rounding(&self) -> f32 {
+    /// Bound of the rounding errors in the group's space, of corners and of rays that enter it (m). Triangles that a ray passes at most that
+    /// far outside are hit too.
+    pub fn tolerance(&self) -> f32 {
         TOLERANCE * ROUNDING * self.reach
     }
 }
@@ -53,11 +55,11 @@ impl Group {
 /// 3 √3 r + 3 r < 9 r.
 const TOLERANCE: f32 = 9.0;
 
-/// Group at a place.
+/// Group at a place, which may move.
 pub struct Instance {
     group: Arc<Group>,
     /// Transform from the group's space to the space around it.
-    to_outer: Transform,
+    to_outer: AnimatedTransform,
     /// Material of all its surfaces; `None` for those of the group's shapes.
     pub material: Option<MaterialId>,
     /// Number of the instance. Those within the group follow.
@@ -86,8 +88,8 @@ impl Instance {
     /// An instance of a group.
     ///
     /// - `first`: number of the instance, which the numbers of the instances within it follow
-    pub fn new(group: Arc<Group>, to_outer: Transform, material: Option<MaterialId>, first: u32) -> Instance {
-        Instance { group, to_outer, material, first }
+    pub fn new(group: Arc<Group>, to_outer: impl Into<AnimatedTransform>, material: Option<MaterialId>, first: u32) -> Instance {
+        Instance { group, to_outer: to_outer.into(), material, first }
     }
 
     /// Number of the instance.
@@ -100,7 +102,7 @@ impl Instance {
         self.first + self.group.instance_count()
     }
 
-    /// Bounding box in the outer space.
+    /// Bounding box in the outer space, over all times.
     pub fn bounds(&self) -> Aabb {
         let inner = self.group.primitives.bounds();
         let [min, max] = self.to_outer.bounds([inner.min.as_dvec3(), inner.max.as_dvec3()]);
@@ -129,14 +131,15 @@ impl Instance {
     /// the distance from it.
     fn ray(&self, ray: &Ray, tolerance: f32) -> Option<GroupRay> {
         let Group { center, radius, .. } = *self.group;
-        let to_inner = self.to_outer.inverse_matrix();
+        let to_outer = self.to_outer.at(ray.time);
+        let to_inner = to_outer.inverse_matrix();
         let origin = to_inner.transform_point3(ray.origin.as_dvec3());
         let direction = to_inner.transform_vector3(ray.direction.as_dvec3());
         let scale = direction.length();
         let direction = direction / scale;
         let to_center = center - origin;
         let along = to_center.dot(direction);
-        let tolerance = self.tolerance(tolerance);
+        let tolerance = self.tolerance(tolerance, &to_outer);
         // The last part is the rounding of this computation.
         let radius = radius + f64::from(tolerance) + 8.0 * f64::EPSILON * to_center.length();
         // The comparisons are false also for NaN.
@@ -154,50 +157,46 @@ impl Instance {
     /// Tolerance of rays in the group's space.
     ///
     /// - `outer`: tolerance of the ray in the outer space (m)
-    fn tolerance(&self, outer: f32) -> f32 {
-        let own = self.group.rounding();
-        if outer > 0.0 { own + outer * greatest_stretch(self.to_outer.inverse_matrix().matrix3) as f32 } else { own }
-    }
-
-    /// Transforms a surface point and its error bound to the outer space.
-    ///
-    /// With the unit normals n and n′ = M⁻ᵀ n / |M⁻ᵀ n|, an error e becomes n′·(M e) = n·e / |M⁻ᵀ n|.
-    fn place(&self, point: &SurfacePoint) -> SurfacePoint {
-        let p = self.to_outer.point(point.p.as_dvec3()).as_vec3();
-        let normal = self.to_outer.inverse_matrix().matrix3.transpose() * point.ng.as_dvec3();
-        let stretch = normal.length();
-        let ng = (normal / stretch).as_vec3();
-        let offset = (f64::from(point.offset) / stretch) as f32 + offset_bound(ng, p.abs());
-        SurfacePoint { p, offset, ng, ns: ng, ..*point }
+    fn tolerance(&self, outer: f32, to_outer: &Transform) -> f32 {
+        let own = self.group.tolerance();
+        if outer > 0.0 { own + outer * greatest_stretch(to_outer.inverse_matrix().matrix3) as f32 } else { own }
     }
 }
 
-/// Instances within each other, the outermost first.
+/// Instances within each other at a time, the outermost first.
 #[derive(Default)]
-pub struct Nesting<'a>(ArrayVec<&'a Instance, MAX_NESTING>);
+pub struct Nesting<'a> {
+    instances: ArrayVec<&'a Instance, MAX_NESTING>,
+    time: f32,
+}
 
 impl<'a> Nesting<'a> {
     /// An instance, and the ones within it that `id` names.
-    pub(crate) fn new(instance: &'a Instance, id: InstanceId) -> Nesting<'a> {
-        let inner =
-            InstanceId::new(id.get() - instance.first).map_or_else(Nesting::default, |inner| instance.group.primitives.instance(inner));
+    pub(crate) fn new(instance: &'a Instance, id: InstanceId, time: f32) -> Nesting<'a> {
+        let inner = InstanceId::new(id.get() - instance.first)
+            .map_or_else(Nesting::default, |inner| instance.group.primitives.instance(inner, time));
         // Scenes with deeper nesting are refused.
-        Nesting(std::iter::once(instance).chain(inner.0).take(MAX_NESTING).collect())
+        Nesting { instances: std::iter::once(instance).chain(inner.instances).take(MAX_NESTING).collect(), time }
     }
 
     /// Material of all surfaces: that of the outermost instance which has one.
     pub fn material(&self) -> Option<MaterialId> {
-        self.0.iter().find_map(|instance| instance.material)
+        self.instances.iter().find_map(|instance| instance.material)
+    }
+
+    /// Transform of each instance to the space around it, the outermost first.
+    fn transforms(&self) -> impl DoubleEndedIterator<Item = Cow<'a, Transform>> {
+        self.instances.iter().map(|instance| instance.to_outer.at(self.time))
     }
 
     /// Transform from the innermost group's space to the outermost space.
     pub fn to_outer(&self) -> Transform {
-        self.0.iter().rev().fold(Transform::IDENTITY, |inner, instance| inner.then(&instance.to_outer))
+        self.transforms().rev().fold(Transform::IDENTITY, |inner, transform| inner.then(&transform))
     }
 
     /// Whether the transform to the outermost space mirrors.
     pub fn flips_handedness(&self) -> bool {
-        self.0.iter().fold(false, |flips, instance| flips ^ instance.to_outer.flips_handedness())
+        self.transforms().fold(false, |flips, transform| flips ^ transform.flips_handedness())
     }
 
     /// A surface point of the innermost group in the outermost space. Its shading normal is the geometric one.
@@ -205,29 +204,30 @@ impl<'a> Nesting<'a> {
     /// Its offset is more than twice the distance outside of triangles at which rays hit them, so that a ray which starts there does not
     /// hit the surface that it leaves.
     pub fn place(&self, point: &SurfacePoint) -> SurfacePoint {
-        let tolerance = self.0.iter().fold(0.0, |outer, instance| instance.tolerance(outer));
+        let tolerance =
+            self.instances.iter().zip(self.transforms()).fold(0.0, |outer, (instance, transform)| instance.tolerance(outer, &transform));
         let point = SurfacePoint { offset: point.offset + 2.0 * tolerance, ..*point };
-        self.0.iter().rev().fold(point, |point, instance| instance.place(&point))
+        self.transforms().rev().fold(point, |point, transform| point.placed(&transform))
     }
 
     /// A vector of the innermost group in the outermost space.
     pub fn vector(&self, v: Vec3) -> Vec3 {
-        self.0.iter().rev().fold(v.as_dvec3(), |v, instance| instance.to_outer.vector(v)).as_vec3()
+        self.transforms().rev().fold(v.as_dvec3(), |v, transform| transform.vector(v)).as_vec3()
     }
 
     /// A vector of the outermost space in the space of the innermost group.
     pub fn vector_to_local(&self, v: Vec3) -> Vec3 {
-        self.0.iter().fold(v.as_dvec3(), |v, instance| instance.to_outer.inverse_matrix().transform_vector3(v)).as_vec3()
+        self.transforms().fold(v.as_dvec3(), |v, transform| transform.inverse_matrix().transform_vector3(v)).as_vec3()
     }
 
     /// A point of the outermost space in the space of the innermost group.
     pub fn point_to_local(&self, p: DVec3) -> Vec3 {
-        self.0.iter().fold(p, |p, instance| instance.to_outer.inverse_matrix().transform_point3(p)).as_vec3()
+        self.transforms().fold(p, |p, transform| transform.inverse_matrix().transform_point3(p)).as_vec3()
     }
 
     /// A direction of the outermost space as a unit vector in the space of the innermost group.
     pub fn direction_to_local(&self, w: Vec3) -> Vec3 {
-        let within = self.0.iter().fold(w.as_dvec3(), |w, instance| instance.to_outer.inverse_matrix().transform_vector3(w));
+        let within = self.transforms().fold(w.as_dvec3(), |w, transform| transform.inverse_matrix().transform_vector3(w));
         within.normalize().as_vec3()
     }
 }

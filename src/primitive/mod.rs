@@ -79,8 +79,8 @@ pub trait Primitive: Any + Send + Sync {
         0
     }
 
-    /// Instance with this number and those around it, the outermost first; empty if there are no instances.
-    fn instance(&self, _id: InstanceId) -> Nesting<'_> {
+    /// Instance with this number and those around it at a time, the outermost first; empty if there are no instances.
+    fn instance(&self, _id: InstanceId, _time: f32) -> Nesting<'_> {
         Nesting::default()
     }
 }

@@ -117,7 +117,7 @@ fn values(scene: &dyn Scene, layer: Layer, camera: &CameraSample, surface: &Surf
         Layer::Normal => vector(point.ng.as_dvec3()),
         Layer::ShadingNormal => vector(point.ns.as_dvec3()),
         Layer::Position => vector(point.p.as_dvec3() + scene.origin()),
-        Layer::Depth => [scene.camera().depth(point.p.as_dvec3())].into_iter().collect(),
+        Layer::Depth => [scene.camera().depth(point.p.as_dvec3(), camera.ray.time)].into_iter().collect(),
         Layer::Uv => point.uv.to_array().map(f64::from).into_iter().collect(),
         Layer::Time | Layer::Emission | Layer::Direct | Layer::Indirect | Layer::Light(_) => Values::new(),
     }

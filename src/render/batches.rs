@@ -82,9 +82,12 @@ struct Pinhole<'a> {
 }
 
 impl<'a> Pinhole<'a> {
-    /// The rays of a render; `None` if it has another camera or filter.
+    /// The rays of a render; `None` if it has another camera or filter, or the camera moves.
     fn of(render: &'a Render) -> Option<Pinhole<'a>> {
         let Camera::Perspective(camera) = render.scene.camera() else { return None };
+        if render.scene.camera().is_moving() {
+            return None;
+        }
         let radius = render.spec.filter.box_radius()?;
         (!camera.has_lens()).then_some(Pinhole { camera, radius, size: render.spec.size.as_vec2() })
     }

@@ -295,6 +295,18 @@ impl SurfacePoint {
         let seen = -ray.direction * 1f32.copysign(facing);
         SurfacePoint { ns: bent(self.ns, seen, MIN_FACING * facing.abs()), ..self }
     }
+
+    /// The point and its error bound in the space that a transform leads to. Its shading normal is the geometric one.
+    ///
+    /// With the unit normals n and n′ = M⁻ᵀ n / |M⁻ᵀ n|, an error e becomes n′·(M e) = n·e / |M⁻ᵀ n|.
+    pub(crate) fn placed(&self, to_outer: &Transform) -> SurfacePoint {
+        let p = to_outer.point(self.p.as_dvec3()).as_vec3();
+        let normal = to_outer.inverse_matrix().matrix3.transpose() * self.ng.as_dvec3();
+        let stretch = normal.length();
+        let ng = (normal / stretch).as_vec3();
+        let offset = (f64::from(self.offset) / stretch) as f32 + offset_bound(ng, p.abs());
+        SurfacePoint { p, offset, ng, ns: ng, ..*self }
+    }
 }
 
 /// Linear colour and opacity, each from 0 to 1 in steps of 1/65535, which keeps [`SurfacePoint`] small.

@@ -73,6 +73,12 @@ impl Similarity {
         self.scale * (self.turn * p) + self.shift
     }
 
+    /// The change that undoes this one.
+    fn inverse(&self) -> Similarity {
+        let (scale, turn) = (1.0 / self.scale, self.turn.transpose());
+        Similarity { scale, turn, shift: -scale * (turn * self.shift) }
+    }
+
     /// The step of a transform in a scene file.
     fn step(&self) -> Value {
         let rows = (self.turn * self.scale).transpose();
@@ -249,6 +255,12 @@ fn place_camera(camera: &mut Value, place: &Similarity) {
 
 /// Intensities grow with the square of lengths, so that irradiances stay.
 fn place_light(light: &mut Value, described: &Light, place: &Similarity) {
+    if !described.transform().is_identity() {
+        // The light's own position and directions are changed below, in its own space, which must stay as it is.
+        let steps = list(light, "transform");
+        steps.insert(0, place.inverse().step());
+        steps.push(place.step());
+    }
     for key in ["position", "to"] {
         change_vector(light, key, |p| place.point(p));
     }

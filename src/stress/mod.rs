@@ -163,7 +163,7 @@ impl<'a> Trial<'a> {
         for i in 0..TILE * TILE {
             let pixel = (tile + UVec2::new(i % TILE, i / TILE)).as_vec2() + 0.5;
             let ray = world.camera().ray(pixel / film.size.as_vec2(), film.aspect(), Vec2::splat(0.5), 0.0);
-            let name = world.intersect(&ray).map(|hit| names.shapes[world.described_shape(hit.shape) as usize].clone());
+            let name = world.intersect(&ray).map(|hit| names.shapes[hit.shape as usize].clone());
             shown.extend(name.filter(|name| !shown.contains(name)));
         }
         shown

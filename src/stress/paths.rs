@@ -67,7 +67,7 @@ impl Paths {
         let lines: Vec<_> = (0..PATHS).into_par_iter().map(|k| line(world, names, place, sphere, &mut Random::new(PATHS + k))).collect();
         let (mut self_hits, mut crossings) = (BTreeMap::new(), BTreeMap::new());
         for hit in paths.iter().flat_map(|(_, hits)| hits) {
-            *self_hits.entry(name(world, names, hit)).or_insert(0) += 1;
+            *self_hits.entry(name(names, hit)).or_insert(0) += 1;
         }
         for (shape, is_broken) in lines.into_iter().flatten() {
             let entry: &mut (u64, u64) = crossings.entry(shape).or_insert((0, 0));
@@ -101,8 +101,8 @@ impl Paths {
     }
 }
 
-fn name(world: &World, names: &Names, hit: &Hit) -> String {
-    names.shapes.get(world.described_shape(hit.shape) as usize).cloned().unwrap_or_default()
+fn name(names: &Names, hit: &Hit) -> String {
+    names.shapes.get(hit.shape as usize).cloned().unwrap_or_default()
 }
 
 /// A path from the camera: the distances of its hits, and the hits of surfaces that its rays leave.
@@ -148,11 +148,7 @@ fn line(world: &World, names: &Names, place: &Similarity, (center, radius): (DVe
     let mut crossings = Crossings { direction, of_shapes: BTreeMap::new() };
     for _ in 0..MOST_HITS {
         let Some(hit) = world.intersect(&ray) else {
-            return crossings
-                .of_shapes
-                .values()
-                .map(|(hit, inside, is_broken)| (name(world, names, hit), *is_broken || *inside != 0))
-                .collect();
+            return crossings.of_shapes.values().map(|(hit, inside, is_broken)| (name(names, hit), *is_broken || *inside != 0)).collect();
         };
         let point = world.surface(&ray, &hit).point;
         crossings.add(hit, &point);

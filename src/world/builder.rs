@@ -1,23 +1,25 @@
 //! Builds a [`World`]: bakes shapes, places groups, and makes the lights and the hierarchy.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::extent::{Extent, GroupExtent};
 use super::media::Touching;
+use super::motion::as_instances;
 use super::objects::{GroupId, Object, Objects};
-use super::spaces::{EmitterCopy, Hierarchies, baked, emitting_copies, spaces};
+use super::spaces::{Hierarchies, baked, emitting_copies, spaces};
 use super::wide::Tables;
-use super::{PartAppearance, PreparedMaterial, ShapeAppearance, ShapePlace, ShapePlaces, World};
+use super::{PartAppearance, PreparedMaterial, ShapeAppearance, ShapePlace, World};
 use crate::accel;
 use crate::bsdf::{Material, MaterialId, SurfaceMaterial};
 use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
-use crate::light::{Area, Emitter, Light, Lights};
+use crate::light::{Area, Emitter, EmitterMotion, Light, Lights};
 use crate::math::lanes::Width;
-use crate::math::{Aabb, Spectrum, Transform};
+use crate::math::{Aabb, AnimatedTransform, Spectrum, Transform};
 use crate::medium::{Body, MOST_BODIES, Media, Medium, MediumId};
 use crate::primitive::InstanceId;
 use crate::shape::{Geometry, Sdf, Shape};
@@ -95,9 +97,15 @@ impl WorldBuilder {
     }
 
     /// Adds shapes and instances to the scene itself.
-    pub fn objects(&mut self, mut objects: Objects) {
-        self.scene.shapes.append(&mut objects.shapes);
-        self.scene.instances.append(&mut objects.instances);
+    pub fn objects(&mut self, objects: Objects) {
+        self.scene.append(objects);
+    }
+
+    /// Adds shapes and instances that move together. Their shapes must not have media.
+    ///
+    /// - `to_world`: transform from their space to the world
+    pub fn moving(&mut self, objects: Objects, to_world: AnimatedTransform) {
+        self.scene.moving(objects, to_world);
     }
 
     /// Adds a group, which shows only where there is an instance of it. It may contain instances of groups that were added before.
@@ -119,12 +127,14 @@ impl WorldBuilder {
     /// [`MOST_BODIES`] shapes with a medium.
     pub fn build(self) -> Result<World> {
         let WorldBuilder { camera, materials, scene, groups, lights, media, around, width, has_footprints } = self;
+        let (scene, groups) = as_instances(scene, groups);
         let extents = GroupExtent::all(&groups)?;
         let origin = Extent::of(&scene, &extents).checked()?.origin(camera.eye());
         let origins = std::iter::once(origin).chain(extents.iter().map(|group| group.detail.middle));
         let all = std::iter::once(scene).chain(groups);
         let (objects, placements): (Vec<_>, Vec<_>) = all.map(|objects| (objects.shapes, objects.instances)).unzip();
         let copies = emitting_copies(&objects, &placements)?;
+        let moves = placements.iter().flatten().any(|placement| placement.to_outer.is_moving());
         let overrides: BTreeSet<MaterialId> = placements.iter().flatten().filter_map(|placement| placement.material).collect();
 
         let spaces = spaces(&objects, origins);
@@ -132,23 +142,25 @@ impl WorldBuilder {
         let is_interface = |part: &PartAppearance| matches!(materials[part.material.0 as usize].material, Material::Interface(_));
         let interfaces: BTreeSet<u32> =
             (0..).zip(&objects[0]).filter(|(_, object)| object.parts.iter().all(is_interface)).map(|(shape, _)| shape).collect();
-        let Hierarchies { scene: hierarchy, shown } = Hierarchies::new(&spaces, placements, &shapes, &interfaces)?;
+        let Hierarchies { scene: hierarchy, shown, moving } = Hierarchies::new(&spaces, placements, &shapes, &copies, &interfaces)?;
         let interfaces =
             (!interfaces.is_empty()).then(|| accel::build_with_instances(shapes.clone(), interfaces.into_iter().collect(), vec![]));
-        let source = |copy: &EmitterCopy| spaces[copy.space].first_shape + copy.shape;
         let place = |id: Option<InstanceId>, object: &Object| match id {
             Some(id) if !object.emits() => ShapePlace::Instance(id),
             _ => ShapePlace::Nowhere,
         };
         let of_groups = spaces.iter().zip(shown).skip(1).flat_map(|(space, id)| space.objects.iter().map(move |object| place(id, object)));
-        let described = objects[0].iter().map(|_| ShapePlace::World).chain(of_groups).collect();
-        let places = ShapePlaces { copies: copies.iter().map(source).collect(), described };
+        let of_copies = moving.iter().map(|moving| moving.as_ref().map_or(ShapePlace::World, |(id, _)| ShapePlace::Instance(*id)));
+        let places = objects[0].iter().map(|_| ShapePlace::World).chain(of_groups).chain(of_copies).collect();
+        let described = objects.iter().flatten().chain(copies.iter().map(|copy| copy.object)).map(|object| object.described).collect();
 
         let lights = lights.into_iter().map(|light| light.recentred(origin)).collect();
         let mut appearances = Appearances { shapes: &shapes, origin, lights, of_shapes: vec![] };
-        objects[0].iter().for_each(|object| appearances.add(object, None, true));
-        objects[1..].iter().flatten().for_each(|object| appearances.add(object, None, false));
-        copies.iter().for_each(|copy| appearances.add(copy.object, copy.material, true));
+        objects[0].iter().for_each(|object| appearances.add(object, None, Shown::Still));
+        objects[1..].iter().flatten().for_each(|object| appearances.add(object, None, Shown::AsCopies));
+        for (copy, moving) in copies.iter().zip(moving) {
+            appearances.add(copy.object, copy.material, moving.map_or(Shown::Still, |(_, motion)| Shown::Moving(motion)));
+        }
         let Appearances { lights, of_shapes: appearances, .. } = appearances;
 
         let bounds = interfaces.as_ref().map_or(Aabb::EMPTY, |interfaces| interfaces.bounds()).union(hierarchy.bounds());
@@ -161,7 +173,7 @@ impl WorldBuilder {
         let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
         let smooth = shapes.iter().filter(|s| s.has_shadow_terminator_offset()).map(|_| Effects::SMOOTH_SHADOWS);
         let in_media = (!bodies.is_empty() || around.is_some()).then_some(Effects::MEDIA);
-        let prepared = prepared.chain(in_media);
+        let prepared = prepared.chain(in_media).chain(moves.then_some(Effects::MOTION));
         let effects = prepared.chain(normals).chain(smooth).fold(lights.effects() | camera.effects(), Effects::union);
         let effects = if has_footprints { effects } else { effects.without(Effects::FOOTPRINTS) };
         let camera = camera.recentred(origin);
@@ -174,6 +186,7 @@ impl WorldBuilder {
             shapes,
             appearances,
             places,
+            described,
             materials,
             has_holes,
             hierarchy,
@@ -212,6 +225,16 @@ fn bodies(objects: &[Object]) -> Result<Vec<Body>> {
     Ok(bodies)
 }
 
+/// How a shape that emits light shows.
+enum Shown {
+    /// As it is.
+    Still,
+    /// As it is, and it moves.
+    Moving(Arc<EmitterMotion>),
+    /// As copies of it, which are lights of their own.
+    AsCopies,
+}
+
 /// Appearances of the shapes and the lights, as far as they are made.
 struct Appearances<'a> {
     shapes: &'a [Box<dyn Shape>],
@@ -224,9 +247,9 @@ impl Appearances<'_> {
     /// Adds the appearance of the next shape.
     ///
     /// - `material`: material instead of the object's own
-    /// - `is_shown`: whether the shape itself is a light, and not its copies
-    fn add(&mut self, object: &Object, material: Option<MaterialId>, is_shown: bool) {
+    fn add(&mut self, object: &Object, material: Option<MaterialId>, shown: Shown) {
         let (index, first_light) = (self.of_shapes.len(), self.lights.len() as u32);
+        let is_copied = matches!(shown, Shown::AsCopies);
         let part = |part: &PartAppearance| {
             let emitter = part.emitter.clone().map(|emitter| emitter.recentred(self.origin));
             PartAppearance { emitter, material: material.unwrap_or(part.material) }
@@ -236,8 +259,12 @@ impl Appearances<'_> {
         let brightness = |emitter: &Emitter| Spectrum::from_illuminant(emitter.radiance).average();
         let brightest = |a: &&Emitter, b: &&Emitter| brightness(a).total_cmp(&brightness(b));
         let emitter = parts.iter().filter_map(|part| part.emitter.as_ref()).max_by(brightest);
-        if let Some(emitter) = emitter.filter(|_| is_shown) {
-            let light = |primitive| Light::Area(Area::new(index as u32, primitive, emitter.clone()));
+        let motion = match shown {
+            Shown::Moving(motion) => Some(motion),
+            Shown::Still | Shown::AsCopies => None,
+        };
+        if let Some(emitter) = emitter.filter(|_| !is_copied) {
+            let light = |primitive| Light::Area(Area::new(index as u32, primitive, emitter.clone()).moving(motion.clone()));
             self.lights.extend((0..self.shapes[index].count()).map(light));
         }
         let has_shadow_terminator_offset = self.shapes[index].has_shadow_terminator_offset();

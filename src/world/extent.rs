@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::objects::Objects;
 use super::{MAX_EXTENT, origin};
 use crate::error::{Error, Fault, Result};
-use crate::math::Transform;
+use crate::math::AnimatedTransform;
 use crate::shape::Detail;
 
 /// Lower and upper corner of a box (m).
@@ -74,12 +74,13 @@ impl GroupExtent {
         })
     }
 
-    /// Bounding box and detail of an instance of the group.
-    fn placed(&self, to_outer: &Transform) -> (Bounds, Detail) {
+    /// Bounding box over all times, and detail in the middle of the exposure, of an instance of the group.
+    fn placed(&self, to_outer: &AnimatedTransform) -> (Bounds, Detail) {
+        let middle = to_outer.at(0.5);
         if self.bounds == EMPTY {
-            return (EMPTY, Detail { middle: to_outer.point(DVec3::ZERO), density: f64::MIN_POSITIVE });
+            return (EMPTY, Detail { middle: middle.point(DVec3::ZERO), density: f64::MIN_POSITIVE });
         }
-        let density = self.detail.density / to_outer.determinant().abs().cbrt();
-        (to_outer.bounds(self.bounds), Detail { middle: to_outer.point(self.detail.middle), density })
+        let density = self.detail.density / middle.determinant().abs().cbrt();
+        (to_outer.bounds(self.bounds), Detail { middle: middle.point(self.detail.middle), density })
     }
 }

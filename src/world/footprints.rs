@@ -37,7 +37,7 @@ impl World {
     fn normal_change(&self, point: &SurfacePoint, ray: &Ray, hit: &Hit, along: Vec3) -> Option<Vec3> {
         let shape = &*self.shapes[hit.shape as usize];
         let Some(id) = hit.instance else { return shape.normal_change(hit.primitive, hit.uv, point, along) };
-        let nesting = self.hierarchy.instance(id);
+        let nesting = self.hierarchy.instance(id, ray.time);
         let to_world = nesting.to_outer();
         if let Some(change) = shape.instance_normal_change(hit.primitive, hit.uv, &to_world, along) {
             return Some(change);

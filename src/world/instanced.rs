@@ -14,7 +14,7 @@ impl World {
     /// Surface point of a hit of an instance.
     #[inline(never)]
     pub(super) fn point_of_instance(&self, id: InstanceId, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let (nesting, shape) = (self.hierarchy.instance(id), &*self.shapes[hit.shape as usize]);
+        let (nesting, shape) = (self.hierarchy.instance(id, ray.time), &*self.shapes[hit.shape as usize]);
         let p = ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(hit.t);
         let mut point = nesting.place(&point_in_group(shape, &nesting, p, ray, hit));
         if swaps_uv(shape, &nesting) {
@@ -27,7 +27,8 @@ impl World {
         SurfacePoint { ns: ns.unwrap_or(point.ng), ..point }.facing(ray)
     }
 
-    /// Surface at a point of an instance, see [`World::surface_at`]. It emits no light: instances of emitting shapes are copies.
+    /// Surface at a point of an instance, see [`World::surface_at`]. It emits light if it moves: other instances of emitting shapes are copies
+    /// in the world.
     #[inline(never)]
     pub(super) fn surface_of_instance(
         &self,
@@ -38,7 +39,7 @@ impl World {
         view: &Ray,
         hit: &Hit,
     ) -> Surface<'_> {
-        let nesting = self.hierarchy.instance(id);
+        let nesting = self.hierarchy.instance(id, ray.time);
         let material = nesting.material().unwrap_or_else(|| self.part_appearance(hit).material);
         let prepared = &self.materials[material.0 as usize];
         let bsdf = prepared.uniform.unwrap_or_else(|| {
@@ -47,7 +48,9 @@ impl World {
                 inside: inside(ray, hit, &point),
             })
         });
-        let mut surface = prepared.surface(point, bsdf, None);
+        let (appearance, part) = (&self.appearances[hit.shape as usize], self.part_appearance(hit));
+        let emission = part.emitter.as_ref().map(|e| (e.at(&TextureContext::exact(&point)), appearance.first_light + hit.primitive));
+        let mut surface = prepared.surface(point, bsdf, emission);
         let has_offset = self.appearances[hit.shape as usize].has_shadow_terminator_offset;
         if has_offset || prepared.needs_tangents {
             self.set_frame_of_instance(&mut surface, prepared, (id, &nesting), view, hit);
@@ -78,7 +81,7 @@ impl World {
     /// Derivatives of the position by the texture coordinates at a hit of an instance (m).
     #[inline(never)]
     pub(super) fn tangents_of_instance(&self, id: InstanceId, point: &SurfacePoint, view: &Ray, hit: &Hit) -> Option<[Vec3; 2]> {
-        let (nesting, shape) = (self.hierarchy.instance(id), &*self.shapes[hit.shape as usize]);
+        let (nesting, shape) = (self.hierarchy.instance(id, view.time), &*self.shapes[hit.shape as usize]);
         let within = self.point_in_group_of(&nesting, point, view, hit);
         let mut tangents = shape.tangents(hit.primitive, &within).map(|tangents| tangents.map(|t| nesting.vector(t)));
         if swaps_uv(shape, &nesting) {
@@ -92,9 +95,9 @@ impl World {
         point_in_group(&*self.shapes[hit.shape as usize], nesting, point.p.as_dvec3(), view, hit)
     }
 
-    /// A point of a shape where a hit finds it: of an instance in the world, of other shapes as it is.
+    /// A point of a shape where a hit finds it when the shutter opens: of an instance in the world, of other shapes as it is.
     pub fn placed(&self, hit: &Hit, point: SurfacePoint) -> SurfacePoint {
-        hit.instance.map_or(point, |id| self.hierarchy.instance(id).place(&point))
+        hit.instance.map_or(point, |id| self.hierarchy.instance(id, 0.0).place(&point))
     }
 }
 

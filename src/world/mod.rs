@@ -5,6 +5,7 @@ mod extent;
 mod footprints;
 mod instanced;
 mod media;
+mod motion;
 mod objects;
 mod origin;
 mod spaces;
@@ -36,7 +37,10 @@ pub struct World {
     shapes: Arc<[Box<dyn Shape>]>,
     /// Appearance of each shape.
     appearances: Vec<ShapeAppearance>,
-    places: ShapePlaces,
+    /// Place of each shape.
+    places: Vec<ShapePlace>,
+    /// Number of each shape, or of the one that it is a copy of, in the order in which shapes were added.
+    described: Vec<u32>,
     materials: Vec<PreparedMaterial>,
     /// Whether any material has holes.
     has_holes: bool,
@@ -95,14 +99,6 @@ impl PreparedMaterial {
         };
         surface.set_shading_frame(ns, tangents.map(|[u, _]| u));
     }
-}
-
-/// Where shapes come from and where they show. The shapes of the scene itself come first, then those of groups, then copies.
-struct ShapePlaces {
-    /// Places of the shapes of the scene and of groups.
-    described: Vec<ShapePlace>,
-    /// Shape of a group that each copy was made from. Emitting shapes are copied for each instance.
-    copies: Vec<u32>,
 }
 
 /// Place where a shape shows.
@@ -166,18 +162,17 @@ impl World {
     /// Shape that was described, of which this one may be a copy: an index among the shapes of the scene and then those of the groups,
     /// in the order in which they were added.
     pub fn described_shape(&self, shape: u32) -> u32 {
-        let described = self.places.described.len();
-        (shape as usize).checked_sub(described).map_or(shape, |copy| self.places.copies[copy])
+        self.described[shape as usize]
     }
 
-    /// Shapes: those of the scene in world space, those of groups in the space of the group, copies in world space.
+    /// Shapes: those of the scene in world space, those of groups and what moves in the space of the group, copies in world space.
     pub fn shapes(&self) -> Arc<[Box<dyn Shape>]> {
         self.shapes.clone()
     }
 
     /// Place where a shape shows.
     pub fn place(&self, shape: u32) -> ShapePlace {
-        self.places.described.get(shape as usize).copied().unwrap_or(ShapePlace::World)
+        self.places[shape as usize]
     }
 
     /// First material of a shape that has an inside, such as glass.
@@ -249,7 +244,7 @@ impl World {
     /// Material of the part that was hit.
     #[inline]
     fn prepared_material(&self, hit: &Hit) -> &PreparedMaterial {
-        let of_instance = hit.instance.and_then(|id| self.hierarchy.instance(id).material());
+        let of_instance = hit.instance.and_then(|id| self.hierarchy.instance(id, 0.0).material());
         let material = of_instance.unwrap_or_else(|| self.part_appearance(hit).material);
         &self.materials[material.0 as usize]
     }

@@ -3,7 +3,7 @@
 use super::PartAppearance;
 use crate::bsdf::MaterialId;
 use crate::light::Emitter;
-use crate::math::Transform;
+use crate::math::{AnimatedTransform, Transform};
 use crate::medium::MediumId;
 use crate::shape::{Geometry, Sdf};
 
@@ -12,6 +12,15 @@ use crate::shape::{Geometry, Sdf};
 pub struct Objects {
     pub(super) shapes: Vec<Object>,
     pub(super) instances: Vec<Placement>,
+    pub(super) moving: Vec<Moving>,
+}
+
+/// Shapes and instances that move together.
+pub(super) struct Moving {
+    pub objects: Objects,
+    pub to_outer: AnimatedTransform,
+    /// Number of shapes that were added before them.
+    pub shapes_before: usize,
 }
 
 /// Shape with its transform to the common space, and the appearance of its parts.
@@ -21,12 +30,14 @@ pub(super) struct Object {
     pub parts: Vec<PartAppearance>,
     /// Medium inside.
     pub medium: Option<MediumId>,
+    /// Number among all shapes, in the order in which they were added.
+    pub described: u32,
 }
 
 /// Group with its transform to the common space.
 pub(super) struct Placement {
     pub group: GroupId,
-    pub to_outer: Transform,
+    pub to_outer: AnimatedTransform,
     pub material: Option<MaterialId>,
 }
 
@@ -54,12 +65,12 @@ impl Objects {
     /// Adds a shape with one material per part; there must be at least one.
     pub fn parts(&mut self, geometry: impl Geometry + 'static, to_outer: Transform, materials: Vec<MaterialId>, emitter: Option<Emitter>) {
         let parts = materials.into_iter().map(|material| PartAppearance { material, emitter: emitter.clone() }).collect();
-        self.shapes.push(Object { geometry: Box::new(geometry), to_outer, parts, medium: None });
+        self.shapes.push(Object { geometry: Box::new(geometry), to_outer, parts, medium: None, described: 0 });
     }
 
     /// Adds a solid whose parts may have different materials and emission.
     pub fn solid(&mut self, sdf: Sdf, to_outer: Transform, parts: Vec<PartAppearance>) {
-        self.shapes.push(Object { geometry: Box::new(sdf), to_outer, parts, medium: None });
+        self.shapes.push(Object { geometry: Box::new(sdf), to_outer, parts, medium: None, described: 0 });
     }
 
     /// Fills the shape that was added last with a medium. The shape must be closed. The media of shapes of groups have no effect.
@@ -72,13 +83,45 @@ impl Objects {
     /// Adds an instance of a group. The group's shapes are stored once, however many instances there are.
     ///
     /// - `material`: material of all surfaces of the instance, instead of their own
-    pub fn instance(&mut self, group: GroupId, to_outer: Transform, material: Option<MaterialId>) {
-        self.instances.push(Placement { group, to_outer, material });
+    pub fn instance(&mut self, group: GroupId, to_outer: impl Into<AnimatedTransform>, material: Option<MaterialId>) {
+        self.instances.push(Placement { group, to_outer: to_outer.into(), material });
+    }
+
+    /// Adds shapes and instances that move together. Their shapes must not have media.
+    ///
+    /// - `to_outer`: transform from their space to the common space
+    pub fn moving(&mut self, objects: Objects, to_outer: AnimatedTransform) {
+        let shapes_before = self.shapes.len();
+        self.moving.push(Moving { objects, to_outer, shapes_before });
     }
 
     /// Number of instances, without those within them.
     pub fn instance_count(&self) -> usize {
-        self.instances.len()
+        self.instances.len() + self.moving.iter().map(|moving| moving.objects.instance_count()).sum::<usize>()
+    }
+
+    /// Numbers the shapes in the order in which they were added.
+    ///
+    /// - `next`: number of the next shape
+    pub(super) fn number(&mut self, next: &mut u32) {
+        let mut moving = self.moving.iter_mut().peekable();
+        for position in 0..=self.shapes.len() {
+            while let Some(moving) = moving.next_if(|moving| moving.shapes_before == position) {
+                moving.objects.number(next);
+            }
+            if let Some(shape) = self.shapes.get_mut(position) {
+                shape.described = *next;
+                *next += 1;
+            }
+        }
+    }
+
+    /// Adds all of some other objects.
+    pub(super) fn append(&mut self, mut objects: Objects) {
+        let before = self.shapes.len();
+        self.shapes.append(&mut objects.shapes);
+        self.instances.append(&mut objects.instances);
+        self.moving.extend(objects.moving.into_iter().map(|moving| Moving { shapes_before: moving.shapes_before + before, ..moving }));
     }
 }
 

@@ -9,7 +9,8 @@ use super::objects::{Object, Placement};
 use crate::accel;
 use crate::bsdf::MaterialId;
 use crate::error::{Error, Fault, Result};
-use crate::math::Transform;
+use crate::light::EmitterMotion;
+use crate::math::{AnimatedTransform, Transform};
 use crate::primitive::{Group, Instance, InstanceId, MAX_NESTING, Primitive};
 use crate::shape::Shape;
 
@@ -42,10 +43,9 @@ pub(super) fn spaces(objects: &[Vec<Object>], origins: impl Iterator<Item = DVec
 /// Copy of an emitting shape of a group, for one of the group's instances.
 pub(super) struct EmitterCopy<'a> {
     pub object: &'a Object,
-    /// Index of the group's space, and of the shape within it.
+    /// Index of the group's space.
     pub space: usize,
-    pub shape: u32,
-    to_world: Transform,
+    to_world: AnimatedTransform,
     pub material: Option<MaterialId>,
 }
 
@@ -62,11 +62,11 @@ pub(super) fn emitting_copies<'a>(objects: &'a [Vec<Object>], placements: &[Vec<
         emits[space] = within || objects[space].iter().any(Object::emits);
     }
     let mut copies = vec![];
-    let mut open = vec![(0, Transform::IDENTITY, None)];
+    let mut open = vec![(0, AnimatedTransform::from(Transform::IDENTITY), None)];
     while let Some((space, to_world, material)) = open.pop() {
         if space > 0 {
-            let emitting = (0..).zip(&objects[space]).filter(|(_, object)| object.emits());
-            copies.extend(emitting.map(|(shape, object)| EmitterCopy { object, space, shape, to_world, material }));
+            let emitting = objects[space].iter().filter(|object| object.emits());
+            copies.extend(emitting.map(|object| EmitterCopy { object, space, to_world: to_world.clone(), material }));
         }
         let emitting = placements[space].iter().rev().filter(|placement| emits[placement.group.space()]);
         open.extend(emitting.map(|p| (p.group.space(), p.to_outer.then(&to_world), material.or(p.material))));
@@ -88,7 +88,11 @@ pub(super) fn baked(spaces: &[Space], copies: &[EmitterCopy]) -> Result<Arc<[Box
         space.objects.iter().map(bake)
     });
     let copied = copies.iter().map(|copy| {
-        let to_stored = copy.object.to_outer.then(&copy.to_world).then(&spaces[0].to_stored);
+        // What moves stays in the space of its group.
+        let to_stored = match &copy.to_world {
+            AnimatedTransform::Still(to_world) => copy.object.to_outer.then(to_world).then(&spaces[0].to_stored),
+            AnimatedTransform::Moving(_) => copy.object.to_outer.then(&spaces[copy.space].to_stored),
+        };
         copy.object.geometry.bake(&to_stored)
     });
     Ok(own.chain(copied).collect::<Result<Vec<_>>>()?.into())
@@ -99,11 +103,14 @@ pub(super) struct Hierarchies {
     pub scene: Box<dyn Primitive>,
     /// An instance of each space: `None` for the scene.
     pub shown: Vec<Option<InstanceId>>,
+    /// Instance of each copy that moves, and how it moves.
+    pub moving: Vec<Option<(InstanceId, Arc<EmitterMotion>)>>,
 }
 
 impl Hierarchies {
     /// Builds the hierarchies of all spaces.
     ///
+    /// - `copies`: the last shapes
     /// - `left_out`: shapes of the scene that rays do not hit
     ///
     /// # Errors
@@ -112,6 +119,7 @@ impl Hierarchies {
         spaces: &[Space],
         mut placements: Vec<Vec<Placement>>,
         shapes: &Arc<[Box<dyn Shape>]>,
+        copies: &[EmitterCopy],
         left_out: &BTreeSet<u32>,
     ) -> Result<Hierarchies> {
         let mut groups: Vec<Arc<Group>> = vec![];
@@ -128,12 +136,26 @@ impl Hierarchies {
             groups.push(Arc::new(Group::new(accel::build_with_instances(shapes.clone(), own, instances))));
         }
         let last = spaces.iter().map(Space::end).max().unwrap_or(0);
-        let own = (0..spaces[0].end()).filter(|shape| !left_out.contains(shape)).chain(last..shapes.len() as u32).collect();
-        let instances = instances(&spaces[0], &placements[0], &groups, spaces)?;
+        let still = (last..).zip(copies).filter(|(_, copy)| !copy.to_world.is_moving()).map(|(shape, _)| shape);
+        let own = (0..spaces[0].end()).filter(|shape| !left_out.contains(shape)).chain(still).collect();
+        let mut instances = instances(&spaces[0], &placements[0], &groups, spaces)?;
+        let mut moving = vec![];
+        for (shape, copy) in (last..).zip(copies) {
+            if !copy.to_world.is_moving() {
+                moving.push(None);
+                continue;
+            }
+            let number = numbered(instances.last().map_or(0, Instance::last).checked_add(1))?;
+            let group = Group::new(accel::build_with_instances(shapes.clone(), vec![shape], vec![]));
+            let to_outer = spaces[copy.space].stored(&copy.to_world, &spaces[0]);
+            let motion = Arc::new(EmitterMotion { to_world: to_outer.clone(), tolerance: group.tolerance() });
+            instances.push(Instance::new(Arc::new(group), to_outer, None, number));
+            moving.push(InstanceId::new(number).map(|id| (id, motion)));
+        }
         let shown = shown(&placements, &groups);
         // Before the hierarchy takes memory: there may be millions of placements.
         placements.clear();
-        Ok(Hierarchies { scene: accel::build_with_instances(shapes.clone(), own, instances), shown })
+        Ok(Hierarchies { scene: accel::build_with_instances(shapes.clone(), own, instances), shown, moving })
     }
 }
 
@@ -142,6 +164,16 @@ impl Space<'_> {
     fn end(&self) -> u32 {
         self.first_shape + self.objects.len() as u32
     }
+
+    /// Transform between the coordinates in which shapes are stored, those of this space and those of `outer`.
+    fn stored(&self, to_outer: &AnimatedTransform, outer: &Space) -> AnimatedTransform {
+        AnimatedTransform::from(self.to_stored.inverse()).then(to_outer).then(&outer.to_stored.into())
+    }
+}
+
+/// The number of an instance, if there is one.
+fn numbered(number: Option<u32>) -> Result<u32> {
+    number.ok_or_else(|| Error::Limit(Fault::new("instances within instances make more than 2^32 - 2 instances")))
 }
 
 /// Instances in a space, numbered from 1.
@@ -149,10 +181,9 @@ fn instances(space: &Space, placements: &[Placement], groups: &[Arc<Group>], spa
     let mut next = 1u32;
     let instance = |placement: &Placement| {
         let (group, inner) = (&groups[placement.group.index()], &spaces[placement.group.space()]);
-        let to_outer = inner.to_stored.inverse().then(&placement.to_outer).then(&space.to_stored);
+        let to_outer = inner.stored(&placement.to_outer, space);
         let first = next;
-        let after = group.instance_count().checked_add(1).and_then(|count| next.checked_add(count));
-        next = after.ok_or_else(|| Error::Limit(Fault::new("instances within instances make more than 2^32 - 2 instances")))?;
+        next = numbered(group.instance_count().checked_add(1).and_then(|count| next.checked_add(count)))?;
         Ok(Instance::new(group.clone(), to_outer, placement.material, first))
     };
     placements.iter().map(instance).collect()

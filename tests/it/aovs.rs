@@ -270,10 +270,10 @@ fn the_depth_of_a_panorama_is_the_distance() {
 fn matrices_find_the_pixel() {
     let (eye, target) = (DVec3::new(3.0, 4.0, 9.0), DVec3::new(5.0, 1.0, 2.0));
     let pose = Pose::new(&Transform::look_at(eye, target, DVec3::new(0.1, 1.0, 0.2)).expect("a pose"));
-    let perspective = Perspective::new(pose, 50.0, 0.0, 1.0);
+    let perspective = Perspective::new(pose.clone(), 50.0, 0.0, 1.0);
     let tan = |angle: f64| (0.5 * angle).to_radians().tan();
     for (camera, seen, pixel) in [
-        (Camera::Perspective(perspective), Some(2.0 * tan(50.0) * 1.5), None),
+        (Camera::Perspective(perspective.clone()), Some(2.0 * tan(50.0) * 1.5), None),
         (Camera::Perspective(perspective.across(50.0, 40.0)), Some(2.0 * tan(40.0)), Some(tan(40.0) / tan(50.0) / 1.5)),
         (Camera::Orthographic(Orthographic { pose, height: 3.0 }), None, None),
     ] {

@@ -118,9 +118,9 @@ proptest! {
     fn rays_are_unit_and_endless(film in shares(), lens in shares(), fov in 0.01f64..179.0, [from, to, up] in views()) {
         let pose = Pose::new(&Transform::look_at(from, to, up).expect("not degenerate"));
         let cameras = [
-            pinhole(pose, fov),
-            Camera::Perspective(Perspective::new(pose, fov, 0.25, 2.0)),
-            Camera::Orthographic(Orthographic { pose, height: 3.0 }),
+            pinhole(pose.clone(), fov),
+            Camera::Perspective(Perspective::new(pose.clone(), fov, 0.25, 2.0)),
+            Camera::Orthographic(Orthographic { pose: pose.clone(), height: 3.0 }),
             Camera::Spherical(Spherical { pose }),
         ];
         for camera in cameras {
@@ -269,11 +269,11 @@ fn the_whole_lens_is_used() {
 /// A scene moved by `by`. All numbers are exact in double precision.
 fn moved(kind: usize, by: DVec3) -> World {
     let pose = Pose::new(&Transform::look_at(DVec3::new(0.5, 1.25, 4.0) + by, DVec3::new(0.0, 0.25, -0.5) + by, DVec3::Y).expect("sound"));
-    let camera = [
-        Camera::Perspective(Perspective::new(pose, 45.0, 0.125, 4.0)),
-        Camera::Orthographic(Orthographic { pose, height: 3.0 }),
-        Camera::Spherical(Spherical { pose }),
-    ][kind];
+    let camera = match kind {
+        0 => Camera::Perspective(Perspective::new(pose, 45.0, 0.125, 4.0)),
+        1 => Camera::Orthographic(Orthographic { pose, height: 3.0 }),
+        _ => Camera::Spherical(Spherical { pose }),
+    };
     let mut builder = World::builder(camera);
     let white = builder.material(Material::diffuse(Rgb::WHITE));
     let at = |x, y, z| Transform::translate(DVec3::new(x, y, z) + by).expect("finite");

@@ -124,7 +124,7 @@ fn rays(lights: &Lights, count: u32) -> impl Iterator<Item = EmittedRay> {
 fn given_rays_have_the_densities_of_emitted_rays() {
     for (name, lights, _) in lights() {
         for ray in rays(&lights, 1 << 10) {
-            let given = lights.emission_density(ray.light, ray.point.as_ref(), ray.ray.direction);
+            let given = lights.emission_density(ray.light, ray.point.as_ref(), ray.ray.direction, 0.0);
             let positions = [given.position, ray.position].map(|density| density.smooth().map(AreaPdf::get));
             let directions = [given.direction, ray.direction].map(|density| density.smooth().map(SolidAnglePdf::get));
             for [given, emitted] in [positions, directions] {
@@ -145,7 +145,7 @@ fn densities_of_directions_integrate_to_one() {
     let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(N);
     for (name, lights, _) in lights() {
         let ray = rays(&lights, 16).last().expect("an emitted ray");
-        let density = |w: Vec3| lights.emission_density(ray.light, ray.point.as_ref(), w).direction.smooth();
+        let density = |w: Vec3| lights.emission_density(ray.light, ray.point.as_ref(), w, 0.0).direction.smooth();
         if density(Vec3::Z).is_none() {
             assert_eq!(name, "directional");
             continue;

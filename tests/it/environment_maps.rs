@@ -233,7 +233,8 @@ fn densities_integrate_to_one() {
             assert!((sum * solid_angle - 1.0).abs() < 4e-3, "{name}, {what}: {}", sum * solid_angle);
         }
         let (directions, solid_angle) = directions(N);
-        let sum: f64 = directions.filter_map(|w| lights.emission_density(0, None, -w).direction.smooth()).map(|p| f64::from(p.get())).sum();
+        let sum: f64 =
+            directions.filter_map(|w| lights.emission_density(0, None, -w, 0.0).direction.smooth()).map(|p| f64::from(p.get())).sum();
         assert!((sum * solid_angle - 1.0).abs() < 4e-3, "{name}, emitted: {}", sum * solid_angle);
     }
 }

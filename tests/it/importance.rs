@@ -17,10 +17,10 @@ fn cameras() -> Vec<(&'static str, Camera)> {
     let view = Transform::look_at(DVec3::new(0.3, -0.2, 0.1), DVec3::new(1.0, 0.4, -2.0), DVec3::new(0.1, 1.0, 0.2)).expect("a view");
     let pose = Pose::new(&view);
     vec![
-        ("pinhole", Camera::Perspective(Perspective::new(pose, 70.0, 0.0, 1.0))),
-        ("pinhole with its own aspect", Camera::Perspective(Perspective::new(pose, 50.0, 0.0, 1.0).across(50.0, 90.0))),
-        ("thin lens", Camera::Perspective(Perspective::new(pose, 60.0, 0.25, 1.7))),
-        ("orthographic", Camera::Orthographic(Orthographic { pose, height: 1.2 })),
+        ("pinhole", Camera::Perspective(Perspective::new(pose.clone(), 70.0, 0.0, 1.0))),
+        ("pinhole with its own aspect", Camera::Perspective(Perspective::new(pose.clone(), 50.0, 0.0, 1.0).across(50.0, 90.0))),
+        ("thin lens", Camera::Perspective(Perspective::new(pose.clone(), 60.0, 0.25, 1.7))),
+        ("orthographic", Camera::Orthographic(Orthographic { pose: pose.clone(), height: 1.2 })),
         ("spherical", Camera::Spherical(Spherical { pose })),
     ]
 }

@@ -56,7 +56,7 @@ fn octahedron() -> Value {
 }
 
 /// One shape of each kind, side by side.
-fn one_of_each() -> Value {
+pub fn one_of_each() -> Value {
     let bumped = json!({ "type": "bumped", "surface": { "type": "diffuse" }, "bump_map": { "type": "noise", "scale": 3 }, "scale": 0.1 });
     json!([
         octahedron(),
@@ -86,7 +86,7 @@ fn assert_near(what: &str, a: Vec3, b: Vec3, tolerance: f32, seed: u64) {
 /// Two surfaces at the same hit are the same, up to rounding.
 ///
 /// - `scale`: size of the scene (m)
-fn assert_same(instance: &Surface, copy: &Surface, scale: f32, seed: u64) {
+pub fn assert_same(instance: &Surface, copy: &Surface, scale: f32, seed: u64) {
     assert_near("point", instance.point.p, copy.point.p, ROUNDING * scale, seed);
     assert_near("origin of shadow rays", instance.shadow_origin, copy.shadow_origin, 10.0 * ROUNDING * scale, seed);
     assert_near("normal", instance.point.ng, copy.point.ng, 1e-3, seed);

@@ -84,6 +84,7 @@ impl Scene {
                 p.spot = Spot { position: p.spot.position * size, intensity: p.spot.intensity * (power * area), ..p.spot };
                 Light::Projector(p)
             }
+            Light::Placed(_) => unreachable!("none of these lights is placed"),
         });
         Lights::new(lights.collect(), shapes.into(), (Vec3::ZERO, RADIUS as f32 * length))
     }

@@ -51,6 +51,7 @@ mod media;
 mod meshes;
 mod meters;
 mod metrics;
+mod motion;
 mod normal_maps;
 mod oracle;
 mod outliers;

@@ -44,11 +44,18 @@ const LENGTHS: &str = r#"{
       { "type": "instances", "group": "pair", "placements": [{}, { "transform": [{ "translate": [1.2, 0, 0] }] }] }
     ] },
     { "type": "mesh", "positions": [[-3, 0, -2], [3, 0, -2], [0, 3, -2.5]], "triangles": [[0, 1, 2]], "material": "stone" },
+    { "type": "box", "size": [0.7, 0.3, 0.4], "material": "stone", "transform": [{ "keyframes": [
+      { "time": 0, "transform": [{ "translate": [-2.6, 2.1, -0.6] }] },
+      { "time": 1, "transform": [{ "rotate": { "axis": [1, 2, 3], "degrees": 70 } }, { "translate": [-1.9, 2.4, -0.8] }] }
+    ] }] },
     { "type": "disk", "radius": 0.7, "emission": 8, "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 4, 0] }] }
   ],
   "lights": [
     { "type": "point", "position": [3, 3, 3], "intensity": { "srgb": [0.9, 0.7, 0.6] } },
     { "type": "spot", "position": [-3, 4, 3], "to": [-1, 0, 0], "intensity": [9, 6, 9] },
+    { "type": "spot", "position": [2, 4, 1], "to": [1, 0, 1], "intensity": [9, 3, 2], "transform": [
+      { "keyframes": [{ "time": 0 }, { "time": 1, "transform": [{ "rotate": { "axis": [0, 0, 1], "degrees": 10 } }, { "translate": [0.5, 0, 0] }] }] }
+    ] },
     { "type": "directional", "direction": [1, -2, -1], "irradiance": 0.5 }
   ],
   "background": { "sky": { "elevation": 30, "sun": false } }

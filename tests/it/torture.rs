@@ -141,7 +141,7 @@ fn counts_do_not_depend_on_threads() {
 fn the_command_chooses_lists_and_writes() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("t.json");
-    let output = pt(&["--quick", "--only", "f1", "--only", "T5", "--only", "T6", "-v", "-o", file.to_str().expect("a name")]);
+    let output = pt(&["--quick", "--only", "f1", "--only", "O14", "--only", "D2", "-v", "-o", file.to_str().expect("a name")]);
     let text = String::from_utf8(output.stdout).expect("text");
     assert!(output.status.success(), "{text}");
     assert!(

@@ -83,7 +83,7 @@ impl<'s> Way<'s> {
         let v = (v / chance).min(float::ONE_MINUS_EPSILON);
         // Chosen by power: what a light brings to one point of the ray says little of the others, and nothing for a cone that crosses it.
         let (choice, u) = numbers.get_3d(dimension::on_way(path.depth, OnWay::Guide));
-        let guide = scene.lights().place(choice, u);
+        let guide = scene.lights().place(choice, u, ray.time);
         let angular = guide.and_then(|guide| Equiangular::new(guide - ray.at(-shift), ray.direction, self.range));
         let t = match &angular {
             Some(angular) if v < 0.5 => angular.sample(2.0 * v),

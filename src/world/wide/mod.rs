@@ -15,6 +15,7 @@ use glam::{Vec2, Vec3};
 use super::{PreparedMaterial, World};
 use crate::accel::{Bvh, Hits, NO_PLACE};
 use crate::bsdf::Bsdf;
+use crate::effects::Effects;
 use crate::math::Ray;
 use crate::math::Spectrum;
 use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, Width, each_lane};
@@ -90,8 +91,8 @@ pub struct SurfaceLanes<L: Lanes> {
 
 impl Tables {
     /// Tables of a scene; `None` if its paths are better followed one by one: some material or emission is not the same everywhere, a
-    /// surface has holes or smooth shadows, there are media, instances or implicit surfaces, the tables would be too long for their indices, or
-    /// there is only one lane.
+    /// surface has holes or smooth shadows, there are media, instances or implicit surfaces, lights move, the tables would be too long for their
+    /// indices, or there is only one lane.
     pub fn new(world: &World, width: Width) -> Option<Tables> {
         let is_plain = |material: &PreparedMaterial| material.uniform.is_some();
         let parts = || world.appearances.iter().flat_map(|appearance| &appearance.parts);
@@ -99,6 +100,7 @@ impl Tables {
             && Bvh::for_packets(&*world.hierarchy).is_some()
             && !world.has_holes
             && world.media.is_none()
+            && !world.lights.effects().contains(Effects::MOTION)
             && !world.appearances.iter().any(|appearance| appearance.has_shadow_terminator_offset)
             && parts().all(|part| is_plain(&world.materials[part.material.0 as usize]))
             && parts().all(|part| part.emitter.as_ref().is_none_or(|emitter| emitter.texture.is_none()));
