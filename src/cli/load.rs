@@ -7,7 +7,7 @@ use super::memory;
 use super::messages::Loading;
 use super::quote::quoted;
 use crate::build::{Built, Source};
-use crate::describe::{self, Files, Identity, Scramblings, Shape};
+use crate::describe::{self, Files, Identity, Scramblings, Shape, Shutter};
 use crate::effects::Effects;
 use crate::error::text::one_line;
 use crate::error::{Error, Fault, MAX_FAULTS, Result};
@@ -21,7 +21,7 @@ use crate::world::World;
 use std::path::PathBuf;
 
 /// Scene file, and how it is read.
-#[derive(clap::Args, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 pub struct SceneArgs {
     /// The scene file; `-` reads it from stdin, with paths relative to the working directory.
     #[arg(value_name = "SCENE")]
@@ -247,6 +247,16 @@ pub fn load(scene: &SceneArgs, more: &[Override], integrator: Option<&str>, tabl
     built.warnings.iter_mut().for_each(|warning| *warning = one_line(warning).into_owned());
     let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
     Ok(Loaded { built, entry, integrator: integrator.into(), description, stem, root, file, files })
+}
+
+/// Reads when the shutter of a scene is open; `None` if the scene does not say it. Nothing is built.
+///
+/// # Errors
+/// Those of reading the scene.
+pub fn shutter(scene: &SceneArgs, more: &[Override], integrator: Option<&str>) -> Result<Option<Shutter>> {
+    let Imported { root, file, files, .. } = imported(scene, more, integrator)?;
+    let described = describe::read_with(&root, &file, &files)?;
+    Ok(root.child("shutter").map(|_| described.shutter))
 }
 
 /// Whether the scene or a flag gives the number of scramblings.

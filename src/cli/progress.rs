@@ -15,7 +15,7 @@ use crate::render::{Observer, RenderReport};
 use clap::ValueEnum;
 
 /// Threads and progress.
-#[derive(clap::Args, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 pub struct WorkArgs {
     /// Number of threads. Default: all cores. The picture does not depend on it.
     #[arg(short, long, env = "PT_THREADS", alias = "nthreads", value_parser = threads, allow_negative_numbers = true)]

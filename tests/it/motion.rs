@@ -588,6 +588,54 @@ fn placed_lights_shine_as_others() {
     assert!(Placed::new(point, between(Transform::IDENTITY, stretch)).is_none(), "also at a single time");
 }
 
+/// The pictures of a sequence are renders of their own with a later shutter, and those that are there are not rendered again.
+#[test]
+fn sequences_are_pictures_one_after_the_other() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = json!({ "pt": 1, "camera": { "look_at": { "from": [0, 0, 5], "to": [0, 0, 0] } }, "film": { "width": 24, "height": 16 },
+        "background": { "radiance": 1 }, "shapes": [{ "type": "sphere", "radius": 0.5, "transform": [{ "keyframes": [
+            { "time": 0, "transform": [{ "translate": [-2, 0, 0] }] }, { "time": 1, "transform": [{ "translate": [2, 0, 0] }] }] }] }] });
+    fs::write(folder.path().join("s.json"), scene.to_string()).expect("written");
+    let pt = |args: &[&str]| {
+        let mut command = Command::cargo_bin("pt").expect("the program");
+        let samples: &[&str] = if args.contains(&"--spp") { &[] } else { &["--spp", "4"] };
+        command.current_dir(folder.path()).args(["s.json", "--progress", "none"]).args(samples).args(args);
+        let run = command.assert().success();
+        String::from_utf8_lossy(&run.get_output().stderr).into_owned()
+    };
+    let picture = |name: &str| bits(&pt::output::exr::read(&folder.path().join(name)).expect(name).0);
+    pt(&["--frames", "1..3", "--fps", "10", "-o", "x.exr"]);
+    for (frame, shutter) in [(1, "0.1,\"close\":0.15"), (2, "0.2,\"close\":0.25"), (3, "0.30000000000000004,\"close\":0.35000000000000003")]
+    {
+        pt(&["-D", &format!("/shutter={{\"open\":{shutter}}}"), "-o", "alone.exr"]);
+        assert!(picture(&format!("x.{frame:04}.exr")) == picture("alone.exr"), "picture {frame}");
+    }
+    assert!(picture("x.0001.exr") != picture("x.0002.exr"));
+    // Where the scene has a shutter, it is open as long in each picture. The default names are those of the scene.
+    pt(&["-D", "/shutter={\"open\": 0.5, \"close\": 0.5}", "--frames", "0..0"]);
+    pt(&["-D", "/shutter={\"open\": 0.5, \"close\": 0.5}", "-o", "alone.exr"]);
+    assert!(picture("s.0000.exr") == picture("alone.exr") && folder.path().join("s.0000.png").exists());
+    // A picture with fewer samples is not done, and one of another scene is not that picture.
+    pt(&["--frames", "1..1", "--fps", "10", "--spp", "2", "-o", "x.exr"]);
+    let before = fs::metadata(folder.path().join("x.0003.exr")).expect("there").modified().expect("a time");
+    let said = pt(&["--frames", "1..4", "--fps", "10", "--resume", "-o", "x.exr"]);
+    let there = |frame: u32| said.contains(&format!("x.{frame:04}.exr: is there"));
+    assert!(!there(1) && there(2) && there(3) && !there(4), "{said}");
+    assert_eq!(fs::metadata(folder.path().join("x.0003.exr")).expect("there").modified().expect("a time"), before);
+    let said = pt(&["--frames", "2..2", "--fps", "11", "--resume", "-o", "x.exr"]);
+    assert!(!said.contains("is there"), "{said}");
+    for (args, expected) in [
+        (vec!["--frames", "3..1"], "expected pictures such as 1..48"),
+        (vec!["--frames", "1..2", "--pixel", "1,1"], "cannot be used with"),
+        (vec!["--frames", "1..2", "--resume", "--time", "1"], "--frames --resume"),
+    ] {
+        let mut command = Command::cargo_bin("pt").expect("the program");
+        let run = command.current_dir(folder.path()).arg("s.json").args(&args).assert().code(2);
+        let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        assert!(said.contains(expected), "{args:?}: {said}");
+    }
+}
+
 /// A meter under a ball of the radius r and the radiance L that flies past shows the mean of π L (r/d)² cos θ over the exposure.
 #[test]
 fn meters_show_the_mean_over_the_exposure() {

@@ -1,6 +1,6 @@
 //! Arguments of a render.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ use crate::film::Layer;
 pub const AUTO: &str = "auto";
 
 /// Render SCENE.
-#[derive(clap::Args, Debug)]
+#[derive(clap::Args, Clone, Debug)]
 pub struct RenderArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
@@ -35,6 +35,13 @@ pub struct RenderArgs {
     /// Name the picture by the time at which it is begun, YY_MM_DD-hh_mm_ss.exr and .png.
     #[arg(long, conflicts_with_all = ["output", "shard", "samples", "pixel"])]
     pub clock_name: bool,
+    /// Render the pictures A to B of a sequence, both included: 1..48. In picture n the shutter opens n / --fps seconds later, and names have
+    /// the number of the picture: x.0001.exr. With --resume, pictures that are there are left alone.
+    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["clock_name", "pixel"])]
+    pub frames: Option<RangeInclusive<u32>>,
+    /// Pictures per second, for --frames. Where the scene has no shutter, it is open for half of the time of a picture.
+    #[arg(long, value_name = "N", value_parser = above_zero, default_value_t = 24.0, requires = "frames")]
+    pub fps: f32,
     /// Samples per pixel.
     #[arg(long, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     spp: Option<u32>,
@@ -128,6 +135,11 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
+    /// Name of the integrator that is asked for, and not chosen by a pilot.
+    pub fn named_integrator(&self) -> Option<&str> {
+        self.integrator.as_deref().filter(|name| *name != AUTO)
+    }
+
     /// Samples per pixel, however they were asked for.
     pub fn spp(&self) -> Option<u32> {
         self.spp.or(self.count)
@@ -190,6 +202,13 @@ fn shard(text: &str) -> std::result::Result<Shard, String> {
     let parsed = text.split_once('/').and_then(|(index, count)| Some(Shard { index: index.parse().ok()?, count: count.parse().ok()? }));
     let counted = parsed.filter(|shard| (1..=shard.count).contains(&shard.index));
     counted.ok_or("expected a part and how many there are, such as 1/8; the last is 8/8".to_owned())
+}
+
+fn frames(text: &str) -> std::result::Result<RangeInclusive<u32>, String> {
+    let parsed = text.split_once("..").and_then(|(first, last)| Some(first.parse().ok()?..=last.parse().ok()?));
+    parsed
+        .filter(|frames: &RangeInclusive<u32>| !frames.is_empty())
+        .ok_or("expected pictures such as 1..48: the first and the last".to_owned())
 }
 
 fn samples(text: &str) -> std::result::Result<Range<u64>, String> {

@@ -4,6 +4,7 @@ mod args;
 mod auto;
 mod checkpoint;
 mod forensics;
+mod frames;
 mod picture;
 mod pixel;
 pub mod plan;
@@ -27,9 +28,19 @@ use remarks::remark_missing_effects;
 
 /// Runs the command.
 pub fn render(args: &RenderArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
+    match &args.frames {
+        Some(frames) => frames::render(args, frames.clone(), tables),
+        None => render_one(args, None, tables),
+    }
+}
+
+/// Renders one picture, or a part of it.
+///
+/// - `frame`: number of the picture in a sequence
+fn render_one(args: &RenderArgs, frame: Option<u32>, tables: &[&[Entry]]) -> Result<ExitCode> {
     let start = Instant::now();
-    let named = args.integrator.as_deref().filter(|name| *name != args::AUTO);
-    let loaded = load(&args.scene, &args.overrides()?, named, tables)?;
+    let mut loaded = load(&args.scene, &args.overrides()?, args.named_integrator(), tables)?;
+    frame.iter().for_each(|frame| loaded.stem = frames::numbered_stem(&loaded.stem, *frame));
     let load_seconds = start.elapsed().as_secs_f64();
     loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     let pool = pool(args.work.threads)?;
@@ -43,6 +54,10 @@ pub fn render(args: &RenderArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
         return pool.install(|| pixel::pixel(&plan, loaded)).map(|()| ExitCode::SUCCESS);
     }
     let plan = RenderPlan::new(args, &loaded, tables)?;
+    if frame.is_some() && args.resume.is_some() && plan.is_done() {
+        note(&format!("{}: is there", plan.pictures[0].display()));
+        return Ok(ExitCode::SUCCESS);
+    }
     signals::catch()?;
     pool.install(|| render_picture(&plan, loaded, load_seconds))
 }

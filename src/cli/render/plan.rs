@@ -17,8 +17,8 @@ use crate::error::{Error, Fault, Result};
 use crate::film::MomentFilm;
 use crate::integrator::Entry;
 use crate::measure::{ErrorHistory, ErrorTarget, StopCondition};
-use crate::output::Format;
-use crate::output::attributes::of_camera;
+use crate::output::attributes::{Value, of_camera};
+use crate::output::{self, Format};
 use crate::part::{self, About, Part, Stored};
 use crate::render::RenderReport;
 use crate::sampler::{ErrorEstimator, Kind, SamplerSpec};
@@ -208,6 +208,19 @@ impl RenderPlan {
         let write = |path: &PathBuf| part::write(path, &self.about, &[film], report, history);
         // All files are tried, so that a failure does not affect the others.
         self.parts.iter().chain(also).map(write).collect::<Vec<_>>().into_iter().collect()
+    }
+
+    /// Whether all pictures are there with all samples, and the first of them is of this scene.
+    pub fn is_done(&self) -> bool {
+        let is_whole = |path: &PathBuf| {
+            let Ok((_, attributes)) = output::read(path) else { return false };
+            let has = |name: &str, text: String| attributes.iter().any(|(known, value)| known == name && value.to_string() == text);
+            let samples = |value: &Value| value.to_string().parse().is_ok_and(|samples: f64| samples >= self.until.samples as f64);
+            let is_finished = attributes.iter().any(|(name, value)| name == "pt/spp" && samples(value));
+            has("pt/sceneHash", self.about.identity.hash().to_string()) && is_finished
+        };
+        let first = self.pictures.iter().find(|path| Format::of(path) == Some(Format::Exr));
+        !self.is_part && self.pictures.iter().all(|path| path.exists()) && first.is_some_and(is_whole)
     }
 
     /// Files that the run writes.
