@@ -120,6 +120,7 @@ pub mod integrator;
 #[path = "../integrators/mod.rs"]
 pub mod integrators;
 pub mod light;
+pub mod load;
 pub mod math;
 pub mod measure;
 pub mod medium;
@@ -135,6 +136,7 @@ pub mod sampler;
 pub mod scene;
 pub mod shape;
 pub mod stress;
+pub mod summary;
 pub mod texture;
 pub mod torture;
 pub mod world;

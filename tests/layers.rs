@@ -17,9 +17,9 @@ const LAYERS: &[&[&[&str]]] = &[
     &[&["shape"], &["texture"], &["bsdf"], &["medium"], &["light"], &["camera"]],
     &[&["primitive"], &["accel"], &["scene"], &["world"]],
     &[&["film"], &["recorder"], &["integrator"], &["render"]],
-    &[&["output"], &["describe"], &["build"], &["import"]],
+    &[&["output"], &["describe"], &["build"], &["import"], &["load"]],
     &[&["integrators"]],
-    &[&["measure"], &["part"], &["proof"], &["rays"], &["compare"], &["torture"], &["stress"], &["cli"], &["main"]],
+    &[&["measure"], &["part"], &["summary"], &["proof"], &["rays"], &["compare"], &["torture"], &["stress"], &["cli"], &["main"]],
 ];
 
 /// Circles that stay: folder, modules, and the reason.

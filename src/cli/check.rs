@@ -25,7 +25,7 @@ pub struct CheckArgs {
 pub fn check(args: &CheckArgs, tables: &[&[Entry]]) -> Result<()> {
     let loaded = load(&args.scene, &[], args.integrator.as_deref(), tables)?;
     let mut text = format!("{}: valid\n\n{}", describe::name(args.scene.path()?), contents(&loaded));
-    for warning in &loaded.built.warnings {
+    for warning in &loaded.warnings {
         text += &format!("\nwarning: {warning}");
     }
     print_stdout(&text)
@@ -33,25 +33,24 @@ pub fn check(args: &CheckArgs, tables: &[&[Entry]]) -> Result<()> {
 
 /// Returns what is in the scene, which effects it needs and which parts need them. `--verbose` prints it too.
 pub fn contents(loaded: &Loaded) -> String {
-    let built = &loaded.built;
-    let size = built.film.size;
+    let size = loaded.film.size;
     let mut text = format!(
         "film        {} × {}, {} samples per pixel\nintegrator  {}: {}\nshapes      {}, {} primitives in all{}\nmaterials   {}\nlights      {}\n",
         size.x,
         size.y,
-        built.sampler.spp,
+        loaded.sampler.spp,
         loaded.entry.name,
         loaded.entry.about,
-        built.world.shapes().len(),
-        built.world.primitive_count(),
-        instances(&built.world),
+        loaded.world.shapes().len(),
+        loaded.world.primitive_count(),
+        instances(&loaded.world),
         loaded.description.materials.len(),
-        built.world.lights().len(),
+        loaded.world.lights().len(),
     );
-    let effects = built.world.effects();
+    let effects = loaded.world.effects();
     text += "\ncalled for\n";
     for effect in effects.iter() {
-        text += &line(effect, &needed_by(&built.needs, effect), loaded.entry.simulates);
+        text += &line(effect, &needed_by(&loaded.needs, effect), loaded.entry.simulates);
     }
     let off = format!("  {}", Effects::ALL - effects);
     text + &format!("\nnot called for, and off\n{}\n", broken(&off, ",", COLUMNS))

@@ -28,7 +28,7 @@ pub fn convert(args: &ConvertArgs, tables: &[&[Entry]]) -> Result<()> {
     // clap requires no argument after one that it does not require, and the scene is one.
     let to = args.output.as_deref().ok_or_else(|| Error::Usage("expected where to write, as in pt convert IN OUT.json".into()))?;
     let loaded = load(&args.scene, &[], None, tables)?;
-    loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    loaded.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     let usage = |message: &str| Error::Usage(format!("{}: {message}", to.display()));
     if to.extension().is_none_or(|extension| extension != "json") {
         return Err(usage("expected a name that ends in .json"));

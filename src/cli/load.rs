@@ -1,24 +1,17 @@
 //! Loading of a scene with the options of the command line.
 
-use std::path::Path;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
 
-use super::memory;
 use super::messages::Loading;
 use super::quote::quoted;
-use crate::build::{Built, Source};
-use crate::describe::{self, Files, Identity, Scramblings, Shape, Shutter};
-use crate::effects::Effects;
-use crate::error::text::one_line;
-use crate::error::{Error, Fault, MAX_FAULTS, Result};
-use crate::import::{AutoCamera, Up, Viewpoint};
-use crate::import::{Imported, import_with};
-use crate::integrator::{self, Entry, Integrator};
+use crate::describe::{self, Files, Shutter};
+use crate::error::{Error, Result};
+use crate::import::{AutoCamera, Imported, Up, Viewpoint, import_with};
+use crate::integrator::Entry;
+use crate::load::override_values;
 use crate::reader::Node;
-use crate::sampler::{Kind, SamplerSpec};
-use crate::scene::Scene;
-use crate::world::World;
-use std::path::PathBuf;
+
+pub use crate::load::Loaded;
 
 /// Scene file, and how it is read.
 #[derive(clap::Args, Clone, Debug)]
@@ -127,95 +120,6 @@ fn up(text: &str) -> std::result::Result<Up, String> {
     }
 }
 
-/// A scene that is ready to render.
-pub struct Loaded {
-    /// World, film and sampler.
-    pub built: Built,
-    /// Table row of the integrator.
-    pub entry: Entry,
-    /// The integrator.
-    pub integrator: Arc<dyn Integrator>,
-    /// Description of the scene.
-    pub description: describe::Scene,
-    /// Name of the scene file, without its folder and extension.
-    pub stem: String,
-    /// Scene in pt's own format, with overrides.
-    pub root: Node,
-    pub file: String,
-    /// Files of the scene.
-    pub files: Files,
-}
-
-impl Loaded {
-    /// Identity: everything that determines the picture.
-    ///
-    /// # Errors
-    /// `Internal`.
-    pub fn identity(&self) -> Result<Identity> {
-        Identity::new(&self.description, &self.built.contents, &self.entry)
-    }
-
-    /// Selects another integrator for the same scene.
-    ///
-    /// # Errors
-    /// `Usage` for an unknown name, `Invalid` for options of the scene that it refuses.
-    pub fn choose(&self, tables: &[&[Entry]], name: &str) -> Result<(Entry, Arc<dyn Integrator>)> {
-        let (entry, integrator) = integrator::choose(tables, self.root.child("integrator"), Some(name), &self.file)?;
-        Ok((entry, integrator.into()))
-    }
-
-    /// Sampler of the scene for another integrator: the two differ by the default number of scramblings.
-    pub fn sampler_for(&self, integrator: &dyn Integrator) -> SamplerSpec {
-        let sampler = self.built.sampler;
-        if states_scramblings(&self.root) || integrator.splats() == self.integrator.splats() {
-            return sampler;
-        }
-        let scramblings = if integrator.splats() { Scramblings::SPLATTING } else { describe::Sampler::default().scramblings };
-        SamplerSpec { scramblings: scramblings.get(), ..sampler }
-    }
-
-    /// Makes another integrator the one that renders.
-    pub fn select(&mut self, entry: Entry, integrator: Arc<dyn Integrator>) {
-        self.built.sampler = self.sampler_for(&*integrator);
-        if !states_scramblings(&self.root) {
-            self.description.sampler.scramblings =
-                if integrator.splats() { Scramblings::SPLATTING } else { describe::Sampler::default().scramblings };
-        }
-        (self.entry, self.integrator) = (entry, integrator);
-    }
-
-    /// Makes another sampler the one that renders.
-    ///
-    /// # Errors
-    /// `Internal` for a sampler that scenes cannot name.
-    pub fn select_sampler(&mut self, kind: Kind) -> Result<()> {
-        let described = serde_json::from_value(serde_json::json!(kind.name()));
-        self.description.sampler.kind = described.map_err(|error| Error::Internal(format!("{}: {error}", kind.name())))?;
-        self.built.sampler.kind = kind;
-        Ok(())
-    }
-
-    /// Calls a function with the shared scene, for renders that end before the function does. Returns the scene and the result.
-    ///
-    /// # Errors
-    /// `Internal` if a render outlives the function.
-    pub fn with_scene<T>(mut self, run: impl FnOnce(&Arc<dyn Scene>) -> T) -> Result<(Loaded, T)> {
-        let world = Arc::new(self.built.world);
-        let result = run(&(world.clone() as Arc<dyn Scene>));
-        self.built.world = Arc::into_inner(world).ok_or_else(|| Error::Internal("a pilot still holds the scene".into()))?;
-        Ok((self, result))
-    }
-
-    /// Scene with the shadows of its facets, and the number of meshes that differ; `None` if there are none.
-    pub fn without_smooth_shadows(&self) -> Result<Option<(World, usize)>> {
-        let mut description = self.description.clone();
-        let groups = description.groups.values_mut().chain([&mut description.shapes]);
-        let count: usize = groups.map(|shapes| take_smooth_shadows(shapes)).sum();
-        let source = Source { root: &self.root, file: &self.file, files: &self.files };
-        Ok(if count > 0 { Some((crate::build::build(&description, source)?.world, count)) } else { None })
-    }
-}
-
 /// Value of a flag that replaces a key of the scene.
 pub struct Override {
     /// The flag as it was written, such as `--spp 16`, for messages about its value.
@@ -229,24 +133,12 @@ pub struct Override {
 /// Reads the scene, applies overrides, and checks and builds it.
 ///
 /// - `more`: overrides by flags of their own, applied after those of `-D`
+///
+/// # Errors
+/// The errors of [`import_with`] and of [`load::load`](crate::load::load), and `Usage` for overrides of a value that the scene cannot have.
 pub fn load(scene: &SceneArgs, more: &[Override], integrator: Option<&str>, tables: &[&[Entry]]) -> Result<Loaded> {
     let _loading = Loading::start(&describe::name(scene.path()?));
-    let Imported { root, file, files, notes, .. } = imported(scene, more, integrator)?;
-    let chosen = integrator::choose(tables, root.child("integrator"), integrator, &file);
-    let (mut description, (entry, integrator)) = both_or_all_faults(describe::read_with(&root, &file, &files), chosen)?;
-    if integrator.splats() && !states_scramblings(&root) {
-        description.sampler.scramblings = Scramblings::SPLATTING;
-    }
-    memory::check(&description, &root, &file)?;
-    let mut built = crate::build::build(&description, Source { root: &root, file: &file, files: &files })?;
-    built.warnings.splice(..0, notes.iter().map(Fault::to_string));
-    if entry.simulates.contains(Effects::POINT_LIGHT) && !integrator.splats() {
-        built.warnings.append(&mut built.warnings_for_camera_paths);
-    }
-    // Warnings contain names from files.
-    built.warnings.iter_mut().for_each(|warning| *warning = one_line(warning).into_owned());
-    let stem = Path::new(&file).file_stem().map_or("picture".into(), |stem| stem.to_string_lossy().into_owned());
-    Ok(Loaded { built, entry, integrator: integrator.into(), description, stem, root, file, files })
+    crate::load::load(imported(scene, more, integrator)?, integrator, tables)
 }
 
 /// Reads when the shutter of a scene is open; `None` if the scene does not say it. Nothing is built.
@@ -259,64 +151,17 @@ pub fn shutter(scene: &SceneArgs, more: &[Override], integrator: Option<&str>) -
     Ok(root.child("shutter").map(|_| described.shutter))
 }
 
-/// Whether the scene or a flag gives the number of scramblings.
-fn states_scramblings(root: &Node) -> bool {
-    root.child("sampler").is_some_and(|sampler| sampler.child("scramblings").is_some())
-}
-
-/// Returns both results, or the faults of both in file order.
-fn both_or_all_faults<A, B>(a: Result<A>, b: Result<B>) -> Result<(A, B)> {
-    match (a, b) {
-        (Ok(a), Ok(b)) => Ok((a, b)),
-        (Err(Error::Invalid(mut faults)), Err(Error::Invalid(more))) => {
-            let new = |fault: &Fault| !faults.iter().any(|known| known.pointer == fault.pointer);
-            let more: Vec<Fault> = more.into_iter().filter(new).collect();
-            faults.extend(more);
-            faults.sort_by_key(|fault| (fault.line, fault.column));
-            faults.truncate(MAX_FAULTS);
-            Err(Error::Invalid(faults))
-        }
-        (Err(error), _) | (_, Err(error)) => Err(error),
-    }
-}
-
-fn take_smooth_shadows(shapes: &mut [Shape]) -> usize {
-    let take = |shape: &mut Shape| match shape {
-        Shape::Mesh(mesh) => usize::from(std::mem::take(&mut mesh.smooth_shadows)),
-        Shape::Group(group) => take_smooth_shadows(&mut group.shapes),
-        _ => 0,
-    };
-    shapes.iter_mut().map(take).sum()
-}
-
-/// Reads the tree of the scene and applies overrides.
+/// Reads the scene and applies overrides.
 ///
 /// # Errors
 /// The errors of [`import_with`], and `Usage` for overrides of a value that the scene cannot have.
 fn imported(scene: &SceneArgs, more: &[Override], integrator: Option<&str>) -> Result<Imported> {
-    let mut imported = import_with(scene.path()?, scene.allow_outside, scene.auto_camera(), |root, file| {
-        apply_overrides(root, scene, more, integrator).map_err(|refusal| scene_faults_or(refusal, root, file))
-    })?;
+    let change = |root: &mut Node| {
+        scene.override_values(root)?;
+        more.iter().try_for_each(|flag| root.set_by(&flag.words, flag.pointer, &flag.value))
+    };
+    let mut imported =
+        import_with(scene.path()?, scene.allow_outside, scene.auto_camera(), |root, file| override_values(root, file, integrator, change))?;
     scene.add_environment(&mut imported.files)?;
     Ok(imported)
-}
-
-fn apply_overrides(root: &mut Node, scene: &SceneArgs, more: &[Override], integrator: Option<&str>) -> Result<()> {
-    let had_integrator = root.child("integrator").is_some();
-    scene.override_values(root)?;
-    more.iter().try_for_each(|flag| root.set_by(&flag.words, flag.pointer, &flag.value))?;
-    // Options from the command line, for a scene without an integrator, are those of the integrator that renders.
-    if !had_integrator && root.child("integrator").is_some_and(|options| options.child("type").is_none()) {
-        // Fails where the options are no object, which is a fault of the scene.
-        let _ = root.set("/integrator/type", integrator.unwrap_or(crate::integrator::DEFAULT));
-    }
-    Ok(())
-}
-
-/// Error for an override of a value that the scene cannot have. If the scene itself is invalid, its faults are reported instead.
-fn scene_faults_or(refusal: Error, root: &Node, file: &str) -> Error {
-    match describe::read(root, file) {
-        Err(wrong @ Error::Invalid(_)) => wrong,
-        _ => refusal,
-    }
 }

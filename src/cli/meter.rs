@@ -1,24 +1,18 @@
 //! `pt meter SCENE`: measures the light at the scene's meters, with error bars.
 
-use std::ops::ControlFlow;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::load::{Loaded, SceneArgs, load};
 use super::parse::{duration as parse_duration, share, threads};
 use super::{INCONCLUSIVE, note, print_stdout, render, signals};
-use crate::build::Built;
-use crate::describe;
-use crate::effects::Effects;
 use crate::error::text::one_line;
-use crate::error::{Error, Fault, Result};
+use crate::error::{Error, Result};
 use crate::integrator::Entry;
-use crate::math::float::sin_cos_degrees;
 use crate::measure::format::{number, per_cent};
-use crate::measure::meter::{Meter, Quantity, Reading, measure};
+use crate::measure::meters::{CONFIDENCE, MeterLimits, NamedReading, check_meters, measure_meters};
 use crate::scene::Scene as _;
 
 #[derive(clap::Args, Debug)]
@@ -46,106 +40,38 @@ pub struct MeterArgs {
     pub threads: Option<u32>,
 }
 
-/// Confidence of the stated intervals.
-const CONFIDENCE: f64 = 0.95;
-/// Number of samples without any limit, and with a target or a time only.
-const SAMPLES: u64 = 1 << 16;
-const MOST_SAMPLES: u64 = 1 << 30;
-/// Least target: the rounding of f32 alone makes up to a millionth.
-const LEAST_TARGET: f64 = 2e-6;
-
 /// Runs the command.
 pub fn meter(args: &MeterArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
-    if args.target.is_some_and(|target| target < LEAST_TARGET) {
-        return Err(Error::Usage("--target: expected at least 0.0002 %, below which readings are rounded".into()));
-    }
     let loaded = load(&args.scene, &[], args.integrator.as_deref(), tables)?;
-    loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
-    if loaded.description.meters.is_empty() {
-        let message = "the scene has no \"meters\"; one is {\"type\": \"irradiance\", \"position\": [0, 1, 0], \"normal\": [0, 1, 0]}";
-        return Err(Error::invalid(Fault::new(message).in_file(&loaded.file)));
-    }
-    let Loaded { entry, integrator, .. } = &loaded;
-    if integrator.splats() || entry.simulates.is_empty() {
-        let message = format!("{}: expected an integrator that finds the light along rays from the camera, such as nee", entry.name);
-        return Err(Error::Usage(message));
-    }
+    loaded.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    check_meters(&loaded, &args.limits())?;
     signals::catch()?;
-    render::pool(args.threads)?.install(|| run(args, loaded))
+    render::pool(args.threads)?.install(|| run(args, &loaded))
 }
 
-fn run(args: &MeterArgs, loaded: Loaded) -> Result<ExitCode> {
-    let Loaded { built: Built { world, film, sampler, .. }, entry, integrator, description, file, .. } = loaded;
-    if world.effects().contains(Effects::MEDIA) {
-        let message = "pt meter cannot measure light in scenes with participating media yet; render the place and read the pixels";
-        return Err(Error::invalid(Fault::new(message).in_file(&file)));
+impl MeterArgs {
+    fn limits(&self) -> MeterLimits {
+        MeterLimits { target: self.target, samples: self.samples, time: self.time }
     }
+}
+
+fn run(args: &MeterArgs, loaded: &Loaded) -> Result<ExitCode> {
+    let Loaded { entry, world, .. } = loaded;
     if let Some(lacks) = entry.lacks(world.effects()) {
         note(&format!("note: {} does not simulate what this scene calls for: {lacks}", entry.name));
     }
-    let scene: std::sync::Arc<dyn crate::scene::Scene> = std::sync::Arc::new(world);
-    let estimator = integrator.prepare(scene.clone(), &film);
-    let (mut rows, mut missed) = (vec![], false);
-    for (described, index) in description.meters.iter().zip(0..) {
-        let meter = placed(described, scene.origin());
-        let (start, cancelled) = (Instant::now(), || signals::caught().is_some());
-        let reading = measure(&*scene, &*estimator, &meter, (sampler, index), &cancelled, |reading| {
-            match is_done(args, reading, start) || cancelled() {
-                true => ControlFlow::Break(reading.clone()),
-                false => ControlFlow::Continue(()),
-            }
-        });
-        if let Some(signal) = signals::caught() {
-            return Err(Error::Interrupted(signal));
-        }
-        missed |= args.target.is_some_and(|target| reading.relative_half_width(CONFIDENCE) > target);
-        let name = described.name().filter(|name| !name.is_empty()).map_or_else(|| format!("/meters/{index}"), str::to_owned);
-        rows.push((name, meter.quantity, reading, start.elapsed()));
-    }
+    let rows = measure_meters(loaded, &args.limits(), &|| signals::caught().is_some())?;
+    let rows = rows.ok_or_else(|| Error::Interrupted(signals::caught().unwrap_or_default()))?;
+    let missed = rows.iter().any(|row| args.limits().is_missed(&row.reading));
     print_stdout(&if args.json { as_json(entry.name, &rows) } else { table(&rows) })?;
     Ok(if missed { ExitCode::from(INCONCLUSIVE) } else { ExitCode::SUCCESS })
 }
 
-/// A meter in the coordinates of the scene.
-fn placed(meter: &describe::Meter, origin: DVec3) -> Meter {
-    let at = |position: describe::Point| (DVec3::from(position.0) - origin).as_vec3();
-    let unit = |direction: describe::Direction| DVec3::from(direction.0).normalize().as_vec3();
-    match meter {
-        describe::Meter::Irradiance(m) => {
-            Meter { position: at(m.position), quantity: Quantity::Irradiance { normal: unit(m.normal), radius: m.radius.get() as f32 } }
-        }
-        describe::Meter::Radiance(m) => {
-            // 1 − cos α = 2 sin² α/2 keeps its digits at small angles.
-            let sin = sin_cos_degrees(m.angle.get() / 4.0).0;
-            let one_minus_cos = (2.0 * sin * sin) as f32;
-            Meter { position: at(m.position), quantity: Quantity::Radiance { direction: unit(m.direction), one_minus_cos } }
-        }
-    }
-}
-
-/// Whether a limit is reached. The next look would take as long again as all before.
-fn is_done(args: &MeterArgs, reading: &Reading, start: Instant) -> bool {
-    let is_met = args.target.is_some_and(|target| reading.relative_half_width(CONFIDENCE) <= target);
-    let is_late = args.time.is_some_and(|time| start.elapsed() * 2 > time);
-    let has_limit = args.target.is_some() || args.time.is_some();
-    let most = args.samples.unwrap_or(if has_limit { MOST_SAMPLES } else { SAMPLES });
-    let is_dark = reading.values[3].value == 0.0 && reading.samples >= SAMPLES;
-    is_met || is_late || is_dark || reading.samples.saturating_mul(2) > most
-}
-
-type Row = (String, Quantity, Reading, Duration);
-
-fn unit(quantity: &Quantity) -> (&'static str, &'static str) {
-    match quantity {
-        Quantity::Irradiance { .. } => ("irradiance", "W/m²"),
-        Quantity::Radiance { .. } => ("radiance", "W/(m² sr)"),
-    }
-}
-
-fn table(rows: &[Row]) -> String {
+fn table(rows: &[NamedReading]) -> String {
     let mut text = String::new();
-    for (name, quantity, reading, _) in rows {
-        let (what, unit) = unit(quantity);
+    for row in rows {
+        let NamedReading { name, reading, .. } = row;
+        let (what, unit) = row.unit();
         text += &format!("{}, {what} in {unit}, {} samples\n", one_line(name), reading.samples);
         let is_gray = reading.values[1..3].iter().all(|mean| mean.value == reading.values[0].value);
         let channels: &[(usize, &str)] = if is_gray { &[(3, "gray")] } else { &[(0, "red"), (1, "green"), (2, "blue"), (3, "mean")] };
@@ -165,15 +91,12 @@ fn table(rows: &[Row]) -> String {
     text + &format!("± is half of an interval that holds the true value with {} %\n", per_cent(CONFIDENCE))
 }
 
-fn as_json(integrator: &str, rows: &[Row]) -> String {
+fn as_json(integrator: &str, rows: &[NamedReading]) -> String {
     let meters: Vec<Value> = rows
         .iter()
-        .map(|(name, quantity, reading, time)| {
-            let (what, unit) = unit(quantity);
-            let refusal = match reading.values[3].value {
-                0.0 => Some("no light has arrived"),
-                _ => reading.has_heavy_tail.then_some("rare bright paths hold most of the noise"),
-            };
+        .map(|row| {
+            let NamedReading { name, reading, time, .. } = row;
+            let ((what, unit), refusal) = (row.unit(), row.refusal());
             let half = |channel| refusal.is_none().then(|| reading.half_width(channel, CONFIDENCE));
             let value = |channel: usize| reading.values[channel].value;
             json!({

@@ -11,7 +11,6 @@ mod image;
 mod list;
 mod load;
 mod man;
-mod memory;
 mod merge;
 mod messages;
 mod meter;

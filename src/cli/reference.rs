@@ -5,8 +5,6 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use serde_json::json;
-
 use super::load::SceneArgs;
 use super::load::{Loaded, load};
 use super::outputs::{OutputKinds, check_outputs};
@@ -15,16 +13,13 @@ use super::progress::Progress;
 use super::progress::WorkArgs;
 use super::summary::{Accuracy, attributes, print_summary};
 use super::{INCONCLUSIVE, note, render, signals};
-use crate::describe::Identity;
+use crate::compare::{CachedReference, ReferenceRenderer};
 use crate::error::{Error, Result};
-use crate::film::{FilmSpec, MomentFilm};
-use crate::integrator::{self, Entry, Integrator};
-use crate::measure::{ErrorHistory, ErrorObserver, ErrorTarget, Outcome, StopCondition, format, resume_until};
-use crate::output::attributes::of_camera;
+use crate::integrator::Entry;
+use crate::measure::{ErrorTarget, Outcome, StopCondition, format};
 use crate::output::{self, Tonemap};
-use crate::part::{self, About, Stored};
-use crate::render::{Render, RenderReport, SHORT_WAVE, Settings};
-use crate::sampler::{Kind, SamplerSpec};
+use crate::part::{self, Stored};
+use crate::render::RenderReport;
 use crate::scene::Scene;
 
 #[derive(clap::Args, Debug)]
@@ -61,50 +56,7 @@ pub struct ReferenceArgs {
 
 /// Default render time.
 const TIME: Duration = Duration::from_secs(60);
-/// Number of scramblings; with 8 the standard deviation of an error estimate is 1/√14.
-const SCRAMBLINGS: u32 = 8;
-
-/// Renderer of references of a scene.
-pub struct ReferenceRenderer {
-    /// Table row of the integrator.
-    pub entry: Entry,
-    integrator: Arc<dyn Integrator>,
-    sampler: SamplerSpec,
-    /// Film of the reference.
-    pub spec: FilmSpec,
-    /// Facts about the reference, as its files state them.
-    pub about: About,
-}
-
-/// State of a reference.
-pub struct CachedReference {
-    /// Film with the samples so far.
-    pub film: MomentFilm,
-    /// Report so far.
-    pub report: RenderReport,
-    /// History so far.
-    pub history: ErrorHistory,
-}
-
 impl ReferenceRenderer {
-    /// Renderer with an integrator.
-    ///
-    /// - `name`: name of the integrator; the most trusted one without a name
-    ///
-    /// # Errors
-    /// `Usage` for an unknown name, `Invalid` for options of the scene that it refuses.
-    pub fn new(loaded: &Loaded, name: Option<&str>, tables: &[&[Entry]]) -> Result<ReferenceRenderer> {
-        let (entry, integrator) = loaded.choose(tables, name.unwrap_or(integrator::DEFAULT))?;
-        // The random numbers differ from those of a picture with the scene's own seed.
-        let seed = loaded.built.sampler.seed.wrapping_sub(1);
-        let sampler = SamplerSpec { kind: Kind::Sobol, seed, spp: 0, scramblings: SCRAMBLINGS };
-        let identity = Identity::new(&loaded.description, &loaded.built.contents, &entry)?;
-        let identity = identity.with("sampler", json!({ "type": "sobol", "seed": seed, "scramblings": SCRAMBLINGS }));
-        let spec = loaded.built.film.clone().without_layers();
-        let about = About::new(identity, &spec, sampler.error_estimator(), of_camera(&loaded.built.world, &spec));
-        Ok(ReferenceRenderer { entry, integrator, sampler, about, spec })
-    }
-
     /// Path of the cached reference.
     pub fn path(&self, cache: &Path) -> PathBuf {
         cache.join(format!("{}.ptc", self.about.identity.hash()))
@@ -125,27 +77,6 @@ impl ReferenceRenderer {
             Ok(CachedReference { film, report: sum.report, history: sum.history })
         };
         usable().map_err(|refusal| note(&format!("note: the kept reference is of no use: {refusal}"))).ok()
-    }
-
-    /// Renders a reference, from the beginning or from a cached one.
-    pub fn render(
-        &self,
-        scene: &Arc<dyn Scene>,
-        cached: Option<CachedReference>,
-        until: &StopCondition,
-        observer: &dyn ErrorObserver,
-    ) -> CachedReference {
-        let nothing = || CachedReference {
-            film: MomentFilm::new(self.spec.clone()),
-            report: RenderReport::default(),
-            history: ErrorHistory::default(),
-        };
-        let CachedReference { mut film, report, history } = cached.unwrap_or_else(nothing);
-        let settings = Settings { wave_time: Some(SHORT_WAVE), ..Settings::new(self.sampler) };
-        let render = Render::new(scene.clone(), &*self.integrator, &self.spec, &settings);
-        let mut render = render.resumed(film.samples(), report);
-        let history = resume_until(history, &mut render, &mut film, until, observer);
-        CachedReference { film, report: render.report().clone(), history }
     }
 
     /// Writes a reference to the cache.
@@ -174,7 +105,7 @@ pub fn cache(named: Option<&Path>) -> Result<PathBuf> {
 pub fn reference(args: &ReferenceArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
     let resized = args.size.map(render::resized).unwrap_or_default();
     let loaded = load(&args.scene, &resized, None, tables)?;
-    loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    loaded.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     check_outputs(&args.output, OutputKinds::Pictures, &[args.scene.path()?], "is the scene file")?;
     let renderer = ReferenceRenderer::new(&loaded, args.integrator.as_deref(), tables)?;
     let path = renderer.path(&cache(args.cache.as_deref())?);
@@ -183,7 +114,7 @@ pub fn reference(args: &ReferenceArgs, tables: &[&[Entry]]) -> Result<ExitCode> 
 }
 
 fn render_reference(args: &ReferenceArgs, loaded: Loaded, renderer: &ReferenceRenderer, path: &Path) -> Result<ExitCode> {
-    let scene: Arc<dyn Scene> = Arc::new(loaded.built.world);
+    let scene: Arc<dyn Scene> = loaded.world;
     let is_open = args.error.is_none() && args.spp.is_none();
     let time = args.time.or(is_open.then_some(TIME));
     let target = args.error.map(|error| ErrorTarget { error, confidence: args.confidence });

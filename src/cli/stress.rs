@@ -71,14 +71,14 @@ pub fn stress(args: &StressArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
     args.write.as_deref().map(output::check_folder).transpose()?;
     let resized = args.size.map(render::resized).unwrap_or_default();
     let loaded = load(&args.scene, &resized, args.integrator.as_deref(), tables)?;
-    loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    loaded.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     signals::catch()?;
     render::pool(args.threads)?.install(|| run(args, &loaded, tables))
 }
 
 fn run(args: &StressArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<ExitCode> {
     let start = Instant::now();
-    let film = reduced(&loaded.built.film, args.size.is_some());
+    let film = reduced(&loaded.film, args.size.is_some());
     let spp = u64::from(args.spp).div_ceil(PICTURES as u64);
     let subject = Subject {
         description: &loaded.description,
@@ -88,7 +88,7 @@ fn run(args: &StressArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<ExitCo
         entry: &loaded.entry,
         tables,
     };
-    let trial = Trial::new(subject, Rendering { film: &film, sampler: loaded.built.sampler, spp, observer: &Interrupts })?;
+    let trial = Trial::new(subject, Rendering { film: &film, sampler: loaded.sampler, spp, observer: &Interrupts })?;
     let changes = chosen(args, trial.changes())?;
     if let Some(path) = &args.write {
         return write_changed(&changes, loaded, path);

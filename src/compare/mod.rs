@@ -6,12 +6,14 @@
 mod bias;
 mod commands;
 mod conclude;
+mod configs;
 mod curve;
 mod given;
 mod method;
 mod price;
 mod provenance;
 mod reference;
+mod reference_renderer;
 pub mod replay;
 mod replicates;
 pub mod report;
@@ -30,9 +32,11 @@ use crate::sampler::SamplerSpec;
 pub use crate::measure::format::TARGETS;
 pub use commands::{Commands, Conclusion};
 pub use conclude::conclusions;
+pub use configs::configs;
 pub use given::{GivenPicture, given};
 pub use provenance::Provenance;
 pub use reference::Reference;
+pub use reference_renderer::{CachedReference, ReferenceRenderer};
 pub use run::{Budget, run};
 pub use snapshot::Snapshot;
 

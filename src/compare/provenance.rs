@@ -2,6 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::Result;
+use crate::load::Loaded;
+use crate::part::BUILD;
+
 /// How a comparison was made.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
@@ -26,6 +30,28 @@ pub struct Provenance {
 }
 
 impl Provenance {
+    /// What is known before the reference is.
+    ///
+    /// - `command`: command of the comparison, to copy into a shell
+    /// - `arguments`: its words after the name of the program
+    ///
+    /// # Errors
+    /// `Internal`.
+    pub fn new(loaded: &Loaded, command: String, arguments: Vec<String>, replicates: u32) -> Result<Provenance> {
+        let seed = loaded.sampler.seed;
+        Ok(Provenance {
+            version: BUILD.into(),
+            command,
+            arguments,
+            folder: std::env::current_dir().map(|folder| folder.display().to_string()).unwrap_or_default(),
+            cpu: cpu(),
+            threads: rayon::current_num_threads(),
+            seeds: (0..replicates).map(|replicate| seed.wrapping_add(1 + u64::from(replicate))).collect(),
+            scene_hash: loaded.identity()?.hash().to_string(),
+            reference_hash: String::new(),
+        })
+    }
+
     /// Facts for people: a name and a value each. What is not known is left out.
     pub fn facts(&self) -> Vec<(&'static str, String)> {
         let seeds: Vec<String> = self.seeds.iter().map(u64::to_string).collect();
@@ -49,4 +75,12 @@ impl Provenance {
         };
         self.facts().into_iter().filter_map(other).collect()
     }
+}
+
+/// Name of the processor: that of Linux where there is one, and the architecture otherwise.
+fn cpu() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':')).map(|(_, name)| name.trim());
+    let other = || format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
+    name.filter(|name| !name.is_empty()).map_or_else(other, str::to_owned)
 }

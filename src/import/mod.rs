@@ -82,8 +82,24 @@ pub fn import_with(
     auto_camera: AutoCamera,
     change: impl FnOnce(&mut Node, &str) -> Result<()>,
 ) -> Result<Imported> {
+    import_bytes(describe::bytes(path)?, path, allow_outside, auto_camera, change)
+}
+
+/// Imports a scene as [`import_with`] does, from the bytes of its file.
+///
+/// - `path`: name of the file in messages; the files that the scene names lie in its folder
+///
+/// # Errors
+/// `Invalid`: all that is wrong with the scene; `Io` for a file that it names; the errors of `change`.
+pub fn import_bytes(
+    bytes: Vec<u8>,
+    path: &Path,
+    allow_outside: bool,
+    auto_camera: AutoCamera,
+    change: impl FnOnce(&mut Node, &str) -> Result<()>,
+) -> Result<Imported> {
     let file = describe::name(path);
-    let content = Content::new(path, describe::bytes(path)?);
+    let content = Content::new(path, bytes);
     let dialect = ALL.iter().find(|dialect| (dialect.is)(&content)).unwrap_or(&native::DIALECT);
     let files = Files { allow_outside, ..Files::within(path.parent().unwrap_or(Path::new(""))) };
     let context = ImportContext::new(&file, files, auto_camera);

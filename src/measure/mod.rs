@@ -16,10 +16,12 @@ pub mod format;
 pub mod level;
 pub mod mean;
 pub mod meter;
+pub mod meters;
 pub mod metric;
 pub mod outliers;
 pub mod render_until;
 pub mod verdict;
+pub mod verify;
 
 pub use agreement::{Agreement, SampledImage, agreement};
 pub use average::average;

@@ -20,6 +20,15 @@ pub struct StopCondition {
 }
 
 impl StopCondition {
+    /// Condition with the limits that are asked for. If only a time or an accuracy is, the planned number of samples is not a limit.
+    ///
+    /// - `asked`: samples per pixel that are asked for
+    /// - `planned`: samples per pixel that the scene plans
+    pub fn new(asked: Option<u64>, planned: u64, time: Option<Duration>, target: Option<ErrorTarget>) -> StopCondition {
+        let is_free = (time.is_some() || target.is_some()) && asked.is_none();
+        StopCondition { samples: if is_free { u32::MAX.into() } else { asked.unwrap_or(planned) }, time, target }
+    }
+
     /// Returns whether the error is measured at a checkpoint. A measurement costs as much as a fraction of a sample, so without a
     /// target only a few late ones are made, which give the slope. With a target every checkpoint counts from where the target may be
     /// reached.

@@ -25,8 +25,8 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use crate::error::{Error, Result};
-use crate::film::Image;
+use crate::error::{Error, Fault, Result};
+use crate::film::{FilmSpec, Image};
 
 pub use crate::math::hash::Hash;
 pub use attributes::{Attributes, Value};
@@ -127,6 +127,19 @@ pub fn check_folder(path: &Path) -> Result<()> {
         beside(&target).map(drop).map_err(named)
     };
     check().map_err(|e| Error::io(path, e))
+}
+
+/// Checks that a picture from a file shows the pixels of the scene's film.
+///
+/// # Errors
+/// `Invalid` if it does not.
+pub fn same_pixels(path: &Path, image: &Image, film: &FilmSpec) -> Result<()> {
+    let (expected, found) = (film.crop.size(), image.size);
+    if (found, image.origin) == (expected, film.crop.min) {
+        return Ok(());
+    }
+    let text = format!("expected {} × {} pixels as the scene has, found {} × {}", expected.x, expected.y, found.x, found.y);
+    Err(Error::invalid(Fault::new(text).in_file(path)))
 }
 
 /// Returns whether `path` is a pipe, a device or the like, which is written to and not replaced.

@@ -34,6 +34,7 @@
 //! Tests: row G2 of `pt torture`, the_caster_agrees_with_a_search_in_integers, rays_through_features_cross_once.
 
 mod exact;
+mod scene;
 pub mod table;
 mod tree;
 mod triangle;
@@ -46,6 +47,8 @@ use rayon::prelude::*;
 use crate::describe::mesh;
 use crate::error::{Error, Fault, Result};
 use tree::Tree;
+
+pub use scene::{SceneCaster, SceneHit};
 
 /// Half line, or part of it: the points origin + t · direction with 0 < t < `t_max`.
 #[derive(Clone, Copy, Debug, PartialEq)]

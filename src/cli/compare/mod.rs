@@ -16,17 +16,17 @@ use super::parse::{duration as parse_duration, share, size};
 use super::progress::Progress;
 use super::progress::{ProgressForm, WorkArgs};
 use super::quote::quoted;
-use super::reference::{self, ReferenceRenderer};
-use super::summary::{Accuracy, attributes};
+use super::reference;
 use super::{note, print_stdout, render, signals};
-use crate::compare::{self, Budget, Commands, Comparison, GivenPicture, MethodConfig, Provenance, Reference, conclusions, report};
+use crate::compare::{
+    self, Budget, Commands, Comparison, GivenPicture, MethodConfig, Provenance, Reference, ReferenceRenderer, conclusions, configs, report,
+};
 use crate::error::{Error, Fault, Result};
 use crate::film::{FilmSpec, Image};
 use crate::integrator::Entry;
 use crate::measure::format::{duration, per_cent};
-use crate::measure::{Metric, Refusal, RelativeError, StopCondition};
+use crate::measure::{Metric, StopCondition};
 use crate::output::{self, Attributes, exr};
-use crate::sampler::{Kind, SamplerSpec};
 use crate::scene::Scene;
 
 #[derive(clap::Args, Debug)]
@@ -105,11 +105,11 @@ pub fn compare(args: &CompareArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
         return replay::replay(file, &args.work, tables);
     }
     let loaded = load_resized(args, tables)?;
-    loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    loaded.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     args.metric.iter().try_for_each(|name| Metric::parse(name).map(drop))?;
-    let configs = configs(args, &loaded, tables)?;
-    let given = args.reference.as_deref().map(|path| read_reference(path, &loaded.built.film)).transpose()?;
-    let pictures = picture::read(&args.picture, &configs, &loaded.built.film)?;
+    let configs = configs(&loaded, &args.integrators, &args.samplers, tables)?;
+    let given = args.reference.as_deref().map(|path| read_reference(path, &loaded.film)).transpose()?;
+    let pictures = picture::read(&args.picture, &configs, &loaded.film)?;
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}-report", loaded.stem)));
     std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
     signals::catch()?;
@@ -122,41 +122,14 @@ fn load_resized(args: &CompareArgs, tables: &[&[Entry]]) -> Result<Loaded> {
         return load(&args.scene, &render::resized(size), None, tables);
     }
     let loaded = load(&args.scene, &[], None, tables)?;
-    let [width, height] = loaded.built.film.size.to_array();
-    if loaded.built.film.crop.pixel_count() <= PIXELS.into() {
+    let [width, height] = loaded.film.size.to_array();
+    if loaded.film.crop.pixel_count() <= PIXELS.into() {
         return Ok(loaded);
     }
     let scale = (f64::from(PIXELS) / (f64::from(width) * f64::from(height))).sqrt();
     let smaller = [width, height].map(|side| ((f64::from(side) * scale).round() as u32).max(1));
     note(&format!("compared at {}×{} pixels instead of {width}×{height}; --size asks for more", smaller[0], smaller[1]));
     load(&args.scene, &render::resized(smaller), None, tables)
-}
-
-/// Every integrator with every sampler.
-fn configs(args: &CompareArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<Vec<MethodConfig>> {
-    let effects = loaded.built.world.effects();
-    let samplers: Vec<Kind> = match &args.samplers[..] {
-        [] => vec![loaded.built.sampler.kind],
-        names => names.iter().map(|name| render::sampler_named(name)).collect::<Result<_>>()?,
-    };
-    let mut all = vec![];
-    for name in &args.integrators {
-        let (entry, integrator) = loaded.choose(tables, name)?;
-        for kind in &samplers {
-            let sampler_name = kind.name();
-            let name = if samplers.len() > 1 { format!("{} · {sampler_name}", entry.name) } else { entry.name.to_owned() };
-            all.push(MethodConfig {
-                name,
-                integrator_name: entry.name.into(),
-                sampler_name: sampler_name.into(),
-                integrator: integrator.clone(),
-                sampler: SamplerSpec { kind: *kind, ..loaded.built.sampler },
-                most: None,
-                lacks: entry.lacks(effects).unwrap_or_default(),
-            });
-        }
-    }
-    Ok(all)
 }
 
 /// Reads a reference: it must have the same pixels and only finite values.
@@ -171,7 +144,7 @@ fn read_reference(path: &Path, film: &FilmSpec) -> Result<Reference> {
 fn read_picture(path: &Path, film: &FilmSpec, role: &str) -> Result<(Image, Attributes)> {
     let (image, attributes) = exr::read(path)?;
     let refused = |text: String| Error::invalid(Fault::new(text).in_file(path));
-    render::same_pixels(path, &image, film)?;
+    output::same_pixels(path, &image, film)?;
     if let Some(missing) = ["R", "G", "B"].into_iter().find(|name| image.channel(name).is_none()) {
         return Err(refused(format!("the {role} has no channel {missing}")));
     }
@@ -190,12 +163,12 @@ fn measure(
     folder: &Path,
     tables: &[&[Entry]],
 ) -> Result<ExitCode> {
-    let spec = loaded.built.film.clone().without_layers();
+    let spec = loaded.film.clone().without_layers();
     let renderer = ReferenceRenderer::new(&loaded, args.reference_integrator.as_deref(), tables)?;
     let cached = reference::cache(args.cache.as_deref()).ok().map(|cache| renderer.path(&cache)).filter(|path| path.exists());
     let stem = loaded.stem.clone();
     let mut provenance = origin::provenance(args, &loaded)?;
-    let scene: Arc<dyn Scene> = Arc::new(loaded.built.world);
+    let scene: Arc<dyn Scene> = loaded.world;
     let time = args.time.unwrap_or(TIME);
     let interrupted = || Error::Interrupted(signals::caught().unwrap_or_default());
     let reference = match given {
@@ -254,12 +227,7 @@ fn compute_reference(
     if made.report.cancelled {
         return Ok(None);
     }
-    // A reference whose samples tell no error is no truth either.
-    let error = RelativeError::of(&made.film).or(Some(RelativeError::refused(Refusal::TooNoisy)));
-    let accuracy = Accuracy::of(&made.film, &made.history, args.confidence);
-    let attributes = attributes(&renderer.about, &made.film, &accuracy, args.confidence, None);
-    let origin = format!("{origin} by {}, {} spp", renderer.entry.name, made.film.samples());
-    Ok(Some(Reference { image: made.film.image(), origin, error, attributes }))
+    Ok(Some(renderer.reference(&made, origin, args.confidence)))
 }
 
 /// Notes if the reference is too coarse: its error must be known, and its variance should be at most a tenth of that of the best method.

@@ -9,9 +9,9 @@ use clap::Parser;
 use super::super::messages::fitted;
 use super::super::progress::{Progress, WorkArgs};
 use super::super::{Command, CommandLine, note, print_stdout, render, signals};
-use super::{CompareArgs, configs, load_resized, origin, read_reference};
+use super::{CompareArgs, load_resized, origin, read_reference};
 use crate::compare::replay::{Recorded, changes};
-use crate::compare::{self, Budget, Reference};
+use crate::compare::{self, Budget, Reference, configs};
 use crate::error::{Error, Fault, Result};
 use crate::integrator::Entry;
 use crate::output;
@@ -32,8 +32,8 @@ pub fn replay(file: &Path, work: &WorkArgs, tables: &[&[Entry]]) -> Result<ExitC
     // Relative paths of the command begin in the folder where it ran. Where that is gone they begin here.
     let _ = std::env::set_current_dir(&recorded.provenance.folder);
     let loaded = load_resized(&args, tables)?;
-    loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
-    let reference = read_reference(&path, &loaded.built.film)?;
+    loaded.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    let reference = read_reference(&path, &loaded.film)?;
     let found = output::hash(&reference.image).to_string();
     if found != recorded.provenance.reference_hash {
         let hash = &recorded.provenance.reference_hash;
@@ -62,8 +62,8 @@ fn repeat(
 ) -> Result<ExitCode> {
     let mut provenance = origin::provenance(args, &loaded)?;
     provenance.reference_hash = recorded.provenance.reference_hash.clone();
-    let spec = loaded.built.film.clone().without_layers();
-    let mut configs = configs(args, &loaded, tables)?;
+    let spec = loaded.film.clone().without_layers();
+    let mut configs = configs(&loaded, &args.integrators, &args.samplers, tables)?;
     // A method without a recorded number of samples would be rendered without end.
     configs.retain_mut(|config| {
         let before = recorded.methods.iter().find(|method| method.name == config.name);
@@ -73,7 +73,7 @@ fn repeat(
     if configs.is_empty() {
         return Err(Error::Usage("--replay: the recorded command renders none of the recorded methods".into()));
     }
-    let scene: Arc<dyn Scene> = Arc::new(loaded.built.world);
+    let scene: Arc<dyn Scene> = loaded.world;
     let samples = args.spp.map_or(super::UNLIMITED, u64::from);
     let budget = Budget { replicates: args.replicates, samples, time: None, metrics: vec![] };
     let progress = Progress::new(work.progress, &spec, u32::MAX.into(), None);

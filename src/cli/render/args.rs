@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::pixel::PixelPlan;
-use super::{resized, sampler_named};
+use super::resized;
 use crate::cli::load::{Override, SceneArgs};
 use crate::cli::parse::{above_zero, duration, numbers, share, size, whole};
 use crate::cli::progress::WorkArgs;
 use crate::cli::stats::TextOrJson;
 use crate::cli::tone_mapping::ToneMapping;
-use crate::error::{Error, Result};
-use crate::film::Layer;
+use crate::error::Result;
+use crate::load::{layers_named, sampler_named};
 
 /// Value of `--integrator` and `--sampler` that asks for a choice by a pilot.
 pub const AUTO: &str = "auto";
@@ -162,7 +162,7 @@ impl RenderArgs {
             set(format!("--scramblings {k}"), "/sampler/scramblings", k.to_string());
         }
         if !self.aov.is_empty() {
-            let names = layers_named(&self.aov)?;
+            let names = layers_named("--aov", &self.aov)?;
             set(format!("--aov {}", self.aov.join(",")), "/film/layers", format!("{names:?}"));
         }
         if let Some(name) = self.sampler.as_ref().filter(|name| *name != AUTO) {
@@ -177,18 +177,6 @@ impl RenderArgs {
         let pixel = self.pixel.map(<(u32, u32)>::from)?;
         Some(PixelPlan { pixel, sample: self.sample, trace: self.trace, clamp: self.clamp })
     }
-}
-
-/// Layers of these names; `all` stands for those that do not depend on the clock.
-fn layers_named(names: &[String]) -> Result<Vec<&'static str>> {
-    const EVERY: &str = "all";
-    let known: Vec<&str> = Layer::ALL.iter().map(|row| row.1).chain([EVERY]).collect();
-    if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
-        return Err(Error::Usage(format!("--aov: {}", crate::reader::unknown("layer", name, &known))));
-    }
-    let has = |name: &str| names.iter().any(|other| other == name);
-    let rows = Layer::ALL.iter().filter(|(layer, name, _)| has(name) || has(EVERY) && layer.is_reproducible());
-    Ok(rows.map(|row| row.1).collect())
 }
 
 /// Part `index` of `count` parts, counted from 1.

@@ -5,7 +5,6 @@
 //! two methods take to the same error is nearly the same. The choice depends on the clock, so that two runs may choose differently where
 //! two methods cost about the same; the picture that is then rendered is the one that the chosen names give.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::UVec2;
@@ -81,17 +80,15 @@ pub fn choose(args: &RenderArgs, loaded: Loaded, tables: &[&[Entry]]) -> Result<
     let mut loaded = loaded;
     if integrators {
         let candidates = integrator_candidates(args, &loaded, tables)?;
-        let chosen;
-        (loaded, chosen) = pilot(args, loaded, candidates, |candidate| candidate.entry.name, Choice::Integrator)?;
+        let chosen = pilot(args, &loaded, candidates, |candidate| candidate.entry.name, Choice::Integrator)?;
         loaded.select(chosen.entry, chosen.integrator);
     }
     if samplers {
-        let own = loaded.built.sampler;
+        let own = loaded.sampler;
         let others = SAMPLERS.into_iter().filter(|kind| *kind != own.kind).map(|kind| SamplerSpec { kind, ..own });
         let candidate = |sampler| PricedIntegrator { entry: loaded.entry, integrator: loaded.integrator.clone(), sampler };
         let candidates = std::iter::once(own).chain(others).map(candidate).collect();
-        let chosen;
-        (loaded, chosen) = pilot(args, loaded, candidates, |candidate| candidate.sampler.kind.name(), Choice::Sampler)?;
+        let chosen = pilot(args, &loaded, candidates, |candidate| candidate.sampler.kind.name(), Choice::Sampler)?;
         loaded.select_sampler(chosen.sampler.kind)?;
     }
     Ok(loaded)
@@ -100,7 +97,7 @@ pub fn choose(args: &RenderArgs, loaded: Loaded, tables: &[&[Entry]]) -> Result<
 /// All integrators that lack no effect of the scene and work with the options: first the one that would render otherwise, then the
 /// default. If there are none, the one that would render otherwise.
 fn integrator_candidates(args: &RenderArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<Vec<PricedIntegrator>> {
-    let effects = loaded.built.world.effects();
+    let effects = loaded.world.effects();
     let mut entries: Vec<&Entry> = tables.iter().copied().flatten().filter(|entry| entry.lacks(effects).is_none()).collect();
     entries.sort_by_key(|entry| (entry.name != loaded.entry.name, entry.name != DEFAULT));
     let needs_own_samples = args.adaptive || args.clamp.is_some() || args.worst.is_some();
@@ -112,31 +109,31 @@ fn integrator_candidates(args: &RenderArgs, loaded: &Loaded, tables: &[&[Entry]]
         }
     }
     if list.is_empty() {
-        list.push(PricedIntegrator { entry: loaded.entry, integrator: loaded.integrator.clone(), sampler: loaded.built.sampler });
+        list.push(PricedIntegrator { entry: loaded.entry, integrator: loaded.integrator.clone(), sampler: loaded.sampler });
     }
     Ok(list)
 }
 
-/// Renders with each candidate and returns the scene and the one to use; the first is the default.
+/// Renders with each candidate and returns the one to use; the first is the default.
 fn pilot(
     args: &RenderArgs,
-    loaded: Loaded,
+    loaded: &Loaded,
     candidates: Vec<PricedIntegrator>,
     name: impl Fn(&PricedIntegrator) -> &'static str,
     what: Choice,
-) -> Result<(Loaded, PricedIntegrator)> {
+) -> Result<PricedIntegrator> {
     let start = Instant::now();
-    let spec = small(&loaded.built.film);
+    let spec = small(&loaded.film);
     let error = args.target.unwrap_or(ERROR);
-    let price = |scene: &Arc<dyn Scene>, candidate: &PricedIntegrator| {
+    let price = |candidate: &PricedIntegrator| {
         let settings = Settings { clamp: args.clamp, ..Settings::new(candidate.sampler) };
         let mut film = MomentFilm::new(spec.clone());
-        let mut render = Render::new(scene.clone(), &*candidate.integrator, &spec, &settings);
+        let mut render = Render::new(loaded.world.clone(), &*candidate.integrator, &spec, &settings);
         let until = StopCondition { samples: u32::MAX.into(), time: Some(TIME), target: None };
         let history = render_until(&mut render, &mut film, &until, &Silent);
         Priced::of(name(candidate), &history, error)
     };
-    let (loaded, priced) = loaded.with_scene(|scene| candidates.iter().map(|candidate| price(scene, candidate)).collect::<Vec<_>>())?;
+    let priced: Vec<Priced> = candidates.iter().map(price).collect();
     let chosen = best(what, &priced);
     note(&format!(
         "note: {} {AUTO}: {} (pilot of {})",
@@ -144,8 +141,7 @@ fn pilot(
         reason(&priced, chosen),
         format::duration(start.elapsed().as_secs_f64())
     ));
-    let chosen = candidates.into_iter().nth(chosen).ok_or_else(|| Error::Internal("the pilot has no candidate".into()))?;
-    Ok((loaded, chosen))
+    candidates.into_iter().nth(chosen).ok_or_else(|| Error::Internal("the pilot has no candidate".into()))
 }
 
 /// The film with fewer pixels, without layers.

@@ -10,16 +10,13 @@ mod pixel;
 pub mod plan;
 mod remarks;
 
-use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use super::load::{Override, load};
 use super::{check, note, signals};
 use crate::error::{Error, Fault, Result};
-use crate::film::{FilmSpec, Image};
 use crate::integrator::Entry;
-use crate::sampler::Kind;
 
 pub use args::RenderArgs;
 use picture::render_picture;
@@ -42,7 +39,7 @@ fn render_one(args: &RenderArgs, frame: Option<u32>, tables: &[&[Entry]]) -> Res
     let mut loaded = load(&args.scene, &args.overrides()?, args.named_integrator(), tables)?;
     frame.iter().for_each(|frame| loaded.stem = frames::numbered_stem(&loaded.stem, *frame));
     let load_seconds = start.elapsed().as_secs_f64();
-    loaded.built.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
+    loaded.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     let pool = pool(args.work.threads)?;
     let loaded = pool.install(|| auto::choose(args, loaded, tables))?;
     remark_missing_effects(&loaded);
@@ -70,19 +67,6 @@ pub fn resized([width, height]: [u32; 2]) -> Vec<Override> {
     vec![set("/film/width", width.to_string()), set("/film/height", height.to_string()), set("/film/crop", crop)]
 }
 
-/// Checks that a picture from a file shows the pixels of the scene's film.
-///
-/// # Errors
-/// `Invalid` if it does not.
-pub fn same_pixels(path: &Path, image: &Image, film: &FilmSpec) -> Result<()> {
-    let (expected, found) = (film.crop.size(), image.size);
-    if (found, image.origin) == (expected, film.crop.min) {
-        return Ok(());
-    }
-    let text = format!("expected {} × {} pixels as the scene has, found {} × {}", expected.x, expected.y, found.x, found.y);
-    Err(Error::invalid(Fault::new(text).in_file(path)))
-}
-
 /// Thread pool with this number of threads, or one for each core.
 pub fn pool(threads: Option<u32>) -> Result<rayon::ThreadPool> {
     builder(threads).build().map_err(|refusal| no_threads(threads, &refusal))
@@ -108,11 +92,4 @@ fn builder(threads: Option<u32>) -> rayon::ThreadPoolBuilder {
 fn no_threads(threads: Option<u32>, refusal: &rayon::ThreadPoolBuildError) -> Error {
     let wanted = threads.map_or("a thread for each core".to_owned(), |n| format!("{n} threads"));
     Error::Limit(Fault::new(format!("cannot start {wanted}: {refusal}")))
-}
-
-/// Sampler of this name.
-pub fn sampler_named(name: &str) -> Result<Kind> {
-    let known: Vec<&str> = Kind::ALL.iter().map(|(_, name, _)| *name).collect();
-    let found = Kind::ALL.iter().find(|row| row.1 == name).map(|row| row.0);
-    found.ok_or_else(|| Error::Usage(crate::reader::unknown("sampler", name, &known)))
 }

@@ -81,10 +81,10 @@ pub fn render_picture(plan: &RenderPlan, loaded: Loaded, load_seconds: f64) -> R
 impl<'a> Picture<'a> {
     fn new(plan: &'a RenderPlan, loaded: Loaded, load_seconds: f64) -> Result<Picture<'a>> {
         let facets = if plan.reports.bias { loaded.without_smooth_shadows()? } else { None };
-        let Loaded { built, entry, integrator, stem, .. } = loaded;
-        let settings = Settings { clamp: plan.clamp, wave_time: Some(render::SHORT_WAVE), ..Settings::new(built.sampler) };
-        let (primitives, instances) = (built.world.primitive_count(), built.world.instance_count());
-        let (world, names, spec, until) = (Arc::new(built.world), built.names, built.film, plan.until);
+        let Loaded { world, film: spec, sampler, names, entry, integrator, stem, .. } = loaded;
+        let settings = Settings { clamp: plan.clamp, wave_time: Some(render::SHORT_WAVE), ..Settings::new(sampler) };
+        let (primitives, instances) = (world.primitive_count(), world.instance_count());
+        let until = plan.until;
         Ok(Picture { plan, entry, integrator, world, facets, names, stem, spec, settings, until, primitives, instances, load_seconds })
     }
 

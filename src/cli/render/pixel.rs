@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::build::Built;
 use crate::cli::load::Loaded;
 use crate::cli::print_stdout;
 use crate::cli::stats::TextOrJson;
@@ -28,15 +27,15 @@ pub struct PixelPlan {
 /// Computes and prints one pixel, or one sample of it.
 pub fn pixel(plan: &PixelPlan, loaded: Loaded) -> Result<()> {
     let (x, y) = plan.pixel;
-    let Built { world, film, sampler, names, .. } = loaded.built;
+    let Loaded { world, film, sampler, names, integrator, .. } = loaded;
     let settings = Settings { clamp: plan.clamp, ..Settings::new(sampler) };
     if x >= film.size.x || y >= film.size.y {
         return Err(Error::Usage(format!("--pixel {x},{y}: the picture is {} × {}", film.size.x, film.size.y)));
     }
     let origin = world.origin();
-    let scene: Arc<dyn Scene> = Arc::new(world);
+    let scene: Arc<dyn Scene> = world;
     if let Some(index) = plan.sample {
-        let (id, render) = (SampleId { pixel: (x, y), index }, Render::new(scene.clone(), &*loaded.integrator, &film, &settings));
+        let (id, render) = (SampleId { pixel: (x, y), index }, Render::new(scene.clone(), &*integrator, &film, &settings));
         let mut events: Vec<Event> = vec![];
         let (value, splats) = render.replay_with_splats(id, plan.trace.is_some().then_some(&mut events));
         let Some(form) = plan.trace else {
@@ -50,7 +49,7 @@ pub fn pixel(plan: &PixelPlan, loaded: Loaded) -> Result<()> {
     }
     let min = glam::UVec2::new(x, y);
     let mut film = MomentFilm::new(FilmSpec { crop: Crop { min, max: min + 1 }, ..film.without_layers() });
-    render::render(scene, &*loaded.integrator, &mut film, &settings, &render::Silent);
+    render::render(scene, &*integrator, &mut film, &settings, &render::Silent);
     let image = film.image();
     let [r, g, b] = image.rgb(0, 0);
     let error = image.channel("StdErr.R").map(|_| {

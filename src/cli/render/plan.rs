@@ -100,7 +100,7 @@ impl RenderPlan {
     /// # Errors
     /// `Usage` for samples that do not exist and for outputs that cannot be written; `Io`.
     pub fn new(args: &RenderArgs, loaded: &Loaded, tables: &[&[Entry]]) -> Result<RenderPlan> {
-        let samples = samples(args, &loaded.built.sampler)?;
+        let samples = samples(args, &loaded.sampler)?;
         let is_part = args.shard.is_some() || args.samples.is_some();
         let outputs = match (&args.output[..], is_part) {
             ([], true) => vec![format!("{}.{}-{}.ptc", loaded.stem, samples.start, samples.end).into()],
@@ -131,16 +131,15 @@ impl RenderPlan {
                 return Err(Error::Usage(format!("{}: a part does not keep {lost}", path.display())));
             }
         }
-        let built = &loaded.built;
         if let Some(flag) =
             [("--target", args.target.is_some()), ("--pilot", args.pilot.is_some())].into_iter().find_map(|(f, g)| g.then_some(f))
-            && built.sampler.error_estimator() == ErrorEstimator::Scramblings(1)
+            && loaded.sampler.error_estimator() == ErrorEstimator::Scramblings(1)
         {
             return Err(Error::Usage(format!("{flag}: a single scrambling tells no error; it takes --scramblings 2 or more")));
         }
-        let about = About::new(loaded.identity()?, &built.film, built.sampler.error_estimator(), of_camera(&built.world, &built.film));
+        let about = About::new(loaded.identity()?, &loaded.film, loaded.sampler.error_estimator(), of_camera(&*loaded.world, &loaded.film));
         let (parts, pictures): (Vec<PathBuf>, Vec<PathBuf>) = outputs.into_iter().partition(|path| self::is_part(path));
-        if !built.film.layers.is_empty() && !pictures.iter().any(|path| Format::of(path) == Some(Format::Exr)) {
+        if !loaded.film.layers.is_empty() && !pictures.iter().any(|path| Format::of(path) == Some(Format::Exr)) {
             note("warning: layers are written to .exr files, and none is asked for");
         }
         let integrators = selected_integrators(loaded, &args.integrators, tables)?;
@@ -254,11 +253,10 @@ pub fn ranges(runs: &[Range<u64>]) -> String {
     runs.iter().map(|run| format!("{}..{}", run.start, run.end)).collect::<Vec<_>>().join(", ")
 }
 
-/// Condition at which the render stops. If only a time or an accuracy is requested, the scene's number of samples is not a limit.
+/// Condition at which the render stops.
 fn until(args: &RenderArgs, planned: u64) -> StopCondition {
-    let free = (args.time.is_some() || args.target.is_some()) && args.spp().is_none();
-    let samples = if free { u32::MAX.into() } else { planned };
-    StopCondition { samples, time: args.time, target: args.target.map(|error| ErrorTarget { error, confidence: args.confidence }) }
+    let target = args.target.map(|error| ErrorTarget { error, confidence: args.confidence });
+    StopCondition::new(args.spp().map(|_| planned), planned, args.time, target)
 }
 
 /// Start of the command that replays a sample: all options that decide the samples.
@@ -271,7 +269,7 @@ fn replay_command(args: &RenderArgs, loaded: &Loaded) -> Result<String> {
     flag("--size", args.size.map(|[width, height]| format!("{width}x{height}")));
     flag("--spp", args.spp().map(|spp| spp.to_string()));
     flag("--seed", args.seed.map(|seed| seed.to_string()));
-    flag("--sampler", args.sampler.as_ref().map(|_| loaded.built.sampler.kind.name().to_owned()));
+    flag("--sampler", args.sampler.as_ref().map(|_| loaded.sampler.kind.name().to_owned()));
     flag("--scramblings", args.scramblings.map(|k| k.to_string()));
     flag("--clamp", args.clamp.map(|limit| limit.to_string()));
     let mut command: Vec<String> = words.iter().map(|word| quoted(word)).collect();

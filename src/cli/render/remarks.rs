@@ -13,7 +13,7 @@ use crate::scene::Scene;
 
 /// Warns about effects that the integrator does not simulate.
 pub fn remark_missing_effects(loaded: &Loaded) {
-    if let Some(lacks) = loaded.entry.lacks(loaded.built.world.effects()) {
+    if let Some(lacks) = loaded.entry.lacks(loaded.world.effects()) {
         note(&format!("note: {} does not simulate what this scene calls for: {lacks}", loaded.entry.name));
     }
 }
