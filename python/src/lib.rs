@@ -5,7 +5,9 @@
 
 #![warn(missing_docs)]
 
+mod compare;
 mod error;
+mod integrator;
 mod meters;
 mod picture;
 mod rays;
@@ -23,8 +25,13 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Scene>()?;
     module.add_class::<picture::Picture>()?;
     module.add_class::<rays::Mesh>()?;
+    module.add_class::<integrator::SceneView>()?;
+    module.add_class::<integrator::PathRay>()?;
+    module.add_class::<integrator::SurfaceView>()?;
+    module.add_class::<integrator::Numbers>()?;
     module.add_function(wrap_pyfunction!(scene::load_scene, module)?)?;
     module.add_function(wrap_pyfunction!(picture::unpickled, module)?)?;
+    module.add_function(wrap_pyfunction!(compare::compare_methods, module)?)?;
     module.add_function(wrap_pyfunction!(verify::verify_sides, module)?)?;
     Ok(())
 }

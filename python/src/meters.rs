@@ -31,7 +31,8 @@ pub fn measure<'py>(
         let loaded = scene.changed(&Settings::default(), integrator)?;
         check_meters(&loaded, &limits).map(|()| loaded)
     })?;
-    let Watched { result, interrupt } = watched(py, None, threads, |watch| measure_meters(&loaded, &limits, &|| watch.is_cancelled()))?;
+    let Watched { result, interrupt } =
+        watched(py, None, threads, vec![], |watch| measure_meters(&loaded, &limits, &|| watch.is_cancelled()))?;
     match (interrupt, result) {
         (Some(interrupt), _) => Err(interrupt),
         (None, Some(readings)) => readings.iter().map(|reading| told(py, reading, &limits)).collect(),

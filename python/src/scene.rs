@@ -1,6 +1,7 @@
 //! Scenes: loading, checking and rendering.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use pt::film::MomentFilm;
@@ -18,6 +19,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{detached, raised, usage};
+use crate::integrator::{ENTRY, Failure, PythonIntegrator};
 use crate::meters;
 use crate::picture::{Picture, Rendered, share, tells_error};
 use crate::rays::{self, LazyCaster};
@@ -144,7 +146,7 @@ impl Scene {
     /// - spp: samples per pixel
     /// - target: stop when the relative error of the picture is at most this with `confidence`, such as 0.01; see Picture.target_met
     /// - time: stop after this many seconds. The first sample of every pixel is finished in any case.
-    /// - integrator: name, see `pt list integrators`
+    /// - integrator: name, see `pt list integrators`; or an object with a method `li(scene, ray, sampler)`, see docs/python.md
     /// - sampler: name, see `pt list samplers`
     /// - seed: another seed gives another, independent picture
     /// - scramblings: number of independent scramblings from which the error is estimated, a power of two up to 64
@@ -167,7 +169,7 @@ impl Scene {
         spp: Option<i128>,
         target: Option<f64>,
         time: Option<f64>,
-        integrator: Option<String>,
+        integrator: Option<Bound<'_, PyAny>>,
         sampler: Option<String>,
         seed: Option<i128>,
         scramblings: Option<i128>,
@@ -182,12 +184,18 @@ impl Scene {
         let time = time.map(|seconds| duration(py, seconds)).transpose()?;
         let threads = threads.map(|threads| thread_count(py, threads)).transpose()?;
         let settings = Settings { spp, seed, sampler, scramblings, region, layers };
-        let loaded = detached(py, || self.changed(&settings, integrator.as_deref()))?;
+        let (failure, custom, name) = method(py, integrator.as_ref(), "integrator")?;
+        let mut loaded = detached(py, || self.changed(&settings, name.as_deref()))?;
+        // A method of Python has one thread at a time anyway.
+        let threads = if custom.is_some() { Some(1) } else { threads };
+        if let Some(custom) = custom {
+            loaded.select(ENTRY, Arc::new(custom));
+        }
         if target.is_some() && !tells_error(loaded.sampler.error_estimator()) {
             return Err(usage(py, "target: a single scrambling tells no error; it takes scramblings of 2 or more"));
         }
         let until = StopCondition::new(spp.map(|_| loaded.sampler.spp), loaded.sampler.spp, time, target);
-        let Watched { result, interrupt } = watched(py, progress, threads, |watch| {
+        let Watched { result, interrupt } = watched(py, progress, threads, vec![failure], |watch| {
             let Loaded { world, film: spec, sampler, integrator, entry, .. } = &loaded;
             let about = About::new(loaded.identity()?, spec, sampler.error_estimator(), of_camera(&**world, spec));
             let settings = render::Settings { wave_time: Some(SHORT_WAVE), ..render::Settings::new(*sampler) };
@@ -263,6 +271,24 @@ impl Scene {
             loaded.select(entry, integrator);
         }
         Ok(loaded)
+    }
+}
+
+/// What renders: an object with a method `li`, or an integrator of a name.
+type Method = (Arc<Failure>, Option<PythonIntegrator>, Option<String>);
+
+/// The method that an argument stands for.
+fn method(py: Python<'_>, given: Option<&Bound<'_, PyAny>>, argument: &str) -> PyResult<Method> {
+    let failure = Arc::<Failure>::default();
+    let Some(given) = given else { return Ok((failure, None, None)) };
+    if let Ok(name) = given.extract::<String>() {
+        return Ok((failure, None, Some(name)));
+    }
+    match PythonIntegrator::of(given, &failure) {
+        Some(custom) => Ok((failure, Some(custom), None)),
+        None => {
+            Err(usage(py, format!("{argument}: expected the name of an integrator, or an object with a method li(scene, ray, sampler)")))
+        }
     }
 }
 

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{detached, raised, usage, value};
+use crate::integrator::{Failure, PythonIntegrator};
 use crate::picture::{Picture, share};
 use crate::scene::{Scene, TABLES, duration, thread_count};
 use crate::watch::{Watched, watched};
@@ -25,7 +26,8 @@ enum Given {
 
 /// Tests whether two sides are estimates of the same picture, and returns a Verification.
 ///
-/// Each side is a Picture, or, with `scene`, the name of an integrator or the path of an EXR file with standard errors.
+/// Each side is a Picture, or, with `scene`, the name of an integrator, an object with a method `li` (see Scene.render), or the path of an EXR
+/// file with standard errors.
 ///
 /// - scene: scene that is rendered
 /// - spp: samples per pixel of each rendered side; the scene's by default. At least 32 are needed.
@@ -57,8 +59,11 @@ pub fn verify_sides<'py>(
     refuse_same_numbers(py, a, b)?;
     let settings = Settings { spp, ..Settings::default() };
     let loaded = scene.as_ref().map(|scene| detached(py, || scene.get().changed(&settings, None))).transpose()?;
-    let given = [given(py, a, "a", loaded.as_ref())?, given(py, b, "b", loaded.as_ref())?];
-    let Watched { result, interrupt } = watched(py, progress, threads, |watch| {
+    let failure = Arc::<Failure>::default();
+    let given = [(a, "a"), (b, "b")].map(|(side, name)| given(py, side, name, loaded.as_ref(), &failure));
+    let [a, b] = given;
+    let given = [a?, b?];
+    let Watched { result, interrupt } = watched(py, progress, threads, vec![failure], |watch| {
         let mut sides = vec![];
         for (given, k) in given.into_iter().zip(0..) {
             sides.push(match (given, &loaded) {
@@ -101,16 +106,22 @@ fn refuse_same_numbers(py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny
     }
 }
 
-fn given(py: Python<'_>, side: &Bound<'_, PyAny>, name: &str, loaded: Option<&Loaded>) -> PyResult<Given> {
+fn given(py: Python<'_>, side: &Bound<'_, PyAny>, name: &str, loaded: Option<&Loaded>, failure: &Arc<Failure>) -> PyResult<Given> {
     if let Ok(picture) = side.cast::<Picture>() {
         return picture.get().side(py, name).map(Given::Side);
     }
-    let Ok(path) = side.extract::<PathBuf>() else {
+    let custom = PythonIntegrator::of(side, failure);
+    let path = side.extract::<PathBuf>().ok();
+    if custom.is_none() && path.is_none() {
         return Err(usage(py, format!("{name}: expected a Picture, the name of an integrator or the path of an .exr file")));
-    };
+    }
     let Some(loaded) = loaded else {
         return Err(usage(py, format!("{name}: expected a Picture; integrators and files need scene=")));
     };
+    if let Some(custom) = custom {
+        return Ok(Given::Method("python", Arc::new(custom)));
+    }
+    let path = path.unwrap_or_default();
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr")) {
         return Ok(Given::File(path));
     }

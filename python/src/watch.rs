@@ -1,5 +1,6 @@
 //! Long work that the interpreter watches: Ctrl-C ends it, and a callable is told how far it is.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
@@ -12,6 +13,7 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
 use crate::error::{caught, raised, value};
+use crate::integrator::Failure;
 
 /// Time after which the interpreter is asked for signals again.
 const POLL: Duration = Duration::from_millis(50);
@@ -28,13 +30,15 @@ struct Progress {
 /// Observer of a render. It is on the thread that renders and its workers, and never takes the interpreter lock.
 pub struct Watch {
     cancelled: AtomicBool,
+    /// Exceptions in methods that are written in Python, which end the work.
+    failures: Vec<Arc<Failure>>,
     events: Sender<Progress>,
 }
 
 impl Watch {
     /// Whether the work is to end.
     pub fn is_cancelled(&self) -> bool {
-        self.cancelled.load(Ordering::Relaxed)
+        self.cancelled.load(Ordering::Relaxed) || self.failures.iter().any(|failure| failure.happened())
     }
 
     /// Ends the work.
@@ -79,15 +83,16 @@ pub struct Watched<T> {
 /// Runs work on a thread of its own, without the interpreter lock. Meanwhile this thread looks for signals and calls `progress`.
 ///
 /// # Errors
-/// The errors of the work, and exceptions of `progress` and of signal handlers, which end it. Ctrl-C is no error here.
+/// The errors of the work, and exceptions of `progress`, of `failures` and of signal handlers, which end it. Ctrl-C is no error here.
 pub fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
     threads: Option<usize>,
+    failures: Vec<Arc<Failure>>,
     work: impl FnOnce(&Watch) -> pt::Result<T> + Send,
 ) -> PyResult<Watched<T>> {
     let (events, received) = channel();
-    let watch = Watch { cancelled: AtomicBool::new(false), events };
+    let watch = Watch { cancelled: AtomicBool::new(false), failures, events };
     let (shared, callable) = (&watch, progress.as_ref());
     let (result, stopped) = py.detach(move || {
         thread::scope(|scope| {
@@ -117,6 +122,9 @@ pub fn watched<T: Send>(
         })
     });
     let result = result.unwrap_or_else(|_| Err(pt::Error::Internal("the thread that renders ended".into())));
+    if let Some(failure) = watch.failures.iter().find_map(|failure| failure.take()) {
+        return Err(failure);
+    }
     match stopped {
         Some(stopped) if stopped.is_instance_of::<PyKeyboardInterrupt>(py) => {
             result.map(|result| Watched { result, interrupt: Some(stopped) }).map_err(|error| raised(py, &error))

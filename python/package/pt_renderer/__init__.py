@@ -19,15 +19,21 @@ from collections.abc import Mapping as _Mapping
 from typing import Any as _Any
 
 from . import _native
-from ._native import Mesh, Picture, Scene, __version__, verify
+from ._compare import Comparison, compare
+from ._native import Mesh, PathRay, PathSampler, PathScene, PathSurface, Picture, Scene, __version__, verify
 from ._values import Error, ErrorEstimate, Fault, MeshHits, Price, Progress, Reading, SceneHits, Verification
 
 __all__ = [
+    "Comparison",
     "Error",
     "ErrorEstimate",
     "Fault",
     "Mesh",
     "MeshHits",
+    "PathRay",
+    "PathSampler",
+    "PathScene",
+    "PathSurface",
     "Picture",
     "Price",
     "Progress",
@@ -35,6 +41,7 @@ __all__ = [
     "Scene",
     "SceneHits",
     "Verification",
+    "compare",
     "load",
     "verify",
 ]

@@ -1,10 +1,12 @@
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, final
+from typing import Any, Literal, Protocol, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._compare import Comparison as Comparison
+from ._compare import compare as compare
 from ._values import Error as Error
 from ._values import ErrorEstimate as ErrorEstimate
 from ._values import Fault as Fault
@@ -89,7 +91,7 @@ class Scene:
         *,
         target: float | None = None,
         time: float | None = None,
-        integrator: str | None = None,
+        integrator: str | Method | None = None,
         sampler: str | None = None,
         seed: int | None = None,
         scramblings: int | None = None,
@@ -109,6 +111,43 @@ class Scene:
         time: float | None = None,
         threads: int | None = None,
     ) -> list[Reading]: ...
+
+@final
+class PathRay:
+    @property
+    def origin(self) -> list[float]: ...
+    @property
+    def direction(self) -> list[float]: ...
+
+@final
+class PathSampler:
+    def get_1d(self) -> float: ...
+    def get_2d(self) -> tuple[float, float]: ...
+
+@final
+class PathSurface:
+    @property
+    def point(self) -> list[float]: ...
+    @property
+    def normal(self) -> list[float]: ...
+    @property
+    def geometric_normal(self) -> list[float]: ...
+    @property
+    def distance(self) -> float: ...
+    @property
+    def emitted(self) -> list[float]: ...
+    def sample(self, sampler: PathSampler) -> tuple[PathRay, list[float]] | None: ...
+    def spawn(self, direction: Sequence[float]) -> PathRay | None: ...
+
+@final
+class PathScene:
+    def intersect(self, ray: PathRay) -> PathSurface | None: ...
+    def background(self, ray: PathRay) -> list[float]: ...
+
+class Method(Protocol):
+    """An integrator that is written in Python. It exists for type checkers only."""
+
+    def li(self, scene: PathScene, ray: PathRay, sampler: PathSampler) -> Sequence[float] | NDArray[Any]: ...
 
 @final
 class Mesh:
@@ -135,8 +174,8 @@ def load(
     studio: bool = False,
 ) -> Scene: ...
 def verify(
-    a: Picture | str | PathLike[str],
-    b: Picture | str | PathLike[str],
+    a: Picture | Method | str | PathLike[str],
+    b: Picture | Method | str | PathLike[str],
     *,
     scene: Scene | None = None,
     spp: int | None = None,
