@@ -50,3 +50,13 @@ def ball():
     import copy
 
     return copy.deepcopy(BALL)
+
+
+@pytest.fixture(autouse=True)
+def signals():
+    """Ctrl-C as in a terminal: a shell starts jobs in the background with SIGINT ignored."""
+    import signal
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -43,7 +43,7 @@ class Error(Exception):
         return str(self.args[0])
 
 
-def _error(message: str, faults: list[tuple], kind: str) -> Error:
+def _error(message: str, faults: list[Any], kind: str) -> Error:
     return Error(message, [Fault(*fault) for fault in faults], kind)
 
 
@@ -62,10 +62,9 @@ class ErrorEstimate(NamedTuple):
     """Reason why no error is stated; None if one is."""
 
     def __str__(self) -> str:
-        if self.value is None:
+        if self.value is None or self.low is None or self.high is None:
             return str(self.refusal)
-        low, high = (f"{100 * end:.3g}" for end in (self.low, self.high))
-        return f"{100 * self.value:.3g} % ({100 * self.confidence:.3g} %: {low}–{high})"
+        return f"{100 * self.value:.3g} % ({100 * self.confidence:.3g} %: {100 * self.low:.3g}–{100 * self.high:.3g})"
 
 
 class Price(NamedTuple):
@@ -184,9 +183,9 @@ class Reading(NamedTuple):
     """Whether the target was reached; None without a target."""
 
 
-def _reading(name: tuple, colors: tuple, mean: tuple, counts: tuple, outcome: tuple) -> Reading:
+def _reading(name: Any, colors: Any, mean: Any, counts: Any, outcome: Any) -> Reading:
     rgb, widths = colors
-    return Reading(*name, tuple(rgb), tuple(widths), *mean, *counts, *outcome)
+    return Reading._make([*name, tuple(rgb), tuple(widths), *mean, *counts, *outcome])
 
 
 def _rows(values: Any, what: str) -> np.ndarray:
@@ -218,11 +217,11 @@ def _mesh(vertices: Any, triangles: Any) -> tuple[np.ndarray, np.ndarray]:
     return corners, np.ascontiguousarray(indices, dtype=np.int64)
 
 
-def _scene_hits(shape: tuple, t: Any, index: Any, primitive: Any, uv: Any, normal: Any, exact: Any) -> SceneHits:
+def _scene_hits(shape: tuple[int, ...], t: Any, index: Any, primitive: Any, uv: Any, normal: Any, exact: Any) -> SceneHits:
     plain = [array.reshape(shape) for array in (t, index, primitive, exact)]
     return SceneHits(plain[0], plain[1], plain[2], uv.reshape(*shape, 2), normal.reshape(*shape, 3), plain[3])
 
 
-def _mesh_hits(shape: tuple, t: Any, triangle: Any, uv: Any, normal: Any, enters: Any) -> MeshHits:
+def _mesh_hits(shape: tuple[int, ...], t: Any, triangle: Any, uv: Any, normal: Any, enters: Any) -> MeshHits:
     plain = [array.reshape(shape) for array in (t, triangle, enters)]
     return MeshHits(plain[0], plain[1], uv.reshape(*shape, 2), normal.reshape(*shape, 3), plain[2])
