@@ -39,7 +39,8 @@ fn a_folder_that_vanishes_and_comes_back() {
     wait_until("there is a state", || state.exists());
     // A state may be written into the folder while it is emptied.
     wait_until("the folder is gone", || fs::remove_dir_all(&states).is_ok() && !states.exists());
-    std::thread::sleep(std::time::Duration::from_millis(50));
+    // Longer than a wave of samples takes on a busy machine, so that a state is due meanwhile.
+    std::thread::sleep(std::time::Duration::from_millis(500));
     fs::create_dir(&states).expect("folder");
     wait_until("there is a state again", || state.exists());
     super::send("INT", &child);
