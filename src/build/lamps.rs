@@ -38,6 +38,10 @@ impl Builder<'_> {
     /// Warnings about lamps that have the camera and all other shapes behind them.
     pub(super) fn averted(&self, camera: &Camera) -> Vec<String> {
         let message = "the lamp faces away from everything in the scene: turn it round, or say \"two_sided\": true";
+        // A camera that moves may come to the other side.
+        if camera.is_moving() {
+            return vec![];
+        }
         let said = |lamp: &Lamp| locate(self.source.root, self.source.file, &lamp.pointer, message).to_string();
         self.lamps.iter().filter(|lamp| self.is_averted(lamp, camera)).take(NAMED).map(said).collect()
     }

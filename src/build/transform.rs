@@ -37,8 +37,8 @@ pub(in crate::build) fn animated(steps: &describe::Transform, outer: &Transform,
         total = total.then(&next);
     }
     let total = total.then(&(*outer).into());
-    for time in [0.0, 0.5, 1.0] {
-        let at = total.at(time);
+    for time in total.keyframe_times() {
+        let at = total.at(time as f32);
         if !(at.matrix().is_finite() && at.inverse_matrix().is_finite()) {
             return Err("the steps together cannot be undone".into());
         }

@@ -70,6 +70,9 @@ pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
     }
 }
 
+/// Greatest time of a keyframe, and of the shutter (s): thirty years, of which a double resolves a tenth of a microsecond.
+const LATEST: f64 = 1e9;
+
 /// Least angle of a disk (degrees): directions of 32-bit floats do not tell points of smaller disks apart.
 const LEAST_DISK: f64 = 1e-4;
 
@@ -470,6 +473,9 @@ impl Checker<'_> {
                 message.err().into_iter().for_each(|message| self.fault(&format!("{at}/{k}/{}", step.key()), message));
             }
         }
+        for (i, keyframe) in keyframes.iter().enumerate() {
+            self.time(&format!("{pointer}/{i}/time"), keyframe.time.get());
+        }
         for (i, pair) in keyframes.windows(2).enumerate() {
             let [before, after] = [pair[0].time.get(), pair[1].time.get()];
             if after <= before {
@@ -479,8 +485,17 @@ impl Checker<'_> {
         }
     }
 
+    /// Checks that a time leaves the digits that differences of times need.
+    fn time(&self, pointer: &str, time: f64) {
+        if time.abs() > LATEST {
+            self.fault(pointer, format!("expected a time from -{LATEST:e} to {LATEST:e} s, found {time:e}"));
+        }
+    }
+
     fn shutter(&self) {
         let [open, close] = [self.scene.shutter.open.get(), self.scene.shutter.close.get()];
+        self.time("/shutter/open", open);
+        self.time("/shutter/close", close);
         if close < open {
             self.fault("/shutter/close", format!("expected a time from {open} s on, when the shutter opens, found {close}"));
         }

@@ -214,8 +214,10 @@ impl Area {
         let whole = Spectrum::from_illuminant(self.emitter.radiance).average();
         let sides = if self.emitter.two_sided { 2.0 } else { 1.0 };
         let mean = self.distribution.as_ref().map_or(whole, |distribution| whole * MIN_POWER + distribution.mean);
-        let growth = self.motion.as_ref().map_or(1.0, |motion| motion.growth());
-        sides * PI * f64::from(shapes[self.shape as usize].area(self.primitive)) * f64::from(mean) * growth
+        let shape = &shapes[self.shape as usize];
+        let normal = || shape.is_flat(self.primitive).then(|| shape.sample_area(self.primitive, Vec2::splat(0.5)).0.ng);
+        let growth = self.motion.as_ref().map_or(1.0, |motion| motion.growth(normal()));
+        sides * PI * f64::from(shape.area(self.primitive)) * f64::from(mean) * growth
     }
 }
 

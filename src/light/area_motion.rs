@@ -32,10 +32,19 @@ impl EmitterMotion {
         Aabb { min: min.as_vec3().map(f32::next_down), max: max.as_vec3().map(f32::next_up) }
     }
 
-    /// Factor by which areas grow in the mean over all orientations, in the middle of the exposure.
-    pub(super) fn growth(&self) -> f64 {
-        let side = self.to_world.at(0.5).determinant().abs().cbrt();
-        side * side
+    /// Estimate of the factor by which the area of the shape grows, the mean over some times: |det M| |M⁻ᵀ n| for a flat shape, and
+    /// |det M|^⅔, which is exact for similarities, for others.
+    ///
+    /// - `normal`: unit normal of a flat shape, in its own space
+    pub(super) fn growth(&self, normal: Option<Vec3>) -> f64 {
+        const TIMES: [f32; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+        let at = |time: f32| {
+            let to_world = self.to_world.at(time);
+            let (volume, inverse) = (to_world.determinant().abs(), to_world.inverse_matrix().matrix3);
+            let side = volume.cbrt();
+            normal.map_or(side * side, |n| volume * (inverse.transpose() * n.as_dvec3()).length())
+        };
+        TIMES.map(at).iter().sum::<f64>() / TIMES.len() as f64
     }
 }
 

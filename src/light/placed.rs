@@ -24,23 +24,36 @@ pub struct Placed {
 const RIGID: f64 = 1e-9;
 
 impl Placed {
-    /// A light, placed; `None` if the light has a surface or a disk, or the transform changes lengths at some time.
+    /// A light, placed; `None` if the light has a surface or a disk, or the transform changes lengths at the time of a keyframe, or half-way
+    /// between two.
+    ///
+    /// The position of the light becomes part of the transform, which is in double precision. So the light is near the origin of its own space,
+    /// wherever it is in the world.
     ///
     /// - `light`: light in its own space
     pub fn new(light: Light, to_world: AnimatedTransform) -> Option<Placed> {
+        let position = match &light {
+            Light::Point(light) => light.position,
+            Light::Spot(light) => light.position,
+            Light::Profiled(light) => light.position,
+            Light::Projector(light) => light.spot.position,
+            Light::Directional(_) => DVec3::ZERO,
+            _ => return None,
+        };
+        let to_position = Transform::translate(position).ok()?;
         let is_rigid = |time: f32| {
             let m = to_world.at(time).matrix().matrix3;
-            let off = (m.transpose() * m).to_cols_array().into_iter().zip(glam::DMat3::IDENTITY.to_cols_array());
-            off.map(|(found, wanted)| (found - wanted).abs()).fold(0.0, f64::max) <= RIGID && !to_world.at(time).flips_handedness()
+            let off = m.transpose() * m - glam::DMat3::IDENTITY;
+            off.to_cols_array().into_iter().all(|entry| entry.abs() <= RIGID) && !to_world.at(time).flips_handedness()
         };
-        let can_be_placed =
-            matches!(light, Light::Point(_) | Light::Spot(_) | Light::Profiled(_) | Light::Projector(_) | Light::Directional(_));
-        // Between keyframes that keep lengths, so does what is between them.
-        let times = [0.0, 0.25, 0.5, 0.75, 1.0];
-        (can_be_placed && times.into_iter().all(is_rigid)).then_some(Placed { light, to_world })
+        let times = to_world.keyframe_times();
+        let halves = times.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        let keeps_lengths = times.iter().copied().chain(halves).all(|time| is_rigid(time as f32));
+        let to_world = AnimatedTransform::from(to_position).then(&to_world);
+        keeps_lengths.then(|| Placed { light: light.recentred(position), to_world })
     }
 
-    /// The light in its own space.
+    /// The light in its own space, at its origin.
     pub fn light(&self) -> &Light {
         &self.light
     }
@@ -68,9 +81,14 @@ impl Placed {
 
     pub(super) fn emit(&self, shapes: &[Box<dyn Shape>], cx: &EmissionContext) -> Option<EmittedRay> {
         let to_world = self.to_world.at(cx.time);
-        let center = to_world.inverse_matrix().transform_point3(cx.bounds.0.as_dvec3()).as_vec3();
+        // Parallel light is everywhere: it is turned about the origin of the world, so that no distance is added and taken away again.
+        let turn_only = matches!(self.light, Light::Directional(_));
+        let center = match turn_only {
+            true => to_world.inverse_matrix().transform_vector3(cx.bounds.0.as_dvec3()).as_vec3(),
+            false => to_world.inverse_matrix().transform_point3(cx.bounds.0.as_dvec3()).as_vec3(),
+        };
         let emitted = self.light.emit(shapes, &EmissionContext { bounds: (center, cx.bounds.1), ..*cx })?;
-        let point = |p: Vec3| to_world.point(p.as_dvec3()).as_vec3();
+        let point = |p: Vec3| if turn_only { to_world.vector(p.as_dvec3()).as_vec3() } else { to_world.point(p.as_dvec3()).as_vec3() };
         let Ray { origin, from, direction: w, .. } = emitted.ray;
         let ray = Ray { origin: point(origin), from: point(from), direction: direction(&to_world, w), ..emitted.ray };
         Some(EmittedRay { ray, ..emitted })

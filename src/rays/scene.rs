@@ -49,7 +49,7 @@ impl SceneCaster {
     /// `Invalid` for a scene with instances; those of [`RayCaster::new`].
     pub fn new(world: Arc<World>) -> Result<SceneCaster> {
         if world.instance_count() > 0 {
-            let message = "rays cannot be cast in scenes with instances yet: list their shapes, or cast them at the mesh of one";
+            let message = "rays cannot be cast in scenes with instances or moving shapes yet: list the shapes, or let the shutter close when it opens";
             return Err(Error::invalid(Fault::new(message)));
         }
         let (shapes, origin) = (world.shapes(), world.origin());

@@ -165,7 +165,8 @@ impl World {
         self.described[shape as usize]
     }
 
-    /// Shapes: those of the scene in world space, those of groups and what moves in the space of the group, copies in world space.
+    /// Shapes: those of the scene in world space; those of groups, and all that move, in the space of their group; copies at rest in world
+    /// space.
     pub fn shapes(&self) -> Arc<[Box<dyn Shape>]> {
         self.shapes.clone()
     }

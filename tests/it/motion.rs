@@ -117,8 +117,10 @@ fn blur_is_the_share_of_time() {
 /// A step of a transform with keyframes: positions, sizes and orientations that change. Under stronger stretches the normals at the corners
 /// of a coarse mesh may disagree with its facets about the outside, which instances and meshes in the world treat differently.
 fn moves(random: &mut Random, reach: f64) -> Value {
+    // Each keyframe of what is mirrored is.
+    let side = random.pick(&[1.0, -1.0]);
     let mut key = |time: f64| {
-        let scale = [random.range(0.9, 1.1), random.range(0.9, 1.1), random.range(0.9, 1.1)];
+        let scale = [side * random.range(0.9, 1.1), random.range(0.9, 1.1), random.range(0.9, 1.1)];
         let (axis, by) = (random.direction().to_array(), (random.in_cube() * reach).to_array());
         json!({ "time": time, "transform": [{ "scale": scale }, { "rotate": { "axis": axis, "degrees": random.range(0.0, 360.0) } }, { "translate": by }] })
     };
@@ -133,7 +135,7 @@ fn zoo(random: &mut Random, shutter: [f64; 2]) -> Value {
         let steps = shape.as_object_mut().expect("a shape").entry("transform").or_insert(json!([]));
         steps.as_array_mut().expect("steps").extend([moves(random, 6.0), still.clone()]);
     }
-    let within = json!({ "type": "group", "shapes": one_of_each(), "transform": [{ "scale": 0.8 }, moves(random, 2.0), { "translate": [0, 5, 0] }] });
+    let within = json!({ "type": "group", "shapes": one_of_each(), "transform": [{ "scale": 0.8 }, moves(random, 2.0), { "translate": [0, 5, 0] }, moves(random, 1.0)] });
     let group = json!({ "type": "group", "shapes": [within, { "type": "sphere", "name": "inner" }], "transform": [moves(random, 6.0)] });
     let placements: Vec<Value> = (0..3).map(|_| json!({ "transform": [moves(random, 8.0), { "scale": 0.7 }] })).collect();
     let instances = json!({ "type": "instances", "group": "things", "placements": placements, "transform": [moves(random, 3.0)] });
@@ -585,7 +587,9 @@ fn placed_lights_shine_as_others() {
     let stretch = Transform::scale(DVec3::new(1.0, 1.0, 1.001)).expect("not zero");
     let point = Light::Point(Point { position: DVec3::ZERO, intensity: Rgb::gray(1.0) });
     assert!(Placed::new(point.clone(), stretch.into()).is_none(), "scales are refused");
-    assert!(Placed::new(point, between(Transform::IDENTITY, stretch)).is_none(), "also at a single time");
+    assert!(Placed::new(point.clone(), between(Transform::IDENTITY, stretch)).is_none(), "also at a single time");
+    let within = Keyframes::new(&[(0.0, Transform::IDENTITY), (0.1, stretch), (0.2, Transform::IDENTITY)]).expect("sound");
+    assert!(Placed::new(point, within.into()).is_none(), "also at a keyframe within the exposure");
 }
 
 /// The pictures of a sequence are renders of their own with a later shutter, and those that are there are not rendered again.
@@ -605,8 +609,7 @@ fn sequences_are_pictures_one_after_the_other() {
     };
     let picture = |name: &str| bits(&pt::output::exr::read(&folder.path().join(name)).expect(name).0);
     pt(&["--frames", "1..3", "--fps", "10", "-o", "x.exr"]);
-    for (frame, shutter) in [(1, "0.1,\"close\":0.15"), (2, "0.2,\"close\":0.25"), (3, "0.30000000000000004,\"close\":0.35000000000000003")]
-    {
+    for (frame, shutter) in [(1, "0.1,\"close\":0.15000000000000002"), (2, "0.2,\"close\":0.25"), (3, "0.3,\"close\":0.35")] {
         pt(&["-D", &format!("/shutter={{\"open\":{shutter}}}"), "-o", "alone.exr"]);
         assert!(picture(&format!("x.{frame:04}.exr")) == picture("alone.exr"), "picture {frame}");
     }
@@ -622,12 +625,19 @@ fn sequences_are_pictures_one_after_the_other() {
     let there = |frame: u32| said.contains(&format!("x.{frame:04}.exr: is there"));
     assert!(!there(1) && there(2) && there(3) && !there(4), "{said}");
     assert_eq!(fs::metadata(folder.path().join("x.0003.exr")).expect("there").modified().expect("a time"), before);
+    assert!(!said.contains("x.0002.ptc"), "{said}");
     let said = pt(&["--frames", "2..2", "--fps", "11", "--resume", "-o", "x.exr"]);
+    assert!(!said.contains("is there"), "{said}");
+    // Neither is one that was clamped.
+    pt(&["--frames", "5..5", "--clamp", "0.5", "-o", "x.exr"]);
+    let said = pt(&["--frames", "5..5", "--resume", "-o", "x.exr"]);
     assert!(!said.contains("is there"), "{said}");
     for (args, expected) in [
         (vec!["--frames", "3..1"], "expected pictures such as 1..48"),
         (vec!["--frames", "1..2", "--pixel", "1,1"], "cannot be used with"),
         (vec!["--frames", "1..2", "--resume", "--time", "1"], "--frames --resume"),
+        (vec!["--frames", "1..2", "--resume=x.ptc"], "--frames --resume=FILE"),
+        (vec!["--frames", "1..2", "--fps", "0"], "expected a number of pictures per second"),
     ] {
         let mut command = Command::cargo_bin("pt").expect("the program");
         let run = command.current_dir(folder.path()).arg("s.json").args(&args).assert().code(2);
@@ -662,4 +672,38 @@ fn meters_show_the_mean_over_the_exposure() {
     let z = (mean.value - wanted) / mean.standard_error();
     assert!(z.abs() < critical_z(0.01, 1), "{} ± {}, not {wanted}", mean.value, mean.standard_error());
     assert!(mean.standard_error() < 0.02 * wanted);
+}
+
+/// Lights that are placed far from the origin are as precise there as others: their rays start and end where those of lights at rest do.
+#[test]
+fn placed_lights_are_precise_far_away() {
+    let far = 1e7;
+    let scene = |steps: Value| {
+        let mut point = json!({ "type": "point", "position": [far, 2, 0], "intensity": 5 });
+        let mut sun = json!({ "type": "directional", "direction": [0.3, -1, 0.2], "irradiance": 1 });
+        if !steps.is_null() {
+            point["transform"] = json!([steps, { "translate": [0, 0, 0] }]);
+            sun["transform"] = json!([{ "translate": [-far, 0, 0] }, { "translate": [far, 0, 0] }]);
+        }
+        let ball = json!({ "type": "sphere", "center": [far, 0, 0] });
+        let look = json!({ "look_at": { "from": [far, 1, 5], "to": [far, 0, 0] } });
+        built(&json!({ "pt": 1, "camera": look, "shapes": [ball], "lights": [point, sun] }).to_string()).world
+    };
+    let (placed, plain) = (scene(json!({ "rotate": { "axis": [0, 1, 0], "degrees": 0 } })), scene(Value::Null));
+    assert_eq!(placed.origin(), plain.origin());
+    let mut random = Random::new(3);
+    for _ in 0..1000 {
+        let cx = LightSampleContext::at((random.in_cube() * 2.0).as_vec3());
+        let (choice, u, v) = (random.unit() as f32, random.uniform_square(), random.uniform_square());
+        let [a, b] = [&placed, &plain].map(|world| world.lights().emit(choice, u, v, 0.0).expect("a ray"));
+        assert!((a.ray.origin - b.ray.origin).length() < 1e-5 && (a.ray.direction - b.ray.direction).length() < 1e-6, "{a:?} {b:?}");
+        for world in [&placed, &plain] {
+            let Some(sample) = world.lights().sample(&cx, choice, u) else { continue };
+            if let ShadowTarget::Point(p) = sample.target {
+                let line = DVec3::new(far, 2.0, 0.0) - world.origin() - cx.p.as_dvec3();
+                assert!((p.as_dvec3() - cx.p.as_dvec3() - line).length() < 1e-5);
+                assert!((f64::from(sample.li.average()) * line.length_squared() / 5.0 - 1.0).abs() < 1e-5, "{sample:?}");
+            }
+        }
+    }
 }

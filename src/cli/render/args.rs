@@ -36,12 +36,12 @@ pub struct RenderArgs {
     #[arg(long, conflicts_with_all = ["output", "shard", "samples", "pixel"])]
     pub clock_name: bool,
     /// Render the pictures A to B of a sequence, both included: 1..48. In picture n the shutter opens n / --fps seconds later, and names have
-    /// the number of the picture: x.0001.exr. With --resume, pictures that are there are left alone.
+    /// the number of the picture: x.0001.exr. With --resume, pictures of the same scene that are there with all samples (as .exr) are left alone.
     #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["clock_name", "pixel"])]
     pub frames: Option<RangeInclusive<u32>>,
     /// Pictures per second, for --frames. Where the scene has no shutter, it is open for half of the time of a picture.
-    #[arg(long, value_name = "N", value_parser = above_zero, default_value_t = 24.0, requires = "frames")]
-    pub fps: f32,
+    #[arg(long, value_name = "N", value_parser = rate, default_value_t = 24.0, requires = "frames")]
+    pub fps: f64,
     /// Samples per pixel.
     #[arg(long, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     spp: Option<u32>,
@@ -190,6 +190,11 @@ fn shard(text: &str) -> std::result::Result<Shard, String> {
     let parsed = text.split_once('/').and_then(|(index, count)| Some(Shard { index: index.parse().ok()?, count: count.parse().ok()? }));
     let counted = parsed.filter(|shard| (1..=shard.count).contains(&shard.index));
     counted.ok_or("expected a part and how many there are, such as 1/8; the last is 8/8".to_owned())
+}
+
+fn rate(text: &str) -> std::result::Result<f64, String> {
+    let parsed = text.parse().ok().filter(|rate| (1e-6..=1e6).contains(rate));
+    parsed.ok_or("expected a number of pictures per second, such as 24".to_owned())
 }
 
 fn frames(text: &str) -> std::result::Result<RangeInclusive<u32>, String> {

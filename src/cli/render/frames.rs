@@ -25,27 +25,33 @@ pub fn render(args: &RenderArgs, frames: RangeInclusive<u32>, tables: &[&[Entry]
         return Err(Error::Usage("--frames: the scene is read for each picture, and stdin can be read only once".into()));
     }
     if args.resume.is_some() && (args.time.is_some() || args.target.is_some()) {
-        return Err(Error::Usage("--frames --resume: which pictures are done is known only by --spp, not with --time or --target".into()));
+        return Err(Error::Usage(
+            "--frames --resume: a picture is done when it has its samples: give --spp, not --time or --target".into(),
+        ));
+    }
+    if matches!(args.resume, Some(Some(_))) {
+        return Err(Error::Usage(
+            "--frames --resume=FILE: each picture has a state of its own, beside its output: give --resume alone".into(),
+        ));
     }
     let described = shutter(&args.scene, &args.overrides()?, args.named_integrator())?;
-    let length = 1.0 / f64::from(args.fps);
-    let [open, close] = described.map_or([0.0, OPEN * length], |shutter| [shutter.open.get(), shutter.close.get()]);
-    let mut worst = ExitCode::SUCCESS;
+    let [open, close] = described.map_or([0.0, OPEN / args.fps], |shutter| [shutter.open.get(), shutter.close.get()]);
+    let mut code = ExitCode::SUCCESS;
     for frame in frames {
-        let later = f64::from(frame) * length;
+        let later = f64::from(frame) / args.fps;
         let mut args = args.clone();
         let shutter = json!({ "open": open + later, "close": close + later });
         args.scene.overrides.push(format!("/shutter={shutter}"));
         args.output = args.output.iter().map(|path| numbered(path, frame)).collect();
-        let code = render_one(&args, Some(frame), tables)?;
-        if code != ExitCode::SUCCESS {
-            worst = code;
+        let of_frame = render_one(&args, Some(frame), tables)?;
+        if of_frame != ExitCode::SUCCESS {
+            code = of_frame;
         }
         if let Some(signal) = signals::caught() {
             return Err(Error::Interrupted(signal));
         }
     }
-    Ok(worst)
+    Ok(code)
 }
 
 /// Name with the number of a picture before its extension: `x.0001.exr`.

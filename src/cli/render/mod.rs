@@ -52,7 +52,7 @@ fn render_one(args: &RenderArgs, frame: Option<u32>, tables: &[&[Entry]]) -> Res
     }
     let plan = RenderPlan::new(args, &loaded, tables)?;
     if frame.is_some() && args.resume.is_some() && plan.is_done() {
-        note(&format!("{}: is there", plan.pictures[0].display()));
+        note(&format!("{}: is there with all samples", plan.pictures[0].display()));
         return Ok(ExitCode::SUCCESS);
     }
     signals::catch()?;

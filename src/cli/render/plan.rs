@@ -57,7 +57,14 @@ pub struct RenderPlan {
     pub display_server: Option<String>,
     /// Reports to print after the render.
     pub reports: Reports,
-    resume: Option<PathBuf>,
+    resume: Option<Resume>,
+}
+
+/// A saved state from which the render goes on.
+struct Resume {
+    path: PathBuf,
+    /// Whether the user named the file. Otherwise it need not exist.
+    is_given: bool,
 }
 
 /// Integrators of the price list, and the render time of each.
@@ -117,14 +124,7 @@ impl RenderPlan {
         if let Some(path) = &checkpoint {
             check_outputs(std::slice::from_ref(path), OutputKinds::Parts, &[args.scene.path()?], "is the scene file")?;
         }
-        let resume = match &args.resume {
-            Some(None) if !state().exists() => {
-                note(&format!("{}: not there, so this starts at the beginning", state().display()));
-                None
-            }
-            Some(given) => Some(given.clone().unwrap_or_else(state)),
-            None => None,
-        };
+        let resume = args.resume.as_ref().map(|given| Resume { path: given.clone().unwrap_or_else(state), is_given: given.is_some() });
         if let Some(path) = outputs.iter().find(|path| self::is_part(path)) {
             let lost = if args.adaptive { Some("how many samples each pixel has") } else { args.clamp.map(|_| "what clamping took") };
             if let Some(lost) = lost {
@@ -177,7 +177,11 @@ impl RenderPlan {
     /// requested.
     pub fn start(&self, film: MomentFilm) -> Result<Start> {
         let nothing = |film| Start { film, next: self.samples.start, report: RenderReport::default(), history: ErrorHistory::default() };
-        let Some(path) = &self.resume else { return Ok(nothing(film)) };
+        let Some(Resume { path, is_given }) = &self.resume else { return Ok(nothing(film)) };
+        if !is_given && !path.exists() {
+            note(&format!("{}: not there, so this starts at the beginning", path.display()));
+            return Ok(nothing(film));
+        }
         let stored = Stored::open(path)?;
         let refused = |message: String| Error::invalid(Fault::new(message).in_file(path));
         if let Some(difference) = stored.about.difference(&self.about) {
@@ -216,7 +220,9 @@ impl RenderPlan {
             let has = |name: &str, text: String| attributes.iter().any(|(known, value)| known == name && value.to_string() == text);
             let samples = |value: &Value| value.to_string().parse().is_ok_and(|samples: f64| samples >= self.until.samples as f64);
             let is_finished = attributes.iter().any(|(name, value)| name == "pt/spp" && samples(value));
-            has("pt/sceneHash", self.about.identity.hash().to_string()) && is_finished
+            // What clamping took is no part of the identity.
+            let is_clamped = attributes.iter().any(|(name, _)| name == "pt/bias");
+            !is_clamped && has("pt/sceneHash", self.about.identity.hash().to_string()) && is_finished
         };
         let first = self.pictures.iter().find(|path| Format::of(path) == Some(Format::Exr));
         !self.is_part && self.pictures.iter().all(|path| path.exists()) && first.is_some_and(is_whole)

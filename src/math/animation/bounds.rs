@@ -12,7 +12,7 @@ use crate::math::float::sin_cos_f64;
 ///
 /// - `before`, `after`: fixed transforms before and after the keyframes
 ///
-/// Tests: rows T6 and T7 of `pt torture`.
+/// Tests: rows T6 and T7 of `pt torture`, turns_about_an_axis_are_bounded_in_little_time.
 pub fn moved([low, high]: [DVec3; 2], before: &Transform, keyframes: &Keyframes, after: &Transform) -> [DVec3; 2] {
     let nothing = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     if !low.cmple(high).all() {
@@ -73,32 +73,34 @@ const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 impl Curve {
     /// Least and greatest coordinate on the whole way, or a little beyond.
     fn range(&self) -> Interval {
+        let terms: f64 = [self.c, self.d, self.e].iter().flatten().map(|x| x.abs()).sum();
+        let rounding = ROUNDINGS * terms;
         let mut range = hull([self.at(0.0); 2], [self.at(1.0); 2]);
         if self.angle > 0.0 {
-            self.extend(&mut range, [0.0, 1.0], HALVINGS);
+            self.extend(&mut range, [0.0, 1.0], (HALVINGS, rounding));
         }
-        let terms: f64 = [self.c, self.d, self.e].iter().flatten().map(|x| x.abs()).sum();
-        [range[0] - ROUNDINGS * terms, range[1] + ROUNDINGS * terms]
+        [range[0] - rounding, range[1] + rounding]
     }
 
     /// Extends a range, in which the ends of a stretch are, by what is between them.
     ///
-    /// A stretch on which the bounds of the derivative exclude 0 is monotonic, and has no more than its ends. Others are halved.
-    fn extend(&self, range: &mut Interval, [from, to]: Interval, halvings: u32) {
+    /// A stretch on which the bounds of the derivative exclude 0 is monotonic, and has no more than its ends. Others are halved, unless they are
+    /// short or what they can add is no more than rounding, as for a coordinate along the axis of the turn.
+    fn extend(&self, range: &mut Interval, [from, to]: Interval, (halvings, rounding): (u32, f64)) {
         let slope = self.slope([from, to]);
         if slope[0] > 0.0 || slope[1] < 0.0 {
             return;
         }
         let middle = 0.5 * (from + to);
         let x = self.at(middle);
-        if halvings == 0 {
-            let most = slope[1].max(-slope[0]) * 0.5 * (to - from);
+        let most = slope[1].max(-slope[0]) * 0.5 * (to - from);
+        if halvings == 0 || most <= rounding {
             *range = hull(*range, [x - most, x + most]);
             return;
         }
         *range = hull(*range, [x; 2]);
-        self.extend(range, [from, middle], halvings - 1);
-        self.extend(range, [middle, to], halvings - 1);
+        self.extend(range, [from, middle], (halvings - 1, rounding));
+        self.extend(range, [middle, to], (halvings - 1, rounding));
     }
 
     fn at(&self, w: f64) -> f64 {
@@ -132,4 +134,30 @@ fn hull(a: Interval, b: Interval) -> Interval {
 fn product(a: Interval, b: Interval) -> Interval {
     let products = [a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]];
     [products.into_iter().fold(f64::INFINITY, f64::min), products.into_iter().fold(f64::NEG_INFINITY, f64::max)]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::math::AnimatedTransform;
+
+    /// A coordinate along the axis of a turn does not change. It must not be halved to the end: 2¹⁷ evaluations for each corner would take
+    /// tens of milliseconds, and a lamp of ten thousand triangles minutes. These thousand bounds take some milliseconds.
+    #[test]
+    fn turns_about_an_axis_are_bounded_in_little_time() {
+        let start = Instant::now();
+        for axis in DVec3::AXES {
+            let end = Transform::rotate(axis, 120.0).expect("an axis");
+            let motion = AnimatedTransform::from(Keyframes::new(&[(0.0, Transform::IDENTITY), (1.0, end)]).expect("sound"));
+            for k in 0..333 {
+                let corner = DVec3::new(1.0, 2.0, f64::from(k));
+                let [low, high] = motion.bounds([corner, corner + 1.0]);
+                let along = |v: DVec3| v.dot(axis);
+                assert!((along(low) - along(corner)).abs() < 1e-9 && (along(high) - along(corner + 1.0)).abs() < 1e-9);
+            }
+        }
+        assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    }
 }

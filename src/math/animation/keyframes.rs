@@ -70,8 +70,9 @@ impl Keyframes {
         }
         let mirrors = |(_, transform): &(f64, Transform)| transform.flips_handedness();
         if let Some(i) = keys.iter().position(|key| mirrors(key) != mirrors(&keys[0])) {
+            let [mirrored, other] = if mirrors(&keys[i]) { [i, 0] } else { [0, i] };
             let message =
-                format!("keyframe {i} mirrors and keyframe 0 does not, or the other way round: between them nothing would be left");
+                format!("keyframe {mirrored} mirrors and keyframe {other} does not: between the two, what moves would be flattened");
             return Err(refused(message));
         }
         let parts: Option<Vec<(DMat3, DMat3)>> = keys.iter().map(|(_, transform)| polar::decomposed(transform.matrix().matrix3)).collect();
@@ -108,6 +109,11 @@ impl Keyframes {
     /// The transform, if it does not change.
     pub fn constant(&self) -> Option<Transform> {
         self.transforms.iter().all(|transform| *transform == self.transforms[0]).then_some(self.transforms[0])
+    }
+
+    /// Times of the keyframes.
+    pub(super) fn times(&self) -> &[f64] {
+        &self.times
     }
 
     /// What is between the keyframes; empty for a single one.

@@ -89,6 +89,18 @@ impl AnimatedTransform {
         }
     }
 
+    /// Times of all keyframes and both ends of the exposure, in order.
+    pub fn keyframe_times(&self) -> Vec<f64> {
+        let own = match self {
+            AnimatedTransform::Still(_) => &[][..],
+            AnimatedTransform::Moving(motion) => &motion.steps,
+        };
+        let mut times: Vec<f64> = own.iter().flat_map(|(keyframes, _)| keyframes.times()).copied().chain([0.0, 1.0]).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
+    }
+
     /// This transform, followed by a translation by a finite vector.
     pub fn shifted(&self, by: DVec3) -> AnimatedTransform {
         Transform::translate(by).map_or_else(|_| self.clone(), |shift| self.then(&shift.into()))

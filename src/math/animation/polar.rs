@@ -26,10 +26,18 @@ pub fn decomposed(m: DMat3) -> Option<(DMat3, DMat3)> {
         if change <= 4.0 * f64::EPSILON {
             let rotation = if q.determinant() < 0.0 { q * -1.0 } else { q };
             let s = rotation.transpose() * m;
-            return Some((rotation, (s + s.transpose()) * 0.5));
+            let s = (s + s.transpose()) * 0.5;
+            return is_definite(if q.determinant() < 0.0 { s * -1.0 } else { s }).then_some((rotation, s));
         }
     }
     None
+}
+
+/// Whether a symmetric matrix is positive definite: all of its leading minors are above 0. Rounding may take that from a matrix whose scales
+/// differ by a factor of 10¹³ or more.
+fn is_definite(s: DMat3) -> bool {
+    let minor = s.x_axis.x * s.y_axis.y - s.x_axis.y * s.y_axis.x;
+    s.x_axis.x > 0.0 && minor > 0.0 && s.determinant() > 0.0
 }
 
 #[cfg(test)]
