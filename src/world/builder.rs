@@ -227,11 +227,11 @@ fn bodies(objects: &[Object]) -> Result<Vec<Body>> {
 
 /// How a shape that emits light shows.
 enum Shown {
-    /// As it is.
+    /// The shape itself is the light, at rest.
     Still,
-    /// As it is, and it moves.
+    /// The shape itself is the light, and it moves.
     Moving(Arc<EmitterMotion>),
-    /// As copies of it, which are lights of their own.
+    /// The shape belongs to a group, and each copy of it in an instance is a light of its own.
     AsCopies,
 }
 

@@ -117,7 +117,7 @@ fn blur_is_the_share_of_time() {
 /// A step of a transform with keyframes: positions, sizes and orientations that change. Under stronger stretches the normals at the corners
 /// of a coarse mesh may disagree with its facets about the outside, which instances and meshes in the world treat differently.
 fn moves(random: &mut Random, reach: f64) -> Value {
-    // Each keyframe of what is mirrored is.
+    // Either all keyframes mirror the shape or none does.
     let side = random.pick(&[1.0, -1.0]);
     let mut key = |time: f64| {
         let scale = [side * random.range(0.9, 1.1), random.range(0.9, 1.1), random.range(0.9, 1.1)];
@@ -628,7 +628,7 @@ fn sequences_are_pictures_one_after_the_other() {
     assert!(!said.contains("x.0002.ptc"), "{said}");
     let said = pt(&["--frames", "2..2", "--fps", "11", "--resume", "-o", "x.exr"]);
     assert!(!said.contains("is there"), "{said}");
-    // Neither is one that was clamped.
+    // A picture that was rendered with --clamp is rendered again.
     pt(&["--frames", "5..5", "--clamp", "0.5", "-o", "x.exr"]);
     let said = pt(&["--frames", "5..5", "--resume", "-o", "x.exr"]);
     assert!(!said.contains("is there"), "{said}");
