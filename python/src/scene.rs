@@ -221,7 +221,7 @@ impl Scene {
     /// Where rays first meet the scene, as SceneHits, in double precision.
     ///
     /// `origins` (m) and `directions` have the shape (..., 3), or are broadcast to one; directions need not be unit vectors. Triangles, quads
-    /// and boxes are met by exact decisions on the corners that the scene has: no ray slips through a closed mesh. Spheres, disks and solids
+    /// and boxes are met by exact decisions on the corners that the scene has: no ray slips through a closed mesh. Curved shapes, disks and solids
     /// given by their distance are met in single precision; SceneHits.exact says which. Opacity does not count.
     ///
     /// Raises pt_renderer.Error for a scene with instances, which cannot be cast at yet.

@@ -30,7 +30,7 @@ use crate::medium::{Media, MediumId};
 use crate::reader::{Node, locate};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
-use crate::shape::{Cuboid, Disk, Geometry, Quad, Sphere, TriangleMesh};
+use crate::shape::{BilinearPatch, Cone, Cuboid, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
 use crate::texture::pyramid::Pyramid;
 use crate::world::{Objects, PartAppearance, World, WorldBuilder};
@@ -274,7 +274,13 @@ impl Builder<'_> {
         let own = own.0;
         self.note_lamp(pointer, shape, to_world);
         match shape {
-            Shape::Sphere(s) => self.place_at(pointer, s.center, Sphere { radius: s.radius.get() }, to_world, own, emitter),
+            Shape::Sphere(s) if s.is_whole() => {
+                self.place_at(pointer, s.center, Sphere { radius: s.radius.get() }, to_world, own, emitter);
+            }
+            Shape::Sphere(s) => {
+                let part = PartialSphere { radius: s.radius.get(), z: s.ends(), phi_max: s.phi_max.get() };
+                self.place_at(pointer, s.center, part, to_world, own, emitter);
+            }
             Shape::Box(s) => self.place_at(pointer, s.center, Cuboid { size: s.size.get() }, to_world, own, emitter),
             Shape::Quad(s) => {
                 let size = match s.size {
@@ -283,7 +289,23 @@ impl Builder<'_> {
                 };
                 self.place(Quad { size }, *to_world, vec![own], emitter);
             }
-            Shape::Disk(s) => self.place(Disk { radius: s.radius.get() }, *to_world, vec![own], emitter),
+            Shape::Disk(s) if s.is_whole() => self.place(Disk { radius: s.radius.get() }, *to_world, vec![own], emitter),
+            Shape::Disk(s) => {
+                let part = PartialDisk { radius: s.radius.get(), inner_radius: s.inner_radius.get(), phi_max: s.phi_max.get() };
+                self.place(part, *to_world, vec![own], emitter);
+            }
+            Shape::Cylinder(s) => {
+                let cylinder = Cylinder { radius: s.radius.get(), z: [s.z_min.get(), s.z_max.get()], phi_max: s.phi_max.get() };
+                self.place(cylinder, *to_world, vec![own], emitter);
+            }
+            Shape::Cone(s) => {
+                let cone = Cone { radius: s.radius.get(), height: s.height.get(), phi_max: s.phi_max.get() };
+                self.place(cone, *to_world, vec![own], emitter);
+            }
+            Shape::BilinearPatch(s) => {
+                let corners = s.corners.map(|corner| DVec3::from(corner.0));
+                self.place(BilinearPatch { corners }, *to_world, vec![own], emitter);
+            }
             Shape::Mesh(s) => {
                 let Some(data) = self.mesh(pointer, s)? else { return Ok(()) };
                 let (parts, more) = self.part_materials(pointer, s, &data, own);

@@ -14,6 +14,7 @@ use super::light::{DirectionalLight, Light, PointLight, SpotLight};
 use super::medium::{Density, Medium, MediumRef};
 use super::scene::Scene;
 use super::shape::{Instances, Mesh, Sdf, Shape};
+use super::shape_check;
 use super::{Material, MaterialRef};
 use crate::bsdf::microfacet::RoughnessKeys;
 use crate::format::{Hex, Keyframe, LookAt, Radiometric, Step, Texture, TextureSpace, Textured, Transform};
@@ -272,8 +273,16 @@ impl Checker<'_> {
             Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes, moves),
             Shape::Sdf(sdf) => self.sdf(pointer, sdf),
             Shape::Instances(instances) => self.instances(pointer, instances),
-            Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) | Shape::Box(_) => {}
+            Shape::Sphere(sphere) => self.lengths(pointer, shape_check::sphere(sphere)),
+            Shape::Disk(disk) => self.lengths(pointer, shape_check::disk(disk)),
+            Shape::Cylinder(cylinder) => self.lengths(pointer, shape_check::cylinder(cylinder)),
+            Shape::BilinearPatch(patch) => self.lengths(pointer, shape_check::bilinear_patch(patch)),
+            Shape::Quad(_) | Shape::Cone(_) | Shape::Box(_) => {}
         }
+    }
+
+    fn lengths(&self, pointer: &str, faults: shape_check::Faults) {
+        faults.into_iter().for_each(|(key, message)| self.fault(&format!("{pointer}/{key}"), message));
     }
 
     /// Checks the medium inside a shape.

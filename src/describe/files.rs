@@ -257,7 +257,8 @@ impl<'s> Named<'s> {
                         self.material_ref(&format!("{pointer}/{at}"), material);
                     }
                 }
-                Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) | Shape::Box(_) => {}
+                Shape::Sphere(_) | Shape::Quad(_) | Shape::Disk(_) | Shape::Cylinder(_) | Shape::Cone(_) => {}
+                Shape::BilinearPatch(_) | Shape::Box(_) => {}
             }
         }
     }

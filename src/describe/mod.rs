@@ -31,6 +31,7 @@ mod sampler;
 mod scene;
 mod schema;
 mod shape;
+mod shape_check;
 pub mod volume;
 
 pub use crate::bsdf::description::*;

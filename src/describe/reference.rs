@@ -160,7 +160,11 @@ impl Page {
         let items = object(schema.get("items"));
         let item = self.type_words(&items);
         match (schema.get("minItems"), schema.get("maxItems")) {
-            (Some(min), Some(max)) if min == max => format!("`[…]` of {min} {}", item.replacen("number", "numbers", 1)),
+            (Some(min), Some(max)) if min == max => {
+                // What is itself an array already has the plural.
+                let several = if item.contains("numbers") { item } else { item.replacen("number", "numbers", 1) };
+                format!("`[…]` of {min} {several}")
+            }
             _ => format!("list of {item}"),
         }
     }

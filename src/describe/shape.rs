@@ -9,7 +9,7 @@ use super::MaterialRef;
 use super::emission::Emission;
 use super::field::{Bounds, Field, FixedMarch, SdfPart};
 use super::medium::MediumRef;
-use crate::format::{Color, Fraction, Point, Positive, Real, Size, Transform, Vector};
+use crate::format::{Color, Fraction, NonNegative, Point, Positive, Real, Size, Transform, Turn, Vector};
 use crate::reader::{by_kind, by_type};
 
 /// A shape: a visible object of the scene.
@@ -21,6 +21,9 @@ pub enum Shape {
     Sphere(Sphere),
     Quad(Quad),
     Disk(Disk),
+    Cylinder(Cylinder),
+    Cone(Cone),
+    BilinearPatch(BilinearPatch),
     Box(Cuboid),
     Sdf(Sdf),
     Group(Group),
@@ -28,7 +31,8 @@ pub enum Shape {
 }
 
 by_type!(Shape {
-    Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Box(Cuboid), Sdf(Sdf), Group(Group), Instances(Instances)
+    Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Cylinder(Cylinder), Cone(Cone), BilinearPatch(BilinearPatch), Box(Cuboid), Sdf(Sdf),
+    Group(Group), Instances(Instances)
 });
 
 /// Defines a struct with the keys that all shapes except groups and instances have in common, and `closed` ones the medium inside. (serde's
@@ -108,7 +112,8 @@ surface! {
     /// A sphere; its normal points outwards. Texture coordinates: u is the angle about z, from +x towards +y, as a share of a full turn;
     /// v is the angle from +z, as a share of half a turn: 0 at +z, 1 at −z. The upper edge of a picture, v = 1, is therefore at −z. A
     /// first step `{"scale": -1}` of the transform puts the upper edge at +z and the middle of the picture at +x, not mirrored as seen
-    /// from outside.
+    /// from outside. `z_min`, `z_max` and `phi_max` leave a part of the sphere: a bowl, a dome, a belt or a slice. The part keeps the texture
+    /// coordinates of the whole. It is an open surface, which cannot contain a medium.
     pub struct Sphere {
         /// The radius, in metres.
         #[serde(default = "one")]
@@ -116,6 +121,15 @@ surface! {
         /// The centre, in metres.
         #[serde(default = "origin")]
         pub center: Point,
+        /// What lies below this z is left out, in metres above the centre. Default: nothing.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub z_min: Option<Real>,
+        /// What lies above this z is left out, in metres above the centre. Default: nothing.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub z_max: Option<Real>,
+        /// The angle about z up to which the sphere is there, from +x towards +y, in degrees. Default: 360.
+        #[serde(default = "full_turn", skip_serializing_if = "Turn::is_full")]
+        pub phi_max: Turn,
     }
 }
 
@@ -129,11 +143,65 @@ surface! {
 }
 
 surface! {
-    /// A disk in the plane z = 0 with its centre at the origin and the normal +z.
+    /// A disk in the plane z = 0 with its centre at the origin and the normal +z. Texture coordinates run from 0 to 1 along x and y over the
+    /// square around the disk. `inner_radius` and `phi_max` leave a ring or a slice, with the texture coordinates of the whole disk.
     pub struct Disk {
         /// The radius, in metres.
         #[serde(default = "one")]
         pub radius: Positive,
+        /// The radius of a hole in the middle, in metres, below `radius`. Default: 0, no hole.
+        #[serde(default = "no_hole", skip_serializing_if = "is_no_hole")]
+        pub inner_radius: NonNegative,
+        /// The angle about z up to which the disk is there, from +x towards +y, in degrees. Default: 360.
+        #[serde(default = "full_turn", skip_serializing_if = "Turn::is_full")]
+        pub phi_max: Turn,
+    }
+}
+
+surface! {
+    /// A cylinder around the z axis, open at both ends; its normal points away from the axis. Texture coordinates: u is the angle about z, from
+    /// +x towards +y, as a share of `phi_max`; v is 0 at `z_min` and 1 at `z_max`. Disks at both ends close it: the one at `z_min` turned
+    /// over, so that its normal points outwards too.
+    pub struct Cylinder {
+        /// The radius, in metres.
+        #[serde(default = "one")]
+        pub radius: Positive,
+        /// The lower end, in metres.
+        #[serde(default = "minus_one")]
+        pub z_min: Real,
+        /// The upper end, in metres.
+        #[serde(default = "plus_one")]
+        pub z_max: Real,
+        /// The angle about z up to which the cylinder is there, from +x towards +y, in degrees.
+        #[serde(default = "full_turn")]
+        pub phi_max: Turn,
+    }
+}
+
+surface! {
+    /// A cone around the z axis with its base in the plane z = 0, where it is open, and its apex at z = `height`; its normal points outwards.
+    /// Texture coordinates: u is the angle about z, from +x towards +y, as a share of `phi_max`; v is 0 at the base and 1 at the apex.
+    pub struct Cone {
+        /// The radius of the base, in metres.
+        #[serde(default = "one")]
+        pub radius: Positive,
+        /// The height, in metres.
+        #[serde(default = "one")]
+        pub height: Positive,
+        /// The angle about z up to which the cone is there, from +x towards +y, in degrees.
+        #[serde(default = "full_turn")]
+        pub phi_max: Turn,
+    }
+}
+
+surface! {
+    /// A bilinear patch: the surface of the straight lines between opposite sides of a quadrilateral. Its four corners need not be in one
+    /// plane. With the texture coordinates u and v, its points are (1 − u)(1 − v) p₀₀ + u (1 − v) p₁₀ + (1 − u) v p₀₁ + u v p₁₁. Its
+    /// normal is on the side from which u and v run counter-clockwise, as x and y of a quad do.
+    pub struct BilinearPatch {
+        /// The corners p₀₀, p₁₀, p₀₁ and p₁₁, in metres, with the texture coordinates `[0, 0]`, `[1, 0]`, `[0, 1]` and `[1, 1]`: the third
+        /// corner is beside the first one, and not opposite to it.
+        pub corners: [Point; 4],
     }
 }
 
@@ -233,6 +301,26 @@ fn one() -> Positive {
     Positive::known(1.0)
 }
 
+fn plus_one() -> Real {
+    Real::known(1.0)
+}
+
+fn minus_one() -> Real {
+    Real::known(-1.0)
+}
+
+fn full_turn() -> Turn {
+    Turn::known(360.0)
+}
+
+fn no_hole() -> NonNegative {
+    NonNegative::known(0.0)
+}
+
+fn is_no_hole(radius: &NonNegative) -> bool {
+    radius.get() == 0.0
+}
+
 fn origin() -> Point {
     Point([0.0; 3])
 }
@@ -268,6 +356,27 @@ impl Sides {
     }
 }
 
+impl Sphere {
+    /// The z above the centre from which and up to which the sphere is there (m); beyond the radius where nothing is cut off.
+    pub fn ends(&self) -> [f64; 2] {
+        let radius = self.radius.get();
+        [self.z_min.map_or(-radius, Real::get), self.z_max.map_or(radius, Real::get)]
+    }
+
+    /// Whether nothing is cut off, so that it is a closed surface.
+    pub fn is_whole(&self) -> bool {
+        let ([low, high], radius) = (self.ends(), self.radius.get());
+        low <= -radius && high >= radius && self.phi_max.is_full()
+    }
+}
+
+impl Disk {
+    /// Whether it has no hole and is a full turn.
+    pub fn is_whole(&self) -> bool {
+        self.inner_radius.get() == 0.0 && self.phi_max.is_full()
+    }
+}
+
 impl Instances {
     /// The materials of single instances, each with its place below that of the instances: `placements/0/material`.
     pub fn materials(&self) -> impl Iterator<Item = (String, &MaterialRef)> {
@@ -285,6 +394,9 @@ impl Shape {
             Shape::Sphere(s) => s.name.as_deref(),
             Shape::Quad(s) => s.name.as_deref(),
             Shape::Disk(s) => s.name.as_deref(),
+            Shape::Cylinder(s) => s.name.as_deref(),
+            Shape::Cone(s) => s.name.as_deref(),
+            Shape::BilinearPatch(s) => s.name.as_deref(),
             Shape::Box(s) => s.name.as_deref(),
             Shape::Sdf(s) => s.name.as_deref(),
             Shape::Group(s) => s.name.as_deref(),
@@ -299,6 +411,9 @@ impl Shape {
             Shape::Sphere(s) => &s.transform,
             Shape::Quad(s) => &s.transform,
             Shape::Disk(s) => &s.transform,
+            Shape::Cylinder(s) => &s.transform,
+            Shape::Cone(s) => &s.transform,
+            Shape::BilinearPatch(s) => &s.transform,
             Shape::Box(s) => &s.transform,
             Shape::Sdf(s) => &s.transform,
             Shape::Group(s) => &s.transform,
@@ -313,6 +428,9 @@ impl Shape {
             Shape::Sphere(s) => s.material.as_ref(),
             Shape::Quad(s) => s.material.as_ref(),
             Shape::Disk(s) => s.material.as_ref(),
+            Shape::Cylinder(s) => s.material.as_ref(),
+            Shape::Cone(s) => s.material.as_ref(),
+            Shape::BilinearPatch(s) => s.material.as_ref(),
             Shape::Box(s) => s.material.as_ref(),
             Shape::Sdf(s) => s.material.as_ref(),
             Shape::Group(_) => None,
@@ -320,14 +438,15 @@ impl Shape {
         }
     }
 
-    /// The medium inside; `None` where none is given, and for flat shapes, groups and instances.
+    /// The medium inside; `None` where none is given, and for open shapes, groups and instances.
     pub fn medium(&self) -> Option<&MediumRef> {
         match self {
             Shape::Mesh(s) => s.medium.as_ref(),
             Shape::Sphere(s) => s.medium.as_ref(),
             Shape::Box(s) => s.medium.as_ref(),
             Shape::Sdf(s) => s.medium.as_ref(),
-            Shape::Quad(_) | Shape::Disk(_) | Shape::Group(_) | Shape::Instances(_) => None,
+            Shape::Quad(_) | Shape::Disk(_) | Shape::Cylinder(_) | Shape::Cone(_) | Shape::BilinearPatch(_) => None,
+            Shape::Group(_) | Shape::Instances(_) => None,
         }
     }
 
@@ -338,6 +457,9 @@ impl Shape {
             Shape::Sphere(s) => s.emission.as_ref(),
             Shape::Quad(s) => s.emission.as_ref(),
             Shape::Disk(s) => s.emission.as_ref(),
+            Shape::Cylinder(s) => s.emission.as_ref(),
+            Shape::Cone(s) => s.emission.as_ref(),
+            Shape::BilinearPatch(s) => s.emission.as_ref(),
             Shape::Box(s) => s.emission.as_ref(),
             Shape::Sdf(s) => s.emission.as_ref(),
             Shape::Group(_) | Shape::Instances(_) => None,

@@ -161,6 +161,8 @@ ranged! {
     HalfAngle: f64 read as f64 ("an angle in degrees", "number") in Excluded(0.0), Excluded(90.0);
     /// The full angle under which a disk in the sky is seen, in degrees.
     DiskAngle: f64 read as f64 ("an angle in degrees", "number") in Included(0.0), Included(180.0);
+    /// A part of a full turn, in degrees.
+    Turn: f64 read as f64 ("an angle in degrees", "number") in Excluded(0.0), Included(360.0);
     /// The angle of the sun above the horizon, in degrees.
     Elevation: f64 read as f64 ("an angle in degrees", "number") in Included(-18.0), Included(90.0);
     /// A latitude on the earth, in degrees.
@@ -187,6 +189,13 @@ impl Default for DiskAngle {
     /// No size.
     fn default() -> DiskAngle {
         DiskAngle::known(0.0)
+    }
+}
+
+impl Turn {
+    /// Whether it is all of a turn.
+    pub fn is_full(&self) -> bool {
+        self.get() == 360.0
     }
 }
 

@@ -191,8 +191,9 @@ impl Area {
         !shapes[self.shape as usize].is_sampled() && !self.emitter.radiance.is_black()
     }
 
-    /// Bounds for the choice of the light. The intensity of a flat surface is A L along its normal. That of a closed surface is A L / 4 in
-    /// the mean over all directions, because max(0, cos θ) is ¼ in the mean.
+    /// Bounds for the choice of the light. The intensity of a flat surface is A L along its normal, and that of a surface with similar
+    /// normals at most that along their mean. That of a surface with any normals is A L / 4 in the mean over all directions, because
+    /// max(0, cos θ) is ¼ in the mean.
     pub(super) fn bounds(&self, shapes: &[Box<dyn Shape>]) -> LightBounds {
         let shape = &shapes[self.shape as usize];
         let (space, two_sided) = (shape.bounds(self.primitive), self.emitter.two_sided);
@@ -204,6 +205,8 @@ impl Area {
         if shape.is_flat(self.primitive) {
             let normal = shape.sample_area(self.primitive, Vec2::splat(0.5)).0.ng.as_dvec3();
             LightBounds::flat(space, normal, two_sided, of_a_side)
+        } else if let Some((axis, angle)) = shape.normal_cone(self.primitive) {
+            LightBounds::around(space, axis, angle, two_sided, of_a_side)
         } else {
             LightBounds::all_directions(space, 0.25 * of_a_side)
         }

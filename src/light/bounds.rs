@@ -34,7 +34,14 @@ pub(super) struct LightBounds {
 impl LightBounds {
     /// A flat surface that emits around its normal.
     pub fn flat(space: Aabb, normal: DVec3, two_sided: bool, intensity: f64) -> LightBounds {
-        LightBounds { space, axis: normal, theta_o: 0.0, theta_e: FRAC_PI_2, two_sided, intensity }
+        LightBounds::around(space, normal, 0.0, two_sided, intensity)
+    }
+
+    /// A surface with normals within a cone.
+    ///
+    /// - `angle`: half angle of the cone (rad)
+    pub fn around(space: Aabb, axis: DVec3, angle: f64, two_sided: bool, intensity: f64) -> LightBounds {
+        LightBounds { space, axis, theta_o: angle, theta_e: FRAC_PI_2, two_sided, intensity }
     }
 
     /// A light that emits in all directions.

@@ -30,7 +30,7 @@ pub struct SceneHit {
 
 /// Caster of rays in a scene.
 ///
-/// Flat shapes are in a [`RayCaster`], with all that it guarantees for the corners that the scene has. Spheres, disks and solids given by
+/// Flat shapes are in a [`RayCaster`], with all that it guarantees for the corners that the scene has. Curved shapes, disks and solids given by
 /// their distance are met as integrators meet them, in single precision. Materials do not count: holes of a masked material are hit.
 pub struct SceneCaster {
     world: Arc<World>,

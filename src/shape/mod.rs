@@ -3,25 +3,36 @@
 //! A new shape is a file in this folder with a description (`impl Geometry`: object space, f64) and its baked form (`impl Shape`:
 //! world space, f32), a variant in `describe::shape`, and an arm in its builder.
 
+pub mod bilinear_patch;
+pub mod cone;
 pub mod cuboid;
+pub mod cylinder;
 pub mod disk;
 pub mod mesh_data;
 mod near;
+pub mod partial_disk;
+pub mod partial_sphere;
 pub mod quad;
+mod revolution;
 pub mod sdf;
 pub mod sphere;
 pub mod triangle;
 pub mod triangle_mesh;
 
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
 
+pub use bilinear_patch::BilinearPatch;
+pub use cone::Cone;
 pub use cuboid::Cuboid;
+pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use mesh_data::{MeshData, MeshPart};
 pub(crate) use near::NEAR;
+pub use partial_disk::PartialDisk;
+pub use partial_sphere::PartialSphere;
 pub use quad::Quad;
 pub use sdf::Sdf;
 pub use sphere::Sphere;
@@ -72,6 +83,12 @@ pub trait Shape: Send + Sync {
     /// Whether primitive `i` has the same normal everywhere.
     fn is_flat(&self, i: u32) -> bool {
         self.facet(i) != Facet::Curved
+    }
+
+    /// Cone that contains the normals of primitive `i`: its unit axis and its half angle (rad). `None` if the shape does not know one, or
+    /// the normals point anywhere. It says in which directions a lamp of this shape does not shine.
+    fn normal_cone(&self, _i: u32) -> Option<(DVec3, f64)> {
+        None
     }
 
     /// First hit with 0 < t < `ray.t_max`. The default tests the facet.
@@ -183,6 +200,32 @@ pub trait Shape: Send + Sync {
     fn has_shadow_terminator_offset(&self) -> bool {
         false
     }
+}
+
+/// Rounding error of the points at which rays meet curved shapes in f64, relative to the coordinates: each takes about ten operations, and
+/// the transforms of two parts that adjoin each other as many.
+const HIT_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Distance by which the border of a curved shape is widened where a ray meets it, so that no ray passes between two parts that adjoin each
+/// other: the rounding error of the hit, which is larger for rays that graze the surface.
+///
+/// - `rounding`: error of positions
+/// - `cos`: cosine of the angle between the ray and the normal
+fn border_width(rounding: f64, cos: f64) -> f64 {
+    rounding + rounding / cos.abs().max(HIT_ROUNDING.sqrt())
+}
+
+/// Places at which the Gaussian rule of two points asks for a function on each of some intervals that divide [0, 1].
+fn gauss_nodes(steps: u32) -> impl Iterator<Item = f64> {
+    let half = 0.5 / 3f64.sqrt();
+    (0..steps).flat_map(move |k| [0.5 - half, 0.5 + half].map(|at| (f64::from(k) + at) / f64::from(steps)))
+}
+
+/// World area per area at the unit normal `n` of a surface that the matrix M transforms: |det M| · |M⁻ᵀ n|, the length of the cofactor
+/// matrix times n.
+fn stretch(linear: DMat3, n: DVec3) -> f64 {
+    let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
+    (y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z).length()
 }
 
 /// Change of v/|v| when v changes by `change`.

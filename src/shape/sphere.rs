@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
-use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, offset_bound, unit_change};
+use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, offset_bound, stretch, unit_change};
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Frame, Ray, SolidAnglePdf, Transform, float, warp};
 
@@ -43,7 +43,7 @@ impl Sphere {
 }
 
 /// Common length of the columns if they are orthogonal and equally long (to f32 precision).
-fn uniform_radius(linear: DMat3) -> Option<f64> {
+pub(super) fn uniform_radius(linear: DMat3) -> Option<f64> {
     let square = linear.transpose() * linear;
     let r2 = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
     let near = |m: DVec3, e: DVec3| (m - e * r2).abs().max_element() <= r2 * f32::EPSILON as f64;
@@ -68,10 +68,18 @@ fn surface_area(linear: DMat3) -> f64 {
     sum * 4.0 * PI / (2 * N * N) as f64
 }
 
-/// World area per area of the unit sphere at the normal `n`: |det M| · |M⁻ᵀ n|, the length of the cofactor matrix times n.
-fn stretch(linear: DMat3, n: DVec3) -> f64 {
-    let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
-    (y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z).length()
+/// Texture coordinates at the point `n` of the unit sphere.
+pub(super) fn uv(n: DVec3) -> Vec2 {
+    let phi = float::atan2(n.y as f32, n.x as f32) * std::f32::consts::FRAC_1_PI * 0.5;
+    let theta = float::acos((n.z as f32).clamp(-1.0, 1.0)) * std::f32::consts::FRAC_1_PI;
+    Vec2::new(if phi < 0.0 { phi + 1.0 } else { phi }, theta)
+}
+
+/// Derivatives of the point `n` of the unit sphere by [`uv`]: along the circles of latitude and longitude; `None` at the poles.
+pub(super) fn tangents(n: DVec3) -> Option<[DVec3; 2]> {
+    let sine = n.truncate().length();
+    let (east, south) = (DVec3::new(-n.y, n.x, 0.0) * TAU, DVec3::new(n.x * n.z, n.y * n.z, -sine * sine) * (PI / sine));
+    (sine > 0.0).then_some([east, south])
 }
 
 /// Image of the unit sphere under p ↦ center + linear·p, in f64 because curved shapes are few.
@@ -96,17 +104,12 @@ impl Ellipsoid {
     fn at(&self, n: DVec3) -> SurfacePoint {
         let ng = (self.inverse.transpose() * n).normalize().as_vec3();
         let p = (self.center + self.linear * n).as_vec3();
-        let uv = || {
-            let phi = float::atan2(n.y as f32, n.x as f32) * std::f32::consts::FRAC_1_PI * 0.5;
-            let theta = float::acos((n.z as f32).clamp(-1.0, 1.0)) * std::f32::consts::FRAC_1_PI;
-            Vec2::new(if phi < 0.0 { phi + 1.0 } else { phi }, theta)
-        };
         SurfacePoint {
             p,
             offset: offset_bound(ng, (self.center.abs() + self.reach).as_vec3()),
             ng,
             ns: ng,
-            uv: uv(),
+            uv: uv(n),
             color: VertexColor::WHITE,
         }
     }
@@ -198,13 +201,9 @@ impl Shape for Ellipsoid {
         self.at((self.inverse * (p - self.center)).normalize())
     }
 
-    /// Tangents along the circles of latitude and longitude; `None` at the poles.
     fn tangents(&self, _: u32, point: &SurfacePoint) -> Option<[Vec3; 2]> {
-        let n = self.inverse * (point.p.as_dvec3() - self.center);
-        let sine = n.truncate().length();
-        let along = |d: DVec3| (self.linear * d).as_vec3();
-        let (east, south) = (DVec3::new(-n.y, n.x, 0.0) * TAU, DVec3::new(n.x * n.z, n.y * n.z, -sine * sine) * (PI / sine));
-        (sine > 0.0).then(|| [along(east), along(south)])
+        let tangents = tangents(self.inverse * (point.p.as_dvec3() - self.center))?;
+        Some(tangents.map(|d| (self.linear * d).as_vec3()))
     }
 
     /// The normal is q/|q| with q = A (p − c), A = M⁻ᵀ M⁻¹ for the matrix M of the ellipsoid.

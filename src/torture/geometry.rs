@@ -13,7 +13,9 @@ use crate::math::{Ray, Spectrum, SphericalTriangle, Transform};
 use crate::primitive::Primitive;
 use crate::rays::{self, RayCaster};
 use crate::scene::Surface;
-use crate::shape::{Disk, Geometry, Quad, Shape, Sphere, SurfacePoint, VertexColor, triangle};
+use crate::shape::{
+    BilinearPatch, Cone, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Shape, Sphere, SurfacePoint, VertexColor, triangle,
+};
 
 /// The rows.
 pub fn rows() -> Vec<Row> {
@@ -197,14 +199,34 @@ enum Family {
     Disk,
     Sphere,
     Ellipsoid,
+    Cylinder,
+    Cone,
+    PartialSphere,
+    PartialDisk,
+    BilinearPatch,
 }
 
-const FAMILIES: [Family; 5] = [Family::Triangle, Family::Quad, Family::Disk, Family::Sphere, Family::Ellipsoid];
+const FAMILIES: [Family; 10] = [
+    Family::Triangle,
+    Family::Quad,
+    Family::Disk,
+    Family::Sphere,
+    Family::Ellipsoid,
+    Family::Cylinder,
+    Family::Cone,
+    Family::PartialSphere,
+    Family::PartialDisk,
+    Family::BilinearPatch,
+];
+
+/// Corners of a saddle that twists by about a right angle.
+const SADDLE: [DVec3; 4] =
+    [DVec3::new(-1.0, -1.0, 0.4), DVec3::new(1.0, -0.9, -0.5), DVec3::new(-0.8, 1.0, -0.4), DVec3::new(0.9, 1.0, 0.5)];
 
 impl Family {
     /// Whether a ray hits the shape at most once.
     fn is_flat(self) -> bool {
-        matches!(self, Family::Triangle | Family::Quad | Family::Disk)
+        matches!(self, Family::Triangle | Family::Quad | Family::Disk | Family::PartialDisk)
     }
 
     /// The shape and its size. Coordinates are of the given size, or 10^U(−8, 8) each.
@@ -225,6 +247,11 @@ impl Family {
             Family::Quad => Quad { size: [1.0, 2.0] }.bake(&place),
             Family::Disk => Disk { radius: 1.0 }.bake(&place),
             Family::Sphere | Family::Ellipsoid => Sphere { radius: 1.0 }.bake(&place),
+            Family::Cylinder => Cylinder { radius: 1.0, z: [-0.7, 1.0], phi_max: 250.0 }.bake(&place),
+            Family::Cone => Cone { radius: 1.0, height: 1.5, phi_max: 360.0 }.bake(&place),
+            Family::PartialSphere => PartialSphere { radius: 1.0, z: [-1.0, 0.4], phi_max: 300.0 }.bake(&place),
+            Family::PartialDisk => PartialDisk { radius: 1.0, inner_radius: 0.4, phi_max: 200.0 }.bake(&place),
+            Family::BilinearPatch => BilinearPatch { corners: SADDLE }.bake(&place),
         };
         // Far out, a small shape or all corners may round to a line. Another shape is then tried.
         match shape {
@@ -252,12 +279,22 @@ fn point(shape: &dyn Shape, random: &mut Random) -> SurfacePoint {
 }
 
 /// Whether the spawned ray hits the surface at its start. A ray from the inside of a curved surface correctly hits its far side, which it
-/// leaves and does not enter.
+/// leaves and does not enter; and a ray from either side of a saddle may meet another part of it, on the side where the ray is.
 fn is_false_hit(family: Family, shape: &dyn Shape, point: &SurfacePoint, ray: &Ray) -> bool {
     let Some(hit) = shape.intersect(0, ray) else { return false };
     let inwards = point.ng.dot(ray.direction) < 0.0;
     let enters = shape.point(0, ray, &hit).ng.dot(ray.direction) < 0.0;
-    family.is_flat() || !inwards || (enters && hit.t <= point.offset)
+    match family {
+        Family::BilinearPatch => inwards == enters || hit.t <= point.offset,
+        _ => family.is_flat() || !inwards || (enters && hit.t <= point.offset),
+    }
+}
+
+/// Whether a ray to a point of the lamp, on the side that it faces, hits the lamp before. A part of a saddle correctly hides another part if
+/// the ray comes out of it: it then meets the other part from the side that it is sent to.
+fn is_hidden(family: Family, light: &dyn Shape, ray: &Ray) -> bool {
+    let Some(hit) = light.intersect(0, ray) else { return false };
+    !matches!(family, Family::BilinearPatch) || light.point(0, ray, &hit).ng.dot(ray.direction) < 0.0
 }
 
 /// Coordinates of shapes, and their names. Without coordinates they are 10^U(−8, 8).
@@ -274,8 +311,9 @@ fn self_hits() -> Row {
                 let mut failures = Failures::default();
                 for _ in 0..RAYS_OF_EACH {
                     let point = point(&*shape, random);
-                    // A shape thinner than its error bound has no inside to start from.
-                    if !family.is_flat() && 0.1 * size < 4.0 * f64::from(point.offset) {
+                    // A shape thinner than its error bound has no inside to start from, and so has a cone at its apex, where v = 1.
+                    let share = if matches!(family, Family::Cone) { 1.0 - f64::from(point.uv.y) } else { 1.0 };
+                    if !family.is_flat() && 0.1 * size * share < 4.0 * f64::from(point.offset) {
                         continue;
                     }
                     let ray = surface(point).spawn(random.direction().as_vec3(), 0.0);
@@ -313,7 +351,7 @@ fn shadow_rays() -> Row {
                         continue;
                     }
                     let ray = surface(from).shadow_ray(wi, &ShadowTarget::Surface(target), 0.0);
-                    let is_hit = lit.intersect(0, &ray).is_some() || light.intersect(0, &ray).is_some();
+                    let is_hit = lit.intersect(0, &ray).is_some() || is_hidden(family, &*light, &ray);
                     failures.record(is_hit.then(|| format!("{from:?} to {target:?}")));
                 }
                 failures

@@ -9,7 +9,7 @@ use super::{Failures, Random, Row, terminator};
 use crate::light::{EnvironmentMap, Light, LightSampleContext, Lights, Mapping, Sun};
 use crate::math::float::unit_f32;
 use crate::math::{Rgb, SphericalRectangle, SphericalTriangle, Transform};
-use crate::shape::{Disk, Geometry, Quad, Shape, Sphere};
+use crate::shape::{BilinearPatch, Cone, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Shape, Sphere};
 use crate::texture::image::Pixels;
 
 /// The rows.
@@ -22,10 +22,17 @@ fn sampled() -> Row {
     let row = Row::new("L5", "samples of lamps: numbers, on the lamp, with the density that is evaluated", "1e-3 of the density, far out");
     let row = row.peers("cones below 1.5° collapse in pbrt-v3 (#212)");
     type Make = fn(&Transform) -> crate::error::Result<Box<dyn Shape>>;
-    let shapes: [(&str, Make); 3] = [
+    const SADDLE: [DVec3; 4] =
+        [DVec3::new(-0.8, -0.7, 0.2), DVec3::new(0.8, -0.8, -0.3), DVec3::new(-0.7, 0.8, -0.3), DVec3::new(0.8, 0.7, 0.4)];
+    let shapes: [(&str, Make); 8] = [
         ("sphere", |place| Sphere { radius: 1.0 }.bake(place)),
         ("square", |place| Quad { size: [2.0, 1.0] }.bake(place)),
         ("disk", |place| Disk { radius: 1.0 }.bake(place)),
+        ("cylinder", |place| Cylinder { radius: 1.0, z: [-0.5, 0.8], phi_max: 360.0 }.bake(place)),
+        ("cone", |place| Cone { radius: 1.0, height: 1.2, phi_max: 300.0 }.bake(place)),
+        ("bowl", |place| PartialSphere { radius: 1.0, z: [-1.0, 0.3], phi_max: 360.0 }.bake(place)),
+        ("ring", |place| PartialDisk { radius: 1.0, inner_radius: 0.5, phi_max: 200.0 }.bake(place)),
+        ("saddle", |place| BilinearPatch { corners: SADDLE }.bake(place)),
     ];
     shapes.into_iter().fold(row, |row, (name, make)| {
         row.never(format!("{name}, any size and distance"), 10_000_000, move |tries| {

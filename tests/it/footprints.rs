@@ -12,7 +12,9 @@ use pt::render::{Render, SampleId, Settings};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
 use pt::shape::sdf::{Ball, Field, Ring, SmoothUnion};
-use pt::shape::{Cuboid, MeshData, Quad, Sdf, Sphere, SurfacePoint, TriangleMesh, VertexColor};
+use pt::shape::{
+    BilinearPatch, Cone, Cuboid, Cylinder, MeshData, PartialSphere, Quad, Sdf, Sphere, SurfacePoint, TriangleMesh, VertexColor,
+};
 use pt::texture::image::{Filter, Pixels, Wrap};
 use pt::texture::noise::{fbm, filtered_fbm};
 use pt::texture::pyramid::Pyramid;
@@ -112,11 +114,22 @@ fn differentials_are_those_of_neighbouring_rays() {
         moved(0.1, -0.1, 0.2),
     ]);
     type Add = fn(&mut WorldBuilder, MaterialId, Transform);
-    let direct: [(&str, Add); 4] = [
+    let direct: [(&str, Add); 8] = [
         ("ellipsoid", |builder, material, to| builder.shape(Sphere { radius: 1.0 }, to, material, None)),
         ("box", |builder, material, to| builder.shape(Cuboid { size: [2.0; 3] }, to, material, None)),
         ("dome", |builder, material, to| builder.shape(dome(), to, material, None)),
         ("field", |builder, material, to| builder.shape(field(), to, material, None)),
+        ("open cylinder", |builder, material, to| {
+            builder.shape(Cylinder { radius: 0.8, z: [-1.0, 1.0], phi_max: 360.0 }, to, material, None);
+        }),
+        ("open cone", |builder, material, to| builder.shape(Cone { radius: 1.0, height: 1.5, phi_max: 360.0 }, to, material, None)),
+        ("open belt", |builder, material, to| {
+            builder.shape(PartialSphere { radius: 1.0, z: [-0.7, 0.8], phi_max: 360.0 }, to, material, None);
+        }),
+        ("open patch", |builder, material, to| {
+            let corners = [[-1.0, -1.0, 0.3], [1.0, -1.0, -0.3], [-1.0, 1.0, -0.3], [1.0, 1.0, 0.3]].map(DVec3::from);
+            builder.shape(BilinearPatch { corners }, to, material, None);
+        }),
     ];
     let instanced: [(&str, Add); 3] = [
         ("instance of an ellipsoid", |builder, material, to| {
@@ -138,8 +151,9 @@ fn differentials_are_those_of_neighbouring_rays() {
     let paths: [(usize, &[Turn]); 4] = [(0, &[]), (0, &[Turn::Reflect]), (1, &[Turn::Refract]), (1, &[Turn::Refract, Turn::Refract])];
     let mut random = Random::new(1);
     for (name, add) in direct.into_iter().chain(instanced) {
-        // A dome is open: light that goes in does not come out.
-        let paths = paths.into_iter().filter(|(_, turns)| turns.len() < 2 || !name.contains("dome"));
+        // What is open lets no light out that goes in.
+        let is_open = name.contains("dome") || name.contains("open");
+        let paths = paths.into_iter().filter(|(_, turns)| turns.len() < 2 || !is_open);
         for (material, turns) in paths {
             let world = world(|builder, materials| add(builder, materials[material], turned));
             let (step, mut checked) = (1.0 / 2048.0, 0);

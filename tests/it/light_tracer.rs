@@ -43,7 +43,7 @@ const CAMERAS: [(&str, &str); 4] = [
 ];
 
 /// Lights, each with the shapes, the lights and the background of a scene.
-const LIGHTS: [(&str, &str, &str, &str); 10] = [
+const LIGHTS: [(&str, &str, &str, &str); 15] = [
     (
         "quad",
         r#", { "type": "quad", "size": 0.6, "emission": [4, 3, 2], "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 0.9, 0] }] }"#,
@@ -72,6 +72,36 @@ const LIGHTS: [(&str, &str, &str, &str); 10] = [
     (
         "box",
         r#", { "type": "box", "size": [0.3, 0.2, 0.2], "emission": 4, "transform": [{ "rotate": { "axis": [1, 2, 3], "degrees": 30 } }, { "translate": [0.1, 0.5, 0] }] }"#,
+        "",
+        "0",
+    ),
+    (
+        "part of a cylinder",
+        r#", { "type": "cylinder", "radius": 0.2, "z_min": -0.3, "z_max": 0.3, "phi_max": 200, "emission": { "radiance": 4, "two_sided": true }, "transform": [{ "rotate": { "axis": [1, 2, 3], "degrees": 100 } }, { "translate": [0.1, 0.5, 0] }] }"#,
+        "",
+        "0",
+    ),
+    (
+        "checkered cone",
+        r#", { "type": "cone", "radius": 0.4, "height": 0.3, "emission": { "radiance": 5, "texture": { "type": "checker", "scale": 3 } }, "transform": [{ "translate": [0, 0.5, 0] }] }"#,
+        "",
+        "0",
+    ),
+    (
+        "bowl",
+        r#", { "type": "sphere", "radius": 0.3, "z_max": 0.1, "emission": { "radiance": 3, "two_sided": true }, "transform": [{ "scale": [1, 1.3, 0.7] }, { "rotate": { "axis": [1, 0, 0], "degrees": 60 } }, { "translate": [0.1, 0.5, 0] }] }"#,
+        "",
+        "0",
+    ),
+    (
+        "ring",
+        r#", { "type": "disk", "radius": 0.4, "inner_radius": 0.2, "phi_max": 250, "emission": 5, "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 0.8, 0] }] }"#,
+        "",
+        "0",
+    ),
+    (
+        "bilinear patch",
+        r#", { "type": "bilinear_patch", "corners": [[-0.4, 0.7, 0.3], [0.4, 0.5, 0.3], [-0.3, 0.4, -0.3], [0.4, 0.8, -0.3]], "emission": { "radiance": 3, "two_sided": true } }"#,
         "",
         "0",
     ),

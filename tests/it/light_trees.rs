@@ -9,7 +9,7 @@ use pt::light::{
     Spot, Sun,
 };
 use pt::math::{Rgb, Transform};
-use pt::shape::{Disk, Geometry, Quad, Shape, Sphere};
+use pt::shape::{BilinearPatch, Cone, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Shape, Sphere};
 use pt::texture::image::Pixels;
 
 use crate::random::Random;
@@ -34,12 +34,18 @@ impl Scene {
         for k in 0..count {
             let (place, turn) = (random.in_cube() * RADIUS, random.rotation());
             let gray = Rgb::gray(random.decade(-decades, decades) as f32);
-            match k % 6 {
+            let corners = [[-0.2, -0.1, 0.1], [0.2, -0.2, -0.1], [-0.1, 0.2, -0.2], [0.2, 0.1, 0.1]].map(DVec3::from);
+            match k % 11 {
                 0 => scene.area(Box::new(Quad { size: [0.3, 0.1] }), place, turn, gray, false),
                 1 => scene.area(Box::new(Disk { radius: 0.2 }), place, turn, gray, true),
                 2 => scene.area(Box::new(Sphere { radius: 0.1 }), place, turn, gray, false),
                 3 => scene.lights.push(Light::Point(Point { position: place, intensity: gray })),
                 4 => scene.lights.push(spot(place, random.direction(), gray)),
+                5 => scene.area(Box::new(Cylinder { radius: 0.1, z: [-0.5, 0.5], phi_max: 360.0 }), place, turn, gray, false),
+                6 => scene.area(Box::new(Cone { radius: 0.2, height: 0.3, phi_max: 200.0 }), place, turn, gray, false),
+                7 => scene.area(Box::new(PartialSphere { radius: 0.2, z: [0.1, 0.2], phi_max: 360.0 }), place, turn, gray, true),
+                8 => scene.area(Box::new(PartialDisk { radius: 0.3, inner_radius: 0.2, phi_max: 90.0 }), place, turn, gray, false),
+                9 => scene.area(Box::new(BilinearPatch { corners }), place, turn, gray, false),
                 _ => scene.area(Box::new(Quad { size: [1.5, 0.7] }), place, turn, gray, false),
             }
         }

@@ -53,6 +53,7 @@ mod meters;
 mod metrics;
 mod motion;
 mod normal_maps;
+mod open_shapes;
 mod oracle;
 mod outliers;
 mod overrides;

@@ -111,6 +111,75 @@ fn meshes() {
 }
 
 #[test]
+fn parts_of_shapes() {
+    let shape = |text: &str| format!(r#""shapes": [{text}]"#);
+    let cases = [
+        (r#"{"type": "cylinder", "radius": ^-1}"#, "/shapes/0/radius: expected a number above 0, found -1"),
+        (r#"{"type": "cylinder", "z_min": 1, "z_max": ^1}"#, "/shapes/0/z_max: expected a number above 1, that of z_min, found 1"),
+        (r#"^{"type": "cylinder", "z_min": 2}"#, "/shapes/0/z_max: expected a number above 2, that of z_min, found 1"),
+        (r#"{"type": "cylinder", "phi_max": ^0}"#, "/shapes/0/phi_max: expected an angle in degrees above 0 and at most 360, found 0"),
+        (r#"{"type": "cylinder", "phi_max": ^361}"#, "/shapes/0/phi_max: expected an angle in degrees above 0 and at most 360, found 361"),
+        (r#"{"type": "cylinder", ^"height": 1}"#, r#"/shapes/0/height: unknown key "height""#),
+        (r#"{"type": "cylinder", ^"medium": {"type": "homogeneous"}}"#, r#"/shapes/0/medium: unknown key "medium""#),
+        (r#"{"type": "cone", "height": ^0}"#, "/shapes/0/height: expected a number above 0, found 0"),
+        (r#"{"type": "cone", "radius": ^0}"#, "/shapes/0/radius: expected a number above 0, found 0"),
+        (r#"{"type": "sphere", "z_min": 0.5, "z_max": ^0.5}"#, "/shapes/0/z_max: expected a number above 0.5, that of z_min, found 0.5"),
+        (
+            r#"{"type": "sphere", "z_min": ^1}"#,
+            "/shapes/0/z_min: expected a number below 1, the radius, found 1: nothing of the sphere is left",
+        ),
+        (
+            r#"{"type": "sphere", "radius": 2, "z_max": ^-2}"#,
+            "/shapes/0/z_max: expected a number above -2, minus the radius, found -2: nothing of the sphere is left",
+        ),
+        (r#"{"type": "sphere", "phi_max": ^-90}"#, "/shapes/0/phi_max: expected an angle in degrees above 0 and at most 360, found -90"),
+        (
+            r#"{"type": "sphere", "z_max": 0, "medium": ^{"type": "homogeneous", "absorption": 1}}"#,
+            "/shapes/0/medium: a part of a sphere is open and contains nothing: leave out \"medium\", or the cuts",
+        ),
+        (
+            r#"{"type": "sphere", "phi_max": 180, "medium": ^{"type": "homogeneous", "absorption": 1}}"#,
+            "/shapes/0/medium: a part of a sphere is open",
+        ),
+        (r#"{"type": "disk", "inner_radius": ^1}"#, "/shapes/0/inner_radius: expected a number below 1, that of radius, found 1"),
+        (r#"{"type": "disk", "inner_radius": ^-0.1}"#, "/shapes/0/inner_radius: expected a number of at least 0, found -0.1"),
+        (r#"^{"type": "bilinear_patch"}"#, "/shapes/0: missing key \"corners\""),
+        (
+            r#"{"type": "bilinear_patch", "corners": ^[[0,0,0], [1,0,0], [0,1,0]]}"#,
+            "/shapes/0/corners: expected an array of 4, found an array of 3",
+        ),
+        (
+            r#"{"type": "bilinear_patch", "corners": ^[[0,0,0], [1,1,1], [2,2,2], [5,5,5]]}"#,
+            "/shapes/0/corners: the corners lie on one line",
+        ),
+        (
+            r#"{"type": "bilinear_patch", "corners": ^[[1,2,3], [1,2,3], [1,2,3], [1,2,3]]}"#,
+            "/shapes/0/corners: the corners lie on one line",
+        ),
+        (
+            r#"{"type": "bilinear_patch", "corners": ^[[0,0,0], [1,0,0], [1,1,0], [0,1,0]]}"#,
+            "/shapes/0/corners: the sides cross: expected the corners at [u, v] = [0, 0], [1, 0], [0, 1] and [1, 1], in this order",
+        ),
+    ];
+    for (text, expected) in cases {
+        assert_fault_in_scene(&[(&shape(text), expected)]);
+    }
+    let fine = [
+        r#"{"type": "sphere", "z_min": -1, "z_max": 3, "medium": {"type": "homogeneous", "absorption": 1}}"#,
+        r#"{"type": "sphere", "z_min": -7, "z_max": 0.1, "phi_max": 1e-3}"#,
+        r#"{"type": "disk", "inner_radius": 0, "phi_max": 360}"#,
+        // Three corners, a trapezium, and a quadrilateral that is twisted by more than a right angle.
+        r#"{"type": "bilinear_patch", "corners": [[0,0,0], [1,0,0], [0,0,0], [1,1,0]]}"#,
+        r#"{"type": "bilinear_patch", "corners": [[0,0,0], [3,0,0], [1,1,0], [2,1,0]]}"#,
+        r#"{"type": "bilinear_patch", "corners": [[0,0,0], [1,0,0], [1,1,1], [0,1,0]]}"#,
+    ];
+    for text in fine {
+        assert!(read(scene(&shape(text))).is_ok(), "{text}");
+        assert!(build(&scene(&shape(text))).is_ok(), "{text}");
+    }
+}
+
+#[test]
 fn names() {
     assert_fault_in_scene(&[
         (

@@ -4,7 +4,9 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 use pt::math::{Ray, Transform};
-use pt::shape::{Cuboid, Disk, Geometry, MeshData, Quad, Shape, Sphere, TriangleMesh};
+use pt::shape::{
+    BilinearPatch, Cone, Cuboid, Cylinder, Disk, Geometry, MeshData, PartialDisk, PartialSphere, Quad, Shape, Sphere, TriangleMesh,
+};
 
 use crate::random::Random;
 use pt::torture::meshes::{icosphere, mesh};
@@ -20,12 +22,18 @@ fn families() -> Vec<(&'static str, Box<dyn Geometry>, Transform)> {
     for scale in [[1.0, 1.0, 1.0], [2.0, 0.5, 1.3], [-1.0, 1.0, 1.0], [-0.7, -2.0, -1.1]] {
         let place = stretch(scale).then(&random.rotation()).then(&Transform::translate(random.in_cube()).expect("finite"));
         let triangle = TriangleMesh::new(mesh(vec![Vec3::ZERO, Vec3::X * 1.5, Vec3::new(0.3, 1.2, 0.0)], vec![[0, 1, 2]]));
-        let geometries: [(&str, Box<dyn Geometry>); 5] = [
+        let corners = [[-0.8, -0.7, 0.1], [0.9, -0.6, -0.3], [-0.7, 0.8, -0.4], [0.6, 0.7, 0.5]].map(DVec3::from);
+        let geometries: [(&str, Box<dyn Geometry>); 10] = [
             ("triangle", Box::new(triangle)),
             ("quad", Box::new(Quad { size: [1.5, 0.8] })),
             ("box", Box::new(Cuboid { size: [1.5, 0.8, 1.1] })),
             ("disk", Box::new(Disk { radius: 0.7 })),
             ("sphere", Box::new(Sphere { radius: 0.6 })),
+            ("cylinder", Box::new(Cylinder { radius: 0.6, z: [-0.5, 0.7], phi_max: 250.0 })),
+            ("cone", Box::new(Cone { radius: 0.6, height: 0.9, phi_max: 360.0 })),
+            ("belt", Box::new(PartialSphere { radius: 0.7, z: [-0.2, 0.5], phi_max: 300.0 })),
+            ("ring", Box::new(PartialDisk { radius: 0.7, inner_radius: 0.3, phi_max: 200.0 })),
+            ("patch", Box::new(BilinearPatch { corners })),
         ];
         all.extend(geometries.map(|(name, geometry)| (name, geometry, place)));
     }

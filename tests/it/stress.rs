@@ -48,6 +48,14 @@ const LENGTHS: &str = r#"{
       { "time": 0, "transform": [{ "translate": [-2.6, 2.1, -0.6] }] },
       { "time": 1, "transform": [{ "rotate": { "axis": [1, 2, 3], "degrees": 70 } }, { "translate": [-1.9, 2.4, -0.8] }] }
     ] }] },
+    { "type": "cylinder", "radius": 0.3, "z_min": -0.1, "z_max": 0.7, "phi_max": 250, "material": "stone",
+      "transform": [{ "rotate": { "axis": [1, 0.5, 0], "degrees": -80 } }, { "translate": [2.2, 0.3, 1] }] },
+    { "type": "cone", "radius": 0.4, "height": 0.8, "material": "stone",
+      "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": -90 } }, { "translate": [-0.2, 0.01, 2.2] }] },
+    { "type": "sphere", "radius": 0.5, "center": [0, 0, 0.1], "z_max": 0.2, "phi_max": 300, "material": "stone",
+      "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": -70 } }, { "translate": [-2.5, 0.6, 1] }] },
+    { "type": "disk", "radius": 0.5, "inner_radius": 0.2, "phi_max": 280, "material": "stone", "transform": [{ "translate": [2.6, 1.6, 0] }] },
+    { "type": "bilinear_patch", "corners": [[1.6, 2.2, 0.2], [2.4, 2.5, 0], [1.5, 3, -0.2], [2.3, 2.8, 0.4]], "material": "stone" },
     { "type": "disk", "radius": 0.7, "emission": 8, "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 4, 0] }] }
   ],
   "lights": [

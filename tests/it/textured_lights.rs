@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use pt::light::{Area, Emitter, Light, LightSample, LightSampleContext, Lights, ShadowTarget};
 use pt::math::{Density, Rgb, Transform};
-use pt::shape::{Cuboid, Disk, Geometry, Quad, Shape, Sphere, TriangleMesh};
+use pt::shape::{BilinearPatch, Cone, Cuboid, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Shape, Sphere, TriangleMesh};
 use pt::texture::image::{Filter, Image, Pixels, Wrap};
 use pt::texture::{Texture, TextureContext};
 
@@ -33,6 +33,8 @@ fn triangle() -> TriangleMesh {
 fn shapes() -> Vec<(&'static str, Box<dyn Geometry>, Transform)> {
     let turned = Transform::rotate(DVec3::new(1.0, 2.0, 0.5), 140.0).expect("an axis");
     let stretched = Transform::scale(DVec3::new(0.5, 0.8, 1.3)).expect("a scale");
+    let skewed = stretched.then(&turned);
+    let corners = [[-0.8, -0.7, 0.1], [0.8, -0.6, 0.0], [-0.7, 0.8, -0.1], [0.6, 0.7, 0.2]].map(DVec3::from);
     vec![
         ("quad", Box::new(Quad { size: [1.6, 1.2] }), turned),
         ("disk", Box::new(Disk { radius: 0.8 }), turned),
@@ -40,6 +42,11 @@ fn shapes() -> Vec<(&'static str, Box<dyn Geometry>, Transform)> {
         ("ellipsoid", Box::new(Sphere { radius: 0.8 }), stretched.then(&turned)),
         ("box", Box::new(Cuboid { size: [0.8, 0.9, 1.0] }), turned),
         ("triangle", Box::new(triangle()), turned),
+        ("cylinder", Box::new(Cylinder { radius: 0.8, z: [-0.5, 0.7], phi_max: 360.0 }), skewed),
+        ("cone", Box::new(Cone { radius: 0.8, height: 0.9, phi_max: 300.0 }), skewed),
+        ("belt", Box::new(PartialSphere { radius: 0.8, z: [-0.78, 0.7], phi_max: 360.0 }), skewed),
+        ("ring", Box::new(PartialDisk { radius: 0.8, inner_radius: 0.4, phi_max: 270.0 }), turned),
+        ("patch", Box::new(BilinearPatch { corners }), turned),
     ]
 }
 
@@ -91,7 +98,7 @@ fn emission_is_sampled_in_proportion_to_its_texture() {
     for (name, geometry, to_world) in shapes() {
         let shape = baked(&*geometry, &to_world);
         // One side of a curved shape hides the other.
-        let is_curved = matches!(name, "sphere" | "ellipsoid");
+        let is_curved = matches!(name, "sphere" | "ellipsoid" | "cylinder" | "cone" | "belt");
         let emitter = Emitter { two_sided: !is_curved, ..spot() };
         for (primitive, lights) in (0..).zip(alone(&*geometry, &to_world, &emitter)) {
             for from in [Vec3::new(0.4, 1.5, 1.2), Vec3::new(-30.0, 50.0, 20.0), Vec3::new(60.0, -20.0, -40.0)] {
@@ -112,7 +119,7 @@ fn emission_is_sampled_in_proportion_to_its_texture() {
                 let found = weights.iter().sum::<f64>() / f64::from(COUNT);
                 let variance = weights.iter().map(|w| w * w).sum::<f64>() / f64::from(COUNT) - found * found;
                 let z = (found - expected) / (variance / f64::from(COUNT)).sqrt();
-                // 33 cases, so that one of them exceeds the bound by chance once in 4000 times.
+                // 48 cases, so that one of them exceeds the bound by chance once in 3000 times.
                 assert!(z.abs() < 4.5, "{name} {primitive} from {from}: {found}, expected {expected}, z = {z}");
                 for sample in samples.iter().flatten().step_by(997) {
                     let ShadowTarget::Surface(point) = sample.target else { panic!("a point on the shape") };
