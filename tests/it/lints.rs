@@ -88,6 +88,25 @@ fn rendered(scene: &Value, integrator: &str) -> (f64, String) {
     (values.iter().sum::<f64>() / values.len() as f64, String::from_utf8_lossy(&run.get_output().stderr).into_owned())
 }
 
+/// A solid glass cylinder of a wall and two disks, as a closed body; without the upper disk it is open.
+#[test]
+fn glass_bodies_of_several_shapes_are_closed_or_told() {
+    let lid = |turn: f64, height: f64| {
+        let place = json!([{"rotate": {"axis": [1, 0, 0], "degrees": turn}}, {"translate": [0, height, 0]}]);
+        json!({"type": "disk", "radius": 0.7, "material": "glass", "transform": place})
+    };
+    let wall = json!({"type": "cylinder", "name": "wall", "radius": 0.7, "z_min": 1, "z_max": 2, "material": "glass",
+        "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": -90}}]});
+    let of = |shapes: &[Value]| {
+        let mut scene = with(shapes);
+        scene["materials"] = json!({"glass": glass()});
+        scene
+    };
+    let warnings = said(&of(&[wall.clone(), lid(90.0, 1.0)]));
+    assert!(!warnings.is_empty() && warnings.iter().all(|warning| warning.contains("open or inconsistently wound glass")), "{warnings:?}");
+    assert_eq!(said(&of(&[wall, lid(90.0, 1.0), lid(-90.0, 2.0)])), Vec::<String>::new());
+}
+
 /// Two bodies of which one reaches out of the other; they may touch by a gap, lie in one another, or hold something opaque.
 #[test]
 fn bodies_that_overlap_are_named() {

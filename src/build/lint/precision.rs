@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::Linted;
 use super::rays::bounds;
@@ -100,10 +100,15 @@ fn bodies(world: &World, bounds: &[Aabb]) -> Vec<Body> {
     closed.into_iter().chain(open.into_values().map(whole).filter(Body::is_closed)).collect()
 }
 
-/// The contribution of a shape to a body, with V = ∫ (p − c)·n dA / 3. Curved shapes are measured by their bounding box.
+/// The contribution of a shape to a body, with V = ∫ (p − c)·n dA / 3. Curved shapes are measured by their bounding box, unless their normals
+/// are so similar that they are a part of a body only.
 fn measured(baked: &dyn Shape, shape: usize, center: DVec3, bounds: Aabb) -> Body {
     let mut body = Body { shape, ..Body::default() };
     for i in 0..baked.count() {
+        if baked.facet(i) == Facet::Curved && (baked.is_flat(i) || baked.normal_cone(i).is_some()) {
+            sum_up(baked, i, center, &mut body);
+            continue;
+        }
         if baked.facet(i) == Facet::Curved {
             let size = bounds.max.as_dvec3() - bounds.min.as_dvec3();
             let offset = f64::from(offset_bound(Vec3::splat(3f32.sqrt().recip()), bounds.magnitude()));
@@ -121,4 +126,18 @@ fn measured(baked: &dyn Shape, shape: usize, center: DVec3, bounds: Aabb) -> Bod
         }
     }
     body
+}
+
+/// Adds a primitive to a body, by the midpoint rule over the numbers with which it is sampled.
+fn sum_up(baked: &dyn Shape, i: u32, center: DVec3, body: &mut Body) {
+    const STEPS: u32 = 8;
+    for k in 0..STEPS * STEPS {
+        let (point, pdf) = baked.sample_area(i, (Vec2::new((k % STEPS) as f32, (k / STEPS) as f32) + 0.5) / STEPS as f32);
+        let area = 1.0 / (f64::from(STEPS * STEPS) * f64::from(pdf.get()));
+        let vector_area = point.ng.as_dvec3() * area;
+        body.area += area;
+        body.vector_area += vector_area;
+        body.volume += vector_area.dot(point.p.as_dvec3() - center) / 3.0;
+        body.offset += area * f64::from(point.offset);
+    }
 }
