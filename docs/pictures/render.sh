@@ -42,6 +42,7 @@ picture media             media           --size 400x200 --spp 512
 picture cloud             cloud           --size 400x250 --spp 256 --exposure auto --tonemap filmic
 picture translucent       translucent     --size 360x203 --spp 192 --exposure auto --tonemap filmic
 picture terrace           terrace
+picture shapes            shapes          --size 360x225 --spp 512 --exposure 1.3
 picture gallery           gallery         --size 320x200 --spp 1024
 picture reflections       reflections     --size 360x203 --spp 2048
 # Models in the light that they get without any of their own, for docs/import.md.
