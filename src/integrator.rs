@@ -132,7 +132,7 @@ fn walk<W: PathWalk, R: Recorder + ?Sized>(
 pub struct CameraSample {
     /// Ray from the camera into the scene.
     pub ray: Ray,
-    /// Weight of the reconstruction filter; applied by the render loop.
+    /// Weight of the reconstruction filter, times that of the camera's ray; applied by the render loop.
     pub weight: f32,
     /// Pixel that the sample belongs to.
     pub pixel: UVec2,

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use glam::{UVec2, Vec2};
 use rayon::prelude::*;
 
+use crate::camera::CameraRay;
 use crate::effects::Effects;
 use crate::film::{Crop, Film, FilmSpec, Layer, PixelLayout, PixelSums, Splat, SplatSums, Wave};
 use crate::integrator::{CameraSample, Context, Estimator, Integrator, Interrupt, LightPath, SideBySide};
@@ -451,14 +452,15 @@ impl Render {
     // Always inlined into the loop, although there are other callers.
     #[inline(always)]
     fn camera_sample(&self, pixel: UVec2, index: u64, numbers: &mut SampleNumbers) -> CameraSample {
-        let (offset, weight) = self.spec.filter.sample(numbers.get_2d(dimension::FILM));
+        let (offset, filter) = self.spec.filter.sample(numbers.get_2d(dimension::FILM));
         // Each effect owns its dimensions, so that drawing no lens point and no time shifts no other number.
         let lens = if self.has_lens { numbers.get_2d(dimension::LENS) } else { Vec2::ZERO };
         let time = if self.has_motion { drawn_time(numbers) } else { 0.0 };
         let raster = pixel.as_vec2() + 0.5 + offset;
-        let ray = self.scene.camera().ray(raster / self.spec.size.as_vec2(), self.spec.aspect(), lens, time);
+        let film = raster / self.spec.size.as_vec2();
+        let CameraRay { ray, weight } = self.scene.camera().sample(film, self.spec.aspect(), lens, time);
         let differential = if self.has_footprints { Some(self.differential(&ray, raster, lens, index)) } else { None };
-        CameraSample { ray, weight, pixel, raster, known_hit: None, inside: self.inside, differential }
+        CameraSample { ray, weight: filter * weight, pixel, raster, known_hit: None, inside: self.inside, differential }
     }
 
     /// Differential of a camera ray at the distance of the texture footprint of its sample.

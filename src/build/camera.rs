@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 use glam::UVec2;
 
 use super::transform;
-use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
+use crate::camera::{self, Blades, Camera, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Spherical};
 use crate::describe;
 use crate::film::layer::with_lights;
 use crate::film::memory;
 use crate::film::{Allocation, Crop, FilmSpec, Filter, Layer, LightNames, TextureFootprint};
+use crate::format::{Real, TiltAngle};
 use crate::math::{AnimatedTransform, Transform};
 use crate::sampler::{Kind, SamplerSpec};
 
@@ -25,17 +26,48 @@ pub(super) fn camera(described: &describe::Camera, shutter: &describe::Shutter) 
     };
     let pose = Pose::animated(&to_world.unwrap_or(Transform::IDENTITY.into()));
     Ok(match described {
-        describe::Camera::Perspective(c) => {
-            let (lens, focus) = (c.lens_radius.get() as f32, c.focus_distance.get() as f32);
-            let camera = Perspective::new(pose, c.fov.get(), lens, focus);
-            Camera::Perspective(match c.horizontal_fov {
-                Some(across) => camera.across(c.fov.get(), across.get()),
-                None => camera,
-            })
-        }
+        describe::Camera::Perspective(c) => Camera::Perspective(perspective(pose, c)),
         describe::Camera::Orthographic(c) => Camera::Orthographic(Orthographic { pose, height: c.height.get() as f32 }),
+        describe::Camera::Fisheye(c) => Camera::Fisheye(Fisheye::new(pose, c.fov.get(), mapping(c.mapping))),
         describe::Camera::Spherical(_) => Camera::Spherical(Spherical { pose }),
     })
+}
+
+/// The mapping of a fisheye lens that the description names.
+fn mapping(described: describe::FisheyeMapping) -> FisheyeMapping {
+    match described {
+        describe::FisheyeMapping::Equidistant => FisheyeMapping::Equidistant,
+        describe::FisheyeMapping::Equisolid => FisheyeMapping::Equisolid,
+        describe::FisheyeMapping::Stereographic => FisheyeMapping::Stereographic,
+        describe::FisheyeMapping::Orthographic => FisheyeMapping::Orthographic,
+    }
+}
+
+/// Metres in a millimetre.
+const MILLIMETRE: f64 = 1e-3;
+
+fn perspective(pose: Pose, described: &describe::Perspective) -> Perspective {
+    let sensor = described.sensor();
+    let focal_length = match described.focal_length {
+        Some(given) => given.get(),
+        None => camera::focal_length(described.fov(), sensor.height()),
+    };
+    let lens_radius = match described.f_number {
+        Some(number) => 0.5 * focal_length / number.get() * MILLIMETRE,
+        None => described.lens_radius.get(),
+    };
+    let mut camera = Perspective::new(pose, described.fov(), lens_radius as f32, described.focus_distance.get() as f32);
+    if let Some(across) = described.horizontal_fov {
+        camera = camera.across(described.fov(), across.get());
+    }
+    if described.focal_length.is_some() {
+        camera = camera.with_sensor(focal_length, sensor.height(), sensor.width());
+    }
+    let camera = camera.shifted(described.shift.map(Real::get)).tilted(described.tilt.map(TiltAngle::get));
+    match described.aperture.as_ref().filter(|iris| iris.blades.get() > 0) {
+        Some(iris) => camera.with_blades(Blades::new(iris.blades.get(), iris.rotation.get())),
+        None => camera,
+    }
 }
 
 pub(super) fn film(described: &describe::Film) -> FilmSpec {

@@ -5,6 +5,8 @@
 //!
 //! A new camera is a file in this folder, a variant and its arms here, and a variant in `describe::camera`.
 
+mod aperture;
+pub mod fisheye;
 pub mod orthographic;
 pub mod perspective;
 pub mod spherical;
@@ -17,8 +19,10 @@ use crate::error::Result;
 use crate::math::lanes::{Lanes, Vector};
 use crate::math::{AnimatedTransform, AreaPdf, Density, Ray, RayDifferential, Transform};
 
+pub use aperture::{Aperture, Blades};
+pub use fisheye::{Fisheye, FisheyeMapping};
 pub use orthographic::Orthographic;
-pub use perspective::Perspective;
+pub use perspective::{Perspective, focal_length};
 pub use spherical::Spherical;
 
 /// Camera of a scene.
@@ -32,12 +36,31 @@ pub enum Camera {
     Orthographic(Orthographic),
     /// Panorama of all directions.
     Spherical(Spherical),
+    /// Round picture of a wide angle.
+    Fisheye(Fisheye),
+}
+
+/// Ray of a camera, and what its light counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraRay {
+    /// The ray. If its weight is 0 it ends where it starts, so that it meets nothing.
+    pub ray: Ray,
+    /// Factor of the radiance that arrives along the ray: 1, or 0 at a position on the film that receives no light.
+    pub weight: f32,
+}
+
+impl From<Ray> for CameraRay {
+    /// A ray whose light counts fully.
+    #[inline(always)]
+    fn from(ray: Ray) -> CameraRay {
+        CameraRay { ray, weight: 1.0 }
+    }
 }
 
 /// Connection of a point with the camera, for paths that start at the lights.
 ///
 /// The importance We is normalized so that a film that covers the unit square has ∫∫ We |cos θ| dA dω = 1 over its rays: light of
-/// radiance L along all of them gives the film the mean L.
+/// radiance L along all of them gives the film the mean L. For a fisheye lens the integral is the share of the film in its round picture.
 ///
 /// Source: Veach, *Robust Monte Carlo Methods for Light Transport Simulation* (1997), §8.3.
 /// Tests: importance_integrates_to_one, connections_are_the_rays_of_the_camera.
@@ -63,7 +86,7 @@ pub struct CameraImportance {
     /// Position on the film.
     pub film: Vec2,
     /// Importance We: p(position) · p(direction) / |cos θ|, without the densities that are delta distributions. θ is the angle to the
-    /// axis of the camera; panoramas, which have no axis, have cos θ = 1.
+    /// axis of the camera; panoramas and fisheye lenses, which have no flat film, have cos θ = 1.
     pub we: f32,
     /// Density of the start on the lens or, for parallel projections, on the plane of the eye.
     pub position: Density<AreaPdf>,
@@ -83,6 +106,7 @@ impl Camera {
             Camera::Perspective(camera) => camera.importance(ray, aspect),
             Camera::Orthographic(camera) => camera.importance(ray, aspect),
             Camera::Spherical(camera) => camera.importance(ray),
+            Camera::Fisheye(camera) => camera.importance(ray, aspect),
         };
         importance.filter(|found| found.film.cmpge(Vec2::ZERO).all() && found.film.cmplt(Vec2::ONE).all())
     }
@@ -96,23 +120,31 @@ impl Camera {
             Camera::Perspective(camera) => camera.connect(p, aspect, lens),
             Camera::Orthographic(camera) => camera.connect(p, aspect),
             Camera::Spherical(camera) => camera.connect(p),
+            Camera::Fisheye(camera) => camera.connect(p, aspect),
         }
     }
 
-    /// Ray through a point of the film.
+    /// Ray through a point of the film, and what its light counts.
     ///
     /// - `film`: position in [0, 1)², from the upper left corner; `aspect`: width / height of the film
     /// - `lens`: uniform numbers in [0, 1)², used only by cameras with a lens
     /// - `time`: fraction of the shutter interval, in [0, 1); 0 where nothing moves
     #[inline(always)]
-    pub fn ray(&self, film: Vec2, aspect: f32, lens: Vec2, time: f32) -> Ray {
+    pub fn sample(&self, film: Vec2, aspect: f32, lens: Vec2, time: f32) -> CameraRay {
         let moved = self.moved(time);
-        let ray = match moved.as_ref().unwrap_or(self) {
-            Camera::Perspective(camera) => camera.ray(film, aspect, lens),
-            Camera::Orthographic(camera) => camera.ray(film, aspect),
-            Camera::Spherical(camera) => camera.ray(film),
+        let CameraRay { ray, weight } = match moved.as_ref().unwrap_or(self) {
+            Camera::Perspective(camera) => camera.ray(film, aspect, lens).into(),
+            Camera::Orthographic(camera) => camera.ray(film, aspect).into(),
+            Camera::Spherical(camera) => camera.ray(film).into(),
+            Camera::Fisheye(camera) => camera.ray(film, aspect),
         };
-        Ray { time, ..ray }
+        CameraRay { ray: Ray { time, ..ray }, weight }
+    }
+
+    /// The ray of [`Camera::sample`] alone.
+    #[inline(always)]
+    pub fn ray(&self, film: Vec2, aspect: f32, lens: Vec2, time: f32) -> Ray {
+        self.sample(film, aspect, lens, time).ray
     }
 
     /// Differential of a ray of the camera, between neighbouring pixels of the film.
@@ -120,8 +152,15 @@ impl Camera {
     /// - `ray`: the ray through `film`; the other parameters are those with which it was made
     /// - `pixel`: width and height of a pixel, in the unit of `film`
     pub fn differential(&self, ray: &Ray, film: Vec2, pixel: Vec2, aspect: f32, lens: Vec2) -> RayDifferential {
-        // Film positions end at 1.
-        let step = |k: usize| if film[k] + pixel[k] < 1.0 { 1.0 } else { -1.0 };
+        let step = |k: usize| {
+            let is_within = match self {
+                // The neighbours towards the centre are in the round picture too.
+                Camera::Fisheye(_) => film[k] < 0.5,
+                // Film positions end at 1.
+                _ => film[k] + pixel[k] < 1.0,
+            };
+            if is_within { 1.0 } else { -1.0 }
+        };
         let step = [step(0), step(1)];
         let beside = |offset: Vec2| self.ray(film + offset, aspect, lens, ray.time);
         ray.differential_to([beside(Vec2::new(step[0] * pixel.x, 0.0)), beside(Vec2::new(0.0, step[1] * pixel.y))], step)
@@ -166,13 +205,13 @@ impl Camera {
         camera
     }
 
-    /// Depth of a point at a time (m): along the axis of the camera, for panoramas the distance from the eye.
+    /// Depth of a point at a time (m): along the axis of the camera, for panoramas and fisheye lenses the distance from the eye.
     pub fn depth(&self, p: DVec3, time: f32) -> f64 {
         let moved = self.moved(time);
         let camera = moved.as_ref().unwrap_or(self);
         let pose = camera.pose();
         match camera {
-            Camera::Spherical(_) => (p - pose.eye).length(),
+            Camera::Spherical(_) | Camera::Fisheye(_) => (p - pose.eye).length(),
             _ => (pose.eye - p).dot(pose.back.as_dvec3()),
         }
     }
@@ -185,19 +224,20 @@ impl Camera {
     }
 
     /// Homogeneous matrix from camera space to the film, with x and y in [0, 1]² from the upper left corner. z is 1/depth for a
-    /// perspective and the depth for a parallel projection. `None` for panoramas, whose mapping is not projective.
+    /// perspective and the depth for a parallel projection. `None` for panoramas and fisheye lenses, whose mapping is not projective.
     pub fn to_film(&self, aspect: f64) -> Option<DMat4> {
         let [x, y, z, w] = [DVec4::X, DVec4::Y, DVec4::Z, DVec4::W];
         let rows = match self {
             Camera::Perspective(camera) => {
                 let (width, height) = (self.screen_width(aspect)?, 2.0 * f64::from(camera.tan_half_fov));
-                [x / width - 0.5 * z, -y / height - 0.5 * z, w, -z]
+                let center = 0.5 * camera.center.as_dvec2();
+                [x / width - center.x * z, -y / height - center.y * z, w, -z]
             }
             Camera::Orthographic(camera) => {
                 let height = f64::from(camera.height);
                 [x / (height * aspect) + 0.5 * w, -y / height + 0.5 * w, -z, w]
             }
-            Camera::Spherical(_) => return None,
+            Camera::Spherical(_) | Camera::Fisheye(_) => return None,
         };
         Some(DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose())
     }
@@ -208,6 +248,15 @@ impl Camera {
             Camera::Perspective(camera) => Some(2.0 * f64::from(camera.tan_half_fov) * f64::from(camera.aspect(aspect as f32))),
             _ => None,
         }
+    }
+
+    /// Place of the middle of the film of a perspective camera on the plane one metre in front of it, to the right and up from the axis (m);
+    /// `None` on the axis.
+    pub fn screen_center(&self, aspect: f64) -> Option<[f64; 2]> {
+        let Camera::Perspective(camera) = self else { return None };
+        let half = [0.5 * self.screen_width(aspect)?, f64::from(camera.tan_half_fov)];
+        let center = camera.center.as_dvec2();
+        Some([half[0] * (1.0 - center.x), half[1] * (center.y - 1.0)]).filter(|center| *center != [0.0; 2])
     }
 
     /// Width of a pixel divided by its height, as angles of view.
@@ -233,8 +282,8 @@ impl Camera {
         let pose = self.pose();
         match self {
             Camera::Orthographic(_) => pose.back.as_dvec3().dot(n) > 0.0,
-            Camera::Perspective(camera) => (pose.eye - p).dot(n) > -f64::from(camera.lens_radius),
-            Camera::Spherical(_) => (pose.eye - p).dot(n) > 0.0,
+            Camera::Perspective(camera) => (pose.eye - p).dot(n) > -f64::from(camera.aperture.radius),
+            Camera::Spherical(_) | Camera::Fisheye(_) => (pose.eye - p).dot(n) > 0.0,
         }
     }
 
@@ -243,6 +292,7 @@ impl Camera {
             Camera::Perspective(camera) => &camera.pose,
             Camera::Orthographic(camera) => &camera.pose,
             Camera::Spherical(camera) => &camera.pose,
+            Camera::Fisheye(camera) => &camera.pose,
         }
     }
 
@@ -251,6 +301,7 @@ impl Camera {
             Camera::Perspective(camera) => &mut camera.pose,
             Camera::Orthographic(camera) => &mut camera.pose,
             Camera::Spherical(camera) => &mut camera.pose,
+            Camera::Fisheye(camera) => &mut camera.pose,
         }
     }
 

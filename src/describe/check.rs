@@ -3,10 +3,11 @@
 //! Each check gives the JSON pointer of the value it complains about; [`Faults::add_at`] finds the line and column.
 
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::camera::Camera;
+use super::camera::{Camera, Fisheye, FisheyeMapping, Perspective};
 use super::cycles;
 use super::field_check;
 use super::film::Film;
@@ -80,6 +81,9 @@ const LEAST_DISK: f64 = 1e-4;
 /// Most irradiance of a sun with the angle of ours, so that its disk has a radiance of at most 1e30.
 const MOST_SUNLIGHT: f64 = 1e25;
 
+/// Sizes of a sensor relative to the focal length. Beyond them 32-bit floats do not tell the rays of a picture apart.
+const WIDTHS: RangeInclusive<f64> = 1e-8..=1e8;
+
 struct Checker<'s> {
     scene: &'s Scene,
     root: &'s Node,
@@ -120,8 +124,51 @@ impl Checker<'_> {
         if look_at.is_some() && transform.is_some() {
             self.fault("/camera/transform", "give look_at or transform, not both (a transform may contain look_at)");
         }
+        match camera {
+            Camera::Perspective(perspective) => self.perspective(perspective),
+            Camera::Fisheye(fisheye) => self.fisheye(fisheye),
+            Camera::Orthographic(_) | Camera::Spherical(_) => {}
+        }
         look_at.inspect(|look_at| self.look_at("/camera/look_at", look_at));
         transform.inspect(|transform| self.motion("/camera/transform", transform));
+    }
+
+    fn perspective(&self, camera: &Perspective) {
+        let angles = [("fov", camera.fov.is_some()), ("horizontal_fov", camera.horizontal_fov.is_some())];
+        for (key, _) in angles.into_iter().filter(|(_, is_given)| *is_given && camera.focal_length.is_some()) {
+            self.fault("/camera/focal_length", format!("give {key} or focal_length, not both"));
+        }
+        if camera.f_number.is_some() && camera.lens_radius.get() > 0.0 {
+            self.fault("/camera/f_number", "give lens_radius or f_number, not both");
+        }
+        if camera.sensor.is_some() && camera.focal_length.is_none() && camera.f_number.is_none() {
+            self.fault("/camera/sensor", "the size of the sensor counts only with focal_length or f_number: give one of them");
+        }
+        if let Some(focal_length) = camera.focal_length {
+            let sensor = camera.sensor();
+            for side in [Some(sensor.height()), sensor.width()].into_iter().flatten() {
+                if !WIDTHS.contains(&(side / focal_length.get())) {
+                    let message = format!("expected between 1e-8 and 1e8 times the size of the sensor, {side:e} mm");
+                    self.fault("/camera/focal_length", message);
+                }
+            }
+        }
+        if let Some(1 | 2) = camera.aperture.as_ref().map(|iris| iris.blades.get()) {
+            self.fault("/camera/aperture/blades", "expected 0, for a round opening, or at least 3 blades");
+        }
+    }
+
+    fn fisheye(&self, camera: &Fisheye) {
+        let (greatest, is_reached, name) = match camera.mapping {
+            FisheyeMapping::Equidistant | FisheyeMapping::Equisolid => return,
+            FisheyeMapping::Stereographic => (360.0, false, "a stereographic"),
+            FisheyeMapping::Orthographic => (180.0, true, "an orthographic"),
+        };
+        let fov = camera.fov.get();
+        if fov > greatest || fov == greatest && !is_reached {
+            let bound = if is_reached { "at most" } else { "below" };
+            self.fault("/camera/fov", format!("expected an angle {bound} {greatest} degrees for {name} lens, found {fov}"));
+        }
     }
 
     fn film(&self, film: &Film) {

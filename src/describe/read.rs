@@ -75,6 +75,7 @@ fn checked(root: &Node, file: &str, files: Option<&Files>) -> Result<Scene> {
     let mut scene: Option<Scene> = reader::read(root, "", UnknownKeys::Refuse, &faults);
     if let Some(scene) = &mut scene {
         scene.integrator = Integrator(root.child("integrator").cloned());
+        scene.camera.fill_defaults();
         check(scene, root, &faults);
         let unusable = files.map_or_else(Vec::new, |files| files.all_unusable(scene));
         unusable.into_iter().for_each(|(pointer, message)| faults.add_at(root, &pointer, message));

@@ -155,6 +155,12 @@ ranged! {
     Asymmetry: f64 read as f64 ("a number", "number") in Included(-0.999), Included(0.999);
     /// The full angle of a view, in degrees.
     FieldOfView: f64 read as f64 ("an angle in degrees", "number") in Excluded(0.0), Excluded(180.0);
+    /// The focal length of a lens over the diameter of its opening.
+    FNumber: f64 read as f64 ("an f-number", "number") in Included(0.01), Included(1e6);
+    /// The full angle of the view of a fisheye lens, in degrees.
+    WideAngle: f64 read as f64 ("an angle in degrees", "number") in Excluded(0.0), Included(360.0);
+    /// The angle by which the plane of focus is turned, in degrees.
+    TiltAngle: f64 read as f64 ("an angle in degrees", "number") in Excluded(-90.0), Excluded(90.0);
     /// The half angle of a cone, in degrees.
     ConeAngle: f64 read as f64 ("an angle in degrees", "number") in Included(0.0), Included(180.0);
     /// Half the angle under which something flat is seen, in degrees.
@@ -181,8 +187,24 @@ ranged! {
     Resolution: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(256.0);
     /// The number of octaves of noise that are summed.
     Octaves: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(16.0);
+    /// A number of blades of an iris; 0 is a round opening.
+    BladeCount: u32 read as i128 ("a whole number", "integer") in Included(0.0), Included(64.0);
     /// The version of the scene format.
     Version: u32 read as i128 ("a version", "integer") in Included(1.0), Included(1.0);
+}
+
+impl Default for Real {
+    /// 0.
+    fn default() -> Real {
+        Real::known(0.0)
+    }
+}
+
+impl Default for BladeCount {
+    /// A round opening.
+    fn default() -> BladeCount {
+        BladeCount::known(0)
+    }
 }
 
 impl Default for DiskAngle {

@@ -23,6 +23,8 @@ pub enum Value {
     Integer(i32),
     /// Number.
     Number(f32),
+    /// Point of a plane.
+    Point([f32; 2]),
     /// Matrix in OpenEXR's convention: row by row, and points are rows that stand on the left.
     Matrix([f32; 16]),
 }
@@ -47,12 +49,13 @@ impl From<String> for Value {
 }
 
 impl fmt::Display for Value {
-    /// Text of a value; a matrix is written as `1 0 0 0 | 0 1 0 0 | 0 0 1 0 | 0 0 -5 1`.
+    /// Text of a value; a point is written as `0.5 -1`, a matrix as `1 0 0 0 | 0 1 0 0 | 0 0 1 0 | 0 0 -5 1`.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Value::Text(text) => f.write_str(text),
             Value::Integer(number) => number.fmt(f),
             Value::Number(number) => number.fmt(f),
+            Value::Point([x, y]) => write!(f, "{x} {y}"),
             Value::Matrix(numbers) => {
                 // −0 is written as 0.
                 let row = |row: &[f32]| row.iter().map(|x| (x + 0.0).to_string()).collect::<Vec<_>>().join(" ");
@@ -67,6 +70,7 @@ impl fmt::Display for Value {
 /// - `worldToCamera`: to x right, y up, −z ahead (m)
 /// - `worldToNDC`: to the display window, x and y from 0 at the upper left to 1, to be divided by w; panoramas have none
 /// - `screenWindowWidth`: width that a perspective shows of the plane at distance 1
+/// - `screenWindowCenter`: place of its middle on that plane, if the film is shifted
 /// - `pixelAspectRatio`: width of a pixel over its height, if they differ
 ///
 /// Source: OpenEXR, *Standard Optional Attributes*. Tests: matrices_find_the_pixel.
@@ -75,8 +79,15 @@ pub fn of_camera(scene: &dyn Scene, film: &FilmSpec) -> Attributes {
     let to_camera = camera.world_to_camera() * DMat4::from_translation(-scene.origin());
     let to_film = camera.to_film(aspect).map(|to_film| Value::matrix(&(to_film * to_camera)));
     let width = camera.screen_width(aspect).map(|width| Value::Number(width as f32));
+    let center = camera.screen_center(aspect).map(|center| Value::Point(center.map(|x| x as f32)));
     let pixel = Some(camera.pixel_aspect(film.aspect())).filter(|pixel| *pixel != 1.0).map(Value::Number);
     let to_camera = Some(Value::matrix(&to_camera));
-    let all = [("worldToCamera", to_camera), ("worldToNDC", to_film), ("screenWindowWidth", width), ("pixelAspectRatio", pixel)];
+    let all = [
+        ("worldToCamera", to_camera),
+        ("worldToNDC", to_film),
+        ("screenWindowWidth", width),
+        ("screenWindowCenter", center),
+        ("pixelAspectRatio", pixel),
+    ];
     all.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
 }

@@ -34,6 +34,8 @@ pub fn encode(image: &Image, attributes: &Attributes) -> PtResult<Vec<u8>> {
 const TO_CAMERA: &str = "worldToCamera";
 const TO_NDC: &str = "worldToNDC";
 const SCREEN_WIDTH: &str = "screenWindowWidth";
+const SCREEN_CENTER: &str = "screenWindowCenter";
+const ON_AXIS: Vec2<f32> = Vec2(0.0, 0.0);
 /// Value of a required attribute if it is unknown.
 const NO_SCREEN_WIDTH: f32 = 1.0;
 const PIXEL_ASPECT: &str = "pixelAspectRatio";
@@ -45,12 +47,14 @@ fn describe(about: &mut LayerAttributes, shared: &mut ImageAttributes, name: &st
         (TO_CAMERA, Value::Matrix(matrix)) => return about.world_to_camera = Some(*matrix),
         (TO_NDC, Value::Matrix(matrix)) => return about.world_to_normalized_device = Some(*matrix),
         (SCREEN_WIDTH, Value::Number(width)) => return about.screen_window_width = *width,
+        (SCREEN_CENTER, Value::Point([x, y])) => return about.screen_window_center = Vec2(*x, *y),
         // The format has no others.
         (PIXEL_ASPECT, Value::Number(ratio)) if !(1e-6..=1e6).contains(ratio) => return,
         (PIXEL_ASPECT, Value::Number(ratio)) => return shared.pixel_aspect = *ratio,
         (_, Value::Text(text)) => AttributeValue::Text(utf8(text)),
         (_, Value::Integer(number)) => AttributeValue::I32(*number),
         (_, Value::Number(number)) => AttributeValue::F32(*number),
+        (_, Value::Point([x, y])) => AttributeValue::FloatVec2(Vec2(*x, *y)),
         (_, Value::Matrix(matrix)) => AttributeValue::Matrix4x4(*matrix),
     };
     about.other.insert(utf8(name), other);
@@ -63,9 +67,11 @@ fn described(about: &LayerAttributes, shared: &ImageAttributes) -> Attributes {
     let matrices = matrices.into_iter().filter_map(|(name, matrix)| Some((name.to_owned(), Value::Matrix(matrix?))));
     let width = Some(about.screen_window_width).filter(|width| *width != NO_SCREEN_WIDTH);
     let width = width.map(|width| (SCREEN_WIDTH.to_owned(), Value::Number(width)));
+    let center = Some(about.screen_window_center).filter(|center| *center != ON_AXIS);
+    let center = center.map(|Vec2(x, y)| (SCREEN_CENTER.to_owned(), Value::Point([x, y])));
     let ratio = Some(shared.pixel_aspect).filter(|ratio| *ratio != SQUARE);
     let ratio = ratio.map(|ratio| (PIXEL_ASPECT.to_owned(), Value::Number(ratio)));
-    let mut all: Attributes = other.chain(matrices).chain(width).chain(ratio).collect();
+    let mut all: Attributes = other.chain(matrices).chain(width).chain(center).chain(ratio).collect();
     all.sort_by(|a, b| a.0.cmp(&b.0));
     all
 }
@@ -75,6 +81,7 @@ fn known(value: &AttributeValue) -> Option<Value> {
         AttributeValue::Text(text) => Some(Value::Text(from_utf8(text))),
         AttributeValue::I32(number) => Some(Value::Integer(*number)),
         AttributeValue::F32(number) => Some(Value::Number(*number)),
+        AttributeValue::FloatVec2(Vec2(x, y)) => Some(Value::Point([*x, *y])),
         AttributeValue::Matrix4x4(matrix) => Some(Value::Matrix(*matrix)),
         _ => None,
     }
@@ -89,7 +96,7 @@ fn from_utf8(text: &Text) -> String {
     String::from_utf8_lossy(text.bytes()).into_owned()
 }
 
-/// Reads all channels of the first part as f32, and its attributes that are text, numbers or matrices, by name.
+/// Reads all channels of the first part as f32, and its attributes that are text, numbers, points or matrices, by name.
 ///
 /// # Errors
 /// The errors of [`super::read()`].

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use serde_json::{Value, json};
 
 use super::mesh;
-use crate::describe::{Files, Light, Scene, Shape};
+use crate::describe::{self, Files, Light, Scene, Shape};
 use crate::error::{Error, Result};
 use crate::format::{Coefficient, Color, TextureSpace};
 use crate::reader::Node;
@@ -218,17 +218,31 @@ fn list<'v>(object: &'v mut Value, key: &str) -> &'v mut Vec<Value> {
     entry.as_array_mut().expect("just made")
 }
 
+/// Multiplies a number, or each number of a list.
 fn multiply(object: &mut Value, key: &str, factor: f64) {
-    if let Some(number) = object.get(key).and_then(Value::as_f64) {
-        object[key] = json!(number * factor);
+    match object.get_mut(key) {
+        Some(Value::Array(numbers)) => numbers.iter_mut().for_each(|number| *number = json!(number.as_f64().map(|x| x * factor))),
+        Some(value) => {
+            if let Some(number) = value.as_f64() {
+                *value = json!(number * factor);
+            }
+        }
+        None => {}
     }
 }
 
 fn place_all(changed: &mut Value, scene: &Scene, place: &Similarity) {
     let camera = &mut changed["camera"];
     place_camera(camera, place);
-    for key in ["lens_radius", "focus_distance", "height"] {
+    for key in ["lens_radius", "focus_distance", "height", "focal_length", "sensor"] {
         multiply(camera, key, place.scale);
+    }
+    // The size of a sensor that is not mentioned counts where the focal length or the f-number is given.
+    if let describe::Camera::Perspective(described) = &scene.camera
+        && described.sensor.is_none()
+        && (described.focal_length.is_some() || described.f_number.is_some())
+    {
+        camera["sensor"] = json!(described.sensor().height() * place.scale);
     }
     for shape in list(changed, "shapes") {
         list(shape, "transform").push(place.step());

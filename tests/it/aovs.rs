@@ -7,7 +7,7 @@ use std::sync::Arc;
 use assert_cmd::Command;
 use glam::{DMat4, DVec3, DVec4, UVec2, Vec3};
 use pt::bsdf::Material;
-use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
+use pt::camera::{Camera, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{Crop, FilmSpec, Filter, Image, Layer, LightNames, MomentFilm};
 use pt::integrator::choose;
 use pt::integrators::ALL;
@@ -254,15 +254,30 @@ fn mean_fresnel(eta: f64) -> f64 {
 #[test]
 fn the_depth_of_a_panorama_is_the_distance() {
     let middle = DVec3::new(1.0, 2.0, 3.0);
-    let mut world = World::builder(Camera::Spherical(Spherical { pose: Pose::new(&at(middle)) }));
-    let matte = world.material(Material::diffuse(stored(gray(0.5))));
-    world.shape(Sphere { radius: 3.0 }, at(middle), matte, None);
-    let scene = built(world);
-    let film = FilmSpec { layers: vec![Layer::Depth, Layer::Position], ..FilmSpec::new(16, 8) };
-    let image = taken(scene.clone(), film.clone(), spp(4));
-    (0..128).for_each(|i| near(numbers(&image, Layer::Depth, i)[0], 3.0, 1e-5, "Z"));
-    let names: Vec<String> = of_camera(&*scene, &film).into_iter().map(|(name, _)| name).collect();
-    assert_eq!(names, ["worldToCamera"], "no matrix makes a panorama");
+    let pose = Pose::new(&at(middle));
+    let fisheye = Fisheye::new(pose.clone(), 360.0, FisheyeMapping::Equisolid);
+    for camera in [Camera::Spherical(Spherical { pose }), Camera::Fisheye(fisheye)] {
+        let is_round = matches!(camera, Camera::Fisheye(_));
+        let mut world = World::builder(camera);
+        let matte = world.material(Material::diffuse(stored(gray(0.5))));
+        world.shape(Sphere { radius: 3.0 }, at(middle), matte, None);
+        let scene = built(world);
+        let film = FilmSpec { layers: vec![Layer::Depth, Layer::Position], ..FilmSpec::new(16, 8) };
+        let image = taken(scene.clone(), film.clone(), spp(4));
+        for i in 0..128 {
+            // Pixels that lie outside of the circle of 8 pixels in the middle see nothing.
+            let (x, y) = (i as f64 % 16.0 - 7.5, (i / 16) as f64 - 3.5);
+            let is_seen = !is_round || x.hypot(y) < 4.0 - 0.5f64.sqrt();
+            let is_outside = is_round && x.hypot(y) > 4.0 + 0.5f64.sqrt();
+            match numbers(&image, Layer::Depth, i)[0] {
+                z if is_seen => near(z, 3.0, 1e-5, "Z"),
+                z if is_outside => assert_eq!(z, 0.0, "pixel {i}"),
+                z => assert!(z == 0.0 || (z - 3.0).abs() < 1e-5, "pixel {i}: {z}"),
+            }
+        }
+        let names: Vec<String> = of_camera(&*scene, &film).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(names, ["worldToCamera"], "no matrix makes a panorama");
+    }
 }
 
 /// The matrices of OpenEXR map positions, as row vectors, to camera space and to pixels.
@@ -272,8 +287,10 @@ fn matrices_find_the_pixel() {
     let pose = Pose::new(&Transform::look_at(eye, target, DVec3::new(0.1, 1.0, 0.2)).expect("a pose"));
     let perspective = Perspective::new(pose.clone(), 50.0, 0.0, 1.0);
     let tan = |angle: f64| (0.5 * angle).to_radians().tan();
+    let mut shifted = 0;
     for (camera, seen, pixel) in [
         (Camera::Perspective(perspective.clone()), Some(2.0 * tan(50.0) * 1.5), None),
+        (Camera::Perspective(perspective.clone().shifted([0.2, -0.3])), Some(2.0 * tan(50.0) * 1.5), None),
         (Camera::Perspective(perspective.across(50.0, 40.0)), Some(2.0 * tan(40.0)), Some(tan(40.0) / tan(50.0) / 1.5)),
         (Camera::Orthographic(Orthographic { pose, height: 3.0 }), None, None),
     ] {
@@ -300,6 +317,15 @@ fn matrices_find_the_pixel() {
             near(x, f64::from(2 + i as u32 % 10) + 0.5, 1e-3, "column");
             near(y, f64::from(3 + i as u32 / 10) + 0.5, 1e-3, "row");
         }
+        // The middle of the film that is shifted by a fifth of its width to the right, and by .3 of its height down.
+        let is_shifted = seen.is_some() && attributes.iter().any(|row| row.0 == "screenWindowCenter");
+        if is_shifted {
+            let expected = [0.2 * 2.0 * tan(50.0) * 1.5, -0.3 * 2.0 * tan(50.0)];
+            let center = attributes.iter().find_map(|row| if let Value::Point(center) = row.1 { Some(center) } else { None });
+            let center = center.expect("a point").map(f64::from);
+            (0..2).for_each(|k| near(center[k], expected[k], 1e-6, "screenWindowCenter"));
+            shifted += 1;
+        }
         for (name, expected) in [("screenWindowWidth", seen), ("pixelAspectRatio", pixel)] {
             match (attributes.iter().find(|row| row.0 == name), expected) {
                 (Some((_, Value::Number(number))), Some(expected)) => near((*number).into(), expected, 1e-6, name),
@@ -307,6 +333,7 @@ fn matrices_find_the_pixel() {
             }
         }
     }
+    assert_eq!(shifted, 1);
 }
 
 /// Layers do not change the picture, with a lens, with holes, and with all integrators and samplers.

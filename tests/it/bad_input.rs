@@ -59,6 +59,12 @@ const TEXTS: &[Row] = &[
     ("B26", r#"{"pt": 1, "camera": {"fov": ^NaN}}"#, 3, "expected a value, found the word NaN"),
     ("B26", r#"{"pt": 1, "camera": {"lens_radius": ^-1}}"#, 3, "/camera/lens_radius: expected a number of at least 0, found -1"),
     ("B26", r#"{"pt": 1, "camera": {"focus_distance": ^0}}"#, 3, "/camera/focus_distance: expected a number above 0, found 0"),
+    ("B26", r#"{"pt": 1, "camera": {"fov": 40, "focal_length": ^50}}"#, 3, "/camera/focal_length: give fov or focal_length, not both"),
+    ("B26", r#"{"pt": 1, "camera": {"f_number": ^0}}"#, 3, "/camera/f_number: expected an f-number from 0.01"),
+    ("B26", r#"{"pt": 1, "camera": {"aperture": {"blades": ^2}}}"#, 3, "/camera/aperture/blades: expected 0, for a round opening, or at"),
+    ("B26", r#"{"pt": 1, "camera": {"tilt": [0, ^-90]}}"#, 3, "/camera/tilt/1: expected an angle in degrees above -90 and below 90"),
+    ("B26", r#"{"pt": 1, "camera": {"shift": [0, ^1e999]}}"#, 3, "/camera/shift/1: the number 1e999 is too large"),
+    ("B26", r#"{"pt": 1, "camera": {"type": "fisheye", "fov": ^400}}"#, 3, "/camera/fov: expected an angle in degrees above 0 and at most"),
     ("B39", r#"^{"pt": 1}"#, 3, "missing key \"camera\""),
 ];
 

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec3, Vec2, Vec3};
 use proptest::prelude::*;
 use pt::bsdf::Material;
-use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
+use pt::camera::{Blades, Camera, CameraRay, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Spherical};
 use pt::effects::Effects;
 use pt::math::{Ray, Rgb, Transform, float::ONE_MINUS_EPSILON};
 use pt::scene::Scene;
@@ -120,14 +120,21 @@ proptest! {
         let cameras = [
             pinhole(pose.clone(), fov),
             Camera::Perspective(Perspective::new(pose.clone(), fov, 0.25, 2.0)),
+            Camera::Perspective(Perspective::new(pose.clone(), fov, 0.25, 2.0).with_blades(Blades::new(7, 200.0)).tilted([60.0, -60.0])),
             Camera::Orthographic(Orthographic { pose: pose.clone(), height: 3.0 }),
-            Camera::Spherical(Spherical { pose }),
+            Camera::Spherical(Spherical { pose: pose.clone() }),
+            Camera::Fisheye(Fisheye::new(pose.clone(), 2.0 * fov, FisheyeMapping::Equidistant)),
+            Camera::Fisheye(Fisheye::new(pose.clone(), 360.0, FisheyeMapping::Equisolid)),
+            Camera::Fisheye(Fisheye::new(pose.clone(), 2.0 * fov, FisheyeMapping::Stereographic)),
+            Camera::Fisheye(Fisheye::new(pose, fov, FisheyeMapping::Orthographic)),
         ];
         for camera in cameras {
-            let ray = camera.ray(film.into(), 1.5, lens.into(), 0.0);
+            let CameraRay { ray, weight } = camera.sample(film.into(), 1.5, lens.into(), 0.0);
             // Normalising rounds each component at most three times, so the length has the same relative error.
             prop_assert!((ray.direction.as_dvec3().length() - 1.0).abs() < 4.0 / 16_777_216.0, "{camera:?}: {ray:?}");
-            prop_assert!(ray.t_max == f32::INFINITY && ray.time == 0.0);
+            // Where a camera sees nothing, its ray ends where it starts.
+            let t_max = if weight == 0.0 { 0.0 } else { f32::INFINITY };
+            prop_assert!(ray.t_max == t_max && ray.time == 0.0);
         }
     }
 
@@ -272,7 +279,9 @@ fn moved(kind: usize, by: DVec3) -> World {
     let camera = match kind {
         0 => Camera::Perspective(Perspective::new(pose, 45.0, 0.125, 4.0)),
         1 => Camera::Orthographic(Orthographic { pose, height: 3.0 }),
-        _ => Camera::Spherical(Spherical { pose }),
+        2 => Camera::Spherical(Spherical { pose }),
+        3 => Camera::Perspective(Perspective::new(pose, 45.0, 0.125, 4.0).with_blades(Blades::new(6, 10.0)).tilted([20.0, 10.0])),
+        _ => Camera::Fisheye(Fisheye::new(pose, 190.0, FisheyeMapping::Equisolid)),
     };
     let mut builder = World::builder(camera);
     let white = builder.material(Material::diffuse(Rgb::WHITE));
@@ -286,7 +295,7 @@ fn moved(kind: usize, by: DVec3) -> World {
 /// If camera and scene are moved together, all hits are the same to the bit, because both are recentred in double precision.
 #[test]
 fn a_moved_world_gives_the_same_picture() {
-    for kind in 0..3 {
+    for kind in 0..5 {
         let worlds = [DVec3::ZERO, DVec3::new(1e3, -2e3, 5e2)].map(|by| moved(kind, by));
         let mut hits = 0;
         let mut random = Random::new(11);

@@ -382,6 +382,7 @@ fn exr_keeps_every_bit() {
     attributes.push(("pt/a matrix".into(), Value::Matrix([1e-30; 16])));
     attributes.push(("screenWindowWidth".into(), Value::Number(0.1)));
     attributes.push(("pixelAspectRatio".into(), Value::Number(0.75)));
+    attributes.push(("screenWindowCenter".into(), Value::Point([0.1, -3.0])));
     write(&path, &image, &attributes, &Tonemap::default()).expect("written");
     let (read, kept) = exr::read(&path).expect("read");
     for name in ["R", "G", "B", "StdErr.R"] {

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec2, Vec3};
-use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
+use pt::camera::{Blades, Camera, CameraRay, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Spherical};
 use pt::math::{AreaPdf, Ray, SolidAnglePdf, Transform};
 
 use crate::random::Random;
@@ -20,9 +20,25 @@ fn cameras() -> Vec<(&'static str, Camera)> {
         ("pinhole", Camera::Perspective(Perspective::new(pose.clone(), 70.0, 0.0, 1.0))),
         ("pinhole with its own aspect", Camera::Perspective(Perspective::new(pose.clone(), 50.0, 0.0, 1.0).across(50.0, 90.0))),
         ("thin lens", Camera::Perspective(Perspective::new(pose.clone(), 60.0, 0.25, 1.7))),
+        ("blades", Camera::Perspective(Perspective::new(pose.clone(), 60.0, 0.25, 1.7).with_blades(Blades::new(5, 20.0)))),
+        ("shifted pinhole", Camera::Perspective(Perspective::new(pose.clone(), 50.0, 0.0, 1.0).shifted([0.3, -0.4]))),
+        ("tilted lens", Camera::Perspective(Perspective::new(pose.clone(), 50.0, 0.25, 1.7).tilted([25.0, -35.0]).shifted([-0.1, 0.2]))),
         ("orthographic", Camera::Orthographic(Orthographic { pose: pose.clone(), height: 1.2 })),
-        ("spherical", Camera::Spherical(Spherical { pose })),
+        ("spherical", Camera::Spherical(Spherical { pose: pose.clone() })),
+        ("fisheye", Camera::Fisheye(Fisheye::new(pose.clone(), 200.0, FisheyeMapping::Equidistant))),
+        ("equisolid fisheye", Camera::Fisheye(Fisheye::new(pose.clone(), 220.0, FisheyeMapping::Equisolid))),
+        ("stereographic fisheye", Camera::Fisheye(Fisheye::new(pose.clone(), 250.0, FisheyeMapping::Stereographic))),
+        ("orthographic fisheye", Camera::Fisheye(Fisheye::new(pose, 170.0, FisheyeMapping::Orthographic))),
     ]
+}
+
+fn is_round(name: &str) -> bool {
+    name.contains("fisheye")
+}
+
+/// Share of the film that receives light: for a round picture π/4 of a square as high as the film.
+fn seen_share(name: &str) -> f64 {
+    if is_round(name) { PI / 4.0 / f64::from(ASPECT) } else { 1.0 }
 }
 
 /// Where a ray from within leaves the sphere.
@@ -43,7 +59,11 @@ fn connections_are_the_rays_of_the_camera() {
     for (name, camera) in cameras() {
         for _ in 0..2000 {
             let (film, lens) = (random.uniform_square() * 0.98 + 0.01, random.uniform_square());
-            let ray = camera.ray(film, ASPECT, lens, 0.0);
+            let CameraRay { ray, weight } = camera.sample(film, ASPECT, lens, 0.0);
+            if weight == 0.0 {
+                assert!(is_round(name) && ray.t_max == 0.0, "{name}: {film}");
+                continue;
+            }
             let p = ray.origin + ray.direction * random.range(0.5, 4.0) as f32;
             let found = camera.connect(p, ASPECT, lens, 0.0).unwrap_or_else(|| panic!("{name}: {film} is on the film"));
             // The rounding of a point 4 m away, about 2⁻²², is seen under a larger angle from half a metre.
@@ -78,11 +98,11 @@ fn importance_integrates_to_one() {
                 let weight = f64::from(found.weight) * cos * area;
                 (0..4).for_each(|k| over_sphere[k] += weight * factors[k](n));
             }
-            let ray = camera.ray(Vec2::new(middle(i) as f32, middle(j) as f32), ASPECT, lens, 0.0);
+            let CameraRay { ray, weight } = camera.sample(Vec2::new(middle(i) as f32, middle(j) as f32), ASPECT, lens, 0.0);
             let seen = (on_sphere(center, ray.origin, ray.direction) - center) / RADIUS;
-            (0..4).for_each(|k| over_film[k] += factors[k](seen) / f64::from(N * N));
+            (0..4).for_each(|k| over_film[k] += f64::from(weight) * factors[k](seen) / f64::from(N * N));
         }
-        assert!((over_sphere[0] - 1.0).abs() < 4e-3, "{name}: the importance integrates to {}", over_sphere[0]);
+        assert!((over_sphere[0] - seen_share(name)).abs() < 4e-3, "{name}: the importance integrates to {}", over_sphere[0]);
         for k in 1..4 {
             // The edge of the film cuts through cells of the grid: of 400² points some 10³ lie within a cell of it.
             assert!((over_sphere[k] - over_film[k]).abs() < 4e-3, "{name}, factor {k}: {} and {}", over_sphere[k], over_film[k]);
@@ -93,7 +113,7 @@ fn importance_integrates_to_one() {
 /// What is behind a camera does not contribute.
 #[test]
 fn nothing_behind_a_camera_is_connected() {
-    for (name, camera) in cameras().into_iter().filter(|(name, _)| *name != "spherical") {
+    for (name, camera) in cameras().into_iter().filter(|(name, _)| *name != "spherical" && !is_round(name)) {
         let ahead = camera.ray(Vec2::splat(0.5), ASPECT, Vec2::splat(0.5), 0.0).direction;
         assert!(camera.connect(camera.eye().as_vec3() - ahead, ASPECT, Vec2::splat(0.5), 0.0).is_none(), "{name}");
     }
@@ -109,25 +129,29 @@ fn given_rays_have_the_densities_of_camera_rays() {
     for (name, camera) in cameras() {
         for _ in 0..1000 {
             let (film, lens) = (random.uniform_square() * 0.98 + 0.01, random.uniform_square());
-            let ray = camera.ray(film, ASPECT, lens, 0.0);
+            let CameraRay { ray, weight } = camera.sample(film, ASPECT, lens, 0.0);
+            if weight == 0.0 {
+                continue;
+            }
             let given = camera.importance(&ray, ASPECT).unwrap_or_else(|| panic!("{name}: {film} is on the film"));
             assert!((given.film - film).length() < 1e-5, "{name}: {film} became {}", given.film);
             let d = random.range(0.5, 4.0) as f32;
             let connection = camera.connect(ray.origin + ray.direction * d, ASPECT, lens, 0.0).expect("in front of the camera");
             // What a point contributes is We divided by the density of the direction to the camera. That density is d² / cos θ times
-            // the density of the start on the lens, and for panoramas, which have no cosine, d².
+            // the density of the start on the lens, and for panoramas and fisheye lenses, which have no cosine, d².
             let expected = given.direction.smooth().map_or(given.we, |direction| direction.get() / (d * d));
             assert!((connection.weight / expected - 1.0).abs() < 1e-4, "{name}: {} and not {expected}", connection.weight);
         }
         let lens = Vec2::new(0.3, 0.8);
         let ray = camera.ray(Vec2::new(0.4, 0.7), ASPECT, lens, 0.0);
         let given = camera.importance(&ray, ASPECT).expect("on the film");
-        let cos = if name == "spherical" { 1.0 } else { axis(&camera).dot(ray.direction) };
+        let cos = if name == "spherical" || is_round(name) { 1.0 } else { axis(&camera).dot(ray.direction) };
         let (position, direction) = (given.position.smooth().map(AreaPdf::get), given.direction.smooth().map(SolidAnglePdf::get));
         let product = position.unwrap_or(1.0) * direction.unwrap_or(1.0);
         assert!((given.we * cos / product - 1.0).abs() < 1e-5, "{name}: We {} for the densities' product {product}", given.we);
         let area = match name {
-            "thin lens" => Some(PI * 0.25 * 0.25),
+            "thin lens" | "tilted lens" => Some(PI * 0.25 * 0.25),
+            "blades" => Some(2.5 * (TAU / 5.0).sin() * 0.25 * 0.25),
             "orthographic" => Some(1.2 * 1.2 * f64::from(ASPECT)),
             _ => None,
         };
@@ -138,7 +162,9 @@ fn given_rays_have_the_densities_of_camera_rays() {
             continue;
         }
         let functions: [fn(Vec2) -> f64; 3] = [|_| 1.0, |film| f64::from(film.x), |film| f64::from(film.y * film.y)];
-        let (mut over_sphere, expected) = ([0.0; 3], [1.0, 0.5, 1.0 / 3.0]);
+        // The mean of y² over a disk of the diameter 1 around ½ is ¼ + 1/16.
+        let square = if is_round(name) { 0.3125 } else { 1.0 / 3.0 };
+        let (mut over_sphere, expected) = ([0.0; 3], [1.0, 0.5, square].map(|mean| mean * seen_share(name)));
         for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
             let (z, phi) = (2.0 * middle(i) - 1.0, TAU * middle(j));
             let w = DVec3::new((1.0 - z * z).sqrt() * phi.cos(), (1.0 - z * z).sqrt() * phi.sin(), z).as_vec3();

@@ -35,11 +35,17 @@ pub fn film(scene: Arc<dyn Scene>, name: &str, options: &str, spec: FilmSpec, sa
     film
 }
 
-const CAMERAS: [(&str, &str); 4] = [
+const CAMERAS: [(&str, &str); 6] = [
     ("pinhole", r#"{ "look_at": { "from": [0.2, 0.3, 3.2], "to": [0, 0, 0] }, "fov": 40 }"#),
     ("thin lens", r#"{ "look_at": { "from": [0.2, 0.3, 3.2], "to": [0, 0, 0] }, "fov": 40, "lens_radius": 0.2, "focus_distance": 3 }"#),
     ("orthographic", r#"{ "type": "orthographic", "look_at": { "from": [0.3, 0.4, 3], "to": [0, 0, 0] }, "height": 2.2 }"#),
     ("panorama", r#"{ "type": "spherical", "look_at": { "from": [0.1, 0.2, 0.3], "to": [0, 0, -1] } }"#),
+    (
+        "view",
+        r#"{ "look_at": { "from": [0.2, 0.3, 3.2], "to": [0, 0, 0] }, "focal_length": 50, "sensor": 40, "f_number": 0.1, "aperture": { "blades": 5 },
+        "focus_distance": 3, "tilt": [30, -20], "shift": [0.1, -0.2] }"#,
+    ),
+    ("fisheye", r#"{ "type": "fisheye", "fov": 150, "look_at": { "from": [0.1, 0.2, 0.6], "to": [0, 0, -1] } }"#),
 ];
 
 /// Lights, each with the shapes, the lights and the background of a scene.

@@ -38,6 +38,7 @@ mod instances;
 mod interrupts;
 mod intersection;
 mod lamp_warnings;
+mod lenses;
 mod light_choice;
 mod light_layers;
 mod light_tracer;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use assert_cmd::Command;
 use glam::{DVec3, Vec3};
-use pt::camera::{Camera, Orthographic, Pose};
+use pt::camera::{Camera, CameraRay, Orthographic, Pose};
 use pt::effects::Effects;
 use pt::film::{FilmSpec, Image};
 use pt::integrator::Integrator;
@@ -392,18 +392,23 @@ fn a_camera_that_moves_is_the_world_moving() {
     };
     let keys = |from: Value, to: Value| json!([{ "keyframes": [{ "time": 0, "transform": from }, { "time": 1, "transform": to }] }]);
     let shapes = json!([{ "type": "box", "center": [0.4, 0.2, -4] }, { "type": "sphere", "center": [-1, 0, -5] }]);
-    let lens = json!({ "fov": 50, "lens_radius": 0.1, "focus_distance": 4 });
-    let with = |transform: Option<Value>| {
-        let mut camera = lens.clone();
-        if let Some(transform) = transform {
-            camera["transform"] = transform;
-        }
-        camera
-    };
+    let cameras = [
+        json!({ "fov": 50, "lens_radius": 0.1, "focus_distance": 4 }),
+        json!({ "focal_length": 30, "f_number": 0.2, "focus_distance": 4, "aperture": { "blades": 5 }, "tilt": [20, 40], "shift": [0.2, 0.1] }),
+        json!({ "type": "fisheye", "fov": 60, "mapping": "stereographic" }),
+    ];
     // Translations at an even speed, and turns about the camera, are undone by their opposites at each time.
     let turn = |degrees: f64| json!([{ "rotate": { "axis": [0.2, 1, 0.1], "degrees": degrees } }]);
     let shift = |by: [f64; 3]| json!([{ "translate": by }]);
-    for [to, back] in [[turn(25.0), turn(-25.0)], [shift([0.5, -0.2, 0.3]), shift([-0.5, 0.2, -0.3])]] {
+    let ways = [[turn(25.0), turn(-25.0)], [shift([0.5, -0.2, 0.3]), shift([-0.5, 0.2, -0.3])]];
+    for (camera, [to, back]) in cameras.iter().flat_map(|camera| ways.iter().map(move |way| (camera, way.clone()))) {
+        let with = |transform: Option<Value>| {
+            let mut camera = camera.clone();
+            if let Some(transform) = transform {
+                camera["transform"] = transform;
+            }
+            camera
+        };
         let a = still(with(Some(keys(json!([]), to))), shapes.clone());
         let b = still(with(None), json!([{ "type": "group", "shapes": shapes, "transform": keys(json!([]), back) }]));
         assert!(a.effects().contains(Effects::MOTION));
@@ -418,11 +423,14 @@ fn a_camera_that_moves_is_the_world_moving() {
                 _ => apart += 1,
             }
         }
-        assert!(hits > 2000 && apart < 20, "{hits} hits, {apart} apart");
+        assert!(hits > 2000 && apart < 20, "{camera}: {hits} hits, {apart} apart");
         // A point that the camera sees is connected with the film position of its ray.
         for _ in 0..1000 {
             let (film, lens, time) = (random.uniform_square(), random.uniform_square(), random.unit() as f32);
-            let ray = a.camera().ray(film, 1.0, lens, time);
+            let CameraRay { ray, weight } = a.camera().sample(film, 1.0, lens, time);
+            if weight == 0.0 {
+                continue;
+            }
             let p = ray.at(3.0);
             let connection = a.camera().connect(p, 1.0, lens, time).expect("in front of the camera");
             assert!((connection.film - film).abs().max_element() < 1e-4, "{film}, {}", connection.film);

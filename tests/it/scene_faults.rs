@@ -13,10 +13,45 @@ fn build(text: &str) -> pt::Result<()> {
 
 #[test]
 fn cameras() {
-    assert_fault(&[(
-        r#"{"pt": 1, "camera": {"look_at": {"from": [0, 0, 1], "to": [0, 0, 0]}, "transform": ^[]}}"#,
-        "/camera/transform: give look_at or transform, not both",
-    )]);
+    let camera = |keys: &str| format!(r#"{{"pt": 1, "camera": {{{keys}}}}}"#);
+    let cases = [
+        (r#""look_at": {"from": [0, 0, 1], "to": [0, 0, 0]}, "transform": ^[]"#, "/camera/transform: give look_at or transform, not both"),
+        (r#""fov": 40, "focal_length": ^50"#, "/camera/focal_length: give fov or focal_length, not both"),
+        (r#""horizontal_fov": 40, "focal_length": ^50"#, "/camera/focal_length: give horizontal_fov or focal_length, not both"),
+        (r#""lens_radius": 0.1, "f_number": ^2"#, "/camera/f_number: give lens_radius or f_number, not both"),
+        (r#""sensor": ^24"#, "/camera/sensor: the size of the sensor counts only with focal_length or f_number"),
+        (r#""focal_length": ^1e-9"#, "/camera/focal_length: expected between 1e-8 and 1e8 times the size of the sensor, 2.4e1 mm"),
+        (r#""focal_length": ^0"#, "/camera/focal_length: expected a number above 0, found 0"),
+        (r#""f_number": ^0"#, "/camera/f_number: expected an f-number from 0.01 to 1000000, found 0"),
+        (r#""focal_length": 50, "sensor": ^"35mm""#, "/camera/sensor: expected a number or an array, found"),
+        (r#""focal_length": 50, "sensor": [36, ^-24]"#, "/camera/sensor/1: expected a number above 0, found -24"),
+        (r#""aperture": {"blades": ^2}"#, "/camera/aperture/blades: expected 0, for a round opening, or at least 3 blades"),
+        (r#""aperture": {"blades": ^65}"#, "/camera/aperture/blades: expected a whole number from 0 to 64, found 65"),
+        (r#""aperture": {"rotation": ^null}"#, "/camera/aperture/rotation: expected a number, found null"),
+        (r#""shift": ^0.5"#, "/camera/shift: expected an array"),
+        (r#""tilt": [^90, 0]"#, "/camera/tilt/0: expected an angle in degrees above -90 and below 90, found 90"),
+        (r#""type": "fisheye", "fov": ^361"#, "/camera/fov: expected an angle in degrees above 0 and at most 360, found 361"),
+        (
+            r#""type": "fisheye", "mapping": "stereographic", "fov": ^360"#,
+            "/camera/fov: expected an angle below 360 degrees for a stereographic",
+        ),
+        (
+            r#""type": "fisheye", "mapping": "orthographic", "fov": ^181"#,
+            "/camera/fov: expected an angle at most 180 degrees for an orthographic",
+        ),
+        (r#""type": "fisheye", "mapping": ^"fish""#, "/camera/mapping: "),
+        (r#""type": "fisheye", ^"lens_radius": 1"#, "/camera/lens_radius: unknown key"),
+    ];
+    for (text, expected) in cases {
+        assert_fault(&[(&camera(text), expected)]);
+    }
+    for sound in [
+        r#""lens_radius": 0, "f_number": 2"#,
+        r#""type": "fisheye", "fov": 360"#,
+        r#""type": "fisheye", "fov": 359, "mapping": "stereographic""#,
+    ] {
+        assert!(read(camera(sound)).is_ok(), "{sound}");
+    }
 }
 
 #[test]

@@ -14,8 +14,11 @@ const MARK: &str = "<!-- tables -->\n";
 pub const EVERYTHING: &str = include_str!("everything.json");
 
 /// The alternatives of which a scene has only one, with their pointers.
-const ALTERNATIVES: [(&str, &str); 11] = [
+const ALTERNATIVES: [(&str, &str); 14] = [
     ("/camera", r#"{"type": "orthographic", "height": 3, "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}}"#),
+    ("/camera", r#"{"focal_length": 50, "sensor": 24, "f_number": 1.8, "focus_distance": 3}"#),
+    ("/camera", r#"{"focal_length": 35, "sensor": [36, 24]}"#),
+    ("/camera", r#"{"type": "fisheye", "fov": 200, "mapping": "stereographic", "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}}"#),
     ("/camera", r#"{"type": "spherical", "transform": [{"scale": 2}]}"#),
     ("/film/filter", r#"{"type": "box", "radius": 1}"#),
     ("/film/filter", r#"{"type": "tent", "radius": 2}"#),

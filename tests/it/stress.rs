@@ -100,6 +100,27 @@ fn lengths_and_directions_change_with_the_scene() {
     });
 }
 
+/// Focal lengths and sensors are lengths in millimetres, also the sensor that is not mentioned; shifts and tilts stay.
+#[test]
+fn lenses_change_with_the_scene() {
+    let view = r#""fov": 40, "lens_radius": 0.1, "focus_distance": 6"#;
+    assert!(LENGTHS.contains(view));
+    for lens in [
+        r#""focal_length": 33, "f_number": 0.2, "focus_distance": 6, "tilt": [-50, 10], "shift": [0.1, -0.05]"#,
+        r#""focal_length": 50, "sensor": [60, 40], "f_number": 0.3, "focus_distance": 6, "aperture": { "blades": 5, "rotation": 20 }"#,
+        r#""fov": 40, "f_number": 0.2, "focus_distance": 6"#,
+        r#""type": "fisheye", "fov": 70"#,
+    ] {
+        trial(&LENGTHS.replace(view, lens), [48, 32], 4, "nee", |trial| {
+            for change in
+                trial.changes().iter().filter(|change| ["1e-2", "2^7", "turned", "mirrored"].iter().any(|word| change.name.contains(word)))
+            {
+                assert_eq!(trial.ask(change).expect("an outcome").verdict, Verdict::Same, "{lens}: {}", change.name);
+            }
+        });
+    }
+}
+
 /// The greatest distance of `ao` is a length too.
 #[test]
 fn options_of_integrators_change_with_the_scene() {

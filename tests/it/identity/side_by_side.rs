@@ -6,7 +6,7 @@ use glam::{DVec3, UVec2, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{Element, Material, MaterialId, textured};
-use pt::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
+use pt::camera::{Camera, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{Crop, FilmSpec, Filter};
 use pt::integrator::Integrator;
 use pt::integrators::nee::{Nee, Weights};
@@ -136,10 +136,12 @@ fn camera(random: &mut Random, scale: f64) -> Camera {
     let eye = DVec3::new(0.3, 0.6, 4.0) * scale;
     let pose = Pose::new(&Transform::look_at(eye, DVec3::ZERO, DVec3::Y).expect("looks somewhere"));
     let scale = scale as f32;
-    match random.below(5) {
+    match random.below(7) {
         0 => Camera::Orthographic(Orthographic { pose, height: 3.0 * scale }),
         1 => Camera::Spherical(Spherical { pose }),
         2 => Camera::Perspective(Perspective::new(pose, 45.0, 0.1 * scale, 4.0 * scale)),
+        3 => Camera::Fisheye(Fisheye::new(pose, 120.0, FisheyeMapping::Equisolid)),
+        4 => Camera::Perspective(Perspective::new(pose, 45.0, 0.0, 4.0 * scale).shifted([0.1, -0.05])),
         _ => Camera::Perspective(Perspective::new(pose, 45.0, 0.0, 4.0 * scale)),
     }
 }
