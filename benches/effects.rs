@@ -87,6 +87,12 @@ fn rows() -> Vec<Row> {
         ),
         row(Effects::THIN_LENS, "a lens", &[], &[("/camera/lens_radius", json!(0.05)), ("/camera/focus_distance", json!(4))]),
         row(
+            Effects::REALISTIC_LENS,
+            "a lens of eleven surfaces, not a thin one",
+            &[("/camera", with_view(json!({ "focal_length": 50, "f_number": 2, "focus_distance": 4 })))],
+            &[("/camera", with_view(json!({ "type": "realistic", "lens": DOUBLE_GAUSS, "focus_distance": 4 })))],
+        ),
+        row(
             Effects::SHADING_NORMALS,
             "bumps on the balls",
             &[],
@@ -125,6 +131,27 @@ fn rows() -> Vec<Row> {
         ),
         row(Effects::SMOOTH_SHADOWS, "smooth shadows on a mesh", &[("/shapes/-", pawn(false))], &[("/shapes/-", pawn(true))]),
     ]
+}
+
+/// A double Gauss of f/2. Source: Tronnier, US patent 2,673,491 (1954), scaled to a focal length of 50 mm.
+const DOUBLE_GAUSS: [[f64; 4]; 11] = [
+    [29.475, 3.76, 1.67, 25.2],
+    [84.83, 0.12, 1.0, 25.2],
+    [19.275, 4.025, 1.67, 23.0],
+    [40.77, 3.275, 1.699, 23.0],
+    [12.75, 5.705, 1.0, 18.0],
+    [0.0, 4.5, 1.0, 17.1],
+    [-14.495, 1.18, 1.603, 17.0],
+    [40.77, 6.065, 1.658, 20.0],
+    [-20.385, 0.19, 1.0, 20.0],
+    [437.065, 3.22, 1.717, 20.0],
+    [-39.73, 0.0, 1.0, 20.0],
+];
+
+/// A camera with the view of the scene below.
+fn with_view(mut camera: Value) -> Value {
+    camera["look_at"] = base()["camera"]["look_at"].clone();
+    camera
 }
 
 /// A matte floor with a wall and three balls under a sky of one colour.

@@ -17,12 +17,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Effects that light tracing cannot simulate: what is seen in mirrors and through glass, light of surfaces on which no point can be
-/// sampled (`sdf`), light that `smooth_shadows` lets reach facets which are turned away from it, and media.
+/// sampled (`sdf`), light that `smooth_shadows` lets reach facets which are turned away from it, media, and cameras whose
+/// importance is not known.
 pub const NOT_SIMULATED: Effects = Effects::SPECULAR_REFLECTION
     .union(Effects::REFRACTION)
     .union(Effects::UNSAMPLED_EMITTER)
     .union(Effects::SMOOTH_SHADOWS)
-    .union(Effects::MEDIA);
+    .union(Effects::MEDIA)
+    .union(Effects::REALISTIC_LENS);
 
 /// Light tracing. A path starts at a light, and each of its vertices is connected to the camera.
 ///

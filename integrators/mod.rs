@@ -27,10 +27,13 @@ pub const ALL: &[Entry] = &[
         "light tracing: paths from the lights, each point of them connected to the camera; finds caustics",
         Effects::ALL.without(light::NOT_SIMULATED),
     )
-    .when_missing(
-        Effects::SPECULAR_REFLECTION.union(Effects::REFRACTION),
-        "mirrors and glass are black, and the light that they cast elsewhere is there",
-    ),
+    .when_missing(&[
+        (
+            Effects::SPECULAR_REFLECTION.union(Effects::REFRACTION),
+            "mirrors and glass are black, and the light that they cast elsewhere is there",
+        ),
+        (Effects::REALISTIC_LENS, "only lamps and the background are seen, because paths from lights do not find the way through the lens"),
+    ]),
     Entry::of::<whitted::Whitted>(
         "whitted",
         "Whitted's ray tracing: direct light, and branches at mirrors and glass",

@@ -53,6 +53,9 @@ impl Effects {
     /// Media that absorb, scatter or emit light between surfaces.
     pub const MEDIA: Effects = Effects(1 << 16);
 
+    /// Lenses of spherical surfaces, whose importance for paths from the lights is not known.
+    pub const REALISTIC_LENS: Effects = Effects(1 << 17);
+
     /// Light between surfaces that scatter into a continuum of directions, of which a path follows one at random.
     pub const SCATTERED: Effects = Effects::INTERREFLECTION.union(Effects::GLOSSY_REFLECTION).union(Effects::ROUGH_REFRACTION);
 
@@ -132,7 +135,7 @@ impl Sub for Effects {
 }
 
 /// Table of all effects, in the order of their bits.
-const TABLE: [EffectInfo; 17] = [
+const TABLE: [EffectInfo; 18] = [
     EffectInfo { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
     EffectInfo { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
     EffectInfo { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
@@ -158,4 +161,5 @@ const TABLE: [EffectInfo; 17] = [
         name: "participating media",
         cost: "a vertex wherever a medium scatters, a ray through each boundary, paths one by one",
     },
+    EffectInfo { bit: Effects::REALISTIC_LENS, name: "realistic lens", cost: "a refraction per surface of the lens and camera ray" },
 ];

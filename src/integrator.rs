@@ -259,7 +259,7 @@ pub struct Entry {
     /// Effects that its pictures contain.
     pub simulates: Effects,
     /// What a picture of some other effects looks like, for the note that says that they are missing.
-    pub when_missing: (Effects, &'static str),
+    pub when_missing: &'static [(Effects, &'static str)],
     /// Makes the integrator from the options of a scene.
     pub new: fn(&Options) -> Box<dyn Integrator>,
     /// JSON schema of the options.
@@ -273,18 +273,20 @@ impl Entry {
         T: Integrator + Default + DeserializeOwned + JsonSchema + 'static,
     {
         let new = |options: &Options| -> Box<dyn Integrator> { Box::new(options.read::<T>()) };
-        Entry { name, about, simulates, when_missing: (Effects::NONE, ""), new, schema: || schemars::schema_for!(T) }
+        Entry { name, about, simulates, when_missing: &[], new, schema: || schemars::schema_for!(T) }
     }
 
     /// The entry with a description of what a picture looks like where some effects are missing.
-    pub const fn when_missing(self, effects: Effects, looks: &'static str) -> Entry {
-        Entry { when_missing: (effects, looks), ..self }
+    pub const fn when_missing(self, when_missing: &'static [(Effects, &'static str)]) -> Entry {
+        Entry { when_missing, ..self }
     }
 
     /// The effects of a scene that the integrator does not simulate, in words; `None` if there are none.
     pub fn lacks(&self, effects: Effects) -> Option<String> {
-        let (lacks, (described, looks)) = (effects - self.simulates, self.when_missing);
-        let looks = if lacks.iter().any(|effect| described.contains(effect)) { format!(" ({looks})") } else { String::new() };
+        let lacks = effects - self.simulates;
+        let is_lacking = |described: &Effects| lacks.iter().any(|effect| described.contains(effect));
+        let looks: Vec<&str> = self.when_missing.iter().filter(|(described, _)| is_lacking(described)).map(|(_, looks)| *looks).collect();
+        let looks = if looks.is_empty() { String::new() } else { format!(" ({})", looks.join("; ")) };
         (!lacks.is_empty()).then(|| format!("{lacks}{looks}"))
     }
 }

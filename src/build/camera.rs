@@ -5,8 +5,10 @@ use std::collections::BTreeSet;
 use glam::UVec2;
 
 use super::transform;
-use crate::camera::{self, Blades, Camera, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Spherical};
-use crate::describe;
+use crate::camera::realistic::{LensTable, Sensor, ThickLens};
+use crate::camera::{self, Blades, Camera, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Realistic, Spherical};
+use crate::describe::{self, Contents, Files, Lens};
+use crate::error::{Error, Fault};
 use crate::film::layer::with_lights;
 use crate::film::memory;
 use crate::film::{Allocation, Crop, FilmSpec, Filter, Layer, LightNames, TextureFootprint};
@@ -14,23 +16,46 @@ use crate::format::{Real, TiltAngle};
 use crate::math::{AnimatedTransform, Transform};
 use crate::sampler::{Kind, SamplerSpec};
 
-/// Builds the camera.
+/// Builds the camera, and tells the hash of the file that its lens is in.
 ///
 /// # Errors
-/// A message about steps that together have no inverse.
-pub(super) fn camera(described: &describe::Camera, shutter: &describe::Shutter) -> Result<Camera, String> {
-    let to_world = match described.placement() {
+/// Faults: steps that together have no inverse, a lens that cannot be used; `Io` where its file cannot be read.
+pub(super) fn camera(scene: &describe::Scene, files: &Files) -> Result<(Camera, Contents), Failure> {
+    let to_world = match scene.camera.placement() {
         (Some(at), _) => transform::look_at(at).map(AnimatedTransform::Still),
-        (None, Some(steps)) => Some(transform::animated(steps, &Transform::IDENTITY, shutter)?),
+        (None, Some(steps)) => Some(
+            transform::animated(steps, &Transform::IDENTITY, &scene.shutter)
+                .map_err(|message| Failure::at("/camera/transform", message))?,
+        ),
         (None, None) => None,
     };
     let pose = Pose::animated(&to_world.unwrap_or(Transform::IDENTITY.into()));
-    Ok(match described {
+    let mut contents = Contents::new();
+    let camera = match &scene.camera {
         describe::Camera::Perspective(c) => Camera::Perspective(perspective(pose, c)),
         describe::Camera::Orthographic(c) => Camera::Orthographic(Orthographic { pose, height: c.height.get() as f32 }),
         describe::Camera::Fisheye(c) => Camera::Fisheye(Fisheye::new(pose, c.fov.get(), mapping(c.mapping))),
         describe::Camera::Spherical(_) => Camera::Spherical(Spherical { pose }),
-    })
+        describe::Camera::Realistic(c) => {
+            let aspect = f64::from(scene.film.width.get()) / f64::from(scene.film.height.get());
+            Camera::Realistic(realistic(pose, c, aspect, files, &mut contents)?)
+        }
+    };
+    Ok((camera, contents))
+}
+
+/// Why a camera cannot be built.
+pub(super) enum Failure {
+    /// A fault of the description, with its JSON pointer.
+    Fault(&'static str, String),
+    /// Another error.
+    Error(Error),
+}
+
+impl Failure {
+    fn at(pointer: &'static str, message: String) -> Failure {
+        Failure::Fault(pointer, message)
+    }
 }
 
 /// The mapping of a fisheye lens that the description names.
@@ -68,6 +93,52 @@ fn perspective(pose: Pose, described: &describe::Perspective) -> Perspective {
         Some(iris) => camera.with_blades(Blades::new(iris.blades.get(), iris.rotation.get())),
         None => camera,
     }
+}
+
+/// Builds a camera with a lens table, which may be in a file.
+///
+/// - `aspect`: width / height of the picture
+/// - `contents`: gets the hash of the lens's file
+fn realistic(
+    pose: Pose,
+    described: &describe::Realistic,
+    aspect: f64,
+    files: &Files,
+    contents: &mut Contents,
+) -> Result<Realistic, Failure> {
+    const LENS: &str = "/camera/lens";
+    let table = match &described.lens {
+        Lens::Rows(rows) => {
+            let rows: Vec<[f64; 4]> = rows.iter().map(|row| row.map(Real::get)).collect();
+            LensTable::new(&rows).map_err(|fault| Failure::at(LENS, fault.message))?
+        }
+        Lens::File(file) => {
+            let (table, hash) = files.lens(file).map_err(|error| match error {
+                Error::Invalid(faults) => {
+                    let said = |fault: &Fault| fault.line.map_or(fault.message.clone(), |line| format!("line {line}: {}", fault.message));
+                    let all: Vec<String> = faults.iter().map(said).collect();
+                    Failure::at(LENS, format!("{file}: {}", all.join("; ")))
+                }
+                other => Failure::Error(other),
+            })?;
+            contents.insert(file.clone(), hash);
+            table
+        }
+    };
+    let mut table = table.scaled(described.scale.get() * MILLIMETRE);
+    if let Some(diameter) = described.aperture_diameter {
+        table = table.stopped_down(diameter.get() * MILLIMETRE).map_err(|message| Failure::at("/camera/aperture_diameter", message))?;
+    }
+    let (height, width) = (described.sensor().height() * MILLIMETRE, described.sensor().width().map(|width| width * MILLIMETRE));
+    let thick = ThickLens::new(&table).map_err(|message| Failure::at(LENS, message))?;
+    let focus_distance = described.focus_distance.get();
+    if thick.film_distance(focus_distance).is_none() {
+        let (f, least) = (thick.focal_length / MILLIMETRE, thick.least_distance());
+        let message = format!("a lens with the focal length {f:.4} mm focuses on distances from {least:.4} m, found {focus_distance} m");
+        return Err(Failure::at("/camera/focus_distance", message));
+    }
+    Realistic::new(pose, &table, focus_distance, Sensor { height, width }, aspect)
+        .ok_or_else(|| Failure::at(LENS, "no light gets through this lens to the middle of the film".to_owned()))
 }
 
 pub(super) fn film(described: &describe::Film) -> FilmSpec {

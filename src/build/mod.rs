@@ -34,6 +34,7 @@ use crate::shape::{BilinearPatch, Cone, Cuboid, Cylinder, Disk, Geometry, Partia
 use crate::texture::image::Pixels;
 use crate::texture::pyramid::Pyramid;
 use crate::world::{Objects, PartAppearance, World, WorldBuilder};
+use camera::Failure;
 pub use camera::film_memory;
 use instances::BuiltGroup;
 use lamps::Lamp;
@@ -76,11 +77,22 @@ pub struct Source<'a> {
 /// `Invalid` with all files that lie outside of the scene's folder, all mesh files that cannot be used and all shapes that cannot be
 /// placed; `Io` where a file cannot be read; `Limit` where nested textures or materials are too many.
 pub fn build(scene: &Scene, source: Source) -> Result<Built> {
-    let camera = camera::camera(&scene.camera, &scene.shutter);
-    let misplaced = camera.as_ref().err().map(|message| ("/camera/transform".to_owned(), message.clone()));
-    let refused = misplaced.into_iter().chain(source.files.refused(scene)).take(crate::MAX_FAULTS);
+    let camera = camera::camera(scene, source.files);
+    let refused = source.files.refused(scene);
+    let unusable = match &camera {
+        // A file that the scene may not read is refused once.
+        Err(Failure::Fault(pointer, message)) if refused.iter().all(|(refused, _)| refused != pointer) => {
+            Some(((*pointer).to_owned(), message.clone()))
+        }
+        _ => None,
+    };
+    let refused = unusable.into_iter().chain(refused).take(crate::MAX_FAULTS);
     let refused: Vec<Fault> = refused.map(|(pointer, message)| locate(source.root, source.file, &pointer, message)).collect();
-    let Some(camera) = camera.ok().filter(|_| refused.is_empty()) else { return Err(Error::Invalid(refused)) };
+    let (camera, contents) = match camera {
+        Ok(built) if refused.is_empty() => built,
+        Err(Failure::Error(error)) if refused.is_empty() => return Err(error),
+        _ => return Err(Error::Invalid(refused)),
+    };
     let mut needs = vec![("camera".to_owned(), camera.effects())];
     let world = World::builder(camera.clone());
     let mut builder = Builder {
@@ -95,7 +107,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         parts: 0,
         pictures: BTreeMap::new(),
         pyramids: BTreeMap::new(),
-        contents: Contents::new(),
+        contents,
         boxes: vec![],
         lamps: vec![],
         needs: vec![],

@@ -9,6 +9,7 @@ mod aperture;
 pub mod fisheye;
 pub mod orthographic;
 pub mod perspective;
+pub mod realistic;
 pub mod spherical;
 
 use arrayvec::ArrayVec;
@@ -23,6 +24,7 @@ pub use aperture::{Aperture, Blades};
 pub use fisheye::{Fisheye, FisheyeMapping};
 pub use orthographic::Orthographic;
 pub use perspective::{Perspective, focal_length};
+pub use realistic::Realistic;
 pub use spherical::Spherical;
 
 /// Camera of a scene.
@@ -38,6 +40,8 @@ pub enum Camera {
     Spherical(Spherical),
     /// Round picture of a wide angle.
     Fisheye(Fisheye),
+    /// Lens of spherical surfaces.
+    Realistic(Realistic),
 }
 
 /// Ray of a camera, and what its light counts.
@@ -45,7 +49,7 @@ pub enum Camera {
 pub struct CameraRay {
     /// The ray. If its weight is 0 it ends where it starts, so that it meets nothing.
     pub ray: Ray,
-    /// Factor of the radiance that arrives along the ray: 1, or 0 at a position on the film that receives no light.
+    /// Factor of the radiance that arrives along the ray: 0 where no light arrives, 1 elsewhere; a realistic camera has other factors too.
     pub weight: f32,
 }
 
@@ -95,7 +99,8 @@ pub struct CameraImportance {
 }
 
 impl Camera {
-    /// Importance of a given ray; `None` if the film does not receive it.
+    /// Importance of a given ray; `None` if the film does not receive it, and for realistic cameras, which do not know it
+    /// ([`Effects::REALISTIC_LENS`]).
     ///
     /// - `ray`: ray with a unit direction that starts at the eye or on the lens, or for parallel projections is parallel to the axis;
     ///   this is not examined
@@ -107,11 +112,13 @@ impl Camera {
             Camera::Orthographic(camera) => camera.importance(ray, aspect),
             Camera::Spherical(camera) => camera.importance(ray),
             Camera::Fisheye(camera) => camera.importance(ray, aspect),
+            Camera::Realistic(_) => None,
         };
         importance.filter(|found| found.film.cmpge(Vec2::ZERO).all() && found.film.cmplt(Vec2::ONE).all())
     }
 
-    /// Connects a point with the camera; `None` if the point is not in front of it.
+    /// Connects a point with the camera; `None` if the point is not in front of it, and for realistic cameras
+    /// ([`Effects::REALISTIC_LENS`]).
     ///
     /// - `aspect`, `lens`, `time`: as in [`Camera::ray`]
     pub fn connect(&self, p: Vec3, aspect: f32, lens: Vec2, time: f32) -> Option<CameraConnection> {
@@ -121,6 +128,7 @@ impl Camera {
             Camera::Orthographic(camera) => camera.connect(p, aspect),
             Camera::Spherical(camera) => camera.connect(p),
             Camera::Fisheye(camera) => camera.connect(p, aspect),
+            Camera::Realistic(_) => None,
         }
     }
 
@@ -137,6 +145,7 @@ impl Camera {
             Camera::Orthographic(camera) => camera.ray(film, aspect).into(),
             Camera::Spherical(camera) => camera.ray(film).into(),
             Camera::Fisheye(camera) => camera.ray(film, aspect),
+            Camera::Realistic(camera) => camera.ray(film, aspect, lens),
         };
         CameraRay { ray: Ray { time, ..ray }, weight }
     }
@@ -152,6 +161,11 @@ impl Camera {
     /// - `ray`: the ray through `film`; the other parameters are those with which it was made
     /// - `pixel`: width and height of a pixel, in the unit of `film`
     pub fn differential(&self, ray: &Ray, film: Vec2, pixel: Vec2, aspect: f32, lens: Vec2) -> RayDifferential {
+        let moved = self.moved(ray.time);
+        if let Camera::Realistic(camera) = moved.as_ref().unwrap_or(self) {
+            let [across, down] = camera.beside(ray, film, pixel, aspect, lens);
+            return ray.differential_to([across.0, down.0], [across.1, down.1]);
+        }
         let step = |k: usize| {
             let is_within = match self {
                 // The neighbours towards the centre are in the round picture too.
@@ -181,6 +195,7 @@ impl Camera {
     pub fn effects(&self) -> Effects {
         let lens = match self {
             Camera::Perspective(camera) if camera.has_lens() => Effects::THIN_LENS,
+            Camera::Realistic(_) => Effects::THIN_LENS | Effects::REALISTIC_LENS,
             _ => Effects::NONE,
         };
         if self.is_moving() { lens | Effects::MOTION } else { lens }
@@ -224,7 +239,8 @@ impl Camera {
     }
 
     /// Homogeneous matrix from camera space to the film, with x and y in [0, 1]² from the upper left corner. z is 1/depth for a
-    /// perspective and the depth for a parallel projection. `None` for panoramas and fisheye lenses, whose mapping is not projective.
+    /// perspective and the depth for a parallel projection. `None` for panoramas, fisheye lenses and realistic cameras, whose mappings
+    /// are not projective.
     pub fn to_film(&self, aspect: f64) -> Option<DMat4> {
         let [x, y, z, w] = [DVec4::X, DVec4::Y, DVec4::Z, DVec4::W];
         let rows = match self {
@@ -237,7 +253,7 @@ impl Camera {
                 let height = f64::from(camera.height);
                 [x / (height * aspect) + 0.5 * w, -y / height + 0.5 * w, -z, w]
             }
-            Camera::Spherical(_) | Camera::Fisheye(_) => return None,
+            Camera::Spherical(_) | Camera::Fisheye(_) | Camera::Realistic(_) => return None,
         };
         Some(DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose())
     }
@@ -263,6 +279,7 @@ impl Camera {
     pub fn pixel_aspect(&self, aspect: f32) -> f32 {
         match self {
             Camera::Perspective(camera) => camera.aspect(aspect) / aspect,
+            Camera::Realistic(camera) => camera.aspect(aspect) / aspect,
             _ => 1.0,
         }
     }
@@ -284,6 +301,7 @@ impl Camera {
             Camera::Orthographic(_) => pose.back.as_dvec3().dot(n) > 0.0,
             Camera::Perspective(camera) => (pose.eye - p).dot(n) > -f64::from(camera.aperture.radius),
             Camera::Spherical(_) | Camera::Fisheye(_) => (pose.eye - p).dot(n) > 0.0,
+            Camera::Realistic(camera) => (pose.eye - p).dot(n) > -camera.reach(),
         }
     }
 
@@ -293,6 +311,7 @@ impl Camera {
             Camera::Orthographic(camera) => &camera.pose,
             Camera::Spherical(camera) => &camera.pose,
             Camera::Fisheye(camera) => &camera.pose,
+            Camera::Realistic(camera) => &camera.pose,
         }
     }
 
@@ -302,6 +321,7 @@ impl Camera {
             Camera::Orthographic(camera) => &mut camera.pose,
             Camera::Spherical(camera) => &mut camera.pose,
             Camera::Fisheye(camera) => &mut camera.pose,
+            Camera::Realistic(camera) => &mut camera.pose,
         }
     }
 

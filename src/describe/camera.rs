@@ -16,9 +16,10 @@ pub enum Camera {
     Orthographic(Orthographic),
     Spherical(Spherical),
     Fisheye(Fisheye),
+    Realistic(Realistic),
 }
 
-by_type!(Camera { Perspective(Perspective), Orthographic(Orthographic), Spherical(Spherical), Fisheye(Fisheye) } or Perspective(Perspective));
+by_type!(Camera { Perspective(Perspective), Orthographic(Orthographic), Spherical(Spherical), Fisheye(Fisheye), Realistic(Realistic) } or Perspective(Perspective));
 
 /// A perspective view through a pinhole or a thin lens. It is the default type.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -147,6 +148,65 @@ pub enum FisheyeMapping {
     Orthographic,
 }
 
+/// A lens of spherical surfaces, given by a table: its sharpness, vignetting and distortion are those of the lens. The film is at the
+/// position of the camera, and the lens in front of it. `light` cannot follow paths through it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Realistic {
+    /// The surfaces from the front to the rear, or the name of a file with them. Each row is `[radius of curvature, thickness, index of
+    /// refraction, diameter]`, lengths in millimetres, as in pbrt's lens files: the radius is positive where the surface bulges to the front and
+    /// 0 for a plane; thickness and index are those of what is behind the surface, 0 or 1 for air. The plane between equal media is the
+    /// stop. The last thickness does not count: it follows from `focus_distance`.
+    pub lens: Lens,
+    /// Factor of all lengths of the table, which are often stated for another focal length. Default: 1.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub scale: Positive,
+    /// Diameter of the stop, in millimetres, if it is smaller than in the table.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aperture_diameter: Option<Positive>,
+    /// Distance of the plane in focus from the film, along the view direction, in metres.
+    #[serde(default = "one")]
+    pub focus_distance: Positive,
+    /// Size of the sensor, in millimetres: the height, or `[width, height]`. With a width pixels need not be square. Default: the height
+    /// 24, of a film for 36 × 24 mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<Sensor>,
+    /// The position of the camera and the point that it looks at. Give this or `transform`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub look_at: Option<LookAt>,
+    /// Places the camera in the world. Give this or `look_at`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub transform: Option<Transform>,
+}
+
+/// The table of a lens.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub enum Lens {
+    /// The name of a file, relative to the scene file's folder: four numbers per line, and comments after `#`.
+    File(String),
+    /// The rows.
+    Rows(Vec<[Real; 4]>),
+}
+
+by_kind!(Lens { String => File(String), Array => Rows(Vec<[Real; 4]>) });
+
+fn one() -> Positive {
+    Positive::known(1.0)
+}
+
+fn is_one(factor: &Positive) -> bool {
+    factor.get() == 1.0
+}
+
+impl Realistic {
+    /// The sensor, or the one that cameras have without a word about it.
+    pub fn sensor(&self) -> Sensor {
+        self.sensor.unwrap_or(Sensor::FULL_FRAME)
+    }
+}
+
 impl Default for Fisheye {
     fn default() -> Fisheye {
         Fisheye { fov: WideAngle::known(180.0), mapping: FisheyeMapping::default(), look_at: None, transform: None }
@@ -237,6 +297,7 @@ impl Camera {
             Camera::Perspective(c) => (c.look_at.as_ref(), c.transform.as_ref()),
             Camera::Orthographic(c) => (c.look_at.as_ref(), c.transform.as_ref()),
             Camera::Fisheye(c) => (c.look_at.as_ref(), c.transform.as_ref()),
+            Camera::Realistic(c) => (c.look_at.as_ref(), c.transform.as_ref()),
             Camera::Spherical(c) => (c.look_at.as_ref(), c.transform.as_ref()),
         }
     }

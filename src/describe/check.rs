@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::camera::{Camera, Fisheye, FisheyeMapping, Perspective};
+use super::camera::{Camera, Fisheye, FisheyeMapping, Lens, Perspective, Realistic};
 use super::cycles;
 use super::field_check;
 use super::film::Film;
@@ -18,7 +18,8 @@ use super::shape::{Instances, Mesh, Sdf, Shape};
 use super::shape_check;
 use super::{Material, MaterialRef};
 use crate::bsdf::microfacet::RoughnessKeys;
-use crate::format::{Hex, Keyframe, LookAt, Radiometric, Step, Texture, TextureSpace, Textured, Transform};
+use crate::camera::realistic::LensTable;
+use crate::format::{Hex, Keyframe, LookAt, Radiometric, Real, Step, Texture, TextureSpace, Textured, Transform};
 use crate::primitive::MAX_NESTING;
 use crate::reader::{Faults, Node, escaped, unknown};
 
@@ -127,6 +128,7 @@ impl Checker<'_> {
         match camera {
             Camera::Perspective(perspective) => self.perspective(perspective),
             Camera::Fisheye(fisheye) => self.fisheye(fisheye),
+            Camera::Realistic(realistic) => self.realistic(realistic),
             Camera::Orthographic(_) | Camera::Spherical(_) => {}
         }
         look_at.inspect(|look_at| self.look_at("/camera/look_at", look_at));
@@ -168,6 +170,16 @@ impl Checker<'_> {
         if fov > greatest || fov == greatest && !is_reached {
             let bound = if is_reached { "at most" } else { "below" };
             self.fault("/camera/fov", format!("expected an angle {bound} {greatest} degrees for {name} lens, found {fov}"));
+        }
+    }
+
+    /// Checks the rows of a lens. What depends on its focus is found when it is built, and so are the faults of a file.
+    fn realistic(&self, camera: &Realistic) {
+        let Lens::Rows(rows) = &camera.lens else { return };
+        let rows: Vec<[f64; 4]> = rows.iter().map(|row| row.map(Real::get)).collect();
+        if let Err(fault) = LensTable::new(&rows) {
+            let pointer = fault.row.map_or("/camera/lens".to_owned(), |row| format!("/camera/lens/{row}"));
+            self.fault(&pointer, fault.message);
         }
     }
 

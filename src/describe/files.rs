@@ -9,9 +9,11 @@ use std::path::{Path, PathBuf};
 
 use glam::UVec3;
 
+use super::camera::{Camera, Lens, Realistic};
 use super::file::open;
 use super::identity::of_bytes as hash_of;
 use super::ies;
+use super::lens_file;
 use super::light::Light;
 use super::medium::{Density, Medium, MediumRef};
 use super::mesh;
@@ -21,6 +23,7 @@ use super::scene::Scene;
 use super::shape::Shape;
 use super::volume::{self, Volume};
 use super::{Material, MaterialRef};
+use crate::camera::realistic::LensTable;
 use crate::format::{Channel, Encoding, Texture, Textured};
 use crate::light::IntensityProfile;
 use crate::math::hash::Hash;
@@ -108,6 +111,15 @@ impl Files {
         Ok((profile, warnings, hash_of(&content)))
     }
 
+    /// Reads the table of a lens in the file of that name, as [`lens_file::read`] does, and the hash of the file.
+    ///
+    /// # Errors
+    /// Those of [`lens_file::read`] and of [`Files::bytes`].
+    pub fn lens(&self, name: &str) -> Result<(LensTable, Hash)> {
+        let content = self.bytes(name)?;
+        Ok((lens_file::read(&content, name)?, hash_of(&content)))
+    }
+
     /// Reads the grid of numbers in the file of that name, as [`volume::read`] does, and the hash of the file.
     ///
     /// # Errors
@@ -151,6 +163,9 @@ impl Files {
 /// Returns the files that a scene names, each with its JSON pointer.
 pub fn files_of(scene: &Scene) -> Vec<(String, &str)> {
     let mut files = Named(vec![]);
+    if let Camera::Realistic(Realistic { lens: Lens::File(file), .. }) = &scene.camera {
+        files.0.push(("/camera/lens".to_owned(), file));
+    }
     scene.textures.iter().for_each(|(name, texture)| files.texture(&format!("/textures{}", escaped(name)), texture));
     scene.materials.iter().for_each(|(name, material)| files.material(&format!("/materials{}", escaped(name)), material));
     scene.media.iter().for_each(|(name, medium)| files.medium(&format!("/media{}", escaped(name)), medium));

@@ -19,6 +19,7 @@ mod files;
 mod film;
 pub(crate) mod identity;
 pub mod ies;
+pub mod lens_file;
 mod light;
 mod medium;
 pub mod mesh;

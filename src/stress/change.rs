@@ -234,15 +234,20 @@ fn multiply(object: &mut Value, key: &str, factor: f64) {
 fn place_all(changed: &mut Value, scene: &Scene, place: &Similarity) {
     let camera = &mut changed["camera"];
     place_camera(camera, place);
-    for key in ["lens_radius", "focus_distance", "height", "focal_length", "sensor"] {
+    for key in ["lens_radius", "focus_distance", "height", "focal_length", "sensor", "aperture_diameter"] {
         multiply(camera, key, place.scale);
     }
-    // The size of a sensor that is not mentioned counts where the focal length or the f-number is given.
-    if let describe::Camera::Perspective(described) = &scene.camera
-        && described.sensor.is_none()
-        && (described.focal_length.is_some() || described.f_number.is_some())
-    {
-        camera["sensor"] = json!(described.sensor().height() * place.scale);
+    // The size of a sensor that is not mentioned, where it counts.
+    let sensor = match &scene.camera {
+        describe::Camera::Perspective(c) if c.focal_length.is_some() || c.f_number.is_some() => Some((c.sensor, c.sensor())),
+        describe::Camera::Realistic(c) => Some((c.sensor, c.sensor())),
+        _ => None,
+    };
+    if let Some((None, sensor)) = sensor {
+        camera["sensor"] = json!(sensor.height() * place.scale);
+    }
+    if let describe::Camera::Realistic(described) = &scene.camera {
+        camera["scale"] = json!(described.scale.get() * place.scale);
     }
     for shape in list(changed, "shapes") {
         list(shape, "transform").push(place.step());

@@ -65,6 +65,9 @@ const TEXTS: &[Row] = &[
     ("B26", r#"{"pt": 1, "camera": {"tilt": [0, ^-90]}}"#, 3, "/camera/tilt/1: expected an angle in degrees above -90 and below 90"),
     ("B26", r#"{"pt": 1, "camera": {"shift": [0, ^1e999]}}"#, 3, "/camera/shift/1: the number 1e999 is too large"),
     ("B26", r#"{"pt": 1, "camera": {"type": "fisheye", "fov": ^400}}"#, 3, "/camera/fov: expected an angle in degrees above 0 and at most"),
+    ("B26", r#"{"pt": 1, "camera": {"type": "realistic", "lens": ^[]}}"#, 3, "/camera/lens: expected 1 to 100 surfaces, found 0"),
+    ("B26", r#"{"pt": 1, "camera": {"type": "realistic", "lens": ^"none.dat"}}"#, 3, "/camera/lens: none.dat: no such file"),
+    ("B26", r#"{"pt": 1, "camera": ^{"type": "realistic"}}"#, 3, "/camera: missing key \"lens\""),
     ("B39", r#"^{"pt": 1}"#, 3, "missing key \"camera\""),
 ];
 

@@ -65,6 +65,7 @@ mod proof;
 mod random;
 mod rays;
 mod reader;
+mod realistic;
 mod recorder;
 mod references;
 mod report;

@@ -41,6 +41,23 @@ fn cameras() {
         ),
         (r#""type": "fisheye", "mapping": ^"fish""#, "/camera/mapping: "),
         (r#""type": "fisheye", ^"lens_radius": 1"#, "/camera/lens_radius: unknown key"),
+        (r#""type": "realistic", "lens": ^[]"#, "/camera/lens: expected 1 to 100 surfaces, found 0"),
+        (r#""type": "realistic", "lens": ^5"#, "/camera/lens: expected a string or an array, found 5"),
+        (
+            r#""type": "realistic", "lens": [[50, 1, 1.5, 9], ^[50, -1, 1, 9]]"#,
+            "/camera/lens/1: expected a thickness of at least 0, found -1",
+        ),
+        (
+            r#""type": "realistic", "lens": [^[50, 1, 0.5, 9]]"#,
+            "/camera/lens/0: expected an index of refraction from 1 to 10, or 0 for air",
+        ),
+        (r#""type": "realistic", "lens": [^[50, 1, 1.5, 0]]"#, "/camera/lens/0: expected a diameter above 0, found 0"),
+        (
+            r#""type": "realistic", "lens": [^[4, 1, 1.5, 9]]"#,
+            "/camera/lens/0: expected a diameter of at most 8, that of the sphere, found 9",
+        ),
+        (r#""type": "realistic", "lens": [[50, 1, 1, 9], ^[-50, 1, 1.5, 9]]"#, "/camera/lens/1: expected air behind the last surface"),
+        (r#""type": "realistic", "lens": [[50, 1, ^"glass", 9]]"#, "/camera/lens/0/2: expected a number"),
     ];
     for (text, expected) in cases {
         assert_fault(&[(&camera(text), expected)]);
@@ -51,6 +68,44 @@ fn cameras() {
         r#""type": "fisheye", "fov": 359, "mapping": "stereographic""#,
     ] {
         assert!(read(camera(sound)).is_ok(), "{sound}");
+    }
+}
+
+/// What is wrong with a lens as a whole is found when it is built: faults of its focus, its stop and its file.
+#[test]
+fn lenses_that_cannot_be_used() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    file("good.dat", "# a magnifying glass\n\n50 3 1.5 20 # front\n-50\t0 1 20\n");
+    file("short.dat", "50 3 1.5 20\n-50 0 1\n");
+    file("words.dat", "# glass\n50 3 BK7 20\n");
+    file("narrow.dat", "50 3 1.5 20\n\n-5 0 1 20\n");
+    let build = |keys: &str| {
+        let text = format!(r#"{{"pt": 1, "camera": {{"type": "realistic", {keys}}}}}"#);
+        let root = describe::root(text.as_bytes(), "s").expect("JSON");
+        let files = Files::within(folder.path());
+        let scene = describe::read_with(&root, "s", &files)?;
+        pt::build::build(&scene, Source { root: &root, file: "s", files: &files }).map(drop)
+    };
+    assert!(build(r#""lens": "good.dat""#).is_ok());
+    let glass = r#""lens": [[50, 3, 1.5, 20], [-50, 1, 1, 20], [0, 0, 1, 12]]"#;
+    for (keys, expected) in [
+        (r#""lens": "short.dat""#.to_owned(), "/camera/lens: short.dat: line 2: expected four numbers: radius of curvature, thickness"),
+        (r#""lens": "words.dat""#.to_owned(), "/camera/lens: words.dat: line 2: expected four numbers"),
+        (r#""lens": "narrow.dat""#.to_owned(), "/camera/lens: narrow.dat: line 3: expected a diameter of at most 10, that of the sphere"),
+        (r#""lens": "none.dat""#.to_owned(), "/camera/lens: none.dat: no such file"),
+        (r#""lens": "../good.dat""#.to_owned(), "/camera/lens: ../good.dat: leads out of the scene file's folder"),
+        (r#""lens": [[-50, 3, 1.5, 20], [50, 0, 1, 20]]"#.to_owned(), "/camera/lens: this lens does not bring parallel light together"),
+        (r#""lens": [[0, 1, 1, 20]]"#.to_owned(), "/camera/lens: this lens does not bring parallel light together"),
+        (format!(r#"{glass}, "focus_distance": 0.1"#), "/camera/focus_distance: a lens with the focal length 50."),
+        (
+            format!(r#"{glass}, "aperture_diameter": 12.1"#),
+            "/camera/aperture_diameter: expected at most the diameter of the stop in the table",
+        ),
+        (r#""lens": "good.dat", "aperture_diameter": 1"#.to_owned(), "/camera/aperture_diameter: the lens has no stop"),
+    ] {
+        let said = build(&keys).expect_err(&keys).to_string();
+        assert!(said.lines().count() == 1 && said.contains(expected), "{keys}: {said}");
     }
 }
 

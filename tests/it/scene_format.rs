@@ -14,11 +14,16 @@ const MARK: &str = "<!-- tables -->\n";
 pub const EVERYTHING: &str = include_str!("everything.json");
 
 /// The alternatives of which a scene has only one, with their pointers.
-const ALTERNATIVES: [(&str, &str); 14] = [
+const ALTERNATIVES: [(&str, &str); 16] = [
     ("/camera", r#"{"type": "orthographic", "height": 3, "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}}"#),
     ("/camera", r#"{"focal_length": 50, "sensor": 24, "f_number": 1.8, "focus_distance": 3}"#),
     ("/camera", r#"{"focal_length": 35, "sensor": [36, 24]}"#),
     ("/camera", r#"{"type": "fisheye", "fov": 200, "mapping": "stereographic", "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}}"#),
+    (
+        "/camera",
+        r#"{"type": "realistic", "lens": [[50, 3, 1.5, 20], [-50, 1, 1, 20], [0, 0, 0, 12.5]], "scale": 0.9, "aperture_diameter": 4, "focus_distance": 3, "sensor": 15.6}"#,
+    ),
+    ("/camera", r#"{"type": "realistic", "lens": "dgauss.dat", "sensor": [36, 24], "look_at": {"from": [0, 1, 5], "to": [0, 1, 0]}}"#),
     ("/camera", r#"{"type": "spherical", "transform": [{"scale": 2}]}"#),
     ("/film/filter", r#"{"type": "box", "radius": 1}"#),
     ("/film/filter", r#"{"type": "tent", "radius": 2}"#),

@@ -110,6 +110,8 @@ fn lenses_change_with_the_scene() {
         r#""focal_length": 50, "sensor": [60, 40], "f_number": 0.3, "focus_distance": 6, "aperture": { "blades": 5, "rotation": 20 }"#,
         r#""fov": 40, "f_number": 0.2, "focus_distance": 6"#,
         r#""type": "fisheye", "fov": 70"#,
+        r#""type": "realistic", "lens": [[1000, 40, 1.5, 350], [-1000, 0, 1, 350]], "sensor": [1100, 700], "focus_distance": 6.5"#,
+        r#""type": "realistic", "lens": [[20, 0.8, 1.5, 7], [-20, 0.4, 1, 7], [0, 0, 1, 7]], "scale": 2, "aperture_diameter": 6, "focus_distance": 8"#,
     ] {
         trial(&LENGTHS.replace(view, lens), [48, 32], 4, "nee", |trial| {
             for change in

@@ -35,6 +35,7 @@ pub const ALL: &[Target] = &[
     Target { name: "mesh", run: assets::mesh, tries: 600 },
     Target { name: "points", run: |at, bytes| assets::within(at, "points.ply", bytes, "points.json"), tries: 400 },
     Target { name: "lamp", run: |at, bytes| assets::within(at, "l.ies", bytes, "lamp.json"), tries: 400 },
+    Target { name: "lens", run: |at, bytes| assets::within(at, "g.dat", bytes, "lens.json"), tries: 300 },
     Target { name: "texture", run: |at, bytes| assets::within(at, "p.png", bytes, "textures.json"), tries: 200 },
     Target { name: "volume", run: |at, bytes| assets::within(at, "v.vol", bytes, "volume.json"), tries: 400 },
     Target { name: "grid", run: |at, bytes| assets::within(at, "v.pbrt", bytes, "grid.json"), tries: 400 },
