@@ -1,4 +1,4 @@
-//! Automatic exposure, and warnings about bad exposure.
+//! Automatic exposure, the exposure of photographic cameras, and warnings about bad exposure.
 
 use super::Tonemap;
 use crate::film::Image;
@@ -23,6 +23,44 @@ const BURNT_OUT: f64 = 2.0;
 pub fn automatic(image: &Image) -> f32 {
     quantile(image, SHOWN).map_or(0.0, |brightness| (10.0 * ln_f64(NEARLY_WHITE / brightness) / ln_f64(2.0)).round() / 10.0) as f32
 }
+
+/// Settings of a photographic camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraExposure {
+    /// Sensitivity S of the sensor (ISO).
+    pub iso: f64,
+    /// Time t for which the shutter is open (s).
+    pub shutter: f64,
+    /// Focal length divided by the diameter of the lens, N.
+    pub f_number: f64,
+}
+
+impl CameraExposure {
+    /// Stops of exposure with which a picture of radiances is as bright as a camera's: radiance that saturates the sensor becomes 1.
+    ///
+    /// ```text
+    /// H = q K L t / N²,  H_sat = 78 / S                  [lx·s], q = 0.65
+    /// stops = log₂(H / H_sat) for L = 1 W·m⁻²·sr⁻¹
+    /// ```
+    ///
+    /// K = 683 lm·W⁻¹ turns watts into lumens, as for all light. q is the share of the light that the lens passes to the sensor, for a common lens
+    /// and a point 10 degrees off the axis.
+    ///
+    /// Source: ISO 12232:2019, saturation-based sensitivity; q: ISO 2720:1974, ISO 2721:2013.
+    pub fn stops(&self) -> f64 {
+        let exposure = LENS_FACTOR * LUMENS_PER_WATT * self.shutter / (self.f_number * self.f_number);
+        ln_f64(exposure * self.iso / SATURATION) / ln_f64(2.0)
+    }
+}
+
+/// q, the exposure of the sensor over that without losses at f-number 1.
+const LENS_FACTOR: f64 = 0.65;
+
+/// Exposure that saturates a sensor of the sensitivity 1 [lx·s].
+const SATURATION: f64 = 78.0;
+
+/// Luminous efficacy of light of 555 nm, used for all light.
+const LUMENS_PER_WATT: f64 = 683.0;
 
 /// Warning about a picture that looks too dark or too bright with this exposure; `None` also for a black picture.
 pub fn fault(image: &Image, tonemap: &Tonemap) -> Option<&'static str> {
@@ -74,6 +112,22 @@ mod tests {
             let stops = automatic(&picture(0, 2f32.powi(k)));
             // A tenth, rounded to f32.
             assert!((stops - (-6.9 - k as f32)).abs() < 1e-5, "2^{k}: {stops}");
+        }
+    }
+
+    /// The luminance that saturates a sensor is 1.2 · 2^EV cd/m² at ISO 100, where EV = log₂(N²/t): EV 0 is 1 s at f/1, and 1/125 s at f/16
+    /// is EV 14.97. A stop of each of the three settings is a stop.
+    #[test]
+    fn a_photographic_exposure_saturates_at_its_luminance() {
+        let stops = |iso, shutter, f_number| CameraExposure { iso, shutter, f_number }.stops();
+        for (shutter, f_number) in [(1.0f64, 1.0f64), (1.0 / 125.0, 16.0), (30.0, 2.8)] {
+            let saturating = 1.2 * f_number * f_number / shutter / 683.0;
+            let shown = stops(100.0, shutter, f_number).exp2() * saturating;
+            assert!((shown - 1.0).abs() < 1e-9, "{shutter} s at f/{f_number}: {shown}");
+        }
+        let before = stops(100.0, 0.5, 4.0);
+        for (more, expected) in [(stops(200.0, 0.5, 4.0), 1.0), (stops(100.0, 0.25, 4.0), -1.0), (stops(100.0, 0.5, 8.0), -2.0)] {
+            assert!((more - before - expected).abs() < 1e-9, "{more} after {before}");
         }
     }
 

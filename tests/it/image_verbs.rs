@@ -200,6 +200,12 @@ fn convert_keeps_what_the_format_has_room_for() {
     said(folder.path(), "convert all.exr -o bright.ppm --exposure 2 --tonemap filmic");
     let tonemap = Tonemap { exposure: 2.0, curve: pt::output::Curve::Filmic };
     assert_eq!(fs::read(folder.path().join("bright.ppm")).expect("written"), output::png::encode_ppm(&image, &tonemap));
+    // A camera's exposure: 683 lm/W · 0.65 · 100/78 · t/N² [m²·sr/W], which is 4 for t/N² = 4 · 78/(683 · 65).
+    said(folder.path(), "convert all.exr -o camera.ppm --iso 100 --shutter 0.0281112738 --f-number 2 --tonemap filmic");
+    let [camera, bright] = ["camera.ppm", "bright.ppm"].map(|name| fs::read(folder.path().join(name)).expect("written"));
+    assert!(camera.len() == bright.len() && camera.iter().zip(&bright).all(|(a, b)| a.abs_diff(*b) <= 1));
+    said(folder.path(), "convert all.exr -o camera.exr --iso 100 --shutter 1/30 --f-number 2");
+    assert_eq!(output::hash(&read(folder.path(), "camera.exr")), output::hash(&image), "linear files keep their values");
     said(folder.path(), "convert copy.png -o from.exr");
     said(folder.path(), "convert from.exr -o again.png");
     assert_eq!(fs::read(folder.path().join("again.png")).expect("written"), fs::read(folder.path().join("copy.png")).expect("written"));

@@ -124,6 +124,16 @@ fn automatic_exposure_does_not_depend_on_brightness() {
     assert!(pt(at, "image convert x.exr -o y.png --exposure auto").status.success());
     assert_eq!(shown("y.png"), expected);
     assert!(stderr(&pt(at, "s.json --exposure much")).contains("expected a number of stops, or auto"));
+    for (options, said) in [
+        ("--iso 100", "--shutter <SECONDS>"),
+        ("--shutter 1/50", "--iso <ISO>"),
+        ("--iso 100 --shutter 1/0 --f-number 8", "expected seconds such as 0.01 or 1/100"),
+        ("--iso 0 --shutter 1 --f-number 8", "expected a number above 0"),
+        ("--iso 100 --shutter 1 --f-number 8 --exposure 1", "cannot be used with"),
+    ] {
+        let output = pt(at, &format!("s.json -o x.png {options}"));
+        assert!(output.status.code() == Some(2) && stderr(&output).contains(said), "{options}: {}", stderr(&output));
+    }
 }
 
 /// A picture that is too dark or too bright causes a note that gives a better exposure.
