@@ -66,7 +66,9 @@ impl PixelStatistics {
 
     fn contribution(&self, i: usize) -> Contribution {
         let median = self.median(i);
-        let others: ArrayVec<(usize, f64), AROUND> = self.neighbors(i).map(|q| (q, self.similarity(q, median))).collect();
+        // Pushed one by one, because the compiler does not always inline `collect`.
+        let mut others: ArrayVec<(usize, f64), AROUND> = ArrayVec::new();
+        self.neighbors(i).for_each(|q| others.push((q, self.similarity(q, median))));
         let all: f64 = others.iter().map(|(_, similarity)| similarity).sum();
         // A pixel that differs from most of its neighbours is its own reference.
         let own = if all > 0.0 { 1.0 - self.similarity(i, median) } else { 1.0 };
