@@ -80,6 +80,18 @@ fn rows() -> Vec<Row> {
         ),
         row(Effects::REFRACTION, "glass balls, not matte ones", &[], &[(ball, json!({ "type": "dielectric" }))]),
         row(
+            Effects::DISPERSION,
+            "balls of glass with dispersion, not of plain glass",
+            &[(ball, json!({ "type": "dielectric" }))],
+            &[(ball, json!({ "type": "dielectric", "abbe": 40 }))],
+        ),
+        row(
+            Effects::THIN_FILM,
+            "a film on balls of gold, not bare gold",
+            &[(ball, json!({ "type": "conductor", "metal": "Au", "roughness": 0.3 }))],
+            &[(ball, json!({ "type": "conductor", "metal": "Au", "roughness": 0.3, "film": { "eta": 1.5, "thickness": 300 } }))],
+        ),
+        row(
             Effects::ROUGH_REFRACTION,
             "balls of rough glass, not matte ones",
             &[],

@@ -82,7 +82,7 @@ impl Estimator for Walk {
 const MAGNIFYING: Entry = Entry::of::<Magnifying>(
     "magnifying",
     "a path tracer that forgets to turn a normal on leaving glass",
-    Effects::ALL.without(Effects::ENVIRONMENT),
+    Effects::ALL.without(Effects::DISPERSION).without(Effects::ENVIRONMENT),
 );
 
 fn main() -> ExitCode {

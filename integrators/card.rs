@@ -165,12 +165,13 @@ impl PathWalk for Walk {
             }
             return path.end(End::Escaped, recorder);
         };
-        let surface = self.scene.surface(&path.ray, &hit);
+        let mut surface = self.scene.surface(&path.ray, &hit);
         let wo = -path.ray.direction;
         recorder.record(|| Event::vertex(path.depth, &path.ray, &hit, &surface, path.beta));
         if path.depth <= self.emission_depth {
             path.add_emission(surface.emitted(wo), recorder, || Origin::emission(&surface, 1.0));
         }
+        path.take_wavelength(&mut surface, numbers, recorder);
         if let (Some(sun), true) = (&self.sun, path.depth < self.max_depth)
             && let Some((direct, window)) = self.sunlight(sun, &surface, wo, path.ray.time)
         {

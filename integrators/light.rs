@@ -5,9 +5,9 @@ use std::sync::Arc;
 use pt::bsdf::{BsdfSample, Lobe, TransportMode};
 use pt::effects::Effects;
 use pt::film::{FilmSpec, Splat};
-use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, Interrupt, LightPath, MAX_DEPTH, Roulette};
+use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, Interrupt, LightPath, MAX_DEPTH, PathWavelength, Roulette};
 use pt::light::ShadowTarget;
-use pt::math::{Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, Vec2, Vec3, warp};
+use pt::math::{Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, Vec2, Vec3, Wavelength, warp};
 use pt::primitive::Hit;
 use pt::recorder::{End, Event, NoRecorder, Origin, Recorder, Scattering};
 use pt::sampler::dimension::{self, Use};
@@ -127,15 +127,19 @@ impl Walk {
         let Some(emitted) = self.scene.lights().emit(choice, position, direction, time) else { return };
         recorder.record(|| Event::Emission(emitted));
         let (flux, mut ray, mut beta) = (emitted.flux(), emitted.ray, Spectrum::ONE);
+        let mut wavelength = PathWavelength::default();
         for depth in 0..self.max_depth {
             if interrupt.ends(depth) {
                 return;
             }
             let Some(hit) = self.scene.intersect(&ray) else { return recorder.record(|| Event::end(depth, End::Escaped)) };
-            let surface = self.scene.surface(&ray, &hit);
+            let mut surface = self.scene.surface(&ray, &hit);
             recorder.record(|| Event::vertex(depth, &ray, &hit, &surface, beta));
+            if surface.is_dispersive {
+                beta *= wavelength.take(&mut surface, depth, &mut path.numbers, recorder);
+            }
             let carried = Carried { flux: flux * beta, depth: depth + 1, light: emitted.light };
-            let arrival = Arrival { ray: &ray, hit: &hit, surface: &surface };
+            let arrival = Arrival { ray: &ray, hit: &hit, surface: &surface, wavelength: wavelength.get() };
             self.connect(&arrival, carried, path, recorder);
 
             let numbers = &mut path.numbers;
@@ -209,13 +213,20 @@ impl Walk {
     /// f·|cos| of the light that goes on in the direction `wi` [sr⁻¹]: what a path from the camera finds that arrives from there, with the
     /// shading normal as it is seen from there.
     fn scattered(&self, arrival: &Arrival, wi: Vec3) -> Spectrum {
-        let (Arrival { ray, hit, surface }, wo) = (arrival, -arrival.ray.direction);
+        let (Arrival { ray, hit, surface, .. }, wo) = (arrival, -arrival.ray.direction);
         let cosines = (surface.point.ng.dot(wi) / surface.point.ng.dot(wo)).abs();
         if !cosines.is_finite() {
             return Spectrum::BLACK;
         }
         let from_camera = |surface: &Surface| surface.eval(wi, wo, TransportMode::Radiance) * cosines;
-        if self.has_shading_normals { from_camera(&self.scene.surface_seen_from(ray, hit, wi)) } else { from_camera(surface) }
+        if !self.has_shading_normals {
+            return from_camera(surface);
+        }
+        let mut seen = self.scene.surface_seen_from(ray, hit, wi);
+        if let Some(wavelength) = arrival.wavelength {
+            seen.bsdf = seen.bsdf.at_wavelength(wavelength);
+        }
+        from_camera(&seen)
     }
 }
 
@@ -227,6 +238,8 @@ struct Arrival<'a> {
     ray: &'a Ray,
     hit: &'a Hit,
     surface: &'a Surface<'a>,
+    /// Wavelength of the path, if it has met dispersive glass.
+    wavelength: Option<Wavelength>,
 }
 
 /// Light that arrives at a vertex.

@@ -203,12 +203,13 @@ impl<S: Space> PathWalk for Walk<S> {
             }
             return path.end(End::Escaped, recorder);
         };
-        let surface = path.surface(&*self.scene, &hit);
+        let mut surface = path.surface(&*self.scene, &hit);
         let wo = -path.ray.direction;
         recorder.record(|| Event::vertex(path.depth, &path.ray, &hit, &surface, path.beta));
         let (emitted, weight) = self.emission(&surface, wo, arrival);
         path.add_emission(emitted, recorder, || Origin::emission(&surface, weight));
         space.arrive(&*self.scene, &hit, &surface);
+        path.take_wavelength(&mut surface, numbers, recorder);
         self.scatter(&surface, state, numbers, recorder)
     }
 }

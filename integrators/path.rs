@@ -113,11 +113,12 @@ impl<S: Space> PathWalk for Walk<S> {
             }
             return path.end(End::Escaped, recorder);
         };
-        let surface = path.surface(&*self.scene, &hit);
+        let mut surface = path.surface(&*self.scene, &hit);
         let wo = -path.ray.direction;
         recorder.record(|| Event::vertex(path.depth, &path.ray, &hit, &surface, path.beta));
         path.add_emission(surface.emitted(wo), recorder, || Origin::emission(&surface, 1.0));
         space.arrive(&*self.scene, &hit, &surface);
+        path.take_wavelength(&mut surface, numbers, recorder);
         self.scatter(&surface, state, numbers, recorder)
     }
 }

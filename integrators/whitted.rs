@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pt::bsdf::{BsdfSample, TransportMode};
 use pt::film::FilmSpec;
-use pt::integrator::{Bias, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, Vacuum, sample_light};
+use pt::integrator::{Bias, CameraSample, Estimator, Integrator, MAX_DEPTH, PathWalk, PathWavelength, Vacuum, sample_light};
 use pt::math::{Ray, RayDifferential, Spectrum, SurfaceDifferential, Vec3};
 use pt::primitive::Hit;
 use pt::recorder::{End, Event, Origin, Recorder};
@@ -70,6 +70,8 @@ struct Branch {
     depth: u32,
     /// Differential between the ray and those beside it, where a texture depends on it.
     differential: Option<RayDifferential>,
+    /// Wavelength, if the branch has met dispersive glass.
+    wavelength: PathWavelength,
 }
 
 /// State of the walk: the branches that are still to be followed, and the radiance found so far.
@@ -89,7 +91,8 @@ impl PathWalk for Walk {
     type State = State;
 
     fn start(&self, camera: &CameraSample) -> State {
-        let next = Branch { ray: camera.ray, beta: Spectrum::ONE, depth: 0, differential: camera.differential };
+        let CameraSample { ray, differential, .. } = *camera;
+        let next = Branch { ray, beta: Spectrum::ONE, depth: 0, differential, wavelength: PathWavelength::default() };
         State { next, known_hit: camera.known_hit, stack: [None; _], count: 0, radiance: Spectrum::BLACK }
     }
 
@@ -123,7 +126,7 @@ impl Walk {
         numbers: &mut SampleNumbers,
         recorder: &mut R,
     ) -> [Option<Branch>; 2] {
-        let Branch { ray, beta, depth, differential } = branch;
+        let Branch { ray, mut beta, depth, differential, mut wavelength } = branch;
         let Some(hit) = hit else {
             for (light, emitted) in self.scene.lights().background(ray.direction) {
                 *radiance += recorder.light(beta * emitted, depth, || Origin::background(light, 1.0));
@@ -131,7 +134,7 @@ impl Walk {
             recorder.record(|| Event::end(depth, End::Escaped));
             return [None; 2];
         };
-        let (surface, at): (Surface, Option<SurfaceDifferential>) = match &differential {
+        let (mut surface, at): (Surface, Option<SurfaceDifferential>) = match &differential {
             Some(differential) => self.scene.surface_with_footprint(&ray, &hit, differential),
             None => (self.scene.surface(&ray, &hit), None),
         };
@@ -141,6 +144,9 @@ impl Walk {
         if depth == self.max_depth {
             recorder.record(|| Event::end(depth, End::DepthLimit));
             return [None; 2];
+        }
+        if surface.is_dispersive {
+            beta *= wavelength.take(&mut surface, depth, numbers, recorder);
         }
         if let Some((direct, light)) =
             sample_light(&*self.scene, &Vacuum, &surface, wo, dimension::vertex(depth, Use::Light), ray.time, numbers)
@@ -159,6 +165,7 @@ impl Walk {
             beta: beta * sample.weight,
             depth: depth + 1,
             differential: at.and_then(|at| at.scattered(surface.frame.z, ray.direction, wi, sample.eta)),
+            wavelength,
         };
         lobes.map(|lobe| lobe.map(onward))
     }

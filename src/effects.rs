@@ -52,9 +52,12 @@ impl Effects {
 
     /// Media that absorb, scatter or emit light between surfaces.
     pub const MEDIA: Effects = Effects(1 << 16);
-
     /// Lenses of spherical surfaces, whose importance for paths from the lights is not known.
     pub const REALISTIC_LENS: Effects = Effects(1 << 17);
+    /// Glass that bends light of each wavelength differently. Only then paths may carry light of a single wavelength.
+    pub const DISPERSION: Effects = Effects(1 << 18);
+    /// Films about as thin as a wavelength, whose colours are those of interference.
+    pub const THIN_FILM: Effects = Effects(1 << 19);
 
     /// Light between surfaces that scatter into a continuum of directions, of which a path follows one at random.
     pub const SCATTERED: Effects = Effects::INTERREFLECTION.union(Effects::GLOSSY_REFLECTION).union(Effects::ROUGH_REFRACTION);
@@ -135,7 +138,7 @@ impl Sub for Effects {
 }
 
 /// Table of all effects, in the order of their bits.
-const TABLE: [EffectInfo; 18] = [
+const TABLE: [EffectInfo; 20] = [
     EffectInfo { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
     EffectInfo { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
     EffectInfo { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
@@ -162,4 +165,10 @@ const TABLE: [EffectInfo; 18] = [
         cost: "a vertex wherever a medium scatters, a ray through each boundary, paths one by one",
     },
     EffectInfo { bit: Effects::REALISTIC_LENS, name: "realistic lens", cost: "a refraction per surface of the lens and camera ray" },
+    EffectInfo {
+        bit: Effects::DISPERSION,
+        name: "dispersion",
+        cost: "noise of colour: one wavelength per path through glass, paths one by one",
+    },
+    EffectInfo { bit: Effects::THIN_FILM, name: "thin films", cost: "a lookup in a table per hit" },
 ];

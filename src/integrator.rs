@@ -9,6 +9,7 @@ mod interrupt;
 mod side_by_side;
 mod space;
 mod transport;
+mod wavelength;
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -35,6 +36,7 @@ pub use interrupt::Interrupt;
 pub use side_by_side::{BATCH, Batch, CameraRays, PathLanes, SideBySide, WideWalk};
 pub use space::{Filled, Space, Vacuum};
 pub use transport::{CameraPath, Roulette};
+pub use wavelength::PathWavelength;
 
 /// Settings of a light transport method.
 pub trait Integrator: Send + Sync {

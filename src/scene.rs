@@ -92,6 +92,9 @@ pub struct Surface<'a> {
     pub bsdf: Bsdf<'a>,
     /// Whether light may pass through the surface. Where it does not, no light behind the surface is sampled.
     pub transmits: bool,
+    /// Whether the scattering model depends on the wavelength. A path then gives it its own: see
+    /// [`PathWavelength`](crate::integrator::PathWavelength).
+    pub is_dispersive: bool,
     /// Emission of the surface.
     pub emission: Option<Emission>,
     /// Index of the surface among the lights; valid only if `emission` is set.
@@ -106,7 +109,8 @@ impl<'a> Surface<'a> {
     /// - `emission`: emission and index of the light
     pub fn new(point: SurfacePoint, bsdf: Bsdf<'a>, emission: Option<(Emission, u32)>) -> Surface<'a> {
         let (emission, light) = (emission.map(|e| e.0), emission.map_or(u32::MAX, |e| e.1));
-        Surface { frame: Frame::around(point.ns), shadow_origin: point.p, point, bsdf, transmits: true, emission, light }
+        let (frame, shadow_origin) = (Frame::around(point.ns), point.p);
+        Surface { frame, shadow_origin, point, bsdf, transmits: true, is_dispersive: false, emission, light }
     }
 
     /// Moves the origin of rays to the outside up to the smooth surface that a coarse mesh represents, `offset` above the point (m):

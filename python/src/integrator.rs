@@ -19,7 +19,8 @@ use pt::scene::Scene;
 use pyo3::prelude::*;
 
 /// Row of the table for all integrators that are written in Python. They say what they simulate by what they do.
-pub const ENTRY: Entry = Entry::of::<Normals>("python", "an integrator that is written in Python", Effects::ALL);
+pub const ENTRY: Entry =
+    Entry::of::<Normals>("python", "an integrator that is written in Python", Effects::ALL.without(Effects::DISPERSION));
 
 /// Exception in a method, which ends the render.
 #[derive(Default)]

@@ -3,13 +3,14 @@
 use glam::{DVec3, Vec2};
 
 use super::description::{Description, Prepare, given};
+use super::dispersion::{Dispersion, MOST_TERMS};
 use super::microfacet::{Roughness, RoughnessKeys, Scale, TableRange, roughness_keys};
 use super::{
     Bsdf, BsdfSample, HitContext, Lobe, Lookup, Material, Passage, RoughDielectric, ScatteringModel, TexturedModel, TransportMode,
     rough_dielectric,
 };
 use crate::effects::Effects;
-use crate::format::Textured;
+use crate::format::{Index, Textured, Varying};
 use crate::math::{Density, Local, Rgb, Spectrum, float, fresnel};
 use crate::texture::{Number, Texture};
 
@@ -83,8 +84,10 @@ pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
 
+    use crate::bsdf::dispersion::Dispersion;
+    pub use crate::bsdf::glass::Glass;
     use crate::bsdf::microfacet::{AlphaKey, Distribution};
-    use crate::format::{Color, Fraction, Index, Positive, Textured, Varying};
+    use crate::format::{Color, Fraction, Index, Positive, Real, Textured, Varying};
 
     /// The surface of a body of glass, water, …, clear or frosted, with its normals outwards. It reflects and refracts.
     ///
@@ -102,8 +105,27 @@ pub mod described {
         /// The index of refraction inside (the side the normal points away from) divided by that outside.
         ///
         /// If the index varies over the surface, light that enters with one index and leaves with another is brighter or darker by the
-        /// square of their ratio.
-        pub eta: Varying<Index>,
+        /// square of their ratio. Default: 1.5.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub eta: Option<Varying<Index>>,
+        /// The Abbe number V of glass with dispersion, which bends blue light more than red: (eta − 1)/V is the difference between the indices
+        /// at 486 and 656 nm. Common glass has 64, flint glass 25 to 40. `eta` is then the index at 588 nm, and the index at the
+        /// wavelength λ is A + B/λ².
+        ///
+        /// A path that meets such glass goes on with light of one wavelength, so that pictures of it have coloured noise, also in its
+        /// reflections. In the mean all colours that dispersion does not change are as without it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub abbe: Option<Positive>,
+        /// A clear material with a published index of refraction at each wavelength, in place of `eta`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub glass: Option<Glass>,
+        /// A and B (µm²) of Cauchy's formula for the index at the wavelength λ (µm), A + B/λ², in place of `eta`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub cauchy: Option<[Real; 2]>,
+        /// B and C (µm²) of each term of Sellmeier's formula for the index at the wavelength λ (µm), n² = 1 + Σ B λ²/(λ² − C), in place of
+        /// `eta`: from 1 to 6 pairs.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub sellmeier: Option<Vec<[Real; 2]>>,
         /// A factor of all light that the surface reflects or transmits, at every hit.
         pub color: Textured,
         /// The roughness: 0 is clear, 1 frosted. The width of highlights, alpha, is its square, so that equal steps look equal. Values
@@ -120,7 +142,7 @@ pub mod described {
         /// Whether light that hits more than one facet is included. Without it frosted glass is too dark, mostly from inside. The cost is
         /// tables for each glass and a fifth of the time of a scattering event. A table takes 70 ms once with GGX, five times that with
         /// Beckmann, fifteen to thirty times that where the roughness is a texture or anisotropic, and a hundred times that where the
-        /// anisotropy is a texture or both hold. A varying `eta` needs several tables: 5 from 1.3 to 1.6, 15 from 1 to 1.6.
+        /// anisotropy is a texture or both hold. A varying `eta` and dispersion need several tables: 5 from 1.3 to 1.6, 15 from 1 to 1.6.
         pub multiscatter: bool,
         /// The absorption of light inside the body. It is exact for a closed body with nothing in it: the distance between consecutive
         /// hits of this surface counts. Light on its way to an object inside the body is therefore not attenuated, and an open surface
@@ -139,10 +161,36 @@ pub mod described {
         pub distance: Positive,
     }
 
+    impl Dielectric {
+        /// The index of refraction where it does not depend on the wavelength, or that at 588 nm.
+        pub fn index(&self) -> Varying<Index> {
+            self.eta.clone().unwrap_or(Varying::Same(Index::known(1.5)))
+        }
+
+        /// The formula of the index of refraction, where it depends on the wavelength.
+        pub(in crate::bsdf) fn dispersion(&self) -> Option<Dispersion> {
+            let pair = |pair: &[Real; 2]| pair.map(Real::get);
+            match (self.glass, &self.cauchy, &self.sellmeier, self.abbe, self.index()) {
+                (Some(glass), ..) => Some(glass.dispersion()),
+                (_, Some(cauchy), ..) => {
+                    let [a, b] = pair(cauchy);
+                    Some(Dispersion::Cauchy { a, b })
+                }
+                (_, _, Some(terms), ..) => Some(Dispersion::sellmeier(terms.iter().map(pair))),
+                (.., Some(abbe), Varying::Same(index)) => Some(Dispersion::of_abbe_number(index.get(), abbe.get())),
+                _ => None,
+            }
+        }
+    }
+
     impl Default for Dielectric {
         fn default() -> Dielectric {
             Dielectric {
-                eta: Varying::Same(Index::known(1.5)),
+                eta: None,
+                abbe: None,
+                glass: None,
+                cauchy: None,
+                sellmeier: None,
                 color: Textured::white(),
                 roughness: Textured::black(),
                 anisotropy: Textured::black(),
@@ -157,7 +205,7 @@ pub mod described {
 
 impl Description for described::Dielectric {
     fn textures(&self) -> Vec<(String, &Textured)> {
-        let own = [("eta/by", self.eta.by()), ("color", Some(&self.color))];
+        let own = [("eta/by", self.eta.as_ref().and_then(Varying::by)), ("color", Some(&self.color))];
         own.into_iter().filter_map(given).chain(roughness_keys!(self).textures()).collect()
     }
 
@@ -165,15 +213,53 @@ impl Description for described::Dielectric {
         Some(roughness_keys!(self))
     }
 
+    /// The index of refraction comes from one source only, and is a number in the range of `eta` for all visible light.
+    fn faults(&self) -> Vec<(&'static str, &'static str)> {
+        let given = [
+            ("/eta", self.eta.is_some()),
+            ("/glass", self.glass.is_some()),
+            ("/cauchy", self.cauchy.is_some()),
+            ("/sellmeier", self.sellmeier.is_some()),
+        ];
+        let mut given = given.into_iter().filter(|(_, is_given)| *is_given).map(|(key, _)| key);
+        let (first, second) = (given.next(), given.next());
+        if let Some(second) = second {
+            return vec![(second, "give one of eta, glass, cauchy and sellmeier")];
+        }
+        if self.abbe.is_some() && first.is_some_and(|key| key != "/eta") {
+            return vec![("/abbe", "an Abbe number belongs to eta: the other formulas of the index have a dispersion of their own")];
+        }
+        if self.abbe.is_some() && matches!(self.eta, Some(Varying::Between(_))) {
+            return vec![("/abbe", "an Abbe number needs an eta that is one number")];
+        }
+        if self.sellmeier.as_ref().is_some_and(|terms| !(1..=MOST_TERMS).contains(&terms.len())) {
+            return vec![("/sellmeier", "expected from 1 to 6 pairs [B, C]")];
+        }
+        let key = if self.abbe.is_some() { "/abbe" } else { first.unwrap_or_default() };
+        let in_range = |range: [f64; 2]| range.iter().all(|index| Index::RANGE.contains(*index));
+        match self.dispersion() {
+            Some(dispersion) if !dispersion.range().is_some_and(in_range) => {
+                vec![(key, "the index of refraction leaves the range from 0.01 to 100 between 380 and 700 nm")]
+            }
+            _ => vec![],
+        }
+    }
+
     fn prepare(&self, builder: &mut dyn Prepare) -> Material {
-        let (eta, color) = (builder.number("eta", &self.eta), builder.texture("color", &self.color));
-        let surface = textured::Dielectric::new(eta, color, roughness_keys!(self).prepare(builder), self.multiscatter);
-        match &self.absorption {
-            None => surface.into(),
+        let (eta, color) = (builder.number("eta", &self.index()), builder.texture("color", &self.color));
+        let (roughness, dispersion) = (roughness_keys!(self).prepare(builder), self.dispersion());
+        let range = dispersion.as_ref().map_or(eta.range(), Dispersion::tabulated);
+        let surface = textured::Dielectric::of_range(range, eta, color, roughness, self.multiscatter);
+        let surface = match &self.absorption {
+            None => surface,
             Some(absorption) => {
                 let left = Rgb::from_f64(absorption.color.linear());
-                surface.absorbing(left.map(|left| -float::ln(left) / absorption.distance.get() as f32)).into()
+                surface.absorbing(left.map(|left| -float::ln(left) / absorption.distance.get() as f32))
             }
+        };
+        match dispersion {
+            None => surface.into(),
+            Some(dispersion) => Material::dispersive(surface, dispersion),
         }
     }
 }
@@ -212,11 +298,31 @@ impl textured::Dielectric {
         multiscatter: bool,
     ) -> textured::Dielectric {
         let eta = eta.into();
+        textured::Dielectric::of_range(eta.range(), eta, color, roughness, multiscatter)
+    }
+
+    /// Glass with tables for all indices of refraction of a range.
+    fn of_range(
+        range: [f32; 2],
+        eta: Number,
+        color: impl Into<Texture>,
+        roughness: Option<Roughness>,
+        multiscatter: bool,
+    ) -> textured::Dielectric {
         let rough = roughness.as_ref().filter(|_| multiscatter);
-        let tables = |roughness: &Roughness| {
-            TableRange::new(eta.range(), Scale::Index, |eta| rough_dielectric::losses(eta, roughness.domain(), roughness.distribution))
-        };
-        textured::Dielectric { losses: rough.map(tables), color: color.into(), roughness, absorption: None, eta }
+        textured::Dielectric {
+            losses: rough.map(|roughness| tables(range, roughness)),
+            color: color.into(),
+            roughness,
+            absorption: None,
+            eta,
+        }
+    }
+
+    /// The glass with tables for all indices of refraction of a range. Tables that it has already are not computed again.
+    pub(super) fn for_indices(self, range: [f32; 2]) -> textured::Dielectric {
+        let losses = self.losses.as_ref().and(self.roughness.as_ref()).map(|roughness| tables(range, roughness));
+        textured::Dielectric { losses, ..self }
     }
 
     /// Adds the absorption of the body: the transmittance over the distance d inside is e^(−σ d).
@@ -236,11 +342,17 @@ impl textured::Dielectric {
     }
 }
 
-impl Lookup for textured::Dielectric {
-    type Model = Bsdf<'static>;
+/// The tables for light that hits more than one facet.
+///
+/// - `range`: the least and the greatest index of refraction
+fn tables(range: [f32; 2], roughness: &Roughness) -> TableRange<rough_dielectric::Losses> {
+    TableRange::new(range, Scale::Index, |eta| rough_dielectric::losses(eta, roughness.domain(), roughness.distribution))
+}
 
-    fn at(&self, at: &HitContext) -> Bsdf<'static> {
-        let (eta, color) = (self.eta.at(&at.texture), self.color_at(at));
+impl textured::Dielectric {
+    /// The model at a hit, with the index of refraction `eta`.
+    pub(super) fn with_index(&self, at: &HitContext, eta: f32) -> Bsdf<'static> {
+        let color = self.color_at(at);
         let facets = self.roughness.as_ref().and_then(|roughness| roughness.at(&at.texture));
         let Some(facets) = facets.filter(|facets| RoughDielectric::is_rough(eta, facets.alpha)) else {
             return Bsdf::Dielectric(Dielectric { eta, color });
@@ -248,6 +360,14 @@ impl Lookup for textured::Dielectric {
         let losses = self.losses.as_ref().map(|losses| losses.at(eta));
         let more = losses.and_then(|losses| rough_dielectric::MultiScatter::new(losses, facets.alpha, eta));
         Bsdf::RoughDielectric(RoughDielectric { eta, color, facets, more })
+    }
+}
+
+impl Lookup for textured::Dielectric {
+    type Model = Bsdf<'static>;
+
+    fn at(&self, at: &HitContext) -> Bsdf<'static> {
+        self.with_index(at, self.eta.at(&at.texture))
     }
 
     fn textures(&self) -> Vec<&Texture> {

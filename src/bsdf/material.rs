@@ -2,9 +2,10 @@
 
 use glam::{Vec2, Vec3};
 
+use super::dispersion::Dispersion;
 use super::microfacet::Roughness;
-use super::{Bsdf, Compound, Material, Metallic, Mix, Share, textured};
-use crate::math::Rgb;
+use super::{Bsdf, Compound, Dispersive, Material, Metallic, Mix, Share, textured};
+use crate::math::{Rgb, Wavelength};
 use crate::shape::{SurfacePoint, VertexColor};
 use crate::texture::{Number, Texture, TextureContext};
 
@@ -26,16 +27,21 @@ pub struct HitContext {
     pub texture: TextureContext,
     /// The length of the path segment inside the body behind the surface (m); 0 for light from outside.
     pub inside: f32,
+    /// The wavelength of the light, if the path has one: see [`Material::dispersive`].
+    pub wavelength: Option<Wavelength>,
 }
 
 impl HitContext {
     /// A context for the lookup of parameters that are the same everywhere.
-    pub(super) const ANYWHERE: HitContext =
-        HitContext { texture: TextureContext { p: Vec3::ZERO, uv: Vec2::ZERO, color: VertexColor::WHITE, footprint: None }, inside: 0.0 };
+    pub(super) const ANYWHERE: HitContext = HitContext {
+        texture: TextureContext { p: Vec3::ZERO, uv: Vec2::ZERO, color: VertexColor::WHITE, footprint: None },
+        inside: 0.0,
+        wavelength: None,
+    };
 
     /// The context of light that comes from outside of the body.
     pub fn from_outside(point: SurfacePoint) -> HitContext {
-        HitContext { texture: TextureContext::exact(&point), inside: 0.0 }
+        HitContext { texture: TextureContext::exact(&point), inside: 0.0, wavelength: None }
     }
 
     /// Looks up the model of a material in this context.
@@ -73,6 +79,13 @@ impl Material {
     /// Rough glass. `multiscatter` adds the light that hits more than one facet.
     pub fn rough_glass(eta: impl Into<Number>, color: impl Into<Texture>, roughness: Roughness, multiscatter: bool) -> Material {
         textured::Dielectric::new(eta, color, Some(roughness), multiscatter).into()
+    }
+
+    /// Glass whose index of refraction depends on the wavelength.
+    ///
+    /// A path that has no wavelength when it meets the surface takes one: see [`PathWavelength`](crate::integrator::PathWavelength).
+    pub fn dispersive(glass: textured::Dielectric, dispersion: Dispersion) -> Material {
+        Compound::Dispersive(Dispersive::new(glass, dispersion)).into()
     }
 
     /// A mix of 1 − `share` of the first material and `share` of the second, with `share` from 0 to 1.

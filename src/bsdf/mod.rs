@@ -16,7 +16,10 @@ pub mod description;
 pub mod dielectric;
 pub mod diffuse;
 pub mod diffuse_transmission;
+pub mod dispersion;
 pub mod element;
+pub mod film;
+pub mod glass;
 pub mod interface;
 pub mod lommel_seeliger;
 pub mod material;
@@ -33,7 +36,9 @@ pub mod rough_conductor;
 pub mod rough_dielectric;
 pub mod surface_material;
 mod table;
+mod table_cache;
 pub mod thin_dielectric;
+pub mod thin_film;
 
 use arrayvec::ArrayVec;
 use glam::Vec2;
@@ -43,12 +48,14 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
 use crate::texture::Texture;
 
 pub use blinn_phong::BlinnPhong;
-pub use compound::{Coat, Coated, Compound, CompoundAt, Mix, Share, Sheen, TwoSided};
+pub use compound::{Coat, Coated, Compound, CompoundAt, Dispersive, Mix, Share, Sheen, TwoSided};
 pub use conductor::{Conductor, Metallic, Reflectance};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmission::DiffuseTransmission;
+pub use dispersion::Dispersion;
 pub use element::Element;
+pub use glass::Glass;
 pub use interface::Interface;
 pub use lommel_seeliger::LommelSeeliger;
 pub use material::{HitContext, Passage};
@@ -65,6 +72,7 @@ pub use rough_dielectric::RoughDielectric;
 pub use surface_material::{MaterialId, NormalModifier, SurfaceMaterial};
 pub use table::{Bsdf, Material, described, textured};
 pub use thin_dielectric::ThinDielectric;
+pub use thin_film::ThinFilm;
 
 /// The quantity that a path transports. Refraction scales radiance by the squared ratio of the indices, but not importance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,8 +4,9 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec2;
 
-use super::microfacet::energy_loss::{Cache, Domain, Key};
+use super::microfacet::energy_loss::{Domain, Key};
 use super::microfacet::{Distribution, EnergyLossTable, HalfVectorTerms, Microfacets, above, cos2_to_half, upward};
+use super::table_cache::TableCache;
 use super::{BsdfSample, Reflectance, ScatteringModel, TransportMode};
 use crate::math::{Local, SolidAnglePdf, Spectrum, warp};
 
@@ -57,7 +58,7 @@ impl MultiScatter {
 
 /// The table of 1 − E for white metal.
 pub fn losses(domain: Domain, distribution: Distribution) -> &'static EnergyLossTable {
-    static CACHE: Cache<Key, EnergyLossTable> = Cache::new();
+    static CACHE: TableCache<Key, EnergyLossTable> = TableCache::new();
     CACHE.get((distribution, domain.bits(), 0), || EnergyLossTable::tabulate(domain, distribution, returned))
 }
 

@@ -4,8 +4,9 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec2;
 
-use super::microfacet::energy_loss::{Cache, Domain, Key};
+use super::microfacet::energy_loss::{Domain, Key};
 use super::microfacet::{Distribution, EnergyLossTable, LerpedTable, Microfacets, upward, upward_normal};
+use super::table_cache::TableCache;
 use super::{BsdfSample, Lobe, ScatteringModel, TransportMode};
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 
@@ -61,7 +62,7 @@ pub struct Losses {
 
 /// The tables of 1 − E for clear glass.
 pub fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static Losses {
-    static CACHE: Cache<Key, Losses> = Cache::new();
+    static CACHE: TableCache<Key, Losses> = TableCache::new();
     CACHE.get((distribution, domain.bits(), eta.to_bits()), || {
         let side = |eta| EnergyLossTable::tabulate(domain, distribution, |facets, wo, u| returned(facets, eta, wo, u));
         Losses { sides: [side(eta), side(1.0 / eta)], mean_fresnel: mean_reflectance(eta.max(1.0 / eta)) }

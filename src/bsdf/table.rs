@@ -260,6 +260,7 @@ materials! {
         Dielectric = dielectric,
         Plastic = plastic,
         Interface = interface,
+        ThinFilm = thin_film,
     }
     chosen {
         RoughConductor = rough_conductor as "conductor",

@@ -126,7 +126,11 @@ fn run(args: &TortureArgs, effort: Effort, form: Option<Form>, tables: &[(&str, 
         0 => format!("all {} cases hold", records.len()),
         _ => format!("{failed} of {} cases FAIL", records.len()),
     };
-    let not_yet = if missing.is_empty() { String::new() } else { format!("; {} rows are not yet tested", missing.len()) };
+    let not_yet = match missing.len() {
+        0 => String::new(),
+        1 => "; 1 row is not yet tested".to_owned(),
+        count => format!("; {count} rows are not yet tested"),
+    };
     let took = duration(start.elapsed().as_secs_f64());
     if let (Some(path), Some(form)) = (&args.output, form) {
         let text = match form {

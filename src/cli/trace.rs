@@ -85,6 +85,10 @@ impl Trace<'_> {
                     ns = None;
                     writeln!(text, "{indent}{}", self.medium_vertex(vertex))
                 }
+                Event::Wavelength { wavelength, factors, .. } => {
+                    let nanometres = wavelength.nanometres();
+                    writeln!(text, "{indent}     takes the wavelength {nanometres:.1} nm: throughput times {}", exact(*factors))
+                }
                 Event::Light(contribution) => writeln!(text, "{indent}     + {}", self.contribution(contribution, ns)),
                 Event::Scattering(scattering) => writeln!(text, "{indent}     {}", scattered(scattering)),
                 Event::Emission(emitted) => writeln!(text, "{}", self.emitted(emitted)),
@@ -176,6 +180,9 @@ impl Trace<'_> {
                 "event": "medium", "depth": v.depth, "medium": self.medium(v.medium), "phase": v.phase, "point": self.place(v.point),
                 "distance": v.distance, "wo": v.wo.to_array(), "throughput": v.beta.to_rgb(),
             }),
+            Event::Wavelength { depth, wavelength, factors } => json!({
+                "event": "wavelength", "depth": depth, "nanometres": wavelength.nanometres(), "factors": factors.to_rgb(),
+            }),
             Event::Light(c) => {
                 let (technique, wi, density) = match c.origin.technique {
                     Technique::Emission => ("emission", None, None),
@@ -229,7 +236,7 @@ impl Branches {
             }
             Event::Scattering(s) => self.leave(s.depth as usize),
             Event::Emission(_) => *self = Branches::default(),
-            Event::Light(_) | Event::Splat(_) => {}
+            Event::Light(_) | Event::Splat(_) | Event::Wavelength { .. } => {}
         }
         self.here
     }

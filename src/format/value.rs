@@ -145,6 +145,10 @@ ranged! {
     Index: f64 read as f64 ("an index of refraction", "number") in Included(0.01), Included(100.0);
     /// The index of refraction of a coat, at least 1, so that total internal reflection occurs only inside the coat.
     CoatIndex: f64 read as f64 ("an index of refraction", "number") in Included(1.0), Included(100.0);
+    /// The thickness of a film in nanometres.
+    FilmThickness: f64 read as f64 ("a thickness in nanometres", "number") in Included(0.0), Included(2000.0);
+    /// The index of refraction of a film, from that of air to that of silicon.
+    FilmIndex: f64 read as f64 ("an index of refraction", "number") in Included(1.0), Included(4.0);
     /// The exponent of a cosine lobe.
     Exponent: f64 read as f64 ("a number", "number") in Included(0.0), Included(1e8);
     /// The imaginary part of a metal's index of refraction.

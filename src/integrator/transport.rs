@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::CameraSample;
+use super::{CameraSample, PathWavelength};
 use crate::bsdf::BsdfSample;
 use crate::math::{Density, Ray, RayDifferential, Spectrum, SurfaceDifferential, Vec3};
 use crate::primitive::Hit;
@@ -24,6 +24,8 @@ pub struct CameraPath {
     pub eta_scale: f32,
     /// Radiance found so far.
     pub radiance: Spectrum,
+    /// Wavelength, if the path has met dispersive glass.
+    pub wavelength: PathWavelength,
     /// Hit of the camera ray, until it is used.
     known_hit: Option<Option<Hit>>,
     differential: PathDifferential,
@@ -45,7 +47,16 @@ impl CameraPath {
     pub fn new(camera: &CameraSample) -> CameraPath {
         let CameraSample { ray, known_hit, .. } = *camera;
         let differential = camera.differential.map_or(PathDifferential::None, PathDifferential::Ray);
-        CameraPath { ray, depth: 0, beta: Spectrum::ONE, eta_scale: 1.0, radiance: Spectrum::BLACK, known_hit, differential }
+        CameraPath {
+            ray,
+            depth: 0,
+            beta: Spectrum::ONE,
+            eta_scale: 1.0,
+            radiance: Spectrum::BLACK,
+            wavelength: PathWavelength::default(),
+            known_hit,
+            differential,
+        }
     }
 
     /// Next surface that the path hits.
@@ -64,6 +75,14 @@ impl CameraPath {
                 surface
             }
             _ => scene.surface(&self.ray, hit),
+        }
+    }
+
+    /// Takes a wavelength where scattering at the surface depends on it.
+    #[inline(always)]
+    pub fn take_wavelength<R: Recorder + ?Sized>(&mut self, surface: &mut Surface, numbers: &mut SampleNumbers, recorder: &mut R) {
+        if surface.is_dispersive {
+            self.beta *= self.wavelength.take(surface, self.depth, numbers, recorder);
         }
     }
 

@@ -2,6 +2,7 @@
 
 pub mod animation;
 pub mod bounds;
+pub mod colorimetry;
 pub mod differential;
 pub mod discrete;
 pub mod equal_area;
@@ -19,8 +20,10 @@ pub(crate) mod simd;
 pub mod spectrum;
 pub mod spherical_rectangle;
 pub mod spherical_triangle;
+pub mod thin_film;
 pub mod transform;
 pub mod warp;
+pub mod wavelength;
 
 pub use animation::{AnimatedTransform, Keyframes};
 pub use bounds::Aabb;
@@ -36,3 +39,4 @@ pub use spectrum::Spectrum;
 pub use spherical_rectangle::SphericalRectangle;
 pub use spherical_triangle::SphericalTriangle;
 pub use transform::Transform;
+pub use wavelength::Wavelength;

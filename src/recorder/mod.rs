@@ -13,7 +13,7 @@ use glam::Vec3;
 use crate::bsdf::{BsdfSample, Lobe, TransportMode};
 use crate::film::Splat;
 use crate::light::{EmittedRay, LightSample};
-use crate::math::{Density, Ray, Spectrum};
+use crate::math::{Density, Ray, Spectrum, Wavelength};
 use crate::medium::MediumId;
 use crate::primitive::Hit;
 use crate::scene::{Interaction, MediumPoint, Surface};
@@ -44,6 +44,15 @@ pub enum Event {
     Vertex(Vertex),
     /// A medium scattered the path.
     Medium(MediumVertex),
+    /// The path took a wavelength, because scattering at the surface that it hit depends on it.
+    Wavelength {
+        /// Scattering events before the surface.
+        depth: u32,
+        /// The wavelength, which the path keeps.
+        wavelength: Wavelength,
+        /// Factors of the path's throughput.
+        factors: Spectrum,
+    },
     /// Light was added to the radiance.
     Light(Contribution),
     /// The path was scattered and goes on.

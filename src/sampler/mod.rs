@@ -181,6 +181,9 @@ pub mod dimension {
     pub const TIME: u32 = 4;
     /// Choice of a light (1), then a point or direction (2), for light that arrives at a meter.
     pub const METER_LIGHT: u32 = 5;
+    /// Wavelength of a path through dispersive glass (1). A meter adds such a path to the light that it samples itself, so that the two may
+    /// share a number.
+    pub const WAVELENGTH: u32 = 5;
 
     /// Number of dimensions per block.
     pub(crate) const BLOCK: u32 = 8;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::bsdf::microfacet::Distribution;
 use crate::bsdf::microfacet::roughness::{Alpha, Roughness};
-use crate::bsdf::{Element, Material, NormalModifier, Principled, SurfaceMaterial, textured};
+use crate::bsdf::{Element, Glass, Material, NormalModifier, Principled, SurfaceMaterial, textured};
 use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Integrator;
@@ -88,13 +88,14 @@ impl Everything {
         let spotted = world.material(Material::diffuse(checker(Space::Uv)));
         let mirror = world.material(Material::mirror(Rgb::new(0.9, 0.95, 1.0)));
         let gold = world.material(Material::metal((Rgb::new(0.2, 0.9, 1.1), Rgb::new(3.9, 2.4, 2.2)), None, true));
-        let glass = world.material(Material::glass(1.5));
+        let glass = textured::Dielectric::smooth(1.5, Rgb::WHITE);
+        let glass = world.material(Material::dispersive(glass, Glass::Bk7.dispersion()));
         let roughness = |alpha: Vec2, distribution| Roughness { alpha: Alpha::Constant(alpha), distribution };
         let brushed = world.material(Material::metal(Element::Cu.index(), Some(roughness(Vec2::new(0.3, 0.06), Distribution::Ggx)), true));
         let frosted = textured::Dielectric::new(1.5, Rgb::WHITE, Some(roughness(Vec2::splat(0.2), Distribution::Beckmann)), true);
         let absorption = Rgb::new(0.3, 1.0, 2.0) * (1.0 / self.scale) as f32;
         let bottle = world.material(Material::from(frosted.absorbing(absorption)));
-        let bubble = world.material(Material::ThinDielectric(textured::ThinDielectric { eta: 1.33.into(), color: Rgb::WHITE.into() }));
+        let bubble = world.material(Material::from(textured::ThinFilm::new(1.33, 350.0, Rgb::WHITE)));
         let satin = world.material(Material::MatteCone(textured::MatteCone { color: Rgb::gray(0.7).into(), mattness: 0.2.into() }));
         let paint = world.material(self.paint(checker(Space::Uv)));
         let veil =

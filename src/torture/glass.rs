@@ -7,13 +7,13 @@ use glam::{DVec3, Vec3};
 use super::Row;
 use super::meshes::{block, mesh, round_mesh};
 use super::radiance::{Depth, KnownRadiance, at, black, facing, glow, gray, picture, probe, stored};
-use crate::bsdf::{Lobe, Material, MaterialId, TransportMode, textured};
+use crate::bsdf::{Glass, Lobe, Material, MaterialId, TransportMode, textured};
 use crate::camera::{Camera, Perspective, Pose};
 use crate::film::FilmSpec;
 use crate::integrator::Integrator;
 use crate::integrators::whitted::Whitted;
 use crate::light::{Environment, Light};
-use crate::math::{Ray, Rgb, Transform};
+use crate::math::{Ray, Rgb, Transform, Wavelength, thin_film};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::scene::Scene;
 use crate::shape::{Quad, Sphere, TriangleMesh};
@@ -36,7 +36,7 @@ pub fn rows() -> Vec<Row> {
         focus(),
         prism(),
         rainbow(),
-        Row::not_yet("O14", "reflectance of a thin film"),
+        film(),
         mean("O15", "glass in uniform light: 1 from outside, n² within", uniform_field()),
     ]
 }
@@ -162,11 +162,24 @@ fn limited() -> Vec<KnownRadiance> {
 /// O12. A ray that passes a prism symmetrically: sin((A + D)/2) = n sin(A/2) for the apex A and the deviation D.
 fn prism() -> Row {
     let row = Row::new("O12", "least deviation by a prism of 60°, degrees", "1e-4°: roundings of two refractions");
-    let table = [(1.5f32, 37.180755781), (1.522_378_7, 39.1383), (1.516_798_4, 38.6466), (1.514_321_5, 38.4291)];
-    table.into_iter().fold(row, |row, (eta, exact)| {
-        row.number(format!("index {eta}"), exact, 1e-4, move || {
+    let plain = |(eta, exact)| (format!("index {eta}"), Material::glass(eta), Wavelength::D_LINE, f64::from(eta), exact);
+    let plain = [(1.5f32, 37.180755781), (1.522_378_7, 39.1383), (1.516_798_4, 38.6466), (1.514_321_5, 38.4291)].map(plain);
+    // The lines F, d and C of the spectrum. Indices by Sellmeier's formula and the deviations were computed in double precision elsewhere.
+    let lines = [("F", Wavelength::F_LINE), ("d", Wavelength::D_LINE), ("C", Wavelength::C_LINE)];
+    let glasses = [
+        ("BK7", Glass::Bk7, [(1.522376290, 39.138108736), (1.516800035, 38.646698505), (1.514322347, 38.429136704)]),
+        ("SF11", Glass::Sf11, [(1.806512744, 69.178920092), (1.784719942, 66.342628821), (1.775955111, 65.240394830)]),
+    ];
+    let dispersive = glasses.into_iter().flat_map(|(name, glass, exact)| {
+        lines.into_iter().zip(exact).map(move |((line, wavelength), (eta, exact))| {
+            let material = Material::dispersive(textured::Dielectric::smooth(1.5, Rgb::WHITE), glass.dispersion());
+            (format!("{name}, line {line}"), material, wavelength, eta, exact)
+        })
+    });
+    plain.into_iter().chain(dispersive).fold(row, |row, (setup, material, wavelength, eta, exact)| {
+        row.number(setup, exact, 1e-4, move || {
             let mut world = World::builder(no_camera());
-            let glass = world.material(Material::glass(eta));
+            let glass = world.material(material.clone());
             // The apex is at the top, and the two faces are 30° from the vertical.
             let half = 1.0f32 / 3f32.sqrt();
             let corners =
@@ -175,10 +188,11 @@ fn prism() -> Row {
             world.shape(TriangleMesh::new(mesh(corners.collect(), triangles)), Transform::IDENTITY, glass, None);
             let prism = world.build().expect("a prism");
             // The angle of incidence whose refracted ray is level: sin i = n sin 30°. The normal of the left face points up by 30°.
-            let rises = (0.5 * f64::from(eta)).asin() - 30f64.to_radians();
+            let rises = (0.5 * eta).asin() - 30f64.to_radians();
             let direction = DVec3::new(rises.cos(), rises.sin(), 0.0);
             let origin = DVec3::new(-0.5 * f64::from(half), 0.5, 0.0) - direction * 2.0;
-            through(&prism, Ray::new(origin.as_vec3(), direction.as_vec3().normalize()), 2).map_or(f64::NAN, |out| {
+            let ray = Ray::new((origin - prism.origin()).as_vec3(), direction.as_vec3().normalize());
+            refracted(&prism, ray, 2, wavelength).map_or(f64::NAN, |out| {
                 let out = out.direction.as_dvec3();
                 direction.cross(out).length().atan2(direction.dot(out)).to_degrees()
             })
@@ -186,19 +200,51 @@ fn prism() -> Row {
     })
 }
 
+/// O14. The reflectance of a film on a base. The numbers were computed in double precision elsewhere, by the film's characteristic matrix.
+fn film() -> Row {
+    let row = Row::new("O14", "reflectance of a thin film", "1e-9: roundings of phases in f64");
+    // Wavelength and angle, thickness, indices of film and base, reflectance. A quarter of 550 nm of magnesium fluoride on glass, the bare
+    // glass, half of 550 nm; a soap film; films on aluminium and on titanium.
+    let (quarter, half) = (550.0 / 4.0 / 1.38, 550.0 / 2.0 / 1.38);
+    let table = [
+        ((550.0f32, 0.0), quarter, 1.38, [1.52, 0.0], 0.012600790215),
+        ((550.0, 0.0), 0.0, 1.38, [1.52, 0.0], 0.042579994961),
+        ((550.0, 0.0), half, 1.38, [1.52, 0.0], 0.042579994961),
+        ((550.0, 45.0), quarter, 1.38, [1.52, 0.0], 0.020701728868),
+        ((550.0, 0.0), 300.0, 1.33, [1.0, 0.0], 0.075430202997),
+        ((650.0, 30.0), 300.0, 1.33, [1.0, 0.0], 0.015322460283),
+        ((450.0, 60.0), 300.0, 1.33, [1.0, 0.0], 0.163027484362),
+        ((550.0, 0.0), 100.0, 1.5, [0.96, 6.69], 0.855260955512),
+        ((450.0, 60.0), 100.0, 1.5, [0.96, 6.69], 0.860849801058),
+        ((600.0, 45.0), 50.0, 2.4, [2.5, 3.3], 0.064487184632),
+        ((600.0, 80.0), 250.0, 2.4, [2.5, 3.3], 0.479206463412),
+    ];
+    table.into_iter().fold(row, |row, ((nanometres, degrees), thickness, film, base, exact)| {
+        let setup = format!("{thickness:.0} nm of index {film} on {} + {}i, {nanometres} nm, {degrees}°", base[0], base[1]);
+        row.number(setup, exact, 1e-9, move || {
+            thin_film::reflectance(Wavelength::new(nanometres), f64::to_radians(degrees).cos(), thickness, film, base)
+        })
+    })
+}
+
 /// O13. Descartes' ray: of all rays reflected once within a drop, the one that is turned least.
 fn rainbow() -> Row {
-    Row::new("O13", "least deviation by a drop with one reflection inside, degrees", "1e-4°").number(
-        "index 1.333",
-        137.92189262,
-        1e-4,
-        || {
+    let row = Row::new("O13", "least deviation by a drop with one reflection inside, degrees", "1e-4°");
+    let water = || Material::dispersive(textured::Dielectric::smooth(1.5, Rgb::WHITE), Glass::Water.dispersion());
+    let drops = [
+        ("index 1.333", Material::glass(1.333), Wavelength::D_LINE, 137.92189262),
+        ("water at 400 nm", water(), Wavelength::new(400.0), 139.43257699),
+        ("water at 700 nm", water(), Wavelength::new(700.0), 137.55952252),
+    ];
+    drops.into_iter().fold(row, |row, (setup, material, wavelength, exact)| {
+        row.number(setup, exact, 1e-4, move || {
             let mut world = World::builder(no_camera());
-            let water = world.material(Material::glass(1.333));
+            let water = world.material(material.clone());
             world.shape(Sphere { radius: 1.0 }, Transform::IDENTITY, water, None);
             let drop = world.build().expect("a drop");
             let lobe = |ray: &Ray, wanted: Lobe| {
-                let surface = drop.surface(ray, &drop.intersect(ray)?);
+                let mut surface = drop.surface(ray, &drop.intersect(ray)?);
+                surface.bsdf = surface.bsdf.at_wavelength(wavelength);
                 let mut lobes = surface.delta_lobes(-ray.direction, TransportMode::Radiance);
                 let (wi, _) = lobes.find(|(_, sample)| sample.lobe == wanted)?;
                 Some(surface.spawn(wi, 0.0))
@@ -210,9 +256,9 @@ fn rainbow() -> Row {
                 Some(out.x.hypot(out.y).atan2(-out.z).to_degrees())
             };
             // Near the least deviation the height counts only by its square.
-            (8550..8680).filter_map(|k| deviation(f64::from(k) * 1e-4)).fold(f64::INFINITY, f64::min)
-        },
-    )
+            (8500..8700).filter_map(|k| deviation(f64::from(k) * 1e-4)).fold(f64::INFINITY, f64::min)
+        })
+    })
 }
 
 fn whitted() -> Whitted {
@@ -252,9 +298,15 @@ pub fn through(scene: &World, ray: Ray, interfaces: usize) -> Option<Ray> {
 }
 
 /// The result of [`through`] for a ray in the coordinates of the built scene.
-pub fn passed(scene: &World, mut ray: Ray, interfaces: usize) -> Option<Ray> {
+pub fn passed(scene: &World, ray: Ray, interfaces: usize) -> Option<Ray> {
+    refracted(scene, ray, interfaces, Wavelength::D_LINE)
+}
+
+/// The result of [`passed`] for light of a wavelength.
+fn refracted(scene: &World, mut ray: Ray, interfaces: usize, wavelength: Wavelength) -> Option<Ray> {
     for _ in 0..interfaces {
-        let surface = scene.surface(&ray, &scene.intersect(&ray)?);
+        let mut surface = scene.surface(&ray, &scene.intersect(&ray)?);
+        surface.bsdf = surface.bsdf.at_wavelength(wavelength);
         let mut lobes = surface.delta_lobes(-ray.direction, TransportMode::Radiance);
         let (wi, _) = lobes.find(|(_, sample)| sample.lobe == Lobe::Transmission)?;
         ray = surface.spawn(wi, 0.0);

@@ -46,6 +46,7 @@ impl World {
             prepared.surface.material.bsdf_at(&HitContext {
                 texture: TextureContext { footprint, ..TextureContext::exact(&point) },
                 inside: inside(ray, hit, &point),
+                wavelength: None,
             })
         });
         let (appearance, part) = (&self.appearances[hit.shape as usize], self.part_appearance(hit));

@@ -69,6 +69,8 @@ struct PreparedMaterial {
     needs_tangents: bool,
     /// Whether light passes through the surface.
     transmits: bool,
+    /// Whether scattering depends on the wavelength.
+    is_dispersive: bool,
     /// Whether the surface may reflect or refract into single directions.
     has_delta_lobes: bool,
 }
@@ -79,13 +81,18 @@ impl PreparedMaterial {
         let uniform = surface.material.uniform().filter(|_| !needs_tangents);
         let single = [Effects::SPECULAR_REFLECTION, Effects::REFRACTION];
         let has_delta_lobes = single.into_iter().any(|effect| surface.material.effects().contains(effect));
-        PreparedMaterial { uniform, needs_tangents, transmits: surface.material.transmits(), has_delta_lobes, surface }
+        let is_dispersive = surface.material.effects().contains(Effects::DISPERSION);
+        PreparedMaterial { uniform, needs_tangents, transmits: surface.material.transmits(), is_dispersive, has_delta_lobes, surface }
     }
 
     /// Surface of this material.
     #[inline(always)]
     fn surface<'a>(&self, point: SurfacePoint, bsdf: Bsdf<'a>, emission: Option<(Emission, u32)>) -> Surface<'a> {
-        Surface { transmits: self.transmits, ..Surface::new(point, bsdf, emission) }
+        Surface {
+            transmits: self.transmits,
+            is_dispersive: self.is_dispersive && matches!(bsdf, Bsdf::Compound(_)),
+            ..Surface::new(point, bsdf, emission)
+        }
     }
 
     /// Sets the shading normal of the normal or bump map, and the frame along the tangents.
@@ -227,6 +234,7 @@ impl World {
         let bsdf = prepared.surface.material.bsdf_at(&HitContext {
             texture: TextureContext { footprint, ..TextureContext::exact(&point) },
             inside: inside(ray, hit, &point),
+            wavelength: None,
         });
         if appearance.has_shadow_terminator_offset || prepared.needs_tangents {
             return self.with_shading_frame(prepared.surface(point, bsdf, emission), view, hit);

@@ -16,7 +16,7 @@ use crate::scenes::{Depth, Effort, KnownRadiance, at, confirm, gray, probe, stor
 /// The CIE 1931 observer by a method other than the library's table: a fit of a few bell curves with an error of 1 %.
 ///
 /// Source: Wyman, Sloan, Shirley, *Simple Analytic Approximations to the CIE XYZ Color Matching Functions* (2013).
-fn observer(wavelength: f64) -> [f64; 3] {
+pub fn observer(wavelength: f64) -> [f64; 3] {
     let bell = |height: f64, middle: f64, left: f64, right: f64| {
         let t = (wavelength - middle) * if wavelength < middle { left } else { right };
         height * (-0.5 * t * t).exp()
@@ -31,7 +31,7 @@ fn observer(wavelength: f64) -> [f64; 3] {
 const D65: [f64; 17] =
     [49.98, 82.75, 93.43, 104.87, 117.81, 115.92, 109.35, 104.79, 104.41, 100.0, 95.79, 90.01, 87.70, 83.70, 80.21, 78.28, 71.61];
 
-fn daylight(wavelength: f64) -> f64 {
+pub fn daylight(wavelength: f64) -> f64 {
     let x = ((wavelength - 380.0) / 20.0).clamp(0.0, 15.999);
     let (k, part) = (x as usize, x.fract());
     D65[k] + (D65[k + 1] - D65[k]) * part

@@ -7,9 +7,9 @@ use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{
-    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, HitContext, LommelSeeliger,
-    Material, MatteCone, Metal, Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen, ThinDielectric, TwoSided,
-    textured,
+    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, Glass, HitContext,
+    LommelSeeliger, Material, MatteCone, Metal, Metallic, Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen,
+    ThinDielectric, TwoSided, textured,
 };
 use pt::math::{Rgb, Spectrum};
 use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
@@ -158,6 +158,13 @@ fn rough() -> Vec<(Bsdf<'static>, bool)> {
         }
     }
     models.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, color: COLOR }));
+    models.push(met(textured::ThinFilm::new(1.33, 400.0, stored(COLOR)).into()));
+    let tempered = || Metallic::from(Element::Ti.index()).under_film(2.4, 60.0.into());
+    models.push(met(Material::metal(tempered(), None, false)));
+    let roughness = Roughness { alpha: Alpha::Constant(Vec2::splat(0.3)), distribution: Distribution::Ggx };
+    models.push(met(Material::metal(tempered(), Some(roughness.clone()), true)));
+    let frosted = textured::Dielectric::new(1.5, stored(COLOR), Some(roughness), true);
+    models.push(met(Material::dispersive(frosted, Glass::Sf11.dispersion())));
     models.into_iter().map(|model| (model, false)).collect()
 }
 

@@ -80,25 +80,28 @@ fn recorded_light_adds_up_to_the_radiance() {
 
 /// Consecutive vertices of paths that do not branch are consistent.
 ///
-/// - throughput: β' = β · weight / survival, to the bit
+/// - throughput: β' = β · weight / survival, times the factors of a wavelength that is taken at the vertex, to the bit
 /// - weight = f·cos/density, for models with a density. Both sides are f32 numbers of four operations each, and lobes much narrower
 ///   than a radian lose digits in both.
 /// - the next vertex lies at the recorded distance in the recorded direction
 #[test]
 fn throughputs_follow_from_the_vertices() {
-    let (mut smooth, mut vertices) = (0, 0);
+    let (mut smooth, mut vertices, mut dispersed) = (0, 0, 0);
     for_recorded(100, |name, scene, _, _, events| {
         // Paths in media have a law of their own, `paths_in_media_are_recorded`.
         if scene.media().is_some() || ![" path ", " nee ", " light "].iter().any(|method| name.contains(method)) {
             return;
         }
         let mut last: Option<(&Vertex, Option<&Scattering>)> = None;
+        // Factors of the wavelength that the path takes at a vertex.
+        let mut colors = Spectrum::ONE;
         for event in events {
             match event {
                 Event::Vertex(vertex) => {
                     if let Some((before, Some(scattering))) = last {
-                        let beta = before.beta * scattering.weight * (1.0 / scattering.survival);
+                        let beta = before.beta * colors * scattering.weight * (1.0 / scattering.survival);
                         assert_eq!(vertex.beta, beta, "{name} {vertex:?}");
+                        colors = Spectrum::ONE;
                         assert_eq!(vertex.depth, before.depth + 1, "{name}");
                         let met = before.point + scattering.wi * vertex.distance;
                         let size = vertex.point.abs().max_element().max(before.point.abs().max_element());
@@ -125,7 +128,11 @@ fn throughputs_follow_from_the_vertices() {
                 }
                 Event::Medium(_) => panic!("{name} has no medium"),
                 // A path from a light starts after the camera's ray.
-                Event::Emission(_) => last = None,
+                Event::Emission(_) => (last, colors) = (None, Spectrum::ONE),
+                Event::Wavelength { factors, .. } => {
+                    colors = *factors;
+                    dispersed += 1;
+                }
                 Event::Light(_) | Event::Splat(_) | Event::End { .. } => {}
             }
         }
@@ -135,7 +142,7 @@ fn throughputs_follow_from_the_vertices() {
         let ends = events.iter().filter(|event| matches!(event, Event::End { .. })).count();
         assert!(ends == 1 && matches!(events.last(), Some(Event::End { .. })), "{name}: {ends} ends");
     });
-    assert!(smooth > 2000 && vertices > 3000, "{smooth} smooth of {vertices}");
+    assert!(smooth > 2000 && vertices > 3000 && dispersed > 0, "{smooth} smooth of {vertices}, {dispersed} with a wavelength");
 }
 
 /// Depths count scattering events, light indices are valid, weights are from 0 to 1, and a path that ends at the depth limit has reached it.
@@ -163,6 +170,9 @@ fn contributions_have_valid_depths_lights_and_weights() {
                     assert!((splat.light as usize) < scene.lights().len() && splat.depth == depth + 1, "{name}: {splat:?}");
                 }
                 Event::Scattering(_) | Event::End { .. } => {}
+                Event::Wavelength { depth, wavelength, factors } => {
+                    assert!(*depth < 64 && *factors == wavelength.factors(), "{name}");
+                }
             }
         }
     });

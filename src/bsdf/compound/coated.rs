@@ -5,11 +5,12 @@ use glam::{DVec3, Vec2};
 use super::layer_stack::{Cover, NODES, nodes};
 use super::{Compound, LayerStack, Scatter, choose};
 use crate::bsdf::description::{Description, MaterialRef, Prepare, given};
-use crate::bsdf::microfacet::energy_loss::{Cache, Domain, Key};
+use crate::bsdf::microfacet::energy_loss::{Domain, Key};
 use crate::bsdf::microfacet::{
     Distribution, EnergyLossTable, HalfVectorTerms, LerpedTable, Microfacets, Roughness, RoughnessKeys, Scale, TableRange, above,
     cos_to_half, roughness_keys, upward,
 };
+use crate::bsdf::table_cache::TableCache;
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Diffuse, HitContext, Lobe, Material, OrenNayar, TransportMode};
 use crate::effects::Effects;
 use crate::format::Textured;
@@ -133,7 +134,7 @@ fn smooth_mean(eta: f32) -> f32 {
 
 /// The table of (1 − (E − F))/2, with the reflectance F of a smooth coat. E itself may vary too fast with the angle for the table.
 fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static EnergyLossTable {
-    static CACHE: Cache<Key, EnergyLossTable> = Cache::new();
+    static CACHE: TableCache<Key, EnergyLossTable> = TableCache::new();
     CACHE.get((distribution, domain.bits(), eta.to_bits()), || {
         EnergyLossTable::tabulate(domain, distribution, |facets, wo, u| {
             let (wi, cos2) = facets.mirror_visible(wo, u);

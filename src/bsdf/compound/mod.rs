@@ -6,6 +6,7 @@
 //! To add a compound, write a file in this folder, and a variant of [`Compound`] with its match arms.
 
 pub mod coated;
+pub mod dispersive;
 mod layer_stack;
 pub mod mix;
 pub mod sheen;
@@ -16,10 +17,11 @@ use glam::{DVec3, Vec2};
 use super::{Bsdf, BsdfSample, DeltaLobes, HitContext, Material, Passage, TransportMode};
 use crate::effects::Effects;
 use crate::math::float::ONE_MINUS_EPSILON;
-use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
+use crate::math::{Density, Local, SolidAnglePdf, Spectrum, Wavelength};
 use crate::texture::Texture;
 
 pub use coated::{Coat, Coated};
+pub use dispersive::Dispersive;
 use layer_stack::LayerStack;
 pub use mix::{Mix, Share};
 pub use sheen::Sheen;
@@ -36,6 +38,8 @@ pub enum Compound {
     Sheen(Sheen),
     /// Different materials on the two sides of a surface.
     TwoSided(TwoSided),
+    /// Glass whose index of refraction depends on the wavelength.
+    Dispersive(Dispersive),
 }
 
 /// A compound at a hit.
@@ -109,6 +113,7 @@ macro_rules! of_each {
             Compound::Coated($member) => $call,
             Compound::Sheen($member) => $call,
             Compound::TwoSided($member) => $call,
+            Compound::Dispersive($member) => $call,
         }
     };
 }
@@ -157,6 +162,16 @@ impl CompoundAt<'_> {
     }
 }
 
+impl<'a> Bsdf<'a> {
+    /// The model for light of a wavelength. Only compounds depend on it.
+    pub fn at_wavelength(self, wavelength: Wavelength) -> Bsdf<'a> {
+        match self {
+            Bsdf::Compound(at) => at.compound.bsdf_at(&HitContext { wavelength: Some(wavelength), ..at.hit }),
+            plain => plain,
+        }
+    }
+}
+
 impl Compound {
     /// The `type` of the material in scene files.
     pub fn name(&self) -> &'static str {
@@ -165,11 +180,16 @@ impl Compound {
             Compound::Coated(_) => "coated",
             Compound::Sheen(_) => "sheen",
             Compound::TwoSided(_) => "two_sided",
+            Compound::Dispersive(_) => "dielectric",
         }
     }
 
-    /// The compound at a hit. Where a mix has only one of its materials, the result is the model of that one.
+    /// The compound at a hit. Where a mix has only one of its materials, the result is the model of that one; where light has a wavelength,
+    /// dispersive glass is plain glass.
     pub fn bsdf_at(&self, at: &HitContext) -> Bsdf<'_> {
+        if let (Compound::Dispersive(glass), Some(_)) = (self, at.wavelength) {
+            return glass.model(at);
+        }
         if let Compound::Mix(mix) = self
             && let Some(only) = mix.only(at)
         {
@@ -207,6 +227,7 @@ impl Compound {
             Compound::Coated(m) => Compound::Coated(m.recentred(origin)),
             Compound::Sheen(m) => Compound::Sheen(m.recentred(origin)),
             Compound::TwoSided(m) => Compound::TwoSided(m.recentred(origin)),
+            Compound::Dispersive(m) => Compound::Dispersive(m.recentred(origin)),
         }
     }
 }

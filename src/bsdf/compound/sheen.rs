@@ -7,8 +7,8 @@ use glam::{DVec3, Vec2};
 use super::layer_stack::{Cover, NODES as PASSAGES, nodes};
 use super::{Compound, LayerStack, Scatter, choose};
 use crate::bsdf::description::{Description, MaterialRef, Prepare};
-use crate::bsdf::microfacet::energy_loss::Cache;
 use crate::bsdf::microfacet::{LerpedTable, Scale, TableRange, upward_normal};
+use crate::bsdf::table_cache::TableCache;
 use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, HitContext, Lobe, Material, TransportMode};
 use crate::effects::Effects;
 use crate::format::Textured;
@@ -131,7 +131,7 @@ fn alpha(roughness: f32) -> f32 {
 
 /// Returns the table of an α, which is computed once.
 fn table(alpha: f32) -> &'static Table {
-    static CACHE: Cache<u32, Table> = Cache::new();
+    static CACHE: TableCache<u32, Table> = TableCache::new();
     CACHE.get(alpha.to_bits(), || {
         let raw = std::array::from_fn(|node| returned(node, |wo, wi| raw(alpha, wo, wi)));
         let table = Table { alpha, raw, albedo: [0.0; NODES], mean: 0.0, at_nodes: [0.0; PASSAGES] };

@@ -14,9 +14,7 @@
 //! Source: Kulla and Conty, *Revisiting Physically Based Shading at Imageworks* (2017).
 //! Tests: row M2, row M5 and row M4 of `pt torture`.
 
-use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::{Mutex, PoisonError};
 
 use glam::Vec2;
 
@@ -325,26 +323,8 @@ fn cell(at: f32, count: usize) -> (usize, f32) {
     (k, (x - k as f32).min(1.0))
 }
 
-/// A cache of tables, which are computed once for each key and kept for the life of the process (up to 160 kB each). So a model at a
-/// hit can refer to them and stay plain data.
-///
-/// - `K`: the parameters of a table, as the bits of its numbers
-pub(in crate::bsdf) struct Cache<K, T: 'static>(Mutex<BTreeMap<K, &'static T>>);
-
 /// The key of a table for facets: the distribution, the roughness, and the index of refraction if it matters.
 pub(in crate::bsdf) type Key = (Distribution, [u32; 4], u32);
-
-impl<K: Ord, T> Cache<K, T> {
-    pub const fn new() -> Cache<K, T> {
-        Cache(Mutex::new(BTreeMap::new()))
-    }
-
-    pub fn get(&self, key: K, make: impl FnOnce() -> T) -> &'static T {
-        // A panic elsewhere leaves no partial table, so that a poisoned lock can be used.
-        let mut tables = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        tables.entry(key).or_insert_with(|| Box::leak(Box::new(make())))
-    }
-}
 
 impl Domain {
     pub(in crate::bsdf) fn bits(self) -> [u32; 4] {

@@ -5,13 +5,14 @@
 
 use super::document::Document;
 use super::texture::{Kind, Mapping, numbers};
+use crate::bsdf::Dispersion;
+use crate::format::Index;
 use crate::import::json_cursor::JsonCursor;
 use crate::reader::Node;
 
 /// Extensions that pt has nothing for.
 const LEFT_OUT: &[(&str, &str)] = &[
     ("KHR_materials_diffuse_transmission", "light that goes through a thin matte sheet is left out: its back stays dark"),
-    ("KHR_materials_dispersion", "dispersion is left out: glass bends all colours alike"),
     ("KHR_materials_iridescence", "iridescence is left out: the surface shows no colours of thin films"),
     ("KHR_materials_unlit", "an unlit material is lit like any other: it has shades and is as bright as its light"),
 ];
@@ -180,13 +181,24 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn eta(&self) -> Node {
-        let ior = self.extension("KHR_materials_ior");
-        let (eta, at) = self.number(ior.as_ref(), "ior", 1.5);
+        let (eta, at) = self.eta_number();
+        at.make_number(eta)
+    }
+
+    /// The index of refraction, and its place.
+    fn eta_number(&self) -> (f64, JsonCursor<'a>) {
+        let (eta, at) = self.number(self.extension("KHR_materials_ior").as_ref(), "ior", 1.5);
         if eta != 0.0 {
-            return at.make_number(eta);
+            return (eta, at);
         }
         self.document.note(&at, "an index of refraction of 0, which reflects all light, is taken as 100");
-        at.make_number(100.0)
+        (100.0, at)
+    }
+
+    /// The dispersion 20/V of glass with the Abbe number V, and its place; `None` if there is none.
+    fn dispersion(&self) -> Option<(f64, JsonCursor<'a>)> {
+        let (dispersion, at) = self.number(self.extension("KHR_materials_dispersion").as_ref(), "dispersion", 0.0);
+        (dispersion > 0.0).then_some((dispersion, at))
     }
 
     /// Converts to `principled`.
@@ -210,6 +222,10 @@ impl<'a> Reader<'_, 'a> {
             members.push(("transmission", share));
             if let Some(color) = volume.and_then(|volume| volume.get(&["attenuationColor"])) {
                 self.document.note(&color, "what a body that is glass only in part takes of the light is left out");
+            }
+            if let Some((_, dispersion)) = self.dispersion() {
+                self.document
+                    .note(&dispersion, "the dispersion of a body that is glass only in part is left out: it bends all colours alike");
             }
         }
         if let Some(coat) = self.extension("KHR_materials_clearcoat") {
@@ -243,6 +259,14 @@ impl<'a> Reader<'_, 'a> {
         let at = &self.at;
         let mut members =
             vec![("type", at.make_text("dielectric")), ("color", self.base_color()), ("roughness", self.roughness()), ("eta", self.eta())];
+        if let Some((dispersion, location)) = self.dispersion() {
+            let (abbe, index) = (20.0 / dispersion, self.eta_number().0);
+            let is_index = |range: [f64; 2]| range.iter().all(|n| Index::RANGE.contains(*n));
+            match abbe.is_finite() && Dispersion::of_abbe_number(index, abbe).range().is_some_and(is_index) {
+                true => members.push(("abbe", location.make_number(abbe))),
+                false => self.document.note(&location, "a dispersion with which the index of refraction is no such number is left out"),
+            }
+        }
         let distance = volume.as_ref().and_then(|volume| volume.get(&["attenuationDistance"]));
         if let Some((volume, distance)) = volume.zip(distance) {
             let color = self.color(Some(&volume), "attenuationColor", [1.0; 3], "");

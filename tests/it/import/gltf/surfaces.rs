@@ -173,6 +173,30 @@ fn transmission_distinguishes_bodies_and_panes() {
     assert_eq!(half.at("/materials/material 0/b/type"), "thin_dielectric");
 }
 
+/// The dispersion of solid glass is 20 over its Abbe number; 0 is none.
+#[test]
+fn dispersion_is_the_abbe_number_of_solid_glass() {
+    let glass = |share: f64, dispersion: f64| {
+        let extensions = json!({
+            "KHR_materials_transmission": { "transmissionFactor": share },
+            "KHR_materials_volume": { "thicknessFactor": 1 },
+            "KHR_materials_dispersion": { "dispersion": dispersion },
+        });
+        read_model(&Model::square(json!({ "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": extensions })))
+    };
+    let solid = glass(1.0, 0.5);
+    assert_eq!(solid.number("/materials/material 0/abbe"), 40.0);
+    solid.built();
+    assert!(!solid.notes_say("dispersion"));
+    assert!(glass(1.0, 0.0).at("/materials/material 0").get("abbe").is_none());
+    for impossible in [200.0, 1e-320] {
+        let glass = glass(1.0, impossible);
+        assert!(glass.notes_say("a dispersion with which the index of refraction is no such number is left out"));
+        glass.built();
+    }
+    assert!(glass(0.5, 0.5).notes_say("the dispersion of a body that is glass only in part is left out"));
+}
+
 /// Pictures in files of their own are referenced by their names, with `%` escapes decoded.
 #[test]
 fn external_pictures_are_referenced_by_name() {

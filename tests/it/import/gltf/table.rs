@@ -167,7 +167,17 @@ const ROWS: &[Row] = &[
     }),
     ("KHR_materials_unlit", |m| extended(m, "KHR_materials_unlit", json!({}))),
     ("KHR_materials_iridescence", |m| extended(m, "KHR_materials_iridescence", json!({}))),
-    ("KHR_materials_dispersion", |m| extended(m, "KHR_materials_dispersion", json!({}))),
+    ("KHR_materials_dispersion", |m| {
+        extended(m, "KHR_materials_transmission", json!({ "transmissionFactor": 1 }));
+        extended(m, "KHR_materials_volume", json!({ "thicknessFactor": 1 }));
+        extended(m, "KHR_materials_dispersion", json!({ "dispersion": 0.3 }));
+        m.doc["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(0);
+    }),
+    ("the dispersion of what is glass in part", |m| {
+        extended(m, "KHR_materials_transmission", json!({ "transmissionFactor": 0.5 }));
+        extended(m, "KHR_materials_volume", json!({ "thicknessFactor": 1 }));
+        extended(m, "KHR_materials_dispersion", json!({ "dispersion": 0.3 }));
+    }),
     ("KHR_materials_diffuse_transmission", |m| extended(m, "KHR_materials_diffuse_transmission", json!({}))),
     ("KHR_materials_pbrSpecularGlossiness", |m| extended(m, "KHR_materials_pbrSpecularGlossiness", json!({}))),
     ("KHR_materials_variants", |m| m.doc["extensionsUsed"] = json!(["KHR_materials_variants"])),

@@ -1,0 +1,173 @@
+//! Thin films: the colours of soap bubbles and of tempered metal.
+//!
+//! Films on metal have exact answers in row O14 of `pt torture`.
+
+use glam::{DVec3, Vec2};
+use pt::bsdf::film::{Film, FilmTable};
+use pt::bsdf::{Bsdf, Element, HitContext, Material, Metallic, Reflectance, TransportMode, textured};
+use pt::effects::Effects;
+use pt::light::{Environment, Light};
+use pt::math::{Local, Rgb, Wavelength, thin_film};
+use pt::shape::{Quad, SurfacePoint, VertexColor};
+use pt::world::World;
+
+use crate::marked::assert_fault_in_scene;
+use crate::random::Random;
+use crate::scenes::{Depth, Effort, KnownRadiance, confirm, facing, probe};
+
+/// Reflectance of a film on a clear base, by Airy's formula in real numbers:
+/// R = (r₁² + r₂² + 2 r₁ r₂ cos φ) / (1 + r₁² r₂² + 2 r₁ r₂ cos φ).
+fn airy(nanometres: f64, cos: f64, thickness: f64, film: f64, base: f64) -> f64 {
+    let sin = (1.0 - cos * cos).sqrt();
+    let [a, b, c] = [1.0, film, base].map(|n| (1.0 - (sin / n).powi(2)).sqrt());
+    let phase = 4.0 * std::f64::consts::PI * film * thickness * b / nanometres;
+    let of = |first: f64, second: f64| {
+        let (squares, product) = (first * first + second * second, 2.0 * first * second * phase.cos());
+        (squares + product) / (1.0 + (first * second).powi(2) + product)
+    };
+    let s = of((a - film * b) / (a + film * b), (film * b - base * c) / (film * b + base * c));
+    let p = of((film * a - b) / (film * a + b), (base * b - film * c) / (base * b + film * c));
+    0.5 * (s + p)
+}
+
+/// Films on clear bases have the reflectance of Airy's formula; a film without thickness is no film; one of half a wavelength reflects at
+/// normal incidence what its base does.
+#[test]
+fn clear_films_follow_airys_formula() {
+    let mut random = Random::new(3);
+    for _ in 0..100_000 {
+        let wavelength = Wavelength::new(random.range(380.0, 700.0) as f32);
+        let (cos, thickness) = (random.range(0.01, 1.0), random.range(0.0, 5000.0));
+        let (film, base) = (random.range(1.05, 2.5), random.range(1.0, 2.5));
+        let wanted = airy(f64::from(wavelength.nanometres()), cos, thickness, film, base);
+        let found = thin_film::reflectance(wavelength, cos, thickness, film, [base, 0.0]);
+        // The phase is up to 2·10⁵ times the rounding of the numbers that it is computed of.
+        assert!((found - wanted).abs() < 1e-10, "{wavelength:?}, cos {cos}, {thickness} nm, {film} on {base}: {found}, not {wanted}");
+        let half = f64::from(wavelength.nanometres()) / (2.0 * film);
+        let [bare, absent] = [0.0, half].map(|thickness| thin_film::reflectance(wavelength, 1.0, thickness, film, [base, 0.0]));
+        let fresnel = ((base - 1.0) / (base + 1.0)).powi(2);
+        assert!((bare - fresnel).abs() < 1e-13 && (absent - fresnel).abs() < 1e-13, "{bare} and {absent}, not {fresnel}");
+    }
+}
+
+fn soap(thickness: [f32; 2]) -> &'static FilmTable {
+    Film { eta: 1.33, thickness, base: [Rgb::WHITE, Rgb::BLACK] }.table()
+}
+
+/// Tables are the integrals over the wavelength, also for the thinnest films, within what interpolation between their nodes leaves: a fiftieth
+/// of a turn of the phase makes (2π/50)²/8 of the change by interference. Near grazing incidence, where the faces reflect nearly all light, the
+/// film's resonances are narrower than the steps between the nodes. The means of tables are those over the hemisphere.
+#[test]
+fn tables_of_films_are_integrals_over_the_wavelength() {
+    let mut random = Random::new(4);
+    for (eta, base, thickness, tries) in [
+        (1.33, 1.0, [380.0f32, 380.0], 60),
+        (1.33, 1.0, [0.0, 1200.0], 200),
+        (1.33, 1.0, [0.0, 10.0], 100),
+        (2.4, 1.5, [0.0, 300.0], 100),
+        (4.0, 1.5, [0.0, 100.0], 100),
+        (1.33, 1.0, [1900.0, 2000.0], 60),
+    ] {
+        let table = Film { eta, thickness, base: [Rgb::gray(base), Rgb::BLACK] }.table();
+        for _ in 0..tries {
+            let cos = if random.unit() < 0.3 { random.range(1e-3, 0.05) } else { random.range(0.05, 1.0) };
+            let d = random.range(thickness[0].into(), f64::from(thickness[1]) + 1e-9);
+            let mut sum = [0.0; 3];
+            for k in 0..3200 {
+                let nanometres = 380.05 + 0.1 * f64::from(k);
+                let r = airy(nanometres, cos, d, eta.into(), base.into());
+                let matching = Wavelength::new(nanometres as f32).matching();
+                sum = [0, 1, 2].map(|c| sum[c] + matching[c] * r * 0.1);
+            }
+            let found = table.at(cos as f32, d as f32).to_rgb();
+            for c in 0..3 {
+                let (found, wanted) = (f64::from(found[c]), sum[c].clamp(0.0, 1.0));
+                let tolerance = if cos < 0.05 { 4e-2 } else { 8e-3 };
+                assert!((found - wanted).abs() < tolerance, "index {eta}, {d} nm, cos {cos}, colour {c}: {found}, not {wanted}");
+            }
+        }
+        for d in [thickness[0], 0.5 * (thickness[0] + thickness[1])] {
+            const STEPS: u32 = 4096;
+            let at = |k: u32| (k as f32 + 0.5) / STEPS as f32;
+            let mean = table.mean(d).to_rgb();
+            for (c, mean) in mean.iter().enumerate() {
+                let wanted = (0..STEPS).map(|k| f64::from(table.at(at(k), d).to_rgb()[c] * 2.0 * at(k))).sum::<f64>() / f64::from(STEPS);
+                assert!((f64::from(*mean) - wanted).abs() < 1e-5, "{d} nm, colour {c}: {mean}, not {wanted}");
+            }
+        }
+    }
+}
+
+/// The bare metal is the metal under a film without thickness, within a thousandth, which interpolation between the nodes of the table
+/// leaves at the most.
+#[test]
+fn metal_under_no_film_is_bare() {
+    for metal in Element::ALL {
+        let Metallic::Index { reflectance, .. } = Metallic::from(metal.index()) else { unreachable!("a metal by its index") };
+        let filmed = Material::metal(Metallic::from(metal.index()).under_film(1.5, 0.0.into()), None, false);
+        assert!(filmed.effects().contains(Effects::THIN_FILM));
+        let point = SurfacePoint {
+            p: glam::Vec3::ZERO,
+            offset: 0.0,
+            ng: glam::Vec3::Z,
+            ns: glam::Vec3::Z,
+            uv: Vec2::ZERO,
+            color: VertexColor::WHITE,
+        };
+        let Bsdf::Conductor(found) = filmed.bsdf_at(&HitContext::from_outside(point)) else { unreachable!("a smooth metal") };
+        assert!(matches!(found.reflectance, Reflectance::Film { .. }));
+        for k in 1..=100 {
+            let cos = k as f32 / 100.0;
+            let (found, wanted) = (found.reflectance.at(cos).to_rgb(), reflectance.at(cos).to_rgb());
+            assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-3), "{metal:?}, cos {cos}: {found:?}, not {wanted:?}");
+        }
+    }
+}
+
+/// What a soap film does not reflect passes, whatever it reflects: in light from all sides it vanishes. Its samples have the lobes' light as expected value.
+#[test]
+fn a_soap_film_keeps_all_light() {
+    let law = |degrees: f64| {
+        let direction = DVec3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
+        let mut world = World::builder(probe(direction * 2.0, DVec3::ZERO));
+        let film = world.material(Material::from(textured::ThinFilm::new(1.33, 350.0, 1.0)));
+        world.shape(Quad { size: [4.0; 2] }, facing(DVec3::ZERO, DVec3::Z), film, None);
+        world.light(Light::Environment(Environment { radiance: Rgb::WHITE }));
+        KnownRadiance::new(format!("soap film at {degrees}°"), world, 1.0, Depth { max: 64, roulette: 4 }).resolution(1e-3, 3e-3)
+    };
+    confirm([10.0, 60.0, 85.0].map(law).into(), Effort::Standard);
+    let film = Bsdf::ThinFilm(pt::bsdf::ThinFilm { table: soap([350.0; 2]), thickness: 350.0, color: pt::math::Spectrum::ONE });
+    let mut random = Random::new(5);
+    for _ in 0..1000 {
+        let wo = Local(random.direction().as_vec3());
+        let lobes: Vec<_> = film.delta_lobes(wo, TransportMode::Radiance).collect();
+        let sum = lobes.iter().fold(pt::math::Spectrum::BLACK, |sum, lobe| sum + lobe.weight).to_rgb();
+        assert!(sum.iter().all(|x| (x - 1.0).abs() < 1e-6), "{sum:?}");
+        let chance = lobes[0].weight.average();
+        for (choice, lobe, chance) in [(0.5 * chance, &lobes[0], chance), (0.5 * (1.0 + chance), &lobes[1], 1.0 - chance)] {
+            let sample = film.sample(wo, choice, Vec2::ZERO, TransportMode::Radiance).expect("a lobe");
+            let expected = (sample.weight * chance).to_rgb();
+            assert!(sample.wi == lobe.wi && expected.iter().zip(lobe.weight.to_rgb()).all(|(a, b)| (a - b).abs() < 1e-6));
+        }
+    }
+}
+
+#[test]
+fn impossible_films_are_refused() {
+    assert_fault_in_scene(&[
+        (r#""materials": {"m": {"type": "thin_film", "thickness": ^-1}}"#, "/materials/m/thickness: expected"),
+        (r#""materials": {"m": {"type": "thin_film", "thickness": ^2001}}"#, "/materials/m/thickness: expected"),
+        (
+            r#""materials": {"m": {"type": "conductor", "color": 0.5, "film": ^{"eta": 1.5, "thickness": 100}}}"#,
+            "/materials/m/film: a film needs metal, or eta and k, and not a color",
+        ),
+        (
+            r#""materials": {"m": {"type": "conductor", "eta": {"from": 1, "to": 2, "by": 0.5}, "k": 3, "film": ^{"eta": 1.5, "thickness": 100}}}"#,
+            "/materials/m/film: a film needs an eta and a k that are the same everywhere",
+        ),
+        (
+            r#""materials": {"m": {"type": "conductor", "metal": "Ti", "film": ^{"eta": 1.5}}}"#,
+            "/materials/m/film: missing key \"thickness\"",
+        ),
+    ]);
+}
