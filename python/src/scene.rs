@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use pt::film::MomentFilm;
-use pt::import::{AutoCamera, Up, Viewpoint, import_bytes};
+use pt::import::{AutoCamera, ImportOptions, Up, Viewpoint, import_bytes};
 use pt::integrator::Entry;
 use pt::load::{self, Loaded, Settings, override_values};
 use pt::measure::{ErrorTarget, StopCondition, render_until};
@@ -59,14 +59,16 @@ pub fn load_scene(
     studio: bool,
     has_places: bool,
 ) -> PyResult<Scene> {
-    let camera =
+    let auto_camera =
         AutoCamera { up: up.map(|up| axis(py, up)).transpose()?, view: view.map(|view| side(py, view)).transpose()?, ground, studio };
+    let exposure = load::exposure(overrides.iter().map(|(_, pointer, value)| (pointer.as_str(), value.as_str())));
+    let options = ImportOptions { allow_outside, auto_camera, exposure };
     let work = || -> pt::Result<Loaded> {
         let bytes = bytes.map_or_else(|| describe::bytes(&path), Ok)?;
         let integrator = integrator.as_deref();
         let set = |root: &mut Node| overrides.iter().try_for_each(|(words, pointer, value)| root.set_by(words, pointer, value));
         let change = |root: &mut Node, file: &str| override_values(root, file, integrator, set);
-        let imported = import_bytes(bytes, &path, allow_outside, camera, change)?;
+        let imported = import_bytes(bytes, &path, &options, change)?;
         load::load(imported, integrator, TABLES)
     };
     let loaded = detached(py, || work().map_err(|error| if has_places { error } else { without_places(error, &path) }))?;

@@ -6,9 +6,9 @@ use super::messages::Loading;
 use super::quote::quoted;
 use crate::describe::{self, Files, Shutter};
 use crate::error::{Error, Result};
-use crate::import::{AutoCamera, Imported, Up, Viewpoint, import_with};
+use crate::import::{AutoCamera, ImportOptions, Imported, Up, Viewpoint, import_with};
 use crate::integrator::Entry;
-use crate::load::override_values;
+use crate::load::{exposure, override_values};
 use crate::reader::Node;
 
 pub use crate::load::Loaded;
@@ -54,9 +54,12 @@ impl SceneArgs {
         self.path.as_deref().ok_or_else(|| Error::Usage("expected a scene file, such as scenes/cornell-box.json; see pt --help".into()))
     }
 
-    /// Options for a model without a camera.
-    pub fn auto_camera(&self) -> AutoCamera {
-        AutoCamera { up: self.up, view: self.view, ground: (self.ground || self.no_ground).then_some(self.ground), studio: self.studio }
+    /// Options for reading the scene. What `-D` says of the shutter is the time that animations of other programs' files are read for.
+    pub fn import_options(&self) -> ImportOptions {
+        let ground = (self.ground || self.no_ground).then_some(self.ground);
+        let auto_camera = AutoCamera { up: self.up, view: self.view, ground, studio: self.studio };
+        let exposure = exposure(self.overrides.iter().filter_map(|text| text.split_once('=')));
+        ImportOptions { allow_outside: self.allow_outside, auto_camera, exposure }
     }
 
     /// Applies `--sky`, `--environment` and then `-D`, which may change what those set.
@@ -160,8 +163,7 @@ fn imported(scene: &SceneArgs, more: &[Override], integrator: Option<&str>) -> R
         scene.override_values(root)?;
         more.iter().try_for_each(|flag| root.set_by(&flag.words, flag.pointer, &flag.value))
     };
-    let mut imported =
-        import_with(scene.path()?, scene.allow_outside, scene.auto_camera(), |root, file| override_values(root, file, integrator, change))?;
+    let mut imported = import_with(scene.path()?, &scene.import_options(), |root, file| override_values(root, file, integrator, change))?;
     scene.add_environment(&mut imported.files)?;
     Ok(imported)
 }

@@ -53,6 +53,8 @@ pub struct ImportContext<'a> {
     pub files: Files,
     /// Options for the camera, if the file has none.
     pub auto_camera: AutoCamera,
+    /// When the shutter opens and closes (s), for files with animations; without it they are left out.
+    pub exposure: Option<[f64; 2]>,
     /// Faults of the scene.
     pub faults: Faults,
     notes: RefCell<Vec<Fault>>,
@@ -64,7 +66,7 @@ impl<'a> ImportContext<'a> {
     /// Context without notes and faults.
     pub fn new(file: &'a str, files: Files, auto_camera: AutoCamera) -> ImportContext<'a> {
         let (notes, made, missing) = (RefCell::default(), RefCell::default(), RefCell::default());
-        ImportContext { file, files, auto_camera, faults: Faults::default(), notes, made, missing }
+        ImportContext { file, files, auto_camera, exposure: None, faults: Faults::default(), notes, made, missing }
     }
 
     /// Sets the parts that the scene lacks for a first picture.

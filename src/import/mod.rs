@@ -62,6 +62,17 @@ pub struct Imported {
     pub notes: Vec<Fault>,
 }
 
+/// Options for reading a scene.
+#[derive(Clone, Debug, Default)]
+pub struct ImportOptions {
+    /// Whether the scene may name files that lie outside of its own folder.
+    pub allow_outside: bool,
+    /// Options for a model without a camera.
+    pub auto_camera: AutoCamera,
+    /// When the shutter opens and closes (s), for files with animations; without it they are left out.
+    pub exposure: Option<[f64; 2]>,
+}
+
 /// Reads the scene file at `path`, or standard input if that is `-`.
 ///
 /// - `allow_outside`: whether the scene may name files that lie outside of its own folder
@@ -69,20 +80,15 @@ pub struct Imported {
 /// # Errors
 /// `Invalid`: all that is wrong with it, at most [`MAX_FAULTS`](crate::MAX_FAULTS), as far as the dialect tells; `Io`.
 pub fn import(path: &Path, allow_outside: bool) -> Result<Imported> {
-    import_with(path, allow_outside, AutoCamera::default(), |_, _| Ok(()))
+    import_with(path, &ImportOptions { allow_outside, ..ImportOptions::default() }, |_, _| Ok(()))
 }
 
 /// Imports a scene as [`import`] does. `change` acts on the tree, with the name of the file, before missing light is added.
 ///
 /// # Errors
 /// The errors of [`import`], and those of `change`.
-pub fn import_with(
-    path: &Path,
-    allow_outside: bool,
-    auto_camera: AutoCamera,
-    change: impl FnOnce(&mut Node, &str) -> Result<()>,
-) -> Result<Imported> {
-    import_bytes(describe::bytes(path)?, path, allow_outside, auto_camera, change)
+pub fn import_with(path: &Path, options: &ImportOptions, change: impl FnOnce(&mut Node, &str) -> Result<()>) -> Result<Imported> {
+    import_bytes(describe::bytes(path)?, path, options, change)
 }
 
 /// Imports a scene as [`import_with`] does, from the bytes of its file.
@@ -94,15 +100,15 @@ pub fn import_with(
 pub fn import_bytes(
     bytes: Vec<u8>,
     path: &Path,
-    allow_outside: bool,
-    auto_camera: AutoCamera,
+    options: &ImportOptions,
     change: impl FnOnce(&mut Node, &str) -> Result<()>,
 ) -> Result<Imported> {
     let file = describe::name(path);
     let content = Content::new(path, bytes);
     let dialect = ALL.iter().find(|dialect| (dialect.is)(&content)).unwrap_or(&native::DIALECT);
-    let files = Files { allow_outside, ..Files::within(path.parent().unwrap_or(Path::new(""))) };
-    let context = ImportContext::new(&file, files, auto_camera);
+    let files = Files { allow_outside: options.allow_outside, ..Files::within(path.parent().unwrap_or(Path::new(""))) };
+    let mut context = ImportContext::new(&file, files, options.auto_camera);
+    context.exposure = options.exposure;
     let mut root = (dialect.read)(&content, &context)?;
     if let Some(root) = root.as_mut().filter(|_| context.faults.is_empty()) {
         if dialect.name != native::DIALECT.name {

@@ -13,14 +13,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::build::{Built, Source, build};
-use crate::describe::{self, Contents, Files, Identity, Names, Scramblings, Shape};
+use crate::describe::{self, Contents, Files, Identity, Names, Scramblings, Shape, Shutter};
 use crate::effects::Effects;
 use crate::error::text::one_line;
 use crate::error::{Error, Fault, MAX_FAULTS, Result};
 use crate::film::FilmSpec;
 use crate::import::Imported;
 use crate::integrator::{self, Entry, Integrator};
-use crate::reader::Node;
+use crate::reader::{Faults, Node, UnknownKeys};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::world::World;
 
@@ -165,6 +165,19 @@ pub fn override_values(root: &mut Node, file: &str, integrator: Option<&str>, ch
         let _ = root.set("/integrator/type", integrator.unwrap_or(integrator::DEFAULT));
     }
     Ok(())
+}
+
+/// When the shutter opens and closes by overrides of a scene (s); `None` without such overrides, or if they have a fault, which setting
+/// them reports.
+///
+/// - `overrides`: JSON pointers and JSON values
+pub fn exposure<'o>(overrides: impl IntoIterator<Item = (&'o str, &'o str)>) -> Option<[f64; 2]> {
+    let mut scene = crate::reader::parse(b"{}").ok()?;
+    for (pointer, value) in overrides.into_iter().filter(|(pointer, _)| pointer.split('/').nth(1) == Some("shutter")) {
+        scene.set(pointer, value).ok()?;
+    }
+    let shutter = crate::reader::read::<Shutter>(scene.child("shutter")?, "/shutter", UnknownKeys::Ignore, &Faults::default())?;
+    Some([shutter.open.get(), shutter.close.get()])
 }
 
 /// Error for an override of a value that the scene cannot have. If the scene itself is invalid, its faults are reported instead.

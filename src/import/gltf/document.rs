@@ -37,7 +37,7 @@ pub fn checked<'c>(opened: Opened<'c>, context: &ImportContext) -> Option<Tree<'
         refuse("/asset/version", format!("expected glTF of version 2, found {:?}", version.chars().take(40).collect::<String>()));
         return None;
     }
-    let root: json::Root = reader::read(&readable(&tree, ""), "", UnknownKeys::Ignore, &context.faults)?;
+    let root: json::Root = reader::read(&readable(&tree, "", context.exposure.is_some()), "", UnknownKeys::Ignore, &context.faults)?;
     for (i, name) in root.extensions_required.iter().enumerate().filter(|(_, name)| !READ.contains(&name.as_str())) {
         refuse(&format!("/extensionsRequired/{i}"), needed(&shown(name)));
     }
@@ -63,20 +63,21 @@ pub fn checked<'c>(opened: Opened<'c>, context: &ImportContext) -> Option<Tree<'
 /// Copy of the part of a file that the crate checks: parts that are left out anyway are no reason to refuse the file.
 ///
 /// - `key`: key of the object that the node is or belongs to; "" for the file as a whole
-fn readable(node: &Node, key: &str) -> Node {
+/// - `animated`: whether animations are read
+fn readable(node: &Node, key: &str, animated: bool) -> Node {
     let is_read = |member: &&Member| match member.key.as_str() {
         // Extensions have readers of their own.
         "extras" | "extensions" => false,
-        "animations" => !key.is_empty(),
+        "animations" => animated || !key.is_empty(),
         name if key == "attributes" => ATTRIBUTES.iter().any(|known| name.starts_with(known)),
         _ => member.node.value != Value::Null,
     };
     let copy = |member: &Member| {
         let Member { key, key_location, node } = member;
-        Member { key: key.clone(), key_location: key_location.clone(), node: readable(node, key) }
+        Member { key: key.clone(), key_location: key_location.clone(), node: readable(node, key, animated) }
     };
     let value = match &node.value {
-        Value::Array(items) => Value::Array(items.iter().map(|item| readable(item, key)).collect()),
+        Value::Array(items) => Value::Array(items.iter().map(|item| readable(item, key, animated)).collect()),
         Value::Object(members) => Value::Object(members.iter().filter(is_read).map(copy).collect()),
         plain => plain.clone(),
     };
@@ -186,8 +187,8 @@ impl<'a> Document<'a> {
             let message = format!("the extension {} is left out: what it adds does not show", shown(name));
             self.note(&self.at(&["extensionsUsed", &i.to_string()]), message);
         }
-        if let Some(animations) = self.root.get(&["animations"]) {
-            self.note(&animations, "animations are left out: everything stands as its nodes say");
+        if let (Some(animations), None) = (self.root.get(&["animations"]), self.root.context().exposure) {
+            self.note(&animations, "animations are left out: everything stands as its nodes say; --frames 0..48 shows them");
         }
     }
 }

@@ -6,7 +6,9 @@
 
 use glam::{DMat4, DVec3};
 
+use super::camera::look_at;
 use super::document::Document;
+use super::scene::transform;
 use super::texture::numbers;
 use crate::import::json_cursor::JsonCursor;
 use crate::reader::Node;
@@ -16,7 +18,9 @@ pub const LUMENS_PER_WATT: f64 = 683.0;
 
 impl<'a> Document<'a> {
     /// Light of a node, if it has one; a fault is noted if it is invalid.
-    pub fn light(&self, node: &gltf::Node, to_world: &DMat4) -> Option<Node> {
+    ///
+    /// - `moments`: times and transforms of the node
+    pub fn light(&self, node: &gltf::Node, moments: &[(f64, DMat4)]) -> Option<Node> {
         let reference = self.item("nodes", node.index()).get(&["extensions"])?.get(&["KHR_lights_punctual"])?.need(&["light"])?;
         let index = reference.whole()?;
         let all = self.root.get(&["extensions"]).and_then(|all| all.get(&["KHR_lights_punctual"]));
@@ -25,13 +29,15 @@ impl<'a> Document<'a> {
             return None;
         };
         self.note(&all?, format!("light in candela and lux becomes watts: {LUMENS_PER_WATT} lm = 1 W"));
-        self.described(&light, node, to_world)
+        self.described(&light, node, moments)
     }
 
-    fn described(&self, light: &JsonCursor<'a>, node: &gltf::Node, to_world: &DMat4) -> Option<Node> {
+    fn described(&self, light: &JsonCursor<'a>, node: &gltf::Node, moments: &[(f64, DMat4)]) -> Option<Node> {
         let color = light.get(&["color"]).and_then(|color| numbers(&color)).unwrap_or([1.0; 3]);
         let intensity = light.get(&["intensity"]).map_or(Some(1.0), |at| at.number())?;
         let watts = light.make_numbers(color.map(|c| c * intensity / LUMENS_PER_WATT));
+        // A light that moves is placed by its transform alone.
+        let to_world = if let [(_, to_world)] = moments { *to_world } else { DMat4::IDENTITY };
         let from = to_world.transform_point3(DVec3::ZERO);
         let axis = to_world.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z);
         let position = ("position", light.make_numbers(from.to_array()));
@@ -60,6 +66,10 @@ impl<'a> Document<'a> {
                 kind.expected("\"directional\", \"point\" or \"spot\"");
                 return None;
             }
+        }
+        if moments.len() > 1 {
+            let step = |to_world: &DMat4| light.make_object([("look_at", look_at(light, to_world))]);
+            members.push(("transform", transform(light, moments, step)));
         }
         Some(light.make_object(members))
     }

@@ -66,7 +66,8 @@ impl<'a> Document<'a> {
             }
         }
         let triangles = self.triangles(primitive, count, &at)?;
-        self.morph(node, mesh, primitive, &mut positions, &mut normals, &at)?;
+        let weights = pose.weights(node).or_else(|| node.weights()).or_else(|| mesh.weights()).unwrap_or_default();
+        self.morph(weights, primitive, &mut positions, &mut normals, &at)?;
         let is_posed = self.bend(node, primitive, pose, &mut positions, &mut normals, &at)?;
         let whole = MeshPart { triangles: 0..triangles.len() as u32, ..MeshPart::default() };
         let mesh = MeshData { positions, normals, uvs, colors, triangles, parts: vec![whole] };
@@ -112,17 +113,15 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Morphed positions p + Σ wₖ Δₖ, with the weights that the node or the mesh has without animation.
+    /// Morphed positions p + Σ wₖ Δₖ.
     fn morph(
         &self,
-        node: &gltf::Node,
-        mesh: &gltf::Mesh,
+        weights: &[f32],
         primitive: &gltf::Primitive,
         positions: &mut [Vec3],
         normals: &mut [Vec3],
         at: &JsonCursor<'a>,
     ) -> Option<()> {
-        let weights = node.weights().or_else(|| mesh.weights()).unwrap_or_default();
         for (target, &weight) in primitive.morph_targets().zip(weights).filter(|(_, weight)| **weight != 0.0) {
             for (values, moves) in [(&mut *positions, target.positions()), (&mut *normals, target.normals())] {
                 let Some(moves) = moves else { continue };

@@ -12,6 +12,7 @@
 //! docs/import.md.
 
 mod accessor;
+mod animation;
 mod buffer;
 mod camera;
 mod container;

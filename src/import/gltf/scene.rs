@@ -8,18 +8,19 @@ use glam::{BVec3, DMat4, Vec3};
 use super::document::Document;
 use super::instances::NOT_SHOWN;
 use super::material::{Colors, PreparedMaterial};
-use super::pose::Pose;
+use super::pose::Poses;
 use crate::describe::mesh::points::{self, InstancePoint};
 use crate::import::auto_camera;
+use crate::import::json_cursor::JsonCursor;
 use crate::import::view::{ASPECT, Bounds, MissingParts};
 use crate::reader::Node;
 
 /// pt's tree of the file's scene; `None` with a fault noted.
 pub fn scene(document: &Document) -> Option<Node> {
-    let pose = Pose::new(document)?;
+    let poses = Poses::new(document)?;
     let mut found = SceneBuilder {
         document,
-        pose: &pose,
+        poses: &poses,
         meshes: BTreeMap::new(),
         materials: BTreeMap::new(),
         names: vec![],
@@ -55,6 +56,16 @@ fn scene_nodes<'a>(document: &Document<'a>) -> Vec<gltf::Node<'a>> {
     nodes
 }
 
+/// Transform with one step, or with keyframes of it if there are several times.
+pub fn transform(at: &JsonCursor, moments: &[(f64, DMat4)], step: impl Fn(&DMat4) -> Node) -> Node {
+    if let [(_, to_world)] = moments {
+        return at.make_array([step(to_world)]);
+    }
+    let keyframe =
+        |(time, to_world): &(f64, DMat4)| at.make_object([("time", at.make_number(*time)), ("transform", at.make_array([step(to_world)]))]);
+    at.make_array([at.make_object([("keyframes", at.make_array(moments.iter().map(keyframe)))])])
+}
+
 /// Mesh file of a primitive.
 #[derive(Clone)]
 struct MeshFile {
@@ -66,7 +77,7 @@ struct MeshFile {
 /// State of the conversion.
 struct SceneBuilder<'d, 'a> {
     document: &'d Document<'a>,
-    pose: &'d Pose,
+    poses: &'d Poses,
     /// Mesh files by mesh, primitive, and the node if its pose changes the mesh.
     meshes: BTreeMap<(usize, usize, Option<usize>), Option<MeshFile>>,
     /// Names and materials, by index and vertex colours.
@@ -86,7 +97,7 @@ struct SceneBuilder<'d, 'a> {
 
 impl SceneBuilder<'_, '_> {
     fn node(&mut self, node: &gltf::Node) {
-        let to_world = self.pose.of(node);
+        let to_world = self.poses.of(node);
         if let Some(mesh) = node.mesh() {
             mesh.primitives().for_each(|primitive| self.primitive(node, &mesh, &primitive));
         }
@@ -103,7 +114,9 @@ impl SceneBuilder<'_, '_> {
         let material_key = (primitive.material().index(), Colors::of(primitive));
         self.read_material(material_key);
         let Some((name, prepared)) = self.materials.get(&material_key) else { return };
-        let own_pose = (node.skin().is_some() || node.weights().is_some()).then_some(node.index());
+        let pose = &self.poses.middle;
+        let has_weights = node.weights().is_some() || pose.weights(node).is_some();
+        let own_pose = (node.skin().is_some() || has_weights).then_some(node.index());
         let key = (mesh.index(), primitive.index(), own_pose);
         let made = match self.meshes.get(&key) {
             Some(known) => known.clone(),
@@ -115,11 +128,14 @@ impl SceneBuilder<'_, '_> {
         };
         let Some(made) = made else { return };
         let at = self.document.item("nodes", node.index());
-        let to_world = if made.is_posed { DMat4::IDENTITY } else { self.pose.of(node) };
-        if to_world.determinant() == 0.0 {
+        if self.poses.is_moving() && (made.is_posed || pose.weights(node).is_some()) {
+            self.document.note(&at, "what skins and morph targets bend is shown as in the middle of the exposure: it is not blurred");
+        }
+        let moments = if made.is_posed { vec![(0.0, DMat4::IDENTITY)] } else { self.shown(node) };
+        let Some((_, to_world)) = moments.get(moments.len() / 2).copied() else {
             self.document.note(&at, NOT_SHOWN);
             return;
-        }
+        };
         let Some(instances) = self.document.instances(node) else { return };
         self.lit |= prepared.is_lamp;
         let mut shown = vec![("file", at.make_text(&*made.file)), ("material", at.make_text(name))];
@@ -141,12 +157,28 @@ impl SceneBuilder<'_, '_> {
                 self.add_bounds(&made.positions, &points, &to_world);
             }
         }
-        if to_world != DMat4::IDENTITY {
+        if moments.iter().any(|(_, to_world)| *to_world != DMat4::IDENTITY) {
             // Row by row.
-            let matrix = at.make_numbers(to_world.transpose().to_cols_array());
-            members.push(("transform", at.make_array([at.make_object([("matrix", matrix)])])));
+            let matrix = |to_world: &DMat4| at.make_object([("matrix", at.make_numbers(to_world.transpose().to_cols_array()))]);
+            members.push(("transform", transform(&at, &moments, matrix)));
         }
         self.shapes.push(at.make_object(members));
+    }
+
+    /// Transforms of a node at several times, none if it is scaled to nothing. What is scaled to nothing for a part of the exposure stands
+    /// still.
+    fn shown(&self, node: &gltf::Node) -> Vec<(f64, DMat4)> {
+        let moments = self.poses.of(node);
+        let is_shown = |(_, to_world): &(f64, DMat4)| to_world.determinant() != 0.0;
+        if moments.iter().all(is_shown) {
+            return moments;
+        }
+        let still: Option<(f64, DMat4)> = moments.iter().copied().find(is_shown);
+        if still.is_some() {
+            let at = self.document.item("nodes", node.index());
+            self.document.note(&at, "what is scaled to nothing for a part of the exposure stands still and is shown for all of it");
+        }
+        still.into_iter().collect()
     }
 
     /// Adds the boxes of instances to the bounds, because looking at all vertices of all of them may take long.
@@ -184,7 +216,7 @@ impl SceneBuilder<'_, '_> {
         prepared: &PreparedMaterial,
         own_pose: Option<usize>,
     ) -> Option<MeshFile> {
-        let geometry = self.document.geometry(node, mesh, primitive, &prepared.mapping, self.pose)?;
+        let geometry = self.document.geometry(node, mesh, primitive, &prepared.mapping, &self.poses.middle)?;
         let of_node = own_pose.map_or(String::new(), |node| format!("-node-{node}"));
         let file = self.document.made_name(&format!("mesh-{}-{}{of_node}", mesh.index(), primitive.index()), "ply");
         let mut bytes = vec![];

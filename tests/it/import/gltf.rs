@@ -1,5 +1,6 @@
 //! glTF import: a small generated file for each feature, with known colours, normals, positions and numbers.
 
+mod animations;
 mod faults;
 mod geometry;
 mod model;

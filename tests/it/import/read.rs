@@ -5,7 +5,7 @@ use std::path::Path;
 use pt::bsdf::TransportMode;
 use pt::build::{Built, Source};
 use pt::describe::{self, Files};
-use pt::import::{AutoCamera, import_with};
+use pt::import::{AutoCamera, ImportOptions, import_with};
 use pt::math::{Ray, Spectrum};
 use pt::scene::{Scene, Surface};
 use pt::shape::MeshData;
@@ -26,8 +26,8 @@ pub fn try_read(path: &Path) -> pt::Result<Read> {
 
 /// Reads a file like [`try_read`], with options for the camera and with values that override those of the file.
 pub fn try_read_with(path: &Path, auto_camera: AutoCamera, overrides: &[(&str, &str)]) -> pt::Result<Read> {
-    let imported =
-        import_with(path, false, auto_camera, |root, _| overrides.iter().try_for_each(|(pointer, value)| root.set(pointer, value)))?;
+    let options = ImportOptions { auto_camera, exposure: pt::load::exposure(overrides.iter().copied()), ..ImportOptions::default() };
+    let imported = import_with(path, &options, |root, _| overrides.iter().try_for_each(|(pointer, value)| root.set(pointer, value)))?;
     describe::read(&imported.root, &imported.file)?;
     let tree = serde_json::from_str(&imported.root.to_string()).expect("JSON");
     Ok(Read { tree, root: imported.root, files: imported.files, notes: imported.notes.iter().map(|note| note.to_string()).collect() })

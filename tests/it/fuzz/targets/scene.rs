@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use pt::build::{Source, build};
 use pt::describe::{Identity, read_with};
 use pt::film::MomentFilm;
-use pt::import::{AutoCamera, Imported, import_with};
+use pt::import::{ImportOptions, Imported, import_with};
 use pt::integrators::ALL;
 use pt::reader::Node;
 use pt::render::{Observer, Settings};
@@ -44,7 +44,7 @@ pub fn render_file(path: &Path) -> Result<bool, String> {
         }
         Ok(())
     };
-    let imported = judged(import_with(path, false, AutoCamera::default(), small))?;
+    let imported = judged(import_with(path, &ImportOptions { exposure: Some([0.0, 0.5]), ..ImportOptions::default() }, small))?;
     let Some(Imported { root, file, files, .. }) = imported else { return Ok(false) };
     let Some(scene) = judged(read_with(&root, &file, &files))? else { return Ok(false) };
     let Some((entry, integrator)) = judged(pt::integrator::choose(&[ALL], root.child("integrator"), None, &file))? else {
