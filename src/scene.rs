@@ -47,19 +47,13 @@ pub trait Scene: Any + Send + Sync {
     fn camera(&self) -> &Camera;
 
     /// Media of the scene; `None` for a scene whose space is empty.
-    fn media(&self) -> Option<&Media> {
-        None
-    }
+    fn media(&self) -> Option<&Media>;
 
     /// Surfaces of bodies with media at the point of a hit.
-    fn boundaries(&self, _hit: &Hit, _point: &SurfacePoint) -> Boundaries {
-        Boundaries::new()
-    }
+    fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries;
 
     /// First boundary of a medium without a surface on a ray, before its end. Such boundaries are no hits: only media ask for them.
-    fn interface(&self, _ray: &Ray) -> Option<InterfaceCrossing> {
-        None
-    }
+    fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing>;
 
     /// Effects that a picture of the scene requires.
     fn effects(&self) -> Effects;

@@ -10,9 +10,11 @@ use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::Lights;
 use crate::math::{Ray, RayDifferential, SurfaceDifferential};
+use crate::medium::{Boundaries, InterfaceCrossing, Media};
 use crate::primitive::Hit;
 use crate::render::RenderReport;
 use crate::scene::{Scene, Surface};
+use crate::shape::SurfacePoint;
 use clap::ValueEnum;
 
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,6 +84,18 @@ impl Scene for RayCounter {
 
     fn camera(&self) -> &Camera {
         self.scene.camera()
+    }
+
+    fn media(&self) -> Option<&Media> {
+        self.scene.media()
+    }
+
+    fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
+        self.scene.boundaries(hit, point)
+    }
+
+    fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {
+        self.scene.interface(ray)
     }
 
     fn effects(&self) -> Effects {

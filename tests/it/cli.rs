@@ -242,6 +242,21 @@ fn check_lists_contents_and_required_effects() {
     assert_eq!(files(folder.path()), ["scene.json"]);
 }
 
+/// Counting rays changes no picture, with media either.
+#[test]
+fn statistics_change_no_picture() {
+    let folder = folder();
+    for scene in ["cornell-box", "fog", "media"] {
+        let file = format!("{}/scenes/{scene}.json", env!("CARGO_MANIFEST_DIR"));
+        let picture = |name: &str, more: &[&str]| {
+            let render = [&[file.as_str(), "--size", "16x12", "--spp", "2", "-q", "-o", name], more].concat();
+            pt(folder.path(), &render).success();
+            std::fs::read(folder.path().join(name)).expect("a picture")
+        };
+        assert!(picture("plain.pfm", &[]) == picture("counted.pfm", &["--stats"]), "{scene}");
+    }
+}
+
 #[test]
 fn list_shows_everything_with_a_line_each() {
     let folder = folder();

@@ -14,10 +14,12 @@ use pt::film::{Film, FilmSpec, MomentFilm, memory};
 use pt::integrators::ALL;
 use pt::light::Lights;
 use pt::math::{Ray, RayDifferential, SurfaceDifferential};
+use pt::medium::{Boundaries, InterfaceCrossing, Media};
 use pt::primitive::Hit;
 use pt::render::{Observer, Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::{Scene, Surface};
+use pt::shape::SurfacePoint;
 
 use crate::random::cases;
 use pt::torture::everything::{Everything, bits};
@@ -57,6 +59,18 @@ impl Scene for Tripwire {
 
     fn camera(&self) -> &Camera {
         self.scene.camera()
+    }
+
+    fn media(&self) -> Option<&Media> {
+        self.scene.media()
+    }
+
+    fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
+        self.scene.boundaries(hit, point)
+    }
+
+    fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {
+        self.scene.interface(ray)
     }
 
     fn effects(&self) -> Effects {

@@ -9,11 +9,12 @@ use pt::effects::Effects;
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::light::{Emitter, Lights};
 use pt::math::{Ray, RayDifferential, Rgb, SurfaceDifferential, Transform};
+use pt::medium::{Boundaries, InterfaceCrossing, Media};
 use pt::primitive::Hit;
 use pt::render::{Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::{Scene, Surface};
-use pt::shape::{FacetUv, Quad, Sphere};
+use pt::shape::{FacetUv, Quad, Sphere, SurfacePoint};
 use pt::world::World;
 
 /// Scene that finds hits by brute force.
@@ -118,6 +119,18 @@ impl Scene for Oracle {
 
     fn camera(&self) -> &Camera {
         self.world.camera()
+    }
+
+    fn media(&self) -> Option<&Media> {
+        self.world.media()
+    }
+
+    fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
+        self.world.boundaries(hit, point)
+    }
+
+    fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {
+        self.world.interface(ray)
     }
 
     fn effects(&self) -> Effects {

@@ -14,10 +14,12 @@ use pt::integrator::{CameraSample, Context, Estimator, Integrator};
 use pt::integrators::ALL;
 use pt::light::Lights;
 use pt::math::{Ray, RayDifferential, Spectrum, SurfaceDifferential};
+use pt::medium::{Boundaries, InterfaceCrossing, Media};
 use pt::primitive::Hit;
 use pt::render::{Render, SampleId, Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::{Scene, Surface};
+use pt::shape::SurfacePoint;
 
 use crate::light_tracer::built;
 
@@ -66,6 +68,18 @@ impl Scene for Watched {
 
     fn camera(&self) -> &Camera {
         self.scene.camera()
+    }
+
+    fn media(&self) -> Option<&Media> {
+        self.scene.media()
+    }
+
+    fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
+        self.scene.boundaries(hit, point)
+    }
+
+    fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {
+        self.scene.interface(ray)
     }
 
     fn effects(&self) -> Effects {

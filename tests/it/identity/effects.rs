@@ -8,9 +8,11 @@ use pt::effects::Effects;
 use pt::integrators::ALL;
 use pt::light::Lights;
 use pt::math::{Ray, RayDifferential, SurfaceDifferential};
+use pt::medium::{Boundaries, InterfaceCrossing, Media};
 use pt::primitive::Hit;
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::{Scene, Surface};
+use pt::shape::SurfacePoint;
 
 use super::new;
 use pt::torture::everything::{Everything, Shot, Which, bits, picture};
@@ -45,6 +47,18 @@ impl Scene for Wide {
 
     fn camera(&self) -> &Camera {
         self.0.camera()
+    }
+
+    fn media(&self) -> Option<&Media> {
+        self.0.media()
+    }
+
+    fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
+        self.0.boundaries(hit, point)
+    }
+
+    fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {
+        self.0.interface(ray)
     }
 
     fn effects(&self) -> Effects {
