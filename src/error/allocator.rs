@@ -4,6 +4,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::memory::may_fail;
 
@@ -23,8 +24,15 @@ pub fn set_message(line: String) {
     let _ = MESSAGE.set(line + "\n");
 }
 
+/// Whether a thread is ending the program.
+static IS_ENDING: AtomicBool = AtomicBool::new(false);
+
 fn checked(pointer: *mut u8) -> *mut u8 {
     if pointer.is_null() && !may_fail() {
+        // Memory often ends for several threads at once. One of them tells it, and the others wait for the end.
+        while IS_ENDING.swap(true, Ordering::AcqRel) {
+            std::thread::yield_now();
+        }
         let line = MESSAGE.get().map_or("error: out of memory\n", String::as_str);
         let _ = std::io::stderr().write_all(line.as_bytes());
         // `_exit` and not `exit`, because the cleanup of an ordinary exit may allocate.
