@@ -96,7 +96,7 @@ impl LensStack {
         let mut d = (rear - film).extend(-self.rear_distance()).normalize();
         for surface in surfaces {
             p = surface.hit(p, d)?;
-            // A comparison that numbers which are not finite fail too.
+            // The comparison is false for numbers that are not finite, too.
             let is_within = p.truncate().length_squared() <= surface.aperture * surface.aperture;
             if !is_within && edges == Edges::Opaque {
                 return None;

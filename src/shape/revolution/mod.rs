@@ -254,7 +254,8 @@ impl<P: Profile> Shape for Revolved<P> {
     fn sample_area(&self, _: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
         let at = Place { direction: self.sector.direction(f64::from(u.x)), rho_z: self.profile.at_share(f64::from(u.y)) };
         let point = self.at(&at);
-        // Of the rounded point, which has lost its direction from the axis at an apex.
+        // The density is that of the rounded point, so that it is the same number that `area_pdf` finds for this point later. At the apex
+        // of a cone, rounding may put the point on the axis, from which it has no direction.
         (point, self.pdf_at(&self.place(point.p.as_dvec3())))
     }
 
