@@ -17,6 +17,7 @@ mod check;
 mod cli;
 mod compounds;
 mod demo_scenes;
+mod denoise;
 mod discrete;
 mod dispersion;
 mod emitted_rays;

@@ -2,6 +2,7 @@
 
 mod average;
 mod convert;
+mod denoise;
 mod diff;
 mod falsecolor;
 mod hash;
@@ -21,6 +22,7 @@ use crate::output::{self, Pick};
 use average::AverageArgs;
 use clap::Subcommand;
 use convert::ConvertArgs;
+use denoise::DenoiseArgs;
 use diff::DiffArgs;
 use falsecolor::FalsecolorArgs;
 use std::path::PathBuf;
@@ -41,6 +43,8 @@ pub enum Verb {
     },
     /// Convert to another format, exposure, tone curve or layer.
     Convert(ConvertArgs),
+    /// Have another program remove the noise. What it leaves has no error bars.
+    Denoise(DenoiseArgs),
     /// Average independent pictures of the same scene, weighted with SampleCount.Y if all have it; standard errors are combined.
     Average(AverageArgs),
     /// Show numbers as colours, with a scale: the brightness of a picture, or how far A is from B.
@@ -54,6 +58,7 @@ impl Verb {
             Verb::Diff(args) => vec![args.first.clone(), args.second.clone()],
             Verb::Info { files } | Verb::Hash { files } => files.clone(),
             Verb::Convert(args) => vec![args.input.clone()],
+            Verb::Denoise(args) => vec![args.input.clone()],
             Verb::Average(args) => args.inputs.clone(),
             Verb::Falsecolor(args) => [&args.first].into_iter().chain(&args.second).cloned().collect(),
         }
@@ -107,6 +112,7 @@ pub fn image(verb: &Verb) -> Result<ExitCode> {
         Verb::Info { files } => info::info(files)?,
         Verb::Hash { files } => hash::hash(files)?,
         Verb::Convert(args) => convert::convert(args)?,
+        Verb::Denoise(args) => denoise::denoise(args)?,
         Verb::Average(args) => average::average(args)?,
         Verb::Falsecolor(args) => falsecolor::falsecolor(args)?,
     }
