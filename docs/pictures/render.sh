@@ -46,6 +46,7 @@ picture terrace           terrace
 picture shapes            shapes          --size 360x225 --spp 512 --exposure 1.3
 picture prism             prism           --size 360x203 --spp 1024 --integrator light
 picture bubbles           bubbles         --size 360x225 --spp 1024 --exposure 1.2
+picture fur               fur             --size 360x270 --spp 256
 picture gallery           gallery         --size 320x200 --spp 1024
 picture reflections       reflections     --size 360x203 --spp 2048
 # Models in the light that they get without any of their own, for docs/import.md.

@@ -1,8 +1,9 @@
-//! Makes the meshes of the demo scenes: `cargo run --release --example make_meshes`.
+//! Makes the meshes and the hair of the demo scenes: `cargo run --release --example make_meshes`.
 //!
 //! Every number comes from arithmetic that is exact to the last bit on every machine (and pt's own sine and
 //! cosine), so that the files are the same everywhere: a test compares them with those in `scenes/meshes/`.
 
+mod fur;
 mod pawn;
 mod stack;
 mod statue;
@@ -16,6 +17,7 @@ use pt::shape::mesh_data::MeshData;
 /// Returns the names and contents of the files.
 pub fn files() -> io::Result<Vec<(&'static str, Vec<u8>)>> {
     Ok(vec![
+        ("fur.hair", fur::fur()),
         ("statue.ply", ply(&statue::statue())?),
         ("pawn.ply", ply(&pawn::pawn())?),
         ("triangle-stack.obj", obj(&stack::triangles())?),

@@ -2,6 +2,7 @@
 
 mod background;
 mod camera;
+mod curves;
 mod density;
 mod field;
 mod instances;
@@ -317,6 +318,10 @@ impl Builder<'_> {
             Shape::BilinearPatch(s) => {
                 let corners = s.corners.map(|corner| DVec3::from(corner.0));
                 self.place(BilinearPatch { corners }, *to_world, vec![own], emitter);
+            }
+            Shape::Curves(s) => {
+                let Some(curves) = self.curves(pointer, s, to_world)? else { return Ok(()) };
+                self.place(curves, *to_world, vec![own], emitter);
             }
             Shape::Mesh(s) => {
                 let Some(data) = self.mesh(pointer, s)? else { return Ok(()) };

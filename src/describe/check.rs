@@ -336,12 +336,14 @@ impl Checker<'_> {
             Shape::Disk(disk) => self.lengths(pointer, shape_check::disk(disk)),
             Shape::Cylinder(cylinder) => self.lengths(pointer, shape_check::cylinder(cylinder)),
             Shape::BilinearPatch(patch) => self.lengths(pointer, shape_check::bilinear_patch(patch)),
+            Shape::Curves(curves) => self.lengths(pointer, shape_check::curves(curves)),
             Shape::Quad(_) | Shape::Cone(_) | Shape::Box(_) => {}
         }
     }
 
     fn lengths(&self, pointer: &str, faults: shape_check::Faults) {
-        faults.into_iter().for_each(|(key, message)| self.fault(&format!("{pointer}/{key}"), message));
+        let at = |key: &str| if key.is_empty() { pointer.to_owned() } else { format!("{pointer}/{key}") };
+        faults.into_iter().for_each(|(key, message)| self.fault(&at(&key), message));
     }
 
     /// Checks the medium inside a shape.

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use glam::UVec3;
 
 use super::camera::{Camera, Lens, Realistic};
+use super::curves_file::{self, CurvePoints};
 use super::file::open;
 use super::identity::of_bytes as hash_of;
 use super::ies;
@@ -72,6 +73,15 @@ impl Files {
             Some(bytes) => points::read(Cursor::new(bytes), name),
             None => points::read(BufReader::new(open(&self.folder.join(name), name)?), name),
         }
+    }
+
+    /// Reads the curves in the file of that name, as [`curves_file::read`] does, and the hash of the file.
+    ///
+    /// # Errors
+    /// Those of [`curves_file::read`] and of [`Files::bytes`].
+    pub fn curves(&self, name: &str) -> Result<(CurvePoints, Hash)> {
+        let content = self.bytes(name)?;
+        Ok((curves_file::read(&content, name)?, hash_of(&content)))
     }
 
     /// Reads the whole file of that name.
@@ -255,6 +265,9 @@ impl<'s> Named<'s> {
                     for (name, material) in &mesh.materials {
                         self.material_ref(&format!("{pointer}/materials{}", escaped(name)), material);
                     }
+                }
+                Shape::Curves(curves) => {
+                    self.0.extend(curves.file.as_deref().map(|file| (format!("{pointer}/file"), file)));
                 }
                 Shape::Sdf(sdf) => {
                     for (i, part) in sdf.parts.iter().flatten().enumerate() {

@@ -10,6 +10,7 @@
 mod background;
 mod camera;
 mod check;
+pub mod curves_file;
 mod cycles;
 mod emission;
 mod field;

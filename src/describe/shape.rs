@@ -24,6 +24,7 @@ pub enum Shape {
     Cylinder(Cylinder),
     Cone(Cone),
     BilinearPatch(BilinearPatch),
+    Curves(Curves),
     Box(Cuboid),
     Sdf(Sdf),
     Group(Group),
@@ -31,8 +32,8 @@ pub enum Shape {
 }
 
 by_type!(Shape {
-    Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Cylinder(Cylinder), Cone(Cone), BilinearPatch(BilinearPatch), Box(Cuboid), Sdf(Sdf),
-    Group(Group), Instances(Instances)
+    Mesh(Mesh), Sphere(Sphere), Quad(Quad), Disk(Disk), Cylinder(Cylinder), Cone(Cone), BilinearPatch(BilinearPatch), Curves(Curves), Box(Cuboid),
+    Sdf(Sdf), Group(Group), Instances(Instances)
 });
 
 /// Defines a struct with the keys that all shapes except groups and instances have in common, and `closed` ones the medium inside. (serde's
@@ -206,6 +207,32 @@ surface! {
 }
 
 surface! {
+    /// Curves: hair, fur, grass, threads or wires. A curve is a tube: the surface of all balls whose centres lie on it. With `normals` it is a
+    /// ribbon. Texture coordinates: u is the angle around a tube, or runs from one side of a ribbon to the other; v is 0 at the first end of
+    /// the curve and 1 at its last. The transform may move, turn, mirror and scale curves, but neither stretch nor shear them.
+    pub struct Curves {
+        /// The path of a file with the points, relative to the scene file's folder: a .hair file, or text with `x y z` and optionally a radius
+        /// on each line, in metres, and an empty line between two curves.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub file: Option<String>,
+        /// The control points of each curve, in metres.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub points: Option<Vec<Vec<Point>>>,
+        /// How a curve follows from its control points.
+        #[serde(default)]
+        pub basis: CurveBasis,
+        /// Half the thickness of the curves, in metres: one number, or `[first, last]` for curves that taper from their first point to
+        /// their last. Default: that of the file.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub radius: Option<CurveRadius>,
+        /// Makes ribbons of the curves, twice as wide as `radius`, with these normals: one for each of `points`. A ribbon is open, and has no
+        /// thickness.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub normals: Option<Vec<Vec<Vector>>>,
+    }
+}
+
+surface! {
     closed
     /// A box with its sides along the axes; its normals point outwards. It is a closed surface, which glass needs. Each face has texture
     /// coordinates from 0 to 1. As seen from outside, on the four sides u runs to the right and v along +y; on the top (+y) u runs along
@@ -356,6 +383,44 @@ impl Sides {
     }
 }
 
+/// Half the thickness of curves: one number, or `[first, last]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub enum CurveRadius {
+    /// The radius everywhere, in metres.
+    Constant(Positive),
+    /// The radius at the first and at the last point, in metres.
+    Ends([NonNegative; 2]),
+}
+
+by_kind!(CurveRadius { Number => Constant(Positive), Array => Ends([NonNegative; 2]) });
+
+impl CurveRadius {
+    /// The radius at the first and at the last point (m).
+    pub fn ends(self) -> [f64; 2] {
+        match self {
+            CurveRadius::Constant(radius) => [radius.get(); 2],
+            CurveRadius::Ends(ends) => ends.map(NonNegative::get),
+        }
+    }
+}
+
+/// How a curve follows from its control points.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CurveBasis {
+    /// A smooth curve through all points: a Catmull–Rom spline. At least two points.
+    #[default]
+    CatmullRom,
+    /// A uniform cubic B-spline, which passes near its points, but not through them. At least four points.
+    Bspline,
+    /// Cubic Bézier curves: the fourth point ends the first curve and begins the second. 4, 7, 10 … points.
+    Bezier,
+    /// Straight lines from point to point. At least two points.
+    Linear,
+}
+
 impl Sphere {
     /// The z above the centre from which and up to which the sphere is there (m); beyond the radius where nothing is cut off.
     pub fn ends(&self) -> [f64; 2] {
@@ -397,6 +462,7 @@ impl Shape {
             Shape::Cylinder(s) => s.name.as_deref(),
             Shape::Cone(s) => s.name.as_deref(),
             Shape::BilinearPatch(s) => s.name.as_deref(),
+            Shape::Curves(s) => s.name.as_deref(),
             Shape::Box(s) => s.name.as_deref(),
             Shape::Sdf(s) => s.name.as_deref(),
             Shape::Group(s) => s.name.as_deref(),
@@ -414,6 +480,7 @@ impl Shape {
             Shape::Cylinder(s) => &s.transform,
             Shape::Cone(s) => &s.transform,
             Shape::BilinearPatch(s) => &s.transform,
+            Shape::Curves(s) => &s.transform,
             Shape::Box(s) => &s.transform,
             Shape::Sdf(s) => &s.transform,
             Shape::Group(s) => &s.transform,
@@ -431,6 +498,7 @@ impl Shape {
             Shape::Cylinder(s) => s.material.as_ref(),
             Shape::Cone(s) => s.material.as_ref(),
             Shape::BilinearPatch(s) => s.material.as_ref(),
+            Shape::Curves(s) => s.material.as_ref(),
             Shape::Box(s) => s.material.as_ref(),
             Shape::Sdf(s) => s.material.as_ref(),
             Shape::Group(_) => None,
@@ -445,7 +513,7 @@ impl Shape {
             Shape::Sphere(s) => s.medium.as_ref(),
             Shape::Box(s) => s.medium.as_ref(),
             Shape::Sdf(s) => s.medium.as_ref(),
-            Shape::Quad(_) | Shape::Disk(_) | Shape::Cylinder(_) | Shape::Cone(_) | Shape::BilinearPatch(_) => None,
+            Shape::Quad(_) | Shape::Disk(_) | Shape::Cylinder(_) | Shape::Cone(_) | Shape::BilinearPatch(_) | Shape::Curves(_) => None,
             Shape::Group(_) | Shape::Instances(_) => None,
         }
     }
@@ -460,6 +528,7 @@ impl Shape {
             Shape::Cylinder(s) => s.emission.as_ref(),
             Shape::Cone(s) => s.emission.as_ref(),
             Shape::BilinearPatch(s) => s.emission.as_ref(),
+            Shape::Curves(s) => s.emission.as_ref(),
             Shape::Box(s) => s.emission.as_ref(),
             Shape::Sdf(s) => s.emission.as_ref(),
             Shape::Group(_) | Shape::Instances(_) => None,

@@ -1,6 +1,7 @@
 //! Vectors, densities, transforms and numerics.
 
 pub mod animation;
+pub mod bernstein;
 pub mod bounds;
 pub mod colorimetry;
 pub mod differential;

@@ -6,6 +6,7 @@
 pub mod bilinear_patch;
 pub mod cone;
 pub mod cuboid;
+pub mod curves;
 pub mod cylinder;
 pub mod disk;
 pub mod mesh_data;
@@ -27,6 +28,7 @@ use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
 pub use bilinear_patch::BilinearPatch;
 pub use cone::Cone;
 pub use cuboid::Cuboid;
+pub use curves::Curves;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use mesh_data::{MeshData, MeshPart};

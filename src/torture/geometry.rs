@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::meshes::{baked, icosphere, mesh, shapes};
 use super::{Failures, Random, Row};
@@ -13,8 +13,10 @@ use crate::math::{Ray, Spectrum, SphericalTriangle, Transform};
 use crate::primitive::Primitive;
 use crate::rays::{self, RayCaster};
 use crate::scene::Surface;
+use crate::shape::curves::Basis;
 use crate::shape::{
-    BilinearPatch, Cone, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Shape, Sphere, SurfacePoint, VertexColor, triangle,
+    BilinearPatch, Cone, Curves, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Shape, Sphere, SurfacePoint, VertexColor,
+    triangle,
 };
 
 /// The rows.
@@ -204,9 +206,11 @@ enum Family {
     PartialSphere,
     PartialDisk,
     BilinearPatch,
+    Tube,
+    Ribbon,
 }
 
-const FAMILIES: [Family; 10] = [
+const FAMILIES: [Family; 12] = [
     Family::Triangle,
     Family::Quad,
     Family::Disk,
@@ -217,16 +221,24 @@ const FAMILIES: [Family; 10] = [
     Family::PartialSphere,
     Family::PartialDisk,
     Family::BilinearPatch,
+    Family::Tube,
+    Family::Ribbon,
 ];
 
 /// Corners of a saddle that twists by about a right angle.
 const SADDLE: [DVec3; 4] =
     [DVec3::new(-1.0, -1.0, 0.4), DVec3::new(1.0, -0.9, -0.5), DVec3::new(-0.8, 1.0, -0.4), DVec3::new(0.9, 1.0, 0.5)];
 
+/// A straight curve that tapers: a tube, which is convex, or a ribbon, which is flat.
+fn straight(is_ribbon: bool) -> Curves {
+    let points = [[-1.0, 0.0, 0.0, 0.4], [1.0, 0.0, 0.0, 0.2]].map(Vec4::from).to_vec();
+    Curves { basis: Basis::Linear, points, counts: vec![2], normals: if is_ribbon { vec![Vec3::Z; 2] } else { vec![] } }
+}
+
 impl Family {
     /// Whether a ray hits the shape at most once.
     fn is_flat(self) -> bool {
-        matches!(self, Family::Triangle | Family::Quad | Family::Disk | Family::PartialDisk)
+        matches!(self, Family::Triangle | Family::Quad | Family::Disk | Family::PartialDisk | Family::Ribbon)
     }
 
     /// The shape and its size. Coordinates are of the given size, or 10^U(−8, 8) each.
@@ -238,7 +250,8 @@ impl Family {
         };
         let corners = [(); 3].map(|_| DVec3::new(any(), any(), any()));
         let size = coordinate.map_or((corners[0] - corners[1]).length(), |_| spread);
-        let stretch = if matches!(self, Family::Sphere) { DVec3::ONE } else { random.in_cube() * 0.9 + 1.0 };
+        let stretch =
+            if matches!(self, Family::Sphere | Family::Tube | Family::Ribbon) { DVec3::ONE } else { random.in_cube() * 0.9 + 1.0 };
         let place = Transform::scale(stretch * size).expect("not zero").then(&random.rotation());
         let place = place.then(&Transform::translate(corners[0]).expect("finite"));
         let shape = match self {
@@ -252,6 +265,7 @@ impl Family {
             Family::PartialSphere => PartialSphere { radius: 1.0, z: [-1.0, 0.4], phi_max: 300.0 }.bake(&place),
             Family::PartialDisk => PartialDisk { radius: 1.0, inner_radius: 0.4, phi_max: 200.0 }.bake(&place),
             Family::BilinearPatch => BilinearPatch { corners: SADDLE }.bake(&place),
+            Family::Tube | Family::Ribbon => straight(matches!(self, Family::Ribbon)).bake(&place),
         };
         // Far out, a small shape or all corners may round to a line. Another shape is then tried.
         match shape {

@@ -3,18 +3,27 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
+use glam::{DVec3, Mat3, UVec2, Vec2, Vec3, Vec4};
 
 use super::{Failures, Random, Row, terminator};
 use crate::light::{EnvironmentMap, Light, LightSampleContext, Lights, Mapping, Sun};
 use crate::math::float::unit_f32;
 use crate::math::{Rgb, SphericalRectangle, SphericalTriangle, Transform};
-use crate::shape::{BilinearPatch, Cone, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Shape, Sphere};
+use crate::shape::curves::Basis;
+use crate::shape::{BilinearPatch, Cone, Curves, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Shape, Sphere};
 use crate::texture::image::Pixels;
 
 /// The rows.
 pub fn rows() -> Vec<Row> {
     vec![sampled(), spherical(), inside(), maps(), dark_maps(), terminator::row()]
+}
+
+/// A bent curve of one piece, which tapers: a tube, or a ribbon that twists.
+fn bend(is_ribbon: bool) -> Curves {
+    let points = [[-1.0, -0.2, 0.1, 0.4], [-0.3, 0.5, -0.2, 0.3], [0.4, -0.3, 0.2, 0.3], [1.0, 0.2, -0.1, 0.2]];
+    let normals = [[0.1, 1.0, 0.2], [0.0, 0.8, 0.6], [-0.2, 0.9, 0.5], [0.3, 1.0, -0.2]];
+    let normals = if is_ribbon { normals.map(Vec3::from).to_vec() } else { vec![] };
+    Curves { basis: Basis::Bezier, points: points.map(Vec4::from).to_vec(), counts: vec![4], normals }
 }
 
 /// Shapes of sizes from 10⁻⁶ to 10⁶ seen from distances of 10⁻³ to 10⁶ times their size, also edge-on.
@@ -24,7 +33,7 @@ fn sampled() -> Row {
     type Make = fn(&Transform) -> crate::error::Result<Box<dyn Shape>>;
     const SADDLE: [DVec3; 4] =
         [DVec3::new(-0.8, -0.7, 0.2), DVec3::new(0.8, -0.8, -0.3), DVec3::new(-0.7, 0.8, -0.3), DVec3::new(0.8, 0.7, 0.4)];
-    let shapes: [(&str, Make); 8] = [
+    let shapes: [(&str, Make); 10] = [
         ("sphere", |place| Sphere { radius: 1.0 }.bake(place)),
         ("square", |place| Quad { size: [2.0, 1.0] }.bake(place)),
         ("disk", |place| Disk { radius: 1.0 }.bake(place)),
@@ -33,6 +42,8 @@ fn sampled() -> Row {
         ("bowl", |place| PartialSphere { radius: 1.0, z: [-1.0, 0.3], phi_max: 360.0 }.bake(place)),
         ("ring", |place| PartialDisk { radius: 1.0, inner_radius: 0.5, phi_max: 200.0 }.bake(place)),
         ("saddle", |place| BilinearPatch { corners: SADDLE }.bake(place)),
+        ("bent tube", |place| bend(false).bake(place)),
+        ("ribbon", |place| bend(true).bake(place)),
     ];
     shapes.into_iter().fold(row, |row, (name, make)| {
         row.never(format!("{name}, any size and distance"), 10_000_000, move |tries| {

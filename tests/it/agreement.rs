@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, UVec2, Vec2};
+use glam::{DVec3, UVec2, Vec2, Vec4};
 use pt::bsdf::{Material, MaterialId, TransportMode, textured};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::{FilmSpec, Image};
@@ -15,7 +15,8 @@ use pt::measure::{SampledImage, agreement, sidak};
 use pt::sampler::dimension::{self, Use};
 use pt::sampler::{SamplerSpec, Sequence};
 use pt::scene::Scene;
-use pt::shape::{BilinearPatch, Cone, Cylinder, Disk, PartialDisk, PartialSphere, Quad, Sphere, TriangleMesh};
+use pt::shape::curves::Basis;
+use pt::shape::{BilinearPatch, Cone, Curves, Cylinder, Disk, PartialDisk, PartialSphere, Quad, Sphere, TriangleMesh};
 use pt::texture::Texture;
 use pt::texture::image::{Filter, Image as TextureImage, Pixels, Wrap};
 use pt::world::{World, WorldBuilder};
@@ -29,7 +30,7 @@ const DEPTH: Depth = Depth { max: 12, roulette: 3 };
 const SAMPLES: u64 = 256;
 const EDGE: u32 = 32;
 /// Number of scenes with only matte objects, and of scenes that also have mirrors and glass.
-const MATTE: u64 = 18;
+const MATTE: u64 = 20;
 const CLEAR: u64 = 4;
 /// Number of compared pairs of pictures, which together have 1 % of false alarms.
 const PAIRS: usize = (MATTE + 3 * CLEAR) as usize;
@@ -91,12 +92,19 @@ fn saddle(half: f64) -> BilinearPatch {
     BilinearPatch { corners: [[-1.0, -1.0, 0.4], [1.0, -0.9, -0.3], [-0.8, 1.0, -0.4], [0.9, 1.0, 0.2]].map(|p| DVec3::from(p) * half) }
 }
 
+/// A thick tube around the origin.
+fn bend(half: f32) -> Curves {
+    let points = [[-1.0, -0.3, 0.2, 0.3], [-0.4, 0.4, -0.2, 0.4], [0.4, -0.4, 0.3, 0.5], [1.0, 0.4, 0.0, 0.2]];
+    let points = points.map(|p| Vec4::from(p) * half).to_vec();
+    Curves { basis: Basis::CatmullRom, counts: vec![4], points, normals: vec![] }
+}
+
 /// Adds a lamp under the ceiling, of each family of shapes in turn, large enough to be hit by chance. Every third lamp has a texture.
 fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId) {
     let texture = scene.is_multiple_of(3).then(|| Arc::new(bright_quarter()));
-    let emitter = Emitter { two_sided: scene / 9 % 2 == 1, texture, ..Emitter::new(stored(dice.color(1.0, 4.0))) };
+    let emitter = Emitter { two_sided: scene / 10 % 2 == 1, texture, ..Emitter::new(stored(dice.color(1.0, 4.0))) };
     let place = facing(DVec3::new(dice.within(-0.2, 0.2), 0.8, dice.within(-0.3, 0.3)), dice.point(0.4) - DVec3::Y);
-    match scene % 9 {
+    match scene % 10 {
         0 => world.shape(Quad { size: [1.2, 1.0] }, place, dark, Some(emitter)),
         1 => world.shape(Disk { radius: 0.6 }, place, dark, Some(emitter)),
         2 => world.shape(Sphere { radius: 0.4 }, at(DVec3::new(0.2, 0.5, -0.2)), dark, Some(emitter)),
@@ -105,6 +113,7 @@ fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId)
         6 => world.shape(PartialSphere { radius: 0.5, z: [-0.2, 0.5], phi_max: 360.0 }, place, dark, Some(emitter)),
         7 => world.shape(PartialDisk { radius: 0.7, inner_radius: 0.3, phi_max: 300.0 }, place, dark, Some(emitter)),
         8 => world.shape(saddle(0.6), place, dark, Some(emitter)),
+        9 => world.shape(bend(0.6), place, dark, Some(emitter)),
         _ => {
             let squeezed = Transform::scale(DVec3::new(0.6, 0.3, 0.5)).unwrap().then(&at(DVec3::new(0.0, 0.55, 0.0)));
             world.shape(TriangleMesh::new(round_mesh(1)), squeezed, dark, Some(emitter));
@@ -138,7 +147,7 @@ pub fn generated(scene: u64, matte: bool) -> Arc<World> {
         let place = DVec3::new([-0.5, 0.45, 0.0][thing], -0.6, [-0.2, -0.4, 0.4][thing]);
         let turn = Transform::rotate(dice.point(1.0) + DVec3::Y, dice.within(0.0, 360.0)).unwrap();
         // Glass encloses a volume.
-        match dice.of(if kind == 0 || !matte { 3 } else { 7 }) {
+        match dice.of(if kind == 0 || !matte { 3 } else { 8 }) {
             0 => world.shape(TriangleMesh::new(block(Vec3::new(0.2, 0.25, 0.15))), turn.then(&at(place)), material, None),
             1 => {
                 world.shape(TriangleMesh::new(round_mesh(1)), Transform::scale(DVec3::splat(0.3)).unwrap().then(&at(place)), material, None)
@@ -147,7 +156,8 @@ pub fn generated(scene: u64, matte: bool) -> Arc<World> {
             3 => world.shape(Cylinder { radius: 0.2, z: [-0.2, 0.3], phi_max: 300.0 }, turn.then(&at(place)), material, None),
             4 => world.shape(Cone { radius: 0.3, height: 0.5, phi_max: 360.0 }, turn.then(&at(place)), material, None),
             5 => world.shape(PartialSphere { radius: 0.3, z: [-0.3, 0.1], phi_max: 360.0 }, turn.then(&at(place)), material, None),
-            _ => world.shape(saddle(0.3), turn.then(&at(place)), material, None),
+            6 => world.shape(saddle(0.3), turn.then(&at(place)), material, None),
+            _ => world.shape(bend(0.3), turn.then(&at(place)), material, None),
         }
     }
     Arc::new(world.build().unwrap())

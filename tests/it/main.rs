@@ -16,6 +16,7 @@ mod cameras;
 mod check;
 mod cli;
 mod compounds;
+mod curves;
 mod demo_scenes;
 mod denoise;
 mod discrete;

@@ -68,11 +68,11 @@ fn keys() {
         (r#""shapes": [{"type": ^"spere"}]"#, r#"/shapes/0/type: unknown type "spere", did you mean "sphere"?"#),
         (
             r#""shapes": [^{"radius": 1}]"#,
-            r#"/shapes/0: missing key "type", expected one of mesh, sphere, quad, disk, cylinder, cone, bilinear_patch, box, sdf, group, instances"#,
+            r#"/shapes/0: missing key "type", expected one of mesh, sphere, quad, disk, cylinder, cone, bilinear_patch, curves, box, sdf, group, instances"#,
         ),
         (
             r#""shapes": [{"type": ^5}]"#,
-            "/shapes/0/type: expected one of mesh, sphere, quad, disk, cylinder, cone, bilinear_patch, box, sdf, group, instances, found 5",
+            "/shapes/0/type: expected one of mesh, sphere, quad, disk, cylinder, cone, bilinear_patch, curves, box, sdf, group, instances, found 5",
         ),
         (r#""shapes": [^"sphere"]"#, "/shapes/0: expected an object with a \"type\", found the string \"sphere\""),
         (r#""shapes": ^{"type": "sphere"}"#, "/shapes: expected an array, found an object"),

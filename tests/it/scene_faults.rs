@@ -250,6 +250,30 @@ fn parts_of_shapes() {
             r#"{"type": "bilinear_patch", "corners": ^[[0,0,0], [1,0,0], [1,1,0], [0,1,0]]}"#,
             "/shapes/0/corners: the sides cross: expected the corners at [u, v] = [0, 0], [1, 0], [0, 1] and [1, 1], in this order",
         ),
+        (r#"^{"type": "curves", "radius": 1}"#, "/shapes/0: curves need either \"file\" or \"points\""),
+        (r#"^{"type": "curves", "points": [[[0,0,0], [1,0,0]]]}"#, "/shapes/0: curves with \"points\" need a \"radius\""),
+        (r#"{"type": "curves", "points": ^[], "radius": 1}"#, "/shapes/0/points: expected at least one curve"),
+        (r#"{"type": "curves", "points": [^[[0,0,0]]], "radius": 1}"#, "/shapes/0/points/0: expected at least two, found 1"),
+        (
+            r#"{"type": "curves", "basis": "bezier", "points": [^[[0,0,0], [1,0,0], [1,1,0], [2,0,0], [3,0,0]]], "radius": 1}"#,
+            "/shapes/0/points/0: expected 4, 7, 10 and so on for a Bézier curve, found 5",
+        ),
+        (
+            r#"{"type": "curves", "basis": "bspline", "points": [^[[0,0,0], [1,0,0], [1,1,0]]], "radius": 1}"#,
+            "/shapes/0/points/0: expected at least four for a B-spline, found 3",
+        ),
+        (
+            r#"{"type": "curves", "points": [[[0,0,0], [1,0,0]]], "radius": ^[0, 0]}"#,
+            "/shapes/0/radius: expected a number above 0 at one end at least",
+        ),
+        (
+            r#"{"type": "curves", "points": [[[0,0,0], [1,0,0]]], "radius": 1, "normals": [^[[0,0,1]]]}"#,
+            "/shapes/0/normals/0: expected one for each of 2 points, found 1",
+        ),
+        (
+            r#"{"type": "curves", "points": [[[0,0,0], [1,0,0]]], "radius": 1, "normals": ^[]}"#,
+            "/shapes/0/normals: expected a list for each of 1 curves, found 0",
+        ),
     ];
     for (text, expected) in cases {
         assert_fault_in_scene(&[(&shape(text), expected)]);
@@ -262,6 +286,10 @@ fn parts_of_shapes() {
         r#"{"type": "bilinear_patch", "corners": [[0,0,0], [1,0,0], [0,0,0], [1,1,0]]}"#,
         r#"{"type": "bilinear_patch", "corners": [[0,0,0], [3,0,0], [1,1,0], [2,1,0]]}"#,
         r#"{"type": "bilinear_patch", "corners": [[0,0,0], [1,0,0], [1,1,1], [0,1,0]]}"#,
+        // Coincident points, a mirrored curve, and a tip without a radius.
+        r#"{"type": "curves", "points": [[[0,0,0], [0,0,0], [1,0,0], [1,0,0]]], "radius": 1}"#,
+        r#"{"type": "curves", "points": [[[1,1,1], [1,1,1]]], "radius": 1}"#,
+        r#"{"type": "curves", "points": [[[0,0,0], [1,0,0]]], "radius": [1, 0], "transform": [{"scale": [-2, 2, 2]}, {"rotate": {"axis": [1, 2, 3], "degrees": 77}}]}"#,
     ];
     for text in fine {
         assert!(read(scene(&shape(text))).is_ok(), "{text}");
@@ -340,4 +368,18 @@ fn the_number_of_glasses_in_one_surface_is_limited() {
     assert!(build(&mixed(7)).is_ok());
     let error = build(&mixed(8)).expect_err("nine directions");
     assert!(error.to_string().contains("/shapes/0/material: sends light into more than 8 single directions"), "{error}");
+}
+
+/// Curves stay round: a transform that stretches them, or a group that does, is refused.
+#[test]
+fn curves_are_not_stretched() {
+    let curves = r#"{"type": "curves", "points": [[[0,0,0], [1,0,0]]], "radius": 1"#;
+    let message = |shape: &str| match build(&scene(&format!(r#""shapes": [{shape}]"#))) {
+        Err(pt::Error::Invalid(faults)) => faults[0].to_string(),
+        _ => panic!("{shape} is built"),
+    };
+    let own = message(&format!(r#"{curves}, "transform": [{{"scale": [1, 2, 1]}}]}}"#));
+    assert!(own.contains("/shapes/0/transform: curves stay round"), "{own}");
+    let of_group = message(&format!(r#"{{"type": "group", "transform": [{{"scale": [1, 2, 1]}}], "shapes": [{curves}}}]}}"#));
+    assert!(of_group.contains("/shapes/0/shapes/0/transform: curves stay round"), "{of_group}");
 }

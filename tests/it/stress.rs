@@ -34,7 +34,7 @@ const LENGTHS: &str = r#"{
   },
   "groups": { "pair": [
     { "type": "sphere", "radius": 0.3, "center": [0, 0.3, 0], "material": "stone" },
-    { "type": "box", "size": 0.4, "center": [0.6, 0.2, 0], "material": "stone" }
+    { "type": "box", "size": 0.4, "center": [0.6, 0.25, 0], "material": "stone" }
   ] },
   "shapes": [
     { "type": "quad", "size": 12, "material": "floor", "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": -90 } }] },
@@ -56,6 +56,9 @@ const LENGTHS: &str = r#"{
       "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": -70 } }, { "translate": [-2.5, 0.6, 1] }] },
     { "type": "disk", "radius": 0.5, "inner_radius": 0.2, "phi_max": 280, "material": "stone", "transform": [{ "translate": [2.6, 1.6, 0] }] },
     { "type": "bilinear_patch", "corners": [[1.6, 2.2, 0.2], [2.4, 2.5, 0], [1.5, 3, -0.2], [2.3, 2.8, 0.4]], "material": "stone" },
+    { "type": "curves", "points": [[[-2.9, 0.2, 1], [-2.8, 0.9, 1.1], [-2.4, 1.4, 0.8]], [[-2.6, 0.1, 1.3], [-2.3, 0.8, 1.6]]], "radius": [0.1, 0.03], "material": "stone" },
+    { "type": "curves", "basis": "bspline", "points": [[[2.2, 0, 2], [2.3, 0.6, 1.9], [2.6, 1.2, 2], [2.4, 1.8, 2.2], [2.5, 2.2, 2]]], "radius": 0.15,
+      "normals": [[[0, 0, 1], [0, 0, 1], [1, 0, 1], [1, 0, 0], [0, 0, 1]]], "material": "stone" },
     { "type": "disk", "radius": 0.7, "emission": 8, "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 4, 0] }] }
   ],
   "lights": [

@@ -1,0 +1,138 @@
+//! Curves: hair, fur, grass, threads and wires.
+
+mod line;
+mod piece;
+mod ribbon;
+mod strands;
+mod tube;
+
+use std::ops::{Mul, Sub};
+
+use glam::{DVec3, Vec3, Vec4, Vec4Swizzles as _};
+
+use super::{Detail, Geometry, Shape};
+use crate::error::{Error, Fault, Result};
+use crate::math::Transform;
+use ribbon::Ribbons;
+use strands::{MOST_POINTS, Strands};
+use tube::Tubes;
+
+/// Curves with a radius at each control point: tubes, or ribbons.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// How a curve follows from its control points.
+    pub basis: Basis,
+    /// Position (m) and radius (m) of the control points, curve after curve. The radius of a ribbon is half its width.
+    pub points: Vec<Vec4>,
+    /// Number of control points of each curve.
+    pub counts: Vec<u32>,
+    /// Normals at the control points of ribbons; empty for tubes.
+    pub normals: Vec<Vec3>,
+}
+
+/// How a curve follows from its control points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Basis {
+    /// Straight lines from point to point.
+    Linear,
+    /// Cubic Bézier curves: two points in between for each span.
+    Bezier,
+    /// Uniform cubic B-spline. It does not reach its points.
+    Bspline,
+    /// Cubic Catmull–Rom spline, which passes through all points. The ends are extended in a straight line.
+    CatmullRom,
+}
+
+impl Basis {
+    /// Whether some number of points is that of a curve.
+    pub fn fits(self, points: usize) -> bool {
+        match self {
+            Basis::Linear | Basis::CatmullRom => points >= 2,
+            Basis::Bspline => points >= 4,
+            Basis::Bezier => points >= 4 && points % 3 == 1,
+        }
+    }
+}
+
+/// Ratio of the greatest to the least stretch of a transform above which circles would become ellipses. Rounding of angles in degrees
+/// leaves less.
+const ROUND: f64 = 1.0 + 1e-6;
+
+impl Curves {
+    /// The factor by which a transform scales lengths; `None` if it differs between directions.
+    pub fn scale(to_world: &Transform) -> Option<f64> {
+        let m = to_world.matrix().matrix3;
+        let scale = to_world.determinant().abs().cbrt();
+        let product = m.transpose() * m * (1.0 / (scale * scale));
+        let columns = [product.x_axis - DVec3::X, product.y_axis - DVec3::Y, product.z_axis - DVec3::Z];
+        columns.into_iter().all(|column| column.abs().max_element() <= ROUND - 1.0).then_some(scale)
+    }
+
+    /// Position and radius in world space.
+    fn placed(&self, to_world: &Transform, scale: f64) -> impl Iterator<Item = Vec4> {
+        let place = *to_world;
+        self.points.iter().map(move |b| place.point(b.xyz().as_dvec3()).extend(f64::from(b.w) * scale).as_vec4())
+    }
+
+    /// Curves with points at their ends, so that Catmull–Rom splines reach the first and the last: the mirror images of the second and the
+    /// second to last.
+    fn extended<T: Copy + Sub<Output = T> + Mul<f32, Output = T>>(&self, values: &[T]) -> Vec<T> {
+        if self.basis != Basis::CatmullRom || values.is_empty() {
+            return values.to_vec();
+        }
+        let mut extended = Vec::with_capacity(values.len() + 2 * self.counts.len());
+        let mut first = 0;
+        for &count in &self.counts {
+            let of_curve = &values[first..first + count as usize];
+            if let (&[a, b, ..], &[.., c, d]) = (of_curve, of_curve) {
+                extended.push(a * 2.0 - b);
+                extended.extend_from_slice(of_curve);
+                extended.push(d * 2.0 - c);
+            }
+            first += count as usize;
+        }
+        extended
+    }
+}
+
+impl Curves {
+    /// The curves in world space.
+    ///
+    /// - `scale`: factor of lengths
+    fn strands(&self, to_world: &Transform, scale: f64) -> Strands {
+        let points: Vec<Vec4> = self.placed(to_world, scale).collect();
+        let normals: Vec<Vec3> = self.normals.iter().map(|n| to_world.normal(n.as_dvec3()).as_vec3()).collect();
+        let added = if self.basis == Basis::CatmullRom { 2 } else { 0 };
+        let counts: Vec<u32> = self.counts.iter().map(|count| count + added).collect();
+        Strands::new(self.basis, self.extended(&points), self.extended(&normals), &counts)
+    }
+}
+
+impl Geometry for Curves {
+    fn bounds(&self, to_world: &Transform) -> (DVec3, DVec3) {
+        self.strands(to_world, to_world.determinant().abs().cbrt()).bounds()
+    }
+
+    fn detail(&self, to_world: &Transform) -> Detail {
+        let (min, max) = self.bounds(to_world);
+        let count = self.points.len() as f64;
+        let sum: DVec3 = self.points.iter().map(|b| to_world.point(b.xyz().as_dvec3())).sum();
+        // One of n pieces that fill a volume of the extent e has a size of about e/∛n.
+        Detail { middle: sum / count, density: count * count.cbrt() / (max - min).max_element() }
+    }
+
+    fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>> {
+        let invalid = |message: &str| Err(Error::invalid(Fault::new(message)));
+        let Some(scale) = Curves::scale(to_world) else {
+            return invalid("a transform stretches or shears curves, which stay round");
+        };
+        if self.points.len() + 2 * self.counts.len() > MOST_POINTS {
+            return invalid("too many control points of curves: expected at most a thousand million");
+        }
+        let strands = self.strands(to_world, scale);
+        Ok(match self.normals.is_empty() {
+            true => Box::new(Tubes(strands)),
+            false => Box::new(Ribbons(strands)),
+        })
+    }
+}
