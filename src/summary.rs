@@ -3,7 +3,7 @@
 use crate::film::{Film, MomentFilm};
 use crate::measure::format::per_cent;
 use crate::measure::{BiasEstimate, ErrorHistory, ErrorInterval, MostPixels, Refusal, format};
-use crate::output::attributes::REFUSED;
+use crate::output::attributes::{REFUSED, SAMPLES};
 use crate::output::{Attributes, Value};
 use crate::part::About;
 use crate::render::RenderReport;
@@ -54,7 +54,7 @@ impl Accuracy {
 
 /// Reason why a film tells no error.
 fn too_few_samples(film: &MomentFilm) -> String {
-    let needed = match film.blocks().next().map(|(_, block)| block.error_estimator()) {
+    let needed = match film.error_estimator() {
         Some(ErrorEstimator::Scramblings(1)) => return "that takes two scramblings or more (--scramblings)".into(),
         Some(ErrorEstimator::Scramblings(k)) => 2 * k,
         Some(ErrorEstimator::Samples) | None => 2,
@@ -84,6 +84,10 @@ pub fn attributes(about: &About, film: &MomentFilm, accuracy: &Accuracy, confide
     pairs.extend(accuracy.attributes(confidence));
     if let Some(BiasEstimate { setting, share, .. }) = clamped {
         pairs.extend([("pt/bias", setting.clone()), ("pt/biasRemoved", share.to_string())]);
+    }
+    let set = film.sample_set();
+    if !set.missing(film.range().end).is_empty() {
+        pairs.push((SAMPLES, set.to_string()));
     }
     let samples = ("samplesPerPixel".to_owned(), Value::Integer(film.mean_samples().round() as i32));
     let own = pairs.into_iter().map(|(name, value)| (name.to_owned(), value.into()));

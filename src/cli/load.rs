@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use super::messages::Loading;
-use super::quote::quoted;
 use crate::describe::{self, Files, Shutter};
 use crate::error::{Error, Result};
 use crate::import::{AutoCamera, ImportOptions, Imported, Up, Viewpoint, import_with};
@@ -93,7 +92,7 @@ impl SceneArgs {
         Ok(())
     }
 
-    /// The flags of the scene that decide the picture, for commands that repeat it.
+    /// The flags of the scene that decide the picture, as words of commands that repeat it.
     pub fn flags(&self) -> Vec<String> {
         let flags = [
             ("--sky", self.sky),
@@ -105,7 +104,7 @@ impl SceneArgs {
         let given = flags.into_iter().filter(|(_, is_given)| *is_given).map(|(flag, _)| flag.to_owned());
         let view = self.view.map(|view| ["--view".to_owned(), view.name.to_owned()]);
         let up = self.up.map(|up| ["--up".to_owned(), if up == Up::Z { "z" } else { "y" }.to_owned()]);
-        let environment = self.environment.as_ref().map(|path| ["--environment".to_owned(), quoted(&path.display().to_string())]);
+        let environment = self.environment.as_ref().map(|path| ["--environment".to_owned(), path.display().to_string()]);
         given.chain([view, up, environment].into_iter().flatten().flatten()).collect()
     }
 }

@@ -2,8 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use std::io::{IsTerminal, stdout};
+
 use crate::error::{Error, Result};
+use crate::film::MomentFilm;
+use crate::measure::ErrorHistory;
 use crate::output::{self, Format};
+use crate::part::{self, About};
+use crate::render::RenderReport;
 
 /// Kinds of files that a command can write.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -27,9 +33,25 @@ impl OutputKinds {
     }
 }
 
-/// Returns whether a name is that of a part of a render.
+/// Returns whether a name is that of a part of a render; `-` is one on stdout.
 pub fn is_part(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ptc"))
+    is_pipe(path) || path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ptc"))
+}
+
+/// Returns whether a name stands for stdout, or stdin.
+pub fn is_pipe(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// Writes a part to a file, or to stdout.
+///
+/// # Errors
+/// `Io`.
+pub fn write_part(path: &Path, about: &About, film: &MomentFilm, report: &RenderReport, history: &ErrorHistory) -> Result<()> {
+    match is_pipe(path) {
+        true => part::write_to(stdout().lock(), "stdout", about, film, report, history),
+        false => part::write(path, about, film, report, history),
+    }
 }
 
 /// Checks that results can be written under these names.
@@ -37,7 +59,7 @@ pub fn is_part(path: &Path) -> bool {
 /// - `inputs`: files that must not be overwritten; `is_input` describes them: `is the scene file`
 ///
 /// # Errors
-/// `Usage` for a name given twice, an unknown extension, a folder, an input; `Io` if the folder is missing or read-only.
+/// `Usage` for a name given twice, an unknown extension, a folder, an input, and a part on a terminal; `Io` if the folder is missing or read-only.
 pub fn check_outputs(outputs: &[PathBuf], kinds: OutputKinds, inputs: &[&Path], is_input: &str) -> Result<()> {
     for (i, path) in outputs.iter().enumerate() {
         let usage = |message: &str| Error::Usage(format!("{}: {message}", path.display()));
@@ -46,6 +68,12 @@ pub fn check_outputs(outputs: &[PathBuf], kinds: OutputKinds, inputs: &[&Path], 
         }
         if !kinds.accept(path) {
             return Err(usage(&format!("expected a name that ends in {}", kinds.names())));
+        }
+        if is_pipe(path) {
+            match stdout().is_terminal() {
+                true => return Err(usage("a part of a render (.ptc) on stdout, which is a terminal")),
+                false => continue,
+            }
         }
         if path.is_dir() {
             return Err(usage("is a folder, expected a file"));

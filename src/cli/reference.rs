@@ -72,9 +72,10 @@ impl ReferenceRenderer {
             }
             let sum = part::merge(vec![stored])?;
             let is_whole = sum.whole().is_ok();
-            let film = sum.films.into_iter().next().filter(|_| is_whole);
-            let film = film.ok_or_else(|| Error::Usage(format!("{}: has gaps", path.display())))?;
-            Ok(CachedReference { film, report: sum.report, history: sum.history })
+            if !is_whole {
+                return Err(Error::Usage(format!("{}: has gaps", path.display())));
+            }
+            Ok(CachedReference { film: sum.film, report: sum.report, history: sum.history })
         };
         usable().map_err(|refusal| note(&format!("note: the kept reference is of no use: {refusal}"))).ok()
     }
@@ -86,7 +87,7 @@ impl ReferenceRenderer {
     pub fn write(&self, path: &Path, cached: &CachedReference) -> Result<()> {
         let folder = output::folder(path);
         std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
-        part::write(path, &self.about, &[&cached.film], &cached.report, &cached.history)
+        part::write(path, &self.about, &cached.film, &cached.report, &cached.history)
     }
 }
 

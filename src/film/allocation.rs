@@ -1,5 +1,6 @@
 //! Different numbers of samples for different pixels.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// Number of samples of each pixel per *round* of samples, as a power of two.
@@ -44,12 +45,18 @@ impl Allocation {
         self.levels.as_ref().map_or(1.0, mean)
     }
 
+    /// Least and greatest level.
+    pub fn levels(&self) -> RangeInclusive<u32> {
+        let bounds = |levels: &Arc<[u8]>| {
+            let extreme = |level: Option<&u8>| level.copied().unwrap_or(0).into();
+            extreme(levels.iter().min())..=extreme(levels.iter().max())
+        };
+        self.levels.as_ref().map_or(0..=0, bounds)
+    }
+
     /// Least and greatest number of samples of a pixel per round.
     pub fn range(&self) -> [u64; 2] {
-        let bounds = |levels: &Arc<[u8]>| {
-            let extreme = |level: Option<&u8>| 1 << level.copied().unwrap_or(0);
-            [extreme(levels.iter().min()), extreme(levels.iter().max())]
-        };
-        self.levels.as_ref().map_or([1, 1], bounds)
+        let levels = self.levels();
+        [levels.start(), levels.end()].map(|level| 1 << level)
     }
 }

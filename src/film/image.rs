@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use glam::UVec2;
 
-use super::FilmSpec;
 use super::layer::{self, Layer};
 use super::pixel_sums::{Estimate, PixelSums, estimate, freedom};
 use super::standard_error::standard_errors;
+use super::{FilmSpec, SampleSet};
 
 /// Picture of linear channels over a crop, in rows from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,16 +53,17 @@ const RGB: [&str; 3] = ["R", "G", "B"];
 impl Image {
     /// Picture with the mean, its standard error if the [`ErrorEstimator`](crate::sampler::ErrorEstimator) gives one, the number of
     /// samples, and the layers of the film.
-    pub fn from_sums(spec: &FilmSpec, sums: &PixelSums, samples: u64) -> Image {
-        let taken = |i: usize| spec.allocation.samples(i, samples);
+    pub fn from_sums(spec: &FilmSpec, sums: &PixelSums, samples: &SampleSet) -> Image {
+        let of_pixel = |i: usize| samples.of_pixel(spec.allocation.level(i));
+        let taken = |i: usize| of_pixel(i).count();
         let estimates: Vec<Estimate> =
-            sums.pixels().enumerate().map(|(i, pixel)| estimate(sums.error_estimator(), pixel, taken(i))).collect();
+            sums.pixels().enumerate().map(|(i, pixel)| estimate(sums.error_estimator(), pixel, of_pixel(i))).collect();
         let channel = |name: String, value: &dyn Fn(&Estimate) -> f64| Channel {
             name,
             values: estimates.iter().map(|pixel| value(pixel) as f32).collect(),
         };
         let mut channels: Vec<Channel> = (0..3).map(|c| channel(RGB[c].into(), &|pixel| pixel[c].0)).collect();
-        if freedom(sums.error_estimator(), spec.allocation.range()[0] * samples) > 0.0 {
+        if freedom(sums.error_estimator(), samples.of_pixel(*spec.allocation.levels().start())) > 0.0 {
             let errors = standard_errors(spec, sums, &estimates, &taken);
             let values = |c: usize| errors.iter().map(|pixel| pixel[c] as f32).collect();
             channels.extend((0..3).map(|c| Channel { name: format!("StdErr.{}", RGB[c]), values: values(c) }));

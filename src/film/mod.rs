@@ -9,6 +9,7 @@ pub mod memory;
 pub mod moments;
 pub(crate) mod neighborhood;
 pub mod pixel_sums;
+mod sample_set;
 pub mod splat;
 mod standard_error;
 
@@ -25,6 +26,7 @@ pub use image::{Channel, Image};
 pub use layer::{Layer, LightNames};
 pub use moments::{Moments, Tree};
 pub use pixel_sums::{PixelLayout, PixelSums};
+pub use sample_set::{PixelSamples, SampleSet};
 pub use splat::{Splat, SplatSums};
 
 /// Settings of a picture: size, crop, filter and layers.
@@ -163,37 +165,49 @@ pub trait Film: Send {
     /// Settings of the picture.
     fn spec(&self) -> &FilmSpec;
 
-    /// Adds the sums of one wave. Waves arrive in order and without gaps, and all have the same error estimator.
+    /// Adds the sums of one wave. Waves arrive in order, and all have the same error estimator.
     fn add(&mut self, wave: Wave, block: PixelSums);
 }
 
 /// Film that keeps sums over the dyadic tree of sample indices.
 ///
-/// The film may hold only some of a picture's samples: those from its first wave on.
+/// The film may hold only some of a picture's samples, with gaps between them.
 pub struct MomentFilm {
     spec: FilmSpec,
-    tree: Tree<PixelSums>,
+    /// One tree for each range of samples without gaps, in order.
+    trees: Vec<Tree<PixelSums>>,
 }
 
 impl MomentFilm {
     /// A film without samples.
     pub fn new(spec: FilmSpec) -> MomentFilm {
-        MomentFilm { spec, tree: Tree::default() }
+        MomentFilm { spec, trees: vec![] }
     }
 
     /// Number of samples per pixel so far, or of rounds of samples if the [`Allocation`] is uneven.
     pub fn samples(&self) -> u64 {
-        self.range().end - self.range().start
+        self.ranges().map(|range| range.end - range.start).sum()
     }
 
-    /// Indices of the samples (or rounds) so far.
+    /// Ranges of the samples (or rounds) so far, in order and without gaps.
+    fn ranges(&self) -> impl Iterator<Item = Range<u64>> {
+        self.trees.iter().map(Tree::values)
+    }
+
+    /// Samples (or rounds) so far.
+    pub fn sample_set(&self) -> SampleSet {
+        SampleSet::of(self.ranges())
+    }
+
+    /// Range of the indices from the first sample (or round) to the last.
     pub fn range(&self) -> Range<u64> {
-        self.tree.values()
+        let end = |tree: Option<&Tree<PixelSums>>| tree.map_or(0..0, Tree::values);
+        end(self.trees.first()).start..end(self.trees.last()).end
     }
 
     /// Sums of the dyadic blocks. Added to an empty film in this order, they give an identical film.
     pub fn blocks(&self) -> impl ExactSizeIterator<Item = (Wave, &PixelSums)> {
-        self.tree.blocks()
+        self.trees.iter().flat_map(Tree::blocks).collect::<Vec<_>>().into_iter()
     }
 
     /// Number of samples so far of one pixel, by its index in the crop.
@@ -208,19 +222,26 @@ impl MomentFilm {
 
     /// Degrees of freedom ν of the standard errors of the pixel with the fewest samples; 0 if errors cannot be estimated.
     pub fn freedom(&self) -> f64 {
-        let [fewest, _] = self.spec.allocation.range();
-        self.blocks().next().map_or(0.0, |(_, block)| pixel_sums::freedom(block.error_estimator(), fewest * self.samples()))
+        let fewest = *self.spec.allocation.levels().start();
+        let (samples, estimator) = (self.sample_set(), self.error_estimator());
+        estimator.map_or(0.0, |estimator| pixel_sums::freedom(estimator, samples.of_pixel(fewest)))
+    }
+
+    /// Estimator of the error; `None` without samples.
+    pub fn error_estimator(&self) -> Option<ErrorEstimator> {
+        self.trees.iter().flat_map(Tree::blocks).next().map(|(_, block)| block.error_estimator())
     }
 
     /// Sums of all samples so far; zero before the first wave.
     pub fn total(&self) -> PixelSums {
         let black = || PixelSums::black(self.spec.layout(ErrorEstimator::Samples), self.spec.crop.pixel_count() as usize);
-        self.tree.total(PixelSums::join).unwrap_or_else(black)
+        let totals = self.trees.iter().filter_map(|tree| tree.total(PixelSums::join));
+        totals.reduce(|sum, total| sum.join(&total)).unwrap_or_else(black)
     }
 
     /// The picture so far.
     pub fn image(&self) -> Image {
-        Image::from_sums(&self.spec, &self.total(), self.samples())
+        Image::from_sums(&self.spec, &self.total(), &self.sample_set())
     }
 }
 
@@ -230,9 +251,11 @@ impl Film for MomentFilm {
     }
 
     fn add(&mut self, wave: Wave, block: PixelSums) {
-        if self.samples() == 0 {
-            self.tree = Tree::starting_at(wave.first);
+        if self.trees.last().is_none_or(|tree| tree.values().end != wave.first) {
+            self.trees.push(Tree::starting_at(wave.first));
         }
-        self.tree.push(wave.level, block, PixelSums::join);
+        if let Some(tree) = self.trees.last_mut() {
+            tree.push(wave.level, block, PixelSums::join);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Sums over samples for every pixel, and the estimates made from them.
 
-use super::Moments;
+use super::{Moments, PixelSamples};
 use crate::sampler::ErrorEstimator;
 
 /// Sums over some samples of every pixel, in rows of the crop from the top.
@@ -170,28 +170,32 @@ const GRAY: usize = 2;
 /// Mean and variance of the mean for each colour of a pixel.
 pub type Estimate = [(f64, f64); 3];
 
-/// Estimates the mean, and the variance of the mean, of each colour of a pixel after n samples.
+/// Estimates the mean, and the variance of the mean, of each colour of a pixel with n samples.
 ///
 /// ```text
 /// Samples          v = (Σx² − (Σx)²/n) / (n (n − 1))
 /// Scramblings(K)   v = Σ_r n_r (m_r − m)² / (n (K − 1)),  where m_r is the mean of the n_r samples of scrambling r
 /// ```
 ///
+/// Any samples will do, also with gaps between them: the scramblings are independent of one another. Where they have the same number of
+/// samples, at the same indices, v is right on average; where they do not, and the variance of m_r falls faster than 1/n_r, it is too
+/// large.
+///
 /// - `pixel`: colour sums from [`PixelSums::pixels`]
-pub fn estimate(error_estimator: ErrorEstimator, pixel: &[f64], n: u64) -> Estimate {
+pub fn estimate(error_estimator: ErrorEstimator, pixel: &[f64], samples: PixelSamples) -> Estimate {
     let sum = total(error_estimator, pixel);
-    let count = n.max(1) as f64;
+    let count = samples.count().max(1) as f64;
     std::array::from_fn(|c| {
         let mean = sum[c] / count;
         let squares = match error_estimator {
             ErrorEstimator::Samples => (pixel[3 + c] - sum[c] * mean).max(0.0),
             ErrorEstimator::Scramblings(k) => {
-                let of = |r: u64| (pixel[3 * r as usize + c], samples_of(n, k.into(), r));
+                let of = |r: u64| (pixel[3 * r as usize + c], samples.of_scrambling(k.into(), r) as f64);
                 let deviation = |(sum, count): (f64, f64)| if count > 0.0 { count * (sum / count - mean).powi(2) } else { 0.0 };
                 (0..k.into()).map(|r| deviation(of(r))).sum()
             }
         };
-        (mean, squares / (count * freedom(error_estimator, n)))
+        (mean, squares / (count * freedom(error_estimator, samples)))
     })
 }
 
@@ -223,17 +227,12 @@ impl Skew {
     }
 }
 
-/// Number of samples of scrambling r, where n samples are dealt to k scramblings in turn.
-fn samples_of(n: u64, k: u64, r: u64) -> f64 {
-    (n.saturating_sub(r)).div_ceil(k) as f64
-}
-
 /// Degrees of freedom ν of the variances, n − 1 or K − 1; 0 if there are too few samples for an estimate.
-pub fn freedom(error_estimator: ErrorEstimator, n: u64) -> f64 {
+pub fn freedom(error_estimator: ErrorEstimator, samples: PixelSamples) -> f64 {
     match error_estimator {
-        ErrorEstimator::Samples => n.saturating_sub(1) as f64,
+        ErrorEstimator::Samples => samples.count().saturating_sub(1) as f64,
         // With fewer than two samples each, scramblings are no more even than samples.
-        ErrorEstimator::Scramblings(k) if n < 2 * u64::from(k) => 0.0,
+        ErrorEstimator::Scramblings(k) if (0..k.into()).any(|r| samples.of_scrambling(k.into(), r) < 2) => 0.0,
         ErrorEstimator::Scramblings(k) => f64::from(k) - 1.0,
     }
 }

@@ -104,9 +104,10 @@ struct PixelNoise {
 
 impl PixelNoise {
     fn of(film: &MomentFilm, width: usize) -> PixelNoise {
-        let (block, samples) = (film.total(), film.samples());
+        let (block, set, samples) = (film.total(), film.sample_set(), film.samples());
         let single = |(mean, variance): (f64, f64)| (mean, variance * samples as f64);
-        PixelNoise { width, pixels: block.pixels().map(|pixel| estimate(block.error_estimator(), pixel, samples).map(single)).collect() }
+        let noise = |pixel| estimate(block.error_estimator(), pixel, set.of_pixel(0)).map(single);
+        PixelNoise { width, pixels: block.pixels().map(noise).collect() }
     }
 
     /// Colour of the square on which a pixel stands: 0 or 1.

@@ -14,6 +14,9 @@ pub type Attributes = Vec<(String, Value)>;
 /// Name of the attribute with the reason why no error of the whole picture is stated.
 pub const REFUSED: &str = "pt/relativeErrorRefused";
 
+/// Name of the attribute with the ranges of samples of a picture that lacks some: `0..16, 32..64`.
+pub const SAMPLES: &str = "pt/samples";
+
 /// Value of an attribute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Value {

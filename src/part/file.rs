@@ -1,41 +1,45 @@
 //! Reading and writing of `.ptc` files.
 //!
 //! ```text
-//! 89 50 54 43 0d 0a 1a 0a     signature, which also detects damage by text filters
-//! u64   bytes of the file     detects truncated files
+//! 89 50 54 32 0d 0a 1a 0a     signature, which also detects damage by text filters
 //! u32   bytes of the header
 //! header, JSON in UTF-8       see `Header`
-//! f64 …                       block after block, pixel after pixel, as `PixelSums::numbers`
+//! u32, bytes …                chunk after chunk of each block, pixel after pixel, as `planes::encode`
 //! u128  XXH3                  hash of all bytes before it
 //! ```
 //!
-//! All numbers are little-endian.
+//! All numbers are little-endian. The sizes of all chunks but in bytes follow from the header, so that a file never takes more memory than
+//! the picture that it tells of.
 
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use glam::UVec2;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use tempfile::{NamedTempFile, TempPath};
 
-use super::About;
+use super::planes::{chunk_pixels, decode, encode};
+use super::{About, Job};
 use crate::describe::Identity;
-use crate::error::memory::fallible;
 use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
-use crate::film::{Crop, Layer, MomentFilm, PixelSums, Wave};
-use crate::math::hash::Hasher;
+use crate::film::{Crop, Layer, MomentFilm, PixelSums, SampleSet, Wave};
+use crate::math::hash::{Hash, Hasher};
 use crate::measure::{Checkpoint, ErrorHistory, RelativeError};
 use crate::output::{self, Attributes};
 use crate::render::{RenderReport, SampleId};
 use crate::sampler::ErrorEstimator;
 
-const MAGIC: [u8; 8] = *b"\x89PTC\r\n\x1a\n";
+const MAGIC: [u8; 8] = *b"\x89PT2\r\n\x1a\n";
+/// Signature of the files of earlier versions, whose numbers were not packed.
+const OLD_MAGIC: [u8; 8] = *b"\x89PTC\r\n\x1a\n";
 /// Bytes before the header.
-const PRELUDE: u64 = 8 + 8 + 4;
+const PRELUDE: u64 = 8 + 4;
 /// Bytes of the hash.
 const CHECKSUM: u64 = 16;
 /// Greatest width and height of a picture (pixels).
@@ -57,6 +61,9 @@ struct Header {
     layers: Vec<String>,
     lights: Vec<String>,
     view: Attributes,
+    /// Words of the command that renders the picture, after `pt`, and its samples per pixel.
+    command: Vec<String>,
+    planned: u64,
     /// Numbers per pixel of a block.
     numbers: usize,
     /// `[first sample, level]`
@@ -86,12 +93,25 @@ struct StoredCheckpoint {
 
 /// Writes the sums of some samples. An existing file is replaced when the new one is complete.
 ///
-/// - `films`: runs of samples, in order
+/// # Errors
+/// `Io`.
+pub fn write(path: &Path, about: &About, film: &MomentFilm, report: &RenderReport, history: &ErrorHistory) -> Result<()> {
+    let header = header(about, film, report, history)?;
+    output::replace_with(path, |file| put(file, &header, film))
+}
+
+/// Writes the sums of some samples to a pipe or the like.
+///
+/// - `name`: name of it, for messages
 ///
 /// # Errors
 /// `Io`.
-pub fn write(path: &Path, about: &About, films: &[&MomentFilm], report: &RenderReport, history: &ErrorHistory) -> Result<()> {
-    let blocks = || films.iter().flat_map(|film| film.blocks());
+pub fn write_to(to: impl Write, name: &str, about: &About, film: &MomentFilm, report: &RenderReport, history: &ErrorHistory) -> Result<()> {
+    put(to, &header(about, film, report, history)?, film).map_err(|e| Error::io(name, e))
+}
+
+/// The bytes of the header.
+fn header(about: &About, film: &MomentFilm, report: &RenderReport, history: &ErrorHistory) -> Result<Vec<u8>> {
     let crop = about.crop;
     let header = Header {
         build: about.build.clone(),
@@ -106,29 +126,40 @@ pub fn write(path: &Path, about: &About, films: &[&MomentFilm], report: &RenderR
         layers: names(&about.layers),
         lights: about.lights.clone(),
         view: about.view.clone(),
+        command: about.job.command.clone(),
+        planned: about.job.samples,
         numbers: about.layout().all(),
-        blocks: blocks().map(|(wave, _)| (wave.first, wave.level)).collect(),
+        blocks: film.blocks().map(|(wave, _)| (wave.first, wave.level)).collect(),
         seconds: report.elapsed.as_secs_f64(),
         invalid: report.invalid,
         first_invalid: report.first_invalid.iter().map(|id| (id.pixel, id.index)).collect(),
         history: history.planned().map(StoredCheckpoint::new).collect(),
     };
-    let header = serde_json::to_vec(&header).map_err(|e| Error::Internal(format!("a header cannot be written: {e}")))?;
-    let numbers: u64 = blocks().map(|(_, block)| 8 * block.numbers().len() as u64).sum();
-    let length = PRELUDE + header.len() as u64 + numbers + CHECKSUM;
-    output::replace_with(path, |file| {
-        let mut file = Summed { to: BufWriter::with_capacity(1 << 18, file), sum: Hasher::default() };
-        file.put(&MAGIC)?;
-        file.put(&length.to_le_bytes())?;
-        file.put(&(header.len() as u32).to_le_bytes())?;
-        file.put(&header)?;
-        for chunk in blocks().flat_map(|(_, block)| block.numbers().chunks(1 << 12)) {
-            file.put(&chunk.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>())?;
+    serde_json::to_vec(&header).map_err(|e| Error::Internal(format!("a header cannot be written: {e}")))
+}
+
+/// Chunks that each thread packs before they are written.
+const CHUNKS_PER_THREAD: usize = 4;
+
+/// Writes all bytes of a file.
+fn put(to: impl Write, header: &[u8], film: &MomentFilm) -> io::Result<()> {
+    let mut file = Summed { to: BufWriter::with_capacity(1 << 18, to), sum: Hasher::default() };
+    file.put(&MAGIC)?;
+    file.put(&(header.len() as u32).to_le_bytes())?;
+    file.put(header)?;
+    for (_, block) in film.blocks() {
+        let width = block.layout().all();
+        let chunks: Vec<&[f64]> = block.numbers().chunks(chunk_pixels(width) * width).collect();
+        for some in chunks.chunks(CHUNKS_PER_THREAD * rayon::current_num_threads()) {
+            for bytes in some.par_iter().map(|numbers| encode(numbers, width)).collect::<Vec<_>>() {
+                file.put(&(bytes.len() as u32).to_le_bytes())?;
+                file.put(&bytes)?;
+            }
         }
-        let sum = file.sum.finish().0.to_le_bytes();
-        file.put(&sum)?;
-        file.to.flush()
-    })
+    }
+    let sum = file.sum.finish().0.to_le_bytes();
+    file.put(&sum)?;
+    file.to.flush()
 }
 
 /// Writer that hashes what it writes.
@@ -147,7 +178,7 @@ impl<W: Write> Summed<W> {
 /// File that was checked. Its numbers are not in memory.
 #[derive(Debug)]
 pub struct Stored {
-    /// Path of the file.
+    /// Path of the file, or what stands for it in messages.
     pub path: PathBuf,
     /// Picture that the file belongs to.
     pub about: About,
@@ -156,8 +187,18 @@ pub struct Stored {
     /// Checkpoints of the render.
     pub history: ErrorHistory,
     waves: Vec<Wave>,
-    /// Position of the first number in the file (bytes).
-    start: u64,
+    chunks: Chunks,
+    /// File with what came from a pipe.
+    spooled: Option<TempPath>,
+}
+
+/// Places of the chunks in a file.
+#[derive(Debug)]
+struct Chunks {
+    /// Position and length of each chunk, block after block (bytes).
+    places: Vec<(u64, u32)>,
+    /// Hash of all of them.
+    hash: Hash,
 }
 
 impl Stored {
@@ -166,40 +207,69 @@ impl Stored {
     /// # Errors
     /// `Invalid` for files that are missing, of another kind, truncated, damaged or of another version; `Io`.
     pub fn open(path: &Path) -> Result<Stored> {
+        Stored::checked(output::regular(path)?, path)
+    }
+
+    /// Takes a file from a pipe into a temporary file, and checks it as [`Stored::open`] does.
+    ///
+    /// - `name`: name of the pipe, for messages
+    ///
+    /// # Errors
+    /// Those of [`Stored::open`].
+    pub fn receive(from: &mut impl Read, name: &str) -> Result<Stored> {
+        let failed = |e| Error::io(name, e);
+        let mut file = NamedTempFile::new().map_err(failed)?;
+        io::copy(from, file.as_file_mut()).map_err(failed)?;
+        let spooled = file.into_temp_path();
+        let stored = Stored::checked(output::regular(&spooled)?, Path::new(name))?;
+        Ok(Stored { spooled: Some(spooled), ..stored })
+    }
+
+    /// Checks a file.
+    ///
+    /// - `path`: its name, for messages
+    fn checked(file: File, path: &Path) -> Result<Stored> {
         let refused = |message: String| Error::invalid(Fault::new(message).in_file(path));
-        let mut file = BufReader::with_capacity(1 << 18, output::regular(path)?);
-        let found = file.get_ref().metadata().map_err(|e| Error::io(path, e))?.len();
+        let failed = |e: io::Error| match e.kind() {
+            // It has become shorter.
+            io::ErrorKind::UnexpectedEof => refused(DAMAGED.into()),
+            _ => Error::io(path, e),
+        };
+        let length = file.metadata().map_err(failed)?.len();
+        let mut file = BufReader::with_capacity(1 << 18, file);
         let mut prelude = [0; PRELUDE as usize];
-        let known = file.read_exact(&mut prelude).is_ok() && prelude.starts_with(&MAGIC);
-        if !known {
+        let is_read = file.read_exact(&mut prelude).is_ok();
+        if is_read && prelude.starts_with(&OLD_MAGIC) {
+            return Err(refused("of an earlier version of pt, expected a part of this one: merge it with the pt that rendered it".into()));
+        }
+        if !is_read || !prelude.starts_with(&MAGIC) {
             return Err(refused("expected a part of a render (.ptc)".into()));
         }
-        let [length, header] = [&prelude[8..16], &prelude[16..]].map(number);
-        if found < length {
-            return Err(refused(format!("truncated: {found} of {length} bytes")));
+        let start = PRELUDE + number(&prelude[8..]);
+        let truncated = || refused(format!("truncated: {length} bytes are not all"));
+        let end = length.checked_sub(CHECKSUM).filter(|end| start <= *end).ok_or_else(truncated)?;
+        let mut header = vec![];
+        file.by_ref().take(start - PRELUDE).read_to_end(&mut header).map_err(failed)?;
+        let (is_right, hash) = hashes(&mut file, [&prelude, &header], end - start).map_err(failed)?;
+        let parsed = serde_json::from_slice::<Header>(&header);
+        let places = match parsed.as_ref().ok().and_then(Header::chunk_count) {
+            None => None,
+            Some(count) => Some(places(&mut file, start..end, count).map_err(failed)?),
+        };
+        match (is_right, parsed, places) {
+            (false, _, Some(Places::Beyond)) => Err(truncated()),
+            (false, ..) => Err(refused(DAMAGED.into())),
+            (true, Err(e), _) => Err(refused(format!("not of this version of pt: {e}"))),
+            (true, Ok(header), Some(Places::All(places))) => {
+                header.stored(path, Chunks { places, hash }).ok_or_else(|| refused(NONSENSE.into()))
+            }
+            (true, Ok(_), _) => Err(refused(NONSENSE.into())),
         }
-        if found != length || PRELUDE + header + CHECKSUM > length {
-            return Err(refused(DAMAGED.into()));
-        }
-        let header = checked(&mut file, &prelude, length, header).map_err(|e| match e.kind() {
-            ErrorKind::InvalidData | ErrorKind::UnexpectedEof => refused(DAMAGED.into()),
-            _ => Error::io(path, e),
-        })?;
-        let start = PRELUDE + header.len() as u64;
-        let header: Header = serde_json::from_slice(&header).map_err(|e| refused(format!("not of this version of pt: {e}")))?;
-        header.stored(path, start, length).ok_or_else(|| refused("what it says of itself makes no sense".into()))
     }
 
     /// Ranges of samples without gaps.
     pub fn ranges(&self) -> Vec<Range<u64>> {
-        let mut runs: Vec<Range<u64>> = vec![];
-        for wave in &self.waves {
-            match runs.last_mut() {
-                Some(last) if last.end == wave.first => last.end = wave.range().end,
-                _ => runs.push(wave.range()),
-            }
-        }
-        runs
+        SampleSet::of(self.waves.iter().map(Wave::range)).ranges().to_vec()
     }
 
     /// Blocks in the file.
@@ -207,60 +277,107 @@ impl Stored {
         &self.waves
     }
 
-    /// Reads the sums of one block.
+    /// Whether the other part has the same numbers for the same samples.
+    pub(super) fn is_same(&self, other: &Stored) -> bool {
+        (&self.waves, self.chunks.hash) == (&other.waves, other.chunks.hash)
+    }
+
+    /// Reads the sums of the pixels of one chunk of a block.
     ///
     /// # Errors
-    /// `Io`; `Limit` if the numbers do not fit into memory.
-    pub(super) fn block(&self, index: usize) -> Result<PixelSums> {
-        let count = self.about.layout().all() * self.about.crop.pixel_count() as usize;
-        let mut numbers: Vec<f64> = vec![];
-        let full = |_| Error::Limit(Fault::new("its numbers do not fit into memory").in_file(&self.path));
-        fallible(|| numbers.try_reserve_exact(count)).map_err(full)?;
-        let mut read = || -> io::Result<()> {
-            let mut file = File::open(&self.path)?;
-            file.seek(SeekFrom::Start(self.start + 8 * (index * count) as u64))?;
-            let mut file = BufReader::with_capacity(1 << 18, file);
-            let mut bytes = [0; 8];
-            for _ in 0..count {
-                file.read_exact(&mut bytes)?;
-                numbers.push(f64::from_le_bytes(bytes));
-            }
-            Ok(())
+    /// `Io`; `Invalid` for bytes that are no sums, or for which there is no memory.
+    pub(super) fn chunk(&self, block: usize, chunk: Range<usize>) -> Result<PixelSums> {
+        let layout = self.about.layout();
+        let each = (self.about.crop.pixel_count() as usize).div_ceil(chunk_pixels(layout.all()));
+        let index = block * each + chunk.start / chunk_pixels(layout.all());
+        let (start, length) = self.chunks.places.get(index).copied().ok_or_else(|| Error::Internal("a chunk beyond the last".into()))?;
+        let read = || -> io::Result<Vec<u8>> {
+            let mut file = File::open(self.spooled.as_deref().unwrap_or(&self.path))?;
+            file.seek(SeekFrom::Start(start))?;
+            let mut bytes = vec![];
+            file.take(length.into()).read_to_end(&mut bytes)?;
+            Ok(bytes)
         };
-        read().map_err(|e| Error::io(&self.path, e))?;
-        PixelSums::from_numbers(self.about.layout(), numbers).ok_or_else(|| Error::Internal("a share of a pixel".into()))
+        let bytes = read().map_err(|e| Error::io(&self.path, e))?;
+        let numbers = decode(&bytes, layout.all(), chunk.len());
+        let sums = numbers.and_then(|numbers| PixelSums::from_numbers(layout, numbers));
+        sums.ok_or_else(|| Error::invalid(Fault::new(NO_SUMS).in_file(&self.path)))
     }
 }
 
 const DAMAGED: &str = "damaged: its checksum is wrong";
+const NONSENSE: &str = "what it says of itself makes no sense";
+const NO_SUMS: &str = "its numbers cannot be unpacked: they make no sense, have changed, or memory is full";
 
 /// Little-endian number.
 fn number(bytes: &[u8]) -> u64 {
     bytes.iter().rev().fold(0, |sum, byte| (sum << 8) | u64::from(*byte))
 }
 
-/// Reads the header, and the rest of the file to check its hash.
-fn checked(file: &mut impl Read, prelude: &[u8], length: u64, header: u64) -> io::Result<Vec<u8>> {
-    let mut sum = Hasher::default();
-    sum.bytes(prelude);
-    let mut bytes = vec![];
-    file.by_ref().take(header).read_to_end(&mut bytes)?;
-    sum.bytes(&bytes);
-    let (mut left, mut chunk) = (length - PRELUDE - header - CHECKSUM, vec![0; 1 << 16]);
+/// Reads the rest of a file. Returns whether its checksum is right, and the hash of what it read.
+///
+/// - `before`: bytes before the rest; `length`: bytes of the rest without the checksum
+fn hashes(file: &mut impl Read, before: [&[u8]; 2], length: u64) -> io::Result<(bool, Hash)> {
+    let (mut all, mut rest) = (Hasher::default(), Hasher::default());
+    before.iter().for_each(|bytes| all.bytes(bytes));
+    let (mut left, mut piece) = (length, vec![0; 1 << 16]);
     while left > 0 {
-        let count = left.min(chunk.len() as u64) as usize;
-        file.read_exact(&mut chunk[..count])?;
-        sum.bytes(&chunk[..count]);
+        let count = left.min(piece.len() as u64) as usize;
+        file.read_exact(&mut piece[..count])?;
+        all.bytes(&piece[..count]);
+        rest.bytes(&piece[..count]);
         left -= count as u64;
     }
     let mut stated = [0; CHECKSUM as usize];
     file.read_exact(&mut stated)?;
-    if sum.finish().0.to_le_bytes() == stated { Ok(bytes) } else { Err(ErrorKind::InvalidData.into()) }
+    Ok((all.finish().0.to_le_bytes() == stated, rest.finish()))
+}
+
+/// Chunks that were looked for in a file.
+enum Places {
+    /// Position and length of each (bytes). They fill the file.
+    All(Vec<(u64, u32)>),
+    /// They do not end within the file.
+    Beyond,
+    /// They end before the file does.
+    Short,
+}
+
+/// Finds `count` chunks.
+///
+/// - `bytes`: range of the file that they fill
+fn places(file: &mut BufReader<File>, bytes: Range<u64>, count: u64) -> io::Result<Places> {
+    // Each takes four bytes at least, so that no more of them are remembered than the file has room for.
+    let (mut places, mut at) = (vec![], bytes.start);
+    file.seek(SeekFrom::Start(at))?;
+    for _ in 0..count {
+        let mut length = [0; 4];
+        if at + 4 > bytes.end {
+            return Ok(Places::Beyond);
+        }
+        file.read_exact(&mut length)?;
+        let length = u32::from_le_bytes(length);
+        places.push((at + 4, length));
+        at += 4 + u64::from(length);
+        file.seek_relative(length.into())?;
+    }
+    Ok(match at.cmp(&bytes.end) {
+        std::cmp::Ordering::Equal => Places::All(places),
+        std::cmp::Ordering::Greater => Places::Beyond,
+        std::cmp::Ordering::Less => Places::Short,
+    })
 }
 
 impl Header {
-    /// The file with this header; `None` if the header contradicts itself or the length of the file.
-    fn stored(self, path: &Path, start: u64, length: u64) -> Option<Stored> {
+    /// Number of chunks that the header asks for; `None` for more than any file has.
+    fn chunk_count(&self) -> Option<u64> {
+        let [x0, x1, y0, y1] = self.crop.map(u64::from);
+        let pixels = x1.checked_sub(x0)?.checked_mul(y1.checked_sub(y0)?)?;
+        pixels.div_ceil(chunk_pixels(self.numbers) as u64).checked_mul(self.blocks.len() as u64)
+    }
+
+    /// The file with this header and these chunks; `None` if the header contradicts itself.
+    fn stored(self, path: &Path, chunks: Chunks) -> Option<Stored> {
         let [x0, x1, y0, y1] = self.crop;
         let [width, height] = self.size;
         let is_crop = x0 < x1 && x1 <= width && y0 < y1 && y1 <= height && width.max(height) <= MAX_SIDE;
@@ -274,14 +391,14 @@ impl Header {
         let in_order = |pair: &[Wave]| pair[0].range().end <= pair[1].first;
         let are_waves = !waves.is_empty() && waves.iter().all(is_wave) && waves.windows(2).all(in_order);
         let identity = Identity::from_facts(self.facts);
+        let job = Job { command: self.command, samples: self.planned };
         let size = UVec2::new(width, height);
-        let about = About { identity, build: self.build, size, crop, error_estimator, layers, lights: self.lights, view: self.view };
+        let about = About { identity, build: self.build, size, crop, error_estimator, layers, lights: self.lights, view: self.view, job };
         let is_complete = is_crop && is_scrambled && are_waves && self.numbers == about.layout().all();
         if !is_complete || about.identity.hash().to_string() != self.scene {
             return None;
         }
-        let bytes = u128::from(crop.pixel_count()) * self.numbers as u128 * 8 * waves.len() as u128;
-        let seconds = Duration::try_from_secs_f64(self.seconds).ok().filter(|_| u128::from(length - start - CHECKSUM) == bytes)?;
+        let seconds = Duration::try_from_secs_f64(self.seconds).ok()?;
         let first_invalid = self.first_invalid.into_iter().map(|(pixel, index)| SampleId { pixel, index }).collect();
         let samples = waves.iter().map(Wave::samples).sum();
         Some(Stored {
@@ -293,7 +410,8 @@ impl Header {
                 is_independent: error_estimator == ErrorEstimator::Samples,
             },
             waves,
-            start,
+            chunks,
+            spooled: None,
         })
     }
 }

@@ -6,8 +6,10 @@
 
 mod file;
 mod merge;
+mod planes;
 
 use std::ops::Range;
+use std::path::PathBuf;
 
 use glam::UVec2;
 
@@ -18,7 +20,7 @@ use crate::output::Attributes;
 use crate::render::RenderReport;
 use crate::sampler::ErrorEstimator;
 
-pub use file::{Stored, write};
+pub use file::{Stored, write, write_to};
 pub use merge::merge;
 
 /// Properties that all parts of a picture have in common.
@@ -40,6 +42,17 @@ pub struct About {
     pub lights: Vec<String>,
     /// Attributes of the camera.
     pub view: Attributes,
+    /// Command that renders the picture. It is no property of the picture.
+    pub job: Job,
+}
+
+/// Command that renders a picture, for those who look for its missing samples.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Job {
+    /// Words after `pt`; empty if they are not known.
+    pub command: Vec<String>,
+    /// Samples per pixel that it renders; 0 if they are not known.
+    pub samples: u64,
 }
 
 /// Version and commit of this program.
@@ -57,6 +70,7 @@ impl About {
             layers: film.layers.clone(),
             lights: film.lights.names.clone(),
             view,
+            job: Job::default(),
         }
     }
 
@@ -89,30 +103,25 @@ impl About {
 pub struct Part {
     /// Properties of the picture.
     pub about: About,
-    /// One film for each range of samples without gaps, in order.
-    pub films: Vec<MomentFilm>,
+    /// The sums.
+    pub film: MomentFilm,
     /// Sum of the reports of all renders.
     pub report: RenderReport,
     /// Checkpoints of the render; empty for the samples of several renders.
     pub history: ErrorHistory,
+    /// Names of parts that do not count, because another has the same numbers.
+    pub copies: Vec<PathBuf>,
 }
 
 impl Part {
-    /// Ranges of samples without gaps.
-    pub fn runs(&self) -> Vec<Range<u64>> {
-        self.films.iter().map(MomentFilm::range).collect()
-    }
-
     /// Film of a complete picture with the samples 0 … M − 1.
     ///
     /// # Errors
     /// The first range of missing samples.
     pub fn whole(&self) -> Result<&MomentFilm, Range<u64>> {
-        let runs = self.runs();
-        let gaps = [0].into_iter().chain(runs.iter().map(|run| run.end)).zip(runs.iter().map(|run| run.start));
-        match gaps.map(|(end, start)| end..start).find(|gap| !gap.is_empty()) {
+        match self.film.sample_set().missing(self.film.range().end).into_iter().next() {
             Some(gap) => Err(gap),
-            None => self.films.first().ok_or(0..1),
+            None => Ok(&self.film),
         }
     }
 }

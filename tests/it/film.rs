@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, UVec2, Vec2};
 use proptest::prelude::*;
-use pt::film::{Channel, Crop, Film, FilmSpec, Filter, Image, MomentFilm, Moments, PixelSums, Wave};
+use pt::film::pixel_sums::estimate;
+use pt::film::{Channel, Crop, Film, FilmSpec, Filter, Image, MomentFilm, Moments, PixelSums, SampleSet, Wave};
 use pt::integrators::path::Path;
 use pt::light::{Environment, Light};
 use pt::math::{Rgb, Spectrum, float::ONE_MINUS_EPSILON};
@@ -12,7 +13,7 @@ use pt::output::{Attributes, Curve, Format, Tonemap, Value, exr, pfm, png, repla
 use pt::sampler::{ErrorEstimator, Kind, SamplerSpec};
 use pt::world::World;
 
-use crate::random::cases;
+use crate::random::{Random, cases};
 use crate::scenes::{self, probe};
 
 /// Name, filter, radius and formula of a filter.
@@ -289,7 +290,7 @@ fn a_crop_knows_its_place() {
     let spec = FilmSpec { crop: Crop { min, max }, ..FilmSpec::new(10, 20) };
     assert_eq!((spec.aspect(), spec.crop.pixel_count()), (0.5, 12));
     let moments: Vec<Moments> = (0..12).map(|i| Moments::of(Spectrum::rgb(i as f32, 0.0, 1.0))).collect();
-    let image = Image::from_sums(&spec, &PixelSums::of_samples(&moments), 1);
+    let image = Image::from_sums(&spec, &PixelSums::of_samples(&moments), &SampleSet::first(1));
     assert_eq!((image.full_size, image.origin, image.size), (UVec2::new(10, 20), min, UVec2::new(4, 3)));
     assert_eq!(image.rgb(1, 2), [9.0, 0.0, 1.0], "rows from the top, 4 pixels each");
     assert_eq!(image.pixels().count(), 12);
@@ -457,4 +458,42 @@ fn formats_go_by_extension() {
     for (name, format) in [("a.exr", Some(Format::Exr)), ("b.c.PNG", Some(Format::Png)), ("ppm", None), ("x.jpeg", None)] {
         assert_eq!(Format::of(name.as_ref()), format, "{name}");
     }
+}
+
+/// Samples with gaps between them: the variance is that of the mean of these samples, on average over the pixels, wherever the gaps begin and
+/// end. Scramblings without two samples tell no error.
+#[test]
+fn gaps_leave_the_error_right() {
+    const PIXELS: u64 = 20_000;
+    const K: u32 = 4;
+    let noise = |pixel: u64, index: u64| Random::new(1000 * pixel + index).unit() as f32;
+    for ranges in [&[4..12, 20..28][..], &[1..7, 9..10, 15..20], &[3..4, 4..14], &[0..1, 5..6, 10..11, 14..40]] {
+        let set = SampleSet::of(ranges.iter().cloned());
+        let mut film = MomentFilm::new(FilmSpec::new(PIXELS as u32, 1));
+        for index in set.ranges().iter().cloned().flatten() {
+            let mut block = PixelSums::with_capacity(ErrorEstimator::Scramblings(K), PIXELS as usize);
+            for pixel in 0..PIXELS {
+                let mut sequences = [Moments::default(); K as usize];
+                sequences[(index % u64::from(K)) as usize] = Moments::of(Spectrum::gray(noise(pixel, index)));
+                block.push(&sequences, [0.0; 2]);
+            }
+            film.add(Wave { first: index, level: 0 }, block);
+        }
+        assert_eq!(film.sample_set(), set);
+        let (total, n) = (film.total(), film.samples() as f64);
+        let estimates: Vec<(f64, f64)> = total.pixels().map(|pixel| estimate(total.error_estimator(), pixel, set.of_pixel(0))[0]).collect();
+        let mean = |value: fn(&(f64, f64)) -> f64| estimates.iter().map(value).sum::<f64>() / PIXELS as f64;
+        // Uniform numbers have the variance 1/12. Each estimate has three degrees of freedom, so that the mean of v has the relative standard
+        // error √(2/3/PIXELS), and less as the sums of uniform numbers have thinner tails than a normal distribution; 5 of them are allowed.
+        let (expected, off) = (1.0 / 12.0 / n, 5.0 * (2.0 / 3.0 / PIXELS as f64).sqrt());
+        assert!((mean(|(_, v)| *v) / expected - 1.0).abs() < off, "{set}: {} for {expected}", mean(|(_, v)| *v));
+        assert!((mean(|(x, _)| *x) - 0.5).abs() < 5.0 * (expected / PIXELS as f64).sqrt(), "{set}");
+        assert_eq!(film.freedom(), 3.0);
+    }
+    // Sample 2 is the only one of scrambling 2.
+    let mut film = MomentFilm::new(FilmSpec::new(1, 1));
+    for first in [0, 1, 2, 3, 4, 5, 7, 9] {
+        film.add(Wave { first, level: 0 }, PixelSums::black(ErrorEstimator::Scramblings(K), 1));
+    }
+    assert_eq!((film.freedom(), film.samples(), film.blocks().len()), (0.0, 8, 4));
 }

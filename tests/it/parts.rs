@@ -31,7 +31,7 @@ fn stored(path: &Path) -> Stored {
 }
 
 fn write(path: &Path, about: &About, film: &MomentFilm, report: &RenderReport, history: &ErrorHistory) {
-    part::write(path, about, &[film], report, history).unwrap_or_else(|e| panic!("{e}"));
+    part::write(path, about, film, report, history).unwrap_or_else(|e| panic!("{e}"));
 }
 
 fn merged(parts: Vec<Stored>) -> Part {

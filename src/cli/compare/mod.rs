@@ -261,9 +261,8 @@ fn reference_command(args: &CompareArgs, reference: &Reference, error: f64) -> R
     flag("--size", Some(format!("{width}x{height}")));
     // An error of 100 % and above is no goal.
     flag("--error", Some(format!("{}%", per_cent(error.min(0.5)))));
-    let mut command: Vec<String> = words.iter().map(|word| quoted(word)).collect();
-    command.extend(args.scene.flags());
-    Ok(command.join(" "))
+    words.extend(args.scene.flags());
+    Ok(words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "))
 }
 
 fn summary(comparison: &Comparison, folder: &Path) -> String {

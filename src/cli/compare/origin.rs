@@ -19,7 +19,7 @@ pub fn provenance(args: &CompareArgs, loaded: &Loaded) -> Result<Provenance> {
 pub fn commands(args: &CompareArgs, provenance: &Provenance, image: &Image, folder: &Path) -> Result<Commands> {
     let mut scene = vec![quoted(&args.scene.path()?.display().to_string())];
     scene.extend(args.scene.overrides.iter().map(|text| format!("-D {}", quoted(text))));
-    scene.extend(args.scene.flags());
+    scene.extend(args.scene.flags().iter().map(|word| quoted(word)));
     let [width, height] = image.full_size.to_array();
     Ok(Commands {
         whole: provenance.command.clone(),

@@ -186,6 +186,22 @@ pub struct Shard {
     pub count: u32,
 }
 
+impl Shard {
+    /// Samples of the part, out of `spp`; `None` if there are fewer samples than parts.
+    ///
+    /// Parts begin at multiples of 2^k, where few blocks of the tree of samples meet, and files are small: k is as large as it can be with no
+    /// part longer than an eighth above the shortest possible length.
+    pub fn samples(&self, spp: u64) -> Option<Range<u64>> {
+        let count = u64::from(self.count);
+        let longest = |step: u64| spp.div_ceil(step).div_ceil(count).saturating_mul(step);
+        let is_fair = |step: &u64| spp / step >= count && longest(*step) - longest(1) <= longest(1) / 8;
+        let step = (0..64).map(|k| 1 << k).filter(is_fair).max()?;
+        let steps = u128::from(spp.div_ceil(step));
+        let at = |i: u32| spp.min((steps * u128::from(i) / u128::from(count)) as u64 * step);
+        Some(at(self.index - 1)..at(self.index))
+    }
+}
+
 fn shard(text: &str) -> std::result::Result<Shard, String> {
     let parsed = text.split_once('/').and_then(|(index, count)| Some(Shard { index: index.parse().ok()?, count: count.parse().ok()? }));
     let counted = parsed.filter(|shard| (1..=shard.count).contains(&shard.index));
@@ -208,4 +224,34 @@ fn samples(text: &str) -> std::result::Result<Range<u64>, String> {
     let parsed = text.split_once("..").and_then(|(start, end)| Some(start.parse().ok()?..end.parse().ok()?));
     let some = parsed.filter(|samples: &Range<u64>| !samples.is_empty() && samples.end <= u32::MAX.into());
     some.ok_or(format!("expected samples such as 64..128: from the first to before the last, at most {}", u32::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Shard;
+
+    /// Parts follow one another without gaps, none is empty, none is an eighth longer than it must be, and those of a power of two of samples
+    /// in a power of two of parts are single blocks.
+    #[test]
+    fn parts_are_fair_and_begin_at_blocks() {
+        for (spp, count) in
+            (1..200).flat_map(|spp| (1..=spp as u32).map(move |count| (spp, count))).chain([(1000, 64), (1024, 64), (4_294_967_295, 7)])
+        {
+            let parts: Vec<_> = (1..=count).map(|index| Shard { index, count }.samples(spp).expect("enough samples")).collect();
+            assert_eq!((parts[0].start, parts[parts.len() - 1].end), (0, spp));
+            assert!(parts.windows(2).all(|pair| pair[0].end == pair[1].start));
+            let shortest = spp.div_ceil(count.into());
+            assert!(
+                parts.iter().all(|part| part.start < part.end && part.end - part.start <= shortest + shortest / 8),
+                "{spp} in {count}: {parts:?}"
+            );
+            if spp.is_power_of_two() && count.is_power_of_two() {
+                assert!(parts.iter().all(|part| part.end - part.start == spp / u64::from(count)));
+            }
+        }
+        assert_eq!(Shard { index: 1, count: 3 }.samples(2), None);
+        // 200 = 8 · 25 samples in 8 parts: at multiples of 4, as parts may be 28 samples long where 25 are the fewest.
+        let starts = (1..=8).map(|index| Shard { index, count: 8 }.samples(200).expect("enough samples").start);
+        assert_eq!(starts.collect::<Vec<_>>(), [0, 24, 48, 72, 100, 124, 148, 172]);
+    }
 }

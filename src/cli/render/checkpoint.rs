@@ -71,7 +71,7 @@ impl<'a> CheckpointObserver<'a> {
             return;
         }
         // The render is worth more than its checkpoint. The next checkpoint may succeed, and an error of the last is reported.
-        if let Err(error) = part::write(path, &self.plan.about, &[film], report, history) {
+        if let Err(error) = part::write(path, &self.plan.about, film, report, history) {
             self.progress.note(&format!("warning: no checkpoint: {error}"));
         }
         *last = Instant::now();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::checkpoint::CheckpointObserver;
 use super::forensics::{self, RenderedPicture};
-use super::plan::{self, PriceList, RenderPlan, Start};
+use super::plan::{PriceList, RenderPlan, Start};
 use super::remarks::{one_sided, remark_darkness, remark_exposure};
 use crate::cli::display::DisplayedFilm;
 use crate::cli::load::Loaded;
@@ -161,7 +161,7 @@ impl<'a> Picture<'a> {
         let Rendered { render, displayed, history, before, counter, .. } = rendered;
         let (plan, film, report) = (self.plan, &displayed.film, render.report());
         if !is_quiet() || rendered.is_late() {
-            let samples = if plan.is_part { format!("samples {}", plan::ranges(&[film.range()])) } else { summary::samples(film) };
+            let samples = if plan.is_part { format!("samples {}", film.sample_set()) } else { summary::samples(film) };
             print_summary(&plan.about, &samples, report, (&rendered.accuracy, history), plan.confidence, plan.written());
             self.outcome(rendered).iter().for_each(|(target, outcome)| note(&format::outcome(target, *outcome)));
         }

@@ -7,19 +7,19 @@ use std::time::Duration;
 use super::args::{RenderArgs, Shard};
 use crate::cli::load::Loaded;
 use crate::cli::note;
-use crate::cli::outputs::{OutputKinds, check_outputs, is_part};
+use crate::cli::outputs::{OutputKinds, check_outputs, is_part, is_pipe, write_part};
 use crate::cli::pilot::{PricedIntegrator, selected_integrators};
 use crate::cli::progress::ProgressForm;
 use crate::cli::quote::quoted;
 use crate::cli::stats::TextOrJson;
 use crate::cli::tone_mapping::ToneMapping;
 use crate::error::{Error, Fault, Result};
-use crate::film::MomentFilm;
+use crate::film::{MomentFilm, SampleSet};
 use crate::integrator::Entry;
 use crate::measure::{ErrorHistory, ErrorTarget, StopCondition};
-use crate::output::attributes::{Value, of_camera};
+use crate::output::attributes::{SAMPLES, Value, of_camera};
 use crate::output::{self, Format};
-use crate::part::{self, About, Part, Stored};
+use crate::part::{self, About, Job, Part, Stored};
 use crate::render::RenderReport;
 use crate::sampler::{ErrorEstimator, Kind, SamplerSpec};
 
@@ -119,6 +119,7 @@ impl RenderPlan {
         };
         let kinds = if is_part { OutputKinds::Parts } else { OutputKinds::Both };
         check_outputs(&outputs, kinds, &[args.scene.path()?], "is the scene file")?;
+        refuse_for_stdout(args, &outputs)?;
         let state = || outputs.iter().find(|path| self::is_part(path)).cloned().unwrap_or_else(|| outputs[0].with_extension("ptc"));
         let checkpoint = args.checkpoint.map(|_| state());
         if let Some(path) = &checkpoint {
@@ -137,7 +138,9 @@ impl RenderPlan {
         {
             return Err(Error::Usage(format!("{flag}: a single scrambling tells no error; it takes --scramblings 2 or more")));
         }
-        let about = About::new(loaded.identity()?, &loaded.film, loaded.sampler.error_estimator(), of_camera(&*loaded.world, &loaded.film));
+        let job = Job { command: words(args, loaded)?, samples: loaded.sampler.spp };
+        let view = of_camera(&*loaded.world, &loaded.film);
+        let about = About { job, ..About::new(loaded.identity()?, &loaded.film, loaded.sampler.error_estimator(), view) };
         let (parts, pictures): (Vec<PathBuf>, Vec<PathBuf>) = outputs.into_iter().partition(|path| self::is_part(path));
         if !loaded.film.layers.is_empty() && !pictures.iter().any(|path| Format::of(path) == Some(Format::Exr)) {
             note("warning: layers are written to .exr files, and none is asked for");
@@ -187,8 +190,8 @@ impl RenderPlan {
         if let Some(difference) = stored.about.difference(&self.about) {
             return Err(refused(format!("not of this picture: {difference}")));
         }
-        let found = stored.ranges();
-        let [run] = &found[..] else { return Err(refused(format!("has gaps: it holds samples {}", ranges(&found)))) };
+        let found = SampleSet::of(stored.ranges());
+        let [run] = found.ranges() else { return Err(refused(format!("has gaps: it holds samples {found}"))) };
         if run.start != self.samples.start {
             return Err(refused(format!("begins at sample {}, expected {}", run.start, self.samples.start)));
         }
@@ -197,8 +200,7 @@ impl RenderPlan {
             return Err(Error::Usage(format!("{path} holds {end} samples per pixel, more than the {asked} that are asked for")));
         }
         let next = run.end;
-        let Part { films, report, history, .. } = part::merge(vec![stored])?;
-        let film = films.into_iter().next().unwrap_or(film);
+        let Part { film, report, history, .. } = part::merge(vec![stored])?;
         Ok(Start { film, next, report, history })
     }
 
@@ -208,7 +210,7 @@ impl RenderPlan {
     /// `Io`.
     pub fn write_parts(&self, film: &MomentFilm, report: &RenderReport, history: &ErrorHistory) -> Result<()> {
         let also = self.checkpoint.iter().filter(|path| !self.parts.contains(path));
-        let write = |path: &PathBuf| part::write(path, &self.about, &[film], report, history);
+        let write = |path: &PathBuf| write_part(path, &self.about, film, report, history);
         // All files are tried, so that a failure does not affect the others.
         self.parts.iter().chain(also).map(write).collect::<Vec<_>>().into_iter().collect()
     }
@@ -220,9 +222,9 @@ impl RenderPlan {
             let has = |name: &str, text: String| attributes.iter().any(|(known, value)| known == name && value.to_string() == text);
             let samples = |value: &Value| value.to_string().parse().is_ok_and(|samples: f64| samples >= self.until.samples as f64);
             let is_finished = attributes.iter().any(|(name, value)| name == "pt/spp" && samples(value));
-            // What clamping took is no part of the identity.
-            let is_clamped = attributes.iter().any(|(name, _)| name == "pt/bias");
-            !is_clamped && has("pt/sceneHash", self.about.identity.hash().to_string()) && is_finished
+            // What clamping took is no part of the identity, and neither are missing samples.
+            let is_other = attributes.iter().any(|(name, _)| name == "pt/bias" || name == SAMPLES);
+            !is_other && has("pt/sceneHash", self.about.identity.hash().to_string()) && is_finished
         };
         let first = self.pictures.iter().find(|path| Format::of(path) == Some(Format::Exr));
         !self.is_part && self.pictures.iter().all(|path| path.exists()) && first.is_some_and(is_whole)
@@ -249,14 +251,23 @@ pub(super) fn refuse_for_splats(args: &RenderArgs, loaded: &Loaded) -> Result<()
     }
 }
 
+/// Refuses what needs a file, or stdout for itself, where a part goes to stdout.
+///
+/// # Errors
+/// `Usage`.
+fn refuse_for_stdout(args: &RenderArgs, outputs: &[PathBuf]) -> Result<()> {
+    let flags = [("--checkpoint", args.checkpoint.is_some()), ("--resume", args.resume == Some(None)), ("--stats", args.stats.is_some())];
+    match flags.into_iter().find(|(_, is_given)| *is_given) {
+        Some((flag, _)) if outputs.iter().any(|path| is_pipe(path)) => {
+            Err(Error::Usage(format!("{flag}: not with -o -, where the part goes to stdout")))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// File name from the local time: `26_11_21-09_05_00`.
 fn by_the_clock() -> String {
     jiff::Zoned::now().strftime("%y_%m_%d-%H_%M_%S").to_string()
-}
-
-/// Ranges as text: `0..16, 32..64`.
-pub fn ranges(runs: &[Range<u64>]) -> String {
-    runs.iter().map(|run| format!("{}..{}", run.start, run.end)).collect::<Vec<_>>().join(", ")
 }
 
 /// Condition at which the render stops.
@@ -265,9 +276,28 @@ fn until(args: &RenderArgs, planned: u64) -> StopCondition {
     StopCondition::new(args.spp().map(|_| planned), planned, args.time, target)
 }
 
-/// Start of the command that replays a sample: all options that decide the samples.
+/// Start of the command that replays a sample.
 fn replay_command(args: &RenderArgs, loaded: &Loaded) -> Result<String> {
-    let mut words = vec!["pt".to_owned(), args.scene.path()?.display().to_string()];
+    Ok(command(&replay_words(args, loaded)?))
+}
+
+/// A call of pt with these words, for a shell.
+pub fn command(words: &[String]) -> String {
+    ["pt".to_owned()].into_iter().chain(words.iter().map(|word| quoted(word))).collect::<Vec<_>>().join(" ")
+}
+
+/// Words of the command that renders the picture, after `pt`.
+pub fn words(args: &RenderArgs, loaded: &Loaded) -> Result<Vec<String>> {
+    let mut words = replay_words(args, loaded)?;
+    let mut flag = |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
+    flag("--crop", args.crop.map(|crop| crop.map(|side| side.to_string()).join(",")));
+    flag("--aov", Some(args.aov.join(",")).filter(|names| !names.is_empty()));
+    Ok(words)
+}
+
+/// Scene and options that decide the samples.
+fn replay_words(args: &RenderArgs, loaded: &Loaded) -> Result<Vec<String>> {
+    let mut words = vec![args.scene.path()?.display().to_string()];
     let mut flag = |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
     args.scene.overrides.iter().for_each(|text| flag("-D", Some(text.clone())));
     // The names that `auto` has chosen.
@@ -278,20 +308,17 @@ fn replay_command(args: &RenderArgs, loaded: &Loaded) -> Result<String> {
     flag("--sampler", args.sampler.as_ref().map(|_| loaded.sampler.kind.name().to_owned()));
     flag("--scramblings", args.scramblings.map(|k| k.to_string()));
     flag("--clamp", args.clamp.map(|limit| limit.to_string()));
-    let mut command: Vec<String> = words.iter().map(|word| quoted(word)).collect();
-    command.extend(args.scene.flags());
-    Ok(command.join(" "))
+    words.extend(args.scene.flags());
+    Ok(words)
 }
 
 /// Range of samples that the run takes.
 fn samples(args: &RenderArgs, sampler: &SamplerSpec) -> Result<Range<u64>> {
     let spp = sampler.spp;
-    if let Some(Shard { index, count }) = args.shard {
-        if u64::from(count) > spp {
-            return Err(Error::Usage(format!("--shard {index}/{count}: there are only {spp} samples per pixel to share out")));
-        }
-        let at = |i: u32| (u128::from(spp) * u128::from(i) / u128::from(count)) as u64;
-        return Ok(at(index - 1)..at(index));
+    if let Some(shard) = args.shard {
+        let Shard { index, count } = shard;
+        let few = || Error::Usage(format!("--shard {index}/{count}: there are only {spp} samples per pixel to share out"));
+        return shard.samples(spp).ok_or_else(few);
     }
     let samples = args.samples.clone().unwrap_or(0..spp);
     if samples.end > spp && sampler.kind == Kind::Stratified {

@@ -15,7 +15,7 @@
 //!
 //! whatever C is.
 
-use crate::film::MomentFilm;
+use crate::film::{Film, MomentFilm, PixelSamples};
 use crate::sampler::ErrorEstimator;
 
 /// Smallest number of scramblings that shows correlation.
@@ -27,14 +27,14 @@ const FEWEST: u32 = 4;
 ///
 /// Tests: intervals_hold_the_true_error_of_splats, correlated_pixels_are_noticed.
 pub(super) fn correlation(film: &MomentFilm, floor: f64) -> f64 {
-    let estimator = film.blocks().next().map(|(_, block)| block.error_estimator());
-    let k = match estimator {
+    let k = match film.error_estimator() {
         Some(ErrorEstimator::Scramblings(k)) if k >= FEWEST => k as usize,
         _ => return 1.0,
     };
     let total = film.total();
-    let share = |i| k as f64 / film.samples_of(i).max(1) as f64;
-    let pixels: Vec<Vec<f64>> = total.pixels().enumerate().map(|(i, pixel)| relative_errors(pixel, k, share(i), floor)).collect();
+    let set = film.sample_set();
+    let samples = |i| set.of_pixel(film.spec().allocation.level(i));
+    let pixels: Vec<Vec<f64>> = total.pixels().enumerate().map(|(i, pixel)| relative_errors(pixel, k, samples(i), floor)).collect();
     let product = |r: usize, s: usize| pixels.iter().map(|errors| errors[r] * errors[s]).sum::<f64>();
     let gram: Vec<Vec<f64>> = (0..k).map(|r| (0..=r).map(|s| product(r, s)).collect()).collect();
     let dot = |r: usize, s: usize| gram[r.max(s)][r.min(s)];
@@ -59,11 +59,11 @@ fn pairs(from: usize, to: usize) -> impl Iterator<Item = (usize, usize)> {
 
 /// Deviations of the scramblings from their mean in a pixel, divided by √(mean² + ε).
 ///
-/// - `share`: scramblings divided by samples
-fn relative_errors(pixel: &[f64], k: usize, share: f64, floor: f64) -> Vec<f64> {
-    let gray = |r: usize| pixel[3 * r..3 * r + 3].iter().sum::<f64>() / 3.0 * share;
-    let mean = (0..k).map(gray).sum::<f64>() / k as f64;
-    (0..k).map(|r| (gray(r) - mean) / (mean * mean + floor).sqrt()).collect()
+fn relative_errors(pixel: &[f64], k: usize, samples: PixelSamples, floor: f64) -> Vec<f64> {
+    let share = |r: usize| 1.0 / samples.of_scrambling(k as u64, r as u64).max(1) as f64;
+    let gray: Vec<f64> = (0..k).map(|r| pixel[3 * r..3 * r + 3].iter().sum::<f64>() / 3.0 * share(r)).collect();
+    let mean = gray.iter().sum::<f64>() / k as f64;
+    gray.iter().map(|gray| (gray - mean) / (mean * mean + floor).sqrt()).collect()
 }
 
 #[cfg(test)]

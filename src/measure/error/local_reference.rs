@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use super::contribution::{Contribution, LocalReference, PixelEstimate};
 use super::epsilon::floor_at;
-use crate::film::MomentFilm;
 use crate::film::neighborhood::neighborhood;
 use crate::film::pixel_sums::{Estimate, Skew, estimate};
+use crate::film::{Film, MomentFilm};
 
 /// Estimates of every pixel of a film, with access to those of its neighbours.
 ///
@@ -41,11 +41,16 @@ impl PixelStatistics {
     /// Statistics of a film; `None` if its samples tell no error, or it is black.
     pub fn new(film: &MomentFilm, width: usize) -> Option<PixelStatistics> {
         let (block, freedom) = (film.total(), film.freedom());
-        let samples = |(i, pixel)| (pixel, film.samples_of(i));
+        let set = film.sample_set();
+        let samples = |(i, pixel)| (pixel, set.of_pixel(film.spec().allocation.level(i)));
         let pixels: Vec<Estimate> =
-            block.pixels().enumerate().map(samples).map(|(pixel, n)| estimate(block.error_estimator(), pixel, n)).collect();
-        let skews: Vec<Skew> =
-            block.pixels().enumerate().map(samples).map(|(pixel, n)| Skew::of(block.error_estimator(), pixel, n)).collect();
+            block.pixels().enumerate().map(samples).map(|(pixel, samples)| estimate(block.error_estimator(), pixel, samples)).collect();
+        let skews: Vec<Skew> = block
+            .pixels()
+            .enumerate()
+            .map(samples)
+            .map(|(pixel, samples)| Skew::of(block.error_estimator(), pixel, samples.count()))
+            .collect();
         let gray: Vec<Gray> = pixels.iter().map(Gray::of).collect();
         let mean = gray.iter().map(|gray| gray.value).sum::<f64>() / gray.len() as f64;
         let floor = floor_at(mean).filter(|_| freedom > 0.0)?;

@@ -59,8 +59,7 @@ proptest! {
         if !some.is_empty() {
             let sum = merged(some.iter().map(|path| stored(path)).collect());
             let path = folder.path().join("some.ptc");
-            let films: Vec<&MomentFilm> = sum.films.iter().collect();
-            pt::part::write(&path, &sum.about, &films, &sum.report, &sum.history).expect("written");
+            pt::part::write(&path, &sum.about, &sum.film, &sum.report, &sum.history).expect("written");
             all.push(stored(&path));
         }
         let sum = merged(all);
@@ -110,8 +109,8 @@ fn pausing_at_any_wave_changes_nothing() {
                 break;
             }
             write(&path, &about(&film(), &sampler), &moments, render.report(), &history);
-            let mut state = merged(vec![stored(&path)]);
-            let mut moments = state.films.remove(0);
+            let state = merged(vec![stored(&path)]);
+            let mut moments = state.film;
             let mut render = start().resumed(moments.range().end, state.report);
             let history = resume_until(state.history, &mut render, &mut moments, &until, &Silent);
             assert_eq!(numbers(&moments), numbers(&whole), "{target:?} after {waves} waves");

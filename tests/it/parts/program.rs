@@ -1,7 +1,7 @@
 //! Parts of a render on the command line.
 
 use std::fs;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
@@ -84,6 +84,78 @@ fn shards_merge_to_the_picture_of_the_whole() {
     assert!(said.contains("· samples 3..5 ·") && at.join("s.3-5.ptc").exists(), "{said}");
 }
 
+/// Parts go through pipes: `-o -` is stdout, `-` is stdin.
+#[test]
+fn parts_go_through_pipes() {
+    let folder = folder();
+    let at = folder.path();
+    done(at, "s.json -o whole.exr");
+    done(at, "s.json --shard 2/2 -o 2.ptc");
+    let piped = pt(at, "s.json --shard 1/2 -o -");
+    assert!(piped.status.success(), "{}", String::from_utf8_lossy(&piped.stderr));
+    fs::write(at.join("1.ptc"), &piped.stdout).expect("write");
+    // The times of the two differ, and nothing else.
+    done(at, "s.json --shard 1/2 -o again.ptc");
+    let said = done(at, "merge 1.ptc again.ptc 2.ptc -o sum.exr");
+    assert!(said.contains("note: again.ptc: counts once, another part has the same numbers"), "{said}");
+    assert_eq!(picture(at, "sum.exr"), picture(at, "whole.exr"));
+    let merge = |first: &[u8]| {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin("pt"));
+        command
+            .current_dir(at)
+            .args(["merge", "2.ptc", "-", "-o", "-"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        let mut child = command.spawn().expect("it starts");
+        // A refusal may close the pipe early.
+        let _ = child.stdin.take().expect("a pipe").write_all(first);
+        child.wait_with_output().expect("it ends")
+    };
+    fs::write(at.join("both.ptc"), merge(&piped.stdout).stdout).expect("write");
+    done(at, "merge both.ptc -o piped.exr");
+    assert_eq!(picture(at, "piped.exr"), picture(at, "whole.exr"));
+    for (wrong, what) in [(&piped.stdout[..400], "truncated"), (b"", "expected a part of a render (.ptc)"), (b"{}", "expected a part")] {
+        let output = merge(wrong);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(3) && said.contains(&format!("error: stdin: {what}")) && output.stdout.is_empty(), "{said}");
+    }
+}
+
+/// A picture of the samples that there are has the mean and the error of these samples, and the commands that are told make the others.
+#[test]
+fn a_partial_picture_tells_what_is_missing() {
+    let folder = folder();
+    let at = folder.path();
+    let options = "--size 8x6 --crop 0,8,1,6 --seed 3 -D /camera/fov=41";
+    done(at, &format!("s.json {options} -o whole.exr"));
+    for i in [1, 2, 4] {
+        done(at, &format!("s.json {options} --shard {i}/5 -q -o {i}.ptc"));
+    }
+    let said = done(at, "merge 4.ptc 1.ptc 2.ptc --partial -o some.exr -o some.png -o some.ptc");
+    let missing: Vec<&str> = said.lines().filter_map(|line| line.strip_prefix("  pt ")).collect();
+    assert!(said.contains("warning: samples 8..12, 16..20 are missing; to make them:") && missing.len() == 2, "{said}");
+    assert!(said.contains("· 12 spp, samples 0..8, 12..16 ·") && said.contains("relative error"), "{said}");
+    let attributes = picture(at, "some.exr").1;
+    let samples = |name: &str| attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value.to_string());
+    assert_eq!([samples("pt/spp"), samples("pt/samples")], [Some("12".into()), Some("0..8, 12..16".into())]);
+    for command in missing {
+        done(at, command);
+    }
+    done(at, "merge some.ptc s.8-12.ptc s.16-20.ptc --partial -o sum.exr");
+    assert_eq!(picture(at, "sum.exr"), picture(at, "whole.exr"));
+    // A name that a shell would take apart is quoted.
+    fs::rename(at.join("s.json"), at.join("a b.json")).expect("renamed");
+    let output = Command::new(assert_cmd::cargo::cargo_bin("pt")).current_dir(at).args(["a b.json", "--samples", "4..8"]).output();
+    assert!(output.expect("it runs").status.success());
+    let command = Command::new(assert_cmd::cargo::cargo_bin("pt"))
+        .current_dir(at)
+        .args(["merge", "a b.4-8.ptc", "--partial", "-o", "x.exr"])
+        .output();
+    let said = String::from_utf8_lossy(&command.expect("it runs").stderr).into_owned();
+    assert!(said.contains("\n  pt 'a b.json' --samples 0..4\n"), "{said}");
+}
+
 /// A merged part can be resumed, and a picture can get more samples than were planned.
 #[test]
 fn a_render_goes_on_from_any_state() {
@@ -138,8 +210,14 @@ fn parts_of_another_picture_are_refused() {
     refused(at, "s.json --resume=a.ptc -o x.exr", 3, "a.ptc: not of this picture: /files/a.obj is ");
     fs::write(at.join("a.obj"), "v -2 -1 -2\nv 2 -1 -2\nv 0 -1 2\nf 1 3 2\n").expect("write");
 
-    refused(at, "merge a.ptc a.ptc -o x.exr", 3, "error: a.ptc: samples 0..4 are in a.ptc too");
-    refused(at, "merge a.ptc d.ptc -o x.exr", 3, "a.ptc, d.ptc: samples 4..12 are missing; -o FILE.ptc adds what there is");
+    done(at, "s.json --samples 3..5 -o c.ptc");
+    refused(at, "merge a.ptc c.ptc -o x.exr", 3, "error: c.ptc: samples 3..4 are in a.ptc too");
+    refused(at, "merge - - -o x.exr", 2, "-: given twice, but stdin is a single part");
+    refused(at, "merge a.ptc d.ptc -o x.exr", 3, "a.ptc, d.ptc: samples 4..12 are missing; --partial makes a picture of the others");
+    for flag in ["--checkpoint 1h", "--resume", "--stats"] {
+        refused(at, &format!("s.json --shard 1/2 -o - {flag}"), 2, "not with -o -");
+    }
+    refused(at, "reference s.json --spp 4 -o -", 2, "-: expected a name that ends in .exr");
     refused(at, "merge b.ptc -o x.exr -o x.ptc", 3, "b.ptc: samples 0..4 are missing");
     refused(at, "merge a.ptc b.ptc -o a.ptc", 2, "a.ptc: is one of the parts, which would be overwritten");
     refused(at, "merge a.ptc s.json -o x.exr", 3, "s.json: expected a part of a render (.ptc)");

@@ -8,13 +8,11 @@ use pt::part::{Stored, merge as sum};
 
 use super::judged;
 
-/// A file as it is, and with the length and the checksum that would fit it, without which hardly a change gets far.
+/// A file as it is, and with the checksum that would fit it, without which hardly a change gets far.
 pub fn merge(at: &Path, bytes: &[u8]) -> Result<bool, String> {
     let is_read = merge_file(at, bytes)?;
     let mut fitting = bytes.to_vec();
-    if let Some(end) = fitting.len().checked_sub(16).filter(|end| *end >= 20) {
-        let length = fitting.len() as u64;
-        fitting[8..16].copy_from_slice(&length.to_le_bytes());
+    if let Some(end) = fitting.len().checked_sub(16).filter(|end| *end >= 12) {
         let mut sum = Hasher::default();
         sum.bytes(&fitting[..end]);
         fitting[end..].copy_from_slice(&sum.finish().0.to_le_bytes());
@@ -28,9 +26,7 @@ fn merge_file(at: &Path, bytes: &[u8]) -> Result<bool, String> {
     let Some(stored) = judged(Stored::open(&path))? else { return Ok(false) };
     stored.ranges();
     let Some(part) = judged(sum(vec![stored]))? else { return Ok(false) };
-    part.runs();
-    if let Ok(film) = part.whole() {
-        film.image();
-    }
+    let _ = part.whole();
+    part.film.image();
     Ok(true)
 }
