@@ -7,6 +7,7 @@ mod compare;
 mod completions;
 mod convert;
 mod display;
+mod farm;
 mod image;
 mod list;
 mod load;
@@ -47,6 +48,7 @@ use crate::integrator::Entry;
 use check::CheckArgs;
 use compare::CompareArgs;
 use convert::ConvertArgs;
+use farm::FarmArgs;
 use load::SceneArgs;
 use merge::MergeArgs;
 use messages::{is_quiet, note, print_stderr};
@@ -102,6 +104,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Add parts of a render (.ptc), in any order, to the whole picture, bit for bit as if rendered at once.
     Merge(MergeArgs),
+    /// Write a file with which an engine renders a picture in shards and merges them: Open Job Description, Slurm, GNU parallel, make.
+    Farm(Box<FarmArgs>),
     /// Compute a reference picture with its own error stated; it is cached by scene, and improved when more is asked.
     Reference(ReferenceArgs),
     /// Sample warps, samplers or a material, as numbers and pictures. Without arguments: list them.
@@ -139,6 +143,7 @@ impl CommandLine {
             Some(Command::Compare(args)) => args.replay.iter().cloned().chain(scene(&args.scene)).collect(),
             Some(Command::Convert(args)) => scene(&args.scene),
             Some(Command::Reference(args)) => scene(&args.scene),
+            Some(Command::Farm(args)) => scene(&args.render.scene),
             Some(Command::Verify(args)) => scene(&args.scene),
             Some(Command::Stress(args)) => scene(&args.scene),
             Some(Command::Meter(args)) => scene(&args.scene),
@@ -158,6 +163,7 @@ impl CommandLine {
             Some(Command::Compare(args)) => Some(&args.work),
             Some(Command::Verify(args)) => Some(&args.work),
             Some(Command::Reference(args)) => Some(&args.work),
+            Some(Command::Farm(args)) => Some(&args.render.work),
             Some(_) => None,
         }
     }
@@ -228,6 +234,7 @@ fn run(args: CommandLine, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Torture(args)) => return torture::torture(&args),
         Some(Command::Stress(args)) => return stress::stress(&args, tables),
         Some(Command::Meter(args)) => return meter::meter(&args, tables),
+        Some(Command::Farm(args)) => farm::farm(&args, tables)?,
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::Rays(args)) => rays::rays(&args)?,
         Some(Command::Convert(args)) => convert::convert(&args, tables)?,

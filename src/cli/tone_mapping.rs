@@ -71,6 +71,23 @@ impl ToneMapping {
     }
 }
 
+impl ToneMapping {
+    /// The options as words of a command; none for those that have their default.
+    pub fn words(&self) -> Vec<String> {
+        let exposure = match (self.camera, self.exposure) {
+            (Some(CameraArgs { iso, shutter, f_number }), _) => {
+                vec![("--iso", iso.to_string()), ("--shutter", shutter.to_string()), ("--f-number", f_number.to_string())]
+            }
+            (None, Exposure::Stops(0.0)) => vec![],
+            (None, Exposure::Stops(stops)) => vec![("--exposure", stops.to_string())],
+            (None, Exposure::Auto) => vec![("--exposure", "auto".to_owned())],
+        };
+        let curve = self.tonemap.to_possible_value().filter(|_| self.tonemap != Curve::None);
+        let curve = curve.map(|curve| ("--tonemap", curve.get_name().to_owned()));
+        exposure.into_iter().chain(curve).flat_map(|(flag, value)| [flag.to_owned(), value]).collect()
+    }
+}
+
 impl From<Curve> for output::Curve {
     fn from(curve: Curve) -> output::Curve {
         match curve {

@@ -23,6 +23,7 @@ mod discrete;
 mod dispersion;
 mod emitted_rays;
 mod environment_maps;
+mod farm;
 mod faults;
 mod fields;
 mod film;

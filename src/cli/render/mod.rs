@@ -18,9 +18,11 @@ use super::{check, note, signals};
 use crate::error::{Error, Fault, Result};
 use crate::integrator::Entry;
 
-pub use args::RenderArgs;
+pub use args::{RenderArgs, Shard};
+pub use auto::choose as choose_methods;
 use picture::render_picture;
 use plan::RenderPlan;
+pub use plan::words;
 use remarks::remark_missing_effects;
 
 /// Runs the command.
