@@ -7,11 +7,14 @@ use crate::bsdf::MaterialId;
 use crate::describe::{MaterialRef, Mesh, identity};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
-use crate::reader::{escaped, unknown};
+use crate::reader::{escaped, locate, unknown};
 use crate::shape::{MeshData, MeshPart};
 
 impl Builder<'_> {
-    /// Loads a mesh from its file, or from the scene file. Returns `None` after adding a fault.
+    /// Loads a mesh from its file, or from the scene file, and subdivides it. Returns `None` after adding a fault.
+    ///
+    /// # Errors
+    /// `Io` where the file cannot be read; `Limit` where the file has, or subdivision makes, too many triangles.
     pub(super) fn mesh(&mut self, pointer: &str, mesh: &Mesh) -> Result<Option<MeshData>> {
         let loaded = match &mesh.file {
             Some(file) => self.source.files.mesh(file),
@@ -21,7 +24,7 @@ impl Builder<'_> {
             Ok((data, warnings)) => {
                 self.warn_once(warnings);
                 self.contents.extend(mesh.file.clone().map(|file| (file, identity::of_mesh(&data))));
-                Ok(Some(data))
+                self.subdivided(pointer, mesh, data)
             }
             Err(Error::Invalid(faults)) => {
                 match &mesh.file {
@@ -32,6 +35,17 @@ impl Builder<'_> {
             }
             Err(other) => Err(other),
         }
+    }
+
+    fn subdivided(&mut self, pointer: &str, mesh: &Mesh, data: MeshData) -> Result<Option<MeshData>> {
+        let at = format!("{pointer}/subdivision_levels");
+        match data.subdivided(mesh.subdivision_levels.get()) {
+            Ok(data) => return Ok(Some(data)),
+            Err(Error::Invalid(faults)) => faults.iter().for_each(|fault| self.fault(&at, &fault.message)),
+            Err(Error::Limit(fault)) => return Err(Error::Limit(locate(self.source.root, self.source.file, &at, fault.message))),
+            Err(other) => return Err(other),
+        }
+        Ok(None)
     }
 
     /// Adds the faults of a file that the scene names. One with a line number is about the file, any other about the scene.

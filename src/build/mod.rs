@@ -334,7 +334,8 @@ impl Builder<'_> {
                     effects |= Effects::SHADING_NORMALS;
                     effects |= if s.smooth_shadows { Effects::SMOOTH_SHADOWS } else { Effects::NONE };
                 }
-                let mesh = TriangleMesh { smooth_shadows: s.smooth_shadows, ..TriangleMesh::new(data) };
+                let mesh =
+                    TriangleMesh { smooth_shadows: s.smooth_shadows, keeps_winding: s.has_computed_normals(), ..TriangleMesh::new(data) };
                 self.place(mesh, *to_world, parts, emitter);
             }
             Shape::Sdf(s) => {

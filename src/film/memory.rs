@@ -1,7 +1,6 @@
 //! Memory that a picture needs while it is rendered and written.
 
 use super::PixelLayout;
-use crate::error::memory::fallible;
 
 /// Upper bound of the bytes that a render needs, without the scene itself.
 ///
@@ -25,9 +24,4 @@ pub fn needed(pixels: u64, layout: PixelLayout, samples: u64) -> u128 {
 fn blocks(samples: u64) -> u32 {
     let during_render = (samples / 64 + 1).ilog2().max((samples + 1).ilog2().min(4));
     samples.count_ones().max(during_render).max(1)
-}
-
-/// Whether this number of bytes can be allocated now.
-pub fn can_be_had(bytes: u128) -> bool {
-    usize::try_from(bytes).is_ok_and(|bytes| fallible(|| Vec::<u8>::new().try_reserve_exact(bytes).is_ok()))
 }

@@ -193,6 +193,8 @@ ranged! {
     Octaves: u32 read as i128 ("a whole number", "integer") in Included(1.0), Included(16.0);
     /// A number of blades of an iris; 0 is a round opening.
     BladeCount: u32 read as i128 ("a whole number", "integer") in Included(0.0), Included(64.0);
+    /// How often the triangles of a mesh are divided into four.
+    SubdivisionLevels: u32 read as i128 ("a whole number", "integer") in Included(0.0), Included(10.0);
     /// The version of the scene format.
     Version: u32 read as i128 ("a version", "integer") in Included(1.0), Included(1.0);
 }
@@ -208,6 +210,20 @@ impl Default for BladeCount {
     /// A round opening.
     fn default() -> BladeCount {
         BladeCount::known(0)
+    }
+}
+
+impl Default for SubdivisionLevels {
+    /// The mesh as it is.
+    fn default() -> SubdivisionLevels {
+        SubdivisionLevels::known(0)
+    }
+}
+
+impl SubdivisionLevels {
+    /// Whether the mesh stays as it is.
+    pub fn is_none(&self) -> bool {
+        self.get() == 0
     }
 }
 

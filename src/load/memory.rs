@@ -4,8 +4,8 @@ use std::fs::read_to_string;
 
 use crate::build::film_memory;
 use crate::describe::Scene;
+use crate::error::memory::can_be_had;
 use crate::error::{Error, Result};
-use crate::film::memory::can_be_had;
 use crate::reader::{Location, Node, locate};
 
 /// Checks the size of the picture.

@@ -4,11 +4,15 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
+use super::triangle;
 use crate::{Error, Fault, Result};
 
 mod clean;
+mod places;
+mod subdivision;
 
 pub use clean::CleanReport;
+pub use subdivision::MOST_TRIANGLES;
 
 /// Greatest coordinate of a mesh (m). The square of a distance must be within the range of `f32` (3.4·10³⁸).
 pub const MAX_COORDINATE: f32 = 1e18;
@@ -58,6 +62,11 @@ impl MeshData {
     pub fn cross(&self, triangle: [u32; 3]) -> DVec3 {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(c - a)
+    }
+
+    /// The triangle with its corners counter-clockwise as seen from the side that its vertex normals point to, if it has any.
+    pub fn outward(&self, triangle: [u32; 3]) -> [u32; 3] {
+        outward(triangle, false, &self.positions, &self.normals)
     }
 
     /// Number of triangles whose texture coordinates span no area, because they are equal or lie on a line.
@@ -128,6 +137,17 @@ impl MeshData {
         };
         self.triangles.iter().map(shortest).fold(f64::INFINITY, f64::min).sqrt()
     }
+}
+
+/// Triangle with the winding for which its geometric normal points outwards.
+///
+/// A mirroring transform reverses the winding of every triangle. Where vertex normals and winding disagree, the vertex normals decide,
+/// because they are more often correct.
+pub(super) fn outward([a, b, c]: [u32; 3], mirrored: bool, positions: &[Vec3], normals: &[Vec3]) -> [u32; 3] {
+    let wound = if mirrored { [a, c, b] } else { [a, b, c] };
+    let modelled: Vec3 = if normals.is_empty() { Vec3::ZERO } else { wound.iter().map(|&v| normals[v as usize]).sum() };
+    let against = triangle::normal(wound.map(|v| positions[v as usize])).is_some_and(|n| n.dot(modelled) < 0.0);
+    if against { [wound[0], wound[2], wound[1]] } else { wound }
 }
 
 /// Warning if `extent` is so much larger than `detail` that f32 loses the detail.

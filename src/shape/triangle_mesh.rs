@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 
+use super::mesh_data::outward;
 use super::{
     Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, near, offset_bound, triangle,
     unit_change,
@@ -19,12 +20,14 @@ pub struct TriangleMesh {
     /// Whether rays start on the smooth surface that the normals describe instead of the facets, see
     /// [`Shape::shadow_terminator_offset`].
     pub smooth_shadows: bool,
+    /// Whether the winding alone says which side of a triangle is the front. Otherwise vertex normals decide where the two disagree.
+    pub keeps_winding: bool,
 }
 
 impl TriangleMesh {
     /// A mesh whose rays start on its facets.
     pub fn new(data: MeshData) -> TriangleMesh {
-        TriangleMesh { data: Arc::new(data), smooth_shadows: false }
+        TriangleMesh { data: Arc::new(data), smooth_shadows: false, keeps_winding: false }
     }
 }
 
@@ -53,7 +56,8 @@ impl Geometry for TriangleMesh {
         let place = |n: &Vec3| if *n == Vec3::ZERO { Vec3::ZERO } else { to_world.normal(n.as_dvec3()).as_vec3() };
         let normals: Vec<Vec3> = mesh.normals.iter().map(place).collect();
         let flip = to_world.flips_handedness();
-        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|&t| outward(t, flip, &positions, &normals)).collect();
+        let deciding = if self.keeps_winding { &[][..] } else { &normals };
+        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|&t| outward(t, flip, &positions, deciding)).collect();
         if triangles.iter().all(|t| triangle::normal(t.map(|v| positions[v as usize])).is_none()) {
             return Err(Error::invalid(Fault::new("no usable triangles: all of them are degenerate once placed")));
         }
@@ -99,17 +103,6 @@ fn median(places: &mut [DVec3], axis: usize) -> f64 {
     let (below, middle, _) = places.select_nth_unstable_by(half, |a, b| a[axis].total_cmp(&b[axis]));
     let below = below.iter().map(|p| p[axis]).fold(f64::NEG_INFINITY, f64::max);
     if is_even { 0.5 * below + 0.5 * middle[axis] } else { middle[axis] }
-}
-
-/// Triangle with the winding for which its geometric normal points outwards.
-///
-/// A mirroring transform reverses the winding of every triangle. Where vertex normals and winding disagree, the vertex normals decide,
-/// because they are more often correct.
-fn outward([a, b, c]: [u32; 3], mirrored: bool, positions: &[Vec3], normals: &[Vec3]) -> [u32; 3] {
-    let wound = if mirrored { [a, c, b] } else { [a, b, c] };
-    let modelled: Vec3 = if normals.is_empty() { Vec3::ZERO } else { wound.iter().map(|&v| normals[v as usize]).sum() };
-    let against = triangle::normal(wound.map(|v| positions[v as usize])).is_some_and(|n| n.dot(modelled) < 0.0);
-    if against { [wound[0], wound[2], wound[1]] } else { wound }
 }
 
 /// Triangle mesh in world space.

@@ -17,7 +17,8 @@ const PARTS: usize = 45;
 /// of a neighbour, where rounding would open a gap.
 const INNER: f64 = 0.9;
 
-/// Edits every mesh of one material, those within groups too. Files are replaced by their triangles.
+/// Edits every mesh of one material, those within groups too, but for meshes whose triangles control a smooth surface. Files are replaced
+/// by their triangles.
 ///
 /// # Errors
 /// The errors of reading mesh files.
@@ -42,6 +43,9 @@ fn edit_list(changed: &mut Value, shapes: &[Shape], files: &Files, edit: fn(&mut
 }
 
 fn edit_mesh(value: &mut Value, mesh: &Mesh, files: &Files, edit: fn(&mut MeshData)) -> Result<()> {
+    if mesh.has_computed_normals() {
+        return Ok(());
+    }
     let mut data = match &mesh.file {
         Some(file) => files.mesh(file)?.0,
         None => return edit_inline(value, mesh, edit),

@@ -103,6 +103,19 @@ const SCENES: &[Row] = &[
         3,
         "/shapes/0: extent 3e38 exceeds 1e18",
     ),
+    (
+        "B20",
+        r#""shapes": [{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]], "subdivision_levels": ^11}]"#,
+        3,
+        "/shapes/0/subdivision_levels: expected a whole number from 0 to 10, found 11",
+    ),
+    (
+        "B20",
+        r#""shapes": [{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "subdivision_levels": ^2,
+        "triangles": [[0, 1, 2], [0, 1, 3]]}]"#,
+        3,
+        "/shapes/0/subdivision_levels: the two triangles at the edge from [0.0, 0.0, 0.0] to [1.0, 0.0, 0.0] are wound in opposite ways",
+    ),
     // The origin is at the sphere next to the camera: at 10⁹ m a step of f32 is 2⁶ m.
     (
         "B21",

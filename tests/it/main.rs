@@ -86,6 +86,7 @@ mod spherical;
 mod statistics;
 mod stderr_messages;
 mod stress;
+mod subdivision;
 mod terminator;
 mod tev;
 mod textured_lights;
