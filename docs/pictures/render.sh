@@ -44,6 +44,7 @@ picture translucent       translucent     --size 360x203 --spp 192 --exposure au
 picture macro-lens        macro-lens      --size 360x240 --spp 2048
 picture terrace           terrace
 picture shapes            shapes          --size 360x225 --spp 512 --exposure 1.3
+picture subdivision       subdivision     --size 360x203 --spp 256 --exposure auto --tonemap filmic
 picture prism             prism           --size 360x203 --spp 1024 --integrator light
 picture bubbles           bubbles         --size 360x225 --spp 1024 --exposure 1.2
 picture fur               fur             --size 360x270 --spp 256

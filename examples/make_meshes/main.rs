@@ -4,6 +4,7 @@
 //! cosine), so that the files are the same everywhere: a test compares them with those in `scenes/meshes/`.
 
 mod fur;
+mod jack;
 mod pawn;
 mod stack;
 mod statue;
@@ -20,6 +21,7 @@ pub fn files() -> io::Result<Vec<(&'static str, Vec<u8>)>> {
         ("fur.hair", fur::fur()),
         ("statue.ply", ply(&statue::statue())?),
         ("pawn.ply", ply(&pawn::pawn())?),
+        ("jack.obj", obj(&jack::cage())?),
         ("triangle-stack.obj", obj(&stack::triangles())?),
         ("prism-stack.obj", obj(&stack::prisms())?),
     ])

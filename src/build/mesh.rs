@@ -7,15 +7,16 @@ use crate::bsdf::MaterialId;
 use crate::describe::{MaterialRef, Mesh, identity};
 use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
+use crate::math::Transform;
 use crate::reader::{escaped, locate, unknown};
 use crate::shape::{MeshData, MeshPart};
 
 impl Builder<'_> {
-    /// Loads a mesh from its file, or from the scene file, and subdivides it. Returns `None` after adding a fault.
+    /// Loads a mesh from its file, or from the scene file, subdivides it and displaces it. Returns `None` after adding a fault.
     ///
     /// # Errors
     /// `Io` where the file cannot be read; `Limit` where the file has, or subdivision makes, too many triangles.
-    pub(super) fn mesh(&mut self, pointer: &str, mesh: &Mesh) -> Result<Option<MeshData>> {
+    pub(super) fn mesh(&mut self, pointer: &str, mesh: &Mesh, to_world: &Transform) -> Result<Option<MeshData>> {
         let loaded = match &mesh.file {
             Some(file) => self.source.files.mesh(file),
             None => inline(mesh, pointer),
@@ -24,7 +25,11 @@ impl Builder<'_> {
             Ok((data, warnings)) => {
                 self.warn_once(warnings);
                 self.contents.extend(mesh.file.clone().map(|file| (file, identity::of_mesh(&data))));
-                self.subdivided(pointer, mesh, data)
+                let Some(data) = self.subdivided(pointer, mesh, data)? else { return Ok(None) };
+                Ok(match &mesh.displacement {
+                    Some(described) => self.displaced(&format!("{pointer}/displacement"), described, data, to_world),
+                    None => Some(data),
+                })
             }
             Err(Error::Invalid(faults)) => {
                 match &mesh.file {

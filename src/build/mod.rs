@@ -4,6 +4,7 @@ mod background;
 mod camera;
 mod curves;
 mod density;
+mod displacement;
 mod field;
 mod instances;
 mod lamps;
@@ -324,7 +325,7 @@ impl Builder<'_> {
                 self.place(curves, *to_world, vec![own], emitter);
             }
             Shape::Mesh(s) => {
-                let Some(data) = self.mesh(pointer, s)? else { return Ok(()) };
+                let Some(data) = self.mesh(pointer, s, to_world)? else { return Ok(()) };
                 let (parts, more) = self.part_materials(pointer, s, &data, own);
                 effects |= more;
                 if effects.contains(Effects::SHADING_NORMALS) {

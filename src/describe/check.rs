@@ -477,6 +477,9 @@ impl Checker<'_> {
             self.material_ref(&pointer, material);
             self.whole_light(&pointer, shape, material);
         }
+        if let Some(displacement) = &mesh.displacement {
+            self.textured(&format!("{pointer}/displacement/texture"), &displacement.texture);
+        }
         match (&mesh.file, &mesh.positions, &mesh.triangles) {
             (Some(_), None, None) => self.nothing_inline(pointer, mesh),
             (None, Some(positions), Some(triangles)) => self.inline_mesh(pointer, mesh, positions.len(), triangles),

@@ -265,6 +265,9 @@ impl<'s> Named<'s> {
                     for (name, material) in &mesh.materials {
                         self.material_ref(&format!("{pointer}/materials{}", escaped(name)), material);
                     }
+                    if let Some(displacement) = &mesh.displacement {
+                        self.textured(&format!("{pointer}/displacement/texture"), &displacement.texture);
+                    }
                 }
                 Shape::Curves(curves) => {
                     self.0.extend(curves.file.as_deref().map(|file| (format!("{pointer}/file"), file)));

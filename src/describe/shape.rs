@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::MaterialRef;
+use super::displacement::Displacement;
 use super::emission::Emission;
 use super::field::{Bounds, Field, FixedMarch, SdfPart};
 use super::medium::MediumRef;
@@ -111,6 +112,9 @@ surface! {
         /// of the mesh. 3 is smooth to the eye for most meshes. Default: 0, the mesh as it is.
         #[serde(default, skip_serializing_if = "SubdivisionLevels::is_none")]
         pub subdivision_levels: SubdivisionLevels,
+        /// A texture that moves the vertices along their normals. Default: none.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub displacement: Option<Displacement>,
     }
 }
 
@@ -451,7 +455,7 @@ impl Disk {
 impl Mesh {
     /// Whether its vertices move when the scene is built, so that their normals are computed.
     pub fn has_computed_normals(&self) -> bool {
-        !self.subdivision_levels.is_none()
+        !self.subdivision_levels.is_none() || self.displacement.is_some()
     }
 }
 

@@ -8,6 +8,7 @@ use super::triangle;
 use crate::{Error, Fault, Result};
 
 mod clean;
+mod displacement;
 mod places;
 mod subdivision;
 
@@ -99,9 +100,8 @@ impl MeshData {
     pub fn usable(self, directionless: usize, name: &str) -> Result<(MeshData, Vec<String>)> {
         let fault = |message: String| Error::invalid(Fault::new(message).in_file(name));
         // This check comes before the cleaning, because far from the origin f32 makes sound triangles degenerate.
-        let (reach, extent) = self.reach_and_extent();
-        if reach > MAX_COORDINATE {
-            return Err(fault(format!("extent {} exceeds {MAX_COORDINATE:e}", brief(extent))));
+        if let Some(message) = self.too_large() {
+            return Err(fault(message));
         }
         let (mesh, report) = self.clean();
         if mesh.triangles.is_empty() {
@@ -112,6 +112,12 @@ impl MeshData {
         let lost = lost_detail(extent, reach.into(), mesh.finest_detail(), "finest detail");
         warnings.extend(lost.map(|sentence| format!("{name}: {sentence}")));
         Ok((mesh, warnings))
+    }
+
+    /// Says that a corner has a coordinate beyond [`MAX_COORDINATE`], if one has.
+    pub fn too_large(&self) -> Option<String> {
+        let (reach, extent) = self.reach_and_extent();
+        (reach > MAX_COORDINATE).then(|| format!("extent {} exceeds {MAX_COORDINATE:e}", brief(extent)))
     }
 
     /// Greatest |coordinate| of all corners (infinite if one is not finite), and the greater of it and the longest side of the bounding

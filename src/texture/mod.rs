@@ -106,6 +106,21 @@ impl Texture {
         }
     }
 
+    /// Whether the texture varies over texture coordinates.
+    pub fn needs_uv(&self) -> bool {
+        let on_uv = |space: &Space| *space == Space::Uv;
+        match self {
+            Texture::Constant(_) | Texture::Vertex(_) => false,
+            Texture::Image(_) => true,
+            Texture::Checker(t) => on_uv(&t.space) || t.even.needs_uv() || t.odd.needs_uv(),
+            Texture::Noise(t) => on_uv(&t.space) || t.low.needs_uv() || t.high.needs_uv(),
+            Texture::Marble(t) => on_uv(&t.space) || t.base.needs_uv() || t.veins.needs_uv(),
+            Texture::Mix(t) => [&t.a, &t.b, &t.share].into_iter().any(Texture::needs_uv),
+            Texture::Product(t) => t.a.needs_uv() || t.b.needs_uv(),
+            Texture::Threshold(t) => t.by.needs_uv(),
+        }
+    }
+
     /// The effects that lookups of the texture are.
     pub fn effects(&self) -> Effects {
         match (self.is_constant(), self.is_filtered()) {

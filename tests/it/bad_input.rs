@@ -116,6 +116,20 @@ const SCENES: &[Row] = &[
         3,
         "/shapes/0/subdivision_levels: the two triangles at the edge from [0.0, 0.0, 0.0] to [1.0, 0.0, 0.0] are wound in opposite ways",
     ),
+    (
+        "B20",
+        r#""shapes": [{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]],
+        "displacement": {"texture": ^{"type": "noise", "on": "uv"}, "scale": 1}}]"#,
+        3,
+        "/shapes/0/displacement/texture: the mesh has no texture coordinates, over which this texture varies",
+    ),
+    (
+        "B20",
+        r#""shapes": [{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]],
+        "displacement": {"texture": 1, "scale": ^1e19}}]"#,
+        3,
+        "/shapes/0/displacement/scale: extent 1e19 exceeds 1e18",
+    ),
     // The origin is at the sphere next to the camera: at 10⁹ m a step of f32 is 2⁶ m.
     (
         "B21",

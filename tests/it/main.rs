@@ -21,6 +21,7 @@ mod demo_scenes;
 mod denoise;
 mod discrete;
 mod dispersion;
+mod displacement;
 mod emitted_rays;
 mod environment_maps;
 mod farm;

@@ -1,7 +1,7 @@
 //! Loop subdivision. What is expected comes from the rules alone: from the map of a vertex and its neighbours to the next level, repeated in
 //! f64 until it stands still, from B-splines, and from counts.
 
-mod cages;
+pub mod cages;
 mod faults;
 mod limit;
 mod seams;
@@ -23,21 +23,21 @@ fn subdivided(cage: &Cage, levels: u32) -> MeshData {
 }
 
 /// Edges as ordered pairs of vertices, each with the number of triangles that have it in this direction.
-fn edges(triangles: &[[u32; 3]]) -> BTreeMap<[u32; 2], u32> {
+pub fn edges(triangles: &[[u32; 3]]) -> BTreeMap<[u32; 2], u32> {
     let mut edges = BTreeMap::new();
     triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).for_each(|edge| *edges.entry(edge).or_insert(0) += 1);
     edges
 }
 
 /// Edges that only one triangle has, in its direction.
-fn border(triangles: &[[u32; 3]]) -> BTreeMap<u32, u32> {
+pub fn border(triangles: &[[u32; 3]]) -> BTreeMap<u32, u32> {
     let edges = edges(triangles);
     assert!(edges.values().all(|count| *count == 1), "triangles are wound alike, and at most two meet at an edge");
     edges.keys().filter(|[a, b]| !edges.contains_key(&[*b, *a])).map(|[a, b]| (*a, *b)).collect()
 }
 
 /// The number of the vertex for each different position.
-fn welded(data: &MeshData) -> Vec<[u32; 3]> {
+pub fn welded(data: &MeshData) -> Vec<[u32; 3]> {
     let mut numbers = BTreeMap::new();
     let mut number = |p: Vec3| {
         let next = numbers.len() as u32;
@@ -51,12 +51,12 @@ fn largest_difference(a: &[Vec3], b: &[Vec3]) -> f64 {
 }
 
 /// Moves each vertex a little.
-fn shaken(mut cage: Cage, seed: u64, by: f64) -> Cage {
+pub fn shaken(mut cage: Cage, seed: u64, by: f64) -> Cage {
     let mut random = Random::new(seed);
     cage.positions.iter_mut().for_each(|p| *p += by * random.in_cube());
     cage
 }
 
-fn places(positions: &[DVec3]) -> Vec<Vec3> {
+pub fn places(positions: &[DVec3]) -> Vec<Vec3> {
     positions.iter().map(|p| p.as_vec3()).collect()
 }
