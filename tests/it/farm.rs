@@ -24,7 +24,7 @@ const SCENE: &str = r#"{
 /// A name with all that a shell, a template or GNU parallel might take for something else.
 const ODD: &str = "it's {} {{x}} $HOME #1 %.json";
 
-/// The same for make, which has no quotes.
+/// A name for the test of make, in whose rules names have no quotes: without the characters that make itself would read as its own.
 const ODD_FOR_MAKE: &str = "a $HOME #1.json";
 
 fn folder(scene: &str) -> TempDir {

@@ -54,9 +54,9 @@ impl Basis {
     }
 }
 
-/// Ratio of the greatest to the least stretch of a transform above which circles would become ellipses. Rounding of angles in degrees
-/// leaves less.
-const ROUND: f64 = 1.0 + 1e-6;
+/// Greatest error of the entries of MᵀM/s² beside those of the identity, for a transform M that scales all lengths by s. It is far above the
+/// rounding of transforms that are composed of several steps, and makes a circle an ellipse by less than a millionth.
+const ROUND: f64 = 1e-6;
 
 impl Curves {
     /// The factor by which a transform scales lengths; `None` if it differs between directions.
@@ -65,7 +65,7 @@ impl Curves {
         let scale = to_world.determinant().abs().cbrt();
         let product = m.transpose() * m * (1.0 / (scale * scale));
         let columns = [product.x_axis - DVec3::X, product.y_axis - DVec3::Y, product.z_axis - DVec3::Z];
-        columns.into_iter().all(|column| column.abs().max_element() <= ROUND - 1.0).then_some(scale)
+        columns.into_iter().all(|column| column.abs().max_element() <= ROUND).then_some(scale)
     }
 
     /// Position and radius in world space.
@@ -93,9 +93,7 @@ impl Curves {
         }
         extended
     }
-}
 
-impl Curves {
     /// The curves in world space.
     ///
     /// - `scale`: factor of lengths

@@ -31,11 +31,8 @@ const LAST: u32 = 1 << 30;
 /// Greatest number of control points.
 pub(super) const MOST_POINTS: usize = LAST as usize;
 
-/// Length of a piece in radii above which it is worth a box of its own.
+/// Length of a span in radii above which it is worth two boxes.
 const SLENDER: f64 = 32.0;
-
-/// Greatest number of pieces of a span.
-const MOST_PARTS: u32 = 4;
 
 /// Place of a piece: on which curve, and on which part of it.
 pub(super) struct Place {
@@ -82,7 +79,7 @@ impl Strands {
         self.has_kinks
     }
 
-    /// A number of pieces of each span for which their boxes fit slender curves well without needing much memory.
+    /// The number of pieces of each span: two if most spans are slender, so that boxes fit them better, and one otherwise.
     fn fitting_parts(&self) -> u32 {
         let slender = |span: u32| {
             let Cubic(b) = self.span(span);
@@ -92,7 +89,7 @@ impl Strands {
         // Some of the spans stand for all.
         let step = (self.spans.len() / 1000).max(1);
         let seen = || (0..self.spans.len() as u32).step_by(step);
-        if 2 * seen().filter(|span| slender(*span)).count() > seen().count() { MOST_PARTS / 2 } else { 1 }
+        if 2 * seen().filter(|span| slender(*span)).count() > seen().count() { 2 } else { 1 }
     }
 
     /// Lower and upper corner of a box around all curves (m).

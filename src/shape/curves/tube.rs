@@ -239,7 +239,8 @@ struct Crossing<'a> {
     seen: Cubic,
 }
 
-/// Depth below the surface of a neighbour, relative to the radius, from which on a point counts as within it.
+/// Depth below the surface of a neighbour, relative to the radius, from which on a point counts as within it: more than heights are rounded in
+/// f64, so that a ball that both pieces share does not hide its own surface.
 const SURFACE: f64 = 1e-9;
 
 /// Precision of the ends of intervals, relative to the range in which they are looked for.
@@ -266,7 +267,7 @@ impl Crossing<'_> {
         if h.0[0] >= 0.0 {
             ends.push(start);
         }
-        // Of at most six zeros. They bound the search of extremes, and need no precision.
+        // A polynomial of degree 6 has at most six zeros. They only limit where extremes are looked for, so that a coarse place is enough.
         h.crossings(COARSE, |s| ends.push(start + (end - start) * s));
         if ends.len() % 2 == 1 {
             ends.push(end);
