@@ -1,10 +1,9 @@
 //! Time and memory for a million hairs, and what rays cost among them.
 //!
 //! `cargo bench --bench curves`
-#![allow(unsafe_code, reason = "an allocator is an unsafe trait; every call is the system allocator's own")]
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
+mod memory;
+
 use std::time::Instant;
 
 use cpu_time::ThreadTime;
@@ -18,29 +17,6 @@ use pt::shape::curves::Basis;
 use pt::torture::Random;
 use pt::world::World;
 
-/// The system's allocator, which counts the bytes that are in use and the most that ever were.
-struct Counting;
-
-static NOW: AtomicUsize = AtomicUsize::new(0);
-static MOST: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: every call is the system allocator's own, with the caller's arguments.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let now = NOW.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        MOST.fetch_max(now, Ordering::Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        NOW.fetch_sub(layout.size(), Ordering::Relaxed);
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
 const HAIRS: u32 = 1_000_000;
 const RAYS: u32 = 1 << 18;
 
@@ -52,12 +28,12 @@ fn main() -> pt::Result<()> {
         ("tubes, Catmull–Rom", Basis::CatmullRom, false),
         ("ribbons, B-spline", Basis::Bspline, true),
     ] {
-        let before = NOW.load(Ordering::Relaxed);
+        let before = memory::in_use();
         let start = Instant::now();
         let world = world(basis, is_ribbon)?;
         let seconds = start.elapsed().as_secs_f64();
         let each = |bytes: usize| (bytes - before) as f64 / f64::from(HAIRS);
-        let (kept, most) = (each(NOW.load(Ordering::Relaxed)), each(MOST.swap(0, Ordering::Relaxed)));
+        let (kept, most) = (each(memory::in_use()), each(memory::most()));
         let [outside, along] = [3.0, 1.02].map(|distance| rays_per_second(&world, distance));
         println!("| {name} | {kept:.0} | {most:.0} | {seconds:.1} s | {outside:.3} | {along:.3} |");
     }

@@ -10,12 +10,13 @@
 //! run in turn on one thread. Rates are millions of rays per CPU second: the best of three repetitions, median of three turns. Only ratios
 //! within one run count.
 
-use std::alloc::{GlobalAlloc, Layout, System};
+#[path = "../memory/mod.rs"]
+mod memory;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use cpu_time::ProcessTime;
 use glam::{UVec2, Vec3, Vec3Swizzles};
@@ -25,29 +26,6 @@ use pt::math::{Frame, Local, Ray, Transform, float, warp};
 use pt::primitive::Primitive;
 use pt::sampler::{Independent, SampleNumbers, Sequence};
 use pt::shape::{Geometry, MeshData, MeshPart, Shape, TriangleMesh};
-
-/// Bytes in use.
-static ALLOCATED: AtomicUsize = AtomicUsize::new(0);
-
-/// The system's allocator, which counts the bytes in use.
-struct Counting;
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
-// SAFETY: every call is the system allocator's own, with the caller's arguments.
-#[allow(unsafe_code, reason = "an allocator is an unsafe trait")]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATED.fetch_add(layout.size(), Ordering::Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        ALLOCATED.fetch_sub(layout.size(), Ordering::Relaxed);
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
 
 /// Rays of one kind.
 struct Rays {
@@ -96,9 +74,9 @@ fn compile(folder: &Path) -> Option<PathBuf> {
 fn measure(subject: &Subject, folder: &Path, embree: Option<&Path>) {
     let shape = TriangleMesh::new(subject.mesh.clone()).bake(&Transform::IDENTITY).expect("a mesh with area");
     let shapes: Arc<[Box<dyn Shape>]> = Arc::new([shape]);
-    let (start, before) = (ProcessTime::now(), ALLOCATED.load(Ordering::Relaxed));
+    let (start, before) = (ProcessTime::now(), memory::in_use());
     let hierarchy = pt::accel::build(shapes);
-    let (build, bytes) = (start.elapsed().as_secs_f64(), ALLOCATED.load(Ordering::Relaxed) - before);
+    let (build, bytes) = (start.elapsed().as_secs_f64(), memory::in_use() - before);
     let kinds = rays(subject, &*hierarchy);
 
     let file = |name: &str| folder.join(format!("{}-{name}", subject.name));
