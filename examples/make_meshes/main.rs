@@ -3,6 +3,7 @@
 //! Every number comes from arithmetic that is exact to the last bit on every machine (and pt's own sine and
 //! cosine), so that the files are the same everywhere: a test compares them with those in `scenes/meshes/`.
 
+mod flag;
 mod fur;
 mod jack;
 mod pawn;
@@ -18,6 +19,9 @@ use pt::shape::mesh_data::MeshData;
 /// Returns the names and contents of the files.
 pub fn files() -> io::Result<Vec<(&'static str, Vec<u8>)>> {
     Ok(vec![
+        ("flag-0.ply", ply(&flag::flag(0.0))?),
+        ("flag-1.ply", ply(&flag::flag(0.7))?),
+        ("flag-2.ply", ply(&flag::flag(1.4))?),
         ("fur.hair", fur::fur()),
         ("statue.ply", ply(&statue::statue())?),
         ("pawn.ply", ply(&pawn::pawn())?),

@@ -17,6 +17,19 @@ impl Builder<'_> {
     /// # Errors
     /// `Io` where the file cannot be read; `Limit` where the file has, or subdivision makes, too many triangles.
     pub(super) fn mesh(&mut self, pointer: &str, mesh: &Mesh, to_world: &Transform) -> Result<Option<MeshData>> {
+        let Some(data) = self.loaded(pointer, mesh)? else { return Ok(None) };
+        let Some(data) = self.subdivided(pointer, mesh, data)? else { return Ok(None) };
+        Ok(match &mesh.displacement {
+            Some(described) => self.displaced(&format!("{pointer}/displacement"), described, data, to_world),
+            None => Some(data),
+        })
+    }
+
+    /// Loads a mesh from its file, or from the scene file. Returns `None` after adding a fault.
+    ///
+    /// # Errors
+    /// `Io` where the file cannot be read; `Limit` where it has too many triangles.
+    pub(super) fn loaded(&mut self, pointer: &str, mesh: &Mesh) -> Result<Option<MeshData>> {
         let loaded = match &mesh.file {
             Some(file) => self.source.files.mesh(file),
             None => inline(mesh, pointer),
@@ -25,11 +38,7 @@ impl Builder<'_> {
             Ok((data, warnings)) => {
                 self.warn_once(warnings);
                 self.contents.extend(mesh.file.clone().map(|file| (file, identity::of_mesh(&data))));
-                let Some(data) = self.subdivided(pointer, mesh, data)? else { return Ok(None) };
-                Ok(match &mesh.displacement {
-                    Some(described) => self.displaced(&format!("{pointer}/displacement"), described, data, to_world),
-                    None => Some(data),
-                })
+                Ok(Some(data))
             }
             Err(Error::Invalid(faults)) => {
                 match &mesh.file {

@@ -13,6 +13,7 @@ mod lint;
 mod material;
 mod medium;
 mod mesh;
+mod poses;
 mod transform;
 
 use std::collections::BTreeMap;
@@ -32,7 +33,9 @@ use crate::medium::{Media, MediumId};
 use crate::reader::{Node, locate};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene as _;
-use crate::shape::{BilinearPatch, Cone, Cuboid, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Sphere, TriangleMesh};
+use crate::shape::{
+    BilinearPatch, Cone, Cuboid, Cylinder, Disk, Geometry, MovingMesh, PartialDisk, PartialSphere, Quad, Sphere, TriangleMesh,
+};
 use crate::texture::image::Pixels;
 use crate::texture::pyramid::Pyramid;
 use crate::world::{Objects, PartAppearance, World, WorldBuilder};
@@ -337,7 +340,14 @@ impl Builder<'_> {
                 }
                 let mesh =
                     TriangleMesh { smooth_shadows: s.smooth_shadows, keeps_winding: s.has_computed_normals(), ..TriangleMesh::new(data) };
-                self.place(mesh, *to_world, parts, emitter);
+                let Some(poses) = self.poses(pointer, s, &mesh.data)? else { return Ok(()) };
+                match MovingMesh::new(mesh, poses) {
+                    Ok(moving) => {
+                        effects |= Effects::MOTION;
+                        self.place(moving, *to_world, parts, emitter);
+                    }
+                    Err(still) => self.place(still, *to_world, parts, emitter),
+                }
             }
             Shape::Sdf(s) => {
                 let Some((solid, parts, more)) = self.sdf(pointer, s, PartAppearance { material: own, emitter }) else { return Ok(()) };

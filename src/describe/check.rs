@@ -301,7 +301,7 @@ impl Checker<'_> {
 
     fn shape(&self, pointer: &str, shape: &Shape, moves: bool) {
         self.motion(&format!("{pointer}/transform"), shape.transform());
-        let moves = moves || shape.transform().has_keyframes();
+        let moves = moves || shape.has_keyframes();
         if let Some(material) = shape.material() {
             self.material_ref(&format!("{pointer}/material"), material);
             self.whole_light(&format!("{pointer}/material"), shape, material);
@@ -485,6 +485,35 @@ impl Checker<'_> {
             (None, Some(positions), Some(triangles)) => self.inline_mesh(pointer, mesh, positions.len(), triangles),
             _ => self.fault(pointer, "a mesh needs either \"file\", or \"positions\" and \"triangles\""),
         }
+        self.mesh_keyframes(&format!("{pointer}/keyframes"), mesh);
+    }
+
+    fn mesh_keyframes(&self, pointer: &str, mesh: &Mesh) {
+        self.times(pointer, &mesh.keyframes.iter().map(|keyframe| keyframe.time.get()).collect::<Vec<_>>());
+        if mesh.has_computed_normals() && !mesh.keyframes.is_empty() {
+            self.fault(pointer, "a mesh with keyframes can have neither \"subdivision_levels\" nor \"displacement\"");
+        }
+        let vertices = mesh.positions.as_ref().map(Vec::len);
+        for (i, keyframe) in mesh.keyframes.iter().enumerate() {
+            let fault = |key: &str, message: String| self.fault(&format!("{pointer}/{i}/{key}"), message);
+            match (vertices, &keyframe.file, &keyframe.positions) {
+                (Some(_), Some(_), _) => fault("file", "a mesh given here has keyframes with \"positions\"".into()),
+                (None, _, Some(_)) => fault("positions", "a mesh from a file has keyframes with a \"file\"".into()),
+                _ => {}
+            }
+            let given = [("positions", keyframe.positions.as_ref().map(Vec::len)), ("normals", keyframe.normals.as_ref().map(Vec::len))];
+            for (key, len) in given {
+                if let (Some(vertices), Some(len)) = (vertices, len.filter(|len| Some(*len) != vertices)) {
+                    fault(key, format!("expected one for each of {vertices} positions, found {len}"));
+                }
+            }
+            match (&keyframe.positions, &keyframe.normals, &mesh.normals) {
+                (None, Some(_), _) => fault("normals", "normals without positions".into()),
+                (Some(_), Some(_), None) => fault("normals", "the mesh has no normals, so that its keyframes can have none".into()),
+                (Some(_), None, Some(_)) => fault("positions", "the mesh has normals: give those of the keyframe, too".into()),
+                _ => {}
+            }
+        }
     }
 
     fn nothing_inline(&self, pointer: &str, mesh: &Mesh) {
@@ -546,11 +575,16 @@ impl Checker<'_> {
                 message.err().into_iter().for_each(|message| self.fault(&format!("{at}/{k}/{}", step.key()), message));
             }
         }
-        for (i, keyframe) in keyframes.iter().enumerate() {
-            self.time(&format!("{pointer}/{i}/time"), keyframe.time.get());
+        self.times(pointer, &keyframes.iter().map(|keyframe| keyframe.time.get()).collect::<Vec<_>>());
+    }
+
+    /// Checks the times of keyframes.
+    fn times(&self, pointer: &str, times: &[f64]) {
+        for (i, time) in times.iter().enumerate() {
+            self.time(&format!("{pointer}/{i}/time"), *time);
         }
-        for (i, pair) in keyframes.windows(2).enumerate() {
-            let [before, after] = [pair[0].time.get(), pair[1].time.get()];
+        for (i, pair) in times.windows(2).enumerate() {
+            let [before, after] = [pair[0], pair[1]];
             if after <= before {
                 let message = format!("expected a time after that of the keyframe before it, {before} s, found {after}");
                 self.fault(&format!("{pointer}/{}/time", i + 1), message);

@@ -265,6 +265,8 @@ impl<'s> Named<'s> {
                     for (name, material) in &mesh.materials {
                         self.material_ref(&format!("{pointer}/materials{}", escaped(name)), material);
                     }
+                    let files = mesh.keyframes.iter().enumerate().filter_map(|(i, keyframe)| Some((i, keyframe.file.as_deref()?)));
+                    self.0.extend(files.map(|(i, file)| (format!("{pointer}/keyframes/{i}/file"), file)));
                     if let Some(displacement) = &mesh.displacement {
                         self.textured(&format!("{pointer}/displacement/texture"), &displacement.texture);
                     }

@@ -89,7 +89,7 @@ impl Scene {
     pub(crate) fn has_keyframes(&self) -> bool {
         fn of(shapes: &[Shape]) -> bool {
             shapes.iter().any(|shape| {
-                shape.transform().has_keyframes()
+                shape.has_keyframes()
                     || match shape {
                         Shape::Group(group) => of(&group.shapes),
                         Shape::Instances(instances) => instances.placements.iter().flatten().any(|p| p.transform.has_keyframes()),

@@ -10,6 +10,7 @@ use super::displacement::Displacement;
 use super::emission::Emission;
 use super::field::{Bounds, Field, FixedMarch, SdfPart};
 use super::medium::MediumRef;
+use super::mesh_keyframe::MeshKeyframe;
 use crate::format::{Color, Fraction, NonNegative, Point, Positive, Real, Size, SubdivisionLevels, Transform, Turn, Vector};
 use crate::reader::{by_kind, by_type};
 
@@ -115,6 +116,9 @@ surface! {
         /// A texture that moves the vertices along their normals. Default: none.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         pub displacement: Option<Displacement>,
+        /// The vertices at several times, of a mesh that changes its form. Default: none, the mesh stays as it is.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        pub keyframes: Vec<MeshKeyframe>,
     }
 }
 
@@ -456,6 +460,13 @@ impl Mesh {
     /// Whether its vertices move when the scene is built, so that their normals are computed.
     pub fn has_computed_normals(&self) -> bool {
         !self.subdivision_levels.is_none() || self.displacement.is_some()
+    }
+}
+
+impl Shape {
+    /// Whether the shape has keyframes, of its place or of its form. What it contains may have others.
+    pub fn has_keyframes(&self) -> bool {
+        self.transform().has_keyframes() || matches!(self, Shape::Mesh(mesh) if !mesh.keyframes.is_empty())
     }
 }
 

@@ -131,7 +131,7 @@ impl Table {
             let across = |[a, b]: [(SurfacePoint, AreaPdf); 2]| b.0.p - a.0.p;
             // The last number stays below 1.
             let sides = [[sample(x, y + 0.5), sample(x + 0.999, y + 0.5)], [sample(x + 0.5, y), sample(x + 0.5, y + 0.999)]].map(across);
-            let footprint = Some(Footprint::new(sides, shape.tangents(primitive, &point)));
+            let footprint = Some(Footprint::new(sides, shape.tangents(primitive, &point, 0.0)));
             let at = TextureContext { footprint, ..TextureContext::exact(&point) };
             emitter.at(&at).radiance.average() / (pdf.get() * area)
         };

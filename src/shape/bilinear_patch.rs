@@ -202,12 +202,12 @@ impl Shape for Placed {
         self.at(hit.uv)
     }
 
-    fn tangents(&self, _: u32, point: &SurfacePoint) -> Option<[Vec3; 2]> {
+    fn tangents(&self, _: u32, point: &SurfacePoint, _: f32) -> Option<[Vec3; 2]> {
         Some(self.derivatives(point.uv.as_dvec2()).map(|tangent| tangent.as_vec3()))
     }
 
     /// With the second derivative c = ∂²p/∂u∂v, the normal n = ∂p/∂u × ∂p/∂v changes by ∂p/∂u × c du + c × ∂p/∂v dv.
-    fn normal_change(&self, _: u32, uv: Vec2, _: &SurfacePoint, along: Vec3) -> Option<Vec3> {
+    fn normal_change(&self, _: u32, uv: Vec2, _: &SurfacePoint, along: Vec3, _: f32) -> Option<Vec3> {
         let ([along_u, along_v], along) = (self.derivatives(uv.as_dvec2()), along.as_dvec3());
         let normal = along_u.cross(along_v);
         let [p00, p10, p01, p11] = self.corners;

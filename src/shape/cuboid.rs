@@ -76,8 +76,8 @@ impl Shape for Faces {
         self.face(i).point(0, ray, hit)
     }
 
-    fn tangents(&self, i: u32, point: &SurfacePoint) -> Option<[Vec3; 2]> {
-        self.face(i).tangents(0, point)
+    fn tangents(&self, i: u32, point: &SurfacePoint, time: f32) -> Option<[Vec3; 2]> {
+        self.face(i).tangents(0, point, time)
     }
 
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {

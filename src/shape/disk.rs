@@ -93,7 +93,7 @@ impl Shape for Ellipse {
     }
 
     /// Tangents of texture coordinates whose square [0, 1]² encloses the disk.
-    fn tangents(&self, _: u32, _: &SurfacePoint) -> Option<[Vec3; 2]> {
+    fn tangents(&self, _: u32, _: &SurfacePoint, _: f32) -> Option<[Vec3; 2]> {
         Some([self.x, self.y].map(|radius| (2.0 * radius).as_vec3()))
     }
 

@@ -10,6 +10,8 @@ pub mod curves;
 pub mod cylinder;
 pub mod disk;
 pub mod mesh_data;
+mod mesh_triangle;
+pub mod moving_mesh;
 mod near;
 pub mod partial_disk;
 pub mod partial_sphere;
@@ -32,6 +34,7 @@ pub use curves::Curves;
 pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use mesh_data::{MeshData, MeshPart};
+pub use moving_mesh::MovingMesh;
 pub(crate) use near::NEAR;
 pub use partial_disk::PartialDisk;
 pub use partial_sphere::PartialSphere;
@@ -103,7 +106,9 @@ pub trait Shape: Send + Sync {
 
     /// Derivatives ∂p/∂u and ∂p/∂v of the position by the texture coordinates (m); `None` where they are not defined. They orient
     /// anisotropic materials and normal maps.
-    fn tangents(&self, _i: u32, _point: &SurfacePoint) -> Option<[Vec3; 2]> {
+    ///
+    /// - `time`: as that of a ray, here and in the methods below
+    fn tangents(&self, _i: u32, _point: &SurfacePoint, _time: f32) -> Option<[Vec3; 2]> {
         None
     }
 
@@ -111,7 +116,7 @@ pub trait Shape: Send + Sync {
     /// not know it.
     ///
     /// - `uv`: coordinates of the hit on the primitive
-    fn normal_change(&self, i: u32, _uv: Vec2, _point: &SurfacePoint, _along: Vec3) -> Option<Vec3> {
+    fn normal_change(&self, i: u32, _uv: Vec2, _point: &SurfacePoint, _along: Vec3, _time: f32) -> Option<Vec3> {
         self.is_flat(i).then_some(Vec3::ZERO)
     }
 
@@ -160,13 +165,18 @@ pub trait Shape: Send + Sync {
         true
     }
 
+    /// Whether it changes while the shutter is open, so that hits depend on the time of the ray.
+    fn is_moving(&self) -> bool {
+        false
+    }
+
     /// Whether shading normals are interpolated.
     fn has_shading_normals(&self) -> bool {
         false
     }
 
     /// Height along `ng` of the smooth surface that primitive `i` represents (m), at `point` with the coordinates `uv` on the primitive.
-    fn shadow_terminator_offset(&self, _i: u32, _uv: Vec2, _point: &SurfacePoint) -> f32 {
+    fn shadow_terminator_offset(&self, _i: u32, _uv: Vec2, _point: &SurfacePoint, _time: f32) -> f32 {
         0.0
     }
 
@@ -177,7 +187,7 @@ pub trait Shape: Send + Sync {
 
     /// Shading normal of an instance of primitive `i` at the coordinates `uv`: interpolated after the transform, as that of a copy is.
     /// `None` if it is the geometric normal `ng`.
-    fn instance_shading_normal(&self, _i: u32, _uv: Vec2, _to_world: &Transform, _ng: Vec3) -> Option<Vec3> {
+    fn instance_shading_normal(&self, _i: u32, _uv: Vec2, _to_world: &Transform, _ng: Vec3, _time: f32) -> Option<Vec3> {
         None
     }
 
@@ -186,7 +196,7 @@ pub trait Shape: Send + Sync {
     ///
     /// - `to_world`: transform of the instance
     /// - `along`: tangential vector in world space (m)
-    fn instance_normal_change(&self, _i: u32, _uv: Vec2, _to_world: &Transform, _along: Vec3) -> Option<Vec3> {
+    fn instance_normal_change(&self, _i: u32, _uv: Vec2, _to_world: &Transform, _along: Vec3, _time: f32) -> Option<Vec3> {
         None
     }
 
@@ -194,7 +204,7 @@ pub trait Shape: Send + Sync {
     ///
     /// - `to_world`: transform of the instance
     /// - `point`: the point in world space
-    fn instance_shadow_terminator_offset(&self, _i: u32, _uv: Vec2, _to_world: &Transform, _point: &SurfacePoint) -> f32 {
+    fn instance_shadow_terminator_offset(&self, _i: u32, _uv: Vec2, _to_world: &Transform, _point: &SurfacePoint, _time: f32) -> f32 {
         0.0
     }
 

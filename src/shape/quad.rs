@@ -103,7 +103,7 @@ impl Shape for Parallelogram {
         self.at(hit.uv)
     }
 
-    fn tangents(&self, _: u32, _: &SurfacePoint) -> Option<[Vec3; 2]> {
+    fn tangents(&self, _: u32, _: &SurfacePoint, _: f32) -> Option<[Vec3; 2]> {
         Some([self.corners[1] - self.corners[0], self.corners[3] - self.corners[0]])
     }
 

@@ -201,13 +201,13 @@ impl Shape for Ellipsoid {
         self.at((self.inverse * (p - self.center)).normalize())
     }
 
-    fn tangents(&self, _: u32, point: &SurfacePoint) -> Option<[Vec3; 2]> {
+    fn tangents(&self, _: u32, point: &SurfacePoint, _: f32) -> Option<[Vec3; 2]> {
         let tangents = tangents(self.inverse * (point.p.as_dvec3() - self.center))?;
         Some(tangents.map(|d| (self.linear * d).as_vec3()))
     }
 
     /// The normal is q/|q| with q = A (p − c), A = M⁻ᵀ M⁻¹ for the matrix M of the ellipsoid.
-    fn normal_change(&self, _: u32, _: Vec2, point: &SurfacePoint, along: Vec3) -> Option<Vec3> {
+    fn normal_change(&self, _: u32, _: Vec2, point: &SurfacePoint, along: Vec3, _: f32) -> Option<Vec3> {
         let stretched = |v: DVec3| self.inverse.transpose() * (self.inverse * v);
         let q = stretched(point.p.as_dvec3() - self.center);
         Some(unit_change(q, stretched(along.as_dvec3())).as_vec3())

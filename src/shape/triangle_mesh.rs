@@ -2,13 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::mesh_data::outward;
-use super::{
-    Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, VertexColor, area_to_solid_angle, near, offset_bound, triangle,
-    unit_change,
-};
+use super::mesh_triangle::{Attributes, MeshTriangle, weights_along};
+use super::{Detail, Facet, Geometry, MeshData, Shape, ShapeHit, SurfacePoint, area_to_solid_angle, near, triangle};
 use crate::error::{Error, Fault, Result};
 use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform, warp};
 
@@ -29,13 +27,25 @@ impl TriangleMesh {
     pub fn new(data: MeshData) -> TriangleMesh {
         TriangleMesh { data: Arc::new(data), smooth_shadows: false, keeps_winding: false }
     }
+
+    /// The mesh in world space but for its places.
+    ///
+    /// - `positions` and `normals`: those of the vertices in world space
+    pub(super) fn attributes(&self, to_world: &Transform, positions: &[Vec3], normals: &[Vec3]) -> Attributes {
+        let (mesh, flip) = (&*self.data, to_world.flips_handedness());
+        let deciding = if self.keeps_winding { &[][..] } else { normals };
+        Attributes {
+            uvs: mesh.uvs.clone(),
+            colors: mesh.colors.clone(),
+            triangles: mesh.triangles.iter().map(|&t| outward(t, flip, positions, deciding)).collect(),
+            part_ends: mesh.parts.iter().map(|part| part.triangles.end).collect(),
+        }
+    }
 }
 
 impl Geometry for TriangleMesh {
     fn bounds(&self, to_world: &Transform) -> (DVec3, DVec3) {
-        let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let corners = self.data.positions.iter().map(|p| to_world.point(p.as_dvec3()));
-        corners.fold(empty, |(min, max), p| (min.min(p), max.max(p)))
+        bounds(&self.data.positions, to_world)
     }
 
     /// Centre and density of the detail. The centre is the median of the vertices, which a few far vertices do not move. The size of
@@ -52,45 +62,32 @@ impl Geometry for TriangleMesh {
 
     fn bake(&self, to_world: &Transform) -> Result<Box<dyn Shape>> {
         let mesh = &*self.data;
-        let positions: Vec<Vec3> = mesh.positions.iter().map(|p| to_world.point(p.as_dvec3()).as_vec3()).collect();
-        let place = |n: &Vec3| if *n == Vec3::ZERO { Vec3::ZERO } else { to_world.normal(n.as_dvec3()).as_vec3() };
-        let normals: Vec<Vec3> = mesh.normals.iter().map(place).collect();
-        let flip = to_world.flips_handedness();
-        let deciding = if self.keeps_winding { &[][..] } else { &normals };
-        let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|&t| outward(t, flip, &positions, deciding)).collect();
-        if triangles.iter().all(|t| triangle::normal(t.map(|v| positions[v as usize])).is_none()) {
+        let (positions, normals) = (placed_positions(&mesh.positions, to_world), placed_normals(&mesh.normals, to_world));
+        let attributes = self.attributes(to_world, &positions, &normals);
+        if attributes.triangles.iter().all(|t| triangle::normal(t.map(|v| positions[v as usize])).is_none()) {
             return Err(Error::invalid(Fault::new("no usable triangles: all of them are degenerate once placed")));
         }
-        let part_ends = mesh.parts.iter().map(|part| part.triangles.end).collect();
         let smooth_shadows = self.smooth_shadows && !normals.is_empty();
-        Ok(Box::new(BakedMesh {
-            positions,
-            normals,
-            uvs: mesh.uvs.clone(),
-            colors: mesh.colors.clone(),
-            triangles,
-            part_ends,
-            smooth_shadows,
-        }))
+        Ok(Box::new(BakedMesh { positions, normals, attributes, smooth_shadows }))
     }
 }
 
-/// Change of the interpolated normal of a triangle when the point moves by `along` (m).
-///
-/// - `normals`: unit normals of the corners
-/// - `w`: barycentric weights of the second and third corner
-fn interpolated_change(corners: [DVec3; 3], normals: [Vec3; 3], w: Vec2, along: Vec3) -> Vec3 {
-    let DVec2 { x: to_b, y: to_c } = weights_along(corners, along.as_dvec3());
-    let [na, nb, nc] = normals.map(|normal| normal.as_dvec3());
-    let w = w.as_dvec2();
-    unit_change(na * (1.0 - w.x - w.y) + nb * w.x + nc * w.y, (nb - na) * to_b + (nc - na) * to_c).as_vec3()
+/// Bounding box of points in world space, in f64 (m).
+pub(super) fn bounds(positions: &[Vec3], to_world: &Transform) -> (DVec3, DVec3) {
+    let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let corners = positions.iter().map(|p| to_world.point(p.as_dvec3()));
+    corners.fold(empty, |(min, max), p| (min.min(p), max.max(p)))
 }
 
-/// By how much the barycentric weights of the second and third corner of a triangle grow when the point moves by `along` (m).
-fn weights_along([a, b, c]: [DVec3; 3], along: DVec3) -> DVec2 {
-    let (ab, ac) = (b - a, c - a);
-    let n = ab.cross(ac);
-    DVec2::new(along.cross(ac).dot(n), ab.cross(along).dot(n)) / n.length_squared()
+/// Points in world space.
+pub(super) fn placed_positions(positions: &[Vec3], to_world: &Transform) -> Vec<Vec3> {
+    positions.iter().map(|p| to_world.point(p.as_dvec3()).as_vec3()).collect()
+}
+
+/// Normals in world space, where a zero vector, which marks a flat surface, stays one.
+pub(super) fn placed_normals(normals: &[Vec3], to_world: &Transform) -> Vec<Vec3> {
+    let place = |n: &Vec3| if *n == Vec3::ZERO { Vec3::ZERO } else { to_world.normal(n.as_dvec3()).as_vec3() };
+    normals.iter().map(place).collect()
 }
 
 /// Median coordinate of some points along an axis; 0 if there are none. Changes the order of the points.
@@ -110,59 +107,25 @@ struct BakedMesh {
     positions: Vec<Vec3>,
     /// Empty, or one per position; a zero vector marks a flat surface.
     normals: Vec<Vec3>,
-    /// Empty, or one per position.
-    uvs: Vec<Vec2>,
-    /// Empty, or one per position.
-    colors: Vec<Vec4>,
-    triangles: Vec<[u32; 3]>,
-    /// Index after the last triangle of each part.
-    part_ends: Vec<u32>,
+    attributes: Attributes,
     smooth_shadows: bool,
 }
 
 impl BakedMesh {
     fn corners(&self, i: u32) -> [Vec3; 3] {
-        self.triangles[i as usize].map(|v| self.positions[v as usize])
+        self.attributes.triangles[i as usize].map(|v| self.positions[v as usize])
     }
 
-    /// Surface point at the barycentric weights `w` of the second and third corner.
-    fn at(&self, i: u32, w: Vec2) -> SurfacePoint {
-        let [a, b, c] = self.corners(i);
-        let ng = triangle::normal([a, b, c]).unwrap_or(Vec3::Z);
-        let p = a * (1.0 - w.x - w.y) + b * w.x + c * w.y;
-        let uv = if self.uvs.is_empty() { w } else { self.interpolate(&self.uvs, i, w) };
-        let offset = offset_bound(ng, a.abs().max(b.abs()).max(c.abs()));
-        let color = if self.colors.is_empty() { VertexColor::WHITE } else { VertexColor::new(self.interpolate(&self.colors, i, w)) };
-        SurfacePoint { p, offset, ng, ns: self.shading_normal(i, w, ng), uv, color }
-    }
-
-    /// Interpolates vertex values.
-    fn interpolate<T>(&self, values: &[T], i: u32, w: Vec2) -> T
-    where
-        T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
-    {
-        let [a, b, c] = self.triangles[i as usize].map(|v| values[v as usize]);
-        a * (1.0 - w.x - w.y) + b * w.x + c * w.y
-    }
-
-    /// Interpolated normal; `ng` if the triangle has no vertex normals or the interpolated normal is on the other side of `ng`.
-    fn shading_normal(&self, i: u32, w: Vec2, ng: Vec3) -> Vec3 {
-        if self.normals.is_empty() || self.triangles[i as usize].iter().any(|&v| self.normals[v as usize] == Vec3::ZERO) {
-            return ng;
-        }
-        self.interpolate(&self.normals, i, w).try_normalize().filter(|n| n.dot(ng) > 0.0).unwrap_or(ng)
-    }
-
-    /// Normals of a triangle's corners under a transform; `None` if the triangle is flat.
-    fn placed_normals(&self, i: u32, to_world: &Transform) -> Option<[Vec3; 3]> {
-        let normals = self.triangles[i as usize].map(|v| self.normals.get(v as usize).copied().unwrap_or(Vec3::ZERO));
-        (!normals.contains(&Vec3::ZERO)).then(|| normals.map(|n| to_world.normal(n.as_dvec3()).as_vec3()))
+    #[inline(always)]
+    fn triangle(&self, i: u32) -> MeshTriangle {
+        let normal = (!self.normals.is_empty()).then_some(|v: u32| self.normals[v as usize]);
+        self.attributes.triangle(i, |v| self.positions[v as usize], normal)
     }
 }
 
 impl Shape for BakedMesh {
     fn count(&self) -> u32 {
-        self.triangles.len() as u32
+        self.attributes.triangles.len() as u32
     }
 
     fn bounds(&self, i: u32) -> Aabb {
@@ -179,12 +142,12 @@ impl Shape for BakedMesh {
 
     /// Surface point whose shading normal is bent towards the viewer where it faces away, see [`SurfacePoint::facing`].
     fn point(&self, i: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
-        let point = self.at(i, hit.uv);
+        let point = self.triangle(i).at(hit.uv);
         if self.normals.is_empty() { point } else { point.facing(ray) }
     }
 
     fn sample_area(&self, i: u32, u: Vec2) -> (SurfacePoint, AreaPdf) {
-        (self.at(i, warp::triangle(u)), AreaPdf::new(1.0 / self.area(i)))
+        (self.triangle(i).at(warp::triangle(u)), AreaPdf::new(1.0 / self.area(i)))
     }
 
     fn area_coordinates(&self, i: u32, point: &SurfacePoint) -> Option<Vec2> {
@@ -199,7 +162,7 @@ impl Shape for BakedMesh {
         if let Some(seen) = near::triangle(corners, from) {
             let weights = near::in_direction(corners, from, seen.sample(u));
             let weights = weights / weights.element_sum().max(1.0);
-            return Some((self.at(i, weights), SolidAnglePdf::new(seen.pdf())));
+            return Some((self.triangle(i).at(weights), SolidAnglePdf::new(seen.pdf())));
         }
         let (point, pdf) = self.sample_area(i, u);
         Some((point, area_to_solid_angle(&point, pdf, from)?))
@@ -212,87 +175,43 @@ impl Shape for BakedMesh {
         area_to_solid_angle(point, self.area_pdf(i, point), from).unwrap_or(SolidAnglePdf::ZERO)
     }
 
-    /// Solves p = p₀ + u ∂p/∂u + v ∂p/∂v at the corners for both derivatives.
-    fn tangents(&self, i: u32, _: &SurfacePoint) -> Option<[Vec3; 2]> {
-        let [a, b, c] = self.corners(i).map(|p| p.as_dvec3());
-        let (ab, ac) = (b - a, c - a);
-        if self.uvs.is_empty() {
-            return Some([ab.as_vec3(), ac.as_vec3()]);
-        }
-        let [p, q, r] = self.triangles[i as usize].map(|v| self.uvs[v as usize].as_dvec2());
-        let (pq, pr) = (q - p, r - p);
-        let area = pq.perp_dot(pr);
-        (area != 0.0).then(|| [(ab * pr.y - ac * pq.y) / area, (ac * pq.x - ab * pr.x) / area].map(|x| x.as_vec3()))
+    fn tangents(&self, i: u32, _: &SurfacePoint, _: f32) -> Option<[Vec3; 2]> {
+        self.triangle(i).tangents()
     }
 
-    fn normal_change(&self, i: u32, w: Vec2, point: &SurfacePoint, along: Vec3) -> Option<Vec3> {
-        if point.ns == point.ng {
-            return Some(Vec3::ZERO);
-        }
-        let normals = self.triangles[i as usize].map(|v| self.normals[v as usize]);
-        Some(interpolated_change(self.corners(i).map(|p| p.as_dvec3()), normals, w, along))
+    fn normal_change(&self, i: u32, w: Vec2, point: &SurfacePoint, along: Vec3, _: f32) -> Option<Vec3> {
+        Some(self.triangle(i).normal_change(w, point, along))
     }
 
-    fn instance_normal_change(&self, i: u32, w: Vec2, to_world: &Transform, along: Vec3) -> Option<Vec3> {
-        let corners = self.corners(i).map(|p| to_world.point(p.as_dvec3()));
-        Some(self.placed_normals(i, to_world).map_or(Vec3::ZERO, |normals| interpolated_change(corners, normals, w, along)))
+    fn instance_normal_change(&self, i: u32, w: Vec2, to_world: &Transform, along: Vec3, _: f32) -> Option<Vec3> {
+        Some(self.triangle(i).instance_normal_change(w, to_world, along))
     }
 
     fn part(&self, i: u32, _: Vec2) -> u32 {
-        self.part_ends.partition_point(|&end| end <= i) as u32
+        self.attributes.part(i)
     }
 
     fn has_shading_normals(&self) -> bool {
         !self.normals.is_empty()
     }
 
-    fn shadow_terminator_offset(&self, i: u32, w: Vec2, point: &SurfacePoint) -> f32 {
-        let normals = self.triangles[i as usize].map(|v| self.normals[v as usize]);
-        if normals.contains(&Vec3::ZERO) { 0.0 } else { terminator_offset(self.corners(i), normals, w, point) }
+    fn shadow_terminator_offset(&self, i: u32, w: Vec2, point: &SurfacePoint, _: f32) -> f32 {
+        self.triangle(i).terminator_offset(w, point)
     }
 
     fn mirroring_swaps_uv(&self) -> bool {
-        self.uvs.is_empty()
+        self.attributes.uvs.is_empty()
     }
 
-    fn instance_shading_normal(&self, i: u32, w: Vec2, to_world: &Transform, ng: Vec3) -> Option<Vec3> {
-        let [a, b, c] = self.placed_normals(i, to_world)?;
-        (a * (1.0 - w.x - w.y) + b * w.x + c * w.y).try_normalize().filter(|n| n.dot(ng) > 0.0)
+    fn instance_shading_normal(&self, i: u32, w: Vec2, to_world: &Transform, ng: Vec3, _: f32) -> Option<Vec3> {
+        self.triangle(i).instance_shading_normal(w, to_world, ng)
     }
 
-    fn instance_shadow_terminator_offset(&self, i: u32, w: Vec2, to_world: &Transform, point: &SurfacePoint) -> f32 {
-        let corners = self.corners(i).map(|p| to_world.point(p.as_dvec3()).as_vec3());
-        self.placed_normals(i, to_world).map_or(0.0, |normals| terminator_offset(corners, normals, w, point))
+    fn instance_shadow_terminator_offset(&self, i: u32, w: Vec2, to_world: &Transform, point: &SurfacePoint, _: f32) -> f32 {
+        self.triangle(i).instance_terminator_offset(w, to_world, point)
     }
 
     fn has_shadow_terminator_offset(&self) -> bool {
         self.smooth_shadows
     }
-}
-
-/// Height along `ng` at which a ray into any direction above the horizon of the shading normal clears the facets.
-///
-/// h = Σ wₖ max(0, nₖ·(vₖ − p)) / max(½, ng · Σ wₖ nₖ)                (m)
-///
-/// - `corners` vₖ and `normals` nₖ have the weights (1 − w₁ − w₂, w₁, w₂) at the point p; Σ wₖ nₖ is the shading normal, not normalized
-/// - the height is 0 where the surface is flat or concave, because facets there hide nothing that the smooth surface sees
-/// - the height is at most twice the mean distance to the corners, because normals more than 60° from `ng` do not describe a surface
-///   over this facet
-///
-/// nₖ·(x − vₖ) = 0 is the tangent plane at a corner. The plane through p + h ng perpendicular to the shading normal is their weighted
-/// mean, Σ wₖ nₖ·(x − vₖ) = 0. A convex mesh lies behind each of its tangent planes and therefore also behind this plane, however coarse
-/// it is. On a sphere the height is twice that of the sphere itself.
-///
-/// Source: Hanika, *Hacking the Shadow Terminator* (Ray Tracing Gems II, 2021), whose point is moved by
-/// Σ wₖ max(0, nₖ·(vₖ − p)) nₖ. That is nearly the same for fine meshes, but on coarse ones some rays still hit their own facets.
-/// Tests: offset_rays_leave_a_convex_mesh, row N22 of `pt torture`.
-fn terminator_offset(corners: [Vec3; 3], normals: [Vec3; 3], w: Vec2, point: &SurfacePoint) -> f32 {
-    let weights = [1.0 - w.x - w.y, w.x, w.y];
-    let (mut depth, mut slant) = (0.0, 0.0);
-    for ((v, n), w) in corners.into_iter().zip(normals).zip(weights) {
-        depth += w * n.dot(v - point.p).max(0.0);
-        slant += w * n.dot(point.ng);
-    }
-    // Where interpolation leaves the side of ng, the shading normal is ng, and the facet is flat.
-    if slant > 0.0 { depth / slant.max(0.5) } else { 0.0 }
 }

@@ -17,7 +17,7 @@ const PARTS: usize = 45;
 /// of a neighbour, where rounding would open a gap.
 const INNER: f64 = 0.9;
 
-/// Edits every mesh of one material, those within groups too, but for meshes whose triangles control a smooth surface. Files are replaced
+/// Edits every mesh of one material, those within groups too, but for meshes whose triangles control a smooth surface or whose vertices move. Files are replaced
 /// by their triangles.
 ///
 /// # Errors
@@ -43,7 +43,7 @@ fn edit_list(changed: &mut Value, shapes: &[Shape], files: &Files, edit: fn(&mut
 }
 
 fn edit_mesh(value: &mut Value, mesh: &Mesh, files: &Files, edit: fn(&mut MeshData)) -> Result<()> {
-    if mesh.has_computed_normals() {
+    if mesh.has_computed_normals() || !mesh.keyframes.is_empty() {
         return Ok(());
     }
     let mut data = match &mesh.file {

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::meshes::{baked, icosphere, mesh, shapes};
-use super::{Failures, Random, Row};
+use super::{Failures, Random, Row, moving_meshes};
 use crate::accel;
 use crate::bsdf::{Bsdf, Diffuse};
 use crate::light::ShadowTarget;
@@ -24,6 +24,7 @@ pub fn rows() -> Vec<Row> {
     vec![
         leaks(),
         adversarial(),
+        moving_meshes::leaks(),
         crossings(),
         axis_parallel(),
         self_hits(),

@@ -15,6 +15,7 @@ pub mod glass;
 mod lights;
 mod media;
 pub mod meshes;
+mod moving_meshes;
 #[cfg(feature = "cli")]
 mod page;
 pub mod radiance;

@@ -36,14 +36,14 @@ impl World {
     /// Change of the shading normal at a hit when the point moves by `along` (m).
     fn normal_change(&self, point: &SurfacePoint, ray: &Ray, hit: &Hit, along: Vec3) -> Option<Vec3> {
         let shape = &*self.shapes[hit.shape as usize];
-        let Some(id) = hit.instance else { return shape.normal_change(hit.primitive, hit.uv, point, along) };
+        let Some(id) = hit.instance else { return shape.normal_change(hit.primitive, hit.uv, point, along, ray.time) };
         let nesting = self.hierarchy.instance(id, ray.time);
         let to_world = nesting.to_outer();
-        if let Some(change) = shape.instance_normal_change(hit.primitive, hit.uv, &to_world, along) {
+        if let Some(change) = shape.instance_normal_change(hit.primitive, hit.uv, &to_world, along, ray.time) {
             return Some(change);
         }
         let within = self.point_in_group_of(&nesting, point, ray, hit);
-        let change = shape.normal_change(hit.primitive, hit.uv, &within, nesting.vector_to_local(along))?;
+        let change = shape.normal_change(hit.primitive, hit.uv, &within, nesting.vector_to_local(along), ray.time)?;
         // Normals are placed by the inverse transpose.
         let to_outer = to_world.inverse_matrix().matrix3.transpose();
         let [normal, change] = [within.ns, change].map(|v| to_outer * v.as_dvec3());

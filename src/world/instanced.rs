@@ -23,7 +23,7 @@ impl World {
         if !shape.has_shading_normals() {
             return point;
         }
-        let ns = shape.instance_shading_normal(hit.primitive, hit.uv, &nesting.to_outer(), point.ng);
+        let ns = shape.instance_shading_normal(hit.primitive, hit.uv, &nesting.to_outer(), point.ng, ray.time);
         SurfacePoint { ns: ns.unwrap_or(point.ng), ..point }.facing(ray)
     }
 
@@ -70,7 +70,7 @@ impl World {
     ) {
         let shape = &*self.shapes[hit.shape as usize];
         if self.appearances[hit.shape as usize].has_shadow_terminator_offset {
-            let offset = shape.instance_shadow_terminator_offset(hit.primitive, hit.uv, &nesting.to_outer(), &surface.point);
+            let offset = shape.instance_shadow_terminator_offset(hit.primitive, hit.uv, &nesting.to_outer(), &surface.point, view.time);
             surface.set_shadow_origin(offset, view);
         }
         if prepared.needs_tangents {
@@ -84,7 +84,7 @@ impl World {
     pub(super) fn tangents_of_instance(&self, id: InstanceId, point: &SurfacePoint, view: &Ray, hit: &Hit) -> Option<[Vec3; 2]> {
         let (nesting, shape) = (self.hierarchy.instance(id, view.time), &*self.shapes[hit.shape as usize]);
         let within = self.point_in_group_of(&nesting, point, view, hit);
-        let mut tangents = shape.tangents(hit.primitive, &within).map(|tangents| tangents.map(|t| nesting.vector(t)));
+        let mut tangents = shape.tangents(hit.primitive, &within, view.time).map(|tangents| tangents.map(|t| nesting.vector(t)));
         if swaps_uv(shape, &nesting) {
             tangents.iter_mut().for_each(|tangents| tangents.reverse());
         }

@@ -262,7 +262,7 @@ impl World {
     fn tangents(&self, point: &SurfacePoint, view: &Ray, hit: &Hit) -> Option<[Vec3; 2]> {
         match hit.instance {
             Some(id) => self.tangents_of_instance(id, point, view, hit),
-            None => self.shapes[hit.shape as usize].tangents(hit.primitive, point),
+            None => self.shapes[hit.shape as usize].tangents(hit.primitive, point, view.time),
         }
     }
 
@@ -271,7 +271,7 @@ impl World {
     fn with_shading_frame<'a>(&self, mut surface: Surface<'a>, ray: &Ray, hit: &Hit) -> Surface<'a> {
         let (shape, prepared) = (&self.shapes[hit.shape as usize], self.prepared_material(hit));
         if self.appearances[hit.shape as usize].has_shadow_terminator_offset {
-            surface.set_shadow_origin(shape.shadow_terminator_offset(hit.primitive, hit.uv, &surface.point), ray);
+            surface.set_shadow_origin(shape.shadow_terminator_offset(hit.primitive, hit.uv, &surface.point, ray.time), ray);
         }
         if prepared.needs_tangents {
             let tangents = self.tangents(&surface.point, ray, hit);

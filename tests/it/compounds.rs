@@ -552,7 +552,7 @@ fn tangents_are_derivatives() {
         for _ in 0..200 {
             let u = Vec2::new(random.range(0.05, 0.95) as f32, random.range(0.1, 0.9) as f32);
             let (a, _) = shape.sample_area(0, u);
-            let Some([du, dv]) = shape.tangents(0, &a) else { panic!("shape {k} has none") };
+            let Some([du, dv]) = shape.tangents(0, &a, 0.0) else { panic!("shape {k} has none") };
             let (b, _) = shape.sample_area(0, u + Vec2::new(3e-4, 2e-4));
             let moved = b.uv - a.uv;
             if moved.length() > 0.1 {

@@ -58,6 +58,7 @@ mod meshes;
 mod meters;
 mod metrics;
 mod motion;
+mod moving_meshes;
 mod normal_maps;
 mod open_shapes;
 mod oracle;

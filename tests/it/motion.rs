@@ -127,10 +127,46 @@ fn moves(random: &mut Random, reach: f64) -> Value {
     json!({ "keyframes": [key(-0.3), key(0.4), key(1.5)] })
 }
 
+/// Meshes whose vertices move: with normals and without, one with relief, and one that moves as a whole, too.
+fn deforming(random: &mut Random) -> Vec<Value> {
+    let corners = [[1.0, 0.0, -0.4], [-0.6, 0.9, -0.4], [-0.6, -0.9, -0.4], [0.0, 0.0, 1.2]];
+    let triangles = json!([[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]]);
+    let mut pose = |size: f64| -> [Value; 2] {
+        let mut near = |p: [f64; 3], by: f64| (DVec3::from(p) * size + random.in_cube() * by).to_array();
+        let positions: Vec<_> = corners.iter().map(|p| near(*p, 0.15)).collect();
+        let normals: Vec<_> = corners.iter().map(|p| near(*p, 0.1)).collect();
+        [json!(positions), json!(normals)]
+    };
+    let mut mesh = |name: &str, is_smooth: bool| {
+        let [positions, normals] = pose(1.0);
+        let mut mesh = json!({ "type": "mesh", "name": name, "positions": positions, "triangles": triangles });
+        let mut keyframes = vec![];
+        for (time, size) in [(-0.2, 0.9), (0.3, 1.0), (1.2, 1.1)] {
+            let [positions, normals] = pose(size);
+            keyframes.push(json!({ "time": time, "positions": positions }));
+            if is_smooth {
+                keyframes.last_mut().expect("one")["normals"] = normals;
+            }
+        }
+        if is_smooth {
+            mesh["normals"] = normals;
+        }
+        mesh["keyframes"] = json!(keyframes);
+        mesh
+    };
+    let (plain, mut smooth, mut relief) = (mesh("facets", false), mesh("smooth", true), mesh("relief", true));
+    smooth["smooth_shadows"] = json!(true);
+    relief["uvs"] = json!([[0, 0], [1, 0], [0.2, 1], [0.7, 0.6]]);
+    relief["emission"] = json!({ "radiance": [3, 2, 1], "two_sided": true });
+    relief["material"] = json!({ "type": "bumped", "surface": { "type": "diffuse" }, "bump_map": { "type": "noise", "scale": 3, "on": "uv" }, "scale": 0.05 });
+    vec![plain, smooth, relief]
+}
+
 /// Shapes of all kinds that move: alone, in a group, in a group that is itself within one that moves, and as instances.
 fn zoo(random: &mut Random, shutter: [f64; 2]) -> Value {
     let still = json!({ "translate": [0, 0, 3] });
     let mut alone = one_of_each();
+    alone.as_array_mut().expect("shapes").extend(deforming(random));
     for shape in alone.as_array_mut().expect("shapes") {
         let steps = shape.as_object_mut().expect("a shape").entry("transform").or_insert(json!([]));
         steps.as_array_mut().expect("steps").extend([moves(random, 6.0), still.clone()]);
@@ -139,10 +175,15 @@ fn zoo(random: &mut Random, shutter: [f64; 2]) -> Value {
     let group = json!({ "type": "group", "shapes": [within, { "type": "sphere", "name": "inner" }], "transform": [moves(random, 6.0)] });
     let placements: Vec<Value> = (0..3).map(|_| json!({ "transform": [moves(random, 8.0), { "scale": 0.7 }] })).collect();
     let instances = json!({ "type": "instances", "group": "things", "placements": placements, "transform": [moves(random, 3.0)] });
-    let shapes =
-        [alone.as_array().expect("shapes").clone(), vec![json!({ "type": "sphere", "name": "at rest" }), group, instances]].concat();
+    let shapes = [
+        alone.as_array().expect("shapes").clone(),
+        vec![json!({ "type": "sphere", "name": "at rest" }), group, instances],
+        deforming(random),
+    ]
+    .concat();
     let things = [
         one_of_each().as_array().expect("shapes").clone(),
+        deforming(random),
         vec![json!({ "type": "sphere", "name": "last", "transform": [moves(random, 2.0)] })],
     ]
     .concat();
@@ -301,6 +342,23 @@ fn room(kind: usize) -> Value {
             lights.extend([spot, point]);
             shapes.push(json!({ "type": "box", "size": 0.8, "material": matte(0.7) }));
         }
+        // Bodies that change their form under a lamp at rest.
+        4 => {
+            shapes.push(lamp(
+                json!({ "type": "disk", "radius": 0.6, "emission": 6 }),
+                json!([{ "rotate": { "axis": [1, 0, 0], "degrees": 90 } }, { "translate": [0, 1.5, 0.5] }]),
+            ));
+            let tent = |top: [f64; 3]| json!([[-0.7, -0.9, 0.5], [0.7, -0.9, 0.5], [0, -0.9, -0.7], top]);
+            let sides = json!([[0, 1, 3], [1, 2, 3], [2, 0, 3]]);
+            let wagging = |material: Value| {
+                json!({ "type": "mesh", "positions": tent([0.0, 0.4, 0.0]), "triangles": sides, "material": material,
+                    "keyframes": [{ "time": 0, "positions": tent([-1.0, 0.2, 0.3]) }, { "time": 0.6 }, { "time": 1, "positions": tent([0.9, -0.2, 0.8]) }] })
+            };
+            shapes.push(wagging(matte(0.5)));
+            let mut metal = wagging(json!({ "type": "conductor", "metal": "Cu", "roughness": 0.4 }));
+            metal["transform"] = json!([{ "scale": 0.4 }, { "translate": [-0.9, 0.6, -0.6] }]);
+            shapes.push(metal);
+        }
         // A camera that moves and turns.
         _ => {
             shapes.push(lamp(
@@ -316,7 +374,7 @@ fn room(kind: usize) -> Value {
 }
 
 /// Number of kinds of rooms.
-const ROOMS: usize = 5;
+const ROOMS: usize = 6;
 
 const EDGE: u32 = 16;
 
@@ -467,7 +525,7 @@ fn threads_and_tiles_do_not_matter_in_motion() {
 }
 
 /// Runs the program on a scene; returns the bits of its picture and what it says.
-fn rendered(scene: &Value) -> (Vec<u32>, String) {
+pub fn rendered(scene: &Value) -> (Vec<u32>, String) {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("s.json"), scene.to_string()).expect("written");
     let mut command = Command::cargo_bin("pt").expect("the program");

@@ -43,8 +43,8 @@ fn overrides_with_unknown_pointers_report_the_known_part() {
             "1",
             "-D /materials/xyzzy/eta=1: /materials has no \"xyzzy\", only boundary, diffuse, mirror, gold, glass",
         ),
-        ("/shapes/7/name", "x", "-D /shapes/7/name=x: /shapes is a list of 7: expected a number below 7, found \"7\""),
-        ("/shapes/00/name", "x", "-D /shapes/00/name=x: /shapes is a list of 7"),
+        ("/shapes/9/name", "x", "-D /shapes/9/name=x: /shapes is a list of 9: expected a number below 9, found \"9\""),
+        ("/shapes/00/name", "x", "-D /shapes/00/name=x: /shapes is a list of 9"),
         ("/camera/fov/x", "1", "-D /camera/fov/x=1: /camera/fov is 50.5: it has no \"x\""),
         ("/camera", "{\"fov\": }", "-D /camera={\"fov\": }: unexpected close brace"),
     ];

@@ -46,6 +46,8 @@ const LENGTHS: &str = r#"{
     { "type": "mesh", "positions": [[-3, 0, -2], [3, 0, -2], [0, 3, -2.5]], "triangles": [[0, 1, 2]], "material": "stone" },
     { "type": "mesh", "positions": [[2.2, 2, 1.5], [3.2, 2.1, 1.6], [2.6, 3, 1.5], [2.6, 2.4, 0.8]], "triangles": [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
       "subdivision_levels": 3, "displacement": { "texture": "dents", "scale": 0.3 }, "material": "stone" },
+    { "type": "mesh", "positions": [[-0.6, 2.6, -1], [0.2, 2.6, -1.1], [-0.2, 3.2, -1]], "triangles": [[0, 1, 2]], "material": "stone",
+      "keyframes": [{ "time": 0 }, { "time": 1, "positions": [[-0.5, 2.4, -1], [0.3, 2.7, -0.8], [-0.3, 3.3, -1.2]] }] },
     { "type": "box", "size": [0.7, 0.3, 0.4], "material": "stone", "transform": [{ "keyframes": [
       { "time": 0, "transform": [{ "translate": [-2.6, 2.1, -0.6] }] },
       { "time": 1, "transform": [{ "rotate": { "axis": [1, 2, 3], "degrees": 70 } }, { "translate": [-1.9, 2.4, -0.8] }] }

@@ -348,7 +348,7 @@ fn shadow_offsets_are_bounded() {
         let shape = shape(normals);
         let ray = Ray::new(Vec3::ONE, -Vec3::ONE.normalize());
         let hit = shape.intersect(0, &ray).expect("aimed at it");
-        shape.shadow_terminator_offset(0, hit.uv, &shape.point(0, &ray, &hit))
+        shape.shadow_terminator_offset(0, hit.uv, &shape.point(0, &ray, &hit), 0.0)
     };
     // (1 − 1/3)/(1/√3)
     assert!((middle(Vec3::AXES) - 2.0 / 3f32.sqrt()).abs() < 1e-6);

@@ -13,6 +13,7 @@
 
 mod accessor;
 mod animation;
+mod bent;
 mod buffer;
 mod camera;
 mod container;

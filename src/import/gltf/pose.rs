@@ -112,9 +112,9 @@ impl Poses {
         if all.windows(2).all(|pair| pair[0].1 == pair[1].1) { vec![(0.0, self.middle.of(node))] } else { all }
     }
 
-    /// Whether anything may move while the shutter is open.
-    pub fn is_moving(&self) -> bool {
-        !self.keys.is_empty()
+    /// Poses at times from the opening of the shutter to its closing (s); none if nothing can move.
+    pub fn keys(&self) -> &[(f64, Pose)] {
+        &self.keys
     }
 }
 

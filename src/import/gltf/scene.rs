@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{BVec3, DMat4, Vec3};
 
+use super::bent;
 use super::document::Document;
 use super::instances::NOT_SHOWN;
 use super::material::{Colors, PreparedMaterial};
@@ -14,6 +15,7 @@ use crate::import::auto_camera;
 use crate::import::json_cursor::JsonCursor;
 use crate::import::view::{ASPECT, Bounds, MissingParts};
 use crate::reader::Node;
+use crate::shape::MeshData;
 
 /// pt's tree of the file's scene; `None` with a fault noted.
 pub fn scene(document: &Document) -> Option<Node> {
@@ -72,6 +74,8 @@ struct MeshFile {
     file: String,
     positions: Arc<[Vec3]>,
     is_posed: bool,
+    /// Files of the mesh at several times, if skins or morph targets bend it while the shutter is open.
+    keyframes: Vec<(f64, String)>,
 }
 
 /// State of the conversion.
@@ -128,9 +132,6 @@ impl SceneBuilder<'_, '_> {
         };
         let Some(made) = made else { return };
         let at = self.document.item("nodes", node.index());
-        if self.poses.is_moving() && (made.is_posed || pose.weights(node).is_some()) {
-            self.document.note(&at, "what skins and morph targets bend is shown as in the middle of the exposure: it is not blurred");
-        }
         let moments = if made.is_posed { vec![(0.0, DMat4::IDENTITY)] } else { self.shown(node) };
         let Some((_, to_world)) = moments.get(moments.len() / 2).copied() else {
             self.document.note(&at, NOT_SHOWN);
@@ -140,6 +141,9 @@ impl SceneBuilder<'_, '_> {
         self.lit |= prepared.is_lamp;
         let mut shown = vec![("file", at.make_text(&*made.file)), ("material", at.make_text(name))];
         shown.extend(prepared.emission.clone().map(|emission| ("emission", emission)));
+        let keyframe = |(time, file): &(f64, String)| at.make_object([("time", at.make_number(*time)), ("file", at.make_text(&**file))]);
+        let keyframes = (!made.keyframes.is_empty()).then(|| at.make_array(made.keyframes.iter().map(keyframe)));
+        shown.extend(keyframes.map(|keyframes| ("keyframes", keyframes)));
         let mut members = vec![];
         members.extend(node.name().or(mesh.name()).map(|name| ("name", at.make_text(name))));
         match instances {
@@ -207,7 +211,7 @@ impl SceneBuilder<'_, '_> {
         self.materials.insert(material_key, (name, self.document.material(index, colors)));
     }
 
-    /// Writes the triangles as a file; `None` if there are none.
+    /// Writes the triangles as a file, and as one for each pose that they need; `None` if there are none.
     fn write_mesh(
         &self,
         node: &gltf::Node,
@@ -218,11 +222,30 @@ impl SceneBuilder<'_, '_> {
     ) -> Option<MeshFile> {
         let geometry = self.document.geometry(node, mesh, primitive, &prepared.mapping, &self.poses.middle)?;
         let of_node = own_pose.map_or(String::new(), |node| format!("-node-{node}"));
-        let file = self.document.made_name(&format!("mesh-{}-{}{of_node}", mesh.index(), primitive.index()), "ply");
+        let name = format!("mesh-{}-{}{of_node}", mesh.index(), primitive.index());
+        let file = self.write(&name, &geometry.mesh)?;
+        let bent = match own_pose {
+            Some(_) => bent::poses(&geometry.mesh, self.poses.keys(), |pose| {
+                Some(self.document.geometry(node, mesh, primitive, &prepared.mapping, pose)?.mesh)
+            }),
+            None => Some(vec![]),
+        };
+        if bent.is_none() {
+            let at = self.document.item("nodes", node.index());
+            self.document.note(&at, "a mesh of which triangles vanish while it is bent is shown as in the middle of the exposure");
+        }
+        let written = |(k, (time, mesh)): (usize, (f64, MeshData))| Some((time, self.write(&format!("{name}-pose-{k}"), &mesh)?));
+        let keyframes = bent.into_iter().flatten().enumerate().map(written).collect::<Option<_>>()?;
+        Some(MeshFile { file, positions: geometry.mesh.positions.into(), is_posed: geometry.is_posed, keyframes })
+    }
+
+    /// Writes a mesh and returns the name of its file.
+    fn write(&self, name: &str, mesh: &MeshData) -> Option<String> {
+        let file = self.document.made_name(name, "ply");
         let mut bytes = vec![];
-        geometry.mesh.write_ply_binary(&mut bytes).ok()?;
+        mesh.write_ply_binary(&mut bytes).ok()?;
         self.document.root.context().make(&*file, bytes);
-        Some(MeshFile { file, positions: geometry.mesh.positions.into(), is_posed: geometry.is_posed })
+        Some(file)
     }
 
     fn root(mut self) -> Node {

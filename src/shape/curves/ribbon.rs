@@ -145,7 +145,7 @@ impl Shape for Ribbons {
         self.point_at(i, hit.uv)
     }
 
-    fn tangents(&self, i: u32, point: &SurfacePoint) -> Option<[Vec3; 2]> {
+    fn tangents(&self, i: u32, point: &SurfacePoint, _: f32) -> Option<[Vec3; 2]> {
         let uv = self.uv_of(i, point);
         let [_, by_s, by_nu] = self.ribbon(i).at(uv.x.into(), signed(uv.y));
         Some([(2.0 * by_nu).as_vec3(), (by_s / self.0.place(i).length).as_vec3()])

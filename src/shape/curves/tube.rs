@@ -408,7 +408,7 @@ impl Shape for Tubes {
     }
 
     /// Around the curve, and along it at one angle from the root.
-    fn tangents(&self, i: u32, point: &SurfacePoint) -> Option<[Vec3; 2]> {
+    fn tangents(&self, i: u32, point: &SurfacePoint, _: f32) -> Option<[Vec3; 2]> {
         let place = self.0.place(i);
         let Spot { circle, around, is_on_ball, .. } = Spot::new(&self.0.piece(i), self.uv_of(i, point));
         let [along, by_angle] = circle.derivatives(around);
@@ -417,7 +417,7 @@ impl Shape for Tubes {
         (!is_on_ball).then(|| [(by_angle * TAU_F64).as_vec3(), ((along + by_angle * twist) / place.length).as_vec3()])
     }
 
-    fn normal_change(&self, i: u32, uv: Vec2, _: &SurfacePoint, along: Vec3) -> Option<Vec3> {
+    fn normal_change(&self, i: u32, uv: Vec2, _: &SurfacePoint, along: Vec3, _: f32) -> Option<Vec3> {
         let Spot { circle, around, is_on_ball, .. } = Spot::new(&self.0.piece(i), uv);
         let along = along.as_dvec3();
         if is_on_ball {

@@ -238,12 +238,12 @@ impl<P: Profile> Shape for Revolved<P> {
         self.at(&self.place(ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(hit.t)))
     }
 
-    fn tangents(&self, _: u32, point: &SurfacePoint) -> Option<[Vec3; 2]> {
+    fn tangents(&self, _: u32, point: &SurfacePoint, _: f32) -> Option<[Vec3; 2]> {
         let tangents = self.profile.tangents(&self.place(point.p.as_dvec3()), &self.sector)?;
         Some(tangents.map(|tangent| (self.linear * tangent).as_vec3()))
     }
 
-    fn normal_change(&self, _: u32, _: Vec2, point: &SurfacePoint, along: Vec3) -> Option<Vec3> {
+    fn normal_change(&self, _: u32, _: Vec2, point: &SurfacePoint, along: Vec3, _: f32) -> Option<Vec3> {
         let at = self.place(point.p.as_dvec3());
         let change = self.profile.normal_change(&at, self.inverse * along.as_dvec3())?;
         let to_world = self.inverse.transpose();

@@ -148,7 +148,7 @@ impl Shape for Solid {
         }
     }
 
-    fn normal_change(&self, _: u32, _: Vec2, point: &SurfacePoint, along: Vec3) -> Option<Vec3> {
+    fn normal_change(&self, _: u32, _: Vec2, point: &SurfacePoint, along: Vec3, _: f32) -> Option<Vec3> {
         let p = self.to_object.transform_point3(point.p.as_dvec3());
         let gradient = self.sdf.distance(Dual::coordinates(p)).gradient;
         let change = self.gradient_change(p, self.to_object.transform_vector3(along.as_dvec3()));

@@ -91,7 +91,7 @@ pub struct SurfaceLanes<L: Lanes> {
 
 impl Tables {
     /// Tables of a scene; `None` if its paths are better followed one by one: some material or emission is not the same everywhere, a
-    /// surface has holes or smooth shadows, there are media, instances or implicit surfaces, lights move, the tables would be too long for their
+    /// surface has holes or smooth shadows, there are media, instances or implicit surfaces, vertices or lights move, the tables would be too long for their
     /// indices, or there is only one lane.
     pub fn new(world: &World, width: Width) -> Option<Tables> {
         let is_plain = |material: &PreparedMaterial| material.uniform.is_some();
@@ -101,6 +101,7 @@ impl Tables {
             && !world.has_holes
             && world.media.is_none()
             && !world.lights.effects().contains(Effects::MOTION)
+            && !world.shapes.iter().any(|shape| shape.is_moving())
             && !world.appearances.iter().any(|appearance| appearance.has_shadow_terminator_offset)
             && parts().all(|part| is_plain(&world.materials[part.material.0 as usize]))
             && parts().all(|part| part.emitter.as_ref().is_none_or(|emitter| emitter.texture.is_none()));

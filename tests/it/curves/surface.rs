@@ -81,7 +81,7 @@ fn derivatives_are_those_of_neighbouring_points() {
                 for _ in 0..40 {
                     let (point, _) = shape.sample_area(i, random.uniform_square());
                     let Some((point, uv)) = near(&*shape, i, &point, point.p) else { continue };
-                    let Some(tangents) = shape.tangents(i, &point) else { continue };
+                    let Some(tangents) = shape.tangents(i, &point, 0.0) else { continue };
                     assert!(tangents.iter().all(|t| t.dot(point.ng).abs() <= 2e-5 * t.length()), "{seed} {is_tube}");
                     let outside = tangents[0].cross(tangents[1]).dot(point.ng);
                     assert!(outside > 0.0, "{seed} {is_tube}: {tangents:?}");
@@ -102,7 +102,7 @@ fn derivatives_are_those_of_neighbouring_points() {
                         let error = (found - expected).length();
                         assert!(error < 0.03, "{seed} {is_tube} {i} {k}: {found}, not {expected} at {point:?}");
                         checked += 1;
-                        let Some(change) = shape.normal_change(i, uv, &point, along) else { continue };
+                        let Some(change) = shape.normal_change(i, uv, &point, along, 0.0) else { continue };
                         let moved = (after.ng - before.ng) * 0.5;
                         assert!((moved - change).length() <= 1e-4 + 0.03 * change.length(), "{seed} {k}: {moved}, not {change}");
                         turned += 1;

@@ -53,7 +53,12 @@ impl Read {
 
     /// The mesh of a shape as pt reads it.
     pub fn mesh(&self, shape: usize) -> MeshData {
-        let file = self.at(&format!("/shapes/{shape}/file")).as_str().expect("a file");
+        self.mesh_at(&format!("/shapes/{shape}/file"))
+    }
+
+    /// The mesh whose file's name is at a pointer.
+    pub fn mesh_at(&self, pointer: &str) -> MeshData {
+        let file = self.at(pointer).as_str().expect("a file");
         self.files.mesh(file).unwrap_or_else(|e| panic!("{e}")).0
     }
 

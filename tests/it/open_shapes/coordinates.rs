@@ -67,7 +67,7 @@ fn derivatives_are_those_of_neighbouring_points() {
             for _ in 0..100 {
                 let (point, _) = shape.sample_area(0, random.uniform_square());
                 let Some((point, hit)) = near(&*shape, &point, point.p) else { continue };
-                let tangents = shape.tangents(0, &point).expect("not at a pole");
+                let tangents = shape.tangents(0, &point, 0.0).expect("not at a pole");
                 // Tangents lie in the surface.
                 assert!(tangents.iter().all(|t| t.dot(point.ng).abs() <= 1e-5 * t.length()), "{}", kind.name);
                 for (k, tangent) in tangents.into_iter().enumerate() {
@@ -90,7 +90,7 @@ fn derivatives_are_those_of_neighbouring_points() {
                     let expected = if k == 0 { Vec2::X } else { Vec2::Y };
                     assert!((found - expected).length() < 0.02, "{} {point:?}: {found}, not {expected}", kind.name);
                     checked += 1;
-                    let Some(change) = shape.normal_change(0, hit.uv, &point, along) else { continue };
+                    let Some(change) = shape.normal_change(0, hit.uv, &point, along, 0.0) else { continue };
                     let moved = (after.ng - before.ng) * 0.5;
                     assert!((moved - change).length() <= 0.02 * STEP + 0.02 * change.length(), "{}: {moved}, not {change}", kind.name);
                     normals += 1;

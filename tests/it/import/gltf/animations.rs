@@ -2,7 +2,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use glam::{DMat4, DVec3, Vec3};
+use glam::{DMat4, DQuat, DVec3, Vec3};
+use pt::math::Ray;
 use pt::scene::Scene;
 use serde_json::{Value, json};
 
@@ -129,21 +130,42 @@ fn nodes_move_while_the_shutter_is_open() {
     assert!(exposed(&model, 0.5, 0.5).at("/shapes/0/transform/0").get("keyframes").is_none());
 }
 
-/// Weights of morph targets and the joints of skins are those of the middle of the exposure, and it is said that they do not blur.
+/// Times and corners of the keyframes of the first mesh.
+fn bent(scene: &Read) -> Vec<(f64, Vec<Vec3>)> {
+    let keys = scene.at("/shapes/0/keyframes").as_array().expect("keyframes").len();
+    let time = |k: usize| scene.at(&format!("/shapes/0/keyframes/{k}/time")).as_f64().expect("a time");
+    (0..keys).map(|k| (time(k), scene.mesh_at(&format!("/shapes/0/keyframes/{k}/file")).positions)).collect()
+}
+
+/// Weights of morph targets bend a mesh while the shutter is open. Where they change evenly two keyframes say it.
 #[test]
-fn morph_targets_and_skins_follow_their_animation() {
+fn morph_targets_are_blurred() {
     let mut model = Model::new();
     let (position, target) = (model.floats(&CORNERS), model.floats(&[[0.0, 0.0, 4.0]; 4]));
     let primitive = json!({ "attributes": { "POSITION": position }, "mode": 6, "targets": [{ "POSITION": target }] });
     let mesh = model.add("meshes", json!({ "primitives": [primitive] }));
     let node = model.node(json!({ "mesh": mesh }));
     animate(&mut model, node, "weights", "LINEAR", &[0.0, 2.0], &[[0.0], [1.0]]);
+    let raised = |z: f32| CORNERS.iter().map(|p| Vec3::from(*p) + Vec3::Z * z).collect::<Vec<_>>();
     let scene = exposed(&model, 0.5, 1.5);
-    let expected: Vec<Vec3> = CORNERS.iter().map(|p| Vec3::from(*p) + Vec3::Z * 2.0).collect();
-    assert_eq!(scene.mesh(0).positions, expected);
-    assert!(scene.notes_say("what skins and morph targets bend is shown as in the middle of the exposure"));
-    assert!(!exposed(&model, 1.0, 1.0).notes_say("skins and morph targets"));
+    assert_eq!(bent(&scene), [(0.5, raised(1.0)), (1.5, raised(3.0))]);
+    let built = scene.built();
+    for (time, z) in [(0.0, 1.0), (0.25, 1.5), (0.9, 2.8)] {
+        let origin = Vec3::new(0.5, 0.5, 9.0) - built.world.origin().as_vec3();
+        let hit = built.world.intersect(&Ray { time, ..Ray::new(origin, Vec3::NEG_Z) }).expect("a hit");
+        assert_near(&[f64::from(9.0 - hit.t)], &[z], 1e-5, &format!("at {time}"));
+    }
+    // A moment, and a time at which nothing changes, have no keyframes.
+    let moment = exposed(&model, 1.0, 1.0);
+    assert_eq!(moment.mesh(0).positions, raised(2.0));
+    assert!(moment.at("/shapes/0").get("keyframes").is_none());
+    assert!(exposed(&model, 3.0, 4.0).at("/shapes/0").get("keyframes").is_none());
+}
 
+/// The joints of skins bend a mesh while the shutter is open. Vertices that turn about a joint stay on their circles, to within 1/4096 of the
+/// size of the mesh.
+#[test]
+fn skins_are_blurred() {
     let mut model = Model::new();
     let position = model.floats(&CORNERS);
     let joints = model.accessor(&[0; 16], U8, "VEC4", 4);
@@ -153,9 +175,25 @@ fn morph_targets_and_skins_follow_their_animation() {
     let joint = model.node(json!({}));
     let skin = model.add("skins", json!({ "joints": [joint] }));
     model.node(json!({ "mesh": mesh, "skin": skin }));
-    animate(&mut model, joint, "translation", "LINEAR", &[0.0, 2.0], &[[0.0; 3], [0.0, 8.0, 0.0]]);
-    let expected: Vec<Vec3> = CORNERS.iter().map(|p| Vec3::from(*p) + Vec3::Y * 2.0).collect();
-    assert_eq!(exposed(&model, 0.5, 0.5).mesh(0).positions, expected);
+    let turned = |degrees: f64| DQuat::from_rotation_z(degrees.to_radians()).as_quat().to_array();
+    animate(&mut model, joint, "rotation", "LINEAR", &[0.0, 2.0], &[turned(0.0), turned(120.0)]);
+    let at =
+        |degrees: f64| CORNERS.iter().map(move |p| (DQuat::from_rotation_z(degrees.to_radians()) * Vec3::from(*p).as_dvec3()).as_vec3());
+    let moment = exposed(&model, 0.5, 0.5);
+    for (found, wanted) in moment.mesh(0).positions.iter().zip(at(30.0)) {
+        assert!(found.distance(wanted) < 1e-6, "{found}, not {wanted}");
+    }
+    let keys = bent(&exposed(&model, 0.0, 1.0));
+    assert!((5..=33).contains(&keys.len()), "{} keyframes", keys.len());
+    for time in (0..=500).map(|k| f64::from(k) / 500.0) {
+        let after = keys.partition_point(|(key, _)| *key <= time).min(keys.len() - 1);
+        let ((start, a), (end, b)) = (&keys[after - 1], &keys[after]);
+        let share = ((time - start) / (end - start)) as f32;
+        for ((a, b), wanted) in a.iter().zip(b).zip(at(60.0 * time)) {
+            // The times that are tried are 1/64 of the exposure apart.
+            assert!(a.lerp(*b, share).distance(wanted) < 2.0 * 1.5 / 4096.0, "at {time}");
+        }
+    }
 }
 
 /// The camera and lights move with their nodes: the camera sees what it would from where it is at each time.
