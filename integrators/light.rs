@@ -1,29 +1,33 @@
 //! Light tracing: paths that start at the lights.
 
+use std::marker::PhantomData;
 use std::sync::Arc;
 
 use pt::bsdf::{BsdfSample, Lobe, TransportMode};
 use pt::effects::Effects;
 use pt::film::{FilmSpec, Splat};
-use pt::integrator::{Bias, CameraSample, Context, Estimator, Integrator, Interrupt, LightPath, MAX_DEPTH, PathWavelength, Roulette};
-use pt::light::ShadowTarget;
+use pt::integrator::{
+    Bias, CameraSample, Context, Estimator, Filled, Integrator, Interrupt, LightPath, MAX_DEPTH, PathWavelength, Roulette, Space,
+    Traveller, Vacuum,
+};
+use pt::light::{EmittedRay, ShadowTarget};
 use pt::math::{Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, Vec2, Vec3, Wavelength, warp};
 use pt::primitive::Hit;
 use pt::recorder::{End, Event, NoRecorder, Origin, Recorder, Scattering};
+use pt::sampler::SampleNumbers;
 use pt::sampler::dimension::{self, Use};
-use pt::scene::{Scene, Surface};
+use pt::scene::{Interaction, MediumPoint, Scene, Surface};
 use pt::shape::SurfacePoint;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Effects that light tracing cannot simulate: what is seen in mirrors and through glass, light of surfaces on which no point can be
-/// sampled (`sdf`), light that `smooth_shadows` lets reach facets which are turned away from it, media, and cameras whose
+/// sampled (`sdf`), light that media emit, light that `smooth_shadows` lets reach facets which are turned away from it, and cameras whose
 /// importance is not known.
 pub const NOT_SIMULATED: Effects = Effects::SPECULAR_REFLECTION
     .union(Effects::REFRACTION)
     .union(Effects::UNSAMPLED_EMITTER)
     .union(Effects::SMOOTH_SHADOWS)
-    .union(Effects::MEDIA)
     .union(Effects::REALISTIC_LENS);
 
 /// Light tracing. A path starts at a light, and each of its vertices is connected to the camera.
@@ -36,6 +40,8 @@ pub const NOT_SIMULATED: Effects = Effects::SPECULAR_REFLECTION
 ///
 /// Absorption in a body counts from where a path enters the body. With a lamp or the camera inside an absorbing body the picture
 /// therefore differs from that of paths from the camera, which count it from the other end.
+///
+/// Where a medium scatters a path, f·|cos| is its phase function. V is the share of the light that media and surfaces let pass.
 ///
 /// Source: Arvo, *Backward Ray Tracing* (1986); Veach, *Robust Monte Carlo Methods for Light Transport Simulation* (1997), §8.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -64,7 +70,9 @@ impl Integrator for LightTracer {
         let has_shading_normals = calls_for(Effects::SHADING_NORMALS);
         let (has_lens, has_motion) = (calls_for(Effects::THIN_LENS), calls_for(Effects::MOTION));
         let roulette = Roulette { from_depth: self.roulette_depth };
-        Box::new(Walk { scene, max_depth: self.max_depth, roulette, has_lens, has_motion, has_shading_normals })
+        let has_media = calls_for(Effects::MEDIA);
+        let method = Method { scene, max_depth: self.max_depth, roulette, has_lens, has_motion, has_shading_normals };
+        if has_media { Box::new(Walk::<Filled>::new(method)) } else { Box::new(Walk::<Vacuum>::new(method)) }
     }
 
     /// Bias of `max_depth`. The integrator without the limit follows the same paths up to that depth; beyond it Russian roulette ends them.
@@ -78,7 +86,8 @@ impl Integrator for LightTracer {
     }
 }
 
-struct Walk {
+/// What all paths of a render share.
+struct Method {
     scene: Arc<dyn Scene>,
     max_depth: u32,
     roulette: Roulette,
@@ -87,7 +96,13 @@ struct Walk {
     has_shading_normals: bool,
 }
 
-impl Estimator for Walk {
+/// The method in a space without or with media.
+struct Walk<S> {
+    method: Method,
+    space: PhantomData<S>,
+}
+
+impl<S: Space> Estimator for Walk<S> {
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum {
         match cx.recorder.take() {
             None => self.trace(camera, cx, &mut NoRecorder),
@@ -96,101 +111,273 @@ impl Estimator for Walk {
     }
 }
 
-impl Walk {
+impl<S: Space> Walk<S> {
+    fn new(method: Method) -> Walk<S> {
+        Walk { method, space: PhantomData }
+    }
+
     /// Follows the path from a light, and returns the emission that the camera sees.
     fn trace<R: Recorder + ?Sized>(&self, camera: &CameraSample, cx: &mut Context, recorder: &mut R) -> Spectrum {
-        let seen = self.emission(camera, recorder);
+        let seen = self.emission(camera, &cx.numbers, recorder);
         if let Some(path) = &mut cx.light_path {
             self.follow(path, cx.interrupt, recorder);
         }
         seen
     }
 
-    /// Emission of what the camera ray hits, or the radiance of infinitely distant lights.
-    fn emission<R: Recorder + ?Sized>(&self, camera: &CameraSample, recorder: &mut R) -> Spectrum {
-        let ray = &camera.ray;
-        let Some(hit) = camera.hit(&*self.scene) else {
-            let add = |sum, (light, radiance)| sum + recorder.light(radiance, 0, || Origin::background(light, 1.0));
-            return self.scene.lights().background(ray.direction).fold(Spectrum::BLACK, add);
+    /// Emission of what the camera ray hits, or the radiance of infinitely distant lights, as far as media let it pass.
+    fn emission<R: Recorder + ?Sized>(&self, camera: &CameraSample, numbers: &SampleNumbers, recorder: &mut R) -> Spectrum {
+        let (ray, scene) = (&camera.ray, &*self.method.scene);
+        let hit = camera.hit(scene);
+        let way = Ray { t_max: hit.map_or(f32::INFINITY, |hit| hit.t), ..*ray };
+        let passed = S::at_camera(scene, camera).passed(scene, &way, dimension::vertex(0, Use::Medium), numbers);
+        let Some(hit) = hit else {
+            let add = |sum, (light, radiance)| sum + recorder.light(passed * radiance, 0, || Origin::background(light, 1.0));
+            return scene.lights().background(ray.direction).fold(Spectrum::BLACK, add);
         };
-        let surface = self.scene.surface(ray, &hit);
-        recorder.record(|| Event::vertex(0, ray, &hit, &surface, Spectrum::ONE));
-        recorder.light(surface.emitted(-ray.direction), 0, || Origin::emission(&surface, 1.0))
+        let surface = scene.surface(ray, &hit);
+        recorder.record(|| Event::vertex(0, ray, &hit, &surface, passed));
+        recorder.light(passed * surface.emitted(-ray.direction), 0, || Origin::emission(&surface, 1.0))
     }
 
     /// Follows a path from a light and connects its vertices to the camera. The block of random numbers before the first vertex
     /// chooses the light and the ray that it emits.
     fn follow<R: Recorder + ?Sized>(&self, path: &mut LightPath, interrupt: Interrupt, recorder: &mut R) {
+        let Method { scene, max_depth, .. } = &self.method;
         let (choice, position) = path.numbers.get_3d(dimension::vertex(0, Use::Light));
         let (_, direction) = path.numbers.get_3d(dimension::vertex(0, Use::Bsdf));
-        let time = if self.has_motion { path.numbers.get_1d(dimension::TIME) } else { 0.0 };
-        let Some(emitted) = self.scene.lights().emit(choice, position, direction, time) else { return };
+        let time = if self.method.has_motion { path.numbers.get_1d(dimension::TIME) } else { 0.0 };
+        let Some(emitted) = scene.lights().emit(choice, position, direction, time) else { return };
         recorder.record(|| Event::Emission(emitted));
-        let (flux, mut ray, mut beta) = (emitted.flux(), emitted.ray, Spectrum::ONE);
-        let mut wavelength = PathWavelength::default();
-        for depth in 0..self.max_depth {
+        let mut space = S::at_light(&**scene, &emitted);
+        let mut state =
+            State { ray: emitted.ray, depth: 0, beta: self.arriving(&space, &emitted, path), wavelength: PathWavelength::default() };
+        let flux = emitted.flux();
+        while state.depth < *max_depth {
+            let depth = state.depth;
             if interrupt.ends(depth) {
                 return;
             }
-            let Some(hit) = self.scene.intersect(&ray) else { return recorder.record(|| Event::end(depth, End::Escaped)) };
-            let mut surface = self.scene.surface(&ray, &hit);
-            recorder.record(|| Event::vertex(depth, &ray, &hit, &surface, beta));
-            if surface.is_dispersive {
-                beta *= wavelength.take(&mut surface, depth, &mut path.numbers, recorder);
+            let hit = scene.intersect(&state.ray);
+            if let Some(point) = space.scatter(&**scene, &mut state, hit.as_ref(), &mut path.numbers, recorder) {
+                let carried = Carried { flux: flux * state.beta, depth: depth + 1, light: emitted.light };
+                self.connect(&point, &space, &state.ray, carried, path, recorder);
+                if self.scatter(&point, &mut state, path, recorder).is_none() {
+                    return;
+                }
+                space.leave(state.ray.direction);
+                continue;
             }
-            let carried = Carried { flux: flux * beta, depth: depth + 1, light: emitted.light };
-            let arrival = Arrival { ray: &ray, hit: &hit, surface: &surface, wavelength: wavelength.get() };
-            self.connect(&arrival, carried, path, recorder);
-
-            let numbers = &mut path.numbers;
-            let (choice, u) = numbers.get_3d(dimension::vertex(depth + 1, Use::Bsdf));
-            let Some((wi, value, sample)) = self.sample(&arrival, choice, u) else {
-                return recorder.record(|| Event::end(depth, End::Absorbed));
-            };
-            beta *= sample.weight;
-            recorder.record(|| {
-                let (cos, survival) = (surface.point.ns.dot(wi), self.roulette.chance(depth, beta));
-                let BsdfSample { lobe, density, weight, .. } = sample;
-                Event::Scattering(Scattering { depth, wi, cos, lobe, density, value, weight, survival })
-            });
-            let Some(survivors) = self.roulette.survive(depth, beta, numbers) else {
-                return recorder.record(|| Event::end(depth, End::Roulette));
-            };
-            beta *= survivors;
-            ray = surface.spawn(wi, ray.time);
+            let Some(hit) = hit else { return recorder.record(|| Event::end(depth, End::Escaped)) };
+            let mut surface = scene.surface(&state.ray, &hit);
+            recorder.record(|| Event::vertex(depth, &state.ray, &hit, &surface, state.beta));
+            space.arrive(&**scene, &hit, &surface);
+            if surface.is_dispersive {
+                state.beta *= state.wavelength.take(&mut surface, depth, &mut path.numbers, recorder);
+            }
+            let carried = Carried { flux: flux * state.beta, depth: depth + 1, light: emitted.light };
+            let (ray, wavelength) = (state.ray, state.wavelength.get());
+            let arrival = Arrival { method: &self.method, ray: &ray, hit: &hit, surface: &surface, wavelength };
+            self.connect(&arrival, &space, &ray, carried, path, recorder);
+            if self.scatter(&arrival, &mut state, path, recorder).is_none() {
+                return;
+            }
+            space.leave(state.ray.direction);
         }
-        recorder.record(|| Event::end(self.max_depth, End::DepthLimit));
+        recorder.record(|| Event::end(*max_depth, End::DepthLimit));
     }
 
-    /// Adds the light that the surface scatters into the camera.
-    fn connect<R: Recorder + ?Sized>(&self, arrival: &Arrival, carried: Carried, path: &mut LightPath, recorder: &mut R) {
-        let (Arrival { ray, surface, .. }, Carried { flux, depth, light }) = (arrival, carried);
-        if !surface.bsdf.has_smooth_lobe() {
+    /// Share of the light of a distant lamp that arrives where its ray starts: the medium around everything, if there is one, is endless.
+    fn arriving(&self, space: &S, emitted: &EmittedRay, path: &LightPath) -> Spectrum {
+        if !emitted.is_distant() {
+            return Spectrum::ONE;
+        }
+        let back = Ray { time: emitted.ray.time, ..Ray::new(emitted.ray.origin, -emitted.ray.direction) };
+        space.passed(&*self.method.scene, &back, dimension::vertex(0, Use::Roulette), &path.numbers)
+    }
+
+    /// Goes on from a vertex in a sampled direction; `None` if the path ends.
+    fn scatter<V: Vertex, R: Recorder + ?Sized>(&self, at: &V, state: &mut State, path: &mut LightPath, recorder: &mut R) -> Option<()> {
+        let (depth, roulette, numbers) = (state.depth, self.method.roulette, &mut path.numbers);
+        let (choice, u) = numbers.get_3d(dimension::vertex(depth + 1, Use::Bsdf));
+        let Some((wi, value, sample)) = at.sample(-state.ray.direction, choice, u) else {
+            recorder.record(|| Event::end(depth, End::Absorbed));
+            return None;
+        };
+        state.beta *= sample.weight;
+        let beta = state.beta;
+        recorder.record(|| {
+            let (cos, survival) = (at.cos(wi), roulette.chance(depth, beta));
+            let BsdfSample { lobe, density, weight, .. } = sample;
+            Event::Scattering(Scattering { depth, wi, cos, lobe, density, value, weight, survival })
+        });
+        let Some(survivors) = roulette.survive(depth, beta, numbers) else {
+            recorder.record(|| Event::end(depth, End::Roulette));
+            return None;
+        };
+        state.beta *= survivors;
+        state.ray = at.spawn(wi, state.ray.time);
+        state.depth += 1;
+        Some(())
+    }
+
+    /// Adds the light that a vertex scatters into the camera.
+    ///
+    /// - `ray`: ray on which the light arrives
+    fn connect<V: Vertex, R: Recorder + ?Sized>(
+        &self,
+        at: &V,
+        space: &S,
+        ray: &Ray,
+        carried: Carried,
+        path: &mut LightPath,
+        recorder: &mut R,
+    ) {
+        let (Method { scene, has_lens, .. }, Carried { flux, depth, light }) = (&self.method, carried);
+        if !at.has_smooth_lobe() {
             return;
         }
-        let lens = if self.has_lens { path.numbers.get_3d(dimension::vertex(depth, Use::Light)).1 } else { Vec2::ZERO };
-        let Some(camera) = self.scene.camera().connect(surface.shadow_origin, path.aspect(), lens, ray.time) else { return };
-        let value = flux * self.scattered(arrival, camera.wi) * camera.weight;
+        let lens = if *has_lens { path.numbers.get_3d(dimension::vertex(depth, Use::Light)).1 } else { Vec2::ZERO };
+        let Some(camera) = scene.camera().connect(at.origin(), path.aspect(), lens, ray.time) else { return };
+        let value = flux * at.scattered(-ray.direction, camera.wi) * camera.weight;
         if value.is_black() {
             return;
         }
-        let shadow_ray = surface.shadow_ray(camera.wi, &ShadowTarget::Point(camera.end), ray.time);
-        let Some(passed) = self.scene.transmittance(&shadow_ray) else { return };
+        let shadow_ray = at.shadow_ray(camera.wi, &ShadowTarget::Point(camera.end), ray.time);
+        let Some(passed) = space.transmittance(&**scene, &shadow_ray, dimension::vertex(depth, Use::Light), &path.numbers) else { return };
         let value = value * passed;
         if path.splat(camera.film, value, depth, light) {
             let raster = camera.film * path.film_size();
             recorder.record(|| Event::Splat(Splat { raster, value, depth, light }));
         }
     }
+}
 
-    /// Samples the direction in which light goes on. Returns it with f·|cos| (black for delta lobes) and the sample.
-    ///
+/// A path from a light, between two vertices.
+struct State {
+    ray: Ray,
+    depth: u32,
+    beta: Spectrum,
+    wavelength: PathWavelength,
+}
+
+impl Traveller for State {
+    fn ray(&self) -> Ray {
+        self.ray
+    }
+
+    fn depth(&self) -> u32 {
+        self.depth
+    }
+
+    fn beta(&mut self) -> &mut Spectrum {
+        &mut self.beta
+    }
+
+    /// Light of media is not simulated, and on the way of light it would be none that arrives at the camera.
+    fn add_emission<R: Recorder + ?Sized>(&mut self, _: Spectrum, _: &mut R) {}
+
+    fn leave_surfaces(&mut self) {}
+}
+
+/// Vertex of a path from a light.
+trait Vertex {
+    fn has_smooth_lobe(&self) -> bool;
+
+    /// Point from which the camera is looked for (m).
+    fn origin(&self) -> Vec3;
+
+    /// f·|cos|, or the phase function, of the light that goes on in the direction `wi` [sr⁻¹].
+    fn scattered(&self, wo: Vec3, wi: Vec3) -> Spectrum;
+
+    /// Samples the direction in which light goes on. Returns it with [`Vertex::scattered`] (black for delta lobes) and the sample.
+    fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<(Vec3, Spectrum, BsdfSample)>;
+
+    /// Cosine of the angle to the shading normal; 1 where there is none.
+    fn cos(&self, wi: Vec3) -> f32;
+
+    fn spawn(&self, wi: Vec3, time: f32) -> Ray;
+
+    fn shadow_ray(&self, wi: Vec3, target: &ShadowTarget, time: f32) -> Ray;
+}
+
+impl Vertex for MediumPoint<'_> {
+    fn has_smooth_lobe(&self) -> bool {
+        true
+    }
+
+    fn origin(&self) -> Vec3 {
+        self.p
+    }
+
+    fn scattered(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+        self.eval(wo, wi, TransportMode::Importance)
+    }
+
+    fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<(Vec3, Spectrum, BsdfSample)> {
+        let (wi, sample) = Interaction::sample(self, wo, choice, u, TransportMode::Importance)?;
+        Some((wi, self.scattered(wo, wi), sample))
+    }
+
+    fn cos(&self, _: Vec3) -> f32 {
+        1.0
+    }
+
+    fn spawn(&self, wi: Vec3, time: f32) -> Ray {
+        Interaction::spawn(self, wi, time)
+    }
+
+    fn shadow_ray(&self, wi: Vec3, target: &ShadowTarget, time: f32) -> Ray {
+        Interaction::shadow_ray(self, wi, target, time)
+    }
+}
+
+/// Share of the samples that are distributed about the normal of the facet, where it is not that of the shading.
+const ABOUT_FACET: f32 = 0.125;
+
+/// Arrival of a path at a surface.
+struct Arrival<'a> {
+    method: &'a Method,
+    ray: &'a Ray,
+    hit: &'a Hit,
+    surface: &'a Surface<'a>,
+    /// Wavelength of the path, if it has met dispersive glass.
+    wavelength: Option<Wavelength>,
+}
+
+impl Vertex for Arrival<'_> {
+    fn has_smooth_lobe(&self) -> bool {
+        self.surface.bsdf.has_smooth_lobe()
+    }
+
+    fn origin(&self) -> Vec3 {
+        self.surface.shadow_origin
+    }
+
+    /// What a path from the camera finds that arrives from `wi`, with the shading normal as it is seen from there.
+    fn scattered(&self, wo: Vec3, wi: Vec3) -> Spectrum {
+        let surface = self.surface;
+        let cosines = (surface.point.ng.dot(wi) / surface.point.ng.dot(wo)).abs();
+        if !cosines.is_finite() {
+            return Spectrum::BLACK;
+        }
+        let from_camera = |surface: &Surface| surface.eval(wi, wo, TransportMode::Radiance) * cosines;
+        if !self.method.has_shading_normals {
+            return from_camera(surface);
+        }
+        let mut seen = self.method.scene.surface_seen_from(self.ray, self.hit, wi);
+        if let Some(wavelength) = self.wavelength {
+            seen.bsdf = seen.bsdf.at_wavelength(wavelength);
+        }
+        from_camera(&seen)
+    }
+
     /// A shading normal that is seen from there scatters light also into directions that the BSDF as seen from the light does not sample.
     /// A share of the samples is therefore distributed about the facet's normal, to both sides.
-    fn sample(&self, arrival: &Arrival, choice: f32, u: Vec2) -> Option<(Vec3, Spectrum, BsdfSample)> {
-        let (Arrival { surface, .. }, wo) = (arrival, -arrival.ray.direction);
+    fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<(Vec3, Spectrum, BsdfSample)> {
+        let surface = self.surface;
         let SurfacePoint { ng, ns, .. } = surface.point;
-        let share = if self.has_shading_normals && ns != ng && surface.bsdf.has_smooth_lobe() { ABOUT_FACET } else { 0.0 };
+        let share = if self.method.has_shading_normals && ns != ng && self.has_smooth_lobe() { ABOUT_FACET } else { 0.0 };
         let (wi, sample) = if choice < share {
             let w = warp::cosine_hemisphere(u) * 1f32.copysign(choice - 0.5 * share);
             let wi = Frame::around(ng).to_world(Local(w));
@@ -205,41 +392,22 @@ impl Walk {
             return Some((wi, Spectrum::BLACK, BsdfSample { weight: sample.weight / (1.0 - share), ..sample }));
         };
         let pdf = (1.0 - share) * pdf.get() + share * 0.5 * warp::cosine_hemisphere_pdf(Vec3::Z * ng.dot(wi).abs());
-        let value = self.scattered(arrival, wi);
+        let value = self.scattered(wo, wi);
         let density = Density::Smooth(SolidAnglePdf::new(pdf));
         (!value.is_black()).then(|| (wi, value, BsdfSample { weight: value / pdf, density, ..sample }))
     }
 
-    /// f·|cos| of the light that goes on in the direction `wi` [sr⁻¹]: what a path from the camera finds that arrives from there, with the
-    /// shading normal as it is seen from there.
-    fn scattered(&self, arrival: &Arrival, wi: Vec3) -> Spectrum {
-        let (Arrival { ray, hit, surface, .. }, wo) = (arrival, -arrival.ray.direction);
-        let cosines = (surface.point.ng.dot(wi) / surface.point.ng.dot(wo)).abs();
-        if !cosines.is_finite() {
-            return Spectrum::BLACK;
-        }
-        let from_camera = |surface: &Surface| surface.eval(wi, wo, TransportMode::Radiance) * cosines;
-        if !self.has_shading_normals {
-            return from_camera(surface);
-        }
-        let mut seen = self.scene.surface_seen_from(ray, hit, wi);
-        if let Some(wavelength) = arrival.wavelength {
-            seen.bsdf = seen.bsdf.at_wavelength(wavelength);
-        }
-        from_camera(&seen)
+    fn cos(&self, wi: Vec3) -> f32 {
+        self.surface.point.ns.dot(wi)
     }
-}
 
-/// Share of the samples that are distributed about the normal of the facet, where it is not that of the shading.
-const ABOUT_FACET: f32 = 0.125;
+    fn spawn(&self, wi: Vec3, time: f32) -> Ray {
+        self.surface.spawn(wi, time)
+    }
 
-/// Arrival of a path at a vertex.
-struct Arrival<'a> {
-    ray: &'a Ray,
-    hit: &'a Hit,
-    surface: &'a Surface<'a>,
-    /// Wavelength of the path, if it has met dispersive glass.
-    wavelength: Option<Wavelength>,
+    fn shadow_ray(&self, wi: Vec3, target: &ShadowTarget, time: f32) -> Ray {
+        self.surface.shadow_ray(wi, target, time)
+    }
 }
 
 /// Light that arrives at a vertex.

@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::{Emission, LightSampleContext, Lights, ShadowTarget};
 use crate::math::{Frame, Local, Ray, RayDifferential, SolidAnglePdf, Spectrum, SurfaceDifferential};
-use crate::medium::{Boundaries, InterfaceCrossing, Media};
+use crate::medium::{Boundaries, Inside, InterfaceCrossing, Media};
 use crate::primitive::Hit;
 use crate::shape::SurfacePoint;
 
@@ -51,6 +51,9 @@ pub trait Scene: Any + Send + Sync {
 
     /// Surfaces of bodies with media at the point of a hit.
     fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries;
+
+    /// Bodies with media around a point that is on none of their surfaces.
+    fn bodies_around(&self, p: Vec3) -> Inside;
 
     /// First boundary of a medium without a surface on a ray, before its end. Such boundaries are no hits: only media ask for them.
     fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing>;

@@ -239,7 +239,7 @@ impl Scene {
     /// - time: time for each meter in seconds
     /// - threads: as for render
     ///
-    /// Raises pt_renderer.Error for a scene without meters and for one with media, and KeyboardInterrupt on Ctrl-C.
+    /// Raises pt_renderer.Error for a scene without meters, and KeyboardInterrupt on Ctrl-C.
     #[pyo3(signature = (*, integrator = None, target = None, samples = None, time = None, threads = None))]
     fn measure<'py>(
         &self,

@@ -67,7 +67,13 @@ impl Builder<'_> {
         let Some(described) = &self.scene.medium else { return };
         let medium = self.medium("/medium", described);
         self.world.surround(medium);
-        self.override_needs.push(("/medium, around all shapes".to_owned(), Effects::MEDIA));
+        self.override_needs.push(("/medium, around all shapes".to_owned(), self.medium_effects(described)));
+    }
+
+    /// Effects that a medium asks for. The light that it emits is met only by chance.
+    pub(super) fn medium_effects(&self, described: &MediumRef) -> Effects {
+        let emits = self.scene.medium(described).is_some_and(|medium| built(medium).emits());
+        if emits { Effects::MEDIA | Effects::UNSAMPLED_EMITTER } else { Effects::MEDIA }
     }
 }
 

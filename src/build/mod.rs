@@ -283,7 +283,7 @@ impl Builder<'_> {
         let interface = medium.map(|_| MaterialRef::Inline(Box::new(Material::Interface(Default::default()))));
         let (kind, own) = self.material(&format!("{pointer}/material"), shape.material().or(interface.as_ref()));
         let mut effects = own.1;
-        effects |= medium.map_or(Effects::NONE, |_| Effects::MEDIA);
+        effects |= shape.medium().map_or(Effects::NONE, |described| self.medium_effects(described));
         let emits = |emitter: &Option<Emitter>| emitter.as_ref().is_some_and(|emitter| !emitter.radiance.is_black());
         if emits(&emitter) && !matches!(shape, Shape::Sdf(_)) {
             effects |= Effects::AREA_LIGHT;

@@ -10,7 +10,7 @@ use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::Lights;
 use crate::math::{Ray, RayDifferential, SurfaceDifferential};
-use crate::medium::{Boundaries, InterfaceCrossing, Media};
+use crate::medium::{Boundaries, Inside, InterfaceCrossing, Media};
 use crate::primitive::Hit;
 use crate::render::RenderReport;
 use crate::scene::{Scene, Surface};
@@ -92,6 +92,10 @@ impl Scene for RayCounter {
 
     fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
         self.scene.boundaries(hit, point)
+    }
+
+    fn bodies_around(&self, p: Vec3) -> Inside {
+        self.scene.bodies_around(p)
     }
 
     fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {

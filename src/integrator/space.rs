@@ -14,28 +14,32 @@ use self::flight::Flight;
 use self::stretches::{Stretch, stretches};
 use self::tracking::Collision;
 use self::way::Way;
-use super::{CameraPath, CameraSample};
+use super::{CameraPath, CameraSample, Traveller};
+use crate::light::EmittedRay;
 use crate::math::{Ray, Spectrum, Vec3};
 use crate::medium::{Boundaries, Density, Inside, Media, Medium, transmittance};
 use crate::primitive::Hit;
-use crate::recorder::{Event, Origin, Recorder};
+use crate::recorder::{Event, Recorder};
 use crate::sampler::dimension::{self, Use};
 use crate::sampler::{SampleNumbers, Stream};
 use crate::scene::{MediumPoint, Scene, Surface};
 
 /// Space in which a path is: what lies between its vertices, and what it needs to know of that.
 pub trait Space: Send + Sync + 'static {
-    /// The space at the start of a path.
+    /// The space at the start of a path from the camera.
     fn at_camera(scene: &dyn Scene, camera: &CameraSample) -> Self;
+
+    /// The space at the start of a path from a light.
+    fn at_light(scene: &dyn Scene, emitted: &EmittedRay) -> Self;
 
     /// The point before the next surface at which a medium scatters the path, if it does. What the medium emits is added to the path, and
     /// what it absorbs is taken from the throughput.
     ///
     /// - `hit`: next surface; `None` if there is none
-    fn scatter<'s, R: Recorder + ?Sized>(
+    fn scatter<'s, P: Traveller, R: Recorder + ?Sized>(
         &mut self,
         scene: &'s dyn Scene,
-        path: &mut CameraPath,
+        path: &mut P,
         hit: Option<&Hit>,
         numbers: &mut SampleNumbers,
         recorder: &mut R,
@@ -69,6 +73,11 @@ pub trait Space: Send + Sync + 'static {
     ///
     /// - `dimension`: dimension whose stream of random numbers the estimate may use
     fn transmittance(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Option<Spectrum>;
+
+    /// Share of the light that the media let pass along a ray up to its end, or an estimate of it, whatever surfaces are on the way.
+    ///
+    /// - `dimension`: dimension whose stream of random numbers the estimate may use
+    fn passed(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Spectrum;
 }
 
 /// Empty space: light passes from surface to surface.
@@ -82,10 +91,15 @@ impl Space for Vacuum {
     }
 
     #[inline(always)]
-    fn scatter<'s, R: Recorder + ?Sized>(
+    fn at_light(_: &dyn Scene, _: &EmittedRay) -> Vacuum {
+        Vacuum
+    }
+
+    #[inline(always)]
+    fn scatter<'s, P: Traveller, R: Recorder + ?Sized>(
         &mut self,
         _: &'s dyn Scene,
-        _: &mut CameraPath,
+        _: &mut P,
         _: Option<&Hit>,
         _: &mut SampleNumbers,
         _: &mut R,
@@ -119,6 +133,11 @@ impl Space for Vacuum {
     fn transmittance(&self, scene: &dyn Scene, ray: &Ray, _: u32, _: &SampleNumbers) -> Option<Spectrum> {
         scene.transmittance(ray)
     }
+
+    #[inline(always)]
+    fn passed(&self, _: &dyn Scene, _: &Ray, _: u32, _: &SampleNumbers) -> Spectrum {
+        Spectrum::ONE
+    }
 }
 
 /// Space with media.
@@ -133,7 +152,10 @@ pub struct Filled {
 }
 
 impl Filled {
-    fn new(inside: Inside) -> Filled {
+    /// The space at a point.
+    ///
+    /// - `inside`: bodies around the point
+    pub fn new(inside: Inside) -> Filled {
         Filled { inside, at: Boundaries::new(), has_point_on_way: false }
     }
 
@@ -150,16 +172,21 @@ impl Space for Filled {
         Filled::new(camera.inside)
     }
 
-    fn scatter<'s, R: Recorder + ?Sized>(
+    fn at_light(scene: &dyn Scene, emitted: &EmittedRay) -> Filled {
+        // Distant lights begin outside of everything.
+        Filled::new(if emitted.is_distant() { Inside::default() } else { scene.bodies_around(emitted.ray.origin) })
+    }
+
+    fn scatter<'s, P: Traveller, R: Recorder + ?Sized>(
         &mut self,
         scene: &'s dyn Scene,
-        path: &mut CameraPath,
+        path: &mut P,
         hit: Option<&Hit>,
         numbers: &mut SampleNumbers,
         recorder: &mut R,
     ) -> Option<MediumPoint<'s>> {
         let media = scene.media()?;
-        let (ray, depth) = (path.ray, path.depth);
+        let (ray, depth) = (path.ray(), path.depth());
         let mut travel = Travel { path, recorder, media, flight: None, tentative: None, numbers };
         let visit = |stretch: &Stretch<'s>| {
             let Some((id, medium)) = stretch.medium else { return ControlFlow::Continue(()) };
@@ -173,9 +200,10 @@ impl Space for Filled {
         let ControlFlow::Break((id, medium, length)) = stretches(scene, media, &mut self.inside, &ray, t_max, visit) else { return None };
         self.at = Boundaries::new();
         path.leave_surfaces();
+        let beta = *path.beta();
         let shift = (ray.origin - ray.from).dot(ray.direction);
         let point = MediumPoint { p: ray.at((length - shift).max(0.0)), phase: &medium.phase };
-        recorder.record(|| Event::medium(depth, length, id, &point, -ray.direction, path.beta));
+        recorder.record(|| Event::medium(depth, length, id, &point, -ray.direction, beta));
         Some(point)
     }
 
@@ -212,7 +240,12 @@ impl Space for Filled {
 
     fn transmittance(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Option<Spectrum> {
         let unoccluded = scene.transmittance(ray)?;
-        let Some(media) = scene.media() else { return Some(unoccluded) };
+        let passed = self.passed(scene, ray, dimension, numbers);
+        (!passed.is_black()).then_some(unoccluded * passed)
+    }
+
+    fn passed(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Spectrum {
+        let Some(media) = scene.media() else { return Spectrum::ONE };
         let (mut depth, mut passed, mut stream) = (Spectrum::BLACK, Spectrum::ONE, None);
         let add = |stretch: &Stretch| {
             match stretch.medium.map(|(_, medium)| (medium, medium.density())) {
@@ -226,14 +259,13 @@ impl Space for Filled {
             if passed.is_black() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let _ = stretches(scene, media, &mut self.beyond(ray.direction), ray, ray.t_max, add);
-        passed *= transmittance(depth);
-        (!passed.is_black()).then_some(passed)
+        passed * transmittance(depth)
     }
 }
 
 /// A path on its way to the next surface.
-struct Travel<'t, 'n, R: ?Sized> {
-    path: &'t mut CameraPath,
+struct Travel<'t, 'n, P, R: ?Sized> {
+    path: &'t mut P,
     recorder: &'t mut R,
     media: &'t Media,
     /// How far the path goes; from the first medium that scatters on.
@@ -243,14 +275,14 @@ struct Travel<'t, 'n, R: ?Sized> {
     numbers: &'t mut SampleNumbers<'n>,
 }
 
-impl<R: Recorder + ?Sized> Travel<'_, '_, R> {
+impl<P: Traveller, R: Recorder + ?Sized> Travel<'_, '_, P, R> {
     /// Dimension of the way.
     fn dimension(&self) -> u32 {
-        dimension::vertex(self.path.depth, Use::Medium)
+        dimension::vertex(self.path.depth(), Use::Medium)
     }
 
     fn flight(&mut self) -> &mut Flight {
-        let (dimension, beta) = (self.dimension(), self.path.beta);
+        let (dimension, beta) = (self.dimension(), *self.path.beta());
         self.flight.get_or_insert_with(|| Flight::new(self.media, beta, self.numbers.get_1d(dimension)))
     }
 
@@ -258,10 +290,10 @@ impl<R: Recorder + ?Sized> Travel<'_, '_, R> {
     fn through(&mut self, medium: &Medium, stretch: &Stretch) -> ControlFlow<f32> {
         let length = stretch.length;
         if medium.emits() {
-            self.path.add_emission(medium.emitted(length), self.recorder, Origin::medium);
+            self.path.add_emission(medium.emitted(length), self.recorder);
         }
         if !medium.scatters() {
-            self.path.beta *= transmittance(medium.depth(length));
+            *self.path.beta() *= transmittance(medium.depth(length));
             return ControlFlow::Continue(());
         }
         let flight = self.flight();
@@ -269,26 +301,26 @@ impl<R: Recorder + ?Sized> Travel<'_, '_, R> {
         let reach = if extinction > 0.0 { flight.left / extinction } else { f32::INFINITY };
         let is_scattered = reach < length;
         let weight = if is_scattered { flight.scattered(medium, reach) } else { flight.pass(medium, length) };
-        self.path.beta *= weight;
+        *self.path.beta() *= weight;
         if is_scattered { ControlFlow::Break(stretch.start + reach) } else { ControlFlow::Continue(()) }
     }
 
     /// Goes through a medium whose density varies. Breaks with the length of the whole way if the path is scattered (m).
     fn through_density(&mut self, medium: &Medium, density: &Density, stretch: &Stretch) -> ControlFlow<f32> {
         let mut stream = self.tentative.take().unwrap_or_else(|| self.numbers.stream(self.dimension()));
-        let ray = self.path.ray;
+        let ray = self.path.ray();
         let end = tracking::collisions(medium, density, &ray, stretch, &mut stream, |Collision { length, real }, numbers| {
             if medium.emits() {
-                self.path.add_emission(medium.emission() * real, self.recorder, Origin::medium);
+                self.path.add_emission(medium.emission() * real, self.recorder);
             }
             if !medium.scatters() {
-                self.path.beta *= Spectrum::ONE - real;
-                return if self.path.beta.is_black() { ControlFlow::Break(None) } else { ControlFlow::Continue(()) };
+                *self.path.beta() *= Spectrum::ONE - real;
+                return if self.path.beta().is_black() { ControlFlow::Break(None) } else { ControlFlow::Continue(()) };
             }
             let flight = self.flight();
             let is_scattered = numbers.next_1d() < real.coefficients()[flight.channel];
             let weight = if is_scattered { flight.collided(medium, real) } else { flight.missed(medium, real) };
-            self.path.beta *= weight;
+            *self.path.beta() *= weight;
             if is_scattered { ControlFlow::Break(Some(length)) } else { ControlFlow::Continue(()) }
         });
         self.tentative = Some(stream);

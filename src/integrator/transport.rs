@@ -133,9 +133,49 @@ impl CameraPath {
         self.depth += 1;
         ControlFlow::Continue(sample)
     }
+}
+
+/// Path on its way between two vertices, as media see and change it.
+pub trait Traveller {
+    /// Ray to the next surface.
+    fn ray(&self) -> Ray;
+
+    /// Scattering events so far.
+    fn depth(&self) -> u32;
+
+    /// Throughput.
+    fn beta(&mut self) -> &mut Spectrum;
+
+    /// Adds light that a medium emits along the ray.
+    fn add_emission<R: Recorder + ?Sized>(&mut self, light: Spectrum, recorder: &mut R);
+
+    /// Takes note that a medium scatters the path.
+    fn leave_surfaces(&mut self);
+}
+
+impl Traveller for CameraPath {
+    #[inline(always)]
+    fn ray(&self) -> Ray {
+        self.ray
+    }
+
+    #[inline(always)]
+    fn depth(&self) -> u32 {
+        self.depth
+    }
+
+    #[inline(always)]
+    fn beta(&mut self) -> &mut Spectrum {
+        &mut self.beta
+    }
+
+    #[inline(always)]
+    fn add_emission<R: Recorder + ?Sized>(&mut self, light: Spectrum, recorder: &mut R) {
+        CameraPath::add_emission(self, light, recorder, Origin::medium);
+    }
 
     /// Forgets the differential of the path, which only mirrors and glass keep.
-    pub(super) fn leave_surfaces(&mut self) {
+    fn leave_surfaces(&mut self) {
         self.differential = PathDifferential::None;
     }
 }

@@ -32,6 +32,11 @@ pub struct EmittedRay {
 }
 
 impl EmittedRay {
+    /// Whether the light is infinitely far away. The ray then starts outside of the scene.
+    pub fn is_distant(&self) -> bool {
+        self.point.is_none() && matches!(self.position, Density::Smooth(_))
+    }
+
     /// Flux that the ray carries: le·|cos θ| / (p(position) p(direction) P(light))  (W)
     ///
     /// Its mean over all random numbers is the flux of all lights.

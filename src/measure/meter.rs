@@ -13,7 +13,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use super::Mean;
 use crate::bsdf::{Bsdf, Diffuse};
 use crate::effects::Effects;
-use crate::integrator::{CameraSample, Context, Estimator, Interrupt};
+use crate::integrator::{CameraSample, Context, Estimator, Filled, Interrupt, Space};
 use crate::light::LightSampleContext;
 use crate::math::{Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, warp};
 use crate::medium::Inside;
@@ -136,7 +136,7 @@ struct Sum {
 impl Sum {
     fn add(&mut self, value: Spectrum) {
         self.count += 1;
-        match value.is_valid() {
+        match value.is_finite() {
             true => self.rgb.iter_mut().zip(value.to_rgb()).for_each(|(sum, x)| *sum += f64::from(x)),
             false => self.invalid += 1,
         }
@@ -171,7 +171,8 @@ fn reading(sums: &[Sum]) -> Reading {
 }
 
 impl Meter {
-    /// An unbiased estimate of the quantity by one sample.
+    /// An unbiased estimate of the quantity by one sample; not finite if the estimator's radiance is not, or is negative. Where media
+    /// scatter the path, less light may arrive along it than light sampling has of it in the mean, so that the estimate is negative.
     fn sample(&self, scene: &dyn Scene, estimator: &dyn Estimator, mut numbers: SampleNumbers, interrupt: Interrupt) -> Spectrum {
         let time = if scene.effects().contains(Effects::MOTION) { numbers.get_1d(dimension::TIME) } else { 0.0 };
         match self.quantity {
@@ -179,17 +180,21 @@ impl Meter {
                 let frame = Frame::around(normal);
                 let on_disk = warp::disk(numbers.get_2d(dimension::LENS)) * radius;
                 let p = self.position + frame.to_world(Local(Vec3::new(on_disk.x, on_disk.y, 0.0)));
-                let plane = plane(p, normal);
-                let direct = direct(scene, &plane, time, &mut numbers);
+                let (plane, inside) = (plane(p, normal), bodies_around(scene, p));
+                let direct = direct(scene, &plane, inside, time, &mut numbers);
                 let local = warp::cosine_hemisphere(numbers.get_2d(dimension::FILM));
                 let ray = plane.spawn(frame.to_world(Local(local)), time);
-                let (radiance, hit) = radiance(scene, estimator, &ray, numbers, interrupt);
-                direct + (radiance - sampled_from_lights(scene, &plane, &ray, hit, local.z / PI)) * PI
+                let hit = scene.intersect(&ray);
+                let sampled = sampled_from_lights(scene, &plane, &ray, hit, local.z / PI);
+                let way = Ray { t_max: hit.map_or(f32::INFINITY, |hit| hit.t), ..ray };
+                let sampled = sampled * passed(scene, inside, &way, dimension::FILM, &numbers);
+                direct + (radiance(estimator, &ray, hit, inside, numbers, interrupt) - sampled) * PI
             }
             Quantity::Radiance { direction, one_minus_cos } => {
                 let local = warp::uniform_cone(numbers.get_2d(dimension::FILM), one_minus_cos);
                 let ray = Ray { time, ..Ray::new(self.position, Frame::around(direction).to_world(Local(local))) };
-                radiance(scene, estimator, &ray, numbers, interrupt).0
+                let (hit, inside) = (scene.intersect(&ray), bodies_around(scene, self.position));
+                radiance(estimator, &ray, hit, inside, numbers, interrupt)
             }
         }
     }
@@ -204,17 +209,29 @@ fn plane(p: Vec3, normal: Vec3) -> Surface<'static> {
 
 /// The irradiance by one light sample, weighted by the balance heuristic against directions that are sampled by their cosine:
 /// Li cos θ / (p_light + cos θ/π); for delta lights the whole of it.
-fn direct(scene: &dyn Scene, plane: &Surface, time: f32, numbers: &mut SampleNumbers) -> Spectrum {
+fn direct(scene: &dyn Scene, plane: &Surface, inside: Inside, time: f32, numbers: &mut SampleNumbers) -> Spectrum {
     let (choice, u) = numbers.get_3d(dimension::METER_LIGHT);
     let Some(light) = scene.lights().sample(&context(plane, time), choice, u) else { return Spectrum::BLACK };
     let cos = plane.point.ng.dot(light.wi);
-    if cos <= 0.0 || scene.occluded(&plane.shadow_ray(light.wi, &light.target, time)) {
+    let shadow_ray = plane.shadow_ray(light.wi, &light.target, time);
+    if cos <= 0.0 || scene.occluded(&shadow_ray) {
         return Spectrum::BLACK;
     }
-    match light.density {
+    let arriving = match light.density {
         Density::Delta => light.weight() * cos,
         Density::Smooth(pdf) => light.li * (cos / (pdf.get() + cos / PI)),
-    }
+    };
+    arriving * passed(scene, inside, &shadow_ray, dimension::METER_LIGHT, numbers)
+}
+
+/// Bodies with media around a point.
+fn bodies_around(scene: &dyn Scene, p: Vec3) -> Inside {
+    if scene.media().is_some() { scene.bodies_around(p) } else { Inside::default() }
+}
+
+/// Share of the light that media let pass along a ray.
+fn passed(scene: &dyn Scene, inside: Inside, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Spectrum {
+    if scene.media().is_some() { Filled::new(inside).passed(scene, ray, dimension, numbers) } else { Spectrum::ONE }
 }
 
 fn context(plane: &Surface, time: f32) -> LightSampleContext {
@@ -222,18 +239,19 @@ fn context(plane: &Surface, time: f32) -> LightSampleContext {
     LightSampleContext { p, ng, ns, transmits: false, time }
 }
 
-/// The radiance that arrives along a ray, by the estimator, and what the ray hits.
+/// The radiance that arrives along a ray, by the estimator; not a number where the estimator finds one that is negative or not finite.
 fn radiance(
-    scene: &dyn Scene,
     estimator: &dyn Estimator,
     ray: &Ray,
+    hit: Option<Hit>,
+    inside: Inside,
     numbers: SampleNumbers,
     interrupt: Interrupt,
-) -> (Spectrum, Option<Hit>) {
-    let hit = scene.intersect(ray);
+) -> Spectrum {
     let (pixel, raster, known_hit) = (UVec2::ZERO, Vec2::ZERO, Some(hit));
-    let camera = CameraSample { ray: *ray, weight: 1.0, pixel, raster, known_hit, inside: Inside::default(), differential: None };
-    (estimator.li(&camera, &mut Context { numbers, recorder: None, interrupt, light_path: None }), hit)
+    let camera = CameraSample { ray: *ray, weight: 1.0, pixel, raster, known_hit, inside, differential: None };
+    let radiance = estimator.li(&camera, &mut Context { numbers, recorder: None, interrupt, light_path: None });
+    if radiance.is_valid() { radiance } else { Spectrum::gray(f32::NAN) }
 }
 
 /// The share of the light emitted towards the meter by what a ray hits that light sampling has: the sum of Le p_light/(p_light + p).

@@ -8,7 +8,6 @@ use glam::DVec3;
 
 use super::meter::{Meter, Quantity, Reading, measure};
 use crate::describe;
-use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::load::Loaded;
 use crate::math::float::sin_cos_degrees;
@@ -89,23 +88,20 @@ impl NamedReading {
 /// Checks that a scene has meters and that its integrator can read them.
 ///
 /// # Errors
-/// `Invalid` for a scene without meters, and for one with media; `Usage` for a target that is too small and for an integrator whose light
+/// `Invalid` for a scene without meters; `Usage` for a target that is too small and for an integrator whose light
 /// does not arrive along rays from the camera.
 pub fn check_meters(loaded: &Loaded, limits: &MeterLimits) -> Result<()> {
     if limits.target.is_some_and(|target| target < LEAST_TARGET) {
         return Err(Error::Usage("expected a target of at least 0.0002 %, below which readings are rounded".into()));
     }
-    let invalid = |message: &str| Err(Error::invalid(Fault::new(message).in_file(&loaded.file)));
     if loaded.description.meters.is_empty() {
-        return invalid("the scene has no \"meters\"; one is {\"type\": \"irradiance\", \"position\": [0, 1, 0], \"normal\": [0, 1, 0]}");
+        let message = "the scene has no \"meters\"; one is {\"type\": \"irradiance\", \"position\": [0, 1, 0], \"normal\": [0, 1, 0]}";
+        return Err(Error::invalid(Fault::new(message).in_file(&loaded.file)));
     }
     let Loaded { entry, integrator, .. } = loaded;
     if integrator.splats() || entry.simulates.is_empty() {
         let message = format!("{}: expected an integrator that finds the light along rays from the camera, such as nee", entry.name);
         return Err(Error::Usage(message));
-    }
-    if loaded.world.effects().contains(Effects::MEDIA) {
-        return invalid("light cannot be metered in scenes with participating media yet; render the place and read the pixels");
     }
     Ok(())
 }

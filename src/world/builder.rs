@@ -181,6 +181,8 @@ impl WorldBuilder {
         let has_holes = effects.contains(Effects::CUT_OUTS);
         let media = media.into_iter().map(|medium| medium.recentred(origin)).collect();
         let media = effects.contains(Effects::MEDIA).then(|| Media::new(media, bodies, around));
+        let glows = media.as_ref().is_some_and(Media::emits);
+        let effects = if glows { effects | Effects::UNSAMPLED_EMITTER } else { effects };
         let touching = media.as_ref().and_then(|media| Touching::new(media, &shapes));
         let tables = None;
         let mut world = World {
@@ -202,7 +204,7 @@ impl WorldBuilder {
             tables,
         };
         if world.media.is_some() {
-            let at_camera = world.bodies_around(world.camera.eye().as_vec3());
+            let at_camera = world.bodies_containing(world.camera.eye().as_vec3());
             world.media = world.media.map(|media| media.with_camera(at_camera));
         }
         world.tables = Tables::new(&world, width);

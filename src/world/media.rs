@@ -110,7 +110,7 @@ impl World {
     }
 
     /// Bodies with media around a point: those that two of three rays leave first before they enter them.
-    pub fn bodies_around(&self, p: Vec3) -> Inside {
+    pub(super) fn bodies_containing(&self, p: Vec3) -> Inside {
         let found = DIRECTIONS.map(|direction| self.left_along(p, Vec3::from(direction).normalize()));
         let mut inside = Inside::default();
         for body in found.iter().flatten() {

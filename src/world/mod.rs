@@ -20,7 +20,7 @@ use crate::camera::Camera;
 use crate::effects::Effects;
 use crate::light::{Emission, Emitter, Lights};
 use crate::math::{Aabb, Ray, RayDifferential, SurfaceDifferential, float};
-use crate::medium::{Boundaries, InterfaceCrossing, Media};
+use crate::medium::{Boundaries, Inside, InterfaceCrossing, Media};
 use crate::primitive::{Hit, InstanceId, Primitive};
 use crate::sampler::hash;
 use crate::scene::{Scene, Surface};
@@ -364,6 +364,10 @@ impl Scene for World {
 
     fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
         self.boundaries_at(hit, point)
+    }
+
+    fn bodies_around(&self, p: Vec3) -> Inside {
+        self.bodies_containing(p)
     }
 
     fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {

@@ -14,7 +14,7 @@ use pt::film::{Film, FilmSpec, MomentFilm, memory};
 use pt::integrators::ALL;
 use pt::light::Lights;
 use pt::math::{Ray, RayDifferential, SurfaceDifferential};
-use pt::medium::{Boundaries, InterfaceCrossing, Media};
+use pt::medium::{Boundaries, Inside, InterfaceCrossing, Media};
 use pt::primitive::Hit;
 use pt::render::{Observer, Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
@@ -67,6 +67,10 @@ impl Scene for Tripwire {
 
     fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
         self.scene.boundaries(hit, point)
+    }
+
+    fn bodies_around(&self, p: Vec3) -> Inside {
+        self.scene.bodies_around(p)
     }
 
     fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {

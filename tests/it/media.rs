@@ -11,10 +11,11 @@ use pt::bsdf::{Material, MaterialId, textured};
 use pt::film::{FilmSpec, Image};
 use pt::integrator::{Context, Integrator, Interrupt};
 use pt::integrators::ALL;
+use pt::integrators::light::LightTracer;
 use pt::integrators::nee::Nee;
 use pt::integrators::path::Path;
-use pt::light::{Emitter, Environment, Light};
-use pt::math::{Rgb, Spectrum, Transform};
+use pt::light::{Directional, Emitter, Environment, Light, Point};
+use pt::math::{Rgb, Spectrum, Transform, Vec3};
 use pt::measure::{SampledImage, agreement, sidak};
 use pt::medium::{Density, Grid, Medium, Phase, Places};
 use pt::recorder::{End, Event};
@@ -43,7 +44,7 @@ fn interface(world: &mut WorldBuilder) -> MaterialId {
 /// A camera with a wide view.
 fn camera(from: DVec3, to: DVec3) -> pt::camera::Camera {
     let pose = pt::camera::Pose::new(&Transform::look_at(from, to, DVec3::Y).expect("a view"));
-    pt::camera::Camera::Perspective(pt::camera::Perspective::new(pose, 0.7, 0.0, 1.0))
+    pt::camera::Camera::Perspective(pt::camera::Perspective::new(pose, 40.0, 0.0, 1.0))
 }
 
 /// A room that is open to the front, with a lamp of some size under its ceiling; `scale` multiplies all lengths.
@@ -183,6 +184,104 @@ fn integrators_agree_in_media() {
         let found = agreement(of(&by_chance, 8 * SAMPLES), of(&by_samples, SAMPLES), level).expect("two pictures");
         assert!(found.accepts(), "{name}: {found}");
     }
+}
+
+/// Scenes that suit `light`: without mirrors, glass and glowing media, and with the camera outside of media that scatter, where points near it
+/// would be rare and so bright that the variance has no bound.
+fn scenes_for_light() -> Vec<(&'static str, WorldBuilder)> {
+    let suits = ["a ball of smoke in a room", "smoke on the floor, with a ball in it"];
+    let mut found: Vec<_> = scenes().into_iter().filter(|(name, _)| suits.contains(name)).collect();
+
+    let mut world = room(1.0);
+    let (boundary, matte) = (interface(&mut world), world.material(Material::diffuse(Rgb::gray(0.8))));
+    fill(&mut world, Sphere { radius: 0.8 }, DVec3::ZERO, boundary, cloud(1.8, 1.0).emitting(Spectrum::BLACK));
+    world.shape(Sphere { radius: 0.2 }, at(DVec3::new(0.3, 0.1, 0.3)), matte, None);
+    found.push(("a cloud", world));
+
+    // Red fog around a lamp that is a point, with a ball in it that scatters forwards, in absorbing air that lets nothing arrive from the sky.
+    let mut world = room(1.0);
+    let boundary = interface(&mut world);
+    let air = world.medium(Medium::new(gray(0.05), Spectrum::BLACK, Phase::Isotropic));
+    world.surround(air);
+    let fog = Medium::new(spectrum([0.02, 0.1, 0.2]), spectrum([0.5, 0.2, 0.1]), Phase::Isotropic);
+    fill(&mut world, Cuboid { size: [1.8; 3] }, DVec3::ZERO, boundary, fog);
+    let milk = Medium::new(gray(0.1), spectrum([1.0, 2.0, 4.0]), Phase::henyey_greenstein(0.6));
+    fill(&mut world, Sphere { radius: 0.4 }, DVec3::new(0.2, -0.3, 0.2), boundary, milk);
+    world.light(Light::Point(Point { position: DVec3::new(0.3, 0.4, 0.3), intensity: Rgb::new(0.3, 0.5, 0.8) }));
+    world.light(Light::Environment(Environment { radiance: Rgb::new(0.5, 0.7, 1.0) }));
+    found.push(("a point light in red fog", world));
+
+    // A ball of smoke under the sun, seen from outside, with a matte ball in it.
+    let mut world = World::builder(camera(DVec3::Z * 3.0, DVec3::ZERO));
+    let (boundary, matte) = (interface(&mut world), world.material(Material::diffuse(Rgb::gray(0.5))));
+    fill(&mut world, Sphere { radius: 0.9 }, DVec3::ZERO, boundary, cloud(1.9, 1.0).emitting(Spectrum::BLACK));
+    world.shape(Sphere { radius: 0.2 }, at(DVec3::new(0.1, 0.0, 0.3)), matte, None);
+    world
+        .light(Light::Directional(Directional { direction: Vec3::new(-1.0, -2.0, -1.0).normalize(), irradiance: Rgb::new(3.0, 2.5, 2.0) }));
+    found.push(("a cloud in parallel light", world));
+    found
+}
+
+/// Paths from lights, whose points in media are connected to the camera, and `nee` converge to the same pictures. The two share what lies
+/// between two points, and nothing of what chooses them.
+#[test]
+fn light_tracing_agrees_in_media() {
+    let scenes = scenes_for_light();
+    let level = sidak(0.01, scenes.len());
+    for (seed, (name, world)) in (0..).zip(scenes) {
+        let scene = Arc::new(world.build().expect(name));
+        let lacks = ALL.iter().find(|entry| entry.name == "light").and_then(|entry| entry.lacks(scene.effects()));
+        assert_eq!(lacks, None, "{name}");
+        let from_lights = shot(scene.clone(), &LightTracer::default(), Kind::Independent, 100 + 2 * seed, 8 * SAMPLES);
+        let from_camera = shot(scene.clone(), &Nee::default(), Kind::Independent, 101 + 2 * seed, 2 * SAMPLES);
+        let of = |image, samples| SampledImage { image, samples };
+        let found = agreement(of(&from_lights, 8 * SAMPLES), of(&from_camera, 2 * SAMPLES), level).expect("two pictures");
+        assert!(found.accepts(), "{name}: {found}");
+    }
+}
+
+/// `light` weakens what the camera sees by e^(−τ), and nothing arrives from the sky and the sun through a medium that is endless.
+#[test]
+fn light_tracing_knows_how_far_light_has_come() {
+    let air = |world: &mut WorldBuilder| {
+        let air = world.medium(Medium::new(gray(0.5), Spectrum::BLACK, Phase::Isotropic));
+        world.surround(air);
+    };
+    let flat = || {
+        let pose = pt::camera::Pose::new(&at(DVec3::Z * 2.0));
+        World::builder(pt::camera::Camera::Orthographic(pt::camera::Orthographic { pose, height: 0.5 }))
+    };
+    let by_light = |world: WorldBuilder| shot(Arc::new(world.build().expect("a scene")), &LightTracer::default(), Kind::Sobol, 1, 64);
+
+    let mut world = flat();
+    let black = world.material(Material::diffuse(Rgb::gray(0.0)));
+    world.shape(Quad { size: [4.0; 2] }, at(DVec3::ZERO), black, Some(Emitter::new(Rgb::gray(3.0))));
+    air(&mut world);
+    for pixel in by_light(world).pixels() {
+        assert!((f64::from(pixel[1]) / (3.0 * (-1f64).exp()) - 1.0).abs() < 1e-5, "{pixel:?}");
+    }
+
+    let mut world = flat();
+    let matte = world.material(Material::diffuse(Rgb::gray(0.8)));
+    world.shape(Quad { size: [0.3; 2] }, at(DVec3::ZERO), matte, None);
+    world.light(Light::Directional(Directional { direction: Vec3::NEG_Z, irradiance: Rgb::gray(3.0) }));
+    world.light(Light::Environment(Environment { radiance: Rgb::gray(2.0) }));
+    air(&mut world);
+    assert!(by_light(world).pixels().flatten().all(|value| value == 0.0));
+}
+
+/// A point light within a ball that absorbs lights a wall outside with e^(−τ) of what it would without the ball, whatever path is taken.
+#[test]
+fn lights_within_bodies_shine_through_them() {
+    let lit = |absorption: f64| {
+        let scene = json!({"pt": 1, "camera": {"look_at": {"from": [0, 0, 2], "to": [0, 0, 0]}, "fov": 40}, "film": {"width": 16, "height": 16},
+            "sampler": {"spp": 256}, "lights": [{"type": "point", "position": [0, 3, 3], "intensity": 9}],
+            "shapes": [{"type": "quad", "size": 1, "material": {"type": "diffuse", "albedo": 0.8}}, {"type": "sphere", "radius": 0.5,
+                "center": [0, 3, 3], "medium": {"type": "homogeneous", "absorption": absorption}}]});
+        rendered(&scene, "light").into_iter().map(|value| f64::from(f32::from_bits(value))).sum::<f64>()
+    };
+    let ratio = lit(2.0) / lit(0.0);
+    assert!((ratio / (-1f64).exp() - 1.0).abs() < 1e-4, "{ratio}");
 }
 
 /// The bits of a picture.
@@ -522,23 +621,17 @@ fn impossible_media_are_refused() {
     }
 }
 
-/// Integrators that lack media say so, and those that have them do not; a meter refuses; and a trace names the media of a path.
+/// Integrators that lack media say so, and those that have them do not; and a trace names the media of a path.
 #[test]
 fn media_are_told_of() {
     let scene = json!({"pt": 1, "camera": {"look_at": {"from": [0, 0, 3], "to": [0, 0, 0]}}, "film": {"width": 8, "height": 8},
         "sampler": {"spp": 1}, "media": {"fog": {"type": "homogeneous", "scattering": 5}}, "background": {"radiance": 1},
-        "meters": [{"type": "irradiance", "position": [0, 2, 0], "normal": [0, 1, 0]}],
         "shapes": [{"type": "sphere", "medium": "fog"}]});
     for entry in ALL.iter().filter(|entry| !entry.simulates.is_empty()) {
         let (_, said) = run(&scene, &["-i", entry.name, "-o", "x.exr"]);
         let lacks = said.contains("does not simulate") && said.contains("participating media");
-        assert_eq!(lacks, !["path", "nee"].contains(&entry.name), "{}: {said}", entry.name);
+        assert_eq!(lacks, !["path", "nee", "light"].contains(&entry.name), "{}: {said}", entry.name);
     }
     let (_, said) = run(&scene, &["--pixel", "4,4", "--sample", "0", "--trace"]);
     assert!(said.contains("fog (isotropic), at ("), "{said}");
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("s.json"), scene.to_string()).expect("written");
-    let refused = Command::cargo_bin("pt").expect("the program").current_dir(folder.path()).args(["meter", "s.json"]).assert().code(3);
-    let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-    assert!(said.contains("participating media"), "{said}");
 }

@@ -131,6 +131,58 @@ fn interreflection_is_counted() {
     }
 }
 
+/// E₃(x) = ∫₁^∞ e^(−x t) t⁻³ dt = ∫₀¹ e^(−x/μ) μ dμ, by the midpoint rule.
+fn e3(x: f64) -> f64 {
+    const STEPS: u32 = 100_000;
+    (0..STEPS).map(|k| (f64::from(k) + 0.5) / f64::from(STEPS)).map(|mu| (-x / mu).exp() * mu).sum::<f64>() / f64::from(STEPS)
+}
+
+/// Light passes media on its way to a meter: below a slab that absorbs, a white sky has the irradiance 2π L E₃(τ); a lamp in absorbing air
+/// has e^(−τ) times that without. In a white sky a medium that only scatters changes nothing, whether the meter is outside or within, and
+/// with an even density or one that varies.
+#[test]
+fn media_weaken_light_on_its_way() {
+    let up = facing_up(0.0);
+    let absorbing = scene(json!({"background": {"radiance": 2}, "shapes": [{"type": "box", "size": [1e5, 1, 1e5], "center": [0, 1.5, 0],
+        "medium": {"type": "homogeneous", "absorption": 0.7}}]}));
+    let air = |mut more: Value| {
+        more["medium"] = json!({"type": "homogeneous", "absorption": 0.3});
+        scene(more)
+    };
+    let ball = |density: Option<Value>| {
+        let mut medium = json!({"type": "homogeneous", "scattering": 3, "phase": {"type": "henyey_greenstein", "g": 0.5}});
+        if let Some(density) = density {
+            medium["type"] = json!("heterogeneous");
+            medium["density"] = density;
+        }
+        scene(
+            json!({"background": {"radiance": 2}, "shapes": [{"type": "sphere", "radius": 0.8, "center": [0, 0.3, 0], "medium": medium}]}),
+        )
+    };
+    for integrator in ["nee", "path"] {
+        agrees(&absorbing, integrator, &up, 2.0 * PI * 2.0 * e3(0.7));
+        for scene in [ball(None), ball(Some(json!({"type": "noise", "bounds": {"low": [-1, -1, -1], "high": [1, 1.5, 1]}, "size": 0.5})))] {
+            agrees(&scene, integrator, &up, PI * 2.0);
+            agrees(&scene, integrator, &facing_up(0.2), PI * 2.0);
+            let radiance = Quantity::Radiance { direction: Vec3::new(0.6, 0.8, 0.0), one_minus_cos: 0.1 };
+            agrees(&scene, integrator, &Meter { position: Vec3::ZERO, quantity: radiance }, 2.0);
+        }
+    }
+    // In the middle of a ball that absorbs.
+    let within = scene(
+        json!({"background": {"radiance": 2}, "shapes": [{"type": "sphere", "radius": 0.8, "medium": {"type": "homogeneous", "absorption": 1.5}}]}),
+    );
+    agrees(&within, "nee", &up, PI * 2.0 * (-1.2f64).exp());
+    let (r, h): (f64, f64) = (1e-2, 2.0);
+    let small = air(json!({"shapes": [{"type": "sphere", "radius": r, "center": [0, h, 0], "emission": {"radiance": 5e3}}]}));
+    // The part of the ball that the meter sees is nearer than its middle by its radius at most: half of that changes e^(−τ) by 0.15 %.
+    let seen = reading(&small, "nee", &up, 7, 1 << 14).values[3].value;
+    let wanted = PI * 5e3 * r * r / (h * h) * (-0.3 * (h - r)).exp();
+    assert!((seen / wanted - 1.0).abs() < 2e-3, "{seen}, not {wanted}");
+    let point = air(json!({"lights": [{"type": "point", "position": [1, 2, 0], "intensity": 3}]}));
+    agrees(&point, "nee", &up, 3.0 * 2.0 / 5f64.powf(1.5) * (-0.3 * 5f64.sqrt()).exp());
+}
+
 /// A meter on a surface measures what falls on the surface, also where f32 cannot hold the surface's coordinates.
 #[test]
 fn a_meter_on_a_surface_is_not_in_its_shadow() {

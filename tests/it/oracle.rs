@@ -9,7 +9,7 @@ use pt::effects::Effects;
 use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::light::{Emitter, Lights};
 use pt::math::{Ray, RayDifferential, Rgb, SurfaceDifferential, Transform};
-use pt::medium::{Boundaries, InterfaceCrossing, Media};
+use pt::medium::{Boundaries, Inside, InterfaceCrossing, Media};
 use pt::primitive::Hit;
 use pt::render::{Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
@@ -127,6 +127,10 @@ impl Scene for Oracle {
 
     fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
         self.world.boundaries(hit, point)
+    }
+
+    fn bodies_around(&self, p: Vec3) -> Inside {
+        self.world.bodies_around(p)
     }
 
     fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {

@@ -14,7 +14,7 @@ use pt::integrator::{CameraSample, Context, Estimator, Integrator};
 use pt::integrators::ALL;
 use pt::light::Lights;
 use pt::math::{Ray, RayDifferential, Spectrum, SurfaceDifferential};
-use pt::medium::{Boundaries, InterfaceCrossing, Media};
+use pt::medium::{Boundaries, Inside, InterfaceCrossing, Media};
 use pt::primitive::Hit;
 use pt::render::{Render, SampleId, Settings, Silent, render};
 use pt::sampler::{Kind, SamplerSpec};
@@ -76,6 +76,10 @@ impl Scene for Watched {
 
     fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
         self.scene.boundaries(hit, point)
+    }
+
+    fn bodies_around(&self, p: Vec3) -> Inside {
+        self.scene.bodies_around(p)
     }
 
     fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {

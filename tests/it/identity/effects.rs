@@ -8,7 +8,7 @@ use pt::effects::Effects;
 use pt::integrators::ALL;
 use pt::light::Lights;
 use pt::math::{Ray, RayDifferential, SurfaceDifferential};
-use pt::medium::{Boundaries, InterfaceCrossing, Media};
+use pt::medium::{Boundaries, Inside, InterfaceCrossing, Media};
 use pt::primitive::Hit;
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::{Scene, Surface};
@@ -55,6 +55,10 @@ impl Scene for Wide {
 
     fn boundaries(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
         self.0.boundaries(hit, point)
+    }
+
+    fn bodies_around(&self, p: Vec3) -> Inside {
+        self.0.bodies_around(p)
     }
 
     fn interface(&self, ray: &Ray) -> Option<InterfaceCrossing> {
