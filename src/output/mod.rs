@@ -11,6 +11,8 @@ pub mod hash;
 pub mod hdr;
 pub mod layer;
 mod open;
+#[cfg(feature = "cli")]
+pub(crate) mod page;
 pub mod pfm;
 pub mod png;
 mod read;

@@ -4,10 +4,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::{Outcome, Trial, Verdict};
-use crate::compare::report::{fill, xml};
 use crate::error::Result;
 use crate::film::Image;
 use crate::measure::format::per_cent;
+use crate::output::page::{STYLE, fill, xml};
 use crate::output::{Tonemap, png};
 
 const TEMPLATE: &str = include_str!("assets/page.html");
@@ -27,7 +27,7 @@ pub fn html(scene: &str, sentence: &str, facts: &str, trial: &Trial, outcomes: &
     let rows = outcomes.iter().map(|outcome| row(outcome, &unchanged, tonemap)).collect::<Result<String>>()?;
     Ok(fill(TEMPLATE, |name| match name {
         "scene" => xml(scene),
-        "style" => include_str!("../compare/report/assets/page.css").into(),
+        "style" => STYLE.into(),
         "sentence" => xml(sentence),
         "facts" => xml(facts),
         "enlarged" => ENLARGED.to_string(),

@@ -2,7 +2,7 @@
 
 use super::report::{number, worst_share};
 use super::{Record, Row, Verdict};
-use crate::compare::report::{fill, xml};
+use crate::output::page::{STYLE, fill, xml};
 
 const TEMPLATE: &str = include_str!("assets/page.html");
 
@@ -14,7 +14,7 @@ const TEMPLATE: &str = include_str!("assets/page.html");
 /// - `tables`: the rows by subject; those without cases are told as missing
 pub fn html(program: &str, sentence: &str, facts: &str, tables: &[(&str, Vec<Row>)], records: &[Record]) -> String {
     fill(TEMPLATE, |name| match name {
-        "style" => include_str!("../compare/report/assets/page.css").into(),
+        "style" => STYLE.into(),
         "program" => xml(program),
         "sentence" => xml(sentence),
         "facts" => xml(facts),

@@ -1,6 +1,6 @@
 //! The report of a comparison: the content of its files, and its page in a browser.
 
-mod browser;
+pub mod browser;
 mod page;
 mod synthetic;
 

@@ -13,8 +13,8 @@ use base64::engine::general_purpose::STANDARD;
 use half::f16;
 use serde::Serialize;
 
-use super::embedded_image::exponent;
 use crate::film::Image;
+use crate::output::page::exponent;
 
 /// Range of FLIP in decades: that of the colour scale, from 0.1 % to 100 %.
 pub const DECADES: f64 = 3.0;

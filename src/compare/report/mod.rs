@@ -3,8 +3,6 @@
 //! To add a plot: a file in `plot/`, a row in `plot::ALL`.
 
 mod embedded_difference;
-mod embedded_image;
-mod escape;
 mod jeri;
 mod names;
 mod page;
@@ -14,8 +12,6 @@ mod table;
 
 use std::path::{Path, PathBuf};
 
-pub(crate) use escape::xml;
-pub(crate) use page::fill;
 pub use plot::slope;
 
 use super::Comparison;

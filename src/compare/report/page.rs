@@ -1,6 +1,5 @@
 //! The page `index.html`: one file that contains everything.
 
-use super::escape::{script, xml};
 use super::pictures::pictures;
 use super::plot::{self, error_curve};
 use crate::compare::{Comparison, Conclusion, CostKind, Method, Reference, TARGETS};
@@ -9,6 +8,7 @@ use crate::measure::Metric;
 use crate::measure::error::EPSILON;
 use crate::measure::format;
 use crate::output;
+use crate::output::page::{STYLE, VIEWER, fill, piece, script, xml};
 
 const TEMPLATE: &str = include_str!("assets/page.html");
 
@@ -17,7 +17,7 @@ pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
     let pictures = serde_json::to_string(&pictures(comparison)).map_err(|e| Error::Internal(format!("cannot write JSON: {e}")))?;
     let value = |name: &str| match name {
         "scene" => xml(&comparison.scene),
-        "style" => include_str!("assets/page.css").into(),
+        "style" => STYLE.into(),
         "dark" => include_str!("assets/dark.css").into(),
         "conclusions" => comparison.conclusions.iter().map(conclusion).collect(),
         "provenance" => provenance(comparison),
@@ -29,22 +29,10 @@ pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
         "plots" => plot::elements(comparison).iter().map(figure).collect(),
         "epsilon" => EPSILON.to_string(),
         "pictures" => script(&pictures),
-        "script" => include_str!("assets/viewer.js").into(),
-        other => unreachable!("the page asks for {other}"),
+        "script" => VIEWER.into(),
+        other => piece(other).unwrap_or_else(|| unreachable!("the page asks for {other}")).into(),
     };
     Ok(fill(TEMPLATE, value).into_bytes())
-}
-
-/// Replaces every `{{name}}` of the template by its value. Values are not searched again.
-pub fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
-    let mut parts = template.split("{{");
-    let mut page = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let (name, rest) = part.split_once("}}").unwrap_or((part, ""));
-        page.push_str(&value(name));
-        page.push_str(rest);
-    }
-    page
 }
 
 fn reference(comparison: &Comparison) -> String {
@@ -195,11 +183,5 @@ mod tests {
     #[test]
     fn units_stay_with_their_numbers() {
         assert_eq!(unbroken("a 1 % b 2 min 3 s, is s"), "a 1\u{a0}% b 2\u{a0}min 3\u{a0}s, is s");
-    }
-
-    #[test]
-    fn values_are_not_searched_again() {
-        let page = fill("<a>{{x}}</a>{{y}}.", |name| format!("[{name} {{{{x}}}}]"));
-        assert_eq!(page, "<a>[x {{x}}]</a>[y {{x}}].");
     }
 }

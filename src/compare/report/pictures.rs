@@ -4,7 +4,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::embedded_difference::{self, EmbeddedDifference};
-use super::embedded_image::EmbeddedImage;
 use super::names;
 use crate::compare::{Comparison, Method, Reference, Snapshot};
 use crate::film::Image;
@@ -12,6 +11,7 @@ use crate::measure::Metric;
 use crate::measure::error::EPSILON;
 use crate::measure::metric::{ImagePair, Named};
 use crate::output::Tonemap;
+use crate::output::page::{EmbeddedImage, HalfFloats};
 
 /// Pictures for the viewer.
 #[derive(Serialize)]
@@ -61,7 +61,7 @@ struct Checkpoint {
 /// Returns the pictures of a comparison.
 pub fn pictures(comparison: &Comparison) -> Pictures {
     let reference = &comparison.reference;
-    let mean = View { color: EmbeddedImage::color(&reference.image), error: EmbeddedImage::error(&reference.image), flip: None };
+    let mean = view(&reference.image, None);
     let first = Picture { name: names::REFERENCE.into(), color: None, render: None, mean, checkpoints: vec![] };
     let titles = names::titles(comparison).into_iter().enumerate();
     let methods: Vec<((usize, String), &Method)> = titles.zip(&comparison.methods).collect();
@@ -77,8 +77,7 @@ pub fn pictures(comparison: &Comparison) -> Pictures {
 }
 
 fn picture(index: usize, name: String, method: &Method, reference: &Reference) -> Picture {
-    let view =
-        |image: &Image| View { color: EmbeddedImage::color(image), error: EmbeddedImage::error(image), flip: flip(image, reference) };
+    let view = |image: &Image| view(image, flip(image, reference));
     let last = method.snapshots.len().saturating_sub(1);
     let checkpoint = |(i, snapshot): (usize, &Snapshot)| Checkpoint {
         samples: method.spp(snapshot.samples),
@@ -94,6 +93,10 @@ fn picture(index: usize, name: String, method: &Method, reference: &Reference) -
         mean: view(&method.image),
         checkpoints: method.snapshots.iter().enumerate().map(checkpoint).collect(),
     }
+}
+
+fn view(image: &Image, flip: Option<String>) -> View {
+    View { color: HalfFloats::color(image).into(), error: HalfFloats::error(image).map(EmbeddedImage::from), flip }
 }
 
 /// FLIP of every pixel in bytes; `None` for pictures that cannot be compared.

@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::escape;
 use crate::compare::{CheckpointStats, Comparison, Cost, CostKind, Measurement, Method, NoPrice, Provenance, Reference, TARGETS};
 use crate::error::{Error, Result};
 use crate::measure::Metric;
 use crate::measure::error::EPSILON;
 use crate::output;
+use crate::output::page;
 
 /// Formulas of the columns.
 #[derive(Serialize)]
@@ -60,10 +60,10 @@ pub fn csv(comparison: &Comparison) -> Vec<u8> {
     }
     let own = ["mse", "relmse", "trimmed"].map(str::to_owned).into_iter();
     let columns: Vec<String> = own.chain(comparison.metrics.iter().map(Metric::name)).collect();
-    let joined = |suffix: &str| columns.iter().map(|name| escape::csv(&format!("{name}{suffix}"))).collect::<Vec<_>>().join(",");
+    let joined = |suffix: &str| columns.iter().map(|name| page::csv(&format!("{name}{suffix}"))).collect::<Vec<_>>().join(",");
     text.push_str(&format!("method,replicate,spp,seconds,{},{}\n", joined(""), joined("_stderr")));
     for method in &comparison.methods {
-        let name = escape::csv(&method.name);
+        let name = page::csv(&method.name);
         // Empty where the samples are not known.
         let spp = |samples: u64| method.spp(samples).map_or(String::new(), |samples| samples.to_string());
         for Measurement { replicate, samples, seconds, mse, relmse, trimmed, others } in &method.measurements {

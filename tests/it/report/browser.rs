@@ -63,7 +63,28 @@ impl Browser {
     }
 
     pub fn visit(&self, file: &Path) {
-        self.post("url", &json!({"url": format!("file://{}", file.display())}));
+        self.go(&format!("file://{}", file.display()));
+    }
+
+    pub fn go(&self, url: &str) {
+        self.post("url", &json!({"url": url}));
+    }
+
+    /// Asserts that nothing is wider than the window, which has this size.
+    pub fn fits(&self, width: u32, height: u32) {
+        let wide = format!(
+            "return [...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > {width} + 0.5) \
+             .map(e => e.outerHTML.slice(0, 80))"
+        );
+        assert_eq!(self.run(&wide), json!([]));
+        assert_eq!(self.run("return [innerWidth, innerHeight]"), json!([width, height]));
+    }
+
+    /// Asserts that every element that can be focused has a name.
+    pub fn is_labelled(&self) {
+        let nameless = "return [...document.querySelectorAll('button, select, input, [tabindex], svg[role=img]')] \
+                        .filter(e => !(e.getAttribute('aria-label') || e.textContent).trim()).map(e => e.outerHTML)";
+        assert_eq!(self.run(nameless), json!([]));
     }
 
     /// Sets the size of the viewport, also below the minimum size of a window.

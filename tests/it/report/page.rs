@@ -135,9 +135,7 @@ impl Page {
 
     /// Every element that can be focused has a name, and plots have a description.
     fn is_labelled(&self) {
-        let nameless = "return [...document.querySelectorAll('button, select, input, [tabindex], svg[role=img]')] \
-                        .filter(e => !(e.getAttribute('aria-label') || e.textContent).trim()).map(e => e.outerHTML)";
-        assert_eq!(self.browser.run(nameless), json!([]));
+        self.browser.is_labelled();
         assert!(self.browser.run("return document.querySelectorAll('svg[role=img]').length") == 8);
     }
 
@@ -417,12 +415,7 @@ impl Page {
 
     /// Nothing is wider than the window, and the text of plots is legible.
     fn fits(&self, width: u32, height: u32) {
-        let wide = format!(
-            "return [...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > {width} + 0.5) \
-             .map(e => e.outerHTML.slice(0, 80))"
-        );
-        assert_eq!(self.browser.run(&wide), json!([]));
-        assert_eq!(self.browser.run("return [innerWidth, innerHeight]"), json!([width, height]));
+        self.browser.fits(width, height);
         let small = "return [...document.querySelectorAll('svg text')].filter(e => e.getClientRects().length && \
                      e.getScreenCTM().a * parseFloat(e.getAttribute('font-size')) < 11).map(e => e.textContent)";
         assert_eq!(self.browser.run(small), json!([]));

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::drawing::{Anchor, Color, Drawing, MARGIN, Mark, Point};
-use crate::compare::report::escape;
+use crate::output::page::xml;
 
 const FONTS: &str = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif";
 
@@ -21,7 +21,7 @@ pub fn file(drawing: &Drawing) -> Vec<u8> {
 
 fn svg(drawing: &Drawing, namespace: &str, ground: &str, margin: f64) -> String {
     let [width, height] = drawing.size.map(|s| s + 2.0 * margin);
-    let about = escape::xml(&drawing.description);
+    let about = xml(&drawing.description);
     let mut text = format!(
         "<svg{namespace} viewBox=\"{} {} {width} {height}\" width=\"{width}\" height=\"{height}\" role=\"img\" \
          aria-label=\"{about}\" font-family=\"{FONTS}\">\n{ground}",
@@ -50,7 +50,7 @@ fn element_of(mark: &Mark) -> String {
         }
         Mark::Area { points, color, opacity, hint } => {
             let start = format!("<polygon points=\"{}\" {} fill-opacity=\"{opacity}\"", list(points), fill(*color));
-            if hint.is_empty() { format!("{start}/>") } else { format!("{start}><title>{}</title></polygon>", escape::xml(hint)) }
+            if hint.is_empty() { format!("{start}/>") } else { format!("{start}><title>{}</title></polygon>", xml(hint)) }
         }
         Mark::Text { at, text, color, size, anchor } => {
             let anchor = match anchor {
@@ -59,7 +59,7 @@ fn element_of(mark: &Mark) -> String {
                 Anchor::End => "end",
             };
             let [x, y] = at.map(short);
-            let text = escape::xml(text);
+            let text = xml(text);
             format!("<text x=\"{x}\" y=\"{y}\" {} font-size=\"{size}\" text-anchor=\"{anchor}\">{text}</text>", fill(*color))
         }
     }

@@ -1,8 +1,8 @@
 "use strict";
-// The image viewer of the report. Pictures are half floats under a power of two; all that is shown is computed from them.
-(() => {
-  const element = (id) => document.getElementById(id);
-  const data = JSON.parse(element("pictures").textContent);
+// The image viewer of pages. Pictures are half floats under a power of two; all that is shown is computed from them.
+// A page has the controls that it wants: one that is missing is made, and nobody sees it.
+function viewer(data) {
+  const element = (id) => document.getElementById(id) ?? document.createElement("div");
   const [width, height] = data.size;
   const [canvas, stage, handle] = ["canvas", "stage", "handle"].map(element);
   const context = canvas.getContext("2d");
@@ -14,8 +14,10 @@
     return exponent ? sign * (1 + fraction / 1024) * 2 ** (exponent - 15) : sign * fraction * 2 ** -24;
   });
 
+  // A plane of a picture: text in base64, or the patterns themselves.
   function decode(plane) {
     if (!plane) return null;
+    if (plane.bits) return { bits: plane.bits, unit: 2 ** plane.exponent };
     const bytes = atob(plane.data);
     const bits = new Uint16Array(bytes.length / 2);
     for (let i = 0; i < bits.length; i++) bits[i] = bytes.charCodeAt(2 * i) | (bytes.charCodeAt(2 * i + 1) << 8);
@@ -38,7 +40,7 @@
   const view = (planes) => planes && { color: decode(planes.color), error: decode(planes.error), flip: decodeFlip(planes.flip) };
   // Pictures of checkpoints are decoded when they are first seen.
   const lazily = (make) => { let made; return () => (made ??= make()); };
-  const reference = decode(data.pictures[0].mean.color);
+  let reference = decode(data.pictures[0].mean.color);
   const pictures = data.pictures.map((picture) => {
     const mean = view(picture.mean);
     const render = view(picture.render) || mean;
@@ -47,8 +49,15 @@
     return { name: picture.name, color: picture.color, views: { mean, render }, checkpoints };
   });
 
-  const mean = reference.bits.reduce((sum, _, i) => sum + value(reference, i), 0) / reference.bits.length;
-  const floor = data.epsilon * mean * mean;
+  // A picture alone is compared with nothing, and its error bars are relative to itself.
+  const isAlone = pictures.length === 1;
+
+  let mean, floor;
+  function measure() {
+    mean = reference.bits.reduce((sum, _, i) => sum + value(reference, i), 0) / reference.bits.length;
+    floor = data.epsilon * mean * mean;
+  }
+  measure();
 
   const start = { shown: Math.min(1, pictures.length - 1), other: 0, split: null, view: "render", by: "seconds", stop: Infinity, overlay: "picture", exposure: 0, curve: "sRGB", zoom: null, x: width / 2, y: height / 2 };
   const state = { ...start, probe: [width >> 1, height >> 1], pinned: false };
@@ -342,7 +351,10 @@
     const pixel = y * width + x;
     [...element("values").rows].forEach((row, i) => {
       row.classList.toggle("shown", i === state.shown);
-      const cells = [...colors(i, pixel).map((v) => number(v)), deviation(i, pixel) === null ? "–" : number(deviation(i, pixel), 2), i ? perCent(state.overlay === "flip" ? visible(i, pixel) : error(i, pixel)) : ""];
+      const known = deviation(i, pixel) !== null;
+      const against = () => perCent(state.overlay === "flip" ? visible(i, pixel) : error(i, pixel));
+      const last = isAlone ? perCent(known ? bar(i, pixel) : null) : i ? against() : "";
+      const cells = [...colors(i, pixel).map((v) => number(v)), known ? number(deviation(i, pixel), 2) : "–", last];
       cells.forEach((text, c) => { row.cells[c + 1].textContent = text; });
     });
   }
@@ -474,6 +486,7 @@
     r: reset,
     "?": () => element("help").showModal(),
   };
+  if (isAlone) for (const key of "x,.qpdmw[]") delete KEYS[key];
   const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
   document.addEventListener("keydown", (event) => {
@@ -482,7 +495,7 @@
     const digit = /^Digit(\d)$/.exec(event.code);
     let act = KEYS[event.key];
     if (/^\d$/.test(event.key)) act = () => show(Number(event.key));
-    else if (event.shiftKey && digit) act = () => Number(digit[1]) < pictures.length && set({ other: Number(digit[1]), split: state.split ?? 0.5 });
+    else if (event.shiftKey && digit && !isAlone) act = () => Number(digit[1]) < pictures.length && set({ other: Number(digit[1]), split: state.split ?? 0.5 });
     else if (arrow && event.target === handle) act = arrow[0] ? () => split(state.split + 0.02 * arrow[0]) : null;
     else if (arrow && event.shiftKey && stage.contains(event.target)) act = () => probe(state.probe[0] + arrow[0], state.probe[1] + arrow[1], true);
     else if (arrow && stage.contains(event.target)) act = () => pan(-60 * arrow[0], -60 * arrow[1]);
@@ -556,8 +569,22 @@
   new ResizeObserver(resized).observe(canvas);
   describe();
 
-  // For tests and consoles.
-  window.pt = {
+  return {
+    // Shows a later state of the only picture.
+    replace: (planes) => {
+      const later = view(planes);
+      pictures[0].views = { mean: later, render: later };
+      reference = later.color;
+      measure();
+      bitmaps.clear();
+      describe();
+      redraw();
+    },
+    // Reads pixel (x, y) of the whole picture.
+    choose: (x, y) => probe(x - data.origin[0], y - data.origin[1], true),
+    // Pixel of the whole picture that is read.
+    chosen: () => [state.probe[0] + data.origin[0], state.probe[1] + data.origin[1]],
+    // For tests and consoles.
     state: () => ({ ...state, zoom: zoom(), stop: stopIndex(), stops: STOPS[state.by], samples: pictures.map((_, i) => chosen(i)?.samples ?? null) }),
     // FLIP of pixel (x, y) of the whole picture, for every picture.
     flip: (x, y) => pictures.map((_, i) => visible(i, (y - data.origin[1]) * width + x - data.origin[0])),
@@ -573,4 +600,4 @@
       return [box.left + px, box.top + py];
     },
   };
-})();
+}
