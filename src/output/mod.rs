@@ -12,6 +12,8 @@ pub mod hdr;
 pub mod layer;
 mod open;
 #[cfg(feature = "cli")]
+mod pace;
+#[cfg(feature = "cli")]
 pub(crate) mod page;
 pub mod pfm;
 pub mod png;

@@ -16,12 +16,11 @@ use cpu_time::ThreadTime;
 use glam::UVec2;
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
+use super::pace::Pace;
 use crate::film::Image;
 
 /// Edge of the tiles that are compared and sent (pixels).
 const TILE: u32 = 128;
-/// Shortest time between two pictures.
-const REFRESH: Duration = Duration::from_millis(250);
 /// Largest share of the time that making and sending pictures may take.
 const SHARE: f64 = 0.01;
 /// Time before the next attempt after a failure.
@@ -41,18 +40,18 @@ pub struct Viewer {
     thread: Option<JoinHandle<()>>,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Shared {
     state: Mutex<State>,
     changed: Condvar,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct State {
     /// Latest picture that was not sent yet.
     waiting: Option<Image>,
-    /// Time before which no picture is requested.
-    due: Option<Instant>,
+    /// When the next picture is requested.
+    pace: Pace,
     /// Whether the last picture has been given.
     is_last: bool,
     /// Whether the thread has ended.
@@ -66,7 +65,8 @@ impl Viewer {
     /// - `name`: name of the picture; the process id is added, so that two renders do not overwrite each other
     /// - `warn`: called once, with a sentence, when the viewer cannot be reached or goes away
     pub fn start(address: &str, name: &str, warn: impl Fn(&str) + Send + 'static) -> Viewer {
-        let shared = Arc::new(Shared::default());
+        let state = State { waiting: None, pace: Pace::new(SHARE), is_last: false, is_over: false };
+        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
         let sender = Sender {
             address: address.to_owned(),
             // A zero byte ends a name in the protocol.
@@ -97,11 +97,11 @@ impl Viewer {
     /// real time, since a render waits for it) and sending it (in processor time) take at most a hundredth of the time.
     pub fn offer(&self, make: impl FnOnce() -> Image) {
         let start = Instant::now();
-        if self.shared.lock().due.is_some_and(|due| start < due) {
+        if self.shared.lock().pace.is_early(start) {
             return;
         }
         let image = make();
-        self.shared.postpone(start.elapsed());
+        self.shared.lock().pace.postpone(start.elapsed());
         self.show(image);
     }
 
@@ -128,14 +128,6 @@ impl Drop for Viewer {
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Delays the next picture until the time that this one took is a small share. Delays for several reasons add up.
-    fn postpone(&self, took: Duration) {
-        let now = Instant::now();
-        let mut state = self.lock();
-        let due = state.due.map_or(now, |due| due.max(now)) + took.div_f64(SHARE);
-        state.due = Some(due.max(now + REFRESH));
     }
 
     /// Next picture, or none after `patience`; and whether it was the last.
@@ -180,7 +172,7 @@ impl Sender {
             if is_last || !is_early {
                 let start = ThreadTime::now();
                 self.send();
-                shared.postpone(start.elapsed());
+                shared.lock().pace.postpone(start.elapsed());
             }
             if is_last {
                 break;
