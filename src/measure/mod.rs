@@ -33,6 +33,6 @@ pub use forecast::Forecast;
 pub use level::{critical_z, sidak};
 pub use mean::{Mean, Welch};
 pub use metric::Metric;
-pub use outliers::{Outlier, Outliers, find_outliers};
+pub use outliers::{Outlier, Outliers, PixelOutlier, find_outliers, noisiest_pixels, worst_of_pixel};
 pub use render_until::{ErrorObserver, ErrorTarget, Outcome, StopCondition, render_until, resume_until};
 pub use verdict::Verdict;

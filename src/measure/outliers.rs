@@ -1,5 +1,7 @@
 //! Search for the samples that make most of a picture's noise.
 
+use std::time::Instant;
+
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
@@ -87,6 +89,76 @@ pub fn find_outliers(render: &Render, film: &MomentFilm, count: usize) -> Outlie
     Outliers { samples: found, complete }
 }
 
+/// Pixels that add most to the squared relative error of a picture, each with its share of the noise, the noisiest first. Equal pixels
+/// are in the order of the picture. Pixels without noise are left out.
+///
+/// ```text
+/// share of pixel p = Σ_y (y − m_p)² / (n_p² (d_p + ε)),   over the sum of all pixels; see [`find_outliers`]
+/// ```
+///
+/// No sample is computed again: the sums of the film suffice.
+///
+/// Tests: `the_noisiest_pixels_are_those_of_all_samples`.
+pub fn noisiest_pixels(film: &MomentFilm, count: usize) -> Vec<((u32, u32), f64)> {
+    let noise = NoiseBounds::new(film);
+    let crop = film.spec().crop;
+    let noisy = noise.pixels.iter().enumerate().filter(|(_, pixel)| pixel.share > 0.0);
+    let mut found: Vec<(usize, f64)> = noisy.map(|(p, pixel)| (p, pixel.share)).collect();
+    let order = |a: &(usize, f64), b: &(usize, f64)| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0));
+    if found.len() > count && count > 0 {
+        found.select_nth_unstable_by(count - 1, order);
+    }
+    found.truncate(count);
+    found.sort_unstable_by(order);
+    let place = |p: usize| (crop.min.x + p as u32 % crop.size().x, crop.min.y + p as u32 / crop.size().x);
+    found.into_iter().map(|(p, share)| (place(p), share)).collect()
+}
+
+/// The sample of a pixel that is farthest from the mean of all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelOutlier {
+    /// The sample, with its share of the squared distances of the pixel's samples.
+    pub worst: Outlier,
+    /// Mean of the samples and of the colours.
+    pub mean: f64,
+    /// Number of samples that were computed.
+    pub searched: u64,
+}
+
+/// Computes samples of a pixel again, and finds the one that is farthest from their mean. `None` if there are none.
+///
+/// - `indices`: the samples
+/// - `deadline`: time after which no further sample is computed
+///
+/// Tests: `a_planted_firefly_is_the_worst_sample_of_its_pixel`.
+pub fn worst_of_pixel(render: &Render, pixel: (u32, u32), indices: impl Iterator<Item = u64>, deadline: Instant) -> Option<PixelOutlier> {
+    let value = |index| {
+        let id = SampleId { pixel, index };
+        // An invalid sample counts as black.
+        let value = Some(render.replay(id, None)).filter(|value| value.is_finite()).unwrap_or(Spectrum::BLACK);
+        (id, value)
+    };
+    let mut values: Vec<(SampleId, Spectrum)> = vec![];
+    for index in indices {
+        values.push(value(index));
+        if Instant::now() >= deadline {
+            break;
+        }
+    }
+    let mean = values.iter().map(|(_, value)| gray(*value)).sum::<f64>() / values.len() as f64;
+    let distance = |value: Spectrum| (gray(value) - mean).powi(2);
+    let total: f64 = values.iter().map(|(_, value)| distance(*value)).sum();
+    // The first of equal samples.
+    let (id, value) = values.iter().copied().rev().max_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))?;
+    let share = if total > 0.0 { distance(value) / total } else { 0.0 };
+    Some(PixelOutlier { worst: Outlier { id, value, share }, mean, searched: values.len() as u64 })
+}
+
+/// Mean of the colours.
+fn gray(value: Spectrum) -> f64 {
+    value.to_rgb().into_iter().map(f64::from).sum::<f64>() / 3.0
+}
+
 /// At most one pixel in this many is searched.
 const SEARCHED_ONE_IN: usize = 100;
 /// Number of pixels that are searched before the bounds are checked again.
@@ -106,6 +178,8 @@ struct PixelNoise {
     scale: f64,
     /// Largest share that a single sample can have.
     bound: f64,
+    /// Share of all samples of the pixel together.
+    share: f64,
 }
 
 impl NoiseBounds {
@@ -126,18 +200,20 @@ impl NoiseBounds {
             let farthest = if positive { spread.sqrt().min((cubes.cbrt() - mean).max(mean)) } else { spread.sqrt() };
             let scale = n * n * (median_square(&means, width, p) + floor);
             total += spread / scale;
-            pixels.push(PixelNoise { mean, scale, bound: if spread > 0.0 { farthest * farthest * (1.0 + ROUNDING) / scale } else { 0.0 } });
+            let bound = if spread > 0.0 { farthest * farthest * (1.0 + ROUNDING) / scale } else { 0.0 };
+            pixels.push(PixelNoise { mean, scale, bound, share: spread / scale });
         }
         for pixel in &mut pixels {
             pixel.scale *= total;
             pixel.bound /= total;
+            pixel.share /= total;
         }
         NoiseBounds { pixels, total }
     }
 
     fn share(&self, p: usize, value: Spectrum) -> f64 {
         let PixelNoise { mean, scale, .. } = self.pixels[p];
-        let y = value.to_rgb().into_iter().map(f64::from).sum::<f64>() / 3.0;
+        let y = gray(value);
         (y - mean) * (y - mean) / scale
     }
 }

@@ -1,12 +1,13 @@
 //! Outliers: all samples that cause the noise are found by rendering a few pixels again.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use pt::film::{Film, FilmSpec, MomentFilm};
 use pt::integrator::{CameraSample, Context, Estimator, Integrator};
 use pt::math::{Spectrum, Vec2};
-use pt::measure::{Outliers, find_outliers};
+use pt::measure::{Outliers, find_outliers, noisiest_pixels, worst_of_pixel};
 use pt::render::{Render, SampleId, Settings, Silent};
 use pt::sampler::dimension::{self, Use};
 use pt::sampler::{Kind, SamplerSpec};
@@ -73,6 +74,44 @@ fn a_planted_firefly_is_the_worst_sample() {
         assert!((0.9..1.0).contains(&first.share), "{first:?}");
         assert_eq!(on(3, || find_outliers(&render, &film, 3)), found);
     }
+}
+
+/// Among the samples of its pixel a bright one makes nearly all of the noise; the samples that are asked for are searched, and a deadline
+/// ends the search after one sample.
+#[test]
+fn a_planted_firefly_is_the_worst_sample_of_its_pixel() {
+    let id = SampleId { pixel: (61, 7), index: 13 };
+    let raster = rendered(Speckle::Even, Kind::Sobol).0.camera(id).raster;
+    let (render, film) = rendered(Speckle::Firefly(raster), Kind::Sobol);
+    let later = Instant::now() + Duration::from_secs(600);
+    let found = worst_of_pixel(&render, id.pixel, 0..20, later).expect("samples");
+    assert_eq!((found.worst.id, found.worst.value, found.searched), (id, Spectrum::gray(1000.0), 20));
+    // The others are below 1: their mean is below 1000/20 + 1, and the firefly's part of Σ(y − m)² = 1000²·19/20 is 19/20.
+    assert!((50.0..51.0).contains(&found.mean) && (0.94..0.96).contains(&found.worst.share), "{found:?}");
+    let early = worst_of_pixel(&render, id.pixel, 14..20, later).expect("samples");
+    assert!(early.searched == 6 && (14..20).contains(&early.worst.id.index) && early.worst.value.to_rgb()[0] < 1.0, "{early:?}");
+    assert_eq!(worst_of_pixel(&render, id.pixel, 0..20, Instant::now()).expect("one sample").searched, 1);
+    assert_eq!(worst_of_pixel(&render, id.pixel, 0..0, later), None);
+    assert_eq!(noisiest_pixels(&film, 1)[0].0, id.pixel);
+}
+
+/// A search of all samples by the formula gives the noise of each pixel: the list is in its order, and the shares of all pixels add up to 1.
+#[test]
+fn the_noisiest_pixels_are_those_of_all_samples() {
+    let (render, film) = rendered(Speckle::Heavy, Kind::Independent);
+    let later = Instant::now() + Duration::from_secs(600);
+    let all = noisiest_pixels(&film, usize::MAX);
+    assert_eq!(all.len(), (WIDTH * HEIGHT) as usize, "each pixel has noise");
+    assert!((all.iter().map(|(_, share)| share).sum::<f64>() - 1.0).abs() < 1e-9);
+    assert!(all.windows(2).all(|pair| pair[0].1 >= pair[1].1), "the noisiest come first");
+    assert_eq!(noisiest_pixels(&film, 12), all[..12]);
+    assert_eq!(noisiest_pixels(&film, 0), []);
+    // The worst sample has the same share of the picture by both ways: of the picture, and of its pixel.
+    let worst = find_outliers(&render, &film, 1).samples[0];
+    let pixel = all.iter().find(|(pixel, _)| *pixel == worst.id.pixel).expect("a share").1;
+    let within = worst_of_pixel(&render, worst.id.pixel, 0..20, later).expect("samples").worst;
+    assert!(within.id == worst.id && (pixel * within.share / worst.share - 1.0).abs() < 1e-9, "{worst:?} {within:?}");
+    assert_eq!(noisiest_pixels(&rendered(Speckle::Even, Kind::Independent).1, 5), []);
 }
 
 /// A search of all samples by the formula gives the same list, and the shares of all samples add up to 1.
