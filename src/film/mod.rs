@@ -16,6 +16,7 @@ mod standard_error;
 use std::ops::Range;
 
 use glam::UVec2;
+use rayon::prelude::*;
 
 use crate::sampler::ErrorEstimator;
 
@@ -242,6 +243,23 @@ impl MomentFilm {
     /// The picture so far.
     pub fn image(&self) -> Image {
         Image::from_sums(&self.spec, &self.total(), &self.sample_set())
+    }
+
+    /// Red, green and blue of the picture so far, within rounding. That takes a fraction of the time of [`MomentFilm::image`], which
+    /// also has errors and layers.
+    pub fn colors(&self) -> Image {
+        let blocks: Vec<&PixelSums> = self.blocks().map(|(_, block)| block).collect();
+        let color = |i: usize| {
+            let sum = blocks.iter().fold([0.0; 3], |sum, block| {
+                let more = block.sum(i);
+                std::array::from_fn(|c| sum[c] + more[c])
+            });
+            sum.map(|sum: f64| (sum / self.samples_of(i).max(1) as f64) as f32)
+        };
+        let colors: Vec<[f32; 3]> = (0..self.spec.crop.pixel_count() as usize).into_par_iter().map(color).collect();
+        let channel = |(c, name): (usize, &str)| Channel { name: name.into(), values: colors.iter().map(|color| color[c]).collect() };
+        let channels = ["R", "G", "B"].into_iter().enumerate().map(channel).collect();
+        Image { full_size: self.spec.size, origin: self.spec.crop.min, size: self.spec.crop.size(), channels }
     }
 }
 

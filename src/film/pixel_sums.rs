@@ -134,6 +134,12 @@ impl PixelSums {
         self.pixels().map(|pixel| total(self.error_estimator(), pixel))
     }
 
+    /// Σr, Σg, Σb of a pixel over all its scramblings.
+    pub fn sum(&self, pixel: usize) -> [f64; 3] {
+        let width = self.layout.all();
+        total(self.error_estimator(), &self.sums[pixel * width..(pixel + 1) * width])
+    }
+
     /// Adds the sums of other samples of the same pixels. Both must have the same layout.
     pub fn join(mut self, other: &PixelSums) -> PixelSums {
         self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a += b);

@@ -242,7 +242,10 @@ fn filmed(samples: &[f32], max_level: u32) -> MomentFilm {
 #[test]
 fn textbook_samples() {
     // Mean 5, s² = 32/7, so the mean's standard error is √(4/7).
-    let image = filmed(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0], 3).image();
+    let film = filmed(&[2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0], 3);
+    let image = film.image();
+    // (2 + 3·4 + 2·5 + 7 + 9)/8
+    assert_eq!((film.colors().rgb(0, 0), film.colors().rgb(1, 0)), ([5.0; 3], [15.0; 3]));
     assert_eq!(image.rgb(0, 0), [5.0; 3]);
     assert_eq!(image.channel("StdErr.B").expect("an error")[0], (4f64 / 7.0).sqrt() as f32);
     // Equal samples have no error, in spite of the rounding of 0.1².
@@ -251,6 +254,7 @@ fn textbook_samples() {
     assert_eq!(filmed(&[1.0], 0).image().channel("StdErr.R"), None, "one sample tells nothing of its error");
     assert_eq!(filmed(&[1.0, 2.0], 1).image().channel("SampleCount.Y"), Some([2.0; 2].as_slice()));
     assert_eq!(filmed(&[], 0).image().rgb(1, 0), [0.0; 3], "black before the first wave");
+    assert_eq!(filmed(&[], 0).colors().rgb(1, 0), [0.0; 3], "black before the first wave");
 }
 
 /// Four scramblings of the means 1, 2, 3, 6: mean 3, Σ(m − 3)² = 14, so the mean's variance is 14/(4·3).
