@@ -98,6 +98,7 @@
 //!
 //! - `cli` (default): the command line `cli`, the comparison of methods `compare` with its report, the connection `output::tev` to the
 //!   image viewer tev, and the allocator `Memory`. A library that only renders leaves them out with `default-features = false`.
+//! - `serve`: the page that shows a picture while it renders, `output::serve`. Without it, the server cannot be started.
 //! - `proptest`: generators of models and directions for property tests, `proof::strategies`.
 
 extern crate self as pt;

@@ -34,6 +34,7 @@ mod torture;
 mod trace;
 mod usage_error;
 mod verify;
+mod watch;
 
 use std::ffi::OsString;
 use std::io::Write;

@@ -106,7 +106,7 @@ impl Progress {
     }
 
     /// Share of the work that is done, by samples or by time.
-    fn share(&self) -> f64 {
+    pub fn share(&self) -> f64 {
         let by_samples = self.done.load(Ordering::Relaxed) as f64 / self.total.load(Ordering::Relaxed).max(1) as f64;
         let by_time = self.limit.map_or(0.0, |limit| self.start.elapsed().as_secs_f64() / limit.as_secs_f64());
         by_samples.max(by_time).min(1.0)
@@ -123,8 +123,23 @@ impl Progress {
         (share > 0.0).then(|| self.start.elapsed().as_secs_f64() * (1.0 - share) / share)
     }
 
+    /// Samples per pixel so far.
+    pub fn samples(&self) -> f64 {
+        self.done.load(Ordering::Relaxed) as f64 / self.pixels.max(1) as f64
+    }
+
+    /// Expected number of samples per pixel.
+    pub fn planned(&self) -> f64 {
+        self.total.load(Ordering::Relaxed) as f64 / self.pixels.max(1) as f64
+    }
+
+    /// Time since the beginning.
+    pub fn elapsed(&self) -> Duration {
+        self.start.elapsed()
+    }
+
     fn words(&self) -> String {
-        let spp = self.done.load(Ordering::Relaxed) as f64 / self.pixels.max(1) as f64;
+        let spp = self.samples();
         let eta = self.remaining().map_or("?".into(), |s| format!("{s:.1} s"));
         format!("{spp:.1} spp, {:.1} s elapsed, {eta} left", self.start.elapsed().as_secs_f64())
     }

@@ -47,6 +47,11 @@ pub fn catch() -> Result<()> {
     started.map(drop).map_err(|e| Error::Limit(Fault::new(format!("cannot start a thread: {e}"))))
 }
 
+/// Ends the render as an interrupt by the user does.
+pub fn interrupt() {
+    CAUGHT.get_or_init(Arc::default).store(SIGINT as usize, Ordering::Relaxed);
+}
+
 /// Number of the caught signal, if there was one.
 pub fn caught() -> Option<i32> {
     let number = CAUGHT.get()?.load(Ordering::Relaxed);

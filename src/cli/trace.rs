@@ -17,6 +17,14 @@ use crate::medium::MediumId;
 use crate::recorder::{Contribution, End, Event, MediumVertex, Scattering, Technique, Vertex};
 use crate::render::SampleId;
 
+/// Command that shows the paths of a sample.
+///
+/// - `replay`: start of the command: scene and options that decide the samples
+pub fn command(replay: &str, id: SampleId) -> String {
+    let (x, y) = id.pixel;
+    format!("{replay} --pixel {x},{y} --sample {} --trace", id.index)
+}
+
 /// Paths of a camera sample.
 pub struct Trace<'a> {
     /// Name of the integrator.

@@ -1,6 +1,9 @@
 //! Error of a render over time.
 
+use std::time::Duration;
+
 use super::RelativeError;
+use crate::film::MomentFilm;
 
 /// State of a render at one of its checkpoints.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +49,14 @@ impl ErrorHistory {
     /// The latest checkpoint.
     pub fn last(&self) -> Option<&Checkpoint> {
         self.checkpoints.last()
+    }
+
+    /// The history with the error of a film as it is now.
+    ///
+    /// - `elapsed`: time of rendering
+    pub fn and_now(&self, film: &MomentFilm, elapsed: Duration) -> ErrorHistory {
+        let now = Checkpoint { samples: film.samples(), seconds: elapsed.as_secs_f64(), error: RelativeError::of(film) };
+        ErrorHistory { checkpoints: self.checkpoints.iter().copied().chain([now]).collect(), ..*self }
     }
 
     /// Checkpoints at planned numbers of samples, which a longer render measures too.

@@ -20,6 +20,8 @@ pub mod png;
 mod read;
 mod rgb_image;
 #[cfg(feature = "cli")]
+pub mod serve;
+#[cfg(feature = "cli")]
 pub mod tev;
 pub mod tonemap;
 

@@ -22,6 +22,12 @@ impl Pace {
         Pace { share, due: None }
     }
 
+    /// The pace with the first picture due later.
+    #[cfg(feature = "serve")]
+    pub fn after(self, first: Duration) -> Pace {
+        Pace { due: Some(Instant::now() + first), ..self }
+    }
+
     /// Whether it is too early for the next picture.
     pub fn is_early(&self, now: Instant) -> bool {
         self.due.is_some_and(|due| now < due)

@@ -81,6 +81,7 @@ mod samplers;
 mod scene_faults;
 mod scene_format;
 mod scenes;
+mod serve;
 mod shapes;
 mod shared;
 mod shell;

@@ -115,6 +115,7 @@ fn refuse_options(args: &RenderArgs) -> Result<()> {
         ("--ledger", args.ledger),
         ("--stats", args.stats.is_some()),
         ("--display-server", args.display_server.is_some()),
+        ("--serve", args.serve.is_some()),
         ("--verbose", args.verbose),
     ];
     match flags.into_iter().find(|(_, is_given)| *is_given) {

@@ -11,6 +11,7 @@ use crate::cli::parse::{above_zero, duration, numbers, share, size, whole};
 use crate::cli::progress::WorkArgs;
 use crate::cli::stats::TextOrJson;
 use crate::cli::tone_mapping::ToneMapping;
+use crate::cli::watch::PageAddress;
 use crate::error::Result;
 use crate::load::{layers_named, sampler_named};
 
@@ -126,6 +127,13 @@ pub struct RenderArgs {
     /// Show the picture in tev while it renders. tev usually listens at 127.0.0.1:14158.
     #[arg(long, value_name = "HOST:PORT", alias = "tev", conflicts_with = "pixel")]
     pub display_server: Option<String>,
+    /// Show the picture in a browser while it renders, with its error, the time that is left and a button that ends the render. The
+    /// address of the page is printed; 127.0.0.1:0 is any free port of this machine. Only in a build with --features serve.
+    #[arg(long, value_name = "HOST:PORT", conflicts_with_all = ["pixel", "frames"])]
+    pub serve: Option<String>,
+    /// With --serve: an address that other machines reach. Who has the printed address with its token may watch, and end the render.
+    #[arg(long, requires = "serve")]
+    pub serve_any: bool,
     /// Print time, rays and memory of the render: as text, or with =json as JSON.
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "text", value_name = "FORMAT")]
     pub stats: Option<TextOrJson>,
@@ -170,6 +178,14 @@ impl RenderArgs {
             set(format!("--sampler {name}"), "/sampler/type", name.clone());
         }
         Ok(list)
+    }
+
+    /// Address of the page, if one is to be served.
+    ///
+    /// # Errors
+    /// Those of [`PageAddress::new`].
+    pub fn page(&self) -> Result<Option<PageAddress>> {
+        self.serve.as_ref().map(|text| PageAddress::new(text, self.serve_any)).transpose()
     }
 
     /// Plan for `--pixel`, if it is given.

@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 
 use super::plan::RenderPlan;
 use crate::cli::progress::Progress;
+use crate::cli::watch::Watch;
 use crate::film::{Film, MomentFilm};
-use crate::measure::{Checkpoint, ErrorHistory, ErrorObserver, Refusal, RelativeError, format};
+use crate::measure::{ErrorHistory, ErrorObserver, Refusal, format};
 use crate::part;
 use crate::render::{Observer, RenderReport};
 
@@ -20,6 +21,8 @@ pub struct CheckpointObserver<'a> {
     deadline: Option<Instant>,
     /// Confidence of the price that is printed once; `None` where no price is to be printed, or after it was printed.
     price: Mutex<Option<f64>>,
+    /// Page of the render.
+    watch: Option<&'a Watch>,
 }
 
 /// Render time after which the render's own samples serve as a pilot for the price of a smaller error.
@@ -37,7 +40,7 @@ impl<'a> CheckpointObserver<'a> {
     pub fn new(progress: &'a Progress, plan: &'a RenderPlan, time: Option<Duration>) -> CheckpointObserver<'a> {
         let now = Instant::now();
         let deadline = time.and_then(|time| now.checked_add(time.saturating_mul(2).max(MIN_DEADLINE)));
-        CheckpointObserver { progress, plan, last: Mutex::new(now), deadline, price: Mutex::new(None) }
+        CheckpointObserver { progress, plan, last: Mutex::new(now), deadline, price: Mutex::new(None), watch: None }
     }
 
     /// Makes the observer of a long render print, after the first seconds, what a smaller error would take.
@@ -45,19 +48,22 @@ impl<'a> CheckpointObserver<'a> {
         CheckpointObserver { price: Mutex::new(Some(confidence)), ..self }
     }
 
+    /// Makes the observer keep a page up to date.
+    pub fn watched(self, watch: Option<&'a Watch>) -> CheckpointObserver<'a> {
+        CheckpointObserver { watch, ..self }
+    }
+
     fn print_price(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
         let Ok(mut price) = self.price.lock() else { return };
         let Some(confidence) = *price else { return };
         let is_long = report.elapsed >= PILOT && self.progress.remaining().is_some_and(|seconds| seconds >= LONG.as_secs_f64());
-        let Some(error) = is_long.then(|| RelativeError::of(film)).flatten() else { return };
+        let Some(history) = is_long.then(|| history.and_now(film, report.elapsed)) else { return };
+        let Some(error) = history.last().and_then(|now| now.error) else { return };
         // A pilot with few samples gives no prices yet, however long it took.
         if error.refusal() == Some(Refusal::TooNoisy) {
             return;
         }
         *price = None;
-        let now = Checkpoint { samples: film.samples(), seconds: report.elapsed.as_secs_f64(), error: Some(error) };
-        let checkpoints = history.checkpoints.iter().copied().chain([now]).collect();
-        let history = ErrorHistory { checkpoints, ..history.clone() };
         if let Some(next) = format::next_price(&history, confidence) {
             self.progress.note(&next);
         }
@@ -81,6 +87,7 @@ impl<'a> CheckpointObserver<'a> {
 impl Observer for CheckpointObserver<'_> {
     fn tile_done(&self, camera_samples: u64) {
         self.progress.tile_done(camera_samples);
+        self.watch.iter().for_each(|watch| watch.progress(self.progress));
     }
 
     fn wave_done(&self, samples: u64, film: &dyn Film) {
@@ -100,5 +107,6 @@ impl ErrorObserver for CheckpointObserver<'_> {
     fn wave_finished(&self, report: &RenderReport, film: &MomentFilm, history: &ErrorHistory) {
         self.print_price(report, film, history);
         self.write_checkpoint(report, film, history);
+        self.watch.iter().for_each(|watch| watch.wave(report, film, history));
     }
 }

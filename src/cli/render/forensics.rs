@@ -3,22 +3,16 @@
 use std::sync::Arc;
 
 use super::plan::RenderPlan;
-use crate::cli::{is_quiet, note, print_stderr, print_stdout};
+use crate::cli::{is_quiet, note, print_stderr, print_stdout, trace};
 use crate::error::Result;
 use crate::film::{Film, MomentFilm};
 use crate::integrator::Integrator;
 use crate::measure::bias_report::{BATCH, BiasBudget, estimate_bias};
 use crate::measure::format::per_cent;
 use crate::measure::{BiasEstimate, ErrorHistory, Outliers, Refusal, bias_report, find_outliers};
-use crate::render::{Render, RenderReport, SampleId};
+use crate::render::{Render, RenderReport};
 use crate::scene::Scene;
 use crate::world::World;
-
-/// Returns the command that shows the paths of a sample of this render.
-fn replay(plan: &RenderPlan, id: SampleId) -> String {
-    let (x, y) = id.pixel;
-    format!("{} --pixel {x},{y} --sample {} --trace", plan.reports.replay, id.index)
-}
 
 /// A finished render with its parts.
 pub struct RenderedPicture<'a> {
@@ -63,7 +57,7 @@ impl RenderedPicture<'_> {
         let share = per_cent(first.share);
         Some(format!(
             "one sample makes {share} % of the noise (--worst 10 lists more); how it came about:\n  {}",
-            replay(self.plan, first.id)
+            trace::command(&self.plan.reports.replay, first.id)
         ))
     }
 
@@ -96,7 +90,7 @@ fn worst_samples(plan: &RenderPlan, found: &Outliers) -> String {
     let mut text = "the worst samples: share of the noise, value, how it came about\n".to_owned();
     for sample in &found.samples {
         let [r, g, b] = sample.value.to_rgb();
-        text += &format!("{:>6} %  {r:?} {g:?} {b:?}  {}\n", per_cent(sample.share), replay(plan, sample.id));
+        text += &format!("{:>6} %  {r:?} {g:?} {b:?}  {}\n", per_cent(sample.share), trace::command(&plan.reports.replay, sample.id));
     }
     match (found.samples.is_empty(), found.complete) {
         (true, _) => text = "no noise: no sample is worse than another\n".into(),

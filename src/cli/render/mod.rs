@@ -37,6 +37,8 @@ pub fn render(args: &RenderArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
 ///
 /// - `frame`: number of the picture in a sequence
 fn render_one(args: &RenderArgs, frame: Option<u32>, tables: &[&[Entry]]) -> Result<ExitCode> {
+    // Refused before the scene is loaded, which may take long.
+    args.page()?;
     let start = Instant::now();
     let mut loaded = load(&args.scene, &args.overrides()?, args.named_integrator(), tables)?;
     frame.iter().for_each(|frame| loaded.stem = frames::numbered_stem(&loaded.stem, *frame));

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use super::checkpoint::CheckpointObserver;
 use super::forensics::{self, RenderedPicture};
@@ -13,6 +13,7 @@ use crate::cli::load::Loaded;
 use crate::cli::progress::{Progress, ProgressForm};
 use crate::cli::stats::{RayCounter, Summary};
 use crate::cli::summary::{self, Accuracy, attributes, print_summary};
+use crate::cli::watch::{Explainer, Watch};
 use crate::cli::{INCONCLUSIVE, is_quiet, note, pilot, print_stderr, print_stdout, signals};
 use crate::describe::Names;
 use crate::error::{Error, Result};
@@ -32,7 +33,7 @@ struct Picture<'a> {
     world: Arc<dyn Scene>,
     /// World without smooth shadows, and the number of meshes that have them, if all biases are requested.
     facets: Option<(World, usize)>,
-    names: Names,
+    names: Arc<Names>,
     /// Name of the scene.
     stem: String,
     spec: FilmSpec,
@@ -48,6 +49,10 @@ struct Picture<'a> {
 struct Rendered {
     render: Render,
     displayed: DisplayedFilm,
+    /// The page, if there is one, and the progress that it shows.
+    watch: Option<(Watch, Progress)>,
+    /// The picture of the files, for the page.
+    image: Option<Image>,
     history: ErrorHistory,
     /// What is stated about the error.
     accuracy: Accuracy,
@@ -69,9 +74,10 @@ pub fn render_picture(plan: &RenderPlan, loaded: Loaded, load_seconds: f64) -> R
         start = picture.allocate_samples(start);
     }
     let mut rendered = picture.take_samples(start);
-    picture.write(&rendered)?;
+    picture.write(&mut rendered)?;
     picture.report(&rendered)?;
     rendered.displayed.finish();
+    picture.end_page(&mut rendered);
     match signals::caught() {
         Some(signal) => Err(Error::Interrupted(signal)),
         None => Ok(picture.exit_code(&rendered)),
@@ -85,6 +91,7 @@ impl<'a> Picture<'a> {
         let settings = Settings { clamp: plan.clamp, wave_time: Some(render::SHORT_WAVE), ..Settings::new(sampler) };
         let (primitives, instances) = (world.primitive_count(), world.instance_count());
         let until = plan.until;
+        let names = Arc::new(names);
         Ok(Picture { plan, entry, integrator, world, facets, names, stem, spec, settings, until, primitives, instances, load_seconds })
     }
 
@@ -113,10 +120,12 @@ impl<'a> Picture<'a> {
         let counter = plan.reports.stats.map(|_| Arc::new(RayCounter::new(self.world.clone(), rayon::current_num_threads())));
         let scene = counter.clone().map_or(self.world.clone(), |counter| counter as Arc<dyn Scene>);
         let before = start.report.clone();
+        let watch = plan.page.as_ref().and_then(|page| Watch::start(page, &self.stem, self.explainer(), !plan.is_part, plan.confidence));
         let progress = Progress::new(plan.progress, spec, until.samples - plan.samples.start, until.time).resumed(&before);
         let observer = CheckpointObserver::new(&progress, plan, until.time.filter(|_| before.samples == 0));
         let tells_price = !is_quiet() && plan.price_list.is_none() && !plan.is_part;
         let observer = if tells_price { observer.with_price(plan.confidence) } else { observer };
+        let observer = observer.watched(watch.as_ref());
         let mut displayed = DisplayedFilm::new(start.film, plan.display_server.as_deref(), &self.stem);
         let mut render = Render::new(scene, &*self.integrator, spec, &self.settings).resumed(start.next, start.report);
         let history = match plan.is_part {
@@ -125,12 +134,47 @@ impl<'a> Picture<'a> {
         };
         progress.finish();
         let accuracy = Accuracy::of(&displayed.film, &history, plan.confidence);
-        Rendered { render, displayed, history, accuracy, before, counter }
+        let watch = watch.map(|watch| (watch, progress));
+        Rendered { render, displayed, watch, image: None, history, accuracy, before, counter }
+    }
+
+    /// What the page needs to explain pixels.
+    fn explainer(&self) -> Explainer {
+        Explainer {
+            scene: self.world.clone(),
+            integrator: self.integrator.clone(),
+            name: self.entry.name,
+            names: self.names.clone(),
+            spec: self.spec.clone(),
+            settings: self.settings.clone(),
+            replay: self.plan.reports.replay.clone(),
+            samples: Mutex::default(),
+        }
+    }
+
+    /// Shows the last picture on the page, and ends the page.
+    fn end_page(&self, rendered: &mut Rendered) {
+        if let Some((watch, progress)) = rendered.watch.take() {
+            let closing = self.closing_line(rendered);
+            let image = rendered.image.take();
+            watch.finish(&progress, &rendered.displayed.film, &rendered.history, image, closing);
+        }
+    }
+
+    fn closing_line(&self, rendered: &Rendered) -> String {
+        let Rendered { render, displayed, accuracy, history, .. } = rendered;
+        let (plan, samples) = (self.plan, self.samples(&displayed.film));
+        summary::closing_line(&plan.about, &samples, render.report(), (accuracy, history), plan.confidence, plan.written())
+    }
+
+    /// Number of samples, or which ones of a part.
+    fn samples(&self, film: &MomentFilm) -> String {
+        if self.plan.is_part { format!("samples {}", film.sample_set()) } else { summary::samples(film) }
     }
 
     /// Writes parts and pictures. Both are tried, so that a failure does not affect the others.
-    fn write(&self, rendered: &Rendered) -> Result<()> {
-        let Rendered { render, displayed, history, .. } = rendered;
+    fn write(&self, rendered: &mut Rendered) -> Result<()> {
+        let Rendered { render, displayed, history, .. } = &*rendered;
         let (film, report) = (&displayed.film, render.report());
         if report.samples == 0 {
             return Ok(());
@@ -142,7 +186,7 @@ impl<'a> Picture<'a> {
         parts
     }
 
-    fn write_pictures(&self, rendered: &Rendered) -> Result<()> {
+    fn write_pictures(&self, rendered: &mut Rendered) -> Result<()> {
         let (plan, film, report) = (self.plan, &rendered.displayed.film, rendered.render.report());
         let image = film.image();
         let clamped = forensics::clamped(plan.clamp, film, report);
@@ -153,6 +197,7 @@ impl<'a> Picture<'a> {
             remark_darkness(&image, self.entry.name, || one_sided(&self.names, self.world.lights()));
             remark_exposure(&plan.tone_mapping, &plan.pictures, &image, &tonemap);
         }
+        rendered.image = rendered.watch.is_some().then_some(image);
         Ok(())
     }
 
@@ -161,7 +206,7 @@ impl<'a> Picture<'a> {
         let Rendered { render, displayed, history, before, counter, .. } = rendered;
         let (plan, film, report) = (self.plan, &displayed.film, render.report());
         if !is_quiet() || rendered.is_late() {
-            let samples = if plan.is_part { format!("samples {}", film.sample_set()) } else { summary::samples(film) };
+            let samples = self.samples(film);
             print_summary(&plan.about, &samples, report, (&rendered.accuracy, history), plan.confidence, plan.written());
             self.outcome(rendered).iter().for_each(|(target, outcome)| note(&format::outcome(target, *outcome)));
         }

@@ -13,6 +13,7 @@ use crate::cli::progress::ProgressForm;
 use crate::cli::quote::quoted;
 use crate::cli::stats::TextOrJson;
 use crate::cli::tone_mapping::ToneMapping;
+use crate::cli::watch::PageAddress;
 use crate::error::{Error, Fault, Result};
 use crate::film::{MomentFilm, SampleSet};
 use crate::integrator::Entry;
@@ -55,6 +56,8 @@ pub struct RenderPlan {
     pub progress: ProgressForm,
     /// Address of a viewer.
     pub display_server: Option<String>,
+    /// Address of the page, if one is served.
+    pub page: Option<PageAddress>,
     /// Reports to print after the render.
     pub reports: Reports,
     resume: Option<Resume>,
@@ -162,6 +165,7 @@ impl RenderPlan {
             tone_mapping: args.tone_mapping,
             progress: args.work.progress,
             display_server: args.display_server.clone(),
+            page: args.page()?,
             reports: Reports {
                 outliers: args.worst,
                 bias: args.ledger,
