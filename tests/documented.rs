@@ -1,4 +1,4 @@
-//! Check that tests which documentation names exist.
+//! Check that what documentation refers to exists: tests, and files that pages link to.
 //!
 //! A comment that lists names after the word "Tests" and a colon promises that these laws are tested. A word of lower-case letters
 //! with an underscore in such a list is taken for the name of a test, and a word like M4 after "row" for a row of `pt torture`; what is
@@ -80,4 +80,84 @@ fn lists_of_tests_are_read() {
     assert_eq!(names, ["a_law", "b_law", "c_law"]);
     let rows: Vec<String> = comments(source).iter().flat_map(|comment| rows(comment)).collect();
     assert_eq!(rows, ["M4"]);
+}
+
+/// The pages of the documentation.
+fn pages() -> Vec<PathBuf> {
+    fn add(folder: &Path, found: &mut Vec<PathBuf>) {
+        for path in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+            if path.is_dir() {
+                add(&path, found);
+            } else if path.extension().is_some_and(|extension| extension == "md") {
+                found.push(path);
+            }
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut pages: Vec<PathBuf> = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md"].iter().map(|name| root.join(name)).collect();
+    add(&root.join("docs"), &mut pages);
+    pages
+}
+
+/// The lines of a page that are no code.
+fn prose(page: &str) -> impl Iterator<Item = &str> {
+    let mut is_code = false;
+    page.lines().filter(move |line| {
+        let is_fence = line.starts_with("```");
+        is_code ^= is_fence;
+        !is_code && !is_fence
+    })
+}
+
+/// The targets of the links `](…)` of a page.
+fn links(page: &str) -> Vec<&str> {
+    prose(page).flat_map(|line| line.split("](").skip(1)).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target).collect()
+}
+
+/// The names of a page's headings in links: lower case, without punctuation, hyphens for spaces.
+fn anchors(page: &str) -> BTreeSet<String> {
+    let headings = prose(page).filter(|line| line.starts_with('#')).map(|line| line.trim_start_matches('#').trim());
+    let name = |c: char| match c {
+        ' ' => Some('-'),
+        _ if c.is_alphanumeric() || c == '-' || c == '_' => Some(c),
+        _ => None,
+    };
+    headings.map(|heading| heading.to_lowercase().chars().filter_map(name).collect()).collect()
+}
+
+#[test]
+fn links_of_pages_lead_somewhere() {
+    let mut broken = vec![];
+    for path in pages() {
+        let page = std::fs::read_to_string(&path).expect("a page");
+        for link in links(&page).into_iter().filter(|link| !link.contains("://")) {
+            let (file, anchor) = link.split_once('#').map_or((link, None), |(file, anchor)| (file, Some(anchor)));
+            let target = if file.is_empty() { path.clone() } else { path.with_file_name(file) };
+            let is_there = match anchor {
+                None => target.exists(),
+                Some(anchor) => std::fs::read_to_string(&target).is_ok_and(|text| anchors(&text).contains(anchor)),
+            };
+            broken.extend((!is_there).then(|| format!("{}: {link}", path.display())));
+        }
+    }
+    assert!(broken.is_empty(), "links that lead nowhere:\n{}", broken.join("\n"));
+}
+
+/// docs/SUMMARY.md is the table of contents of the book: every page is a chapter, once.
+#[test]
+fn every_page_is_a_chapter() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let summary = std::fs::read_to_string(docs.join("SUMMARY.md")).expect("a table of contents");
+    let mut chapters: Vec<PathBuf> = links(&summary).into_iter().map(|link| docs.join(link)).collect();
+    let mut written: Vec<PathBuf> = pages().into_iter().filter(|path| path.starts_with(&docs) && !path.ends_with("SUMMARY.md")).collect();
+    chapters.sort();
+    written.sort();
+    assert_eq!(chapters, written);
+}
+
+#[test]
+fn links_and_headings_are_read() {
+    let page = "# A b: `c`, d\na [b](c.md#d) and ![e](f.png)\n```text\n# no\n[g](h)\n```\n## Ω-i_j\n";
+    assert_eq!(links(page), ["c.md#d", "f.png"]);
+    assert_eq!(anchors(page).into_iter().collect::<Vec<_>>(), ["a-b-c-d", "ω-i_j"]);
 }
