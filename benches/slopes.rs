@@ -108,7 +108,7 @@ impl Slope {
     }
 }
 
-/// A floor under a sky with a camera above it, and what is added.
+/// A floor with a camera above it, and what is added; without lights.
 fn outdoors(size: u32, mut shapes: Vec<Value>) -> Value {
     shapes.push(
         json!({ "type": "quad", "size": 8, "material": "matte", "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": -90 } }] }),
@@ -166,7 +166,8 @@ fn write_ball(wanted: f64, path: &Path) -> f64 {
     (2 * rings * around) as f64
 }
 
-/// A square of 1 to 10⁵ lamps over the floor, of the same power together.
+/// A square of 1 to 10⁵ lamps over the floor, of the same power together. What else the scene takes is left out of the memory of a lamp,
+/// which means something for many lamps only.
 fn lamps() -> pt::Result<()> {
     println!("\n| lamps | ready in | slope | bytes a lamp | ns a sample | slope |\n|---|---|---|---|---|---|");
     let (mut build, mut sample) = (Slope(None), Slope(None));

@@ -88,8 +88,8 @@ impl NamedReading {
 /// Checks that a scene has meters and that its integrator can read them.
 ///
 /// # Errors
-/// `Invalid` for a scene without meters; `Usage` for a target that is too small and for an integrator whose light
-/// does not arrive along rays from the camera.
+/// `Invalid` for a scene without meters; `Usage` for a target that is too small and for an integrator whose light does not arrive along rays
+/// from the camera.
 pub fn check_meters(loaded: &Loaded, limits: &MeterLimits) -> Result<()> {
     if limits.target.is_some_and(|target| target < LEAST_TARGET) {
         return Err(Error::Usage("expected a target of at least 0.0002 %, below which readings are rounded".into()));

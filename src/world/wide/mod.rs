@@ -91,8 +91,8 @@ pub struct SurfaceLanes<L: Lanes> {
 
 impl Tables {
     /// Tables of a scene; `None` if its paths are better followed one by one: some material or emission is not the same everywhere, a
-    /// surface has holes or smooth shadows, there are media, instances or implicit surfaces, vertices or lights move, the tables would be too long for their
-    /// indices, or there is only one lane.
+    /// surface has holes or smooth shadows, there are media, instances or implicit surfaces, vertices or lights move, the tables would be
+    /// too long for their indices, or there is only one lane.
     pub fn new(world: &World, width: Width) -> Option<Tables> {
         let is_plain = |material: &PreparedMaterial| material.uniform.is_some();
         let parts = || world.appearances.iter().flat_map(|appearance| &appearance.parts);
