@@ -7,8 +7,8 @@ use pt::bsdf::{BsdfSample, Lobe, TransportMode};
 use pt::effects::Effects;
 use pt::film::{FilmSpec, Splat};
 use pt::integrator::{
-    Bias, CameraSample, Context, Estimator, Filled, Integrator, Interrupt, LightPath, MAX_DEPTH, PathWavelength, Roulette, Space,
-    Traveller, Vacuum,
+    Bias, CameraSample, Context, Estimator, Filled, Integrator, Interrupt, LightPath, MAX_DEPTH, PathState, PathWavelength, Roulette,
+    Space, Vacuum,
 };
 use pt::light::{EmittedRay, ShadowTarget};
 use pt::math::{Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, Vec2, Vec3, Wavelength, warp};
@@ -261,7 +261,7 @@ struct State {
     wavelength: PathWavelength,
 }
 
-impl Traveller for State {
+impl PathState for State {
     fn ray(&self) -> Ray {
         self.ray
     }

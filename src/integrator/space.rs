@@ -14,7 +14,7 @@ use self::flight::Flight;
 use self::stretches::{Stretch, stretches};
 use self::tracking::Collision;
 use self::way::Way;
-use super::{CameraPath, CameraSample, Traveller};
+use super::{CameraPath, CameraSample, PathState};
 use crate::light::EmittedRay;
 use crate::math::{Ray, Spectrum, Vec3};
 use crate::medium::{Boundaries, Density, Inside, Media, Medium, transmittance};
@@ -36,7 +36,7 @@ pub trait Space: Send + Sync + 'static {
     /// what it absorbs is taken from the throughput.
     ///
     /// - `hit`: next surface; `None` if there is none
-    fn scatter<'s, P: Traveller, R: Recorder + ?Sized>(
+    fn scatter<'s, P: PathState, R: Recorder + ?Sized>(
         &mut self,
         scene: &'s dyn Scene,
         path: &mut P,
@@ -96,7 +96,7 @@ impl Space for Vacuum {
     }
 
     #[inline(always)]
-    fn scatter<'s, P: Traveller, R: Recorder + ?Sized>(
+    fn scatter<'s, P: PathState, R: Recorder + ?Sized>(
         &mut self,
         _: &'s dyn Scene,
         _: &mut P,
@@ -177,7 +177,7 @@ impl Space for Filled {
         Filled::new(if emitted.is_distant() { Inside::default() } else { scene.bodies_around(emitted.ray.origin) })
     }
 
-    fn scatter<'s, P: Traveller, R: Recorder + ?Sized>(
+    fn scatter<'s, P: PathState, R: Recorder + ?Sized>(
         &mut self,
         scene: &'s dyn Scene,
         path: &mut P,
@@ -275,7 +275,7 @@ struct Travel<'t, 'n, P, R: ?Sized> {
     numbers: &'t mut SampleNumbers<'n>,
 }
 
-impl<P: Traveller, R: Recorder + ?Sized> Travel<'_, '_, P, R> {
+impl<P: PathState, R: Recorder + ?Sized> Travel<'_, '_, P, R> {
     /// Dimension of the way.
     fn dimension(&self) -> u32 {
         dimension::vertex(self.path.depth(), Use::Medium)

@@ -135,8 +135,8 @@ impl CameraPath {
     }
 }
 
-/// Path on its way between two vertices, as media see and change it.
-pub trait Traveller {
+/// State of a path between two vertices: what a medium on the way needs to know, and what it changes.
+pub trait PathState {
     /// Ray to the next surface.
     fn ray(&self) -> Ray;
 
@@ -153,7 +153,7 @@ pub trait Traveller {
     fn leave_surfaces(&mut self);
 }
 
-impl Traveller for CameraPath {
+impl PathState for CameraPath {
     #[inline(always)]
     fn ray(&self) -> Ray {
         self.ray
