@@ -13,7 +13,7 @@ use pt::integrator::{
     WideWalk, sample_light,
 };
 use pt::light::{LightSample, LightSampleContext};
-use pt::math::lanes::{self, Lanes, Vector};
+use pt::math::lanes::{Lanes, Vector};
 use pt::math::{
     Density, SolidAnglePdf, Spectrum, Vec3, balance_heuristic, balance_heuristic_lanes, power_heuristic, power_heuristic_lanes,
 };
@@ -21,7 +21,7 @@ use pt::recorder::{End, Event, Origin, Recorder};
 use pt::sampler::dimension::{self, OnWay, Use};
 use pt::sampler::{NumberLanes, SampleNumbers};
 use pt::scene::{Interaction, Scene, Surface};
-use pt::world::{ReceiverLanes, SurfaceLanes, WideWorld};
+use pt::world::{SurfaceLanes, WideWorld};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -230,10 +230,12 @@ impl WideWalk for Walk<Vacuum> {
     ) -> L::Mask {
         let hits = scene.intersect(&paths.rays, active);
         let found = L::mask(hits.found);
-        let arrival = (paths.from, paths.pdf);
-        scene.background(&paths.rays, active & !found, paths.beta, &mut paths.radiance, |lane, light, direction| {
-            self.background_weight(light, direction, &arrival_of(arrival, lane))
-        });
+        let missed = active & !found;
+        if L::any(missed) {
+            for &light in scene.background_lights() {
+                paths.add(missed, self.background_lanes(scene, light, paths, missed));
+            }
+        }
         if !L::any(found) {
             return found;
         }
@@ -251,14 +253,6 @@ impl WideWalk for Walk<Vacuum> {
     }
 }
 
-/// How the path of a lane arrives.
-#[inline(always)]
-fn arrival_of<L: Lanes>((from, pdf): (ReceiverLanes<L>, L::F32), lane: usize) -> Arrival {
-    let pdf = lanes::get::<L>(pdf, lane);
-    let density = if pdf < 0.0 { Density::Delta } else { Density::Smooth(SolidAnglePdf::new(pdf)) };
-    Arrival { from: from.get(lane), density }
-}
-
 /// The terms of [`Walk`]'s sum for the paths of several lanes.
 impl Walk<Vacuum> {
     /// [`Walk::emission`] in each lane.
@@ -273,6 +267,18 @@ impl Walk<Vacuum> {
         let by_light = scene.light_pdf(&paths.from, &paths.rays, surface, weighted);
         let weight = self.weights.of_bsdf_lanes::<L>(paths.pdf, by_light);
         emitted.scaled(L::select(weighted, weight, L::f32(1.0)))
+    }
+
+    /// Radiance of an infinitely distant light in each lane, times its weight as [`Walk::background_weight`].
+    #[inline(always)]
+    fn background_lanes<L: Lanes>(&self, scene: WideWorld, light: u32, paths: &PathLanes<L>, missed: L::Mask) -> Vector<L> {
+        let is_delta = L::lt(paths.pdf, L::f32(0.0));
+        if !L::any(missed & !is_delta) {
+            return scene.background(light, &paths.rays, missed);
+        }
+        let (radiance, by_light) = scene.background_and_pdf(light, &paths.rays, &paths.from, missed);
+        let weight = self.weights.of_bsdf_lanes::<L>(paths.pdf, by_light);
+        radiance.scaled(L::select(is_delta, L::f32(1.0), weight))
     }
 
     /// [`Walk::direct`] in each lane, and the lanes that have light.

@@ -160,7 +160,12 @@ impl WideWalk for Walk<Vacuum> {
     ) -> L::Mask {
         let hits = scene.intersect(&paths.rays, active);
         let found = L::mask(hits.found);
-        scene.background(&paths.rays, active & !found, paths.beta, &mut paths.radiance, |_, _, _| 1.0);
+        let missed = active & !found;
+        if L::any(missed) {
+            for &light in scene.background_lights() {
+                paths.add(missed, scene.background(light, &paths.rays, missed));
+            }
+        }
         if !L::any(found) {
             return found;
         }

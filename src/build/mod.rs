@@ -195,7 +195,7 @@ fn camera_meets_media(world: &World) -> bool {
 /// Returns a warning if the picture will be black, or show only the background.
 fn missing(world: &World) -> Option<&'static str> {
     let lights = world.lights();
-    let has_background = lights.has_background();
+    let has_background = !lights.infinite().is_empty();
     match (world.shapes().is_empty(), has_background, lights.has_emission()) {
         (true, true, _) => Some("no shapes, the image will show the background alone"),
         (_, _, false) => Some("no light, the image will be black"),

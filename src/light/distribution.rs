@@ -1,12 +1,12 @@
 //! Sampling of points of a picture in proportion to a bilinearly interpolated weight.
 
-use std::ops::Range;
-
-use glam::{IVec2, UVec2, Vec2, Vec4};
+use glam::{IVec2, UVec2, Vec2};
 use rayon::prelude::*;
 
 use crate::math::Discrete;
+use crate::math::discrete::{Condition, partition_point_lanes};
 use crate::math::float::ONE_MINUS_EPSILON;
+use crate::math::lanes::{Lanes, One};
 
 /// Weights of the pixels of a picture, which are interpolated between the centres of pixels.
 pub(super) trait Weights: Sync {
@@ -18,11 +18,10 @@ pub(super) trait Weights: Sync {
     /// The weights may be negative beyond the borders, as long as all means of neighbours are at least 0.
     fn weight(&self, pixel: IVec2) -> f32;
 
-    /// Weights of the four pixels around a point, those above before those below.
-    #[inline]
-    fn around(&self, [left, top]: [i32; 2]) -> [f32; 4] {
-        [[left, top], [left + 1, top], [left, top + 1], [left + 1, top + 1]].map(|pixel| self.weight(pixel.into()))
-    }
+    /// Weights of the four pixels around a cell in each lane, those above before those below.
+    ///
+    /// - `cell`: column and row, from 0 to the width and height; the cell (0, 0) is between the pixels (−1, −1) and (0, 0)
+    fn around<L: Lanes>(&self, cell: [L::U32; 2]) -> [L::F32; 4];
 }
 
 /// Distribution of points of the unit square whose density is proportional to the interpolated weight of a picture.
@@ -59,24 +58,60 @@ impl Distribution {
 
     /// Samples a point in [0, 1)².
     pub fn sample(&self, weights: &impl Weights, u: Vec2) -> Vec2 {
+        self.sample_lanes::<One>(weights, u.to_array()).into()
+    }
+
+    /// [`Distribution::sample`] in each lane.
+    #[inline(always)]
+    pub fn sample_lanes<L: Lanes>(&self, weights: &impl Weights, [u, v]: [L::F32; 2]) -> [L::F32; 2] {
         let size = weights.size();
-        let (row, _, rest_y) = self.rows.sample(u.y);
-        let columns = size.x as usize + 1;
-        let shares = &self.cumulative[row * columns..(row + 1) * columns];
-        let column = shares.partition_point(|&share| share <= u.x).min(columns - 1);
-        let before = if column == 0 { 0.0 } else { shares[column - 1] };
-        let rest_x = ((u.x - before) / (shares[column] - before)).clamp(0.0, ONE_MINUS_EPSILON);
-        let around = weights.around([column as i32 - 1, row as i32 - 1]);
-        let cell = Cell::new(size, [column, row], around);
-        let point = cell.sample(Vec2::new(rest_x, rest_y));
-        ((point - 0.5) / size.as_vec2()).clamp(Vec2::ZERO, Vec2::splat(ONE_MINUS_EPSILON))
+        let columns = size.x + 1;
+        let (row, rest_y) = self.rows.sample_lanes::<L>(v);
+        let shares = RowShares::<L> { shares: &self.cumulative, first: row * L::u32(columns), u };
+        let column = partition_point_lanes(columns, &shares);
+        let (zero, below_one) = (L::f32(0.0), L::f32(ONE_MINUS_EPSILON));
+        let before = L::select(L::eq_u32(column, L::u32(0)), zero, shares.at(column - L::u32(1)));
+        let rest_x = L::min(L::max((u - before) / (shares.at(column) - before), zero), below_one);
+        let cell = Cell::<L>::new(size, [column, row], weights.around::<L>([column, row]));
+        let [x, y] = cell.sample([rest_x, rest_y]);
+        let x = (x - L::f32(0.5)) / L::f32(size.x as f32);
+        let y = (y - L::f32(0.5)) / L::f32(size.y as f32);
+        [L::min(L::max(x, zero), below_one), L::min(L::max(y, zero), below_one)]
     }
 
     /// Density of a point by the area of the unit square, without the factors that `weights` lacks there.
     ///
     /// - `weight`: interpolated weight of the point
     pub fn density(&self, weight: f32) -> f32 {
-        (f64::from(weight) / self.integral) as f32
+        self.density_lanes::<One>(weight)
+    }
+
+    /// [`Distribution::density`] in each lane.
+    #[inline(always)]
+    pub fn density_lanes<L: Lanes>(&self, weight: L::F32) -> L::F32 {
+        L::narrow(L::widen(weight) / L::f64(self.integral))
+    }
+}
+
+/// Cumulative shares of the cells of a row in each lane, and a random number that is compared with them.
+struct RowShares<'a, L: Lanes> {
+    shares: &'a [f32],
+    /// Place of the row's first share.
+    first: L::U32,
+    u: L::F32,
+}
+
+impl<L: Lanes> RowShares<'_, L> {
+    #[inline(always)]
+    fn at(&self, column: L::U32) -> L::F32 {
+        L::gather(self.shares, self.first + column)
+    }
+}
+
+impl<L: Lanes> Condition<L> for RowShares<'_, L> {
+    #[inline(always)]
+    fn holds(&self, column: L::U32) -> L::Mask {
+        L::le(self.at(column), self.u)
     }
 }
 
@@ -88,7 +123,8 @@ fn fill_row(weights: &impl Weights, y: usize, shares: &mut [f32]) -> f32 {
     let mut sum = 0.0;
     let mut sums = Vec::with_capacity(shares.len());
     for x in 0..shares.len() {
-        sum += f64::from(Cell::new(size, [x, y], [above[x], above[x + 1], below[x], below[x + 1]]).weight());
+        let around = [above[x], above[x + 1], below[x], below[x + 1]];
+        sum += f64::from(Cell::<One>::new(size, [x, y].map(|k| One::u32(k as u32)), around).weight());
         sums.push(sum);
     }
     if sum > 0.0 {
@@ -98,59 +134,68 @@ fn fill_row(weights: &impl Weights, y: usize, shares: &mut [f32]) -> f32 {
     sum as f32
 }
 
-/// Cell between the centres of four pixels, or the half of one that is within the picture.
-struct Cell {
-    /// Extent along x and y, as coordinates in which the centre of the first pixel is at 1.
-    extent: [Range<f32>; 2],
+/// Cells between the centres of four pixels, or the halves of them that are within the picture, one in each lane.
+struct Cell<L: Lanes> {
+    /// Lower and upper ends along x and y, as coordinates in which the centre of the first pixel is at 1.
+    extent: [[L::F32; 2]; 2],
     /// Weights at the corners: left and right above, left and right below.
-    corners: [f32; 4],
+    corners: [L::F32; 4],
 }
 
-impl Cell {
+impl<L: Lanes> Cell<L> {
     /// - `around`: weights of the four pixels, [`Weights::around`]
-    #[inline]
-    fn new(size: UVec2, cell: [usize; 2], around: [f32; 4]) -> Cell {
-        let extent = [(cell[0], size.x), (cell[1], size.y)].map(|(at, count)| {
-            let low = if at == 0 { 0.5 } else { at as f32 };
-            let high = if at == count as usize { at as f32 + 0.5 } else { at as f32 + 1.0 };
-            low..high
-        });
-        let inside = |axis: usize, x: f32| x - cell[axis] as f32;
-        let [x, y] = &extent;
-        let corner = |x, y| bilinear(around, Vec2::new(inside(0, x), inside(1, y))).max(0.0);
-        let corners = [corner(x.start, y.start), corner(x.end, y.start), corner(x.start, y.end), corner(x.end, y.end)];
-        Cell { extent, corners }
+    #[inline(always)]
+    fn new(size: UVec2, cell: [L::U32; 2], around: [L::F32; 4]) -> Cell<L> {
+        let [x, y] = [extent::<L>(cell[0], size.x), extent::<L>(cell[1], size.y)];
+        let (left, right) = (x[0] - L::to_f32(cell[0]), x[1] - L::to_f32(cell[0]));
+        let (top, bottom) = (y[0] - L::to_f32(cell[1]), y[1] - L::to_f32(cell[1]));
+        let (a, b) = (bilinear::<L>(around, [left, top]), bilinear::<L>(around, [right, top]));
+        let (c, d) = (bilinear::<L>(around, [left, bottom]), bilinear::<L>(around, [right, bottom]));
+        let zero = L::f32(0.0);
+        Cell { extent: [x, y], corners: [L::max(a, zero), L::max(b, zero), L::max(c, zero), L::max(d, zero)] }
     }
 
     /// Integral of the weight (square pixels).
-    #[inline]
-    fn weight(&self) -> f32 {
-        let [x, y] = &self.extent;
-        0.25 * Vec4::from(self.corners).element_sum() * (x.end - x.start) * (y.end - y.start)
+    #[inline(always)]
+    fn weight(&self) -> L::F32 {
+        let [[left, right], [top, bottom]] = self.extent;
+        let [a, b, c, d] = self.corners;
+        L::f32(0.25) * ((a + b) + (c + d)) * (right - left) * (bottom - top)
     }
 
-    fn sample(&self, u: Vec2) -> Vec2 {
+    #[inline(always)]
+    fn sample(&self, u: [L::F32; 2]) -> [L::F32; 2] {
         let [a, b, c, d] = self.corners;
-        let y = linear(u.y, a + b, c + d);
-        let x = linear(u.x, a + (c - a) * y, b + (d - b) * y);
-        let within = |range: &Range<f32>, share: f32| range.start + (range.end - range.start) * share;
-        Vec2::new(within(&self.extent[0], x), within(&self.extent[1], y))
+        let y = linear::<L>(u[1], a + b, c + d);
+        let x = linear::<L>(u[0], a + (c - a) * y, b + (d - b) * y);
+        let [[left, right], [top, bottom]] = self.extent;
+        [left + (right - left) * x, top + (bottom - top) * y]
     }
+}
+
+/// Lower and upper ends of cells along an axis, of `count` pixels.
+#[inline(always)]
+fn extent<L: Lanes>(cell: L::U32, count: u32) -> [L::F32; 2] {
+    let (at, half) = (L::to_f32(cell), L::f32(0.5));
+    let low = L::select(L::eq_u32(cell, L::u32(0)), half, at);
+    [low, L::select(L::eq_u32(cell, L::u32(count)), at + half, at + L::f32(1.0))]
 }
 
 /// Samples the share x of an interval with a density that goes linearly from `a` to `b`.
 ///
 /// x = u (a + b) / (a + √(a² + u (b² − a²)))
-fn linear(u: f32, a: f32, b: f32) -> f32 {
-    let (a, b, u) = (f64::from(a), f64::from(b), f64::from(u));
-    let denominator = a + (a * a + u * (b * b - a * a)).max(0.0).sqrt();
-    if denominator > 0.0 { ((u * (a + b) / denominator) as f32).min(1.0) } else { u as f32 }
+#[inline(always)]
+fn linear<L: Lanes>(u: L::F32, a: L::F32, b: L::F32) -> L::F32 {
+    let (u, a, b) = (L::widen(u), L::widen(a), L::widen(b));
+    let zero = L::f64(0.0);
+    let denominator = a + L::sqrt_f64(L::max_f64(a * a + u * (b * b - a * a), zero));
+    let share = L::select_f64(L::lt_f64(zero, denominator), u * (a + b) / denominator, u);
+    L::min(L::narrow(share), L::f32(1.0))
 }
 
 /// Bilinear interpolation of values at left and right above, and left and right below.
-#[inline]
-pub(super) fn bilinear(values: [f32; 4], share: Vec2) -> f32 {
-    let [a, b, c, d] = values;
-    let (above, below) = (a + (b - a) * share.x, c + (d - c) * share.x);
-    above + (below - above) * share.y
+#[inline(always)]
+pub(super) fn bilinear<L: Lanes>([a, b, c, d]: [L::F32; 4], [x, y]: [L::F32; 2]) -> L::F32 {
+    let (above, below) = (a + (b - a) * x, c + (d - c) * x);
+    above + (below - above) * y
 }

@@ -5,6 +5,7 @@ use glam::{IVec2, UVec2, Vec2, Vec3};
 use super::distribution::{Distribution, Weights, bilinear};
 use super::emitter::Emitter;
 use super::flat_share::{FlatShare, Part, THRESHOLD};
+use crate::math::lanes::{Lanes, One};
 use crate::math::{AreaPdf, SolidAnglePdf};
 use crate::shape::{Shape, SurfacePoint};
 use crate::texture::{Footprint, TextureContext};
@@ -146,7 +147,8 @@ impl Table {
     fn at(&self, u: Vec2) -> f32 {
         let place = u * self.side as f32 - 0.5;
         let first = place.floor();
-        bilinear(self.around([first.x as i32, first.y as i32]), place - first)
+        let cell = (first + 1.0).as_uvec2().to_array().map(One::u32);
+        bilinear::<One>(self.around::<One>(cell), (place - first).to_array())
     }
 }
 
@@ -161,4 +163,25 @@ impl Weights for Table {
         let cell = cell.clamp(IVec2::ZERO, last).as_uvec2();
         self.weights[(cell.y * self.side + cell.x) as usize]
     }
+
+    #[inline(always)]
+    fn around<L: Lanes>(&self, cell: [L::U32; 2]) -> [L::F32; 4] {
+        let (left, right) = neighbours::<L>(cell[0], self.side);
+        let (above, below) = neighbours::<L>(cell[1], self.side);
+        let (above, below) = (above * L::u32(self.side), below * L::u32(self.side));
+        let weights = &self.weights;
+        [
+            L::gather(weights, above + left),
+            L::gather(weights, above + right),
+            L::gather(weights, below + left),
+            L::gather(weights, below + right),
+        ]
+    }
+}
+
+/// Pixels before and after cells along an axis of `side` pixels; at the borders, both are the nearest one.
+#[inline(always)]
+fn neighbours<L: Lanes>(cell: L::U32, side: u32) -> (L::U32, L::U32) {
+    let before = cell - L::u32(1);
+    (L::select_u32(L::eq_u32(cell, L::u32(0)), cell, before), L::select_u32(L::eq_u32(cell, L::u32(side)), before, cell))
 }

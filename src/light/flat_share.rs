@@ -3,6 +3,7 @@
 use glam::Vec2;
 
 use crate::math::float::ONE_MINUS_EPSILON;
+use crate::math::lanes::{Lanes, One};
 
 /// Ratio of the radiance from which on light counts as a peak to the mean radiance. Above 1, so that rounding makes no peaks of one
 /// colour.
@@ -37,12 +38,27 @@ impl FlatShare {
 
     /// Chooses a part, with the first of two random numbers in [0, 1).
     pub fn choose(self, u: Vec2) -> Part {
-        let of_interval = |low: f32, high: f32| Vec2::new(((u.x - low) / (high - low)).min(ONE_MINUS_EPSILON), u.y);
-        if u.x < self.0 { Part::Flat(of_interval(0.0, self.0)) } else { Part::Peaks(of_interval(self.0, 1.0)) }
+        let (is_flat, u) = self.choose_lanes::<One>(u.to_array());
+        if is_flat { Part::Flat(u.into()) } else { Part::Peaks(u.into()) }
+    }
+
+    /// [`FlatShare::choose`] in each lane: which lanes have the flat part, and the random numbers of the part.
+    #[inline(always)]
+    pub fn choose_lanes<L: Lanes>(self, [x, y]: [L::F32; 2]) -> (L::Mask, [L::F32; 2]) {
+        let share = L::f32(self.0);
+        let is_flat = L::lt(x, share);
+        let (low, high) = (L::select(is_flat, L::f32(0.0), share), L::select(is_flat, share, L::f32(1.0)));
+        (is_flat, [L::min((x - low) / (high - low), L::f32(ONE_MINUS_EPSILON)), y])
     }
 
     /// Density of a sample, from the densities of both parts.
     pub fn density(self, flat: f32, peaks: f32) -> f32 {
-        self.0 * flat + (1.0 - self.0) * peaks
+        self.density_lanes::<One>(flat, peaks)
+    }
+
+    /// [`FlatShare::density`] in each lane.
+    #[inline(always)]
+    pub fn density_lanes<L: Lanes>(self, flat: L::F32, peaks: L::F32) -> L::F32 {
+        L::f32(self.0) * flat + L::f32(1.0 - self.0) * peaks
     }
 }

@@ -214,6 +214,11 @@ impl Lights {
         self.lights.iter().any(|light| !light.is_black())
     }
 
+    /// A light. Panics if there is no such light.
+    pub(crate) fn get(&self, index: u32) -> &Light {
+        &self.lights[index as usize]
+    }
+
     /// The lights, in the order of their indices.
     pub fn iter(&self) -> impl Iterator<Item = &Light> {
         self.lights.iter()
@@ -232,7 +237,18 @@ impl Lights {
     /// `None` if the chosen light sends no light from the sampled direction.
     #[inline]
     pub fn sample(&self, cx: &LightSampleContext, choice: f32, u: Vec2) -> Option<LightSample> {
-        let (light, probability) = self.choice.sample(cx, choice)?;
+        self.sample_of(self.choose(cx, choice)?, cx, u)
+    }
+
+    /// Chooses a light, with its probability; `None` if no light reaches the point.
+    ///
+    /// - `choice`: uniform number in [0, 1)
+    pub(crate) fn choose(&self, cx: &LightSampleContext, choice: f32) -> Option<(u32, f32)> {
+        self.choice.sample(cx, choice)
+    }
+
+    /// Samples a direction towards a chosen light.
+    pub(crate) fn sample_of(&self, (light, probability): (u32, f32), cx: &LightSampleContext, u: Vec2) -> Option<LightSample> {
         let LightLiSample { wi, li, density, target } = self.lights[light as usize].sample(&self.shapes, cx, u)?;
         let density = match density {
             Density::Delta => Density::Delta,
@@ -289,9 +305,9 @@ impl Lights {
         }
     }
 
-    /// Whether rays that hit nothing may bring light.
-    pub(crate) fn has_background(&self) -> bool {
-        !self.infinite.is_empty()
+    /// Indices of the lights whose light rays that hit nothing may bring.
+    pub(crate) fn infinite(&self) -> &[u32] {
+        &self.infinite
     }
 
     /// Radiance of each infinitely distant light that arrives along a ray which hits nothing, and the index of the light.
@@ -299,23 +315,12 @@ impl Lights {
     /// - `direction`: direction of the ray
     #[inline]
     pub fn background(&self, direction: Vec3) -> impl Iterator<Item = (u32, Spectrum)> {
-        self.infinite.iter().map(move |&i| match &self.lights[i as usize] {
-            Light::Environment(environment) => (i, environment.radiance(direction)),
-            Light::EnvironmentMap(map) => (i, map.radiance(direction)),
-            Light::Sun(sun) => (i, sun.radiance(direction)),
-            _ => (i, Spectrum::BLACK),
-        })
+        self.infinite.iter().map(move |&i| (i, self.lights[i as usize].background(direction)))
     }
 
     /// Density with which [`Lights::sample`] samples the direction `wi` of the infinitely distant light `index`.
     pub fn background_pdf(&self, index: u32, cx: &LightSampleContext, wi: Vec3) -> SolidAnglePdf {
-        let pdf = match &self.lights[index as usize] {
-            Light::Environment(environment) => environment.pdf(cx, wi),
-            Light::EnvironmentMap(map) => map.pdf(cx, wi),
-            Light::Sun(sun) => sun.pdf(wi),
-            _ => return SolidAnglePdf::ZERO,
-        };
-        pdf * self.probability(index, cx)
+        self.lights[index as usize].background_pdf(cx, wi) * self.probability(index, cx)
     }
 
     /// Probability with which [`Lights::sample`] chooses the light `index`.
@@ -426,6 +431,26 @@ impl Light {
     /// Whether rays that hit nothing may bring its light.
     fn is_background(&self) -> bool {
         matches!(self, Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_))
+    }
+
+    /// Radiance that arrives from infinity along a ray in a direction; 0 for lights that no ray meets there.
+    pub(crate) fn background(&self, direction: Vec3) -> Spectrum {
+        match self {
+            Light::Environment(environment) => environment.radiance(direction),
+            Light::EnvironmentMap(map) => map.radiance(direction),
+            Light::Sun(sun) => sun.radiance(direction),
+            _ => Spectrum::BLACK,
+        }
+    }
+
+    /// Density with which the light samples the direction `wi` of [`Light::background`] for a point.
+    pub(crate) fn background_pdf(&self, cx: &LightSampleContext, wi: Vec3) -> SolidAnglePdf {
+        match self {
+            Light::Environment(environment) => environment.pdf(cx, wi),
+            Light::EnvironmentMap(map) => map.pdf(cx, wi),
+            Light::Sun(sun) => sun.pdf(wi),
+            _ => SolidAnglePdf::ZERO,
+        }
     }
 
     /// Irradiance from an infinitely distant light; `None` for other lights.

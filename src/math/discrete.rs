@@ -1,6 +1,7 @@
 //! Sampling of discrete distributions.
 
 use super::float::ONE_MINUS_EPSILON;
+use super::lanes::Lanes;
 
 /// Discrete distribution over the indices 0 … n − 1.
 ///
@@ -45,6 +46,19 @@ impl Discrete {
         (i, self.pmf(i), rescaled.clamp(0.0, ONE_MINUS_EPSILON))
     }
 
+    /// The index and the rescaled number of [`Discrete::sample`] in each lane.
+    ///
+    /// Tests: lanes_have_the_bits_of_plain_samples.
+    #[inline(always)]
+    pub fn sample_lanes<L: Lanes>(&self, choice: L::F32) -> (L::U32, L::F32) {
+        let sums = &self.cumulative[..];
+        let target = L::widen(choice) * L::f64(self.total());
+        let i = partition_point_lanes(self.len() as u32, &EndsAtMost::<L> { sums, target });
+        let (start, end) = (L::gather_f64(sums, i), L::gather_f64(sums, i + L::u32(1)));
+        let rescaled = L::narrow((target - start) / (end - start));
+        (i, L::min(L::max(rescaled, L::f32(0.0)), L::f32(ONE_MINUS_EPSILON)))
+    }
+
     /// Probability of index `i`; 0 beyond the end.
     #[inline]
     pub fn pmf(&self, i: usize) -> f32 {
@@ -66,4 +80,38 @@ impl Discrete {
     pub fn len(&self) -> usize {
         self.cumulative.len() - 1
     }
+}
+
+/// Whether the interval of an index ends at or before a number, in each lane.
+struct EndsAtMost<'a, L: Lanes> {
+    sums: &'a [f64],
+    target: L::F64,
+}
+
+impl<L: Lanes> Condition<L> for EndsAtMost<'_, L> {
+    #[inline(always)]
+    fn holds(&self, index: L::U32) -> L::Mask {
+        !L::lt_f64(self.target, L::gather_f64(self.sums, index + L::u32(1)))
+    }
+}
+
+/// Condition on indices, in each lane.
+pub(crate) trait Condition<L: Lanes> {
+    /// Whether it holds for the indices.
+    fn holds(&self, index: L::U32) -> L::Mask;
+}
+
+/// In each lane, the first of `count` indices for which a condition does not hold, or the last index. The condition must hold for all
+/// indices before that one and for none after it, and there must be an index.
+#[inline(always)]
+pub(crate) fn partition_point_lanes<L: Lanes>(count: u32, condition: &impl Condition<L>) -> L::U32 {
+    // The index is one of `length` from `first` on.
+    let (mut first, mut length) = (L::u32(0), count);
+    while length > 1 {
+        let half = length / 2;
+        let middle = first + L::u32(half);
+        first = L::select_u32(condition.holds(middle - L::u32(1)), middle, first);
+        length -= half;
+    }
+    first
 }

@@ -10,33 +10,52 @@ use std::f32::consts::FRAC_PI_4;
 
 use glam::{Vec2, Vec3};
 
-use super::float::{atan2, sin_cos_octant};
+use super::float::{atan2_lanes, sin_cos_octant_lanes};
+use super::lanes::{Lanes, One, Vector};
 
 /// Direction of a point of the unit square.
-///
-/// With p = 2·square − 1 and the signed distance d = 1 − |pₓ| − |p_y| to the equator: r = 1 − |d|, z = ±(1 − r²).
 pub fn square_to_sphere(square: Vec2) -> Vec3 {
-    let p = 2.0 * square - 1.0;
-    let side = p.abs();
-    let d = 1.0 - (side.x + side.y);
-    let r = 1.0 - d.abs();
-    // Angle in the first quadrant, π/4 (1 + (y − x)/r), computed from the nearer axis because a sine of up to π/4 suffices then.
-    let (x, y) = if d >= 0.0 { (side.x, side.y) } else { (1.0 - side.y, 1.0 - side.x) };
-    let angle = if r == 0.0 { 0.0 } else { FRAC_PI_4 * (2.0 * x.min(y) / r).min(1.0) };
-    let (sin, cos) = sin_cos_octant(angle);
-    let (along_x, along_y) = if y < x { (cos, sin) } else { (sin, cos) };
-    let radius = r * (2.0 - r * r).sqrt();
-    Vec3::new((radius * along_x).copysign(p.x), (radius * along_y).copysign(p.y), (1.0 - r * r).copysign(d))
+    square_to_sphere_lanes::<One>(square.to_array()).into()
 }
 
 /// Point of the unit square that [`square_to_sphere`] maps to a unit direction.
 pub fn sphere_to_square(w: Vec3) -> Vec2 {
-    let side = w.abs();
+    sphere_to_square_lanes::<One>(w.into()).into()
+}
+
+/// [`square_to_sphere`] in each lane.
+///
+/// With p = 2·square − 1 and the signed distance d = 1 − |pₓ| − |p_y| to the equator: r = 1 − |d|, z = ±(1 − r²).
+#[inline(always)]
+pub fn square_to_sphere_lanes<L: Lanes>(square: [L::F32; 2]) -> Vector<L> {
+    let (zero, one, two) = (L::f32(0.0), L::f32(1.0), L::f32(2.0));
+    let p = [two * square[0] - one, two * square[1] - one];
+    let side = [L::abs(p[0]), L::abs(p[1])];
+    let d = one - (side[0] + side[1]);
+    let r = one - L::abs(d);
+    // Angle in the first quadrant, π/4 (1 + (y − x)/r), computed from the nearer axis because a sine of up to π/4 suffices then.
+    let is_upper = L::le(zero, d);
+    let (x, y) = (L::select(is_upper, side[0], one - side[1]), L::select(is_upper, side[1], one - side[0]));
+    // At the poles, 0/0 becomes 0.
+    let angle = L::f32(FRAC_PI_4) * L::min(two * L::min(x, y) / L::max(r, L::f32(f32::MIN_POSITIVE)), one);
+    let (sin, cos) = sin_cos_octant_lanes::<L>(angle);
+    let is_flat = L::lt(y, x);
+    let (along_x, along_y) = (L::select(is_flat, cos, sin), L::select(is_flat, sin, cos));
+    let radius = r * L::sqrt(two - r * r);
+    Vector { x: L::copysign(radius * along_x, p[0]), y: L::copysign(radius * along_y, p[1]), z: L::copysign(one - r * r, d) }
+}
+
+/// [`sphere_to_square`] in each lane.
+#[inline(always)]
+pub fn sphere_to_square_lanes<L: Lanes>(w: Vector<L>) -> [L::F32; 2] {
+    let (zero, one) = (L::f32(0.0), L::f32(1.0));
     // r = √(1 − |z|), by the sine where |z| is nearly 1.
-    let r = (w.truncate().length_squared() / (1.0 + side.z)).sqrt().min(1.0);
+    let r = L::min(L::sqrt((w.x * w.x + w.y * w.y) / (one + L::abs(w.z))), one);
     // Share of the quarter turn from the x axis.
-    let share = atan2(side.y, side.x) / (2.0 * FRAC_PI_4);
-    let (x, y) = (r * (1.0 - share), r * share);
-    let (x, y) = if w.z < 0.0 { (1.0 - y, 1.0 - x) } else { (x, y) };
-    (0.5 * (Vec2::new(x.copysign(w.x), y.copysign(w.y)) + 1.0)).clamp(Vec2::ZERO, Vec2::ONE)
+    let share = atan2_lanes::<L>(L::abs(w.y), L::abs(w.x)) / L::f32(2.0 * FRAC_PI_4);
+    let (x, y) = (r * (one - share), r * share);
+    let is_lower = L::lt(w.z, zero);
+    let (x, y) = (L::select(is_lower, one - y, x), L::select(is_lower, one - x, y));
+    let (x, y) = (L::f32(0.5) * (L::copysign(x, w.x) + one), L::f32(0.5) * (L::copysign(y, w.y) + one));
+    [L::min(L::max(x, zero), one), L::min(L::max(y, zero), one)]
 }

@@ -76,6 +76,28 @@ pub fn sin_cos_octant_lanes<L: Lanes>(x: L::F32) -> (L::F32, L::F32) {
     (L::narrow(r + r * square * sin), L::narrow(L::f64(1.0) + square * cos))
 }
 
+/// [`sin_cos`] in each lane, of angles whose size is below 8192.
+///
+/// Tests: lanes_have_the_bits_of_plain_functions.
+#[inline(always)]
+pub fn sin_cos_lanes<L: Lanes>(x: L::F32) -> (L::F32, L::F32) {
+    let x = L::widen(x);
+    let quadrant = round_lanes::<L>(x * L::f64(std::f64::consts::FRAC_2_PI));
+    let r = (x - quadrant * L::f64(FRAC_PI_2_HIGH)) - quadrant * L::f64(FRAC_PI_2_LOW);
+    let square = r * r;
+    let sin = r + r * square * polynomial_lanes::<L, 0>(square);
+    let cos = L::f64(1.0) + square * polynomial_lanes::<L, 1>(square);
+    // The quadrant modulo 4, from −2 to 2; [`turn`] in each lane.
+    let quadrant = quadrant - L::f64(4.0) * round_lanes::<L>(quadrant * L::f64(0.25));
+    let size = L::abs_f64(quadrant);
+    let is_odd = L::lt_f64(L::f64(0.5), size) & L::lt_f64(size, L::f64(1.5));
+    let (sin, cos) = (L::select_f64(is_odd, cos, sin), L::select_f64(is_odd, sin, cos));
+    let flips_sin = L::lt_f64(quadrant, L::f64(-0.5)) | L::lt_f64(L::f64(1.5), quadrant);
+    let flips_cos = L::lt_f64(quadrant, L::f64(-1.5)) | L::lt_f64(L::f64(0.5), quadrant);
+    let (sin, cos) = (L::select_f64(flips_sin, -sin, sin), L::select_f64(flips_cos, -cos, cos));
+    (L::narrow(sin), L::narrow(cos))
+}
+
 /// Polynomial `K` of [`polynomial_pair`] in each lane, for the sine or the cosine.
 #[inline(always)]
 fn polynomial_lanes<L: Lanes, const K: usize>(x: L::F64) -> L::F64 {
@@ -158,6 +180,20 @@ pub fn acos_f64(x: f64) -> f64 {
 #[inline]
 pub fn atan2(y: f32, x: f32) -> f32 {
     atan2_f64(y.into(), x.into()) as f32
+}
+
+/// [`atan2`] in each lane, of finite numbers.
+///
+/// Tests: lanes_have_the_bits_of_plain_functions.
+#[inline(always)]
+pub fn atan2_lanes<L: Lanes>(y: L::F32, x: L::F32) -> L::F32 {
+    let zero = L::f64(0.0);
+    let (along, across) = (L::widen(L::abs(x)), L::widen(L::abs(y)));
+    let is_zero = !(L::lt_f64(zero, along) | L::lt_f64(zero, across));
+    let angle = L::select_f64(is_zero, zero, angle_below_quarter_turn_lanes::<L>(across, along));
+    let is_left = L::lt(L::copysign(L::f32(1.0), x), L::f32(0.0));
+    let angle = L::select_f64(is_left, L::f64(PI) - angle, angle);
+    L::copysign(L::narrow(angle), y)
 }
 
 /// Angle of the point (x, y) in double precision, with a relative error below 10⁻¹¹.
@@ -293,19 +329,34 @@ pub(crate) fn ln_f64(x: f64) -> f64 {
     k as f64 * LN_2 + 2.0 * s * horner(s * s, ATANH_16)
 }
 
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
+const TAN_15: f64 = 2.0 - SQRT_3;
+
 /// atan(y / x) in [0, π/2], for non-negative numbers not both zero.
 ///
 /// The quotient t of the smaller and the larger number is at most tan 45°. Above tan 15° it is reduced by a rotation by 30°:
 /// tan(φ − 30°) = (√3 t − 1)/(√3 + t). The remaining quotient is at most tan 15°, for which the series is short.
 #[inline]
 fn angle_below_quarter_turn(y: f64, x: f64) -> f64 {
-    const TAN_15: f64 = 2.0 - SQRT_3;
-    const SQRT_3: f64 = 1.732_050_807_568_877_2;
     let (small, large) = if y < x { (y, x) } else { (x, y) };
     let (base, t) =
         if small > TAN_15 * large { (FRAC_PI_6, (SQRT_3 * small - large) / (SQRT_3 * large + small)) } else { (0.0, small / large) };
     let angle = base + t * horner(t * t, ATAN_18);
     if y < x { angle } else { FRAC_PI_2 - angle }
+}
+
+/// [`angle_below_quarter_turn`] in each lane.
+#[inline(always)]
+fn angle_below_quarter_turn_lanes<L: Lanes>(y: L::F64, x: L::F64) -> L::F64 {
+    let is_flat = L::lt_f64(y, x);
+    let (small, large) = (L::select_f64(is_flat, y, x), L::select_f64(is_flat, x, y));
+    let is_steep = L::lt_f64(L::f64(TAN_15) * large, small);
+    let root = L::f64(SQRT_3);
+    let numerator = L::select_f64(is_steep, root * small - large, small);
+    let denominator = L::select_f64(is_steep, root * large + small, large);
+    let (base, t) = (L::select_f64(is_steep, L::f64(FRAC_PI_6), L::f64(0.0)), numerator / denominator);
+    let angle = base + t * horner_lanes::<L, _>(t * t, ATAN_18);
+    L::select_f64(is_flat, angle, L::f64(FRAC_PI_2) - angle)
 }
 
 /// Angle below which the subtraction of multiples of π/2 in two parts is exact to 2⁻⁸⁰.
@@ -357,9 +408,17 @@ fn turn(quadrant: i32, sin: f64, cos: f64) -> (f64, f64) {
 /// Nearest integer, ties to even, of a number below 2⁵¹. It needs no library function and has the same bits on all machines.
 #[inline]
 fn round(x: f64) -> f64 {
-    const SHIFT: f64 = 1.5 * (1u64 << 52) as f64;
     (x + SHIFT) - SHIFT
 }
+
+/// [`round`] in each lane.
+#[inline(always)]
+fn round_lanes<L: Lanes>(x: L::F64) -> L::F64 {
+    (x + L::f64(SHIFT)) - L::f64(SHIFT)
+}
+
+/// Near this number, the numbers of double precision are the integers.
+const SHIFT: f64 = 1.5 * (1u64 << 52) as f64;
 
 /// Polynomial c₀ + c₁ x + c₂ x² + … by Horner's method.
 #[inline]
@@ -367,6 +426,16 @@ fn horner<const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     let mut sum = coefficients[N - 1];
     for i in (0..N - 1).rev() {
         sum = sum * x + coefficients[i];
+    }
+    sum
+}
+
+/// [`horner`] in each lane.
+#[inline(always)]
+fn horner_lanes<L: Lanes, const N: usize>(x: L::F64, coefficients: [f64; N]) -> L::F64 {
+    let mut sum = L::f64(coefficients[N - 1]);
+    for i in (0..N - 1).rev() {
+        sum = sum * x + L::f64(coefficients[i]);
     }
     sum
 }

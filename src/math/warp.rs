@@ -56,6 +56,17 @@ pub fn uniform_sphere(u: Vec2) -> Vec3 {
     uniform_cone(u, 2.0)
 }
 
+/// [`uniform_sphere`] in each lane.
+///
+/// Tests: lanes_have_the_bits_of_the_warp.
+#[inline(always)]
+pub fn uniform_sphere_lanes<L: Lanes>(u: [L::F32; 2]) -> Vector<L> {
+    let (r, [x, y]) = polar_lanes::<L>(u);
+    let (one, two) = (L::f32(1.0), L::f32(2.0));
+    let radius = r * L::sqrt(two * (two * ((one - r) * (one + r))));
+    Vector { x: radius * x, y: radius * y, z: one - two * r * r }
+}
+
 /// Density of [`uniform_sphere`]: 1/(4π) in every direction [sr⁻¹].
 #[inline]
 pub fn uniform_sphere_pdf() -> f32 {
@@ -105,18 +116,10 @@ pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
 ///
 /// Tests: lanes_have_the_bits_of_the_warp.
 #[inline(always)]
-pub fn cosine_hemisphere_lanes<L: Lanes>([u, v]: [L::F32; 2]) -> Vector<L> {
-    let (two, shift) = (L::f32(2.0), L::f32(ONE_MINUS_EPSILON));
-    let (x, y) = (two * u - shift, two * v - shift);
-    let (side_x, side_y) = (L::abs(x), L::abs(y));
-    let r = L::max(side_x, side_y);
-    let ratio = L::min(side_x, side_y) / L::max(r, L::f32(f32::MIN_POSITIVE));
-    let (sin, cos) = sin_cos_octant_lanes::<L>(L::f32(FRAC_PI_4) * ratio);
-    let steep = L::le(side_x, side_y);
-    let along_x = L::copysign(L::select(steep, sin, cos), x);
-    let along_y = L::copysign(L::select(steep, cos, sin), y);
+pub fn cosine_hemisphere_lanes<L: Lanes>(u: [L::F32; 2]) -> Vector<L> {
+    let (r, [x, y]) = polar_lanes::<L>(u);
     let one = L::f32(1.0);
-    Vector { x: r * along_x, y: r * along_y, z: L::sqrt((one - r) * (one + r)) }
+    Vector { x: r * x, y: r * y, z: L::sqrt((one - r) * (one + r)) }
 }
 
 /// Density of [`cosine_hemisphere`]: z/π above the horizon, 0 below [sr⁻¹].
@@ -246,6 +249,19 @@ pub(crate) fn polar(u: Vec2) -> (f32, Vec2) {
     (r, direction.xy())
 }
 
+/// [`polar`] in each lane.
+#[inline(always)]
+fn polar_lanes<L: Lanes>([u, v]: [L::F32; 2]) -> (L::F32, [L::F32; 2]) {
+    let (two, shift) = (L::f32(2.0), L::f32(ONE_MINUS_EPSILON));
+    let (x, y) = (two * u - shift, two * v - shift);
+    let (side_x, side_y) = (L::abs(x), L::abs(y));
+    let r = L::max(side_x, side_y);
+    let ratio = L::min(side_x, side_y) / L::max(r, L::f32(f32::MIN_POSITIVE));
+    let (sin, cos) = sin_cos_octant_lanes::<L>(L::f32(FRAC_PI_4) * ratio);
+    let steep = L::le(side_x, side_y);
+    (r, [L::copysign(L::select(steep, sin, cos), x), L::copysign(L::select(steep, cos, sin), y)])
+}
+
 /// Clamps the result of an inverse to [0, 1)², which rounding may exceed.
 #[inline]
 fn to_unit_square(u: Vec2) -> Vec2 {
@@ -257,17 +273,19 @@ mod tests {
     use super::super::lanes::{Kernel, Width};
     use super::*;
 
-    struct Hemisphere([[f32; 16]; 2]);
+    /// Both warps of the numbers of some lanes.
+    struct Warps([[f32; 16]; 2]);
 
-    impl Kernel for Hemisphere {
-        type Output = Vec<Vec3>;
+    impl Kernel for Warps {
+        type Output = Vec<[Vec3; 2]>;
 
         #[inline(always)]
-        fn run<L: Lanes>(self) -> Vec<Vec3> {
-            let w = cosine_hemisphere_lanes::<L>([L::load(&self.0[0]), L::load(&self.0[1])]);
+        fn run<L: Lanes>(self) -> Vec<[Vec3; 2]> {
+            let u = [L::load(&self.0[0]), L::load(&self.0[1])];
+            let (hemisphere, sphere) = (cosine_hemisphere_lanes::<L>(u), uniform_sphere_lanes::<L>(u));
             let mut all = vec![];
             for k in 0..L::COUNT {
-                all.push(w.get(k));
+                all.push([hemisphere.get(k), sphere.get(k)]);
             }
             all
         }
@@ -282,9 +300,10 @@ mod tests {
         let pairs: Vec<[f32; 2]> = numbers.iter().flat_map(|&u| numbers.iter().map(move |&v| [u, v])).collect();
         for (group, width) in pairs.chunks_exact(16).flat_map(|group| Width::available().into_iter().map(move |width| (group, width))) {
             let of = |axis: usize| std::array::from_fn(|k| group[k][axis]);
-            for (found, [u, v]) in width.run(Hemisphere([of(0), of(1)])).into_iter().zip(group) {
-                let wanted = cosine_hemisphere(Vec2::new(*u, *v));
-                assert_eq!(found.to_array().map(f32::to_bits), wanted.to_array().map(f32::to_bits), "{u}, {v}, {width:?}");
+            for (found, [u, v]) in width.run(Warps([of(0), of(1)])).into_iter().zip(group) {
+                let u = Vec2::new(*u, *v);
+                let bits = |w: Vec3| w.to_array().map(f32::to_bits);
+                assert_eq!(found.map(bits), [cosine_hemisphere(u), uniform_sphere(u)].map(bits), "{u}, {width:?}");
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use pt::math::discrete::Discrete;
 use pt::math::float::ONE_MINUS_EPSILON;
+use pt::math::lanes::{Kernel, Lanes, Width, to_array, to_array_u32};
 
 use crate::random::Random;
 
@@ -57,4 +58,42 @@ fn invalid_weights_are_refused() {
         assert!(Discrete::new(weights).is_none(), "{weights:?}");
     }
     assert!(Discrete::new(&[f32::MAX; 100]).is_some() && Discrete::new(&[1e-45]).is_some());
+}
+
+/// A choice in each lane.
+struct Choices<'a>(&'a Discrete, [f32; 16]);
+
+impl Kernel for Choices<'_> {
+    type Output = ([u32; 16], [f32; 16]);
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> ([u32; 16], [f32; 16]) {
+        let (index, rest) = self.0.sample_lanes::<L>(L::load(&self.1));
+        (to_array_u32::<L>(index), to_array::<L>(rest))
+    }
+}
+
+#[test]
+fn lanes_have_the_bits_of_plain_samples() {
+    let mut random = Random::new(2);
+    for n in (1..40).chain([1000, 1023, 1024, 1025]) {
+        // Half of the weights are 0, often the first and the last.
+        let mut weights: Vec<f32> = (0..n).map(|_| if random.bits() & 1 == 0 { 0.0 } else { random.magnitude(1e-3, 1e3) as f32 }).collect();
+        weights[random.bits() as usize % n] = 1.0;
+        let discrete = Discrete::new(&weights).unwrap();
+        for turn in 0..8 {
+            let choices = std::array::from_fn(|k| match (turn, k) {
+                (0, 0) => 0.0,
+                (0, 1) => ONE_MINUS_EPSILON,
+                _ => random.unit() as f32 * ONE_MINUS_EPSILON,
+            });
+            for width in Width::available() {
+                let (index, rest) = width.run(Choices(&discrete, choices));
+                for lane in 0..width.count() {
+                    let (i, _, wanted) = discrete.sample(choices[lane]);
+                    assert_eq!((index[lane] as usize, rest[lane].to_bits()), (i, wanted.to_bits()), "{n} weights, {width:?}");
+                }
+            }
+        }
+    }
 }

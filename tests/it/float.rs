@@ -4,6 +4,7 @@ use std::f32::consts::PI;
 use std::f64;
 
 use pt::math::float::*;
+use pt::math::lanes::{Kernel, Lanes, Width, to_array};
 
 use crate::random::Random;
 use crate::statistics::ulps;
@@ -171,6 +172,42 @@ fn powf_is_rounded_once_with_ieee_special_cases() {
         for y in special {
             let (result, exact) = (powf(x, y), f64::from(x).powf(f64::from(y)) as f32);
             assert!(result.to_bits() == exact.to_bits() || result.is_nan() && exact.is_nan(), "{x}^{y} = {result}, not {exact}");
+        }
+    }
+}
+
+/// Sines, cosines and angles of points in each lane.
+struct Angles([f32; 16], [f32; 16]);
+
+impl Kernel for Angles {
+    type Output = [[f32; 16]; 3];
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [[f32; 16]; 3] {
+        let (x, y) = (L::load(&self.0), L::load(&self.1));
+        let (sin, cos) = sin_cos_lanes::<L>(x);
+        [sin, cos, atan2_lanes::<L>(y, x)].map(to_array::<L>)
+    }
+}
+
+/// Also near multiples of quarter turns, for both signs of 0, and near the angles where the series are exchanged.
+#[test]
+fn lanes_have_the_bits_of_plain_functions() {
+    let mut random = Random::new(8);
+    let quarters = (-12..=12).map(|k| k as f32 * PI / 4.0).flat_map(|x| [x.next_down(), x, x.next_up()]);
+    let special = [0.0, -0.0, 1.0, -1.0, f32::MIN_POSITIVE, 1e-42, 8191.9, -8191.9, 0.267_949_2, -0.267_949_2, 3.732_05];
+    let mut numbers: Vec<f32> = special.into_iter().chain(quarters).collect();
+    numbers.extend((0..80).map(|_| (random.decade(-6.0, 3.9) * if random.bits() & 1 == 0 { 1.0 } else { -1.0 }) as f32));
+    let pairs: Vec<[f32; 2]> = numbers.iter().flat_map(|&x| numbers.iter().map(move |&y| [x, y])).collect();
+    for group in pairs.chunks_exact(16) {
+        let [x, y] = [0, 1].map(|axis| std::array::from_fn(|k| group[k][axis]));
+        for width in Width::available() {
+            let found = width.run(Angles(x, y));
+            for lane in 0..width.count() {
+                let (sin, cos) = sin_cos(x[lane]);
+                let wanted = [sin, cos, atan2(y[lane], x[lane])].map(f32::to_bits);
+                assert_eq!(found.map(|row| row[lane].to_bits()), wanted, "({}, {}), {width:?}", x[lane], y[lane]);
+            }
         }
     }
 }

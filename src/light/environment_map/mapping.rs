@@ -2,10 +2,11 @@
 
 use std::f32::consts::{PI, TAU};
 
-use glam::{IVec2, UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec2, Vec3};
 
-use crate::math::equal_area::{sphere_to_square, square_to_sphere};
-use crate::math::float::{atan2, sin_cos, sin_cos_f64};
+use crate::math::equal_area::{sphere_to_square_lanes, square_to_sphere_lanes};
+use crate::math::float::{atan2_lanes, sin_cos_f64, sin_cos_lanes};
+use crate::math::lanes::{Lanes, One, Vector};
 
 /// Map between a picture and the sphere of directions, with +y up.
 ///
@@ -24,36 +25,49 @@ pub enum Mapping {
 impl Mapping {
     /// Coordinates of a unit direction.
     pub fn coordinates(self, w: Vec3) -> Vec2 {
-        match self {
-            Mapping::LatLong => Vec2::new(0.5 + atan2(w.x, -w.z) / TAU, polar_angle(w) / PI),
-            Mapping::Octahedral => sphere_to_square(Vec3::new(w.x, -w.z, w.y)),
-        }
+        self.coordinates_lanes::<One>(w.into()).into()
     }
 
     /// Unit direction of coordinates.
     pub fn direction(self, uv: Vec2) -> Vec3 {
+        self.direction_lanes::<One>(uv.to_array()).into()
+    }
+
+    /// [`Mapping::coordinates`] in each lane.
+    #[inline(always)]
+    pub fn coordinates_lanes<L: Lanes>(self, w: Vector<L>) -> [L::F32; 2] {
+        match self {
+            Mapping::LatLong => [L::f32(0.5) + atan2_lanes::<L>(w.x, -w.z) / L::f32(TAU), atan2_lanes::<L>(sine(w), w.y) / L::f32(PI)],
+            Mapping::Octahedral => sphere_to_square_lanes::<L>(Vector { x: w.x, y: -w.z, z: w.y }),
+        }
+    }
+
+    /// [`Mapping::direction`] in each lane.
+    #[inline(always)]
+    pub fn direction_lanes<L: Lanes>(self, [u, v]: [L::F32; 2]) -> Vector<L> {
         match self {
             Mapping::LatLong => {
-                let (sin_theta, cos_theta) = sin_cos(PI * uv.y);
-                let (sin_phi, cos_phi) = sin_cos(TAU * (uv.x - 0.5));
-                Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi).normalize()
+                let (sin_theta, cos_theta) = sin_cos_lanes::<L>(L::f32(PI) * v);
+                let (sin_phi, cos_phi) = sin_cos_lanes::<L>(L::f32(TAU) * (u - L::f32(0.5)));
+                Vector::<L> { x: sin_theta * sin_phi, y: cos_theta, z: -sin_theta * cos_phi }.normalized()
             }
             Mapping::Octahedral => {
-                let w = square_to_sphere(uv);
-                Vec3::new(w.x, w.z, -w.y).normalize()
+                let w = square_to_sphere_lanes::<L>([u, v]);
+                Vector::<L> { x: w.x, y: w.z, z: -w.y }.normalized()
             }
         }
     }
 
-    /// Density by solid angle at a unit direction, of a density by the area of the picture [sr⁻¹].
+    /// Densities by solid angle at unit directions, of densities by the area of the picture [sr⁻¹].
     ///
     /// dω = 2π² sin θ du dv for [`Mapping::LatLong`], 4π du dv for [`Mapping::Octahedral`]
     ///
     /// - `density`: proportional to [`Mapping::row_weight`], so that it is 0 at the poles where sin θ is
-    pub fn by_solid_angle(self, w: Vec3, density: f32) -> f32 {
+    #[inline(always)]
+    pub fn by_solid_angle<L: Lanes>(self, w: Vector<L>, density: L::F32) -> L::F32 {
         match self {
-            Mapping::LatLong => density / sine(w).max(f32::MIN_POSITIVE) / (2.0 * PI * PI),
-            Mapping::Octahedral => density / (4.0 * PI),
+            Mapping::LatLong => density / L::max(sine(w), L::f32(f32::MIN_POSITIVE)) / L::f32(2.0 * PI * PI),
+            Mapping::Octahedral => density / L::f32(4.0 * PI),
         }
     }
 
@@ -67,34 +81,32 @@ impl Mapping {
         }
     }
 
-    /// Pixel of the picture that a pixel up to one beyond its borders stands for.
-    #[inline]
-    pub fn wrap(self, pixel: IVec2, size: UVec2) -> UVec2 {
-        let IVec2 { x, y } = pixel;
-        let (width, height) = (size.x as i32, size.y as i32);
-        if (0..width).contains(&x) && (0..height).contains(&y) {
-            return pixel.as_uvec2();
-        }
-        let inside = match self {
+    /// Column and row of the pixels that pixels up to one beyond the borders of the picture stand for.
+    ///
+    /// - `place`: column and row of the latter, plus 1
+    #[inline(always)]
+    pub fn wrap<L: Lanes>(self, [x, y]: [L::U32; 2], size: UVec2) -> [L::U32; 2] {
+        let (zero, one) = (L::u32(0), L::u32(1));
+        let (is_left, is_right) = (L::eq_u32(x, zero), L::eq_u32(x, L::u32(size.x + 1)));
+        let (is_above, is_below) = (L::eq_u32(y, zero), L::eq_u32(y, L::u32(size.y + 1)));
+        let (last_x, last_y) = (L::u32(size.x - 1), L::u32(size.y - 1));
+        let (x, y) = (x - one, y - one);
+        let nearest_y = L::select_u32(is_above, zero, L::select_u32(is_below, last_y, y));
+        match self {
             // Longitudes follow each other in a circle. Beyond a pole the row at the pole is repeated.
-            Mapping::LatLong => IVec2::new(x.rem_euclid(width), y.clamp(0, height - 1)),
+            Mapping::LatLong => [L::select_u32(is_left, last_x, L::select_u32(is_right, zero, x)), nearest_y],
             // Each side of the square is folded onto itself.
             Mapping::Octahedral => {
-                let (x, y) = if x < 0 || x >= width { (x.clamp(0, width - 1), height - 1 - y) } else { (x, y) };
-                let (x, y) = if y < 0 || y >= height { (width - 1 - x, y.clamp(0, height - 1)) } else { (x, y) };
-                IVec2::new(x, y)
+                let nearest_x = L::select_u32(is_left, zero, L::select_u32(is_right, last_x, x));
+                let x = L::select_u32(is_above | is_below, last_x - nearest_x, nearest_x);
+                [x, L::select_u32(is_left | is_right, last_y - nearest_y, nearest_y)]
             }
-        };
-        inside.as_uvec2()
+        }
     }
 }
 
-/// Angle of a unit direction from +y, in [0, π], accurate near both poles.
-fn polar_angle(w: Vec3) -> f32 {
-    atan2(sine(w), w.y)
-}
-
-/// Sine of the angle between a unit direction and the y axis. (`hypot` would have other bits on other systems.)
-fn sine(w: Vec3) -> f32 {
-    (w.x * w.x + w.z * w.z).sqrt()
+/// Sines of the angles between unit directions and the y axis. (`hypot` would have other bits on other systems.)
+#[inline(always)]
+fn sine<L: Lanes>(w: Vector<L>) -> L::F32 {
+    L::sqrt(w.x * w.x + w.z * w.z)
 }

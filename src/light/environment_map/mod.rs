@@ -12,9 +12,10 @@ use rayon::prelude::*;
 use self::irradiance::COUNT;
 use super::distribution::{Distribution, Weights, bilinear};
 use super::emitted_ray::EmissionContext;
-use super::environment::{flat_pdf, flat_sample};
-use super::flat_share::{FlatShare, Part, THRESHOLD};
+use super::environment::FlatLight;
+use super::flat_share::{FlatShare, THRESHOLD};
 use super::{EmittedRay, LightLiSample, LightSampleContext, ShadowTarget};
+use crate::math::lanes::{Lanes, One, Vector};
 use crate::math::{Density, Rgb, SolidAnglePdf, Spectrum, warp};
 use crate::texture::image::Pixels;
 
@@ -103,44 +104,36 @@ impl EnvironmentMap {
 
     /// Radiance that arrives from a direction.
     pub fn radiance(&self, direction: Vec3) -> Spectrum {
-        let w = self.to_picture * direction;
-        Spectrum::from_illuminant(self.picture.at(self.picture.mapping.coordinates(w)))
+        spectrum(self.radiance_lanes(direction.into()))
     }
 
     /// Samples a direction for a point.
     pub(super) fn sample(&self, cx: &LightSampleContext, u: Vec2) -> Option<LightLiSample> {
-        let wi = match self.surface_share.choose(u) {
-            Part::Flat(u) => flat_sample(cx, u),
-            Part::Peaks(u) => self.sample_peaks(u)?,
-        };
-        let (li, pdf) = self.radiance_and_density(self.surface_share, flat_pdf(cx, wi), wi);
-        let is_possible = pdf.get() > 0.0 && !li.is_black();
-        is_possible.then_some(LightLiSample { wi, li, density: Density::Smooth(pdf), target: ShadowTarget::Infinity })
+        let (wi, li, pdf) = self.sample_lanes::<One>(cx, u.to_array());
+        let is_possible = pdf > 0.0 && !li.is_black();
+        is_possible.then_some(LightLiSample {
+            wi: wi.into(),
+            li: spectrum(li),
+            density: Density::Smooth(SolidAnglePdf::new(pdf)),
+            target: ShadowTarget::Infinity,
+        })
     }
 
     /// Density of a sampled direction.
     pub(super) fn pdf(&self, cx: &LightSampleContext, wi: Vec3) -> SolidAnglePdf {
-        self.radiance_and_density(self.surface_share, flat_pdf(cx, wi), wi).1
+        SolidAnglePdf::new(self.radiance_and_pdf_lanes::<One>(cx, wi.into()).1)
     }
 
     /// Density with which the light emits rays that come from the direction `wi`.
     pub(super) fn emission_pdf(&self, wi: Vec3) -> SolidAnglePdf {
-        self.emitted(wi).1
-    }
-
-    /// Radiance from the direction `wi`, and the density of a ray that the light emits from there.
-    fn emitted(&self, wi: Vec3) -> (Spectrum, SolidAnglePdf) {
-        self.radiance_and_density(self.flat_share, SolidAnglePdf::new(warp::uniform_sphere_pdf()), wi)
+        SolidAnglePdf::new(self.radiance_and_density::<One>(self.flat_share, Uniform.pdf(wi.into()), wi.into()).1)
     }
 
     /// A ray through the scene.
     pub(super) fn emit(&self, cx: &EmissionContext) -> Option<EmittedRay> {
-        let wi = match self.flat_share.choose(cx.direction) {
-            Part::Flat(u) => warp::uniform_sphere(u),
-            Part::Peaks(u) => self.sample_peaks(u)?,
-        };
-        let (radiance, pdf) = self.emitted(wi);
-        cx.ray_from_infinity(-wi, radiance, Density::Smooth(pdf)).filter(|_| pdf.get() > 0.0)
+        let u = cx.direction.to_array();
+        let (wi, radiance, pdf) = self.sample_parts::<One>(self.flat_share, &Uniform, u);
+        cx.ray_from_infinity(-Vec3::from(wi), spectrum(radiance), Density::Smooth(SolidAnglePdf::new(pdf))).filter(|_| pdf > 0.0)
     }
 
     /// Flux Φ = π R² · 4π L through a scene of radius R, with the mean radiance L (W).
@@ -152,36 +145,109 @@ impl EnvironmentMap {
     pub(super) fn irradiance(&self) -> (Mat3, IrradianceMap) {
         (self.to_picture, self.irradiance)
     }
+}
 
-    /// Samples a direction of the peaks.
-    fn sample_peaks(&self, u: Vec2) -> Option<Vec3> {
-        let uv = self.peaks.as_ref()?.sample(&self.picture, u);
-        let w = self.to_picture.transpose() * self.picture.mapping.direction(uv);
-        // In f64 the length does not depend on the order of the axes, which rotations by quarter turns exchange.
-        Some(w.as_dvec3().normalize().as_vec3())
+/// Lookups and samples in each lane; one lane is the code for single directions.
+impl EnvironmentMap {
+    /// Radiance that arrives from unit directions.
+    #[inline(always)]
+    pub(crate) fn radiance_lanes<L: Lanes>(&self, directions: Vector<L>) -> Vector<L> {
+        let w = directions.transformed(&self.to_picture);
+        let place = self.picture.place::<L>(self.picture.mapping.coordinates_lanes(w));
+        self.picture.radiance(&self.picture.around(place.cell), place.share)
     }
 
-    /// Radiance from a direction, and the density of both parts together.
+    /// Directions for points, their radiance and their densities [sr⁻¹]. Where the radiance or the density is 0 there is no sample.
     ///
-    /// - `flat`: density of the flat part
-    fn radiance_and_density(&self, share: FlatShare, flat: SolidAnglePdf, wi: Vec3) -> (Spectrum, SolidAnglePdf) {
-        let w = self.to_picture * wi;
-        let place = self.picture.place(self.picture.mapping.coordinates(w));
-        let pixels = self.picture.around(place.pixel);
-        let radiance = Spectrum::from_illuminant(self.picture.radiance(&pixels, place.share));
+    /// - `flat`: how light of one radiance is sampled for the points
+    #[inline(always)]
+    pub(crate) fn sample_lanes<L: Lanes>(&self, flat: &impl FlatLight<L>, u: [L::F32; 2]) -> (Vector<L>, Vector<L>, L::F32) {
+        self.sample_parts(self.surface_share, flat, u)
+    }
+
+    /// Radiance that arrives from the directions `wi`, and the densities with which [`EnvironmentMap::sample_lanes`] samples them.
+    #[inline(always)]
+    pub(crate) fn radiance_and_pdf_lanes<L: Lanes>(&self, flat: &impl FlatLight<L>, wi: Vector<L>) -> (Vector<L>, L::F32) {
+        self.radiance_and_density(self.surface_share, flat.pdf(wi), wi)
+    }
+
+    /// Directions of both parts together, their radiance and their densities.
+    #[inline(always)]
+    fn sample_parts<L: Lanes>(&self, share: FlatShare, flat: &impl FlatLight<L>, u: [L::F32; 2]) -> (Vector<L>, Vector<L>, L::F32) {
+        let (is_flat, u) = share.choose_lanes::<L>(u);
+        let mut wi = Vector::splat(Vec3::Y);
+        if L::any(is_flat) {
+            wi = flat.sample(u);
+        }
+        if let Some(peaks) = &self.peaks
+            && L::any(!is_flat)
+        {
+            wi = Vector::select(is_flat, wi, self.sample_peaks(peaks, u));
+        }
+        let (radiance, pdf) = self.radiance_and_density(share, flat.pdf(wi), wi);
+        (wi, radiance, pdf)
+    }
+
+    /// Directions of the peaks.
+    #[inline(always)]
+    fn sample_peaks<L: Lanes>(&self, peaks: &Distribution, u: [L::F32; 2]) -> Vector<L> {
+        let uv = peaks.sample_lanes::<L>(&self.picture, u);
+        let w = self.picture.mapping.direction_lanes::<L>(uv).transformed(&self.to_picture.transpose());
+        // In f64 the length does not depend on the order of the axes, which rotations by quarter turns exchange.
+        w.widened().normalized().narrowed()
+    }
+
+    /// Radiance from directions, and the densities of both parts together.
+    ///
+    /// - `flat`: densities of the flat part
+    #[inline(always)]
+    fn radiance_and_density<L: Lanes>(&self, share: FlatShare, flat: L::F32, wi: Vector<L>) -> (Vector<L>, L::F32) {
+        let w = wi.transformed(&self.to_picture);
+        let place = self.picture.place::<L>(self.picture.mapping.coordinates_lanes(w));
+        let pixels = self.picture.around(place.cell);
+        let radiance = self.picture.radiance(&pixels, place.share);
         let Some(peaks) = &self.peaks else { return (radiance, flat) };
         let weight = self.picture.peak_weight(&pixels, &place);
-        let peak = self.picture.mapping.by_solid_angle(w, peaks.density(weight));
-        (radiance, SolidAnglePdf::new(share.density(flat.get(), peak)))
+        let peak = self.picture.mapping.by_solid_angle::<L>(w, peaks.density_lanes::<L>(weight));
+        (radiance, share.density_lanes::<L>(flat, peak))
     }
 }
 
-/// A place between the centres of four pixels.
-struct Place {
-    /// The pixel to the left and above.
-    pixel: IVec2,
-    /// Position between its centre and that of the pixel to the right and below, in [0, 1]².
-    share: Vec2,
+/// The radiance of a single direction.
+fn spectrum(radiance: Vector<One>) -> Spectrum {
+    let [r, g, b] = Vec3::from(radiance).to_array();
+    Spectrum::from_illuminant(Rgb::new(r, g, b))
+}
+
+/// Rays that light of one radiance emits.
+struct Uniform;
+
+impl FlatLight<One> for Uniform {
+    fn sample(&self, u: [f32; 2]) -> Vector<One> {
+        warp::uniform_sphere(u.into()).into()
+    }
+
+    fn pdf(&self, _wi: Vector<One>) -> f32 {
+        warp::uniform_sphere_pdf()
+    }
+}
+
+/// Cells of coordinates along an axis of `count` pixels, and the positions between the centres of the pixels.
+#[inline(always)]
+fn place_along<L: Lanes>(coordinate: L::F32, count: u32) -> (L::U32, L::F32) {
+    let one = L::f32(1.0);
+    let at = coordinate * L::f32(count as f32) - L::f32(0.5);
+    let cell = L::to_u32(at + one);
+    let share = at - (L::to_f32(cell) - one);
+    (cell, L::min(L::max(share, L::f32(0.0)), one))
+}
+
+/// Places between the centres of four pixels, one in each lane.
+struct Place<L: Lanes> {
+    /// Column and row of the cell between these centres, as in [`Weights::around`].
+    cell: [L::U32; 2],
+    /// Position between the centre of the pixel to the left and above and that of the pixel to the right and below, in [0, 1]².
+    share: [L::F32; 2],
 }
 
 /// Integrals of the radiance over all directions.
@@ -196,56 +262,71 @@ struct Moments {
 const PIECES: usize = 512;
 
 impl Picture {
-    /// Radiance at coordinates of the picture.
-    fn at(&self, uv: Vec2) -> Rgb {
-        let Place { pixel, share } = self.place(uv);
-        self.radiance(&self.around(pixel), share)
-    }
-
     /// Radiance between four pixels, [`Picture::around`].
-    #[inline]
-    fn radiance(&self, &[a, b, c, d]: &[Rgb; 4], share: Vec2) -> Rgb {
+    #[inline(always)]
+    fn radiance<L: Lanes>(&self, &[a, b, c, d]: &[Vector<L>; 4], [x, y]: [L::F32; 2]) -> Vector<L> {
         // Between equal values, this form has no rounding.
-        let between = |a: Rgb, b: Rgb, share: f32| a + (b - a) * share;
-        between(between(a, b, share.x), between(c, d, share.x), share.y) * self.scale
+        let (above, below) = (a + (b - a).scaled(x), c + (d - c).scaled(x));
+        (above + (below - above).scaled(y)) * self.scale()
     }
 
-    /// Weight of the peaks between four pixels, [`Picture::around`].
-    #[inline]
-    fn peak_weight(&self, &[a, b, c, d]: &[Rgb; 4], Place { pixel, share }: &Place) -> f32 {
-        let [above, below] = [pixel.y, pixel.y + 1];
-        let corners = [self.peak(a, above), self.peak(b, above), self.peak(c, below), self.peak(d, below)];
-        bilinear(corners, *share).max(0.0)
+    /// Weights of the peaks between four pixels, [`Picture::around`].
+    #[inline(always)]
+    fn peak_weight<L: Lanes>(&self, pixels: &[Vector<L>; 4], place: &Place<L>) -> L::F32 {
+        L::max(bilinear::<L>(self.peaks(pixels, place.cell[1]), place.share), L::f32(0.0))
     }
 
-    /// Place of coordinates.
-    #[inline]
-    fn place(&self, uv: Vec2) -> Place {
+    /// Weights of four pixels as peaks.
+    ///
+    /// - `row`: row of the cell between them
+    #[inline(always)]
+    fn peaks<L: Lanes>(&self, &[a, b, c, d]: &[Vector<L>; 4], row: L::U32) -> [L::F32; 4] {
+        let below = row + L::u32(1);
+        [self.peak(a, row), self.peak(b, row), self.peak(c, below), self.peak(d, below)]
+    }
+
+    /// Places of coordinates.
+    #[inline(always)]
+    fn place<L: Lanes>(&self, uv: [L::F32; 2]) -> Place<L> {
         let size = self.pixels.size();
-        let at = uv * size.as_vec2() - 0.5;
-        // Rounds down, as numbers from −1 on allow, since `floor` is a call where the compiler may use no SSE 4.1.
-        let pixel = ((at + 1.0).as_ivec2() - 1).clamp(IVec2::NEG_ONE, size.as_ivec2() - 1);
-        Place { pixel, share: (at - pixel.as_vec2()).clamp(Vec2::ZERO, Vec2::ONE) }
+        let ((column, x), (row, y)) = (place_along::<L>(uv[0], size.x), place_along::<L>(uv[1], size.y));
+        Place { cell: [column, row], share: [x, y] }
     }
 
-    /// Values of a pixel, of that to its right, and of the two below.
-    #[inline]
-    fn around(&self, first: IVec2) -> [Rgb; 4] {
-        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|step| self.pixel(first + IVec2::from(step)))
+    /// Values of the four pixels around cells, as in [`Weights::around`].
+    #[inline(always)]
+    fn around<L: Lanes>(&self, [column, row]: [L::U32; 2]) -> [Vector<L>; 4] {
+        let (right, below) = (column + L::u32(1), row + L::u32(1));
+        [self.pixel([column, row]), self.pixel([right, row]), self.pixel([column, below]), self.pixel([right, below])]
     }
 
-    /// Weight of a value of a row as a peak.
-    #[inline]
-    fn peak(&self, value: Rgb, row: i32) -> f32 {
-        let peak = ((value * self.scale).average() - self.threshold).max(0.0);
+    /// Weights of values as peaks.
+    ///
+    /// - `row`: their rows, plus 1
+    #[inline(always)]
+    fn peak<L: Lanes>(&self, value: Vector<L>, row: L::U32) -> L::F32 {
+        let value = value * self.scale();
+        let average = (value.x + value.y + value.z) / L::f32(3.0);
         // The sign of a row beyond a pole lets the interpolation be 0 at the pole.
-        peak * self.row_weights[(row + 1) as usize]
+        L::max(average - L::f32(self.threshold), L::f32(0.0)) * L::gather(&self.row_weights, row)
     }
 
-    #[inline]
-    fn pixel(&self, pixel: IVec2) -> Rgb {
-        let UVec2 { x, y } = self.mapping.wrap(pixel, self.pixels.size());
-        self.pixels.get(x as usize, y as usize)
+    /// Values of pixels.
+    ///
+    /// - `place`: column and row, plus 1
+    #[inline(always)]
+    fn pixel<L: Lanes>(&self, place: [L::U32; 2]) -> Vector<L> {
+        let size = self.pixels.size();
+        let [x, y] = self.mapping.wrap::<L>(place, size);
+        let (values, first) = (self.pixels.values().as_flattened(), (y * L::u32(size.x) + x) * L::u32(3));
+        let (second, third) = (first + L::u32(1), first + L::u32(2));
+        Vector { x: L::gather(values, first), y: L::gather(values, second), z: L::gather(values, third) }
+    }
+
+    /// The factor for the pixels.
+    #[inline(always)]
+    fn scale<L: Lanes>(&self) -> Vector<L> {
+        Vector::splat(self.scale.to_array().into())
     }
 
     /// Weight of the pixels of a row in means over all directions.
@@ -295,8 +376,13 @@ impl Weights for Picture {
         self.pixels.size()
     }
 
-    #[inline]
     fn weight(&self, pixel: IVec2) -> f32 {
-        self.peak(self.pixel(pixel), pixel.y)
+        let [x, y] = (pixel + 1).to_array().map(|k| One::u32(k as u32));
+        self.peak::<One>(self.pixel([x, y]), y)
+    }
+
+    #[inline(always)]
+    fn around<L: Lanes>(&self, cell: [L::U32; 2]) -> [L::F32; 4] {
+        self.peaks::<L>(&Picture::around(self, cell), cell[1])
     }
 }

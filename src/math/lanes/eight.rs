@@ -206,6 +206,16 @@ impl Lanes for Eight {
     }
 
     #[inline(always)]
+    fn gather_f64(table: &[f64], index: U32) -> F64 {
+        let last = Self::u32(last_index(table.len())).0;
+        unsafe {
+            let index = _mm256_min_epu32(index.0, last);
+            let [low, high] = [_mm256_castsi256_si128(index), _mm256_extracti128_si256::<1>(index)];
+            F64(_mm256_i32gather_pd::<8>(table.as_ptr(), low), _mm256_i32gather_pd::<8>(table.as_ptr(), high))
+        }
+    }
+
+    #[inline(always)]
     fn sqrt(x: F32) -> F32 {
         F32(unsafe { _mm256_sqrt_ps(x.0) })
     }
@@ -380,6 +390,11 @@ impl Lanes for Eight {
     #[inline(always)]
     fn to_f32(x: U32) -> F32 {
         F32(unsafe { _mm256_cvtepi32_ps(x.0) })
+    }
+
+    #[inline(always)]
+    fn to_u32(x: F32) -> U32 {
+        U32(unsafe { _mm256_cvttps_epi32(x.0) })
     }
 }
 

@@ -67,7 +67,7 @@ mod vector;
 
 pub use one::One;
 pub use rays::Rays;
-pub use vector::{Vector, VectorF64, get, to_array, to_array_u32};
+pub use vector::{Vector, VectorF64, get, tangents, to_array, to_array_u32};
 
 /// Floating-point numbers, one for each lane.
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self> {}
@@ -131,6 +131,10 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     ///
     /// Panics if the table is empty or has 2³¹ numbers or more.
     fn gather_u32(table: &[u32], index: Self::U32) -> Self::U32;
+    /// The numbers of a table at the given indices. An index beyond the end reads the last number.
+    ///
+    /// Panics if the table is empty or has 2³¹ numbers or more.
+    fn gather_f64(table: &[f64], index: Self::U32) -> Self::F64;
 
     /// Writes the numbers of the lanes of a mask side by side to the start of a slice. What is written behind them, within the first
     /// [`Lanes::COUNT`] numbers, is not specified. Panics if the slice is shorter than that.
@@ -204,6 +208,8 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     fn reverse_bits(x: Self::U32) -> Self::U32;
     /// The nearest floating-point numbers to numbers below 2³¹; the result for a larger number is not specified.
     fn to_f32(x: Self::U32) -> Self::F32;
+    /// Numbers from 0 to below 2³¹, rounded down; the result for another number is not specified.
+    fn to_u32(x: Self::F32) -> Self::U32;
 }
 
 /// Greatest number of lanes.

@@ -112,6 +112,11 @@ impl Lanes for One {
     }
 
     #[inline(always)]
+    fn gather_f64(table: &[f64], index: U32) -> F64 {
+        table[index.0.min(last_index(table.len())) as usize]
+    }
+
+    #[inline(always)]
     fn sqrt(x: F32) -> F32 {
         x.sqrt()
     }
@@ -257,5 +262,10 @@ impl Lanes for One {
     #[inline(always)]
     fn to_f32(x: U32) -> F32 {
         x.0 as f32
+    }
+
+    #[inline(always)]
+    fn to_u32(x: F32) -> U32 {
+        Wrapping(x as u32)
     }
 }

@@ -212,6 +212,16 @@ impl Lanes for Sixteen {
     }
 
     #[inline(always)]
+    fn gather_f64(table: &[f64], index: U32) -> F64 {
+        let last = Self::u32(last_index(table.len())).0;
+        unsafe {
+            let index = _mm512_min_epu32(index.0, last);
+            let [low, high] = [_mm512_castsi512_si256(index), _mm512_extracti64x4_epi64::<1>(index)];
+            F64(_mm512_i32gather_pd::<8>(low, table.as_ptr()), _mm512_i32gather_pd::<8>(high, table.as_ptr()))
+        }
+    }
+
+    #[inline(always)]
     fn sqrt(x: F32) -> F32 {
         F32(unsafe { _mm512_sqrt_ps(x.0) })
     }
@@ -374,5 +384,10 @@ impl Lanes for Sixteen {
     #[inline(always)]
     fn to_f32(x: U32) -> F32 {
         F32(unsafe { _mm512_cvtepi32_ps(x.0) })
+    }
+
+    #[inline(always)]
+    fn to_u32(x: F32) -> U32 {
+        U32(unsafe { _mm512_cvttps_epi32(x.0) })
     }
 }

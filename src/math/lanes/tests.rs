@@ -265,6 +265,8 @@ fn whole<L: Lanes>() {
     compare::<L, u32, u64>("wide", &x, |a, _| L::wide(a), |a, _| a as u64);
     compare::<L, u32, u32>("reverse_bits", &x, |a, _| L::reverse_bits(a), |a, _| a.reverse_bits());
     compare::<L, u32, f32>("to_f32", &x, |a, _| L::to_f32(L::shr::<1>(a)), |a, _| (a >> 1) as f32);
+    let x = pairs_f32().map(|numbers| numbers.into_iter().map(|x| if x.abs() < 2_147_483_648.0 { x.abs() } else { 7.5 }).collect());
+    compare::<L, f32, u32>("to_u32", &x, |a, _| L::to_u32(a), |a, _| a as u32);
     let lanes: Vec<u32> = (0..16).collect();
     assert_eq!(to_array_u32::<L>(L::lanes())[..L::COUNT], lanes[..L::COUNT]);
 }
@@ -319,9 +321,11 @@ impl Kernel for Gathers {
         for count in [1, 2, 7, 16, 1000] {
             let table: Vec<u32> = (0..count).map(|k| k * 3 + 1).collect();
             let table_f32: Vec<f32> = table.iter().map(|&x| x as f32).collect();
+            let table_f64: Vec<f64> = table.iter().map(|&x| x.into()).collect();
             let expected = |index: u32| table[index.min(count - 1) as usize];
             compare::<L, u32, u32>("gather_u32", &pairs_u32(), |a, _| L::gather_u32(&table, a), |a, _| expected(a));
             compare::<L, u32, f32>("gather", &pairs_u32(), |a, _| L::gather(&table_f32, a), |a, _| expected(a) as f32);
+            compare::<L, u32, f64>("gather_f64", &pairs_u32(), |a, _| L::gather_f64(&table_f64, a), |a, _| expected(a).into());
         }
     }
 }
@@ -353,6 +357,7 @@ impl Kernel for Short {
         refused(&mut || L::store_u64(L::u64(0), &mut [0; 16][..count]));
         refused(&mut || _ = L::gather(&[], L::u32(0)));
         refused(&mut || _ = L::gather_u32(&[], L::u32(0)));
+        refused(&mut || _ = L::gather_f64(&[], L::u32(0)));
         refused(&mut || _ = get::<L>(L::f32(0.0), L::COUNT));
     }
 }

@@ -2,9 +2,9 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 
-use super::Lanes;
+use super::{Lanes, One};
 
 /// Number in a lane. Panics if there is no such lane.
 #[inline(always)]
@@ -88,6 +88,19 @@ impl<L: Lanes> Vector<L> {
         L::sqrt(self.length_squared())
     }
 
+    /// Vectors of the same directions with length 1.
+    #[inline(always)]
+    pub fn normalized(self) -> Vector<L> {
+        self.scaled(L::f32(1.0) / self.length())
+    }
+
+    /// Products M·v with a matrix.
+    #[inline(always)]
+    pub fn transformed(self, matrix: &Mat3) -> Vector<L> {
+        let (x, y, z) = (Vector::splat(matrix.x_axis), Vector::splat(matrix.y_axis), Vector::splat(matrix.z_axis));
+        x.scaled(self.x) + y.scaled(self.y) + z.scaled(self.z)
+    }
+
     /// `yes` where the mask is true, `no` elsewhere.
     #[inline(always)]
     pub fn select(mask: L::Mask, yes: Vector<L>, no: Vector<L>) -> Vector<L> {
@@ -114,6 +127,30 @@ impl<L: Lanes> Vector<L> {
         y[..L::COUNT][lane] = v.y;
         z[..L::COUNT][lane] = v.z;
         *self = Vector::load(&x, &y, &z);
+    }
+}
+
+/// First two axes of [`Frame::around`](crate::math::Frame::around).
+#[inline(always)]
+pub fn tangents<L: Lanes>(z: Vector<L>) -> [Vector<L>; 2] {
+    let one = L::f32(1.0);
+    let sign = L::copysign(one, z.z);
+    let a = -one / (sign + z.z);
+    let b = z.x * z.y * a;
+    [Vector { x: one + sign * z.x * z.x * a, y: sign * b, z: -sign * z.x }, Vector { x: b, y: sign + z.y * z.y * a, z: -z.y }]
+}
+
+impl From<Vec3> for Vector<One> {
+    #[inline(always)]
+    fn from(v: Vec3) -> Vector<One> {
+        Vector::splat(v)
+    }
+}
+
+impl From<Vector<One>> for Vec3 {
+    #[inline(always)]
+    fn from(v: Vector<One>) -> Vec3 {
+        Vec3::new(v.x, v.y, v.z)
     }
 }
 
@@ -189,6 +226,19 @@ impl<L: Lanes> VectorF64<L> {
     #[inline(always)]
     pub fn length_squared(self) -> L::F64 {
         self.dot(self)
+    }
+
+    /// Vectors of the same directions with length 1.
+    #[inline(always)]
+    pub fn normalized(self) -> VectorF64<L> {
+        let inverse = L::f64(1.0) / L::sqrt_f64(self.length_squared());
+        VectorF64 { x: self.x * inverse, y: self.y * inverse, z: self.z * inverse }
+    }
+
+    /// The nearest vectors in single precision.
+    #[inline(always)]
+    pub fn narrowed(self) -> Vector<L> {
+        Vector { x: L::narrow(self.x), y: L::narrow(self.y), z: L::narrow(self.z) }
     }
 }
 

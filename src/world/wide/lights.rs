@@ -4,8 +4,9 @@ use glam::{Vec2, Vec3};
 
 use super::{SurfaceLanes, WideWorld};
 use crate::light::area::MIN_SQUARE;
-use crate::light::{Light, LightSample, LightSampleContext, ShadowTarget};
-use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, VectorF64, each_lane};
+use crate::light::environment::FlatLightLanes;
+use crate::light::{Area, Light, LightSample, LightSampleContext, ShadowTarget};
+use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, VectorF64, each_lane, to_array, to_array_u32};
 use crate::math::{Density, Spectrum};
 use crate::scene::ROUNDING;
 use crate::shape::{Facet, NEAR, SurfacePoint};
@@ -22,12 +23,12 @@ pub struct LightLanes<L: Lanes> {
     /// Densities of the directions [sr⁻¹]; negative for delta lights.
     pub pdf: L::F32,
     /// Ends of the shadow rays (m).
-    end: Vector<L>,
+    pub(super) end: Vector<L>,
     /// Unit normals of the surfaces at the ends; zero for points in empty space.
-    end_normal: Vector<L>,
-    end_offset: L::F32,
+    pub(super) end_normal: Vector<L>,
+    pub(super) end_offset: L::F32,
     /// Lanes whose shadow ray has no end.
-    is_distant: L::Mask,
+    pub(super) is_distant: L::Mask,
 }
 
 /// Points for which lights are sampled, one in each lane: see [`LightSampleContext`].
@@ -43,7 +44,37 @@ pub struct ReceiverLanes<L: Lanes> {
     pub transmits: L::Mask,
 }
 
+impl<L: Lanes> LightLanes<L> {
+    /// No samples.
+    #[inline(always)]
+    pub(super) fn none() -> LightLanes<L> {
+        let (zero, none) = (Vector::<L>::splat(Vec3::ZERO), L::mask(0));
+        LightLanes { found: none, wi: zero, weight: zero, pdf: zero.x, end: zero, end_normal: zero, end_offset: zero.x, is_distant: none }
+    }
+
+    /// `yes` where the mask is true, `no` elsewhere.
+    #[inline(always)]
+    fn select(mask: L::Mask, yes: LightLanes<L>, no: LightLanes<L>) -> LightLanes<L> {
+        LightLanes {
+            found: (mask & yes.found) | (!mask & no.found),
+            wi: Vector::select(mask, yes.wi, no.wi),
+            weight: Vector::select(mask, yes.weight, no.weight),
+            pdf: L::select(mask, yes.pdf, no.pdf),
+            end: Vector::select(mask, yes.end, no.end),
+            end_normal: Vector::select(mask, yes.end_normal, no.end_normal),
+            end_offset: L::select(mask, yes.end_offset, no.end_offset),
+            is_distant: (mask & yes.is_distant) | (!mask & no.is_distant),
+        }
+    }
+}
+
 impl<L: Lanes> ReceiverLanes<L> {
+    /// The points as light of one radiance is sampled for them, see [`LightSampleContext::is_one_sided`].
+    #[inline(always)]
+    pub(super) fn flat(&self) -> FlatLightLanes<L> {
+        FlatLightLanes { ns: self.ns, is_one_sided: !(self.transmits | self.ns.is_black()) }
+    }
+
     /// The point of a lane.
     #[inline(always)]
     pub fn get(&self, lane: usize) -> LightSampleContext {
@@ -52,9 +83,37 @@ impl<L: Lanes> ReceiverLanes<L> {
     }
 }
 
-/// The only light of a scene, a parallelogram.
-pub(super) struct QuadLight {
+/// A light that is sampled in all lanes at once.
+pub(super) struct WideLight {
     index: u32,
+    kind: Kind,
+}
+
+enum Kind {
+    Quad(QuadLight),
+    /// An environment or an environment map.
+    Infinite,
+}
+
+/// Greatest number of lights of a scene for which parallelograms among them are sampled in all lanes at once: the lanes choose different
+/// lights.
+const MAX_QUADS: usize = 4;
+
+impl WideLight {
+    /// Such lights of a scene.
+    pub fn of(world: &World) -> Vec<WideLight> {
+        let has_few = world.lights.len() <= MAX_QUADS;
+        let kind = |light: &Light| match light {
+            Light::Environment(_) | Light::EnvironmentMap(_) => Some(Kind::Infinite),
+            Light::Area(area) if has_few => QuadLight::of(world, area).map(Kind::Quad),
+            _ => None,
+        };
+        (0..).zip(world.lights.iter()).filter_map(|(index, light)| Some(WideLight { index, kind: kind(light)? })).collect()
+    }
+}
+
+/// A light that is a parallelogram which emits the same everywhere.
+struct QuadLight {
     corner: Vec3,
     edges: [Vec3; 2],
     normal: Vec3,
@@ -69,10 +128,7 @@ pub(super) struct QuadLight {
 }
 
 impl QuadLight {
-    /// The light of a scene, if it is the only one and a parallelogram that emits the same everywhere.
-    pub fn of(world: &World) -> Option<QuadLight> {
-        let index = world.lights.only()?;
-        let Some(Light::Area(area)) = world.lights.iter().nth(index as usize) else { return None };
+    fn of(world: &World, area: &Area) -> Option<QuadLight> {
         let shape = &world.shapes[area.shape as usize];
         let Facet::Parallelogram([a, b, c, d]) = shape.facet(area.primitive) else { return None };
         if shape.has_shading_normals() {
@@ -81,7 +137,6 @@ impl QuadLight {
         let point = shape.sample_area(area.primitive, Vec2::ZERO).0;
         let radius = 0.5 * (c - a).length();
         Some(QuadLight {
-            index,
             corner: a,
             edges: [b - a, d - a],
             normal: point.ng,
@@ -98,6 +153,26 @@ impl QuadLight {
     #[inline(always)]
     fn is_near<L: Lanes>(&self, from: Vector<L>) -> L::Mask {
         L::lt((from - Vector::splat(self.center)).length_squared(), L::f32(self.near2))
+    }
+
+    /// Samples points, with radiance in the place of weights, and the lanes for which this is the way to sample them.
+    #[inline(always)]
+    fn sample<L: Lanes>(&self, at: &ReceiverLanes<L>, [u, v]: [L::F32; 2], active: L::Mask) -> (LightLanes<L>, L::Mask) {
+        let (x, y) = (Vector::<L>::splat(self.edges[0]), Vector::<L>::splat(self.edges[1]));
+        let end = Vector::splat(self.corner) + x.scaled(u) + y.scaled(v);
+        let end_normal = Vector::splat(self.normal);
+        let line = end - at.p;
+        let square = line.length_squared();
+        let sampled = active & !(self.is_near(at.p) | L::lt(square, L::f32(MIN_SQUARE)));
+        let (pdf, is_finite) = self.pdf(line);
+        let inverse = L::f32(1.0) / L::sqrt(square);
+        let wi = line.scaled(inverse);
+        let shines = L::lt(L::f32(0.0), end_normal.dot(-wi));
+        let shines = if self.is_two_sided { active } else { shines };
+        let is_direction = L::lt(L::f32(0.0), inverse) & L::lt(inverse, L::f32(f32::INFINITY));
+        let found = sampled & is_finite & shines & is_direction;
+        let (weight, end_offset) = (Vector::splat(self.radiance), L::f32(self.offset));
+        (LightLanes { found, wi, weight, pdf, end, end_normal, end_offset, is_distant: L::mask(0) }, sampled)
     }
 
     /// Density of points by area as a density by solid angle, and whether it is finite: see [`AreaPdf`](crate::math::AreaPdf).
@@ -123,67 +198,86 @@ struct Samples {
     is_distant: u32,
 }
 
+/// The lights that the lanes have chosen.
+struct Chosen<L: Lanes> {
+    light: L::U32,
+    probability: L::F32,
+}
+
 impl<'a> WideWorld<'a> {
     /// Samples a light in each lane, as [`Lights::sample`](crate::light::Lights::sample).
     #[inline(always)]
     pub fn sample_light<L: Lanes>(&self, at: &ReceiverLanes<L>, [choice, u, v]: [L::F32; 3], active: L::Mask) -> LightLanes<L> {
-        let zero = Vector::<L>::splat(Vec3::ZERO);
-        let mut found = L::mask(0);
-        let mut light =
-            LightLanes { found, wi: zero, weight: zero, pdf: zero.x, end: zero, end_normal: zero, end_offset: zero.x, is_distant: found };
-        let mut others = active;
-        if let Some(quad) = &self.tables.light {
-            let (x, y) = (Vector::<L>::splat(quad.edges[0]), Vector::<L>::splat(quad.edges[1]));
-            light.end = Vector::splat(quad.corner) + x.scaled(u) + y.scaled(v);
-            light.end_normal = Vector::splat(quad.normal);
-            light.end_offset = L::f32(quad.offset);
-            let line = light.end - at.p;
-            let square = line.length_squared();
-            others = active & (quad.is_near(at.p) | L::lt(square, L::f32(MIN_SQUARE)));
-            let (pdf, is_finite) = quad.pdf(line);
-            let inverse = L::f32(1.0) / L::sqrt(square);
-            light.wi = line.scaled(inverse);
-            let shines = L::lt(L::f32(0.0), light.end_normal.dot(-light.wi));
-            let shines = if quad.is_two_sided { active } else { shines };
-            let is_direction = L::lt(L::f32(0.0), inverse) & L::lt(inverse, L::f32(f32::INFINITY));
-            light.pdf = pdf;
-            light.weight = Vector::splat(quad.radiance).divided(pdf);
-            found = active & !others & is_finite & shines & is_direction;
+        let (chosen, mut others) = self.choose_light(at, choice, active);
+        let mut light = LightLanes::none();
+        for each in &self.tables.lights {
+            let which = others & L::eq_u32(chosen.light, L::u32(each.index));
+            if L::any(which) {
+                let (sample, sampled) = match &each.kind {
+                    Kind::Quad(quad) => quad.sample(at, [u, v], which),
+                    Kind::Infinite => {
+                        let Some(sample) = self.sample_background(each.index, at, [u, v], which) else { continue };
+                        (sample, which)
+                    }
+                };
+                light = LightLanes::select(sampled, sample, light);
+                others = others & !sampled;
+            }
         }
+        light.pdf = light.pdf * chosen.probability;
+        light.weight = light.weight.divided(light.pdf);
         if L::any(others) {
-            self.sample_lights_one_by_one(at, [choice, u, v], L::bits(others), L::bits(found), &mut light);
-            return light;
+            self.sample_lights_one_by_one(at, &chosen, [u, v], L::bits(others), &mut light);
         }
-        LightLanes { found, ..light }
+        light
+    }
+
+    /// Chooses lights, and the lanes that have one.
+    #[inline(always)]
+    fn choose_light<L: Lanes>(&self, at: &ReceiverLanes<L>, choice: L::F32, active: L::Mask) -> (Chosen<L>, L::Mask) {
+        if let Some(only) = self.world.lights.only() {
+            return (Chosen { light: L::u32(only), probability: L::f32(1.0) }, active);
+        }
+        let (mut numbers, mut lights, mut found) = ([0.0; MAX_COUNT], [0; MAX_COUNT], 0);
+        L::store(choice, &mut numbers);
+        for lane in each_lane(L::bits(active)) {
+            if let Some((light, probability)) = self.choose_one(&at.get(lane), numbers[lane]) {
+                (lights[lane], numbers[lane]) = (light, probability);
+                found |= 1 << lane;
+            }
+        }
+        (Chosen { light: L::load_u32(&lights), probability: L::load(&numbers) }, L::mask(found))
+    }
+
+    #[inline(never)]
+    fn choose_one(&self, at: &LightSampleContext, choice: f32) -> Option<(u32, f32)> {
+        self.world.lights.choose(at, choice)
     }
 
     #[inline(always)]
     fn sample_lights_one_by_one<L: Lanes>(
         &self,
         at: &ReceiverLanes<L>,
-        numbers: [L::F32; 3],
+        chosen: &Chosen<L>,
+        [u, v]: [L::F32; 2],
         which: u32,
-        found: u32,
         light: &mut LightLanes<L>,
     ) {
         let mut samples = Samples {
-            found,
+            found: L::bits(light.found),
             wi: light.wi.to_arrays(),
             weight: light.weight.to_arrays(),
-            pdf: [0.0; MAX_COUNT],
+            pdf: to_array::<L>(light.pdf),
             end: light.end.to_arrays(),
             end_normal: light.end_normal.to_arrays(),
-            end_offset: [0.0; MAX_COUNT],
-            is_distant: 0,
+            end_offset: to_array::<L>(light.end_offset),
+            is_distant: L::bits(light.is_distant),
         };
-        L::store(light.pdf, &mut samples.pdf);
-        L::store(light.end_offset, &mut samples.end_offset);
-        let mut arrays = [[0.0; MAX_COUNT]; 3];
-        L::store(numbers[0], &mut arrays[0]);
-        L::store(numbers[1], &mut arrays[1]);
-        L::store(numbers[2], &mut arrays[2]);
+        let (lights, probabilities) = (to_array_u32::<L>(chosen.light), to_array::<L>(chosen.probability));
+        let (u, v) = (to_array::<L>(u), to_array::<L>(v));
         for lane in each_lane(which) {
-            if let Some(sample) = self.sample_one(&at.get(lane), [arrays[0][lane], arrays[1][lane], arrays[2][lane]]) {
+            let chosen = (lights[lane], probabilities[lane]);
+            if let Some(sample) = self.sample_one(chosen, &at.get(lane), Vec2::new(u[lane], v[lane])) {
                 samples.set(lane, &sample);
             }
         }
@@ -200,8 +294,8 @@ impl<'a> WideWorld<'a> {
     }
 
     #[inline(never)]
-    fn sample_one(&self, at: &LightSampleContext, [choice, u, v]: [f32; 3]) -> Option<LightSample> {
-        self.world.lights.sample(at, choice, Vec2::new(u, v))
+    fn sample_one(&self, chosen: (u32, f32), at: &LightSampleContext, u: Vec2) -> Option<LightSample> {
+        self.world.lights.sample_of(chosen, at, u)
     }
 
     /// Densities with which [`WideWorld::sample_light`] samples the points of emitting surfaces for other points: see
@@ -210,10 +304,12 @@ impl<'a> WideWorld<'a> {
     pub fn light_pdf<L: Lanes>(&self, from: &ReceiverLanes<L>, rays: &Rays<L>, surface: &SurfaceLanes<L>, active: L::Mask) -> L::F32 {
         let mut pdf = L::f32(0.0);
         let mut others = L::bits(active);
-        if let Some(quad) = &self.tables.light {
+        if let [WideLight { index, kind: Kind::Quad(quad) }] = &self.tables.lights[..]
+            && self.world.lights.only() == Some(*index)
+        {
             let mut is_it = 0;
             for lane in each_lane(others) {
-                is_it |= u32::from(self.light_index(surface, lane) == quad.index) << lane;
+                is_it |= u32::from(self.light_index(surface, lane) == *index) << lane;
             }
             let by_area = L::mask(is_it) & !quad.is_near(from.p);
             let (by_solid_angle, is_finite) = quad.pdf(surface.p - from.p);

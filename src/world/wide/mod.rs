@@ -5,6 +5,7 @@
 //!
 //! Tests: side_by_side_paths_have_the_bits_of_single_ones.
 
+mod background;
 mod bsdfs;
 mod lights;
 
@@ -18,12 +19,12 @@ use crate::bsdf::Bsdf;
 use crate::effects::Effects;
 use crate::math::Ray;
 use crate::math::Spectrum;
-use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, Width, each_lane};
+use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, Width, each_lane, tangents};
 use crate::scene::Scene;
 use crate::shape::{Facet, ShapeHit, SurfacePoint};
 
 pub use self::bsdfs::ScatteredLanes;
-use self::lights::QuadLight;
+use self::lights::WideLight;
 pub use self::lights::{LightLanes, ReceiverLanes};
 
 /// Tables of a scene.
@@ -40,8 +41,8 @@ pub(super) struct Tables {
     first_look: Vec<u32>,
     /// Material of each part.
     materials: Vec<u32>,
-    /// The only light, if it is a parallelogram without a texture.
-    light: Option<QuadLight>,
+    /// The lights that are sampled in all lanes at once.
+    lights: Vec<WideLight>,
 }
 
 /// Numbers in a row of the table of parallelograms.
@@ -115,7 +116,7 @@ impl Tables {
             looks: vec![0.0; LOOK as usize],
             first_look: vec![],
             materials: vec![0],
-            light: QuadLight::of(world),
+            lights: WideLight::of(world),
         };
         for (shape, appearance) in world.shapes.iter().zip(&world.appearances) {
             let is_flat = shape.count() > 0 && (0..shape.count()).all(|i| matches!(shape.facet(i), Facet::Parallelogram(_)));
@@ -176,38 +177,6 @@ impl<'a> WideWorld<'a> {
     #[inline(always)]
     pub fn occluded<L: Lanes>(&self, rays: &Rays<L>, active: L::Mask) -> L::Mask {
         self.hierarchy.occluded_of_many(rays, active)
-    }
-
-    /// Adds to `radiance` the light of infinitely distant lights, each times its weight.
-    ///
-    /// - `rays`: those in the lanes of `which` hit nothing
-    /// - `beta`: throughputs of the paths
-    /// - `weight`: weight of the light with an index, for the ray of a lane
-    #[inline(always)]
-    pub fn background<L: Lanes>(
-        &self,
-        rays: &Rays<L>,
-        which: L::Mask,
-        beta: Vector<L>,
-        radiance: &mut Vector<L>,
-        weight: impl Fn(usize, u32, Vec3) -> f32,
-    ) {
-        let missed = L::bits(which);
-        if missed == 0 || !self.world.lights.has_background() {
-            return;
-        }
-        let (directions, betas, mut sums) = (rays.direction.to_arrays(), beta.to_arrays(), radiance.to_arrays());
-        for lane in each_lane(missed) {
-            let direction = Vec3::new(directions[0][lane], directions[1][lane], directions[2][lane]);
-            let beta = Spectrum::rgb(betas[0][lane], betas[1][lane], betas[2][lane]);
-            let mut sum = Spectrum::rgb(sums[0][lane], sums[1][lane], sums[2][lane]);
-            for (light, arriving) in self.world.lights.background(direction) {
-                sum += beta * (arriving * weight(lane, light, direction));
-            }
-            let sum = sum.coefficients();
-            (sums[0][lane], sums[1][lane], sums[2][lane]) = (sum[0], sum[1], sum[2]);
-        }
-        *radiance = Vector::from_arrays(&sums);
     }
 
     /// Surfaces that rays have hit.
@@ -318,16 +287,6 @@ impl Points {
         }
         self.offset[lane] = point.offset;
     }
-}
-
-/// First two axes of [`Frame::around`](crate::math::Frame::around).
-#[inline(always)]
-pub(super) fn tangents<L: Lanes>(z: Vector<L>) -> [Vector<L>; 2] {
-    let one = L::f32(1.0);
-    let sign = L::copysign(one, z.z);
-    let a = -one / (sign + z.z);
-    let b = z.x * z.y * a;
-    [Vector { x: one + sign * z.x * z.x * a, y: sign * b, z: -sign * z.x }, Vector { x: b, y: sign + z.y * z.y * a, z: -z.y }]
 }
 
 impl<L: Lanes> SurfaceLanes<L> {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, UVec2, Vec2, Vec3};
+use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{Element, Material, MaterialId, Metallic, textured};
@@ -11,11 +11,12 @@ use pt::film::{Crop, FilmSpec, Filter};
 use pt::integrator::Integrator;
 use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::path::Path;
-use pt::light::{Directional, Emitter, Environment, Falloff, Light, Point, Spot, Sun};
+use pt::light::{Directional, Emitter, Environment, EnvironmentMap, Falloff, Light, Mapping, Point, Spot, Sun};
 use pt::math::lanes::Width;
 use pt::math::{Rgb, Transform};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::shape::{Cuboid, Disk, MeshData, Quad, Sphere, TriangleMesh};
+use pt::texture::image::Pixels;
 use pt::world::{WideWorld, World, WorldBuilder};
 use rayon::prelude::*;
 
@@ -97,8 +98,14 @@ fn scene(random: &mut Random) -> WorldBuilder {
     world
 }
 
-/// Often a single rectangle, which has code of its own; otherwise lights of all kinds.
+/// Often a single rectangle or a single picture of the surroundings, which have code of their own; otherwise lights of all kinds.
 fn lights(random: &mut Random, world: &mut WorldBuilder, place: &dyn Fn(Transform) -> Transform, material: MaterialId) {
+    if random.below(4) == 0 {
+        world.light(surroundings(random));
+        if random.below(2) == 0 {
+            return;
+        }
+    }
     let down = Transform::rotate(DVec3::X, 90.0).expect("an axis");
     if random.below(4) > 0 {
         let lamp = Emitter { two_sided: random.below(2) == 0, ..glow(random) };
@@ -122,6 +129,16 @@ fn lights(random: &mut Random, world: &mut WorldBuilder, place: &dyn Fn(Transfor
         world.light(Light::Point(Point { position: random.in_cube(), intensity }));
         world.light(Light::Spot(Spot { position, axis, intensity, cos_inner: 0.95, cos_outer: 0.8, falloff: Falloff::Smooth }));
     }
+}
+
+/// A turned picture of either mapping, of one brightness or with peaks of up to a thousand times the least radiance.
+fn surroundings(random: &mut Random) -> Light {
+    let (mapping, size) = random.pick(&[(Mapping::LatLong, [9, 4]), (Mapping::LatLong, [1, 1]), (Mapping::Octahedral, [5, 5])]);
+    let contrast = random.pick(&[0.0, 1.5]);
+    let values = (0..size[0] * size[1]).map(|_| [0; 3].map(|_| random.decade(-contrast, contrast) as f32)).collect();
+    let pixels = Arc::new(Pixels::new(UVec2::from(size), values).expect("pixels"));
+    let turned = Mat3::from_axis_angle(random.direction().as_vec3(), 1.0);
+    Light::EnvironmentMap(Arc::new(EnvironmentMap::new(pixels, mapping, Rgb::new(0.3, 0.2, 0.25), turned)))
 }
 
 fn glow(random: &mut Random) -> Emitter {
