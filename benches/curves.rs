@@ -18,7 +18,7 @@ use pt::math::{Aabb, AreaPdf, Ray, Rgb, Transform};
 use pt::primitive::Primitive;
 use pt::scene::Scene;
 use pt::shape::curves::Basis;
-use pt::shape::{Curves, Facet, Geometry, Shape, ShapeHit, SurfacePoint};
+use pt::shape::{Capsule, Curves, Facet, Geometry, Shape, ShapeHit, SurfacePoint};
 use pt::torture::Random;
 use pt::world::World;
 
@@ -142,6 +142,10 @@ impl Shape for Counted {
 
     fn facet(&self, i: u32) -> Facet {
         self.0.facet(i)
+    }
+
+    fn capsule(&self, i: u32) -> Option<Capsule> {
+        self.0.capsule(i)
     }
 
     fn intersect(&self, i: u32, ray: &Ray) -> Option<ShapeHit> {

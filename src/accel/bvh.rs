@@ -7,6 +7,7 @@ use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
 use super::build::{Wide, wide};
+use super::bundle::View;
 use super::leaves::{Leaves, Place, Run};
 use super::node::{Child, Node, STACK, Slabs, Target, WIDEN, padded};
 use super::{INSTANCE, Item, Shapes};
@@ -17,7 +18,7 @@ use crate::math::simd::{Halves, Lanes, Set};
 use crate::math::{Aabb, Ray};
 use crate::primitive::{Hit, Instance, InstanceId, Nesting, Primitive};
 use crate::shape::triangle::{Exact, Tolerance, Within};
-use crate::shape::{Facet, FacetUv, ShapeHit};
+use crate::shape::{Capsule, Facet, FacetUv, ShapeHit};
 
 /// Bounding volume hierarchy over the primitives of a scene, or of a group.
 pub struct Bvh {
@@ -67,18 +68,19 @@ impl Bvh {
         boxes.iter_mut().for_each(|b| *b = padded(b));
         let first_instance = items.partition_point(|item| item.shape != INSTANCE);
         let mut leaves = Leaves::with_capacity(triangle_count);
-        let mut triangles = vec![];
-        let mut curved = vec![];
+        let (mut triangles, mut slender, mut curved) = (vec![], vec![], vec![]);
         let built = wide(&boxes, first_instance, |numbers| {
             triangles.clear();
+            slender.clear();
             curved.clear();
             for item in numbers.iter().map(|&number| items[number as usize]) {
-                match bvh.corners(item) {
-                    Some(corners) => triangles.push((item, corners)),
-                    None => curved.push(item),
+                match (bvh.corners(item), bvh.capsule(item)) {
+                    (Some(corners), _) => triangles.push((item, corners)),
+                    (None, Some(capsule)) => slender.push((item, capsule)),
+                    (None, None) => curved.push(item),
                 }
             }
-            leaves.push(&triangles, &curved)
+            leaves.push(&triangles, &slender, &curved)
         });
         bvh.leaves = leaves;
         let is_addressable = bvh.leaves.corners().len() < 1 << 31;
@@ -129,6 +131,11 @@ impl Bvh {
         facet.triangles().find(|(_, facet_uv)| *facet_uv == item.facet_uv).map(|(corners, _)| corners)
     }
 
+    /// Capsule around an item that is slender.
+    fn capsule(&self, item: Item) -> Option<Capsule> {
+        if item.shape == INSTANCE { None } else { self.shapes[item.shape as usize].capsule(item.primitive) }
+    }
+
     /// Updates the nearest hit with the hits in a run of triangles.
     #[inline(always)]
     fn intersect_run<L: Lanes, T: Tolerance>(&self, run: Run, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
@@ -141,18 +148,42 @@ impl Bvh {
 
     /// Updates the nearest hit with the hits in a leaf of any items.
     #[inline(always)]
-    fn intersect_mixed<L: Lanes, T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
-        let (runs, _) = self.leaves.mixed(leaf);
+    fn intersect_mixed<L: Lanes, T: Tolerance>(
+        &self,
+        leaf: usize,
+        ray: &Ray,
+        view: &mut Option<View>,
+        tolerance: T,
+        nearest: &mut Nearest,
+    ) {
+        let (runs, bundles, _) = self.leaves.mixed(leaf);
         for run in runs {
             self.intersect_run::<L, T>(run, ray, tolerance, nearest);
+        }
+        for bundle in bundles {
+            self.intersect_bundle::<L>(bundle, ray, view, nearest);
         }
         self.intersect_curved(leaf, ray, tolerance, nearest);
     }
 
-    /// Updates the nearest hit with the hits of the items in a leaf that are not flat.
+    /// Updates the nearest hit with the hits in a bundle.
+    ///
+    /// - `view`: the ray's system, made for the first bundle that it meets
+    #[inline(always)]
+    fn intersect_bundle<L: Lanes>(&self, bundle: usize, ray: &Ray, view: &mut Option<View>, nearest: &mut Nearest) {
+        for lane in each_lane(self.leaves.bundle(bundle).may_hit::<L>(view.get_or_insert_with(|| View::new(ray)))) {
+            let place = Place::bundled(bundle, lane);
+            let Some(Item { shape, primitive, .. }) = self.leaves.item(place) else { continue };
+            if let Some(hit) = self.shapes[shape as usize].intersect(primitive, &Ray { t_max: nearest.t_max, ..*ray }) {
+                self.update(nearest, hit, place);
+            }
+        }
+    }
+
+    /// Updates the nearest hit with the hits of the items in a leaf that are in no run and no bundle.
     #[inline(always)]
     pub(super) fn intersect_curved<T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
-        let (_, curved) = self.leaves.mixed(leaf);
+        let (_, _, curved) = self.leaves.mixed(leaf);
         for place in curved.map(Place::curved) {
             let Some(item) = self.leaves.item(place) else { continue };
             let ray = Ray { t_max: nearest.t_max, ..*ray };
@@ -178,18 +209,35 @@ impl Bvh {
 
     /// Whether the ray hits anything in a leaf of any items.
     #[inline(always)]
-    fn mixed_occludes<L: Lanes, T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T) -> bool {
-        let (runs, curved) = self.leaves.mixed(leaf);
+    fn mixed_occludes<L: Lanes, T: Tolerance>(&self, leaf: usize, ray: &Ray, view: &mut Option<View>, tolerance: T) -> bool {
+        let (runs, bundles, curved) = self.leaves.mixed(leaf);
         // Loops, because a closure may be compiled apart from this function, without its instruction set.
         for run in runs {
             if Bvh::run_occludes::<L, T>(run, ray, tolerance) {
                 return true;
             }
         }
+        for bundle in bundles {
+            if self.bundle_occludes::<L>(bundle, ray, view) {
+                return true;
+            }
+        }
         self.curved_occlude(curved, ray, tolerance)
     }
 
-    /// Whether the ray hits any of the items in a leaf that are not flat.
+    /// Whether the ray hits anything in a bundle.
+    #[inline(always)]
+    fn bundle_occludes<L: Lanes>(&self, bundle: usize, ray: &Ray, view: &mut Option<View>) -> bool {
+        for lane in each_lane(self.leaves.bundle(bundle).may_hit::<L>(view.get_or_insert_with(|| View::new(ray)))) {
+            let Some(Item { shape, primitive, .. }) = self.leaves.item(Place::bundled(bundle, lane)) else { continue };
+            if self.shapes[shape as usize].intersect(primitive, ray).is_some() {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Whether the ray hits any of the items in a leaf that are in no run and no bundle.
     #[inline(always)]
     pub(super) fn curved_occlude<T: Tolerance>(&self, curved: Range<u32>, ray: &Ray, tolerance: T) -> bool {
         for place in curved.map(Place::curved) {
@@ -359,6 +407,7 @@ impl Bvh {
     #[inline(always)]
     fn nearest_below<L: Lanes, T: Tolerance>(&self, child: Child, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
         let slabs = Slabs::<L>::new(ray, tolerance);
+        let mut view = None;
         let mut stack = ArrayVec::<(f32, Child), STACK>::new();
         let mut next = Some((0.0, child));
         while let Some((entry, child)) = next {
@@ -367,7 +416,8 @@ impl Bvh {
                 match child.target() {
                     Target::Inner(node) => next = self.nodes[node].nearest::<L, T>(&slabs, nearest.t_max, &mut stack),
                     Target::Run(first, count) => self.intersect_run::<L, T>(self.leaves.run(first, count), ray, tolerance, nearest),
-                    Target::Mixed(leaf) => self.intersect_mixed::<L, T>(leaf, ray, tolerance, nearest),
+                    Target::Bundle(bundle) => self.intersect_bundle::<L>(bundle, ray, &mut view, nearest),
+                    Target::Mixed(leaf) => self.intersect_mixed::<L, T>(leaf, ray, &mut view, tolerance, nearest),
                 }
             }
             next = next.or_else(|| stack.pop());
@@ -385,6 +435,7 @@ impl Bvh {
     #[inline(always)]
     fn any_below<L: Lanes, T: Tolerance>(&self, child: Child, ray: &Ray, tolerance: T) -> bool {
         let slabs = Slabs::<L>::new(ray, tolerance);
+        let mut view = None;
         let mut stack = ArrayVec::<Child, STACK>::new();
         stack.push(child);
         while let Some(child) = stack.pop() {
@@ -395,7 +446,8 @@ impl Bvh {
                     false
                 }
                 Target::Run(first, count) => Bvh::run_occludes::<L, T>(self.leaves.run(first, count), ray, tolerance),
-                Target::Mixed(leaf) => self.mixed_occludes::<L, T>(leaf, ray, tolerance),
+                Target::Bundle(bundle) => self.bundle_occludes::<L>(bundle, ray, &mut view),
+                Target::Mixed(leaf) => self.mixed_occludes::<L, T>(leaf, ray, &mut view, tolerance),
             };
             if is_hit {
                 return true;
@@ -418,7 +470,7 @@ mod tests {
         let boxes = bvh.nodes.iter().flat_map(|node| node.boxes().map(|(slot, bounds)| (bounds, node.child[slot])));
         let excess = |([min, max], child): ([Vec3; 2], Child)| {
             let Target::Mixed(leaf) = child.target() else { return 0.0 };
-            let items = bvh.leaves.mixed(leaf).1.filter_map(|index| bvh.leaves.item(Place::curved(index)));
+            let items = bvh.leaves.mixed(leaf).2.filter_map(|index| bvh.leaves.item(Place::curved(index)));
             let bounds = items.map(|item| bvh.shapes[item.shape as usize].bounds(item.primitive)).fold(Aabb::EMPTY, Aabb::union);
             (bounds.min - min).max(max - bounds.max).max_element() / bounds.magnitude().max_element()
         };

@@ -1,16 +1,18 @@
-//! Leaves of the hierarchy: runs of triangles with a fast conservative test, and items that are not flat.
+//! Leaves of the hierarchy: runs of triangles and bundles of slender items, each with a fast conservative test, and other items.
 
 use std::ops::Range;
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use super::Item;
+use super::bundle::{self, Bundle};
 use super::node::Child;
 use crate::math::Ray;
 use crate::math::float::ROUNDING;
 use crate::math::simd::{Lanes, dot, splat};
-use crate::shape::ShapeHit;
 use crate::shape::triangle::{self, Tolerance};
+use crate::shape::{Capsule, FacetUv, ShapeHit};
 
 /// Greatest number of triangles in a run, which are tested side by side.
 pub const LANES: usize = 8;
@@ -27,15 +29,26 @@ pub struct Leaves {
     triangles: Vec<Item>,
     /// Curved primitives and instances, leaf by leaf.
     curved: Vec<Item>,
-    /// Leaves that are not a single run of triangles.
+    bundles: Vec<Bundle>,
+    /// Items of the bundles.
+    bundled: Vec<Bundled>,
+    /// Leaves that are not a single run of triangles or a single bundle.
     mixed: Vec<Mixed>,
 }
 
-/// Leaf of any items: ranges of triangles and of items that are not flat.
+/// Leaf of any items: ranges of triangles, of bundles, and of the other items.
 #[derive(Clone, Copy)]
 struct Mixed {
     triangles: (u32, u32),
+    bundles: (u32, u32),
     curved: (u32, u32),
+}
+
+/// Items of a bundle: their shape, and the primitive in each lane.
+#[derive(Clone, Copy)]
+struct Bundled {
+    shape: u32,
+    primitives: [u32; bundle::SIZE],
 }
 
 /// Place of an item in the leaves.
@@ -44,6 +57,9 @@ pub struct Place(u32);
 
 /// Bit of the places of items that are not flat.
 const CURVED: u32 = 1 << 31;
+
+/// Bit beside [`CURVED`] of the places of items in bundles: the number of the bundle and the lane follow.
+const BUNDLED: u32 = 1 << 30;
 
 impl Place {
     /// No item.
@@ -58,6 +74,11 @@ impl Place {
     /// Place of an item that is not flat.
     pub fn curved(index: u32) -> Place {
         Place(index | CURVED)
+    }
+
+    /// Place of an item in a bundle.
+    pub fn bundled(bundle: usize, lane: usize) -> Place {
+        Place((bundle * bundle::SIZE + lane) as u32 | CURVED | BUNDLED)
     }
 }
 
@@ -75,15 +96,17 @@ impl Leaves {
     pub fn with_capacity(triangles: usize) -> Leaves {
         let mut corners = Vec::with_capacity(ROWS * triangles + LANES);
         corners.extend([0.0; LANES]);
-        Leaves { corners, triangles: Vec::with_capacity(triangles), curved: vec![], mixed: vec![] }
+        let triangles = Vec::with_capacity(triangles);
+        Leaves { corners, triangles, curved: vec![], bundles: vec![], bundled: vec![], mixed: vec![] }
     }
 
     /// Adds a leaf.
     ///
     /// - `triangles`: items that are triangles, and their corners
+    /// - `slender`: items with a capsule around each, in their order
     /// - `curved`: the other items
-    pub fn push(&mut self, triangles: &[(Item, [Vec3; 3])], curved: &[Item]) -> Child {
-        let (first, first_curved) = (self.triangles.len(), self.curved.len());
+    pub fn push(&mut self, triangles: &[(Item, [Vec3; 3])], slender: &[(Item, Capsule)], curved: &[Item]) -> Child {
+        let (first, first_bundle, first_curved) = (self.triangles.len(), self.bundles.len(), self.curved.len());
         self.corners.truncate(ROWS * first);
         for run in triangles.chunks(LANES) {
             for (k, axis) in (0..3).flat_map(|k| (0..3).map(move |axis| (k, axis))) {
@@ -92,13 +115,34 @@ impl Leaves {
         }
         self.corners.extend([0.0; LANES]);
         self.triangles.extend(triangles.iter().map(|(item, _)| item));
+        slender.chunk_by(|(a, _), (b, _)| a.shape == b.shape).flat_map(|of_shape| of_shape.chunks(bundle::SIZE)).for_each(|items| {
+            self.add_bundle(items);
+        });
         self.curved.extend(curved);
-        let is_run = curved.is_empty() && (1..=LANES).contains(&triangles.len());
+        let bundles = self.bundles.len() - first_bundle;
+        if triangles.is_empty() && curved.is_empty() && bundles == 1 {
+            return Child::bundle(first_bundle);
+        }
+        let is_run = bundles == 0 && curved.is_empty() && (1..=LANES).contains(&triangles.len());
         Child::run(first, triangles.len()).filter(|_| is_run).unwrap_or_else(|| {
-            let triangles = (first as u32, self.triangles.len() as u32);
-            self.mixed.push(Mixed { triangles, curved: (first_curved as u32, self.curved.len() as u32) });
+            self.mixed.push(Mixed {
+                triangles: (first as u32, self.triangles.len() as u32),
+                bundles: (first_bundle as u32, self.bundles.len() as u32),
+                curved: (first_curved as u32, self.curved.len() as u32),
+            });
             Child::mixed(self.mixed.len() - 1)
         })
+    }
+
+    /// Adds a bundle of at most [`bundle::SIZE`] items of a shape.
+    fn add_bundle(&mut self, items: &[(Item, Capsule)]) {
+        let mut bundled = Bundled { shape: items[0].0.shape, primitives: [0; bundle::SIZE] };
+        for (primitive, (item, _)) in bundled.primitives.iter_mut().zip(items) {
+            *primitive = item.primitive;
+        }
+        let capsules: ArrayVec<Capsule, { bundle::SIZE }> = items.iter().map(|(_, capsule)| *capsule).collect();
+        self.bundles.push(Bundle::new(&capsules));
+        self.bundled.push(bundled);
     }
 
     /// Run of `count` triangles from the triangle `first` on.
@@ -114,11 +158,18 @@ impl Leaves {
         &self.corners
     }
 
-    /// Runs of a leaf of any items, and the places of the items that are not flat.
-    pub fn mixed(&self, index: usize) -> (impl Iterator<Item = Run<'_>>, Range<u32>) {
-        let Mixed { triangles: (first, end), curved } = self.mixed[index];
+    /// Runs of a leaf of any items, its bundles, and the places of the other items.
+    pub fn mixed(&self, index: usize) -> (impl Iterator<Item = Run<'_>>, Range<usize>, Range<u32>) {
+        let Mixed { triangles: (first, end), bundles, curved } = self.mixed[index];
         let runs = (first as usize..end as usize).step_by(LANES);
-        (runs.map(move |start| self.run(start, LANES.min(end as usize - start))), curved.0..curved.1)
+        let runs = runs.map(move |start| self.run(start, LANES.min(end as usize - start)));
+        (runs, bundles.0 as usize..bundles.1 as usize, curved.0..curved.1)
+    }
+
+    /// Capsules around the items of a bundle.
+    #[inline(always)]
+    pub fn bundle(&self, index: usize) -> &Bundle {
+        &self.bundles[index]
     }
 
     /// Item at a place.
@@ -127,7 +178,12 @@ impl Leaves {
         match place {
             Place::NONE => None,
             Place(place) if place & CURVED == 0 => self.triangles.get(place as usize).copied(),
-            Place(place) => self.curved.get((place & !CURVED) as usize).copied(),
+            Place(place) if place & BUNDLED == 0 => self.curved.get((place & !CURVED) as usize).copied(),
+            Place(place) => {
+                let place = (place & !(CURVED | BUNDLED)) as usize;
+                let Bundled { shape, primitives } = self.bundled.get(place / bundle::SIZE)?;
+                Some(Item { shape: *shape, primitive: primitives[place % bundle::SIZE], facet_uv: FacetUv::Triangle })
+            }
         }
     }
 }
@@ -269,10 +325,13 @@ fn greatest<L: Lanes>(a: [L; 3]) -> L {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
     use proptest::prelude::*;
 
+    use super::super::bundle::View;
     use super::super::node::Target;
     use super::*;
+    use crate::math::lanes::each_lane;
     use crate::math::simd::Halves;
     use crate::shape::triangle::{Exact, Within};
 
@@ -308,7 +367,7 @@ mod tests {
             let t_max = end * (target - origin).length();
             let mut leaves = Leaves::with_capacity(1);
             let item = Item { shape: 0, primitive: 0, facet_uv: crate::shape::FacetUv::Triangle };
-            leaves.push(&[(item, [a, b, c])], &[]);
+            leaves.push(&[(item, [a, b, c])], &[], &[]);
             let run = leaves.run(0, 1);
             let products = run.products::<Halves, _>(&ray, Exact);
             let is_hit = run.intersect(0, &ray, t_max, Exact).is_some();
@@ -327,24 +386,31 @@ mod tests {
     /// A leaf is one run if it can be, and keeps all of its items otherwise, with their corners.
     #[test]
     fn leaves_keep_all_their_items() {
-        for (triangles, curved) in [(1, 0), (8, 0), (9, 0), (30, 2), (0, 3), (8, 1)] {
+        for (triangles, slender, curved) in
+            [(1, 0, 0), (8, 0, 0), (9, 0, 0), (30, 0, 2), (0, 0, 3), (8, 0, 1), (0, 1, 0), (0, 8, 0), (0, 9, 0), (5, 11, 2)]
+        {
             let item = |primitive| Item { shape: 7, primitive, facet_uv: crate::shape::FacetUv::Triangle };
             // Triangle i lies at the height i.
             let flat = |i: u32| (item(i), [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| corner + Vec3::Z * i as f32));
             let mut leaves = Leaves::with_capacity(0);
-            leaves.push(&[flat(500)], &[]);
+            // Slender item i lies at the height 1000 + i, across the line of the ray.
+            let capsule = |i: u32| Capsule { ends: [0.0, 1.0].map(|x| DVec3::new(x, 0.25, f64::from(1000 + i))), radius: 0.1 };
+            leaves.push(&[flat(500)], &[(item(700), capsule(700))], &[]);
             let (own, others): (Vec<_>, Vec<_>) = ((0..triangles).map(flat).collect(), (0..curved).map(|i| item(100 + i)).collect());
-            let child = leaves.push(&own, &others);
-            leaves.push(&[flat(600)], &[]);
-            let (runs, places) = match child.target() {
-                Target::Run(first, count) => (vec![leaves.run(first, count)], 0..0),
+            let capsules: Vec<_> = (0..slender).map(|i| (item(200 + i), capsule(i))).collect();
+            let child = leaves.push(&own, &capsules, &others);
+            leaves.push(&[flat(600)], &[(item(700), capsule(700))], &[]);
+            let (runs, bundles, places) = match child.target() {
+                Target::Run(first, count) => (vec![leaves.run(first, count)], 0..0, 0..0),
+                Target::Bundle(bundle) => (vec![], bundle..bundle + 1, 0..0),
                 Target::Mixed(index) => {
-                    let (runs, places) = leaves.mixed(index);
-                    (runs.collect(), places)
+                    let (runs, bundles, places) = leaves.mixed(index);
+                    (runs.collect(), bundles, places)
                 }
                 Target::Inner(_) => panic!("a leaf is not an inner node"),
             };
-            assert_eq!(matches!(child.target(), Target::Run(..)), curved == 0 && triangles <= 8);
+            assert_eq!(matches!(child.target(), Target::Run(..)), slender == 0 && curved == 0 && triangles <= 8);
+            assert_eq!(matches!(child.target(), Target::Bundle(_)), triangles == 0 && curved == 0 && (1..=8).contains(&slender));
             let down = Ray::new(Vec3::new(0.25, 0.25, -1.0), Vec3::Z);
             for run in &runs {
                 // The rows of one run are not those of the next one.
@@ -360,7 +426,11 @@ mod tests {
                 found.push(primitive);
             }
             found.extend(places.map(|place| leaves.item(Place::curved(place)).expect("an item").primitive));
-            assert_eq!(found, (0..triangles).chain((0..curved).map(|i| 100 + i)).collect::<Vec<_>>());
+            let view = View::new(&down);
+            let lanes = bundles.flat_map(|index| each_lane(leaves.bundle(index).may_hit::<Halves>(&view)).map(move |lane| (index, lane)));
+            found.extend(lanes.map(|(index, lane)| leaves.item(Place::bundled(index, lane)).expect("an item").primitive));
+            let others = (0..curved).map(|i| 100 + i).chain((0..slender).map(|i| 200 + i));
+            assert_eq!(found, (0..triangles).chain(others).collect::<Vec<_>>());
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Acceleration structures for ray intersection.
 
 mod build;
+mod bundle;
 mod bvh;
 mod cut;
 mod leaves;

@@ -40,12 +40,16 @@ pub enum Target {
     Inner(usize),
     /// Leaf of at most eight triangles: the first of them, and their number.
     Run(usize, usize),
+    /// Leaf of a bundle of slender items, with this index.
+    Bundle(usize),
     /// Leaf of any items, with this index.
     Mixed(usize),
 }
 
 const LEAF: u32 = 1 << 31;
 const MIXED: u32 = 1 << 30;
+/// Beside [`MIXED`].
+const BUNDLE: u32 = 1 << 29;
 /// Position of the number of triangles less 1, in three bits. The index of the first triangle is below.
 const COUNT_AT: u32 = 27;
 
@@ -58,6 +62,11 @@ impl Child {
     /// Reference to a run of triangles, from 1 to 8; `None` if the index of the first is too great for 27 bits.
     pub fn run(first: usize, count: usize) -> Option<Child> {
         (first >> COUNT_AT == 0).then_some(Child(LEAF | (count as u32).wrapping_sub(1) << COUNT_AT | first as u32))
+    }
+
+    /// Reference to the bundle with this index.
+    pub fn bundle(index: usize) -> Child {
+        Child(LEAF | MIXED | BUNDLE | index as u32)
     }
 
     /// Reference to the leaf of any items with this index.
@@ -73,8 +82,10 @@ impl Child {
             Target::Inner(bits as usize)
         } else if bits & MIXED == 0 {
             Target::Run((bits & ((1 << COUNT_AT) - 1)) as usize, (bits >> COUNT_AT & 7) as usize + 1)
+        } else if bits & BUNDLE != 0 {
+            Target::Bundle((bits & (BUNDLE - 1)) as usize)
         } else {
-            Target::Mixed((bits & (MIXED - 1)) as usize)
+            Target::Mixed((bits & (BUNDLE - 1)) as usize)
         }
     }
 }
@@ -124,13 +135,13 @@ pub const WIDEN: f32 = 1.0 + 2.0 * (3.0 * 0.5 * f32::EPSILON) + f32::EPSILON;
 impl Node {
     /// A node with the given boxes and children.
     ///
-    /// The children are sorted so that the last ones most likely stop a ray for the least work: triangles after inner nodes, curved items
-    /// and instances before them, and large boxes after small ones.
+    /// The children are sorted so that the last ones most likely stop a ray for the least work: triangles and bundles after inner nodes, curved
+    /// items and instances before them, and large boxes after small ones.
     pub fn new(mut children: Vec<(Aabb, Child)>) -> Node {
         let rank = |child: Child| match child.target() {
             Target::Mixed(_) => 0,
             Target::Inner(_) => 1,
-            Target::Run(..) => 2,
+            Target::Run(..) | Target::Bundle(_) => 2,
         };
         children.sort_by(|(a, x), (b, y)| rank(*x).cmp(&rank(*y)).then(a.area().total_cmp(&b.area())));
         let (low, high) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);

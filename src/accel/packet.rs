@@ -268,10 +268,14 @@ impl Bvh {
             match child.target() {
                 Target::Inner(node) => push_children(&self.nodes[node], &packet, which, limit, &mut stack),
                 Target::Run(first, count) => candidates.add_run(self.leaves.run(first, count), &packet, visiting),
+                Target::Bundle(_) => self.nearest_of_few(&packet, which, child, &mut candidates),
                 Target::Mixed(leaf) => {
-                    let (runs, curved) = self.leaves.mixed(leaf);
+                    let (runs, bundles, curved) = self.leaves.mixed(leaf);
                     for run in runs {
                         candidates.add_run(run, &packet, visiting);
+                    }
+                    for bundle in bundles {
+                        self.nearest_of_few(&packet, which, Child::bundle(bundle), &mut candidates);
                     }
                     if !curved.is_empty() {
                         self.curved_nearest(&packet, which, leaf, &mut candidates);
@@ -311,10 +315,14 @@ impl Bvh {
                     }
                 }
                 Target::Run(first, count) => open &= !run_occludes(self.leaves.run(first, count), &packet, visiting),
+                Target::Bundle(_) => open &= !self.occluded_of_few(&packet, which, child),
                 Target::Mixed(leaf) => {
-                    let (runs, curved) = self.leaves.mixed(leaf);
+                    let (runs, bundles, curved) = self.leaves.mixed(leaf);
                     for run in runs {
                         open &= !run_occludes(run, &packet, visiting);
+                    }
+                    for bundle in bundles {
+                        open &= !self.occluded_of_few(&packet, which & open, Child::bundle(bundle));
                     }
                     if !curved.is_empty() {
                         for k in each_lane(which & open) {

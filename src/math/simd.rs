@@ -13,6 +13,8 @@ pub trait Lanes: Copy {
     fn splat(x: f32) -> Self;
     /// Eight numbers.
     fn load(from: &[f32; 8]) -> Self;
+    /// Eight whole numbers.
+    fn load_u16(from: &[u16; 8]) -> Self;
     /// Sum.
     fn plus(self, other: Self) -> Self;
     /// Difference.
@@ -75,6 +77,12 @@ impl Lanes for Halves {
     #[inline(always)]
     fn load(from: &[f32; 8]) -> Halves {
         Halves([Vec4::from_slice(&from[..4]), Vec4::from_slice(&from[4..])])
+    }
+
+    #[inline(always)]
+    fn load_u16(from: &[u16; 8]) -> Halves {
+        let half = |k: usize| Vec4::new(from[k].into(), from[k + 1].into(), from[k + 2].into(), from[k + 3].into());
+        Halves([half(0), half(4)])
     }
 
     #[inline(always)]
@@ -169,6 +177,11 @@ mod avx {
         #[inline(always)]
         fn load(from: &[f32; 8]) -> Whole {
             Whole(unsafe { _mm256_loadu_ps(from.as_ptr()) })
+        }
+
+        #[inline(always)]
+        fn load_u16(from: &[u16; 8]) -> Whole {
+            Whole(unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(from.as_ptr().cast()))) })
         }
 
         #[inline(always)]

@@ -96,6 +96,12 @@ pub trait Shape: Send + Sync {
         None
     }
 
+    /// A capsule that contains primitive `i`, if it is slender and curved, so that it fills little of its bounding box: only rays that meet the
+    /// capsule are tested.
+    fn capsule(&self, _i: u32) -> Option<Capsule> {
+        None
+    }
+
     /// First hit with 0 < t < `ray.t_max`. The default tests the facet.
     fn intersect(&self, i: u32, ray: &Ray) -> Option<ShapeHit> {
         self.facet(i).intersect(ray)
@@ -249,6 +255,15 @@ pub(crate) fn unit_change(v: DVec3, change: DVec3) -> DVec3 {
 /// Density by solid angle as seen from `from`, converted from a density by area; `None` if the surface is seen edge-on.
 fn area_to_solid_angle(point: &SurfacePoint, pdf: AreaPdf, from: Vec3) -> Option<SolidAnglePdf> {
     pdf.to_solid_angle((point.p - from).as_dvec3(), point.ng.as_dvec3())
+}
+
+/// All points whose distance from a segment is at most a radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capsule {
+    /// Ends of the segment (m).
+    pub ends: [DVec3; 2],
+    /// Radius (m).
+    pub radius: f64,
 }
 
 /// Flat form of a primitive, for accelerators.

@@ -3,6 +3,7 @@
 use glam::{DVec3, DVec4, Vec4Swizzles as _};
 
 use crate::math::Aabb;
+use crate::shape::Capsule;
 
 /// Cubic Bézier curve Σ C(3, k) sᵏ (1 − s)³⁻ᵏ bₖ for 0 ≤ s ≤ 1, whose control points bₖ have a position (m) and, as the fourth coordinate,
 /// the radius (m).
@@ -68,6 +69,20 @@ impl Cubic {
         self.0.into_iter().map(|b| b.w).fold(0.0, f64::max)
     }
 
+    /// A capsule that contains all points that are no further from the curve than its radius there.
+    ///
+    /// The points of the curve are as far from those of its chord as the curve of the differences says, which lies in the hull of the control
+    /// points of its four parts. The capsule's axis is the chord, moved by half of the mean difference of the inner control points.
+    pub fn capsule(&self) -> Capsule {
+        let [start, .., end] = self.0.map(|b| b.xyz());
+        let difference = |k: usize| self.0[k].xyz() - start.lerp(end, k as f64 / 3.0);
+        let shift = 0.25 * (difference(1) + difference(2));
+        let differences = Cubic([0, 1, 2, 3].map(|k| (difference(k) - shift).extend(self.0[k].w)));
+        let parts = differences.halves().into_iter().flat_map(|half| half.halves());
+        let radius = parts.flat_map(|part| part.0).map(|b| b.xyz().length() + b.w).fold(0.0, f64::max);
+        Capsule { ends: [start + shift, end + shift], radius }
+    }
+
     /// A box that contains all points that are no further from the curve than its radius there.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let low = self.0.into_iter().map(|b| b.xyz() - b.w).fold(DVec3::INFINITY, DVec3::min);
@@ -112,6 +127,19 @@ mod tests {
             assert!((a.value - b.value).abs().max_element() < 1e-15, "{k}");
             assert!((0.5 * a.first - b.first).abs().max_element() < 1e-14 && (0.25 * a.second - b.second).abs().max_element() < 1e-14);
         }
+    }
+
+    /// All balls of a curve lie in its capsule, and one of them nearly touches it from within.
+    #[test]
+    fn capsules_contain_their_curves() {
+        let Capsule { ends: [a, b], radius } = bend().capsule();
+        let reaches = (0..=1000).map(|k| {
+            let v = bend().at(f64::from(k) / 1000.0).value;
+            let s = ((v.xyz() - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+            (v.xyz() - a.lerp(b, s)).length() + v.w
+        });
+        let most = reaches.fold(0.0, f64::max);
+        assert!(most <= radius && radius < 1.2 * most, "{radius}, of which {most} is needed");
     }
 
     /// Derivatives are the limits of differences: with steps of 10⁻⁵ they differ by 10⁻¹⁰ of a third derivative, and rounding by 10⁻⁵.

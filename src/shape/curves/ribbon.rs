@@ -13,7 +13,7 @@ use super::strands::Strands;
 use crate::math::bernstein::Bernstein;
 use crate::math::float::ONE_MINUS_EPSILON;
 use crate::math::{Aabb, AreaPdf, Ray};
-use crate::shape::{Facet, Shape, ShapeHit, SurfacePoint, VertexColor, gauss_nodes, offset_bound};
+use crate::shape::{Capsule, Facet, Shape, ShapeHit, SurfacePoint, VertexColor, gauss_nodes, offset_bound};
 
 /// Ribbons in world space. The `uv` of a hit are s, and ν from 0 to 1.
 pub(super) struct Ribbons(pub Strands);
@@ -97,6 +97,10 @@ impl Shape for Ribbons {
 
     fn bounds(&self, i: u32) -> Aabb {
         self.0.piece(i).aabb()
+    }
+
+    fn capsule(&self, i: u32) -> Option<Capsule> {
+        Some(self.0.piece(i).capsule())
     }
 
     fn area(&self, i: u32) -> f32 {

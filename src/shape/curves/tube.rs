@@ -17,7 +17,7 @@ use super::piece::{Cubic, Local};
 use super::strands::Strands;
 use crate::math::bernstein::{Bernstein, zero};
 use crate::math::{Aabb, AreaPdf, Ray, float};
-use crate::shape::{Facet, Shape, ShapeHit, SurfacePoint, VertexColor, gauss_nodes, offset_bound};
+use crate::shape::{Capsule, Facet, Shape, ShapeHit, SurfacePoint, VertexColor, gauss_nodes, offset_bound};
 
 /// Tubes in world space. The `uv` of a hit are s, and φ from 0 to 1 as a share of a turn. On the balls that close a piece, s runs from 0 to −1
 /// and from 1 to 2 in proportion to the height above the circle in which the ball touches the tube.
@@ -370,6 +370,10 @@ impl Shape for Tubes {
 
     fn bounds(&self, i: u32) -> Aabb {
         self.0.piece(i).aabb()
+    }
+
+    fn capsule(&self, i: u32) -> Option<Capsule> {
+        Some(self.0.piece(i).capsule())
     }
 
     fn area(&self, i: u32) -> f32 {

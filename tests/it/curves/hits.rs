@@ -1,9 +1,9 @@
 //! Hits are on the surface of the balls, and of the lines across a ribbon.
 
 use glam::{DVec3, Vec3, Vec4Swizzles as _};
-use pt::accel;
+use pt::accel::{self, List};
 use pt::math::{Ray, Transform};
-use pt::primitive::Hit;
+use pt::primitive::{Hit, Primitive as _};
 use pt::shape::curves::Basis;
 use pt::shape::{Curves, Geometry, Shape, ShapeHit, SurfacePoint};
 use pt::torture::meshes::{baked, mesh, shapes};
@@ -208,6 +208,49 @@ fn special_rays_have_the_hits_of_geometry() {
             _ => assert_eq!(found, expected, "{name}"),
         }
     }
+}
+
+/// Among dense fur the hierarchy, which tests capsules around the pieces first, finds the hits that all exact tests find: the same bits, on tubes
+/// and ribbons, from outside, along the skin and from afar, and the same among triangles.
+#[test]
+fn fur_is_met_where_a_test_of_all_hairs_says() {
+    let ground = || mesh(vec![Vec3::new(-2.0, -0.05, -2.0), Vec3::new(2.0, -0.05, -2.0), Vec3::new(0.0, 0.01, 3.0)], vec![[0, 1, 2]]);
+    let hits: usize = (0..64u64)
+        .into_par_iter()
+        .map(|seed| {
+            let mut random = Random::new(seed);
+            let basis = BASES[seed as usize % 4];
+            let mut fur = Curves { basis, points: vec![], counts: vec![4; 60], normals: vec![] };
+            for _ in 0..60 {
+                let (root, bend) = (random.in_cube() * DVec3::new(1.0, 0.0, 1.0), random.in_cube() * 0.3);
+                let up = (DVec3::Y + 0.5 * random.in_cube()) * 0.4;
+                for k in 0..4 {
+                    let share = f64::from(k) / 3.0;
+                    let p = root + up * share + bend * (share * share);
+                    fur.points.push(p.extend(random.decade(-3.0, -1.5)).as_vec4());
+                }
+                if seed % 2 == 1 {
+                    fur.normals.extend([random.direction().cross(up).normalize().as_vec3(); 4]);
+                }
+            }
+            let all = || shapes(vec![fur.bake(&Transform::IDENTITY).expect("fur"), baked(ground())]);
+            let (hierarchy, list) = (accel::build(all()), List::new(all()));
+            let rays = (0..2000).map(|_| {
+                let target = random.in_cube() * DVec3::new(1.0, 0.2, 1.0) + DVec3::Y * 0.2;
+                let from = target + random.direction() * random.decade(-1.0, 4.0);
+                let to = if random.unit() < 0.2 { target * DVec3::new(1.0, 1e-3, 1.0) } else { target };
+                Ray::new(from.as_vec3(), (to - from).normalize().as_vec3())
+            });
+            let found = rays.filter(|ray| {
+                let (hit, expected) = (hierarchy.intersect(ray), list.intersect(ray));
+                assert_eq!(hit, expected, "{basis:?} {seed}: {ray:?}");
+                assert_eq!(hierarchy.occluded(ray), expected.is_some(), "{basis:?} {seed}: {ray:?}");
+                expected.is_some_and(|hit| hit.shape == 0)
+            });
+            found.count()
+        })
+        .sum();
+    assert!(hits > 10_000, "{hits} of 128,000 rays meet a hair");
 }
 
 /// A ribbon as a mesh of `n` × 8 cells of two triangles.
