@@ -116,7 +116,9 @@ fn rays_per_second(world: &World, distance: f64) -> f64 {
 
 /// Tests of pieces per ray, those that find a hit, and the share of the rays that hit anything.
 fn tests(hierarchy: &dyn Primitive, distance: f64) -> [f64; 3] {
-    [&TESTS, &HITS].map(|count| count.store(0, Ordering::Relaxed));
+    for count in [&TESTS, &HITS] {
+        count.store(0, Ordering::Relaxed);
+    }
     let hits = rays(distance).iter().filter(|ray| hierarchy.intersect(ray).is_some()).count() as u64;
     [TESTS.load(Ordering::Relaxed), HITS.load(Ordering::Relaxed), hits].map(|count| count as f64 / f64::from(RAYS))
 }

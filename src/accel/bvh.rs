@@ -82,6 +82,7 @@ impl Bvh {
             }
             leaves.push(&triangles, &slender, &curved)
         });
+        leaves.shrink_to_fit();
         bvh.leaves = leaves;
         let is_addressable = bvh.leaves.corners().len() < 1 << 31;
         bvh.has_packets = is_addressable && bvh.instances.is_empty() && !shapes.iter().any(|shape| shape.hits_depend_on_end());

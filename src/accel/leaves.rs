@@ -134,6 +134,14 @@ impl Leaves {
         })
     }
 
+    /// Frees memory that was reserved for more leaves.
+    pub fn shrink_to_fit(&mut self) {
+        self.bundles.shrink_to_fit();
+        self.bundled.shrink_to_fit();
+        self.curved.shrink_to_fit();
+        self.mixed.shrink_to_fit();
+    }
+
     /// Adds a bundle of at most [`bundle::SIZE`] items of a shape.
     fn add_bundle(&mut self, items: &[(Item, Capsule)]) {
         let mut bundled = Bundled { shape: items[0].0.shape, primitives: [0; bundle::SIZE] };

@@ -6,7 +6,7 @@ mod ribbon;
 mod strands;
 mod tube;
 
-use std::ops::{Mul, Sub};
+use std::ops::Range;
 
 use glam::{DVec3, Vec3, Vec4, Vec4Swizzles as _};
 
@@ -68,47 +68,52 @@ impl Curves {
         columns.into_iter().all(|column| column.abs().max_element() <= ROUND).then_some(scale)
     }
 
-    /// Position and radius in world space.
-    fn placed(&self, to_world: &Transform, scale: f64) -> impl Iterator<Item = Vec4> {
-        let place = *to_world;
-        self.points.iter().map(move |b| place.point(b.xyz().as_dvec3()).extend(f64::from(b.w) * scale).as_vec4())
+    /// Places of the control points of each curve that has a span, without points that are left over.
+    fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        let mut next = 0;
+        let range = move |count: &u32| {
+            let first = next;
+            next += *count as usize;
+            first..first + self.basis.used(*count as usize)
+        };
+        self.counts.iter().map(range).filter(|range| !range.is_empty())
     }
 
-    /// Curves with points at their ends, so that Catmull–Rom splines reach the first and the last: the mirror images of the second and the
-    /// second to last.
-    fn extended<T: Copy + Sub<Output = T> + Mul<f32, Output = T>>(&self, values: &[T]) -> Vec<T> {
-        if self.basis != Basis::CatmullRom || values.is_empty() {
-            return values.to_vec();
-        }
-        let mut extended = Vec::with_capacity(values.len() + 2 * self.counts.len());
-        let mut first = 0;
-        for &count in &self.counts {
-            let of_curve = &values[first..first + count as usize];
-            if let (&[a, b, ..], &[.., c, d]) = (of_curve, of_curve) {
-                extended.push(a * 2.0 - b);
-                extended.extend_from_slice(of_curve);
-                extended.push(d * 2.0 - c);
-            }
-            first += count as usize;
-        }
-        extended
+    /// Positions and radii in world space.
+    ///
+    /// - `scale`: factor of lengths
+    fn placed(&self, range: Range<usize>, to_world: &Transform, scale: f64) -> impl Iterator<Item = Vec4> {
+        self.points[range].iter().map(move |b| to_world.point(b.xyz().as_dvec3()).extend(f64::from(b.w) * scale).as_vec4())
     }
 
     /// The curves in world space.
     ///
     /// - `scale`: factor of lengths
     fn strands(&self, to_world: &Transform, scale: f64) -> Strands {
-        let points: Vec<Vec4> = self.placed(to_world, scale).collect();
-        let normals: Vec<Vec3> = self.normals.iter().map(|n| to_world.normal(n.as_dvec3()).as_vec3()).collect();
-        let added = if self.basis == Basis::CatmullRom { 2 } else { 0 };
-        let counts: Vec<u32> = self.counts.iter().map(|count| count + added).collect();
-        Strands::new(self.basis, self.extended(&points), self.extended(&normals), &counts)
+        let (mut points, mut normals) = (Vec::with_capacity(self.points.len()), Vec::with_capacity(self.normals.len()));
+        for range in self.ranges() {
+            points.extend(self.placed(range.clone(), to_world, scale));
+            let of_curve = if self.normals.is_empty() { &[] } else { &self.normals[range] };
+            normals.extend(of_curve.iter().map(|n| to_world.normal(n.as_dvec3()).as_vec3()));
+        }
+        Strands::new(self.basis, points, normals, self.ranges().map(|range| range.len()))
     }
 }
 
 impl Geometry for Curves {
     fn bounds(&self, to_world: &Transform) -> (DVec3, DVec3) {
-        self.strands(to_world, to_world.determinant().abs().cbrt()).bounds()
+        let scale = to_world.determinant().abs().cbrt();
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut points = vec![];
+        for range in self.ranges() {
+            points.clear();
+            points.extend(self.placed(range, to_world, scale));
+            for k in 0..self.basis.spans(points.len()) {
+                let (min, max) = self.basis.span(&points, k).bounds();
+                (low, high) = (low.min(min), high.max(max));
+            }
+        }
+        (low, high)
     }
 
     fn detail(&self, to_world: &Transform) -> Detail {
@@ -124,7 +129,7 @@ impl Geometry for Curves {
         let Some(scale) = Curves::scale(to_world) else {
             return invalid("a transform stretches or shears curves, which stay round");
         };
-        if self.points.len() + 2 * self.counts.len() > MOST_POINTS {
+        if self.points.len() > MOST_POINTS {
             return invalid("too many control points of curves: expected at most a thousand million");
         }
         let strands = self.strands(to_world, scale);

@@ -19,9 +19,17 @@ pub(super) struct Local {
 }
 
 impl Cubic {
-    /// The part from s = `from` to s = `to`, by blossoms: its control points are f(a, a, a), f(a, a, b), f(a, b, b) and f(b, b, b).
+    /// The part from s = a to s = b, by blossoms: its control points are f(a, a, a), f(a, a, b), f(a, b, b) and f(b, b, b), where f takes a step
+    /// of de Casteljau's algorithm at each of three parameters.
     pub fn part(&self, [a, b]: [f64; 2]) -> Cubic {
-        Cubic([[a, a, a], [a, a, b], [a, b, b], [b, b, b]].map(|at| self.blossom(at)))
+        let between = |p: DVec4, q: DVec4, s: f64| p * (1.0 - s) + q * s;
+        let [p, q, r, t] = self.0;
+        let once = |s: f64| [between(p, q, s), between(q, r, s), between(r, t, s)];
+        let twice = |[p, q, r]: [DVec4; 3], s: f64| [between(p, q, s), between(q, r, s)];
+        let (at_a, at_b) = (once(a), once(b));
+        let [aa, ab, bb] = [twice(at_a, a), twice(at_a, b), twice(at_b, b)];
+        let last = |[p, q]: [DVec4; 2], s: f64| between(p, q, s);
+        Cubic([last(aa, a), last(aa, b), last(ab, b), last(bb, b)])
     }
 
     /// The parts before and after s = ½.
@@ -31,17 +39,6 @@ impl Cubic {
         let (d0, d1) = (0.5 * (c0 + c1), 0.5 * (c1 + c2));
         let e = 0.5 * (d0 + d1);
         [Cubic([b0, c0, d0, e]), Cubic([e, d1, c2, b3])]
-    }
-
-    /// De Casteljau's algorithm with a parameter of its own at each step.
-    fn blossom(&self, at: [f64; 3]) -> DVec4 {
-        let mut points = self.0;
-        for (step, s) in at.into_iter().enumerate() {
-            for k in 0..3 - step {
-                points[k] = points[k] * (1.0 - s) + points[k + 1] * s;
-            }
-        }
-        points[0]
     }
 
     /// The curve at `s`.

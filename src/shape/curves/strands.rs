@@ -1,37 +1,36 @@
 //! Many curves in world space, in pieces.
 
+use std::ops::{Mul, Range, Sub};
+
 use glam::{DVec3, DVec4, Vec3, Vec4};
 
 use super::Basis;
 use super::piece::Cubic;
 
-/// The control points of many curves, and where each of their spans begins.
+/// The control points of many curves, and where each curve begins.
 pub(super) struct Strands {
     basis: Basis,
     /// Position (m) and radius (m) of the control points, curve after curve.
     points: Vec<Vec4>,
     /// Normals at the control points, for ribbons; empty for tubes.
     normals: Vec<Vec3>,
-    /// First control point of each span, see [`FIRST`] and [`LAST`].
-    spans: Vec<u32>,
-    /// First span of each curve.
+    /// First span of each curve; at the end, the number of all spans.
     curves: Vec<u32>,
-    /// Number of pieces of a span, a power of two.
+    /// Curve of each [`STEP`]th span.
+    curve_at: Vec<u32>,
+    /// Number of pieces of a span.
     parts: u32,
     /// Whether any two pieces meet in a kink.
     has_kinks: bool,
 }
 
-/// Mark of the first span of a curve.
-const FIRST: u32 = 1 << 31;
-
-/// Mark of the last span of a curve.
-const LAST: u32 = 1 << 30;
+/// Number of spans from one entry of [`Strands::curve_at`] to the next.
+const STEP: usize = 16;
 
 /// Greatest number of control points.
-pub(super) const MOST_POINTS: usize = LAST as usize;
+pub(super) const MOST_POINTS: usize = 1 << 30;
 
-/// Length of a span in radii above which it is worth two boxes.
+/// Length of a span in radii above which it is worth several pieces.
 const SLENDER: f64 = 32.0;
 
 /// Place of a piece: on which curve, and on which part of it.
@@ -52,26 +51,47 @@ impl Place {
 }
 
 impl Strands {
-    /// - `counts`: number of control points of each curve
-    pub fn new(basis: Basis, points: Vec<Vec4>, normals: Vec<Vec3>, counts: &[u32]) -> Strands {
-        let (mut spans, mut curves, mut first) = (vec![], Vec::with_capacity(counts.len()), 0);
-        for &count in counts {
-            curves.push(spans.len() as u32);
-            let number = basis.spans(count as usize) as u32;
-            let mark = |k: u32| if k == 0 { FIRST } else { 0 } | if k + 1 == number { LAST } else { 0 };
-            spans.extend((0..number).map(|k| (first + k * basis.stride() as u32) | mark(k)));
-            first += count;
-        }
-        let mut strands = Strands { basis, points, normals, spans, curves, parts: 1, has_kinks: false };
+    /// - `counts`: number of control points of each curve, which are no more and no less than those of its spans
+    pub fn new(basis: Basis, points: Vec<Vec4>, normals: Vec<Vec3>, counts: impl Iterator<Item = usize>) -> Strands {
+        let mut curves = vec![0];
+        let mut spans = 0;
+        curves.extend(counts.map(|count| {
+            spans += basis.spans(count) as u32;
+            spans
+        }));
+        curves.shrink_to_fit();
+        let mut strands = Strands { basis, points, normals, curves, curve_at: vec![], parts: 1, has_kinks: false };
+        let starts = (0..spans).step_by(STEP);
+        strands.curve_at = starts.map(|span| strands.curves.partition_point(|first| *first <= span) as u32 - 1).collect();
         strands.has_kinks = strands.finds_kinks();
         strands.parts = strands.fitting_parts();
         strands
     }
 
+    /// Number of spans.
+    fn spans(&self) -> u32 {
+        self.curves.last().copied().unwrap_or(0)
+    }
+
+    /// The curve of a span.
+    fn curve(&self, span: u32) -> usize {
+        let mut curve = self.curve_at[span as usize / STEP] as usize;
+        while self.curves[curve + 1] <= span {
+            curve += 1;
+        }
+        curve
+    }
+
+    /// Places of the control points of a curve.
+    fn points(&self, curve: usize) -> Range<usize> {
+        let start = |curve: usize| self.basis.stride() * self.curves[curve] as usize + self.basis.rest() * curve;
+        start(curve)..start(curve + 1)
+    }
+
     /// Whether any two spans meet in a kink. Splines of the other bases are smooth.
     fn finds_kinks(&self) -> bool {
-        let is_kink = |span: u32| self.spans[span as usize] & LAST == 0 && self.span(span).has_kink(&self.span(span + 1));
-        matches!(self.basis, Basis::Linear | Basis::Bezier) && (0..self.spans.len() as u32).any(is_kink)
+        let has_kink = |curve: &[u32]| (curve[0] + 1..curve[1]).any(|span| self.span(span - 1).has_kink(&self.span(span)));
+        matches!(self.basis, Basis::Linear | Basis::Bezier) && self.curves.windows(2).any(has_kink)
     }
 
     /// Whether any two pieces meet in a kink.
@@ -79,7 +99,8 @@ impl Strands {
         self.has_kinks
     }
 
-    /// The number of pieces of each span: two if most spans are slender, so that boxes fit them better, and one otherwise.
+    /// The number of pieces of each span: if most spans are slender, as many as there are steps from one control point of a curve to the next, so
+    /// that capsules and boxes fit well and take no more memory than three times the points. One otherwise.
     fn fitting_parts(&self) -> u32 {
         let slender = |span: u32| {
             let Cubic(b) = self.span(span);
@@ -87,20 +108,15 @@ impl Strands {
             length / (0.25 * (b[0] + b[1] + b[2] + b[3]).w.max(f64::MIN_POSITIVE)) > SLENDER
         };
         // Some of the spans stand for all.
-        let step = (self.spans.len() / 1000).max(1);
-        let seen = || (0..self.spans.len() as u32).step_by(step);
-        if 2 * seen().filter(|span| slender(*span)).count() > seen().count() { 2 } else { 1 }
-    }
-
-    /// Lower and upper corner of a box around all curves (m).
-    pub fn bounds(&self) -> (DVec3, DVec3) {
-        let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        (0..self.spans.len() as u32).map(|span| self.span(span).bounds()).fold(empty, |a, b| (a.0.min(b.0), a.1.max(b.1)))
+        let step = (self.spans() / 1000).max(1) as usize;
+        let seen = || (0..self.spans()).step_by(step);
+        let steps = self.points.len() - (self.curves.len() - 1);
+        if 2 * seen().filter(|span| slender(*span)).count() > seen().count() { steps as u32 / self.spans() } else { 1 }
     }
 
     /// Number of pieces.
     pub fn count(&self) -> u32 {
-        self.spans.len() as u32 * self.parts
+        self.spans() * self.parts
     }
 
     /// A piece: its position and radius.
@@ -110,85 +126,111 @@ impl Strands {
 
     /// Normals of a piece of a ribbon, as a cubic without a radius.
     pub fn normals(&self, i: u32) -> Cubic {
-        let first = (self.spans[(i / self.parts) as usize] & !(FIRST | LAST)) as usize;
-        let normal = |k: usize| self.normals[first + k].as_dvec3().extend(0.0);
-        self.part(Cubic(self.basis.bezier(normal)), i)
+        let span = i / self.parts;
+        let curve = self.curve(span);
+        let of_curve = &self.normals[self.points(curve)];
+        self.part(Cubic(self.basis.bezier(of_curve, (span - self.curves[curve]) as usize, |n| n.as_dvec3().extend(0.0))), i)
     }
 
-    /// The part of its span that a piece is, by halving the span.
-    fn part(&self, mut span: Cubic, i: u32) -> Cubic {
-        let mut bit = self.parts / 2;
-        while bit > 0 {
-            let [first, second] = span.halves();
-            span = if i & bit == 0 { first } else { second };
-            bit /= 2;
-        }
-        span
+    /// The part of its span that a piece is.
+    fn part(&self, span: Cubic, i: u32) -> Cubic {
+        let at = |k: u32| f64::from(k) / f64::from(self.parts);
+        let k = i % self.parts;
+        if self.parts == 1 { span } else { span.part([at(k), at(k + 1)]) }
     }
 
     fn span(&self, span: u32) -> Cubic {
-        let first = (self.spans[span as usize] & !(FIRST | LAST)) as usize;
-        // Between points of very different radii, a smooth curve through them would fall below 0.
-        Cubic(self.basis.bezier(|k| self.points[first + k].as_dvec4()).map(|b| DVec4 { w: b.w.max(0.0), ..b }))
+        let curve = self.curve(span);
+        self.basis.span(&self.points[self.points(curve)], (span - self.curves[curve]) as usize)
     }
 
     /// The piece before this one on the same curve; `None` at its beginning.
     pub fn before(&self, i: u32) -> Option<u32> {
-        let is_first = i.is_multiple_of(self.parts) && self.spans[(i / self.parts) as usize] & FIRST != 0;
+        let span = i / self.parts;
+        let is_first = i.is_multiple_of(self.parts) && self.curves[self.curve(span)] == span;
         (!is_first).then(|| i - 1)
     }
 
     /// The piece after this one on the same curve; `None` at its end.
     pub fn after(&self, i: u32) -> Option<u32> {
-        let is_last = (i + 1).is_multiple_of(self.parts) && self.spans[(i / self.parts) as usize] & LAST != 0;
+        let span = i / self.parts;
+        let is_last = (i + 1).is_multiple_of(self.parts) && self.curves[self.curve(span) + 1] == span + 1;
         (!is_last).then(|| i + 1)
     }
 
     /// Where on its curve a piece lies.
     pub fn place(&self, i: u32) -> Place {
-        let curve = self.curves.partition_point(|first| *first <= i / self.parts) - 1;
-        let first = self.curves[curve];
-        let end = self.curves.get(curve + 1).copied().unwrap_or(self.spans.len() as u32);
+        let curve = self.curve(i / self.parts);
+        let (first, end) = (self.curves[curve], self.curves[curve + 1]);
         let pieces = f64::from((end - first) * self.parts);
         Place { root: self.span(first).tangent(0.0), from: f64::from(i - first * self.parts) / pieces, length: 1.0 / pieces }
     }
 }
 
 impl Basis {
-    /// Number of control points of a span.
-    pub(super) fn order(self) -> usize {
-        match self {
-            Basis::Linear => 2,
-            Basis::Bezier | Basis::Bspline | Basis::CatmullRom => 4,
-        }
-    }
-
     /// Number of control points from one span to the next.
-    pub(super) fn stride(self) -> usize {
+    fn stride(self) -> usize {
         match self {
             Basis::Bezier => 3,
             Basis::Linear | Basis::Bspline | Basis::CatmullRom => 1,
         }
     }
 
-    /// Number of spans of a curve with some control points.
-    pub(super) fn spans(self, points: usize) -> usize {
-        (points.saturating_sub(self.order()) / self.stride()) + usize::from(points >= self.order())
+    /// Number of control points of a curve beyond those from one span to the next.
+    fn rest(self) -> usize {
+        match self {
+            Basis::Linear | Basis::Bezier | Basis::CatmullRom => 1,
+            Basis::Bspline => 3,
+        }
     }
 
-    /// The span as a Bézier curve.
-    ///
-    /// - `point`: the control points of the span
-    fn bezier(self, point: impl Fn(usize) -> DVec4) -> [DVec4; 4] {
-        if self == Basis::Linear {
-            let (a, b) = (point(0), point(1));
-            return [a, a + (b - a) / 3.0, b - (b - a) / 3.0, b];
+    /// Number of spans of a curve with some control points.
+    pub(super) fn spans(self, points: usize) -> usize {
+        points.saturating_sub(self.rest()) / self.stride()
+    }
+
+    /// Number of control points that are part of a span, of some control points.
+    pub(super) fn used(self, points: usize) -> usize {
+        match self.spans(points) {
+            0 => 0,
+            spans => spans * self.stride() + self.rest(),
         }
-        let [a, b, c, d] = [0, 1, 2, 3].map(point);
+    }
+
+    /// A span of a curve.
+    ///
+    /// - `points`: all control points of the curve
+    /// - `k`: number of the span
+    pub(super) fn span(self, points: &[Vec4], k: usize) -> Cubic {
+        // Between points of very different radii, a smooth curve through them would fall below 0.
+        Cubic(self.bezier(points, k, |b| b.as_dvec4()).map(|b| DVec4 { w: b.w.max(0.0), ..b }))
+    }
+
+    /// A span of a curve as a Bézier curve, see [`Basis::span`].
+    ///
+    /// A Catmull–Rom spline reaches its first point and its last because the mirror images of the second and the second to last follow them.
+    fn bezier<T>(self, points: &[T], k: usize, wide: impl Fn(T) -> DVec4) -> [DVec4; 4]
+    where
+        T: Copy + Sub<Output = T> + Mul<f32, Output = T>,
+    {
+        let at = |j: usize| wide(points[k * self.stride() + j]);
+        let mirrored = |end: usize, next: usize| wide(points[end] * 2.0 - points[next]);
         match self {
-            Basis::Linear | Basis::Bezier => [a, b, c, d],
-            Basis::Bspline => [(a + 4.0 * b + c) / 6.0, (2.0 * b + c) / 3.0, (b + 2.0 * c) / 3.0, (b + 4.0 * c + d) / 6.0],
-            Basis::CatmullRom => [b, b + (c - a) / 6.0, c - (d - b) / 6.0, c],
+            Basis::Linear => {
+                let (a, b) = (at(0), at(1));
+                [a, a + (b - a) / 3.0, b - (b - a) / 3.0, b]
+            }
+            Basis::Bezier => [0, 1, 2, 3].map(at),
+            Basis::Bspline => {
+                let [a, b, c, d] = [0, 1, 2, 3].map(at);
+                [(a + 4.0 * b + c) / 6.0, (2.0 * b + c) / 3.0, (b + 2.0 * c) / 3.0, (b + 4.0 * c + d) / 6.0]
+            }
+            Basis::CatmullRom => {
+                let (b, c) = (at(0), at(1));
+                let a = if k == 0 { mirrored(0, 1) } else { wide(points[k - 1]) };
+                let d = if k + 2 == points.len() { mirrored(k + 1, k) } else { at(2) };
+                [b, b + (c - a) / 6.0, c - (d - b) / 6.0, c]
+            }
         }
     }
 }

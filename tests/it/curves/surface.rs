@@ -46,6 +46,43 @@ fn near(shape: &dyn Shape, i: u32, from: &SurfacePoint, p: Vec3) -> Option<(Surf
     Some((shape.point(i, &ray, &hit), hit.uv))
 }
 
+/// Curves among others are what they are alone, also if they have different numbers of points, among them numbers that are too small for a curve
+/// or too great for its last span.
+#[test]
+fn curves_among_others_are_what_they_are_alone() {
+    for basis in BASES {
+        let mut random = Random::new(11);
+        let counts: Vec<u32> = (0..100).map(|_| 1 + random.below(12) as u32).collect();
+        let splines: Vec<Curves> = counts
+            .iter()
+            .map(|&count| {
+                let points = (0..count).map(|_| random.in_cube().extend(random.range(0.1, 0.2)).as_vec4()).collect();
+                Curves { basis, points, counts: vec![count], normals: (0..count).map(|_| random.direction().as_vec3()).collect() }
+            })
+            .collect();
+        for is_tube in [true, false] {
+            let normals = |of: &Curves| if is_tube { vec![] } else { of.normals.clone() };
+            let all = Curves {
+                basis,
+                points: splines.iter().flat_map(|one| one.points.clone()).collect(),
+                counts: counts.clone(),
+                normals: splines.iter().flat_map(normals).collect(),
+            };
+            let whole = all.bake(&Transform::IDENTITY).expect("curves");
+            let mut i = 0;
+            for one in &splines {
+                let alone = Curves { normals: normals(one), ..one.clone() }.bake(&Transform::IDENTITY).expect("a curve");
+                for k in 0..alone.count() {
+                    let u = random.square();
+                    assert_eq!((alone.bounds(k), alone.sample_area(k, u)), (whole.bounds(i), whole.sample_area(i, u)), "{basis:?} {i} {k}");
+                    i += 1;
+                }
+            }
+            assert_eq!(i, whole.count(), "{basis:?}");
+        }
+    }
+}
+
 /// A ribbon's normal is on the side of the given ones, in mirrored ribbons too.
 #[test]
 fn ribbons_face_their_normals() {
