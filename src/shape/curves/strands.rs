@@ -99,8 +99,8 @@ impl Strands {
         self.has_kinks
     }
 
-    /// The number of pieces of each span: if most spans are slender, as many as there are steps from one control point of a curve to the next, so
-    /// that capsules and boxes fit well and take no more memory than three times the points. One otherwise.
+    /// The number of pieces of each span: if most spans are slender, as many as a hair of four points can have in 200 bytes, so that capsules and
+    /// boxes fit well. One otherwise.
     fn fitting_parts(&self) -> u32 {
         let slender = |span: u32| {
             let Cubic(b) = self.span(span);
@@ -110,8 +110,7 @@ impl Strands {
         // Some of the spans stand for all.
         let step = (self.spans() / 1000).max(1) as usize;
         let seen = || (0..self.spans()).step_by(step);
-        let steps = self.points.len() - (self.curves.len() - 1);
-        if 2 * seen().filter(|span| slender(*span)).count() > seen().count() { steps as u32 / self.spans() } else { 1 }
+        if 2 * seen().filter(|span| slender(*span)).count() > seen().count() { self.basis.most_parts() } else { 1 }
     }
 
     /// Number of pieces.
@@ -173,6 +172,16 @@ impl Basis {
         match self {
             Basis::Bezier => 3,
             Basis::Linear | Basis::Bspline | Basis::CatmullRom => 1,
+        }
+    }
+
+    /// Greatest number of pieces of a span: a piece takes 40 to 60 bytes in the hierarchy, and the four points of a hair 68.
+    fn most_parts(self) -> u32 {
+        match self {
+            Basis::Bezier => 3,
+            Basis::Bspline => 2,
+            // Four points are three spans.
+            Basis::Linear | Basis::CatmullRom => 1,
         }
     }
 
