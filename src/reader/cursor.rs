@@ -9,6 +9,7 @@ use serde::de::{Deserialize, DeserializeOwned, DeserializeSeed};
 use super::faults::Faults;
 use super::node::{Member, Node, Value, escaped};
 use super::number;
+use super::parse::parse;
 use super::placeholder::Placeholder;
 use super::read_error::ReadError;
 use super::suggest::unknown;
@@ -32,6 +33,15 @@ pub fn read<T: DeserializeOwned>(node: &Node, pointer: &str, keys: UnknownKeys, 
 /// Reads the keys of an object other than `type`, which has been read already. Faults are treated as by [`read`].
 pub fn read_options<T: DeserializeOwned>(node: &Node, pointer: &str, keys: UnknownKeys, faults: &Faults) -> Option<T> {
     read_from(node, pointer, keys, faults, true)
+}
+
+/// Reads a JSON value, such as one that a description was written to, as a `T`; `None` if it is none.
+///
+/// (serde_json's own `from_value` does not read types that are told apart by the kind of their value.)
+pub fn from_json<T: DeserializeOwned>(value: &serde_json::Value) -> Option<T> {
+    let node = parse(value.to_string().as_bytes()).ok()?;
+    let faults = Faults::default();
+    read(&node, "", UnknownKeys::Refuse, &faults).filter(|_| faults.is_empty())
 }
 
 fn read_from<T: DeserializeOwned>(node: &Node, pointer: &str, keys: UnknownKeys, faults: &Faults, tagged: bool) -> Option<T> {

@@ -24,7 +24,7 @@ mod suggest;
 mod synonyms;
 mod write;
 
-pub use cursor::{UnknownKeys, read, read_options};
+pub use cursor::{UnknownKeys, from_json, read, read_options};
 pub use faults::{Faults, locate};
 pub(crate) use forms::{by_kind, by_type, first_needs_no_type};
 pub(crate) use node::escaped;

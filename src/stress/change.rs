@@ -7,7 +7,7 @@ use super::mesh;
 use crate::describe::{self, Files, Light, Scene, Shape};
 use crate::error::{Error, Result};
 use crate::format::{Coefficient, Color, TextureSpace};
-use crate::reader::Node;
+use crate::reader::{Node, from_json};
 
 /// A change of a scene after which its picture must be the same.
 #[derive(Clone, Debug, PartialEq)]
@@ -310,8 +310,7 @@ fn place_light(light: &mut Value, described: &Light, place: &Similarity) {
 
 /// Divides a colour by a number.
 fn divide_color(object: &mut serde_json::Map<String, Value>, key: &str, divisor: f64) {
-    let color = object.get(key).cloned().and_then(|value| serde_json::from_value::<Color<Coefficient>>(value).ok());
-    if let Some(color) = color {
+    if let Some(color) = object.get(key).and_then(from_json::<Color<Coefficient>>) {
         object.insert(key.to_owned(), json!(color.linear().map(|c| c / divisor)));
     }
 }
