@@ -168,7 +168,7 @@ pub mod described {
         }
 
         /// The formula of the index of refraction, where it depends on the wavelength.
-        pub(in crate::bsdf) fn dispersion(&self) -> Option<Dispersion> {
+        pub fn dispersion(&self) -> Option<Dispersion> {
             let pair = |pair: &[Real; 2]| pair.map(Real::get);
             match (self.glass, &self.cauchy, &self.sellmeier, self.abbe, self.index()) {
                 (Some(glass), ..) => Some(glass.dispersion()),

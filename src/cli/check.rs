@@ -1,14 +1,18 @@
-//! `pt check SCENE`: validates a scene, and lists its content and the effects it needs.
+//! `pt check SCENE`: validates a scene, and lists its content and the effects it needs. With `--measure` it measures them too.
+
+use std::time::Duration;
 
 use super::load::SceneArgs;
 use super::load::{Loaded, load};
 use super::messages::broken;
-use super::print_stdout;
+use super::parse::{duration as parse_duration, threads};
+use super::{effects, print_stdout, signals};
 use crate::describe;
 use crate::effects::Effects;
 use crate::error::Result;
 use crate::error::text::one_line;
 use crate::integrator::Entry;
+use crate::measure::effects::{Extent, measure_effects};
 use crate::scene::Scene;
 use crate::world::World;
 
@@ -19,6 +23,15 @@ pub struct CheckArgs {
     /// The integrator to check the scene for; default: the scene's.
     #[arg(short, long, value_name = "NAME")]
     pub integrator: Option<String>,
+    /// Measure for this long, such as 5s, what each effect holds of the light, the noise and the time, and what leaving it out would change.
+    #[arg(long, value_name = "DURATION", value_parser = parse_duration)]
+    pub measure: Option<Duration>,
+    /// Print what was measured, and nothing else, as one JSON object.
+    #[arg(long, requires = "measure")]
+    pub json: bool,
+    /// Number of threads of the measurement. Default: all cores.
+    #[arg(short, long, env = "PT_THREADS", value_parser = threads, allow_negative_numbers = true)]
+    pub threads: Option<u32>,
 }
 
 /// Runs the command.
@@ -28,7 +41,10 @@ pub fn check(args: &CheckArgs, tables: &[&[Entry]]) -> Result<()> {
     for warning in &loaded.warnings {
         text += &format!("\nwarning: {warning}");
     }
-    print_stdout(&text)
+    let Some(time) = args.measure else { return print_stdout(&text) };
+    signals::catch()?;
+    let report = effects::finished(measure_effects(&loaded, tables, Extent::Time(time), &effects::Interrupts)?)?;
+    print_stdout(&if args.json { effects::as_json(&report) } else { format!("{text}\n{}", effects::text(&report)) })
 }
 
 /// Returns what is in the scene, which effects it needs and which parts need them. `--verbose` prints it too.

@@ -7,6 +7,7 @@ mod compare;
 mod completions;
 mod convert;
 mod display;
+mod effects;
 mod farm;
 mod image;
 mod list;
@@ -172,6 +173,7 @@ impl CommandLine {
     /// Number of threads that is asked for.
     fn threads(&self) -> Option<u32> {
         match &self.command {
+            Some(Command::Check(args)) => args.threads,
             Some(Command::Meter(args)) => args.threads,
             Some(Command::Rays(args)) => args.threads,
             Some(Command::Stress(args)) => args.threads,

@@ -4,9 +4,10 @@
 //! √relMSE ~ secondsˢ,   s = −½ for plain Monte Carlo
 //! ```
 
-use super::replicates::Replicates;
+use super::replicates::replicates;
 use super::{CheckpointStats, Measurement};
 use crate::film::{Channel, Image};
+use crate::measure::Replicates;
 
 /// Mean and standard error over the replicates of each checkpoint.
 pub fn points(measurements: &[Measurement]) -> Vec<CheckpointStats> {
@@ -68,7 +69,7 @@ pub fn one(pictures: &[Image], mean: &Image) -> Image {
 
 /// Slope s of the error over time with its standard error; `None` for fewer than three checkpoints.
 pub fn slope(measurements: &[Measurement]) -> Option<(f64, f64)> {
-    Replicates::of(measurements, slope_of_one).map(|slopes| (slopes.mean, slopes.error))
+    replicates(measurements, slope_of_one).map(|slopes| (slopes.mean, slopes.error))
 }
 
 /// Slope d ln √relMSE / d ln seconds of one replicate, by least squares over its last five checkpoints.

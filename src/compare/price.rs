@@ -22,7 +22,7 @@
 use std::cmp::Ordering;
 
 use super::bias::SquaredBias;
-use super::replicates::Replicates;
+use super::replicates::replicates;
 use super::{CheckpointStats, Cost, CostKind, Measurement, NoPrice, Reference};
 
 /// Largest ratio of relMSE to trimmed relMSE for which the error counts as that of many pixels.
@@ -92,9 +92,9 @@ impl Priced<'_> {
 
 /// Mean time of the replicates; `None` if one of them has no error that can be measured.
 fn cost(measurements: &[Measurement], target: f64, confidence: f64) -> Option<Cost> {
-    let times = Replicates::of(measurements, |of| crossing(of, target).map(|(ln_seconds, _)| ln_seconds))?;
+    let times = replicates(measurements, |of| crossing(of, target).map(|(ln_seconds, _)| ln_seconds))?;
     let any = |kind: CostKind| {
-        let share = Replicates::of(measurements, |of| crossing(of, target).map(|(_, found)| f64::from(u8::from(found == kind))));
+        let share = replicates(measurements, |of| crossing(of, target).map(|(_, found)| f64::from(u8::from(found == kind))));
         share.is_some_and(|share| share.mean > 0.0)
     };
     let kind = match (any(CostKind::AtMost), any(CostKind::Extrapolated)) {

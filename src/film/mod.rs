@@ -70,6 +70,16 @@ impl FilmSpec {
         FilmSpec { layers: vec![], ..self }
     }
 
+    /// The same view with about this many pixels, or as many as there are if they are fewer, without layers.
+    pub fn with_pixels(&self, most: f32) -> FilmSpec {
+        let factor = (most / self.crop.size().as_vec2().element_product()).sqrt().min(1.0);
+        let scaled = |v: UVec2| (v.as_vec2() * factor).round().as_uvec2();
+        let size = scaled(self.size).max(UVec2::ONE);
+        let min = scaled(self.crop.min).min(size - 1);
+        let crop = Crop { min, max: scaled(self.crop.max).clamp(min + 1, size) };
+        FilmSpec { size, crop, ..self.clone().without_layers() }
+    }
+
     /// The film with textures looked up at points.
     pub fn without_footprints(self) -> FilmSpec {
         FilmSpec { texture_footprint: TextureFootprint::Fixed(0.0), ..self }

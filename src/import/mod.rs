@@ -30,6 +30,7 @@ use crate::reader::Node;
 
 pub use context::Assets;
 use context::{Content, ImportContext};
+pub use native::DIALECT as NATIVE;
 pub use view::{AutoCamera, Up, Viewpoint};
 
 /// A kind of scene file that pt reads.

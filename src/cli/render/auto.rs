@@ -7,14 +7,12 @@
 
 use std::time::{Duration, Instant};
 
-use glam::UVec2;
-
 use super::args::{AUTO, RenderArgs};
 use crate::cli::load::Loaded;
 use crate::cli::note;
 use crate::cli::pilot::PricedIntegrator;
 use crate::error::{Error, Result};
-use crate::film::{Crop, FilmSpec, MomentFilm};
+use crate::film::MomentFilm;
 use crate::integrator::{DEFAULT, Entry};
 use crate::measure::format;
 use crate::measure::{ErrorHistory, Forecast, StopCondition, render_until};
@@ -123,7 +121,7 @@ fn pilot(
     what: Choice,
 ) -> Result<PricedIntegrator> {
     let start = Instant::now();
-    let spec = small(&loaded.film);
+    let spec = loaded.film.with_pixels(PIXELS);
     let error = args.target.unwrap_or(ERROR);
     let price = |candidate: &PricedIntegrator| {
         let settings = Settings { clamp: args.clamp, ..Settings::new(candidate.sampler) };
@@ -142,16 +140,6 @@ fn pilot(
         format::duration(start.elapsed().as_secs_f64())
     ));
     candidates.into_iter().nth(chosen).ok_or_else(|| Error::Internal("the pilot has no candidate".into()))
-}
-
-/// The film with fewer pixels, without layers.
-fn small(film: &FilmSpec) -> FilmSpec {
-    let factor = (PIXELS / film.crop.size().as_vec2().element_product()).sqrt().min(1.0);
-    let scaled = |v: UVec2| (v.as_vec2() * factor).round().as_uvec2();
-    let size = scaled(film.size).max(UVec2::ONE);
-    let min = scaled(film.crop.min).min(size - 1);
-    let crop = Crop { min, max: scaled(film.crop.max).clamp(min + 1, size) };
-    FilmSpec { size, crop, ..film.clone().without_layers() }
 }
 
 /// A candidate and the time that it takes to the error.
@@ -236,7 +224,10 @@ fn reason(priced: &[Priced], chosen: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use glam::UVec2;
+
     use super::*;
+    use crate::film::{Crop, FilmSpec};
 
     fn priced(name: &'static str, value: f64, factor: f64) -> Priced {
         Priced { name, price: Some(Forecast { value, low: value / factor, high: value * factor }), is_sure: true }
@@ -291,7 +282,7 @@ mod tests {
         for (size, crop) in [([1920, 1080], [0, 0, 1920, 1080]), ([20, 10], [0, 0, 20, 10]), ([4000, 10], [3000, 9, 3001, 10])] {
             let [x0, y0, x1, y1] = crop;
             let film = FilmSpec { crop: Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) }, ..FilmSpec::new(size[0], size[1]) };
-            let pilot = small(&film);
+            let pilot = film.with_pixels(PIXELS);
             let (count, before) = (pilot.crop.size().element_product(), film.crop.size().element_product());
             assert!(count > 0 && count <= before && (before < 3072 || count.abs_diff(3072) < 100), "{size:?}: {count}");
             assert!((pilot.aspect() / film.aspect() - 1.0).abs() < 0.02, "{size:?}");
