@@ -1,37 +1,41 @@
-//! Builds densities of media. Each becomes a grid of numbers in a box.
+//! Builds what varies in media. Densities become grids of numbers in a box.
 
 use glam::{DVec3, UVec3};
 use rayon::prelude::*;
 
-use super::{Builder, transform};
+use super::{Builder, rgb, transform};
 use crate::Error;
-use crate::describe::volume::Volume;
-use crate::describe::{self, ExponentialDensity, GridDensity, NoiseDensity, ValuesAt};
-use crate::math::Transform;
-use crate::math::float;
-use crate::medium::{Density, Grid, Places};
+use crate::describe::volume::{Quantity, Volume};
+use crate::describe::{self, ExponentialDensity, NoiseDensity, ValuesAt};
+use crate::format::Side;
+use crate::math::{Rgb, Transform, float};
+use crate::medium::{ColorGrid, Density, Grid, Places};
 use crate::texture::noise::fbm;
 
 /// A box: its lower and upper corner, in metres.
-type Bounds = [DVec3; 2];
+pub(super) type Bounds = [DVec3; 2];
 
 const UNIT_CUBE: Bounds = [DVec3::ZERO, DVec3::ONE];
 
 impl Builder<'_> {
-    /// Builds a density; nothing after adding a fault.
-    pub(super) fn density(&mut self, pointer: &str, described: &describe::Density) -> Option<Density> {
+    /// Builds a density, with its box before the transform; nothing after adding a fault.
+    pub(super) fn density(&mut self, pointer: &str, described: &describe::Density) -> Option<(Density, Bounds)> {
         use describe::Density as D;
         let given = described.bounds().map(|bounds| [bounds.low.0, bounds.high.0].map(DVec3::from));
         let mut bounds = given.unwrap_or(UNIT_CUBE);
         let grid = match described {
             D::Grid(grid) => {
-                let volume = self.volume(pointer, grid)?;
-                let places = match grid.values_at {
-                    ValuesAt::Centers => Places::Centers,
-                    ValuesAt::Corners => Places::Corners,
+                let size = size_of(grid.size);
+                let volume = match &grid.file {
+                    Some(file) => self.volume(pointer, file, size, Quantity::Density)?,
+                    None => {
+                        // Grids without a file have a size, and as many values as it says.
+                        let values = grid.values.iter().flatten().map(|value| value.get() as f32).collect();
+                        Volume { size: size?, channels: 1, values, bounds: None }
+                    }
                 };
                 bounds = given.or(volume.bounds).unwrap_or(UNIT_CUBE);
-                Grid::new(volume.size, volume.values, places)
+                Grid::new(volume.size, volume.values, places(grid.values_at))
             }
             D::Noise(described) => noise(described, bounds),
             D::Exponential(described) => exponential(described, bounds),
@@ -39,30 +43,69 @@ impl Builder<'_> {
         let [low, high] = bounds;
         let to_box = Transform::scale(high - low).and_then(|scale| Ok(scale.then(&Transform::translate(low)?)));
         match (to_box, transform::placed(described.transform(), &Transform::IDENTITY)) {
-            (Ok(to_box), Ok(to_world)) => return Some(Density::new(grid, &to_box.then(&to_world))),
+            (Ok(to_box), Ok(to_world)) => return Some((Density::new(grid, &to_box.then(&to_world)), bounds)),
             (Err(error), _) => self.fault(&format!("{pointer}/bounds"), &error.to_string()),
             (_, Err(message)) => self.fault(&format!("{pointer}/transform"), &message),
         }
         None
     }
 
-    /// The values of a grid; nothing after adding a fault.
-    fn volume(&mut self, pointer: &str, grid: &GridDensity) -> Option<Volume> {
-        let size = grid.size.map(|size| UVec3::from_array(size.map(|side| side.get())));
-        let Some(file) = &grid.file else {
-            // Grids without a file have a size, and as many values as it says.
-            let values = grid.values.iter().flatten().map(|value| value.get() as f32).collect();
-            return Some(Volume { size: size?, values, bounds: None });
+    /// Builds a grid of colours; nothing after adding a fault.
+    ///
+    /// - `expected`: the box that a file must name, if it names one
+    pub(super) fn color_grid(
+        &mut self,
+        pointer: &str,
+        described: &describe::ColorGrid,
+        quantity: Quantity,
+        expected: Option<Bounds>,
+    ) -> Option<ColorGrid> {
+        let (size, places) = (size_of(described.size), places(described.values_at));
+        let Some(file) = &described.file else {
+            let values = described.values.iter().flatten().map(rgb).collect();
+            return Some(ColorGrid::Rgb(Grid::new(size?, values, places)));
         };
-        match self.source.files.volume(file, size) {
+        let volume = self.volume(pointer, file, size, quantity)?;
+        if let (Some([low, high]), Some(expected)) = (volume.bounds, expected)
+            && [low, high] != expected
+        {
+            let message = format!(
+                "{file}: expected the box of the density, from {} to {}, found from {low} to {high}: give the density \"bounds\", which hold \
+                 for all its grids",
+                expected[0], expected[1]
+            );
+            self.fault(&format!("{pointer}/file"), &message);
+        }
+        if volume.channels == 1 {
+            return Some(ColorGrid::Gray(Grid::new(volume.size, volume.values, places)));
+        }
+        let values = volume.values.chunks_exact(3).map(|rgb| Rgb::new(rgb[0], rgb[1], rgb[2])).collect();
+        Some(ColorGrid::Rgb(Grid::new(volume.size, values, places)))
+    }
+
+    /// The values in a file; nothing after adding a fault.
+    fn volume(&mut self, pointer: &str, file: &str, size: Option<UVec3>, quantity: Quantity) -> Option<Volume> {
+        match self.source.files.volume(file, size, quantity) {
             Ok((volume, hash)) => {
-                self.contents.insert(file.clone(), hash);
+                self.contents.insert(file.to_owned(), hash);
                 return Some(volume);
             }
             Err(Error::Invalid(faults)) => self.file_faults(&format!("{pointer}/file"), file, faults),
             Err(other) => self.failures.push(other),
         }
         None
+    }
+}
+
+/// The number of values along each axis, if the scene says it.
+fn size_of(described: Option<[Side; 3]>) -> Option<UVec3> {
+    described.map(|size| UVec3::from_array(size.map(Side::get)))
+}
+
+fn places(described: ValuesAt) -> Places {
+    match described {
+        ValuesAt::Centers => Places::Centers,
+        ValuesAt::Corners => Places::Corners,
     }
 }
 

@@ -3,16 +3,19 @@
 use std::collections::BTreeMap;
 
 use super::{Builder, rgb};
+use crate::describe::volume::Quantity;
 use crate::describe::{self, Color, MediumRef, PerChannel, Subsurface};
 use crate::effects::Effects;
+use crate::format::Radiometric;
 use crate::math::{Rgb, Spectrum};
 use crate::medium::subsurface::single_scattering_albedo;
-use crate::medium::{MOST_DEPTH, Medium, MediumId, Phase};
+use crate::medium::{MOST_DEPTH, Medium, MediumId, Phase, Varying};
 use crate::reader::escaped;
 
 impl Builder<'_> {
-    /// Builds a medium, or finds it if it was built before.
-    pub(super) fn medium(&mut self, pointer: &str, chosen: &MediumRef) -> MediumId {
+    /// Builds a medium, or finds it if it was built before. Returns the effects that it asks for too; the light that it emits is met only by
+    /// chance.
+    pub(super) fn medium(&mut self, pointer: &str, chosen: &MediumRef) -> (MediumId, Effects) {
         let key = match chosen {
             MediumRef::Named(name) => format!("/media{}", escaped(name)),
             MediumRef::Inline(_) => pointer.to_owned(),
@@ -24,19 +27,39 @@ impl Builder<'_> {
         let built = match self.scene.medium(chosen) {
             None => Medium::new(Spectrum::BLACK, Spectrum::BLACK, Phase::Isotropic),
             Some(described) => {
-                let (at, built) = (format!("{key}/density"), built(described));
+                let built = built(described);
                 if !built.extinction().is_finite() {
                     self.fault(&key, "coefficients beyond the range of 32-bit floats: give longer lengths or a larger scale");
                 }
-                match described.density().and_then(|density| self.density(&at, density)) {
-                    Some(density) => self.checked(&at, built.with_density(density)),
-                    None => built,
+                match described {
+                    describe::Medium::Heterogeneous(described) => self.heterogeneous(&key, described, built),
+                    describe::Medium::Homogeneous(_) | describe::Medium::Subsurface(_) => built,
                 }
             }
         };
-        let id = self.world.medium(built);
-        self.media.insert(key, id);
-        id
+        let effects = if built.emits() { Effects::MEDIA | Effects::UNSAMPLED_EMITTER } else { Effects::MEDIA };
+        let known = (self.world.medium(built), effects);
+        self.media.insert(key, known);
+        known
+    }
+
+    /// A medium with its density, and what else varies in it; without them after adding a fault.
+    fn heterogeneous(&mut self, pointer: &str, described: &describe::Heterogeneous, medium: Medium) -> Medium {
+        let at = format!("{pointer}/density");
+        let Some((density, bounds)) = self.density(&at, &described.density) else { return medium };
+        let medium = self.checked(&at, medium.with_density(density));
+        let box_of_files = if described.density.bounds().is_none() { Some(bounds) } else { None };
+        let mut grid = |key: &str, grid: &Option<describe::ColorGrid>, quantity| {
+            grid.as_ref().and_then(|grid| self.color_grid(&format!("{pointer}/{key}"), grid, quantity, box_of_files))
+        };
+        let albedo = grid("albedo_grid", &described.albedo_grid, Quantity::Albedo);
+        let emission = grid("emission_grid", &described.emission_grid, Quantity::Emission);
+        let brightest = f64::from(rgb(&described.emission).max()) * emission.as_ref().map_or(1.0, |grid| f64::from(grid.max()));
+        if !Radiometric::RANGE.contains(brightest) {
+            let message = format!("an emission of {brightest:.1e}, expected a number {}: make its factors smaller", Radiometric::RANGE);
+            self.fault(&format!("{pointer}/emission_grid"), &message);
+        }
+        if albedo.is_none() && emission.is_none() { medium } else { medium.with_varying(Varying { albedo, emission }) }
     }
 
     /// A medium with a density, after adding a fault if it is too dense.
@@ -55,7 +78,7 @@ impl Builder<'_> {
 
     /// The names of the media, in the order in which they were built. A medium without a name has its JSON pointer instead.
     pub(super) fn medium_names(&self) -> Vec<String> {
-        let mut named: Vec<(MediumId, &str)> = self.media.iter().map(|(key, id)| (*id, key.as_str())).collect();
+        let mut named: Vec<(MediumId, &str)> = self.media.iter().map(|(key, (id, _))| (*id, key.as_str())).collect();
         named.sort();
         let named_media = self.scene.media.keys().map(|name| (format!("/media{}", escaped(name)), name));
         let names: BTreeMap<String, &String> = named_media.collect();
@@ -65,19 +88,13 @@ impl Builder<'_> {
     /// Builds the medium around all shapes.
     pub(super) fn surroundings(&mut self) {
         let Some(described) = &self.scene.medium else { return };
-        let medium = self.medium("/medium", described);
+        let (medium, effects) = self.medium("/medium", described);
         self.world.surround(medium);
-        self.override_needs.push(("/medium, around all shapes".to_owned(), self.medium_effects(described)));
-    }
-
-    /// Effects that a medium asks for. The light that it emits is met only by chance.
-    pub(super) fn medium_effects(&self, described: &MediumRef) -> Effects {
-        let emits = self.scene.medium(described).is_some_and(|medium| built(medium).emits());
-        if emits { Effects::MEDIA | Effects::UNSAMPLED_EMITTER } else { Effects::MEDIA }
+        self.override_needs.push(("/medium, around all shapes".to_owned(), effects));
     }
 }
 
-/// A described medium, without its density.
+/// A described medium, without what varies in it.
 fn built(described: &describe::Medium) -> Medium {
     let (absorption, scattering, emission, described_phase, priority) = match described {
         describe::Medium::Homogeneous(m) => (&m.absorption, &m.scattering, &m.emission, &m.phase, m.priority),

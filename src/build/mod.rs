@@ -213,8 +213,8 @@ struct Builder<'a> {
     groups: BTreeMap<String, BuiltGroup>,
     /// The materials built so far with their effects, by JSON pointer.
     materials: BTreeMap<String, (MaterialId, Effects)>,
-    /// The media built so far, by JSON pointer.
-    media: BTreeMap<String, MediumId>,
+    /// The media built so far and what they ask for, by JSON pointer.
+    media: BTreeMap<String, (MediumId, Effects)>,
     /// The number of textures built so far.
     textures: usize,
     /// The number of materials within materials built so far.
@@ -283,7 +283,7 @@ impl Builder<'_> {
         let interface = medium.map(|_| MaterialRef::Inline(Box::new(Material::Interface(Default::default()))));
         let (kind, own) = self.material(&format!("{pointer}/material"), shape.material().or(interface.as_ref()));
         let mut effects = own.1;
-        effects |= shape.medium().map_or(Effects::NONE, |described| self.medium_effects(described));
+        effects |= medium.map_or(Effects::NONE, |(_, effects)| effects);
         let emits = |emitter: &Option<Emitter>| emitter.as_ref().is_some_and(|emitter| !emitter.radiance.is_black());
         if emits(&emitter) && !matches!(shape, Shape::Sdf(_)) {
             effects |= Effects::AREA_LIGHT;
@@ -360,7 +360,7 @@ impl Builder<'_> {
             }
             Shape::Group(_) | Shape::Instances(_) => {}
         }
-        medium.into_iter().for_each(|medium| self.objects.fill(medium));
+        medium.into_iter().for_each(|(medium, _)| self.objects.fill(medium));
         let name = shape.name().map_or_else(|| format!("{pointer}, {kind}"), |name| format!("{name:?}, {kind}"));
         self.needs.push((name, effects));
         Ok(())

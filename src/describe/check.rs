@@ -12,14 +12,14 @@ use super::cycles;
 use super::field_check;
 use super::film::Film;
 use super::light::{DirectionalLight, Light, PointLight, SpotLight};
-use super::medium::{Density, Medium, MediumRef};
+use super::medium::{Density, Heterogeneous, Medium, MediumRef};
 use super::scene::Scene;
 use super::shape::{Instances, Mesh, Sdf, Shape};
 use super::shape_check;
 use super::{Material, MaterialRef};
 use crate::bsdf::microfacet::RoughnessKeys;
 use crate::camera::realistic::LensTable;
-use crate::format::{Hex, Keyframe, LookAt, Radiometric, Real, Step, Texture, TextureSpace, Textured, Transform};
+use crate::format::{Hex, Keyframe, LookAt, Radiometric, Real, Side, Step, Texture, TextureSpace, Textured, Transform};
 use crate::primitive::MAX_NESTING;
 use crate::reader::{Faults, Node, escaped, unknown};
 
@@ -378,7 +378,7 @@ impl Checker<'_> {
     fn medium_itself(&self, pointer: &str, medium: &Medium) {
         match medium {
             Medium::Homogeneous(_) => {}
-            Medium::Heterogeneous(medium) => self.density(pointer, &medium.density),
+            Medium::Heterogeneous(medium) => self.heterogeneous(pointer, medium),
             Medium::Subsurface(body) => {
                 let seen = [("albedo", body.albedo.is_some()), ("mean_free_path", body.mean_free_path.is_some())];
                 for (key, is_given) in seen {
@@ -397,23 +397,41 @@ impl Checker<'_> {
         }
     }
 
-    /// Checks how the density of a medium varies.
-    fn density(&self, pointer: &str, density: &Density) {
+    /// Checks how a medium varies.
+    fn heterogeneous(&self, pointer: &str, medium: &Heterogeneous) {
+        let density = &medium.density;
         let at = |key: &str| format!("{pointer}/density/{key}");
         self.transform(&at("transform"), density.transform());
         if let Some((pointer, message)) = density.bounds().and_then(|bounds| field_check::sides(&at("bounds"), bounds)) {
             self.fault(&pointer, message);
         }
-        let Density::Grid(grid) = density else { return };
-        match (&grid.file, &grid.values, grid.size) {
-            (None, None, _) => self.fault(&format!("{pointer}/density"), "expected a \"file\", or \"size\" and \"values\""),
-            (Some(_), Some(_), _) => self.fault(&at("values"), "give a file or values, not both"),
-            (None, Some(_), None) => self.fault(&at("values"), "expected a \"size\": the number of values along x, y and z"),
+        if let Density::Grid(grid) = density {
+            self.grid(&format!("{pointer}/density"), &grid.file, grid.size, &grid.values);
+        }
+        for (key, grid) in [("albedo_grid", &medium.albedo_grid), ("emission_grid", &medium.emission_grid)] {
+            let Some(grid) = grid else { continue };
+            self.grid(&format!("{pointer}/{key}"), &grid.file, grid.size, &grid.values);
+        }
+        let albedos = medium.albedo_grid.as_ref().and_then(|grid| grid.values.as_ref());
+        for (i, albedo) in albedos.into_iter().flatten().enumerate() {
+            if let Some(wrong) = albedo.linear().into_iter().find(|value| *value > 1.0) {
+                self.fault(&format!("{pointer}/albedo_grid/values/{i}"), format!("expected albedos from 0 to 1, found {wrong}"));
+            }
+        }
+    }
+
+    /// Checks where the values of a grid are from, and how many there are.
+    fn grid<T>(&self, pointer: &str, file: &Option<String>, size: Option<[Side; 3]>, values: &Option<Vec<T>>) {
+        let at_values = format!("{pointer}/values");
+        match (file, values, size) {
+            (None, None, _) => self.fault(pointer, "expected a \"file\", or \"size\" and \"values\""),
+            (Some(_), Some(_), _) => self.fault(&at_values, "give a file or values, not both"),
+            (None, Some(_), None) => self.fault(&at_values, "expected a \"size\": the number of values along x, y and z"),
             (None, Some(values), Some(size)) => {
                 let count: u128 = size.iter().map(|side| u128::from(side.get())).product();
                 if count != values.len() as u128 {
                     let size = size.map(|side| side.get().to_string()).join(" × ");
-                    self.fault(&at("values"), format!("expected {size} = {count} values, found {}", values.len()));
+                    self.fault(&at_values, format!("expected {size} = {count} values, found {}", values.len()));
                 }
             }
             (Some(_), None, _) => {}

@@ -22,7 +22,7 @@ use super::mesh::points::{self, InstancePoint};
 use super::picture;
 use super::scene::Scene;
 use super::shape::Shape;
-use super::volume::{self, Volume};
+use super::volume::{self, Quantity, Volume};
 use super::{Material, MaterialRef};
 use crate::camera::realistic::LensTable;
 use crate::format::{Channel, Encoding, Texture, Textured};
@@ -134,9 +134,9 @@ impl Files {
     ///
     /// # Errors
     /// Those of [`volume::read`] and of [`Files::bytes`].
-    pub fn volume(&self, name: &str, size: Option<UVec3>) -> Result<(Volume, Hash)> {
+    pub fn volume(&self, name: &str, size: Option<UVec3>, quantity: Quantity) -> Result<(Volume, Hash)> {
         let content = self.bytes(name)?;
-        Ok((volume::read(&content, name, size)?, hash_of(&content)))
+        Ok((volume::read(&content, name, size, quantity)?, hash_of(&content)))
     }
 
     /// Says what is wrong with the name of a file; `None` if the scene may read it.
@@ -305,6 +305,8 @@ impl<'s> Named<'s> {
     fn medium(&mut self, pointer: &str, medium: &'s Medium) {
         let file = medium.density().and_then(Density::file);
         self.0.extend(file.map(|file| (format!("{pointer}/density/file"), file)));
+        let grids = medium.color_grids().filter_map(|(key, grid)| Some((format!("{pointer}/{key}/file"), grid.file.as_deref()?)));
+        self.0.extend(grids);
     }
 
     fn material_ref(&mut self, pointer: &str, material: &'s MaterialRef) {

@@ -16,11 +16,11 @@ use crate::reader::{by_kind, by_type};
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Medium {
     Homogeneous(Homogeneous),
-    Heterogeneous(Heterogeneous),
+    Heterogeneous(Box<Heterogeneous>),
     Subsurface(Subsurface),
 }
 
-by_type!(Medium { Homogeneous(Homogeneous), Heterogeneous(Heterogeneous), Subsurface(Subsurface) });
+by_type!(Medium { Homogeneous(Homogeneous), Heterogeneous(Box<Heterogeneous>), Subsurface(Subsurface) });
 
 impl Medium {
     /// How the density varies, if it does.
@@ -29,6 +29,15 @@ impl Medium {
             Medium::Homogeneous(_) | Medium::Subsurface(_) => None,
             Medium::Heterogeneous(medium) => Some(&medium.density),
         }
+    }
+
+    /// The grids of the box of the density, by their keys.
+    pub fn color_grids(&self) -> impl Iterator<Item = (&'static str, &ColorGrid)> {
+        let [albedo, emission] = match self {
+            Medium::Homogeneous(_) | Medium::Subsurface(_) => [None, None],
+            Medium::Heterogeneous(medium) => [medium.albedo_grid.as_ref(), medium.emission_grid.as_ref()],
+        };
+        [("albedo_grid", albedo), ("emission_grid", emission)].into_iter().filter_map(|(key, grid)| Some((key, grid?)))
     }
 }
 
@@ -75,6 +84,13 @@ pub struct Heterogeneous {
     pub priority: i32,
     /// The factor of the coefficients at each point.
     pub density: Density,
+    /// The factor of the albedo σs/(σa + σs) at each point of the density's box, from 0 to 1. What is scattered less is absorbed. In a
+    /// medium without absorption it is the albedo itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub albedo_grid: Option<ColorGrid>,
+    /// The factor of the emission at each point of the density's box.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub emission_grid: Option<ColorGrid>,
 }
 
 /// A translucent body: skin, marble, wax, milk. It is the same everywhere, and its coefficients follow from what one sees of it, or are
@@ -165,6 +181,26 @@ pub struct GridDensity {
     /// The steps that place the box in the world, the first acting first. Shapes around it do not move it.
     #[serde(default)]
     pub transform: Transform,
+}
+
+/// Colours on a grid in the box of a density, linear between them along each axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ColorGrid {
+    /// A file with the values, relative to the scene file's folder: a `.vol` file of Mitsuba with one or three channels of 32-bit floats;
+    /// for an emission, a `.pbrt` file with one medium of type "uniformgrid" and its "Lescale"; or else 32-bit floats, little-endian, x
+    /// fastest, one or three for each value, whose `size` is given here. Three are linear red, green and blue.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// The number of values along x, y and z, for `values` and for files that do not tell it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<[Side; 3]>,
+    /// The values themselves instead of a file: x varies fastest, then y, then z.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub values: Option<Vec<Color<Coefficient>>>,
+    /// Where in the box the values are.
+    #[serde(default)]
+    pub values_at: ValuesAt,
 }
 
 /// A cloud: noise in a box, thinner away from its middle.

@@ -309,9 +309,9 @@ impl<P: PathState, R: Recorder + ?Sized> Travel<'_, '_, P, R> {
     fn through_density(&mut self, medium: &Medium, density: &Density, stretch: &Stretch) -> ControlFlow<f32> {
         let mut stream = self.tentative.take().unwrap_or_else(|| self.numbers.stream(self.dimension()));
         let ray = self.path.ray();
-        let end = tracking::collisions(medium, density, &ray, stretch, &mut stream, |Collision { length, real }, numbers| {
+        let end = tracking::collisions(medium, density, &ray, stretch, &mut stream, |Collision { length, place, real }, numbers| {
             if medium.emits() {
-                self.path.add_emission(medium.emission() * real, self.recorder);
+                self.path.add_emission(medium.emission_at(place) * real, self.recorder);
             }
             if !medium.scatters() {
                 *self.path.beta() *= Spectrum::ONE - real;
@@ -319,7 +319,7 @@ impl<P: PathState, R: Recorder + ?Sized> Travel<'_, '_, P, R> {
             }
             let flight = self.flight();
             let is_scattered = numbers.next_1d() < real.coefficients()[flight.channel];
-            let weight = if is_scattered { flight.collided(medium, real) } else { flight.missed(medium, real) };
+            let weight = if is_scattered { flight.collided(medium, medium.albedo_at(place), real) } else { flight.missed(medium, real) };
             *self.path.beta() *= weight;
             if is_scattered { ControlFlow::Break(Some(length)) } else { ControlFlow::Continue(()) }
         });

@@ -70,10 +70,10 @@ impl Density {
         Line { origin: self.from_world.transform_point3(origin), direction: self.from_world.transform_vector3(direction) }
     }
 
-    /// Density at a point of a line in the unit cube (m).
+    /// Density at a point of the unit cube.
     #[inline]
-    pub fn at(&self, line: &Line, t: f32) -> f32 {
-        self.grid.at(line.origin + line.direction * t)
+    pub fn at(&self, p: Vec3) -> f32 {
+        self.grid.at(p)
     }
 
     /// Upper bounds along a line, up to a length (m).
@@ -105,7 +105,7 @@ mod tests {
     fn column(density: &Density, length: f32) -> f64 {
         const STEPS: u32 = 1 << 12;
         let line = density.line(Vec3::new(0.0, 0.5, 0.5), Vec3::X);
-        let at = |k: u32| f64::from(density.at(&line, length * (k as f32 + 0.5) / STEPS as f32));
+        let at = |k: u32| f64::from(density.at(line.at(length * (k as f32 + 0.5) / STEPS as f32)));
         (0..STEPS).map(at).sum::<f64>() * f64::from(length) / f64::from(STEPS)
     }
 
@@ -132,7 +132,7 @@ mod tests {
             let line = density.line(from, (to - from).normalize());
             for segment in density.bounds_along(line, (to - from).length()) {
                 let [start, end] = segment.range;
-                let found = (0..=8).map(|k| density.at(&line, start + (end - start) * k as f32 / 8.0)).fold(0.0, f32::max);
+                let found = (0..=8).map(|k| density.at(line.at(start + (end - start) * k as f32 / 8.0))).fold(0.0, f32::max);
                 assert!(found <= segment.majorant, "{found} above {}", segment.majorant);
             }
         }

@@ -30,6 +30,14 @@ pub struct Line {
     pub direction: Vec3,
 }
 
+impl Line {
+    /// Point at a length (m).
+    #[inline]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.direction * t
+    }
+}
+
 impl Majorants {
     /// - `bound`: upper bound of the function in a box, by its lower and upper corner
     pub fn new(size: UVec3, bound: impl Fn(Vec3, Vec3) -> f32) -> Majorants {

@@ -11,12 +11,12 @@ mod media;
 mod phase;
 pub mod subsurface;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::math::{Spectrum, float};
 
 pub use density::{Density, MOST_DEPTH, MOST_VALUES, value_count};
-pub use grid::{Grid, Places};
+pub use grid::{ColorGrid, Grid, Places};
 pub use majorants::{Line, Segment};
 pub use media::{Body, Boundaries, Boundary, Inside, InterfaceCrossing, MOST_BODIES, MOST_NESTED, Media};
 pub use phase::{MOST_ASYMMETRY, Phase};
@@ -25,7 +25,7 @@ pub use phase::{MOST_ASYMMETRY, Phase};
 ///
 /// dL/ds = ρ [ −(σa + σs) L + σa Le + σs ∫ p(ω, ω') L(ω') dω' ]
 ///
-/// Without a density, ρ is 1 everywhere.
+/// Without a density, ρ is 1 everywhere. In the box of a density, the albedo σs / (σa + σs) and Le may vary too.
 ///
 /// Source: Chandrasekhar, *Radiative Transfer* (1960), §1.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,8 +34,10 @@ pub struct Medium {
     extinction: Spectrum,
     /// σs, the share that is scattered (m⁻¹).
     scattering: Spectrum,
-    /// σa Le / (σa + σs), the radiance of an infinitely thick layer that does not scatter light from elsewhere [W·m⁻²·sr⁻¹].
-    emission: Spectrum,
+    /// σa / (σa + σs), the share of what is taken from a ray that is absorbed.
+    absorbed: Spectrum,
+    /// Le [W·m⁻²·sr⁻¹].
+    radiance: Spectrum,
     /// Directions of scattered light.
     pub phase: Phase,
     /// Where shapes with media overlap, the medium with the lowest priority number fills the common space.
@@ -44,6 +46,17 @@ pub struct Medium {
     is_gray: bool,
     /// ρ; `None` where it is 1 everywhere.
     density: Option<Box<Density>>,
+    /// What varies in the box of the density besides it.
+    varying: Option<Box<Varying>>,
+}
+
+/// Factors of properties of a medium at each point of the box of its density.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Varying {
+    /// Factor of the albedo.
+    pub albedo: Option<ColorGrid>,
+    /// Factor of the radiance that is emitted.
+    pub emission: Option<ColorGrid>,
 }
 
 /// Index of a medium among the media of its scene.
@@ -57,17 +70,17 @@ impl Medium {
     /// - `scattering`: σs (m⁻¹)
     pub fn new(absorption: Spectrum, scattering: Spectrum, phase: Phase) -> Medium {
         let extinction = absorption + scattering;
+        let absorbed = (extinction - scattering).zip(extinction, share);
         let is_gray = extinction.min() == extinction.max();
-        Medium { extinction, scattering, emission: Spectrum::BLACK, phase, priority: 0, is_gray, density: None }
+        let radiance = Spectrum::BLACK;
+        Medium { extinction, scattering, absorbed, radiance, phase, priority: 0, is_gray, density: None, varying: None }
     }
 
     /// The medium with an emission of its own.
     ///
     /// - `radiance`: Le [W·m⁻²·sr⁻¹]; a unit of length emits σa Le
     pub fn emitting(self, radiance: Spectrum) -> Medium {
-        let absorption = self.extinction - self.scattering;
-        let share = absorption.zip(self.extinction, |absorbed, all| if all > 0.0 { absorbed / all } else { 0.0 });
-        Medium { emission: radiance * share, ..self }
+        Medium { radiance, ..self }
     }
 
     /// The medium with a priority.
@@ -78,6 +91,11 @@ impl Medium {
     /// The medium with a density that varies.
     pub fn with_density(self, density: Density) -> Medium {
         Medium { density: Some(Box::new(density)), ..self }
+    }
+
+    /// The medium with an albedo and an emission that vary in the box of its density.
+    pub fn with_varying(self, varying: Varying) -> Medium {
+        Medium { varying: Some(Box::new(varying)), ..self }
     }
 
     /// The medium in coordinates whose origin is at `origin` (m).
@@ -101,9 +119,25 @@ impl Medium {
         self.scattering
     }
 
-    /// σs / (σa + σs), the share of the light taken from a ray that is scattered.
+    /// σs / (σa + σs), the share of the light taken from a ray that is scattered, before the factor by which it varies.
     pub fn albedo(&self) -> Spectrum {
-        self.scattering.zip(self.extinction, |scattered, all| if all > 0.0 { scattered / all } else { 0.0 })
+        self.scattering.zip(self.extinction, share)
+    }
+
+    /// Factor of the albedo at a point, if it varies.
+    ///
+    /// - `p`: point in the unit cube of the density
+    #[inline]
+    fn albedo_factor(&self, p: Vec3) -> Option<Spectrum> {
+        Some(Spectrum::from_albedo(self.varying.as_ref()?.albedo.as_ref()?.at(p)))
+    }
+
+    /// Albedo at a point.
+    ///
+    /// - `p`: point in the unit cube of the density
+    #[inline]
+    pub fn albedo_at(&self, p: Vec3) -> Spectrum {
+        self.albedo_factor(p).map_or_else(|| self.albedo(), |factor| self.albedo() * factor)
     }
 
     /// Whether the extinction is equal for all wavelengths.
@@ -118,12 +152,24 @@ impl Medium {
 
     /// Whether the medium emits light.
     pub fn emits(&self) -> bool {
-        !self.emission.is_black()
+        // Where the albedo varies, a medium may absorb that does not where the factor is 1.
+        let varies = self.varying.as_ref().is_some_and(|varying| varying.albedo.is_some());
+        !(if varies { self.radiance } else { self.emission() }).is_black()
     }
 
-    /// σa Le / (σa + σs) [W·m⁻²·sr⁻¹].
+    /// σa Le / (σa + σs), the radiance of an infinitely thick layer that does not scatter light from elsewhere [W·m⁻²·sr⁻¹].
     pub fn emission(&self) -> Spectrum {
-        self.emission
+        self.radiance * self.absorbed
+    }
+
+    /// σa Le / (σa + σs) at a point [W·m⁻²·sr⁻¹].
+    ///
+    /// - `p`: point in the unit cube of the density
+    pub fn emission_at(&self, p: Vec3) -> Spectrum {
+        let absorbed = self.albedo_factor(p).map_or(self.absorbed, |factor| Spectrum::ONE - self.albedo() * factor);
+        let factor = self.varying.as_ref().and_then(|varying| varying.emission.as_ref()).map(|grid| grid.at(p));
+        let emitted = self.radiance * absorbed;
+        factor.map_or(emitted, |factor| emitted * Spectrum::from_coefficients(factor))
     }
 
     /// τ = (σa + σs) s, the optical depth over a length where the density is 1; 0 without extinction, even if the length is infinite.
@@ -136,8 +182,13 @@ impl Medium {
 
     /// Radiance that the medium emits along a length where the density is 1, less what it absorbs and scatters of that: (1 − e^(−τ)) σa Le / (σa + σs).
     pub fn emitted(&self, length: f32) -> Spectrum {
-        self.emission.zip(self.depth(length), |emission, depth| emission * -float::exp_m1_f64(-f64::from(depth)) as f32)
+        self.emission().zip(self.depth(length), |emission, depth| emission * -float::exp_m1_f64(-f64::from(depth)) as f32)
     }
+}
+
+/// Share of a part in a whole that may be 0.
+fn share(part: f32, whole: f32) -> f32 {
+    if whole > 0.0 { part / whole } else { 0.0 }
 }
 
 /// Optical depth over a length.

@@ -12,7 +12,7 @@ use crate::integrators::nee::Nee;
 use crate::light::{Directional, Environment, Light, Point};
 use crate::math::float::ROUNDING;
 use crate::math::{Rgb, Spectrum, Transform};
-use crate::medium::{Density, Grid, Medium, Phase, Places};
+use crate::medium::{ColorGrid, Density, Grid, Medium, Phase, Places, Varying};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::shape::{Cuboid, Quad, Sphere};
 use crate::world::{World, WorldBuilder};
@@ -34,7 +34,7 @@ pub fn rows() -> Vec<Row> {
         mean("V9", "media within each other, and by priority", nested()),
         mean("V10", "light that slabs reflect and transmit in all", slabs()),
         slices(),
-        mean("V12", "media whose density varies: ramps, slabs, and media that vanish or glow", densities()),
+        mean("V12", "media that vary: ramps of density, albedo and emission, slabs, and media that vanish or glow", densities()),
     ]
 }
 
@@ -305,6 +305,11 @@ fn slices() -> Row {
     })
 }
 
+/// A grid of two values along z.
+fn pair(values: [f32; 2]) -> Grid {
+    Grid::new(UVec3::new(1, 1, 2), values.into(), Places::Corners)
+}
+
 /// A density of two values along z in a box of width [`WIDE`] below the plane z = 0.
 fn ramp(thickness: f64, values: [f32; 2], places: Places) -> Density {
     let size = DVec3::new(WIDE, WIDE, thickness);
@@ -348,7 +353,38 @@ fn densities() -> Vec<KnownRadiance> {
     let world = slab(2.0, 1.0, interface(), flame);
     let glowing = KnownRadiance::new("a slab that glows", world, 1.0 - (-1.25f64).exp(), LONG);
     scenes.push(glowing.resolution(1e-3, 4e-3).by_chance(4e-3));
+    scenes.extend(ramps_of_color());
     scenes
+}
+
+/// Slabs of the optical depth τ = 2, in which something falls from 1 at the upper side to 0 at the lower one: by 1 − t/2 in the optical depth t.
+///
+/// - the emission of a slab that only absorbs: ∫ e^(−t) (1 − t/2) dt = (1 + e^−2)/2
+/// - the albedo of a slab that scatters parallel light once: 1/4π ∫ e^(−2t) (1 − t/2) dt = (3 + e^−4)/(32π)
+/// - the albedo of a slab that glows and scatters no light: there the emission of a point is (1 − ω) Le, and rises
+fn ramps_of_color() -> [KnownRadiance; 3] {
+    let even = |medium: Medium, varying| medium.with_density(ramp(2.0, [1.0; 2], Places::Corners)).with_varying(varying);
+    let falls = || Some(ColorGrid::Gray(pair([0.0, 1.0])));
+    let known = |name, world, radiance, depth| KnownRadiance::new(name, world, radiance, depth).resolution(1e-3, 4e-3);
+
+    let flame = medium(1.0, 0.0, Phase::Isotropic).emitting(Spectrum::ONE);
+    let flame = even(flame, Varying { emission: falls(), ..Varying::default() });
+    let glow = known("a slab whose glow falls", slab(2.0, 1.0, interface(), flame), 0.5 + 0.5 * (-2f64).exp(), LONG);
+
+    let scattered = (3.0 + (-4f64).exp()) / (32.0 * std::f64::consts::PI);
+    let fog = Medium::new(Spectrum::BLACK, Spectrum::rgb(1.0, 2.0, 0.25), Phase::Isotropic);
+    let fog = even(fog, Varying { albedo: falls(), ..Varying::default() });
+    let lit = parallel(slab(2.0, 1.0, interface(), fog), 1.0);
+
+    let coal = Medium::new(Spectrum::BLACK, Spectrum::ONE, Phase::Isotropic).emitting(Spectrum::ONE);
+    let coal = even(coal, Varying { albedo: falls(), ..Varying::default() });
+    let absorbed = 0.5 - 1.5 * (-2f64).exp();
+    let rises = known("a slab whose albedo falls and which glows", slab(2.0, 1.0, interface(), coal), absorbed, Depth::exactly(0));
+    [
+        glow.by_chance(4e-3),
+        known("a slab whose albedo falls, of another extinction for each wavelength", lit, scattered, Depth::exactly(1)),
+        rises.by_chance(4e-3),
+    ]
 }
 
 /// V10. Light that a slab reflects (R) and lets pass (T) in all, in uniform light from above. Surfaces reflect by Fresnel.

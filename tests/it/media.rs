@@ -17,7 +17,7 @@ use pt::integrators::path::Path;
 use pt::light::{Directional, Emitter, Environment, Light, Point};
 use pt::math::{Rgb, Spectrum, Transform, Vec3};
 use pt::measure::{SampledImage, agreement, sidak};
-use pt::medium::{Density, Grid, Medium, Phase, Places};
+use pt::medium::{ColorGrid, Density, Grid, Medium, Phase, Places, Varying};
 use pt::recorder::{End, Event};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
@@ -71,7 +71,7 @@ fn smoke() -> Medium {
     Medium::new(spectrum([0.2, 0.5, 0.1]), spectrum([1.0, 0.4, 3.0]), Phase::henyey_greenstein(0.6))
 }
 
-/// A cloud whose coefficients differ between the colours and whose density varies in a cube around the origin.
+/// A cloud whose coefficients differ between the colours and whose density, albedo and emission vary in a cube around the origin.
 ///
 /// - `edge`: edge of the cube (m); the coefficients are as much smaller as it is longer than 1
 fn cloud(edge: f64, bounds_factor: f32) -> Medium {
@@ -87,7 +87,11 @@ fn cloud(edge: f64, bounds_factor: f32) -> Medium {
     let placed = Transform::translate(DVec3::splat(-0.5)).and_then(|middle| Ok(middle.then(&Transform::scale(DVec3::splat(edge))?)));
     let density = Density::new(grid, &placed.expect("a transform")).with_bounds_scaled(bounds_factor);
     let glow = spectrum([0.5, 0.2, 0.1]);
-    Medium::new(coefficients[0], coefficients[1], Phase::henyey_greenstein(0.6)).emitting(glow).with_density(density)
+    let albedo = Grid::new(UVec3::new(2, 1, 2), [1.0, 0.8, 0.9, 0.3].map(|x| Rgb::new(x, 0.9, 1.0 - 0.5 * x)).into(), Places::Centers);
+    let emission = Grid::new(UVec3::new(1, 3, 1), vec![2.0, 0.0, 1.0], Places::Corners);
+    let varying = Varying { albedo: Some(ColorGrid::Rgb(albedo)), emission: Some(ColorGrid::Gray(emission)) };
+    let cloud = Medium::new(coefficients[0], coefficients[1], Phase::henyey_greenstein(0.6)).emitting(glow);
+    cloud.with_density(density).with_varying(varying)
 }
 
 /// A shape with a medium, placed in a scene.
@@ -410,6 +414,52 @@ fn what_is_not_there_does_not_show() {
     }
 }
 
+/// Grids of equal albedos and emissions give the bits of the medium without them, in numbers, in files of Mitsuba and pbrt, and in floats.
+#[test]
+fn grids_of_equal_colors_do_not_show() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, parts: &[&[u8]]| {
+        let path = folder.path().join(name);
+        fs::write(&path, parts.concat()).expect("written");
+        path
+    };
+    let floats = |values: &[f32]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let volume = |name: &str, channels: u8, values: &[f32]| {
+        let counts = [1u8, 1, 1, 2, channels].map(|count| [count, 0, 0, 0]).concat();
+        file(name, &[b"VOL\x03", &counts, &floats(&[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]), &floats(values)])
+    };
+    let albedo = [0.5f32, 0.25, 1.0];
+    let colors = [albedo, albedo].concat();
+    let lescale =
+        "MakeNamedMedium \"a\" \"string type\" \"uniformgrid\" \"integer nx\" 1 \"integer ny\" 1 \"integer nz\" 2 \"float Lescale\" [2 2]";
+
+    let picture = |medium: Value| {
+        let mut medium = medium;
+        medium["type"] = json!("heterogeneous");
+        medium["density"] = json!({"type": "grid", "size": [2, 1, 1], "values": [0.5, 2]});
+        let scene = json!({"pt": 1, "camera": {"look_at": {"from": [0.5, 0.5, 3], "to": [0.5, 0.5, 0.5]}, "fov": 30}, "sampler": {"spp": 4},
+            "film": {"width": 12, "height": 12}, "background": {"radiance": 0.5},
+            "shapes": [{"type": "box", "size": 1, "center": [0.5, 0.5, 0.5], "medium": medium}]});
+        let (folder, _) = run(&scene, &["-i", "nee", "--allow-outside", "-o", "x.exr"]);
+        bits(&pt::output::exr::read(&folder.path().join("x.exr")).expect("a picture").0)
+    };
+    // All numbers are powers of two or sums of two, so that no operation rounds.
+    let plain = picture(json!({"scattering": [2, 0.5, 8], "absorption": [2, 1.5, 0], "emission": 1}));
+    let files = [volume("albedo.vol", 3, &colors), file("albedo.raw", &[&floats(&colors)])];
+    let numbers = json!({"size": [1, 1, 2], "values": [albedo, albedo]});
+    let grids = [numbers, json!({"file": files[0]}), json!({"file": files[1], "size": [1, 1, 2], "values_at": "corners"})];
+    for grid in grids {
+        let found = picture(json!({"scattering": [4, 2, 8], "emission": 1, "albedo_grid": grid}));
+        assert!(found == plain, "{grid}");
+    }
+    let files = [volume("glow.vol", 1, &[2.0, 2.0]), file("glow.pbrt", &[lescale.as_bytes()]), file("glow.raw", &[&floats(&[2.0])])];
+    let grids = [json!({"file": files[0]}), json!({"file": files[1]}), json!({"file": files[2], "size": [1, 1, 1]})];
+    for grid in grids {
+        let found = picture(json!({"scattering": [2, 0.5, 8], "absorption": [2, 1.5, 0], "emission": 0.5, "emission_grid": grid}));
+        assert!(found == plain, "{grid}");
+    }
+}
+
 /// A large ball of a medium with an albedo, without a surface: in even light, an orthographic picture of it shows the albedo in the mean over
 /// its disk.
 #[test]
@@ -579,6 +629,16 @@ fn faults_of_media_have_their_place() {
                 "bounds": {"low": [0, 0, 0], "high": [1, ^0, 1]}}}}"#,
             "/media/fog/density/bounds/high/1: expected a number above 0, that of low, found 0",
         ),
+        (
+            r#""media": {"fog": {"type": "heterogeneous", "density": {"type": "exponential", "scale_height": 1},
+                "albedo_grid": {"size": [1, 1, 2], "values": [0.5, ^[0.5, 1.25, 1]]}}}"#,
+            "/media/fog/albedo_grid/values/1: expected albedos from 0 to 1, found 1.25",
+        ),
+        (
+            r#""media": {"fog": {"type": "heterogeneous", "density": {"type": "exponential", "scale_height": 1},
+                "emission_grid": {"size": [1, 1, 2], "values": ^[1]}}}"#,
+            "/media/fog/emission_grid/values: expected 1 × 1 × 2 = 2 values, found 1",
+        ),
         (r#""shapes": [{"type": "quad", ^"medium": {"type": "homogeneous"}}]"#, "/shapes/0/medium: unknown key"),
         (
             r#""groups": {"g": [{"type": "sphere", "medium": ^{"type": "homogeneous"}}]}"#,
@@ -605,7 +665,25 @@ fn faults_of_media_have_their_place() {
 #[test]
 fn impossible_media_are_refused() {
     let dense = json!({"type": "grid", "size": [2, 1, 1], "values": [1, 1e9]});
+    let color_volume = |albedo: f32| {
+        let box_of_two = [0f32, 0.0, 0.0, 1.0, 1.0, 2.0, 0.5, 0.5, albedo].map(f32::to_le_bytes).concat();
+        [b"VOL\x03".as_slice(), &[1, 1, 1, 1, 3].map(|count| [count, 0, 0, 0]).concat(), &box_of_two].concat()
+    };
+    let varying = |key: &str, grid: Value| {
+        let mut medium =
+            json!({"type": "heterogeneous", "scattering": 1, "emission": 2, "density": {"type": "exponential", "scale_height": 1}});
+        medium[key] = grid;
+        medium
+    };
     for (medium, expected) in [
+        (varying("density", json!({"type": "grid", "file": "half.vol"})), "half.vol: expected one channel, the density, found 3"),
+        (
+            varying("albedo_grid", json!({"file": "half.vol"})),
+            "/shapes/0/medium/albedo_grid/file: half.vol: expected the box of the density, from",
+        ),
+        (varying("albedo_grid", json!({"file": "two.vol"})), "two.vol: expected albedos from 0 to 1, found 2 at x 0, y 0, z 0"),
+        (varying("albedo_grid", json!({"file": "a.pbrt"})), "a.pbrt: media of pbrt have no grid of albedos"),
+        (varying("emission_grid", json!({"size": [1, 1, 1], "values": [1e30]})), "/shapes/0/medium/emission_grid: an emission of 2.0e30"),
         (json!({"type": "heterogeneous", "scattering": 1, "density": dense}), "/shapes/0/medium/density: an optical depth of"),
         (
             json!({"type": "subsurface", "albedo": 1, "mean_free_path": 1e-30, "scale": 1e-20}),
@@ -614,7 +692,13 @@ fn impossible_media_are_refused() {
     ] {
         let scene = json!({"pt": 1, "camera": {}, "shapes": [{"type": "sphere", "medium": medium}]});
         let folder = tempfile::tempdir().expect("a folder");
-        fs::write(folder.path().join("s.json"), scene.to_string()).expect("written");
+        let files = [
+            ("s.json", scene.to_string().into_bytes()),
+            ("half.vol", color_volume(0.5)),
+            ("two.vol", color_volume(2.0)),
+            ("a.pbrt", vec![]),
+        ];
+        files.into_iter().for_each(|(name, bytes)| fs::write(folder.path().join(name), bytes).expect("written"));
         let refused = Command::cargo_bin("pt").expect("the program").current_dir(folder.path()).arg("s.json").assert().code(3);
         let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
         assert!(said.contains(expected), "{said}");

@@ -1,4 +1,4 @@
-//! Reads grids of numbers from files: densities of media.
+//! Reads grids of numbers and colours from files: properties of media.
 
 mod pbrt;
 mod vol;
@@ -8,15 +8,49 @@ use glam::{DVec3, UVec3};
 use crate::medium::{MOST_VALUES, value_count};
 use crate::{Error, Fault, Result};
 
-/// Numbers on a grid.
+/// Numbers or colours on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Volume {
     /// The number of values along each axis.
     pub size: UVec3,
-    /// The values, each finite and at least 0: x varies fastest, then y, then z.
+    /// The number of channels of each value: 1, or 3 for linear red, green and blue.
+    pub channels: usize,
+    /// The channels of the first value, of the second and so on, each within the range of the quantity: x varies fastest, then y, then z.
     pub values: Vec<f32>,
     /// The lower and upper corner of the box that the file gives them, in metres.
     pub bounds: Option<[DVec3; 2]>,
+}
+
+/// What the values of a grid are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A density: a number of at least 0.
+    Density,
+    /// An albedo: a number or a colour from 0 to 1.
+    Albedo,
+    /// A factor of an emission: a number or a colour of at least 0.
+    Emission,
+}
+
+impl Quantity {
+    /// Whether a value has this number of channels.
+    fn has_channels(self, channels: usize) -> bool {
+        channels == 1 || channels == 3 && self != Quantity::Density
+    }
+
+    /// The numbers of channels that a value may have.
+    fn possible_channels(self) -> &'static str {
+        if self == Quantity::Density { "one channel, the density" } else { "one channel or three" }
+    }
+
+    /// What is expected of the values.
+    fn range(self) -> (&'static str, f32) {
+        match self {
+            Quantity::Density => ("finite densities of at least 0", f32::MAX),
+            Quantity::Albedo => ("albedos from 0 to 1", 1.0),
+            Quantity::Emission => ("finite factors of at least 0", f32::MAX),
+        }
+    }
 }
 
 /// Reads a grid: Mitsuba's `.vol` by its first bytes, a file of pbrt by the end of its name, and any other as 32-bit floats.
@@ -25,13 +59,13 @@ pub struct Volume {
 ///
 /// # Errors
 /// `Invalid` where the content is not that of such a file, or where `size` is another than that of the file; `Limit` for too many values.
-pub fn read(content: &[u8], name: &str, size: Option<UVec3>) -> Result<Volume> {
+pub fn read(content: &[u8], name: &str, size: Option<UVec3>, quantity: Quantity) -> Result<Volume> {
     let volume = if content.starts_with(vol::MAGIC) {
-        vol::read(content)
+        vol::read(content, quantity)
     } else if name.ends_with(".pbrt") {
-        pbrt::read(&String::from_utf8_lossy(content))
+        pbrt::read(&String::from_utf8_lossy(content), quantity)
     } else {
-        floats(content, size)
+        floats(content, size, quantity)
     };
     let volume = volume.map_err(|error| match error {
         Error::Invalid(faults) => Error::Invalid(faults.into_iter().map(|fault| fault.in_file(name)).collect()),
@@ -42,27 +76,32 @@ pub fn read(content: &[u8], name: &str, size: Option<UVec3>) -> Result<Volume> {
     if size.is_some_and(|size| size != volume.size) {
         return refused(format!("the file has {} values, and \"size\" says otherwise: leave it out", by_axis(volume.size)));
     }
-    match volume.values.iter().position(|value| !(value.is_finite() && *value >= 0.0)) {
+    let (expected, most) = quantity.range();
+    match volume.values.iter().position(|value| !(0.0..=most).contains(value)) {
         None => Ok(volume),
         Some(wrong) => {
             let [x, y] = [volume.size.x as usize, volume.size.y as usize];
-            let place = format!("x {}, y {}, z {}", wrong % x, wrong / x % y, wrong / x / y);
-            refused(format!("expected finite densities of at least 0, found {} at {place}", volume.values[wrong]))
+            let cell = wrong / volume.channels;
+            let place = format!("x {}, y {}, z {}", cell % x, cell / x % y, cell / x / y);
+            refused(format!("expected {expected}, found {} at {place}", volume.values[wrong]))
         }
     }
 }
 
 /// Reads 32-bit floats, little-endian.
-fn floats(content: &[u8], size: Option<UVec3>) -> Result<Volume> {
+fn floats(content: &[u8], size: Option<UVec3>, quantity: Quantity) -> Result<Volume> {
     let Some(size) = size else {
         return invalid("no file of Mitsuba (.vol) or pbrt (.pbrt): if it holds only 32-bit floats, give their \"size\" along x, y and z");
     };
     let count = counted(size)?;
-    if content.len() != 4 * count {
-        let found = content.len();
-        return invalid(format!("expected {} bytes for {} floats of 32 bits, found {found}", 4 * count, by_axis(size)));
+    match [1, 3].into_iter().find(|channels| quantity.has_channels(*channels) && content.len() == 4 * count * channels) {
+        Some(channels) => Ok(Volume { size, channels, values: to_floats(content), bounds: None }),
+        None => {
+            let or_three = if quantity.has_channels(3) { format!(", or {} for three channels", 12 * count) } else { String::new() };
+            let (size, found) = (by_axis(size), content.len());
+            invalid(format!("expected {} bytes for {size} floats of 32 bits{or_three}, found {found}", 4 * count))
+        }
     }
-    Ok(Volume { size, values: to_floats(content), bounds: None })
 }
 
 fn to_floats(bytes: &[u8]) -> Vec<f32> {

@@ -6,18 +6,24 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, UVec3};
 
-use super::{Volume, by_axis, counted, invalid};
+use super::{Quantity, Volume, by_axis, counted, invalid};
 use crate::{Error, Fault, Result};
 
-/// The parameters that are read, by their names; the types before them are not checked, since versions of pbrt differ in them.
-const NAMES: [&str; 6] = ["nx", "ny", "nz", "p0", "p1", "density"];
+/// The parameters that are read besides the values, by their names; the types before them are not checked, since versions of pbrt differ
+/// in them.
+const NAMES: [&str; 5] = ["nx", "ny", "nz", "p0", "p1"];
 
 /// Reads the medium of a scene file. Everything else in it is left out.
 ///
 /// # Errors
 /// `Invalid` where there is no such medium, or more than one; `Limit` for too many values.
-pub fn read(text: &str) -> Result<Volume> {
-    let found = parameters(text)?;
+pub fn read(text: &str, quantity: Quantity) -> Result<Volume> {
+    let name = match quantity {
+        Quantity::Density => "density",
+        Quantity::Emission => "Lescale",
+        Quantity::Albedo => return invalid("media of pbrt have no grid of albedos: give a .vol file of Mitsuba, or 32-bit floats"),
+    };
+    let found = parameters(text, name)?;
     let numbers = |name: &str, count: usize| match found.get(name) {
         None => invalid(format!("no medium of type \"uniformgrid\": it has no \"{name}\"")),
         Some(numbers) if numbers.len() != count => invalid(format!("\"{name}\": expected {count} numbers, found {}", numbers.len())),
@@ -29,8 +35,8 @@ pub fn read(text: &str) -> Result<Volume> {
         if is_side { Ok(number as u32) } else { invalid(format!("\"{name}\": expected a whole number above 0, found {number}")) }
     };
     let size = UVec3::new(side("nx")?, side("ny")?, side("nz")?);
-    let values = numbers("density", counted(size)?).map_err(|error| match found.get("density") {
-        Some(found) => Error::invalid(Fault::new(format!("\"density\": expected {} numbers, found {}", by_axis(size), found.len()))),
+    let values = numbers(name, counted(size)?).map_err(|error| match found.get(name) {
+        Some(found) => Error::invalid(Fault::new(format!("\"{name}\": expected {} numbers, found {}", by_axis(size), found.len()))),
         None => error,
     })?;
     let corner = |name: &str, default: f64| match found.get(name) {
@@ -41,11 +47,11 @@ pub fn read(text: &str) -> Result<Volume> {
     if bounds[0].cmpge(bounds[1]).any() {
         return invalid(format!("expected \"p1\" above \"p0\" along each axis, found {} and {}", bounds[1], bounds[0]));
     }
-    Ok(Volume { size, values: values.iter().map(|value| *value as f32).collect(), bounds: Some(bounds) })
+    Ok(Volume { size, channels: 1, values: values.iter().map(|value| *value as f32).collect(), bounds: Some(bounds) })
 }
 
-/// The numbers of the parameters with one of [`NAMES`].
-fn parameters(text: &str) -> Result<BTreeMap<&str, Vec<f64>>> {
+/// The numbers of the parameters with one of [`NAMES`], and of that of the values.
+fn parameters<'t>(text: &'t str, values: &'static str) -> Result<BTreeMap<&'t str, Vec<f64>>> {
     let mut found = BTreeMap::new();
     // The name of the parameter whose numbers follow.
     let mut name: Option<&str> = None;
@@ -58,7 +64,7 @@ fn parameters(text: &str) -> Result<BTreeMap<&str, Vec<f64>>> {
                     .trim_end_matches('"')
                     .split_whitespace()
                     .nth(1)
-                    .and_then(|name| NAMES.into_iter().find(|known| *known == name));
+                    .and_then(|name| NAMES.into_iter().chain([values]).find(|known| *known == name));
                 let is_new = name.is_none_or(|name| found.insert(name, vec![]).is_none());
                 if !is_new {
                     let message = format!("a second \"{}\": expected one medium of type \"uniformgrid\"", name.unwrap_or_default());

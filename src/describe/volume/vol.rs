@@ -4,7 +4,7 @@
 
 use glam::{DVec3, UVec3};
 
-use super::{Volume, counted, invalid, to_floats};
+use super::{Quantity, Volume, counted, invalid, to_floats};
 use crate::Result;
 
 /// First bytes of such a file.
@@ -18,8 +18,8 @@ const FLOAT32: u32 = 1;
 /// Reads the content of a `.vol` file.
 ///
 /// # Errors
-/// `Invalid` where it is not one with one channel of 32-bit floats; `Limit` for too many values.
-pub fn read(content: &[u8]) -> Result<Volume> {
+/// `Invalid` where it is not one with a possible number of channels of 32-bit floats; `Limit` for too many values.
+pub fn read(content: &[u8], quantity: Quantity) -> Result<Volume> {
     let Some((header, values)) = content.split_at_checked(HEADER) else {
         return invalid(format!("the file ends within its header of {HEADER} bytes"));
     };
@@ -35,18 +35,18 @@ pub fn read(content: &[u8]) -> Result<Volume> {
     if size.min_element() == 0 {
         return invalid(format!("expected sizes above 0, found {} × {} × {}", size.x, size.y, size.z));
     }
-    let channels = number(20);
-    if channels != 1 {
-        return invalid(format!("expected one channel, the density, found {channels}"));
+    let channels = number(20) as usize;
+    if !quantity.has_channels(channels) {
+        return invalid(format!("expected {}, found {channels}", quantity.possible_channels()));
     }
-    let count = counted(size)?;
-    if values.len() != 4 * count {
-        return invalid(format!("expected {} bytes after the header, found {}", 4 * count, values.len()));
+    let bytes = 4 * channels * counted(size)?;
+    if values.len() != bytes {
+        return invalid(format!("expected {bytes} bytes after the header, found {}", values.len()));
     }
     let corner = |place: usize| DVec3::from_array([0, 4, 8].map(|step| f64::from(f32::from_le_bytes(word(place + step)))));
     let bounds = [corner(24), corner(36)];
     if !bounds.iter().all(|corner| corner.is_finite()) || bounds[0].cmpge(bounds[1]).any() {
         return invalid(format!("expected a box whose upper corner is above the lower one, found {} to {}", bounds[0], bounds[1]));
     }
-    Ok(Volume { size, values: to_floats(values), bounds: Some(bounds) })
+    Ok(Volume { size, channels, values: to_floats(values), bounds: Some(bounds) })
 }

@@ -81,14 +81,15 @@ impl Flight {
 
     /// Weight of a path that collides with the medium at a point and is scattered there.
     ///
+    /// - `albedo`: share of its light that is scattered there
     /// - `real`: probability of each channel to collide there
-    pub fn collided(&self, medium: &Medium, real: Spectrum) -> Spectrum {
+    pub fn collided(&self, medium: &Medium, albedo: Spectrum, real: Spectrum) -> Spectrum {
         if medium.is_gray() {
-            return medium.albedo();
+            return albedo;
         }
         let real = real.coefficients();
         let chance: f32 = (0..3).map(|c| self.chances[c] * real[c]).sum();
-        medium.albedo() * Spectrum::from_array(real.map(|real| real / chance))
+        albedo * Spectrum::from_array(real.map(|real| real / chance))
     }
 
     /// Weight of a path that does not collide with the medium at a point.

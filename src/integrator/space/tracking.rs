@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::stretches::Stretch;
-use crate::math::{Ray, Spectrum, float};
+use crate::math::{Ray, Spectrum, Vec3, float};
 use crate::medium::{Density, Medium, Segment};
 use crate::sampler::Stream;
 
@@ -11,6 +11,8 @@ use crate::sampler::Stream;
 pub struct Collision {
     /// Length of the way from the point that the ray leaves (m).
     pub length: f32,
+    /// The point, in the unit cube of the density.
+    pub place: Vec3,
     /// Probability of each channel that the collision is real: ρ (σa + σs) / μ, with the density μ of tentative collisions.
     pub real: Spectrum,
 }
@@ -49,8 +51,9 @@ pub fn collisions<T>(
                 break;
             }
             at += left / per_metre;
-            let share = (density.at(&line, at) / majorant).min(1.0);
-            visit(Collision { length: stretch.start + at, real: relative * share }, numbers)?;
+            let place = line.at(at);
+            let share = (density.at(place) / majorant).min(1.0);
+            visit(Collision { length: stretch.start + at, place, real: relative * share }, numbers)?;
             left = optical_depth(numbers);
         }
     }
@@ -149,6 +152,37 @@ mod tests {
         assert!((mean - f64::from(-0.98f32).exp()).abs() < 0.005 && mean > f64::from(-1.0f32).exp() + 0.005, "{mean}");
         for (depth, factor, variance) in [(1.0, 1.0, 0.232_544_158), (1.0, 3.0, 0.232_544_158), (5.0, 2.0, 0.006_692_547)] {
             check(moments(depth, factor, delta), [f64::from(-depth).exp(), variance], &format!("delta tracking, {depth}, {factor}"));
+        }
+    }
+
+    /// The cost of a ray is in proportion to the factor k of the upper bounds: it meets k τ tentative collisions in the mean with a variance of
+    /// k τ (Poisson), and k (1 − e^−τ) up to the first real one, as one of k is real.
+    #[test]
+    fn cost_is_in_proportion_to_the_upper_bounds() {
+        let count = |until_real: bool| {
+            move |medium: &Medium, density: &Density, ray: &Ray, stretch: &Stretch, numbers: &mut Stream| {
+                let mut met = 0u16;
+                let _ = collisions(medium, density, ray, stretch, numbers, |collision, numbers| {
+                    met += 1;
+                    let is_real = numbers.next_1d() < collision.real.max();
+                    if until_real && is_real { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                });
+                f32::from(met)
+            }
+        };
+        for (depth, factor) in [(0.5f32, 1.0f32), (0.5, 2.0), (0.5, 10.0), (0.5, 100.0)] {
+            let most = f64::from(depth * factor);
+            let until_real = f64::from(factor) * (1.0 - f64::from(-depth).exp());
+            // Four factors with two numbers each: 5 standard errors of 2^18 rays. Breaking off makes no count longer.
+            let error = 5.0 * (most / f64::from(1 << 18)).sqrt();
+            let [mean, variance] = moments(depth, factor, count(false));
+            assert!((mean - most).abs() < error, "{factor}: {mean}, not {most}");
+            // The variance of a Poisson variable's sample variance is (λ + 2 λ²)/n.
+            let off = 5.0 * ((most + 2.0 * most * most) / f64::from(1 << 18)).sqrt();
+            assert!((variance - most).abs() < off, "{factor}: variance {variance}, not {most}");
+            let [mean, variance] = moments(depth, factor, count(true));
+            let error = 5.0 * (variance / f64::from(1 << 18)).sqrt();
+            assert!((mean - until_real).abs() < error, "{factor}: {mean} up to a real one, not {until_real}");
         }
     }
 }

@@ -38,6 +38,7 @@ pub const ALL: &[Target] = &[
     Target { name: "lens", run: |at, bytes| assets::within(at, "g.dat", bytes, "lens.json"), tries: 300 },
     Target { name: "texture", run: |at, bytes| assets::within(at, "p.png", bytes, "textures.json"), tries: 200 },
     Target { name: "volume", run: |at, bytes| assets::within(at, "v.vol", bytes, "volume.json"), tries: 400 },
+    Target { name: "colors", run: |at, bytes| assets::within(at, "c.vol", bytes, "colors.json"), tries: 200 },
     Target { name: "grid", run: |at, bytes| assets::within(at, "v.pbrt", bytes, "grid.json"), tries: 400 },
     Target { name: "picture", run: assets::picture, tries: 600 },
     Target { name: "part", run: parts::merge, tries: 600 },
