@@ -144,9 +144,11 @@ pub mod described {
         /// Beckmann, fifteen to thirty times that where the roughness is a texture or anisotropic, and a hundred times that where the
         /// anisotropy is a texture or both hold. A varying `eta` and dispersion need several tables: 5 from 1.3 to 1.6, 15 from 1 to 1.6.
         pub multiscatter: bool,
-        /// The absorption of light inside the body. It is exact for a closed body with nothing in it: the distance between consecutive
-        /// hits of this surface counts. Light on its way to an object inside the body is therefore not attenuated, and an open surface
-        /// attenuates all light that reaches it from behind. It takes no textures, because it belongs to the body and not to its surface.
+        /// The absorption of light inside the body. It is exact for a closed body with nothing in it, also for a camera inside: the distance
+        /// between consecutive hits counts where the second is on the inner side of this surface. Light on its way to an object inside
+        /// the body is therefore not attenuated, and an open surface attenuates all light that reaches it from behind. A render and
+        /// `pt check` name bodies with something in them; a `medium` of the shape in place of the absorption is exact there, and slower.
+        /// It takes no textures, because it belongs to the body and not to its surface.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub absorption: Option<Absorption>,
     }
@@ -388,6 +390,10 @@ impl TexturedModel for textured::Dielectric {
 
     fn passage(&self) -> Passage {
         Passage::Body
+    }
+
+    fn absorption(&self) -> Option<Rgb> {
+        self.absorption
     }
 
     fn is_anisotropic(&self) -> bool {

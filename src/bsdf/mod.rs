@@ -44,7 +44,7 @@ use arrayvec::ArrayVec;
 use glam::Vec2;
 
 use crate::effects::Effects;
-use crate::math::{Density, Local, SolidAnglePdf, Spectrum};
+use crate::math::{Density, Local, Rgb, SolidAnglePdf, Spectrum};
 use crate::texture::Texture;
 
 pub use blinn_phong::BlinnPhong;
@@ -194,6 +194,11 @@ pub trait TexturedModel: Lookup {
     /// Whether light passes through the surface, and what is behind it.
     fn passage(&self) -> Passage {
         Passage::Blocked
+    }
+
+    /// σ of the body behind the surface (1/m), if it is part of the model.
+    fn absorption(&self) -> Option<Rgb> {
+        None
     }
 
     /// Whether scattering depends on the directions of the surface's tangents.

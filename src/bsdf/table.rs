@@ -139,6 +139,15 @@ macro_rules! materials {
                 }
             }
 
+            /// σ of the body behind the surface (1/m), if the model of the surface has the body's absorption.
+            pub fn absorption(&self) -> Option<Rgb> {
+                match self {
+                    $(Material::$plain(m) => m.absorption(),)+
+                    $(Material::$own(m) => m.absorption(),)+
+                    Material::Compound(compound) => compound.absorption(),
+                }
+            }
+
             /// The effects that simulating this material needs.
             pub fn effects(&self) -> Effects {
                 match self {

@@ -64,8 +64,7 @@ impl Builder<'_> {
 
     /// A medium with a density, after adding a fault if it is too dense.
     fn checked(&mut self, pointer: &str, medium: Medium) -> Medium {
-        let per_metre = f64::from(medium.extinction().max());
-        let depth = medium.density().map_or(0.0, |density| density.most_per_cell() * per_metre);
+        let depth = medium.most_per_cell();
         if depth > MOST_DEPTH {
             let message = format!(
                 "an optical depth of {depth:.1e} within a few values of the density, expected at most {MOST_DEPTH:e}: make the \

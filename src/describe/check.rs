@@ -28,7 +28,9 @@ const LEAST_SINE: f64 = 1e-6;
 
 /// Adds to `faults` all that is wrong with `scene`, which was read from `root`.
 pub(super) fn check(scene: &Scene, root: &Node, faults: &Faults) {
-    let checker = Checker { scene, root, faults, emitting: emitting_groups(scene) };
+    let emitting = groups_with(scene, emits);
+    let filled = groups_with(scene, |shape| shape.medium().is_some());
+    let checker = Checker { scene, root, faults, emitting, filled };
     checker.camera(&scene.camera);
     checker.shutter();
     checker.film(&scene.film);
@@ -91,29 +93,43 @@ struct Checker<'s> {
     faults: &'s Faults,
     /// The names of the groups that emit light, also through instances of other groups.
     emitting: BTreeSet<&'s str>,
+    /// The names of the groups that contain media, also through instances of other groups.
+    filled: BTreeSet<&'s str>,
 }
 
-fn emitting_groups(scene: &Scene) -> BTreeSet<&str> {
-    let mut emitting = BTreeSet::new();
+/// The names of the groups with a shape that has some property, also through instances of other groups.
+///
+/// - `has`: whether a shape has it that is neither a group nor instances
+fn groups_with(scene: &Scene, has: impl Fn(&Shape) -> bool) -> BTreeSet<&str> {
+    let mut found = BTreeSet::new();
     // Each round finds the groups with instances of those found before.
     for _ in 0..=MAX_NESTING {
-        let more: Vec<&str> = scene.groups.iter().filter(|(_, shapes)| emits(shapes, &emitting)).map(|(name, _)| name.as_str()).collect();
-        emitting.extend(more);
+        let more: Vec<&str> = scene.groups.iter().filter(|(_, shapes)| any(shapes, &found, &has)).map(|(name, _)| name.as_str()).collect();
+        found.extend(more);
     }
-    emitting
+    found
+}
+
+/// Whether any shape has a property.
+///
+/// - `known`: groups that have it
+fn any(shapes: &[Shape], known: &BTreeSet<&str>, has: &impl Fn(&Shape) -> bool) -> bool {
+    shapes.iter().any(|shape| match shape {
+        Shape::Group(group) => any(&group.shapes, known, has),
+        Shape::Instances(instances) => known.contains(instances.group.as_str()),
+        other => has(other),
+    })
 }
 
 /// Whether a shape emits light.
-///
-/// - `emitting`: groups that do
-fn emits(shapes: &[Shape], emitting: &BTreeSet<&str>) -> bool {
-    shapes.iter().any(|shape| match shape {
-        Shape::Group(group) => emits(&group.shapes, emitting),
-        Shape::Instances(instances) => emitting.contains(instances.group.as_str()),
+fn emits(shape: &Shape) -> bool {
+    match shape {
         Shape::Sdf(sdf) => sdf.emission.is_some() || sdf.parts.iter().flatten().any(|part| part.emission.is_some()),
         other => other.emission().is_some(),
-    })
+    }
 }
+
+const MOVING_MEDIUM: &str = "a shape that contains a medium cannot move: leave out \"medium\", or the keyframes";
 
 impl Checker<'_> {
     fn fault(&self, pointer: &str, message: impl Into<String>) {
@@ -312,10 +328,7 @@ impl Checker<'_> {
         if let Some(medium) = shape.medium() {
             self.medium(pointer, shape, medium);
             if moves {
-                self.fault(
-                    &format!("{pointer}/medium"),
-                    "a shape that contains a medium cannot move: leave out \"medium\", or the keyframes",
-                );
+                self.fault(&format!("{pointer}/medium"), MOVING_MEDIUM);
             }
         }
         let is_interface = match shape.material() {
@@ -331,7 +344,7 @@ impl Checker<'_> {
             Shape::Mesh(mesh) => self.mesh(pointer, shape, mesh),
             Shape::Group(group) => self.shapes(&format!("{pointer}/shapes"), &group.shapes, moves),
             Shape::Sdf(sdf) => self.sdf(pointer, sdf),
-            Shape::Instances(instances) => self.instances(pointer, instances),
+            Shape::Instances(instances) => self.instances(pointer, instances, moves),
             Shape::Sphere(sphere) => self.lengths(pointer, shape_check::sphere(sphere)),
             Shape::Disk(disk) => self.lengths(pointer, shape_check::disk(disk)),
             Shape::Cylinder(cylinder) => self.lengths(pointer, shape_check::cylinder(cylinder)),
@@ -350,17 +363,21 @@ impl Checker<'_> {
     fn medium(&self, pointer: &str, shape: &Shape, medium: &MediumRef) {
         let at = format!("{pointer}/medium");
         self.medium_ref(&at, medium);
-        if pointer.starts_with("/groups") {
-            self.fault(&at, "shapes of groups that instances show cannot contain a medium: put the shape under \"shapes\"");
+        if let Some(message) = shape.material().and_then(|material| self.around_no_medium(material)) {
+            self.fault(&at, message);
         }
-        let Some(material) = shape.material() else { return };
+    }
+
+    /// Says why a material cannot be around a medium.
+    fn around_no_medium(&self, material: &MaterialRef) -> Option<&'static str> {
         if self.has_holes(material, 0) {
-            self.fault(&at, "a shape with holes cannot contain a medium: leave out \"medium\", or the \"masked\" material");
+            return Some("a shape with holes cannot contain a medium: leave out \"medium\", or the \"masked\" material");
         }
-        if let Some(Material::Dielectric(glass)) = self.scene.material(material)
-            && glass.absorption.is_some()
-        {
-            self.fault(&at, "the material has an \"absorption\" of its own: give the absorption in the medium");
+        match self.scene.material(material) {
+            Some(Material::Dielectric(glass)) if glass.absorption.is_some() => {
+                Some("the material has an \"absorption\" of its own: give the absorption in the medium")
+            }
+            _ => None,
         }
     }
 
@@ -438,7 +455,8 @@ impl Checker<'_> {
         }
     }
 
-    fn instances(&self, pointer: &str, instances: &Instances) {
+    /// - `moves`: whether they move as a whole
+    fn instances(&self, pointer: &str, instances: &Instances, moves: bool) {
         if !self.scene.groups.contains_key(&instances.group) {
             self.unknown_name(&format!("{pointer}/group"), "group", &instances.group, self.scene.groups.keys());
         }
@@ -451,6 +469,10 @@ impl Checker<'_> {
         for (i, placement) in instances.placements.iter().flatten().enumerate() {
             self.motion(&format!("{pointer}/placements/{i}/transform"), &placement.transform);
         }
+        let is_filled = self.filled.contains(instances.group.as_str());
+        if is_filled && (moves || instances.placements.iter().flatten().any(|placement| placement.transform.has_keyframes())) {
+            self.fault(&format!("{pointer}/group"), MOVING_MEDIUM);
+        }
         for (at, material) in instances.materials() {
             self.material_ref(&format!("{pointer}/{at}"), material);
         }
@@ -458,6 +480,9 @@ impl Checker<'_> {
         for (at, material) in own.chain(instances.materials()) {
             if self.has_holes(material, 0) && self.emitting.contains(instances.group.as_str()) {
                 self.fault(&format!("{pointer}/{at}"), "what emits can have no holes, and a shape of this group has \"emission\"");
+            }
+            if let Some(message) = self.around_no_medium(material).filter(|_| is_filled) {
+                self.fault(&format!("{pointer}/{at}"), format!("a shape of this group contains a medium: {message}"));
             }
         }
     }

@@ -178,7 +178,8 @@ pub struct GridDensity {
     /// The box, before the transform. Default: that of the file, or else from (0, 0, 0) to (1, 1, 1).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bounds: Option<Bounds>,
-    /// The steps that place the box in the world, the first acting first. Shapes around it do not move it.
+    /// The steps that place the box in the world, the first acting first. Shapes around it do not move it. In a group, instances
+    /// place it in the world.
     #[serde(default)]
     pub transform: Transform,
 }
@@ -232,7 +233,8 @@ pub struct NoiseDensity {
     /// The box, before the transform. Default: from (0, 0, 0) to (1, 1, 1).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bounds: Option<Bounds>,
-    /// The steps that place the box in the world, the first acting first. Shapes around it do not move it.
+    /// The steps that place the box in the world, the first acting first. Shapes around it do not move it. In a group, instances
+    /// place it in the world.
     #[serde(default)]
     pub transform: Transform,
 }
@@ -246,7 +248,8 @@ pub struct ExponentialDensity {
     /// The box, before the transform; outside of it the density is 0. Default: from (0, 0, 0) to (1, 1, 1).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bounds: Option<Bounds>,
-    /// The steps that place the box in the world, the first acting first. Shapes around it do not move it.
+    /// The steps that place the box in the world, the first acting first. Shapes around it do not move it. In a group, instances
+    /// place it in the world.
     #[serde(default)]
     pub transform: Transform,
 }

@@ -47,7 +47,8 @@ macro_rules! surface {
             pub struct $name {
                 $($own)*
                 /// The medium inside the shape, which must be closed: fog, smoke, milk, coloured water. A shape with a medium and without a
-                /// material has no surface, see the material `interface`. Not in groups that instances show, and not together with holes.
+                /// material has no surface, see the material `interface`. Not in instances that move, and not together with
+                /// holes.
                 #[serde(default, skip_serializing_if = "Option::is_none")]
                 pub medium: Option<MediumRef>,
             }

@@ -1,5 +1,7 @@
 //! Densities of media that vary from place to place.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, DAffine3, DVec3, UVec3, Vec3};
 
 use super::grid::Grid;
@@ -14,8 +16,8 @@ use crate::math::Transform;
 /// Source: Woodcock, Murphy, Hemmings and Longworth, *Techniques Used in the GEM Code for Monte Carlo Neutronics Calculations* (1965).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Density {
-    grid: Grid,
-    majorants: Majorants,
+    grid: Arc<Grid>,
+    majorants: Arc<Majorants>,
     /// From the unit cube to the world, in the coordinates of the scene file.
     to_world: DAffine3,
     /// From the world to the unit cube.
@@ -34,22 +36,20 @@ impl Density {
     pub fn new(grid: Grid, to_world: &Transform) -> Density {
         let size = grid.size().map(|n| n.div_ceil(VALUES_PER_BOUND).clamp(1, MOST_BOUNDS));
         let majorants = Majorants::new(size, |low, high| grid.max_within(low, high));
-        Density { grid, majorants, to_world: DAffine3::IDENTITY, from_world: Affine3A::IDENTITY }.placed(to_world.matrix())
+        let (grid, majorants) = (Arc::new(grid), Arc::new(majorants));
+        Density { grid, majorants, to_world: DAffine3::IDENTITY, from_world: Affine3A::IDENTITY }.moved(to_world.matrix())
     }
 
-    fn placed(self, to_world: DAffine3) -> Density {
-        Density { to_world, from_world: to_world.inverse().as_affine3a(), ..self }
-    }
-
-    /// The density in coordinates whose origin is at `origin` (m).
-    pub fn recentred(self, origin: DVec3) -> Density {
-        let to_world = DAffine3::from_translation(-origin) * self.to_world;
-        self.placed(to_world)
+    /// The density after a transform. The two share their numbers.
+    pub fn moved(&self, transform: DAffine3) -> Density {
+        let to_world = transform * self.to_world;
+        let (grid, majorants) = (self.grid.clone(), self.majorants.clone());
+        Density { grid, majorants, to_world, from_world: to_world.inverse().as_affine3a() }
     }
 
     /// The density with upper bounds times a factor. Pictures do not depend on it if it is at least 1; their cost does.
     pub fn with_bounds_scaled(self, factor: f32) -> Density {
-        Density { majorants: self.majorants.scaled(factor), ..self }
+        Density { majorants: Arc::new(self.majorants.scaled(factor)), ..self }
     }
 
     /// Greatest integral of the upper bounds along a line within one of their cells (m): the greatest bound times the diagonal.

@@ -61,9 +61,8 @@ impl Majorants {
     }
 
     /// All bounds times a factor.
-    pub fn scaled(mut self, factor: f32) -> Majorants {
-        self.bounds.iter_mut().for_each(|bound| *bound *= factor);
-        self
+    pub fn scaled(&self, factor: f32) -> Majorants {
+        Majorants { size: self.size, bounds: self.bounds.iter().map(|bound| bound * factor).collect() }
     }
 
     /// The parts of a line within the unit cube, cell by cell.

@@ -1,7 +1,7 @@
 //! Where in a scene which medium is.
 
 use arrayvec::ArrayVec;
-use glam::Vec3;
+use glam::{DAffine3, DVec3, Vec3};
 
 use super::{Medium, MediumId};
 use crate::math::Ray;
@@ -12,9 +12,10 @@ use crate::math::Ray;
 /// that of the smaller body, so that what is inside something else counts there. The order of all bodies is decided once, when the scene
 /// is built.
 pub struct Media {
+    /// The media that were described, and then copies of them for bodies that instances show.
     media: Vec<Medium>,
     /// Medium of each body. Of several bodies around a point, the first counts.
-    bodies: Vec<MediumId>,
+    bodies: Vec<BodyMedium>,
     /// Shape of each body.
     shapes: Vec<u32>,
     /// Index of each shape's body; [`NO_BODY`] for shapes without a medium.
@@ -32,8 +33,19 @@ pub struct Body {
     pub shape: u32,
     /// Its medium.
     pub medium: MediumId,
+    /// Transform to the world from the space of a group, in which its density is described; `None` for bodies of the scene itself.
+    pub to_world: Option<DAffine3>,
     /// Volume of its bounding box (m³).
     pub volume: f64,
+}
+
+/// Medium of a body.
+#[derive(Clone, Copy)]
+struct BodyMedium {
+    /// The medium that was described.
+    described: MediumId,
+    /// Its copy for the body, or the same: an index among all media.
+    index: u32,
 }
 
 /// Surface of a body at a point.
@@ -79,7 +91,8 @@ impl Media {
     /// Media with the shapes that contain them; at most [`MOST_BODIES`].
     ///
     /// - `around`: the medium outside of all bodies
-    pub fn new(media: Vec<Medium>, mut bodies: Vec<Body>, around: Option<MediumId>) -> Media {
+    /// - `origin`: origin of the coordinates in which shapes are stored
+    pub fn new(media: Vec<Medium>, mut bodies: Vec<Body>, around: Option<MediumId>, origin: DVec3) -> Media {
         let priority = |body: &Body| media[body.medium.0 as usize].priority;
         bodies.sort_by(|a, b| {
             let by_volume = a.volume.total_cmp(&b.volume);
@@ -89,9 +102,19 @@ impl Media {
         let mut of_shapes = vec![NO_BODY; count];
         let shapes = bodies.iter().map(|body| body.shape).collect();
         (0..).zip(&bodies).for_each(|(index, body)| of_shapes[body.shape as usize] = index);
-        let bodies: Vec<MediumId> = bodies.into_iter().map(|body| body.medium).collect();
-        let is_gray = bodies.iter().chain(&around).all(|medium| media[medium.0 as usize].is_gray());
-        Media { media, bodies, shapes, of_shapes, around, at_camera: Inside::default(), is_gray }
+        let is_gray = bodies.iter().map(|body| body.medium).chain(around).all(|medium| media[medium.0 as usize].is_gray());
+        let to_stored = DAffine3::from_translation(-origin);
+        let mut stored: Vec<Medium> = media.iter().map(|medium| medium.moved(to_stored)).collect();
+        let of_body = |Body { medium: described, to_world, .. }: Body| {
+            let medium = &media[described.0 as usize];
+            let Some(to_world) = to_world.filter(|_| medium.density().is_some()) else {
+                return BodyMedium { described, index: described.0 };
+            };
+            stored.push(medium.moved(to_stored * to_world));
+            BodyMedium { described, index: stored.len() as u32 - 1 }
+        };
+        let bodies = bodies.into_iter().map(of_body).collect();
+        Media { media: stored, bodies, shapes, of_shapes, around, at_camera: Inside::default(), is_gray }
     }
 
     /// The media with the bodies around the camera.
@@ -120,18 +143,19 @@ impl Media {
         self.shapes.iter().enumerate().map(|(body, shape)| (body as u16, *shape))
     }
 
-    /// Medium at a point, and its index.
+    /// Medium at a point, and its index among those that were described.
     ///
     /// - `inside`: bodies around the point
     #[inline]
     pub fn at(&self, inside: &Inside) -> Option<(MediumId, &Medium)> {
-        let id = inside.first().map(|body| self.bodies[usize::from(body)]).or(self.around)?;
-        Some((id, &self.media[id.0 as usize]))
+        let Some(body) = inside.first() else { return self.around.map(|id| (id, &self.media[id.0 as usize])) };
+        let BodyMedium { described, index } = self.bodies[usize::from(body)];
+        Some((described, &self.media[index as usize]))
     }
 
     /// Whether any medium that is used emits light.
     pub fn emits(&self) -> bool {
-        self.bodies.iter().chain(&self.around).any(|medium| self.media[medium.0 as usize].emits())
+        self.bodies.iter().map(|body| body.described).chain(self.around).any(|medium| self.media[medium.0 as usize].emits())
     }
 
     /// Whether the extinction of every medium is equal for all wavelengths.
@@ -202,9 +226,9 @@ mod tests {
 
     #[test]
     fn the_inner_body_counts_unless_priorities_say_otherwise() {
-        let body = |shape, medium, volume| Body { shape, medium: MediumId(medium), volume };
+        let body = |shape, medium, volume| Body { shape, medium: MediumId(medium), to_world: None, volume };
         let bodies = vec![body(0, 0, 8.0), body(1, 1, 1.0), body(2, 2, 64.0), body(3, 1, 1.0)];
-        let media = Media::new(vec![medium(0), medium(0), medium(-1)], bodies, None);
+        let media = Media::new(vec![medium(0), medium(0), medium(-1)], bodies, None, DVec3::ZERO);
         let at = |shapes: &[u32]| {
             let mut inside = Inside::default();
             shapes.iter().for_each(|shape| inside.set(media.body(*shape).expect("a body"), true));

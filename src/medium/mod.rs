@@ -11,7 +11,9 @@ mod media;
 mod phase;
 pub mod subsurface;
 
-use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+use glam::{DAffine3, Vec3};
 
 use crate::math::{Spectrum, float};
 
@@ -47,7 +49,7 @@ pub struct Medium {
     /// ρ; `None` where it is 1 everywhere.
     density: Option<Box<Density>>,
     /// What varies in the box of the density besides it.
-    varying: Option<Box<Varying>>,
+    varying: Option<Arc<Varying>>,
 }
 
 /// Factors of properties of a medium at each point of the box of its density.
@@ -95,18 +97,23 @@ impl Medium {
 
     /// The medium with an albedo and an emission that vary in the box of its density.
     pub fn with_varying(self, varying: Varying) -> Medium {
-        Medium { varying: Some(Box::new(varying)), ..self }
+        Medium { varying: Some(Arc::new(varying)), ..self }
     }
 
-    /// The medium in coordinates whose origin is at `origin` (m).
-    pub(crate) fn recentred(self, origin: DVec3) -> Medium {
-        Medium { density: self.density.map(|density| Box::new(density.recentred(origin))), ..self }
+    /// The medium with its density after a transform. Its coefficients remain what they are, per metre of the world.
+    pub(crate) fn moved(&self, transform: DAffine3) -> Medium {
+        Medium { density: self.density.as_ref().map(|density| Box::new(density.moved(transform))), ..self.clone() }
     }
 
     /// Density; `None` where it is 1 everywhere.
     #[inline]
     pub fn density(&self) -> Option<&Density> {
         self.density.as_deref()
+    }
+
+    /// Greatest optical depth of the upper bounds of the density along a line within one of their cells, see [`MOST_DEPTH`].
+    pub fn most_per_cell(&self) -> f64 {
+        self.density().map_or(0.0, |density| density.most_per_cell() * f64::from(self.extinction.max()))
     }
 
     /// σa + σs (m⁻¹), where the density is 1.

@@ -9,7 +9,7 @@ use super::extent::{Extent, GroupExtent};
 use super::media::Touching;
 use super::motion::as_instances;
 use super::objects::{GroupId, Object, Objects};
-use super::spaces::{Hierarchies, baked, emitting_copies, spaces};
+use super::spaces::{Hierarchies, ShapeCopy, baked, copies, spaces, still};
 use super::wide::Tables;
 use super::{PartAppearance, PreparedMaterial, ShapeAppearance, ShapePlace, World};
 use crate::accel;
@@ -19,8 +19,9 @@ use crate::effects::Effects;
 use crate::error::{Error, Fault, Result};
 use crate::light::{Area, Emitter, EmitterMotion, Light, Lights};
 use crate::math::lanes::Width;
+use crate::math::transform::greatest_stretch;
 use crate::math::{Aabb, AnimatedTransform, Spectrum, Transform};
-use crate::medium::{Body, MOST_BODIES, Media, Medium, MediumId};
+use crate::medium::{Body, MOST_BODIES, MOST_DEPTH, Media, Medium, MediumId};
 use crate::primitive::InstanceId;
 use crate::shape::{Geometry, Sdf, Shape};
 
@@ -123,7 +124,7 @@ impl WorldBuilder {
     ///
     /// # Errors
     /// `Invalid` for shapes that no ray can hit and for coordinates beyond [`MAX_EXTENT`](super::MAX_EXTENT); `Limit` for more than
-    /// 2³² − 2 instances with those within them, more than [`MAX_EMITTING_COPIES`](super::MAX_EMITTING_COPIES), or more than
+    /// 2³² − 2 instances with those within them, more than [`MAX_COPIES`](super::MAX_COPIES), or more than
     /// [`MOST_BODIES`] shapes with a medium.
     pub fn build(self) -> Result<World> {
         let WorldBuilder { camera, materials, scene, groups, lights, media, around, width, has_footprints } = self;
@@ -133,20 +134,23 @@ impl WorldBuilder {
         let origins = std::iter::once(origin).chain(extents.iter().map(|group| group.detail.middle));
         let all = std::iter::once(scene).chain(groups);
         let (objects, placements): (Vec<_>, Vec<_>) = all.map(|objects| (objects.shapes, objects.instances)).unzip();
-        let copies = emitting_copies(&objects, &placements)?;
+        let copies = copies(&objects, &placements)?;
         let moves = placements.iter().flatten().any(|placement| placement.to_outer.is_moving());
         let overrides: BTreeSet<MaterialId> = placements.iter().flatten().filter_map(|placement| placement.material).collect();
 
         let spaces = spaces(&objects, origins);
         let shapes = baked(&spaces, &copies)?;
-        let is_interface = |part: &PartAppearance| matches!(materials[part.material.0 as usize].material, Material::Interface(_));
-        let interfaces: BTreeSet<u32> =
-            (0..).zip(&objects[0]).filter(|(_, object)| object.parts.iter().all(is_interface)).map(|(shape, _)| shape).collect();
+        let is_interface = |material: MaterialId| matches!(materials[material.0 as usize].material, Material::Interface(_));
+        let are_interfaces = |object: &Object| object.parts.iter().all(|part| is_interface(part.material));
+        let own = (0..).zip(&objects[0]).filter(|(_, object)| are_interfaces(object)).map(|(shape, _)| shape);
+        let of_copies =
+            still(&spaces, &copies).filter(|(_, copy, _)| copy.material.map_or_else(|| are_interfaces(copy.object), is_interface));
+        let interfaces: BTreeSet<u32> = own.chain(of_copies.map(|(shape, ..)| shape)).collect();
         let Hierarchies { scene: hierarchy, shown, moving } = Hierarchies::new(&spaces, placements, &shapes, &copies, &interfaces)?;
         let interfaces =
             (!interfaces.is_empty()).then(|| accel::build_with_instances(shapes.clone(), interfaces.into_iter().collect(), vec![]));
         let place = |id: Option<InstanceId>, object: &Object| match id {
-            Some(id) if !object.emits() => ShapePlace::Instance(id),
+            Some(id) if !object.is_copied() => ShapePlace::Instance(id),
             _ => ShapePlace::Nowhere,
         };
         let of_groups = spaces.iter().zip(shown).skip(1).flat_map(|(space, id)| space.objects.iter().map(move |object| place(id, object)));
@@ -167,7 +171,8 @@ impl WorldBuilder {
         let lights = Lights::new(lights, shapes.clone(), (bounds.center(), bounds.radius()));
         let materials: Vec<PreparedMaterial> =
             materials.into_iter().map(|surface| PreparedMaterial::new(surface.recentred(origin))).collect();
-        let bodies = bodies(&objects[0])?;
+        let bodies = bodies(&objects[0], still(&spaces, &copies))?;
+        check_depths(&media, &bodies)?;
         let used = appearances.iter().flat_map(|d| &d.parts).map(|part| part.material).chain(overrides);
         let prepared = used.map(|material| materials[material.0 as usize].surface.effects());
         let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
@@ -179,8 +184,7 @@ impl WorldBuilder {
         let effects = if has_footprints { effects } else { effects.without(Effects::FOOTPRINTS) };
         let camera = camera.recentred(origin);
         let has_holes = effects.contains(Effects::CUT_OUTS);
-        let media = media.into_iter().map(|medium| medium.recentred(origin)).collect();
-        let media = effects.contains(Effects::MEDIA).then(|| Media::new(media, bodies, around));
+        let media = effects.contains(Effects::MEDIA).then(|| Media::new(media, bodies, around, origin));
         let glows = media.as_ref().is_some_and(Media::emits);
         let effects = if glows { effects | Effects::UNSAMPLED_EMITTER } else { effects };
         let touching = media.as_ref().and_then(|media| Touching::new(media, &shapes));
@@ -214,18 +218,38 @@ impl WorldBuilder {
 
 /// The shapes with media.
 ///
+/// - `copies`: those of groups, with their transforms to the world
+///
 /// # Errors
 /// `Limit` for more than [`MOST_BODIES`].
-fn bodies(objects: &[Object]) -> Result<Vec<Body>> {
-    let body = |(shape, object): (u32, &Object)| {
-        let (low, high) = object.geometry.bounds(&object.to_outer);
-        Some(Body { shape, medium: object.medium?, volume: (high - low).element_product() })
+fn bodies<'c>(objects: &[Object], copies: impl Iterator<Item = (u32, &'c ShapeCopy<'c>, &'c Transform)>) -> Result<Vec<Body>> {
+    let body = |shape: u32, object: &Object, to_world: Option<&Transform>| {
+        let to_outer = to_world.map_or(object.to_outer, |to_world| object.to_outer.then(to_world));
+        let (low, high) = object.geometry.bounds(&to_outer);
+        Some(Body { shape, medium: object.medium?, to_world: to_world.map(Transform::matrix), volume: (high - low).element_product() })
     };
-    let bodies: Vec<Body> = (0..).zip(objects).filter_map(body).collect();
+    let own = (0..).zip(objects).filter_map(|(shape, object)| body(shape, object, None));
+    let bodies: Vec<Body> = own.chain(copies.filter_map(|(shape, copy, to_world)| body(shape, copy.object, Some(to_world)))).collect();
     if bodies.len() > MOST_BODIES {
         return Err(Error::Limit(Fault::new(format!("more than {MOST_BODIES} shapes have a medium"))));
     }
     Ok(bodies)
+}
+
+/// Refuses instances in which rays could take seconds to pass a medium, see [`MOST_DEPTH`].
+///
+/// # Errors
+/// `Invalid` for such an instance.
+fn check_depths(media: &[Medium], bodies: &[Body]) -> Result<()> {
+    let of_media: Vec<f64> = media.iter().map(Medium::most_per_cell).collect();
+    let depths = bodies.iter().filter_map(|body| Some(of_media[body.medium.0 as usize] * greatest_stretch(body.to_world?.matrix3)));
+    match depths.fold(0.0, f64::max) {
+        depth if depth > MOST_DEPTH => Err(Error::invalid(Fault::new(format!(
+            "an instance gives a medium an optical depth of {depth:.1e} within a few values of its density, expected at most \
+             {MOST_DEPTH:e}: make the coefficients or the instance smaller"
+        )))),
+        _ => Ok(()),
+    }
 }
 
 /// How a shape that emits light shows.

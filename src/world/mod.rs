@@ -29,7 +29,7 @@ use crate::texture::{Footprint, TextureContext};
 
 pub use builder::WorldBuilder;
 pub use objects::{GroupId, Objects};
-pub use spaces::MAX_EMITTING_COPIES;
+pub use spaces::MAX_COPIES;
 pub use wide::{LightLanes, ReceiverLanes, ScatteredLanes, SurfaceLanes, WideWorld};
 
 /// Scene that is ready for rendering.

@@ -73,7 +73,8 @@ impl Objects {
         self.shapes.push(Object { geometry: Box::new(sdf), to_outer, parts, medium: None, described: 0 });
     }
 
-    /// Fills the shape that was added last with a medium. The shape must be closed. The media of shapes of groups have no effect.
+    /// Fills the shape that was added last with a medium. The shape must be closed. The medium of a shape that moves has no effect. In a group,
+    /// the density of the medium is in the space of the group, and its coefficients are per metre of the world.
     pub fn fill(&mut self, medium: MediumId) {
         if let Some(shape) = self.shapes.last_mut() {
             shape.medium = Some(medium);
@@ -128,5 +129,10 @@ impl Objects {
 impl Object {
     pub fn emits(&self) -> bool {
         self.parts.iter().any(|part| part.emitter.is_some())
+    }
+
+    /// Whether instances show copies of the shape, because each is a light or a body with a medium of its own.
+    pub fn is_copied(&self) -> bool {
+        self.emits() || self.medium.is_some()
     }
 }

@@ -14,8 +14,8 @@ use crate::math::{AnimatedTransform, Transform};
 use crate::primitive::{Group, Instance, InstanceId, MAX_NESTING, Primitive};
 use crate::shape::Shape;
 
-/// Greatest number of copies of emitting shapes that instances show.
-pub const MAX_EMITTING_COPIES: usize = 1 << 20;
+/// Greatest number of copies of shapes with emission or a medium that instances show.
+pub const MAX_COPIES: usize = 1 << 20;
 
 /// Shapes in a common space, and the shift to the coordinates in which they are stored. The first space is that of the scene; those of
 /// groups follow.
@@ -40,8 +40,8 @@ pub(super) fn spaces(objects: &[Vec<Object>], origins: impl Iterator<Item = DVec
     spaces
 }
 
-/// Copy of an emitting shape of a group, for one of the group's instances.
-pub(super) struct EmitterCopy<'a> {
+/// Copy of a shape of a group, for one of the group's instances.
+pub(super) struct ShapeCopy<'a> {
     pub object: &'a Object,
     /// Index of the group's space.
     pub space: usize,
@@ -49,40 +49,50 @@ pub(super) struct EmitterCopy<'a> {
     pub material: Option<MaterialId>,
 }
 
-/// Copies of all emitting shapes that instances show. Each of them is a light of its own, so that sharing would save little memory.
+/// Copies of all shapes with emission or a medium that instances show. Each of them is a light or a body of its own, so that sharing would save
+/// little memory, and lights and media know nothing of instances.
 ///
 /// - `objects`, `placements`: shapes and instances of each space; groups follow those that they show
 ///
 /// # Errors
-/// `Limit` for more than [`MAX_EMITTING_COPIES`].
-pub(super) fn emitting_copies<'a>(objects: &'a [Vec<Object>], placements: &[Vec<Placement>]) -> Result<Vec<EmitterCopy<'a>>> {
-    let mut emits = vec![false; objects.len()];
+/// `Limit` for more than [`MAX_COPIES`].
+pub(super) fn copies<'a>(objects: &'a [Vec<Object>], placements: &[Vec<Placement>]) -> Result<Vec<ShapeCopy<'a>>> {
+    let mut has_copied = vec![false; objects.len()];
     for space in 1..objects.len() {
-        let within = placements[space].iter().any(|placement| emits[placement.group.space()]);
-        emits[space] = within || objects[space].iter().any(Object::emits);
+        let within = placements[space].iter().any(|placement| has_copied[placement.group.space()]);
+        has_copied[space] = within || objects[space].iter().any(Object::is_copied);
     }
     let mut copies = vec![];
     let mut open = vec![(0, AnimatedTransform::from(Transform::IDENTITY), None)];
     while let Some((space, to_world, material)) = open.pop() {
         if space > 0 {
-            let emitting = objects[space].iter().filter(|object| object.emits());
-            copies.extend(emitting.map(|object| EmitterCopy { object, space, to_world: to_world.clone(), material }));
+            let copied = objects[space].iter().filter(|object| object.is_copied());
+            copies.extend(copied.map(|object| ShapeCopy { object, space, to_world: to_world.clone(), material }));
         }
-        let emitting = placements[space].iter().rev().filter(|placement| emits[placement.group.space()]);
-        open.extend(emitting.map(|p| (p.group.space(), p.to_outer.then(&to_world), material.or(p.material))));
-        if copies.len() + open.len() > MAX_EMITTING_COPIES {
-            let message = format!("instances show more than {MAX_EMITTING_COPIES} copies of emitting shapes");
+        let shown = placements[space].iter().rev().filter(|placement| has_copied[placement.group.space()]);
+        open.extend(shown.map(|p| (p.group.space(), p.to_outer.then(&to_world), material.or(p.material))));
+        if copies.len() + open.len() > MAX_COPIES {
+            let message = format!("instances show more than {MAX_COPIES} copies of shapes with emission or a medium");
             return Err(Error::Limit(Fault::new(message)));
         }
     }
     Ok(copies)
 }
 
+/// Copies that do not move, with the indices of their shapes and their transforms to the world.
+pub(super) fn still<'c>(spaces: &[Space], copies: &'c [ShapeCopy]) -> impl Iterator<Item = (u32, &'c ShapeCopy<'c>, &'c Transform)> {
+    let first = spaces.iter().map(Space::end).max().unwrap_or(0);
+    (first..).zip(copies).filter_map(|(shape, copy)| match &copy.to_world {
+        AnimatedTransform::Still(to_world) => Some((shape, copy, to_world)),
+        AnimatedTransform::Moving(_) => None,
+    })
+}
+
 /// Shapes of all spaces, in the order of their indices, and then the copies.
 ///
 /// # Errors
 /// `Invalid` for shapes that no ray can hit.
-pub(super) fn baked(spaces: &[Space], copies: &[EmitterCopy]) -> Result<Arc<[Box<dyn Shape>]>> {
+pub(super) fn baked(spaces: &[Space], copies: &[ShapeCopy]) -> Result<Arc<[Box<dyn Shape>]>> {
     let own = spaces.iter().flat_map(|space| {
         let bake = |object: &Object| object.geometry.bake(&object.to_outer.then(&space.to_stored));
         space.objects.iter().map(bake)
@@ -111,7 +121,7 @@ impl Hierarchies {
     /// Builds the hierarchies of all spaces.
     ///
     /// - `copies`: the last shapes
-    /// - `left_out`: shapes of the scene that rays do not hit
+    /// - `left_out`: shapes of the scene, and copies, that rays do not hit
     ///
     /// # Errors
     /// `Limit` for more than 2³² − 2 instances with those within them, or more than [`MAX_NESTING`] within each other.
@@ -119,7 +129,7 @@ impl Hierarchies {
         spaces: &[Space],
         mut placements: Vec<Vec<Placement>>,
         shapes: &Arc<[Box<dyn Shape>]>,
-        copies: &[EmitterCopy],
+        copies: &[ShapeCopy],
         left_out: &BTreeSet<u32>,
     ) -> Result<Hierarchies> {
         let mut groups: Vec<Arc<Group>> = vec![];
@@ -130,14 +140,14 @@ impl Hierarchies {
                 return Err(Error::Limit(Fault::new(format!("more than {MAX_NESTING} instances within each other"))));
             }
             depths.push(depth);
-            let emits = |shape: &u32| space.objects[(shape - space.first_shape) as usize].emits();
-            let own = (space.first_shape..space.end()).filter(|shape| !emits(shape)).collect();
+            let is_copied = |shape: &u32| space.objects[(shape - space.first_shape) as usize].is_copied();
+            let own = (space.first_shape..space.end()).filter(|shape| !is_copied(shape)).collect();
             let instances = instances(space, placements, &groups, spaces)?;
             groups.push(Arc::new(Group::new(accel::build_with_instances(shapes.clone(), own, instances))));
         }
         let last = spaces.iter().map(Space::end).max().unwrap_or(0);
-        let still = (last..).zip(copies).filter(|(_, copy)| !copy.to_world.is_moving()).map(|(shape, _)| shape);
-        let own = (0..spaces[0].end()).filter(|shape| !left_out.contains(shape)).chain(still).collect();
+        let copied = still(spaces, copies).map(|(shape, ..)| shape);
+        let own = (0..spaces[0].end()).chain(copied).filter(|shape| !left_out.contains(shape)).collect();
         let mut instances = instances(&spaces[0], &placements[0], &groups, spaces)?;
         let mut moving = vec![];
         for (shape, copy) in (last..).zip(copies) {

@@ -7,6 +7,7 @@ use pt::bsdf::{Bsdf, Element, Lobe, Material, ThinDielectric, TransportMode, tex
 use pt::light::{Environment, Light};
 use pt::math::fresnel::{conductor, dielectric};
 use pt::math::{Local, Ray, Rgb, Spectrum, Transform};
+use pt::medium::{Medium, Phase};
 use pt::scene::Scene;
 use pt::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
 use pt::world::World;
@@ -104,24 +105,47 @@ fn thin_plate() {
 
 /// A ball of radius 1 in uniform light of radiance 1, seen from outside through its middle.
 fn in_white_light(name: String, material: Material, radiance: f64) -> KnownRadiance {
-    let mut world = World::builder(probe(DVec3::new(0.0, 0.0, 4.0), DVec3::new(0.0, 0.0, 1.0)));
+    ball_in_white_light(name, 4.0, material, None, radiance)
+}
+
+/// A ball of radius 1 in uniform light of radiance 1, seen along a line through its middle.
+///
+/// - `distance`: of the camera from the middle (m)
+/// - `medium`: what fills the ball
+fn ball_in_white_light(name: String, distance: f64, material: Material, medium: Option<Medium>, radiance: f64) -> KnownRadiance {
+    let mut world = World::builder(probe(DVec3::Z * distance, DVec3::Z * (distance - 1.0)));
     let material = world.material(material);
     world.shape(Sphere { radius: 1.0 }, at(DVec3::ZERO), material, None);
+    if let Some(medium) = medium {
+        let medium = world.medium(medium);
+        world.fill(medium);
+    }
     world.light(Light::Environment(Environment { radiance: Rgb::WHITE }));
     KnownRadiance::new(name, world, radiance, Depth { max: 1000, roulette: 8 })
 }
 
-/// A ball of glass with the transmittance A along its diameter has L = R + (1 − R)² A / (1 − R A), including inner reflections.
+/// A ball of glass with the transmittance A along its diameter has L = R + (1 − R)² A / (1 − R A), including inner reflections, and seen from
+/// its middle √A η² (1 − R) / (1 − R A), whether the glass absorbs or a medium in it.
 #[test]
 fn glass_absorbs_along_the_path() {
-    let row = |(eta, left): (f32, f64)| {
+    let rows = |(eta, left): (f32, f64)| {
         let absorption = gray(-left.ln() / 2.0);
-        let body = Material::from(textured::Dielectric::smooth(eta, Rgb::WHITE).absorbing(stored(absorption)));
+        let clear = || textured::Dielectric::smooth(eta, Rgb::WHITE);
+        let tinted = || Material::from(clear().absorbing(stored(absorption)));
+        let medium = || Some(Medium::new(absorption, Spectrum::BLACK, Phase::Isotropic));
         let r = f64::from(dielectric(1.0, eta));
-        let exact = r + (1.0 - r) * (1.0 - r) * left / (1.0 - r * left);
-        in_white_light(format!("glass {eta} that leaves {left}"), body, exact).resolution(1e-3, 2e-3)
+        let outside = r + (1.0 - r) * (1.0 - r) * left / (1.0 - r * left);
+        let inside = left.sqrt() * f64::from(eta).powi(2) * (1.0 - r) / (1.0 - r * left);
+        let name = |how: &str| format!("glass {eta} that leaves {left}, {how}");
+        let known = [
+            ball_in_white_light(name("seen from outside"), 4.0, tinted(), None, outside),
+            ball_in_white_light(name("seen from its middle"), 0.0, tinted(), None, inside),
+            ball_in_white_light(name("by a medium, seen from outside"), 4.0, clear().into(), medium(), outside),
+            ball_in_white_light(name("by a medium, seen from its middle"), 0.0, clear().into(), medium(), inside),
+        ];
+        known.map(|known| known.resolution(1e-3, 2e-3))
     };
-    confirm([(1.0, 0.5), (1.5, 0.5), (1.5, 0.05), (2.42, 0.9)].map(row).into(), Effort::Standard);
+    confirm([(1.0, 0.5), (1.5, 0.5), (1.5, 0.05), (2.42, 0.9)].into_iter().flat_map(rows).collect(), Effort::Standard);
 }
 
 fn round(alpha: f32, distribution: Distribution) -> Roughness {

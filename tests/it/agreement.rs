@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, UVec2, Vec2, Vec4};
+use glam::{DVec3, UVec2, UVec3, Vec2, Vec4};
 use pt::bsdf::{Material, MaterialId, TransportMode, textured};
 use pt::camera::{Camera, Perspective, Pose};
 use pt::film::{FilmSpec, Image};
@@ -12,11 +12,12 @@ use pt::integrators::{ALL, path::Path};
 use pt::light::{Emitter, Environment, Light, LightSampleContext};
 use pt::math::{Rgb, Spectrum, Transform, Vec3};
 use pt::measure::{SampledImage, agreement, sidak};
+use pt::medium::{ColorGrid, Density, Grid, Medium, Phase, Places, Varying};
 use pt::sampler::dimension::{self, Use};
 use pt::sampler::{SamplerSpec, Sequence};
 use pt::scene::Scene;
 use pt::shape::curves::Basis;
-use pt::shape::{BilinearPatch, Cone, Curves, Cylinder, Disk, PartialDisk, PartialSphere, Quad, Sphere, TriangleMesh};
+use pt::shape::{BilinearPatch, Cone, Cuboid, Curves, Cylinder, Disk, PartialDisk, PartialSphere, Quad, Sphere, TriangleMesh};
 use pt::texture::Texture;
 use pt::texture::image::{Filter, Image as TextureImage, Pixels, Wrap};
 use pt::world::{World, WorldBuilder};
@@ -29,11 +30,12 @@ use pt::torture::meshes::{block, round_mesh};
 const DEPTH: Depth = Depth { max: 12, roulette: 3 };
 const SAMPLES: u64 = 256;
 const EDGE: u32 = 32;
-/// Number of scenes with only matte objects, and of scenes that also have mirrors and glass.
+/// Number of scenes with only matte objects, of scenes that also have mirrors and glass, and of scenes with media.
 const MATTE: u64 = 20;
 const CLEAR: u64 = 4;
+const FILLED: u64 = 4;
 /// Number of compared pairs of pictures, which together have 1 % of false alarms.
-const PAIRS: usize = (MATTE + 3 * CLEAR) as usize;
+const PAIRS: usize = (MATTE + 3 * CLEAR + FILLED) as usize;
 
 /// Numbers that choose what is in a scene: pt's own independent sampler, one sample per scene.
 struct Dice {
@@ -125,6 +127,52 @@ fn lamp(world: &mut WorldBuilder, scene: u64, dice: &mut Dice, dark: MaterialId)
 /// of one.
 pub fn generated(scene: u64, matte: bool) -> Arc<World> {
     let mut dice = Dice::new(if matte { scene } else { 1000 + scene });
+    Arc::new(objects(scene, matte, &mut dice).build().unwrap())
+}
+
+/// A matte scene with two bodies of media that may reach into each other and into its objects, and in every second scene a medium around
+/// everything.
+fn filled(scene: u64) -> Arc<World> {
+    let mut dice = Dice::new(2000 + scene);
+    let mut world = objects(scene, true, &mut dice);
+    for place in [DVec3::new(-0.4, -0.4, 0.1), DVec3::new(0.3, -0.3, 0.2)] {
+        let boundary = if dice.of(4) == 0 { Material::glass(1.2) } else { textured::Interface.into() };
+        let (boundary, medium) = (world.material(boundary), medium(&mut dice, place));
+        let medium = world.medium(medium);
+        let turned = Transform::rotate(dice.point(1.0) + DVec3::Y, dice.within(0.0, 360.0)).unwrap().then(&at(place));
+        match dice.of(2) {
+            0 => world.shape(Sphere { radius: 0.5 }, turned, boundary, None),
+            _ => world.shape(Cuboid { size: [0.7, 0.9, 0.6] }, turned, boundary, None),
+        }
+        world.fill(medium);
+    }
+    if scene.is_multiple_of(2) {
+        let haze = Medium::new(dice.color(0.0, 0.05), dice.color(0.02, 0.2), Phase::Rayleigh);
+        let haze = world.medium(haze);
+        world.surround(haze);
+    }
+    Arc::new(world.build().unwrap())
+}
+
+/// A medium of any kind, whose density, if it has one, is in a box around a point.
+fn medium(dice: &mut Dice, around: DVec3) -> Medium {
+    let phase = if dice.of(3) == 0 { Phase::Rayleigh } else { Phase::henyey_greenstein(dice.within(-0.5, 0.8)) };
+    let medium = Medium::new(dice.color(0.0, 1.0), dice.color(0.5, 4.0), phase).with_priority(dice.of(2) as i32);
+    let medium = if dice.of(3) == 0 { medium.emitting(dice.color(0.0, 1.0)) } else { medium };
+    if dice.of(2) == 0 {
+        return medium;
+    }
+    let size = UVec3::new(3, 4, 2);
+    let values: Vec<f32> = (0..24).map(|_| dice.within(-0.5, 2.0).max(0.0) as f32).collect();
+    let colors: Vec<Rgb> = (0..24).map(|_| stored(dice.color(0.3, 1.0))).collect();
+    let varying = Varying { albedo: Some(ColorGrid::Rgb(Grid::new(size, colors, Places::Corners))), emission: None };
+    let placed = at(around - DVec3::splat(0.6));
+    let density = Density::new(Grid::new(size, values, Places::Centers), &Transform::scale(DVec3::splat(1.2)).unwrap().then(&placed));
+    medium.with_density(density).with_varying(varying)
+}
+
+/// The objects of a generated scene.
+fn objects(scene: u64, matte: bool, dice: &mut Dice) -> WorldBuilder {
     let pose = Pose::new(&Transform::look_at(DVec3::new(0.1, 0.1, 3.4), DVec3::ZERO, DVec3::Y).unwrap());
     let mut world = World::builder(Camera::Perspective(Perspective::new(pose, 40.0, 0.02, 3.0)));
     let kinds = if matte { 6 } else { 3 };
@@ -135,7 +183,7 @@ pub fn generated(scene: u64, matte: bool) -> Arc<World> {
         world.shape(Quad { size: [2.0; 2] }, facing(out, -out), wall, None);
     }
     let dark = world.material(Material::mirror(Rgb::gray(0.1)));
-    lamp(&mut world, scene, &mut dice, dark);
+    lamp(&mut world, scene, dice, dark);
     if scene.is_multiple_of(3) || !matte {
         let radiance = stored(dice.color(0.2, 0.8));
         world.light(if scene.is_multiple_of(2) { bright_half(radiance) } else { Light::Environment(Environment { radiance }) });
@@ -143,7 +191,7 @@ pub fn generated(scene: u64, matte: bool) -> Arc<World> {
     for thing in 0..3 {
         // Glass, mirror, metal and matte cone in turn, so that every scene has clear and matte objects.
         let kind = if thing == 0 { (scene % 4) as u32 } else { dice.of(kinds) };
-        let material = world.material(substance(kind.min(kinds - 1), &mut dice));
+        let material = world.material(substance(kind.min(kinds - 1), dice));
         let place = DVec3::new([-0.5, 0.45, 0.0][thing], -0.6, [-0.2, -0.4, 0.4][thing]);
         let turn = Transform::rotate(dice.point(1.0) + DVec3::Y, dice.within(0.0, 360.0)).unwrap();
         // Glass encloses a volume.
@@ -160,7 +208,7 @@ pub fn generated(scene: u64, matte: bool) -> Arc<World> {
             _ => world.shape(bend(0.3), turn.then(&at(place)), material, None),
         }
     }
-    Arc::new(world.build().unwrap())
+    world
 }
 
 fn image(scene: &Arc<World>, integrator: &dyn Integrator, seed: u64) -> Image {
@@ -176,16 +224,17 @@ fn refusal(a: &Image, b: &Image) -> Option<String> {
 }
 
 /// Compares all pairs of integrators that simulate all effects of a generated scene.
-fn agree(scene: u64, matte: bool) {
-    let world = generated(scene, matte);
-    let able = ALL.iter().filter(|entry| entry.simulates.contains(needs(&*world, DEPTH)));
+///
+/// - `least`: least number of such integrators
+fn agree(name: &str, world: &Arc<World>, least: usize) {
+    let able = ALL.iter().filter(|entry| entry.simulates.contains(needs(&**world, DEPTH)));
     let images: Vec<(&str, Image)> =
-        able.zip(1..).filter_map(|(entry, seed)| Some((entry.name, image(&world, &*integrator(entry, DEPTH)?, seed)))).collect();
-    assert!(images.len() >= if matte { 2 } else { 3 });
-    for (k, (name, a)) in images.iter().enumerate() {
+        able.zip(1..).filter_map(|(entry, seed)| Some((entry.name, image(world, &*integrator(entry, DEPTH)?, seed)))).collect();
+    assert!(images.len() >= least);
+    for (k, (one, a)) in images.iter().enumerate() {
         for (other, b) in &images[k + 1..] {
             if let Some(found) = refusal(a, b) {
-                panic!("scene {scene} (matte: {matte}), {name} and {other}: {found}");
+                panic!("{name}, {one} and {other}: {found}");
             }
         }
     }
@@ -193,12 +242,17 @@ fn agree(scene: u64, matte: bool) {
 
 #[test]
 fn methods_agree_on_matte_scenes() {
-    (0..MATTE).for_each(|scene| agree(scene, true));
+    (0..MATTE).for_each(|scene| agree(&format!("matte scene {scene}"), &generated(scene, true), 2));
 }
 
 #[test]
 fn methods_agree_on_scenes_with_mirrors_and_glass() {
-    (0..CLEAR).for_each(|scene| agree(scene, false));
+    (0..CLEAR).for_each(|scene| agree(&format!("clear scene {scene}"), &generated(scene, false), 3));
+}
+
+#[test]
+fn methods_agree_on_scenes_with_media() {
+    (0..FILLED).for_each(|scene| agree(&format!("scene {scene} with media"), &filled(scene), 2));
 }
 
 /// The choice of weights for multiple importance sampling does not change the mean, on scenes with and without a sky.

@@ -347,6 +347,44 @@ fn open_bodies_with_media_are_named() {
     is_told(&crate_of(11, glass()), &["cloud", "open or inconsistently wound glass"], &crate_of(12, glass()));
 }
 
+/// Absorbing glass with something in it, or in fog; with the thing beside it there is no warning. It is true: a lamp behind 1 m of such glass
+/// is as bright as without, and has the right colour with the medium that the warning asks for.
+#[test]
+fn tinted_glass_with_something_in_it_is_named() {
+    let tinted = |eta: f64| json!({"type": "dielectric", "eta": eta, "absorption": {"color": [0.5, 0.2, 0.1], "distance": 0.5}});
+    let bottle = block("bottle", [0.0, 1.5, 0.0], [1.4; 3], tinted(1.5));
+    let words = ["bottle", "something else in it", "\"medium\": {\"type\": \"homogeneous\", \"absorption\": [1.386"];
+    let and = |thing: Value| with(&[bottle.clone(), thing]);
+    is_told(&and(ball("pearl", [0.2, 1.5, 0.0], 0.3, "diffuse")), &words, &and(ball("pearl", [1.2, 1.5, 0.0], 0.3, "diffuse")));
+    is_told(&and(ball("bubble", [0.2, 1.5, 0.0], 0.3, "dielectric")), &words, &and(ball("bubble", [1.2, 1.5, 0.0], 0.3, "dielectric")));
+    let fog = |y: f64, size: f64| {
+        let medium = json!({"type": "homogeneous", "scattering": 0.1});
+        and(json!({"type": "box", "name": "fog", "center": [0, y, 0], "size": size, "medium": medium}))
+    };
+    is_told(&fog(1.5, 0.5), &words, &fog(3.5, 0.5));
+    is_told(&fog(1.5, 2.0), &words, &fog(4.0, 2.0));
+
+    let lamp = json!({"type": "quad", "size": 1.8, "emission": {"radiance": 1}});
+    let seen = |mut glass: Value, medium: Value| {
+        let mut scene = json!({"pt": 1, "camera": {"type": "orthographic", "height": 0.5, "look_at": {"from": [0, 0, 4], "to": [0, 0, 0]}},
+            "film": {"width": 4, "height": 4}, "sampler": {"spp": 4}});
+        if !medium.is_null() {
+            glass["medium"] = medium;
+        }
+        scene["shapes"] = json!([lamp, glass]);
+        scene
+    };
+    let clear = block("block", [0.0; 3], [2.0; 3], json!({"type": "dielectric", "eta": 1}));
+    let wrong = seen(block("block", [0.0; 3], [2.0; 3], tinted(1.0)), Value::Null);
+    let told = said(&wrong).into_iter().find(|warning| warning.contains("something else in it")).expect("a warning");
+    let advice = &told[told.find("{").expect("a medium")..];
+    let right = seen(clear, serde_json::from_str(advice).expect("a medium"));
+    assert!(!said(&right).iter().any(|warning| warning.contains("something else in it")));
+    assert_eq!(rendered(&wrong, "nee").0, 1.0);
+    let exact = (0.5f64.powi(2) + 0.2f64.powi(2) + 0.1f64.powi(2)) / 3.0;
+    assert!((rendered(&right, "nee").0 / exact - 1.0).abs() < 1e-5);
+}
+
 /// A medium without end under a sky, which hides it; in a box, and without a sky, there is no warning.
 #[test]
 fn media_that_hide_the_sky_are_told() {

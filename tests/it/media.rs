@@ -460,6 +460,65 @@ fn grids_of_equal_colors_do_not_show() {
     }
 }
 
+/// Media of a group are where its instances show them: the picture is that of the same shapes in the places of the instances, path by path,
+/// but for rounding. The density is placed with the group, and the coefficients stay per metre of the world.
+#[test]
+fn instances_show_the_media_of_their_group() {
+    let places = [
+        json!([{"translate": [-1, 0.6, 0]}]),
+        json!([{"scale": 0.5}, {"rotate": {"axis": [0, 1, 1], "degrees": 70}}, {"translate": [1, 1, 0.5]}]),
+    ];
+    // A cloud in a ball, in a box of milk glass; and a lamp that is a body, too.
+    let shapes = |steps: &Value| {
+        let mut density = json!({"type": "noise", "resolution": 24, "transform": [{"translate": [-0.5, -0.5, -0.5]}]});
+        let steps = steps.as_array().cloned().unwrap_or_default();
+        density["transform"].as_array_mut().expect("steps").extend(steps.clone());
+        let cloud = json!({"type": "heterogeneous", "scattering": [20, 12, 8], "density": density,
+            "albedo_grid": {"size": [1, 2, 1], "values": [1, [1, 0.6, 0.4]]}});
+        let milk = json!({"type": "homogeneous", "scattering": 1, "absorption": [0.1, 0.3, 0.6], "phase": {"type": "henyey_greenstein", "g": 0.5}});
+        let flame = json!({"type": "homogeneous", "absorption": 3, "scattering": 1});
+        json!([{"type": "group", "transform": steps, "shapes": [
+            {"type": "sphere", "radius": 0.5, "medium": cloud},
+            {"type": "box", "size": 1.2, "medium": milk, "material": {"type": "dielectric", "eta": 1.2, "roughness": 0.3}},
+            {"type": "sphere", "radius": 0.2, "center": [0, 0, 0.9], "medium": flame, "material": {"type": "dielectric"}, "emission": 2}]}])
+    };
+    let scene = |groups: Value, shown: Value| {
+        let ground = json!({"type": "quad", "size": 10, "transform": [{"rotate": {"axis": [1, 0, 0], "degrees": -90}}]});
+        let mut scene = json!({"pt": 1, "camera": {"look_at": {"from": [0, 1.2, 4], "to": [0, 0.7, 0]}}, "film": {"width": 24, "height": 16},
+            "sampler": {"spp": 16}, "lights": [{"type": "point", "position": [1, 4, 2], "intensity": 20}], "background": {"radiance": 0.3}});
+        scene["groups"] = groups;
+        scene["shapes"] = json!([vec![ground], shown.as_array().cloned().unwrap_or_default()].concat());
+        scene
+    };
+    let values = |scene: &Value| rendered(scene, "nee").into_iter().map(|bits| f64::from(f32::from_bits(bits))).collect::<Vec<f64>>();
+    let direct = values(&scene(json!({}), json!([shapes(&places[0])[0], shapes(&places[1])[0]])));
+    let placements = places.each_ref().map(|steps| json!({"transform": steps}));
+    let shown =
+        values(&scene(json!({"puff": shapes(&json!([]))}), json!([{"type": "instances", "group": "puff", "placements": placements}])));
+    // Within each other: the second instance is one of a group in a group.
+    let [first, second] = placements;
+    let groups = json!({"puff": shapes(&json!([])), "pair": [{"type": "instances", "group": "puff", "placements": [first]},
+        {"type": "instances", "group": "puff", "placements": [second]}]});
+    let nested = values(&scene(groups, json!([{"type": "instances", "group": "pair"}])));
+    for (found, what) in [(shown, "instances"), (nested, "instances in instances")] {
+        let off: f64 = found.iter().zip(&direct).map(|(a, b)| (a - b).abs()).sum();
+        let all: f64 = direct.iter().sum();
+        // A path that rounding leads past an edge is another path; there are few.
+        assert!(off < 5e-3 * all, "{what}: {off} of {all}");
+    }
+
+    // A slab of one metre, in an instance of twice the size, is one of two metres.
+    let slab = json!([{"type": "box", "size": [9, 9, 1], "medium": {"type": "homogeneous", "absorption": 0.5}}]);
+    let mut behind = json!({"pt": 1, "camera": {"look_at": {"from": [0, 0, 4], "to": [0, 0, 0]}, "fov": 1}, "film": {"width": 2, "height": 2},
+        "sampler": {"spp": 1}, "background": {"radiance": 1}, "shapes": [{"type": "instances", "group": "slab"}]});
+    behind["groups"] = json!({"slab": slab});
+    for (scale, depth) in [(1.0, 0.5f64), (2.0, 1.0)] {
+        behind["shapes"][0]["placements"] = json!([{"transform": [{"scale": scale}]}]);
+        let [found, ..] = values(&behind)[..] else { panic!("a picture") };
+        assert!((found / (-depth).exp() - 1.0).abs() < 1e-4, "{scale}: {found}");
+    }
+}
+
 /// A large ball of a medium with an albedo, without a surface: in even light, an orthographic picture of it shows the albedo in the mean over
 /// its disk.
 #[test]
@@ -641,8 +700,15 @@ fn faults_of_media_have_their_place() {
         ),
         (r#""shapes": [{"type": "quad", ^"medium": {"type": "homogeneous"}}]"#, "/shapes/0/medium: unknown key"),
         (
-            r#""groups": {"g": [{"type": "sphere", "medium": ^{"type": "homogeneous"}}]}"#,
-            "/groups/g/0/medium: shapes of groups that instances show cannot contain a medium",
+            r#""groups": {"g": [{"type": "sphere", "medium": {"type": "homogeneous"}}], "h": [{"type": "instances", "group": "g"}]},
+                "shutter": {"close": 1}, "shapes": [{"type": "instances", "group": ^"h", "placements": [{"transform": [{"keyframes": [
+                {"time": 0, "transform": []}, {"time": 1, "transform": [{"translate": [1, 0, 0]}]}]}]}]}]"#,
+            "/shapes/0/group: a shape that contains a medium cannot move",
+        ),
+        (
+            r#""groups": {"g": [{"type": "sphere", "medium": {"type": "homogeneous"}}]}, "shapes": [{"type": "instances", "group": "g",
+                "material": ^{"type": "masked", "surface": {"type": "diffuse"}, "opacity": 0.5}}]"#,
+            "/shapes/0/material: a shape of this group contains a medium: a shape with holes cannot",
         ),
         (
             r#""shapes": [{"type": "sphere", "medium": {"type": "homogeneous"}, "emission": ^1}]"#,
@@ -675,7 +741,7 @@ fn impossible_media_are_refused() {
         medium[key] = grid;
         medium
     };
-    for (medium, expected) in [
+    let of_media = [
         (varying("density", json!({"type": "grid", "file": "half.vol"})), "half.vol: expected one channel, the density, found 3"),
         (
             varying("albedo_grid", json!({"file": "half.vol"})),
@@ -689,8 +755,13 @@ fn impossible_media_are_refused() {
             json!({"type": "subsurface", "albedo": 1, "mean_free_path": 1e-30, "scale": 1e-20}),
             "/shapes/0/medium: coefficients beyond the range",
         ),
-    ] {
-        let scene = json!({"pt": 1, "camera": {}, "shapes": [{"type": "sphere", "medium": medium}]});
+    ];
+    let sphere = |medium: Value| json!({"type": "sphere", "medium": medium});
+    let group = json!({"g": [sphere(varying("density", json!({"type": "noise", "resolution": 8})))]});
+    let huge = json!({"type": "instances", "group": "g", "placements": [{"transform": [{"scale": 1e8}]}]});
+    let of_media = of_media.into_iter().map(|(medium, expected)| (sphere(medium), expected));
+    for (shape, expected) in of_media.chain([(huge, "an instance gives a medium an optical depth of")]) {
+        let scene = json!({"pt": 1, "camera": {}, "groups": group, "shapes": [shape]});
         let folder = tempfile::tempdir().expect("a folder");
         let files = [
             ("s.json", scene.to_string().into_bytes()),

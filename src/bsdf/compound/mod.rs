@@ -17,7 +17,7 @@ use glam::{DVec3, Vec2};
 use super::{Bsdf, BsdfSample, DeltaLobes, HitContext, Material, Passage, TransportMode};
 use crate::effects::Effects;
 use crate::math::float::ONE_MINUS_EPSILON;
-use crate::math::{Density, Local, SolidAnglePdf, Spectrum, Wavelength};
+use crate::math::{Density, Local, Rgb, SolidAnglePdf, Spectrum, Wavelength};
 use crate::texture::Texture;
 
 pub use coated::{Coat, Coated};
@@ -213,6 +213,11 @@ impl Compound {
     /// Whether light passes through the surface, and what is behind it: the largest value of the parts.
     pub fn passage(&self) -> Passage {
         self.parts().into_iter().map(Material::passage).max().unwrap_or(Passage::Blocked)
+    }
+
+    /// σ of the body behind the surface (1/m), if one of the parts has it.
+    pub fn absorption(&self) -> Option<Rgb> {
+        self.parts().into_iter().find_map(Material::absorption)
     }
 
     /// The materials that the compound is made of.

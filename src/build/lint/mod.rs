@@ -14,6 +14,7 @@ mod open_glass;
 mod overlaps;
 mod precision;
 mod rays;
+mod tinted_glass;
 
 use crate::describe::Names;
 use crate::scene::Scene as _;
@@ -43,9 +44,10 @@ impl Linted<'_> {
 type Lint = fn(&Linted) -> Vec<String>;
 
 /// All kinds of mistakes, in the order of their warnings.
-const LINTS: [Lint; 8] = [
+const LINTS: [Lint; 9] = [
     precision::warnings,
     open_glass::warnings,
+    tinted_glass::warnings,
     media::open,
     media::hidden,
     overlaps::warnings,

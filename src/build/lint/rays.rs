@@ -13,6 +13,7 @@ use crate::shape::{SurfacePoint, offset_ray_origin};
 use crate::world::{ShapePlace, World};
 
 /// The random numbers in [0, 1) of one test ray or path.
+#[derive(Clone)]
 pub struct Numbers(u64);
 
 impl Numbers {
@@ -36,6 +37,7 @@ impl Numbers {
 }
 
 /// A point of a surface, with the hit that names the surface.
+#[derive(Clone)]
 pub struct OnShape {
     pub hit: Hit,
     pub point: SurfacePoint,

@@ -89,6 +89,8 @@ impl Equiangular {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::medium::Phase;
 
@@ -111,7 +113,7 @@ mod tests {
             let angular = Equiangular::new(Vec3::from(point), Vec3::Z, range).expect("a point beside the ray");
             assert_is_density(|u| angular.sample(u), |t| angular.density(t));
         }
-        let media = Media::new(vec![], vec![], None);
+        let media = Media::new(vec![], vec![], None, DVec3::ZERO);
         for (extinction, length) in [(2.0, 1.5), (1e-3, 1.0), (1.0, f32::INFINITY)] {
             let medium = Medium::new(Spectrum::BLACK, Spectrum::gray(extinction), Phase::Isotropic);
             let flight = Truncated::new(&media, Spectrum::ONE, medium.depth(length)).expect("a medium that scatters");
@@ -123,7 +125,7 @@ mod tests {
     fn channels_are_chosen_by_what_they_carry() {
         let mut media = vec![Medium::new(Spectrum::BLACK, Spectrum::rgb(1.0, 0.5, 0.0), Phase::Isotropic)];
         let medium = media[0].clone();
-        let media = Media::new(std::mem::take(&mut media), vec![], Some(crate::medium::MediumId(0)));
+        let media = Media::new(std::mem::take(&mut media), vec![], Some(crate::medium::MediumId(0)), DVec3::ZERO);
         let flight = Truncated::new(&media, Spectrum::rgb(1.0, 3.0, 5.0), medium.depth(2.0)).expect("a medium that scatters");
         // The third channel does not scatter.
         assert_eq!([0.1, 0.24, 0.26, 0.99].map(|u| flight.sample(u).0), [0, 0, 1, 1]);
