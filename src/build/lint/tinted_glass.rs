@@ -23,7 +23,8 @@ pub(super) fn warnings(linted: &Linted) -> Vec<String> {
     let rays = MOST_RAYS.checked_div(absorbing.len() as u32).map_or(0, |rays| rays.min(RAYS));
     let said = absorbing.into_iter().filter_map(|(shape, absorption)| {
         let within_media = points_of(world, shape, 1, |_| true).any(|from| is_in_medium(world, from));
-        let stopped = points_of(world, shape, rays, |material| material.absorption().is_some()).filter(|from| is_stopped(world, from));
+        let stopped =
+            points_of(world, shape, rays, |material| material.absorption().is_some()).filter(|from| is_stopped(world, from, absorption));
         let is_exact = !within_media && stopped.count() as u32 <= LOST_BY_ROUNDING;
         (!is_exact).then(|| sentence(linted.name(shape), absorption))
     });
@@ -44,13 +45,14 @@ fn sentence(name: &str, absorption: Rgb) -> String {
     )
 }
 
-/// Whether a ray into a body meets something before the inner side of the body, or the boundary of a medium. One that meets nothing, or the
-/// outer side, is told of by `open_glass`.
-fn is_stopped(world: &World, from: &OnShape) -> bool {
+/// Whether a ray into a body meets something before the inner side of the body, or the boundary of a medium. A body may be of several shapes
+/// whose glass absorbs alike. A ray that meets nothing, or the outer side of its shape, is told of by `open_glass`.
+fn is_stopped(world: &World, from: &OnShape, absorption: Rgb) -> bool {
     let OnShape { hit: entered, point, mut numbers } = from.clone();
     let ray = scattered(&point, -1.0, &mut numbers);
-    let Some(Met { hit, .. }) = meet(world, &ray) else { return false };
-    !are_of_one_shape(&hit, &entered) || world.interface(&Ray { t_max: hit.t, ..ray }).is_some()
+    let Some(Met { hit, material, is_outside, .. }) = meet(world, &ray) else { return false };
+    let is_its_end = are_of_one_shape(&hit, &entered) || (!is_outside && material.absorption() == Some(absorption));
+    !is_its_end || world.interface(&Ray { t_max: hit.t, ..ray }).is_some()
 }
 
 /// Whether a medium is around the inner side of a surface.
