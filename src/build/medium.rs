@@ -48,7 +48,7 @@ impl Builder<'_> {
         let at = format!("{pointer}/density");
         let Some((density, bounds)) = self.density(&at, &described.density) else { return medium };
         let medium = self.checked(&at, medium.with_density(density));
-        let box_of_files = if described.density.bounds().is_none() { Some(bounds) } else { None };
+        let box_of_files = described.density.bounds().is_none().then_some(bounds);
         let mut grid = |key: &str, grid: &Option<describe::ColorGrid>, quantity| {
             grid.as_ref().and_then(|grid| self.color_grid(&format!("{pointer}/{key}"), grid, quantity, box_of_files))
         };

@@ -261,7 +261,32 @@ fn place_all(changed: &mut Value, scene: &Scene, place: &Similarity) {
         ["max_distance", "step_off"].into_iter().for_each(|key| multiply(options, key, place.scale));
         change_vector(options, "sun_direction", |v| place.turn * v);
     }
-    place_materials(changed, place);
+    // Densities of groups are placed by the instances. Media that are used in and outside of groups become two.
+    let groups = changed.get_mut("groups").map(Value::take);
+    place_materials(changed, place, true);
+    if let Some(mut groups) = groups {
+        let media = serde_json::to_value(&scene.media).unwrap_or_default();
+        describe_in_place(&mut groups, &media);
+        place_materials(&mut groups, place, false);
+        changed["groups"] = groups;
+    }
+}
+
+/// Replaces names of media by their descriptions.
+fn describe_in_place(value: &mut Value, media: &Value) {
+    match value {
+        Value::Array(items) => items.iter_mut().for_each(|item| describe_in_place(item, media)),
+        Value::Object(members) => {
+            for (key, member) in members {
+                let described = member.as_str().filter(|_| key == "medium").and_then(|name| media.get(name));
+                match described.cloned() {
+                    Some(described) => *member = described,
+                    None => describe_in_place(member, media),
+                }
+            }
+        }
+        _ => {}
+    }
 }
 
 /// Replaces `look_at` by a step of a transform, since a mirrored camera has no `look_at`.
@@ -324,9 +349,11 @@ fn change_vector(object: &mut Value, key: &str, change: impl Fn(DVec3) -> DVec3)
 
 /// Textures that vary over the position in the world, heights of bump maps, lengths of absorption and coefficients of media, wherever they
 /// stand.
-fn place_materials(value: &mut Value, place: &Similarity) {
+///
+/// - `has_densities`: whether densities of media are moved, too
+fn place_materials(value: &mut Value, place: &Similarity, has_densities: bool) {
     match value {
-        Value::Array(items) => items.iter_mut().for_each(|item| place_materials(item, place)),
+        Value::Array(items) => items.iter_mut().for_each(|item| place_materials(item, place, has_densities)),
         Value::Object(members) => {
             if members.get("on").is_some_and(|on| on == &json!(TextureSpace::Position)) {
                 let steps = members.entry("transform").or_insert_with(|| json!([]));
@@ -347,14 +374,14 @@ fn place_materials(value: &mut Value, place: &Similarity) {
                 let scale = members.get("scale").and_then(Value::as_f64).unwrap_or(1.0);
                 members.insert("scale".to_owned(), json!(scale * place.scale));
             }
-            if let Some(Value::Object(density)) = members.get_mut("density") {
+            if let Some(Value::Object(density)) = members.get_mut("density").filter(|_| has_densities) {
                 let steps = density.entry("transform").or_insert_with(|| json!([]));
                 steps.as_array_mut().expect("a transform").push(place.step());
             }
             if let Some(absorption) = members.get_mut("absorption").filter(|absorption| absorption.is_object()) {
                 multiply(absorption, "distance", place.scale);
             }
-            members.values_mut().for_each(|member| place_materials(member, place));
+            members.values_mut().for_each(|member| place_materials(member, place, has_densities));
         }
         _ => {}
     }

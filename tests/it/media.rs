@@ -701,7 +701,7 @@ fn faults_of_media_have_their_place() {
         (r#""shapes": [{"type": "quad", ^"medium": {"type": "homogeneous"}}]"#, "/shapes/0/medium: unknown key"),
         (
             r#""groups": {"g": [{"type": "sphere", "medium": {"type": "homogeneous"}}], "h": [{"type": "instances", "group": "g"}]},
-                "shutter": {"close": 1}, "shapes": [{"type": "instances", "group": ^"h", "placements": [{"transform": [{"keyframes": [
+                "shutter": {"open": 0, "close": 1}, "shapes": [{"type": "instances", "group": ^"h", "placements": [{"transform": [{"keyframes": [
                 {"time": 0, "transform": []}, {"time": 1, "transform": [{"translate": [1, 0, 0]}]}]}]}]}]"#,
             "/shapes/0/group: a shape that contains a medium cannot move",
         ),

@@ -130,6 +130,26 @@ fn lenses_change_with_the_scene() {
     }
 }
 
+/// Densities of media are placed in the world, and those of groups by the instances; coefficients are per metre.
+#[test]
+fn densities_change_with_the_scene() {
+    let json = r#"{ "pt": 1, "camera": { "look_at": { "from": [0, 1, 5], "to": [0, 0.5, 0] } }, "film": { "width": 24, "height": 16 },
+      "background": { "radiance": 0.5 }, "lights": [{ "type": "point", "position": [1, 4, 2], "intensity": 40 }],
+      "media": { "smoke": { "type": "heterogeneous", "scattering": 6, "density": { "type": "grid", "size": [2, 2, 1], "values": [2, 0, 1, 0.5],
+        "bounds": { "low": [-0.5, 0, -0.5], "high": [0.5, 1, 0.5] } }, "albedo_grid": { "size": [1, 2, 1], "values": [1, [1, 0.6, 0.2]] } } },
+      "groups": { "puff": [{ "type": "box", "size": 1, "center": [0, 0.5, 0], "medium": "smoke" }] },
+      "shapes": [{ "type": "box", "size": 1, "center": [0, 0.5, 0], "medium": "smoke" },
+        { "type": "instances", "group": "puff", "placements": [{ "transform": [{ "scale": 0.7 }, { "translate": [-1.2, 0.1, 0] }] },
+          { "transform": [{ "rotate": { "axis": [1, 2, 3], "degrees": 70 } }, { "translate": [1.3, 0.2, 0] }] }] }] }"#;
+    trial(json, [24, 16], 4, "nee", |trial| {
+        for change in
+            trial.changes().iter().filter(|change| ["1e-2", "2^7", "turned", "mirrored"].iter().any(|word| change.name.contains(word)))
+        {
+            assert_eq!(trial.ask(change).expect("an outcome").verdict, Verdict::Same, "{}", change.name);
+        }
+    });
+}
+
 /// The greatest distance of `ao` is a length too.
 #[test]
 fn options_of_integrators_change_with_the_scene() {
