@@ -80,6 +80,11 @@ impl Builder<'_> {
             self.fault("/background/image", &format!("{file}: expected a square picture for an octahedral map, found {width} × {height}"));
             return None;
         }
+        if pixels.values().as_flattened().len() > MOST_NUMBERS {
+            let [width, height] = pixels.size().to_array();
+            self.fault("/background/image", &format!("{file}: expected fewer than 7·10⁸ pixels, found {width} × {height}"));
+            return None;
+        }
         self.note_unusual_shape(file, mapping, &pixels);
         let scale = background.scale.as_ref().map_or(Rgb::WHITE, rgb);
         let most = f64::from(pixels.most()) * f64::from(scale.max());
@@ -127,6 +132,9 @@ const AZIMUTH: f64 = 120.0;
 
 /// Elevation of the sun below which the sky has no light from it (degrees).
 const NIGHT: f64 = -18.0;
+
+/// Greatest number of colour components of an environment map, three for each pixel: lookups side by side have indices of 31 bits.
+const MOST_NUMBERS: usize = i32::MAX as usize;
 
 /// Deviation from a rotation that numbers with seven digits in a scene file have.
 const NEARLY: f64 = 1e-5;

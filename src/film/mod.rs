@@ -70,7 +70,9 @@ impl FilmSpec {
         FilmSpec { layers: vec![], ..self }
     }
 
-    /// The same view with about this many pixels, or as many as there are if they are fewer, without layers.
+    /// A smaller film that shows the same view, without layers. A film that has fewer pixels keeps its size.
+    ///
+    /// - `most`: about the number of pixels within the crop
     pub fn with_pixels(&self, most: f32) -> FilmSpec {
         let factor = (most / self.crop.size().as_vec2().element_product()).sqrt().min(1.0);
         let scaled = |v: UVec2| (v.as_vec2() * factor).round().as_uvec2();

@@ -113,8 +113,8 @@ mod tests {
         assert!(Replicates::ratio(&[2.0, 4.0, 9.0], &[1.0, 2.0, 4.5]).error < 1e-15);
     }
 
-    /// Of 32 values one may have half of the variance (t = 5.7, 1 in 10⁴), and not six tenths (t = 7, 3 in 10⁶). Equal values have no tail, and two
-    /// values tell nothing of one.
+    /// One of 32 values may hold half of the variance: a normal distribution has such a value once in 10⁴ cases (t = 5.7). It may not hold six
+    /// tenths, for which it would be 3 in 10⁶ (t = 7). Equal values have no heavy tail, and two values say nothing about either of them.
     #[test]
     fn one_replicate_with_most_of_the_variance_is_a_heavy_tail() {
         // ±1, and x for one of them: x² is the share x²/(31 + x²), but for the mean.

@@ -76,9 +76,9 @@ pub struct EffectReport {
 /// How much is measured.
 #[derive(Clone, Copy, Debug)]
 pub enum Extent {
-    /// As much as a time allows. Scenes without the effects are built within it, but at least half of it is left for pictures.
+    /// For about this time. It includes building the scenes without the effects, but at least half of it goes into pictures.
     Time(Duration),
-    /// So many pictures of this size.
+    /// A fixed number of pictures and samples.
     Plan(Plan),
 }
 

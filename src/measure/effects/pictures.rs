@@ -30,7 +30,7 @@ impl Way {
         Way { world: loaded.world.clone(), integrator: loaded.integrator.clone(), film: loaded.film.clone() }
     }
 
-    /// The same with about this many pixels.
+    /// A film that shows the same view with about `pixels` pixels.
     fn film(&self, pixels: f32) -> FilmSpec {
         self.film.with_pixels(pixels)
     }
