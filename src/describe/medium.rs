@@ -58,7 +58,8 @@ pub struct Homogeneous {
     /// The directions of scattered light.
     #[serde(default)]
     pub phase: Phase,
-    /// Where shapes with media overlap, the medium with the lowest priority number counts; of equal ones that of the smaller shape.
+    /// Where shapes with media overlap, the medium with the lowest priority number counts; of equal ones that of the smaller
+    /// shape, by the volume of the box around it along its own axes.
     #[serde(default)]
     pub priority: i32,
 }
@@ -79,7 +80,8 @@ pub struct Heterogeneous {
     /// The directions of scattered light.
     #[serde(default)]
     pub phase: Phase,
-    /// Where shapes with media overlap, the medium with the lowest priority number counts; of equal ones that of the smaller shape.
+    /// Where shapes with media overlap, the medium with the lowest priority number counts; of equal ones that of the smaller
+    /// shape, by the volume of the box around it along its own axes.
     #[serde(default)]
     pub priority: i32,
     /// The factor of the coefficients at each point.
@@ -113,7 +115,8 @@ pub struct Subsurface {
     /// A factor of all lengths in the body: 10 makes one of ten times the size look the same.
     #[serde(default = "all_lengths")]
     pub scale: Positive,
-    /// Where shapes with media overlap, the medium with the lowest priority number counts; of equal ones that of the smaller shape.
+    /// Where shapes with media overlap, the medium with the lowest priority number counts; of equal ones that of the smaller
+    /// shape, by the volume of the box around it along its own axes.
     #[serde(default)]
     pub priority: i32,
 }

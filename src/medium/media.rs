@@ -35,7 +35,7 @@ pub struct Body {
     pub medium: MediumId,
     /// Transform to the world from the space of a group, in which its density is described; `None` for bodies of the scene itself.
     pub to_world: Option<DAffine3>,
-    /// Volume of its bounding box (m³).
+    /// Volume of the box around it along its own axes (m³).
     pub volume: f64,
 }
 

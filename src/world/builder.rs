@@ -224,9 +224,8 @@ impl WorldBuilder {
 /// `Limit` for more than [`MOST_BODIES`].
 fn bodies<'c>(objects: &[Object], copies: impl Iterator<Item = (u32, &'c ShapeCopy<'c>, &'c Transform)>) -> Result<Vec<Body>> {
     let body = |shape: u32, object: &Object, to_world: Option<&Transform>| {
-        let to_outer = to_world.map_or(object.to_outer, |to_world| object.to_outer.then(to_world));
-        let (low, high) = object.geometry.bounds(&to_outer);
-        Some(Body { shape, medium: object.medium?, to_world: to_world.map(Transform::matrix), volume: (high - low).element_product() })
+        let own_to_world = to_world.map_or(object.to_outer, |to_world| object.to_outer.then(to_world));
+        Some(Body { shape, medium: object.medium?, to_world: to_world.map(Transform::matrix), volume: volume(object, &own_to_world) })
     };
     let own = (0..).zip(objects).filter_map(|(shape, object)| body(shape, object, None));
     let bodies: Vec<Body> = own.chain(copies.filter_map(|(shape, copy, to_world)| body(shape, copy.object, Some(to_world)))).collect();
@@ -234,6 +233,15 @@ fn bodies<'c>(objects: &[Object], copies: impl Iterator<Item = (u32, &'c ShapeCo
         return Err(Error::Limit(Fault::new(format!("more than {MOST_BODIES} shapes have a medium"))));
     }
     Ok(bodies)
+}
+
+/// Volume of the box around a body along the body's own axes (m³), which stays the same when the body or the whole scene is turned. It has
+/// 28 binary digits, so that equal bodies in different places have equal volumes in spite of rounding.
+fn volume(object: &Object, own_to_world: &Transform) -> f64 {
+    const DROPPED: u32 = f64::MANTISSA_DIGITS - 28;
+    let (low, high) = object.geometry.bounds(&Transform::IDENTITY);
+    let volume = (high - low).element_product() * own_to_world.matrix().matrix3.determinant().abs();
+    f64::from_bits((volume.to_bits() + (1 << (DROPPED - 1))) >> DROPPED << DROPPED)
 }
 
 /// Refuses instances in which rays could take seconds to pass a medium, see [`MOST_DEPTH`].
