@@ -146,19 +146,21 @@ def test_meters(pt, tmp_path, ball):
     ball["meters"] = [
         {"type": "irradiance", "position": [0, 3, 0], "normal": [0, 1, 0], "name": "up"},
         {"type": "radiance", "position": [0, 0, 4], "direction": [0, 0, -1]},
+        {"type": "illuminance", "position": [0, 3, 0], "normal": [0, 1, 0]},
     ]
     scene = pt_renderer.load(ball)
-    up, ahead = scene.measure(samples=4096)
+    up, ahead, lux = scene.measure(samples=4096)
     assert (up.name, up.quantity, up.unit, ahead.name, ahead.quantity) == ("up", "irradiance", "W/m²", "/meters/1", "radiance")
-    assert math.isclose(up.mean, math.pi, rel_tol=1e-5) and math.isclose(ahead.mean, 0.5, rel_tol=0.05)
+    assert math.isclose(up.value, math.pi, rel_tol=1e-5) and math.isclose(ahead.value, 0.5, rel_tol=0.05)
+    assert lux.unit == "lx" and math.isclose(lux.value, 683 * math.pi, rel_tol=1e-5) and math.isclose(lux.rgb[0], math.pi, rel_tol=1e-5)
     path = tmp_path / "ball.json"
     path.write_text(json.dumps(ball), encoding="utf-8")
     said = json.loads(pt("meter", path, "--samples", 4096, "--json").stdout)["meters"]
-    for reading, row in zip((up, ahead), said):
-        for name in ("name", "unit", "mean", "half_width", "samples", "invalid", "confidence", "refusal"):
+    for reading, row in zip((up, ahead, lux), said):
+        for name in ("name", "unit", "value", "half_width", "samples", "invalid", "confidence", "refusal"):
             assert getattr(reading, name) == row[name], name
         assert list(reading.rgb) == row["rgb"] and list(reading.rgb_half_width) == row["rgb_half_width"]
-    assert [reading.target_met for reading in scene.measure(target=0.01)] == [True, True]
+    assert [reading.target_met for reading in scene.measure(target=0.01)] == [True, True, True]
     assert up.target_met is None
 
 

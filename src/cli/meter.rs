@@ -12,6 +12,7 @@ use crate::error::text::one_line;
 use crate::error::{Error, Result};
 use crate::integrator::Entry;
 use crate::measure::format::{number, per_cent};
+use crate::measure::meter::Response;
 use crate::measure::meters::{CONFIDENCE, MeterLimits, NamedReading, check_meters, measure_meters};
 use crate::scene::Scene as _;
 
@@ -22,7 +23,7 @@ pub struct MeterArgs {
     /// Integrator. Default: the scene's, or nee.
     #[arg(short, long, value_name = "NAME")]
     pub integrator: Option<String>,
-    /// Greatest relative error of the mean of each meter's three colours, such as 1%: half the width of its 95 % interval. Exit code 7 if
+    /// Greatest relative error of each meter's value, such as 1%: half the width of its 95 % interval. Exit code 7 if
     /// one is not reached.
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub target: Option<f64>,
@@ -74,7 +75,11 @@ fn table(rows: &[NamedReading]) -> String {
         let (what, unit) = row.unit();
         text += &format!("{}, {what} in {unit}, {} samples\n", one_line(name), reading.samples);
         let is_gray = reading.values[1..3].iter().all(|mean| mean.value == reading.values[0].value);
-        let channels: &[(usize, &str)] = if is_gray { &[(3, "gray")] } else { &[(0, "red"), (1, "green"), (2, "blue"), (3, "mean")] };
+        let channels: &[(usize, &str)] = match row.response {
+            Response::Photometric => &[(3, "value")],
+            Response::Radiometric if is_gray => &[(3, "gray")],
+            Response::Radiometric => &[(0, "red"), (1, "green"), (2, "blue"), (3, "mean")],
+        };
         for &(channel, color) in channels {
             let (value, half) = (reading.values[channel].value, reading.half_width(channel, CONFIDENCE));
             let error = match reading.has_heavy_tail {
@@ -101,8 +106,8 @@ fn as_json(integrator: &str, rows: &[NamedReading]) -> String {
             let value = |channel: usize| reading.values[channel].value;
             json!({
                 "name": name, "type": what, "unit": unit,
-                "rgb": [value(0), value(1), value(2)], "rgb_half_width": [half(0), half(1), half(2)],
-                "mean": value(3), "half_width": half(3), "confidence": CONFIDENCE,
+                "rgb_unit": row.rgb_unit(), "rgb": [value(0), value(1), value(2)], "rgb_half_width": [half(0), half(1), half(2)],
+                "value": value(3), "half_width": half(3), "confidence": CONFIDENCE,
                 "samples": reading.samples, "invalid": reading.invalid, "seconds": time.as_secs_f64(),
                 "refusal": refusal,
             })

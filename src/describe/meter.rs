@@ -7,30 +7,36 @@ use crate::format::{Direction, DiskAngle, NonNegative, Point};
 use crate::reader::by_type;
 
 /// A place where light is measured by `pt meter`. Meters are no part of the picture.
-#[allow(missing_docs, reason = "a variant's meaning is that of its struct, whose text the schema takes")]
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Meter {
-    Irradiance(IrradianceMeter),
-    Radiance(RadianceMeter),
+    /// The irradiance on one side of a plane, in W·m⁻²: at a point, or the mean over a disk.
+    Irradiance(PlaneMeter),
+    /// The illuminance on one side of a plane, in lux: at a point, or the mean over a disk. One watt of white light is 683 lumens.
+    Illuminance(PlaneMeter),
+    /// The radiance that arrives at a point from a direction, in W·m⁻²·sr⁻¹, or the mean over a disk of directions.
+    Radiance(DirectionMeter),
+    /// The luminance of what is seen from a point in a direction, in cd·m⁻², or the mean over a disk of directions. One watt of white light
+    /// is 683 lumens.
+    Luminance(DirectionMeter),
 }
 
-by_type!(Meter { Irradiance(IrradianceMeter), Radiance(RadianceMeter) });
+by_type!(Meter { Irradiance(PlaneMeter), Illuminance(PlaneMeter), Radiance(DirectionMeter), Luminance(DirectionMeter) });
 
 impl Meter {
     /// The name of the meter, if it has one.
     pub fn name(&self) -> Option<&str> {
         match self {
-            Meter::Irradiance(meter) => meter.name.as_deref(),
-            Meter::Radiance(meter) => meter.name.as_deref(),
+            Meter::Irradiance(meter) | Meter::Illuminance(meter) => meter.name.as_deref(),
+            Meter::Radiance(meter) | Meter::Luminance(meter) => meter.name.as_deref(),
         }
     }
 }
 
-/// The irradiance on one side of a plane, in W·m⁻²: at a point, or the mean over a disk.
+/// A meter on one side of a plane.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct IrradianceMeter {
+pub struct PlaneMeter {
     /// The name of the meter in messages and tables.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -39,14 +45,14 @@ pub struct IrradianceMeter {
     /// The direction that the meter faces. Light from the other side does not count.
     pub normal: Direction,
     /// The radius of the disk, in metres. 0 measures at the point.
-    #[serde(default = "point", skip_serializing_if = "IrradianceMeter::is_point")]
+    #[serde(default = "point", skip_serializing_if = "PlaneMeter::is_point")]
     pub radius: NonNegative,
 }
 
-/// The radiance that arrives at a point from a direction, in W·m⁻²·sr⁻¹, or the mean over a disk of directions.
+/// A meter that looks in a direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RadianceMeter {
+pub struct DirectionMeter {
     /// The name of the meter in messages and tables.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -55,7 +61,7 @@ pub struct RadianceMeter {
     /// The direction in which the meter looks, and from which the light comes.
     pub direction: Direction,
     /// The full angle of the disk of directions, in degrees. 0 measures in the one direction.
-    #[serde(default, skip_serializing_if = "RadianceMeter::is_single")]
+    #[serde(default, skip_serializing_if = "DirectionMeter::is_single")]
     pub angle: DiskAngle,
 }
 
@@ -64,13 +70,13 @@ fn point() -> NonNegative {
     NonNegative::known(0.0)
 }
 
-impl IrradianceMeter {
+impl PlaneMeter {
     fn is_point(radius: &NonNegative) -> bool {
         radius.get() == 0.0
     }
 }
 
-impl RadianceMeter {
+impl DirectionMeter {
     fn is_single(angle: &DiskAngle) -> bool {
         angle.get() == 0.0
     }

@@ -15,6 +15,7 @@ pub mod fresnel;
 pub mod hash;
 pub mod lanes;
 pub mod measure;
+pub mod photometry;
 pub mod ray;
 pub mod rgb;
 pub(crate) mod simd;

@@ -1,4 +1,4 @@
-//! Meters: the irradiance on a plane and the radiance from a direction, with error bars.
+//! Meters: the irradiance on a plane and the radiance from a direction, in units of power or of what the eye sees, with error bars.
 //!
 //! A reading is the mean of [`SEQUENCES`] means of independently scrambled sequences. Their variance gives the error, without any
 //! assumption about the samples of one sequence.
@@ -15,6 +15,7 @@ use crate::bsdf::{Bsdf, Diffuse};
 use crate::effects::Effects;
 use crate::integrator::{CameraSample, Context, Estimator, Filled, Interrupt, Space};
 use crate::light::LightSampleContext;
+use crate::math::photometry::{LUMENS_PER_WATT, luminance};
 use crate::math::{Density, Frame, Local, Ray, SolidAnglePdf, Spectrum, warp};
 use crate::medium::Inside;
 use crate::primitive::Hit;
@@ -40,6 +41,17 @@ pub struct Meter {
     pub position: Vec3,
     /// What is measured.
     pub quantity: Quantity,
+    /// Whether power is measured or what the eye sees.
+    pub response: Response,
+}
+
+/// How the three colours become the one value of a reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Response {
+    /// Power: the mean of red, green and blue.
+    Radiometric,
+    /// What the eye sees: lumens, see [`photometry`](crate::math::photometry).
+    Photometric,
 }
 
 /// What a meter measures.
@@ -64,7 +76,7 @@ pub enum Quantity {
 /// What a meter has measured so far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
-    /// Red, green, blue, and the mean of the three.
+    /// Red, green, blue (in units of power), and the one value of the response.
     pub values: [Mean; 4],
     /// Number of samples.
     pub samples: u64,
@@ -82,7 +94,7 @@ impl Reading {
         student.inverse_cdf(0.5 + 0.5 * confidence) * mean.standard_error() + ROUNDING * mean.value
     }
 
-    /// Half the width of the interval of the mean of the three colours, relative to their mean; infinite where no interval is stated and
+    /// Half the width of the interval of the value, relative to it; infinite where no interval is stated and
     /// where no light has arrived.
     pub fn relative_half_width(&self, confidence: f64) -> f64 {
         match self.values[3].value {
@@ -118,7 +130,7 @@ pub fn measure<T>(
                 sum.add(meter.sample(scene, estimator, numbers, Interrupt::new(&|| interrupt())));
             }
         });
-        if let ControlFlow::Break(result) = look(&reading(&sums)) {
+        if let ControlFlow::Break(result) = look(&reading(&sums, meter.response)) {
             return result;
         }
         samples *= 2;
@@ -142,15 +154,24 @@ impl Sum {
         }
     }
 
-    /// Red, green, blue, and the mean of the three.
-    fn means(&self) -> [f64; 4] {
+    /// Red, green, blue, and the value of the response.
+    fn means(&self, response: Response) -> [f64; 4] {
         let [r, g, b] = self.rgb.map(|sum| sum / self.count as f64);
-        [r, g, b, (r + g + b) / 3.0]
+        [r, g, b, response.value([r, g, b])]
     }
 }
 
-fn reading(sums: &[Sum]) -> Reading {
-    let means: Vec<[f64; 4]> = sums.iter().map(Sum::means).collect();
+impl Response {
+    fn value(self, [r, g, b]: [f64; 3]) -> f64 {
+        match self {
+            Response::Radiometric => (r + g + b) / 3.0,
+            Response::Photometric => LUMENS_PER_WATT * luminance([r, g, b]),
+        }
+    }
+}
+
+fn reading(sums: &[Sum], response: Response) -> Reading {
+    let means: Vec<[f64; 4]> = sums.iter().map(|sum| sum.means(response)).collect();
     let values = std::array::from_fn(|channel| {
         let of = || means.iter().map(move |mean| mean[channel]);
         // Deviations from the mean: their squares lose no digits where all means are nearly equal.

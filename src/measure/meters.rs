@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 
-use super::meter::{Meter, Quantity, Reading, measure};
+use super::meter::{Meter, Quantity, Reading, Response, measure};
 use crate::describe;
 use crate::error::{Error, Fault, Result};
 use crate::load::Loaded;
@@ -24,7 +24,7 @@ pub const CONFIDENCE: f64 = 0.95;
 /// Limits of the measurement of each meter: the first that is reached ends it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MeterLimits {
-    /// Greatest relative error of the mean of the three colours: half the width of its 95 % interval.
+    /// Greatest relative error of the value: half the width of its 95 % interval.
     pub target: Option<f64>,
     /// Greatest number of samples, rounded down to 512, 1024, 2048, … Default: 65536, or 2³⁰ with another limit.
     pub samples: Option<u64>,
@@ -39,6 +39,8 @@ pub struct NamedReading {
     pub name: String,
     /// What was measured.
     pub quantity: Quantity,
+    /// Whether power was measured or what the eye sees.
+    pub response: Response,
     /// The reading.
     pub reading: Reading,
     /// Time that it took.
@@ -68,11 +70,21 @@ impl MeterLimits {
 }
 
 impl NamedReading {
-    /// Name of the quantity and its unit.
+    /// Name of the quantity and the unit of its value.
     pub fn unit(&self) -> (&'static str, &'static str) {
+        match (self.quantity, self.response) {
+            (Quantity::Irradiance { .. }, Response::Radiometric) => ("irradiance", self.rgb_unit()),
+            (Quantity::Irradiance { .. }, Response::Photometric) => ("illuminance", "lx"),
+            (Quantity::Radiance { .. }, Response::Radiometric) => ("radiance", self.rgb_unit()),
+            (Quantity::Radiance { .. }, Response::Photometric) => ("luminance", "cd/m²"),
+        }
+    }
+
+    /// Unit of red, green and blue.
+    pub fn rgb_unit(&self) -> &'static str {
         match self.quantity {
-            Quantity::Irradiance { .. } => ("irradiance", "W/m²"),
-            Quantity::Radiance { .. } => ("radiance", "W/(m² sr)"),
+            Quantity::Irradiance { .. } => "W/m²",
+            Quantity::Radiance { .. } => "W/(m² sr)",
         }
     }
 
@@ -128,7 +140,7 @@ pub fn measure_meters(loaded: &Loaded, limits: &MeterLimits, interrupt: &(dyn Fn
             return Ok(None);
         }
         let name = described.name().filter(|name| !name.is_empty()).map_or_else(|| format!("/meters/{index}"), str::to_owned);
-        readings.push(NamedReading { name, quantity: meter.quantity, reading, time: start.elapsed() });
+        readings.push(NamedReading { name, quantity: meter.quantity, response: meter.response, reading, time: start.elapsed() });
     }
     Ok(Some(readings))
 }
@@ -137,15 +149,20 @@ pub fn measure_meters(loaded: &Loaded, limits: &MeterLimits, interrupt: &(dyn Fn
 fn placed(meter: &describe::Meter, origin: DVec3) -> Meter {
     let at = |position: describe::Point| (DVec3::from(position.0) - origin).as_vec3();
     let unit = |direction: describe::Direction| DVec3::from(direction.0).normalize().as_vec3();
+    let on_plane = |m: &describe::PlaneMeter, response| {
+        let quantity = Quantity::Irradiance { normal: unit(m.normal), radius: m.radius.get() as f32 };
+        Meter { position: at(m.position), quantity, response }
+    };
+    let in_direction = |m: &describe::DirectionMeter, response| {
+        // 1 − cos α = 2 sin² α/2 keeps its digits at small angles.
+        let sin = sin_cos_degrees(m.angle.get() / 4.0).0;
+        let quantity = Quantity::Radiance { direction: unit(m.direction), one_minus_cos: (2.0 * sin * sin) as f32 };
+        Meter { position: at(m.position), quantity, response }
+    };
     match meter {
-        describe::Meter::Irradiance(m) => {
-            Meter { position: at(m.position), quantity: Quantity::Irradiance { normal: unit(m.normal), radius: m.radius.get() as f32 } }
-        }
-        describe::Meter::Radiance(m) => {
-            // 1 − cos α = 2 sin² α/2 keeps its digits at small angles.
-            let sin = sin_cos_degrees(m.angle.get() / 4.0).0;
-            let one_minus_cos = (2.0 * sin * sin) as f32;
-            Meter { position: at(m.position), quantity: Quantity::Radiance { direction: unit(m.direction), one_minus_cos } }
-        }
+        describe::Meter::Irradiance(m) => on_plane(m, Response::Radiometric),
+        describe::Meter::Illuminance(m) => on_plane(m, Response::Photometric),
+        describe::Meter::Radiance(m) => in_direction(m, Response::Radiometric),
+        describe::Meter::Luminance(m) => in_direction(m, Response::Photometric),
     }
 }

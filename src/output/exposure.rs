@@ -3,6 +3,7 @@
 use super::Tonemap;
 use crate::film::Image;
 use crate::math::float::ln_f64;
+use crate::math::photometry::LUMENS_PER_WATT;
 
 /// Share of the lit pixels that [`automatic`] shows as nearly white or darker.
 const SHOWN: f64 = 0.95;
@@ -58,9 +59,6 @@ const LENS_FACTOR: f64 = 0.65;
 
 /// Exposure that saturates a sensor of the sensitivity 1 [lx·s].
 const SATURATION: f64 = 78.0;
-
-/// Luminous efficacy of light of 555 nm, used for all light.
-const LUMENS_PER_WATT: f64 = 683.0;
 
 /// Warning about a picture that looks too dark or too bright with this exposure; `None` also for a black picture.
 pub fn fault(image: &Image, tonemap: &Tonemap) -> Option<&'static str> {

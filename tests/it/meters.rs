@@ -1,4 +1,4 @@
-//! `pt meter`: irradiance and radiance agree with formulas, and the stated intervals hold them.
+//! `pt meter`: irradiance, radiance and their photometric forms agree with formulas, and the stated intervals hold them.
 
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
@@ -11,7 +11,7 @@ use pt::describe::{self, Files};
 use pt::film::FilmSpec;
 use pt::integrator::{Estimator, choose};
 use pt::integrators::ALL;
-use pt::measure::meter::{Meter, Quantity, Reading, measure};
+use pt::measure::meter::{Meter, Quantity, Reading, Response, measure};
 use pt::sampler::SamplerSpec;
 use pt::scene::Scene;
 use serde_json::{Value, json};
@@ -54,7 +54,7 @@ fn reading(scene: &Value, integrator: &str, meter: &Meter, seed: u64, samples: u
 
 /// A meter at the origin that faces up.
 fn facing_up(radius: f32) -> Meter {
-    Meter { position: Vec3::ZERO, quantity: Quantity::Irradiance { normal: Vec3::Y, radius } }
+    Meter { position: Vec3::ZERO, quantity: Quantity::Irradiance { normal: Vec3::Y, radius }, response: Response::Radiometric }
 }
 
 /// A quad or disk lamp at a height, facing down.
@@ -127,7 +127,7 @@ fn interreflection_is_counted() {
             agrees(&closed, integrator, &Meter { position, ..facing_up(0.0) }, PI * l / (1.0 - rho));
         }
         let looking = Quantity::Radiance { direction: Vec3::new(0.6, 0.0, 0.8), one_minus_cos: 0.0 };
-        agrees(&closed, integrator, &Meter { position: Vec3::ZERO, quantity: looking }, l / (1.0 - rho));
+        agrees(&closed, integrator, &Meter { quantity: looking, ..facing_up(0.0) }, l / (1.0 - rho));
     }
 }
 
@@ -165,7 +165,7 @@ fn media_weaken_light_on_its_way() {
             agrees(&scene, integrator, &up, PI * 2.0);
             agrees(&scene, integrator, &facing_up(0.2), PI * 2.0);
             let radiance = Quantity::Radiance { direction: Vec3::new(0.6, 0.8, 0.0), one_minus_cos: 0.1 };
-            agrees(&scene, integrator, &Meter { position: Vec3::ZERO, quantity: radiance }, 2.0);
+            agrees(&scene, integrator, &Meter { quantity: radiance, ..facing_up(0.0) }, 2.0);
         }
     }
     // In the middle of a ball that absorbs.
@@ -191,7 +191,8 @@ fn a_meter_on_a_surface_is_not_in_its_shadow() {
             {"rotate": {"axis": [0, 0, 1], "degrees": 20}}, {"translate": [0.7, height, -0.9]}]});
         let lit = scene(json!({"shapes": [floor], "background": {"radiance": 1}}));
         let normal = Vec3::new(-(20f32.to_radians().sin()), 20f32.to_radians().cos(), 0.0);
-        let meter = Meter { position: Vec3::new(0.7, height as f32, -0.9), quantity: Quantity::Irradiance { normal, radius: 0.0 } };
+        let quantity = Quantity::Irradiance { normal, radius: 0.0 };
+        let meter = Meter { position: Vec3::new(0.7, height as f32, -0.9), quantity, ..facing_up(0.0) };
         agrees(&lit, "nee", &meter, PI);
     }
 }
@@ -201,10 +202,25 @@ fn a_meter_on_a_surface_is_not_in_its_shadow() {
 fn radiance_is_the_mean_over_directions() {
     let ball = scene(json!({"shapes": [{"type": "sphere", "radius": 1, "center": [0, 0, 4], "emission": {"radiance": 6}}]}));
     let one_minus_cos_of_ball = 1.0 - (15f64 / 16.0).sqrt();
-    let meter = |one_minus_cos: f32| Meter { position: Vec3::ZERO, quantity: Quantity::Radiance { direction: Vec3::Z, one_minus_cos } };
+    let meter = |one_minus_cos: f32| Meter { quantity: Quantity::Radiance { direction: Vec3::Z, one_minus_cos }, ..facing_up(0.0) };
     for integrator in ["nee", "path", "whitted"] {
         agrees(&ball, integrator, &meter(0.0), 6.0);
         agrees(&ball, integrator, &meter(0.1), 6.0 * one_minus_cos_of_ball / f64::from(0.1f32));
+    }
+}
+
+/// Illuminance and luminance under a coloured disk: E = π Lv r²/(r² + h²) and Lv, with Lv = 683 lm/W · Y.
+#[test]
+fn lux_and_candela_are_what_the_eye_sees() {
+    let (l, r, h) = ([3.0, 2.0, 1.0], 0.5f64, 2.0);
+    let disk = overhead(json!({"type": "disk", "radius": r, "emission": {"radiance": l}}), h);
+    // Y of Rec. 709.
+    let luminance = 683.0 * (0.2126 * l[0] + 0.7152 * l[1] + 0.0722 * l[2]);
+    let lux = Meter { response: Response::Photometric, ..facing_up(0.0) };
+    let candela = Meter { quantity: Quantity::Radiance { direction: Vec3::Y, one_minus_cos: 0.0 }, ..lux };
+    for integrator in ["nee", "path"] {
+        agrees(&disk, integrator, &lux, PI * luminance * r * r / (r * r + h * h));
+        agrees(&disk, integrator, &candela, luminance);
     }
 }
 
@@ -250,6 +266,7 @@ fn the_command_measures() {
         "meters": [
             {"type": "irradiance", "name": "desk", "position": [0, 0, 0], "normal": [0, 2, 0], "radius": 0.1},
             {"type": "radiance", "position": [0, 0, 0], "direction": [0, 1, 0], "angle": 1},
+            {"type": "luminance", "name": "glare", "position": [0, 0, 0], "direction": [0, 1, 0], "angle": 1},
         ],
     }));
     std::fs::write(folder.path().join("s.json"), lit.to_string()).expect("written");
@@ -263,11 +280,15 @@ fn the_command_measures() {
     assert_eq!((code, without_times(&one)), (Some(0), without_times(&two)));
     let (desk, spot) = (&without_times(&one)["meters"][0], &without_times(&one)["meters"][1]);
     assert_eq!(
-        (&desk["name"], &desk["samples"], &spot["name"], &spot["mean"]),
+        (&desk["name"], &desk["samples"], &spot["name"], &spot["value"]),
         (&json!("desk"), &json!(4096), &json!("/meters/1"), &json!(2.0))
     );
+    let glare = &without_times(&one)["meters"][2];
+    assert_eq!((&glare["unit"], &glare["rgb"], &glare["rgb_unit"]), (&json!("cd/m²"), &json!([3.0, 2.0, 1.0]), &json!("W/(m² sr)")));
     let (code, table, _) = pt(folder.path(), &["s.json", "--target", "1%"]);
     assert_eq!(code, Some(0));
+    // 683 (0.2126 · 3 + 0.7152 · 2 + 0.0722 · 1) = 1461.9
+    assert!(table.contains("glare, luminance in cd/m²") && table.contains("value       1461.9"), "{table}");
     assert!(table.contains("desk, irradiance in W/m²") && table.lines().all(|line| line.chars().count() <= 80), "{table}");
     assert_eq!(pt(folder.path(), &["s.json", "--target", "0.001%", "--samples", "1024"]).0, Some(7));
     let (code, dark, _) = pt(folder.path(), &["s.json", "-D", "/meters/0/normal=[0, -1, 0]", "--target", "1%"]);

@@ -16,7 +16,7 @@ use pt::integrators::nee::Nee;
 use pt::integrators::path::Path;
 use pt::light::{Directional, Emitter, Falloff, Light, LightSampleContext, Lights, Placed, Point, ShadowTarget, Spot};
 use pt::math::{AnimatedTransform, Keyframes, Ray, Rgb, Transform};
-use pt::measure::meter::{Meter, Quantity, measure};
+use pt::measure::meter::{Meter, Quantity, Response, measure};
 use pt::measure::{SampledImage, agreement, critical_z, sidak};
 use pt::medium::Phase;
 use pt::sampler::{Kind, SamplerSpec};
@@ -725,8 +725,11 @@ fn meters_show_the_mean_over_the_exposure() {
     let at = |k: u32| from.lerp(to, (f64::from(k) + 0.5) / f64::from(steps));
     let irradiance = |p: DVec3| std::f64::consts::PI * 3.0 * 0.0625 * p.y / p.length().powi(3);
     let wanted = (0..steps).map(|k| irradiance(at(k))).sum::<f64>() / f64::from(steps);
-    let meter =
-        Meter { position: (DVec3::ZERO - world.origin()).as_vec3(), quantity: Quantity::Irradiance { normal: Vec3::Y, radius: 0.0 } };
+    let meter = Meter {
+        position: (DVec3::ZERO - world.origin()).as_vec3(),
+        quantity: Quantity::Irradiance { normal: Vec3::Y, radius: 0.0 },
+        response: Response::Radiometric,
+    };
     let estimator = {
         let scene: Arc<dyn Scene> = Arc::new(built(&scene.to_string()).world);
         Nee::default().prepare(scene, &FilmSpec::new(1, 1))

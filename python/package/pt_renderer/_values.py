@@ -158,15 +158,15 @@ class Reading(NamedTuple):
     name: str
     """Name of the meter, or its JSON pointer."""
     quantity: str
-    """"irradiance" or "radiance"."""
+    """"irradiance", "illuminance", "radiance" or "luminance"."""
     unit: str
-    """Unit of all values."""
+    """Unit of the value."""
     rgb: tuple[float, float, float]
-    """Red, green and blue."""
+    """Red, green and blue, in W/m² on a plane and in W/(m² sr) in a direction."""
     rgb_half_width: tuple[Optional[float], Optional[float], Optional[float]]
     """Half the widths of their intervals; None where none is stated."""
-    mean: float
-    """Mean of the three colours."""
+    value: float
+    """Irradiance and radiance: the mean of the three colours. Illuminance and luminance: 683 times their luminance."""
     half_width: Optional[float]
     """Half the width of its interval; None where none is stated."""
     confidence: float
@@ -183,9 +183,9 @@ class Reading(NamedTuple):
     """Whether the target was reached; None without a target."""
 
 
-def _reading(name: Any, colors: Any, mean: Any, counts: Any, outcome: Any) -> Reading:
+def _reading(name: Any, colors: Any, value: Any, counts: Any, outcome: Any) -> Reading:
     rgb, widths = colors
-    return Reading._make([*name, tuple(rgb), tuple(widths), *mean, *counts, *outcome])
+    return Reading._make([*name, tuple(rgb), tuple(widths), *value, *counts, *outcome])
 
 
 def _rows(values: Any, what: str) -> np.ndarray:

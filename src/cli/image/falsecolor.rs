@@ -8,6 +8,7 @@ use crate::cli::outputs::{OutputKinds, check_outputs};
 use crate::cli::print_stdout;
 use crate::error::{Error, Result};
 use crate::film::{Channel, Image};
+use crate::math::photometry::luminance;
 use crate::measure::Metric;
 use crate::measure::metric::{ImagePair, Named};
 use crate::output::tonemap::linear;
@@ -85,7 +86,7 @@ pub fn falsecolor(args: &FalsecolorArgs) -> Result<()> {
     let image = read_layer(&args.first, &pick)?;
     let name = args.first.display().to_string();
     let (values, what) = match &args.second {
-        None => (image.pixels().map(luminance).collect(), format!("luminance of {pick} of {name}")),
+        None => (image.pixels().map(|rgb| luminance(rgb.map(f64::from))).collect(), format!("luminance of {pick} of {name}")),
         Some(path) => {
             let (reference, other) = (read_layer(path, &pick)?, path.display().to_string());
             let pair = ImagePair::new(Named { name: &name, image: &image }, Named { name: &other, image: &reference }, args.tone.map())?;
@@ -96,11 +97,6 @@ pub fn falsecolor(args: &FalsecolorArgs) -> Result<()> {
     let scale = Scale::around(&values, args.range, args.log, args.map.into());
     output::write(&args.output, &false_color_image(&values, image.size, &scale), &vec![], &Tonemap::default())?;
     print_stdout(&format!("{what}\n{}\n", scale.sentence(&values)))
-}
-
-/// Luminance of linear Rec. 709; the value itself for a grey.
-fn luminance([r, g, b]: [f32; 3]) -> f64 {
-    0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
 }
 
 /// Map from numbers to colours.

@@ -11,10 +11,8 @@ use super::document::Document;
 use super::scene::transform;
 use super::texture::numbers;
 use crate::import::json_cursor::JsonCursor;
+use crate::math::photometry::LUMENS_PER_WATT;
 use crate::reader::Node;
-
-/// Luminous efficacy (lm·W⁻¹) of light of 555 nm, used for all light.
-pub const LUMENS_PER_WATT: f64 = 683.0;
 
 impl<'a> Document<'a> {
     /// Light of a node, if it has one; a fault is noted if it is invalid.

@@ -8,6 +8,7 @@
 
 use super::ImagePair;
 use super::filter::{Border, Kernel, convolve};
+use crate::math::photometry::luminance;
 
 const C1: f64 = 0.01 * 0.01;
 const C2: f64 = 0.03 * 0.03;
@@ -33,6 +34,6 @@ pub fn ssim(pair: &ImagePair) -> Vec<f64> {
 }
 
 /// Y′ of Rec. 709 from encoded values.
-fn luma([r, g, b]: &[f32; 3]) -> f64 {
-    0.2126 * f64::from(*r) + 0.7152 * f64::from(*g) + 0.0722 * f64::from(*b)
+fn luma(rgb: &[f32; 3]) -> f64 {
+    luminance(rgb.map(f64::from))
 }
