@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use pt::measure::{ErrorHistory, ErrorTarget, Forecast, StopCondition};
+use pt::measure::{ErrorHistory, ErrorTarget, Forecast, Scope, StopCondition};
 use pt::sampler::Kind;
 use rayon::prelude::*;
 
@@ -68,7 +68,7 @@ fn histories(subject: &Subject, kind: Kind, pilot: u64, seeds: u64) -> Vec<Error
 /// Samples per pixel and mean relMSE of the long renders, as far as all of them got.
 fn mean_curve(subject: &Subject, kind: Kind) -> Vec<(u64, f64)> {
     // A little below the smallest target, so that the curve crosses it.
-    let target = ErrorTarget { error: 0.95 * TARGETS[TARGETS.len() - 1], confidence: 0.5 };
+    let target = ErrorTarget { error: 0.95 * TARGETS[TARGETS.len() - 1], confidence: 0.5, scope: Scope::Picture };
     let until = StopCondition { samples: u32::MAX.into(), time: Some(LONGEST), target: Some(target) };
     let histories: Vec<_> = (0..LONG).map(|seed| taken(subject, kind, 2, 1000 + seed, &until).1).collect();
     let at = |samples: u64| -> Option<(u64, f64)> {

@@ -1,7 +1,7 @@
 //! How often the true error is below a target that was met, and how many samples were spent to know it.
 
 use pt::film::Image;
-use pt::measure::{ErrorTarget, Outcome, StopCondition};
+use pt::measure::{ErrorTarget, Outcome, Scope, StopCondition};
 use pt::sampler::Kind;
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ use super::subject::Subject;
 use super::{REFERENCE, SAMPLERS, after, reference, relmse, small, taken};
 
 pub const SCENES: [&str; 5] = ["cornell-box", "mirror-balls", "statue", "triangle-stacks", "matter"];
-const TARGET: ErrorTarget = ErrorTarget { error: 0.05, confidence: 0.95 };
+const TARGET: ErrorTarget = ErrorTarget { error: 0.05, confidence: 0.95, scope: Scope::Picture };
 
 pub fn print(scenes: &[&str], seeds: u64) -> pt::Result<()> {
     let mut all = Share::default();

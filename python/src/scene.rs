@@ -8,7 +8,7 @@ use pt::film::MomentFilm;
 use pt::import::{AutoCamera, ImportOptions, Up, Viewpoint, import_bytes};
 use pt::integrator::Entry;
 use pt::load::{self, Loaded, Settings, override_values};
-use pt::measure::{ErrorTarget, StopCondition, render_until};
+use pt::measure::{ErrorTarget, Scope, StopCondition, render_until};
 use pt::output::attributes::of_camera;
 use pt::part::About;
 use pt::reader::Node;
@@ -182,7 +182,11 @@ impl Scene {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Picture> {
         let confidence = share(py, "confidence", confidence)?;
-        let target = target.map(|error| share(py, "target", error)).transpose()?.map(|error| ErrorTarget { error, confidence });
+        let target = target.map(|error| share(py, "target", error)).transpose()?.map(|error| ErrorTarget {
+            error,
+            confidence,
+            scope: Scope::Picture,
+        });
         let time = time.map(|seconds| duration(py, seconds)).transpose()?;
         let threads = threads.map(|threads| thread_count(py, threads)).transpose()?;
         let settings = Settings { spp, seed, sampler, scramblings, region, layers };

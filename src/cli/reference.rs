@@ -16,7 +16,7 @@ use super::{INCONCLUSIVE, note, render, signals};
 use crate::compare::{CachedReference, ReferenceRenderer};
 use crate::error::{Error, Result};
 use crate::integrator::Entry;
-use crate::measure::{ErrorTarget, Outcome, StopCondition, format};
+use crate::measure::{ErrorTarget, Outcome, Scope, StopCondition, format};
 use crate::output::{self, Tonemap};
 use crate::part::{self, Stored};
 use crate::render::RenderReport;
@@ -118,7 +118,7 @@ fn render_reference(args: &ReferenceArgs, loaded: Loaded, renderer: &ReferenceRe
     let scene: Arc<dyn Scene> = loaded.world;
     let is_open = args.error.is_none() && args.spp.is_none();
     let time = args.time.or(is_open.then_some(TIME));
-    let target = args.error.map(|error| ErrorTarget { error, confidence: args.confidence });
+    let target = args.error.map(|error| ErrorTarget { error, confidence: args.confidence, scope: Scope::Picture });
     let cached = renderer.read(path);
     let before = cached.as_ref().map_or(RenderReport::default(), |cached| cached.report.clone());
     // A cached reference is never replaced by one with fewer samples.

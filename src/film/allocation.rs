@@ -3,6 +3,8 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+use super::Crop;
+
 /// Number of samples of each pixel per *round* of samples, as a power of two.
 ///
 /// In each round pixel i takes 2^lᵢ samples, so that it has n·2^lᵢ samples after n rounds. The samples of one round are an aligned
@@ -19,6 +21,15 @@ impl Allocation {
     pub fn new(levels: Vec<u8>) -> Allocation {
         debug_assert!(levels.iter().all(|&level| level <= Allocation::MAX_LEVEL));
         Allocation { levels: Some(levels.into()) }
+    }
+
+    /// The allocation of some of the pixels.
+    ///
+    /// - `crop`: rectangle of this allocation
+    /// - `inner`: rectangle within it
+    pub fn cropped(&self, crop: Crop, inner: Crop) -> Allocation {
+        let levels = self.levels.as_ref().map(|levels| crop.rows(inner).flat_map(|row| levels[row].iter().copied()).collect());
+        Allocation { levels }
     }
 
     /// Greatest level: 64 samples per round.

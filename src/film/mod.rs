@@ -129,6 +129,16 @@ impl Crop {
         pixel.cmpge(self.min).all() && pixel.cmplt(self.max).all()
     }
 
+    /// Ranges of the indices of a rectangle's pixels, row by row.
+    ///
+    /// - `inner`: rectangle within this one
+    pub fn rows(self, inner: Crop) -> impl Iterator<Item = Range<usize>> {
+        (inner.min.y..inner.max.y).map(move |y| {
+            let start = self.index(UVec2::new(inner.min.x, y));
+            start..start + inner.size().x as usize
+        })
+    }
+
     /// Pixels of both rectangles; no pixels if they are apart.
     pub fn intersection(&self, other: Crop) -> Crop {
         let min = self.min.max(other.min);
@@ -221,6 +231,17 @@ impl MomentFilm {
     /// Sums of the dyadic blocks. Added to an empty film in this order, they give an identical film.
     pub fn blocks(&self) -> impl ExactSizeIterator<Item = (Wave, &PixelSums)> {
         self.trees.iter().flat_map(Tree::blocks).collect::<Vec<_>>().into_iter()
+    }
+
+    /// The film of some of the pixels, as a render of this crop would have it. Paths that bring light to other pixels than their own have
+    /// none in such a render.
+    ///
+    /// - `crop`: rectangle within the film's own
+    pub fn cropped(&self, crop: Crop) -> MomentFilm {
+        let spec = FilmSpec { crop, allocation: self.spec.allocation.cropped(self.spec.crop, crop), ..self.spec.clone() };
+        let mut film = MomentFilm::new(spec);
+        self.blocks().for_each(|(wave, block)| film.add(wave, block.cropped(self.spec.crop, crop)));
+        film
     }
 
     /// Number of samples so far of one pixel, by its index in the crop.

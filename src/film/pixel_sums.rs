@@ -1,6 +1,8 @@
 //! Sums over samples for every pixel, and the estimates made from them.
 
-use super::{Moments, PixelSamples};
+use std::ops::Range;
+
+use super::{Crop, Moments, PixelSamples};
 use crate::sampler::ErrorEstimator;
 
 /// Sums over some samples of every pixel, in rows of the crop from the top.
@@ -163,8 +165,18 @@ impl PixelSums {
         }
     }
 
+    /// The sums of some of the pixels.
+    ///
+    /// - `crop`: rectangle of all pixels
+    /// - `inner`: rectangle within it
+    pub(crate) fn cropped(&self, crop: Crop, inner: Crop) -> PixelSums {
+        let width = self.layout.all();
+        let row = |row: Range<usize>| self.sums[row.start * width..row.end * width].iter().copied();
+        PixelSums { layout: self.layout, sums: crop.rows(inner).flat_map(row).collect() }
+    }
+
     /// Copies the pixels `pixels` of `from` to the pixels from `start` on.
-    pub(crate) fn put(&mut self, start: usize, from: &PixelSums, pixels: std::ops::Range<usize>) {
+    pub(crate) fn put(&mut self, start: usize, from: &PixelSums, pixels: Range<usize>) {
         let width = self.layout.all();
         self.sums[start * width..][..pixels.len() * width].copy_from_slice(&from.sums[pixels.start * width..pixels.end * width]);
     }

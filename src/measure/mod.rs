@@ -29,7 +29,7 @@ pub use agreement::{Agreement, SampledImage, agreement};
 pub use average::average;
 pub use bias_report::{BiasEstimate, bias_report};
 pub use distance::Distance;
-pub use error::{EPSILON, ErrorInterval, MostPixels, Refusal, RelativeError};
+pub use error::{EPSILON, ErrorInterval, FEWEST_PIXELS, MostPixels, Refusal, RelativeError, Scope, Tile, tile_errors, tiles, worst_tile};
 pub use error_history::{Checkpoint, ErrorHistory, checkpoints};
 pub use forecast::Forecast;
 pub use level::{critical_z, sidak};

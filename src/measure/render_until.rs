@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::error_history::{is_coarse, is_planned};
-use super::{Checkpoint, ErrorHistory, Refusal, RelativeError, checkpoints};
+use super::{Checkpoint, ErrorHistory, Refusal, Scope, checkpoints};
 use crate::film::{Film, MomentFilm};
 use crate::render::{Observer, Render, RenderReport, Silent};
 use crate::sampler::ErrorEstimator;
@@ -27,6 +27,11 @@ impl StopCondition {
     pub fn new(asked: Option<u64>, planned: u64, time: Option<Duration>, target: Option<ErrorTarget>) -> StopCondition {
         let is_free = (time.is_some() || target.is_some()) && asked.is_none();
         StopCondition { samples: if is_free { u32::MAX.into() } else { asked.unwrap_or(planned) }, time, target }
+    }
+
+    /// Pixels whose error the history of the render tells.
+    pub fn scope(&self) -> Scope {
+        self.target.map_or(Scope::Picture, |target| target.scope)
     }
 
     /// Returns whether the error is measured at a checkpoint. A measurement costs as much as a fraction of a sample, so without a
@@ -74,6 +79,8 @@ pub struct ErrorTarget {
     pub error: f64,
     /// Probability that the error is reached, below 1.
     pub confidence: f64,
+    /// Pixels whose error counts.
+    pub scope: Scope,
 }
 
 /// Outcome of a target.
@@ -130,7 +137,7 @@ pub fn resume_until(
     let (seen, done) = (history.last().map_or(0, |last| last.samples), film.moments().samples());
     if is_met {
         // The target was met earlier. The last error that is reported must be that of all samples.
-        history.checkpoints.extend((done > seen).then(|| measure_error(render, film)));
+        history.checkpoints.extend((done > seen).then(|| measure_error(render, film, until)));
         return history;
     }
     let is_ahead = |samples: &u64| *samples > seen && *samples >= done;
@@ -143,7 +150,7 @@ pub fn resume_until(
         }
         let reached = film.moments().samples();
         if reached > history.last().map_or(0, |last| last.samples) {
-            history.checkpoints.push(measure_error(render, film));
+            history.checkpoints.push(measure_error(render, film, until));
             observer.error_measured(&history, until.expected(&history));
         }
         // The render was cancelled or ran out of time. That moment was not planned, but it does not depend on the error, so that its test
@@ -155,9 +162,9 @@ pub fn resume_until(
     history
 }
 
-fn measure_error(render: &Render, film: &impl HasMoments) -> Checkpoint {
+fn measure_error(render: &Render, film: &impl HasMoments, until: &StopCondition) -> Checkpoint {
     let (film, seconds) = (film.moments(), render.report().elapsed.as_secs_f64());
-    Checkpoint { samples: film.samples(), seconds, error: RelativeError::of(film) }
+    Checkpoint { samples: film.samples(), seconds, error: until.scope().error(film) }
 }
 
 /// Sequence of tests of whether the error is below a target. Each test takes a share of the risk, so that all together keep the

@@ -82,6 +82,7 @@ mod samplers;
 mod scene_faults;
 mod scene_format;
 mod scenes;
+mod scopes;
 mod serve;
 mod shapes;
 mod shared;

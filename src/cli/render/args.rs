@@ -64,6 +64,14 @@ pub struct RenderArgs {
     /// Stop when the relative error of the picture is at most this, such as 1% or 0.01. Exit code 7 if it is not reached.
     #[arg(long, value_name = "ERROR", value_parser = share)]
     pub target: Option<f64>,
+    /// With --target: it holds for these pixels, as for a picture of them alone; the others are rendered, too.
+    #[arg(long, value_name = "X0,X1,Y0,Y1", requires = "target", value_parser = numbers::<4>, allow_hyphen_values = true,
+        conflicts_with_all = ["tiles", "adaptive", "checkpoint", "resume", "serve"])]
+    pub region: Option<[u32; 4]>,
+    /// With --target: it holds for this share of the tiles of about 32×32 pixels, each by itself. The worst tile is named.
+    #[arg(long, value_name = "SHARE", requires = "target", value_parser = share,
+        conflicts_with_all = ["adaptive", "checkpoint", "resume", "serve"])]
+    pub tiles: Option<f64>,
     /// Adaptive sampling by a short pilot: noisy pixels get up to 64 times as many samples as others. Unbiased, and with the right
     /// error bars.
     #[arg(long, conflicts_with_all = ["pixel", "clamp", "shard", "samples", "checkpoint", "resume"])]

@@ -98,7 +98,8 @@ fn integrator_candidates(args: &RenderArgs, loaded: &Loaded, tables: &[&[Entry]]
     let effects = loaded.world.effects();
     let mut entries: Vec<&Entry> = tables.iter().copied().flatten().filter(|entry| entry.lacks(effects).is_none()).collect();
     entries.sort_by_key(|entry| (entry.name != loaded.entry.name, entry.name != DEFAULT));
-    let needs_own_samples = args.adaptive || args.clamp.is_some() || args.worst.is_some();
+    let is_scoped = args.region.is_some() || args.tiles.is_some();
+    let needs_own_samples = args.adaptive || args.clamp.is_some() || args.worst.is_some() || is_scoped;
     let mut list = vec![];
     for entry in entries {
         let (entry, integrator) = loaded.choose(tables, entry.name)?;

@@ -12,14 +12,14 @@ use crate::cli::display::DisplayedFilm;
 use crate::cli::load::Loaded;
 use crate::cli::progress::{Progress, ProgressForm};
 use crate::cli::stats::{RayCounter, Summary};
-use crate::cli::summary::{self, Accuracy, attributes, print_summary};
+use crate::cli::summary::{self, Accuracy, attributes, print_summary, scope_lines};
 use crate::cli::watch::{Explainer, Watch};
 use crate::cli::{INCONCLUSIVE, is_quiet, note, pilot, print_stderr, print_stdout, signals};
 use crate::describe::Names;
 use crate::error::{Error, Result};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::{Entry, Integrator};
-use crate::measure::{self, ErrorHistory, ErrorObserver, ErrorTarget, Outcome, StopCondition, adaptive, format};
+use crate::measure::{self, ErrorHistory, ErrorObserver, ErrorTarget, Outcome, Scope, StopCondition, adaptive, format};
 use crate::output::{self, Attributes, Tonemap};
 use crate::render::{self, Render, RenderReport, Settings};
 use crate::scene::Scene;
@@ -56,6 +56,8 @@ struct Rendered {
     history: ErrorHistory,
     /// What is stated about the error.
     accuracy: Accuracy,
+    /// The target and its outcome, if there is one, and the history of the error of the pixels that it asks for.
+    target: Option<(ErrorTarget, Outcome, ErrorHistory)>,
     /// Report of the runs before this one.
     before: RenderReport,
     /// Counter of the rays, if statistics are requested.
@@ -123,7 +125,8 @@ impl<'a> Picture<'a> {
         let watch = plan.page.as_ref().and_then(|page| Watch::start(page, &self.stem, self.explainer(), !plan.is_part, plan.confidence));
         let progress = Progress::new(plan.progress, spec, until.samples - plan.samples.start, until.time).resumed(&before);
         let observer = CheckpointObserver::new(&progress, plan, until.time.filter(|_| before.samples == 0));
-        let tells_price = !is_quiet() && plan.price_list.is_none() && !plan.is_part;
+        let is_whole = until.scope() == Scope::Picture;
+        let tells_price = !is_quiet() && plan.price_list.is_none() && !plan.is_part && is_whole;
         let observer = if tells_price { observer.with_price(plan.confidence) } else { observer };
         let observer = observer.watched(watch.as_ref());
         let mut displayed = DisplayedFilm::new(start.film, plan.display_server.as_deref(), &self.stem);
@@ -133,9 +136,13 @@ impl<'a> Picture<'a> {
             false => measure::resume_until(start.history, &mut render, &mut displayed, until, &observer),
         };
         progress.finish();
-        let accuracy = Accuracy::of(&displayed.film, &history, plan.confidence);
+        let target = until.target.map(|target| (target, target.outcome(&history), history.clone()));
+        let film = &displayed.film;
+        let history =
+            if is_whole { history } else { ErrorHistory { checkpoints: vec![], ..history }.and_now(film, render.report().elapsed) };
+        let accuracy = Accuracy::of(film, &history, plan.confidence);
         let watch = watch.map(|watch| (watch, progress));
-        Rendered { render, displayed, watch, image: None, history, accuracy, before, counter }
+        Rendered { render, displayed, watch, image: None, history, accuracy, target, before, counter }
     }
 
     /// What the page needs to explain pixels.
@@ -208,7 +215,10 @@ impl<'a> Picture<'a> {
         if !is_quiet() || rendered.is_late() {
             let samples = self.samples(film);
             print_summary(&plan.about, &samples, report, (&rendered.accuracy, history), plan.confidence, plan.written());
-            self.outcome(rendered).iter().for_each(|(target, outcome)| note(&format::outcome(target, *outcome)));
+            if let Some((target, outcome, history)) = &rendered.target {
+                note(&format::outcome(target, *outcome));
+                scope_lines(film, &target.scope, history, plan.confidence).iter().for_each(|line| note(line));
+            }
         }
         if report.samples > 0 && !report.cancelled && !plan.is_part {
             let facets = self.facets.take();
@@ -233,13 +243,8 @@ impl<'a> Picture<'a> {
         Ok(())
     }
 
-    /// Target and its outcome, if there is a target.
-    fn outcome(&self, rendered: &Rendered) -> Option<(ErrorTarget, Outcome)> {
-        self.until.target.map(|target| (target, target.outcome(&rendered.history)))
-    }
-
     fn exit_code(&self, rendered: &Rendered) -> ExitCode {
-        let is_missed = self.outcome(rendered).is_some_and(|(_, outcome)| outcome != Outcome::Met);
+        let is_missed = rendered.target.as_ref().is_some_and(|(_, outcome, _)| *outcome != Outcome::Met);
         if is_missed || rendered.is_late() { ExitCode::from(INCONCLUSIVE) } else { ExitCode::SUCCESS }
     }
 }

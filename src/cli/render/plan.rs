@@ -4,6 +4,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use glam::UVec2;
+
 use super::args::{RenderArgs, Shard};
 use crate::cli::load::Loaded;
 use crate::cli::note;
@@ -15,9 +17,9 @@ use crate::cli::stats::TextOrJson;
 use crate::cli::tone_mapping::ToneMapping;
 use crate::cli::watch::PageAddress;
 use crate::error::{Error, Fault, Result};
-use crate::film::{MomentFilm, SampleSet};
+use crate::film::{Crop, FilmSpec, MomentFilm, SampleSet};
 use crate::integrator::Entry;
-use crate::measure::{ErrorHistory, ErrorTarget, StopCondition};
+use crate::measure::{ErrorHistory, ErrorTarget, FEWEST_PIXELS, Scope, StopCondition, format, tiles};
 use crate::output::attributes::{SAMPLES, Value, of_camera};
 use crate::output::{self, Format};
 use crate::part::{self, About, Job, Part, Stored};
@@ -130,7 +132,13 @@ impl RenderPlan {
         }
         let resume = args.resume.as_ref().map(|given| Resume { path: given.clone().unwrap_or_else(state), is_given: given.is_some() });
         if let Some(path) = outputs.iter().find(|path| self::is_part(path)) {
-            let lost = if args.adaptive { Some("how many samples each pixel has") } else { args.clamp.map(|_| "what clamping took") };
+            let scope = args.region.is_some() || args.tiles.is_some();
+            let kept = [
+                (args.adaptive, "how many samples each pixel has"),
+                (args.clamp.is_some(), "what clamping took"),
+                (scope, "the error of a region or of tiles"),
+            ];
+            let lost = kept.into_iter().find_map(|(is_asked, what)| is_asked.then_some(what));
             if let Some(lost) = lost {
                 return Err(Error::Usage(format!("{}: a part does not keep {lost}", path.display())));
             }
@@ -150,7 +158,7 @@ impl RenderPlan {
         }
         let integrators = selected_integrators(loaded, &args.integrators, tables)?;
         Ok(RenderPlan {
-            until: until(args, samples.end),
+            until: until(args, samples.end, scope(args, &loaded.film, loaded.integrator.splats())?),
             samples,
             is_part,
             about,
@@ -275,9 +283,48 @@ fn by_the_clock() -> String {
 }
 
 /// Condition at which the render stops.
-fn until(args: &RenderArgs, planned: u64) -> StopCondition {
-    let target = args.target.map(|error| ErrorTarget { error, confidence: args.confidence });
+fn until(args: &RenderArgs, planned: u64, scope: Scope) -> StopCondition {
+    let target = args.target.map(|error| ErrorTarget { error, confidence: args.confidence, scope });
     StopCondition::new(args.spp().map(|_| planned), planned, args.time, target)
+}
+
+/// Pixels for which the target holds.
+///
+/// # Errors
+/// `Usage` for pixels that are not in the picture or too few, and for paths that bring light to all pixels.
+fn scope(args: &RenderArgs, film: &FilmSpec, splats: bool) -> Result<Scope> {
+    let usage = |message: String| Err(Error::Usage(message));
+    let scope = match (args.region, args.tiles) {
+        (None, None) => return Ok(Scope::Picture),
+        (Some([x0, x1, y0, y1]), _) => Scope::Region(Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) }),
+        (None, Some(share)) => Scope::Tiles { share },
+    };
+    let flag = if args.region.is_some() { "--region" } else { "--tiles" };
+    if splats {
+        return usage(format!("{flag}: expected an integrator whose paths bring light to their own pixel, such as nee"));
+    }
+    let whole = film.crop;
+    match scope {
+        Scope::Region(region) if region.min.cmpge(region.max).any() || whole.intersection(region) != region => {
+            let what = "expected X0 < X1 and Y0 < Y1 within the picture";
+            return usage(format!("--region {}: {what}, {}", format::crop(region), format::crop(whole)));
+        }
+        Scope::Region(region) if region.pixel_count() < FEWEST_PIXELS => {
+            return usage(format!("--region {}: expected at least {FEWEST_PIXELS} pixels: fewer tell no error", format::crop(region)));
+        }
+        Scope::Tiles { .. } if args.confidence < 0.95 => {
+            return usage("--tiles: expected a --confidence of 95 % or more".into());
+        }
+        Scope::Tiles { .. } if tiles(whole).any(|tile| tile.pixel_count() < FEWEST_PIXELS) => {
+            let size = whole.size();
+            return usage(format!(
+                "--tiles: a picture of {}×{} is too small: a tile needs at least {FEWEST_PIXELS} pixels",
+                size.x, size.y
+            ));
+        }
+        _ => {}
+    }
+    Ok(scope)
 }
 
 /// Start of the command that replays a sample.

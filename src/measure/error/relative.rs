@@ -165,6 +165,7 @@ pub fn errors(image: &Image) -> Option<[&[f32]; 3]> {
     channels.try_into().ok()
 }
 
-fn quantile(p: f64) -> f64 {
+/// Quantile of the standard normal distribution.
+pub(super) fn quantile(p: f64) -> f64 {
     Normal::standard().inverse_cdf(p)
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use proptest::prelude::*;
 use pt::film::{FilmSpec, MomentFilm};
 use pt::integrators::ALL;
-use pt::measure::{ErrorHistory, ErrorObserver, ErrorTarget, StopCondition, render_until, resume_until};
+use pt::measure::{ErrorHistory, ErrorObserver, ErrorTarget, Scope, StopCondition, render_until, resume_until};
 use pt::render::{Observer, Render, RenderReport, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::scene::Scene;
@@ -97,7 +97,11 @@ fn pausing_at_any_wave_changes_nothing() {
     let sampler = SamplerSpec { seed: 5, kind: Kind::Sobol, spp: 0, scramblings: 2 };
     // A target error that is reached, one that is not, and no target.
     for (target, samples) in [(Some(0.5), 96), (Some(1e-3), 75), (None, 75)] {
-        let until = StopCondition { samples, time: None, target: target.map(|error| ErrorTarget { error, confidence: 0.95 }) };
+        let until = StopCondition {
+            samples,
+            time: None,
+            target: target.map(|error| ErrorTarget { error, confidence: 0.95, scope: Scope::Picture }),
+        };
         let start = || Render::new(scene.clone(), &*nee(), &film(), &Settings::new(sampler));
         let (mut whole, mut render) = (MomentFilm::new(film()), start());
         let looks = |history: &ErrorHistory| history.checkpoints.iter().map(|c| (c.samples, c.error)).collect::<Vec<_>>();
