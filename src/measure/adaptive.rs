@@ -9,8 +9,18 @@
 //! of a pixel depends on pixels of the other colour only. Its own samples are independent of those, so its mean is unbiased and its
 //! error bar is right, as if the allocation had been given.
 //!
+//! The noise of a pilot also tells whether this pays: the noise of each pixel is independent of its own number of samples nᵢ, so that
+//!
+//! ```text
+//! relMSE adaptive / even = 1/P Σ nᵢ · Σ s²ᵢ/nᵢ / Σ s²ᵢ
+//! ```
+//!
+//! Where this ratio is not clearly below 1, all pixels get the same number of samples. All pixels decide that together, so the
+//! pilot has random numbers that the picture does not have.
+//!
 //! Source of the allocation: Neyman, *On the Two Different Aspects of the Representative Method* (1934).
-//! Tests: sample_counts_do_not_depend_on_own_samples, noisy_pixels_get_more_samples, adaptive_sampling_reduces_the_error.
+//! Tests: sample_counts_do_not_depend_on_own_samples, noisy_pixels_get_more_samples, adaptive_sampling_reduces_the_error,
+//! what_does_not_pay_is_sampled_evenly.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -22,10 +32,15 @@ use crate::film::pixel_sums::estimate;
 use crate::film::{Allocation, Film, FilmSpec, MomentFilm};
 use crate::integrator::Integrator;
 use crate::render::{Render, Settings};
+use crate::sampler::SamplerSpec;
+use crate::sampler::hash::mix;
 use crate::scene::Scene;
 
 /// Number of requested samples for each sample of the pilot.
 const PILOT: u64 = 16;
+
+/// Tells the random numbers of the pilot from those of the picture.
+const PILOT_SEED: u64 = 0x0070_696c_6f74;
 
 /// Largest number of samples per pixel of the pilot. It matters where many samples are requested, or an unlimited number.
 const LONGEST_PILOT: u64 = 32;
@@ -33,10 +48,15 @@ const LONGEST_PILOT: u64 = 32;
 /// Samples per pixel and round, on average. A pixel with little noise takes one, a noisy one up to 64.
 const MEAN: f64 = 8.0;
 
+/// Greatest expected ratio of relMSE, adaptive over even, at which uneven samples are taken. It is below 1 because the expectation is a little
+/// too good for evenly distributed samples, whose relMSE falls faster than 1/n.
+const WORTH: f64 = 0.93;
+
 /// Radius of the neighbourhood from which the noise of a pixel is estimated (pixels).
 const REACH: usize = 2;
 
-/// Renders a pilot, discards its picture, and returns the allocation that its noise suggests and the seconds it took.
+/// Renders a pilot, discards its picture, and returns the allocation that its noise suggests, and the seconds it took. The allocation is even where an
+/// uneven one would hardly lessen the error.
 ///
 /// - `samples`: samples per pixel that the picture will have
 pub fn pilot_allocation(
@@ -50,10 +70,13 @@ pub fn pilot_allocation(
     let spec = spec.clone().without_layers();
     let fewest = u64::from(2 * settings.sampler.error_estimator().sequences());
     let samples = (samples / PILOT).clamp(fewest, LONGEST_PILOT.max(fewest)).next_power_of_two();
+    let sampler = SamplerSpec { seed: mix(settings.sampler.seed ^ PILOT_SEED), ..settings.sampler };
     let mut film = MomentFilm::new(spec.clone());
-    let mut render = Render::new(scene.clone(), integrator, &spec, settings);
+    let mut render = Render::new(scene.clone(), integrator, &spec, &Settings { sampler, ..settings.clone() });
     render.advance(samples, &mut film, observer);
-    (allocate(&film), render.report().elapsed)
+    let allocation = allocate(&film);
+    let pays = relmse_ratio(&film, &allocation) <= WORTH;
+    (if pays { allocation } else { Allocation::default() }, render.report().elapsed)
 }
 
 /// Returns the allocation that the noise of a film suggests.
@@ -69,6 +92,22 @@ pub fn allocate(film: &MomentFilm) -> Allocation {
         own.iter().zip(&worth).for_each(|(&i, worth)| levels[i] = level(scale * worth));
     }
     Allocation::new(levels)
+}
+
+/// Expected relMSE of the allocation that the noise of a film suggests, over that of as many samples in every pixel; not a number for a
+/// black film.
+fn relmse_ratio(film: &MomentFilm, allocation: &Allocation) -> f64 {
+    let noise = PixelNoise::of(film, film.spec().crop.size().x as usize);
+    let floors = [0, 1].map(|color| noise.floor(color));
+    let contribution =
+        |i: usize| floors[noise.color(i)].map_or(0.0, |floor| noise.pixels[i].iter().map(|(x, v)| v / (x * x + floor)).sum());
+    let (mut even, mut adaptive) = (0.0, 0.0);
+    for i in 0..noise.pixels.len() {
+        let square: f64 = contribution(i);
+        even += square;
+        adaptive += square / allocation.samples(i, 1) as f64;
+    }
+    adaptive * allocation.mean() / even
 }
 
 /// Returns the exponent of the power of two that is nearest to a number of samples.

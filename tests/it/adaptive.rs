@@ -158,7 +158,8 @@ fn adaptive_rounds_equal_uniform_sampling() {
     }
 }
 
-/// The mean of many adaptive pictures equals the reference, in each pixel and as a whole.
+/// The mean of many adaptive pictures equals the reference, in each pixel and as a whole, even if the samples that decide the allocation
+/// are samples of the picture.
 #[test]
 fn adapted_pictures_are_unbiased() {
     let subject = Subject::load("mirror-balls", 16, 12);
@@ -166,9 +167,14 @@ fn adapted_pictures_are_unbiased() {
     let errors = truth.channel("StdErr.R").expect("errors");
     let red = truth.channel("R").expect("red");
     const SEEDS: u64 = 64;
-    let pictures: Vec<Vec<f32>> = (0..SEEDS)
-        .map(|seed| subject.adapted(&subject.settings(Kind::Independent, 64, seed)).image().channel("R").expect("red").to_vec())
-        .collect();
+    let picture = |seed: u64| {
+        let pilot = subject.rendered(&subject.spec, &subject.settings(Kind::Independent, 4, seed));
+        let allocation = allocate(&pilot);
+        let samples = (64.0 / allocation.mean()).round() as u64;
+        let film = subject.rendered(&FilmSpec { allocation, ..subject.spec.clone() }, &subject.settings(Kind::Independent, samples, seed));
+        film.image().channel("R").expect("red").to_vec()
+    };
+    let pictures: Vec<Vec<f32>> = (0..SEEDS).map(picture).collect();
     let z = |values: &dyn Fn(&[f32]) -> f64, expected: f64, variance: f64| {
         let mut sums = [0.0; 2];
         for picture in &pictures {
@@ -214,4 +220,27 @@ fn adaptive_sampling_reduces_the_error() {
     }
     let cost = adapted * (1.0 + 1.0 / 16.0) / plain;
     assert!(cost < 0.5 * (1.0 + 1.0 / 16.0) * 4.0 / 3.0, "adapted costs {cost} of plain: relMSE {adapted:e}, {plain:e}");
+}
+
+/// A wall that a red and a blue lamp light from afar: the choice of the lamp makes all pixels equally noisy.
+const EVEN: &str = r#"{
+  "pt": 1,
+  "camera": { "look_at": { "from": [0, 0, 5], "to": [0, 0, 0] }, "fov": 40 },
+  "shapes": [
+    { "type": "quad", "size": 20 },
+    { "type": "sphere", "radius": 1, "center": [20, 0, 20], "emission": [300, 0, 0] },
+    { "type": "sphere", "radius": 1, "center": [-20, 0, 20], "emission": [0, 0, 300] }
+  ]
+}"#;
+
+/// Where all pixels are equally noisy, the pilot gives each the same number of samples. A noisy half of the picture is worth uneven ones.
+#[test]
+fn what_does_not_pay_is_sampled_evenly() {
+    // Sobol' samples of the lamp leave hardly any noise to distribute.
+    for (text, kind, pays) in [(LAMP, Kind::Independent, true), (EVEN, Kind::Independent, false), (EVEN, Kind::Sobol, false)] {
+        let subject = Subject::of(describe::root(text.as_bytes(), "lamp").expect("a scene"), "lamp", 32, 24);
+        let settings = subject.settings(kind, 256, 3);
+        let (allocation, _) = pilot_allocation(&subject.scene, &*subject.integrator, &subject.spec, &settings, 256, &Silent);
+        assert_eq!(allocation.is_even(), !pays, "{kind:?}: {text}");
+    }
 }

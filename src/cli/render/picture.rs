@@ -112,6 +112,9 @@ impl<'a> Picture<'a> {
         let progress = Progress::new(ProgressForm::None, spec, until.samples, None);
         (spec.allocation, start.report.elapsed) =
             adaptive::pilot_allocation(world, &**integrator, spec, settings, until.samples, &progress);
+        if spec.allocation.is_even() && !is_quiet() {
+            note("note: --adaptive: every pixel gets the same number of samples; uneven numbers would hardly lessen the error");
+        }
         until.samples = ((until.samples as f64 / spec.allocation.mean()).round() as u64).max(1);
         Start { film: MomentFilm::new(spec.clone()), ..start }
     }
