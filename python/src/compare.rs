@@ -72,8 +72,8 @@ pub fn compare_methods(
     let Watched { result, interrupt } = watched(py, None, threads, vec![], |watch| {
         let metrics: Vec<Metric> = metrics.iter().map(|name| Metric::parse(name)).collect::<pt::Result<_>>()?;
         let configs = configs(&loaded, &integrators, &samplers, TABLES)?;
-        let Loaded { world, film, sampler, stem, .. } = &loaded;
-        let (spec, world): (_, Arc<dyn pt::scene::Scene>) = (film.clone().without_layers(), world.clone());
+        let Loaded { world, sampler, stem, .. } = &loaded;
+        let world: Arc<dyn pt::scene::Scene> = world.clone();
         let reference = match given {
             Some(reference) => reference,
             None => {
@@ -91,13 +91,14 @@ pub fn compare_methods(
         }
         let samples = if spp.is_some() { sampler.spp } else { UNLIMITED };
         let budget = Budget { replicates, samples, time: (!is_counted).then_some(time), metrics };
-        let Some(methods) = compare::run(&world, &spec, configs, &budget, &reference, confidence, watch) else { return Ok(false) };
+        let Some(methods) = compare::run(configs, &budget, &reference, confidence, watch) else { return Ok(false) };
         let mut provenance = Provenance::new(&loaded, command.clone(), words, replicates)?;
         provenance.reference_hash = output::hash(&reference.image).to_string();
         let [width, height] = reference.image.full_size.to_array();
         let commands = Commands {
             whole: command,
             scene: scene_words,
+            options: String::new(),
             size: format!("--size {width}x{height}"),
             reference: folder.join("reference.exr").display().to_string(),
         };

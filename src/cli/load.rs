@@ -53,6 +53,11 @@ impl SceneArgs {
         self.path.as_deref().ok_or_else(|| Error::Usage("expected a scene file, such as scenes/cornell-box.json; see pt --help".into()))
     }
 
+    /// Another file, read in the same way.
+    pub fn with_path(&self, path: &Path) -> SceneArgs {
+        SceneArgs { path: Some(path.to_owned()), ..self.clone() }
+    }
+
     /// Options for reading the scene. What `-D` says of the shutter is the time that animations of other programs' files are read for.
     pub fn import_options(&self) -> ImportOptions {
         let ground = (self.ground || self.no_ground).then_some(self.ground);

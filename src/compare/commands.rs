@@ -29,8 +29,10 @@ impl From<&str> for Conclusion {
 pub struct Commands {
     /// Command of the whole comparison.
     pub whole: String,
-    /// The scene and the options that choose it: `scene.json -D /camera/fov=40`.
+    /// File of the scene.
     pub scene: String,
+    /// Options that change the scene: `-D /camera/fov=40`; empty if there are none.
+    pub options: String,
     /// Size of the pictures: `--size 256x256`.
     pub size: String,
     /// The report's picture of the reference.
@@ -44,7 +46,7 @@ impl Commands {
             return self.whole.clone();
         }
         let Method { integrator, sampler, .. } = method;
-        format!("pt {} {} --integrator {integrator} --sampler {sampler} --target {}%", self.scene, self.size, per_cent(target))
+        format!("pt {} {} --integrator {integrator} --sampler {sampler} --target {}%", self.scene_of(method), self.size, per_cent(target))
     }
 
     /// Tests whether a method converges to the reference. Of pictures from files the first is measured.
@@ -52,11 +54,17 @@ impl Commands {
         if let Some(file) = method.files.first() {
             return format!("pt image diff {file} {}", self.reference);
         }
-        format!("pt verify {} {} {} {}", self.scene, method.integrator, self.reference, self.size)
+        format!("pt verify {} {} {} {}", self.scene_of(method), method.integrator, self.reference, self.size)
     }
 
-    /// Lists the effects that the scene calls for.
-    pub fn check(&self) -> String {
-        format!("pt check {}", self.scene)
+    /// Lists the effects that the scene of a method calls for.
+    pub fn check(&self, method: &Method) -> String {
+        format!("pt check {}", self.scene_of(method))
+    }
+
+    /// The scene of a method with its options.
+    fn scene_of(&self, method: &Method) -> String {
+        let file = method.scene_file.as_ref().unwrap_or(&self.scene);
+        if self.options.is_empty() { file.clone() } else { format!("{file} {}", self.options) }
     }
 }

@@ -16,12 +16,17 @@ pub fn conclusions(methods: &[Method], reference: &Reference, confidence: f64, c
     for method in methods {
         if let Some((bias, error)) = method.bias {
             let (bias, error) = (per_cent(bias), per_cent(error));
-            let text = format!("{} settles {bias} ± {error} % away from the reference: that is bias, which no time removes.", method.name);
+            let what = match method.scene_file {
+                None => "that is bias, which no time removes",
+                Some(_) if method.lacks.is_empty() => "so much the scenes differ, which no time removes",
+                Some(_) => "that is what the scenes differ by and what the method leaves out",
+            };
+            let text = format!("{} settles {bias} ± {error} % away from the reference: {what}.", method.name);
             sentences.push(with(text, commands.verify(method)));
         }
         if !method.lacks.is_empty() {
             let text = format!("{} does not simulate {}, which the scene calls for.", method.name, method.lacks);
-            sentences.push(with(text, commands.check()));
+            sentences.push(with(text, commands.check(method)));
         }
     }
     sentences
@@ -215,8 +220,8 @@ mod tests {
     }
 
     fn commands() -> Commands {
-        let [whole, scene, size, reference] = ["pt compare s.json", "s.json", "--size 8x8", "r.exr"].map(str::to_owned);
-        Commands { whole, scene, size, reference }
+        let [whole, scene, options, size, reference] = ["pt compare s.json", "s.json", "", "--size 8x8", "r.exr"].map(str::to_owned);
+        Commands { whole, scene, options, size, reference }
     }
 
     fn said(methods: &[Method]) -> Vec<String> {
@@ -232,6 +237,20 @@ mod tests {
         let render = |name: &str, target: &str| format!("pt s.json --size 8x8 --integrator {name} --sampler sobol --target {target}");
         let [whole, verify, check] = ["pt compare s.json", "pt verify s.json b r.exr --size 8x8", "pt check s.json"].map(str::to_owned);
         assert_eq!(found, [render("b", "10%"), render("a", "3%"), whole.clone(), whole.clone(), whole, verify, check]);
+    }
+
+    /// What belongs to another scene has that scene in its commands, with the options of the first.
+    #[test]
+    fn commands_name_the_scene_of_their_method() {
+        let other =
+            Method { bias: Some((0.05, 0.002)), scene_file: Some("t.json".into()), ..method("b · t", [s(1.0), NEVER, NEVER, NEVER]) };
+        let commands = Commands { options: "-D /a=1".into(), ..commands() };
+        let found = conclusions(&[other], &reference(1e4), 0.95, &commands);
+        let command = |k: usize| found[k].command.clone().expect("a command");
+        assert_eq!(command(0), "pt t.json -D /a=1 --size 8x8 --integrator b · t --sampler sobol --target 10%");
+        let last = found.len() - 1;
+        assert_eq!(command(last), "pt verify t.json -D /a=1 b · t r.exr --size 8x8");
+        assert_eq!(found[last].text, "b · t settles 5 ± 0.2 % away from the reference: so much the scenes differ, which no time removes.");
     }
 
     #[test]

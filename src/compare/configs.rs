@@ -27,6 +27,9 @@ pub fn configs(loaded: &Loaded, integrators: &[String], samplers: &[String], tab
             let name = if samplers.len() > 1 { format!("{} · {sampler_name}", entry.name) } else { entry.name.to_owned() };
             all.push(MethodConfig {
                 name,
+                scene: loaded.world.clone(),
+                spec: loaded.film.clone().without_layers(),
+                scene_file: None,
                 integrator_name: entry.name.into(),
                 sampler_name: sampler_name.into(),
                 integrator: integrator.clone(),
@@ -37,4 +40,14 @@ pub fn configs(loaded: &Loaded, integrators: &[String], samplers: &[String], tab
         }
     }
     Ok(all)
+}
+
+impl MethodConfig {
+    /// The method on one of several scenes.
+    ///
+    /// - `label`: name of the scene, which is added to that of the method
+    /// - `file`: file of the scene, quoted for a shell; `None` for the scene of the comparison
+    pub fn on_scene(self, label: &str, file: Option<String>) -> MethodConfig {
+        MethodConfig { name: format!("{} · {label}", self.name), scene_file: file, ..self }
+    }
 }

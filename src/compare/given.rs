@@ -53,7 +53,8 @@ fn contestant(name: &str, pictures: Vec<GivenPicture>, metrics: &[Metric], refer
         }
     }
     let last: Vec<Image> = checkpoints.last()?.iter().map(|picture| picture.image.clone()).collect();
-    let about = About { name: name.into(), integrator: "pictures".into(), sampler: "–".into(), lacks: String::new(), files };
+    let about =
+        About { name: name.into(), integrator: "pictures".into(), sampler: "–".into(), lacks: String::new(), scene_file: None, files };
     Some(method(about, &last, snapshots.into(), measurements, reference, confidence))
 }
 

@@ -3,6 +3,7 @@
 use super::bias::SquaredBias;
 use super::curve::{mean, one, points, slope};
 use super::price::Priced;
+use super::spectrum::error_spectrum;
 use super::{Measurement, Method, MethodConfig, Reference, Snapshot, TARGETS};
 use crate::film::Image;
 
@@ -16,14 +17,16 @@ pub struct About {
     pub sampler: String,
     /// Effects that the scene needs and the method leaves out, in words.
     pub lacks: String,
+    /// File of the scene that it renders; `None` for the scene of the comparison.
+    pub scene_file: Option<String>,
     /// Files of its pictures; empty for a method that is rendered.
     pub files: Vec<String>,
 }
 
 impl From<MethodConfig> for About {
     fn from(config: MethodConfig) -> About {
-        let MethodConfig { name, integrator_name, sampler_name, lacks, .. } = config;
-        About { name, integrator: integrator_name, sampler: sampler_name, lacks, files: vec![] }
+        let MethodConfig { name, integrator_name, sampler_name, lacks, scene_file, .. } = config;
+        About { name, integrator: integrator_name, sampler: sampler_name, lacks, scene_file, files: vec![] }
     }
 }
 
@@ -54,12 +57,14 @@ pub fn method(
         curve,
         sample: one(pictures, &image),
         snapshots,
+        spectrum: error_spectrum(pictures, &reference.image),
         image,
         slope,
         bias: detected,
         bias_bound: bias.map(|bias| bias.bound()),
         prices,
         lacks: about.lacks,
+        scene_file: about.scene_file,
         files: about.files,
         measurements,
     }

@@ -1,4 +1,4 @@
-//! Comparison of methods on one scene: what accuracy costs in time (`pt compare`).
+//! Comparison of methods on one scene, or on several versions of a scene: what accuracy costs in time (`pt compare`).
 //!
 //! Every method renders the scene several times with different random numbers. The methods take turns, so that a machine that slows
 //! down slows all of them. At doubling checkpoints each picture is measured against a reference.
@@ -19,15 +19,17 @@ mod replicates;
 pub mod report;
 pub mod run;
 mod snapshot;
+mod spectrum;
 #[cfg(test)]
 mod synthetic;
 
 use std::sync::Arc;
 
-use crate::film::Image;
+use crate::film::{FilmSpec, Image};
 use crate::integrator::Integrator;
 use crate::measure::Metric;
 use crate::sampler::SamplerSpec;
+use crate::scene::Scene;
 
 pub use crate::measure::format::TARGETS;
 pub use commands::{Commands, Conclusion};
@@ -39,6 +41,7 @@ pub use reference::Reference;
 pub use reference_renderer::{CachedReference, ReferenceRenderer};
 pub use run::{Budget, run};
 pub use snapshot::Snapshot;
+pub use spectrum::{Ring, error_spectrum};
 
 /// Results of a comparison, as the report needs them.
 #[derive(Clone, Debug)]
@@ -63,6 +66,12 @@ pub struct Comparison {
 pub struct MethodConfig {
     /// Name in the report.
     pub name: String,
+    /// What it renders.
+    pub scene: Arc<dyn Scene>,
+    /// Film of its pictures, whose pixels are those of all other methods.
+    pub spec: FilmSpec,
+    /// File of the scene, quoted for a shell; `None` for the scene of the comparison.
+    pub scene_file: Option<String>,
     /// Name of the integrator.
     pub integrator_name: String,
     /// Name of the sampler.
@@ -96,6 +105,8 @@ pub struct Method {
     pub sample: Image,
     /// Pictures of that replicate at its last checkpoints, in order of samples; the last one is [`Method::sample`].
     pub snapshots: Vec<Snapshot>,
+    /// Spectrum of the errors of the replicates after the last checkpoint, from short periods to long ones.
+    pub spectrum: Vec<Ring>,
     /// Exponent s in √relMSE ~ secondsˢ, with its standard error; `None` for fewer than three checkpoints.
     pub slope: Option<(f64, f64)>,
     /// Bias: √relMSE that more samples do not remove, with its standard error; `None` if none can be detected.
@@ -106,6 +117,8 @@ pub struct Method {
     pub prices: Vec<Result<Cost, NoPrice>>,
     /// Effects that the scene needs and the method leaves out, in words; empty if there are none.
     pub lacks: String,
+    /// File of the scene that it renders, quoted for a shell; `None` for the scene of the comparison, of which the reference is.
+    pub scene_file: Option<String>,
     /// Files of its pictures, quoted for a shell; empty for a method that is rendered. The samples of such pictures are not known:
     /// numbers of samples are then places in the order of time.
     pub files: Vec<String>,

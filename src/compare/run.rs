@@ -1,19 +1,17 @@
 //! Measurements: every method, every replicate, checkpoint by checkpoint.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::time::Duration;
 
 use super::method::method;
 use super::snapshot::{self, Snapshot};
 use super::{Measurement, Method, MethodConfig, Reference};
-use crate::film::{FilmSpec, Image, MomentFilm};
+use crate::film::{Image, MomentFilm};
 use crate::measure::metric::{ImagePair, Named};
 use crate::measure::{Distance, Metric};
 use crate::output::Tonemap;
 use crate::render::{Observer, Render, Settings};
 use crate::sampler::SamplerSpec;
-use crate::scene::Scene;
 
 /// Limits of the work, and what is measured.
 #[derive(Clone, Debug)]
@@ -41,8 +39,6 @@ struct Run {
 /// The methods take turns, so that a machine that becomes slower affects all of them alike. Only rendering counts as time. `None` if the observer
 /// ended it.
 pub fn run(
-    scene: &Arc<dyn Scene>,
-    spec: &FilmSpec,
     configs: Vec<MethodConfig>,
     budget: &Budget,
     reference: &Reference,
@@ -53,8 +49,8 @@ pub fn run(
         let seed = config.sampler.seed.wrapping_add(1 + u64::from(replicate));
         // Each replicate is one sequence without scramblings: the variance among the replicates gives the error.
         let sampler = SamplerSpec { seed, spp: budget.samples, scramblings: 1, ..config.sampler };
-        let render = Render::new(scene.clone(), &*config.integrator, spec, &Settings::new(sampler));
-        Run { render, film: MomentFilm::new(spec.clone()), snapshots: VecDeque::new() }
+        let render = Render::new(config.scene.clone(), &*config.integrator, &config.spec, &Settings::new(sampler));
+        Run { render, film: MomentFilm::new(config.spec.clone()), snapshots: VecDeque::new() }
     };
     let mut runs: Vec<Vec<Run>> = configs.iter().map(|c| (0..budget.replicates).map(|r| start(c, r)).collect()).collect();
     let mut measured: Vec<Vec<Measurement>> = runs.iter().map(|_| vec![]).collect();

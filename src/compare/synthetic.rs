@@ -36,11 +36,13 @@ pub fn method(name: &str) -> Method {
         image: image.clone(),
         sample: image,
         snapshots: vec![],
+        spectrum: vec![],
         slope: None,
         bias: None,
         bias_bound: None,
         prices: vec![],
         lacks: String::new(),
+        scene_file: None,
         files: vec![],
     }
 }

@@ -306,6 +306,45 @@ fn a_replay_says_what_changed() {
     assert_eq!(std::fs::read_dir(elsewhere.path()).expect("a folder").count(), 0, "nothing is written");
 }
 
+/// Several scenes are measured against the reference of the first: a copy has the bits of the original, a brighter lamp is told as what the
+/// scenes differ by, with commands that name its file, and a replay renders all of them again.
+#[test]
+fn versions_of_a_scene_are_compared() {
+    let folder = folder();
+    let scene = std::fs::read_to_string(CORNELL).expect("a scene");
+    let write = |name: &str, scene: &str| std::fs::write(folder.path().join(name), scene).expect("written");
+    std::fs::create_dir(folder.path().join("copy")).expect("a folder");
+    write("box.json", &scene);
+    write("copy/box.json", &scene);
+    // The film of the first scene counts.
+    let bright = scene.replace("\"width\": 512", "\"width\": 50").replace("[34, 28, 19]", "[41, 34, 23]");
+    assert!(bright.len() + 1 == scene.len(), "the lamp and the film are changed");
+    write("bright.json", &bright);
+    let compare = ["compare", "box.json", "copy/box.json", "bright.json", "--integrators", "nee", "--progress", "none"];
+    let text =
+        said(folder.path(), 0, &[&compare[..], &["--size", "24x24", "--spp", "256", "--reference-time", "1s", "-o", "report"]].concat());
+    for name in ["nee · box.json: 256 spp", "nee · copy/box.json: 256 spp", "nee · bright: 256 spp"] {
+        assert!(text.contains(name), "{name}: {text}");
+    }
+    let file = folder.path().join("report/convergence.json");
+    let data: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&file).expect("data")).expect("JSON");
+    let hash = |k: usize| data["methods"][k]["hash"].as_str().expect("a hash").to_owned();
+    assert!(hash(0) == hash(1) && hash(0) != hash(2), "{data}");
+    let conclusions = data["conclusions"].as_array().expect("conclusions");
+    let differs = |one: &&serde_json::Value| one["text"].as_str().is_some_and(|text| text.contains("so much the scenes differ"));
+    let differing: Vec<&serde_json::Value> = conclusions.iter().filter(differs).collect();
+    assert!(differing.len() == 1 && differing[0]["text"].as_str().is_some_and(|text| text.starts_with("nee · bright settles ")), "{text}");
+    assert_eq!(differing[0]["command"], "pt verify bright.json nee report/reference.exr --size 24x24");
+    assert!(data["methods"][0]["spectrum"].as_array().is_some_and(|rings| rings.len() > 4), "{data}");
+
+    let path = file.display().to_string();
+    let replay = said(folder.path(), 0, &["compare", "--replay", &path, "--progress", "none"]);
+    assert_eq!(replay.matches("the same picture bit for bit").count(), 3, "{replay}");
+    assert!(said(folder.path(), 2, &["compare", "box.json", "box.json"]).contains("expected different scenes"));
+    assert!(said(folder.path(), 2, &["compare", "box.json", "-"]).contains("only the first is read from stdin"));
+    assert!(said(folder.path(), 3, &["compare", "box.json", "nowhere.json"]).contains("nowhere.json: no such file"));
+}
+
 #[test]
 fn a_replay_of_anything_else_is_refused() {
     let folder = folder();

@@ -87,6 +87,7 @@ mod serve;
 mod shapes;
 mod shared;
 mod shell;
+mod spectrum;
 mod spherical;
 mod statistics;
 mod stderr_messages;

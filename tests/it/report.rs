@@ -39,7 +39,7 @@ fn files(folder: &Path) -> BTreeSet<PathBuf> {
 #[test]
 fn all_files_are_there_and_no_other() {
     let folder = written(&comparison(), false);
-    let plots = ["error-against-time", "time-to-error", "error-against-samples", "pareto-front"];
+    let plots = ["error-against-time", "time-to-error", "error-against-samples", "pareto-front", "error-spectrum"];
     let plots = plots.iter().flat_map(|name| ["svg", "png"].map(|kind| PathBuf::from(format!("plots/{name}.{kind}"))));
     let others = ["convergence.csv", "convergence.json", "index.html"].map(PathBuf::from);
     assert_eq!(files(&folder.path().join("new/report")), plots.chain(others).collect());
@@ -144,7 +144,7 @@ fn reports_of_extreme_comparisons_are_valid() {
     serde_json::from_str::<Value>(&text(&folder, "jeri/data.json")).expect("JSON");
     let csv = text(&folder, "convergence.csv");
     assert!(csv.contains("\"a,\"\"b\"\"\n<svg onload=alert(2)>\",0,1,"), "the name is quoted");
-    for name in ["error-against-time", "time-to-error", "error-against-samples", "pareto-front"] {
+    for name in ["error-against-time", "time-to-error", "error-against-samples", "pareto-front", "error-spectrum"] {
         let plot = text(&folder, &format!("plots/{name}.svg"));
         assert!(!plot.contains("NaN") && !plot.contains("inf\"") && !plot.contains("<svg onload"), "{name}");
     }
@@ -175,7 +175,7 @@ fn plots_contain_every_curve_and_bias() {
     }
     let bars = text(&folder, "plots/time-to-error.svg");
     assert_eq!(bars.matches("never: bias").count(), 2 * 4, "drawn and described: no target is reached");
-    for name in ["error-against-time", "time-to-error", "error-against-samples", "pareto-front"] {
+    for name in ["error-against-time", "time-to-error", "error-against-samples", "pareto-front", "error-spectrum"] {
         let path = folder.path().join(format!("new/report/plots/{name}.png"));
         let picture = image::open(&path).expect("PNG").to_rgb8();
         assert!(picture.width() == 2 * (640 + 2 * 16) && picture.height() > 600, "{name}");

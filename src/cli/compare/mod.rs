@@ -8,6 +8,7 @@ use std::time::Duration;
 mod origin;
 mod picture;
 mod replay;
+mod scenes;
 
 use super::load::SceneArgs;
 use super::load::{Loaded, load};
@@ -18,6 +19,8 @@ use super::progress::{ProgressForm, WorkArgs};
 use super::quote::quoted;
 use super::reference;
 use super::{note, print_stdout, render, signals};
+use scenes::{OtherScene, contestants, load_others};
+
 use crate::compare::{
     self, Budget, Commands, Comparison, GivenPicture, MethodConfig, Provenance, Reference, ReferenceRenderer, conclusions, configs, report,
 };
@@ -33,6 +36,10 @@ use crate::scene::Scene;
 pub struct CompareArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
+    /// Further versions of the scene, with other materials or settings: every method renders them, too, and is measured against the
+    /// reference of SCENE. Options and -D hold for all scenes, and so does the size of the first.
+    #[arg(value_name = "OTHER")]
+    pub others: Vec<PathBuf>,
     /// Integrators to compare.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "path,nee,whitted")]
     pub integrators: Vec<String>,
@@ -85,7 +92,7 @@ pub struct CompareArgs {
     #[arg(
         long,
         value_name = "FILE",
-        conflicts_with_all = ["path", "overrides", "integrators", "samplers", "output", "spp", "time", "replicates", "reference", "reference_integrator", "reference_time", "size", "confidence", "metric", "picture", "jeri", "sky", "ground", "view", "up", "allow_outside"]
+        conflicts_with_all = ["path", "others", "overrides", "integrators", "samplers", "output", "spp", "time", "replicates", "reference", "reference_integrator", "reference_time", "size", "confidence", "metric", "picture", "jeri", "sky", "ground", "view", "up", "allow_outside"]
     )]
     pub replay: Option<PathBuf>,
     #[command(flatten)]
@@ -107,13 +114,14 @@ pub fn compare(args: &CompareArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
     let loaded = load_resized(args, tables)?;
     loaded.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     args.metric.iter().try_for_each(|name| Metric::parse(name).map(drop))?;
-    let configs = configs(&loaded, &args.integrators, &args.samplers, tables)?;
+    let others = load_others(args, &loaded, tables)?;
+    let configs = contestants(args, &loaded, &others, tables)?;
     let given = args.reference.as_deref().map(|path| read_reference(path, &loaded.film)).transpose()?;
     let pictures = picture::read(&args.picture, &configs, &loaded.film)?;
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}-report", loaded.stem)));
     std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
     signals::catch()?;
-    render::pool(args.work.threads)?.install(|| measure(args, loaded, (configs, pictures), given, &folder, tables))
+    render::pool(args.work.threads)?.install(|| measure(args, loaded, &others, (configs, pictures), given, &folder, tables))
 }
 
 /// Loads the scene, in a smaller size unless one is requested: the decrease of the error does not depend on the size.
@@ -158,6 +166,7 @@ fn read_picture(path: &Path, film: &FilmSpec, role: &str) -> Result<(Image, Attr
 fn measure(
     args: &CompareArgs,
     loaded: Loaded,
+    others: &[OtherScene],
     (configs, pictures): (Vec<MethodConfig>, Vec<GivenPicture>),
     given: Option<Reference>,
     folder: &Path,
@@ -167,7 +176,7 @@ fn measure(
     let renderer = ReferenceRenderer::new(&loaded, args.reference_integrator.as_deref(), tables)?;
     let cached = reference::cache(args.cache.as_deref()).ok().map(|cache| renderer.path(&cache)).filter(|path| path.exists());
     let stem = loaded.stem.clone();
-    let mut provenance = origin::provenance(args, &loaded)?;
+    let mut provenance = origin::provenance(args, &loaded, others)?;
     let scene: Arc<dyn Scene> = loaded.world;
     let time = args.time.unwrap_or(TIME);
     let interrupted = || Error::Interrupted(signals::caught().unwrap_or_default());
@@ -190,7 +199,7 @@ fn measure(
     };
     let count = configs.len() as u32;
     let progress = Progress::new(args.work.progress, &spec, u32::MAX.into(), Some(budget.time.unwrap_or(time) * count));
-    let mut methods = compare::run(&scene, &spec, configs, &budget, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
+    let mut methods = compare::run(configs, &budget, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
     progress.finish();
     let unlike = || Error::Internal("a picture cannot be compared with the reference".into());
     methods.extend(compare::given(pictures, &budget.metrics, &reference, args.confidence).ok_or_else(unlike)?);

@@ -2,20 +2,19 @@
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use clap::Parser;
 
 use super::super::messages::fitted;
 use super::super::progress::{Progress, WorkArgs};
 use super::super::{Command, CommandLine, note, print_stdout, render, signals};
+use super::scenes::{contestants, load_others};
 use super::{CompareArgs, load_resized, origin, read_reference};
 use crate::compare::replay::{Recorded, changes};
-use crate::compare::{self, Budget, Reference, configs};
+use crate::compare::{self, Budget, Reference};
 use crate::error::{Error, Fault, Result};
 use crate::integrator::Entry;
 use crate::output;
-use crate::scene::Scene;
 
 /// Runs the command.
 pub fn replay(file: &Path, work: &WorkArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
@@ -60,10 +59,11 @@ fn repeat(
     work: &WorkArgs,
     tables: &[&[Entry]],
 ) -> Result<ExitCode> {
-    let mut provenance = origin::provenance(args, &loaded)?;
+    let others = load_others(args, &loaded, tables)?;
+    let mut provenance = origin::provenance(args, &loaded, &others)?;
     provenance.reference_hash = recorded.provenance.reference_hash.clone();
     let spec = loaded.film.clone().without_layers();
-    let mut configs = configs(&loaded, &args.integrators, &args.samplers, tables)?;
+    let mut configs = contestants(args, &loaded, &others, tables)?;
     // A method without a recorded number of samples would be rendered without end.
     configs.retain_mut(|config| {
         let before = recorded.methods.iter().find(|method| method.name == config.name);
@@ -73,11 +73,10 @@ fn repeat(
     if configs.is_empty() {
         return Err(Error::Usage("--replay: the recorded command renders none of the recorded methods".into()));
     }
-    let scene: Arc<dyn Scene> = loaded.world;
     let samples = args.spp.map_or(super::UNLIMITED, u64::from);
     let budget = Budget { replicates: args.replicates, samples, time: None, metrics: vec![] };
     let progress = Progress::new(work.progress, &spec, u32::MAX.into(), None);
-    let methods = compare::run(&scene, &spec, configs, &budget, reference, args.confidence, &progress)
+    let methods = compare::run(configs, &budget, reference, args.confidence, &progress)
         .ok_or_else(|| Error::Interrupted(signals::caught().unwrap_or_default()))?;
     progress.finish();
     let mut text = String::new();

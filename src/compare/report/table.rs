@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use crate::compare::{CheckpointStats, Comparison, Cost, CostKind, Measurement, Method, NoPrice, Provenance, Reference, TARGETS};
+use crate::compare::{CheckpointStats, Comparison, Cost, CostKind, Measurement, Method, NoPrice, Provenance, Reference, Ring, TARGETS};
 use crate::error::{Error, Result};
 use crate::measure::Metric;
 use crate::measure::error::EPSILON;
@@ -21,6 +21,7 @@ struct Formulas {
     epsilon: String,
     error: &'static str,
     slope: &'static str,
+    spectrum: &'static str,
     seconds: &'static str,
 }
 
@@ -32,6 +33,7 @@ fn formulas() -> Formulas {
         epsilon: format!("ε = {EPSILON} · mean(r)²"),
         error: "√relmse",
         slope: "s of error ~ secondsˢ; −1/2 for Monte Carlo",
+        spectrum: "power |FFT(x − r)|²/N over N pixels, less the noise of r, over mean(r)², averaged over rings of periods (pixels) up to √2 times as long",
         seconds: "of rendering, wall clock, all threads; spp are samples per pixel",
     }
 }
@@ -144,6 +146,15 @@ struct MethodRow<'a> {
     lacks: &'a str,
     measurements: Vec<MeasurementRow>,
     points: Vec<PointRow>,
+    spectrum: Vec<RingRow>,
+}
+
+#[derive(Serialize)]
+struct RingRow {
+    /// Pixels.
+    period: f64,
+    power: Estimate,
+    frequencies: usize,
 }
 
 #[derive(Serialize)]
@@ -240,6 +251,7 @@ fn method<'m>(method: &'m Method, metrics: &[Metric]) -> MethodRow<'m> {
         trimmed: p.trimmed.into(),
         others: metrics.iter().map(Metric::name).zip(p.others.iter().copied().map(Estimate::from)).collect(),
     };
+    let ring = |ring: &Ring| RingRow { period: ring.period, power: (ring.power, ring.deviation).into(), frequencies: ring.frequencies };
     MethodRow {
         name: &method.name,
         integrator: &method.integrator,
@@ -253,5 +265,6 @@ fn method<'m>(method: &'m Method, metrics: &[Metric]) -> MethodRow<'m> {
         lacks: &method.lacks,
         measurements: method.measurements.iter().map(measurement).collect(),
         points: method.curve.iter().map(point).collect(),
+        spectrum: method.spectrum.iter().map(ring).collect(),
     }
 }

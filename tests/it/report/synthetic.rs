@@ -7,6 +7,7 @@
 use glam::UVec2;
 use pt::compare::{
     CheckpointStats, Comparison, Conclusion, Cost, CostKind, Measurement, Method, NoPrice, Provenance, Reference, Snapshot, TARGETS,
+    error_spectrum,
 };
 use pt::film::{Channel, Image};
 use pt::measure::{Metric, RelativeError};
@@ -112,6 +113,8 @@ fn method(seed: u32, name: &str, sampler: &str, model: ErrorModel) -> Method {
         image: picture(seed + 100, model.bias, (last / f64::from(REPLICATES)).sqrt()),
         sample,
         snapshots,
+        spectrum: error_spectrum(&[picture(seed, model.bias, last.sqrt()), picture(seed + 100, model.bias, last.sqrt())], &reference()),
+        scene_file: None,
         slope: Some((if model.bias > 0.0 { -0.02 } else { -0.5 * model.order }, 0.01)),
         bias: Some((model.bias, 0.002)).filter(|(bias, _)| *bias > 0.0),
         bias_bound: Some(model.bias + 0.008),

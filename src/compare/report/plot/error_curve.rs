@@ -44,7 +44,7 @@ fn checkpoint(method: &Method, point: &CheckpointStats, confidence: f64) -> Erro
 }
 
 /// Quantile of Student's distribution; of the normal distribution if the number of replicates is unknown.
-fn quantile(p: f64, replicates: usize) -> f64 {
+pub fn quantile(p: f64, replicates: usize) -> f64 {
     match StudentsT::new(0.0, 1.0, replicates as f64 - 1.0) {
         Ok(student) if replicates > 1 => student.inverse_cdf(p),
         _ => Normal::standard().inverse_cdf(p),

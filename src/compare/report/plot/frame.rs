@@ -38,6 +38,8 @@ pub enum Quantity {
     Seconds,
     /// Relative error √relMSE.
     Error,
+    /// Period of errors.
+    Period,
 }
 
 impl Quantity {
@@ -46,6 +48,15 @@ impl Quantity {
             Quantity::Samples => "samples per pixel",
             Quantity::Seconds => "time of rendering",
             Quantity::Error => "relative error √relMSE",
+            Quantity::Period => "period of the error (pixels)",
+        }
+    }
+
+    /// Title of the vertical axis of a plot over this quantity.
+    fn upright_title(self) -> &'static str {
+        match self {
+            Quantity::Period => "error √P, relative to the mean brightness",
+            _ => Quantity::Error.title(),
         }
     }
 
@@ -53,7 +64,7 @@ impl Quantity {
     pub fn label(self, value: f64) -> String {
         match self {
             Quantity::Samples if value >= 1e4 => format!("{:.0}k", value / 1024.0),
-            Quantity::Samples => format!("{value}"),
+            Quantity::Samples | Quantity::Period => format!("{value}"),
             // 10 min 00 s is written as 10 min.
             Quantity::Seconds => format::duration(value).trim_end_matches(" 00 s").trim_end_matches(" 00 min").into(),
             Quantity::Error => format!("{} %", format::per_cent(value)),
@@ -101,7 +112,7 @@ impl Frame {
         let font_size = self.format.font_size;
         let room = (self.right - self.left) / (4.6 * font_size);
         let ticks = match across {
-            Quantity::Samples => self.x.doublings(room as usize),
+            Quantity::Samples | Quantity::Period => self.x.doublings(room as usize),
             Quantity::Seconds => self.x.times(room as usize),
             Quantity::Error => self.x.ticks(room as usize),
         };
@@ -118,7 +129,7 @@ impl Frame {
             self.drawing.text([self.left - 8.0, y + 0.35 * font_size], label, Color::Muted, font_size, Anchor::End);
         }
         self.drawing.text([self.right, self.bottom + 2.9 * font_size], across.title(), Color::Muted, font_size, Anchor::End);
-        self.drawing.text([0.0, self.top - 0.8 * font_size], Quantity::Error.title(), Color::Muted, font_size, Anchor::Start);
+        self.drawing.text([0.0, self.top - 0.8 * font_size], across.upright_title(), Color::Muted, font_size, Anchor::Start);
     }
 
     /// Converts values to pixels.

@@ -10,6 +10,7 @@ mod font;
 mod frame;
 mod pareto;
 mod raster;
+mod spectrum;
 mod svg;
 
 use super::Files;
@@ -32,6 +33,7 @@ const ALL: &[Plot] = &[
     Plot { name: "error-against-samples", draw: curves::against_samples },
     Plot { name: "time-to-error", draw: bars::bars },
     Plot { name: "pareto-front", draw: pareto::front },
+    Plot { name: "error-spectrum", draw: spectrum::spectrum },
 ];
 
 /// Returns all plots as SVG and PNG files.
