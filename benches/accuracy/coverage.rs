@@ -9,21 +9,58 @@ use super::share::{Share, median};
 use super::subject::Subject;
 use super::{REFERENCE, SAMPLERS, after, reference, relmse, small, taken};
 
-pub const SCENES: [&str; 7] = ["cornell-box", "mirror-balls", "mis-plates", "statue", "triangle-stacks", "matter", "caustic"];
+/// A room with a lamp, mirrors, small lamps in rough plates, a mesh, clear and rough glass, matte models, a caustic, dozens of lamps, glossy
+/// metals, a signed distance field, panes of glass, an environment map, textures behind a lens, and fog.
+pub const SCENES: [&str; 14] = [
+    "cornell-box",
+    "mirror-balls",
+    "mis-plates",
+    "statue",
+    "triangle-stacks",
+    "matter",
+    "caustic",
+    "lanterns",
+    "metals",
+    "postcard",
+    "glass-panel",
+    "reflections",
+    "macro-lens",
+    "fog",
+];
+pub const LARGE_SCENES: [&str; 2] = ["cornell-box", "statue"];
 /// Samples per pixel at an early and at a late check of the error.
 const SAMPLES: [u64; 2] = [64, 256];
+/// Number of samples of a large reference picture. Its variance is subtracted from the distances.
+const LARGE_REFERENCE: u64 = 1 << 12;
 
 pub fn print(scenes: &[&str], seeds: u64) -> pt::Result<()> {
+    tabulate(scenes, seeds, &SAMPLES, &SAMPLERS, REFERENCE, small)
+}
+
+/// Pictures of 512 × 512 pixels: one sampler and one number of samples, since each takes as long as 150 small ones.
+pub fn print_large(scenes: &[&str], seeds: u64) -> pt::Result<()> {
+    let large = |name: &str| Subject::load(name, &[("/film/width", "512"), ("/film/height", "512")]);
+    tabulate(scenes, seeds, &SAMPLES[..1], &[Kind::Sobol], LARGE_REFERENCE, large)
+}
+
+fn tabulate(
+    scenes: &[&str],
+    seeds: u64,
+    samples: &[u64],
+    samplers: &[Kind],
+    of_reference: u64,
+    load: impl Fn(&str) -> pt::Result<Subject>,
+) -> pt::Result<()> {
     let (mut intervals, mut bounds) = (Share::default(), Share::default());
     println!(
         "| scene | spp | sampler | error | stated / true | interval holds | bound of most pixels holds, median true / bound | relMSE of 2 scramblings / 1 |\n\
          |---|---|---|---|---|---|---|---|"
     );
     for name in scenes {
-        let subject = small(name)?;
-        let reference = reference(&subject, REFERENCE);
-        for samples in SAMPLES {
-            for kind in SAMPLERS {
+        let subject = load(name)?;
+        let reference = reference(&subject, of_reference);
+        for &samples in samples {
+            for &kind in samplers {
                 let count = counted(&subject, kind, samples, &reference, seeds);
                 println!("| {name} | {samples} | {kind:?} | {} |", count.row(seeds));
                 intervals.add(count.interval);

@@ -4,12 +4,15 @@
 //! has three samplers.
 //!
 //! - coverage: how often the stated 95 % interval contains the true relative error
+//! - large: the same for pictures of 512 × 512 pixels, whose intervals are narrow
 //! - pixels: how many pixels are as far from the truth as their standard errors say
 //! - prices: how often the interval of the number of samples that a smaller error takes contains the number that it then takes
 //! - targets: how often the true error is below a target that was met, and what was spent to know it
+//! - auto: what the choice by `--integrator auto --sampler auto` costs beside the best one
 //! - adaptive: relMSE, and time × relMSE, of adaptive samples over those of as many uniform ones
 
 mod adaptive;
+mod auto;
 mod coverage;
 mod pixels;
 mod prices;
@@ -27,12 +30,14 @@ use subject::Subject;
 /// A table: its name, its scenes, and the function that prints it for some of them.
 type Table = (&'static str, &'static [&'static str], fn(&[&str], u64) -> pt::Result<()>);
 
-const TABLES: [Table; 5] = [
+const TABLES: [Table; 7] = [
     ("coverage", &coverage::SCENES, coverage::print),
+    ("large", &coverage::LARGE_SCENES, coverage::print_large),
     ("pixels", &pixels::SCENES, pixels::print),
     ("prices", &prices::SCENES, prices::print),
     ("targets", &targets::SCENES, targets::print),
     ("adaptive", &adaptive::SCENES, adaptive::print),
+    ("auto", &auto::SCENES, auto::print),
 ];
 
 const SAMPLERS: [Kind; 3] = [Kind::Independent, Kind::Halton, Kind::Sobol];

@@ -16,8 +16,15 @@ pub struct Subject {
 }
 
 impl Subject {
+    /// The scene for `nee`.
+    ///
     /// - `changes`: pointers into the file, and the values that replace those in the file
     pub fn load(name: &str, changes: &[(&str, &str)]) -> pt::Result<Subject> {
+        Subject::load_with(name, changes, "nee")
+    }
+
+    /// The scene for an integrator.
+    pub fn load_with(name: &str, changes: &[(&str, &str)], integrator: &str) -> pt::Result<Subject> {
         let file = format!("scenes/{name}.json");
         let mut root = describe::load(Path::new(&file))?;
         for (pointer, value) in changes {
@@ -25,7 +32,7 @@ impl Subject {
         }
         let described = describe::read(&root, &file)?;
         let built = pt::build::build(&described, Source { root: &root, file: &file, files: &Files::within("scenes") })?;
-        let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some("nee"), &file)?;
+        let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), Some(integrator), &file)?;
         Ok(Subject { scene: Arc::new(built.world), integrator, spec: built.film })
     }
 }
