@@ -15,6 +15,7 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use glam::UVec2;
@@ -190,6 +191,8 @@ pub struct Stored {
     chunks: Chunks,
     /// File with what came from a pipe.
     spooled: Option<TempPath>,
+    /// The file, if it was kept open. Otherwise it is opened for each chunk, so that there may be more parts than open files.
+    held: Option<Mutex<File>>,
 }
 
 /// Places of the chunks in a file.
@@ -208,6 +211,17 @@ impl Stored {
     /// `Invalid` for files that are missing, of another kind, truncated, damaged or of another version; `Io`.
     pub fn open(path: &Path) -> Result<Stored> {
         Stored::checked(output::regular(path)?, path)
+    }
+
+    /// Opens a file as [`Stored::open`] does, and keeps it open: if another process replaces it, the numbers are still those of the file that
+    /// was checked.
+    ///
+    /// # Errors
+    /// Those of [`Stored::open`].
+    pub fn hold(path: &Path) -> Result<Stored> {
+        let file = output::regular(path)?;
+        let held = file.try_clone().map_err(|e| Error::io(path, e))?;
+        Ok(Stored { held: Some(Mutex::new(held)), ..Stored::checked(file, path)? })
     }
 
     /// Takes a file from a pipe into a temporary file, and checks it as [`Stored::open`] does.
@@ -291,14 +305,17 @@ impl Stored {
         let each = (self.about.crop.pixel_count() as usize).div_ceil(chunk_pixels(layout.all()));
         let index = block * each + chunk.start / chunk_pixels(layout.all());
         let (start, length) = self.chunks.places.get(index).copied().ok_or_else(|| Error::Internal("a chunk beyond the last".into()))?;
-        let read = || -> io::Result<Vec<u8>> {
-            let mut file = File::open(self.spooled.as_deref().unwrap_or(&self.path))?;
+        let read = |file: &mut File| -> io::Result<Vec<u8>> {
             file.seek(SeekFrom::Start(start))?;
             let mut bytes = vec![];
             file.take(length.into()).read_to_end(&mut bytes)?;
             Ok(bytes)
         };
-        let bytes = read().map_err(|e| Error::io(&self.path, e))?;
+        let bytes = match &self.held {
+            Some(held) => read(&mut held.lock().unwrap_or_else(PoisonError::into_inner)),
+            None => File::open(self.spooled.as_deref().unwrap_or(&self.path)).and_then(|mut file| read(&mut file)),
+        };
+        let bytes = bytes.map_err(|e| Error::io(&self.path, e))?;
         let numbers = decode(&bytes, layout.all(), chunk.len());
         let sums = numbers.and_then(|numbers| PixelSums::from_numbers(layout, numbers));
         sums.ok_or_else(|| Error::invalid(Fault::new(NO_SUMS).in_file(&self.path)))
@@ -412,6 +429,7 @@ impl Header {
             waves,
             chunks,
             spooled: None,
+            held: None,
         })
     }
 }

@@ -197,7 +197,8 @@ impl RenderPlan {
             note(&format!("{}: not there, so this starts at the beginning", path.display()));
             return Ok(nothing(film));
         }
-        let stored = Stored::open(path)?;
+        // Another process may save to the same file.
+        let stored = Stored::hold(path)?;
         let refused = |message: String| Error::invalid(Fault::new(message).in_file(path));
         if let Some(difference) = stored.about.difference(&self.about) {
             return Err(refused(format!("not of this picture: {difference}")));

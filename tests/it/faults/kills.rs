@@ -107,3 +107,18 @@ fn two_processes_with_one_state() {
         assert_eq!(picture(at, name), picture(at, "whole.exr"), "{name}");
     }
 }
+
+/// A state that is kept open is read as it was when it was opened, even if another process has replaced the file.
+#[test]
+fn a_held_state_does_not_change() {
+    let folder = folder();
+    let at = folder.path();
+    let path = at.join("x.ptc");
+    let hash = |stored: Stored| pt::output::hash(&pt::part::merge(vec![stored]).expect("a part").film.image()).to_string();
+    done(at, "s.json --spp 64 -q -o x.ptc");
+    let [before, held] = [(); 2].map(|()| Stored::hold(&path).expect("a part"));
+    let before = hash(before);
+    done(at, "s.json --spp 100 --seed 7 -q -o x.ptc");
+    assert_eq!(hash(held), before);
+    assert_ne!(hash(Stored::open(&path).expect("a part")), before);
+}
