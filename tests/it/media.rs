@@ -519,8 +519,9 @@ fn instances_show_the_media_of_their_group() {
     }
 }
 
-/// Of overlapping bodies the smaller one counts, in whatever direction it is turned, and of equal ones the one described last: along a ray
-/// through the axis of a rod in a cube only the rod absorbs, and of two equal cubes only the second does.
+/// Where two bodies with media overlap, the medium of the smaller one counts, however the bodies are turned; if both are equally large, the one
+/// that the scene describes last. A ray along the axis of a rod within a cube is absorbed by the rod alone, and one through two equal cubes
+/// by the second alone.
 #[test]
 fn turned_bodies_are_as_large_as_before() {
     let behind = |from: DVec3, shapes: Value| {

@@ -8,7 +8,7 @@ use pt::film::{Channel, Image};
 
 use crate::random::Random;
 
-/// Neither a power of two nor a square.
+/// Size of the pictures. Its sides differ and are no powers of two, so that the transform is tested in its general case.
 const SIZE: UVec2 = UVec2::new(60, 42);
 const RENDERS: u64 = 8;
 

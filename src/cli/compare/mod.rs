@@ -19,8 +19,6 @@ use super::progress::{ProgressForm, WorkArgs};
 use super::quote::quoted;
 use super::reference;
 use super::{note, print_stdout, render, signals};
-use scenes::{OtherScene, contestants, load_others};
-
 use crate::compare::{
     self, Budget, Commands, Comparison, GivenPicture, MethodConfig, Provenance, Reference, ReferenceRenderer, conclusions, configs, report,
 };
@@ -31,6 +29,7 @@ use crate::measure::format::{duration, per_cent};
 use crate::measure::{Metric, StopCondition};
 use crate::output::{self, Attributes, exr};
 use crate::scene::Scene;
+use scenes::{OtherScene, contestants, load_others};
 
 #[derive(clap::Args, Debug)]
 pub struct CompareArgs {

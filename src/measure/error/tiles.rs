@@ -77,7 +77,8 @@ pub(super) fn error_of_most(tiles: &[Tile], share: f64) -> Option<RelativeError>
         return Some(RelativeError::refused(if heavy { Refusal::HeavyTail } else { Refusal::TooNoisy }));
     }
     let nth = |values: &mut [f64]| *values.select_nth_unstable_by(needed + wrong - 1, f64::total_cmp).1;
-    // Of the same rank, so that the value is at most the bound, and 0 only where the bound is.
+    // The estimate and the bound are both the n-th smallest of all tiles, with the same n. So the estimate is never above the bound, and
+    // it is 0 only if the bound is 0.
     let (value, bound) = (nth(&mut values), nth(&mut bounds));
     let spread = if bound > 0.0 { (bound / value).ln() / quantile(1.0 - ALPHA) } else { 0.0 };
     Some(RelativeError { value, spread, effective_pixels: f64::INFINITY })
