@@ -1,5 +1,7 @@
 //! Shares with their confidence intervals.
 
+use statrs::distribution::{Binomial, DiscreteCDF};
+
 /// Number of times that something held.
 #[derive(Clone, Copy, Default)]
 pub struct Share {
@@ -27,6 +29,12 @@ impl Share {
         let [p, low, high] = [p, middle - reach, middle + reach].map(|share| 100.0 * share);
         format!("{p:.1} % ({low:.1}–{high:.1})")
     }
+}
+
+/// Probability that so many of `of` cases fail by chance, or more, if each of them fails with a probability of 5 %.
+pub fn chance_of_failures(failures: u32, of: u32) -> f64 {
+    let binomial = Binomial::new(0.05, of.into()).expect("a probability");
+    if failures == 0 { 1.0 } else { binomial.sf(u64::from(failures) - 1) }
 }
 
 /// Writes `38 of 40`.

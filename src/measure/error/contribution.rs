@@ -24,7 +24,7 @@
 //! contribution = v (g + g′ (x − c − κ₃/v) + ½ g″ ((x − c)² − v + 2w/ν)),    w near σ²
 //! ```
 //!
-//! has the mean σ² g(r) to second order. This holds if c is near r, and also if c is moved by noise or the pixel differs from its
+//! has the mean σ² g(r) to second order. κ₃ comes from the samples; for scrambled points a factor of the whole picture corrects it. This holds if c is near r, and also if c is moved by noise or the pixel differs from its
 //! neighbours. By the same cumulants, the difference between this estimate and the true contribution of this very picture, (x − r)²
 //! g(r), has the variance
 //!
@@ -53,6 +53,45 @@ pub(super) struct LocalReference {
     pub value: f64,
     /// w, an estimate of σ² that is nearly independent of the pixel's own estimate v.
     pub variance: f64,
+    /// Weight of the pixel's own value in c, from 0 to 1.
+    pub own: f64,
+}
+
+/// Taylor expansion of 1/(r² + ε) about a local reference.
+struct Expansion {
+    /// 1/g = c² + ε
+    below: f64,
+    /// x − c
+    away: f64,
+    /// g′/g
+    first: f64,
+    /// g″/g
+    second: f64,
+    /// Factor from 0 to 1 of both derivatives: the series converges within √(c² + ε) of c, so it is faded out before.
+    reach: f64,
+}
+
+impl Expansion {
+    fn new(pixel: &PixelEstimate, local: &LocalReference, floor: f64) -> Expansion {
+        let c = local.value;
+        let (below, away) = (c * c + floor, pixel.value - c);
+        Expansion {
+            below,
+            away,
+            first: -2.0 * c / below,
+            second: (6.0 * c * c - 2.0 * floor) / (below * below),
+            reach: (1.0 + (away * away + pixel.variance) / below).powi(-2),
+        }
+    }
+}
+
+/// Common part of brightness and noise of one colour of a pixel, v g′ (x − c): as it was found, and as the skewness ratio predicts it.
+///
+/// Where c contains x, both are smaller by the same factor.
+pub(super) fn common_part(pixel: &PixelEstimate, local: &LocalReference, floor: f64) -> (f64, f64) {
+    let Expansion { below, away, first, reach, .. } = Expansion::new(pixel, local, floor);
+    let weight = pixel.variance / below * reach * first;
+    (weight * away, weight * (1.0 - local.own) * pixel.skewness_ratio)
 }
 
 /// Estimated contribution of a pixel to relMSE. The mean over colours is a contribution too, since the errors of the colours move
@@ -78,13 +117,8 @@ impl Contribution {
     ///
     /// - `floor`: ε
     pub fn new(pixel: &PixelEstimate, local: &LocalReference, floor: f64) -> Contribution {
-        let (v, w, nu, c) = (pixel.variance, local.variance, pixel.freedom, local.value);
-        let below = c * c + floor;
-        // g′/g and g″/g
-        let (first, second) = (-2.0 * c / below, (6.0 * c * c - 2.0 * floor) / (below * below));
-        let away = pixel.value - c;
-        // The series converges within √(c² + ε) of c, so it is faded out before.
-        let reach = (1.0 + (away * away + v) / below).powi(-2);
+        let (v, w, nu) = (pixel.variance, local.variance, pixel.freedom);
+        let Expansion { below, away, first, second, reach } = Expansion::new(pixel, local, floor);
         let change = first * (away - pixel.skewness_ratio) + 0.5 * second * (away * away - v + 2.0 * w / nu);
         let factor = (1.0 + reach * change).clamp(1.0 / FARTHEST, FARTHEST);
         let slope = reach * first;

@@ -3,11 +3,12 @@
 use arrayvec::ArrayVec;
 use rayon::prelude::*;
 
-use super::contribution::{Contribution, LocalReference, PixelEstimate};
+use super::contribution::{Contribution, LocalReference, PixelEstimate, common_part};
 use super::epsilon::floor_at;
 use crate::film::neighborhood::neighborhood;
 use crate::film::pixel_sums::{Estimate, Skew, estimate};
 use crate::film::{Film, MomentFilm};
+use crate::sampler::ErrorEstimator;
 
 /// Estimates of every pixel of a film, with access to those of its neighbours.
 ///
@@ -56,7 +57,12 @@ impl PixelStatistics {
         let floor = floor_at(mean).filter(|_| freedom > 0.0)?;
         let qmc_stddev_ratio = qmc_stddev_ratio(&gray, &skews, floor);
         let skewness_ratio = skews.iter().map(|skew| qmc_stddev_ratio * skew.skewness_ratio).collect();
-        Some(PixelStatistics { width, freedom, floor, pixels, gray, skewness_ratio })
+        let mut picture = PixelStatistics { width, freedom, floor, pixels, gray, skewness_ratio };
+        if let ErrorEstimator::Scramblings(_) = block.error_estimator() {
+            let share = picture.skewness_share();
+            picture.skewness_ratio.iter_mut().for_each(|ratio| *ratio *= share);
+        }
+        Some(picture)
     }
 
     /// Contribution of each pixel to relMSE, averaged over its colours, with the index of the pixel.
@@ -70,6 +76,27 @@ impl PixelStatistics {
     }
 
     fn contribution(&self, i: usize) -> Contribution {
+        Contribution::mean(self.colors(i).map(|(pixel, local)| Contribution::new(&pixel, &local, self.floor)))
+    }
+
+    /// Share of the skewness ratios, from 0 to 1, that the picture itself shows: that of the part that brightness and noise have in
+    /// common, summed over all pixels.
+    ///
+    /// The ratios are those of independent samples, scaled to the noise. Evenly distributed points may also make the noise less skewed, which
+    /// the samples of a single pixel cannot tell.
+    fn skewness_share(&self) -> f64 {
+        let of_pixel = |i| {
+            let colors = self.colors(i).map(|(pixel, local)| common_part(&pixel, &local, self.floor));
+            colors.into_iter().fold((0.0, 0.0), |sum: (f64, f64), part| (sum.0 + part.0, sum.1 + part.1))
+        };
+        let parts: Vec<(f64, f64)> = (0..self.pixels.len()).into_par_iter().map(of_pixel).collect();
+        let (found, predicted) = parts.into_iter().fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+        // Both sums are negative where noise is skewed towards bright values.
+        if predicted < 0.0 { (found / predicted).clamp(0.0, 1.0) } else { 1.0 }
+    }
+
+    /// Estimate and local reference of each colour of a pixel.
+    fn colors(&self, i: usize) -> [(PixelEstimate, LocalReference); 3] {
         let median = self.median(i);
         // Pushed one by one, because the compiler does not always inline `collect`.
         let mut others: ArrayVec<(usize, f64), AROUND> = ArrayVec::new();
@@ -78,19 +105,18 @@ impl PixelStatistics {
         // A pixel that differs from most of its neighbours is its own reference.
         let own = if all > 0.0 { 1.0 - self.similarity(i, median) } else { 1.0 };
         let noise = self.gray[i].variance.sqrt();
-        let color = |c: usize| {
+        std::array::from_fn(|c| {
             let (x, v) = self.pixels[i][c];
             // The square of v overestimates σ⁴ by (ν + 2)/ν.
-            let alone = LocalReference { value: own * x, variance: own * v * self.freedom / (self.freedom + 2.0) };
+            let alone = LocalReference { value: own * x, variance: own * v * self.freedom / (self.freedom + 2.0), own };
             let local = others.iter().filter(|_| own < 1.0).fold(alone, |local, (q, similarity)| {
                 let (weight, (x, v)) = ((1.0 - own) * similarity / all, self.pixels[*q][c]);
-                LocalReference { value: local.value + weight * x, variance: local.variance + weight * v }
+                LocalReference { value: local.value + weight * x, variance: local.variance + weight * v, own }
             });
             // A colour is taken to be as skewed as the mean of the colours, in units of its own noise.
             let skewness_ratio = if noise > 0.0 { self.skewness_ratio[i] * v.sqrt() / noise } else { 0.0 };
-            Contribution::new(&PixelEstimate { value: x, variance: v, skewness_ratio, freedom: self.freedom }, &local, self.floor)
-        };
-        Contribution::mean([color(0), color(1), color(2)])
+            (PixelEstimate { value: x, variance: v, skewness_ratio, freedom: self.freedom }, local)
+        })
     }
 
     /// The neighbours of pixel i, without i.
@@ -126,10 +152,59 @@ impl Gray {
 /// Ratio of the standard deviation of the picture's noise to that of independent samples, over the whole picture. Scrambled
 /// low-discrepancy points make it less than 1.
 ///
-/// The noise of such points is taken to have the same skewness as that of independent samples, so κ₃/v shrinks by this ratio.
+/// If the noise of such points has the same skewness as that of independent samples, κ₃/v shrinks by this ratio;
+/// [`PixelStatistics::skewness_share`] corrects that.
 fn qmc_stddev_ratio(gray: &[Gray], skews: &[Skew], floor: f64) -> f64 {
     let relative = |variance: f64, value: f64| variance / (value * value + floor);
     let found: f64 = gray.iter().map(|gray| relative(gray.variance, gray.value)).sum();
     let independent: f64 = gray.iter().zip(skews).map(|(gray, skew)| relative(skew.variance, gray.value)).sum();
     if independent > found { (found / independent).sqrt() } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::{FilmSpec, Moments, PixelSums, Wave};
+    use crate::math::Spectrum;
+    use crate::sampler::hash::mix;
+
+    const EDGE: u32 = 64;
+    /// Samples of each of two scramblings, as a power of two.
+    const LEVEL: u32 = 4;
+
+    /// Share of the skewness that a picture shows of whose samples three in ten are bright, those of the smallest u. `number` gives u, from the
+    /// index of a sample in its scrambling and a random number.
+    fn share(number: fn(u64, f64) -> f64) -> f64 {
+        let count = 1 << LEVEL;
+        let mut block = PixelSums::with_capacity(ErrorEstimator::Scramblings(2), (EDGE * EDGE) as usize);
+        for pixel in 0..u64::from(EDGE * EDGE) {
+            let sample = |scrambling: u64, i: u64| {
+                let random = (mix(mix(pixel) ^ (scrambling << 32 | i)) >> 11) as f64 / (1u64 << 53) as f64;
+                Moments::of(Spectrum::gray(if number(i, random) < 0.3 { 1.0 } else { 0.0 }))
+            };
+            let of = |scrambling| (0..count).map(|i| sample(scrambling, i)).reduce(|a, b| a.join(&b)).expect("samples");
+            let both = [of(0), of(1)];
+            block.push(&both, Moments::join_gray(both[0].gray, &both[1].gray));
+        }
+        let mut film = MomentFilm::new(FilmSpec::new(EDGE, EDGE));
+        film.add(Wave { first: 0, level: LEVEL + 1 }, block);
+        let picture = PixelStatistics::new(&film, EDGE as usize).expect("statistics");
+        // The ratios of the picture contain the share already; without it they would be these.
+        let skews = film.total();
+        let skews: Vec<Skew> = skews.pixels().map(|pixel| Skew::of(ErrorEstimator::Scramblings(2), pixel, 2 * count)).collect();
+        let ratio = qmc_stddev_ratio(&picture.gray, &skews, picture.floor);
+        let (found, whole) =
+            (picture.skewness_ratio.iter().sum::<f64>(), skews.iter().map(|skew| ratio * skew.skewness_ratio).sum::<f64>());
+        found / whole
+    }
+
+    /// Independent samples keep most of their skewness: fading the expansion out far away takes a part of it. Where each of 16 equal intervals of
+    /// u has one sample, four of them are bright and one is with a probability of 0.8, which is skewed the other way.
+    #[test]
+    fn the_skewness_of_the_noise_is_found() {
+        let independent = share(|_, random| random);
+        assert!(independent > 0.5, "{independent}");
+        let stratified = share(|i, random| (i as f64 + random) / 16.0);
+        assert!(stratified < 0.1, "{stratified}");
+    }
 }

@@ -34,7 +34,7 @@ pub struct RelativeError {
 
 /// Uncertainty of the correction of the denominators, as a standard deviation in units of the correction. The correction is right
 /// to second order only.
-const UNSURE: f64 = 0.25;
+const UNSURE: f64 = 0.5;
 
 /// An error, and the ends of the interval that holds it with the requested probability.
 #[derive(Clone, Copy, Debug, PartialEq)]
