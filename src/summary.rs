@@ -111,6 +111,11 @@ pub fn samples(film: &MomentFilm) -> String {
     if allocation.is_even() { format!("{mean} spp") } else { format!("{mean:.1} spp ({fewest} to {most})") }
 }
 
+/// Which samples there are: `samples 0..16`, or `rounds 0..4` where a pixel takes one or more samples in each round.
+pub fn part_samples(film: &MomentFilm) -> String {
+    format!("{} {}", film.spec().allocation.unit(), film.sample_set())
+}
+
 /// Error as a part of the closing line, as far as it is known:
 ///
 /// ```text

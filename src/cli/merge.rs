@@ -9,7 +9,7 @@ use super::note;
 use super::outputs::{OutputKinds, check_outputs, is_part, is_pipe, write_part};
 use super::parse::share;
 use super::render::plan;
-use super::summary::{Accuracy, attributes, print_summary};
+use super::summary::{Accuracy, attributes, part_samples, print_summary, samples};
 use super::tone_mapping::ToneMapping;
 use crate::error::{Error, Fault, Result};
 use crate::film::{MomentFilm, SampleSet};
@@ -44,24 +44,33 @@ pub fn merge(args: &MergeArgs) -> Result<ExitCode> {
     }
     check_outputs(&args.output, OutputKinds::Both, &files, "is one of the parts")?;
     let (parts, pictures): (Vec<&PathBuf>, Vec<&PathBuf>) = args.output.iter().partition(|path| is_part(path));
-    let sum = part::merge(inputs.iter().map(|path| read(path)).collect::<Result<_>>()?)?;
+    let mut stored: Vec<Stored> = vec![];
+    for path in inputs.iter() {
+        let mut part = read(path)?;
+        if let Some(first) = stored.first() {
+            part.share_allocation(first);
+        }
+        stored.push(part);
+    }
+    let sum = part::merge(stored)?;
     sum.copies.iter().for_each(|path| note(&format!("note: {}: counts once, another part has the same numbers", path.display())));
     let is_picture = args.partial || sum.whole().is_ok();
-    let (samples, (accuracy, history)) = match sum.whole() {
-        Ok(film) => (format!("{} spp", film.samples()), write_pictures(args, &pictures, &sum, film)?),
+    let (taken, (accuracy, history)) = match sum.whole() {
+        Ok(film) => (samples(film), write_pictures(args, &pictures, &sum, film)?),
         Err(_) if is_picture => {
-            (format!("{} spp, samples {}", sum.film.samples(), sum.film.sample_set()), write_pictures(args, &pictures, &sum, &sum.film)?)
+            let film = &sum.film;
+            (format!("{}, {}", samples(film), part_samples(film)), write_pictures(args, &pictures, &sum, film)?)
         }
-        Err(_) if pictures.is_empty() => (format!("samples {}", sum.film.sample_set()), (Accuracy::Unknown, ErrorHistory::default())),
+        Err(_) if pictures.is_empty() => (part_samples(&sum.film), (Accuracy::Unknown, ErrorHistory::default())),
         Err(missing) => {
-            let (start, end) = (missing.start, missing.end);
+            let (unit, start, end) = (sum.about.allocation.unit(), missing.start, missing.end);
             let message =
-                format!("samples {start}..{end} are missing; --partial makes a picture of the others, -o FILE.ptc adds what there is");
+                format!("{unit} {start}..{end} are missing; --partial makes a picture of the others, -o FILE.ptc adds what there is");
             return Err(Error::invalid(Fault::new(message).in_file(words(&inputs))));
         }
     };
     parts.iter().try_for_each(|path| write_part(path, &sum.about, &sum.film, &sum.report, &sum.history))?;
-    print_summary(&sum.about, &samples, &sum.report, (&accuracy, &history), args.confidence, args.output.iter().map(PathBuf::as_path));
+    print_summary(&sum.about, &taken, &sum.report, (&accuracy, &history), args.confidence, args.output.iter().map(PathBuf::as_path));
     if args.partial {
         note_missing(&sum);
     }
@@ -80,7 +89,11 @@ fn note_missing(sum: &Part) {
     let make = |gap: &Range<u64>| format!("\n  {} --samples {}..{}", plan::command(words), gap.start, gap.end);
     let gaps = SampleSet::of(sum.film.sample_set().missing(sum.film.range().end.max(*samples)));
     if !gaps.ranges().is_empty() {
-        note(&format!("warning: samples {gaps} are missing; to make them:{}", gaps.ranges().iter().map(make).collect::<String>()));
+        note(&format!(
+            "warning: {} {gaps} are missing; to make them:{}",
+            sum.about.allocation.unit(),
+            gaps.ranges().iter().map(make).collect::<String>()
+        ));
     }
 }
 

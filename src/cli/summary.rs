@@ -10,7 +10,7 @@ use crate::part::About;
 use crate::render::RenderReport;
 use crate::summary::{accuracy, rendered};
 
-pub use crate::summary::{Accuracy, attributes, samples};
+pub use crate::summary::{Accuracy, attributes, part_samples, samples};
 
 /// The closing line: `512×512 · nee · 64 spp · 3.1 s · relative error 2.1 % (95 %: 2.0–2.2) · 1 % would take about 14 s
 /// (12 s–16 s) · x.exr`

@@ -40,6 +40,16 @@ impl Allocation {
         self.levels.is_none()
     }
 
+    /// Levels lᵢ of all pixels, in rows over the crop; `None` if all are 0.
+    pub fn all(&self) -> Option<&[u8]> {
+        self.levels.as_deref()
+    }
+
+    /// What the numbers of samples in messages count.
+    pub fn unit(&self) -> &'static str {
+        if self.is_even() { "samples" } else { "rounds" }
+    }
+
     /// Level lᵢ of a pixel, by its index in the crop.
     pub fn level(&self, pixel: usize) -> u32 {
         self.levels.as_ref().map_or(0, |levels| levels[pixel].into())

@@ -4,6 +4,7 @@
 //! 89 50 54 32 0d 0a 1a 0a     signature, which also detects damage by text filters
 //! u32   bytes of the header
 //! header, JSON in UTF-8       see `Header`
+//! u32, bytes                  if the numbers of samples differ: the level of each pixel, a byte each, packed by deflate (RFC 1951)
 //! u32, bytes …                chunk after chunk of each block, pixel after pixel, as `planes::encode`
 //! u128  XXH3                  hash of all bytes before it
 //! ```
@@ -24,12 +25,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tempfile::{NamedTempFile, TempPath};
 
-use super::planes::{chunk_pixels, decode, encode};
+use super::planes::{chunk_pixels, decode, deflated, encode, inflated};
 use super::{About, Job};
 use crate::describe::Identity;
 use crate::error::{Error, Fault, Result};
 use crate::film::layer::with_lights;
-use crate::film::{Crop, Layer, MomentFilm, PixelSums, SampleSet, Wave};
+use crate::film::{Allocation, Crop, Film, Layer, MomentFilm, PixelSums, SampleSet, Wave};
 use crate::math::hash::{Hash, Hasher};
 use crate::measure::{Checkpoint, ErrorHistory, RelativeError};
 use crate::output::{self, Attributes};
@@ -43,6 +44,10 @@ const OLD_MAGIC: [u8; 8] = *b"\x89PTC\r\n\x1a\n";
 const PRELUDE: u64 = 8 + 4;
 /// Bytes of the hash.
 const CHECKSUM: u64 = 16;
+/// Greatest number of bytes that deflate packs into one, by its format.
+const MOST_PACKED: u64 = 1032;
+/// Samples of a block at most, and index of its first sample, as powers of two. A round may have 2⁶ samples of a pixel.
+const MAX_WAVE: u32 = 56;
 /// Greatest width and height of a picture (pixels).
 const MAX_SIDE: u32 = 1 << 16;
 
@@ -61,8 +66,11 @@ struct Header {
     /// Names of the layers. The layers of all lights share one name.
     layers: Vec<String>,
     lights: Vec<String>,
+    /// Whether the pixels have different numbers of samples.
+    #[serde(default)]
+    adaptive: bool,
     view: Attributes,
-    /// Words of the command that renders the picture, after `pt`, and its samples per pixel.
+    /// Words of the command that renders the picture, after `pt`, and its rounds of samples.
     command: Vec<String>,
     planned: u64,
     /// Numbers per pixel of a block.
@@ -126,6 +134,7 @@ fn header(about: &About, film: &MomentFilm, report: &RenderReport, history: &Err
         },
         layers: names(&about.layers),
         lights: about.lights.clone(),
+        adaptive: !film.spec().allocation.is_even(),
         view: about.view.clone(),
         command: about.job.command.clone(),
         planned: about.job.samples,
@@ -148,13 +157,15 @@ fn put(to: impl Write, header: &[u8], film: &MomentFilm) -> io::Result<()> {
     file.put(&MAGIC)?;
     file.put(&(header.len() as u32).to_le_bytes())?;
     file.put(header)?;
+    if let Some(levels) = film.spec().allocation.all() {
+        file.put_chunk(&deflated(levels))?;
+    }
     for (_, block) in film.blocks() {
         let width = block.layout().all();
         let chunks: Vec<&[f64]> = block.numbers().chunks(chunk_pixels(width) * width).collect();
         for some in chunks.chunks(CHUNKS_PER_THREAD * rayon::current_num_threads()) {
             for bytes in some.par_iter().map(|numbers| encode(numbers, width)).collect::<Vec<_>>() {
-                file.put(&(bytes.len() as u32).to_le_bytes())?;
-                file.put(&bytes)?;
+                file.put_chunk(&bytes)?;
             }
         }
     }
@@ -173,6 +184,12 @@ impl<W: Write> Summed<W> {
     fn put(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.sum.bytes(bytes);
         self.to.write_all(bytes)
+    }
+
+    /// Writes the length of some bytes, and then the bytes.
+    fn put_chunk(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.put(&(bytes.len() as u32).to_le_bytes())?;
+        self.put(bytes)
     }
 }
 
@@ -274,8 +291,13 @@ impl Stored {
             (false, _, Some(Places::Beyond)) => Err(truncated()),
             (false, ..) => Err(refused(DAMAGED.into())),
             (true, Err(e), _) => Err(refused(format!("not of this version of pt: {e}"))),
-            (true, Ok(header), Some(Places::All(places))) => {
-                header.stored(path, Chunks { places, hash }).ok_or_else(|| refused(NONSENSE.into()))
+            (true, Ok(header), Some(Places::All(mut places))) => {
+                let allocation = match header.adaptive {
+                    true => header.allocation(&mut file, places.remove(0)).map_err(failed)?,
+                    false => Some(Allocation::default()),
+                };
+                let stored = allocation.and_then(|allocation| header.stored(path, allocation, Chunks { places, hash }));
+                stored.ok_or_else(|| refused(NONSENSE.into()))
             }
             (true, Ok(_), _) => Err(refused(NONSENSE.into())),
         }
@@ -284,6 +306,13 @@ impl Stored {
     /// Ranges of samples without gaps.
     pub fn ranges(&self) -> Vec<Range<u64>> {
         SampleSet::of(self.waves.iter().map(Wave::range)).ranges().to_vec()
+    }
+
+    /// Shares the memory of the numbers of samples of the pixels with another part, if both have the same.
+    pub fn share_allocation(&mut self, other: &Stored) {
+        if self.about.allocation == other.about.allocation {
+            self.about.allocation = other.about.allocation.clone();
+        }
     }
 
     /// Blocks in the file.
@@ -388,29 +417,49 @@ fn places(file: &mut BufReader<File>, bytes: Range<u64>, count: u64) -> io::Resu
 impl Header {
     /// Number of chunks that the header asks for; `None` for more than any file has.
     fn chunk_count(&self) -> Option<u64> {
-        let [x0, x1, y0, y1] = self.crop.map(u64::from);
-        let pixels = x1.checked_sub(x0)?.checked_mul(y1.checked_sub(y0)?)?;
-        pixels.div_ceil(chunk_pixels(self.numbers) as u64).checked_mul(self.blocks.len() as u64)
+        let of_blocks = self.pixels()?.div_ceil(chunk_pixels(self.numbers) as u64).checked_mul(self.blocks.len() as u64)?;
+        of_blocks.checked_add(self.adaptive.into())
+    }
+
+    /// Number of pixels; `None` for a crop that is empty or not within the picture, and for pictures that are too large.
+    fn pixels(&self) -> Option<u64> {
+        let ([x0, x1, y0, y1], [width, height]) = (self.crop, self.size);
+        let is_crop = x0 < x1 && x1 <= width && y0 < y1 && y1 <= height && width.max(height) <= MAX_SIDE;
+        is_crop.then(|| u64::from(x1 - x0) * u64::from(y1 - y0))
+    }
+
+    /// Reads the numbers of samples of the pixels; `None` for bytes that are none.
+    ///
+    /// - `place`: position and length of their chunk (bytes)
+    fn allocation(&self, file: &mut BufReader<File>, (start, length): (u64, u32)) -> io::Result<Option<Allocation>> {
+        let mut bytes = vec![];
+        file.seek(SeekFrom::Start(start))?;
+        file.take(length.into()).read_to_end(&mut bytes)?;
+        let pixels = self.pixels().filter(|pixels| *pixels <= MOST_PACKED * u64::from(length));
+        let levels = pixels.and_then(|pixels| inflated(&bytes, pixels as usize));
+        let levels = levels.filter(|levels| levels.iter().all(|level| *level <= Allocation::MAX_LEVEL));
+        Ok(levels.map(Allocation::new))
     }
 
     /// The file with this header and these chunks; `None` if the header contradicts itself.
-    fn stored(self, path: &Path, chunks: Chunks) -> Option<Stored> {
+    fn stored(self, path: &Path, allocation: Allocation, chunks: Chunks) -> Option<Stored> {
         let [x0, x1, y0, y1] = self.crop;
         let [width, height] = self.size;
-        let is_crop = x0 < x1 && x1 <= width && y0 < y1 && y1 <= height && width.max(height) <= MAX_SIDE;
+        let is_crop = self.pixels().is_some();
         let error_estimator = self.scramblings.map_or(ErrorEstimator::Samples, ErrorEstimator::Scramblings);
         let is_scrambled = self.scramblings.is_none_or(|k| k.is_power_of_two() && k <= 64);
         let layers = self.layers.iter().map(|name| Layer::named(name)).collect::<Option<Vec<Layer>>>()?;
         let layers = with_lights(&layers, self.lights.len());
         let crop = Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) };
         let waves: Vec<Wave> = self.blocks.iter().map(|(first, level)| Wave { first: *first, level: *level }).collect();
-        let is_wave = |wave: &Wave| wave.level < 63 && wave.first < 1 << 62 && wave.first.is_multiple_of(wave.samples());
+        let is_wave = |wave: &Wave| wave.level <= MAX_WAVE && wave.first < 1 << MAX_WAVE && wave.first.is_multiple_of(wave.samples());
         let in_order = |pair: &[Wave]| pair[0].range().end <= pair[1].first;
         let are_waves = !waves.is_empty() && waves.iter().all(is_wave) && waves.windows(2).all(in_order);
         let identity = Identity::from_facts(self.facts);
         let job = Job { command: self.command, samples: self.planned };
         let size = UVec2::new(width, height);
-        let about = About { identity, build: self.build, size, crop, error_estimator, layers, lights: self.lights, view: self.view, job };
+        let (build, lights, view) = (self.build, self.lights, self.view);
+        let about = About { identity, build, size, crop, error_estimator, layers, lights, allocation, view, job };
         let is_complete = is_crop && is_scrambled && are_waves && self.numbers == about.layout().all();
         if !is_complete || about.identity.hash().to_string() != self.scene {
             return None;

@@ -109,11 +109,12 @@ fn refuse_overlaps(parts: &[Stored]) -> Result<()> {
     let mut runs: Vec<(Range<u64>, &Path)> =
         parts.iter().flat_map(|part| part.ranges().into_iter().map(|run| (run, part.path.as_path()))).collect();
     runs.sort_by_key(|(run, _)| (run.start, run.end));
+    let unit = parts.first().map_or("samples", |part| part.about.allocation.unit());
     for pair in runs.windows(2) {
         let [(a, one), (b, other)] = pair else { continue };
         if b.start < a.end {
             let (end, one) = (a.end.min(b.end), one.display());
-            let message = format!("samples {}..{end} are in {one} too", b.start);
+            let message = format!("{unit} {}..{end} are in {one} too", b.start);
             return Err(Error::invalid(Fault::new(message).in_file(other)));
         }
     }

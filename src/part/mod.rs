@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use glam::UVec2;
 
 use crate::describe::Identity;
-use crate::film::{Crop, FilmSpec, Layer, LightNames, MomentFilm, PixelLayout, layer};
+use crate::film::{Allocation, Crop, FilmSpec, Layer, LightNames, MomentFilm, PixelLayout, layer};
 use crate::measure::ErrorHistory;
 use crate::output::Attributes;
 use crate::render::RenderReport;
@@ -40,6 +40,8 @@ pub struct About {
     pub layers: Vec<Layer>,
     /// Names of the lights that have layers.
     pub lights: Vec<String>,
+    /// Numbers of samples of the pixels. The samples of a part are rounds of it.
+    pub allocation: Allocation,
     /// Attributes of the camera.
     pub view: Attributes,
     /// Command that renders the picture. It is no property of the picture.
@@ -51,7 +53,7 @@ pub struct About {
 pub struct Job {
     /// Words after `pt`; empty if they are not known.
     pub command: Vec<String>,
-    /// Samples per pixel that it renders; 0 if they are not known.
+    /// Rounds of samples that it renders: samples per pixel, unless their numbers differ. 0 if they are not known.
     pub samples: u64,
 }
 
@@ -69,6 +71,7 @@ impl About {
             error_estimator,
             layers: film.layers.clone(),
             lights: film.lights.names.clone(),
+            allocation: film.allocation.clone(),
             view,
             job: Job::default(),
         }
@@ -82,6 +85,9 @@ impl About {
         if self.build != other.build {
             return Some(format!("it was rendered by pt {}, not {}", self.build, other.build));
         }
+        if self.allocation != other.allocation {
+            return Some("its pixels have other numbers of samples; adaptive parts need the same --spp".into());
+        }
         let pixels = |about: &About| (about.size, about.crop, about.error_estimator, about.layers.clone(), about.lights.clone());
         let is_same = pixels(self) == pixels(other);
         (!is_same).then(|| "it has other pixels or layers".into())
@@ -90,7 +96,8 @@ impl About {
     /// An empty film for the blocks of the parts. Its filter is not used, because filter weights are in the samples.
     pub fn film(&self) -> MomentFilm {
         let lights = LightNames { names: self.lights.clone(), ..LightNames::default() };
-        MomentFilm::new(FilmSpec { crop: self.crop, layers: self.layers.clone(), lights, ..FilmSpec::new(self.size.x, self.size.y) })
+        let (layers, allocation) = (self.layers.clone(), self.allocation.clone());
+        MomentFilm::new(FilmSpec { crop: self.crop, layers, lights, allocation, ..FilmSpec::new(self.size.x, self.size.y) })
     }
 
     /// Layout of the sums of a pixel.

@@ -64,7 +64,8 @@ fn way(plane: &[u8]) -> u8 {
     }
 }
 
-fn deflated(bytes: &[u8]) -> Vec<u8> {
+/// Bytes packed by deflate.
+pub fn deflated(bytes: &[u8]) -> Vec<u8> {
     if bytes.is_empty() {
         return vec![];
     }
@@ -123,7 +124,7 @@ enum Plane<'a> {
 }
 
 /// Bytes that were packed; `None` unless they are exactly this many.
-fn inflated(packed: &[u8], length: usize) -> Option<Vec<u8>> {
+pub fn inflated(packed: &[u8], length: usize) -> Option<Vec<u8>> {
     let mut bytes = vec![];
     fallible(|| bytes.try_reserve_exact(length)).ok()?;
     bytes.resize(length, 0);

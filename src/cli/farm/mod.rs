@@ -103,7 +103,6 @@ fn refuse_options(args: &RenderArgs) -> Result<()> {
         ("--samples", args.samples.is_some()),
         ("--time", args.time.is_some()),
         ("--target", args.target.is_some()),
-        ("--adaptive", args.adaptive),
         ("--clamp", args.clamp.is_some()),
         ("--checkpoint", args.checkpoint.is_some()),
         ("--resume", args.resume.is_some()),
@@ -118,6 +117,10 @@ fn refuse_options(args: &RenderArgs) -> Result<()> {
         ("--serve", args.serve.is_some()),
         ("--verbose", args.verbose),
     ];
+    if args.adaptive {
+        let message = "farm --adaptive: how many rounds of samples there are to share out is known only after the pilot; see docs/parts.md";
+        return Err(Error::Usage(message.into()));
+    }
     match flags.into_iter().find(|(_, is_given)| *is_given) {
         Some((flag, _)) => {
             Err(Error::Usage(format!("farm {flag}: shards have a number of samples, and nothing else to do; see pt farm --help")))

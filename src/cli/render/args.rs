@@ -74,7 +74,7 @@ pub struct RenderArgs {
     pub tiles: Option<f64>,
     /// Adaptive sampling by a short pilot: noisy pixels get up to 64 times as many samples as others. Unbiased, and with the right
     /// error bars.
-    #[arg(long, conflicts_with_all = ["pixel", "clamp", "shard", "samples", "checkpoint", "resume"])]
+    #[arg(long, conflicts_with_all = ["pixel", "clamp", "checkpoint", "resume"])]
     pub adaptive: bool,
     /// Confidence of errors and targets.
     #[arg(long, value_name = "SHARE", default_value = "95%", value_parser = share)]
@@ -82,7 +82,8 @@ pub struct RenderArgs {
     /// Render part I of N of the samples, I from 1, into a .ptc file for `pt merge`: 3/8 in the third of eight jobs.
     #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with_all = ["time", "target", "pixel", "pilot"], allow_hyphen_values = true)]
     pub shard: Option<Shard>,
-    /// Render samples A to B - 1 of every pixel, A from 0, into a .ptc file for `pt merge`.
+    /// Render samples A to B - 1 of every pixel, A from 0, into a .ptc file for `pt merge`. With --adaptive they are rounds, in each of which
+    /// a pixel takes 1 to 64 samples.
     #[arg(long, value_name = "A..B", value_parser = samples, conflicts_with_all = ["shard", "time", "target", "pixel", "pilot"], allow_hyphen_values = true)]
     pub samples: Option<Range<u64>>,
     /// Write the state of the render this often, on an interrupt and at the end, to the .ptc beside the first output.

@@ -60,7 +60,7 @@ fn render_one(args: &RenderArgs, frame: Option<u32>, tables: &[&[Entry]]) -> Res
         return Ok(ExitCode::SUCCESS);
     }
     signals::catch()?;
-    pool.install(|| render_picture(&plan, loaded, load_seconds))
+    pool.install(|| render_picture(plan, loaded, load_seconds))
 }
 
 /// Overrides of `--size`.

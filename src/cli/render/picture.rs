@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use super::checkpoint::CheckpointObserver;
 use super::forensics::{self, RenderedPicture};
@@ -10,16 +11,16 @@ use super::plan::{PriceList, RenderPlan, Start};
 use super::remarks::{one_sided, remark_darkness, remark_exposure};
 use crate::cli::display::DisplayedFilm;
 use crate::cli::load::Loaded;
-use crate::cli::progress::{Progress, ProgressForm};
+use crate::cli::progress::Progress;
 use crate::cli::stats::{RayCounter, Summary};
 use crate::cli::summary::{self, Accuracy, attributes, print_summary, scope_lines};
 use crate::cli::watch::{Explainer, Watch};
 use crate::cli::{INCONCLUSIVE, is_quiet, note, pilot, print_stderr, print_stdout, signals};
 use crate::describe::Names;
 use crate::error::{Error, Result};
-use crate::film::{FilmSpec, Image, MomentFilm};
+use crate::film::{Allocation, FilmSpec, Image, MomentFilm};
 use crate::integrator::{Entry, Integrator};
-use crate::measure::{self, ErrorHistory, ErrorObserver, ErrorTarget, Outcome, Scope, StopCondition, adaptive, format};
+use crate::measure::{self, ErrorHistory, ErrorObserver, ErrorTarget, Outcome, Scope, StopCondition, format};
 use crate::output::{self, Attributes, Tonemap};
 use crate::render::{self, Render, RenderReport, Settings};
 use crate::scene::Scene;
@@ -68,13 +69,12 @@ struct Rendered {
 ///
 /// # Errors
 /// Those of [`RenderPlan::start`], `Io` for files that cannot be written, `Interrupted`.
-pub fn render_picture(plan: &RenderPlan, loaded: Loaded, load_seconds: f64) -> Result<ExitCode> {
-    let mut picture = Picture::new(plan, loaded, load_seconds)?;
+pub fn render_picture(mut plan: RenderPlan, mut loaded: Loaded, load_seconds: f64) -> Result<ExitCode> {
+    let of_pilot = if plan.adaptive { plan.allocate_samples(&mut loaded)? } else { Duration::ZERO };
+    let mut picture = Picture::new(&plan, loaded, load_seconds)?;
     let mut start = plan.start(MomentFilm::new(picture.spec.clone()))?;
+    start.report.elapsed += of_pilot;
     picture.print_price_list();
-    if plan.adaptive {
-        start = picture.allocate_samples(start);
-    }
     let mut rendered = picture.take_samples(start);
     picture.write(&mut rendered)?;
     picture.report(&rendered)?;
@@ -101,22 +101,11 @@ impl<'a> Picture<'a> {
     fn print_price_list(&self) {
         let Some(PriceList { time, integrators }) = &self.plan.price_list else { return };
         let progress = Progress::new(self.plan.progress, &self.spec, u32::MAX.into(), Some(*time * integrators.len() as u32));
-        let list = pilot::price_list(&self.world, &self.spec, &self.settings, integrators, *time, self.plan.confidence, &progress);
+        // Prices are those of even samples, which every integrator can take.
+        let spec = FilmSpec { allocation: Allocation::default(), ..self.spec.clone() };
+        let list = pilot::price_list(&self.world, &spec, &self.settings, integrators, *time, self.plan.confidence, &progress);
         progress.finish();
         print_stderr(&list);
-    }
-
-    /// Distributes the samples over the pixels by a pilot, and returns an empty film for them.
-    fn allocate_samples(&mut self, mut start: Start) -> Start {
-        let Picture { world, integrator, spec, settings, until, .. } = self;
-        let progress = Progress::new(ProgressForm::None, spec, until.samples, None);
-        (spec.allocation, start.report.elapsed) =
-            adaptive::pilot_allocation(world, &**integrator, spec, settings, until.samples, &progress);
-        if spec.allocation.is_even() && !is_quiet() {
-            note("note: --adaptive: every pixel gets the same number of samples; uneven numbers would hardly lessen the error");
-        }
-        until.samples = ((until.samples as f64 / spec.allocation.mean()).round() as u64).max(1);
-        Start { film: MomentFilm::new(spec.clone()), ..start }
     }
 
     /// Takes the samples, with progress, checkpoints and the viewer.
@@ -179,7 +168,7 @@ impl<'a> Picture<'a> {
 
     /// Number of samples, or which ones of a part.
     fn samples(&self, film: &MomentFilm) -> String {
-        if self.plan.is_part { format!("samples {}", film.sample_set()) } else { summary::samples(film) }
+        if self.plan.is_part { summary::part_samples(film) } else { summary::samples(film) }
     }
 
     /// Writes parts and pictures. Both are tried, so that a failure does not affect the others.

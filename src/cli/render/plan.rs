@@ -2,36 +2,40 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use glam::UVec2;
 
 use super::args::{RenderArgs, Shard};
 use crate::cli::load::Loaded;
-use crate::cli::note;
 use crate::cli::outputs::{OutputKinds, check_outputs, is_part, is_pipe, write_part};
 use crate::cli::pilot::{PricedIntegrator, selected_integrators};
-use crate::cli::progress::ProgressForm;
+use crate::cli::progress::{Progress, ProgressForm};
 use crate::cli::quote::quoted;
 use crate::cli::stats::TextOrJson;
 use crate::cli::tone_mapping::ToneMapping;
 use crate::cli::watch::PageAddress;
+use crate::cli::{is_quiet, note};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Crop, FilmSpec, MomentFilm, SampleSet};
 use crate::integrator::Entry;
-use crate::measure::{ErrorHistory, ErrorTarget, FEWEST_PIXELS, Scope, StopCondition, format, tiles};
+use crate::measure::{ErrorHistory, ErrorTarget, FEWEST_PIXELS, Scope, StopCondition, adaptive, format, tiles};
 use crate::output::attributes::{SAMPLES, Value, of_camera};
 use crate::output::{self, Format};
 use crate::part::{self, About, Job, Part, Stored};
-use crate::render::RenderReport;
+use crate::render::{self, RenderReport, Settings};
 use crate::sampler::{ErrorEstimator, Kind, SamplerSpec};
+use crate::scene::Scene;
 
 /// Plan of a render. Everything after it is made reads the plan, not the arguments.
 pub struct RenderPlan {
-    /// Samples of every pixel.
+    /// Samples of every pixel that the run takes; with `--adaptive` rounds of them.
     pub samples: Range<u64>,
     /// Whether these samples are a part of the picture, by `--shard` or `--samples`.
     pub is_part: bool,
+    /// Number of the part, if it was given by `--shard`.
+    shard: Option<Shard>,
     /// Facts about the picture.
     pub about: About,
     /// Output files for pictures.
@@ -115,6 +119,10 @@ impl RenderPlan {
         let samples = samples(args, &loaded.sampler)?;
         let is_part = args.shard.is_some() || args.samples.is_some();
         let outputs = match (&args.output[..], is_part) {
+            // How many rounds an adaptive render has is not known yet.
+            ([], true) if let (true, Some(Shard { index, count })) = (args.adaptive, args.shard) => {
+                vec![format!("{}.{index}-of-{count}.ptc", loaded.stem).into()]
+            }
             ([], true) => vec![format!("{}.{}-{}.ptc", loaded.stem, samples.start, samples.end).into()],
             ([], false) => {
                 let stem = if args.clock_name { by_the_clock() } else { loaded.stem.clone() };
@@ -132,12 +140,12 @@ impl RenderPlan {
         }
         let resume = args.resume.as_ref().map(|given| Resume { path: given.clone().unwrap_or_else(state), is_given: given.is_some() });
         if let Some(path) = outputs.iter().find(|path| self::is_part(path)) {
+            if args.adaptive && args.spp().is_none() && (args.time.is_some() || args.target.is_some()) {
+                let path = path.display();
+                return Err(Error::Usage(format!("{path}: a part of an adaptive render has a planned number of samples (--spp)")));
+            }
             let scope = args.region.is_some() || args.tiles.is_some();
-            let kept = [
-                (args.adaptive, "how many samples each pixel has"),
-                (args.clamp.is_some(), "what clamping took"),
-                (scope, "the error of a region or of tiles"),
-            ];
+            let kept = [(args.clamp.is_some(), "what clamping took"), (scope, "the error of a region or of tiles")];
             let lost = kept.into_iter().find_map(|(is_asked, what)| is_asked.then_some(what));
             if let Some(lost) = lost {
                 return Err(Error::Usage(format!("{}: a part does not keep {lost}", path.display())));
@@ -161,6 +169,7 @@ impl RenderPlan {
             until: until(args, samples.end, scope(args, &loaded.film, loaded.integrator.splats())?),
             samples,
             is_part,
+            shard: args.shard,
             about,
             pictures,
             parts,
@@ -183,6 +192,36 @@ impl RenderPlan {
             },
             resume,
         })
+    }
+
+    /// Distributes the samples over the pixels by a pilot, and returns the time that it took. The samples of the plan become rounds of the
+    /// film's allocation. All parts of a picture of so many samples have the same pilot, and so the same allocation.
+    ///
+    /// # Errors
+    /// `Usage` for more shards than rounds.
+    pub fn allocate_samples(&mut self, loaded: &mut Loaded) -> Result<Duration> {
+        let spp = if self.is_part { loaded.sampler.spp } else { self.until.samples };
+        let progress = Progress::new(ProgressForm::None, &loaded.film, spp, None);
+        let settings = Settings { wave_time: Some(render::SHORT_WAVE), ..Settings::new(loaded.sampler) };
+        let world: Arc<dyn Scene> = loaded.world.clone();
+        let (allocation, elapsed) = adaptive::pilot_allocation(&world, &*loaded.integrator, &loaded.film, &settings, spp, &progress);
+        if allocation.is_even() && !is_quiet() {
+            note("note: --adaptive: every pixel gets the same number of samples; uneven numbers would hardly lessen the error");
+        }
+        let rounds = ((spp as f64 / allocation.mean()).round() as u64).max(1);
+        if !self.is_part {
+            self.samples = 0..rounds;
+        }
+        if let Some(shard) = self.shard {
+            let Shard { index, count } = shard;
+            let few = || Error::Usage(format!("--shard {index}/{count}: there are only {rounds} rounds of samples to share out"));
+            self.samples = shard.samples(rounds).ok_or_else(few)?;
+        }
+        self.until.samples = self.samples.end;
+        self.about.allocation = allocation.clone();
+        self.about.job.samples = rounds;
+        loaded.film.allocation = allocation;
+        Ok(elapsed)
     }
 
     /// Empty state, or the state that `--resume` found.
@@ -344,6 +383,7 @@ pub fn words(args: &RenderArgs, loaded: &Loaded) -> Result<Vec<String>> {
     let mut flag = |name: &str, value: Option<String>| words.extend(value.into_iter().flat_map(|value| [name.to_owned(), value]));
     flag("--crop", args.crop.map(|crop| crop.map(|side| side.to_string()).join(",")));
     flag("--aov", Some(args.aov.join(",")).filter(|names| !names.is_empty()));
+    words.extend(args.adaptive.then(|| "--adaptive".to_owned()));
     Ok(words)
 }
 

@@ -2,8 +2,9 @@
 
 use std::fs;
 
-use pt::film::{Film, PixelSums, Wave};
-use pt::part::{self, Stored, merge};
+use pt::film::{Allocation, Film, PixelSums, Wave};
+use pt::measure::ErrorHistory;
+use pt::part::{self, About, Stored, merge};
 use pt::render::RenderReport;
 use pt::sampler::ErrorEstimator;
 
@@ -80,6 +81,8 @@ fn headers_that_make_no_sense_are_refused() {
         ("blocks", "[]"),
         ("blocks", "[[1, 1]]"),
         ("blocks", "[[0, 64]]"),
+        ("blocks", "[[0, 57]]"),
+        ("adaptive", "true"),
         ("blocks", "[[18446744073709551615, 0]]"),
         ("blocks", "[[0, 0], [0, 0]]"),
         ("blocks", "[[0, 0], [1, 0]]"),
@@ -105,6 +108,41 @@ fn headers_that_make_no_sense_are_refused() {
         let refusal = rewritten(key, serde_json::from_str(value).expect("JSON")).map(|_| ()).expect_err(value);
         assert_eq!(refusal.exit_code(), 3, "{key} {value}: {refusal}");
     }
+}
+
+/// The numbers of samples of the pixels come back. Those that no pixel can have are refused, as is a file that says that it has none.
+#[test]
+fn allocations_come_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.ptc");
+    let with_levels = |levels: [u8; 2]| {
+        small(&path, 0, 0);
+        let plain = stored(&path);
+        let about = About { allocation: Allocation::new(levels.to_vec()), ..plain.about.clone() };
+        let mut film = about.film();
+        for (wave, block) in merge(vec![plain]).expect("a part").film.blocks() {
+            film.add(wave, block.clone());
+        }
+        super::write(&path, &about, &film, &RenderReport::default(), &ErrorHistory::default());
+    };
+    with_levels([0, 6]);
+    let part = stored(&path);
+    assert_eq!(part.about.allocation.all(), Some(&[0, 6][..]));
+    assert_eq!(merge(vec![part]).expect("a part").film.spec().allocation.samples(1, 1), 64);
+    let right = fs::read(&path).expect("written");
+    for at in 0..right.len() {
+        fs::write(&path, [&right[..at], &[right[at] ^ 1], &right[at + 1..]].concat()).expect("write");
+        assert_eq!(Stored::open(&path).expect_err("it is damaged").exit_code(), 3, "byte {at}");
+    }
+    // The same file without a word about the numbers of samples, whose chunk is then one too many.
+    let length = u32::from_le_bytes(right[8..12].try_into().expect("four")) as usize;
+    let header = String::from_utf8(right[12..12 + length].to_vec()).expect("JSON").replace(r#""adaptive":true"#, r#""adaptive":false"#);
+    let mut bytes = [&right[..8], &(header.len() as u32).to_le_bytes(), header.as_bytes(), &right[12 + length..right.len() - 16]].concat();
+    let mut sum = pt::math::hash::Hasher::default();
+    sum.bytes(&bytes);
+    bytes.extend(sum.finish().0.to_le_bytes());
+    fs::write(&path, bytes).expect("write");
+    assert_eq!(Stored::open(&path).expect_err("a chunk too many").exit_code(), 3);
 }
 
 #[test]

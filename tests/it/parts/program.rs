@@ -59,6 +59,59 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+/// A picture whose pixels are so unevenly noisy that `--adaptive` pays.
+const UNEVEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-box.json --size 32x32 --adaptive");
+
+/// Shards of an adaptive render have the same pilot, so that they merge to its picture: with the numbers of samples, the error bars and what it
+/// says about itself. Missing rounds are made by the command that the merge prints.
+#[test]
+fn shards_of_adaptive_renders_merge_to_the_whole() {
+    let folder = folder();
+    let at = folder.path();
+    let whole = done(at, &format!("{UNEVEN} --spp 64 -o whole.exr -o whole.ptc -t 1"));
+    assert!(whole.contains(" spp (") && !whole.contains("the same number of samples"), "{whole}");
+    let counts = exr::read(&at.join("whole.exr")).unwrap_or_else(|e| panic!("{e}")).0.channel("SampleCount.Y").expect("counts").to_vec();
+    assert!(counts.iter().any(|n| *n != counts[0]));
+    for i in 1..=3 {
+        let said = done(at, &format!("{UNEVEN} --spp 64 --shard {i}/3"));
+        assert!(said.contains("rounds "), "{said}");
+    }
+    let parts: Vec<String> = (1..=3).map(|i| format!("cornell-box.{i}-of-3.ptc")).collect();
+    let [first, second, third] = &parts[..] else { unreachable!() };
+    let said = done(at, &format!("merge {third} {first} {second} -o sum.exr"));
+    assert_eq!(picture(at, "sum.exr"), picture(at, "whole.exr"));
+    let numbers = |said: &str| said.split(" · ").find(|words| words.contains(" spp (")).map(str::to_owned);
+    assert_eq!(numbers(&said), numbers(&whole), "{said}");
+    done(at, "merge whole.ptc -o again.exr");
+    assert_eq!(picture(at, "again.exr"), picture(at, "whole.exr"));
+
+    refused(at, &format!("merge {first} {third} -o x.exr"), 3, " are missing; --partial");
+    let said = done(at, &format!("merge {first} {third} -o some.exr --partial"));
+    assert!(said.contains("warning: rounds "), "{said}");
+    let command = said.lines().find_map(|line| line.trim().strip_prefix("pt ")).expect("a command");
+    assert!(command.contains("--adaptive") && command.contains("--samples "), "{command}");
+    done(at, &format!("{command} -o made.ptc"));
+    done(at, &format!("merge {first} made.ptc {third} -o sum.exr"));
+    assert_eq!(picture(at, "sum.exr"), picture(at, "whole.exr"));
+
+    done(at, &format!("{UNEVEN} --spp 64 --shard 1/3 --seed 8 -o other.ptc"));
+    refused(at, &format!("merge other.ptc {second} {third} -o x.exr"), 3, "/sampler/seed");
+    done(at, &format!("{UNEVEN} --spp 128 --shard 1/3 -o other.ptc"));
+    refused(at, &format!("merge other.ptc {second} {third} -o x.exr"), 3, "its pixels have other numbers of samples");
+    refused(at, &format!("merge {first} {first} whole.ptc -o x.exr"), 3, "rounds 0..");
+    refused(
+        at,
+        &format!("{} --spp 64 --resume=whole.ptc -o x.exr", UNEVEN.replace(" --adaptive", "")),
+        3,
+        "its pixels have other numbers of samples",
+    );
+    refused(at, &format!("{UNEVEN} --time 9 -o x.ptc"), 2, "x.ptc: a part of an adaptive render has a planned number of samples");
+    // The prices of integrators are those of even samples: paths from the lights cannot have uneven ones.
+    done(at, &format!("{UNEVEN} --spp 64 --pilot 0.1s --integrators nee,light -o priced.exr"));
+    assert_eq!(picture(at, "priced.exr"), picture(at, "whole.exr"));
+    refused(at, &format!("{UNEVEN} --spp 64 --shard 1/60"), 2, "rounds of samples to share out");
+}
+
 /// The hash of a picture, and what it says about itself.
 fn picture(folder: &Path, name: &str) -> (String, Attributes) {
     let (image, attributes) = exr::read(&folder.join(name)).unwrap_or_else(|e| panic!("{e}"));
