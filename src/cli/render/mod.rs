@@ -89,8 +89,11 @@ pub fn start_threads(threads: Option<u32>) -> Result<()> {
     }
 }
 
+/// Stack of each thread (bytes): builds without optimization overflow the default of 2 MiB.
+const STACK: usize = 8 << 20;
+
 fn builder(threads: Option<u32>) -> rayon::ThreadPoolBuilder {
-    rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, |n| n as usize))
+    rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, |n| n as usize)).stack_size(STACK)
 }
 
 fn no_threads(threads: Option<u32>, refusal: &rayon::ThreadPoolBuildError) -> Error {
