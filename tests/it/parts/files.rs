@@ -134,7 +134,8 @@ fn allocations_come_back() {
         fs::write(&path, [&right[..at], &[right[at] ^ 1], &right[at + 1..]].concat()).expect("write");
         assert_eq!(Stored::open(&path).expect_err("it is damaged").exit_code(), 3, "byte {at}");
     }
-    // The same file without a word about the numbers of samples, whose chunk is then one too many.
+    // The header now says that all pixels have the same number of samples, but their levels are still in the file: it is longer than the header
+    // allows.
     let length = u32::from_le_bytes(right[8..12].try_into().expect("four")) as usize;
     let header = String::from_utf8(right[12..12 + length].to_vec()).expect("JSON").replace(r#""adaptive":true"#, r#""adaptive":false"#);
     let mut bytes = [&right[..8], &(header.len() as u32).to_le_bytes(), header.as_bytes(), &right[12 + length..right.len() - 16]].concat();
