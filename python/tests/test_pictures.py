@@ -86,6 +86,15 @@ def test_pickles_and_copies(box, tmp_path):
         assert (tmp_path / "again.pfm").read_bytes() == (tmp_path / "picture.pfm").read_bytes()
 
 
+def test_pickled_numbers_keep_their_last_bit(box):
+    """A parser of JSON that rounds twice reads this number one unit in the last place too high."""
+    number = 0.10170294395409839
+    picture = box.render(8)
+    new, (facts, arrays) = picture.__reduce__()
+    assert repr(picture.error.low) in facts
+    assert new(facts.replace(repr(picture.error.low), repr(number)), arrays).error.low == number
+
+
 def test_notebooks(box):
     png = box.render(4)._repr_png_()
     assert png.startswith(b"\x89PNG") and struct.unpack(">II", png[16:24]) == (40, 30)
