@@ -91,7 +91,7 @@ pub fn compare_methods(
         }
         let samples = if spp.is_some() { sampler.spp } else { UNLIMITED };
         let budget = Budget { replicates, samples, time: (!is_counted).then_some(time), metrics };
-        let Some(methods) = compare::run(configs, &budget, &reference, confidence, watch) else { return Ok(false) };
+        let Some(methods) = compare::run(&configs, &budget, &reference, confidence, watch, &()) else { return Ok(false) };
         let mut provenance = Provenance::new(&loaded, command.clone(), words, replicates)?;
         provenance.reference_hash = output::hash(&reference.image).to_string();
         let [width, height] = reference.image.full_size.to_array();

@@ -23,10 +23,17 @@ pub struct About {
     pub files: Vec<String>,
 }
 
-impl From<MethodConfig> for About {
-    fn from(config: MethodConfig) -> About {
+impl From<&MethodConfig> for About {
+    fn from(config: &MethodConfig) -> About {
         let MethodConfig { name, integrator_name, sampler_name, lacks, scene_file, .. } = config;
-        About { name, integrator: integrator_name, sampler: sampler_name, lacks, scene_file, files: vec![] }
+        About {
+            name: name.clone(),
+            integrator: integrator_name.clone(),
+            sampler: sampler_name.clone(),
+            lacks: lacks.clone(),
+            scene_file: scene_file.clone(),
+            files: vec![],
+        }
     }
 }
 

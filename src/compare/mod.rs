@@ -39,7 +39,7 @@ pub use given::{GivenPicture, given};
 pub use provenance::Provenance;
 pub use reference::Reference;
 pub use reference_renderer::{CachedReference, ReferenceRenderer};
-pub use run::{Budget, run};
+pub use run::{Budget, Follower, run};
 pub use snapshot::Snapshot;
 pub use spectrum::{Ring, error_spectrum};
 

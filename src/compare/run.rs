@@ -34,16 +34,32 @@ struct Run {
     snapshots: VecDeque<Snapshot>,
 }
 
+/// What follows a comparison from checkpoint to checkpoint, such as a page of its results.
+pub trait Follower {
+    /// Called after each checkpoint of all methods. Returns whether the comparison goes on.
+    ///
+    /// - `results`: computes the results so far, which takes a moment
+    fn checkpoint_done(&self, results: &dyn Fn() -> Vec<Method>) -> bool;
+}
+
+/// Nothing follows the comparison.
+impl Follower for () {
+    fn checkpoint_done(&self, _: &dyn Fn() -> Vec<Method>) -> bool {
+        true
+    }
+}
+
 /// Renders all methods in turn, a checkpoint at a time, and measures each picture against the reference.
 ///
 /// The methods take turns, so that a machine that becomes slower affects all of them alike. Only rendering counts as time. `None` if the observer
-/// ended it.
+/// ended it; if the follower did, the results are those of the checkpoints so far.
 pub fn run(
-    configs: Vec<MethodConfig>,
+    configs: &[MethodConfig],
     budget: &Budget,
     reference: &Reference,
     confidence: f64,
     observer: &dyn Observer,
+    follower: &dyn Follower,
 ) -> Option<Vec<Method>> {
     let start = |config: &MethodConfig, replicate: u32| {
         let seed = config.sampler.seed.wrapping_add(1 + u64::from(replicate));
@@ -79,16 +95,27 @@ pub fn run(
                 measured[index].push(Measurement { replicate, samples, seconds, mse, relmse, trimmed, others });
             }
         }
-        if !advanced {
+        if !advanced || !follower.checkpoint_done(&|| results(configs, &runs, &measured, reference, confidence)) {
             break;
         }
     }
-    let methods = configs.into_iter().zip(runs).zip(measured).map(|((config, mut runs), measurements)| {
+    Some(results(configs, &runs, &measured, reference, confidence))
+}
+
+/// Results of all methods after a checkpoint.
+fn results(
+    configs: &[MethodConfig],
+    runs: &[Vec<Run>],
+    measured: &[Vec<Measurement>],
+    reference: &Reference,
+    confidence: f64,
+) -> Vec<Method> {
+    let one = |((config, runs), measurements): ((&MethodConfig, &Vec<Run>), &Vec<Measurement>)| {
         let pictures: Vec<Image> = runs.iter().map(|run| run.film.image()).collect();
-        let snapshots = runs.first_mut().map(|first| std::mem::take(&mut first.snapshots)).unwrap_or_default();
-        method(config.into(), &pictures, snapshots.into(), measurements, reference, confidence)
-    });
-    Some(methods.collect())
+        let snapshots = runs.first().map(|first| first.snapshots.iter().cloned().collect()).unwrap_or_default();
+        method(config.into(), &pictures, snapshots, measurements.clone(), reference, confidence)
+    };
+    configs.iter().zip(runs).zip(measured).map(one).collect()
 }
 
 /// Values of the additional measures; `None` for pictures that cannot be compared.

@@ -1,4 +1,4 @@
-//! How often a picture is shown while it renders: seldom enough that showing it costs next to nothing.
+//! How often a picture or a report is shown while the work for it goes on: seldom enough that showing it costs next to nothing.
 
 use std::time::{Duration, Instant};
 

@@ -1,5 +1,6 @@
 //! The page of a running render: who may see it, what it is given, and that no browser disturbs the render.
 
+mod comparison;
 mod page;
 
 use std::cell::Cell;

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
+mod live;
 mod origin;
 mod picture;
 mod replay;
@@ -18,9 +19,10 @@ use super::progress::Progress;
 use super::progress::{ProgressForm, WorkArgs};
 use super::quote::quoted;
 use super::reference;
+use super::watch::PageAddress;
 use super::{note, print_stdout, render, signals};
 use crate::compare::{
-    self, Budget, Commands, Comparison, GivenPicture, MethodConfig, Provenance, Reference, ReferenceRenderer, conclusions, configs, report,
+    self, Budget, Comparison, GivenPicture, Method, MethodConfig, Provenance, Reference, ReferenceRenderer, conclusions, configs, report,
 };
 use crate::error::{Error, Fault, Result};
 use crate::film::{FilmSpec, Image};
@@ -29,6 +31,7 @@ use crate::measure::format::{duration, per_cent};
 use crate::measure::{Metric, StopCondition};
 use crate::output::{self, Attributes, exr};
 use crate::scene::Scene;
+use live::{Growing, LiveReport, Told};
 use scenes::{OtherScene, contestants, load_others};
 
 #[derive(clap::Args, Debug)]
@@ -94,6 +97,13 @@ pub struct CompareArgs {
         conflicts_with_all = ["path", "others", "overrides", "integrators", "samplers", "output", "spp", "time", "replicates", "reference", "reference_integrator", "reference_time", "size", "confidence", "metric", "picture", "jeri", "sky", "ground", "view", "up", "allow_outside"]
     )]
     pub replay: Option<PathBuf>,
+    /// Show the report in a browser while it grows, with a button that ends the comparison after the checkpoint under way. The address of
+    /// the page is printed; 127.0.0.1:0 is any free port of this machine. Only in a build with --features serve.
+    #[arg(long, value_name = "HOST:PORT", conflicts_with = "replay")]
+    pub serve: Option<String>,
+    /// With --serve: an address that other machines reach. Who has the printed address with its token may watch, and end the comparison.
+    #[arg(long, requires = "serve", conflicts_with = "replay")]
+    pub serve_any: bool,
     #[command(flatten)]
     pub work: WorkArgs,
 }
@@ -110,6 +120,7 @@ pub fn compare(args: &CompareArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
     if let Some(file) = &args.replay {
         return replay::replay(file, &args.work, tables);
     }
+    let address = args.serve.as_ref().map(|text| PageAddress::new(text, args.serve_any)).transpose()?;
     let loaded = load_resized(args, tables)?;
     loaded.warnings.iter().for_each(|warning| note(&format!("warning: {warning}")));
     args.metric.iter().try_for_each(|name| Metric::parse(name).map(drop))?;
@@ -120,7 +131,8 @@ pub fn compare(args: &CompareArgs, tables: &[&[Entry]]) -> Result<ExitCode> {
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}-report", loaded.stem)));
     std::fs::create_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
     signals::catch()?;
-    render::pool(args.work.threads)?.install(|| measure(args, loaded, &others, (configs, pictures), given, &folder, tables))
+    let live = address.and_then(|address| LiveReport::start(&address, &loaded.stem));
+    render::pool(args.work.threads)?.install(|| measure(args, loaded, &others, (configs, pictures), given, (&folder, live), tables))
 }
 
 /// Loads the scene, in a smaller size unless one is requested: the decrease of the error does not depend on the size.
@@ -168,7 +180,7 @@ fn measure(
     others: &[OtherScene],
     (configs, pictures): (Vec<MethodConfig>, Vec<GivenPicture>),
     given: Option<Reference>,
-    folder: &Path,
+    (folder, live): (&Path, Option<LiveReport>),
     tables: &[&[Entry]],
 ) -> Result<ExitCode> {
     let spec = loaded.film.clone().without_layers();
@@ -183,7 +195,7 @@ fn measure(
         Some(reference) => reference,
         None => {
             let time = args.reference_time.unwrap_or(time);
-            compute_reference(args, &scene, &renderer, cached, time)?.ok_or_else(interrupted)?
+            compute_reference(args, &scene, &renderer, cached, time, live.as_ref())?.ok_or_else(interrupted)?
         }
     };
     if reference.image.pixels().flatten().all(|value| value == 0.0) {
@@ -196,20 +208,29 @@ fn measure(
         time: if args.spp.is_some() && args.time.is_none() { None } else { Some(time) },
         metrics: args.metric.iter().map(|name| Metric::parse(name)).collect::<Result<_>>()?,
     };
-    let count = configs.len() as u32;
-    let progress = Progress::new(args.work.progress, &spec, u32::MAX.into(), Some(budget.time.unwrap_or(time) * count));
-    let mut methods = compare::run(configs, &budget, &reference, args.confidence, &progress).ok_or_else(interrupted)?;
-    progress.finish();
     let unlike = || Error::Internal("a picture cannot be compared with the reference".into());
-    methods.extend(compare::given(pictures, &budget.metrics, &reference, args.confidence).ok_or_else(unlike)?);
+    let pictures = compare::given(pictures, &budget.metrics, &reference, args.confidence).ok_or_else(unlike)?;
     provenance.reference_hash = output::hash(&reference.image).to_string();
     let commands = origin::commands(args, &provenance, &reference.image, folder)?;
-    let conclusions = conclusions(&methods, &reference, args.confidence, &commands);
-    let (metrics, confidence) = (budget.metrics, args.confidence);
-    let comparison = Comparison { scene: stem, reference, methods, metrics, confidence, conclusions, provenance };
+    let comparison = |mut methods: Vec<Method>| {
+        methods.extend_from_slice(&pictures);
+        let conclusions = conclusions(&methods, &reference, args.confidence, &commands);
+        let (reference, metrics, provenance) = (reference.clone(), budget.metrics.clone(), provenance.clone());
+        Comparison { scene: stem.clone(), reference, methods, metrics, confidence: args.confidence, conclusions, provenance }
+    };
+    let count = configs.len() as u32;
+    // The last checkpoint has the largest power of two that is asked for.
+    let rounds = (1u64 << budget.samples.ilog2()).saturating_mul(u64::from(args.replicates * count)).min(u32::MAX.into());
+    let progress = Progress::new(args.work.progress, &spec, rounds, budget.time.map(|time| time * count));
+    let told = Told { progress: &progress, doing: "Comparing", live: live.as_ref() };
+    let growing = Growing { live: live.as_ref(), comparison };
+    let methods = compare::run(&configs, &budget, &reference, args.confidence, &told, &growing).ok_or_else(interrupted)?;
+    progress.finish();
+    let comparison = (growing.comparison)(methods);
     let Reference { image, attributes, .. } = &comparison.reference;
     output::write(&folder.join("reference.exr"), image, attributes, &output::Tonemap::default())?;
     compare::report::write(&comparison, folder, args.jeri)?;
+    live.into_iter().for_each(|live| live.finish(&comparison, format!("The report is {}.", folder.join("index.html").display())));
     remark_coarse_reference(args, &comparison)?;
     print_stdout(&fitted(&summary(&comparison, folder)))?;
     Ok(ExitCode::SUCCESS)
@@ -222,13 +243,15 @@ fn compute_reference(
     renderer: &ReferenceRenderer,
     cached: Option<PathBuf>,
     time: Duration,
+    live: Option<&LiveReport>,
 ) -> Result<Option<Reference>> {
     let progress = Progress::new(ProgressForm::None, &renderer.spec, u32::MAX.into(), Some(time));
     let before = cached.as_ref().and_then(|path| renderer.read(path));
     let (known, origin) =
         (before.as_ref().map_or(0, |cached| cached.report.samples), if before.is_some() { "the kept reference" } else { "a reference" });
     let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None };
-    let made = renderer.render(scene, before, &until, &progress);
+    let told = Told { progress: &progress, doing: "Rendering the reference", live };
+    let made = renderer.render(scene, before, &until, &told);
     if let Some(path) = cached.filter(|_| known > 0 && made.report.samples > known) {
         renderer.write(&path, &made)?;
     }

@@ -5,7 +5,8 @@ use std::path::Path;
 use super::super::load::Loaded;
 use super::super::quote::quoted;
 use super::scenes::OtherScene;
-use super::{Commands, CompareArgs, Provenance};
+use super::{CompareArgs, Provenance};
+use crate::compare::Commands;
 use crate::error::Result;
 use crate::film::Image;
 

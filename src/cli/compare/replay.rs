@@ -76,7 +76,7 @@ fn repeat(
     let samples = args.spp.map_or(super::UNLIMITED, u64::from);
     let budget = Budget { replicates: args.replicates, samples, time: None, metrics: vec![] };
     let progress = Progress::new(work.progress, &spec, u32::MAX.into(), None);
-    let methods = compare::run(configs, &budget, reference, args.confidence, &progress)
+    let methods = compare::run(&configs, &budget, reference, args.confidence, &progress, &())
         .ok_or_else(|| Error::Interrupted(signals::caught().unwrap_or_default()))?;
     progress.finish();
     let mut text = String::new();

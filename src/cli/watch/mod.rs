@@ -25,9 +25,9 @@ const WORST: usize = 8;
 
 /// Where a page is served.
 pub struct PageAddress {
-    socket: SocketAddr,
+    pub socket: SocketAddr,
     /// Name or number that the user gave.
-    host: String,
+    pub host: String,
 }
 
 impl PageAddress {

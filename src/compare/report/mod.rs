@@ -12,7 +12,10 @@ mod table;
 
 use std::path::{Path, PathBuf};
 
+pub use page::waiting;
 pub use plot::slope;
+
+use page::Place;
 
 use super::Comparison;
 use crate::error::{Error, Result};
@@ -39,7 +42,7 @@ pub fn write(comparison: &Comparison, folder: &Path, jeri: bool) -> Result<()> {
     if jeri {
         files.extend(jeri::files(comparison)?);
     }
-    files.push(("index.html".into(), page::html(comparison)?));
+    files.push(("index.html".into(), page::html(comparison, Place::Folder)?.into_bytes()));
     for (name, bytes) in &files {
         let path = folder.join(name);
         let parent = output::folder(&path);
@@ -47,6 +50,18 @@ pub fn write(comparison: &Comparison, folder: &Path, jeri: bool) -> Result<()> {
         output::replace(&path, bytes)?;
     }
     Ok(())
+}
+
+/// The page of a comparison that goes on: that of the report, with what tells how far it is.
+///
+/// - `version`: number of this page among those that show the comparison
+/// - `is_last`: whether the comparison is over; the pages before have no FLIP
+///
+/// # Errors
+/// `Internal` for pictures that do not have the reference's size.
+pub fn live(comparison: &Comparison, version: u64, is_last: bool) -> Result<String> {
+    same_size(comparison)?;
+    page::html(comparison, Place::Live { version, is_last })
 }
 
 fn same_size(comparison: &Comparison) -> Result<()> {

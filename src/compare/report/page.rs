@@ -11,10 +11,44 @@ use crate::output;
 use crate::output::page::{STYLE, VIEWER, fill, piece, script, xml};
 
 const TEMPLATE: &str = include_str!("assets/page.html");
+const LIVE_SCRIPT: &str = include_str!("assets/live.js");
+
+/// Where a page is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In the report's folder, beside its other files.
+    Folder,
+    /// In a browser while the comparison goes on, and after its end.
+    Live {
+        /// Number of this page among those that show the comparison.
+        version: u64,
+        /// Whether the comparison is over. FLIP is measured for the last page only, since it takes most of the time.
+        is_last: bool,
+    },
+}
+
+/// The page before the first report.
+pub fn waiting(scene: &str) -> String {
+    fill(include_str!("assets/waiting.html"), |name| match name {
+        "scene" => xml(scene),
+        "style" => STYLE.into(),
+        "live" => live(0),
+        "script" => LIVE_SCRIPT.into(),
+        other => unreachable!("the page asks for {other}"),
+    })
+}
+
+/// What tells how far the comparison is.
+fn live(version: u64) -> String {
+    include_str!("assets/live.html").replace("{{version}}", &version.to_string())
+}
 
 /// Returns the page.
-pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
-    let pictures = serde_json::to_string(&pictures(comparison)).map_err(|e| Error::Internal(format!("cannot write JSON: {e}")))?;
+pub fn html(comparison: &Comparison, place: Place) -> Result<String> {
+    let has_flip = !matches!(place, Place::Live { is_last: false, .. });
+    let version = if let Place::Live { version, .. } = place { Some(version) } else { None };
+    let pictures =
+        serde_json::to_string(&pictures(comparison, has_flip)).map_err(|e| Error::Internal(format!("cannot write JSON: {e}")))?;
     let value = |name: &str| match name {
         "scene" => xml(&comparison.scene),
         "style" => STYLE.into(),
@@ -30,9 +64,23 @@ pub fn html(comparison: &Comparison) -> Result<Vec<u8>> {
         "epsilon" => EPSILON.to_string(),
         "pictures" => script(&pictures),
         "script" => VIEWER.into(),
+        "live" => version.map(live).unwrap_or_default(),
+        "live-script" => version.map_or("", |_| LIVE_SCRIPT).into(),
+        "files" => files(place).into(),
         other => piece(other).unwrap_or_else(|| unreachable!("the page asks for {other}")).into(),
     };
-    Ok(fill(TEMPLATE, value).into_bytes())
+    Ok(fill(TEMPLATE, value))
+}
+
+/// Where the numbers of the page are.
+fn files(place: Place) -> &'static str {
+    match place {
+        Place::Folder => {
+            "All numbers: <a href=\"convergence.csv\">convergence.csv</a>, <a href=\"convergence.json\">convergence.json</a>; plots: \
+             <a href=\"plots/\">plots/</a>."
+        }
+        Place::Live { .. } => "All numbers and plots are in the folder of the report when the comparison is over.",
+    }
 }
 
 fn reference(comparison: &Comparison) -> String {

@@ -59,14 +59,17 @@ struct Checkpoint {
 }
 
 /// Returns the pictures of a comparison.
-pub fn pictures(comparison: &Comparison) -> Pictures {
+///
+/// - `has_flip`: whether FLIP is measured, which takes most of the time
+pub fn pictures(comparison: &Comparison, has_flip: bool) -> Pictures {
     let reference = &comparison.reference;
     let mean = view(&reference.image, None);
     let first = Picture { name: names::REFERENCE.into(), color: None, render: None, mean, checkpoints: vec![] };
     let titles = names::titles(comparison).into_iter().enumerate();
     let methods: Vec<((usize, String), &Method)> = titles.zip(&comparison.methods).collect();
-    // FLIP takes most of the time. The order stays, and each picture is a function of its method alone.
-    let methods: Vec<Picture> = methods.into_par_iter().map(|((index, name), method)| picture(index, name, method, reference)).collect();
+    // The order stays, and each picture is a function of its method alone.
+    let one = |((index, name), method)| picture(index, name, method, reference, has_flip);
+    let methods: Vec<Picture> = methods.into_par_iter().map(one).collect();
     Pictures {
         size: reference.image.size.to_array(),
         origin: reference.image.origin.to_array(),
@@ -76,15 +79,16 @@ pub fn pictures(comparison: &Comparison) -> Pictures {
     }
 }
 
-fn picture(index: usize, name: String, method: &Method, reference: &Reference) -> Picture {
-    let view = |image: &Image| view(image, flip(image, reference));
+fn picture(index: usize, name: String, method: &Method, reference: &Reference, has_flip: bool) -> Picture {
+    let flip = |image: &Image| if has_flip { flip(image, reference) } else { None };
+    let view = |image: &Image| view(image, flip(image));
     let last = method.snapshots.len().saturating_sub(1);
     let checkpoint = |(i, snapshot): (usize, &Snapshot)| Checkpoint {
         samples: method.spp(snapshot.samples),
         seconds: snapshot.seconds,
         error: snapshot.error,
         difference: (i < last).then(|| EmbeddedDifference::between(&snapshot.image, &reference.image)),
-        flip: if i < last { flip(&snapshot.image, reference) } else { None },
+        flip: if i < last { flip(&snapshot.image) } else { None },
     };
     Picture {
         name,

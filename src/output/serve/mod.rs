@@ -1,4 +1,7 @@
-//! A page that shows a picture while it renders, for browsers.
+//! Pages for browsers that show work while it goes on: a picture while it renders ([`Server`]), and a report that grows
+//! ([`ReportServer`]).
+//!
+//! The page of a render:
 //!
 //! | request | answer |
 //! |---|---|
@@ -10,21 +13,27 @@
 //!
 //! Each request needs the token of the address, and a name of the server that is not another site's (`guard.rs`).
 //!
-//! A thread of its own serves all browsers. It holds the latest state and the latest picture and nothing else, so that a render never
-//! waits, and a browser that is slow, stuck or gone costs it nothing.
+//! A thread of its own serves all browsers. It holds the latest state and the latest picture or report and nothing else, so that the work
+//! never waits, and a browser that is slow, stuck or gone costs it nothing.
 //!
-//! The server is there with the feature `serve`. Without it, [`Server::start`] fails.
+//! The servers are there with the feature `serve`. Without it, they cannot be started.
 
 #[cfg(feature = "serve")]
 mod connections;
 #[cfg(feature = "serve")]
+mod events;
+#[cfg(feature = "serve")]
 mod guard;
+#[cfg(feature = "serve")]
+mod host;
 #[cfg(not(feature = "serve"))]
 mod missing;
 #[cfg(feature = "serve")]
 mod page;
 #[cfg(feature = "serve")]
 mod picture;
+#[cfg(feature = "serve")]
+mod report;
 #[cfg(feature = "serve")]
 mod routes;
 #[cfg(feature = "serve")]
@@ -34,10 +43,12 @@ mod shared;
 mod status;
 
 #[cfg(not(feature = "serve"))]
-pub use missing::Server;
+pub use missing::{ReportServer, Server};
+#[cfg(feature = "serve")]
+pub use report::ReportServer;
 #[cfg(feature = "serve")]
 pub use server::Server;
-pub use status::{Accuracy, PictureVersion, Progress, Status, WorstPixel};
+pub use status::{Accuracy, PictureVersion, Progress, ReportStatus, Status, WorstPixel};
 
 use crate::film::Image;
 

@@ -1,16 +1,14 @@
 //! The server, as the render sees it.
 
 use std::io;
-use std::net::{SocketAddr, TcpListener};
+use std::net::SocketAddr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
-use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use tokio::sync::{Semaphore, oneshot, watch};
+use tokio::sync::{Semaphore, watch};
 
-use super::connections::Connections;
-use super::guard::Guard;
+use super::host::Host;
 use super::picture::ServedPicture;
 use super::shared::{Shared, lock};
 use super::{Accuracy, PictureVersion, Progress, Snapshot, Status, Watched, WorstPixel, page, routes};
@@ -21,19 +19,13 @@ use crate::output::pace::Pace;
 const SHARE: f64 = 0.005;
 /// Time before the first picture with errors, so that a short render does not pay for it.
 const FIRST_ERRORS: Duration = Duration::from_secs(10);
-/// Time that [`Server::finish`] waits for browsers to take the last picture.
-const FINISH_TIMEOUT: Duration = Duration::from_secs(2);
-/// Time between two looks at whether they have.
-const POLL_INTERVAL: Duration = Duration::from_millis(10);
 /// Explanations of pixels that may wait for the one thread that makes them.
 const WAITING: usize = 4;
 
 /// Server of the page of a render.
 pub struct Server {
     shared: Arc<Shared>,
-    address: SocketAddr,
-    end: Option<oneshot::Sender<()>>,
-    thread: Option<JoinHandle<()>>,
+    host: Host,
 }
 
 impl Server {
@@ -47,11 +39,7 @@ impl Server {
     /// # Errors
     /// Those of the system, such as for a port that is in use.
     pub fn start(address: SocketAddr, host: &str, title: &str, epsilon: f64, watched: Arc<dyn Watched>) -> io::Result<Server> {
-        let listener = TcpListener::bind(address)?;
-        listener.set_nonblocking(true)?;
-        let address = listener.local_addr()?;
         let shared = Arc::new(Shared {
-            guard: Guard::new(host)?,
             html: page::html(title, epsilon),
             watched,
             status: watch::Sender::new(Status::default()),
@@ -61,31 +49,12 @@ impl Server {
             taken: AtomicUsize::new(0),
             explanations: Arc::new(Semaphore::new(WAITING)),
         });
-        let (end, ended) = oneshot::channel();
-        // Explanations are computed by one thread.
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(1).build()?;
-        let theirs = shared.clone();
-        let serve = move || {
-            runtime.block_on(async {
-                let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
-                let ended = async { ended.await.unwrap_or_default() };
-                let _ = axum::serve(Connections::new(listener), routes::router(theirs)).with_graceful_shutdown(ended).await;
-            });
-            // An explanation that takes long ends with the program.
-            runtime.shutdown_background();
-        };
-        let thread = thread::Builder::new().name("serve".into()).spawn(serve)?;
-        Ok(Server { shared, address, end: Some(end), thread: Some(thread) })
+        Ok(Server { host: Host::start(address, host, routes::router(shared.clone()))?, shared })
     }
 
     /// The address of the page, with its token.
     pub fn url(&self) -> String {
-        let mut address = self.address;
-        // A server at all addresses is at this one too.
-        if address.ip().is_unspecified() {
-            address.set_ip(if address.is_ipv4() { std::net::Ipv4Addr::LOCALHOST.into() } else { std::net::Ipv6Addr::LOCALHOST.into() });
-        }
-        format!("http://{address}/?token={}", self.shared.guard.token())
+        self.host.url()
     }
 
     /// Tells how far the render is.
@@ -143,21 +112,12 @@ impl Server {
     /// Shows the last picture and the words that close the render, and ends the server. It waits a moment for browsers to take them.
     ///
     /// - `last`: the last picture, if there is one
-    pub fn finish(mut self, last: Option<Snapshot>, closing: String) {
+    pub fn finish(self, last: Option<Snapshot>, closing: String) {
         let watchers = self.shared.status.receiver_count();
         let has_picture = last.is_some();
         last.into_iter().for_each(|last| self.show(last.samples, last.image, Some(last.worst)));
         self.shared.status.send_modify(|status| status.closing = Some(closing));
-        let start = Instant::now();
-        let is_awaited = |shared: &Shared| has_picture && shared.taken.load(Ordering::Relaxed) < watchers;
-        while is_awaited(&self.shared) && start.elapsed() < FINISH_TIMEOUT {
-            thread::sleep(POLL_INTERVAL);
-        }
-        self.end.take().map(|end| end.send(()));
-        let Some(thread) = self.thread.take() else { return };
-        // What is on its way to a browser arrives, unless the browser is stuck.
-        while !thread.is_finished() && start.elapsed() < FINISH_TIMEOUT {
-            thread::sleep(POLL_INTERVAL);
-        }
+        let shared = self.shared;
+        self.host.end(|| has_picture && shared.taken.load(Ordering::Relaxed) < watchers);
     }
 }

@@ -5,15 +5,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::{Semaphore, watch};
 
-use super::guard::Guard;
 use super::picture::ServedPicture;
 use super::{Status, Watched};
 use crate::output::pace::Pace;
 
 /// What the render and the thread of the server share.
 pub struct Shared {
-    /// Who may watch.
-    pub guard: Guard,
     /// The page.
     pub html: String,
     /// The render.

@@ -19,6 +19,39 @@ pub struct Status {
     pub closing: Option<String>,
 }
 
+#[cfg(feature = "serve")]
+impl super::events::Followed for Status {
+    fn is_last(&self) -> bool {
+        self.closing.is_some()
+    }
+}
+
+/// State of the work for a report. As JSON it is the data of an event.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ReportStatus {
+    /// Version of the report that is shown; 0 before the first.
+    pub version: u64,
+    /// What is being done.
+    pub doing: String,
+    /// Share of it that is done.
+    pub share: f64,
+    /// Time since its beginning (s).
+    pub elapsed: f64,
+    /// Estimated remaining time (s).
+    pub remaining: Option<f64>,
+    /// Whether a page has ended the work, and the report is about to be written.
+    pub is_stopping: bool,
+    /// The words that close the work, after its end.
+    pub closing: Option<String>,
+}
+
+#[cfg(feature = "serve")]
+impl super::events::Followed for ReportStatus {
+    fn is_last(&self) -> bool {
+        self.closing.is_some()
+    }
+}
+
 /// How far a render is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Progress {

@@ -10,26 +10,29 @@ use serde_json::{Value, json};
 use super::{Running, parts};
 use crate::report::browser::Browser;
 
+/// Longest wait for something on a page. Checkpoints of a comparison come after twice the time each.
+const PATIENCE: Duration = Duration::from_secs(150);
+
 /// A page, and how it is asked.
-struct Page {
-    browser: Browser,
+pub struct Page {
+    pub browser: Browser,
 }
 
 impl Page {
     /// Waits until the value of a JavaScript expression is true.
-    fn waits_for(&self, what: &str) {
+    pub fn waits_for(&self, what: &str) {
         let start = Instant::now();
         while self.browser.run(&format!("return Boolean({what})")) != json!(true) {
-            assert!(start.elapsed() < Duration::from_secs(60), "waited for: {what}");
+            assert!(start.elapsed() < PATIENCE, "waited for: {what}");
             thread::sleep(Duration::from_millis(50));
         }
     }
 
-    fn text(&self, id: &str) -> String {
+    pub fn text(&self, id: &str) -> String {
         self.browser.run(&format!("return document.getElementById({}).textContent", json!(id))).as_str().expect("text").to_owned()
     }
 
-    fn state(&self, name: &str) -> Value {
+    pub fn state(&self, name: &str) -> Value {
         self.browser.run(&format!("return window.pt.state()[{}]", json!(name)))
     }
 
@@ -85,7 +88,7 @@ impl Page {
         self.waits_for("document.getElementById('explanation').textContent.startsWith('Pixel 5, 6: ')");
     }
 
-    fn photograph(&self, name: &str) {
+    pub fn photograph(&self, name: &str) {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("serve-{name}.png"));
         std::fs::write(path, self.browser.screenshot(true)).expect("a picture");
     }

@@ -1,7 +1,9 @@
 "use strict";
 // The image viewer of pages. Pictures are half floats under a power of two; all that is shown is computed from them.
 // A page has the controls that it wants: one that is missing is made, and nobody sees it.
-function viewer(data) {
+//
+// before: state of a viewer that this one replaces, as its `close` returned it
+function viewer(data, before = {}) {
   const element = (id) => document.getElementById(id) ?? document.createElement("div");
   const [width, height] = data.size;
   const [canvas, stage, handle] = ["canvas", "stage", "handle"].map(element);
@@ -51,6 +53,8 @@ function viewer(data) {
 
   // A picture alone is compared with nothing, and its error bars are relative to itself.
   const isAlone = pictures.length === 1;
+  // A comparison that goes on measures FLIP at its end.
+  const hasFlip = pictures.some(({ views }) => views.mean.flip);
 
   let mean, floor;
   function measure() {
@@ -60,7 +64,8 @@ function viewer(data) {
   measure();
 
   const start = { shown: Math.min(1, pictures.length - 1), other: 0, split: null, view: "render", by: "seconds", stop: Infinity, overlay: "picture", exposure: 0, curve: "sRGB", zoom: null, x: width / 2, y: height / 2 };
-  const state = { ...start, probe: [width >> 1, height >> 1], pinned: false };
+  const { budget, ...kept } = before;
+  const state = { ...start, probe: [width >> 1, height >> 1], pinned: false, ...kept };
 
   // Which checkpoint is shown. Times and errors to choose from are apart as neighbouring checkpoints are: a factor of 2 in time, √2 in
   // error. Each method shows the checkpoint that is nearest on a logarithmic scale.
@@ -80,6 +85,12 @@ function viewer(data) {
   const lastStop = () => Math.max(STOPS[state.by].length - 1, 0);
   const stopIndex = () => Math.min(state.stop, lastStop());
   const wanted = () => STOPS[state.by][stopIndex()];
+  // Index of the stop that is nearest to a time or an error.
+  function nearest(by, value) {
+    const distance = (at) => Math.abs(Math.log(STOPS[by][at] / value));
+    return STOPS[by].reduce((best, _, at) => (distance(at) < distance(best) ? at : best), 0);
+  }
+  if (budget) state.stop = nearest(state.by, budget);
 
   function chosen(index) {
     const { checkpoints } = pictures[index];
@@ -378,10 +389,8 @@ function viewer(data) {
   // The other scale begins where the picture shown is.
   function chooseBy(by) {
     const value = chosen(state.shown)?.[by];
-    const distance = (at) => Math.abs(Math.log(STOPS[by][at] / value));
     const isLast = stopIndex() === lastStop() || !(value > 0);
-    const stop = isLast ? Infinity : STOPS[by].reduce((best, _, at) => (distance(at) < distance(best) ? at : best), 0);
-    choose(by, stop);
+    choose(by, isLast ? Infinity : nearest(by, value));
   }
   const flipCurve = () => toggle("curve", "Filmic", "sRGB");
 
@@ -487,8 +496,11 @@ function viewer(data) {
     "?": () => element("help").showModal(),
   };
   if (isAlone) for (const key of "x,.qpdmw[]") delete KEYS[key];
+  if (!hasFlip) delete KEYS.p;
+  document.querySelectorAll("[data-overlay=flip]").forEach((button) => (button.disabled = !hasFlip));
   const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
+  const listening = new AbortController();
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, dialog[open]")) return;
     const arrow = ARROWS[event.key];
@@ -502,7 +514,7 @@ function viewer(data) {
     if (!act) return;
     event.preventDefault();
     act();
-  });
+  }, { signal: listening.signal });
 
   // Buttons.
 
@@ -566,7 +578,8 @@ function viewer(data) {
     describe();
     redraw();
   };
-  new ResizeObserver(resized).observe(canvas);
+  const resizing = new ResizeObserver(resized);
+  resizing.observe(canvas);
   describe();
 
   return {
@@ -579,6 +592,13 @@ function viewer(data) {
       bitmaps.clear();
       describe();
       redraw();
+    },
+    // Ends the viewer, and returns its state for one that replaces it: the time or error that is chosen, as the scale may have other ends then,
+    // or none where it is the last one.
+    close: () => {
+      listening.abort();
+      resizing.disconnect();
+      return { ...state, stop: Infinity, budget: stopIndex() === lastStop() ? null : wanted() };
     },
     // Reads pixel (x, y) of the whole picture.
     choose: (x, y) => probe(x - data.origin[0], y - data.origin[1], true),

@@ -21,6 +21,8 @@
   // The state, and the time at which it came: between events the clock goes on.
   let status = null;
   let came = 0;
+  // Whether the server does not answer.
+  let isLost = false;
   // Pixel that was last asked about.
   let asked = null;
 
@@ -43,9 +45,9 @@
     const after = accuracy.error && !isOver ? ` after ${count(accuracy.samples)} samples` : "";
     element("interval").textContent = `relative error${bounds}${after}`;
     element("share").value = isOver ? 1 : progress.share;
-    element("words").textContent = isOver ? closing : accuracy.words;
+    element("words").textContent = isLost ? "The render is not to be reached; it may be over. This page tries again." : isOver ? closing : accuracy.words;
     element("end").hidden = isOver;
-    element("end").disabled = is_stopping;
+    element("end").disabled = is_stopping || isLost;
     listWorst(worst);
   }
   setInterval(describe, 1000);
@@ -111,14 +113,14 @@
 
   const events = new EventSource(address("events"));
   events.onmessage = ({ data }) => {
-    status = JSON.parse(data);
-    came = performance.now();
+    [status, came, isLost] = [JSON.parse(data), performance.now(), false];
     describe();
     takePicture();
     if (status.closing !== null) events.close();
   };
   events.onerror = () => {
-    element("words").textContent = "The render is not to be reached; it may be over. This page tries again.";
+    isLost = true;
+    describe();
   };
 
   // Pixels.
