@@ -1,5 +1,7 @@
 //! Different integrators render the same picture of generated scenes, which have every effect.
 
+mod combined;
+
 use std::sync::Arc;
 
 use glam::{DVec3, UVec2, UVec3, Vec2, Vec4};
@@ -35,7 +37,7 @@ const MATTE: u64 = 20;
 const CLEAR: u64 = 4;
 const FILLED: u64 = 4;
 /// Number of compared pairs of pictures, which together have 1 % of false alarms.
-const PAIRS: usize = (MATTE + 3 * CLEAR + FILLED) as usize;
+const PAIRS: usize = (MATTE + 3 * CLEAR + FILLED + combined::SCENES) as usize;
 
 /// Numbers that choose what is in a scene: pt's own independent sampler, one sample per scene.
 struct Dice {
