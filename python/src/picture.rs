@@ -7,7 +7,7 @@ use numpy::ndarray::{Array, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pt::film::{Channel, Film as _, FilmSpec, Image, Layer, MomentFilm};
 use pt::measure::verify::Side;
-use pt::measure::{Checkpoint, ErrorHistory, Outcome, RelativeError, StopCondition};
+use pt::measure::{Checkpoint, ErrorHistory, Outcome, RelativeError, Scope, StopCondition};
 use pt::output::{self, Attributes, Curve, Tonemap, exposure, png};
 use pt::part::About;
 use pt::render::RenderReport;
@@ -115,6 +115,12 @@ impl Rendered {
     /// The picture, whose arrays take the numbers over.
     pub fn picture(self, py: Python<'_>) -> PyResult<Picture> {
         let Rendered { film, image, hash, report, history, about, integrator, confidence, until } = self;
+        let target_met = until.target.map(|target| target.outcome(&history) == Outcome::Met);
+        // What is stated is the error of the whole picture, whatever part of it the target was for.
+        let history = match until.scope() {
+            Scope::Picture => history,
+            _ => ErrorHistory { checkpoints: vec![], ..history }.and_now(&film, report.elapsed),
+        };
         let accuracy = Accuracy::of(&film, &history, confidence);
         let attributes = summary::attributes(&about, &film, &accuracy, confidence, None);
         let line = summary::rendered(&about, &summary::samples(&film), &report) + &summary::accuracy(&accuracy, &history, confidence);
@@ -140,7 +146,7 @@ impl Rendered {
             seconds: report.elapsed.as_secs_f64(),
             invalid: report.invalid,
             interrupted: report.cancelled,
-            target_met: until.target.map(|target| target.outcome(&history) == Outcome::Met),
+            target_met,
             confidence,
             error,
             checkpoints: history.checkpoints.iter().map(stored).collect(),
@@ -197,7 +203,7 @@ impl Picture {
 
     /// Pixels of the whole picture that these are: (x0, x1, y0, y1), with x0 <= x < x1 and y0 <= y < y1.
     #[getter]
-    fn region(&self) -> [u32; 4] {
+    fn crop(&self) -> [u32; 4] {
         let ([x, y], [width, height]) = (self.facts.origin, self.facts.size);
         [x, x + width, y, y + height]
     }

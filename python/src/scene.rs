@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use pt::film::MomentFilm;
+use pt::film::{Crop, MomentFilm};
 use pt::import::{AutoCamera, ImportOptions, Up, Viewpoint, import_bytes};
 use pt::integrator::Entry;
 use pt::load::{self, Loaded, Settings, override_values};
@@ -147,13 +147,15 @@ impl Scene {
     ///
     /// - spp: samples per pixel
     /// - target: stop when the relative error of the picture is at most this with `confidence`, such as 0.01; see Picture.target_met
+    /// - region: with target, the pixels whose error counts, (x0, x1, y0, y1) with x0 <= x < x1 and y0 <= y < y1: that of a picture of them alone
+    /// - tiles: with target, the share of the tiles of about 32 × 32 pixels of which each must have the error by itself, such as 0.95
     /// - time: stop after this many seconds. The first sample of every pixel is finished in any case.
     /// - integrator: name, see `pt list integrators`; or an object with a method `li(scene, ray, sampler)`, see docs/python.md
     /// - sampler: name, see `pt list samplers`
     /// - seed: another seed gives another, independent picture
     /// - scramblings: number of independent scramblings from which the error is estimated, a power of two up to 64
     /// - layers: names of layers beside the picture, see `pt list aovs`, or ["all"]
-    /// - region: pixels to render, (x0, x1, y0, y1) with x0 <= x < x1 and y0 <= y < y1
+    /// - crop: pixels to render, (x0, x1, y0, y1) with x0 <= x < x1 and y0 <= y < y1
     /// - confidence: of the interval of the error, and of the target
     /// - threads: number of threads; all cores by default. It does not change the picture.
     /// - progress: called with a Progress between waves of samples, from the thread that called render
@@ -163,7 +165,7 @@ impl Scene {
     ///
     /// Raises pt_renderer.Error for settings that the scene cannot have.
     #[pyo3(signature = (spp = None, *, target = None, time = None, integrator = None, sampler = None, seed = None, scramblings = None,
-                        layers = None, region = None, confidence = 0.95, threads = None, progress = None))]
+                        layers = None, crop = None, region = None, tiles = None, confidence = 0.95, threads = None, progress = None))]
     #[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
     fn render(
         &self,
@@ -176,20 +178,19 @@ impl Scene {
         seed: Option<i128>,
         scramblings: Option<i128>,
         layers: Option<Vec<String>>,
+        crop: Option<[i128; 4]>,
         region: Option<[i128; 4]>,
+        tiles: Option<f64>,
         confidence: f64,
         threads: Option<i128>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Picture> {
         let confidence = share(py, "confidence", confidence)?;
-        let target = target.map(|error| share(py, "target", error)).transpose()?.map(|error| ErrorTarget {
-            error,
-            confidence,
-            scope: Scope::Picture,
-        });
+        let scope = scope(py, region, tiles, target.is_some())?;
+        let target = target.map(|error| share(py, "target", error)).transpose()?.map(|error| ErrorTarget { error, confidence, scope });
         let time = time.map(|seconds| duration(py, seconds)).transpose()?;
         let threads = threads.map(|threads| thread_count(py, threads)).transpose()?;
-        let settings = Settings { spp, seed, sampler, scramblings, region, layers };
+        let settings = Settings { spp, seed, sampler, scramblings, crop, layers };
         let (failure, custom, name) = method(py, integrator.as_ref(), "integrator")?;
         let mut loaded = detached(py, || self.changed(&settings, name.as_deref()))?;
         // A method of Python has one thread at a time anyway.
@@ -199,6 +200,9 @@ impl Scene {
         }
         if target.is_some() && !tells_error(loaded.sampler.error_estimator()) {
             return Err(usage(py, "target: a single scrambling tells no error; it takes scramblings of 2 or more"));
+        }
+        if let Some(why) = scope.refusal(loaded.film.crop, loaded.integrator.splats(), confidence) {
+            return Err(usage(py, why));
         }
         let until = StopCondition::new(spp.map(|_| loaded.sampler.spp), loaded.sampler.spp, time, target);
         let Watched { result, interrupt } = watched(py, progress, threads, vec![failure], |watch| {
@@ -277,6 +281,20 @@ impl Scene {
             loaded.select(entry, integrator);
         }
         Ok(loaded)
+    }
+}
+
+/// Pixels whose error counts for a target.
+fn scope(py: Python<'_>, region: Option<[i128; 4]>, tiles: Option<f64>, has_target: bool) -> PyResult<Scope> {
+    match (region, tiles) {
+        (None, None) => Ok(Scope::Picture),
+        _ if !has_target => Err(usage(py, "region, tiles: only with a target, of whose error they choose the pixels; crop renders a part")),
+        (Some(_), Some(_)) => Err(usage(py, "region, tiles: expected one of them")),
+        (Some(region), None) => match region.map(u32::try_from) {
+            [Ok(x0), Ok(x1), Ok(y0), Ok(y1)] => Ok(Scope::Region(Crop { min: [x0, y0].into(), max: [x1, y1].into() })),
+            _ => Err(usage(py, format!("region={region:?}: expected whole numbers from 0 to {}", u32::MAX))),
+        },
+        (None, Some(tiles)) => Ok(Scope::Tiles { share: share(py, "tiles", tiles)? }),
     }
 }
 

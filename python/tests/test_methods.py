@@ -81,7 +81,7 @@ def test_what_a_method_sees(ball):
                 seen.append((surface, ray, onward, weight, sampler.get_2d()))
             return (0.0, 0.0, 0.0)
 
-    pt_renderer.load(ball).render(1, integrator=Look(), region=(10, 14, 8, 10))
+    pt_renderer.load(ball).render(1, integrator=Look(), crop=(10, 14, 8, 10))
     assert len(seen) == 8
     for surface, ray, onward, weight, numbers in seen:
         point, origin, direction = (np.array(x) for x in (surface.point, ray.origin, ray.direction))

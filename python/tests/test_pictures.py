@@ -36,7 +36,7 @@ def test_arrays(box):
     with pytest.raises(ValueError):
         picture.rgb[0, 0, 0] = 1
     assert (picture.samples == 4).all()
-    assert (picture.width, picture.height, picture.region, picture.spp) == (40, 30, [0, 40, 0, 30], 4)
+    assert (picture.width, picture.height, picture.crop, picture.spp) == (40, 30, [0, 40, 0, 30], 4)
 
 
 def test_arrays_outlive_the_picture(ball):
@@ -114,10 +114,18 @@ def test_notebooks(box):
         ({"sampler": "sobel"}, 'unknown sampler "sobel", did you mean "sobol"?'),
         ({"integrator": "neee"}, 'unknown integrator "neee", did you mean "nee"?'),
         ({"layers": ["albdo"]}, 'layers: unknown layer "albdo", did you mean "albedo"?'),
-        ({"region": (0, 0, 0, 0)}, "/film/crop"),
-        ({"region": (0, 41, 0, 30)}, "/film/crop"),
-        ({"region": (-1, 4, 0, 30)}, "/film/crop"),
+        ({"crop": (0, 0, 0, 0)}, "/film/crop"),
+        ({"crop": (0, 41, 0, 30)}, "/film/crop"),
+        ({"crop": (-1, 4, 0, 30)}, "/film/crop"),
         ({"target": 0}, "target: expected a share"),
+        ({"region": (0, 20, 0, 20)}, "only with a target"),
+        ({"target": 0.1, "region": (0, 20, 0, 20), "tiles": 0.9}, "expected one of them"),
+        ({"target": 0.1, "region": (0, 41, 0, 20)}, "region 0,41,0,20: expected X0 < X1 and Y0 < Y1 within the picture, 0,40,0,30"),
+        ({"target": 0.1, "region": (0, 4, 0, 4)}, "expected at least 64 pixels"),
+        ({"target": 0.1, "region": (-1, 20, 0, 20)}, "region=[-1, 20, 0, 20]: expected whole numbers from 0"),
+        ({"target": 0.1, "region": (0, 20, 0, 20), "integrator": "light"}, "region: expected an integrator whose paths"),
+        ({"target": 0.1, "tiles": 1}, "tiles: expected a share"),
+        ({"target": 0.1, "tiles": 0.9, "confidence": 0.5}, "tiles: expected a confidence of 95 %"),
         ({"target": math.nan}, "target: expected a share"),
         ({"target": 0.1, "scramblings": 1, "sampler": "sobol"}, "a single scrambling tells no error"),
         ({"confidence": 1}, "confidence: expected a share"),

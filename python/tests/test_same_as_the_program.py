@@ -60,11 +60,11 @@ def test_layers(pt, tmp_path):
     assert any(name.startswith("lights.") for name in picture.layers)
 
 
-def test_regions(pt, tmp_path):
+def test_crops(pt, tmp_path):
     scene = pt_renderer.load(CORNELL)
     pt(CORNELL, "--spp", 4, "--crop", "100,140,200,230", "-q", "-o", tmp_path / "a.exr")
-    picture = scene.render(4, region=(100, 140, 200, 230))
-    assert (picture.region, picture.rgb.shape) == ([100, 140, 200, 230], (30, 40, 3))
+    picture = scene.render(4, crop=(100, 140, 200, 230))
+    assert (picture.crop, picture.rgb.shape) == ([100, 140, 200, 230], (30, 40, 3))
     assert pt("image", "hash", tmp_path / "a.exr").stdout.split()[0] == picture.hash
 
 
@@ -75,6 +75,16 @@ def test_targets(pt, tmp_path):
     assert picture.target_met is True and picture.error.value < 0.3
     assert pt("image", "hash", tmp_path / "a.exr").stdout.split()[0] == picture.hash
     assert scene.render(2, target=0.001).target_met is False
+    scene, samples = pt_renderer.load(CORNELL, size=(96, 72)), set()
+    for flags, settings in [([], {}), (["--region", "8,40,8,40"], {"region": (8, 40, 8, 40)}), (["--tiles", "90%"], {"tiles": 0.9})]:
+        pt(CORNELL, "--target", "10%", *flags, "--size", "96x72", "--spp", 4096, "-q", "-o", tmp_path / "a.exr")
+        picture = scene.render(4096, target=0.1, **settings)
+        assert picture.target_met is True and picture.spp < 4096
+        samples.add(picture.spp)
+        assert pt("image", "hash", tmp_path / "a.exr").stdout.split()[0] == picture.hash
+        # The error of the whole picture is stated.
+        assert picture.error == scene.render(int(picture.spp)).error
+    assert len(samples) == 3, "each asks for something else"
 
 
 def test_overrides(pt, tmp_path):

@@ -55,7 +55,7 @@ pub fn scope_lines(film: &MomentFilm, scope: &Scope, history: &ErrorHistory, con
                 Accuracy::Unknown => " · black so far: no relative error".into(),
                 stated => accuracy(&stated, history, confidence),
             };
-            vec![format!("region {}{told}", format::crop(*crop))]
+            vec![format!("region {crop}{told}")]
         }
         Scope::Tiles { share } => {
             let Some(tiles) = tile_errors(film) else { return vec![] };
@@ -68,7 +68,7 @@ pub fn scope_lines(film: &MomentFilm, scope: &Scope, history: &ErrorHistory, con
             });
             let worst = worst_tile(&tiles, confidence).map(|tile| {
                 let error = tile.error.stated(confidence).map(|error| format::error(&error, confidence)).unwrap_or_else(refused);
-                format!("the worst tile, --crop {} · relative error {error}", format::crop(tile.crop))
+                format!("the worst tile, --crop {} · relative error {error}", tile.crop)
             });
             most.into_iter().chain(worst).collect()
         }

@@ -13,6 +13,7 @@ mod sample_set;
 pub mod splat;
 mod standard_error;
 
+use std::fmt;
 use std::ops::Range;
 
 use glam::UVec2;
@@ -105,6 +106,14 @@ pub struct Crop {
     pub min: UVec2,
     /// First pixel beyond the rectangle.
     pub max: UVec2,
+}
+
+/// `X0,X1,Y0,Y1`, as `--crop` takes it.
+impl fmt::Display for Crop {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Crop { min, max } = self;
+        write!(f, "{},{},{},{}", min.x, max.x, min.y, max.y)
+    }
 }
 
 impl Crop {

@@ -27,7 +27,7 @@ pub struct Settings {
     /// Number of independent scramblings that share the samples of a pixel.
     pub scramblings: Option<i128>,
     /// Pixels to render: x0, x1, y0, y1 with x0 ≤ x < x1 and y0 ≤ y < y1.
-    pub region: Option<[i128; 4]>,
+    pub crop: Option<[i128; 4]>,
     /// Names of the layers beside the picture.
     pub layers: Option<Vec<String>>,
 }
@@ -42,7 +42,7 @@ impl Settings {
             ("seed", "/sampler/seed", self.seed.map(|seed| seed.to_string())),
             ("sampler", "/sampler/type", sampler.map(|name| format!("{name:?}"))),
             ("scramblings", "/sampler/scramblings", self.scramblings.map(|k| k.to_string())),
-            ("region", "/film/crop", self.region.map(|region| format!("{region:?}"))),
+            ("crop", "/film/crop", self.crop.map(|crop| format!("{crop:?}"))),
             ("layers", "/film/layers", layers.map(|names| format!("{names:?}"))),
         ];
         Ok(all.into_iter().filter_map(|(key, pointer, value)| Some((key, pointer, value?))).collect())

@@ -1,7 +1,6 @@
 //! Errors, times and prices as text for people.
 
 use super::{ErrorHistory, ErrorInterval, ErrorTarget, Forecast, Outcome, Refusal, Scope};
-use crate::film::Crop;
 
 /// Relative errors whose prices are listed.
 pub const TARGETS: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
@@ -54,7 +53,7 @@ pub fn between(low: f64, high: f64) -> String {
 pub fn outcome(target: &ErrorTarget, outcome: Outcome) -> String {
     let place = match target.scope {
         Scope::Picture => String::new(),
-        Scope::Region(crop) => format!(" in {}", self::crop(crop)),
+        Scope::Region(crop) => format!(" in {crop}"),
         Scope::Tiles { share } => format!(" on {} % of the tiles", exact_per_cent(share)),
     };
     let what = format!("target {} %{place}", per_cent(target.error));
@@ -68,11 +67,6 @@ pub fn outcome(target: &ErrorTarget, outcome: Outcome) -> String {
 /// A share that somebody has chosen, as a number of per cent with up to two decimals: `97.5`.
 pub fn exact_per_cent(share: f64) -> String {
     ((1e4 * share).round() / 100.0).to_string()
-}
-
-/// A rectangle as `--crop` takes it: `X0,X1,Y0,Y1`.
-pub fn crop(Crop { min, max }: Crop) -> String {
-    format!("{},{},{},{}", min.x, max.x, min.y, max.y)
 }
 
 /// A time as precise as a forecast is: `0.8 s`, `14 s`, `3 min 40 s`, `2 h 5 min`, `3 days`.

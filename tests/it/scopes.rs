@@ -177,7 +177,7 @@ fn regions_and_tiles_are_told() {
         (&["--target", "1%", "--region", "20,27,10,17"], "expected at least 64 pixels"),
         (&["--target", "1%", "--tiles", "90%", "--size", "9x7", "--spp", "2"], "is too small: a tile needs at least 64 pixels"),
         (&["--target", "1%", "--tiles", "90%", "-i", "light"], "expected an integrator"),
-        (&["--target", "1%", "--tiles", "90%", "--confidence", "90%"], "a --confidence of 95 % or more"),
+        (&["--target", "1%", "--tiles", "90%", "--confidence", "90%"], "a confidence of 95 % or more"),
         (&["--region", "20,60,10,50"], "--target"),
         (&["--target", "1%", "--region", "20,60,10,50", "--resume"], "cannot be used with"),
     ] {

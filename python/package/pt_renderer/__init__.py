@@ -66,7 +66,7 @@ def load(
         source: a path to a scene of any dialect that pt reads (`pt list dialects`); or the content of one, as a dict of pt's own format, as
             text, which begins with a brace or has several lines, or as bytes.
         overrides: values of the scene by JSON pointer, such as {"/camera/fov": 60}.
-        size: width and height of the picture in pixels. The scene's own region is dropped.
+        size: width and height of the picture in pixels. The scene's own crop is dropped.
         integrator: name of the integrator; see `pt list integrators`. Default: the scene's, or nee.
         folder: folder of the files that a scene in memory names. Default: the working directory.
         allow_outside: whether the scene may name files that lie outside of its own folder.

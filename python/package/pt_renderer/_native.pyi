@@ -24,7 +24,7 @@ class Picture:
     @property
     def height(self) -> int: ...
     @property
-    def region(self) -> list[int]: ...
+    def crop(self) -> list[int]: ...
     @property
     def error(self) -> ErrorEstimate: ...
     @property
@@ -86,7 +86,9 @@ class Scene:
         seed: int | None = None,
         scramblings: int | None = None,
         layers: Sequence[str] | None = None,
+        crop: Sequence[int] | None = None,
         region: Sequence[int] | None = None,
+        tiles: float | None = None,
         confidence: float = 0.95,
         threads: int | None = None,
         progress: Callable[[Progress], object] | None = None,

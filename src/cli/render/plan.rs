@@ -20,7 +20,7 @@ use crate::cli::{is_quiet, note};
 use crate::error::{Error, Fault, Result};
 use crate::film::{Crop, FilmSpec, MomentFilm, SampleSet};
 use crate::integrator::Entry;
-use crate::measure::{ErrorHistory, ErrorTarget, FEWEST_PIXELS, Scope, StopCondition, adaptive, format, tiles};
+use crate::measure::{ErrorHistory, ErrorTarget, Scope, StopCondition, adaptive};
 use crate::output::attributes::{SAMPLES, Value, of_camera};
 use crate::output::{self, Format};
 use crate::part::{self, About, Job, Part, Stored};
@@ -333,38 +333,15 @@ fn until(args: &RenderArgs, planned: u64, scope: Scope) -> StopCondition {
 /// # Errors
 /// `Usage` for pixels that are not in the picture or too few, and for paths that bring light to all pixels.
 fn scope(args: &RenderArgs, film: &FilmSpec, splats: bool) -> Result<Scope> {
-    let usage = |message: String| Err(Error::Usage(message));
     let scope = match (args.region, args.tiles) {
         (None, None) => return Ok(Scope::Picture),
         (Some([x0, x1, y0, y1]), _) => Scope::Region(Crop { min: UVec2::new(x0, y0), max: UVec2::new(x1, y1) }),
         (None, Some(share)) => Scope::Tiles { share },
     };
-    let flag = if args.region.is_some() { "--region" } else { "--tiles" };
-    if splats {
-        return usage(format!("{flag}: expected an integrator whose paths bring light to their own pixel, such as nee"));
+    match scope.refusal(film.crop, splats, args.confidence) {
+        Some(why) => Err(Error::Usage(format!("--{why}"))),
+        None => Ok(scope),
     }
-    let whole = film.crop;
-    match scope {
-        Scope::Region(region) if region.min.cmpge(region.max).any() || whole.intersection(region) != region => {
-            let what = "expected X0 < X1 and Y0 < Y1 within the picture";
-            return usage(format!("--region {}: {what}, {}", format::crop(region), format::crop(whole)));
-        }
-        Scope::Region(region) if region.pixel_count() < FEWEST_PIXELS => {
-            return usage(format!("--region {}: expected at least {FEWEST_PIXELS} pixels: fewer tell no error", format::crop(region)));
-        }
-        Scope::Tiles { .. } if args.confidence < 0.95 => {
-            return usage("--tiles: expected a --confidence of 95 % or more".into());
-        }
-        Scope::Tiles { .. } if tiles(whole).any(|tile| tile.pixel_count() < FEWEST_PIXELS) => {
-            let size = whole.size();
-            return usage(format!(
-                "--tiles: a picture of {}×{} is too small: a tile needs at least {FEWEST_PIXELS} pixels",
-                size.x, size.y
-            ));
-        }
-        _ => {}
-    }
-    Ok(scope)
 }
 
 /// Start of the command that replays a sample.

@@ -24,6 +24,37 @@ pub enum Scope {
 pub const FEWEST_PIXELS: u64 = 64;
 
 impl Scope {
+    /// Why no error of these pixels can be a target, in words that begin with the name of the option; `None` if it can.
+    ///
+    /// - `whole`: pixels of the picture
+    /// - `splats`: whether paths bring light to other pixels than their own
+    /// - `confidence`: of the target
+    pub fn refusal(&self, whole: Crop, splats: bool, confidence: f64) -> Option<String> {
+        let name = match self {
+            Scope::Picture => return None,
+            Scope::Region(_) => "region",
+            Scope::Tiles { .. } => "tiles",
+        };
+        if splats {
+            return Some(format!("{name}: expected an integrator whose paths bring light to their own pixel, such as nee"));
+        }
+        match *self {
+            Scope::Region(region) if region.min.cmpge(region.max).any() || whole.intersection(region) != region => {
+                let what = "expected X0 < X1 and Y0 < Y1 within the picture";
+                Some(format!("{name} {region}: {what}, {whole}"))
+            }
+            Scope::Region(region) if region.pixel_count() < FEWEST_PIXELS => {
+                Some(format!("{name} {region}: expected at least {FEWEST_PIXELS} pixels: fewer tell no error"))
+            }
+            Scope::Tiles { .. } if confidence < 0.95 => Some(format!("{name}: expected a confidence of 95 % or more")),
+            Scope::Tiles { .. } if tiles::tiles(whole).any(|tile| tile.pixel_count() < FEWEST_PIXELS) => {
+                let size = whole.size();
+                Some(format!("{name}: a picture of {}×{} is too small: a tile needs at least {FEWEST_PIXELS} pixels", size.x, size.y))
+            }
+            _ => None,
+        }
+    }
+
     /// Relative error of these pixels; for tiles the error that the requested share of them does not exceed. `None` if the samples tell no
     /// error, or the pixels are black.
     ///
