@@ -13,7 +13,7 @@ use pt::bsdf::{
 };
 use pt::math::{Rgb, Spectrum};
 use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
-use pt::proof::{Case, CounterExample, Furnace, Options, Verdict, at, chi2, incidences, inputs_at, prove, reciprocity_at, weight_at};
+use pt::proof::{Case, CounterExample, Furnace, Options, Verdict, at, chi2, inputs_at, prove, reciprocity_at, weight_at};
 use pt::shape::{SurfacePoint, VertexColor};
 use pt::texture::Texture;
 
@@ -221,7 +221,8 @@ proptest! {
 #[test]
 fn models_declared_not_reciprocal_are_not() {
     for (model, _) in models().into_iter().filter(|(model, _)| !model.reciprocal()) {
-        let report = prove(&model, &Options { samples: 1000, incidences: incidences(&[0.6]), ..options() });
+        // The law takes random directions, and no samples at incidences.
+        let report = prove(&model, &Options { incidences: vec![], ..options() });
         let finding = report.findings.iter().find(|finding| finding.law == "reciprocity").expect("a law of that name");
         assert_eq!(finding.verdict, Verdict::Exempt);
         assert!(finding.notes[0].contains("and it is not"), "{report}");
@@ -260,6 +261,7 @@ fn false_alarms_are_as_frequent_as_they_say() {
 /// The significance of the law as a whole, with quadrature and samples, is the stated one.
 #[test]
 fn the_whole_law_keeps_its_level() {
+    const RUNS: u64 = 40;
     let model = Bsdf::MatteCone(MatteCone { color: COLOR, mattness: 0.3 });
     let run = |seed| Options { alpha: 0.2, samples: 20_000, cases: 0, seed, incidences: vec![at(0.7, 1.0)], ..Options::default() };
     let level = |options: &Options| Case::new(&model, options).level();
@@ -270,14 +272,14 @@ fn the_whole_law_keeps_its_level() {
     // The significance is divided among nine tests, of which three are chi² tests: 1 − (1 − 0.2)^(3/9) = 7.2 %, or less because these are
     // correlated.
     assert!((level(&run(0)) - (1.0 - 0.8f64.powf(1.0 / 9.0))).abs() < 1e-12);
-    let alarms = (0..100)
+    let alarms = (0..RUNS)
         .filter(|&seed| {
             let options = run(seed);
             smallest(&options) < level(&options)
         })
         .count();
-    // 7.2 of 100 are expected, with σ = 2.6. More than 15 have a probability of 0.2 %.
-    assert!(alarms <= 15, "{alarms} false alarms of 100");
+    // 2.9 are expected, with σ = 1.6. More than 8 have a probability of 0.2 %.
+    assert!(alarms <= 8, "{alarms} false alarms of {RUNS}");
 }
 
 /// The message of a failed law has all numbers to repeat the counterexample, and its significance.

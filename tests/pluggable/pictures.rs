@@ -2,7 +2,7 @@
 //!
 //! If an integrator used a private item of the library, this file would not compile.
 
-#[path = "../integrators/mod.rs"]
+#[path = "../../integrators/mod.rs"]
 #[allow(dead_code)]
 mod integrators;
 

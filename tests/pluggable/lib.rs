@@ -1,0 +1,1 @@
+//! Nothing: all there is to this package is its test.
