@@ -1,1 +1,1 @@
-//! Nothing: all there is to this package is its test.
+//! This package has no library of its own: its test, in `pictures.rs`, compiles pt's integrators as a foreign crate would.

@@ -39,10 +39,9 @@
 
   // What is replaced by its later state, by its id. The viewer of pictures is made anew and keeps what is shown in it.
   const PARTS = ["conclusions", "about", "methods", "measures", "plots", "provenance"];
-  let shown = Number(element("live").dataset.version);
-  // A version that is waiting to be shown, and its number.
+  // The latest version that was taken from the server, and the page of one that is waiting to be shown.
+  let taken = Number(element("live").dataset.version);
   let later = null;
-  let taken = shown;
   let isBusy = false;
 
   async function take() {
@@ -62,6 +61,8 @@
     later = new DOMParser().parseFromString(text, "text/html");
     taken = Number(later.getElementById("live").dataset.version);
     show();
+    // A version that came meanwhile: after the last event no other one asks for it.
+    take();
   }
 
   // Whoever drags, reads the help or a command, or has selected text is not disturbed, and sees it after that.
@@ -70,7 +71,7 @@
   function show() {
     if (!later || isHeld()) return;
     const page = later;
-    [later, shown] = [null, taken];
+    later = null;
     const before = window.pt.close();
     const focusable = () => [...document.querySelectorAll("#viewer button, #viewer select, #viewer input, #viewer [tabindex]")];
     const focus = focusable().indexOf(document.activeElement);
