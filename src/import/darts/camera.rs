@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use super::refuse_media;
 use super::transform;
 use super::value::several;
 use crate::import::json_cursor::JsonCursor;
@@ -20,7 +19,6 @@ const KEYS: &[&str] =
 /// Converts a camera to pt's camera and film.
 pub fn camera_and_film(camera: &JsonCursor) -> Option<[Node; 2]> {
     camera.leave_out_others(KEYS);
-    refuse_media(camera, "medium");
     Some([of_camera(camera)?, film(camera)?])
 }
 

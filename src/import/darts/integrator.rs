@@ -16,6 +16,8 @@ const INTEGRATORS: &[&str] = &[
     "direct_mats",
     "direct_nee",
     "direct_mis",
+    "volpath_tracer_uni",
+    "volpath_tracer_nee",
 ];
 const SAMPLERS: &[&str] = &["independent", "stratified", "halton", "cmj", "stochastic sobol"];
 const BOUNCES: &[&str] = &["max_bounces", "max bounces"];
@@ -35,6 +37,11 @@ impl Reader<'_> {
         };
         let bounces = || cursor.get(BOUNCES).map_or(cursor.make_whole(BOUNCES_OF_DIRT), |bounces| bounces.same());
         let once = || cursor.make_whole(1);
+        if self.media.any() && ["path", "direct"].iter().any(|kind| named.starts_with(kind)) {
+            kind.note(
+                "approximated: pt simulates the scene's media with this integrator too, the original with volpath_tracer_uni and _nee only",
+            );
+        }
         match named.as_str() {
             "normals" => {
                 let encoding = |version| if version == DartsVersion::Darts { "signed" } else { "absolute" };
@@ -55,10 +62,8 @@ impl Reader<'_> {
             "direct_mats" => paths("path", None, once()),
             "direct_nee" => paths("nee", Some("light"), once()),
             "direct_mis" => paths("nee", None, once()),
-            "volpath_tracer_uni" | "volpath_tracer_nee" | "volpath_tracer_mis" => {
-                kind.fault(super::NO_MEDIA);
-                None
-            }
+            "volpath_tracer_uni" => paths("path", None, bounces()),
+            "volpath_tracer_nee" => paths("nee", None, bounces()),
             _ => {
                 kind.fault(unknown("integrator", kind.text()?, INTEGRATORS));
                 None

@@ -7,6 +7,7 @@ mod camera;
 pub mod coursework;
 mod integrator;
 mod material;
+mod media;
 mod spelling;
 mod surface;
 mod texture;
@@ -20,6 +21,7 @@ use super::context::{Content, ImportContext};
 use super::json_cursor::JsonCursor;
 use crate::error::Result;
 use crate::reader::{Node, unknown};
+use media::Media;
 use spelling::{DartsVersion, Evidence};
 
 /// Dialect `dirt`.
@@ -39,8 +41,6 @@ pub const DARTS: Dialect =
     Dialect { name: "darts", about: "darts of 2024 and later", is: |content| is(content, DartsVersion::Darts), read };
 
 const KEYS: &[&str] = &["camera", "surfaces", "materials", "background", "accelerator", "integrator", "sampler", "image_samples", "media"];
-
-const NO_MEDIA: &str = "participating media are not supported";
 
 fn is(content: &Content, version: DartsVersion) -> bool {
     content.tree().is_some_and(|root| spelling::is_darts(root) && Evidence::of(root).version() == version)
@@ -63,6 +63,8 @@ struct Reader<'a> {
     spellings: Evidence,
     /// Materials with names.
     materials: BTreeMap<&'a str, JsonCursor<'a>>,
+    /// Participating media.
+    media: Media<'a>,
 }
 
 impl<'a> Reader<'a> {
@@ -74,13 +76,12 @@ impl<'a> Reader<'a> {
                 before.note(format!("left out: {} is the material {:?} too, and the last is the one", name.pointer, name.text()?));
             }
         }
-        Some(Reader { spellings: Evidence::of(root.node()), materials })
+        Some(Reader { spellings: Evidence::of(root.node()), materials, media: Media::new(root)? })
     }
 
     /// Converts a scene.
     fn scene(&self, root: &JsonCursor<'a>) -> Option<Node> {
         root.only(KEYS);
-        refuse_media(root, "media");
         // All parts are converted, so that all faults are reported at once.
         let camera = root.need(&["camera"]).and_then(|camera| camera::camera_and_film(&camera));
         let parts = [
@@ -88,6 +89,8 @@ impl<'a> Reader<'a> {
             Some(("sampler", self.sampler(root))),
             Some(("integrator", self.integrator(root))),
             root.get(&["materials"]).map(|list| ("materials", self.named_materials(&list))),
+            self.media.named_media(root).map(|node| ("media", node)),
+            self.media.exterior().map(|node| ("medium", node)),
             root.get(&["surfaces"]).map(|list| ("shapes", self.surfaces(&list))),
             background(root).map(|node| ("background", node)),
         ];
@@ -128,16 +131,6 @@ fn of_type(cursor: &JsonCursor) -> Option<Node> {
         other => {
             kind.fault(unknown("background", other, &["constant", "background", "image"]));
             None
-        }
-    }
-}
-
-/// Refuses participating media: without them the picture would be wrong.
-fn refuse_media(cursor: &JsonCursor, key: &str) {
-    if let Some(media) = cursor.get(&[key]) {
-        let is_empty = media.is_array() && media.items().is_some_and(|items| items.is_empty());
-        if !is_empty {
-            media.fault(NO_MEDIA);
         }
     }
 }

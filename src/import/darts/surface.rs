@@ -1,10 +1,10 @@
 //! Surfaces.
 
-use super::Reader;
 use super::material::{SurfaceAppearance, is_light};
+use super::media::Interior;
 use super::spelling::word;
 use super::value::{scalar, vector};
-use super::{refuse_media, transform};
+use super::{Reader, transform};
 use crate::import::json_cursor::JsonCursor;
 use crate::reader::{Node, unknown};
 
@@ -14,7 +14,6 @@ const COMMON: &[&str] = &["type", "name", "transform", "material", "medium_inter
 impl<'a> Reader<'a> {
     /// Converts a surface to a shape.
     pub fn surface(&self, cursor: &JsonCursor<'a>) -> Option<Node> {
-        refuse_media(cursor, "medium_interface");
         let kind = cursor.need(&["type"])?;
         let own = match word(kind.text()?).as_str() {
             "sphere" => self.sphere(cursor),
@@ -117,7 +116,7 @@ impl<'a> Reader<'a> {
     }
 
     fn group(&self, cursor: &JsonCursor<'a>) -> Option<Members> {
-        cursor.leave_out_others(&["type", "name", "transform", "children", "medium_interface"]);
+        cursor.leave_out_others(&["type", "name", "transform", "children"]);
         let children = cursor.need(&["children"])?;
         let shapes = self.surfaces(&children)?;
         Some(vec![("type", cursor.make_text("group")), ("shapes", shapes)])
@@ -130,8 +129,23 @@ impl<'a> Reader<'a> {
     }
 
     fn members_with_material(&self, cursor: &JsonCursor<'a>, kind: &str) -> Option<Members> {
+        let mut members = vec![("type", cursor.make_text(kind))];
+        match self.media.interior(cursor)? {
+            Interior::Nothing => {}
+            Interior::IndexMatched => {
+                members.push(("material", cursor.make_object([("type", cursor.make_text("interface"))])));
+                return Some(members);
+            }
+            Interior::Medium(medium) => {
+                members.push(("medium", medium));
+                // Without a material it is the boundary of a medium and no surface.
+                if !cursor.has("material") {
+                    return Some(members);
+                }
+            }
+        }
         let SurfaceAppearance { material, emission } = self.appearance(cursor)?;
-        let mut members = vec![("type", cursor.make_text(kind)), ("material", material)];
+        members.push(("material", material));
         members.extend(emission.map(|emission| ("emission", emission)));
         Some(members)
     }

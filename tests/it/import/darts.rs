@@ -2,6 +2,7 @@
 
 mod commands;
 mod coursework;
+mod media;
 mod shared_scenes;
 mod table;
 mod textures;

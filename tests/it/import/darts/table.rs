@@ -31,6 +31,23 @@ fn scene(key: &str, value: &str) -> String {
     format!("{{ {} }}", others.chain(own).collect::<Vec<_>>().join(", "))
 }
 
+const FOG: &str = r#"{ "type": "homogeneous", "sigma_a": [0.1, 0.2, 0.3], "sigma_s": 1, "phase": { "type": "hg", "g": 0.5 } }"#;
+
+/// The scene with an integrator that simulates media, and with a medium named fog, which has more members.
+fn fog(members: &str, scene: &str) -> String {
+    with_fog(members, &simulated(scene))
+}
+
+/// The scene with an integrator that simulates media.
+fn simulated(scene: &str) -> String {
+    scene.replace("path_tracer_mats", "volpath_tracer_uni")
+}
+
+fn with_fog(members: &str, scene: &str) -> String {
+    let kind = if members.contains("type") { "" } else { r#""type": "homogeneous", "# };
+    scene.replacen('{', &format!(r#"{{ "media": [{{ {kind}"name": "fog", "sigma_s": 1, "phase": {{ "type": "hg" }}{members} }}], "#), 1)
+}
+
 fn material(value: &str) -> String {
     scene("surfaces", &format!(r#"[{{ "type": "sphere", "material": {value} }}]"#))
 }
@@ -111,11 +128,54 @@ fn files(construct: &str) -> Vec<String> {
                 .into()
         }
         "`background` of type image" => vec![scene("background", r#"{ "type": "image", "filename": "sky.png" }"#)],
-        "`media`, `medium`, `medium_interface`" => vec![
-            scene("media", r#"[{ "type": "homogeneous", "name": "fog", "sigma_a": 1 }]"#),
-            camera(r#""medium": "fog""#),
-            scene("surfaces", r#"[{ "type": "sphere", "medium_interface": { "inside": "fog" } }]"#),
+        "`media` of type homogeneous, `medium` of the camera" => {
+            vec![fog("", &camera(r#""medium": "fog""#)), simulated(&camera(&format!(r#""medium": {FOG}"#)))]
+        }
+        "`medium_interface` of spheres and meshes" => vec![
+            fog("", &scene("surfaces", r#"[{ "type": "sphere", "medium_interface": { "inside": "fog" } }]"#)),
+            simulated(&scene("surfaces", &format!(r#"[{{ "type": "sphere", "medium_interface": {{ "inside": {FOG} }} }}]"#))),
+            fog("", &scene("surfaces", r#"[{ "type": "mesh", "filename": "red.obj", "medium_interface": { "inside": "fog" } }]"#)),
+            fog(
+                "",
+                &camera(r#""medium": "fog""#).replace(r#""surfaces": [{"#, r#""surfaces": [{ "medium_interface": { "outside": "fog" }, "#),
+            ),
+            fog(
+                "",
+                &scene(
+                    "surfaces",
+                    r#"[{ "type": "quad", "medium_interface": {} }, { "type": "sphere", "medium_interface": { "inside": "fog" } }]"#,
+                ),
+            ),
         ],
+        "media of type perlin" => vec![fog(
+            r#", "type": "perlin", "spatial_scale": [1, 2, 3], "density_offset": 0.5"#,
+            &scene("surfaces", r#"[{ "type": "sphere", "medium_interface": { "inside": "fog" } }]"#),
+        )],
+        "media of type perlin that have no end" => vec![fog(r#", "type": "perlin""#, &camera(r#""medium": "fog""#))],
+        "a camera whose `medium` is neither outside of all surfaces nor inside of one" => vec![fog(
+            "",
+            &camera(r#""medium": "fog""#)
+                .replace(r#""surfaces": [{"#, &format!(r#""surfaces": [{{ "medium_interface": {{ "inside": {FOG} }}, "#)),
+        )],
+        "media with `path_tracer_…` and `direct_…`" => vec![with_fog("", &camera(r#""medium": "fog""#))],
+        "two media that are both outside of all surfaces" => vec![fog(
+            "",
+            &scene(
+                "surfaces",
+                &format!(
+                    r#"[{{ "type": "sphere", "medium_interface": {{ "inside": {FOG}, "outside": "fog" }} }},
+                        {{ "type": "sphere", "medium_interface": {{ "inside": {FOG} }} }}]"#
+                ),
+            ),
+        )],
+        "`medium_interface` of other surfaces, without a material" => {
+            vec![fog("", &scene("surfaces", r#"[{ "type": "quad", "medium_interface": { "inside": "fog" } }]"#))]
+        }
+        "`medium_interface` of other surfaces, with a material" => vec![fog(
+            "",
+            &scene("surfaces", r#"[{ "type": "quad", "material": { "type": "lambertian" }, "medium_interface": { "inside": "fog" } }]"#),
+        )],
+        "a medium that nothing has" => vec![fog("", &scene("", ""))],
         "`sphere`, `quad`, `triangle`, `group`" => vec![
             scene("surfaces", r#"[{ "type": "sphere", "radius": 2, "name": "ball" }]"#),
             scene("surfaces", r#"[{ "type": "quad", "size": 2 }, { "type": "quad", "size": [1, 2] }]"#),
