@@ -267,7 +267,7 @@ fn of_a_caustic_no_time_is_stated() {
 fn a_replay_says_what_changed() {
     let folder = folder();
     let compare = ["compare", CORNELL, "--size", "24x24", "--spp", "16", "--integrators", "nee,path", "--progress", "none"];
-    said(folder.path(), 0, &[&compare[..], &["--reference-time", "0.2s", "-o", "report"]].concat());
+    said(folder.path(), 0, &[&compare[..], &["--reference-time", "1s", "-o", "report"]].concat());
     let file = folder.path().join("report/convergence.json");
     let data: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&file).expect("data")).expect("JSON");
     let made = &data["provenance"];

@@ -67,7 +67,9 @@ struct Expansion {
     first: f64,
     /// g″/g
     second: f64,
-    /// Factor from 0 to 1 of both derivatives: the series converges within √(c² + ε) of c, so it is faded out before.
+    /// Factor from 0 to 1 of both derivatives: the series converges within √(c² + ε) of c, so it is faded out before. It depends on
+    /// the variance around the pixel and not on the pixel's own: the corrections are right on average only if they count as much where
+    /// that came out large.
     reach: f64,
 }
 
@@ -80,7 +82,7 @@ impl Expansion {
             away,
             first: -2.0 * c / below,
             second: (6.0 * c * c - 2.0 * floor) / (below * below),
-            reach: (1.0 + (away * away + pixel.variance) / below).powi(-2),
+            reach: (1.0 + (away * away + local.variance) / below).powi(-2),
         }
     }
 }
