@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::transform;
 use super::value::{color, numbers, scalar};
+use super::{by_name, transform};
 use crate::import::json_cursor::JsonCursor;
 use crate::math::Transform;
 use crate::reader::{Node, unknown};
@@ -51,13 +51,7 @@ pub enum Interior {
 impl<'a> Media<'a> {
     /// Finds the media of a scene and the surfaces between them.
     pub fn new(root: &JsonCursor<'a>) -> Option<Media<'a>> {
-        let mut named: BTreeMap<&'a str, JsonCursor<'a>> = BTreeMap::new();
-        for cursor in root.get(&["media"]).map_or(Some(vec![]), |list| list.items())? {
-            let name = cursor.need(&["name"])?;
-            if let Some(before) = named.insert(name.text()?, cursor) {
-                before.note(format!("left out: {} is the medium {:?} too, and the last is the one", name.pointer, name.text()?));
-            }
-        }
+        let named = by_name(root, "media", "medium")?;
         let mut boundaries = vec![];
         root.get(&["surfaces"]).iter().for_each(|list| collect(list, &[], &mut boundaries));
         let camera = root.get(&["camera"]).and_then(|camera| camera.get(&["medium"]));
@@ -252,9 +246,10 @@ impl<'a> Media<'a> {
     }
 }
 
-/// Number of values of the grid along a lump of the noise, whose size is 1.
+/// Number of values of the grid along a lump of the noise, whose size is 1: enough for linear interpolation to look smooth.
 const VALUES_PER_LUMP: f64 = 8.0;
-/// Number of values along the longest side of the box, at least and at most.
+/// Number of values along the longest side of the box: at least so many, so that bodies smaller than a lump have a gradient, and at most as many as
+/// pt's noise may have.
 const MIN_RESOLUTION: f64 = 64.0;
 const MAX_RESOLUTION: f64 = 256.0;
 

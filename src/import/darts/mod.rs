@@ -69,13 +69,7 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn new(root: &JsonCursor<'a>) -> Option<Reader<'a>> {
-        let mut materials: BTreeMap<&'a str, JsonCursor<'a>> = BTreeMap::new();
-        for cursor in root.get(&["materials"]).map_or(Some(vec![]), |list| list.items())? {
-            let name = cursor.need(&["name"])?;
-            if let Some(before) = materials.insert(name.text()?, cursor) {
-                before.note(format!("left out: {} is the material {:?} too, and the last is the one", name.pointer, name.text()?));
-            }
-        }
+        let materials = by_name(root, "materials", "material")?;
         Some(Reader { spellings: Evidence::of(root.node()), materials, media: Media::new(root)? })
     }
 
@@ -98,6 +92,18 @@ impl<'a> Reader<'a> {
         let parts: Option<Vec<_>> = parts.into_iter().flatten().map(|(key, node)| Some((key, node?))).collect();
         Some(root.make_object(parts?.into_iter().chain([("camera", camera), ("film", film)])))
     }
+}
+
+/// Members of a list at the top, by their names; of several with one name the last counts.
+fn by_name<'a>(root: &JsonCursor<'a>, list: &str, kind: &str) -> Option<BTreeMap<&'a str, JsonCursor<'a>>> {
+    let mut named: BTreeMap<&'a str, JsonCursor<'a>> = BTreeMap::new();
+    for cursor in root.get(&[list]).map_or(Some(vec![]), |list| list.items())? {
+        let name = cursor.need(&["name"])?;
+        if let Some(before) = named.insert(name.text()?, cursor) {
+            before.note(format!("left out: {} is the {kind} {:?} too, and the last is the one", name.pointer, name.text()?));
+        }
+    }
+    Some(named)
 }
 
 /// Converts the background; `None` if it is black.

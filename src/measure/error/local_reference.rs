@@ -39,9 +39,9 @@ struct Gray {
 /// Radius of the neighbourhood (pixels).
 const REACH: usize = 1;
 const AROUND: usize = (2 * REACH + 1) * (2 * REACH + 1);
-/// Largest square of the difference between a pixel and the median around it, over the variance of that difference, which noise explains. With 1 in
-/// the place of 2, the errors stated for 64 samples of `glass-panel` and `matter` were 1 % smaller, and too small; with 4, those of `postcard`
-/// were 2 to 3 % larger, and too large.
+/// Largest square of the difference between a pixel and the median around it, over the variance of that difference, which noise explains. A lower
+/// limit makes pixels with a few bright samples their own references, so that the stated error is too small; a higher one takes structure
+/// for noise, so that it is too large.
 const MAX_SQUARED_DEVIATION: f64 = 2.0;
 
 impl PixelStatistics {

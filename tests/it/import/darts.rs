@@ -92,12 +92,18 @@ fn by(method: &str, bounces: u32, seed: u64) -> Image {
         .replace("path tracer mis", method)
         .replace("\"max bounces\": 5", &format!("\"max bounces\": {bounces}"));
     fs::write(folder.path().join("box.json"), scene).expect("a scene");
-    let Imported { root, file, files, .. } = imported(folder.path(), "box.json");
+    picture(folder.path(), "box.json", SAMPLES, seed)
+}
+
+/// A picture of a scene by its own integrator.
+fn picture(folder: &Path, file: &str, spp: u64, seed: u64) -> Image {
+    let Imported { root, file, files, .. } = imported(folder, file);
     let source = Source { root: &root, file: &file, files: &files };
-    let built = pt::build::build(&describe::read(&root, &file).expect("a description"), source).expect("a scene");
+    let described = describe::read(&root, &file).unwrap_or_else(|error| panic!("{error}"));
+    let built = pt::build::build(&described, source).unwrap_or_else(|error| panic!("{error}"));
     let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), None, &file).expect("known");
     let mut film = MomentFilm::new(built.film);
-    let sampler = SamplerSpec { spp: SAMPLES, seed, ..built.sampler };
+    let sampler = SamplerSpec { spp, seed, ..built.sampler };
     let report = render(Arc::new(built.world), &*integrator, &mut film, &Settings::new(sampler), &Silent);
     assert_eq!(report.invalid, 0);
     film.image()

@@ -1,15 +1,8 @@
 //! Media of dirt's scenes, by the radiance of one ray.
 
 use std::fs;
-use std::sync::Arc;
 
-use pt::build::Source;
-use pt::describe;
-use pt::film::MomentFilm;
-use pt::import::{Imported, import};
-use pt::integrator::choose;
-use pt::render::{Settings, Silent, render};
-use pt::sampler::SamplerSpec;
+use super::{imported, picture};
 
 /// Mean of the pixels, and its standard error, of a scene in a view so narrow that all rays are parallel to z and meet the centre of the scene.
 ///
@@ -17,19 +10,12 @@ use pt::sampler::SamplerSpec;
 fn radiance(camera: &str, parts: &str) -> (f64, f64) {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = format!(
-        r#"{{ "camera": {{ "transform": {{ "from": [0, 0, 4] }}, "vfov": 0.01, "resolution": 8 {camera} }}, "image_samples": {SAMPLES},
+        r#"{{ "camera": {{ "transform": {{ "from": [0, 0, 4] }}, "vfov": 0.01, "resolution": 8 {camera} }},
             "background": 1, "integrator": {{ "type": "volpath_tracer_uni" }}, {parts} }}"#
     );
     fs::write(folder.path().join("scene.json"), scene).expect("a scene");
     fs::write(folder.path().join("cube.obj"), CUBE).expect("a mesh");
-    let Imported { root, file, files, .. } = import(&folder.path().join("scene.json"), false).unwrap_or_else(|error| panic!("{error}"));
-    let source = Source { root: &root, file: &file, files: &files };
-    let built = pt::build::build(&describe::read(&root, &file).expect("a description"), source).unwrap_or_else(|error| panic!("{error}"));
-    let (_, integrator) = choose(&[pt::integrators::ALL], root.child("integrator"), None, &file).expect("known");
-    let mut film = MomentFilm::new(built.film);
-    let sampler = SamplerSpec { seed: 7, ..built.sampler };
-    render(Arc::new(built.world), &*integrator, &mut film, &Settings::new(sampler), &Silent);
-    let image = film.image();
+    let image = picture(folder.path(), "scene.json", SAMPLES, 7);
     let pixels: Vec<f64> = image.pixels().map(|[_, green, _]| green.into()).collect();
     let count = pixels.len() as f64;
     let mean = pixels.iter().sum::<f64>() / count;
@@ -119,11 +105,11 @@ fn noise_fills_the_bodies_that_have_it_inside() {
     expect("", &format!("{}, {ball}", noise(0.0, 2.0)), (-6.0f64).exp());
     expect("", &format!("{}, {ball}", noise(0.0, 0.25)), (-0.75f64).exp());
     expect("", &format!("{}, {}", noise(0.0, 0.25), group(r#""type": "mesh", "filename": "cube.obj""#)), (-0.375f64).exp());
-    // The density is density_scale · noise + density_offset: what pt limits to 1 times the coefficients.
+    // pt's density is at most 1, so the coefficients contain its maximum: their product is that of the original.
     let folder = tempfile::tempdir().expect("a folder");
     let camera = r#""camera": { "resolution": 8, "vfov": 30 }"#;
     fs::write(folder.path().join("scene.json"), format!("{{ {camera}, {}, {ball} }}", noise(-0.25, 0.5))).expect("a scene");
-    let root = import(&folder.path().join("scene.json"), false).unwrap_or_else(|error| panic!("{error}")).root;
+    let root = imported(folder.path(), "scene.json").root;
     let number = |key: &str| root.get(&format!("/media/smoke/{key}")).expect("a number").to_string().parse::<f64>().expect("a number");
     let absorption = number("absorption/0");
     assert_eq!([absorption * number("density/amplitude"), absorption * number("density/offset")], [0.5 * 0.25, 0.5 * 0.5]);

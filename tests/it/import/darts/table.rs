@@ -31,6 +31,7 @@ fn scene(key: &str, value: &str) -> String {
     format!("{{ {} }}", others.chain(own).collect::<Vec<_>>().join(", "))
 }
 
+/// A medium.
 const FOG: &str = r#"{ "type": "homogeneous", "sigma_a": [0.1, 0.2, 0.3], "sigma_s": 1, "phase": { "type": "hg", "g": 0.5 } }"#;
 
 /// The scene with an integrator that simulates media, and with a medium named fog, which has more members.
@@ -43,6 +44,7 @@ fn simulated(scene: &str) -> String {
     scene.replace("path_tracer_mats", "volpath_tracer_uni")
 }
 
+/// The scene with a medium named fog, which has more members.
 fn with_fog(members: &str, scene: &str) -> String {
     let kind = if members.contains("type") { "" } else { r#""type": "homogeneous", "# };
     scene.replacen('{', &format!(r#"{{ "media": [{{ {kind}"name": "fog", "sigma_s": 1, "phase": {{ "type": "hg" }}{members} }}], "#), 1)
