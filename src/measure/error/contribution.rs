@@ -68,8 +68,8 @@ struct Expansion {
     /// g″/g
     second: f64,
     /// Factor from 0 to 1 of both derivatives: the series converges within √(c² + ε) of c, so it is faded out before. It depends on
-    /// the variance around the pixel and not on the pixel's own: the corrections are right on average only if they count as much where
-    /// that came out large.
+    /// the variance around the pixel, and on the pixel's own only where that is its own reference: the corrections are right on average only
+    /// if they count as much where the pixel's own variance came out large.
     reach: f64,
 }
 
