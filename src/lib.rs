@@ -112,6 +112,7 @@ pub mod cli;
 #[cfg(feature = "cli")]
 pub mod compare;
 pub mod describe;
+pub mod double;
 pub mod effects;
 mod error;
 pub mod film;

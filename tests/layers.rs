@@ -19,7 +19,19 @@ const LAYERS: &[&[&[&str]]] = &[
     &[&["film"], &["recorder"], &["integrator"], &["render"]],
     &[&["output"], &["describe"], &["build"], &["import"], &["load"]],
     &[&["integrators"]],
-    &[&["measure"], &["part"], &["summary"], &["proof"], &["rays"], &["compare"], &["torture"], &["stress"], &["cli"], &["main"]],
+    &[
+        &["measure"],
+        &["part"],
+        &["summary"],
+        &["proof"],
+        &["rays"],
+        &["double"],
+        &["compare"],
+        &["torture"],
+        &["stress"],
+        &["cli"],
+        &["main"],
+    ],
 ];
 
 /// Circles that stay: folder, modules, and the reason.

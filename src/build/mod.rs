@@ -44,6 +44,7 @@ pub use camera::film_memory;
 use instances::BuiltGroup;
 use lamps::Lamp;
 use material::{MOST_PARTS, MOST_TEXTURES, Use};
+pub(crate) use transform::placed;
 
 /// A scene ready to render.
 pub struct Built {

@@ -11,7 +11,7 @@ use crate::math::{AnimatedTransform, Keyframes, Transform};
 ///
 /// # Errors
 /// A message about steps that each have an inverse, but not together within the precision of floats.
-pub(in crate::build) fn placed(steps: &describe::Transform, outer: &Transform) -> Result<Transform, String> {
+pub(crate) fn placed(steps: &describe::Transform, outer: &Transform) -> Result<Transform, String> {
     let step = |total: Transform, step| Some(total.then(&step_of(step)?));
     let total = steps.0.iter().try_fold(Transform::IDENTITY, step).map(|total| total.then(outer));
     let total = total.filter(|total| total.matrix().is_finite() && total.inverse().matrix().is_finite());

@@ -19,6 +19,7 @@ mod meter;
 mod outputs;
 mod parse;
 mod pilot;
+mod precision;
 mod progress;
 mod quote;
 mod rays;
@@ -55,6 +56,7 @@ use load::SceneArgs;
 use merge::MergeArgs;
 use messages::{is_quiet, note, print_stderr};
 use meter::MeterArgs;
+use precision::PrecisionArgs;
 use progress::{ProgressForm, WorkArgs};
 use rays::RaysArgs;
 use reference::ReferenceArgs;
@@ -103,7 +105,7 @@ pub enum Command {
     /// inconclusive.
     Verify(VerifyArgs),
     /// Measure what accuracy costs in time: several methods on one scene, compared at doubling checkpoints in a report.
-    Compare(CompareArgs),
+    Compare(Box<CompareArgs>),
     /// Add parts of a render (.ptc), in any order, to the whole picture, bit for bit as if rendered at once.
     Merge(MergeArgs),
     /// Write a file with which an engine renders a picture in shards and merges them: Open Job Description, Slurm, GNU parallel, make.
@@ -117,6 +119,8 @@ pub enum Command {
     Torture(TortureArgs),
     /// Try changes of a scene that must not change its picture: its size, its place, far objects and more. Exit code 1 if one does.
     Stress(StressArgs),
+    /// Measure what rounding to single precision does to a picture: every path is followed again in double precision.
+    Precision(PrecisionArgs),
     /// Measure irradiance and radiance at the scene's meters, with error bars.
     Meter(MeterArgs),
     /// Find where rays meet a mesh, and which points it contains, in double precision, without pictures.
@@ -149,6 +153,7 @@ impl CommandLine {
             Some(Command::Verify(args)) => scene(&args.scene),
             Some(Command::Stress(args)) => scene(&args.scene),
             Some(Command::Meter(args)) => scene(&args.scene),
+            Some(Command::Precision(args)) => scene(&args.scene),
             Some(Command::Merge(args)) => args.parts.clone(),
             Some(Command::Rays(args)) => vec![args.mesh.clone()],
             Some(Command::Image { verb }) => verb.files(),
@@ -175,6 +180,7 @@ impl CommandLine {
         match &self.command {
             Some(Command::Check(args)) => args.threads,
             Some(Command::Meter(args)) => args.threads,
+            Some(Command::Precision(args)) => args.threads,
             Some(Command::Rays(args)) => args.threads,
             Some(Command::Stress(args)) => args.threads,
             Some(Command::Torture(args)) => args.threads,
@@ -237,6 +243,7 @@ fn run(args: CommandLine, tables: &[&[Entry]]) -> Result<ExitCode> {
         Some(Command::Torture(args)) => return torture::torture(&args),
         Some(Command::Stress(args)) => return stress::stress(&args, tables),
         Some(Command::Meter(args)) => return meter::meter(&args, tables),
+        Some(Command::Precision(args)) => return precision::precision(&args, tables),
         Some(Command::Farm(args)) => farm::farm(&args, tables)?,
         Some(Command::Check(check)) => check::check(&check, tables)?,
         Some(Command::Rays(args)) => rays::rays(&args)?,

@@ -1,6 +1,7 @@
 //! Commands that a reader of a report can copy.
 
 use super::Method;
+use crate::double;
 use crate::measure::format::per_cent;
 
 /// Conclusion of a comparison.
@@ -40,9 +41,9 @@ pub struct Commands {
 }
 
 impl Commands {
-    /// Renders with a method up to an error. Pictures from files are compared again.
+    /// Renders with a method up to an error. Pictures from files, and those in double precision, are compared again.
     pub fn render(&self, method: &Method, target: f64) -> String {
-        if !method.files.is_empty() {
+        if !method.files.is_empty() || method.integrator == double::NAME {
             return self.whole.clone();
         }
         let Method { integrator, sampler, .. } = method;
@@ -53,6 +54,9 @@ impl Commands {
     pub fn verify(&self, method: &Method) -> String {
         if let Some(file) = method.files.first() {
             return format!("pt image diff {file} {}", self.reference);
+        }
+        if method.integrator == double::NAME {
+            return format!("pt precision {} {}", self.scene_of(method), self.size);
         }
         format!("pt verify {} {} {} {}", self.scene_of(method), method.integrator, self.reference, self.size)
     }

@@ -63,6 +63,7 @@ pub struct Comparison {
 }
 
 /// A way to render a scene.
+#[derive(Clone)]
 pub struct MethodConfig {
     /// Name in the report.
     pub name: String,

@@ -22,6 +22,7 @@ mod denoise;
 mod discrete;
 mod dispersion;
 mod displacement;
+mod double;
 mod effects;
 mod emitted_rays;
 mod environment_maps;

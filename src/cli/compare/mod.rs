@@ -48,6 +48,10 @@ pub struct CompareArgs {
     /// Samplers to compare. Default: the scene's.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub samplers: Vec<String>,
+    /// Precisions in which paths are followed: `f32,f64` adds a slow method that follows the paths of `path` in double precision, for
+    /// scenes that `pt precision` knows.
+    #[arg(long, value_enum, value_name = "NAMES", value_delimiter = ',', default_value = "f32")]
+    pub precision: Vec<Precision>,
     /// Folder of the report. Default: SCENE-report here.
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
@@ -94,7 +98,7 @@ pub struct CompareArgs {
     #[arg(
         long,
         value_name = "FILE",
-        conflicts_with_all = ["path", "others", "overrides", "integrators", "samplers", "output", "spp", "time", "replicates", "reference", "reference_integrator", "reference_time", "size", "confidence", "metric", "picture", "jeri", "sky", "ground", "view", "up", "allow_outside"]
+        conflicts_with_all = ["path", "others", "overrides", "integrators", "samplers", "precision", "output", "spp", "time", "replicates", "reference", "reference_integrator", "reference_time", "size", "confidence", "metric", "picture", "jeri", "sky", "ground", "view", "up", "allow_outside"]
     )]
     pub replay: Option<PathBuf>,
     /// Show the report in a browser while it grows, with a button that ends the comparison after the checkpoint under way. The address of
@@ -106,6 +110,15 @@ pub struct CompareArgs {
     pub serve_any: bool,
     #[command(flatten)]
     pub work: WorkArgs,
+}
+
+/// Precision of a method's numbers.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// Single: 24 bits.
+    F32,
+    /// Double: 53 bits.
+    F64,
 }
 
 /// Default number of pixels, and default time of each method and of the reference.

@@ -46,7 +46,7 @@ pub fn replay(file: &Path, work: &WorkArgs, tables: &[&[Entry]]) -> Result<ExitC
 fn arguments(recorded: &Recorded) -> Option<CompareArgs> {
     let words = std::iter::once("pt").chain(recorded.provenance.arguments.iter().map(String::as_str));
     match CommandLine::try_parse_from(words).ok()?.command {
-        Some(Command::Compare(args)) if args.replay.is_none() => Some(args),
+        Some(Command::Compare(args)) if args.replay.is_none() => Some(*args),
         _ => None,
     }
 }

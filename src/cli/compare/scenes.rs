@@ -1,12 +1,14 @@
 //! Further scenes of a comparison: other versions of the first one, such as other materials or settings, with the same pixels.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use super::{CompareArgs, MethodConfig, configs};
+use super::{CompareArgs, MethodConfig, Precision, configs};
 use crate::cli::load::{Loaded, Override, load};
 use crate::cli::note;
 use crate::cli::quote::quoted;
 use crate::cli::render::resized;
+use crate::double::{self, DoublePath};
 use crate::error::{Error, Result};
 use crate::film::FilmSpec;
 use crate::integrator::Entry;
@@ -47,9 +49,9 @@ fn same_pixels(film: &FilmSpec) -> Vec<Override> {
 /// Every method on every scene. With several scenes the names of the methods have those of the scenes.
 ///
 /// # Errors
-/// Those of [`configs`]; `Usage` for a scene that is there twice.
+/// Those of [`configs`] and [`in_precisions`]; `Usage` for a scene that is there twice.
 pub fn contestants(args: &CompareArgs, first: &Loaded, others: &[OtherScene], tables: &[&[Entry]]) -> Result<Vec<MethodConfig>> {
-    let of = |loaded: &Loaded| configs(loaded, &args.integrators, &args.samplers, tables);
+    let of = |loaded: &Loaded| in_precisions(args, loaded, configs(loaded, &args.integrators, &args.samplers, tables)?);
     if others.is_empty() {
         return of(first);
     }
@@ -72,4 +74,29 @@ pub fn contestants(args: &CompareArgs, first: &Loaded, others: &[OtherScene], ta
         return Err(Error::Usage(format!("expected different scenes: two methods would be called {}", twice.1.name)));
     }
     Ok(all)
+}
+
+/// The methods in the precisions that are asked for.
+///
+/// # Errors
+/// `Usage` for double precision without the integrator `path`, or alone with others; those of [`DoublePath::new`].
+fn in_precisions(args: &CompareArgs, loaded: &Loaded, single: Vec<MethodConfig>) -> Result<Vec<MethodConfig>> {
+    let has = |precision| args.precision.contains(&precision);
+    let mut double: Vec<MethodConfig> = vec![];
+    if has(Precision::F64) {
+        double = single.iter().filter(|config| config.integrator_name == "path").cloned().collect();
+        if double.is_empty() {
+            return Err(Error::Usage("--precision f64: only the integrator path has it; --integrators path".into()));
+        }
+        let integrator = Arc::new(DoublePath::new(loaded)?);
+        for config in &mut double {
+            config.name = config.name.replacen("path", double::NAME, 1);
+            config.integrator_name = double::NAME.into();
+            config.integrator = integrator.clone();
+        }
+    }
+    if let (false, Some(other)) = (has(Precision::F32), single.iter().find(|config| config.integrator_name != "path")) {
+        return Err(Error::Usage(format!("--precision f64: {} has single precision only; --precision f32,f64", other.integrator_name)));
+    }
+    Ok(if has(Precision::F32) { [single, double].concat() } else { double })
 }

@@ -71,6 +71,11 @@ pub fn resized([width, height]: [u32; 2]) -> Vec<Override> {
     vec![set("/film/width", width.to_string()), set("/film/height", height.to_string()), set("/film/crop", crop)]
 }
 
+/// Override of `--spp`.
+pub fn with_samples(spp: u32) -> Override {
+    Override { words: format!("--spp {spp}"), pointer: "/sampler/spp", value: spp.to_string() }
+}
+
 /// Thread pool with this number of threads, or one for each core.
 pub fn pool(threads: Option<u32>) -> Result<rayon::ThreadPool> {
     builder(threads).build().map_err(|refusal| no_threads(threads, &refusal))
