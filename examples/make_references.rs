@@ -21,6 +21,11 @@ const REFERENCES: &[(&str, &str, &str, u32)] = &[
     ("glass-panel", "path", "nee", 128),
     ("triangle-stacks", "nee", "path", 128),
     ("statue", "nee", "path", 64),
+    ("shapes", "path", "nee", 128),
+    ("media", "path", "nee", 128),
+    ("motion", "path", "nee", 128),
+    ("bubbles", "path", "nee", 128),
+    ("fur", "path", "nee", 64),
 ];
 
 const FACTOR: u32 = 64;
