@@ -10,12 +10,11 @@ use crate::error::{Error, Result};
 use crate::film::{Channel, FilmSpec, Image};
 use crate::integrator::Integrator;
 use crate::load::Loaded;
+use crate::measure::EPSILON;
 use crate::render::{Render, SampleId, Settings};
 
 /// Difference of two samples, relative to the greater one, above which they count as two ways.
 const ANOTHER_WAY: f64 = 1e-2;
-/// ε of the relative error, as a share of the square of the mean.
-const EPSILON: f64 = 0.01;
 
 /// The differences between a picture in single precision and the same picture in double precision.
 #[derive(Clone, Debug)]
@@ -132,7 +131,8 @@ fn report(pixels: &[Pixel], spec: &FilmSpec, spp: u64) -> PrecisionReport {
         (sum(&of) / count).sqrt()
     };
     let parted = pixels.iter().map(|pixel| pixel.parted).sum();
-    // Of all differences, the variance of their sum; their mean is small beside it.
+    // Standard deviation of the sum of all differences, as if the paths were independent. Their mean is small beside each of them, so that
+    // the sum of their squares is the variance.
     let deviation = sum(&|pixel| pixel.difference_squares).sqrt();
     let of_light = |difference: f64| if difference == 0.0 { 0.0 } else { difference / total[1] };
     let variance = |pixel: &Pixel| (pixel.squares / n - (pixel.sums[1] / n).powf(2.0)) / (n - 1.0);

@@ -42,8 +42,8 @@ impl Walk {
             let Some(hit) = self.scene.surfaces.closest(&ray) else { return radiance + beta * self.scene.background };
             let wo = -ray.direction;
             let front = hit.ng.dot(wo);
-            if hit.look.two_sided || front > 0.0 {
-                radiance += beta * hit.look.emission;
+            if hit.appearance.two_sided || front > 0.0 {
+                radiance += beta * hit.appearance.emission;
             }
             if depth == self.limits.max_depth || cx.interrupt.ends(depth) {
                 break;
@@ -51,7 +51,7 @@ impl Walk {
             let (choice, u) = cx.numbers.get_3d(dimension::vertex(depth, Use::Bsdf));
             let local = hit.frame.to_local(wo);
             let inside = if front < 0.0 { hit.t } else { 0.0 };
-            let Some(sampled) = hit.look.material.sample(local, choice.into(), u.as_dvec2(), inside) else { break };
+            let Some(sampled) = hit.appearance.material.sample(local, choice.into(), u.as_dvec2(), inside) else { break };
             let wi = hit.frame.to_world(sampled.wi).normalize();
             // Where shading normal and geometric normal disagree about the side of a direction, nothing is scattered.
             if (front * hit.ng.dot(wi) > 0.0) != (local.z * sampled.wi.z > 0.0) {

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::camera::{DoubleCamera, Lens};
 use super::materials::DoubleMaterial;
-use super::surfaces::{Facet, Look, Round, SurfaceList, Surfaces};
+use super::surfaces::{Appearance, Facet, Round, SurfaceList, Surfaces};
 use crate::build::placed;
 use crate::describe::{
     self, Camera, Color, Fraction, Material, MaterialRef, Shape, Size, Texture, TextureSpace, Textured, Varying, VaryingPerChannel,
@@ -85,19 +85,19 @@ impl Reader<'_> {
         if let Shape::Mesh(mesh) = shape {
             return self.mesh(pointer, shape, mesh, to_world, surfaces);
         }
-        let look = self.look(pointer, shape, shape.material())?;
+        let appearance = self.appearance(pointer, shape, shape.material())?;
         let centred = |center: describe::Point| Transform::translate(DVec3::from(center.0)).map(|moved| moved.then(to_world));
         match shape {
             Shape::Sphere(sphere) if sphere.is_whole() => {
                 let to_world = centred(sphere.center)?;
                 let linear = to_world.matrix().matrix3 * sphere.radius.get();
                 let center = to_world.point(DVec3::ZERO);
-                surfaces.round(Round::Sphere { center, inverse: linear.inverse() }, look);
+                surfaces.round(Round::Sphere { center, inverse: linear.inverse() }, appearance);
             }
             Shape::Disk(disk) if disk.is_whole() => {
                 let [x, y] = [DVec3::X, DVec3::Y].map(|axis| to_world.vector(axis * disk.radius.get()));
                 let normal = to_world.normal(DVec3::Z);
-                surfaces.round(Round::Disk { center: to_world.point(DVec3::ZERO), x, y, normal }, look);
+                surfaces.round(Round::Disk { center: to_world.point(DVec3::ZERO), x, y, normal }, appearance);
             }
             Shape::Quad(quad) => {
                 let size = match quad.size {
@@ -105,7 +105,12 @@ impl Reader<'_> {
                     Size::Sides(sides) => DVec2::from(sides.map(|side| side.get())),
                 };
                 let corner = |x: f64, y: f64| DVec3::new(x * size.x, y * size.y, 0.0) * 0.5;
-                self.rectangle([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)], to_world, look, surfaces);
+                self.rectangle(
+                    [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
+                    to_world,
+                    appearance,
+                    surfaces,
+                );
             }
             Shape::Box(cuboid) => {
                 let (to_world, half) = (centred(cuboid.center)?, 0.5 * DVec3::from(cuboid.size.get()));
@@ -116,7 +121,7 @@ impl Reader<'_> {
                         self.rectangle(
                             [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
                             &to_world,
-                            look,
+                            appearance,
                             surfaces,
                         );
                     }
@@ -129,7 +134,7 @@ impl Reader<'_> {
     }
 
     /// Adds a rectangle of object space, counter-clockwise seen from outside.
-    fn rectangle(&self, corners: [DVec3; 4], to_world: &Transform, look: Look, surfaces: &mut SurfaceList) {
+    fn rectangle(&self, corners: [DVec3; 4], to_world: &Transform, appearance: Appearance, surfaces: &mut SurfaceList) {
         let [a, b, c, d] = corners.map(|corner| to_world.point(corner));
         let mirrored = if to_world.flips_handedness() { -1.0 } else { 1.0 };
         let normal = ((b - a).cross(d - a) * mirrored).normalize();
@@ -139,7 +144,7 @@ impl Reader<'_> {
         for (corners, uvs) in
             [([a, b, c], [uv(0.0, 0.0), uv(1.0, 0.0), uv(1.0, 1.0)]), ([a, c, d], [uv(0.0, 0.0), uv(1.0, 1.0), uv(0.0, 1.0)])]
         {
-            surfaces.triangle(corners, Facet { look, normal, normals: None, uvs, up });
+            surfaces.triangle(corners, Facet { appearance, normal, normals: None, uvs, up });
         }
     }
 
@@ -165,7 +170,7 @@ impl Reader<'_> {
                 (positions, normals, mesh.triangles.clone().unwrap_or_default(), vec![])
             }
         };
-        let looks = self.part_looks(pointer, shape, mesh, &parts)?;
+        let appearances = self.part_appearances(pointer, shape, mesh, &parts)?;
         let positions: Vec<DVec3> = positions.into_iter().map(|p| to_world.point(p)).collect();
         // A normal of zero marks a flat surface.
         let placed = |n: DVec3| if n == DVec3::ZERO { n } else { to_world.normal(n) };
@@ -183,17 +188,29 @@ impl Reader<'_> {
             let rounded = self.rounded(corners);
             let up = (rounded[1] - rounded[0]).cross(rounded[2] - rounded[0]).normalize_or_zero().z;
             let normals = corner_normals.map(turned).filter(|normals| !normals.contains(&DVec3::ZERO));
-            let part = parts.partition_point(|(end, _)| *end <= i).min(looks.len() - 1);
+            let part = parts.partition_point(|(end, _)| *end <= i).min(appearances.len() - 1);
             surfaces.triangle(
                 corners,
-                Facet { look: looks[part], normal: if is_turned { -normal } else { normal }, normals, uvs: [DVec2::ZERO; 3], up },
+                Facet {
+                    appearance: appearances[part],
+                    normal: if is_turned { -normal } else { normal },
+                    normals,
+                    uvs: [DVec2::ZERO; 3],
+                    up,
+                },
             );
         }
         Ok(())
     }
 
     /// What each part of a mesh looks like; at least one.
-    fn part_looks(&self, pointer: &str, shape: &Shape, mesh: &describe::Mesh, parts: &[(u32, Option<String>)]) -> Result<Vec<Look>> {
+    fn part_appearances(
+        &self,
+        pointer: &str,
+        shape: &Shape,
+        mesh: &describe::Mesh,
+        parts: &[(u32, Option<String>)],
+    ) -> Result<Vec<Appearance>> {
         let named = |(_, name): &(u32, Option<String>)| {
             let name = name.as_deref().unwrap_or_default();
             let same = (mesh.material.is_none() && self.scene.materials.contains_key(name)).then(|| MaterialRef::Named(name.into()));
@@ -201,10 +218,10 @@ impl Reader<'_> {
         };
         let own = [mesh.material.clone()];
         let chosen: Vec<Option<MaterialRef>> = if parts.is_empty() { own.into() } else { parts.iter().map(named).collect() };
-        chosen.iter().map(|material| self.look(pointer, shape, material.as_ref())).collect()
+        chosen.iter().map(|material| self.appearance(pointer, shape, material.as_ref())).collect()
     }
 
-    fn look(&self, pointer: &str, shape: &Shape, material: Option<&MaterialRef>) -> Result<Look> {
+    fn appearance(&self, pointer: &str, shape: &Shape, material: Option<&MaterialRef>) -> Result<Appearance> {
         let material = material.and_then(|chosen| self.scene.material(chosen));
         let material = match material {
             None => DoubleMaterial::Diffuse { albedo: DVec3::splat(0.5) },
@@ -213,11 +230,11 @@ impl Reader<'_> {
         if matches!(material, DoubleMaterial::Checkered { .. }) && !matches!(shape, Shape::Quad(_)) {
             return Err(self.unknown(&format!("{pointer}/material"), "textures on other shapes than quads"));
         }
-        let Some(emission) = shape.emission() else { return Ok(Look { material, emission: DVec3::ZERO, two_sided: false }) };
+        let Some(emission) = shape.emission() else { return Ok(Appearance { material, emission: DVec3::ZERO, two_sided: false }) };
         if emission.texture.is_some() {
             return Err(self.unknown(&format!("{pointer}/emission/texture"), "textures"));
         }
-        Ok(Look { material, emission: emission.radiance.linear().into(), two_sided: emission.two_sided })
+        Ok(Appearance { material, emission: emission.radiance.linear().into(), two_sided: emission.two_sided })
     }
 
     fn background(&self) -> Result<DVec3> {

@@ -16,7 +16,7 @@ pub struct DoubleRay {
 
 /// What surfaces have beside their form.
 #[derive(Clone, Copy, Debug)]
-pub struct Look {
+pub struct Appearance {
     pub material: DoubleMaterial,
     /// Radiance; zero where nothing is emitted.
     pub emission: DVec3,
@@ -29,13 +29,13 @@ pub struct SurfaceList {
     /// Corners of triangles, three for each.
     corners: Vec<DVec3>,
     facets: Vec<Facet>,
-    round: Vec<(Round, Look)>,
+    round: Vec<(Round, Appearance)>,
 }
 
 /// What a triangle has beside its corners.
 #[derive(Clone, Copy)]
 pub struct Facet {
-    pub look: Look,
+    pub appearance: Appearance,
     /// Unit normal.
     pub normal: DVec3,
     /// Normals of the corners, between which the shading normal is interpolated.
@@ -64,14 +64,14 @@ pub struct DoubleHit {
     pub ng: DVec3,
     /// Frame of the shading normal.
     pub frame: Frame,
-    pub look: Look,
+    pub appearance: Appearance,
 }
 
 /// The surfaces, ready for rays.
 pub struct Surfaces {
     facets: Vec<Facet>,
     caster: RayCaster,
-    round: Vec<(Round, Look)>,
+    round: Vec<(Round, Appearance)>,
 }
 
 impl SurfaceList {
@@ -80,8 +80,8 @@ impl SurfaceList {
         self.facets.push(facet);
     }
 
-    pub fn round(&mut self, round: Round, look: Look) {
-        self.round.push((round, look));
+    pub fn round(&mut self, round: Round, appearance: Appearance) {
+        self.round.push((round, appearance));
     }
 
     /// # Errors
@@ -99,15 +99,15 @@ impl Surfaces {
         let flat = self.caster.closest(&Ray::new(ray.origin, ray.direction));
         let mut end = flat.map_or(f64::INFINITY, |hit| hit.t);
         let mut nearest = None;
-        for (round, look) in &self.round {
+        for (round, appearance) in &self.round {
             if let Some(t) = round.intersect(ray, end) {
-                (end, nearest) = (t, Some((round, look)));
+                (end, nearest) = (t, Some((round, appearance)));
             }
         }
-        if let Some((round, look)) = nearest {
+        if let Some((round, appearance)) = nearest {
             let p = ray.origin + ray.direction * end;
             let ng = round.normal(p);
-            return Some(DoubleHit { t: end, p, ng, frame: Frame::around(ng, ng.z), look: *look });
+            return Some(DoubleHit { t: end, p, ng, frame: Frame::around(ng, ng.z), appearance: *appearance });
         }
         flat.map(|hit| {
             let facet = &self.facets[hit.triangle as usize];
@@ -117,8 +117,8 @@ impl Surfaces {
             };
             let [a, b, c] = facet.uvs;
             let uv = a * (1.0 - hit.uv.x - hit.uv.y) + b * hit.uv.x + c * hit.uv.y;
-            let look = Look { material: facet.look.material.at(uv), ..facet.look };
-            DoubleHit { t: hit.t, p: ray.origin + ray.direction * hit.t, ng: facet.normal, frame, look }
+            let appearance = Appearance { material: facet.appearance.material.at(uv), ..facet.appearance };
+            DoubleHit { t: hit.t, p: ray.origin + ray.direction * hit.t, ng: facet.normal, frame, appearance }
         })
     }
 }

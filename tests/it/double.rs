@@ -147,6 +147,9 @@ fn known() -> Vec<(&'static str, Case)> {
 /// Single precision rounds each number of a path to 6·10⁻⁸ of itself, and a path has some hundred of them. Where a path meets an edge within
 /// its rounding it goes another way, which less than one in ten thousand does in `scenes/`. The light of both ways is the same on average, so
 /// that the brightness agrees within the noise of those few. What rounding does to a picture is far below its noise.
+///
+/// The bounds: three times as many paths that part as in `scenes/`; for the light of the others a hundred times the rounding of a path, because
+/// curved mirrors magnify the error of a direction; for the brightness four standard errors, and the rounding of the scene's own numbers.
 #[test]
 fn pictures_in_double_precision_differ_by_rounding_alone() {
     for (name, case) in known() {
@@ -230,7 +233,7 @@ fn pt(folder: &Path, args: &[&str]) -> Output {
 
 /// A black picture has no differences, and another integrator is refused.
 #[test]
-fn black_pictures_and_other_integrators_are_no_numbers() {
+fn black_pictures_have_no_differences_and_other_integrators_are_refused() {
     let mut black = scene(looking(), json!({"type": "sphere"}));
     black["background"] = json!({"radiance": 0});
     black["shapes"][1]["emission"] = json!(0);
@@ -256,7 +259,7 @@ fn the_command_tells_what_rounding_does() {
     assert!(folder.path().join("double.exr").exists());
     let json: Value = serde_json::from_slice(&pt(folder.path(), &[&args[..6], &["--json"]].concat()).stdout).expect("JSON");
     assert_eq!(json["paths"], 16 * 16 * 12);
-    // The picture is the one of the renderer but for rounding.
+    // The picture is the one of the renderer but for rounding, which may turn a path in a few of the 192 pixels.
     assert!(pt(folder.path(), &["s.json", "-i", "path", "--spp", "16", "--size", "16x12", "-o", "single.exr", "-q"]).status.success());
     let both = ["single.exr", "double.exr"].map(|name| pt::output::read(&folder.path().join(name)).expect("a picture").0);
     let values = both.each_ref().map(|image| image.channel("G").expect("a channel").to_vec());
@@ -279,7 +282,7 @@ fn double_precision_is_a_method_of_comparisons() {
     let methods = report["methods"].as_array().expect("methods");
     let names: Vec<&str> = methods.iter().filter_map(|method| method["name"].as_str()).collect();
     assert_eq!(names, ["path", "path (f64)"]);
-    // The same seeds give the same paths, and so nearly the same errors.
+    // Both methods have the same seeds and follow the same paths, so that their errors are nearly equal.
     let errors = methods.iter().map(|method| method["measurements"][0]["relmse"].as_f64().expect("an error")).collect::<Vec<f64>>();
     assert!((errors[0] / errors[1] - 1.0).abs() < 1e-3, "{errors:?}");
     let refused = pt(folder.path(), &[&common[..], &["--integrators", "nee"]].concat());
