@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 /// - V: 1 if the first surface along a ray from x_k in the sun's direction ω emits light (a window), otherwise 0
 /// - S: radiance of a white matte surface that faces the sun
 ///
-/// With default settings the pictures are those of `path`, bit for bit. `step_off` starts rays at a fixed distance from a surface
+/// With default settings the pictures of scenes without media are those of `path`, bit for bit. `step_off` starts rays at a fixed distance from a surface
 /// instead of the error bound of the point, which suits one size of scene only.
 ///
 /// Source: Andrew Kensler's postcard path tracer. Tests: card_is_path_to_the_bit, the_sun_shines_through_windows,
@@ -165,7 +165,7 @@ impl PathWalk for Walk {
             }
             return path.end(End::Escaped, recorder);
         };
-        let mut surface = self.scene.surface(&path.ray, &hit);
+        let mut surface = path.surface(&*self.scene, &hit);
         let wo = -path.ray.direction;
         recorder.record(|| Event::vertex(path.depth, &path.ray, &hit, &surface, path.beta));
         if path.depth <= self.emission_depth {

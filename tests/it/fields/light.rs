@@ -112,6 +112,12 @@ fn card_is_path_to_the_bit() {
         let path = picture(scene, &Path::default(), FilmSpec::new(16, 16), sampler(8));
         assert_eq!(card, path, "scene {seed}");
     }
+    // Textures, averaged over what a pixel shows.
+    let floor = r#"{ "pt": 1, "camera": { "look_at": { "from": [0, 1, 4], "to": [0, 0, 0] } }, "background": { "radiance": 1 },
+        "shapes": [{ "type": "quad", "size": 40, "material": { "type": "diffuse", "albedo": { "type": "checker", "scale": 400 } } }] }"#;
+    let scene = Arc::new(crate::light_tracer::built(floor).world);
+    let rendered = |integrator: &dyn Integrator| picture(scene.clone(), integrator, FilmSpec::new(16, 16), sampler(2));
+    assert_eq!(rendered(&Card::default()), rendered(&Path::default()), "a texture");
 }
 
 /// A floor below a window in the ceiling, through which the sun stands at 60° from the zenith: ρ S cos 60°, and no sunlight where the
