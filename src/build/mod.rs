@@ -195,6 +195,9 @@ fn camera_meets_media(world: &World) -> bool {
 
 /// Returns a warning if the picture will be black, or show only the background.
 fn missing(world: &World) -> Option<&'static str> {
+    if world.media().is_some_and(Media::emit) {
+        return None;
+    }
     let lights = world.lights();
     let has_background = !lights.infinite().is_empty();
     match (world.shapes().is_empty(), has_background, lights.has_emission()) {

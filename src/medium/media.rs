@@ -68,7 +68,7 @@ pub struct InterfaceCrossing {
     pub onward: Ray,
 }
 
-/// Surfaces of bodies in one place. More than four are not told apart.
+/// Surfaces of bodies in one place, at most four: a fifth body in the same place is neither entered nor left there.
 pub type Boundaries = ArrayVec<Boundary, 4>;
 
 const NO_BODY: u16 = u16::MAX;
@@ -130,6 +130,12 @@ impl Media {
     /// Medium outside of all bodies.
     pub fn around(&self) -> Option<&Medium> {
         self.around.map(|medium| &self.media[medium.0 as usize])
+    }
+
+    /// Whether any medium of a body, or that around everything, emits light.
+    pub fn emit(&self) -> bool {
+        let used = self.bodies.iter().map(|body| body.index).chain(self.around.map(|medium| medium.0));
+        used.into_iter().any(|medium| self.media[medium as usize].emits())
     }
 
     /// Index of the body of a shape.

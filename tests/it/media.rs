@@ -821,4 +821,12 @@ fn media_are_told_of() {
     }
     let (_, said) = run(&scene, &["--pixel", "4,4", "--sample", "0", "--trace"]);
     assert!(said.contains("fog (isotropic), at ("), "{said}");
+    // What a medium emits is light.
+    for (emission, is_black) in [(1, false), (0, true)] {
+        let mut scene = scene.clone();
+        scene.as_object_mut().expect("an object").remove("background");
+        scene["media"]["fog"] = json!({"type": "homogeneous", "absorption": 1, "emission": emission});
+        let (_, said) = run(&scene, &["-o", "x.exr"]);
+        assert_eq!(said.contains("no light, the image will be black"), is_black, "{said}");
+    }
 }
