@@ -41,7 +41,8 @@ pub const NOT_SIMULATED: Effects = Effects::SPECULAR_REFLECTION
 /// Absorption in a body counts from where a path enters the body. With a lamp or the camera inside an absorbing body the picture
 /// therefore differs from that of paths from the camera, which count it from the other end.
 ///
-/// Where a medium scatters a path, f·|cos| is its phase function. V is the share of the light that media and surfaces let pass.
+/// Where a medium scatters a path, f·|cos| is its phase function. V is the share of the light that media and surfaces let pass. Textures are
+/// looked up at points, because a path from a light does not know how much of the surface a pixel shows.
 ///
 /// Source: Arvo, *Backward Ray Tracing* (1986); Veach, *Robust Monte Carlo Methods for Light Transport Simulation* (1997), §8.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -130,7 +131,7 @@ impl<S: Space> Walk<S> {
         let (ray, scene) = (&camera.ray, &*self.method.scene);
         let hit = camera.hit(scene);
         let way = Ray { t_max: hit.map_or(f32::INFINITY, |hit| hit.t), ..*ray };
-        let passed = S::at_camera(scene, camera).passed(scene, &way, dimension::vertex(0, Use::Medium), numbers);
+        let passed = S::at_camera(scene, camera).media_transmittance(scene, &way, dimension::vertex(0, Use::Medium), numbers);
         let Some(hit) = hit else {
             let add = |sum, (light, radiance)| sum + recorder.light(passed * radiance, 0, || Origin::background(light, 1.0));
             return scene.lights().background(ray.direction).fold(Spectrum::BLACK, add);
@@ -140,8 +141,8 @@ impl<S: Space> Walk<S> {
         recorder.light(passed * surface.emitted(-ray.direction), 0, || Origin::emission(&surface, 1.0))
     }
 
-    /// Follows a path from a light and connects its vertices to the camera. The block of random numbers before the first vertex
-    /// chooses the light and the ray that it emits.
+    /// Follows a path from a light and connects its vertices to the camera. The random numbers of `vertex(0, …)`
+    /// choose the light and the ray that it emits; vertex k of the path has those of `vertex(k + 1, …)`.
     fn follow<R: Recorder + ?Sized>(&self, path: &mut LightPath, interrupt: Interrupt, recorder: &mut R) {
         let Method { scene, max_depth, .. } = &self.method;
         let (choice, position) = path.numbers.get_3d(dimension::vertex(0, Use::Light));
@@ -193,7 +194,7 @@ impl<S: Space> Walk<S> {
             return Spectrum::ONE;
         }
         let back = Ray { time: emitted.ray.time, ..Ray::new(emitted.ray.origin, -emitted.ray.direction) };
-        space.passed(&*self.method.scene, &back, dimension::vertex(0, Use::Roulette), &path.numbers)
+        space.media_transmittance(&*self.method.scene, &back, dimension::vertex(0, Use::Roulette), &path.numbers)
     }
 
     /// Goes on from a vertex in a sampled direction; `None` if the path ends.
@@ -274,7 +275,7 @@ impl PathState for State {
         &mut self.beta
     }
 
-    /// Light of media is not simulated, and on the way of light it would be none that arrives at the camera.
+    /// The emission of media is not simulated, see [`NOT_SIMULATED`]; what a medium emits on the way is no part of this path's light.
     fn add_emission<R: Recorder + ?Sized>(&mut self, _: Spectrum, _: &mut R) {}
 
     fn leave_surfaces(&mut self) {}

@@ -34,7 +34,8 @@ use serde::{Deserialize, Serialize};
 /// In participating media, a point where the medium scatters the path is a vertex like others, with the phase function in the place of
 /// f·|cos|, and light samples are weakened by the media on their way. Lights are not sampled at that point, but at one on the way to the
 /// next surface that is chosen whether or not the path scatters, and near to a light: in thin media few paths scatter, and most light
-/// comes from where the lamps are near.
+/// comes from where the lamps are near. Where the density of a medium on the way varies, or the way has more than 16 stretches in different
+/// media, lights are sampled at the point where the path scatters.
 ///
 /// Source: Veach and Guibas, *Optimally Combining Sampling Techniques for Monte Carlo Rendering* (1995).
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -58,7 +59,7 @@ pub struct Nee {
 #[serde(rename_all = "snake_case")]
 #[schemars(inline)]
 pub enum Weights {
-    /// Power heuristic p_a² / (p_a² + p_b²): the least noise.
+    /// Power heuristic p_a² / (p_a² + p_b²): usually the least noise.
     #[default]
     Power,
     /// Balance heuristic p_a / (p_a + p_b).
@@ -320,7 +321,7 @@ impl<S: Space> Walk<S> {
         if path.depth == self.max_depth {
             return path.end(End::DepthLimit, recorder);
         }
-        if !space.was_lit_on_way() {
+        if !space.is_lit_on_way() {
             let dimension = dimension::vertex(path.depth, Use::Light);
             if let Some((direct, light, weight)) = self.direct(at, space, wo, dimension, time, numbers) {
                 path.add_scattered(direct, recorder, || Origin::light(&light, weight));

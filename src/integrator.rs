@@ -43,7 +43,7 @@ pub trait Integrator: Send + Sync {
     /// Does the work that is done once per scene, and returns the estimator for it.
     fn prepare(&self, scene: Arc<dyn Scene>, film: &FilmSpec) -> Box<dyn Estimator>;
 
-    /// Settings that leave out some light on purpose.
+    /// Settings that change the expected picture on purpose: they leave out light, or add some.
     fn biases(&self) -> Vec<Bias> {
         vec![]
     }
@@ -55,18 +55,18 @@ pub trait Integrator: Send + Sync {
     }
 }
 
-/// Setting that leaves out some light.
+/// Setting that changes the expected picture.
 pub struct Bias {
     /// Key and value, such as `max_depth 7`.
     pub setting: String,
-    /// The method without the setting. On the same random numbers, the two differ only by the light that is left out.
+    /// The method without the setting. On the same random numbers, the difference of the two pictures is the error of the setting.
     pub without: Box<dyn Integrator>,
 }
 
 /// Method prepared for one scene.
 pub trait Estimator: Send + Sync {
-    /// An unbiased estimate of the radiance that arrives along the camera's ray [W·m⁻²·sr⁻¹], or of the part of it that
-    /// [`LightPath::splat`] does not bring.
+    /// An estimate of the radiance that arrives along the camera's ray [W·m⁻²·sr⁻¹], or of the part of it that [`LightPath::splat`] does
+    /// not bring. Its mean is right but for [`Integrator::biases`].
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum;
 
     /// The method for many samples at once, if it has one for its scene. It is used for samples without a recorder.
@@ -91,8 +91,8 @@ pub trait PathWalk: Send + Sync {
     /// The state before the first vertex.
     fn start(&self, camera: &CameraSample) -> Self::State;
 
-    /// Goes to the next vertex. At the end of the walk it breaks with an unbiased estimate of the radiance that arrives along the
-    /// camera's ray [W·m⁻²·sr⁻¹].
+    /// Goes to the next vertex. At the end of the walk it breaks with the estimate of the radiance that arrives along the camera's ray
+    /// [W·m⁻²·sr⁻¹], as [`Estimator::li`] returns it.
     fn step<R: Recorder + ?Sized>(&self, state: &mut Self::State, numbers: &mut SampleNumbers, recorder: &mut R) -> ControlFlow<Spectrum>;
 }
 

@@ -30,7 +30,7 @@ use pixel::PixelAccumulator;
 pub struct Settings {
     /// Sampler.
     pub sampler: SamplerSpec,
-    /// Samples per pixel, or fewer if the time is up.
+    /// Samples per pixel, or rounds of samples if the film's allocation is uneven; fewer if the time is up.
     pub samples: u64,
     /// Limit of the time of rendering.
     pub time: Option<Duration>,
@@ -38,8 +38,8 @@ pub struct Settings {
     pub tile: u32,
     /// Greatest value of a single contribution of indirect light, see [`Clamp`]. This is a bias and never a default.
     pub clamp: Option<f32>,
-    /// Desired greatest duration of a wave of samples, so that an interrupt loses little. Waves are not made shorter than an eighth
-    /// of the samples so far. It does not change the picture.
+    /// Desired greatest duration of a wave of samples, so that an interrupt loses little. This makes no wave
+    /// shorter than about an eighth of the samples so far. It does not change the picture.
     pub wave_time: Option<Duration>,
 }
 
@@ -52,7 +52,7 @@ impl Settings {
 
 /// Observer of the progress of a render, which may cancel it.
 pub trait Observer: Sync {
-    /// A tile is done, after `_camera_samples` samples. Called from many threads.
+    /// A tile is done, after `_camera_samples` samples, or was cancelled, after 0. Called from many threads.
     fn tile_done(&self, _camera_samples: u64) {}
 
     /// A wave is done, and the film has `_samples` samples for each pixel.
@@ -77,7 +77,8 @@ pub struct RenderReport {
     pub samples: u64,
     /// Whether the render was cancelled.
     pub cancelled: bool,
-    /// Number of samples that were not finite or were negative. They count as zero; a sound scene has none.
+    /// Number of samples that were not finite or were negative. They count as zero; where only what a light path brings to another pixel is
+    /// invalid, that alone does. A sound scene has none.
     pub invalid: u64,
     /// First few of the invalid samples, for replay.
     pub first_invalid: Vec<SampleId>,
@@ -88,7 +89,8 @@ pub struct RenderReport {
 }
 
 impl RenderReport {
-    /// Difference to an earlier report of the same render.
+    /// The report, with the samples, invalid samples and time since an earlier one of the same render. The other fields are those of the
+    /// whole render.
     pub fn since(&self, earlier: &RenderReport) -> RenderReport {
         let elapsed = self.elapsed.saturating_sub(earlier.elapsed);
         RenderReport { samples: self.samples - earlier.samples, invalid: self.invalid - earlier.invalid, elapsed, ..self.clone() }
@@ -429,7 +431,7 @@ impl Render {
         self.spec.layout(self.sampler.error_estimator())
     }
 
-    /// Radiance of a sample times its filter weight; not finite if the estimate is invalid.
+    /// Radiance of a sample times its weight; not finite if the estimate is invalid.
     ///
     /// - `clamped`: sum to which the radiance removed by clamping is added
     fn sample(&self, camera: &CameraSample, cx: &mut Context, clamped: &mut ExactSum) -> Spectrum {
@@ -488,7 +490,7 @@ impl Render {
     }
 }
 
-/// Radiance times the filter weight of a sample; not finite if it is invalid.
+/// Radiance times the weight of a sample; not finite if it is invalid.
 fn filtered(radiance: Spectrum, weight: f32) -> Spectrum {
     if radiance.is_valid() { radiance * weight } else { Spectrum::gray(f32::NAN) }
 }

@@ -108,7 +108,8 @@ pub enum Command {
     Compare(Box<CompareArgs>),
     /// Add parts of a render (.ptc), in any order, to the whole picture, bit for bit as if rendered at once.
     Merge(MergeArgs),
-    /// Write a file with which an engine renders a picture in shards and merges them: Open Job Description, Slurm, GNU parallel, make.
+    /// Write a file with which an engine renders a picture in shards and merges them: Open Job Description, Slurm, GNU parallel, make,
+    /// Ray.
     Farm(Box<FarmArgs>),
     /// Compute a reference picture with its own error stated; it is cached by scene, and improved when more is asked.
     Reference(ReferenceArgs),

@@ -21,7 +21,7 @@ pub struct Film {
     /// The pixel filter.
     pub filter: Filter,
     /// The width of the area around a camera ray over which textures are averaged, in pixels; 0 looks them up at points. Default: 1/n
-    /// pixels for the sample n of a pixel, rounded down to a power of two, so that the blur vanishes as samples are added.
+    /// pixels after n samples, n rounded down to a power of two, so that the blur vanishes as samples are added.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub texture_footprint: Option<NonNegative>,
     /// The layers that EXR files have beside the picture: means over each pixel of properties of the first surface, or of light sorted

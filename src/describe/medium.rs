@@ -103,13 +103,13 @@ pub struct Subsurface {
     /// A measured material instead of `albedo` and `mean_free_path`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<Measured>,
-    /// The share of even light that a thick block without a surface reflects.
+    /// The share of light from all directions alike that a thick block without a surface reflects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub albedo: Option<Color<Fraction>>,
     /// The mean length that light goes before it is absorbed or scattered, in metres: 1/(σa + σs).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_free_path: Option<PerChannel<Positive>>,
-    /// The mean cosine of the angle of scattering, with `albedo`. Measured materials scatter evenly.
+    /// The mean cosine of the angle of scattering, with `albedo`. Measured materials scatter isotropically.
     #[serde(default = "even")]
     pub g: Asymmetry,
     /// A factor of all lengths in the body: 10 makes one of ten times the size look the same.

@@ -6,7 +6,8 @@
 /// bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum TextureFootprint {
-    /// 1/n pixels for the sample n of a pixel, n rounded down to a power of two. The blur of the mean of n samples so falls with 1/n, faster
+    /// 1/(S · 2^⌊log₂(i/S)⌋) pixels for the sample with the index i of a pixel whose samples are divided among S sequences, and 1 pixel for the
+    /// first sample of each sequence: about 1/n after n samples. The blur of the mean of n samples so falls with 1/n, faster
     /// than its noise: with 1/√n, for which each sample would stand for its part of the pixel, the blur of many samples would exceed their
     /// standard error.
     #[default]

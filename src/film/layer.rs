@@ -1,7 +1,7 @@
 //! Layers (arbitrary output variables): numbers that a pixel has in addition to its colours.
 //!
 //! ```text
-//! Samples   Σ w x / n          like the picture: w is the weight of the reconstruction filter, samples that hit nothing count as 0
+//! Samples   Σ w x / n          like the picture: w is the weight of the sample, samples that hit nothing count as 0
 //! Hits      Σ |w| x / Σ |w|    over the samples that hit a surface; 0 if none did
 //! Sum       Σ x
 //! ```
@@ -153,7 +153,7 @@ impl Layer {
 
     /// Appends the terms that one sample adds to the sums.
     ///
-    /// - `weight`: weight of the reconstruction filter
+    /// - `weight`: that of the reconstruction filter and of the camera ray
     /// - `values`: one per channel; `None` if the sample hit nothing
     pub fn add_terms(self, weight: f64, values: Option<&[f64]>, terms: &mut Vec<f64>) {
         let Some(values) = values else { return terms.extend(std::iter::repeat_n(0.0, self.sum_count())) };

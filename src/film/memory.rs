@@ -19,8 +19,8 @@ pub fn needed(pixels: u64, layout: PixelLayout, samples: u64) -> u128 {
 
 /// Greatest number of blocks that the tree holds during a render of `samples` samples.
 ///
-/// There is one block for each binary digit of the sample count that is 1. Waves have at most 64 samples, and a shorter wave has at
-/// least an eighth of the samples so far, so that at most the four highest digits are 1.
+/// There is one block for each binary digit of the sample count that is 1. Waves of 64 samples leave the digits below 2⁶ at 0, and waves that
+/// the time limit shortens leave at most the four highest digits at 1.
 fn blocks(samples: u64) -> u32 {
     let during_render = (samples / 64 + 1).ilog2().max((samples + 1).ilog2().min(4));
     samples.count_ones().max(during_render).max(1)

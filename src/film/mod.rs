@@ -47,7 +47,7 @@ pub struct FilmSpec {
     pub lights: LightNames,
     /// Relative number of samples of each pixel of the crop.
     pub allocation: Allocation,
-    /// Width of the area over which textures are averaged.
+    /// Width of the area over which the textures of materials are averaged.
     pub texture_footprint: TextureFootprint,
 }
 
@@ -242,8 +242,7 @@ impl MomentFilm {
         self.trees.iter().flat_map(Tree::blocks).collect::<Vec<_>>().into_iter()
     }
 
-    /// The film of some of the pixels, as a render of this crop would have it. Paths that bring light to other pixels than their own have
-    /// none in such a render.
+    /// The film of some of the pixels, as a render of this crop has it.
     ///
     /// - `crop`: rectangle within the film's own
     pub fn cropped(&self, crop: Crop) -> MomentFilm {

@@ -7,7 +7,8 @@ use crate::math::Spectrum;
 
 /// Sums of powers of some samples: Σx and Σx² of each colour, Σy² and Σy³ of the mean y of the colours.
 ///
-/// The third power gives the skewness of the noise: how much a pixel that looks bright also looks uncertain.
+/// The third power gives the third central moment, which is n² times the
+/// covariance of the mean of a pixel and the estimated variance of that mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {
     /// Σx of each colour.

@@ -23,7 +23,7 @@ pub trait SideBySide: Send + Sync {
 /// Samples are added with their numbers, then get their camera rays, then their estimates.
 pub struct Batch<'a> {
     pixels: Vec<UVec2>,
-    /// Weights of the reconstruction filter.
+    /// Weights of the samples: those of the reconstruction filter and of the camera ray.
     weights: Vec<f32>,
     numbers: BatchNumbers<'a>,
     radiance: Vec<Spectrum>,
@@ -69,7 +69,7 @@ impl<'a> Batch<'a> {
         self.pixels.is_empty()
     }
 
-    /// Gives each sample its camera ray and the weight of the reconstruction filter.
+    /// Gives each sample its camera ray and its weight, that of the reconstruction filter and of the ray.
     ///
     /// - `camera`: camera sample for the place of a sample in the batch, its pixel and its numbers
     pub fn start_each(&mut self, mut camera: impl FnMut(usize, UVec2, &mut SampleNumbers) -> CameraSample) {
@@ -81,9 +81,9 @@ impl<'a> Batch<'a> {
         self.paths.count = self.pixels.len();
     }
 
-    /// Gives all samples camera rays, and the weight 1 of the reconstruction filter.
+    /// Gives all samples camera rays, and the weight 1.
     ///
-    /// - `rays`: origins and directions of the rays of several pixels, for the numbers of their samples. It must be `#[inline(always)]`.
+    /// - `rays`: origins and directions of the rays of several pixels, for the numbers of their samples. Its method must be `#[inline(always)]`.
     #[inline(always)]
     pub fn start_lanes<L: Lanes>(&mut self, rays: &impl CameraRays) {
         let count = self.pixels.len();
@@ -101,7 +101,7 @@ impl<'a> Batch<'a> {
         self.paths.count = count;
     }
 
-    /// Pixel, filter weight and estimate of each sample, in the order in which they were added.
+    /// Pixel, weight and estimate of each sample, in the order in which they were added.
     pub fn estimates(&self) -> impl Iterator<Item = (UVec2, f32, Spectrum)> {
         let weights = self.weights.iter().copied();
         self.pixels.iter().copied().zip(weights).zip(self.radiance.iter().copied()).map(|((pixel, weight), value)| (pixel, weight, value))

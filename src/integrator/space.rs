@@ -59,8 +59,9 @@ pub trait Space: Send + Sync + 'static {
     where
         Self: Sized;
 
-    /// Whether the vertex is a point of a medium, and [`Space::point_on_way`] has chosen a point in its place.
-    fn was_lit_on_way(&self) -> bool;
+    /// Whether the vertex is a point of a medium whose direct light [`Space::point_on_way`] has estimated, also where it chose no point. The
+    /// vertex itself then samples no light.
+    fn is_lit_on_way(&self) -> bool;
 
     /// Takes note of the surface at which the path has arrived.
     fn arrive(&mut self, scene: &dyn Scene, hit: &Hit, surface: &Surface);
@@ -69,7 +70,7 @@ pub trait Space: Send + Sync + 'static {
     fn leave(&mut self, wi: Vec3);
 
     /// Share of the light that passes along a ray from the vertex of the path to the end of the ray, or an estimate of it; `None` if none
-    /// does.
+    /// does, for example because a surface is on the way.
     ///
     /// - `dimension`: dimension whose stream of random numbers the estimate may use
     fn transmittance(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Option<Spectrum>;
@@ -77,7 +78,7 @@ pub trait Space: Send + Sync + 'static {
     /// Share of the light that the media let pass along a ray up to its end, or an estimate of it, whatever surfaces are on the way.
     ///
     /// - `dimension`: dimension whose stream of random numbers the estimate may use
-    fn passed(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Spectrum;
+    fn media_transmittance(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Spectrum;
 }
 
 /// Empty space: light passes from surface to surface.
@@ -119,7 +120,7 @@ impl Space for Vacuum {
     }
 
     #[inline(always)]
-    fn was_lit_on_way(&self) -> bool {
+    fn is_lit_on_way(&self) -> bool {
         false
     }
 
@@ -135,7 +136,7 @@ impl Space for Vacuum {
     }
 
     #[inline(always)]
-    fn passed(&self, _: &dyn Scene, _: &Ray, _: u32, _: &SampleNumbers) -> Spectrum {
+    fn media_transmittance(&self, _: &dyn Scene, _: &Ray, _: u32, _: &SampleNumbers) -> Spectrum {
         Spectrum::ONE
     }
 }
@@ -145,10 +146,11 @@ impl Space for Vacuum {
 pub struct Filled {
     /// Bodies around the path.
     inside: Inside,
-    /// Surfaces of bodies where the path is.
+    /// Boundaries of media at the vertex of the path: surfaces of closed shapes with a medium inside. The direction in which the path leaves
+    /// decides which of them it crosses.
     at: Boundaries,
-    /// Whether a point on the way to the next surface was chosen.
-    has_point_on_way: bool,
+    /// Whether the direct light on the way to the next surface is estimated by a point on that way.
+    is_lit_on_way: bool,
 }
 
 impl Filled {
@@ -156,7 +158,7 @@ impl Filled {
     ///
     /// - `inside`: bodies around the point
     pub fn new(inside: Inside) -> Filled {
-        Filled { inside, at: Boundaries::new(), has_point_on_way: false }
+        Filled { inside, at: Boundaries::new(), is_lit_on_way: false }
     }
 
     /// Bodies around a ray that leaves the vertex in a direction.
@@ -216,35 +218,35 @@ impl Space for Filled {
     ) -> Option<(MediumPoint<'s>, Spectrum, Filled)> {
         let media = scene.media()?;
         let mut way = Way::new();
-        self.has_point_on_way = way.follow(scene, media, &self.inside, &path.ray, hit);
-        if !self.has_point_on_way {
+        self.is_lit_on_way = way.follow(scene, media, &self.inside, &path.ray, hit);
+        if !self.is_lit_on_way {
             return None;
         }
         let (point, weight, inside) = way.sample(scene, media, path, numbers)?;
         Some((point, weight, Filled::new(inside)))
     }
 
-    fn was_lit_on_way(&self) -> bool {
-        self.has_point_on_way
+    fn is_lit_on_way(&self) -> bool {
+        self.is_lit_on_way
     }
 
     fn arrive(&mut self, scene: &dyn Scene, hit: &Hit, surface: &Surface) {
         self.at = scene.boundaries(hit, &surface.point);
-        self.has_point_on_way = false;
+        self.is_lit_on_way = false;
     }
 
     fn leave(&mut self, wi: Vec3) {
         self.inside = self.beyond(wi);
-        self.has_point_on_way = false;
+        self.is_lit_on_way = false;
     }
 
     fn transmittance(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Option<Spectrum> {
         let unoccluded = scene.transmittance(ray)?;
-        let passed = self.passed(scene, ray, dimension, numbers);
+        let passed = self.media_transmittance(scene, ray, dimension, numbers);
         (!passed.is_black()).then_some(unoccluded * passed)
     }
 
-    fn passed(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Spectrum {
+    fn media_transmittance(&self, scene: &dyn Scene, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Spectrum {
         let Some(media) = scene.media() else { return Spectrum::ONE };
         let (mut depth, mut passed, mut stream) = (Spectrum::BLACK, Spectrum::ONE, None);
         let add = |stretch: &Stretch| {
@@ -286,7 +288,7 @@ impl<P: PathState, R: Recorder + ?Sized> Travel<'_, '_, P, R> {
         self.flight.get_or_insert_with(|| Flight::new(self.media, beta, self.numbers.get_1d(dimension)))
     }
 
-    /// Goes through a medium whose density is 1. Breaks with the length of the whole way if the path is scattered (m).
+    /// Goes through a medium whose density is 1. If the path is scattered, breaks with the distance from the start of the whole way (m).
     fn through(&mut self, medium: &Medium, stretch: &Stretch) -> ControlFlow<f32> {
         let length = stretch.length;
         if medium.emits() {
@@ -305,7 +307,7 @@ impl<P: PathState, R: Recorder + ?Sized> Travel<'_, '_, P, R> {
         if is_scattered { ControlFlow::Break(stretch.start + reach) } else { ControlFlow::Continue(()) }
     }
 
-    /// Goes through a medium whose density varies. Breaks with the length of the whole way if the path is scattered (m).
+    /// Goes through a medium whose density varies. If the path is scattered, breaks with the distance from the start of the whole way (m).
     fn through_density(&mut self, medium: &Medium, density: &Density, stretch: &Stretch) -> ControlFlow<f32> {
         let mut stream = self.tentative.take().unwrap_or_else(|| self.numbers.stream(self.dimension()));
         let ray = self.path.ray();

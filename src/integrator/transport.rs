@@ -92,7 +92,7 @@ impl CameraPath {
         self.radiance += recorder.light(self.beta * light, self.depth, origin);
     }
 
-    /// Adds light that the surface hit by the ray scatters into the path.
+    /// Adds light that the next vertex, on a surface or in a medium, scatters into the path.
     #[inline(always)]
     pub fn add_scattered<R: Recorder + ?Sized>(&mut self, light: Spectrum, recorder: &mut R, origin: impl FnOnce() -> Origin) {
         self.radiance += recorder.light(self.beta * light, self.depth + 1, origin);

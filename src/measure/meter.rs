@@ -252,7 +252,7 @@ fn bodies_around(scene: &dyn Scene, p: Vec3) -> Inside {
 
 /// Share of the light that media let pass along a ray.
 fn passed(scene: &dyn Scene, inside: Inside, ray: &Ray, dimension: u32, numbers: &SampleNumbers) -> Spectrum {
-    if scene.media().is_some() { Filled::new(inside).passed(scene, ray, dimension, numbers) } else { Spectrum::ONE }
+    if scene.media().is_some() { Filled::new(inside).media_transmittance(scene, ray, dimension, numbers) } else { Spectrum::ONE }
 }
 
 fn context(plane: &Surface, time: f32) -> LightSampleContext {

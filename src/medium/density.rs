@@ -24,7 +24,7 @@ pub struct Density {
     from_world: Affine3A,
 }
 
-/// Number of values along an axis that share an upper bound.
+/// Number of values along an axis that share an upper bound, or more where there would be more than [`MOST_BOUNDS`].
 const VALUES_PER_BOUND: u32 = 8;
 /// Greatest number of upper bounds along an axis.
 const MOST_BOUNDS: u32 = 64;

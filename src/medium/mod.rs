@@ -32,9 +32,9 @@ pub use phase::{MOST_ASYMMETRY, Phase};
 /// Source: Chandrasekhar, *Radiative Transfer* (1960), §1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
-    /// σa + σs, the share of the light that is absorbed or scattered on a unit of length (m⁻¹).
+    /// Extinction coefficient σt = σa + σs (m⁻¹): of the light on a short length ds the share σt ds is absorbed or scattered.
     extinction: Spectrum,
-    /// σs, the share that is scattered (m⁻¹).
+    /// Scattering coefficient σs (m⁻¹).
     scattering: Spectrum,
     /// σa / (σa + σs), the share of what is taken from a ray that is absorbed.
     absorbed: Spectrum,
@@ -159,7 +159,7 @@ impl Medium {
 
     /// Whether the medium emits light.
     pub fn emits(&self) -> bool {
-        // Where the albedo varies, a medium may absorb that does not where the factor is 1.
+        // A factor of the albedo below 1 makes a medium absorb, and so emit, that only scatters where the factor is 1.
         let varies = self.varying.as_ref().is_some_and(|varying| varying.albedo.is_some());
         !(if varies { self.radiance } else { self.emission() }).is_black()
     }

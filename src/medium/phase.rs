@@ -27,7 +27,7 @@ pub enum Phase {
 ///
 /// p = (1 − g²) / (4π (1 + g² − 2 g cos θ)^(3/2))
 ///
-/// - g: mean cosine of θ. The denominator is (1 − |g|)² + 2 |g| (1 ∓ cos θ), without cancellation in the peak.
+/// - g: mean cosine of θ. 1 + g² − 2 g cos θ = (1 − |g|)² + 2 |g| (1 ∓ cos θ), which has no cancellation in the peak.
 ///
 /// Source: Henyey and Greenstein, *Diffuse radiation in the galaxy* (1941). Tests: rows V7 of `pt torture`.
 #[derive(Clone, Copy, Debug, PartialEq)]

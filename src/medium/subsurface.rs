@@ -3,11 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Probability ω that a collision scatters, for a thick block that reflects the share `albedo` of even light.
+/// Single-scattering albedo ω of an infinitely thick medium whose diffuse reflectance is `albedo`: the share that it reflects of light that
+/// is equal from all directions.
 ///
 /// albedo = (1 − s)(1 − 0.139 s) / (1 + 1.17 s),  s = √((1 − ω) / (1 − g ω))
 ///
-/// The formula has an error of at most 0.003 for isotropic scattering, and of 0.01 for |g| ≤ 0.9. It is that of a block without a surface:
+/// The formula has an error of at most 0.003 for isotropic scattering, and of 0.01 for g from −0.5 to 0.9. It is that of a medium without a surface:
 /// glass around it sends light back into it, which makes it darker.
 ///
 /// - `albedo`: from 0 to 1
@@ -44,8 +45,8 @@ pub enum Measured {
 }
 
 impl Measured {
-    /// Reduced scattering and absorption for red, green and blue (m⁻¹). Reduced scattering, σs (1 − g), is that of a medium which scatters evenly
-    /// and looks the same.
+    /// Reduced scattering and absorption for red, green and blue (m⁻¹). Reduced scattering, σs (1 − g), is that of a medium which scatters
+    /// isotropically and looks the same.
     pub fn coefficients(self) -> [[f64; 3]; 2] {
         let per_millimetre = match self {
             Measured::Apple => [[2.29, 2.39, 1.97], [0.0030, 0.0034, 0.046]],
@@ -70,7 +71,7 @@ mod tests {
     use super::*;
     use crate::torture::Random;
 
-    /// Share of even light that a half space reflects which scatters isotropically: 1 − 2 √(1 − ω) ∫ H(μ) μ dμ, with Chandrasekhar's
+    /// Diffuse reflectance of a half space that scatters isotropically: 1 − 2 √(1 − ω) ∫ H(μ) μ dμ, with Chandrasekhar's
     /// equation 1/H(μ) = √(1 − ω) + ω/2 ∫ μ' H(μ')/(μ + μ') dμ', solved by iteration.
     fn isotropic_half_space(albedo: f64) -> f64 {
         const STEPS: usize = 400;
@@ -91,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_that_scatter_evenly_have_the_albedo_that_was_asked_for() {
+    fn isotropic_media_have_the_albedo_that_was_asked_for() {
         // Known: H's first moment for ω = 0.9 gives the albedo 0.4781.
         assert!((isotropic_half_space(0.9) - 0.478).abs() < 1e-3, "{}", isotropic_half_space(0.9));
         for albedo in [0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97] {
@@ -102,7 +103,7 @@ mod tests {
         assert_eq!([0.0, 1.0].map(|albedo| single_scattering_albedo(albedo, 0.7)), [0.0, 1.0]);
     }
 
-    /// Share of even light that a half space reflects, by a walk of photons in the depth alone.
+    /// Diffuse reflectance of a half space, by a walk of photons in the depth alone.
     fn walked_half_space(albedo: f64, g: f64, photons: u32) -> f64 {
         let mut random = Random::new(5);
         let mut next = || f64::from(random.uniform_square().x).max(1e-12);
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_that_scatter_forwards_have_the_albedo_that_was_asked_for() {
+    fn media_that_scatter_forwards_have_the_albedo_that_was_asked_for() {
         for (albedo, g) in [(0.5, 0.0), (0.2, 0.5), (0.5, 0.8), (0.8, 0.8), (0.6, 0.9), (0.5, -0.5)] {
             const PHOTONS: u32 = 20_000;
             let found = walked_half_space(single_scattering_albedo(albedo, g), g, PHOTONS);

@@ -8,7 +8,7 @@ use crate::sampler::{SampleNumbers, SamplerSpec, Sequence};
 /// Paths from the lights, if the integrator follows any. In each sample there is one for each pixel of the whole picture.
 ///
 /// All paths of one scrambling take their numbers from one sequence, so that they are evenly distributed all together. The samples of
-/// a pixel are therefore no observations of their own: those of a scrambling are.
+/// a pixel are therefore not independent, and only whole scramblings are: the error of a picture follows from the spread of their means.
 pub struct LightPaths {
     sequences: Vec<Sequence>,
     size: UVec2,

@@ -155,7 +155,11 @@ impl Kind {
     /// Each sampler with its name and a description in one line.
     pub const ALL: &[(Kind, &str, &str)] = &[
         (Kind::Independent, "independent", "Random numbers without structure: the plain Monte Carlo that error bars assume."),
-        (Kind::Stratified, "stratified", "One number in each of spp equal strata of every dimension, in random order."),
+        (
+            Kind::Stratified,
+            "stratified",
+            "One number in each of n equal strata of every dimension, in random order, for the n samples of each scrambling.",
+        ),
         (Kind::Halton, "halton", "Radical inverses in prime bases, Owen-scrambled: any prefix is evenly spread over all dimensions."),
         (
             Kind::Sobol,
@@ -219,7 +223,7 @@ pub mod dimension {
         (1u32 << 31).wrapping_add(BLOCK.wrapping_mul(depth)).wrapping_add(use_ as u32)
     }
 
-    /// First dimension of a use at the path vertex of the given depth. The camera's block comes before depth 0.
+    /// First dimension of a use at the path vertex of the given depth. The block of the camera comes before that of depth 0.
     #[inline]
     pub const fn vertex(depth: u32, use_: Use) -> u32 {
         BLOCK.wrapping_mul(depth.wrapping_add(1)).wrapping_add(use_ as u32)

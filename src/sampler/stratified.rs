@@ -5,7 +5,7 @@ use glam::{UVec2, Vec2};
 use super::hash::{dimension_key, halves, mix, permute, pixel_key, within_cell};
 use super::{SampleKey, Sampler};
 
-/// Stratified numbers: each dimension is divided into as many strata as there are samples per pixel.
+/// Stratified numbers: each dimension is divided into as many strata as a sequence has planned samples in a pixel.
 ///
 /// 1-D: sample i lies in stratum π(i) of n, where π is a random permutation for each dimension.
 ///

@@ -123,7 +123,8 @@ impl WorldBuilder {
     /// Builds the scene in coordinates around the region of its finest detail, with the hierarchy.
     ///
     /// # Errors
-    /// `Invalid` for shapes that no ray can hit and for coordinates beyond [`MAX_EXTENT`](super::MAX_EXTENT); `Limit` for more than
+    /// `Invalid` for shapes that no ray can hit, for coordinates beyond [`MAX_EXTENT`](super::MAX_EXTENT), and for instances that give a
+    /// medium too great an optical depth; `Limit` for more than
     /// 2³² − 2 instances with those within them, more than [`MAX_COPIES`](super::MAX_COPIES), or more than
     /// [`MOST_BODIES`] shapes with a medium.
     pub fn build(self) -> Result<World> {

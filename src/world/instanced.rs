@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2Swizzles as _, Vec3};
 
-use super::{PreparedMaterial, World, inside};
+use super::{PreparedMaterial, World, length_inside};
 use crate::bsdf::HitContext;
 use crate::math::Ray;
 use crate::primitive::{Hit, InstanceId, Nesting};
@@ -45,7 +45,7 @@ impl World {
         let bsdf = prepared.uniform.unwrap_or_else(|| {
             prepared.surface.material.bsdf_at(&HitContext {
                 texture: TextureContext { footprint, ..TextureContext::exact(&point) },
-                inside: inside(ray, hit, &point),
+                inside: length_inside(ray, hit, &point),
                 wavelength: None,
             })
         });

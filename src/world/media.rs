@@ -75,8 +75,8 @@ impl World {
     pub(super) fn boundaries_at(&self, hit: &Hit, point: &SurfacePoint) -> Boundaries {
         let mut found = Boundaries::new();
         let Some(media) = &self.media else { return found };
-        // From below the surface to above it: over the stretch that rays start off it, which is 0 for planes through the origin, and over
-        // the roundings of what else may be there.
+        // The probe goes from below the surface to above it. Half its length is twice the distance at which rays start off the surface, which
+        // is 0 for planes through the origin, and the rounding of other surfaces that may be there.
         let size = self.shapes[hit.shape as usize].bounds(hit.primitive).magnitude().max_element();
         let near = 2.0 * point.offset + APART * size;
         let probe = Ray { t_max: 2.0 * near, ..Ray::new(point.p - point.ng * near, point.ng) };
@@ -109,7 +109,8 @@ impl World {
         Some(InterfaceCrossing { length: ray.length(hit.t, point.ng), boundaries: self.boundaries_at(&hit, &point), onward })
     }
 
-    /// Bodies with media around a point: those that two of three rays leave first before they enter them.
+    /// Bodies with media around a point. Of three rays from it, at least two must cross the surface of a body first from inside to outside;
+    /// so a ray through an edge does no harm.
     pub(super) fn bodies_containing(&self, p: Vec3) -> Inside {
         let found = DIRECTIONS.map(|direction| self.left_along(p, Vec3::from(direction).normalize()));
         let mut inside = Inside::default();

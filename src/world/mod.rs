@@ -137,7 +137,7 @@ pub struct PartAppearance {
     pub emitter: Option<Emitter>,
 }
 
-/// Greatest coordinate of a scene (m). Squares and cubes of greater coordinates exceed the range of f32.
+/// Greatest coordinate of a scene (m). Sums of a few squares of such coordinates are within the range of f32.
 pub const MAX_EXTENT: f64 = 1e18;
 
 impl World {
@@ -183,8 +183,8 @@ impl World {
         self.places[shape as usize]
     }
 
-    /// First material of a shape that has an inside, such as glass.
-    pub fn inside(&self, shape: usize) -> Option<MaterialId> {
+    /// First of a shape's materials that bounds a body, such as glass; `None` if all are opaque or thin.
+    pub fn body_material(&self, shape: usize) -> Option<MaterialId> {
         let materials = self.appearances.get(shape)?.parts.iter().map(|part| part.material);
         materials.into_iter().find(|id| self.materials[id.0 as usize].surface.material.passage() == Passage::Body)
     }
@@ -233,7 +233,7 @@ impl World {
         }
         let bsdf = prepared.surface.material.bsdf_at(&HitContext {
             texture: TextureContext { footprint, ..TextureContext::exact(&point) },
-            inside: inside(ray, hit, &point),
+            inside: length_inside(ray, hit, &point),
             wavelength: None,
         });
         if appearance.has_shadow_terminator_offset || prepared.needs_tangents {
@@ -307,7 +307,7 @@ impl World {
 ///
 /// A ray that hits a surface from inside has been inside since its last hit. This is exact for a body without others in it.
 #[inline(always)]
-fn inside(ray: &Ray, hit: &Hit, point: &SurfacePoint) -> f32 {
+fn length_inside(ray: &Ray, hit: &Hit, point: &SurfacePoint) -> f32 {
     if ray.direction.dot(point.ng) > 0.0 { ray.length(hit.t, point.ng) } else { 0.0 }
 }
 

@@ -111,7 +111,7 @@ pub(super) fn baked(spaces: &[Space], copies: &[ShapeCopy]) -> Result<Arc<[Box<d
 /// Hierarchy of the scene, with those of the groups in its instances.
 pub(super) struct Hierarchies {
     pub scene: Box<dyn Primitive>,
-    /// An instance of each space: `None` for the scene.
+    /// An instance of each space; `None` for the scene and for groups that no instance shows.
     pub shown: Vec<Option<InstanceId>>,
     /// Instance of each copy that moves, and how it moves.
     pub moving: Vec<Option<(InstanceId, Arc<EmitterMotion>)>>,

@@ -83,7 +83,7 @@ impl Body {
 fn bodies(world: &World, bounds: &[Aabb]) -> Vec<Body> {
     let (mut closed, mut open) = (vec![], BTreeMap::<MaterialId, (DVec3, Body)>::new());
     for (shape, baked) in world.shapes().iter().enumerate() {
-        let Some(material) = world.inside(shape).filter(|_| world.place(shape as u32) != ShapePlace::Nowhere) else { continue };
+        let Some(material) = world.body_material(shape).filter(|_| world.place(shape as u32) != ShapePlace::Nowhere) else { continue };
         let center = open.get(&material).map_or(bounds[shape].center().as_dvec3(), |(center, _)| *center);
         let body = measured(&**baked, shape, center, bounds[shape]);
         if body.is_closed() {

@@ -58,7 +58,7 @@ impl Flight {
         })
     }
 
-    /// Weight of a path that is scattered after a length (m).
+    /// Weight of a path that is scattered after `length` (m).
     pub fn scattered(&self, medium: &Medium, length: f32) -> Spectrum {
         if medium.is_gray() {
             return medium.albedo();
@@ -69,7 +69,7 @@ impl Flight {
         medium.scattering() * Spectrum::from_array(passed.map(|passed| passed / density))
     }
 
-    /// Weight of a path that passes a length without being scattered (m).
+    /// Weight of a path that passes `length` (m) without being scattered.
     pub fn pass(&mut self, medium: &Medium, length: f32) -> Spectrum {
         let depth = medium.depth(length);
         self.left = (self.left - depth.coefficients()[self.channel]).max(0.0);

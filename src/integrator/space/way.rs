@@ -17,7 +17,8 @@ use crate::scene::{MediumPoint, Scene};
 /// Greatest number of stretches for which a point on the way is chosen.
 const MOST_STRETCHES: usize = 16;
 
-/// Number of points for each path that scatters, where few do: a point costs as much as a vertex.
+/// A point is chosen with a probability of this number times that of scattering on the way, and always where this exceeds 1. A point costs as
+/// much as a vertex, and in thin media hardly any path scatters.
 const POINTS_PER_SCATTERING: f32 = 4.0;
 
 /// Way from a vertex to the next surface through media of which one at least scatters light.
@@ -64,7 +65,7 @@ impl<'s> Way<'s> {
         all.is_continue() && self.range[0] < self.range[1]
     }
 
-    /// A point, the weight of the light that arrives there, and the bodies around it.
+    /// A point, the weight of the light that arrives there, and the bodies around it; `None` if no point is chosen.
     pub fn sample(
         &self,
         scene: &dyn Scene,
@@ -81,7 +82,8 @@ impl<'s> Way<'s> {
             return None;
         }
         let v = (v / chance).min(float::ONE_MINUS_EPSILON);
-        // Chosen by power: what a light brings to one point of the ray says little of the others, and nothing for a cone that crosses it.
+        // Lights are chosen by their power and not by what they bring to one point of the ray: the cone of a spotlight may miss that point and
+        // cross the ray elsewhere.
         let (choice, u) = numbers.get_3d(dimension::on_way(path.depth, OnWay::Guide));
         let guide = scene.lights().place(choice, u, ray.time);
         let angular = guide.and_then(|guide| Equiangular::new(guide - ray.at(-shift), ray.direction, self.range));

@@ -6,7 +6,7 @@ use crate::light::{EnvironmentMap, Light};
 use crate::math::lanes::{Kernel, Lanes, MAX_COUNT, Rays, Vector, each_lane, to_array};
 
 impl<'a> WideWorld<'a> {
-    /// Indices of the infinitely distant lights whose light rays that hit nothing bring.
+    /// Indices of the infinitely distant lights that a ray sees which hits no surface.
     pub fn background_lights(&self) -> &'a [u32] {
         self.world.lights.infinite()
     }

@@ -69,7 +69,7 @@ impl<L: Lanes> LightLanes<L> {
 }
 
 impl<L: Lanes> ReceiverLanes<L> {
-    /// The points as light of one radiance is sampled for them, see [`LightSampleContext::is_one_sided`].
+    /// The points as receivers of light with the same radiance from everywhere, see [`LightSampleContext::is_one_sided`].
     #[inline(always)]
     pub(super) fn flat(&self) -> FlatLightLanes<L> {
         FlatLightLanes { ns: self.ns, is_one_sided: !(self.transmits | self.ns.is_black()) }
@@ -95,8 +95,8 @@ enum Kind {
     Infinite,
 }
 
-/// Greatest number of lights of a scene for which parallelograms among them are sampled in all lanes at once: the lanes choose different
-/// lights.
+/// Greatest number of lights of a scene for which parallelograms among them are sampled in all lanes at once. With more, the lanes mostly
+/// choose different lights, each of which is then sampled for few lanes.
 const MAX_QUADS: usize = 4;
 
 impl WideLight {
