@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{Builder, rgb, transform};
 use crate::Error;
-use crate::describe::volume::{Quantity, Volume};
+use crate::describe::volume::{Quantity, Request, Volume};
 use crate::describe::{self, ExponentialDensity, NoiseDensity, ValuesAt};
 use crate::format::Side;
 use crate::math::{Rgb, Transform, float};
@@ -18,32 +18,36 @@ pub(super) type Bounds = [DVec3; 2];
 const UNIT_CUBE: Bounds = [DVec3::ZERO, DVec3::ONE];
 
 impl Builder<'_> {
-    /// Builds a density, with its box before the transform; nothing after adding a fault.
+    /// Builds a density, with the box that it has in its file, or without a file that which the scene gives; nothing after adding a fault.
     pub(super) fn density(&mut self, pointer: &str, described: &describe::Density) -> Option<(Density, Bounds)> {
         use describe::Density as D;
         let given = described.bounds().map(|bounds| [bounds.low.0, bounds.high.0].map(DVec3::from));
-        let mut bounds = given.unwrap_or(UNIT_CUBE);
+        let mut of_file = given.unwrap_or(UNIT_CUBE);
         let grid = match described {
             D::Grid(grid) => {
                 let size = size_of(grid.size);
                 let volume = match &grid.file {
-                    Some(file) => self.volume(pointer, file, size, Quantity::Density)?,
+                    Some(file) => {
+                        let values_at = grid.values_at;
+                        let request = Request { quantity: Quantity::Density, size, grid: grid.grid.as_deref(), values_at, bounds: None };
+                        self.volume(pointer, file, request)?
+                    }
                     None => {
                         // Grids without a file have a size, and as many values as it says.
                         let values = grid.values.iter().flatten().map(|value| value.get() as f32).collect();
                         Volume { size: size?, channels: 1, values, bounds: None }
                     }
                 };
-                bounds = given.or(volume.bounds).unwrap_or(UNIT_CUBE);
+                of_file = volume.bounds.unwrap_or(of_file);
                 Grid::new(volume.size, volume.values, places(grid.values_at))
             }
-            D::Noise(described) => noise(described, bounds),
-            D::Exponential(described) => exponential(described, bounds),
+            D::Noise(described) => noise(described, of_file),
+            D::Exponential(described) => exponential(described, of_file),
         };
-        let [low, high] = bounds;
+        let [low, high] = given.unwrap_or(of_file);
         let to_box = Transform::scale(high - low).and_then(|scale| Ok(scale.then(&Transform::translate(low)?)));
         match (to_box, transform::placed(described.transform(), &Transform::IDENTITY)) {
-            (Ok(to_box), Ok(to_world)) => return Some((Density::new(grid, &to_box.then(&to_world)), bounds)),
+            (Ok(to_box), Ok(to_world)) => return Some((Density::new(grid, &to_box.then(&to_world)), of_file)),
             (Err(error), _) => self.fault(&format!("{pointer}/bounds"), &error.to_string()),
             (_, Err(message)) => self.fault(&format!("{pointer}/transform"), &message),
         }
@@ -52,27 +56,31 @@ impl Builder<'_> {
 
     /// Builds a grid of colours; nothing after adding a fault.
     ///
-    /// - `expected`: the box that a file must name, if it names one
+    /// - `of_density`: the box that the density has in its file
+    /// - `must_agree`: whether a file that names a box must name this one
     pub(super) fn color_grid(
         &mut self,
         pointer: &str,
         described: &describe::ColorGrid,
         quantity: Quantity,
-        expected: Option<Bounds>,
+        of_density: Bounds,
+        must_agree: bool,
     ) -> Option<ColorGrid> {
         let (size, places) = (size_of(described.size), places(described.values_at));
         let Some(file) = &described.file else {
             let values = described.values.iter().flatten().map(rgb).collect();
             return Some(ColorGrid::Rgb(Grid::new(size?, values, places)));
         };
-        let volume = self.volume(pointer, file, size, quantity)?;
-        if let (Some([low, high]), Some(expected)) = (volume.bounds, expected)
-            && [low, high] != expected
+        let (grid, values_at) = (described.grid.as_deref(), described.values_at);
+        let volume = self.volume(pointer, file, Request { quantity, size, grid, values_at, bounds: Some(of_density) })?;
+        if let Some([low, high]) = volume.bounds
+            && must_agree
+            && [low, high] != of_density
         {
             let message = format!(
                 "{file}: expected the box of the density, from {} to {}, found from {low} to {high}: give the density \"bounds\", which hold \
                  for all its grids",
-                expected[0], expected[1]
+                of_density[0], of_density[1]
             );
             self.fault(&format!("{pointer}/file"), &message);
         }
@@ -84,8 +92,8 @@ impl Builder<'_> {
     }
 
     /// The values in a file; nothing after adding a fault.
-    fn volume(&mut self, pointer: &str, file: &str, size: Option<UVec3>, quantity: Quantity) -> Option<Volume> {
-        match self.source.files.volume(file, size, quantity) {
+    fn volume(&mut self, pointer: &str, file: &str, request: Request) -> Option<Volume> {
+        match self.source.files.volume(file, request) {
             Ok((volume, hash)) => {
                 self.contents.insert(file.to_owned(), hash);
                 return Some(volume);

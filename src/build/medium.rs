@@ -46,11 +46,11 @@ impl Builder<'_> {
     /// A medium with its density, and what else varies in it; without them after adding a fault.
     fn heterogeneous(&mut self, pointer: &str, described: &describe::Heterogeneous, medium: Medium) -> Medium {
         let at = format!("{pointer}/density");
-        let Some((density, bounds)) = self.density(&at, &described.density) else { return medium };
+        let Some((density, of_file)) = self.density(&at, &described.density) else { return medium };
         let medium = self.checked(&at, medium.with_density(density));
-        let box_of_files = described.density.bounds().is_none().then_some(bounds);
+        let must_agree = described.density.bounds().is_none();
         let mut grid = |key: &str, grid: &Option<describe::ColorGrid>, quantity| {
-            grid.as_ref().and_then(|grid| self.color_grid(&format!("{pointer}/{key}"), grid, quantity, box_of_files))
+            grid.as_ref().and_then(|grid| self.color_grid(&format!("{pointer}/{key}"), grid, quantity, of_file, must_agree))
         };
         let albedo = grid("albedo_grid", &described.albedo_grid, Quantity::Albedo);
         let emission = grid("emission_grid", &described.emission_grid, Quantity::Emission);

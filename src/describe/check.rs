@@ -408,7 +408,7 @@ impl Checker<'_> {
                     }
                 }
                 if body.measured.is_some() && body.g.get() != 0.0 {
-                    self.fault(&format!("{pointer}/g"), "measured materials scatter evenly: leave out g");
+                    self.fault(&format!("{pointer}/g"), "measured materials scatter isotropically: leave out g");
                 }
             }
         }
@@ -423,11 +423,15 @@ impl Checker<'_> {
             self.fault(&pointer, message);
         }
         if let Density::Grid(grid) = density {
-            self.grid(&format!("{pointer}/density"), &grid.file, grid.size, &grid.values);
+            let pointer = format!("{pointer}/density");
+            self.grid(&pointer, &grid.file, grid.size, &grid.values);
+            self.grid_name(&pointer, &grid.grid, &grid.file);
         }
         for (key, grid) in [("albedo_grid", &medium.albedo_grid), ("emission_grid", &medium.emission_grid)] {
             let Some(grid) = grid else { continue };
-            self.grid(&format!("{pointer}/{key}"), &grid.file, grid.size, &grid.values);
+            let pointer = format!("{pointer}/{key}");
+            self.grid(&pointer, &grid.file, grid.size, &grid.values);
+            self.grid_name(&pointer, &grid.grid, &grid.file);
         }
         let albedos = medium.albedo_grid.as_ref().and_then(|grid| grid.values.as_ref());
         for (i, albedo) in albedos.into_iter().flatten().enumerate() {
@@ -452,6 +456,13 @@ impl Checker<'_> {
                 }
             }
             (Some(_), None, _) => {}
+        }
+    }
+
+    /// Checks that only grids of files have names.
+    fn grid_name(&self, pointer: &str, name: &Option<String>, file: &Option<String>) {
+        if name.is_some() && file.is_none() {
+            self.fault(&format!("{pointer}/grid"), "the name of a grid in an OpenVDB file, but there is no \"file\"");
         }
     }
 

@@ -7,8 +7,6 @@ use std::collections::BTreeMap;
 use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
-use glam::UVec3;
-
 use super::camera::{Camera, Lens, Realistic};
 use super::curves_file::{self, CurvePoints};
 use super::file::open;
@@ -22,7 +20,7 @@ use super::mesh::points::{self, InstancePoint};
 use super::picture;
 use super::scene::Scene;
 use super::shape::Shape;
-use super::volume::{self, Quantity, Volume};
+use super::volume::{self, Volume};
 use super::{Material, MaterialRef};
 use crate::camera::realistic::LensTable;
 use crate::format::{Channel, Encoding, Texture, Textured};
@@ -134,9 +132,9 @@ impl Files {
     ///
     /// # Errors
     /// Those of [`volume::read`] and of [`Files::bytes`].
-    pub fn volume(&self, name: &str, size: Option<UVec3>, quantity: Quantity) -> Result<(Volume, Hash)> {
+    pub fn volume(&self, name: &str, request: volume::Request) -> Result<(Volume, Hash)> {
         let content = self.bytes(name)?;
-        Ok((volume::read(&content, name, size, quantity)?, hash_of(&content)))
+        Ok((volume::read(&content, name, request)?, hash_of(&content)))
     }
 
     /// Says what is wrong with the name of a file; `None` if the scene may read it.

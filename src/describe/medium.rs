@@ -165,10 +165,14 @@ impl Density {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GridDensity {
-    /// A file with the numbers, relative to the scene file's folder: a `.vol` file of Mitsuba with one channel of 32-bit floats, a `.pbrt`
-    /// file with one medium of type "uniformgrid", or else 32-bit floats, little-endian, x fastest, whose `size` is given here.
+    /// A file with the numbers, relative to the scene file's folder: a `.vdb` file of OpenVDB with a fog volume, a `.vol` file of Mitsuba
+    /// with one channel of 32-bit floats, a `.pbrt` file with one medium of type "uniformgrid", or else 32-bit floats, little-endian, x
+    /// fastest, whose `size` is given here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
+    /// The name of the grid in an OpenVDB file. Default: "density", or the only one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<String>,
     /// The number of values along x, y and z, for `values` and for files that do not tell it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<[Side; 3]>,
@@ -191,11 +195,15 @@ pub struct GridDensity {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColorGrid {
-    /// A file with the values, relative to the scene file's folder: a `.vol` file of Mitsuba with one or three channels of 32-bit floats;
-    /// for an emission, a `.pbrt` file with one medium of type "uniformgrid" and its "Lescale"; or else 32-bit floats, little-endian, x
-    /// fastest, one or three for each value, whose `size` is given here. Three are linear red, green and blue.
+    /// A file with the values, relative to the scene file's folder: a `.vdb` file of OpenVDB with one or three channels; a `.vol` file of
+    /// Mitsuba with one or three channels of 32-bit floats; for an emission, a `.pbrt` file with one medium of type "uniformgrid" and its
+    /// "Lescale"; or else 32-bit floats, little-endian, x fastest, one or three for each value, whose `size` is given here. Three are linear
+    /// red, green and blue.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
+    /// The name of the grid in an OpenVDB file. Default: the only one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<String>,
     /// The number of values along x, y and z, for `values` and for files that do not tell it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<[Side; 3]>,

@@ -103,6 +103,7 @@ mod times;
 mod torture;
 mod transforms;
 mod varying;
+mod vdb;
 mod verdicts;
 mod vertex_colors;
 mod warps;

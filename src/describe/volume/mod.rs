@@ -1,10 +1,12 @@
 //! Reads grids of numbers and colours from files: properties of media.
 
 mod pbrt;
+mod vdb;
 mod vol;
 
 use glam::{DVec3, UVec3};
 
+use crate::describe::ValuesAt;
 use crate::medium::{MOST_VALUES, value_count};
 use crate::{Error, Fault, Result};
 
@@ -53,14 +55,33 @@ impl Quantity {
     }
 }
 
-/// Reads a grid: Mitsuba's `.vol` by its first bytes, a file of pbrt by the end of its name, and any other as 32-bit floats.
-///
-/// - `size`: the number of values along each axis, which files of floats do not tell
+/// What is asked of a file.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'r> {
+    /// What the values are.
+    pub quantity: Quantity,
+    /// The number of values along each axis, which files of floats do not tell.
+    pub size: Option<UVec3>,
+    /// The name of the grid in an OpenVDB file, which one with a single grid does not need.
+    pub grid: Option<&'r str>,
+    /// Where in the box the values are.
+    pub values_at: ValuesAt,
+    /// The box that the density has in its file, for a colour: an OpenVDB file, which has values everywhere, gives them there.
+    pub bounds: Option<[DVec3; 2]>,
+}
+
+/// Reads a grid: OpenVDB's `.vdb` and Mitsuba's `.vol` by their first bytes, a file of pbrt by the end of its name, and any other as 32-bit
+/// floats.
 ///
 /// # Errors
-/// `Invalid` where the content is not that of such a file, or where `size` is another than that of the file; `Limit` for too many values.
-pub fn read(content: &[u8], name: &str, size: Option<UVec3>, quantity: Quantity) -> Result<Volume> {
-    let volume = if content.starts_with(vol::MAGIC) {
+/// `Invalid` where the content is not that of such a file, or not what was asked of it; `Limit` for too many values.
+pub fn read(content: &[u8], name: &str, request: Request) -> Result<Volume> {
+    let Request { quantity, size, grid, .. } = request;
+    let volume = if content.starts_with(vdb::MAGIC) {
+        vdb::read(content, request)
+    } else if grid.is_some() {
+        invalid("\"grid\" is for OpenVDB files, and this is none: leave it out")
+    } else if content.starts_with(vol::MAGIC) {
         vol::read(content, quantity)
     } else if name.ends_with(".pbrt") {
         pbrt::read(&String::from_utf8_lossy(content), quantity)
@@ -91,7 +112,9 @@ pub fn read(content: &[u8], name: &str, size: Option<UVec3>, quantity: Quantity)
 /// Reads 32-bit floats, little-endian.
 fn floats(content: &[u8], size: Option<UVec3>, quantity: Quantity) -> Result<Volume> {
     let Some(size) = size else {
-        return invalid("no file of Mitsuba (.vol) or pbrt (.pbrt): if it holds only 32-bit floats, give their \"size\" along x, y and z");
+        return invalid(
+            "no file of OpenVDB (.vdb), Mitsuba (.vol) or pbrt (.pbrt): if it holds only 32-bit floats, give their \"size\" along x, y and z",
+        );
     };
     let count = counted(size)?;
     match [1, 3].into_iter().find(|channels| quantity.has_channels(*channels) && content.len() == 4 * count * channels) {
