@@ -117,10 +117,10 @@ pub enum Verdict {
 }
 
 impl Effort {
-    /// Number of tries, of which the default takes `standard`: a 50th part, or ten times as many.
+    /// Number of tries, of which the default takes `standard`: a hundredth part, or ten times as many.
     pub fn tries(self, standard: u64) -> u64 {
         match self {
-            Effort::Quick => (standard / 50).max(1),
+            Effort::Quick => (standard / 100).max(1),
             Effort::Standard => standard,
             Effort::Full => standard * 10,
         }

@@ -120,7 +120,7 @@ fn lenses_change_with_the_scene() {
         r#""type": "realistic", "lens": [[1000, 40, 1.5, 350], [-1000, 0, 1, 350]], "sensor": [1100, 700], "focus_distance": 6.5"#,
         r#""type": "realistic", "lens": [[20, 0.8, 1.5, 7], [-20, 0.4, 1, 7], [0, 0, 1, 7]], "scale": 2, "aperture_diameter": 6, "focus_distance": 8"#,
     ] {
-        trial(&LENGTHS.replace(view, lens), [48, 32], 4, "nee", |trial| {
+        trial(&LENGTHS.replace(view, lens), [24, 16], 4, "nee", |trial| {
             for change in
                 trial.changes().iter().filter(|change| ["1e-2", "2^7", "turned", "mirrored"].iter().any(|word| change.name.contains(word)))
             {

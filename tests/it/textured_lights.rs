@@ -83,7 +83,7 @@ fn integral(shape: &dyn Shape, primitive: u32, f: impl Fn(&pt::shape::SurfacePoi
 }
 
 /// Number of samples of a test.
-const COUNT: u32 = 1 << 20;
+const COUNT: u32 = 1 << 18;
 
 fn samples(lights: &Lights, cx: &LightSampleContext) -> Vec<Option<LightSample>> {
     let mut random = Random::new(7);

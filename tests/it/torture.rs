@@ -92,7 +92,7 @@ fn wrong_answers_fail() {
     let records = row.ask(Effort::Quick);
     let verdicts: Vec<Verdict> = records.iter().map(|record| record.verdict()).collect();
     assert_eq!(verdicts, [Verdict::Holds, Verdict::Fails, Verdict::Fails, Verdict::Fails, Verdict::Fails]);
-    assert_eq!(records[3].answer, Answer { found: 1.0, tolerance: 0.0, tries: 20, note: "seed 7".into() });
+    assert_eq!(records[3].answer, Answer { found: 1.0, tolerance: 0.0, tries: 10, note: "seed 7".into() });
 
     let missing = Row::not_yet("Z2", "a feature");
     let table: serde_json::Value = serde_json::from_str(&json("1", Effort::Quick, &records, &[&missing])).expect("JSON");

@@ -79,7 +79,9 @@ fn plate(more: u32) {
         (75.0, 0.596092048, 16),
         (85.0, 0.240079638, 21),
     ];
-    for (degrees, factor, log_paths) in FACTORS {
+    // At 85° the plate takes 13 times as many paths as at all the other angles together.
+    let angles = if more == 0 { &FACTORS[..5] } else { &FACTORS };
+    for &(degrees, factor, log_paths) in angles {
         // The gap under the plate is so small that light from beside it does not reach the part that is seen.
         let scene = under(
             degrees,
