@@ -1,7 +1,7 @@
 //! Accuracy of error bars and of predicted costs: the tables of docs/accuracy.md.
 //!
-//! `cargo bench --bench accuracy [-- TABLES] [SEEDS] [SCENES]`: the default is all tables, 100 seeds and the scenes of each table. Each
-//! has three samplers.
+//! `cargo bench --bench accuracy [-- TABLES] [SEEDS] [SCENES]`: the default is all tables, 100 seeds and the scenes of each table. Most have
+//! three samplers.
 //!
 //! - coverage: how often the stated 95 % interval contains the true relative error
 //! - large: the same for pictures of 512 × 512 pixels, whose intervals are narrow
@@ -21,7 +21,7 @@ mod share;
 mod subject;
 mod targets;
 
-use pt::film::{Image, MomentFilm};
+use pt::film::{FilmSpec, Image, MomentFilm};
 use pt::measure::{Distance, ErrorHistory, StopCondition, render_until};
 use pt::render::{Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
@@ -68,9 +68,23 @@ const fn after(samples: u64) -> StopCondition {
 
 /// Picture of a seed, and the history of its error.
 fn taken(subject: &Subject, kind: Kind, scramblings: u32, seed: u64, until: &StopCondition) -> (MomentFilm, ErrorHistory) {
+    taken_with(subject, &subject.spec, kind, scramblings, seed, until)
+}
+
+/// Picture of a seed, and the history of its error.
+///
+/// - `spec`: the film, whose allocation may differ from that of the subject
+fn taken_with(
+    subject: &Subject,
+    spec: &FilmSpec,
+    kind: Kind,
+    scramblings: u32,
+    seed: u64,
+    until: &StopCondition,
+) -> (MomentFilm, ErrorHistory) {
     let settings = Settings::new(SamplerSpec { kind, seed, spp: until.samples, scramblings });
-    let mut film = MomentFilm::new(subject.spec.clone());
-    let mut render = Render::new(subject.scene.clone(), &*subject.integrator, &subject.spec, &settings);
+    let mut film = MomentFilm::new(spec.clone());
+    let mut render = Render::new(subject.scene.clone(), &*subject.integrator, spec, &settings);
     let history = render_until(&mut render, &mut film, until, &Silent);
     (film, history)
 }

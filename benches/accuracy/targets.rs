@@ -44,15 +44,15 @@ fn counted(subject: &Subject, kind: Kind, reference: &Image, seeds: u64) -> (Sha
     let spent = median(looks.iter().map(|(samples, _)| *samples as f64).collect());
     let mean = |samples: u64| {
         let squares = (0..seeds.min(16)).into_par_iter().map(|seed| relmse(&taken(subject, kind, 2, seed, &after(samples)).0, reference));
-        (samples, squares.sum::<f64>() / seeds.min(16) as f64)
+        (samples as f64, squares.sum::<f64>() / seeds.min(16) as f64)
     };
-    let curve: Vec<(u64, f64)> = (3..16).map(|level| mean(1 << level)).take_while_inclusive(TARGET.error.powi(2)).collect();
+    let curve: Vec<(f64, f64)> = (3..16).map(|level| mean(1 << level)).take_while_inclusive(TARGET.error.powi(2)).collect();
     (share, spent, crossing(&curve, TARGET.error).unwrap_or(f64::NAN))
 }
 
 /// Points of a falling curve up to the first below a limit.
-trait TakeWhileInclusive: Iterator<Item = (u64, f64)> + Sized {
-    fn take_while_inclusive(self, limit: f64) -> impl Iterator<Item = (u64, f64)> {
+trait TakeWhileInclusive: Iterator<Item = (f64, f64)> + Sized {
+    fn take_while_inclusive(self, limit: f64) -> impl Iterator<Item = (f64, f64)> {
         let mut is_done = false;
         self.map_while(move |point| {
             let before = is_done;
@@ -62,4 +62,4 @@ trait TakeWhileInclusive: Iterator<Item = (u64, f64)> + Sized {
     }
 }
 
-impl<I: Iterator<Item = (u64, f64)>> TakeWhileInclusive for I {}
+impl<I: Iterator<Item = (f64, f64)>> TakeWhileInclusive for I {}
