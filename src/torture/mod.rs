@@ -97,7 +97,7 @@ pub struct Answer {
 /// How much is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Few tries, and no slow cases: 75 s on two cores.
+    /// Few tries, and no slow cases: one to two minutes on two cores.
     Quick,
     /// 10⁷ rays of each kind.
     Standard,
