@@ -23,8 +23,8 @@ use serde::{Deserialize, Serialize};
 /// - V: 1 if the first surface along a ray from x_k in the sun's direction ω emits light (a window), otherwise 0
 /// - S: radiance of a white matte surface that faces the sun
 ///
-/// With default settings the pictures of scenes without media are those of `path`, bit for bit. `step_off` starts rays at a fixed distance from a surface
-/// instead of the error bound of the point, which suits one size of scene only.
+/// With default settings the pictures of scenes without media are those of `path`, bit for bit. `step_off` starts rays at a fixed distance
+/// from a surface instead of the error bound of the point, which suits one size of scene only.
 ///
 /// Source: Andrew Kensler's postcard path tracer. Tests: card_is_path_to_the_bit, the_sun_shines_through_windows,
 /// only_the_cosine_is_right, the_picture_is_the_originals.

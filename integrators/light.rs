@@ -141,8 +141,8 @@ impl<S: Space> Walk<S> {
         recorder.light(passed * surface.emitted(-ray.direction), 0, || Origin::emission(&surface, 1.0))
     }
 
-    /// Follows a path from a light and connects its vertices to the camera. The random numbers of `vertex(0, …)`
-    /// choose the light and the ray that it emits; vertex k of the path has those of `vertex(k + 1, …)`.
+    /// Follows a path from a light and connects its vertices to the camera. The random numbers of `vertex(0, …)` choose
+    /// the light and the ray that it emits; vertex k of the path has those of `vertex(k + 1, …)`.
     fn follow<R: Recorder + ?Sized>(&self, path: &mut LightPath, interrupt: Interrupt, recorder: &mut R) {
         let Method { scene, max_depth, .. } = &self.method;
         let (choice, position) = path.numbers.get_3d(dimension::vertex(0, Use::Light));

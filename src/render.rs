@@ -38,8 +38,8 @@ pub struct Settings {
     pub tile: u32,
     /// Greatest value of a single contribution of indirect light, see [`Clamp`]. This is a bias and never a default.
     pub clamp: Option<f32>,
-    /// Desired greatest duration of a wave of samples, so that an interrupt loses little. This makes no wave
-    /// shorter than about an eighth of the samples so far. It does not change the picture.
+    /// Desired greatest duration of a wave of samples, so that an interrupt loses little. This makes no wave shorter than about an
+    /// eighth of the samples so far. It does not change the picture.
     pub wave_time: Option<Duration>,
 }
 

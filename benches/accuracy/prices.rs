@@ -36,9 +36,9 @@ const RISK: f64 = 0.01;
 /// How the samples of a picture are taken.
 #[derive(Clone, Copy)]
 enum Sampling {
-    /// So many in each pixel.
+    /// The same number of samples in each pixel.
     Even(Kind),
-    /// By `--adaptive`, with the default sampler.
+    /// More samples in noisy pixels, as `--adaptive` takes them, with the default sampler.
     Adaptive,
 }
 

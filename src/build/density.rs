@@ -18,7 +18,8 @@ pub(super) type Bounds = [DVec3; 2];
 const UNIT_CUBE: Bounds = [DVec3::ZERO, DVec3::ONE];
 
 impl Builder<'_> {
-    /// Builds a density, with the box that it has in its file, or without a file that which the scene gives; nothing after adding a fault.
+    /// Builds a density; nothing after adding a fault. Returns with it the box that its file gives it, or, where no file gives one, that of the
+    /// scene. The scene may place a density with a box in its file in another one.
     pub(super) fn density(&mut self, pointer: &str, described: &describe::Density) -> Option<(Density, Bounds)> {
         use describe::Density as D;
         let given = described.bounds().map(|bounds| [bounds.low.0, bounds.high.0].map(DVec3::from));

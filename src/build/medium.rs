@@ -48,6 +48,7 @@ impl Builder<'_> {
         let at = format!("{pointer}/density");
         let Some((density, of_file)) = self.density(&at, &described.density) else { return medium };
         let medium = self.checked(&at, medium.with_density(density));
+        // Boxes of the files do not matter where the scene gives one for all.
         let must_agree = described.density.bounds().is_none();
         let mut grid = |key: &str, grid: &Option<describe::ColorGrid>, quantity| {
             grid.as_ref().and_then(|grid| self.color_grid(&format!("{pointer}/{key}"), grid, quantity, of_file, must_agree))

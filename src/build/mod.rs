@@ -195,6 +195,7 @@ fn camera_meets_media(world: &World) -> bool {
 
 /// Returns a warning if the picture will be black, or show only the background.
 fn missing(world: &World) -> Option<&'static str> {
+    // What a medium emits is seen without lamps, shapes of other materials, and a background.
     if world.media().is_some_and(Media::emit) {
         return None;
     }

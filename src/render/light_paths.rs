@@ -7,8 +7,9 @@ use crate::sampler::{SampleNumbers, SamplerSpec, Sequence};
 
 /// Paths from the lights, if the integrator follows any. In each sample there is one for each pixel of the whole picture.
 ///
-/// All paths of one scrambling take their numbers from one sequence, so that they are evenly distributed all together. The samples of
-/// a pixel are therefore not independent, and only whole scramblings are: the error of a picture follows from the spread of their means.
+/// All paths of one scrambling take their numbers from one sequence, so that they are evenly distributed all together. With
+/// evenly distributed samplers the samples of a pixel are therefore not independent, and only whole scramblings are: the error of a picture
+/// follows from the spread of their means.
 pub struct LightPaths {
     sequences: Vec<Sequence>,
     size: UVec2,

@@ -124,9 +124,8 @@ impl WorldBuilder {
     ///
     /// # Errors
     /// `Invalid` for shapes that no ray can hit, for coordinates beyond [`MAX_EXTENT`](super::MAX_EXTENT), and for instances that give a
-    /// medium too great an optical depth; `Limit` for more than
-    /// 2³² − 2 instances with those within them, more than [`MAX_COPIES`](super::MAX_COPIES), or more than
-    /// [`MOST_BODIES`] shapes with a medium.
+    /// medium too great an optical depth; `Limit` for more than 2³² − 2 instances with those within them, more than
+    /// [`MAX_COPIES`](super::MAX_COPIES), or more than [`MOST_BODIES`] shapes with a medium.
     pub fn build(self) -> Result<World> {
         let WorldBuilder { camera, materials, scene, groups, lights, media, around, width, has_footprints } = self;
         let (scene, groups) = as_instances(scene, groups);

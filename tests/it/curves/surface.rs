@@ -272,7 +272,7 @@ fn lamps_light_by_their_area() {
         world.shape(Quad { size: [0.002; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
         let dark = world.material(black());
         world.shape(curves, Transform::IDENTITY, dark, glow(1.0));
-        KnownRadiance::new(name.to_owned(), world, expected, Depth { max: 1, roulette: u32::MAX }).resolution(3e-3, 6e-3).by_chance(4e-2)
+        KnownRadiance::new(name.to_owned(), world, expected, Depth { max: 1, roulette: u32::MAX }).resolution(3e-3, 6e-3).by_chance(1e-2)
     });
     confirm(laws.collect(), Effort::Standard);
 }

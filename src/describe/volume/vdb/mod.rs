@@ -96,9 +96,9 @@ pub fn read(content: &[u8], request: Request) -> Result<Volume> {
     };
     let Some(region) = region else { return invalid(format!("the grid {name:?} has no values but the background")) };
     let size = region.size();
-    if counted(size)? as u64 > ALWAYS.max(MOST_PER_BYTE * content.len() as u64) {
+    let most = ALWAYS.max(MOST_PER_BYTE * content.len() as u64);
+    if counted(size)? as u64 > most {
         let (size, bytes) = (by_axis(size), content.len());
-        let most = ALWAYS.max(MOST_PER_BYTE * bytes as u64);
         let message = format!("the grid {name:?} has a box of {size} voxels: at most {most} are made from a file of {bytes} bytes");
         return Err(Error::Limit(Fault::new(message)));
     }
@@ -125,7 +125,7 @@ fn descriptors(bytes: &mut Bytes) -> Result<Vec<Descriptor>> {
     for _ in 0..count {
         let (unique_name, kind, parent) = (bytes.string()?, bytes.string()?, bytes.string()?);
         let [grid, of_leaves, end] = [bytes.u64()?, bytes.u64()?, bytes.u64()?];
-        // As OpenVDB writes it for people: "density[1]".
+        // OpenVDB's own programs print such a name with its number in brackets, as "density[1]".
         let name = match unique_name.split_once(SEPARATOR) {
             Some((name, number)) => format!("{name}[{number}]"),
             None => unique_name.clone(),
