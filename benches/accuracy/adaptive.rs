@@ -7,17 +7,17 @@ use pt::render::{Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 
 use super::share::Share;
-use super::{REFERENCE, after, reference, small, taken};
+use super::{REFERENCE, Request, after, reference, small, taken};
 
 pub const SCENES: [&str; 6] = ["cornell-box", "mirror-balls", "mis-plates", "statue", "triangle-stacks", "matter"];
 /// Samples per pixel on average.
 const SAMPLES: u64 = 256;
 const MOST_SEEDS: u64 = 16;
 
-pub fn print(scenes: &[&str], seeds: u64) -> pt::Result<()> {
-    let seeds = seeds.min(MOST_SEEDS);
+pub fn print(request: &Request) -> pt::Result<()> {
+    let seeds = request.seeds.min(MOST_SEEDS);
     println!("| scene | relMSE adaptive / even | time × relMSE adaptive / even | interval holds, adaptive |\n|---|---|---|---|");
-    for name in scenes {
+    for name in request.scenes {
         let mut subject = small(name)?;
         let even = subject.spec.clone();
         let reference = reference(&subject, REFERENCE);

@@ -12,7 +12,7 @@ use pt::sampler::Kind;
 
 use super::share::Share;
 use super::subject::Subject;
-use super::{REFERENCE, SAMPLERS, reference, relmse, taken};
+use super::{REFERENCE, Request, SAMPLERS, reference, relmse, taken};
 
 pub const SCENES: [&str; 12] = [
     "cornell-box",
@@ -36,13 +36,13 @@ const RENDER: f64 = 30.0;
 /// Ratio that a choice may have.
 const MOST: f64 = 1.1;
 
-pub fn print(scenes: &[&str], seeds: u64) -> pt::Result<()> {
+pub fn print(request: &Request) -> pt::Result<()> {
     // The default number of seeds is that of tables of shares.
-    let seeds = seeds.min(6);
+    let seeds = request.seeds.min(6);
     println!("| scene | chosen | best | time × relMSE chosen / best | with the pilot, in {RENDER} s |");
     println!("|---|---|---|---|---|");
     let mut good = Share::default();
-    for name in scenes {
+    for name in request.scenes {
         let told = Told::of(name);
         let reference = reference(&Subject::load(name, &CHANGES)?, REFERENCE);
         let mut costs = vec![];

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::share::{Share, chance_of_failures, median};
 use super::subject::Subject;
-use super::{REFERENCE, SAMPLERS, after, reference, relmse, small, taken};
+use super::{REFERENCE, Request, SAMPLERS, after, reference, relmse, small, taken};
 
 /// A room with a lamp, mirrors, small lamps in rough plates, a mesh, clear and rough glass, matte models, dozens of lamps, glossy metals, a
 /// signed distance field, panes of glass, and an environment map. `caustic` is not among them: `nee` has no reference for it that is better
@@ -33,21 +33,20 @@ const RISK: f64 = 0.01;
 /// One picture of so many is rendered without error bars too, to know what they cost.
 const PLAIN: u64 = 4;
 /// Number of samples of a large reference picture. Its variance is subtracted from the distances.
-const LARGE_REFERENCE: u64 = 1 << 12;
+const LARGE_REFERENCE: u64 = 1 << 11;
 
-pub fn print(scenes: &[&str], seeds: u64) -> pt::Result<()> {
-    tabulate(scenes, seeds, &SAMPLES, &SAMPLERS, REFERENCE, small)
+pub fn print(request: &Request) -> pt::Result<()> {
+    tabulate(request, &SAMPLES, &SAMPLERS, REFERENCE, small)
 }
 
 /// Pictures of 512 × 512 pixels: one sampler and one number of samples, since each takes as long as 150 small ones.
-pub fn print_large(scenes: &[&str], seeds: u64) -> pt::Result<()> {
+pub fn print_large(request: &Request) -> pt::Result<()> {
     let large = |name: &str| Subject::load(name, &[("/film/width", "512"), ("/film/height", "512")]);
-    tabulate(scenes, seeds, &SAMPLES[..1], &[Kind::Sobol], LARGE_REFERENCE, large)
+    tabulate(request, &SAMPLES[..1], &[Kind::Sobol], LARGE_REFERENCE, large)
 }
 
 fn tabulate(
-    scenes: &[&str],
-    seeds: u64,
+    request: &Request,
     samples: &[u64],
     samplers: &[Kind],
     of_reference: u64,
@@ -58,13 +57,13 @@ fn tabulate(
         "| scene | spp | sampler | error | stated / true | interval holds | bound of most pixels holds, median true / bound | relMSE of 2 scramblings / 1, a quarter of the pictures |\n\
          |---|---|---|---|---|---|---|---|"
     );
-    for name in scenes {
+    for name in request.scenes {
         let subject = load(name)?;
         let reference = reference(&subject, of_reference);
         for &samples in samples {
             for &kind in samplers {
-                let count = counted(&subject, kind, samples, &reference, seeds);
-                println!("| {name} | {samples} | {kind:?} | {} |", count.row(seeds));
+                let count = counted(&subject, kind, samples, &reference, request.seeds);
+                println!("| {name} | {samples} | {kind:?} | {} |", count.row(request.seeds));
                 intervals.add(count.interval);
                 bounds.add(count.bound);
                 rows.push((format!("{name} {samples} {kind:?}"), count.interval));
@@ -73,7 +72,7 @@ fn tabulate(
     }
     println!("\nThe interval holds in {intervals} pictures that state one: {}.", intervals.percent());
     println!("Where none is stated, the bound of most pixels holds in {bounds} pictures: {}.", bounds.percent());
-    let seeds = seeds as u32;
+    let seeds = request.seeds as u32;
     for (what, of_row) in
         [("all pictures", &(|_| seeds) as &dyn Fn(Share) -> u32), ("those that state an interval", &|interval: Share| interval.of)]
     {

@@ -1,12 +1,14 @@
 //! Accuracy of error bars and of predicted costs: the tables of docs/accuracy.md.
 //!
-//! `cargo bench --bench accuracy [-- TABLES] [SEEDS] [SCENES]`: the default is all tables, 100 seeds and the scenes of each table. Most have
-//! three samplers.
+//! `cargo bench --bench accuracy [-- TABLES] [SEEDS] [SCENES] [FILE.csv]`: the default is all tables, 100 seeds and the scenes of each
+//! table. Most have three samplers.
 //!
 //! - coverage: how often the stated 95 % interval contains the true relative error
 //! - large: the same for pictures of 512 × 512 pixels, whose intervals are narrow
 //! - pixels: how many pixels are as far from the truth as their standard errors say
-//! - prices: how often the interval of the number of samples that a smaller error takes contains the number that it then takes
+//! - curves: how the error of long renders falls, as CSV. It takes longest, and only when it is named
+//! - prices: how often the interval of the number of samples that a smaller error takes contains the number that it then takes, which comes
+//!   from FILE.csv, the output of `curves`, or from long renders
 //! - targets: how often the true error is below a target that was met, and what was spent to know it
 //! - auto: what the choice by `--integrator auto --sampler auto` costs beside the best one
 //! - adaptive: relMSE, and time × relMSE, of adaptive samples over those of as many uniform ones
@@ -14,6 +16,7 @@
 mod adaptive;
 mod auto;
 mod coverage;
+mod curves;
 mod pixels;
 mod prices;
 mod share;
@@ -27,14 +30,23 @@ use pt::render::{Render, Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 use subject::Subject;
 
-/// A table: its name, its scenes, and the function that prints it for some of them.
-type Table = (&'static str, &'static [&'static str], fn(&[&str], u64) -> pt::Result<()>);
+/// What the command line asks of a table.
+struct Request<'a> {
+    scenes: &'a [&'a str],
+    seeds: u64,
+    /// File of error curves, as `curves` prints them.
+    curves: Option<&'a str>,
+}
 
-const TABLES: [Table; 7] = [
+/// A table: its name, its scenes, and the function that prints it for some of them.
+type Table = (&'static str, &'static [&'static str], fn(&Request) -> pt::Result<()>);
+
+const TABLES: [Table; 8] = [
     ("coverage", &coverage::SCENES, coverage::print),
     ("large", &coverage::LARGE_SCENES, coverage::print_large),
     ("pixels", &pixels::SCENES, pixels::print),
-    ("prices", &prices::SCENES, prices::print),
+    ("curves", &curves::SCENES, curves::print),
+    ("prices", &curves::SCENES, prices::print),
     ("targets", &targets::SCENES, targets::print),
     ("adaptive", &adaptive::SCENES, adaptive::print),
     ("auto", &auto::SCENES, auto::print),
@@ -48,10 +60,14 @@ fn main() -> pt::Result<()> {
     let words: Vec<String> = std::env::args().skip(1).filter(|arg| !arg.starts_with('-')).collect();
     let has = |name: &str| words.iter().any(|word| word == name);
     let seeds: u64 = words.iter().filter_map(|word| word.parse().ok()).next().unwrap_or(100);
-    let any = TABLES.iter().any(|(name, ..)| has(name));
-    for (_, scenes, print) in TABLES.iter().filter(|(name, ..)| !any || has(name)) {
-        let asked: Vec<&str> = scenes.iter().copied().filter(|scene| has(scene)).collect();
-        print(if asked.is_empty() { scenes } else { &asked }, seeds)?;
+    let curves = words.iter().map(String::as_str).find(|word| word.ends_with(".csv"));
+    let is_table = |word: &str| TABLES.iter().any(|(name, ..)| *name == word);
+    let is_scene = |word: &&str| !(is_table(word) || word.ends_with(".csv") || word.parse::<u64>().is_ok());
+    let named: Vec<&str> = words.iter().map(String::as_str).filter(is_scene).collect();
+    let any = words.iter().any(|word| is_table(word));
+    // Without names all tables but `curves`, which takes longest and is input for `prices`.
+    for (_, scenes, print) in TABLES.iter().filter(|(name, ..)| if any { has(name) } else { *name != "curves" }) {
+        print(&Request { scenes: if named.is_empty() { scenes } else { &named }, seeds, curves })?;
     }
     Ok(())
 }

@@ -5,21 +5,21 @@ use pt::sampler::Kind;
 use rayon::prelude::*;
 
 use super::subject::Subject;
-use super::{REFERENCE, SAMPLERS, after, reference, small, taken};
+use super::{REFERENCE, Request, SAMPLERS, after, reference, small, taken};
 
 pub const SCENES: [&str; 6] = ["cornell-box", "mirror-balls", "statue", "triangle-stacks", "matter", "lanterns"];
 const SAMPLES: [u64; 2] = [64, 256];
 /// Seeds that suffice: each has 48 × 36 pixels in three colours.
 const MOST_SEEDS: u64 = 20;
 
-pub fn print(scenes: &[&str], seeds: u64) -> pt::Result<()> {
+pub fn print(request: &Request) -> pt::Result<()> {
     println!("| scene | spp | sampler | pixels within 1.96 σ | beyond 6 σ | Σ σ² / Σ (x − r)² |\n|---|---|---|---|---|---|");
-    for name in scenes {
+    for name in request.scenes {
         let subject = small(name)?;
         let reference = reference(&subject, REFERENCE);
         for samples in SAMPLES {
             for kind in SAMPLERS {
-                let [within, beyond, ratio] = shares(&subject, kind, samples, &reference, seeds.min(MOST_SEEDS));
+                let [within, beyond, ratio] = shares(&subject, kind, samples, &reference, request.seeds.min(MOST_SEEDS));
                 println!("| {name} | {samples} | {kind:?} | {:.1} % | {:.2} % | {ratio:.2} |", 100.0 * within, 100.0 * beyond);
             }
         }

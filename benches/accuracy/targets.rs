@@ -5,22 +5,22 @@ use pt::measure::{ErrorTarget, Outcome, Scope, StopCondition};
 use pt::sampler::Kind;
 use rayon::prelude::*;
 
-use super::prices::crossing;
+use super::curves::crossing;
 use super::share::{Share, median};
 use super::subject::Subject;
-use super::{REFERENCE, SAMPLERS, after, reference, relmse, small, taken};
+use super::{REFERENCE, Request, SAMPLERS, after, reference, relmse, small, taken};
 
 pub const SCENES: [&str; 5] = ["cornell-box", "mirror-balls", "statue", "triangle-stacks", "matter"];
 const TARGET: ErrorTarget = ErrorTarget { error: 0.05, confidence: 0.95, scope: Scope::Picture };
 
-pub fn print(scenes: &[&str], seeds: u64) -> pt::Result<()> {
+pub fn print(request: &Request) -> pt::Result<()> {
     let mut all = Share::default();
     println!("| scene | sampler | met and true | spp spent, median | spp needed | ratio |\n|---|---|---|---|---|---|");
-    for name in scenes {
+    for name in request.scenes {
         let subject = small(name)?;
         let reference = reference(&subject, 2 * REFERENCE);
         for kind in SAMPLERS {
-            let (share, spent, needed) = counted(&subject, kind, &reference, seeds);
+            let (share, spent, needed) = counted(&subject, kind, &reference, request.seeds);
             println!("| {name} | {kind:?} | {share} | {spent:.0} | {needed:.0} | {:.2} |", spent / needed);
             all.add(share);
         }
