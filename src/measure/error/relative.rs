@@ -33,8 +33,8 @@ pub struct RelativeError {
 }
 
 /// Uncertainty of the correction of the denominators, as a standard deviation in units of the correction. The correction is right
-/// to second order only. In pictures of four scenes (Cornell box, glass panel, matter, postcard) with errors of 4 to 40 % it misses by 0.6 of
-/// itself, root mean square.
+/// to second order only. The value is chosen by measurement: with it 95 to 97 % of the 95 % intervals of `cargo bench --bench accuracy -- coverage`
+/// hold, all scenes together (docs/accuracy.md).
 const UNSURE: f64 = 0.75;
 
 /// An error, and the ends of the interval that holds it with the requested probability.
