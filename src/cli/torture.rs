@@ -157,7 +157,12 @@ fn listed(row: &Row) -> String {
 /// Line of a row with its result and the number of its cases; `worst` is the greatest error as a share of the tolerance.
 fn line(row: &Row, verdict: Verdict, cases: usize, worst: Option<f64>) -> String {
     let cases = if cases == 0 { String::new() } else { cases.to_string() };
-    let worst = worst.map_or(String::new(), |share| if share.is_finite() { format!("{:.0} %", 100.0 * share) } else { "–".into() });
+    let text = |share: f64| match share {
+        _ if share.is_nan() => "–".into(),
+        _ if share > 9.99 => ">999 %".into(),
+        _ => format!("{:.0} %", 100.0 * share),
+    };
+    let worst = worst.map_or(String::new(), text);
     indented(&format!("  {:<5}{:<9}{cases:>5}{worst:>8}  ", row.id, verdict.word()), row.what)
 }
 

@@ -39,6 +39,7 @@ pub fn rows() -> Vec<Row> {
         tiny_targets(),
         cones(),
         triangles(),
+        subdivided_solids(),
     ]
 }
 
@@ -614,6 +615,37 @@ fn triangles() -> Row {
         row.number(format!("legs of {e} at distance 1"), exact, 2e-6 * exact, move || {
             let corners = [Vec3::Z, Vec3::new(e, 0.0, 1.0), Vec3::new(0.0, e, 1.0)];
             SphericalTriangle::new(corners).map_or(f64::NAN, |seen| seen.solid_angle().into())
+        })
+    })
+}
+
+/// On the limit surface of Loop subdivision with Warren's weights a corner lies at half of itself and half of the mean of its neighbours, or at
+/// 2/5 and 3/5 with three neighbours. In these solids around the origin that mean is the corner times −1/3, 0 and 1/√5.
+fn subdivided_solids() -> Row {
+    let tetrahedron = || {
+        let corners = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]].map(|c| DVec3::from(c).normalize());
+        (corners.to_vec(), vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    };
+    let octahedron = || {
+        let corners = vec![DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z];
+        (corners, vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
+    };
+    let icosahedron = || icosphere(0);
+    let row = Row::new("G14", "distance of the corners of a subdivided solid from its centre", "roundings of f32");
+    type Solid = fn() -> (Vec<DVec3>, Vec<[u32; 3]>);
+    let solids: [(&str, Solid, f64); 3] = [
+        ("tetrahedron", tetrahedron, 0.4 - 0.6 / 3.0),
+        ("octahedron", octahedron, 0.5),
+        ("icosahedron", icosahedron, 0.5 + 0.5 / 5f64.sqrt()),
+    ];
+    let cases = solids.into_iter().flat_map(|solid| [1, 2, 4].map(|levels| (solid, levels)));
+    cases.fold(row, |row, ((name, solid, exact), levels)| {
+        row.number(format!("{name}, {levels} levels"), exact, 2e-7, move || {
+            let (points, triangles) = solid();
+            let limit = mesh(points.iter().map(|p| p.as_vec3()).collect(), triangles).subdivided(levels).ok();
+            // The corners stay the first vertices.
+            let distances = limit.map(|limit| limit.positions[..points.len()].iter().map(|p| f64::from(p.length())).collect::<Vec<_>>());
+            distances.unwrap_or_default().into_iter().max_by(|a, b| (a - exact).abs().total_cmp(&(b - exact).abs())).unwrap_or(f64::NAN)
         })
     })
 }

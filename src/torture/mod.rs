@@ -8,6 +8,7 @@
 //! always passes or always fails. Statistical cases share a probability of false alarms of 1 % ([`radiance::critical`]).
 
 mod bsdfs;
+mod cameras;
 pub mod everything;
 mod fresnel;
 mod geometry;
@@ -43,7 +44,7 @@ pub struct Table {
 }
 
 /// All tables.
-pub const TABLES: [Table; 10] = [
+pub const TABLES: [Table; 11] = [
     Table { subject: "Fresnel's and Snell's laws", rows: fresnel::rows },
     Table { subject: "panes, lenses and prisms of glass", rows: glass::rows },
     Table { subject: "scenes whose radiance is known by formula", rows: radiometry::rows },
@@ -52,6 +53,7 @@ pub const TABLES: [Table; 10] = [
     Table { subject: "intersection", rows: geometry::rows },
     Table { subject: "what must not change a picture, and samples that are no numbers", rows: stability::rows },
     Table { subject: "transforms and motion", rows: transforms::rows },
+    Table { subject: "cameras", rows: cameras::rows },
     Table { subject: "random numbers and samplers", rows: samplers::rows },
     Table { subject: "lights that are tiny, huge or far, and the shadow terminator", rows: lights::rows },
 ];

@@ -27,6 +27,11 @@ fn glass() {
 }
 
 #[test]
+fn cameras() {
+    assert_holds("W19", Effort::Standard);
+}
+
+#[test]
 fn radiometry() {
     assert_holds("W1", Effort::Standard);
 }
@@ -169,4 +174,20 @@ fn unknown_rows_and_files_are_refused() {
     assert!(code == Some(2) && text.contains("table.txt: expected a name that ends in .html, .json, .csv or .md"), "{text}");
     let (code, text) = told(&["--quick", "--full"]);
     assert!(code == Some(2) && text.contains("cannot be used with"), "{text}");
+}
+
+/// Each line of `tests/mutations/list.txt` names code that exists, so that `tests/mutations/run.sh` still corrupts something.
+#[test]
+fn corruptions_are_of_code_that_exists() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let list = std::fs::read_to_string(root.join("tests/mutations/list.txt")).expect("the list");
+    // A bar within code is written `\|`.
+    let list = list.replace("\\|", "\u{1}");
+    for line in list.lines() {
+        let [file, old, new] =
+            line.splitn(3, '|').map(|part| part.trim_matches(' ').replace('\u{1}', "|")).collect::<Vec<_>>().try_into().expect(line);
+        let code = std::fs::read_to_string(root.join(&file)).unwrap_or_else(|error| panic!("{file}: {error}"));
+        assert!(code.contains(&old) && old != new, "{line}");
+    }
+    assert!(list.lines().count() >= 20, "{list}");
 }
