@@ -46,6 +46,7 @@ pub fn in_scene<'py>(
         hits.iter().map(|hit| hit.as_ref().map_or(-1, |hit| i64::from(of(hit)))).collect()
     };
     let (shapes, primitives) = (index(&|hit| hit.shape), index(&|hit| hit.primitive));
+    let instances = hits.iter().map(|hit| hit.and_then(|hit| hit.instance).map_or(-1, i64::from)).collect::<Vec<_>>();
     let uv = hits.iter().flat_map(|hit| hit.map_or([f64::NAN; 2], |hit| hit.uv.to_array())).collect();
     let normal = hits.iter().flat_map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.normal.to_array())).collect();
     let exact: Vec<bool> = hits.iter().map(|hit| hit.is_none_or(|hit| hit.is_exact)).collect();
@@ -57,6 +58,7 @@ pub fn in_scene<'py>(
         matrix(hits.len(), 2, uv).into_pyarray(py),
         matrix(hits.len(), 3, normal).into_pyarray(py),
         Array1::from(exact).into_pyarray(py),
+        Array1::from(instances).into_pyarray(py),
     ))
 }
 

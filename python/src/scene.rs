@@ -231,10 +231,10 @@ impl Scene {
     /// Where rays first meet the scene, as SceneHits, in double precision.
     ///
     /// `origins` (m) and `directions` have the shape (..., 3), or are broadcast to one; directions need not be unit vectors. Triangles, quads
-    /// and boxes are met by exact decisions on the corners that the scene has: no ray slips through a closed mesh. Curved shapes, disks and solids
-    /// given by their distance are met in single precision; SceneHits.exact says which. Opacity does not count.
-    ///
-    /// Raises pt_renderer.Error for a scene with instances, which cannot be cast at yet.
+    /// and boxes are met by exact decisions on the corners that the scene has: no ray slips through a closed mesh. Curved shapes, disks, meshes that
+    /// change their form, and solids given by their distance are met in single precision; SceneHits.exact says which. Shapes of an instance are
+    /// tested in the space of its group, so that a ray may pass between two instances that touch. What moves is where it is when the shutter
+    /// opens. Opacity does not count.
     fn intersect<'py>(&self, py: Python<'py>, origins: &Bound<'py, PyAny>, directions: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         rays::in_scene(py, (&self.loaded.world, &self.caster), origins, directions)
     }

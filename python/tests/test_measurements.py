@@ -28,7 +28,7 @@ def test_rays_in_a_scene():
     np.testing.assert_allclose(hits.t, [2, 4, 1, math.inf, 4], rtol=1e-6)
     assert hits.hit.tolist() == [True, True, True, False, True] and hits.exact.tolist() == [True, True, False, True, False]
     names = [scene.shapes[shape] if shape >= 0 else None for shape in hits.shape]
-    assert names == ["the box", "the box", "the ball", None, "the ball"]
+    assert names == ["the box", "the box", "the ball", None, "the ball"] and (hits.instance == -1).all()
     np.testing.assert_allclose(hits.normal[[0, 2, 4]], [[0, 0, 1], [0, 0, 1], [-1, 0, 0]], atol=1e-6)
     assert np.isnan(hits.normal[3]).all() and hits.primitive[3] == -1
     assert hits.t.dtype == hits.uv.dtype == np.float64 and hits.shape.dtype == np.int64
@@ -48,8 +48,25 @@ def test_shapes_of_batches():
         with pytest.raises(pt_renderer.Error) as caught:
             scene.intersect(origins, directions)
         assert message in str(caught.value)
-    with pytest.raises(pt_renderer.Error, match="with instances"):
-        pt_renderer.load(SCENES / "pawn-army.json").intersect([0, 0, 0], [0, 0, 1])
+
+
+def test_instances_are_met_where_they_are():
+    """Unit squares of two instances, one of them twice as large and turned: the rays know which they meet, and where."""
+    here, turned = [{"translate": [0, 0, 0]}], [{"scale": 2}, {"rotate": {"axis": [0, 1, 0], "degrees": 90}}, {"translate": [5, 0, 0]}]
+    placements = [{"transform": here}, {"transform": turned}]
+    scene = pt_renderer.load(
+        {
+            "pt": 1,
+            "camera": {},
+            "background": {"radiance": 1},
+            "groups": {"square": [{"type": "quad", "size": 1}]},
+            "shapes": [{"type": "instances", "group": "square", "placements": placements}],
+        }
+    )
+    hits = scene.intersect([[0.25, 0.25, 1], [0, 0.5, -0.5], [0.25, 0.75, 1]], [[0, 0, -1], [1, 0, 0], [0, 0, -1]])
+    assert hits.t.tolist() == pytest.approx([1, 5, np.inf]) and hits.instance.tolist() == [0, 1, -1]
+    assert hits.shape.tolist() == [0, 0, -1] and hits.exact.all()
+    assert np.abs(hits.normal[:2]) == pytest.approx(np.array([[0, 0, 1], [1, 0, 0]]), abs=1e-12)
 
 
 def test_no_ray_slips_through_a_closed_mesh():

@@ -1,6 +1,7 @@
 //! Instances: primitives that are stored once and shown at many places.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use arrayvec::ArrayVec;
@@ -16,6 +17,8 @@ use crate::shape::SurfacePoint;
 /// Primitives that instances show, in a space of their own.
 pub struct Group {
     primitives: Box<dyn Primitive>,
+    /// Indices of its own shapes, see [`Group::new`].
+    shapes: Range<u32>,
     /// Sphere around the bounding box (m).
     center: DVec3,
     radius: f64,
@@ -25,7 +28,9 @@ pub struct Group {
 
 impl Group {
     /// A group of primitives. Their coordinates are most precise if they lie around the origin.
-    pub fn new(primitives: Box<dyn Primitive>) -> Group {
+    ///
+    /// - `shapes`: indices of the group's own shapes, including those that are not among the primitives because they are copied
+    pub fn new(primitives: Box<dyn Primitive>, shapes: Range<u32>) -> Group {
         let bounds = primitives.bounds();
         let (center, radius) = match bounds.is_empty() {
             true => (DVec3::ZERO, 0.0),
@@ -33,7 +38,7 @@ impl Group {
                 (0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3()), 0.5 * (bounds.max.as_dvec3() - bounds.min.as_dvec3()).length())
             }
         };
-        Group { center, radius, reach: (center.abs().max_element() + radius) as f32, primitives }
+        Group { center, radius, reach: (center.abs().max_element() + radius) as f32, primitives, shapes }
     }
 
     /// Number of instances within the group.
@@ -177,6 +182,11 @@ impl<'a> Nesting<'a> {
             .map_or_else(Nesting::default, |inner| instance.group.primitives.instance(inner, time));
         // Scenes with deeper nesting are refused.
         Nesting { instances: std::iter::once(instance).chain(inner.instances).take(MAX_NESTING).collect(), time }
+    }
+
+    /// Indices of the innermost group's own shapes, see [`Group::new`]; empty without instances.
+    pub fn shapes(&self) -> Range<u32> {
+        self.instances.last().map_or(0..0, |instance| instance.group.shapes.clone())
     }
 
     /// Material of all surfaces: that of the outermost instance which has one.

@@ -118,7 +118,8 @@ impl RayCaster {
         if u32::try_from(triangles.len()).is_err() {
             return Err(Error::Limit(Fault::new(format!("{} triangles: at most 4294967295 are possible", triangles.len()))));
         }
-        let tree = Tree::new(&triangles.iter().map(|t| t.map(|v| positions[v as usize])).collect::<Vec<_>>());
+        let bounds = |[a, b, c]: [DVec3; 3]| [a.min(b).min(c), a.max(b).max(c)];
+        let tree = Tree::new(triangles.iter().map(|t| bounds(t.map(|v| positions[v as usize]))));
         Ok(RayCaster { positions, triangles, tree })
     }
 

@@ -1,10 +1,10 @@
-//! Hierarchy of boxes around triangles.
+//! Bounding volume hierarchy over boxes: those of triangles, or of instances.
 
 use glam::DVec3;
 
 use super::Line;
 
-/// Triangles in a leaf, at most, unless their middles coincide.
+/// Boxes in a leaf, at most, unless their centres coincide.
 const LEAF: usize = 4;
 /// Candidates for a division.
 const BINS: usize = 16;
@@ -12,7 +12,7 @@ const BINS: usize = 16;
 /// A binary tree, its root first.
 pub struct Tree {
     nodes: Vec<Node>,
-    /// Indices of the triangles, leaf by leaf.
+    /// Indices of the boxes, leaf by leaf.
     order: Vec<u32>,
 }
 
@@ -21,11 +21,11 @@ struct Node {
     high: DVec3,
     /// Of a leaf the first place in `order`; otherwise the index of the second child, which follows the first.
     next: u32,
-    /// Number of triangles; 0 if this is not a leaf.
+    /// Number of boxes; 0 if this is not a leaf.
     count: u32,
 }
 
-/// A triangle while the tree is built.
+/// A box while the tree is built.
 struct Item {
     low: DVec3,
     high: DVec3,
@@ -39,9 +39,9 @@ impl Item {
 }
 
 impl Tree {
-    pub fn new(triangles: &[[DVec3; 3]]) -> Tree {
-        let item = |(index, [a, b, c]): (usize, &[DVec3; 3])| Item { low: a.min(*b).min(*c), high: a.max(*b).max(*c), index: index as u32 };
-        let mut items: Vec<Item> = triangles.iter().enumerate().map(item).collect();
+    /// The hierarchy over some boxes, given by their lower and upper corners.
+    pub fn new(boxes: impl Iterator<Item = [DVec3; 2]>) -> Tree {
+        let mut items: Vec<Item> = (0..).zip(boxes).map(|(index, [low, high])| Item { low, high, index }).collect();
         let mut tree = Tree { nodes: vec![], order: vec![] };
         if !items.is_empty() {
             tree.add(&mut items);
@@ -49,7 +49,7 @@ impl Tree {
         tree
     }
 
-    /// Adds the node of these triangles and all below it.
+    /// Adds the node of these boxes and all below it.
     fn add(&mut self, items: &mut [Item]) {
         let (low, high) = bounds(items, |item| (item.low, item.high));
         let at = self.nodes.len();
@@ -66,7 +66,7 @@ impl Tree {
         self.add(right);
     }
 
-    /// Calls `test` for the triangles whose boxes the ray meets before its end, nearer boxes first. `test` returns where the ray then ends,
+    /// Calls `test` with the index of each box that the ray meets before its end, nearer ones first. `test` returns where the ray then ends,
     /// or `None` to stop.
     pub fn visit(&self, line: &Line, t_max: f64, mut test: impl FnMut(u32) -> Option<f64>) {
         let Some(root) = self.nodes.first() else { return };
@@ -78,8 +78,8 @@ impl Tree {
             }
             let node = &self.nodes[at as usize];
             if node.count > 0 {
-                for &triangle in &self.order[node.next as usize..][..node.count as usize] {
-                    match test(triangle) {
+                for &index in &self.order[node.next as usize..][..node.count as usize] {
+                    match test(index) {
                         Some(new_end) => end = new_end,
                         None => return,
                     }
@@ -122,7 +122,7 @@ fn bounds(items: &[Item], of: impl Fn(&Item) -> (DVec3, DVec3)) -> (DVec3, DVec3
     items.iter().map(of).fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), (a, b)| (low.min(a), high.max(b)))
 }
 
-/// Sorts the triangles into two groups with the least sum of area × count, and returns the size of the first; 0 if nothing divides
+/// Sorts the boxes into two groups with the least sum of area × count, and returns the size of the first; 0 if nothing divides
 /// them.
 ///
 /// Source: Wald, *On Fast Construction of SAH-based Bounding Volume Hierarchies* (2007).

@@ -1,16 +1,38 @@
 //! Surfaces of shapes that instances show. They are found in the space of the group, and placed in the world.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec2Swizzles as _, Vec3};
 
 use super::{PreparedMaterial, World, length_inside};
 use crate::bsdf::HitContext;
-use crate::math::Ray;
+use crate::math::{Ray, Transform};
 use crate::primitive::{Hit, InstanceId, Nesting};
 use crate::scene::Surface;
 use crate::shape::{Shape, ShapeHit, SurfacePoint};
 use crate::texture::{Footprint, TextureContext};
 
+/// Shapes of a group where an instance shows them.
+pub struct PlacedGroup {
+    /// Indices of the shapes. Those that show elsewhere, as copies, have the place [`ShapePlace::Nowhere`](super::ShapePlace::Nowhere).
+    pub shapes: Range<u32>,
+    /// Transform from the coordinates in which the shapes are stored to the user's, when the shutter opens.
+    pub to_world: Transform,
+}
+
 impl World {
+    /// Groups that instances show, in the order of their [`InstanceId`]s, of which the first is 1.
+    ///
+    /// In each space the instances that were added come first, and then one for each set of objects that move together; those within an instance
+    /// follow it. Moving copies of shapes with emission come last.
+    pub fn placed_groups(&self) -> impl Iterator<Item = PlacedGroup> {
+        let to_user = Transform::translate(self.origin).unwrap_or(Transform::IDENTITY);
+        (1..=self.hierarchy.instance_count()).filter_map(InstanceId::new).map(move |id| {
+            let nesting = self.hierarchy.instance(id, 0.0);
+            PlacedGroup { shapes: nesting.shapes(), to_world: nesting.to_outer().then(&to_user) }
+        })
+    }
+
     /// Surface point of a hit of an instance.
     #[inline(never)]
     pub(super) fn point_of_instance(&self, id: InstanceId, ray: &Ray, hit: &Hit) -> SurfacePoint {

@@ -28,6 +28,7 @@ use crate::shape::{Shape, ShapeHit, SurfacePoint, offset_ray_origin};
 use crate::texture::{Footprint, TextureContext};
 
 pub use builder::WorldBuilder;
+pub use instanced::PlacedGroup;
 pub use objects::{GroupId, Objects};
 pub use spaces::MAX_COPIES;
 pub use wide::{LightLanes, ReceiverLanes, ScatteredLanes, SurfaceLanes, WideWorld};

@@ -143,7 +143,8 @@ impl Hierarchies {
             let is_copied = |shape: &u32| space.objects[(shape - space.first_shape) as usize].is_copied();
             let own = (space.first_shape..space.end()).filter(|shape| !is_copied(shape)).collect();
             let instances = instances(space, placements, &groups, spaces)?;
-            groups.push(Arc::new(Group::new(accel::build_with_instances(shapes.clone(), own, instances))));
+            let primitives = accel::build_with_instances(shapes.clone(), own, instances);
+            groups.push(Arc::new(Group::new(primitives, space.first_shape..space.end())));
         }
         let last = spaces.iter().map(Space::end).max().unwrap_or(0);
         let copied = still(spaces, copies).map(|(shape, ..)| shape);
@@ -156,7 +157,7 @@ impl Hierarchies {
                 continue;
             }
             let number = numbered(instances.last().map_or(0, Instance::last).checked_add(1))?;
-            let group = Group::new(accel::build_with_instances(shapes.clone(), vec![shape], vec![]));
+            let group = Group::new(accel::build_with_instances(shapes.clone(), vec![shape], vec![]), shape..shape + 1);
             let to_outer = spaces[copy.space].stored(&copy.to_world, &spaces[0]);
             let motion = Arc::new(EmitterMotion { to_world: to_outer.clone(), tolerance: group.tolerance() });
             instances.push(Instance::new(Arc::new(group), to_outer, None, number));

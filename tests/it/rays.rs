@@ -2,10 +2,17 @@
 
 use std::io::Write;
 use std::process::{Command, Output, Stdio};
+use std::sync::Arc;
 
-use glam::DVec3;
-use pt::rays::{Hit, Ray, RayCaster};
+use glam::{DMat4, DVec3, DVec4};
+use pt::bsdf::Material;
+use pt::camera::{Camera, Perspective, Pose};
+use pt::light::Emitter;
+use pt::math::{Keyframes, Rgb, Transform};
+use pt::rays::{Hit, Ray, RayCaster, SceneCaster};
+use pt::shape::{Cuboid, Quad, Sphere};
 use pt::torture::meshes::icosphere;
+use pt::world::{Objects, World};
 
 use crate::random::Random;
 
@@ -174,4 +181,139 @@ fn the_command_reads_rays_and_points() {
     assert_eq!(told("0 0 0 0 0\n"), (Some(3), "error: -:1: found \"0 0 0 0 0\", expected 6 numbers\n".into()));
     assert_eq!(told("0 0 0 0 0 1\n0 0 0 0 0 x\n").0, Some(3));
     assert!(pt(&[mesh], "").status.code() == Some(2));
+}
+
+/// A transform, and its matrix by other code.
+fn placed(random: &mut Random) -> (Transform, DMat4) {
+    let (axis, degrees) = (random.direction(), 360.0 * random.unit());
+    let scale = DVec3::new(random.range(0.5, 2.0), random.range(0.5, 2.0), -random.range(0.5, 2.0));
+    let by = random.in_cube() * 8.0;
+    let transform = Transform::rotate(axis, degrees).expect("an axis").then(&Transform::scale(scale).expect("not zero"));
+    let turn = DMat4::from_axis_angle(axis, degrees.to_radians());
+    (transform.then(&Transform::translate(by).expect("finite")), DMat4::from_translation(by) * DMat4::from_scale(scale) * turn)
+}
+
+/// Distance and outward normal, in its own space, of the cube from −1 to 1.
+fn meets_cube(origin: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
+    let faces = (0..3).flat_map(|axis| [-1.0, 1.0].map(|side| (axis, side)));
+    let hits = faces.filter_map(|(axis, side)| {
+        let t = (side - origin[axis]) / direction[axis];
+        let mut p = origin + direction * t;
+        p[axis] = 0.0;
+        let normal = DVec3::AXES[axis] * side;
+        (t > 0.0 && p.abs().max_element() <= 1.0).then_some((t, normal))
+    });
+    hits.min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// Distance and outward normal, in its own space, of the unit sphere.
+fn meets_sphere(origin: DVec3, direction: DVec3) -> Option<(f64, DVec3)> {
+    let (a, b) = (direction.length_squared(), origin.dot(direction));
+    let root = (b * b - a * (origin.length_squared() - 1.0)).sqrt();
+    let t = [(-b - root) / a, (-b + root) / a].into_iter().find(|t| *t > 0.0)?;
+    Some((t, origin + direction * t))
+}
+
+/// Whether a ray passes within 0.001 of the edge of a transformed unit sphere.
+fn is_at_edge(ray: &Ray, matrix: DMat4) -> bool {
+    let inverse = matrix.inverse();
+    let [origin, direction] = [inverse.transform_point3(ray.origin), inverse.transform_vector3(ray.direction).normalize()];
+    (origin.cross(direction).length() - 1.0).abs() < 1e-3
+}
+
+/// A camera of which only its being there matters.
+fn pinhole() -> Camera {
+    Camera::Perspective(Perspective::new(Pose::new(&Transform::IDENTITY), 40.0, 0.0, 1.0))
+}
+
+/// Cubes and spheres, which instances show turned, stretched, mirrored and within each other, are met where their matrices say.
+#[test]
+fn instances_are_met_where_they_are() {
+    let mut random = Random::new(11);
+    for _ in 0..20 {
+        let mut builder = World::builder(pinhole());
+        let gray = builder.material(Material::diffuse(Rgb::gray(0.5)));
+        let (mut cube, mut both, mut scene) = (Objects::default(), Objects::default(), Objects::default());
+        scene.shape(Cuboid { size: [2.0; 3] }, Transform::IDENTITY, gray, None);
+        cube.shape(Cuboid { size: [2.0; 3] }, Transform::IDENTITY, gray, None);
+        let cube = builder.group(cube);
+        both.shape(Sphere { radius: 1.0 }, Transform::IDENTITY, gray, None);
+        let within = placed(&mut random);
+        both.instance(cube, within.0, None);
+        let both = builder.group(both);
+        // Shape and instance, place, and which of the two it is. Instances within others follow them.
+        let mut known = vec![(0, None, DMat4::IDENTITY, true)];
+        for k in 0..3 {
+            let (transform, matrix) = placed(&mut random);
+            known.extend([(2, Some(2 * k), matrix, false), (1, Some(2 * k + 1), matrix * within.1, true)]);
+            scene.instance(both, transform, None);
+        }
+        builder.objects(scene);
+        let caster = SceneCaster::new(Arc::new(builder.build().expect("a world"))).expect("a caster");
+        let mut hits = 0;
+        for _ in 0..2000 {
+            let (from, aim) = (random.in_cube() * 20.0, known[random.below(known.len())].2.transform_point3(random.in_cube() * 1.5));
+            let ray = Ray::new(from, (aim - from) * random.range(0.1, 10.0));
+            // At the edge of a sphere single precision may decide either way.
+            if known.iter().any(|known| !known.3 && is_at_edge(&ray, known.2)) {
+                continue;
+            }
+            let expected = known.iter().filter_map(|&(shape, instance, matrix, is_cube)| {
+                let inverse = matrix.inverse();
+                let [origin, direction] = [inverse.transform_point3(ray.origin), inverse.transform_vector3(ray.direction)];
+                let (t, normal) = if is_cube { meets_cube(origin, direction) } else { meets_sphere(origin, direction) }?;
+                let normal = inverse.transpose() * DVec4::from((normal, 0.0));
+                Some((t, shape, instance, is_cube, normal.truncate().normalize()))
+            });
+            let expected = expected.min_by(|a, b| a.0.total_cmp(&b.0));
+            let found = caster.closest(&ray);
+            let (Some((t, shape, instance, is_exact, normal)), Some(hit)) = (expected, found) else {
+                assert_eq!(found.map(|hit| hit.t), expected.map(|expected| expected.0), "{ray:?}");
+                continue;
+            };
+            hits += 1;
+            assert_eq!((hit.shape, hit.instance, hit.is_exact), (shape, instance, is_exact), "{ray:?}: {hit:?}");
+            // The corners of cubes are rounded to f32, which counts more where rays graze them. Spheres are met in single precision.
+            let least = if is_exact { 2e-5 } else { 2e-4 };
+            let far = 1.0 + t * ray.direction.length();
+            assert!((hit.t - t).abs() * ray.direction.length() < least * far, "{t} {hit:?} {ray:?}");
+            assert!(hit.normal.distance(normal) < 10.0 * least, "{normal} {hit:?} {ray:?}");
+        }
+        assert!(hits > 200, "{hits}");
+    }
+}
+
+/// Copies of lamps belong to no instance, what moves is where it is when the shutter opens, and of two instances in one place the first is met.
+#[test]
+fn lamps_and_what_moves_are_met() {
+    let by = |x: f64, z: f64| Transform::translate(DVec3::new(x, 0.0, z)).expect("finite");
+    let mut builder = World::builder(pinhole());
+    let gray = builder.material(Material::diffuse(Rgb::gray(0.5)));
+    let (mut lamp, mut square, mut mover) = (Objects::default(), Objects::default(), Objects::default());
+    lamp.shape(Quad { size: [1.0; 2] }, Transform::IDENTITY, gray, Some(Emitter::new(Rgb::gray(1.0))));
+    square.shape(Quad { size: [1.0; 2] }, Transform::IDENTITY, gray, None);
+    mover.shape(Quad { size: [1.0; 2] }, Transform::IDENTITY, gray, None);
+    let (lamp, square) = (builder.group(lamp), builder.group(square));
+    let mut scene = Objects::default();
+    scene.moving(mover, Keyframes::new(&[(0.0, by(4.0, -3.0)), (1.0, by(8.0, -3.0))]).expect("neither mirrors").into());
+    for place in [by(0.0, -1.0), by(2.0, -2.0)] {
+        scene.instance(lamp, place, None);
+    }
+    for _ in 0..2 {
+        scene.instance(square, by(6.0, -4.0), None);
+    }
+    builder.objects(scene);
+    let caster = SceneCaster::new(Arc::new(builder.build().expect("a world"))).expect("a caster");
+    let met = |x: f64| {
+        let hit = caster.closest(&Ray::new(DVec3::new(x + 0.1, 0.2, 0.0), DVec3::NEG_Z))?;
+        // Corners are rounded to f32.
+        assert!((hit.t - hit.t.round()).abs() < 1e-5, "{hit:?}");
+        Some((hit.t.round(), hit.shape, hit.instance))
+    };
+    // The shape that moves was added first; the instances of lamps are numbers 0 and 1, and the moving shape comes after those of squares.
+    assert_eq!(met(0.0), Some((1.0, 1, None)));
+    assert_eq!(met(2.0), Some((2.0, 1, None)));
+    assert_eq!(met(4.0), Some((3.0, 0, Some(4))));
+    assert_eq!(met(6.0), Some((4.0, 2, Some(2))));
+    assert_eq!(met(8.0), None);
 }

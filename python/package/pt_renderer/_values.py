@@ -108,6 +108,10 @@ class SceneHits(NamedTuple):
     """float64 (..., 3): unit geometric normal to the outside; NaN for none."""
     exact: np.ndarray
     """bool: whether the hit was decided by exact arithmetic; true for a ray that meets nothing."""
+    instance: np.ndarray
+    """int64: which instance shows the shape, counted from 0 in the order of the scene, those within an instance after it; shapes that move
+    count as instances too, after all others. -1 for none, for shapes at rest of the scene itself, and for shapes at rest with emission or a
+    medium."""
 
     @property
     def hit(self) -> np.ndarray:
@@ -217,9 +221,9 @@ def _mesh(vertices: Any, triangles: Any) -> tuple[np.ndarray, np.ndarray]:
     return corners, np.ascontiguousarray(indices, dtype=np.int64)
 
 
-def _scene_hits(shape: tuple[int, ...], t: Any, index: Any, primitive: Any, uv: Any, normal: Any, exact: Any) -> SceneHits:
-    plain = [array.reshape(shape) for array in (t, index, primitive, exact)]
-    return SceneHits(plain[0], plain[1], plain[2], uv.reshape(*shape, 2), normal.reshape(*shape, 3), plain[3])
+def _scene_hits(shape: tuple[int, ...], t: Any, index: Any, primitive: Any, uv: Any, normal: Any, exact: Any, instance: Any) -> SceneHits:
+    plain = [array.reshape(shape) for array in (t, index, primitive, exact, instance)]
+    return SceneHits(plain[0], plain[1], plain[2], uv.reshape(*shape, 2), normal.reshape(*shape, 3), plain[3], plain[4])
 
 
 def _mesh_hits(shape: tuple[int, ...], t: Any, triangle: Any, uv: Any, normal: Any, enters: Any) -> MeshHits:

@@ -48,12 +48,12 @@ impl Shell {
     fn new(to_world: Transform, is_nested: bool) -> Shell {
         let (face, rotations) = faces();
         let all = shapes(vec![baked(mesh(face.points.clone(), face.triangles.clone()))]);
-        let one = Arc::new(Group::new(accel::build(all.clone())));
+        let one = Arc::new(Group::new(accel::build(all.clone()), 0..1));
         let turned: Vec<Transform> = rotations.iter().map(|r| affine(*r)).collect();
         let hierarchy = if is_nested {
             let place = |(i, turn): (usize, &Transform)| Instance::new(one.clone(), *turn, None, 1 + i as u32);
             let whole = accel::build_with_instances(all.clone(), vec![], turned.iter().enumerate().map(place).collect());
-            let whole = Instance::new(Arc::new(Group::new(whole)), to_world, None, 1);
+            let whole = Instance::new(Arc::new(Group::new(whole, 0..0)), to_world, None, 1);
             accel::build_with_instances(all, vec![], vec![whole])
         } else {
             let place = |(i, turn): (usize, &Transform)| Instance::new(one.clone(), turn.then(&to_world), None, 1 + i as u32);
