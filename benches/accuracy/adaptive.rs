@@ -7,7 +7,7 @@ use pt::render::{Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 
 use super::share::Share;
-use super::{REFERENCE, Request, after, reference, small, taken};
+use super::{REFERENCE, Request, after, reference, rounds, small, taken};
 
 pub const SCENES: [&str; 6] = ["cornell-box", "mirror-balls", "mis-plates", "statue", "triangle-stacks", "matter"];
 /// Samples per pixel on average.
@@ -31,8 +31,7 @@ pub fn print(request: &Request) -> pt::Result<()> {
             let settings = Settings::new(SamplerSpec { kind: Kind::Sobol, seed, spp: SAMPLES, scramblings: 2 });
             let (allocation, explored) = pilot_allocation(&subject.scene, &*subject.integrator, &even, &settings, SAMPLES, &Silent);
             subject.spec.allocation = allocation;
-            let samples = ((SAMPLES as f64 / subject.spec.allocation.mean()).round() as u64).max(1);
-            let (film, history) = taken(&subject, Kind::Sobol, 2, seed, &after(samples));
+            let (film, history) = taken(&subject, Kind::Sobol, 2, seed, &after(rounds(SAMPLES, &subject.spec)));
             errors[1] += relmse(&film);
             seconds[1] += history.last().map_or(0.0, |last| last.seconds) + explored.as_secs_f64();
             if let Some(Ok(stated)) = RelativeError::of(&film).map(|error| error.stated(0.95)) {

@@ -12,7 +12,7 @@ use pt::render::{Settings, Silent};
 use pt::sampler::{Kind, SamplerSpec};
 
 use super::subject::Subject;
-use super::{Request, SAMPLERS, after, small, taken_with};
+use super::{Request, SAMPLERS, after, rounds, small, taken_with};
 
 pub const SCENES: [&str; 9] =
     ["cornell-box", "mirror-balls", "statue", "triangle-stacks", "matter", "postcard", "glass-panel", "metals", "lanterns"];
@@ -31,9 +31,9 @@ const HEADER: &str = "scene,sampler,spp,relmse";
 /// How the samples of a picture are taken.
 #[derive(Clone, Copy)]
 pub enum Sampling {
-    /// The same number of samples in each pixel.
+    /// All pixels get the same number of samples.
     Even(Kind),
-    /// More samples in noisy pixels, as `--adaptive` takes them, with the default sampler.
+    /// Noisy pixels get more samples, as with `--adaptive`, from the default sampler.
     Adaptive,
 }
 
@@ -70,7 +70,7 @@ pub fn read(file: &str, scene: &str, sampling: Sampling) -> Curve {
 /// Curve of the long renders, as far as all of them got; `None` if uneven samples do not pay.
 pub fn long(subject: &Subject, sampling: Sampling) -> Option<Curve> {
     let (kind, spec) = film(subject, sampling, FIRST)?;
-    let (_, short) = taken_with(subject, &spec, kind, 2, FIRST, &after(((SHORT as f64 / spec.allocation.mean()).round() as u64).max(1)));
+    let (_, short) = taken_with(subject, &spec, kind, 2, FIRST, &after(rounds(SHORT, &spec)));
     let is_reached = |target: f64| short.price(target, 0.95).is_some_and(|price| price.value < LONGEST.as_secs_f64());
     let goal = TARGETS.into_iter().rev().find(|target| is_reached(*target)).unwrap_or(TARGETS[0]);
     // A little below the target, so that the curve crosses it.

@@ -82,6 +82,11 @@ const fn after(samples: u64) -> StopCondition {
     StopCondition { samples, time: None, target: None }
 }
 
+/// Number of rounds with about so many samples per pixel. A round of uneven samples has several on average.
+fn rounds(samples: u64, spec: &FilmSpec) -> u64 {
+    ((samples as f64 / spec.allocation.mean()).round() as u64).max(1)
+}
+
 /// Picture of a seed, and the history of its error.
 fn taken(subject: &Subject, kind: Kind, scramblings: u32, seed: u64, until: &StopCondition) -> (MomentFilm, ErrorHistory) {
     taken_with(subject, &subject.spec, kind, scramblings, seed, until)

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::curves::{self, SAMPLINGS, Sampling, TARGETS, crossing, film};
 use super::share::{Share, chance_of_failures, median};
 use super::subject::Subject;
-use super::{Request, after, small, taken_with};
+use super::{Request, after, rounds, small, taken_with};
 
 /// Samples per pixel of the pilots.
 const PILOTS: [u64; 4] = [16, 32, 64, 128];
@@ -106,9 +106,8 @@ impl Pilot {
 fn pilots(subject: &Subject, sampling: Sampling, spp: u64, seeds: u64) -> Vec<Pilot> {
     let pilot = |seed: u64| {
         let (kind, spec) = film(subject, sampling, seed)?;
-        let round = spec.allocation.mean();
-        let rounds = ((spp as f64 / round).round() as u64).max(1);
-        Some(Pilot { history: taken_with(subject, &spec, kind, 2, seed, &after(rounds)).1, round })
+        let history = taken_with(subject, &spec, kind, 2, seed, &after(rounds(spp, &spec))).1;
+        Some(Pilot { history, round: spec.allocation.mean() })
     };
     (0..seeds).into_par_iter().filter_map(pilot).collect()
 }

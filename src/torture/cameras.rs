@@ -171,8 +171,12 @@ fn focus_of_glass() -> Row {
         let depths: Vec<f64> = rays.filter_map(depth).collect();
         Some(depths.iter().sum::<f64>() / depths.len() as f64)
     };
-    Row::new("C5", "where a lens of glass that focuses at 1 m brings rays together, m", "the spherical aberration of a lens of f/100")
-        .number("biconvex, index 1.5, 1 mm wide", -1.0, 2e-3, move || crossing().unwrap_or(f64::NAN))
+    Row::new(
+        "C5",
+        "where a lens of glass that focuses at 1 m brings rays together, m",
+        "spherical aberration, 3e-4, and the rounding of rays that differ from the axis by 5e-4",
+    )
+    .number("biconvex, index 1.5, 1 mm wide", -1.0, 2e-3, move || crossing().unwrap_or(f64::NAN))
 }
 
 /// A small stop behind the lens is the exit pupil, so that the light on the film falls with cos⁴ θ.

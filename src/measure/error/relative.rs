@@ -33,7 +33,7 @@ pub struct RelativeError {
 }
 
 /// Uncertainty of the correction of the denominators, as a standard deviation in units of the correction. The correction is right
-/// to second order only. The value is chosen by measurement: with it 95 to 97 % of the 95 % intervals of `cargo bench --bench accuracy -- coverage`
+/// to second order only. The value is chosen by measurement: with it 96.8 % of the 95 % intervals of `cargo bench --bench accuracy -- coverage`
 /// hold, all scenes together (docs/accuracy.md).
 const UNSURE: f64 = 0.75;
 
