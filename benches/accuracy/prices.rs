@@ -72,7 +72,7 @@ impl Tally {
         if share.of >= 20 {
             self.medians.count((RANGE[0]..=RANGE[1]).contains(&median));
         }
-        format!("{share}, {median:.2}")
+        if forecasts.is_empty() { share.to_string() } else { format!("{share}, {median:.2}") }
     }
 
     fn print(&self) {

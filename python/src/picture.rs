@@ -54,7 +54,7 @@ struct Facts {
     confidence: f64,
     error: StatedError,
     checkpoints: Vec<StoredCheckpoint>,
-    is_independent: bool,
+    sampler: String,
 }
 
 /// Channels that make one array.
@@ -150,7 +150,7 @@ impl Rendered {
             confidence,
             error,
             checkpoints: history.checkpoints.iter().map(stored).collect(),
-            is_independent: history.is_independent,
+            sampler: history.sampler.name().to_owned(),
         };
         Ok(Picture { facts, arrays })
     }
@@ -400,7 +400,8 @@ impl Picture {
                 RelativeError { value, spread, effective_pixels }
             }),
         });
-        ErrorHistory { checkpoints: checkpoints.collect(), is_independent: self.facts.is_independent }
+        let sampler = pt::sampler::Kind::named(&self.facts.sampler).unwrap_or_default();
+        ErrorHistory { checkpoints: checkpoints.collect(), sampler }
     }
 }
 

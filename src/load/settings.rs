@@ -100,7 +100,7 @@ impl Loaded {
 /// `Usage` for an unknown name.
 pub fn sampler_named(name: &str) -> Result<Kind> {
     let known: Vec<&str> = Kind::ALL.iter().map(|(_, name, _)| *name).collect();
-    let found = Kind::ALL.iter().find(|row| row.1 == name).map(|row| row.0);
+    let found = Kind::named(name);
     found.ok_or_else(|| Error::Usage(unknown("sampler", name, &known)))
 }
 

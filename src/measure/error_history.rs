@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use super::RelativeError;
 use crate::film::MomentFilm;
+use crate::sampler::Kind;
 
 /// State of a render at one of its checkpoints.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +22,8 @@ pub struct Checkpoint {
 pub struct ErrorHistory {
     /// Checkpoints, in order of samples.
     pub checkpoints: Vec<Checkpoint>,
-    /// Whether each sample is independent of all others, so that relMSE falls as 1/n and nothing else is possible.
-    pub is_independent: bool,
+    /// Sampler, which decides how relMSE falls with more samples.
+    pub sampler: Kind,
 }
 
 /// Numbers of samples per pixel at which the error of a render may be measured: all from 2 to 64, then 66, 68, … 128, 132, … below

@@ -6,7 +6,6 @@ use super::error_history::{is_coarse, is_planned};
 use super::{Checkpoint, ErrorHistory, Refusal, Scope, checkpoints};
 use crate::film::{Film, MomentFilm};
 use crate::render::{Observer, Render, RenderReport, Silent};
-use crate::sampler::ErrorEstimator;
 
 /// Condition at which a render stops: the first of these limits that is reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,8 +129,7 @@ pub fn resume_until(
     until: &StopCondition,
     observer: &dyn ErrorObserver,
 ) -> ErrorHistory {
-    let is_independent = render.sampler().error_estimator() == ErrorEstimator::Samples;
-    let mut history = until.without_pauses(ErrorHistory { is_independent, ..history });
+    let mut history = until.without_pauses(ErrorHistory { sampler: render.sampler().kind, ..history });
     let mut tests = SequentialTest::default();
     let is_met = until.target.is_some_and(|target| history.checkpoints.iter().any(|before| tests.is_met(target, Some(before))));
     let (seen, done) = (history.last().map_or(0, |last| last.samples), film.moments().samples());

@@ -35,7 +35,7 @@ use crate::math::hash::{Hash, Hasher};
 use crate::measure::{Checkpoint, ErrorHistory, RelativeError};
 use crate::output::{self, Attributes};
 use crate::render::{RenderReport, SampleId};
-use crate::sampler::ErrorEstimator;
+use crate::sampler::{ErrorEstimator, Kind};
 
 const MAGIC: [u8; 8] = *b"\x89PT2\r\n\x1a\n";
 /// Signature of the files of earlier versions, whose numbers were not packed.
@@ -465,6 +465,7 @@ impl Header {
             return None;
         }
         let seconds = Duration::try_from_secs_f64(self.seconds).ok()?;
+        let sampler = about.identity.fact("/sampler/type").and_then(|name| Kind::named(&name)).unwrap_or_default();
         let first_invalid = self.first_invalid.into_iter().map(|(pixel, index)| SampleId { pixel, index }).collect();
         let samples = waves.iter().map(Wave::samples).sum();
         Some(Stored {
@@ -473,7 +474,7 @@ impl Header {
             report: RenderReport { samples, invalid: self.invalid, first_invalid, elapsed: seconds, ..RenderReport::default() },
             history: ErrorHistory {
                 checkpoints: self.history.into_iter().map(|stored| stored.checkpoint()).collect::<Option<_>>()?,
-                is_independent: error_estimator == ErrorEstimator::Samples,
+                sampler,
             },
             waves,
             chunks,

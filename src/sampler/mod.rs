@@ -172,6 +172,11 @@ impl Kind {
     pub fn name(self) -> &'static str {
         Kind::ALL.iter().find(|row| row.0 == self).map_or("unknown", |row| row.1)
     }
+
+    /// The sampler of this name.
+    pub fn named(name: &str) -> Option<Kind> {
+        Kind::ALL.iter().find(|row| row.1 == name).map(|row| row.0)
+    }
 }
 
 /// Assignment of dimensions: a block of 8 for the camera, then a block of 8 for each vertex of a path. The number of dimensions that a

@@ -132,13 +132,11 @@ fn list() -> String {
 /// Prints the points of a warp or sampler as CSV, or writes them to a file by its extension. With `--chi2` it tests them instead.
 fn draw(name: &str, args: &SampleArgs) -> Result<ExitCode> {
     let known = || WARPS.iter().map(|warp| warp.name).chain(Kind::ALL.iter().map(|row| row.1)).chain(["material"]).collect::<Vec<_>>();
-    let kind = |name: &str| Kind::ALL.iter().find(|row| row.1 == name).map(|row| row.0);
-    let warp = WARPS.iter().find(|warp| warp.name == name).or(kind(name).map(|_| &points::SQUARE));
+    let warp = WARPS.iter().find(|warp| warp.name == name).or(Kind::named(name).map(|_| &points::SQUARE));
     let warp = warp.ok_or_else(|| Error::Usage(unknown("warp or sampler", name, &known())))?;
-    let sampler = match (&args.sampler, kind(name)) {
-        (Some(given), _) => {
-            kind(given).ok_or_else(|| Error::Usage(unknown("sampler", given, &Kind::ALL.iter().map(|row| row.1).collect::<Vec<_>>())))?
-        }
+    let sampler = match (&args.sampler, Kind::named(name)) {
+        (Some(given), _) => Kind::named(given)
+            .ok_or_else(|| Error::Usage(unknown("sampler", given, &Kind::ALL.iter().map(|row| row.1).collect::<Vec<_>>())))?,
         (None, own) => own.unwrap_or_default(),
     };
     let parameters = Parameters {
