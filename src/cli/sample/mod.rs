@@ -16,6 +16,7 @@ use glam::Vec3;
 use super::parse::whole;
 use super::print_stdout;
 use crate::error::{Error, Result};
+use crate::load::sampler_named;
 use crate::output;
 use crate::reader::unknown;
 use crate::sampler::Kind;
@@ -135,8 +136,7 @@ fn draw(name: &str, args: &SampleArgs) -> Result<ExitCode> {
     let warp = WARPS.iter().find(|warp| warp.name == name).or(Kind::named(name).map(|_| &points::SQUARE));
     let warp = warp.ok_or_else(|| Error::Usage(unknown("warp or sampler", name, &known())))?;
     let sampler = match (&args.sampler, Kind::named(name)) {
-        (Some(given), _) => Kind::named(given)
-            .ok_or_else(|| Error::Usage(unknown("sampler", given, &Kind::ALL.iter().map(|row| row.1).collect::<Vec<_>>())))?,
+        (Some(given), _) => sampler_named(given)?,
         (None, own) => own.unwrap_or_default(),
     };
     let parameters = Parameters {
