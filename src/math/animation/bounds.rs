@@ -1,6 +1,6 @@
 //! Bounding boxes of what moves.
 
-use glam::{BVec3, DVec3};
+use glam::{BVec3, DMat3, DVec3};
 
 use super::keyframes::{Keyframes, Segment};
 use crate::math::Transform;
@@ -19,8 +19,27 @@ pub fn moved([low, high]: [DVec3; 2], before: &Transform, keyframes: &Keyframes,
         return nothing;
     }
     let corners = (0..8).map(|k| DVec3::select(BVec3::new(k & 1 != 0, k & 2 != 0, k & 4 != 0), high, low)).map(|p| before.point(p));
-    let ways = corners.flat_map(|p| keyframes.segments().iter().map(move |segment| way(segment, after, p)));
+    let keys: Vec<(&Transform, Transform)> = keyframes.transforms().iter().map(|key| (key, key.then(after))).collect();
+    let ways = corners.flat_map(|p| {
+        let segments = keyframes.segments().iter().map(move |segment| way(segment, after, p));
+        segments.chain(keys.iter().map(move |(key, both)| {
+            let rounding = ROUNDINGS * (size(after, size(key, p.abs())));
+            // The end of a way differs from this place by the rounding of the decomposition.
+            let place = both.point(p);
+            [place - rounding, place + rounding]
+        }))
+    });
     ways.fold(nothing, |[low, high], [from, to]| [low.min(from), high.max(to)])
+}
+
+/// Sum of the absolute terms of each coordinate of a transformed point, whose own coordinates have the absolute terms `p`. Rounding is relative to
+/// it, also where the terms cancel.
+fn size(transform: &Transform, p: DVec3) -> DVec3 {
+    absolute(transform.matrix().matrix3) * p + transform.matrix().translation.abs()
+}
+
+fn absolute(m: DMat3) -> DMat3 {
+    DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
 }
 
 /// Bounding box of the way of a point.
@@ -28,9 +47,18 @@ fn way(segment: &Segment, after: &Transform, p: DVec3) -> [DVec3; 2] {
     let fixed = after.matrix();
     let start = fixed.matrix3 * segment.translation[0] + fixed.translation;
     let change = fixed.matrix3 * segment.translation[1];
+    let terms = match &segment.turn {
+        None => absolute(segment.linear[0]) * p.abs(),
+        Some(turn) => {
+            let stretched = (absolute(turn.stretch[0]) + absolute(turn.stretch[1])) * p.abs();
+            turn.parts.iter().map(|part| absolute(*part) * stretched).sum()
+        }
+    };
+    let size = size(after, terms + segment.translation[0].abs() + segment.translation[1].abs());
     let bounds = |axis: usize| {
-        let mut curve = Curve { c: [start[axis], change[axis]], d: [0.0; 2], e: [0.0; 2], angle: 0.0 };
-        let linear = |m: glam::DMat3, v: DVec3| (fixed.matrix3 * (m * v))[axis];
+        let rounding = ROUNDINGS * size[axis];
+        let mut curve = Curve { c: [start[axis], change[axis]], d: [0.0; 2], e: [0.0; 2], angle: 0.0, rounding };
+        let linear = |m: DMat3, v: DVec3| (fixed.matrix3 * (m * v))[axis];
         match &segment.turn {
             None => curve.c[0] += linear(segment.linear[0], p),
             Some(turn) => {
@@ -58,6 +86,8 @@ struct Curve {
     e: [f64; 2],
     /// Angle θ, from 0 to π.
     angle: f64,
+    /// Bound of the rounding of a coordinate.
+    rounding: f64,
 }
 
 /// Interval of numbers.
@@ -73,8 +103,7 @@ const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 impl Curve {
     /// Least and greatest coordinate on the whole way, or a little beyond.
     fn range(&self) -> Interval {
-        let terms: f64 = [self.c, self.d, self.e].iter().flatten().map(|x| x.abs()).sum();
-        let rounding = ROUNDINGS * terms;
+        let rounding = self.rounding;
         let mut range = hull([self.at(0.0); 2], [self.at(1.0); 2]);
         if self.angle > 0.0 {
             self.extend(&mut range, [0.0, 1.0], (HALVINGS, rounding));

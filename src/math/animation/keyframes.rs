@@ -116,6 +116,11 @@ impl Keyframes {
         &self.times
     }
 
+    /// The transforms of the keyframes themselves.
+    pub(super) fn transforms(&self) -> &[Transform] {
+        &self.transforms
+    }
+
     /// What is between the keyframes; empty for a single one.
     pub(super) fn segments(&self) -> &[Segment] {
         &self.segments
