@@ -15,13 +15,14 @@ use crate::error::{Error, Result};
 use crate::film::MomentFilm;
 use crate::integrator::{DEFAULT, Entry};
 use crate::measure::format;
-use crate::measure::{ErrorHistory, Forecast, StopCondition, render_until};
+use crate::measure::{ErrorHistory, Forecast, StopCondition, resume_until};
 use crate::render::{Render, Settings, Silent};
 use crate::sampler::{Kind, SamplerSpec};
 use crate::scene::Scene;
 
-/// Render time of each candidate.
-const TIME: Duration = Duration::from_millis(400);
+/// Times for which a candidate is rendered, each together with the ones before it. Candidates that are surely dearer than another one after the
+/// first or the second are not rendered further, so that a clear choice takes little time.
+const TIMES: [Duration; 3] = [Duration::from_millis(100), Duration::from_millis(200), Duration::from_millis(400)];
 
 /// Pixels of the pilot's picture, about.
 const PIXELS: f32 = 3072.0;
@@ -32,8 +33,8 @@ const CONFIDENCE: f64 = 0.95;
 /// Factor by which the time of a sample may differ from one moment of a machine to another.
 const CLOCK: f64 = 1.1;
 
-/// Ratio of the ends of an interval from which on it tells nothing.
-const TELLING: f64 = 1e4;
+/// Ratio of the ends of an interval from which on only its lower end is told: ten times more or less than the value is no figure.
+const TELLING: f64 = 100.0;
 
 /// Factor by which a price may be wrong where the error of the pilot cannot be stated, as rare bright samples make the noise or are missing.
 const UNSURE: f64 = 10.0;
@@ -76,18 +77,23 @@ pub fn choose(args: &RenderArgs, loaded: Loaded, tables: &[&[Entry]]) -> Result<
         return Err(Error::Usage(format!("{AUTO} with {flag}: {message}")));
     }
     let mut loaded = loaded;
+    let mut known = None;
     if integrators {
-        let candidates = integrator_candidates(args, &loaded, tables)?;
-        let chosen = pilot(args, &loaded, candidates, |candidate| candidate.entry.name, Choice::Integrator)?;
-        loaded.select(chosen.entry, chosen.integrator);
+        let start = Instant::now();
+        let candidates = integrator_candidates(args, &loaded, tables)?.into_iter().map(|candidate| Pilot::new(args, &loaded, candidate));
+        let chosen = choice(args, candidates.collect(), Choice::Integrator, start)?;
+        loaded.select(chosen.candidate.entry, chosen.candidate.integrator.clone());
+        known = Some(chosen);
     }
     if samplers {
-        let own = loaded.sampler;
-        let others = SAMPLERS.into_iter().filter(|kind| *kind != own.kind).map(|kind| SamplerSpec { kind, ..own });
+        let (start, own) = (Instant::now(), loaded.sampler);
+        let kinds = SAMPLERS.into_iter().filter(|kind| *kind != own.kind).map(|kind| SamplerSpec { kind, ..own });
         let candidate = |sampler| PricedIntegrator { entry: loaded.entry, integrator: loaded.integrator.clone(), sampler };
-        let candidates = std::iter::once(own).chain(others).map(candidate).collect();
-        let chosen = pilot(args, &loaded, candidates, |candidate| candidate.sampler.kind.name(), Choice::Sampler)?;
-        loaded.select_sampler(chosen.sampler.kind)?;
+        let pilot = |sampler| Pilot::new(args, &loaded, candidate(sampler));
+        // The chosen integrator has been tried with its own sampler.
+        let candidates = std::iter::once(known.unwrap_or_else(|| pilot(own))).chain(kinds.map(pilot)).collect();
+        let chosen = choice(args, candidates, Choice::Sampler, start)?;
+        loaded.select_sampler(chosen.candidate.sampler.kind)?;
     }
     Ok(loaded)
 }
@@ -113,55 +119,85 @@ fn integrator_candidates(args: &RenderArgs, loaded: &Loaded, tables: &[&[Entry]]
     Ok(list)
 }
 
-/// Renders with each candidate and returns the one to use; the first is the default.
-fn pilot(
-    args: &RenderArgs,
-    loaded: &Loaded,
-    candidates: Vec<PricedIntegrator>,
-    name: impl Fn(&PricedIntegrator) -> &'static str,
-    what: Choice,
-) -> Result<PricedIntegrator> {
-    let start = Instant::now();
-    let spec = loaded.film.with_pixels(PIXELS);
-    let error = args.target.unwrap_or(ERROR);
-    let price = |candidate: &PricedIntegrator| {
+/// A candidate and the small picture that it has rendered so far.
+struct Pilot {
+    candidate: PricedIntegrator,
+    render: Render,
+    film: MomentFilm,
+    history: ErrorHistory,
+}
+
+impl Pilot {
+    fn new(args: &RenderArgs, loaded: &Loaded, candidate: PricedIntegrator) -> Pilot {
+        let spec = loaded.film.with_pixels(PIXELS);
         let settings = Settings { clamp: args.clamp, ..Settings::new(candidate.sampler) };
-        let mut film = MomentFilm::new(spec.clone());
-        let mut render = Render::new(loaded.world.clone(), &*candidate.integrator, &spec, &settings);
-        let until = StopCondition { samples: u32::MAX.into(), time: Some(TIME), target: None };
-        let history = render_until(&mut render, &mut film, &until, &Silent);
-        Priced::of(name(candidate), &history, error)
+        let render = Render::new(loaded.world.clone(), &*candidate.integrator, &spec, &settings);
+        Pilot { candidate, render, film: MomentFilm::new(spec), history: ErrorHistory::default() }
+    }
+
+    /// Renders until a time has passed in all.
+    fn run(&mut self, time: Duration) {
+        let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None };
+        self.history = resume_until(std::mem::take(&mut self.history), &mut self.render, &mut self.film, &until, &Silent);
+    }
+}
+
+/// Renders with each candidate, the first of which is the default, and returns the one to use.
+///
+/// - `start`: when the work on these candidates began
+fn choice(args: &RenderArgs, mut pilots: Vec<Pilot>, what: Choice, start: Instant) -> Result<Pilot> {
+    let error = args.target.unwrap_or(ERROR);
+    let name = |pilot: &Pilot| match what {
+        Choice::Integrator => pilot.candidate.entry.name,
+        Choice::Sampler => pilot.candidate.sampler.kind.name(),
     };
-    let priced: Vec<Priced> = candidates.iter().map(price).collect();
+    let mut priced: Vec<Priced> = pilots.iter().map(|pilot| Priced { name: name(pilot), prices: vec![] }).collect();
+    for (stage, time) in TIMES.into_iter().enumerate() {
+        let open: Vec<usize> = (0..pilots.len()).filter(|k| !priced[*k].is_surely_dearer(&priced)).collect();
+        if stage > 0 && open.len() < 2 {
+            break;
+        }
+        for k in open {
+            pilots[k].run(time);
+            priced[k].prices.push(Price::of(&pilots[k].history, error, what));
+        }
+    }
     let chosen = best(what, &priced);
     note(&format!(
         "note: {} {AUTO}: {} (pilot of {})",
         what.flag(),
-        reason(&priced, chosen),
+        reason(what, &priced, chosen),
         format::duration(start.elapsed().as_secs_f64())
     ));
-    candidates.into_iter().nth(chosen).ok_or_else(|| Error::Internal("the pilot has no candidate".into()))
+    pilots.into_iter().nth(chosen).ok_or_else(|| Error::Internal("the pilot has no candidate".into()))
 }
 
-/// A candidate and the time that it takes to the error.
-struct Priced {
-    name: &'static str,
+/// Time to the error, from the picture of a pilot.
+#[derive(Clone, Copy)]
+struct Price {
     /// `None` if the pilot found no light.
-    price: Option<Forecast>,
-    /// Whether the error of the pilot can be stated. Otherwise the price may be wrong by the factor [`UNSURE`].
+    time: Option<Forecast>,
+    /// Whether the error of the pilot can be stated. Otherwise the time may be wrong by the factor [`UNSURE`].
     is_sure: bool,
 }
 
-impl Priced {
-    /// Time to an error, from the history of a pilot.
-    fn of(name: &'static str, history: &ErrorHistory, error: f64) -> Priced {
-        let sure = history.price(error, CONFIDENCE);
-        let price = sure.or_else(|| {
-            let last = history.last()?;
-            let found = last.error?;
-            // The error falls with the square root of the time.
-            let value = last.seconds * (found.value / error).powi(2);
-            Some(Forecast { value, low: value / UNSURE, high: value * UNSURE })
+impl Price {
+    fn of(history: &ErrorHistory, error: f64, what: Choice) -> Price {
+        let last = history.last().and_then(|last| Some((last.seconds, last.error?.value)));
+        // The error falls with the square root of the time.
+        let scaled = |Forecast { value, low, high }, found: f64| {
+            let [value, low, high] = [value, low, high].map(|seconds: f64| seconds * (found / error).powi(2));
+            Forecast { value, low, high }
+        };
+        let sure = match what {
+            // All integrators have the same sampler. By what law their errors fall after the pilot is uncertain, but about the same for all, so that
+            // the ratio of two prices is known best at the errors that the pilots reached.
+            Choice::Integrator => last.and_then(|(_, found)| Some(scaled(history.price(found, CONFIDENCE)?, found))),
+            Choice::Sampler => history.price(error, CONFIDENCE),
+        };
+        let time = sure.or_else(|| {
+            let (seconds, found) = last?;
+            Some(scaled(Forecast { value: seconds, low: seconds / UNSURE, high: seconds * UNSURE }, found))
         });
         // No picture takes less than a sample of each pixel.
         let least = history.last().map_or(0.0, |last| last.seconds / last.samples as f64);
@@ -170,15 +206,42 @@ impl Priced {
             low: f64::max(low, least / CLOCK),
             high: f64::max(high, least * CLOCK),
         };
-        Priced { name, price: price.map(at_least), is_sure: sure.is_some() }
+        Price { time: time.map(at_least), is_sure: sure.is_some() }
+    }
+}
+
+/// A candidate and its prices, after each of [`TIMES`] for which it was rendered.
+struct Priced {
+    name: &'static str,
+    prices: Vec<Price>,
+}
+
+/// Price of a candidate over that of another.
+struct Ratio {
+    /// The ratio, with the interval that both uncertainties give.
+    value: Forecast,
+    /// Whether both prices are sure.
+    is_sure: bool,
+}
+
+impl Priced {
+    fn last(&self) -> Price {
+        self.prices.last().copied().unwrap_or(Price { time: None, is_sure: false })
     }
 
-    /// Ratio of this price to another, with the interval that both uncertainties give.
-    fn ratio(&self, other: &Priced) -> Option<Forecast> {
-        let (own, other) = (self.price?, other.price?);
-        let spread = |price: Forecast| 0.5 * (price.high / price.low).ln();
-        let (value, factor) = (own.value / other.value, spread(own).hypot(spread(other)).exp());
-        Some(Forecast { value, low: value / factor, high: value * factor })
+    /// Ratio of this price to another, after the longest time for which both were rendered, since errors may fall faster at first.
+    fn ratio(&self, other: &Priced) -> Option<Ratio> {
+        let stage = self.prices.len().min(other.prices.len()).checked_sub(1)?;
+        let (own, other) = (self.prices[stage], other.prices[stage]);
+        let spread = |time: Forecast| 0.5 * (time.high / time.low).ln();
+        let (time, other_time) = (own.time?, other.time?);
+        let (value, factor) = (time.value / other_time.value, spread(time).hypot(spread(other_time)).exp());
+        Some(Ratio { value: Forecast { value, low: value / factor, high: value * factor }, is_sure: own.is_sure && other.is_sure })
+    }
+
+    /// Whether another candidate is cheaper by more than both uncertainties.
+    fn is_surely_dearer(&self, all: &[Priced]) -> bool {
+        all.iter().any(|other| self.ratio(other).is_some_and(|ratio| ratio.is_sure && ratio.value.low > 1.0))
     }
 }
 
@@ -189,13 +252,13 @@ impl Priced {
 ///   is trusted
 fn best(what: Choice, priced: &[Priced]) -> usize {
     let Some(default) = priced.first() else { return 0 };
-    if what == Choice::Sampler && priced.iter().any(|candidate| !candidate.is_sure) {
+    if what == Choice::Sampler && priced.iter().any(|candidate| !candidate.last().is_sure) {
         return 0;
     }
     let at_most = |candidate: &Priced| match candidate.ratio(default) {
-        Some(ratio) => ratio.high,
+        Some(ratio) => ratio.value.high,
         // Any light is better than none.
-        None if default.price.is_none() && candidate.price.is_some() => 0.0,
+        None if default.last().time.is_none() && candidate.last().time.is_some() => 0.0,
         None => f64::INFINITY,
     };
     let others = (1..priced.len()).map(|k| (k, at_most(&priced[k])));
@@ -203,23 +266,28 @@ fn best(what: Choice, priced: &[Priced]) -> usize {
 }
 
 /// The choice and what the others would take, in words.
-fn reason(priced: &[Priced], chosen: usize) -> String {
+fn reason(what: Choice, priced: &[Priced], chosen: usize) -> String {
     let name = priced[chosen].name;
     let other = |other: &Priced| match other.ratio(&priced[chosen]) {
-        Some(Forecast { value, low, high }) if high / low < TELLING => {
+        Some(Ratio { value: Forecast { value, low, high }, is_sure: true }) if high / low < TELLING => {
             let [value, low, high] = [value, low, high].map(format::two_digits);
-            let least = if other.is_sure { "" } else { "at least " };
-            format!("{} {least}{value} times as long ({low}–{high})", other.name)
+            format!("{} {value} times as long ({low}–{high})", other.name)
         }
+        Some(Ratio { value, .. }) if value.low > 1.0 => format!("{} at least {} times as long", other.name, format::two_digits(value.low)),
         Some(_) => format!("{} cannot be told", other.name),
         None => format!("{} found no light", other.name),
     };
     let others: Vec<String> = priced.iter().filter(|priced| priced.name != name).map(other).collect();
-    match (priced[chosen].price, priced[chosen].is_sure) {
+    let last = priced[chosen].last();
+    let is_uneven = priced.iter().any(|candidate| !candidate.last().is_sure);
+    match last.time {
         _ if others.is_empty() => format!("{name}, the only one that simulates what the scene calls for"),
-        (Some(_), true) => format!("{name}; to the same error, {}", others.join(", ")),
-        (Some(_), false) => format!("{name}, though its noise is too uneven for a sure price; {}", others.join(", ")),
-        (None, _) => format!("{name}, the default, since no pilot tells an error"),
+        None => format!("{name}, the default, since no pilot tells an error"),
+        Some(_) if what == Choice::Sampler && is_uneven => {
+            format!("{name}, the default, since the noise is too uneven to compare samplers")
+        }
+        Some(_) if last.is_sure => format!("{name}; to the same error, {}", others.join(", ")),
+        Some(_) => format!("{name}, though its noise is too uneven for a sure price; {}", others.join(", ")),
     }
 }
 
@@ -230,16 +298,20 @@ mod tests {
     use super::*;
     use crate::film::{Crop, FilmSpec};
 
+    fn price(value: f64, factor: f64) -> Price {
+        Price { time: Some(Forecast { value, low: value / factor, high: value * factor }), is_sure: true }
+    }
+
     fn priced(name: &'static str, value: f64, factor: f64) -> Priced {
-        Priced { name, price: Some(Forecast { value, low: value / factor, high: value * factor }), is_sure: true }
+        Priced { name, prices: vec![price(value, factor)] }
     }
 
     fn unsure(name: &'static str, value: f64) -> Priced {
-        Priced { is_sure: false, ..priced(name, value, UNSURE) }
+        Priced { name, prices: vec![Price { is_sure: false, ..price(value, UNSURE) }] }
     }
 
     fn black(name: &'static str) -> Priced {
-        Priced { name, price: None, is_sure: false }
+        Priced { name, prices: vec![Price { time: None, is_sure: false }] }
     }
 
     /// The default stays unless another is cheaper by more than both uncertainties: 1.5 to the power √2, 1.77.
@@ -255,6 +327,28 @@ mod tests {
         assert_eq!(best(Choice::Integrator, &[nee()]), 0);
     }
 
+    /// A candidate is not rendered further only where both prices are sure and their uncertainties cannot explain the difference.
+    #[test]
+    fn surely_dearer_candidates_are_not_rendered_further() {
+        let nee = || priced("nee", 9.0, 1.5);
+        let is_out = |candidate: Priced, other: Priced| candidate.is_surely_dearer(&[nee(), other]);
+        assert!(!is_out(priced("path", 9.0 * 1.7, 1.5), black("light")));
+        assert!(is_out(priced("path", 9.0 * 1.8, 1.5), black("light")));
+        assert!(is_out(nee(), priced("path", 9.0 / 1.8, 1.5)), "the default as well");
+        assert!(!is_out(nee(), unsure("path", 1e-3)), "unsure prices decide nothing");
+        assert!(!is_out(unsure("path", 1e9), black("light")) && !is_out(black("path"), black("light")));
+        assert!(!Priced { name: "new", prices: vec![] }.is_surely_dearer(&[nee()]));
+    }
+
+    /// Prices are compared after the time for which both candidates were rendered, whatever one of them costs later.
+    #[test]
+    fn prices_of_the_same_time_are_compared() {
+        let short = priced("path", 20.0, 1.0);
+        let long = Priced { name: "nee", prices: vec![price(10.0, 1.0), price(5.0, 1.0)] };
+        assert_eq!(short.ratio(&long).expect("a ratio").value.value, 2.0);
+        assert_eq!(long.ratio(&short).expect("a ratio").value.value, 0.5);
+    }
+
     /// A price without the rare bright samples is too low: it keeps the default, and replaces it only if it is lower by far.
     #[test]
     fn unsure_prices_are_doubted() {
@@ -268,13 +362,26 @@ mod tests {
 
     #[test]
     fn the_reason_names_all_candidates() {
-        let list = [priced("nee", 9.0, 1.0), priced("path", 90.0, 1.5), unsure("card", 18.0), black("light"), priced("far", 1.0, 1e3)];
-        let others = "path 10 times as long (6.7–15), card at least 2 times as long (0.2–20), light found no light, far cannot be told";
-        assert_eq!(reason(&list, 0), format!("nee; to the same error, {others}"));
-        assert_eq!(reason(&list[..1], 0), "nee, the only one that simulates what the scene calls for");
-        assert_eq!(reason(&[black("nee"), black("path")], 0), "nee, the default, since no pilot tells an error");
-        let said = reason(&[unsure("nee", 9.0), priced("path", 90.0, 1.0)], 0);
-        assert_eq!(said, "nee, though its noise is too uneven for a sure price; path 10 times as long (1–100)");
+        let list = [
+            priced("nee", 9.0, 1.0),
+            priced("path", 90.0, 1.5),
+            unsure("card", 450.0),
+            unsure("whitted", 18.0),
+            black("light"),
+            priced("far", 1.0, 1e3),
+        ];
+        let others = "path 10 times as long (6.7–15), card at least 5 times as long, whitted cannot be told, light found no light, \
+                      far cannot be told";
+        let reason_of = |list: &[Priced]| reason(Choice::Integrator, list, 0);
+        assert_eq!(reason_of(&list), format!("nee; to the same error, {others}"));
+        assert_eq!(reason_of(&list[..1]), "nee, the only one that simulates what the scene calls for");
+        assert_eq!(reason_of(&[black("nee"), black("path")]), "nee, the default, since no pilot tells an error");
+        let said = reason_of(&[unsure("nee", 9.0), priced("path", 990.0, 1.0)]);
+        assert_eq!(said, "nee, though its noise is too uneven for a sure price; path at least 11 times as long");
+        let samplers = |list: &[Priced]| reason(Choice::Sampler, list, 0);
+        let said = samplers(&[priced("sobol", 9.0, 1.5), unsure("halton", 900.0)]);
+        assert_eq!(said, "sobol, the default, since the noise is too uneven to compare samplers");
+        assert_eq!(samplers(&[black("sobol"), black("halton")]), "sobol, the default, since no pilot tells an error");
     }
 
     /// The pilot's picture has the shape of the picture and of its crop, and is never larger.
