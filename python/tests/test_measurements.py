@@ -120,8 +120,8 @@ def box():
 
 
 def test_methods_that_agree(pt, box):
-    found = pt_renderer.verify("nee", "path", scene=box, spp=64)
-    said = pt("verify", SCENES / "cornell-box.json", "nee", "path", "--size", "48x36", "--spp", 64, check=False)
+    found = pt_renderer.verify("nee", "path", scene=box, spp=256)
+    said = pt("verify", SCENES / "cornell-box.json", "nee", "path", "--size", "48x36", "--spp", 256, check=False)
     assert (found.verdict, said.returncode) == ("same", 0)
     assert found.p > found.alpha == 0.01 and set(found.tests) == {"pixel", "block", "global", "spread"}
     # The same number as the program prints, in per cent with two digits.

@@ -26,7 +26,7 @@ pub struct Side {
     pub image: Image,
     /// Number n of independent values behind each mean; its variance has n − 1 degrees of freedom.
     pub samples: u64,
-    /// Whether the picture itself says that a few pixels hold all its noise.
+    /// Whether its own error cannot be established because a few pixels hold all the noise. Then the pixels' standard errors prove nothing.
     pub is_heavy: bool,
 }
 
@@ -102,7 +102,8 @@ impl Side {
         let mut render = Render::new(scene.clone(), integrator, film, &Settings::new(sampler));
         let history = render_until(&mut render, &mut moments, until, observer);
         let (freedom, report) = (moments.freedom(), render.report().clone());
-        let side = || Side { name: name.to_owned(), image: moments.image(), samples: freedom as u64 + 1, is_heavy: false };
+        let is_heavy = history.last().and_then(|last| last.error?.refusal()) == Some(Refusal::HeavyTail);
+        let side = || Side { name: name.to_owned(), image: moments.image(), samples: freedom as u64 + 1, is_heavy };
         let is_usable = freedom > 0.0 && !report.cancelled;
         RenderedSide { side: is_usable.then(side), samples: moments.samples(), report, history }
     }

@@ -73,6 +73,15 @@ fn noise_of_rare_bright_samples_gives_no_error_estimate() {
     );
 }
 
+/// Sides whose own error cannot be established are not called the same picture, though their tests accept.
+#[test]
+fn sides_without_an_error_are_not_called_the_same() {
+    let (folder, plates) = (folder(), CORNELL.replace("cornell-box", "mis-plates"));
+    let text = said(folder.path(), 7, &["verify", &plates, "nee", "path", "--size", "48x36", "--spp", "256"]);
+    assert!(text.contains("relative error cannot be established (heavy tail"), "{text}");
+    assert!(text.contains("inconclusive") && !text.contains("the same picture"), "{text}");
+}
+
 /// An adaptive render prints the range of samples per pixel.
 #[test]
 fn adaptive_renders_report_their_sample_counts() {
