@@ -268,6 +268,9 @@ fn of_a_caustic_no_time_is_stated() {
     let text = said(folder.path(), 0, &given);
     let nothing = "For 10 %, 3 % and 1 %, the reference is too coarse to tell the time of nee.";
     assert!(text.contains(nothing) && !text.contains("cheapest"), "{text}");
+    assert!(text.contains(" · error unknown, as is that of the reference\n") && !text.contains("slope"), "{text}");
+    let page = std::fs::read_to_string(folder.path().join("report/index.html")).expect("a page");
+    assert!(page.contains("unknown, as is that of the reference"));
 }
 
 /// A replay from another folder and with other threads finds the same bits. What the recorded run had otherwise is told, and a changed

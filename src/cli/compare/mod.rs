@@ -313,10 +313,15 @@ fn summary(comparison: &Comparison, folder: &Path) -> String {
     let mut text = format!("against {}, {}\n", comparison.reference.origin, comparison.reference.own_error(comparison.confidence));
     for method in &comparison.methods {
         let Some(last) = method.curve.last() else { continue };
-        let slope = method.slope.map_or(String::new(), |slope| format!(" · slope {}", report::slope(slope)));
-        let error = per_cent(last.relmse.0.max(0.0).sqrt());
         let samples = method.spp(last.samples).map_or(String::new(), |samples| format!("{samples} spp · "));
-        text += &format!("{}: {samples}{} · error {error} %{slope}\n", method.name, duration(last.seconds));
+        let error = match report::last_error(comparison, method) {
+            Ok(point) => {
+                let slope = method.slope.map_or(String::new(), |slope| format!(" · slope {}", report::slope(slope)));
+                format!("error {} %{slope}", per_cent(point.error))
+            }
+            Err(reason) => format!("error {reason}"),
+        };
+        text += &format!("{}: {samples}{} · {error}\n", method.name, duration(last.seconds));
     }
     comparison.conclusions.iter().for_each(|conclusion| text += &format!("{}\n", conclusion.text));
     text + &format!("{}\n", folder.join("index.html").display())

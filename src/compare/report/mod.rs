@@ -13,7 +13,7 @@ mod table;
 use std::path::{Path, PathBuf};
 
 pub use page::waiting;
-pub use plot::slope;
+pub use plot::{last_error, slope};
 
 use page::Place;
 

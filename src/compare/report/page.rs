@@ -1,7 +1,7 @@
 //! The page `index.html`: one file that contains everything.
 
 use super::pictures::pictures;
-use super::plot::{self, error_curve};
+use super::plot::{self, last_error};
 use crate::compare::{Comparison, Conclusion, CostKind, Method, Reference, TARGETS};
 use crate::error::{Error, Result};
 use crate::measure::Metric;
@@ -190,7 +190,10 @@ fn measures(comparison: &Comparison) -> String {
 
 /// Error after the last checkpoint, its interval, samples and time.
 fn last(comparison: &Comparison, method: &Method) -> String {
-    let Some(last) = error_curve(method, comparison.confidence).into_iter().next_back() else { return "below the reference's".into() };
+    let last = match last_error(comparison, method) {
+        Ok(last) => last,
+        Err(reason) => return reason.into(),
+    };
     let [error, low, high] = [last.error, last.low, last.high].map(format::per_cent);
     let interval = if low == high { String::new() } else { format!("{low}–{high} %<br>") };
     let samples = last.samples.map_or(String::new(), |samples| format!("{samples} spp, "));

@@ -10,7 +10,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use crate::compare::{CheckpointStats, Method};
+use crate::compare::{CheckpointStats, Comparison, Method};
 
 /// Error at one checkpoint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +31,18 @@ pub struct ErrorPoint {
 pub fn error_curve(method: &Method, confidence: f64) -> Vec<ErrorPoint> {
     let visible = method.curve.iter().filter(|point| point.relmse.0 > 0.0 && point.seconds > 0.0);
     visible.map(|point| checkpoint(method, point, confidence)).collect()
+}
+
+/// Returns the error of a method at its last checkpoint, or why it is not told.
+pub fn last_error(comparison: &Comparison, method: &Method) -> Result<ErrorPoint, &'static str> {
+    if comparison.reference.error.is_some_and(|own| own.refusal().is_some()) {
+        return Err("unknown, as is that of the reference");
+    }
+    match method.curve.last() {
+        Some(last) if last.relmse.0 > 0.0 => Ok(checkpoint(method, last, comparison.confidence)),
+        Some(last) if last.relmse.0 <= 0.0 => Err("below the reference's"),
+        _ => Err("unknown"),
+    }
 }
 
 fn checkpoint(method: &Method, point: &CheckpointStats, confidence: f64) -> ErrorPoint {

@@ -19,7 +19,7 @@ use crate::error::Result;
 use crate::measure::format;
 
 use drawing::Drawing;
-pub use error_curve::error_curve;
+pub use error_curve::last_error;
 use frame::{Format, NARROW, WIDE};
 
 /// A plot, with the stem of its file names.
@@ -52,13 +52,14 @@ pub fn elements(comparison: &Comparison) -> Vec<[String; 2]> {
     ALL.iter().map(|plot| [WIDE, NARROW].map(|format| svg::element(&(plot.draw)(comparison, format)))).collect()
 }
 
-/// Slope of the error √relMSE over time, as it appears on logarithmic axes: `−0.49 ± 0.01`.
+/// Slope of the error √relMSE over time, as it appears on logarithmic axes: `−0.49 ± 0.01`. Errors below 0.01 are shown as 0.01.
 ///
 /// - `slope`: exponent s of √relMSE ∝ timeˢ, and its standard error
 pub fn slope((slope, deviation): (f64, f64)) -> String {
     let size = format!("{:.2}", slope.abs());
     let sign = if slope < 0.0 && size != "0.00" { "−" } else { "" };
-    format!("{sign}{size} ± {deviation:.2}")
+    // "± 0.00" would claim an exact slope.
+    format!("{sign}{size} ± {:.2}", deviation.max(0.01))
 }
 
 /// Time with its interval: `14 s (12 s–17 s)`, with `≈` before extrapolated ones and `<` before bounds.
