@@ -103,7 +103,13 @@ impl Scale {
         let squares: Vec<f64> = changes.chunks_exact(2).map(square).collect();
         let squares = Replicates::new(&squares);
         let rounding = ROUNDING * (squares.mean.abs().sqrt() + ROUNDING);
-        let picture = self.interval(&squares, rounding).map(|square| square.map(|x| x.max(0.0).sqrt()));
+        // Where no pixel is changed in both replicates of any pair, as by light that is rarely found, the products tell nothing. What rounding
+        // changes is no change.
+        let has_changes = changes.iter().any(|change| self.product(&wide(change), &wide(change)) > ROUNDING * ROUNDING);
+        let picture = match has_changes && squares.mean == 0.0 && squares.error == 0.0 {
+            true => Err(Refusal::TooNoisy),
+            false => self.interval(&squares, rounding).map(|square| square.map(|x| x.max(0.0).sqrt())),
+        };
         Absence { noise: noise.map(Interval::complement), mean: self.light(with, &changes), picture, noise_ratio: noise }
     }
 
@@ -162,4 +168,28 @@ fn wide(picture: &Pixels) -> Vec<f64> {
 
 fn difference(a: &Pixels, b: &Pixels) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| f64::from(*a) - f64::from(*b)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Eight pictures of eight gray pixels. An effect that lights another pixel in each of them changes the mean; how much the picture
+    /// differs without it they do not tell, while an effect that lights always the same pixel is told.
+    #[test]
+    fn sparse_effects_do_not_count_as_none() {
+        let picture = |lit: Option<usize>| (0..24).map(|i| if lit == Some(i / 3) { 3.0 } else { 1.0 }).collect::<Pixels>();
+        let without = vec![picture(None); 8];
+        let absence = |lit: &dyn Fn(usize) -> usize| {
+            let with: Vec<Pixels> = (0..8).map(|k| picture(Some(lit(k)))).collect();
+            let [with, without] = [&with, &without].map(|pictures| pictures.iter().collect::<Vec<&Pixels>>());
+            Scale::new(&with, 0.95).expect("light").absence(&with, &without)
+        };
+        assert_eq!(absence(&|k| k).picture, Err(Refusal::TooNoisy));
+        // g = 1/24 1/(9 + 0.01 · 1.25²) in the lit pixel, d = −2 in its three colours
+        let expected = (3.0 / 24.0 * 4.0 / (9.0 + 0.01 * 1.25f64.powi(2))).sqrt();
+        let found = absence(&|_| 5).picture.expect("a figure");
+        // All sums are exact but for the last digits of f64.
+        assert!((found.value / expected - 1.0).abs() < 1e-12, "{found:?}, not {expected}");
+    }
 }
