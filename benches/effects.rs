@@ -54,6 +54,20 @@ fn rows() -> Vec<Row> {
         let key = |time: f64, by: f64| json!({ "time": time, "transform": [{ "translate": [x + by, 0.6, 0] }] });
         json!({ "keyframes": [key(0.0, -0.2), key(1.0, 0.2)] })
     };
+    let wires = |are_curves: bool| {
+        let at = |k: u32| [f64::from(k) * 0.15 - 1.4, 0.9];
+        let cylinder = |[x, z]: [f64; 2]| {
+            json!({ "type": "cylinder", "radius": 0.02, "z_min": 0, "z_max": 1.5, "material": "walls",
+                "transform": [{ "rotate": { "axis": [1, 0, 0], "degrees": -90 } }, { "translate": [x, 0, z] }] })
+        };
+        let line = |[x, z]: [f64; 2]| json!([[x, 0, z], [x, 0.5, z], [x, 1, z], [x, 1.5, z]]);
+        match are_curves {
+            true => {
+                json!({ "type": "curves", "radius": 0.02, "material": "walls", "points": (0..20).map(|k| line(at(k))).collect::<Vec<_>>() })
+            }
+            false => json!({ "type": "group", "shapes": (0..20).map(|k| cylinder(at(k))).collect::<Vec<_>>() }),
+        }
+    };
     let mirrors = |walls: Value| [("/materials/walls", walls.clone()), (ball, walls)];
     let mirror = json!({ "type": "mirror", "color": 0.5 });
     vec![
@@ -104,6 +118,7 @@ fn rows() -> Vec<Row> {
             &[("/camera", with_view(json!({ "focal_length": 50, "f_number": 2, "focus_distance": 4 })))],
             &[("/camera", with_view(json!({ "type": "realistic", "lens": DOUBLE_GAUSS, "focus_distance": 4 })))],
         ),
+        row(Effects::CURVES, "twenty wires, not as many thin cylinders", &[("/shapes/-", wires(false))], &[("/shapes/-", wires(true))]),
         row(
             Effects::SHADING_NORMALS,
             "bumps on the balls",

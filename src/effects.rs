@@ -58,6 +58,8 @@ impl Effects {
     pub const DISPERSION: Effects = Effects(1 << 18);
     /// Films about as thin as a wavelength, whose colours are those of interference.
     pub const THIN_FILM: Effects = Effects(1 << 19);
+    /// Hair, wires and ribbons: curves with a thickness.
+    pub const CURVES: Effects = Effects(1 << 20);
 
     /// Light between surfaces that scatter into a continuum of directions, of which a path follows one at random.
     pub const SCATTERED: Effects = Effects::INTERREFLECTION.union(Effects::GLOSSY_REFLECTION).union(Effects::ROUGH_REFRACTION);
@@ -138,7 +140,7 @@ impl Sub for Effects {
 }
 
 /// Table of all effects, in the order of their bits.
-const TABLE: [EffectInfo; 20] = [
+const TABLE: [EffectInfo; 21] = [
     EffectInfo { bit: Effects::AREA_LIGHT, name: "area lights", cost: "one shadow ray per vertex, a table of emitting primitives" },
     EffectInfo { bit: Effects::POINT_LIGHT, name: "point lights", cost: "one shadow ray per vertex" },
     EffectInfo { bit: Effects::ENVIRONMENT, name: "environment", cost: "one shadow ray per vertex, a lookup per ray that leaves" },
@@ -171,4 +173,5 @@ const TABLE: [EffectInfo; 20] = [
         cost: "noise of colour: one wavelength per path through glass, paths one by one",
     },
     EffectInfo { bit: Effects::THIN_FILM, name: "thin films", cost: "a lookup in a table per hit" },
+    EffectInfo { bit: Effects::CURVES, name: "curves", cost: "the roots of a polynomial per piece that a ray comes near to" },
 ];

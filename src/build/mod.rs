@@ -330,6 +330,7 @@ impl Builder<'_> {
             }
             Shape::Curves(s) => {
                 let Some(curves) = self.curves(pointer, s, to_world)? else { return Ok(()) };
+                effects |= Effects::CURVES;
                 self.place(curves, *to_world, vec![own], emitter);
             }
             Shape::Mesh(s) => {

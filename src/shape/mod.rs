@@ -181,6 +181,11 @@ pub trait Shape: Send + Sync {
         false
     }
 
+    /// Whether it consists of curves, which have a thickness and no faces.
+    fn is_of_curves(&self) -> bool {
+        false
+    }
+
     /// Height along `ng` of the smooth surface that primitive `i` represents (m), at `point` with the coordinates `uv` on the primitive.
     fn shadow_terminator_offset(&self, _i: u32, _uv: Vec2, _point: &SurfacePoint, _time: f32) -> f32 {
         0.0

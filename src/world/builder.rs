@@ -177,10 +177,11 @@ impl WorldBuilder {
         let prepared = used.map(|material| materials[material.0 as usize].surface.effects());
         let normals = shapes.iter().filter(|s| s.has_shading_normals()).map(|_| Effects::SHADING_NORMALS);
         let smooth = shapes.iter().filter(|s| s.has_shadow_terminator_offset()).map(|_| Effects::SMOOTH_SHADOWS);
+        let curves = shapes.iter().filter(|s| s.is_of_curves()).map(|_| Effects::CURVES);
         let in_media = (!bodies.is_empty() || around.is_some()).then_some(Effects::MEDIA);
         let moves = moves || shapes.iter().any(|shape| shape.is_moving());
         let prepared = prepared.chain(in_media).chain(moves.then_some(Effects::MOTION));
-        let effects = prepared.chain(normals).chain(smooth).fold(lights.effects() | camera.effects(), Effects::union);
+        let effects = prepared.chain(normals).chain(smooth).chain(curves).fold(lights.effects() | camera.effects(), Effects::union);
         let effects = if has_footprints { effects } else { effects.without(Effects::FOOTPRINTS) };
         let camera = camera.recentred(origin);
         let has_holes = effects.contains(Effects::CUT_OUTS);

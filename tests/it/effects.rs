@@ -165,6 +165,8 @@ fn every_change_takes_its_effect_out() {
         scene[pointer] = value;
         scene
     };
+    let wire = json!({ "type": "curves", "points": [[[-0.5, 0, -2], [0.5, 0.2, -2]]], "radius": 0.2, "material": "wall" });
+    let hairy = ("curves", corner(diffuse.clone(), vec![wire]));
     let cases = [
         ("mirror reflection", corner(json!({ "type": "mirror", "color": 0.9 }), vec![])),
         ("mirror reflection", corner(json!({ "type": "conductor", "metal": "Au" }), vec![])),
@@ -210,7 +212,7 @@ fn every_change_takes_its_effect_out() {
         ("thin films", corner(json!({ "type": "conductor", "metal": "Ti", "film": { "eta": 1.5, "thickness": 300 } }), vec![])),
     ];
     let plan = Plan { pixels: 64, samples: 2, replicates: 4, time: None };
-    for (name, scene) in cases {
+    for (name, scene) in cases.into_iter().chain([hairy]) {
         let report = measured(&scene, plan);
         let found = row(&report, name);
         assert!(found.time.is_some() && found.price.is_some() && found.mean.is_some(), "{name}: {found:?}");

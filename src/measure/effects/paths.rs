@@ -32,7 +32,8 @@ const OF_SURFACES: Effects = Effects::SHADING_NORMALS
     .union(Effects::CUT_OUTS)
     .union(Effects::SMOOTH_SHADOWS)
     .union(Effects::DISPERSION)
-    .union(Effects::THIN_FILM);
+    .union(Effects::THIN_FILM)
+    .union(Effects::CURVES);
 
 impl PathFacts {
     /// The path with one more scattering event, farther from the camera.
@@ -136,9 +137,10 @@ impl<F: FnMut(Spectrum, &PathFacts)> PathRecorder for PathSorter<'_, F> {
     fn record(&mut self, event: Event) {
         match event {
             Event::Vertex(vertex) => {
-                let is_smooth = self.shapes[vertex.hit.shape as usize].has_shading_normals();
-                let normals = if is_smooth { Effects::SHADING_NORMALS } else { Effects::NONE };
-                let effects = self.world.material(&vertex.hit).effects() | normals;
+                let shape = &self.shapes[vertex.hit.shape as usize];
+                let normals = if shape.has_shading_normals() { Effects::SHADING_NORMALS } else { Effects::NONE };
+                let curves = if shape.is_of_curves() { Effects::CURVES } else { Effects::NONE };
+                let effects = self.world.material(&vertex.hit).effects() | normals | curves;
                 self.at = Some(Place::Surface { effects, ng: vertex.ng, wo: vertex.wo });
             }
             Event::Medium(_) => self.at = Some(Place::Medium),

@@ -36,7 +36,7 @@ const FOCUSING: Effects =
 const NOT_MATTE: Effects = FOCUSING.union(Effects::MEDIA);
 
 /// All that is measured. The first three are disjoint and make up all light, and so do those of the lamps.
-const ALL: [Subject; 23] = [
+const ALL: [Subject; 24] = [
     paths("light seen at its source", Effects::NONE, |path| path.depth == 0, None),
     paths("direct light", Effects::NONE, |path| path.depth == 1, None),
     paths("indirect light", Effects::NONE, |path| path.depth > 1, Some(without::only_direct)),
@@ -60,6 +60,7 @@ const ALL: [Subject; 23] = [
     change(Effects::CUT_OUTS, Some(|path| path.scattered.contains(Effects::CUT_OUTS)), Some(without::whole)),
     change(Effects::DISPERSION, Some(|path| path.scattered.contains(Effects::DISPERSION)), Some(without::one_index)),
     change(Effects::THIN_FILM, Some(|path| path.scattered.contains(Effects::THIN_FILM)), Some(without::no_films)),
+    change(Effects::CURVES, Some(|path| path.scattered.contains(Effects::CURVES)), Some(without::no_curves)),
 ];
 
 impl Subject {

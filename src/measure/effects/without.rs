@@ -126,6 +126,11 @@ pub fn no_films(scene: &mut Value) {
     });
 }
 
+/// No curves.
+pub fn no_curves(scene: &mut Value) {
+    each_list(scene, &mut |shapes| shapes.retain(|shape| shape["type"] != "curves"));
+}
+
 /// No emission of surfaces on which points can be sampled.
 pub fn no_area_lights(scene: &mut Value) {
     each_shape(scene, &mut |shape| {

@@ -91,6 +91,10 @@ impl Ribbons {
 }
 
 impl Shape for Ribbons {
+    fn is_of_curves(&self) -> bool {
+        true
+    }
+
     fn count(&self) -> u32 {
         self.0.count()
     }

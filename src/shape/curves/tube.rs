@@ -364,6 +364,10 @@ fn slope_error(at: &Local, rounding: f64) -> f64 {
 }
 
 impl Shape for Tubes {
+    fn is_of_curves(&self) -> bool {
+        true
+    }
+
     fn count(&self) -> u32 {
         self.0.count()
     }
