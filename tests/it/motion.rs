@@ -685,6 +685,18 @@ fn sequences_are_pictures_one_after_the_other() {
     pt(&["-D", "/shutter={\"open\": 0.5, \"close\": 0.5}", "--frames", "0..0"]);
     pt(&["-D", "/shutter={\"open\": 0.5, \"close\": 0.5}", "-o", "alone.exr"]);
     assert!(picture("s.0000.exr") == picture("alone.exr") && folder.path().join("s.0000.png").exists());
+    // One picture of the sequence alone, and in parts.
+    pt(&["--frame", "2", "--fps", "10", "-o", "one.exr"]);
+    assert!(picture("one.0002.exr") == picture("x.0002.exr"));
+    for shard in ["1/2", "2/2"] {
+        pt(&["--frames", "1..2", "--fps", "10", "--shard", shard, "-o", &format!("p{}.ptc", &shard[..1])]);
+    }
+    for frame in ["0001", "0002"] {
+        let parts = ["1", "2"].map(|shard| format!("p{shard}.{frame}.ptc"));
+        let mut command = Command::cargo_bin("pt").expect("the program");
+        command.current_dir(folder.path()).arg("merge").args(parts).args(["-o", "merged.exr"]).assert().success();
+        assert!(picture("merged.exr") == picture(&format!("x.{frame}.exr")), "picture {frame} in parts");
+    }
     // A picture with fewer samples is not done, and one of another scene is not that picture.
     pt(&["--frames", "1..1", "--fps", "10", "--spp", "2", "-o", "x.exr"]);
     let before = fs::metadata(folder.path().join("x.0003.exr")).expect("there").modified().expect("a time");
@@ -701,6 +713,7 @@ fn sequences_are_pictures_one_after_the_other() {
     assert!(!said.contains("is there"), "{said}");
     for (args, expected) in [
         (vec!["--frames", "3..1"], "expected pictures such as 1..48"),
+        (vec!["--frame", "x"], "expected pictures such as 1..48"),
         (vec!["--frames", "1..2", "--pixel", "1,1"], "cannot be used with"),
         (vec!["--frames", "1..2", "--resume", "--time", "1"], "--frames --resume"),
         (vec!["--frames", "1..2", "--resume=x.ptc"], "--frames --resume=FILE"),

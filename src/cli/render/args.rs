@@ -36,9 +36,10 @@ pub struct RenderArgs {
     /// Name the picture by the time at which it is begun, YY_MM_DD-hh_mm_ss.exr and .png.
     #[arg(long, conflicts_with_all = ["output", "shard", "samples", "pixel"])]
     pub clock_name: bool,
-    /// Render the pictures A to B of a sequence, both included: 1..48. In picture n the shutter opens n / --fps seconds later, and names have
-    /// the number of the picture: x.0001.exr. With --resume, pictures of the same scene that are there with all samples (as .exr) are left alone.
-    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["clock_name", "pixel"])]
+    /// Render the pictures A to B of a sequence, both included, or one: 1..48, 7. In picture n the shutter opens n / --fps seconds later, and
+    /// names have the number of the picture: x.0001.exr. With --resume, pictures of the same scene that are there with all samples (as .exr) are
+    /// left alone.
+    #[arg(long, visible_alias = "frame", value_name = "A..B", value_parser = frames, conflicts_with_all = ["clock_name", "pixel"])]
     pub frames: Option<RangeInclusive<u32>>,
     /// Pictures per second, for --frames. Where the scene has no shutter, it is open for half of the time of a picture.
     #[arg(long, value_name = "N", value_parser = rate, default_value_t = 24.0, requires = "frames")]
@@ -239,10 +240,11 @@ fn rate(text: &str) -> std::result::Result<f64, String> {
 }
 
 fn frames(text: &str) -> std::result::Result<RangeInclusive<u32>, String> {
-    let parsed = text.split_once("..").and_then(|(first, last)| Some(first.parse().ok()?..=last.parse().ok()?));
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    let parsed = first.parse().ok().and_then(|first| Some(first..=last.parse().ok()?));
     parsed
         .filter(|frames: &RangeInclusive<u32>| !frames.is_empty())
-        .ok_or("expected pictures such as 1..48: the first and the last".to_owned())
+        .ok_or("expected pictures such as 1..48, the first and the last, or one such as 7".to_owned())
 }
 
 fn samples(text: &str) -> std::result::Result<Range<u64>, String> {
