@@ -23,7 +23,7 @@ type Row = (&'static str, &'static str, i32, &'static str);
 
 /// Names of the rows of the table.
 const ROWS: &str = "B1 B2 B3 B4 B5 B6 B7 B8 B9 B10 B11 B12 B13 B14 B15 B17 B18 B19 B20 B21 B24 B25 B26 B27 B28 B29 B33 B34 B35 B37 \
-                    B39 B40 B41 B42 B43 B44 B52 B53 B54 B55 B16";
+                    B39 B40 B41 B42 B43 B44 B45 B47 B52 B53 B54 B55 B16";
 
 /// Whole scene files.
 const TEXTS: &[Row] = &[
@@ -364,6 +364,77 @@ const SCENES: &[Row] = &[
         "/shapes/0/emission/radiance/2: the number 1e39 is too large",
     ),
     ("B44", r#""shapes": [{"type": "disk", "emission": ^Infinity}]"#, 3, "expected a value, found the word Infinity"),
+    ("B42", r#""materials": {"m": {"type": "dielectric", "abbe": ^0}}"#, 3, "/materials/m/abbe: expected a number above 0, found 0"),
+    (
+        "B42",
+        r#""materials": {"m": {"type": "thin_film", "thickness": ^-1}}"#,
+        3,
+        "/materials/m/thickness: expected a thickness in nanometres from 0 to 2000, found -1",
+    ),
+    (
+        "B45",
+        r#""media": {"m": {"type": "homogeneous", "scattering": 1, "phase": {"type": "henyey_greenstein", "g": ^1}}}"#,
+        3,
+        "/media/m/phase/g: expected a number from -0.999 to 0.999, found 1",
+    ),
+    (
+        "B45",
+        r#""media": {"m": {"type": "homogeneous", "scattering": ^-1}}"#,
+        3,
+        "/media/m/scattering: expected a number from 0 to 1e30, found -1",
+    ),
+    ("B45", r#""media": {"m": {"type": "homogeneous", "absorption": ^1e38}}"#, 3, "/media/m/absorption: expected a number from 0 to 1e30"),
+    (
+        "B47",
+        r#""shapes": [{"type": "disk", "transform": [{"keyframes": [{"time": 0}, {"time": ^0}]}]}]"#,
+        3,
+        "/shapes/0/transform/0/keyframes/1/time: expected a time after that of the keyframe before it, 0 s, found 0",
+    ),
+    (
+        "B47",
+        r#""shapes": [{"type": "disk", "transform": [{"keyframes": [{"time": 1}, {"time": ^0.5}]}]}]"#,
+        3,
+        "/shapes/0/transform/0/keyframes/1/time: expected a time after that of the keyframe before it, 1 s, found 0.5",
+    ),
+    ("B47", r#""shapes": [{"type": "disk", "transform": [{"keyframes": [{"time": ^NaN}]}]}]"#, 3, "expected a value, found the word NaN"),
+    (
+        "B47",
+        r#""shapes": [{"type": "disk", "transform": [{"keyframes": ^[]}]}]"#,
+        3,
+        "/shapes/0/transform/0/keyframes: expected at least one keyframe",
+    ),
+    ("B47", r#""shutter": {"open": 1, "close": ^0}"#, 3, "/shutter/close: expected a time from 1 s on, when the shutter opens, found 0"),
+    (
+        "B47",
+        r#""shapes": [{"type": "disk", "transform": [{"rotate": {"axis": ^[0, 0, 0], "degrees": 10}}]}]"#,
+        3,
+        "/shapes/0/transform/0/rotate/axis: expected a direction, found [0, 0, 0]",
+    ),
+    (
+        "B47",
+        r#""shapes": [{"type": "disk", "transform": ^[{"keyframes": [{"time": 0}, {"time": 1, "transform": [{"scale": -1}]}]}]}]"#,
+        3,
+        "/shapes/0/transform: keyframe 1 mirrors and keyframe 0 does not",
+    ),
+    ("B24", r#""shapes": [{"type": "cone", "radius": ^0, "height": 1}]"#, 3, "/shapes/0/radius: expected a number above 0, found 0"),
+    (
+        "B24",
+        r#""shapes": [{"type": "cylinder", "radius": 1, "z_min": 1, "z_max": ^1}]"#,
+        3,
+        "/shapes/0/z_max: expected a number above 1, that of z_min, found 1",
+    ),
+    (
+        "B24",
+        r#""shapes": [{"type": "disk", "radius": 1, "inner_radius": ^1}]"#,
+        3,
+        "/shapes/0/inner_radius: expected a number below 1, that of radius, found 1",
+    ),
+    (
+        "B24",
+        r#""shapes": [{"type": "curves", "basis": "bspline", "points": [^[[0, 0, 0], [1, 0, 0]]], "radius": 0.1}]"#,
+        3,
+        "/shapes/0/points/0: expected at least four for a B-spline, found 2",
+    ),
 ];
 
 /// Names of mesh and picture files, as JSON. The files need not exist; there is no message about those that do.

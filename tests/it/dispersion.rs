@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{Bsdf, Coat, Coated, Compound, Dispersion, Glass, HitContext, Material, TransportMode, textured};
@@ -220,61 +220,119 @@ fn behind(x: f64, index: f64) -> (f64, f64) {
     (x + t * out[0], first * second)
 }
 
-/// A white line through a prism is the spectrum that Snell's law and Fresnel's equations give for each wavelength, in each column of pixels and
-/// each colour, by every integrator that follows camera rays through glass.
-#[test]
-fn a_line_through_a_prism_is_its_spectrum() {
-    const EDGE: u32 = 24;
-    const SAMPLES: u64 = 512;
-    let dispersion = Glass::Sf11.dispersion();
-    let (mut wanted, mut seen) = (vec![[0.0; 3]; EDGE as usize], 0.0);
-    let width = f64::from(HEIGHT) / f64::from(EDGE);
-    const STEPS: u32 = 400;
-    for k in 0..3200 {
-        let wavelength = Wavelength::new((380.05 + 0.1 * f64::from(k)) as f32);
-        let (index, responses) = (dispersion.index(wavelength), wavelength.responses());
+/// Light that each colour sees in each column of pixels: the mean over many places and wavelengths.
+///
+/// - `pixels`, `size`: the film in pixels and in metres
+/// - `[wavelengths, across, along]`: number of wavelengths from 380 to 700 nm, and of places in a column, side by side and one above the other
+/// - `seen`: radiance at a place of the film for an index of refraction
+fn seen_in_columns(pixels: UVec2, size: DVec2, [wavelengths, across, along]: [u32; 3], seen: impl Fn(DVec2, f64) -> f64) -> Vec<[f64; 3]> {
+    let middle = |k: u32, count: u32| (f64::from(k) + 0.5) / f64::from(count);
+    let mut wanted = vec![[0.0; 3]; pixels.x as usize];
+    for k in 0..wavelengths {
+        let wavelength = Wavelength::new((380.0 + 320.0 * middle(k, wavelengths)) as f32);
+        let (index, responses) = (Glass::Sf11.dispersion().index(wavelength), wavelength.responses());
         for (column, wanted) in wanted.iter_mut().enumerate() {
-            for i in 0..STEPS {
-                let x = -0.5 * f64::from(HEIGHT) + width * (column as f64 + (f64::from(i) + 0.5) / f64::from(STEPS));
-                let (place, share) = behind(x, index);
-                if (place - LINE).abs() < 0.5 * STRIP {
-                    let light = share * 0.1 / f64::from(STEPS);
-                    *wanted = [0, 1, 2].map(|c| wanted[c] + responses[c] * light);
-                    seen += light * responses[0];
-                }
-            }
+            let places = (0..across).flat_map(|i| (0..along).map(move |j| [i, j]));
+            let light = places.map(|[i, j]| {
+                let place = DVec2::new((column as f64 + middle(i, across)) / f64::from(pixels.x), middle(j, along));
+                seen((place - 0.5) * size, index)
+            });
+            let share = light.sum::<f64>() / f64::from(across * along) * 320.0 / f64::from(wavelengths);
+            *wanted = [0, 1, 2].map(|c| wanted[c] + responses[c] * share);
         }
     }
-    assert!(seen > 0.5, "the line is in the picture: {seen}, {:?} to {:?}", behind(-0.25, 1.78), behind(0.25, 1.78));
-    let scene = Arc::new(line_behind_prism().build().expect("a prism"));
-    let of_two = |integrator: &str| -> Box<dyn Integrator> {
-        match integrator {
-            "path" => Box::new(Path { max_depth: 2, ..Path::default() }),
-            "nee" => Box::new(Nee { max_depth: 2, ..Nee::default() }),
-            _ => Box::new(Whitted { max_depth: 2, ..Whitted::default() }),
-        }
-    };
-    for name in ["path", "nee", "whitted"] {
-        let sampler = SamplerSpec { kind: Kind::Independent, spp: SAMPLES, seed: 5, ..SamplerSpec::default() };
-        let spec = FilmSpec { filter: Filter::pixel_box(0.5), ..FilmSpec::new(EDGE, EDGE) };
-        let image = picture(scene.clone(), &*of_two(name), spec, sampler);
+    wanted
+}
+
+/// Asserts that every integrator which follows camera rays through glass sees this light in each column of pixels and each colour, after at
+/// most two surfaces.
+fn assert_columns(world: WorldBuilder, pixels: UVec2, wanted: &[[f64; 3]]) {
+    let scene = Arc::new(world.build().expect("glass"));
+    let of_two: [(&str, Box<dyn Integrator>); 3] = [
+        ("path", Box::new(Path { max_depth: 2, ..Path::default() })),
+        ("nee", Box::new(Nee { max_depth: 2, ..Nee::default() })),
+        ("whitted", Box::new(Whitted { max_depth: 2, ..Whitted::default() })),
+    ];
+    for (name, integrator) in of_two {
+        let samples = 12_288 / u64::from(pixels.y);
+        let sampler = SamplerSpec { kind: Kind::Independent, spp: samples, seed: 5, ..SamplerSpec::default() };
+        let spec = FilmSpec { filter: Filter::pixel_box(0.5), ..FilmSpec::new(pixels.x, pixels.y) };
+        let image = picture(scene.clone(), &*integrator, spec, sampler);
         let channels =
             ["R", "G", "B"].map(|c| (image.channel(c).expect("a channel"), image.channel(&format!("StdErr.{c}")).expect("errors")));
-        for column in 0..EDGE as usize {
+        for (column, wanted) in wanted.iter().enumerate() {
             for (c, (values, errors)) in channels.iter().enumerate() {
-                let rows = (0..EDGE as usize).map(|row| row * EDGE as usize + column);
+                let rows = (0..pixels.y as usize).map(|row| row * pixels.x as usize + column);
                 let (sum, square) = rows.fold((0.0, 0.0), |(sum, square), i| {
                     (sum + f64::from(values[i]), square + f64::from(errors[i]) * f64::from(errors[i]))
                 });
-                let (found, error) = (sum / f64::from(EDGE), square.sqrt() / f64::from(EDGE));
-                // Columns in which hardly any light arrives have no estimate of the error, and steps of x and the wavelength 2e-4.
-                let (wanted, error) = (wanted[column][c], error.hypot(2e-4));
+                let (found, error) = (sum / f64::from(pixels.y), square.sqrt() / f64::from(pixels.y));
+                // Columns in which hardly any light arrives have no estimate of the error, and steps of place and wavelength 2e-4.
+                let (wanted, error) = (wanted[c], error.hypot(2e-4));
                 let z = (found - wanted) / error;
-                let critical = critical_z(0.01, 9 * EDGE as usize);
+                let critical = critical_z(0.01, 9 * pixels.x as usize);
                 assert!(z.abs() < critical, "{name}, column {column}, colour {c}: {found}, not {wanted} ± {error}");
             }
         }
     }
+}
+
+/// A white line through a prism is the spectrum that Snell's law and Fresnel's equations give for each wavelength.
+#[test]
+fn a_line_through_a_prism_is_its_spectrum() {
+    let pixels = UVec2::splat(24);
+    let wanted = seen_in_columns(pixels, DVec2::splat(HEIGHT.into()), [3200, 400, 1], |p, index| {
+        let (place, share) = behind(p.x, index);
+        if (place - LINE).abs() < 0.5 * STRIP { share } else { 0.0 }
+    });
+    let red: f64 = wanted.iter().map(|column| column[0]).sum();
+    assert!(red > 0.5, "the line is in the picture: {red}, {:?} to {:?}", behind(-0.25, 1.78), behind(0.25, 1.78));
+    assert_columns(line_behind_prism(), pixels, &wanted);
+}
+
+/// Distance from the centre of a lens to the line behind it.
+const BEHIND_LENS: f64 = 8.0;
+/// Place x of that line.
+const LINE_BEHIND_LENS: f64 = -1.6;
+
+/// Place x of the light behind a ball of glass that a ray along −z at `p` follows, and the share of it that passes both faces.
+fn behind_ball(p: DVec2, index: f64) -> (f64, f64) {
+    /// Snell's law for a unit direction and a unit normal against it, and the transmitted share by Fresnel's equations.
+    fn refract(d: DVec3, normal: DVec3, ratio: f64) -> (DVec3, f64) {
+        let cos = -d.dot(normal);
+        let cos_t = (1.0 - ratio * ratio * (1.0 - cos * cos)).sqrt();
+        let (s, p) = ((ratio * cos - cos_t) / (ratio * cos + cos_t), (cos - ratio * cos_t) / (cos + ratio * cos_t));
+        (ratio * d + (ratio * cos - cos_t) * normal, 1.0 - 0.5 * (s * s + p * p))
+    }
+    let first = p.extend((1.0 - p.length_squared()).sqrt());
+    let (within, share) = refract(DVec3::NEG_Z, first, 1.0 / index);
+    let second = first - 2.0 * first.dot(within) * within;
+    let (out, passed) = refract(within, -second, index);
+    let t = (-BEHIND_LENS - second.z) / out.z;
+    (second.x + t * out.x, share * passed)
+}
+
+/// A white line behind a lens, a ball of flint, has the coloured fringes that Snell's law and Fresnel's equations give for each wavelength.
+#[test]
+fn a_line_behind_a_lens_has_coloured_fringes() {
+    let pixels = UVec2::new(32, 4);
+    let height = 0.08;
+    let width = height * f64::from(pixels.x) / f64::from(pixels.y);
+    let wanted = seen_in_columns(pixels, DVec2::new(width, height), [640, 100, 8], |p, index| {
+        let (place, share) = behind_ball(p, index);
+        if (place - LINE_BEHIND_LENS).abs() < STRIP { share } else { 0.0 }
+    });
+    // One side of the line is blue and the other red.
+    let excess = |column: &[f64; 3]| column[0] - column[2];
+    let (least, greatest) = wanted.iter().map(excess).fold((0.0, 0.0), |(a, b), x| (f64::min(a, x), f64::max(b, x)));
+    assert!(least < -0.1 && greatest > 0.1, "{least} to {greatest}");
+    let pose = Pose::new(&Transform::translate(DVec3::new(0.0, 0.0, 4.0)).expect("finite"));
+    let mut world = World::builder(Camera::Orthographic(Orthographic { pose, height: height as f32 }));
+    let (glass, dark) = (world.material(flint()), world.material(black()));
+    world.shape(Sphere { radius: 1.0 }, Transform::IDENTITY, glass, None);
+    let place = facing(DVec3::new(LINE_BEHIND_LENS, 0.0, -BEHIND_LENS), DVec3::Z);
+    world.shape(Quad { size: [2.0 * STRIP, 8.0] }, place, dark, glow(1.0));
+    assert_columns(world, pixels, &wanted);
 }
 
 const EDGE: u32 = 16;

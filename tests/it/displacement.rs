@@ -16,7 +16,7 @@ use pt::torture::meshes::{baked, icosphere, mesh, shapes};
 use pt::world::World;
 
 use crate::random::Random;
-use crate::scenes::{Depth, Effort, KnownRadiance, at, black, confirm, facing, glow, gray, probe, stored};
+use crate::scenes::{Depth, Effort, KnownRadiance, at, black, confirm, facing, glow, gray, probe, stored, two_sided};
 use crate::subdivision::cages::{closed, cube, icosahedron};
 use crate::subdivision::{border, edges, places, shaken, welded};
 
@@ -262,22 +262,40 @@ fn powers_of_two_change_no_bit_but_exponents() {
 }
 
 /// A rounded and displaced lamp lights a tile by the area that it has: the sum of cos θ cos θ′ dA / d² over its triangles, each divided into 256.
-/// It is convex, so that what faces the tile is seen. Within a triangle of 1/16 of its size the terms vary by less than 10⁻³.
+/// It is convex, so that what faces the tile is seen. Sheets above the tile, turned away from it, shine on both sides and hide nothing of
+/// themselves. Within a triangle of 1/16 of its size the terms vary by less than 10⁻³.
 #[test]
 fn lamps_emit_by_the_area_that_they_have() {
     let base = icosahedron().data().subdivided(1).expect("a surface");
-    let data = base.clone().displaced(&vec![-0.45; base.positions.len()]);
-    let place = at(DVec3::new(0.3, 1.5, -0.2));
-    let irradiance: f64 =
-        data.triangles.iter().flat_map(|&t| divided(data.corners(t).map(|p| place.point(p)), 4)).map(seen_from_the_origin).sum();
-    let mut world = World::builder(probe(DVec3::new(3f64.sqrt(), 1.0, 0.0) * 0.002, DVec3::ZERO));
-    let white = world.material(Material::diffuse(stored(gray(1.0))));
-    world.shape(Quad { size: [0.002; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
-    let dark = world.material(black());
-    world.shape(TriangleMesh { keeps_winding: true, ..TriangleMesh::new(data) }, place, dark, glow(1.0));
-    let depth = Depth { max: 1, roulette: u32::MAX };
-    let law = KnownRadiance::new("a displaced lamp".to_owned(), world, irradiance / PI, depth).resolution(2e-3, 4e-3).by_chance(1e-2);
-    confirm(vec![law], Effort::Standard);
+    let ball = base.clone().displaced(&vec![-0.45; base.positions.len()]);
+    let subdivided = sheet().subdivided(2).expect("a surface");
+    let heights: Vec<f64> = subdivided.positions.iter().map(|p| 0.05 * f64::from(5.0 * p.x).sin()).collect();
+    let displaced = subdivided.clone().displaced(&heights);
+    let lamps = [
+        ("a displaced ball", ball, false),
+        ("a rounded sheet, on both sides", subdivided, true),
+        ("a displaced sheet, on both sides", displaced, true),
+    ];
+    let laws = lamps.into_iter().map(|(name, data, on_both)| {
+        let place = at(DVec3::new(0.3, 1.5, -0.2));
+        let pieces = data.triangles.iter().flat_map(|&t| divided(data.corners(t).map(|p| place.point(p)), 4));
+        let irradiance: f64 = pieces.map(|piece| seen_from_the_origin(piece, on_both)).sum();
+        let mut world = World::builder(probe(DVec3::new(3f64.sqrt(), 1.0, 0.0) * 0.002, DVec3::ZERO));
+        let white = world.material(Material::diffuse(stored(gray(1.0))));
+        world.shape(Quad { size: [0.002; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
+        let dark = world.material(black());
+        let emitter = if on_both { two_sided(1.0) } else { glow(1.0) };
+        world.shape(TriangleMesh { keeps_winding: true, ..TriangleMesh::new(data) }, place, dark, emitter);
+        let depth = Depth { max: 1, roulette: u32::MAX };
+        KnownRadiance::new(name, world, irradiance / PI, depth).resolution(2e-3, 4e-3).by_chance(1e-2)
+    });
+    confirm(laws.collect(), Effort::Standard);
+}
+
+/// A bent sheet whose front looks upwards.
+fn sheet() -> MeshData {
+    let corners = [[-0.7, 0.2, 0.6], [0.6, -0.1, 0.7], [0.7, 0.2, -0.6], [-0.6, 0.0, -0.7]].map(Vec3::from);
+    mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
 }
 
 fn divided([a, b, c]: [DVec3; 3], levels: u32) -> Vec<[DVec3; 3]> {
@@ -288,11 +306,12 @@ fn divided([a, b, c]: [DVec3; 3], levels: u32) -> Vec<[DVec3; 3]> {
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]].into_iter().flat_map(|t| divided(t, levels - 1)).collect()
 }
 
-/// cos θ cos θ′ dA / d² of a triangle that is bright on its front, at a tile in the origin that faces +y.
-fn seen_from_the_origin([a, b, c]: [DVec3; 3]) -> f64 {
+/// cos θ cos θ′ dA / d² of a triangle that is bright on its front or on both sides, at a tile in the origin that faces +y.
+fn seen_from_the_origin([a, b, c]: [DVec3; 3], on_both: bool) -> f64 {
     let (middle, normal) = ((a + b + c) / 3.0, 0.5 * (b - a).cross(c - a));
     let w = middle.normalize();
-    (-normal.dot(w)).max(0.0) * w.y.max(0.0) / middle.length_squared()
+    let facing = if on_both { normal.dot(w).abs() } else { (-normal.dot(w)).max(0.0) };
+    facing * w.y.max(0.0) / middle.length_squared()
 }
 
 #[test]

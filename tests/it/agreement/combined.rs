@@ -1,4 +1,5 @@
-//! Generated scenes in which several rarer effects meet: motion, lenses and other cameras, dispersion, thin films and media.
+//! Generated scenes in which several rarer effects and shapes meet: motion, lenses and other cameras, dispersion, thin films and media; meshes that
+//! change their form, are subdivided or displaced, ribbons and tubes, open shapes, and instances of a group.
 
 use std::sync::Arc;
 
@@ -30,7 +31,7 @@ fn combined(scene: u64) -> Value {
     shapes.push(placed(lamp, down, scene.is_multiple_of(3), &mut dice));
     for (thing, place) in [[-0.5, -0.5, -0.2], [0.45, -0.4, 0.0], [0.0, -0.6, 0.4]].into_iter().enumerate() {
         let mut body = match thing {
-            2 => matte_body(&mut dice),
+            2 => matte_body(scene as u32 + 2, &mut dice),
             _ => json!({ "type": "sphere", "radius": dice.within(0.2, 0.4), "material": clear(&mut dice) }),
         };
         if dice.of(3) == 0 && body["material"]["type"] == "dielectric" {
@@ -43,8 +44,17 @@ fn combined(scene: u64) -> Value {
     if dice.of(2) == 0 {
         shapes.push(json!({ "type": "box", "size": 0.7, "center": [0.2, 0.2, -0.4], "medium": medium(&mut dice) }));
     }
-    let mut scene =
-        json!({ "pt": 1, "camera": camera(scene % CAMERAS, &mut dice), "shutter": { "open": 0.1, "close": 0.9 }, "shapes": shapes });
+    let pair = [-0.12, 0.12].map(|x| json!({ "transform": [{ "scale": 0.5 }, { "translate": [x, 0, 0] }] }));
+    let group = matte_body(scene as u32, &mut dice);
+    let moves = dice.of(2) == 0;
+    shapes.push(placed(
+        json!({ "type": "instances", "group": "thing", "placements": pair }),
+        json!([{ "translate": [-0.4, 0.3, -0.5] }]),
+        moves,
+        &mut dice,
+    ));
+    let mut scene = json!({ "pt": 1, "camera": camera(scene % CAMERAS, &mut dice), "shutter": { "open": 0.1, "close": 0.9 },
+        "groups": { "thing": [group] }, "shapes": shapes });
     if dice.of(2) == 0 {
         scene["background"] = json!({ "radiance": color(&mut dice, 0.2, 0.8) });
     }
@@ -85,18 +95,42 @@ fn clear(dice: &mut Dice) -> Value {
     }
 }
 
-/// A matte tetrahedron, whose vertices may move.
-fn matte_body(dice: &mut Dice) -> Value {
+/// A matte body with about the radius 0.3, of each kind in turn.
+fn matte_body(kind: u32, dice: &mut Dice) -> Value {
     let mut corners = || {
         let regular = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
         json!(regular.map(|corner| (DVec3::from(corner) * 0.2 + dice.point(0.1)).to_array()))
     };
-    let (start, end) = (corners(), corners());
-    let mut body = json!({ "type": "mesh", "positions": start, "triangles": [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
-        "material": { "type": "diffuse", "albedo": color(dice, 0.2, 0.8) } });
-    if dice.of(2) == 0 {
-        body["keyframes"] = json!([{ "time": 0 }, { "time": 1, "positions": end }]);
-    }
+    let tetrahedron = json!({ "type": "mesh", "positions": corners(), "triangles": [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] });
+    let bend = json!([[[-0.3, -0.1, 0.1], [-0.1, 0.2, -0.1], [0.1, -0.2, 0.1], [0.3, 0.1, 0]]]);
+    let mut body = match kind % 10 {
+        0 => {
+            let mut deforming = tetrahedron;
+            deforming["keyframes"] = json!([{ "time": 0 }, { "time": 1, "positions": corners() }]);
+            deforming
+        }
+        1 => {
+            let mut rounded = tetrahedron;
+            rounded["subdivision_levels"] = json!(2);
+            rounded
+        }
+        2 => {
+            let mut displaced = tetrahedron;
+            displaced["subdivision_levels"] = json!(3);
+            displaced["displacement"] = json!({ "texture": { "type": "noise", "scale": 6 }, "scale": 0.1 });
+            displaced
+        }
+        3 => {
+            json!({ "type": "curves", "points": bend, "normals": [[[0, 0.2, 1], [0, 1, 1], [0.3, 0, 1], [0, 0, 1]]], "radius": [0.15, 0.05] })
+        }
+        4 => json!({ "type": "curves", "basis": "bezier", "points": bend, "radius": [0.05, 0.15] }),
+        5 => json!({ "type": "cylinder", "radius": 0.2, "z_min": -0.2, "z_max": 0.25, "phi_max": 250 }),
+        6 => json!({ "type": "cone", "radius": 0.3, "height": 0.4, "phi_max": 300 }),
+        7 => json!({ "type": "sphere", "radius": 0.3, "z_min": -0.2, "z_max": 0.1, "phi_max": 200 }),
+        8 => json!({ "type": "disk", "radius": 0.35, "inner_radius": 0.15, "phi_max": 270 }),
+        _ => json!({ "type": "bilinear_patch", "corners": [[-0.3, -0.3, 0.1], [0.3, -0.2, -0.1], [-0.2, 0.3, -0.1], [0.3, 0.3, 0.1]] }),
+    };
+    body["material"] = json!({ "type": "diffuse", "albedo": color(dice, 0.2, 0.8) });
     body
 }
 

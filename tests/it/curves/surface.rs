@@ -14,7 +14,7 @@ use pt::world::World;
 use super::hits::height;
 use super::{BASES, RibbonSpline, Spline, random_spline};
 use crate::random::Random;
-use crate::scenes::{Depth, Effort, KnownRadiance, black, confirm, facing, glow, gray, probe, stored};
+use crate::scenes::{Depth, Effort, KnownRadiance, black, confirm, facing, glow, gray, probe, stored, two_sided};
 
 /// Sampled points of smooth tubes lie on the surface of the balls or within it, and their normals point away from it. Hidden points are
 /// those of ends and of sharp bends.
@@ -245,7 +245,8 @@ fn samples_have_the_stated_density() {
 }
 
 /// A tile below a lamp that is a tube or a ribbon of radiance 1 gets the light that small pieces of its surface send: Σ cos θ cos θ′ dA / d²
-/// over what is seen of them. The tube is a bend of Bézier curves, and a line with a kink.
+/// over what is seen of them. The tube is a bend of Catmull and Rom's curves, and a line with a kink; the ribbon shines on the side of its
+/// normals, or, turned away from the tile, on both.
 #[test]
 fn lamps_light_by_their_area() {
     let bend = Spline {
@@ -262,16 +263,19 @@ fn lamps_light_by_their_area() {
         points: vec![DVec4::new(-0.5, 1.0, 0.0, 0.1), DVec4::new(0.1, 0.7, 0.0, 0.2), DVec4::new(0.4, 1.1, 0.3, 0.05)],
     };
     let normals = [[0.0, -1.0, 0.1], [0.1, -1.0, 0.0], [-0.2, -1.0, 0.3], [0.0, -1.0, 0.0]].map(Vec3::from).to_vec();
+    let away = Curves { normals: normals.iter().map(|n| -n).collect(), ..bend.curves() };
     let flat = Curves { normals, ..bend.curves() };
-    let laws = [("bend", bend.curves()), ("kink", kink.curves()), ("ribbon", flat)].into_iter().map(|(name, curves)| {
+    let lamps =
+        [("bend", bend.curves(), false), ("kink", kink.curves(), false), ("ribbon", flat, false), ("ribbon, both sides", away, true)];
+    let laws = lamps.into_iter().map(|(name, curves, on_both)| {
         let shape = curves.bake(&Transform::IDENTITY).expect("curves");
-        let expected = irradiance(&curves, &*shape) / PI;
+        let expected = irradiance(&curves, &*shape, on_both) / PI;
         assert!(expected > 0.03, "{name}: the lamp faces the tile");
         let mut world = World::builder(probe(DVec3::new(3f64.sqrt(), 1.0, 0.0) * 0.002, DVec3::ZERO));
         let white = world.material(Material::diffuse(stored(gray(1.0))));
         world.shape(Quad { size: [0.002; 2] }, facing(DVec3::ZERO, DVec3::Y), white, None);
         let dark = world.material(black());
-        world.shape(curves, Transform::IDENTITY, dark, glow(1.0));
+        world.shape(curves, Transform::IDENTITY, dark, if on_both { two_sided(1.0) } else { glow(1.0) });
         KnownRadiance::new(name.to_owned(), world, expected, Depth { max: 1, roulette: u32::MAX }).resolution(3e-3, 6e-3).by_chance(1e-2)
     });
     confirm(laws.collect(), Effort::Standard);
@@ -279,7 +283,9 @@ fn lamps_light_by_their_area() {
 
 /// Irradiance at the origin on a tile that faces +y, by the light of the directions in which the lamp is seen: ∫ cos θ dω, by 1000 × 1000
 /// directions that are uniform in the projected solid angle. Where the lamp is seen, its radiance is 1.
-fn irradiance(curves: &Curves, shape: &dyn Shape) -> f64 {
+///
+/// - `on_both`: whether both sides of a ribbon shine, or that of its normal alone
+fn irradiance(curves: &Curves, shape: &dyn Shape, on_both: bool) -> f64 {
     const N: u32 = 1000;
     let whole = accel::build(shapes(vec![curves.bake(&Transform::IDENTITY).expect("curves")]));
     let seen = |k: u32| {
@@ -288,8 +294,10 @@ fn irradiance(curves: &Curves, shape: &dyn Shape) -> f64 {
         let w = DVec3::new(r * phi.cos(), (1.0 - r * r).sqrt(), r * phi.sin());
         let ray = Ray::new(Vec3::ZERO, w.as_vec3());
         let hit = whole.intersect(&ray);
-        // A ribbon shines on the side of its normal only.
-        hit.is_some_and(|hit| shape.point(hit.primitive, &ray, &pt::shape::ShapeHit { t: hit.t, uv: hit.uv }).ng.dot(ray.direction) < 0.0)
+        hit.is_some_and(|hit| {
+            let point = shape.point(hit.primitive, &ray, &pt::shape::ShapeHit { t: hit.t, uv: hit.uv });
+            on_both || point.ng.dot(ray.direction) < 0.0
+        })
     };
     use rayon::prelude::*;
     PI * (0..N * N).into_par_iter().filter(|k| seen(*k)).count() as f64 / f64::from(N * N)
