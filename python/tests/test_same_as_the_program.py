@@ -12,6 +12,7 @@ FUZZ = ROOT / "tests" / "it" / "fuzz"
 NATIVE = sorted(path.name for path in SCENES.glob("*.json"))
 # Models without a camera and scenes of other programs: one of each dialect.
 OTHERS = ["square.glb", "square.gltf", "model.obj", "aalto.json", "darts.json", "darts-2021.json", "dirt.json"]
+MESHES = ["ascii.ply", "two.stl", "text.stl"]
 CORNELL = SCENES / "cornell-box.json"
 
 
@@ -38,6 +39,11 @@ def test_scenes_of_other_programs(pt, tmp_path, name):
     for file in [*(FUZZ / "beside").iterdir(), FUZZ / "seeds" / "scene" / name]:
         shutil.copy(file, tmp_path)
     same(pt, tmp_path, tmp_path / name, ["--spp", 4], spp=4)
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_meshes_without_a_scene(pt, tmp_path, name):
+    same(pt, tmp_path, FUZZ / "seeds" / "mesh" / name, ["--spp", 4], spp=4)
 
 
 @pytest.mark.parametrize("integrator", ["path", "nee", "light", "whitted", "card", "normals", "ao"])
