@@ -14,13 +14,13 @@ use super::share::Share;
 use super::subject::Subject;
 use super::{REFERENCE, Request, SAMPLERS, reference, relmse, taken};
 
-pub const SCENES: [&str; 12] = [
+/// Scenes whose own method shows the same picture as the others. (That of `postcard` shows another light.)
+pub const SCENES: [&str; 11] = [
     "cornell-box",
     "mirror-balls",
     "statue",
     "triangle-stacks",
     "matter",
-    "postcard",
     "glass-panel",
     "metals",
     "lanterns",
@@ -104,7 +104,7 @@ impl Told {
         };
         let [integrator, sampler] = ["--integrator", "--sampler"].map(words);
         let integrator = integrator.replace("found no light", "");
-        let known = ["nee", "path", "light", "whitted"];
+        let known = ["nee", "path", "light", "whitted", "card"];
         let is_told = |name: &&&str| integrator.split([' ', ';', ',']).any(|word| word == **name);
         Told {
             chosen: (first(&integrator), first(&sampler)),
