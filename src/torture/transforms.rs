@@ -157,7 +157,7 @@ fn turning_points() -> Row {
 
 /// Bounds contain what moves, and are hardly larger than it.
 fn bounds_of_motion() -> Row {
-    // As many as the row says.
+    // Number of boxes under each motion. The text of the row names it, too.
     const BOXES: usize = 5;
     const TIMES: u32 = 1000;
     // Bounds of some boxes under one motion, and the box around all corners at all times.

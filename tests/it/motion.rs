@@ -115,8 +115,9 @@ fn blur_is_the_share_of_time() {
     }
 }
 
-/// The same in each pixel, for a disk that crosses the picture and a bar that turns: the number of samples that hit is binomial, with the share
-/// of the pixel and of the exposure that is covered. The sums for the shares have errors below 10⁻³.
+/// A disk crosses the picture, and a bar turns. In each pixel the number of samples that hit one of them has a binomial distribution. Its
+/// probability is the share of the pixel's area and of the exposure that the disk or the bar covers; it is computed as a sum, with an error below
+/// 10⁻³.
 #[test]
 fn blur_of_disks_and_bars_is_the_share_of_time() {
     const EDGE: u32 = 16;
