@@ -10,7 +10,6 @@ use super::faults::Faults;
 use super::node::{Member, Node, Value, escaped};
 use super::number;
 use super::parse::parse;
-use super::placeholder::Placeholder;
 use super::read_error::ReadError;
 use super::suggest::unknown;
 
@@ -46,7 +45,7 @@ pub fn from_json<T: DeserializeOwned>(value: &serde_json::Value) -> Option<T> {
 
 fn read_from<T: DeserializeOwned>(node: &Node, pointer: &str, keys: UnknownKeys, faults: &Faults, tagged: bool) -> Option<T> {
     let context = Context { faults, keys, base: pointer, path: RefCell::default(), placeholder_keys: RefCell::default() };
-    Cursor { node, context: &context, tagged }.read().ok()
+    Cursor { node, context: &context, tagged, placeholder: None }.read().ok()
 }
 
 pub(super) struct Context<'n> {
@@ -86,21 +85,32 @@ impl<'n> Context<'n> {
     }
 }
 
-/// A node that is being read.
+/// A node that is being read, or a placeholder in its place.
+///
+/// A placeholder can be read as any type: it gives ½, 1, "", empty lists, the first variant. ½ lies within the range of every number in the
+/// scene format. If no value can be made (for a type that refuses "" or contains itself), the fault also ends the enclosing value. Nodes and
+/// placeholders are one type, so that the code of each description is compiled once.
 #[derive(Clone, Copy)]
 pub(super) struct Cursor<'n> {
     pub(super) node: &'n Node,
     pub(super) context: &'n Context<'n>,
     /// Whether the key `type` has been read, so that the object's other keys are the content.
     pub(super) tagged: bool,
+    /// For a placeholder, the number of placeholders that contain it.
+    pub(super) placeholder: Option<u32>,
 }
 
+/// Largest depth of nested placeholders. Types of the scene format are less deep unless they contain themselves.
+const DEEPEST: u32 = 16;
+
 impl<'n> Cursor<'n> {
-    /// Reads a value; its faults are reported, and a placeholder is returned in their place.
+    /// Reads a value; its faults are reported, and a placeholder is returned in its place. Where this is a placeholder itself, the error is
+    /// passed on.
     pub(super) fn read<T: Deserialize<'n>>(self) -> Result<T, ReadError> {
         loop {
             match T::deserialize(self) {
                 Ok(value) => return Ok(value),
+                Err(stop) if self.is_placeholder() => return Err(stop),
                 // The value is read again with a placeholder for the key, since other keys may be missing too.
                 Err(ReadError::Missing(key)) if self.add_placeholder_key(key) => {
                     self.context.faults.add_missing(&self.node.location, self.context.pointer(), key)
@@ -115,7 +125,29 @@ impl<'n> Cursor<'n> {
                 Err(ReadError::Missing(_) | ReadError::Reported) => break,
             }
         }
-        T::deserialize(Placeholder::NEW).map_err(|_| ReadError::Reported)
+        T::deserialize(self.placeholder()).map_err(|_| ReadError::Reported)
+    }
+
+    /// A placeholder in the place of this value.
+    pub(super) fn placeholder(self) -> Cursor<'n> {
+        Cursor { placeholder: Some(0), ..self }
+    }
+
+    pub(super) fn is_placeholder(self) -> bool {
+        self.placeholder.is_some()
+    }
+
+    /// What the members of this value are read from: itself, or a placeholder one level down.
+    pub(super) fn content(self) -> Result<Cursor<'n>, ReadError> {
+        match self.placeholder {
+            Some(DEEPEST..) => Err(ReadError::Reported),
+            depth => Ok(Cursor { placeholder: depth.map(|depth| depth + 1), ..self }),
+        }
+    }
+
+    /// The value that the file has, unless this is a placeholder.
+    pub(super) fn value(self) -> Option<&'n Value> {
+        (!self.is_placeholder()).then_some(&self.node.value)
     }
 
     fn report(self, message: String) {
@@ -138,19 +170,27 @@ impl<'n> Cursor<'n> {
         self.context.placeholder_keys.borrow().get(&(self.node as *const Node)).cloned().unwrap_or_default()
     }
 
-    /// Reads a value one level down, as `read` does.
-    pub(super) fn read_child<T: Deserialize<'n>>(self, segment: Segment<'n>, node: &'n Node) -> Result<T, ReadError> {
-        let child = Cursor { node, tagged: false, ..self };
-        self.context.within(segment, || child.read())
+    /// The value one level down, at `node`.
+    pub(super) fn child(self, node: &'n Node) -> Cursor<'n> {
+        Cursor { node, tagged: false, ..self }
     }
 
-    /// Reads a child of this value with a serde seed. A fault of the child ends this value too, but is reported at the child's location.
-    pub(super) fn seed_child<S: DeserializeSeed<'n>>(self, segment: Segment<'n>, node: &'n Node, seed: S) -> Result<S::Value, ReadError> {
-        let child = Cursor { node, tagged: false, ..self };
-        self.context.within(segment, || seed.deserialize(child).map_err(|stop| child.reported(stop)))
+    /// Reads this value, which is at `segment` of the one that is being read, as `read` does.
+    pub(super) fn read_at<T: Deserialize<'n>>(self, segment: Segment<'n>) -> Result<T, ReadError> {
+        self.context.within(segment, || self.read())
     }
 
+    /// Reads this value, which is at `segment` of the one that is being read, with a serde seed. A fault ends the enclosing value too,
+    /// but is reported where it is.
+    pub(super) fn seed_at<S: DeserializeSeed<'n>>(self, segment: Segment<'n>, seed: S) -> Result<S::Value, ReadError> {
+        self.context.within(segment, || seed.deserialize(self).map_err(|stop| self.reported(stop)))
+    }
+
+    /// Faults of placeholders are not the user's and are not reported.
     pub(super) fn reported(self, stop: ReadError) -> ReadError {
+        if self.is_placeholder() {
+            return stop;
+        }
         if !matches!(stop, ReadError::Reported) {
             self.report(stop.to_string());
         }
@@ -161,22 +201,40 @@ impl<'n> Cursor<'n> {
         ReadError::Because(format!("expected {what}, found {}", self.node.found()))
     }
 
+    pub(super) fn boolean(self) -> Result<bool, ReadError> {
+        match self.value() {
+            None => Ok(false),
+            Some(Value::Bool(b)) => Ok(*b),
+            Some(_) => Err(self.expected("true or false")),
+        }
+    }
+
+    pub(super) fn text(self) -> Result<&'n str, ReadError> {
+        match self.value() {
+            None => Ok(""),
+            Some(Value::String(text)) => Ok(text),
+            Some(_) => Err(self.expected("a string")),
+        }
+    }
+
     pub(super) fn real(self) -> Result<f64, ReadError> {
-        match &self.node.value {
-            Value::Number(text) => number::real(text).map_err(ReadError::Because),
-            Value::String(text) if text.parse::<f64>().is_ok() => {
+        match self.value() {
+            None => Ok(0.5),
+            Some(Value::Number(text)) => number::real(text).map_err(ReadError::Because),
+            Some(Value::String(text)) if text.parse::<f64>().is_ok() => {
                 Err(ReadError::Because(format!("expected a number, found the string {text:?}: remove the quotes")))
             }
-            _ => Err(self.expected("a number")),
+            Some(_) => Err(self.expected("a number")),
         }
     }
 
     pub(super) fn whole<T: TryFrom<i128> + Display>(self, min: T, max: T) -> Result<T, ReadError> {
-        let text = match &self.node.value {
-            Value::Number(text) => text,
-            _ => return Err(self.expected("a whole number")),
+        let value = match self.value() {
+            None => Some(1),
+            Some(Value::Number(text)) => number::whole(text),
+            Some(_) => None,
         };
-        let value = number::whole(text).ok_or_else(|| self.expected("a whole number"))?;
+        let value = value.ok_or_else(|| self.expected("a whole number"))?;
         T::try_from(value).map_err(|_| self.expected(format!("a whole number from {min} to {max}")))
     }
 

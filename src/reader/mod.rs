@@ -17,7 +17,6 @@ mod forms;
 mod node;
 mod number;
 mod parse;
-mod placeholder;
 mod read_error;
 mod set;
 mod suggest;
