@@ -559,18 +559,14 @@ fn push_children<L: Lanes>(node: &Node, packet: &Packet<L>, which: u32, best: L:
 
 /// Nearest hits of rays that are traced side by side, each as [`Primitive::intersect`] finds it.
 pub fn intersect_all(primitives: &dyn Primitive, rays: &[Ray], width: Width) -> Vec<Option<Hit>> {
-    match Bvh::for_packets(primitives) {
-        Some(bvh) => width.run(IntersectAll { bvh, rays }),
-        None => rays.iter().map(|ray| primitives.intersect(ray)).collect(),
-    }
+    let found = Bvh::for_packets(primitives).and_then(|bvh| width.run_wide(IntersectAll { bvh, rays }));
+    found.unwrap_or_else(|| rays.iter().map(|ray| primitives.intersect(ray)).collect())
 }
 
 /// Which of several rays that are traced side by side hit something, each as [`Primitive::occluded`] finds it.
 pub fn occluded_all(primitives: &dyn Primitive, rays: &[Ray], width: Width) -> Vec<bool> {
-    match Bvh::for_packets(primitives) {
-        Some(bvh) => width.run(OccludedAll { bvh, rays }),
-        None => rays.iter().map(|ray| primitives.occluded(ray)).collect(),
-    }
+    let found = Bvh::for_packets(primitives).and_then(|bvh| width.run_wide(OccludedAll { bvh, rays }));
+    found.unwrap_or_else(|| rays.iter().map(|ray| primitives.occluded(ray)).collect())
 }
 
 struct IntersectAll<'a> {

@@ -12,9 +12,11 @@
 //! Source: Celarek, Jakob, Wimmer, Lehtinen, *Quantifying the Error of Light Transport Algorithms* (2019). Tests: tests/it/spectrum.rs.
 
 use std::f64::consts::SQRT_2;
+use std::sync::Arc;
 
-use rustfft::FftPlanner;
+use rustfft::algorithm::{BluesteinsAlgorithm, Radix4};
 use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftDirection};
 
 use crate::film::Image;
 use crate::measure::Mean;
@@ -77,14 +79,25 @@ fn powers(render: &Image, reference: &Image) -> Vec<f64> {
 
 /// Fourier transform of rows, then of columns, in place.
 fn transform(values: &mut [Complex<f64>], width: usize, height: usize) {
-    let mut planner = FftPlanner::new();
-    planner.plan_fft_forward(width).process(values);
-    let along = planner.plan_fft_forward(height);
+    plan(width).process(values);
+    let along = plan(height);
     let mut column = vec![Complex::default(); height];
     for x in 0..width {
         (0..height).for_each(|y| column[y] = values[y * width + x]);
         along.process(&mut column);
         (0..height).for_each(|y| values[y * width + x] = column[y]);
+    }
+}
+
+/// The transform of `length` values.
+///
+/// The planner of the library chooses among thirty algorithms, which take seconds to compile; these two transform any length.
+fn plan(length: usize) -> Arc<dyn Fft<f64>> {
+    let radix4 = |length| Arc::new(Radix4::new(length, FftDirection::Forward));
+    if length.is_power_of_two() {
+        radix4(length)
+    } else {
+        Arc::new(BluesteinsAlgorithm::new(length, radix4((2 * length - 1).next_power_of_two())))
     }
 }
 

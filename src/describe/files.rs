@@ -104,8 +104,8 @@ impl Files {
     /// Those of [`picture::load`].
     pub fn picture(&self, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
         match self.made.get(name) {
-            Some(bytes) => picture::read(Cursor::new(bytes), name, encoding, channel),
-            None => picture::read(BufReader::new(open(&self.folder.join(name), name)?), name, encoding, channel),
+            Some(bytes) => picture::read(bytes, name, encoding, channel),
+            None => picture::load(&self.folder.join(name), name, encoding, channel),
         }
     }
 

@@ -1,14 +1,14 @@
 //! Reads the pixels of textures from picture files: PNG, JPEG, WebP, OpenEXR and Radiance HDR, recognised by content.
 
-use std::io::{BufRead, BufReader, Seek};
+use std::io::Read;
 use std::path::Path;
 
 use glam::UVec2;
-use image::{ColorType, DynamicImage, ImageFormat, ImageReader};
+use image::{ColorType, DynamicImage, ImageFormat};
 
 use super::file::open;
 use crate::format::{Channel, Encoding, decoded};
-use crate::output::decode::{Undecoded, decode};
+use crate::output::decode::{MOST_MEMORY, Undecoded, decode};
 use crate::texture::image::Pixels;
 use crate::{Error, Fault, Result};
 
@@ -22,32 +22,51 @@ use crate::{Error, Fault, Result};
 /// `Invalid` where the file is missing, not regular, of another format or malformed, or has a value that is negative or not finite;
 /// `Limit` where the picture would take more than 4 GiB; `Io` where the file cannot be read.
 pub fn load(path: &Path, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
-    read(BufReader::new(open(path, name)?), name, encoding, channel)
+    let mut file = open(path, name)?;
+    let mut bytes = vec![];
+    file.by_ref().take(LOOK).read_to_end(&mut bytes).map_err(|e| Error::io(name, e))?;
+    // A large file of another format is not read.
+    format_of(&bytes, name)?;
+    if file.metadata().map_err(|e| Error::io(name, e))?.len() > MOST_MEMORY {
+        return Err(too_large(name));
+    }
+    file.read_to_end(&mut bytes).map_err(|e| Error::io(name, e))?;
+    read(&bytes, name, encoding, channel)
 }
 
-/// Reads a picture as [`load`] does, from any source; for bytes in memory use `io::Cursor`.
+/// Reads the picture in the bytes of a file as [`load`] does.
 ///
 /// # Errors
 /// Those of [`load`].
-pub fn read(mut source: impl BufRead + Seek, name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
-    if is_deep(source.fill_buf().map_err(|e| Error::io(name, e))?) {
-        return Err(invalid(name, "a deep OpenEXR picture, with several values in a pixel: flatten it in a compositing program first"));
-    }
-    let reader = ImageReader::new(source).with_guessed_format().map_err(|e| Error::io(name, e))?;
-    let format = reader.format().filter(is_read).ok_or_else(|| {
-        let found = reader.format().map_or("an unknown format".to_owned(), title);
-        invalid(name, &format!("expected a picture in {READ}, found {found}"))
-    })?;
+pub fn read(bytes: &[u8], name: &str, encoding: Encoding, channel: Option<Channel>) -> Result<(Pixels, Vec<String>)> {
+    let format = format_of(bytes, name)?;
     let mut warnings = vec![];
     if ImageFormat::from_path(name).ok() != Some(format) {
         warnings.push(format!("{name}: read as {}, which its first bytes say it is", title(format)));
     }
-    let picture = decode(reader).map_err(|refusal| match refusal {
-        Undecoded::TooLarge => Error::Limit(Fault::new("the picture would take more than 4 GiB").in_file(name)),
-        Undecoded::Unread(error) => Error::io(name, error),
+    let picture = decode(bytes, format).map_err(|refusal| match refusal {
+        Undecoded::TooLarge => too_large(name),
         Undecoded::Invalid(why) => invalid(name, &format!("not a usable {} picture: {why}", title(format))),
     })?;
     Ok((pixels(picture, encoding, channel, name)?, warnings))
+}
+
+/// The number of bytes at the beginning of a file that tell its format.
+const LOOK: u64 = 64;
+
+/// The format of a picture that begins with these bytes.
+///
+/// # Errors
+/// `Invalid` for one that is not read.
+fn format_of(start: &[u8], name: &str) -> Result<ImageFormat> {
+    if is_deep(start) {
+        return Err(invalid(name, "a deep OpenEXR picture, with several values in a pixel: flatten it in a compositing program first"));
+    }
+    let found = image::guess_format(start).ok();
+    found.filter(is_read).ok_or_else(|| {
+        let found = found.map_or("an unknown format".to_owned(), title);
+        invalid(name, &format!("expected a picture in {READ}, found {found}"))
+    })
 }
 
 /// Whether a file that begins with these bytes is a deep OpenEXR picture, which pt does not read: bit 11 of the version.
@@ -55,6 +74,10 @@ pub fn read(mut source: impl BufRead + Seek, name: &str, encoding: Encoding, cha
 /// Source: *OpenEXR File Layout*, "Version Field".
 fn is_deep(start: &[u8]) -> bool {
     start.starts_with(b"\x76\x2f\x31\x01") && start.get(5).is_some_and(|flags| flags & 0x08 != 0)
+}
+
+fn too_large(name: &str) -> Error {
+    Error::Limit(Fault::new("the picture would take more than 4 GiB").in_file(name))
 }
 
 fn invalid(name: &str, message: &str) -> Error {

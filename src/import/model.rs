@@ -41,7 +41,7 @@ fn format(content: &Content) -> Format {
 fn read(content: &Content, context: &ImportContext, extension: &str, up: Up) -> Result<Option<Node>> {
     let whole = Node { value: Value::Object(vec![]), location: Location::Whole("".into()) };
     let at = JsonCursor::root(&whole, context);
-    let (data, _) = mesh::read(std::io::Cursor::new(&content.bytes), context.file)?;
+    let (data, _) = mesh::read(std::io::Cursor::new(&*content.bytes), context.file)?;
     let vertices = at.make_object([("type", at.make_text("vertex_color"))]);
     let albedo = if data.colors.is_empty() { at.make_number(DIFFUSE) } else { vertices };
     let material = at.make_object([("type", at.make_text("diffuse")), ("albedo", albedo)]);

@@ -201,7 +201,8 @@ impl<W: WideWalk> SideBySide for W {
         batch.radiance.clear();
         batch.radiance.resize(count, Spectrum::BLACK);
         let Some(scene) = self.scene().filter(|_| count > 0) else { return };
-        scene.width().run(Follow { method: self, scene, batch, interrupt });
+        let followed = scene.width().run_wide(Follow { method: self, scene, batch, interrupt });
+        debug_assert!(followed.is_some(), "there are tables for more than one lane only");
     }
 }
 

@@ -1,8 +1,8 @@
 //! Decoding of common picture formats.
 
-use std::io::{BufRead, Seek};
+use std::io::Cursor;
 
-use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
 use crate::error::panic::unwound;
 
@@ -17,19 +17,19 @@ const FLOATS: u64 = 12;
 pub enum Undecoded {
     /// The picture needs more than [`MOST_MEMORY`].
     TooLarge,
-    /// The system reports an error.
-    Unread(std::io::Error),
     /// The bytes are not a valid picture.
     Invalid(String),
 }
 
-/// Decodes a picture whose format is known.
+/// Decodes the bytes of a picture whose format is known.
 ///
-/// The size is checked before decoding. A panic of the decoder means that the bytes are not a valid picture.
+/// It takes bytes, not any reader, so that the decoders are compiled once. The size is checked before decoding. A panic of the decoder
+/// means that the bytes are not a valid picture.
 ///
 /// # Errors
 /// See [`Undecoded`].
-pub fn decode<R: BufRead + Seek>(mut reader: ImageReader<R>) -> Result<DynamicImage, Undecoded> {
+pub fn decode(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, Undecoded> {
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::default();
     limits.max_alloc = Some(MOST_MEMORY);
     reader.limits(limits);
@@ -46,7 +46,6 @@ pub fn decode<R: BufRead + Seek>(mut reader: ImageReader<R>) -> Result<DynamicIm
         }
         Ok(Ok(Some(picture))) => Ok(picture),
         Ok(Ok(None) | Err(ImageError::Limits(_))) => Err(Undecoded::TooLarge),
-        Ok(Err(ImageError::IoError(error))) if error.kind() != std::io::ErrorKind::UnexpectedEof => Err(Undecoded::Unread(error)),
         Ok(Err(other)) => Err(Undecoded::Invalid(other.to_string())),
         Err(panic) => Err(Undecoded::Invalid(format!("its decoder failed: {}", panic.message))),
     }

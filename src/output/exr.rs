@@ -107,7 +107,7 @@ pub fn read(path: &Path) -> PtResult<(Image, Attributes)> {
 /// Decodes the bytes of a file.
 pub(super) fn decode(bytes: &[u8]) -> PtResult<(Image, Attributes), DecodeError> {
     let broken = |e: exr::error::Error| DecodeError::Invalid(format!("not a readable EXR picture: {e}"));
-    check_size(&MetaData::read_from_buffered(bytes, false).map_err(broken)?)?;
+    check_size(&MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(broken)?)?;
     let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
     let file = reader.from_buffered(Cursor::new(bytes)).map_err(broken)?;
     let (shared, layer) = (file.attributes, file.layer_data);
@@ -140,7 +140,7 @@ fn check_size(meta: &MetaData) -> PtResult<(), DecodeError> {
 
 /// Storage of a picture, one fact per line: parts, compression, types of channels, and all attributes with their values.
 pub(super) fn facts(bytes: &[u8]) -> Vec<(String, String)> {
-    let Ok(meta) = MetaData::read_from_buffered(bytes, false) else { return vec![] };
+    let Ok(meta) = MetaData::read_from_buffered(Cursor::new(bytes), false) else { return vec![] };
     let mut facts = vec![];
     let mut fact = |name: &str, value: Option<String>| facts.extend(value.map(|value| (name.to_owned(), value)));
     fact("parts", (meta.headers.len() > 1).then(|| format!("{}, of which the first is read", meta.headers.len())));

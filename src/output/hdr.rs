@@ -1,10 +1,8 @@
 //! Radiance HDR: linear values with 8 bits each and one exponent for a pixel, the usual format of environment maps.
 
-use std::io::Cursor;
-
 use glam::UVec2;
 use image::codecs::hdr::HdrEncoder;
-use image::{ImageFormat, ImageReader, Rgb};
+use image::{ImageFormat, Rgb};
 
 use super::decode_error::DecodeError;
 use super::png::decoded;
@@ -42,7 +40,7 @@ fn rounded(pixel: [f32; 3]) -> Rgb<f32> {
 
 /// Decodes the bytes of a file.
 pub(super) fn decode(bytes: &[u8]) -> Result<Image, DecodeError> {
-    let picture = decoded(ImageReader::with_format(Cursor::new(bytes), ImageFormat::Hdr), ImageFormat::Hdr)?.into_rgb32f();
+    let picture = decoded(bytes, ImageFormat::Hdr)?.into_rgb32f();
     let pixels: Vec<[f32; 3]> = picture.pixels().map(|pixel| pixel.0).collect();
     Ok(rgb_image(UVec2::new(picture.width(), picture.height()), &pixels))
 }

@@ -1,10 +1,8 @@
 //! 8-bit pictures: PNG and PPM.
 
-use std::io::Cursor;
-
 use glam::UVec2;
 use image::codecs::png::PngEncoder;
-use image::{DynamicImage, ImageEncoder, ImageFormat, ImageReader};
+use image::{DynamicImage, ImageEncoder, ImageFormat};
 
 use super::Tonemap;
 use super::decode::{self, Undecoded};
@@ -33,7 +31,7 @@ pub fn encode_ppm(image: &Image, tonemap: &Tonemap) -> Vec<u8> {
 
 /// Decodes the bytes of a PNG, JPEG or PPM to linear values, with a channel `A` if there is transparency.
 pub(super) fn decode(bytes: &[u8], format: ImageFormat) -> Result<Image, DecodeError> {
-    let picture = decoded(ImageReader::with_format(Cursor::new(bytes), format), format)?;
+    let picture = decoded(bytes, format)?;
     let (size, has_alpha) = (UVec2::new(picture.width(), picture.height()), picture.color().has_alpha());
     let table: Vec<f32> = (0..=u16::MAX).map(|level| linear(f64::from(level) / 65535.0) as f32).collect();
     // 8 bits become 16 by repetition, which keeps their share of the range.
@@ -48,12 +46,11 @@ pub(super) fn decode(bytes: &[u8], format: ImageFormat) -> Result<Image, DecodeE
 }
 
 /// Decodes a picture of a format of the image library.
-pub(super) fn decoded(reader: ImageReader<Cursor<&[u8]>>, format: ImageFormat) -> Result<DynamicImage, DecodeError> {
+pub(super) fn decoded(bytes: &[u8], format: ImageFormat) -> Result<DynamicImage, DecodeError> {
     let unreadable =
         |why: String| DecodeError::Invalid(format!("not a readable {} picture: {why}", format.extensions_str()[0].to_uppercase()));
-    decode::decode(reader).map_err(|refusal| match refusal {
+    decode::decode(bytes, format).map_err(|refusal| match refusal {
         Undecoded::TooLarge => DecodeError::TooLarge,
-        Undecoded::Unread(error) => unreadable(error.to_string()),
         Undecoded::Invalid(why) => unreadable(why),
     })
 }

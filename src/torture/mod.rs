@@ -245,7 +245,7 @@ impl Failures {
     /// As [`Failures::count`]; where `judge` returns `None` the input tells nothing and is not counted.
     pub fn count_judged(tries: u64, judge: impl Fn(&mut Random) -> Option<Option<String>> + Sync) -> Failures {
         const BATCH: u64 = 1 << 12;
-        Failures::each(tries.div_ceil(BATCH), |k, random| {
+        Failures::each(tries.div_ceil(BATCH), &|k, random| {
             let mut failures = Failures::default();
             for _ in 0..BATCH.min(tries - k * BATCH) {
                 if let Some(judged) = judge(random) {
@@ -258,10 +258,11 @@ impl Failures {
 
     /// The tries of `setups` calls of `count`, on all threads.
     pub fn sum(setups: u64, count: impl Fn(&mut Random) -> Failures + Sync) -> Failures {
-        Failures::each(setups, |_, random| count(random))
+        Failures::each(setups, &|_, random| count(random))
     }
 
-    fn each(batches: u64, count: impl Fn(u64, &mut Random) -> Failures + Sync) -> Failures {
+    /// The function is a `dyn`, so that the code for threads is compiled once for all cases.
+    fn each(batches: u64, count: &(dyn Fn(u64, &mut Random) -> Failures + Sync)) -> Failures {
         (0..batches).into_par_iter().map(|k| count(k, &mut Random::new(k))).reduce(Failures::default, Failures::join)
     }
 }

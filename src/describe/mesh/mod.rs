@@ -19,6 +19,11 @@ use super::file::open;
 use crate::shape::mesh_data::MeshData;
 use crate::{Error, Fault, Result};
 
+/// What a mesh is read from: a file, or bytes in memory. The readers of formats take it as `&mut dyn Source`, and are compiled once.
+trait Source: BufRead + Seek {}
+
+impl<T: BufRead + Seek> Source for T {}
+
 /// A mesh as the reader of one format returns it, before it is cleaned.
 #[derive(Default)]
 struct Found {
@@ -82,7 +87,7 @@ pub fn load(path: &Path, name: &str) -> Result<(MeshData, Vec<String>)> {
             content
         }
     };
-    let (mesh, more) = read_as(format, file, name)?;
+    let (mesh, more) = read_as(format, &mut file, name)?;
     warnings.extend(more);
     Ok((mesh, warnings))
 }
@@ -93,10 +98,10 @@ pub fn load(path: &Path, name: &str) -> Result<(MeshData, Vec<String>)> {
 /// Those of [`load`].
 pub fn read(mut source: impl BufRead + Seek, name: &str) -> Result<(MeshData, Vec<String>)> {
     let content = format_of_content(&mut source).map_err(|e| Error::io(name, e))?;
-    read_as(content, source, name)
+    read_as(content, &mut source, name)
 }
 
-fn read_as(format: Format, source: impl BufRead + Seek, name: &str) -> Result<(MeshData, Vec<String>)> {
+fn read_as(format: Format, source: &mut dyn Source, name: &str) -> Result<(MeshData, Vec<String>)> {
     let found = match format {
         Format::Obj => obj::read(source, name)?,
         Format::Ply => ply::read(source, name)?,
@@ -109,9 +114,9 @@ fn read_as(format: Format, source: impl BufRead + Seek, name: &str) -> Result<(M
 }
 
 /// Recognises the format of a source as [`format_of`] does, and leaves the source at its beginning.
-fn format_of_content(source: &mut (impl BufRead + Seek)) -> io::Result<Format> {
+fn format_of_content(source: &mut dyn Source) -> io::Result<Format> {
     let mut start = Vec::new();
-    source.by_ref().take(LOOK).read_to_end(&mut start)?;
+    (&mut *source).take(LOOK).read_to_end(&mut start)?;
     let size = source.seek(SeekFrom::End(0))?;
     source.rewind()?;
     Ok(format_of(&start, size))

@@ -3,12 +3,10 @@
 //! The statements `v`, `vt`, `vn`, `f`, `g`, `o` and `usemtl` are read. Polygons become fans of triangles, which is right for convex
 //! polygons. Material libraries (`mtllib`) are ignored, because materials come from the scene.
 
-use std::io::{BufRead, Seek};
-
 use glam::{Vec2, Vec3};
 
 use super::obj_check::Checked;
-use super::{Found, invalid};
+use super::{Found, Source, invalid};
 use crate::shape::mesh_data::MeshData;
 use crate::{Error, Result};
 
@@ -16,13 +14,13 @@ use crate::{Error, Result};
 ///
 /// # Errors
 /// [`Error::Invalid`] with up to 20 faults, each with its line; [`Error::Io`] where the source cannot be read.
-pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found> {
-    let mut text = Checked::new(&mut source, name, false);
+pub(super) fn read(source: &mut dyn Source, name: &str) -> Result<Found> {
+    let mut text = Checked::new(source, name, false);
     let mut mesh = triangles(&mut text, name)?;
     if text.is_mixed() {
         drop(mesh);
         source.rewind().map_err(|e| Error::io(name, e))?;
-        text = Checked::new(&mut source, name, true);
+        text = Checked::new(source, name, true);
         mesh = triangles(&mut text, name)?;
         // No face has texture coordinates: all of them were padding.
         if text.faces_with[0] == 0 {
@@ -38,7 +36,7 @@ pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found>
 }
 
 /// Lets tobj read the checked text. It finds a single model, since names and groups are not passed on.
-fn triangles(text: &mut Checked<impl BufRead>, name: &str) -> Result<MeshData> {
+fn triangles(text: &mut Checked<'_>, name: &str) -> Result<MeshData> {
     let read = tobj::load_obj_buf(text, &tobj::GPU_LOAD_OPTIONS, |_| Err(tobj::LoadError::GenericFailure));
     if let Some(error) = text.failure.take() {
         return Err(Error::io(name, error));

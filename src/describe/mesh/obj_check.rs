@@ -8,6 +8,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, BufRead, Read, Write};
 
+use super::Source;
 use super::token::{finite, name, number, shown};
 use crate::shape::mesh_data::MeshPart;
 use crate::{Fault, MAX_FAULTS};
@@ -25,8 +26,8 @@ const MAX_NAMED: usize = 8;
 const KINDS: [(&str, &str); 3] = [("vertex", "vertices"), ("texture coordinate", "texture coordinates"), ("normal", "normals")];
 
 /// A reader that yields the checked text. Its fields have what else the file contains.
-pub struct Checked<'a, R> {
-    source: R,
+pub struct Checked<'a> {
+    source: &'a mut dyn Source,
     name: &'a str,
     /// Whether every corner gets a texture coordinate and a normal. Index 1 of each is then zero, for corners without.
     padded: bool,
@@ -59,9 +60,9 @@ pub struct Checked<'a, R> {
     pub ignored: BTreeMap<String, usize>,
 }
 
-impl<'a, R: BufRead> Checked<'a, R> {
+impl<'a> Checked<'a> {
     /// Starts reading a source; `name` is the file's name for messages.
-    pub fn new(source: R, name: &'a str, padded: bool) -> Self {
+    pub fn new(source: &'a mut dyn Source, name: &'a str, padded: bool) -> Self {
         let passed = if padded { b"vt 0 0\nvn 0 0 0\n".to_vec() } else { Vec::new() };
         Checked {
             source,
@@ -116,7 +117,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
         self.line = self.next_line;
         loop {
             let room = (MAX_STATEMENT + 1).saturating_sub(statement.len() as u64);
-            let read = self.source.by_ref().take(room).read_until(b'\n', statement)?;
+            let read = (&mut *self.source).take(room).read_until(b'\n', statement)?;
             if statement.len() as u64 > MAX_STATEMENT {
                 self.faults = vec![Fault::new("a line of more than 256 MiB").in_file(self.name).at_line(self.line)];
                 return Ok(false);
@@ -283,7 +284,7 @@ impl<'a, R: BufRead> Checked<'a, R> {
     }
 }
 
-impl<R: BufRead> Read for Checked<'_, R> {
+impl Read for Checked<'_> {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
         let count = self.fill_buf()?.read(into)?;
         self.consume(count);
@@ -291,7 +292,7 @@ impl<R: BufRead> Read for Checked<'_, R> {
     }
 }
 
-impl<R: BufRead> BufRead for Checked<'_, R> {
+impl BufRead for Checked<'_> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         if self.served == self.passed.len() {
             // tobj would lose the error.

@@ -4,12 +4,13 @@
 //! with a list `vertex_indices` or `vertex_index`. Polygons become fans of triangles, which is right for convex polygons. Messages
 //! count elements from 0, as indices do.
 
-use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, ErrorKind, Read, SeekFrom};
 
 use glam::{Vec2, Vec3, Vec4};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyType, ScalarType};
 
+use super::Source;
 use super::ply_row::{Row, full_channel, is_indices, slots};
 use super::{Found, invalid};
 use crate::format::decoded;
@@ -24,7 +25,7 @@ const MAX_HEADER: u64 = 1 << 20;
 /// # Errors
 /// [`Error::Invalid`] with the line (ASCII) or the element's number; [`Error::Limit`] beyond 2³² − 1 elements; [`Error::Io`] where the
 /// source cannot be read. A header that promises more than the file can hold is refused before memory is allocated for it.
-pub(super) fn read(source: impl BufRead + Seek, name: &str) -> Result<Found> {
+pub(super) fn read(source: &mut dyn Source, name: &str) -> Result<Found> {
     let (header, mut body) = opened(source, name, &["vertex", "face"])?;
     let is_index_list = |(name, property): (&String, &ply_rs_bw::ply::PropertyDef)| {
         is_indices(name) && matches!(&property.data_type, PropertyType::List(_, item) if is_integer(item))
@@ -57,9 +58,9 @@ pub(super) fn read(source: impl BufRead + Seek, name: &str) -> Result<Found> {
 ///
 /// # Errors
 /// Those of [`read`] about the header.
-pub(super) fn opened<'a, R: BufRead + Seek>(mut source: R, name: &'a str, needed: &[&str]) -> Result<(Header, Body<'a, R>)> {
+pub(super) fn opened<'a>(source: &'a mut dyn Source, name: &'a str, needed: &[&str]) -> Result<(Header, Body<'a>)> {
     let size = source.seek(SeekFrom::End(0)).and_then(|size| source.rewind().map(|()| size)).map_err(|e| Error::io(name, e))?;
-    let text = header_text(&mut source, name)?;
+    let text = header_text(source, name)?;
     let header = header(&text, name)?;
     check_header(&header, needed, size.saturating_sub(text.len() as u64), name)?;
     let line = text.iter().filter(|&&b| b == b'\n').count();
@@ -68,7 +69,7 @@ pub(super) fn opened<'a, R: BufRead + Seek>(mut source: R, name: &'a str, needed
 }
 
 /// Reads the bytes up to and including the line `end_header`.
-fn header_text(source: &mut impl BufRead, name: &str) -> Result<Vec<u8>> {
+fn header_text(source: &mut dyn Source, name: &str) -> Result<Vec<u8>> {
     let mut text = Vec::new();
     let mut source = source.take(MAX_HEADER);
     loop {
@@ -171,8 +172,8 @@ fn size_of_scalar(scalar: &ScalarType) -> u128 {
 }
 
 /// The data after the header, which is read row by row.
-pub(super) struct Body<'a, R> {
-    source: R,
+pub(super) struct Body<'a> {
+    source: &'a mut dyn Source,
     name: &'a str,
     encoding: Encoding,
     /// The number of the line that was read last (ASCII only).
@@ -181,7 +182,7 @@ pub(super) struct Body<'a, R> {
     parser: Parser<Row>,
 }
 
-impl<R: BufRead> Body<'_, R> {
+impl Body<'_> {
     fn read_vertices(&mut self, element: &ElementDef, found: &mut Found) -> Result<()> {
         let has = slots(element);
         let (has_normals, has_uvs, has_colors) = (has[3..6] == [true; 3], has[6..8] == [true; 2], has[8..11] == [true; 3]);

@@ -39,8 +39,8 @@ impl InstancePoint {
 /// # Errors
 /// [`Error::Invalid`] with the line (ASCII) or the element's number; [`Error::Limit`] beyond [`MAX_POINTS`]; [`Error::Io`] where the
 /// source cannot be read.
-pub fn read(source: impl BufRead + Seek, name: &str) -> Result<(Vec<InstancePoint>, Vec<String>)> {
-    let (header, mut body) = opened(source, name, &["vertex"])?;
+pub fn read(mut source: impl BufRead + Seek, name: &str) -> Result<(Vec<InstancePoint>, Vec<String>)> {
+    let (header, mut body) = opened(&mut source, name, &["vertex"])?;
     let vertex = &header.elements["vertex"];
     if vertex.count > MAX_POINTS {
         return Err(Error::Limit(Fault::new(format!("{} points, at most {MAX_POINTS} are possible", vertex.count)).in_file(name)));

@@ -5,10 +5,11 @@
 //! word, and its messages have no line numbers.)
 
 use std::collections::HashMap;
-use std::io::{BufRead, Read, Seek, SeekFrom};
+use std::io::{BufRead, Read, SeekFrom};
 
 use glam::Vec3;
 
+use super::Source;
 use super::token::{finite, shown};
 use super::{Found, invalid};
 use crate::shape::mesh_data::MeshPart;
@@ -45,12 +46,12 @@ fn is_solid(start: &[u8]) -> bool {
 /// # Errors
 /// [`Error::Invalid`] with the line (ASCII) or the triangle's number; [`Error::Limit`] beyond 2³² − 1 vertices; [`Error::Io`] where the
 /// source cannot be read.
-pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found> {
+pub(super) fn read(source: &mut dyn Source, name: &str) -> Result<Found> {
     let io = |e| Error::io(name, e);
     let size = source.seek(SeekFrom::End(0)).map_err(io)?;
     source.rewind().map_err(io)?;
     let mut start = vec![];
-    source.by_ref().take(HEADER).read_to_end(&mut start).map_err(io)?;
+    (&mut *source).take(HEADER).read_to_end(&mut start).map_err(io)?;
     let mut corners = Corners { found: Found::default(), known: HashMap::new(), name };
     if is_solid(&start) && !is_binary(&start, size) {
         source.rewind().map_err(io)?;
@@ -61,7 +62,7 @@ pub(super) fn read(mut source: impl BufRead + Seek, name: &str) -> Result<Found>
     corners.finish()
 }
 
-fn read_binary(mut source: impl Read, start: &[u8], size: u64, corners: &mut Corners) -> Result<()> {
+fn read_binary(source: &mut dyn Source, start: &[u8], size: u64, corners: &mut Corners) -> Result<()> {
     let name = corners.name;
     let Some(count) = count(start) else { return Err(invalid(name, "no STL: neither \"solid\" nor a binary header of 84 bytes")) };
     let follow = size.saturating_sub(HEADER);
@@ -89,7 +90,7 @@ fn read_binary(mut source: impl Read, start: &[u8], size: u64, corners: &mut Cor
 }
 
 /// Reads the ASCII form: `vertex x y z`, three for each `facet`, in upper or lower case.
-fn read_ascii(source: impl BufRead, name: &str, corners: &mut Corners) -> Result<()> {
+fn read_ascii(source: &mut dyn Source, name: &str, corners: &mut Corners) -> Result<()> {
     let mut open = vec![];
     for (i, line) in source.lines().enumerate() {
         let fault = |message: String| Error::invalid(Fault::new(message).in_file(name).at_line(i + 1));

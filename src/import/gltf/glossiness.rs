@@ -67,7 +67,7 @@ impl<'a> Reader<'_, 'a> {
         let file = node.child("file")?.as_str()?;
         let read = |channel| {
             let bytes = info.context().bytes(file).map_err(|error| info.fault(error.to_string())).ok()?;
-            let decoded = picture::read(std::io::Cursor::new(bytes), file, Encoding::Auto, channel);
+            let decoded = picture::read(&bytes, file, Encoding::Auto, channel);
             decoded.map_err(|error| info.fault(error.to_string())).ok().map(|(pixels, _)| pixels)
         };
         Some(Layer { color: read(None)?, alpha: read(Some(Channel::A))? })

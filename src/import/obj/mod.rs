@@ -38,7 +38,7 @@ fn read(content: &Content, context: &ImportContext) -> Result<Option<Node>> {
     let whole = Node { value: Value::Object(vec![]), location: Location::Whole("".into()) };
     let at = JsonCursor::root(&whole, context);
     let name = model::file_name(content, context, "obj");
-    let (mesh, _) = crate::describe::mesh::read(std::io::Cursor::new(&content.bytes), context.file)?;
+    let (mesh, _) = crate::describe::mesh::read(std::io::Cursor::new(&*content.bytes), context.file)?;
     let library = libraries(content, context)?;
     let used: BTreeMap<&str, &Entry> =
         parts_of(&mesh).into_iter().filter_map(|name| library.get_key_value(name)).map(|(k, e)| (&**k, e)).collect();

@@ -3,8 +3,8 @@
 //! Each lane does the operations of the plain number in the same order with the same rounding: no fused multiply-add, no approximate
 //! quotient or root. Results therefore have the same bits in every width, except for the sign and the payload of a NaN.
 //!
-//! Code over lanes is a [`Kernel`], and [`Width::run`] compiles it for each instruction set and runs the one that the machine has. The
-//! environment variable PT_LANES limits the width, and PT_SIMD does so too: `sse2` to one lane, `avx2` to eight.
+//! Code over lanes is a [`Kernel`]. [`Width::run`] and [`Width::run_wide`] compile it for each instruction set and run the one that the
+//! machine has. The environment variable PT_LANES limits the width, and PT_SIMD does so too: `sse2` to one lane, `avx2` to eight.
 //!
 //! Tests: lanes_agree_with_plain_numbers, vectors_agree_with_glam, gather_is_bounded, short_slices_are_refused,
 //! widths_are_in_order.
@@ -240,8 +240,9 @@ pub trait Kernel {
 
     /// Runs the code.
     ///
-    /// It must be `#[inline(always)]`, and so must all functions over lanes that it calls: only what is inlined into [`Width::run`] is
-    /// compiled for the instruction set of the width. The rest, which may include closures, gives the same result but slowly.
+    /// It must be `#[inline(always)]`, and so must all functions over lanes that it calls: only what is inlined into [`Width::run`] or
+    /// [`Width::run_wide`] is compiled for the instruction set of the width. The rest, which may include closures, gives the same result but
+    /// slowly.
     fn run<L: Lanes>(self) -> Self::Output;
 }
 
@@ -322,6 +323,22 @@ impl Width {
             // SAFETY: only `available` makes this value, after it found all features that `run_sixteen` enables.
             #[cfg(target_arch = "x86_64")]
             Kind::Sixteen => unsafe { run_sixteen(kernel) },
+        }
+    }
+
+    /// Runs a kernel in this width; `None` if that is one lane, for which the kernel is not compiled. It suits kernels beside which there is
+    /// code for single numbers.
+    #[cfg_attr(target_arch = "x86_64", allow(unsafe_code, reason = "the instructions exist only where `Width::available` found them"))]
+    #[cfg_attr(not(target_arch = "x86_64"), allow(unused_variables, reason = "other processors have only one width"))]
+    pub fn run_wide<K: Kernel>(self, kernel: K) -> Option<K::Output> {
+        match self.0 {
+            Kind::One => None,
+            // SAFETY: as in `run`.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Eight => Some(unsafe { run_eight(kernel) }),
+            // SAFETY: as in `run`.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Sixteen => Some(unsafe { run_sixteen(kernel) }),
         }
     }
 }
