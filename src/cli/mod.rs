@@ -1,6 +1,6 @@
 //! Command line: one file per subcommand.
 //!
-//! To add one: a file beside these, a variant in [`Command`], an arm in `run`.
+//! To add one: a file beside these, a variant in `Command`, an arm in `run`.
 
 mod check;
 mod compare;
@@ -71,25 +71,23 @@ use verify::VerifyArgs;
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("PT_BUILD_ID"), ")");
 
 /// A physically based renderer that shows what accuracy costs in time.
-#[allow(missing_docs, reason = "clap would print documentation of these as help")]
 #[derive(Parser, Debug)]
 #[command(name = "pt", version = VERSION, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-pub struct CommandLine {
+struct CommandLine {
     #[command(subcommand)]
-    pub command: Option<Command>,
+    command: Option<Command>,
     #[command(flatten)]
-    pub render: RenderArgs,
+    render: RenderArgs,
     /// Errors as one JSON object on stderr.
     #[arg(long, global = true)]
-    pub json_errors: bool,
+    json_errors: bool,
     /// Print only errors and what was asked for: no notes, no warnings, no progress.
     #[arg(short, long, global = true)]
-    pub quiet: bool,
+    quiet: bool,
 }
 
-#[allow(missing_docs, reason = "clap would print documentation of these as help")]
 #[derive(Subcommand, Debug)]
-pub enum Command {
+enum Command {
     /// Validate a scene without rendering; list what it contains and which effects it needs.
     Check(CheckArgs),
     /// List what can be chosen: integrators, samplers, materials and more, with one line each.
@@ -142,7 +140,7 @@ pub enum Command {
 
 impl CommandLine {
     /// Returns the files that the command reads, for messages.
-    pub fn file(&self) -> String {
+    fn file(&self) -> String {
         let scene = |scene: &SceneArgs| scene.path.iter().cloned().collect();
         let files: Vec<PathBuf> = match &self.command {
             None => scene(&self.render.scene),
@@ -192,6 +190,16 @@ impl CommandLine {
 
 /// Exit code of a question without an answer: a target that was not reached, a test without power.
 const INCONCLUSIVE: u8 = 7;
+
+/// Reads the words of a command line, without the name of the program. Returns the files that the command would read, for messages. Tests
+/// that try many words use it.
+///
+/// # Errors
+/// What pt prints when it refuses the words, or when they ask for help.
+pub fn files_of(words: &[&str]) -> Result<String, String> {
+    let parsed = CommandLine::try_parse_from(["pt"].iter().chain(words));
+    parsed.map(|args| args.file()).map_err(|refusal| refusal.to_string())
+}
 
 /// Runs the whole program with these tables of integrators. An integrator of another crate gets every command with
 /// `main_with(&[pt::integrators::ALL, &[MINE]])`.

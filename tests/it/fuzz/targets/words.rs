@@ -2,19 +2,16 @@
 
 use std::path::Path;
 
-use clap::Parser;
-use pt::cli::CommandLine;
+use pt::cli::files_of;
 use pt::rays::table::rows;
 
 /// Arguments, one in each line; those of `-D` are put into a scene.
 pub fn command_line(_: &Path, bytes: &[u8]) -> Result<bool, String> {
     let text = String::from_utf8_lossy(bytes);
     let words: Vec<&str> = text.split('\n').collect();
-    let parsed = CommandLine::try_parse_from(["pt"].iter().chain(&words));
-    match &parsed {
-        Ok(args) => drop(args.file()),
-        Err(refusal) if refusal.to_string().trim().is_empty() => return Err("refused without a message".into()),
-        Err(_) => {}
+    let files = files_of(&words);
+    if files.as_ref().is_err_and(|refusal| refusal.trim().is_empty()) {
+        return Err("refused without a message".into());
     }
     let unsaid = |refusal: &pt::Error| !matches!(refusal, pt::Error::Usage(text) if !text.trim().is_empty());
     let scene = br#"{"pt": 1, "camera": {"look_at": {"from": [0, 0, 3], "to": [0, 0, 0]}}, "shapes": [{"type": "sphere"}]}"#;
@@ -27,7 +24,7 @@ pub fn command_line(_: &Path, bytes: &[u8]) -> Result<bool, String> {
             super::judged(read)?;
         }
     }
-    Ok(parsed.is_ok())
+    Ok(files.is_ok())
 }
 
 /// A table of rays, and of points.
