@@ -1,9 +1,10 @@
 //! The course in docs/course is true: its code is that of examples/course, and its commands print what it says.
 //!
 //! - Each block of Rust consists of lines that stand together in a file of `examples/course`. A line `…` leaves some out.
-//! - Each block of shell commands that is followed by a block of text is run, in a folder with the scenes and documentation of the
-//!   project. `pt` is the program, and `cargo run --release --example course --` is this test itself, started again as the example. The
-//!   output on stdout must be the text; `…` in the text stands for anything within a line, and a line `…` for any lines.
+//! - Each block of shell commands is run, in a folder with the scenes and documentation of the project. `pt` is the program, and
+//!   `cargo run --release --example course --` is this test itself, started again as the example. Where a block of text follows, the
+//!   output on stdout must be the text; `…` in the text stands for anything within a line, and a line `…` for any lines. Where none does,
+//!   every command must succeed. Lines that begin with `cargo test` are left out.
 
 #[path = "../examples/course/main.rs"]
 mod course;
@@ -91,30 +92,37 @@ fn unknown_code(blocks: &[Block], sources: &[String]) -> Vec<String> {
     unknown.map(|block| format!("{}: this is not in examples/course:\n{}", block.at, block.text)).collect()
 }
 
-/// Runs the commands of a block in `folder`, and returns what they printed on stdout.
-fn printed(block: &Block, folder: &Path) -> String {
+/// Runs the commands of a block in `folder`. Returns what they printed on stdout, and whether all of them succeeded.
+fn printed(block: &Block, folder: &Path, must_succeed: bool) -> (String, bool) {
     let this = std::env::current_exe().expect("this test");
-    let script = block.text.replace(CARGO, "example");
+    let lines = block.text.lines().filter(|line| !line.starts_with("cargo test"));
+    let script = lines.collect::<Vec<_>>().join("\n").replace(CARGO, "example");
     let functions = "example() { PT_COURSE=1 \"$PT_EXAMPLE\" \"$@\"; }; pt() { \"$PT_PROGRAM\" \"$@\"; };";
     let mut shell = Command::new("sh");
-    shell.args(["-c", &format!("{functions}\n{script}")]).current_dir(folder);
+    // Without a text it is enough that all commands succeed; a text may show an exit code.
+    shell.args(["-c", &format!("{functions}\n{}{script}", if must_succeed { "set -e\n" } else { "" })]).current_dir(folder);
     shell.env("PT_EXAMPLE", this).env("PT_PROGRAM", env!("CARGO_BIN_EXE_pt")).env("LC_ALL", "C.UTF-8");
     let output = shell.output().expect("a shell");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(!errors.contains("error:") && !errors.contains("not found"), "{}:\n{errors}", block.at);
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    (String::from_utf8_lossy(&output.stdout).into_owned(), output.status.success())
 }
 
-/// The blocks of commands whose output is not the text that follows them, and the number of blocks that were run.
+/// The blocks of commands that fail, or whose output is not the text that follows them, and the number of blocks that were run.
 fn wrong_output(blocks: &[Block], folder: &Path) -> (Vec<String>, usize) {
-    let pairs: Vec<&[Block]> = blocks.windows(2).filter(|pair| pair[0].language == "sh" && pair[1].language == "text").collect();
-    let wrong = pairs.iter().filter_map(|pair| {
-        let printed = printed(&pair[0], folder);
-        let (wanted, found): (Vec<&str>, Vec<&str>) = (pair[1].text.lines().collect(), printed.lines().collect());
+    let is_run = |(_, block): &(usize, &Block)| block.language == "sh";
+    let judged = |(k, block): (usize, &Block)| {
+        let text = blocks.get(k + 1).filter(|next| next.language == "text");
+        let (printed, has_succeeded) = printed(block, folder, text.is_none());
+        let Some(text) = text else {
+            return (!has_succeeded).then(|| format!("{}: a command failed, and printed\n{printed}", block.at));
+        };
+        let (wanted, found): (Vec<&str>, Vec<&str>) = (text.text.lines().collect(), printed.lines().collect());
         let is_right = lines_match(&wanted, &found, line_matches);
-        (!is_right).then(|| format!("{}: expected\n{}\nfound\n{printed}", pair[0].at, pair[1].text))
-    });
-    (wrong.collect(), pairs.len())
+        (!is_right).then(|| format!("{}: expected\n{}\nfound\n{printed}", block.at, text.text))
+    };
+    let wrong = blocks.iter().enumerate().filter(is_run).filter_map(judged);
+    (wrong.collect(), blocks.iter().filter(|block| block.language == "sh").count())
 }
 
 /// The comparison itself can fail.
