@@ -110,8 +110,8 @@ fn printed(block: &Block, folder: &Path, must_succeed: bool) -> (String, bool) {
 
 /// The blocks of commands that fail, or whose output is not the text that follows them, and the number of blocks that were run.
 fn wrong_output(blocks: &[Block], folder: &Path) -> (Vec<String>, usize) {
-    let is_run = |(_, block): &(usize, &Block)| block.language == "sh";
-    let judged = |(k, block): (usize, &Block)| {
+    let commands: Vec<(usize, &Block)> = blocks.iter().enumerate().filter(|(_, block)| block.language == "sh").collect();
+    let judged = |&(k, block): &(usize, &Block)| {
         let text = blocks.get(k + 1).filter(|next| next.language == "text");
         let (printed, has_succeeded) = printed(block, folder, text.is_none());
         let Some(text) = text else {
@@ -121,8 +121,7 @@ fn wrong_output(blocks: &[Block], folder: &Path) -> (Vec<String>, usize) {
         let is_right = lines_match(&wanted, &found, line_matches);
         (!is_right).then(|| format!("{}: expected\n{}\nfound\n{printed}", block.at, text.text))
     };
-    let wrong = blocks.iter().enumerate().filter(is_run).filter_map(judged);
-    (wrong.collect(), blocks.iter().filter(|block| block.language == "sh").count())
+    (commands.iter().filter_map(judged).collect(), commands.len())
 }
 
 /// The comparison itself can fail.

@@ -7,8 +7,9 @@
 //! - Independent samples are skewed: a pixel that lacks its rare bright samples is too dark, and its samples look too much alike. With
 //!   64 of them as few as 87 % of the pixels deviate by less than 1.96 of their own √v, where 95 % are meant.
 //!
-//! So every pixel keeps only a part of its v. The rest goes to the 49 pixels around it, each of which gets a share in proportion to the
-//! standard deviation u of its own samples. The variance of pixel i is what it keeps plus what it gets:
+//! The variances of neighbouring pixels are therefore averaged. A pixel counts a part w of its estimate v for itself and divides the
+//! remaining part 1 − w among the 7 × 7 pixels around it, in proportion to the standard deviation u of the samples of each. The variance of
+//! pixel i is the part that it counts for itself plus what it receives from its neighbours:
 //!
 //! ```text
 //! σ²ᵢ = wᵢ vᵢ + uᵢ Σ (1 − w_q) v_q / Σ u_j        over the neighbours q of i, and over the neighbours j of q
