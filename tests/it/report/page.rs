@@ -133,10 +133,10 @@ impl Page {
         assert_eq!(self.browser.run("return performance.getEntriesByType('resource').map(e => e.name)"), json!([]));
     }
 
-    /// Every element that can be focused has a name, and the five plots have a description, in either width.
+    /// Every element that can be focused has a name, and the six plots have a description, in either width.
     fn is_labelled(&self) {
         self.browser.is_labelled();
-        assert!(self.browser.run("return document.querySelectorAll('svg[role=img]').length") == 10);
+        assert!(self.browser.run("return document.querySelectorAll('svg[role=img]').length") == 12);
     }
 
     /// The page reads every pixel of every picture, with a tolerance of half a unit in the last of a half float's eleven bits.

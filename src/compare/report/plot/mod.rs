@@ -11,6 +11,7 @@ mod frame;
 mod pareto;
 mod raster;
 mod spectrum;
+mod spread;
 mod svg;
 
 use super::Files;
@@ -34,6 +35,7 @@ const ALL: &[Plot] = &[
     Plot { name: "time-to-error", draw: bars::bars },
     Plot { name: "pareto-front", draw: pareto::front },
     Plot { name: "error-spectrum", draw: spectrum::spectrum },
+    Plot { name: "error-spread", draw: spread::spread },
 ];
 
 /// Returns all plots as SVG and PNG files.
