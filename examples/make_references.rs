@@ -26,6 +26,7 @@ const REFERENCES: &[(&str, &str, &str, u32)] = &[
     ("motion", "path", "nee", 128),
     ("bubbles", "path", "nee", 128),
     ("fur", "path", "nee", 64),
+    ("macro-lens", "path", "nee", 128),
 ];
 
 const FACTOR: u32 = 64;
