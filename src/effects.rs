@@ -172,6 +172,6 @@ const TABLE: [EffectInfo; 21] = [
         name: "dispersion",
         cost: "noise of colour: one wavelength per path through glass, paths one by one",
     },
-    EffectInfo { bit: Effects::THIN_FILM, name: "thin films", cost: "a lookup in a table per hit" },
+    EffectInfo { bit: Effects::THIN_FILM, name: "thin films", cost: "a few to dozens of lookups in a table per hit" },
     EffectInfo { bit: Effects::CURVES, name: "curves", cost: "the roots of a polynomial per piece that a ray comes near to" },
 ];

@@ -2,11 +2,13 @@
 
 use glam::{DVec3, Vec2};
 
+use super::clear_film;
 use super::description::{Description, Prepare, given};
 use super::film::{Film, FilmTable};
 use super::microfacet::{EnergyLossTable, Roughness, RoughnessKeys, roughness_keys};
 use super::{
-    Bsdf, BsdfSample, HitContext, Lookup, Material, RoughConductor, ScatteringModel, TexturedModel, TransportMode, rough_conductor,
+    Bsdf, BsdfSample, ClearFilm, FilmLayer, HitContext, Lookup, Material, RoughConductor, ScatteringModel, TexturedModel, TransportMode,
+    rough_conductor,
 };
 use crate::effects::Effects;
 use crate::format::{Textured, VaryingPerChannel};
@@ -37,12 +39,22 @@ pub enum Reflectance {
         /// The thickness of the film (nm).
         thickness: f32,
     },
+    /// Reflectance under a thin film, by the reflectance of the bare surface at normal incidence.
+    ClearFilm(ClearFilm),
 }
 
 impl Reflectance {
     /// The reflectance of a metal by its index of refraction η + ik, stored for red, green and blue.
     pub fn of_index(eta: Rgb, k: Rgb) -> Reflectance {
         Reflectance::Index { eta: Spectrum::from_coefficients(eta), k: Spectrum::from_coefficients(k) }
+    }
+
+    /// The reflectance of a metal under a film by its colour: that of a clear body which reflects as much at normal incidence.
+    ///
+    /// - `thickness`: that of the film (nm)
+    fn of_color_under_film(color: Rgb, eta: f32, thickness: f32) -> Reflectance {
+        let base = Spectrum::from_albedo(color).map(ClearFilm::base_of_reflectance);
+        Reflectance::ClearFilm(ClearFilm { eta, thickness, base })
     }
 
     /// The reflectance at an angle.
@@ -54,6 +66,7 @@ impl Reflectance {
             Reflectance::Index { eta, k } => eta.zip_all(*k, |eta, k| fresnel::conductor(cos, eta, k)),
             Reflectance::Schlick { normal } => schlick(*normal, cos.abs()),
             Reflectance::Film { table, thickness } => table.at(cos, *thickness),
+            Reflectance::ClearFilm(film) => film.at(cos),
         }
     }
 
@@ -64,15 +77,20 @@ impl Reflectance {
             Reflectance::Index { eta, k } => eta.zip_all(*k, |eta, k| fresnel::conductor_of_square(cos2, eta, k)),
             Reflectance::Schlick { normal } => schlick(*normal, cos2.sqrt()),
             Reflectance::Film { table, thickness } => table.at(cos2.sqrt(), *thickness),
+            Reflectance::ClearFilm(film) => film.at(cos2.sqrt()),
         }
     }
 
     /// F̄ = 2 ∫ F μ dμ: the cosine-weighted mean over the hemisphere. For Schlick's formula it is F₀ + (1 − F₀)/21.
     pub fn mean(&self) -> Spectrum {
-        const STEPS: usize = 64;
-        let at = |i: usize| (i as f32 + 0.5) / STEPS as f32;
+        let of_steps = |steps: usize| {
+            let at = |i: usize| (i as f32 + 0.5) / steps as f32;
+            (0..steps).map(|i| self.at(at(i)) * (2.0 * at(i) / steps as f32)).sum()
+        };
         match self {
-            Reflectance::Index { .. } => (0..STEPS).map(|i| self.at(at(i)) * (2.0 * at(i) / STEPS as f32)).sum(),
+            Reflectance::Index { .. } => of_steps(64),
+            // Few steps, because a step takes a tenth of a microsecond and more.
+            Reflectance::ClearFilm(_) => of_steps(16),
             Reflectance::Schlick { normal } => normal.map(|f0| f0 + (1.0 - f0) / 21.0),
             Reflectance::Film { table, thickness } => table.mean(*thickness),
         }
@@ -161,8 +179,9 @@ pub mod described {
         /// twenty to thirty times that where the roughness is a texture or anisotropic, and a hundred times that where the anisotropy is a
         /// texture or both hold; the last are accurate to 1 %.
         pub multiscatter: bool,
-        /// A thin clear film on the metal, which gives it the colours of interference: anodized titanium, tempered steel. The metal needs an
-        /// index of refraction that is the same everywhere.
+        /// A thin clear film on the metal, which gives it the colours of interference: anodized titanium, tempered steel. `eta` and `k` must
+        /// be the same everywhere. With `color` the metal counts as a clear body that reflects as much at normal incidence, and bright
+        /// metal is darker towards its edge than without a film: one of 0.9 reflects 0.78 at 78°.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub film: Option<MetalFilm>,
     }
@@ -173,8 +192,8 @@ pub mod described {
     pub struct MetalFilm {
         /// The index of refraction of the film.
         pub eta: FilmIndex,
-        /// The thickness of the film in nanometres. A film whose thickness varies needs a table over the thickness, once: it
-        /// takes half a second for up to 300 nm of an oxide, and twenty seconds at the most.
+        /// The thickness of the film in nanometres. On metal by its index, a film whose thickness varies needs a table over the thickness,
+        /// once: it takes half a second for up to 300 nm of an oxide, and twenty seconds at the most.
         pub thickness: Varying<FilmThickness>,
     }
 
@@ -217,7 +236,6 @@ impl Description for described::Conductor {
             matches!(index, Some(VaryingPerChannel::Between(_)))
         }
         let fault = match (self.metal.is_some(), self.eta.is_some(), self.k.is_some(), self.color.is_some()) {
-            (false, false, false, true) if self.film.is_some() => ("/film", "a film needs metal, or eta and k, and not a color"),
             (false, true, true, false) if self.film.is_some() && (varies(&self.eta) || varies(&self.k)) => {
                 ("/film", "a film needs an eta and a k that are the same everywhere")
             }
@@ -243,10 +261,16 @@ impl Description for described::Conductor {
                 Metallic::from((eta, k))
             }
         };
-        let reflectance = match (&self.color, &self.film) {
-            (Some(color), _) => builder.texture("color", color).into(),
-            (None, Some(film)) => index.under_film(film.eta.get() as f32, builder.number("film/thickness", &film.thickness)),
-            (None, None) => index,
+        let bare = match &self.color {
+            Some(color) => builder.texture("color", color).into(),
+            None => index,
+        };
+        let reflectance = match &self.film {
+            Some(film) => {
+                let thickness = builder.number("film/thickness", &film.thickness);
+                bare.under_film(FilmLayer { eta: film.eta.get() as f32, thickness })
+            }
+            None => bare,
         };
         Material::metal(reflectance, roughness, self.multiscatter)
     }
@@ -302,7 +326,11 @@ impl Lookup for textured::Conductor {
 
 impl TexturedModel for textured::Conductor {
     fn effects(&self) -> Effects {
-        let film = if matches!(self.reflectance, Metallic::Film { .. }) { Effects::THIN_FILM } else { Effects::NONE };
+        let film = if matches!(self.reflectance, Metallic::Film { .. } | Metallic::ColorUnderFilm { .. }) {
+            Effects::THIN_FILM
+        } else {
+            Effects::NONE
+        };
         let smooth = Effects::SPECULAR_REFLECTION;
         film | self.roughness.as_ref().map_or(smooth, |roughness| roughness.effects(smooth))
     }
@@ -338,6 +366,15 @@ pub enum Metallic {
         /// The thickness of the film (nm).
         thickness: Number,
     },
+    /// Reflectance under a thin film by that of the bare metal at normal incidence.
+    ColorUnderFilm {
+        /// The reflectance of the bare metal at normal incidence. It is that of a real index of refraction.
+        color: Texture,
+        /// The film.
+        film: FilmLayer,
+        /// F̄, if colour and thickness are the same everywhere.
+        mean: Option<Spectrum>,
+    },
 }
 
 impl Metallic {
@@ -347,28 +384,41 @@ impl Metallic {
             Metallic::Indices { eta, k } => Reflectance::of_index(eta.at(&at.texture), k.at(&at.texture)),
             Metallic::Color(color) => Reflectance::Schlick { normal: Spectrum::from_albedo(color.at(&at.texture)) },
             Metallic::Film { table, thickness } => Reflectance::Film { table, thickness: thickness.at(&at.texture) },
+            Metallic::ColorUnderFilm { color, film, .. } => {
+                Reflectance::of_color_under_film(color.at(&at.texture), film.eta, film.thickness.at(&at.texture))
+            }
         }
     }
 
-    /// The metal under a thin film. Metal without an index of refraction that is the same everywhere stays as it is.
-    ///
-    /// - `eta`: the index of refraction of the film, at least 1
-    /// - `thickness`: the thickness of the film (nm)
-    pub fn under_film(self, eta: f32, thickness: Number) -> Metallic {
-        let Metallic::Index { reflectance: Reflectance::Index { eta: n, k }, .. } = self else { return self };
+    /// The metal under a thin film. Metal with an index of refraction that varies stays as it is.
+    pub fn under_film(self, film: FilmLayer) -> Metallic {
+        let (n, k) = match self {
+            Metallic::Color(color) => {
+                clear_film::prepare();
+                let mean = match (&color, film.thickness.constant()) {
+                    (Texture::Constant(color), Some(thickness)) => {
+                        Some(Reflectance::of_color_under_film(*color, film.eta, thickness).mean())
+                    }
+                    _ => None,
+                };
+                return Metallic::ColorUnderFilm { color, film, mean };
+            }
+            Metallic::Index { reflectance: Reflectance::Index { eta, k }, .. } => (eta, k),
+            other => return other,
+        };
         let base = [n, k].map(|of| {
             let [r, g, b] = of.coefficients();
             Rgb::new(r, g, b)
         });
-        let table = Film { eta, thickness: thickness.range(), base }.table();
-        Metallic::Film { table, thickness }
+        let table = Film { eta: film.eta, thickness: film.thickness.range(), base, on_both_faces: false }.table();
+        Metallic::Film { table, thickness: film.thickness }
     }
 
     /// The mean F̄ of the reflectance at a point.
     fn mean(&self, reflectance: &Reflectance) -> Spectrum {
         match self {
-            Metallic::Index { mean, .. } => *mean,
-            Metallic::Indices { .. } | Metallic::Color(_) | Metallic::Film { .. } => reflectance.mean(),
+            Metallic::Index { mean, .. } | Metallic::ColorUnderFilm { mean: Some(mean), .. } => *mean,
+            _ => reflectance.mean(),
         }
     }
 
@@ -378,6 +428,7 @@ impl Metallic {
             Metallic::Indices { eta, k } => [Some(eta), Some(k)],
             Metallic::Color(color) => [Some(color), None],
             Metallic::Film { thickness, .. } => [thickness.texture(), None],
+            Metallic::ColorUnderFilm { color, film, .. } => [Some(color), film.thickness.texture()],
         };
         first.into_iter().chain(second)
     }
@@ -388,6 +439,9 @@ impl Metallic {
             Metallic::Indices { eta, k } => Metallic::Indices { eta: eta.recentred(origin), k: k.recentred(origin) },
             Metallic::Color(color) => Metallic::Color(color.recentred(origin)),
             Metallic::Film { table, thickness } => Metallic::Film { table, thickness: thickness.recentred(origin) },
+            Metallic::ColorUnderFilm { color, film, mean } => {
+                Metallic::ColorUnderFilm { color: color.recentred(origin), film: film.recentred(origin), mean }
+            }
         }
     }
 }

@@ -34,7 +34,7 @@ const NODES: usize = 128;
 /// of a turn of violet light.
 const STEP: f32 = 4.0;
 
-/// A film, and the base that it lies on.
+/// A film, and the base that it lies on. A film on both faces of a pane reflects 2R/(1 + R), where R is the reflectance of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
     /// The index of refraction of the film, at least 1.
@@ -43,15 +43,17 @@ pub struct Film {
     pub thickness: [f32; 2],
     /// η and k of the base, for red, green and blue.
     pub base: [Rgb; 2],
+    /// Whether the base is a clear pane with such films on both faces. Between the faces light has no phase.
+    pub on_both_faces: bool,
 }
 
 impl Film {
     /// The table of the film. Tables of the same film are computed once.
     pub fn table(&self) -> &'static FilmTable {
-        static CACHE: TableCache<[u32; 9], FilmTable> = TableCache::new();
+        static CACHE: TableCache<([u32; 9], bool), FilmTable> = TableCache::new();
         let ([eta, k], [from, to]) = (self.base.map(|of| of.to_array()), self.thickness);
         let key = [self.eta, from, to, eta[0], eta[1], eta[2], k[0], k[1], k[2]].map(f32::to_bits);
-        CACHE.get(key, || FilmTable::new(self))
+        CACHE.get((key, self.on_both_faces), || FilmTable::new(self))
     }
 
     /// The reflectance for red, green and blue.
@@ -62,7 +64,10 @@ impl Film {
         let base = [0, 1, 2].map(|c: usize| [f64::from(eta[c]), f64::from(k[c])]);
         let mut sum = [0.0; 3];
         for (wavelength, shares) in light {
-            let of = |base| thin_film::reflectance(*wavelength, cos, thickness, f64::from(self.eta), base);
+            let of = |base| {
+                let once = thin_film::reflectance(*wavelength, cos, thickness, f64::from(self.eta), base);
+                if self.on_both_faces { 2.0 * once / (1.0 + once) } else { once }
+            };
             let first = of(base[0]);
             for c in 0..3 {
                 sum[c] += shares[c] * if base[c] == base[0] { first } else { of(base[c]) };

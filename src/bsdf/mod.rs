@@ -10,6 +10,7 @@
 //! a row in `table.rs`.
 
 pub mod blinn_phong;
+pub mod clear_film;
 pub mod compound;
 pub mod conductor;
 pub mod description;
@@ -48,6 +49,7 @@ use crate::math::{Density, Local, Rgb, SolidAnglePdf, Spectrum};
 use crate::texture::Texture;
 
 pub use blinn_phong::BlinnPhong;
+pub use clear_film::{ClearFilm, FilmLayer};
 pub use compound::{Coat, Coated, Compound, CompoundAt, Dispersive, Mix, Share, Sheen, TwoSided};
 pub use conductor::{Conductor, Metallic, Reflectance};
 pub use dielectric::Dielectric;

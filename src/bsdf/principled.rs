@@ -2,7 +2,7 @@
 
 use super::description::{Description, Prepare, given};
 use super::microfacet::{Distribution, Roughness, roughened};
-use super::{Coat, Coated, Compound, Material, Sheen, textured};
+use super::{Coat, Coated, Compound, FilmLayer, Material, Metallic, Sheen, textured};
 use crate::format::Textured;
 use crate::texture::{Number, Texture};
 
@@ -13,6 +13,8 @@ use crate::texture::{Number, Texture};
 /// - metal: facets with the base colour as reflectance at normal incidence, by Schlick's formula
 /// - glass: facets of the index `eta`; the base colour multiplies all transmitted and reflected light
 /// - plastic: the share `specular` of a clear layer with the same facets, over a Lambertian base that keeps the base colour
+///
+/// The share `iridescence` of metal and plastic is under a thin film; glass is not.
 ///
 /// It is only a description: light is scattered by the models above, which are tested by themselves. A share of constant 0 or 1 costs
 /// nothing.
@@ -45,6 +47,10 @@ pub struct Principled {
     pub sheen_color: Texture,
     /// The spread of the sheen's fibres, see [`Sheen`].
     pub sheen_roughness: Texture,
+    /// The share of metal and plastic under a thin film, from 0 to 1.
+    pub iridescence: Texture,
+    /// The film.
+    pub film: FilmLayer,
     /// Whether light is included that facets of metal and glass reflect more than once.
     pub multiscatter: bool,
 }
@@ -52,11 +58,17 @@ pub struct Principled {
 impl From<Principled> for Material {
     fn from(p: Principled) -> Material {
         let base = || Material::diffuse(p.base_color.clone());
-        let clear_layer = || Coat::new(p.eta.clone(), 1.0, p.roughness.clone()).keep_base_color();
-        let layered = || Compound::Coated(Coated { base: base(), coat: clear_layer() }).into();
-        let plastic = || Material::mixed(base, layered, p.specular.clone());
         let glass = || textured::Dielectric::new(p.eta.clone(), p.base_color.clone(), p.roughness.clone(), p.multiscatter).into();
-        let metal = || Material::metal(p.base_color.clone(), p.roughness.clone(), p.multiscatter);
+        let layered = |film| {
+            let coat = Coat::under_film(p.eta.clone(), 1.0, p.roughness.clone(), film).keep_base_color();
+            Compound::Coated(Coated { base: base(), coat }).into()
+        };
+        let metal_of = |reflectance| Material::metal(reflectance, p.roughness.clone(), p.multiscatter);
+        let bare_metal = || Metallic::from(p.base_color.clone());
+        let partly = |bare: &dyn Fn() -> Material, filmed: &dyn Fn() -> Material| Material::mixed(bare, filmed, p.iridescence.clone());
+        let coated = || partly(&|| layered(None), &|| layered(Some(p.film.clone())));
+        let plastic = || Material::mixed(base, coated, p.specular.clone());
+        let metal = || partly(&|| metal_of(bare_metal()), &|| metal_of(bare_metal().under_film(p.film.clone())));
         let body = Material::mixed(|| Material::mixed(plastic, glass, p.transmission.clone()), metal, p.metallic.clone());
         let with_sheen = match p.sheen_color {
             Texture::Constant(color) if color.is_black() => body,
@@ -73,7 +85,7 @@ pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
 
-    use crate::format::{CoatIndex, Textured, Varying};
+    use crate::format::{CoatIndex, FilmIndex, FilmThickness, Textured, Varying};
 
     /// Metal, plastic, glass, coat and velvet by a base colour and shares, as in glTF and painting programs. White plastic loses up to
     /// 0.7 % of the light under a coat, 0.6 % under white sheen of the default roughness, and 2.6 % under both. Rough metal loses up to 6 %
@@ -108,6 +120,14 @@ pub mod described {
         pub sheen_color: Textured,
         /// The spread of the fibres: at 0.1 and below they stand upright, at 1 they lie in all directions.
         pub sheen_roughness: Textured,
+        /// The share of metal and plastic that is under a thin film, with the colours of interference. Metal counts as a clear body that
+        /// reflects `base_color` at normal incidence. Plastic reflects the film's colours, and its base gets what the brightest film would
+        /// leave: white plastic loses up to 9 % of the light under a film of index 1.3, and up to 17 % under one of index 2. Glass shows no film, see `thin_film` for panes.
+        pub iridescence: Textured,
+        /// The index of refraction of the film.
+        pub iridescence_eta: FilmIndex,
+        /// The thickness of the film in nanometres.
+        pub iridescence_thickness: Varying<FilmThickness>,
         /// Whether light is included that facets of metal and glass reflect more than once.
         pub multiscatter: bool,
     }
@@ -128,6 +148,9 @@ pub mod described {
                 coat_color: Textured::white(),
                 sheen_color: Textured::black(),
                 sheen_roughness: Textured::gray(0.5),
+                iridescence: Textured::black(),
+                iridescence_eta: FilmIndex::known(1.3),
+                iridescence_thickness: Varying::Same(FilmThickness::known(400.0)),
                 multiscatter: true,
             }
         }
@@ -148,6 +171,8 @@ impl Description for described::Principled {
             ("coat_color", Some(&self.coat_color)),
             ("sheen_color", Some(&self.sheen_color)),
             ("sheen_roughness", Some(&self.sheen_roughness)),
+            ("iridescence", Some(&self.iridescence)),
+            ("iridescence_thickness/by", self.iridescence_thickness.by()),
             ("eta/by", self.eta.by()),
             ("coat_eta/by", self.coat_eta.by()),
         ];
@@ -173,6 +198,11 @@ impl Description for described::Principled {
             coat_roughness: roughened(builder, ["coat_roughness"; 2], [&self.coat_roughness, &round], Distribution::Ggx),
             sheen_color: builder.texture("sheen_color", &self.sheen_color),
             sheen_roughness: builder.texture("sheen_roughness", &self.sheen_roughness),
+            iridescence: builder.texture("iridescence", &self.iridescence),
+            film: FilmLayer {
+                eta: self.iridescence_eta.get() as f32,
+                thickness: builder.number("iridescence_thickness", &self.iridescence_thickness),
+            },
             multiscatter: self.multiscatter,
         }
         .into()

@@ -11,12 +11,13 @@ use crate::format::Textured;
 use crate::math::{Density, Local, Rgb, Spectrum, fresnel};
 use crate::texture::{Number, Texture};
 
-/// A clear film with the same medium on both sides, as one surface.
+/// A clear film with the same medium on both sides, or a clear pane with a film on both faces, as one surface.
 ///
 /// f(wo, wi) = R δ(wi − reflect(wo)) / |cos θi|  +  (1 − R) δ(wi + wo) / |cos θi|
 ///
 /// with the reflectance R of all reflections between the faces of the film, whose waves add up. Transmitted light keeps its direction.
-/// The film has no inside, and both sides are alike.
+/// The film has no inside, and both sides are alike. A pane reflects 2R/(1 + R), because between its faces the waves do not add up; R is the mean of
+/// the polarisations, as in [`ThinDielectric`](super::ThinDielectric).
 ///
 /// - sampling: reflection with the mean q of R over red, green and blue, so that weight = colour · R/q, or colour · (1 − R)/(1 − q)
 ///
@@ -74,9 +75,10 @@ pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
 
-    use crate::format::{FilmIndex, FilmThickness, Textured, Varying};
+    use crate::format::{CoatIndex, FilmIndex, FilmThickness, Textured, Varying};
 
-    /// A soap film or bubble, as one surface: a clear film whose colours are those of interference. Light that passes goes straight on.
+    /// A soap film or bubble, or a coated pane, as one surface: a clear film whose colours are those of interference. Light that passes goes
+    /// straight on.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
     pub struct ThinFilm {
@@ -88,11 +90,19 @@ pub mod described {
         pub thickness: Varying<FilmThickness>,
         /// A factor of all reflected and transmitted light.
         pub color: Textured,
+        /// The index of refraction of a pane that has the film on both of its faces. Without it there is nothing but the film.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub pane: Option<CoatIndex>,
     }
 
     impl Default for ThinFilm {
         fn default() -> ThinFilm {
-            ThinFilm { eta: FilmIndex::known(1.33), thickness: Varying::Same(FilmThickness::known(400.0)), color: Textured::white() }
+            ThinFilm {
+                eta: FilmIndex::known(1.33),
+                thickness: Varying::Same(FilmThickness::known(400.0)),
+                color: Textured::white(),
+                pane: None,
+            }
         }
     }
 }
@@ -115,8 +125,16 @@ impl textured::ThinFilm {
     ///
     /// - `thickness`: in nanometres
     pub fn new(eta: f32, thickness: impl Into<Number>, color: impl Into<Texture>) -> textured::ThinFilm {
+        textured::ThinFilm::on_pane(eta, thickness, color, None)
+    }
+
+    /// A film on both faces of a pane; a film alone where there is none.
+    ///
+    /// - `pane`: the index of refraction of the pane
+    pub fn on_pane(eta: f32, thickness: impl Into<Number>, color: impl Into<Texture>, pane: Option<f32>) -> textured::ThinFilm {
         let thickness = thickness.into();
-        let film = Film { eta, thickness: thickness.range(), base: [Rgb::WHITE, Rgb::BLACK] };
+        let base = [Rgb::gray(pane.unwrap_or(1.0)), Rgb::BLACK];
+        let film = Film { eta, thickness: thickness.range(), base, on_both_faces: pane.is_some() };
         textured::ThinFilm { table: film.table(), thickness, color: color.into() }
     }
 }
@@ -128,7 +146,7 @@ impl Description for described::ThinFilm {
 
     fn prepare(&self, builder: &mut dyn Prepare) -> Material {
         let (thickness, color) = (builder.number("thickness", &self.thickness), builder.texture("color", &self.color));
-        textured::ThinFilm::new(self.eta.get() as f32, thickness, color).into()
+        textured::ThinFilm::on_pane(self.eta.get() as f32, thickness, color, self.pane.map(|pane| pane.get() as f32)).into()
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::bsdf::microfacet::Distribution;
 use crate::bsdf::microfacet::roughness::{Alpha, Roughness};
-use crate::bsdf::{Element, Glass, Material, NormalModifier, Principled, SurfaceMaterial, textured};
+use crate::bsdf::{Element, FilmLayer, Glass, Material, NormalModifier, Principled, SurfaceMaterial, textured};
 use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Integrator;
@@ -136,6 +136,8 @@ impl Everything {
             coat_roughness: None,
             sheen_color: 0.3.into(),
             sheen_roughness: 0.45.into(),
+            iridescence: 0.5.into(),
+            film: FilmLayer { eta: 1.4, thickness: 300.0.into() },
             multiscatter: true,
         };
         let normal_modifier = NormalModifier::BumpMap { map: color, scale: ((1e-3 * self.scale) as f32).into() };

@@ -8,8 +8,8 @@ use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{
-    Bsdf, BsdfSample, Coat, Coated, Compound, Diffuse, Element, HitContext, Material, Mirror, Mix, NormalModifier, Plastic, Principled,
-    Share, Sheen, SurfaceMaterial, TransportMode, TwoSided, textured,
+    Bsdf, BsdfSample, Coat, Coated, Compound, Diffuse, Element, FilmLayer, HitContext, Material, Metallic, Mirror, Mix, NormalModifier,
+    Plastic, Principled, Share, Sheen, SurfaceMaterial, TransportMode, TwoSided, textured,
 };
 use pt::camera::Camera;
 use pt::light::Emitter;
@@ -213,14 +213,20 @@ fn white(alpha: f32) -> Principled {
         coat_roughness: None,
         sheen_color: 0.0.into(),
         sheen_roughness: 0.5.into(),
+        iridescence: 0.0.into(),
+        film: FilmLayer { eta: 1.3, thickness: 400.0.into() },
         multiscatter: true,
     }
 }
 
 /// The largest and the smallest 1 − albedo, for light from straight above to nearly along the surface. A negative value is a gain of light.
 fn extremes(material: &Material) -> [f32; 2] {
-    let lost = [1.0, 0.7, 0.3, 0.1].map(|cos| 1.0 - albedo(&center(material), at(cos, 0.4)).average());
-    [lost.into_iter().fold(0.0, f32::max), lost.into_iter().fold(0.0, f32::min)]
+    let albedos = [1.0, 0.7, 0.3, 0.1].map(|cos| albedo(&center(material), at(cos, 0.4)));
+    // What the colours lose on average, and what one of them gains.
+    [
+        albedos.iter().fold(0.0, |most, albedo| (1.0 - albedo.average()).max(most)),
+        albedos.iter().fold(0.0, |least, albedo| (1.0 - albedo.max()).min(least)),
+    ]
 }
 
 /// Layers on a white matte base, and on a white mirror, return all light. Over other bases the loss is at most the documented one, and at
@@ -240,7 +246,11 @@ fn layers_on_white_are_white() {
     let with_coat = || Principled { coat: 1.0.into(), ..white(0.25) };
     let rough_coat = || Principled { coat_roughness: Some(round(0.3)), ..with_coat() };
     let with_both = Principled { sheen_color: 1.0.into(), ..with_coat() };
-    let cases: [(&str, Material, f32); 25] = [
+    let filmed = |eta: f32, thickness: f32, alpha: f32| {
+        let film = FilmLayer { eta, thickness: thickness.into() };
+        Principled { iridescence: 1.0.into(), film, roughness: (alpha > 0.0).then(|| round(alpha)), ..white(0.25) }
+    };
+    let cases: [(&str, Material, f32); 31] = [
         ("sheen over matte", velvet(matte(), 1.0, 0.5), TABLES),
         ("straight fibres over matte", velvet(matte(), 1.0, 0.2), 3e-3),
         ("fibres that lie, over matte", velvet(matte(), 1.0, 1.0), TABLES),
@@ -258,6 +268,12 @@ fn layers_on_white_are_white() {
         ("principled, half a coat", Principled { coat: 0.5.into(), ..with_coat() }.into(), 0.0035),
         ("principled, sheen", Principled { sheen_color: 1.0.into(), ..white(0.25) }.into(), 0.006),
         ("principled, both", with_both.into(), 0.026),
+        ("principled, film of water", filmed(1.3, 400.0, 0.25).into(), 0.05),
+        ("principled, thin film of water", filmed(1.3, 150.0, 0.0).into(), 0.095),
+        ("principled, film of an oxide", filmed(2.0, 400.0, 0.25).into(), 0.06),
+        ("principled, saturated film of an oxide", filmed(2.0, 377.0, 0.0).into(), 0.1),
+        ("principled, thin film of an oxide", filmed(2.0, 10.0, 0.0).into(), 0.17),
+        ("principled, film of diamond", filmed(4.0, 190.0, 0.0).into(), 0.2),
         ("sheen over coat over matte", velvet(coated(matte(), coat(1.5, 0.3)), 1.0, 0.4), 0.006),
         ("coat over clay", coated(clay(), coat(1.5, 0.0)), 0.05),
         ("sheen over clay", velvet(clay(), 1.0, 0.5), 0.13),
@@ -326,6 +342,8 @@ fn principled_extremes_are_the_named_materials() {
         coat_roughness: Some(round(0.1)),
         sheen_color: 0.0.into(),
         sheen_roughness: 0.55.into(),
+        iridescence: 0.0.into(),
+        film: FilmLayer { eta: 1.3, thickness: 400.0.into() },
         multiscatter: true,
     };
     let matte = || Material::diffuse(stored(base));
@@ -336,7 +354,14 @@ fn principled_extremes_are_the_named_materials() {
     let lacquer = || Coat::new(1.7, stored(tint), Some(round(0.1)));
     let blend = Material::mix(Material::mix(Material::mix(matte(), plastic(), 0.7), glass(true), 0.4), metal(true), 0.3);
     let (metallic, clear) = (Principled { metallic: 1.0.into(), ..principled() }, Principled { transmission: 1.0.into(), ..principled() });
-    let cases: [(Principled, Material); 11] = [
+    let film = || FilmLayer { eta: 1.3, thickness: 400.0.into() };
+    let filmed_plastic = || coated(matte(), Coat::under_film(1.4, Rgb::WHITE, Some(round(0.3)), Some(film())).keep_base_color());
+    let filmed_metal = || Material::metal(Metallic::from(Texture::from(stored(base))).under_film(film()), Some(round(0.3)), true);
+    let cases: [(Principled, Material); 15] = [
+        (Principled { iridescence: 1.0.into(), ..principled() }, filmed_plastic()),
+        (Principled { iridescence: 0.5.into(), ..principled() }, Material::mix(plastic(), filmed_plastic(), 0.5)),
+        (Principled { iridescence: 1.0.into(), ..metallic.clone() }, filmed_metal()),
+        (Principled { iridescence: 0.5.into(), ..clear.clone() }, glass(true)),
         (principled(), plastic()),
         (Principled { specular: 0.0.into(), ..principled() }, matte()),
         (metallic.clone(), metal(true)),

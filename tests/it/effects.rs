@@ -209,6 +209,8 @@ fn every_change_takes_its_effect_out() {
         ),
         ("curves", corner(diffuse.clone(), vec![wire])),
         ("thin films", corner(diffuse.clone(), vec![sphere(json!({ "type": "thin_film" }))])),
+        ("thin films", corner(diffuse.clone(), vec![sphere(json!({ "type": "thin_film", "pane": 1.5 }))])),
+        ("thin films", corner(json!({ "type": "principled", "iridescence": 0.5 }), vec![])),
         ("thin films", corner(json!({ "type": "conductor", "metal": "Ti", "film": { "eta": 1.5, "thickness": 300 } }), vec![])),
     ];
     let plan = Plan { pixels: 64, samples: 2, replicates: 4, time: None };

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{
-    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, Glass, HitContext,
+    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, FilmLayer, Glass, HitContext,
     LommelSeeliger, Material, MatteCone, Metal, Metallic, Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen,
     ThinDielectric, TwoSided, textured,
 };
@@ -74,6 +74,7 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
     let glazed = || coated(Material::diffuse(Rgb::WHITE), Coat::new(1.6, Rgb::WHITE, None));
     let fresnel = |a, b| Material::from(Compound::Mix(Mix { a, b, share: Share::Fresnel { eta: 1.5.into() } }));
     let glass = || Material::rough_glass(1.5, stored(COLOR), round(0.3).unwrap(), true);
+    let film = |eta: f32| Some(FilmLayer { eta, thickness: 350.0.into() });
     let principled = Principled {
         base_color: stored(COLOR).into(),
         metallic: 0.3.into(),
@@ -87,6 +88,8 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         coat_roughness: round(0.05),
         sheen_color: Rgb::new(0.1, 0.4, 0.2).into(),
         sheen_roughness: 0.45.into(),
+        iridescence: 0.5.into(),
+        film: FilmLayer { eta: 1.8, thickness: 300.0.into() },
         multiscatter: true,
     };
     // Choices of the same lobe are close together, with few other choices between them.
@@ -126,6 +129,9 @@ fn compounds() -> Vec<(Bsdf<'static>, bool)> {
         coated(copper(round(0.4)), Coat::new(1.7, Rgb::new(0.9, 0.5, 0.1), None)),
         coated(copper(None), Coat::new(1.5, stored(COLOR), round(0.1))),
         coated(glass(), Coat::new(1.3, Rgb::WHITE, round(0.6))),
+        coated(Material::diffuse(Rgb::WHITE), Coat::under_film(1.5, 1.0, None, film(1.33))),
+        coated(copper(round(0.4)), Coat::under_film(1.5, 1.0, round(0.2), film(2.0))),
+        Material::metal(Metallic::from(Texture::from(stored(COLOR))).under_film(film(1.5).unwrap()), round(0.3), true),
         Compound::Sheen(Sheen::new(Material::diffuse(stored(COLOR)), Rgb::WHITE, 0.55)).into(),
         Compound::Sheen(Sheen::new(Material::mirror(Rgb::WHITE), stored(COLOR), 0.14)).into(),
         Compound::Sheen(Sheen::new(Material::diffuse(Rgb::WHITE), Rgb::WHITE, 0.1)).into(),
@@ -159,7 +165,7 @@ fn rough() -> Vec<(Bsdf<'static>, bool)> {
     }
     models.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, color: COLOR }));
     models.push(met(textured::ThinFilm::new(1.33, 400.0, stored(COLOR)).into()));
-    let tempered = || Metallic::from(Element::Ti.index()).under_film(2.4, 60.0.into());
+    let tempered = || Metallic::from(Element::Ti.index()).under_film(FilmLayer { eta: 2.4, thickness: 60.0.into() });
     models.push(met(Material::metal(tempered(), None, false)));
     let roughness = Roughness { alpha: Alpha::Constant(Vec2::splat(0.3)), distribution: Distribution::Ggx };
     models.push(met(Material::metal(tempered(), Some(roughness.clone()), true)));

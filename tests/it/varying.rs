@@ -29,6 +29,7 @@ const SHARES: &[Row] = &[
     (r#"{"type": "sheen", "ground": {"type": "diffuse"}, "roughness": $}"#, "0", "1"),
     (r#"{"type": "principled", "sheen_color": 0.5, "sheen_roughness": $}"#, "0", "1"),
     (r#"{"type": "principled", "metallic": 1, "roughness": 0.5, "anisotropy": $, "multiscatter": false}"#, "0", "0.75"),
+    (r#"{"type": "principled", "metallic": 1, "roughness": 0.5, "iridescence": $}"#, "0", "1"),
 ];
 
 /// Other numbers take a texture that interpolates between two ends.
@@ -48,6 +49,9 @@ const NUMBERS: &[Row] = &[
     (r#"{"type": "mix", "a": {"type": "diffuse"}, "b": {"type": "mirror"}, "fresnel": $}"#, "1.1", "3"),
     (r#"{"type": "principled", "transmission": 0.5, "roughness": 0, "eta": $}"#, "1.2", "1.6"),
     (r#"{"type": "principled", "coat": 0.5, "coat_eta": $}"#, "1.2", "1.6"),
+    (r#"{"type": "principled", "iridescence": 1, "iridescence_thickness": $}"#, "100", "400"),
+    (r#"{"type": "principled", "iridescence": 1, "roughness": 0.3, "eta": $}"#, "1.3", "1.5"),
+    (r#"{"type": "conductor", "color": 0.5, "roughness": 0.3, "film": {"eta": 1.5, "thickness": $}}"#, "0", "300"),
 ];
 
 /// With a checker of two squares as the texture, the surface has one material on the left and the other on the right.

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec2};
 
 use super::layer_stack::{Cover, NODES, nodes};
 use super::{Compound, LayerStack, Scatter, choose};
+use crate::bsdf::clear_film;
 use crate::bsdf::description::{Description, MaterialRef, Prepare, given};
 use crate::bsdf::microfacet::energy_loss::{Domain, Key};
 use crate::bsdf::microfacet::{
@@ -11,7 +12,7 @@ use crate::bsdf::microfacet::{
     cos_to_half, roughness_keys, upward,
 };
 use crate::bsdf::table_cache::TableCache;
-use crate::bsdf::{Bsdf, BsdfSample, DeltaLobes, Diffuse, HitContext, Lobe, Material, OrenNayar, TransportMode};
+use crate::bsdf::{Bsdf, BsdfSample, ClearFilm, DeltaLobes, Diffuse, FilmLayer, HitContext, Lobe, Material, OrenNayar, TransportMode};
 use crate::effects::Effects;
 use crate::format::Textured;
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, float, fresnel};
@@ -36,6 +37,9 @@ use crate::texture::{Number, Texture, TextureContext};
 ///
 /// c is the absorption inside the coat on the way down and up: c(wo, wi) = color^((1/cos θ'o + 1/cos θ'i)/2).
 ///
+/// Under a thin film the coat reflects the film's colours, but the base gets only what is left of the greatest reflectance that a film of
+/// any thickness has: E is its albedo, the same for all colours. What the film reflects less than that is lost.
+///
 /// - sampling: the coat or the base in proportion to the light from wo that each returns
 ///
 /// Source: Wolff (1994) and Kelemen and Szirmay-Kalos (2001) for T over a matte base; Estevez and Kulla, *Production Friendly
@@ -58,6 +62,8 @@ pub struct Coat {
     color: Texture,
     /// The roughness with its tables of [`losses`]; `None` for a smooth coat.
     roughness: Option<(Roughness, TableRange<EnergyLossTable>)>,
+    /// The thin film on the coat.
+    film: Option<FilmLayer>,
     /// 1 − F̄ of a smooth coat, if `eta` is constant.
     smooth_mean: Option<f32>,
     /// Whether a matte base keeps its own colour, without the deepening by light that the coat reflects back.
@@ -68,7 +74,9 @@ pub struct Coat {
 
 /// A coat at a hit.
 struct Layer<'a> {
-    eta: f32,
+    surface: Surface,
+    /// The thickness of the film (nm).
+    thickness: f32,
     color: Spectrum,
     facets: Option<(Microfacets, LerpedTable<EnergyLossTable>)>,
     /// 1 − Ē
@@ -84,14 +92,23 @@ impl Coat {
     /// - `color`: transmittance straight down and up
     /// - `roughness`: the roughness; `None` for a smooth coat
     pub fn new(eta: impl Into<Number>, color: impl Into<Texture>, roughness: Option<Roughness>) -> Coat {
-        let eta = eta.into();
+        Coat::under_film(eta, color, roughness, None)
+    }
+
+    /// A clear coat with a thin film on it, if there is one; the other parameters are those of [`Coat::new`].
+    pub fn under_film(eta: impl Into<Number>, color: impl Into<Texture>, roughness: Option<Roughness>, film: Option<FilmLayer>) -> Coat {
+        let (eta, film_eta) = (eta.into(), film.as_ref().map(|film| film.eta));
+        if film.is_some() {
+            clear_film::prepare();
+        }
+        let surface = |eta| Surface { eta, film: film_eta };
         let tables = |roughness: Roughness| {
-            let losses = TableRange::new(eta.range(), Scale::Index, |eta| losses(eta, roughness.domain(), roughness.distribution));
+            let losses = TableRange::new(eta.range(), Scale::Index, |eta| losses(surface(eta), roughness.domain(), roughness.distribution));
             (roughness, losses)
         };
         let roughness = roughness.map(tables);
-        let smooth_mean = eta.constant().map(smooth_mean);
-        let coat = Coat { eta, color: color.into(), roughness, smooth_mean, keep_base_color: false, passed_at_nodes: None };
+        let smooth_mean = eta.constant().map(|eta| surface(eta).passed_mean());
+        let coat = Coat { eta, color: color.into(), roughness, film, smooth_mean, keep_base_color: false, passed_at_nodes: None };
         Coat { passed_at_nodes: coat.is_uniform().then(|| coat.at(&HitContext::ANYWHERE.texture).passed_at_nodes()), ..coat }
     }
 
@@ -108,47 +125,86 @@ impl Coat {
 
     fn at(&self, at: &TextureContext) -> Layer<'_> {
         let eta = self.eta.at(at);
+        let (film, thickness) = self.film.as_ref().map_or((None, 0.0), |film| (Some(film.eta), film.thickness.at(at)));
+        let surface = Surface { eta, film };
         let facets = self.roughness.as_ref().and_then(|(roughness, losses)| Some((roughness.at(at)?, losses.at(eta))));
-        let smooth_mean = self.smooth_mean.unwrap_or_else(|| smooth_mean(eta));
+        let smooth_mean = self.smooth_mean.unwrap_or_else(|| surface.passed_mean());
         let mean =
             facets.map_or(smooth_mean, |(facets, losses)| 2.0 * losses.value(|table| table.mean_loss(facets.alpha)) + smooth_mean - 1.0);
-        let passed_at_nodes = self.passed_at_nodes.as_ref();
-        Layer { eta, color: Spectrum::from_albedo(self.color.at(at)), facets, mean, keep_base_color: self.keep_base_color, passed_at_nodes }
+        Layer {
+            surface,
+            thickness,
+            color: Spectrum::from_albedo(self.color.at(at)),
+            facets,
+            mean,
+            keep_base_color: self.keep_base_color,
+            passed_at_nodes: self.passed_at_nodes.as_ref(),
+        }
     }
 
     fn textures(&self) -> impl Iterator<Item = &Texture> {
         let roughness = self.roughness.iter().flat_map(|(roughness, _)| roughness.textures());
-        roughness.chain(self.eta.texture()).chain([&self.color])
+        let film = self.film.iter().filter_map(|film| film.thickness.texture());
+        roughness.chain(self.eta.texture()).chain([&self.color]).chain(film)
     }
 
     fn recentred(self, origin: DVec3) -> Coat {
         let roughness = self.roughness.map(|(roughness, losses)| (roughness.recentred(origin), losses));
-        Coat { eta: self.eta.recentred(origin), color: self.color.recentred(origin), roughness, ..self }
+        let film = self.film.map(|film| film.recentred(origin));
+        Coat { eta: self.eta.recentred(origin), color: self.color.recentred(origin), roughness, film, ..self }
     }
 }
 
-/// 1 − F̄ of a smooth coat.
-fn smooth_mean(eta: f32) -> f32 {
-    1.0 - fresnel::dielectric_mean(eta)
+/// The surface of a coat, as far as it decides how much light passes.
+#[derive(Clone, Copy)]
+struct Surface {
+    /// The index of refraction of the coat.
+    eta: f32,
+    /// That of the film on it.
+    film: Option<f32>,
+}
+
+impl Surface {
+    /// F, the reflectance of a smooth coat; under a film the greatest for any thickness.
+    fn reflectance(self, cos: f32) -> f32 {
+        self.film.map_or_else(|| fresnel::dielectric(cos, self.eta), |film| ClearFilm::greatest(cos, film, self.eta))
+    }
+
+    /// 1 − F̄ of a smooth coat.
+    fn passed_mean(self) -> f32 {
+        const STEPS: usize = 32;
+        let Some(film) = self.film else { return 1.0 - fresnel::dielectric_mean(self.eta) };
+        let at = |i: usize| (i as f32 + 0.5) / STEPS as f32;
+        1.0 - (0..STEPS).map(|i| ClearFilm::greatest(at(i), film, self.eta) * (2.0 * at(i) / STEPS as f32)).sum::<f32>()
+    }
 }
 
 /// The table of (1 − (E − F))/2, with the reflectance F of a smooth coat. E itself may vary too fast with the angle for the table.
-fn losses(eta: f32, domain: Domain, distribution: Distribution) -> &'static EnergyLossTable {
-    static CACHE: TableCache<Key, EnergyLossTable> = TableCache::new();
-    CACHE.get((distribution, domain.bits(), eta.to_bits()), || {
+fn losses(surface: Surface, domain: Domain, distribution: Distribution) -> &'static EnergyLossTable {
+    static CACHE: TableCache<(Key, Option<u32>), EnergyLossTable> = TableCache::new();
+    CACHE.get(((distribution, domain.bits(), surface.eta.to_bits()), surface.film.map(f32::to_bits)), || {
         EnergyLossTable::tabulate(domain, distribution, |facets, wo, u| {
             let (wi, cos2) = facets.mirror_visible(wo, u);
             let rough =
-                if wi.cos() > 0.0 { fresnel::dielectric(cos2.sqrt(), eta) * HalfVectorTerms::new(facets, wo, wi).unmasked() } else { 0.0 };
-            0.5 + 0.5 * (rough - fresnel::dielectric(wo.cos(), eta))
+                if wi.cos() > 0.0 { surface.reflectance(cos2.sqrt()) * HalfVectorTerms::new(facets, wo, wi).unmasked() } else { 0.0 };
+            0.5 + 0.5 * (rough - surface.reflectance(wo.cos()))
         })
     })
 }
 
 impl Layer<'_> {
+    /// The reflectance of a smooth coat for red, green and blue. Colours of a film more saturated than Rec. 709 can show may have one
+    /// coefficient that is greater than the reflectance of any wavelength; it is limited to the greatest of them, so that no light is made.
+    fn colored(&self, cos: f32) -> Spectrum {
+        let greatest = self.surface.reflectance(cos);
+        let Some(eta) = self.surface.film else { return Spectrum::gray(greatest) };
+        let film = ClearFilm { eta, thickness: self.thickness, base: Spectrum::gray(self.surface.eta) };
+        film.at(cos).map(|share| share.min(greatest))
+    }
+
     /// E(w), the albedo of the coat alone.
     fn reflected(&self, w: Local) -> f32 {
-        let smooth = fresnel::dielectric(w.abs_cos(), self.eta);
+        let smooth = self.surface.reflectance(w.abs_cos());
         self.facets.map_or(smooth, |(facets, losses)| {
             let loss = losses.value(|table| table.loss(w, facets.alpha));
             (1.0 + smooth - 2.0 * loss).clamp(0.0, 1.0)
@@ -163,7 +219,7 @@ impl Layer<'_> {
     /// (1 − K)/(1 − ρ c K) for a matte base, and 1 for others.
     fn deepened(&self, base: &Bsdf) -> Spectrum {
         let (Bsdf::Diffuse(Diffuse { albedo }) | Bsdf::OrenNayar(OrenNayar { albedo, .. })) = base else { return Spectrum::ONE };
-        let thrown_back = 1.0 - self.mean / (self.eta * self.eta);
+        let thrown_back = 1.0 - self.mean / (self.surface.eta * self.surface.eta);
         let deepened = |rho: f32| (1.0 - thrown_back) / (1.0 - rho * thrown_back);
         if self.keep_base_color { Spectrum::ONE } else { (*albedo * self.color).map(deepened) }
     }
@@ -173,17 +229,17 @@ impl Layer<'_> {
         if self.color == Spectrum::ONE {
             return Spectrum::ONE;
         }
-        let cos2 = |w: Local| 1.0 - (1.0 - w.0.z * w.0.z).max(0.0) / (self.eta * self.eta);
+        let cos2 = |w: Local| 1.0 - (1.0 - w.0.z * w.0.z).max(0.0) / (self.surface.eta * self.surface.eta);
         let ways = 0.5 * (cos2(wo).max(MIN_COS2).sqrt().recip() + cos2(wi).max(MIN_COS2).sqrt().recip());
         self.color.map(|c| if c > 0.0 { float::powf(c, ways) } else { 0.0 })
     }
 
     /// f_coat·|cos θi| and the density of `wi`.
-    fn reflection(&self, wo: Local, wi: Local) -> Option<(f32, f32)> {
+    fn reflection(&self, wo: Local, wi: Local) -> Option<(Spectrum, f32)> {
         let (facets, _) = self.facets.as_ref()?;
         let [wo, wi] = above(wo, wi)?;
         let pair = HalfVectorTerms::new(facets, wo, wi);
-        Some((fresnel::dielectric(cos_to_half(wo, wi), self.eta) * pair.scattered(), pair.density()))
+        Some((self.colored(cos_to_half(wo, wi)) * pair.scattered(), pair.density()))
     }
 
     /// The probabilities of sampling coat and base, in proportion to the light that each returns. Each is computed by itself, because 1
@@ -233,8 +289,8 @@ impl Scatter for Coated {
         let (layer, base) = self.at(at);
         let below = base.beneath(Some(&LayerStack::new(&layer, above, wo, wi)), wo, wi, mode);
         let below = if below.is_black() { below } else { below * layer.deepened(&base) * layer.attenuated(wo, wi) };
-        let reflected = layer.reflection(wo, wi).map_or(0.0, |(f, _)| f * above.map_or(1.0, LayerStack::glossy));
-        below + Spectrum::gray(reflected)
+        let reflected = layer.reflection(wo, wi).map_or(Spectrum::BLACK, |(f, _)| f * above.map_or(1.0, LayerStack::glossy));
+        below + reflected
     }
 
     fn pdf(&self, at: &HitContext, wo: Local, wi: Local) -> SolidAnglePdf {
@@ -254,7 +310,7 @@ impl Scatter for Coated {
         }
         let Some((facets, _)) = layer.facets else {
             let wi = Local(fresnel::reflect(wo.0));
-            let reflected = BsdfSample::reflected(wi, Spectrum::gray(layer.reflected(wo)));
+            let reflected = BsdfSample::reflected(wi, layer.colored(wo.abs_cos()));
             return self.of_part(at, wo, reflected, chance, |_| Spectrum::ONE, mode);
         };
         let up = upward(wo);
@@ -268,9 +324,8 @@ impl Scatter for Coated {
     fn delta_lobes(&self, at: &HitContext, wo: Local, mode: TransportMode) -> DeltaLobes {
         let (layer, base) = self.at(at);
         let mut lobes = DeltaLobes::default();
-        let reflected = layer.reflected(wo);
-        if layer.facets.is_none() && reflected > 0.0 {
-            lobes.add(BsdfSample::reflected(Local(fresnel::reflect(wo.0)), Spectrum::gray(reflected)), Spectrum::ONE);
+        if layer.facets.is_none() {
+            lobes.add(BsdfSample::reflected(Local(fresnel::reflect(wo.0)), layer.colored(wo.abs_cos())), Spectrum::ONE);
         }
         for lobe in base.delta_lobes(wo, mode) {
             lobes.add(lobe, layer.through(wo, lobe.wi));
@@ -296,7 +351,8 @@ impl Scatter for Coated {
     }
 
     fn own_effects(&self) -> Effects {
-        self.coat.roughness.as_ref().map_or(Effects::SPECULAR_REFLECTION, |(roughness, _)| roughness.effects(Effects::SPECULAR_REFLECTION))
+        let (film, smooth) = (self.coat.film.as_ref().map_or(Effects::NONE, |_| Effects::THIN_FILM), Effects::SPECULAR_REFLECTION);
+        film | self.coat.roughness.as_ref().map_or(smooth, |(roughness, _)| roughness.effects(smooth))
     }
 
     fn is_anisotropic(&self) -> bool {

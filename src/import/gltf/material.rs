@@ -13,9 +13,12 @@ use crate::reader::Node;
 /// Extensions that pt has nothing for.
 const LEFT_OUT: &[(&str, &str)] = &[
     ("KHR_materials_diffuse_transmission", "light that goes through a thin matte sheet is left out: its back stays dark"),
-    ("KHR_materials_iridescence", "iridescence is left out: the surface shows no colours of thin films"),
     ("KHR_materials_unlit", "an unlit material is lit like any other: it has shades and is as bright as its light"),
 ];
+
+/// The greatest index of refraction and thickness (nm) of a film that pt reads.
+const MOST_ETA: f64 = 4.0;
+const MOST_THICKNESS: f64 = 2000.0;
 
 /// Vertex colours, which multiply those of the material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -205,7 +208,7 @@ impl<'a> Reader<'_, 'a> {
     ///
     /// - `glass`: share of the transmission, and the volume behind the surface
     fn principled(&self, glass: Option<(Node, Option<JsonCursor<'a>>)>) -> Node {
-        let at = &self.at;
+        let (at, is_glass) = (&self.at, glass.is_some());
         let pbr = self.pbr.as_ref();
         let [base_color, metallic, roughness] = self.of_glossiness().unwrap_or_else(|| {
             let metallic = self.share(pbr, "metallicFactor", 1.0, ["metallicRoughnessTexture", "b"]);
@@ -238,6 +241,12 @@ impl<'a> Reader<'_, 'a> {
         if let Some(sheen) = self.extension("KHR_materials_sheen") {
             members.push(("sheen_color", self.color(Some(&sheen), "sheenColorFactor", [0.0; 3], "sheenColorTexture")));
             members.push(("sheen_roughness", self.share(Some(&sheen), "sheenRoughnessFactor", 0.0, ["sheenRoughnessTexture", "a"])));
+        }
+        if let Some((film, share, [eta, thickness])) = self.film() {
+            members.extend([("iridescence", share), ("iridescence_eta", eta), ("iridescence_thickness", thickness)]);
+            if is_glass {
+                self.document.note(&film, "the film on a body that is glass only in part is left out where it is glass");
+            }
         }
         if let Some(specular) = self.extension("KHR_materials_specular") {
             members.push(("specular", self.share(Some(&specular), "specularFactor", 1.0, ["specularTexture", "a"])));
@@ -284,7 +293,17 @@ impl<'a> Reader<'_, 'a> {
         if has_texture || self.number(self.pbr.as_ref(), "roughnessFactor", 1.0).0 > 0.0 {
             self.document.note(glass, "a thin pane is clear: its roughness is left out");
         }
-        let pane = at.make_object([kind("thin_dielectric"), ("color", self.base_color()), ("eta", self.eta())]);
+        let bare = || at.make_object([kind("thin_dielectric"), ("color", self.base_color()), ("eta", self.eta())]);
+        let pane = match self.film() {
+            None => bare(),
+            Some((film, share, [eta, thickness])) => {
+                let members =
+                    [kind("thin_film"), ("color", self.base_color()), ("pane", self.eta()), ("eta", eta), ("thickness", thickness)];
+                let covered = at.make_object(members);
+                let is_all = self.number(Some(&film), "iridescenceFactor", 0.0).0 == 1.0 && !film.has("iridescenceTexture");
+                if is_all { covered } else { at.make_object([kind("mix"), ("a", bare()), ("b", covered), ("share", share)]) }
+            }
+        };
         if glass.get(&["transmissionFactor"]).and_then(|at| at.number()) == Some(1.0)
             && !glass.has("transmissionTexture")
             && self.metallic().0 == 0.0
@@ -295,8 +314,44 @@ impl<'a> Reader<'_, 'a> {
         at.make_object([kind("mix"), ("a", self.principled(None)), ("b", pane), ("share", share)])
     }
 
+    /// The thin film of KHR_materials_iridescence: its place, the share that it covers, its index of refraction and its thickness (nm).
+    /// `None` where it covers nothing.
+    fn film(&self) -> Option<(JsonCursor<'a>, Node, [Node; 2])> {
+        let film = self.extension("KHR_materials_iridescence")?;
+        if !self.has_film() {
+            return None;
+        }
+        let share = self.share(Some(&film), "iridescenceFactor", 0.0, ["iridescenceTexture", "r"]);
+        let (eta, eta_at) = self.number(Some(&film), "iridescenceIor", 1.3);
+        if eta > MOST_ETA {
+            self.document.note(&eta_at, "a film with an index of more than 4 is taken as 4");
+        }
+        let ends = [("iridescenceThicknessMinimum", 100.0), ("iridescenceThicknessMaximum", 400.0)];
+        let [least, greatest] = ends.map(|(key, default)| {
+            let (thickness, at) = self.number(Some(&film), key, default);
+            if thickness > MOST_THICKNESS {
+                self.document.note(&at, "a film of more than 2000 nm is taken as one of 2000: its colours are pale in either case");
+            }
+            at.make_number(thickness.min(MOST_THICKNESS))
+        });
+        let map = film.get(&["iridescenceThicknessTexture"]).and_then(|info| self.document.texture(&info, Kind::Share("g")));
+        // Without a texture the film is as thick as can be.
+        let thickness = match map {
+            None => greatest,
+            Some(by) => film.make_object([("from", least), ("to", greatest), ("by", by)]),
+        };
+        Some((film, share, [eta_at.make_number(eta.min(MOST_ETA)), thickness]))
+    }
+
+    fn has_film(&self) -> bool {
+        self.extension("KHR_materials_iridescence").is_some_and(|film| self.number(Some(&film), "iridescenceFactor", 0.0).0 != 0.0)
+    }
+
     fn note_layers(&self, what: &str) {
-        for name in ["KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_anisotropy"] {
+        let layers = ["KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_anisotropy"];
+        // A pane has films.
+        let film = (what != "a pane" && self.has_film()).then_some("KHR_materials_iridescence");
+        for name in layers.into_iter().chain(film) {
             if let Some(layer) = self.extension(name) {
                 self.document.note(&layer, format!("{name} on {what} is left out"));
             }

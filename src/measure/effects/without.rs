@@ -113,13 +113,16 @@ pub fn one_index(scene: &mut Value) {
     });
 }
 
-/// No films on metals, and panes in the place of films.
+/// No films on metals and plastics, and panes in the place of films.
 pub fn no_films(scene: &mut Value) {
     each_object(scene, &mut |object| match object.get("type").and_then(Value::as_str) {
         Some("conductor") => drop(object.remove("film")),
+        Some("principled") => drop(object.remove("iridescence")),
         Some("thin_film") => {
             object.remove("thickness");
-            object.entry("eta").or_insert(json!(1.33));
+            let pane = object.remove("pane");
+            let eta = pane.or_else(|| object.get("eta").cloned()).unwrap_or(json!(1.33));
+            object.insert("eta".into(), eta);
             object.insert("type".into(), "thin_dielectric".into());
         }
         _ => {}

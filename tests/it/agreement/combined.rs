@@ -85,12 +85,15 @@ fn placed(mut shape: Value, place: Value, moves: bool, dice: &mut Dice) -> Value
     shape
 }
 
-/// Glass with dispersion, a film on metal, or a soap film.
+/// Glass with dispersion, or a thin film: on metal, plastic, a pane, or alone.
 fn clear(dice: &mut Dice) -> Value {
-    match dice.of(4) {
+    match dice.of(7) {
         0 => json!({ "type": "dielectric", "glass": "SF11" }),
         1 => json!({ "type": "dielectric", "eta": dice.within(1.3, 1.8), "abbe": dice.within(10.0, 40.0), "roughness": 0.5 }),
         2 => json!({ "type": "conductor", "metal": "Fe", "film": { "eta": 2.2, "thickness": dice.within(30.0, 200.0) }, "roughness": 0.5 }),
+        3 => json!({ "type": "thin_film", "pane": dice.within(1.3, 1.8), "eta": 1.4, "thickness": dice.within(100.0, 600.0) }),
+        4 => json!({ "type": "conductor", "color": color(dice, 0.1, 0.9), "film": { "eta": 1.6, "thickness": 250 }, "roughness": 0.5 }),
+        5 => json!({ "type": "principled", "metallic": 0.3, "iridescence": 0.7, "iridescence_thickness": dice.within(100.0, 600.0) }),
         _ => json!({ "type": "thin_film", "thickness": dice.within(100.0, 600.0) }),
     }
 }

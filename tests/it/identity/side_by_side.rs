@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
-use pt::bsdf::{Element, Material, MaterialId, Metallic, textured};
+use pt::bsdf::{Element, FilmLayer, Material, MaterialId, Metallic, textured};
 use pt::camera::{Camera, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Spherical};
 use pt::film::{Crop, FilmSpec, Filter};
 use pt::integrator::Integrator;
@@ -175,7 +175,7 @@ fn materials() -> Vec<Material> {
         Material::plastic(Rgb::new(0.2, 0.5, 0.7), 1.5),
         Material::metal((Rgb::new(0.2, 0.9, 1.1), Rgb::new(3.9, 2.4, 2.2)), None, true),
         Material::metal(Element::Cu.index(), Some(rough), false),
-        Material::metal(Metallic::from(Element::Cu.index()).under_film(1.5, 90.0.into()), None, true),
+        Material::metal(Metallic::from(Element::Cu.index()).under_film(FilmLayer { eta: 1.5, thickness: 90.0.into() }), None, true),
         Material::ThinFilm(textured::ThinFilm::new(1.33, 300.0, 1.0)),
         Material::ThinDielectric(textured::ThinDielectric { eta: 1.33.into(), color: Rgb::WHITE.into() }),
         Material::MatteCone(textured::MatteCone { color: Rgb::gray(0.7).into(), mattness: 0.2.into() }),

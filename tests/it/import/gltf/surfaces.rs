@@ -148,6 +148,71 @@ fn extensions_become_parameters() {
     assert_eq!((specular.number("/materials/material 0/specular"), specular.number("/materials/material 0/eta")), (0.5, 1.25));
 }
 
+/// A film lies on metal, plastic and panes; without a texture it is as thick as can be. Where its factor is 0 there is none.
+#[test]
+fn iridescence_is_a_thin_film() {
+    let film = json!({ "iridescenceFactor": 0.5, "iridescenceIor": 1.75, "iridescenceThicknessMaximum": 250 });
+    let surface = material(json!({ "KHR_materials_iridescence": film }));
+    let of = |key: &str| surface.number(&format!("/materials/material 0/{key}"));
+    assert_eq!((of("iridescence"), of("iridescence_eta"), of("iridescence_thickness")), (0.5, 1.75, 250.0));
+    surface.built();
+    let defaults = material(json!({ "KHR_materials_iridescence": { "iridescenceFactor": 1 } }));
+    assert_eq!(defaults.number("/materials/material 0/iridescence_eta"), 1.3);
+    assert_eq!(defaults.number("/materials/material 0/iridescence_thickness"), 400.0);
+    assert!(material(json!({ "KHR_materials_iridescence": {} })).at("/materials/material 0").get("iridescence").is_none());
+    let pane = |factor: f64| {
+        let extensions = json!({
+            "KHR_materials_transmission": { "transmissionFactor": 1 },
+            "KHR_materials_iridescence": { "iridescenceFactor": factor },
+        });
+        let pbr = json!({ "baseColorFactor": [0.5, 1, 1, 1], "metallicFactor": 0, "roughnessFactor": 0 });
+        read_model(&Model::square(json!({ "pbrMetallicRoughness": pbr, "extensions": extensions })))
+    };
+    let covered = json!({ "type": "thin_film", "color": [0.5, 1, 1], "pane": 1.5, "eta": 1.3, "thickness": 400 });
+    assert_eq!(pane(1.0).at("/materials/material 0"), &covered);
+    let half = pane(0.5);
+    assert_eq!((half.at("/materials/material 0/b"), half.number("/materials/material 0/share")), (&covered, 0.5));
+    half.built();
+}
+
+/// Films thicker or denser than pt's are as thick and dense as can be, and solid glass has none; both are said.
+#[test]
+fn what_is_left_out_of_iridescence_is_said() {
+    let thick = material(json!({ "KHR_materials_iridescence": { "iridescenceFactor": 1, "iridescenceThicknessMaximum": 2500 } }));
+    assert!(thick.notes_say("a film of more than 2000 nm is taken as one of 2000"));
+    assert_eq!(thick.number("/materials/material 0/iridescence_thickness"), 2000.0);
+    let dense = material(json!({ "KHR_materials_iridescence": { "iridescenceFactor": 1, "iridescenceIor": 5 } }));
+    assert!(dense.notes_say("a film with an index of more than 4 is taken as 4"));
+    assert_eq!(dense.number("/materials/material 0/iridescence_eta"), 4.0);
+    let of_glass = |thickness: f64| {
+        material(json!({
+            "KHR_materials_transmission": { "transmissionFactor": 1 },
+            "KHR_materials_volume": { "thicknessFactor": thickness },
+            "KHR_materials_iridescence": { "iridescenceFactor": 1 },
+        }))
+    };
+    let left_out = "KHR_materials_iridescence on glass is left out";
+    assert!(of_glass(1.0).notes_say(left_out) && !of_glass(0.0).notes_say(left_out));
+}
+
+/// The thickness of a film varies from its minimum to its maximum by the green of a texture, and its share is the red of one.
+#[test]
+fn the_thickness_of_a_film_is_the_green_of_its_texture_and_its_share_the_red() {
+    let mut model = Model::square(json!({ "extensions": { "KHR_materials_iridescence": { "iridescenceFactor": 1 } } }));
+    let texture = model.texture(picture([[[0, 102, 204, 255]]]), json!({}));
+    let film = &mut model.doc["materials"][0]["extensions"]["KHR_materials_iridescence"];
+    film["iridescenceThicknessTexture"] = json!({ "index": texture });
+    let scene = read_model(&model);
+    let thickness = scene.at("/materials/material 0/iridescence_thickness");
+    assert_eq!((&thickness["from"], &thickness["to"], &thickness["by"]["channel"]), (&json!(100), &json!(400), &json!("g")));
+    scene.built();
+    let film = &mut model.doc["materials"][0]["extensions"]["KHR_materials_iridescence"];
+    film["iridescenceTexture"] = json!({ "index": texture });
+    let scene = read_model(&model);
+    assert_eq!(scene.at("/materials/material 0/iridescence/channel"), "r");
+    scene.built();
+}
+
 /// Transmission with a thickness gives a body of glass, and without one a thin pane. A partial transmission gives a mix.
 #[test]
 fn transmission_distinguishes_bodies_and_panes() {

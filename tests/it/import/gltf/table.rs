@@ -166,7 +166,15 @@ const ROWS: &[Row] = &[
         m.doc["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(0);
     }),
     ("KHR_materials_unlit", |m| extended(m, "KHR_materials_unlit", json!({}))),
-    ("KHR_materials_iridescence", |m| extended(m, "KHR_materials_iridescence", json!({}))),
+    ("KHR_materials_iridescence", |m| extended(m, "KHR_materials_iridescence", json!({ "iridescenceFactor": 1 }))),
+    ("a film of more than 2000 nm, or of an index above 4", |m| {
+        extended(m, "KHR_materials_iridescence", json!({ "iridescenceFactor": 1, "iridescenceIor": 5 }));
+    }),
+    ("the film on solid glass, all or in part", |m| {
+        extended(m, "KHR_materials_transmission", json!({ "transmissionFactor": 0.5 }));
+        extended(m, "KHR_materials_volume", json!({ "thicknessFactor": 1 }));
+        extended(m, "KHR_materials_iridescence", json!({ "iridescenceFactor": 1 }));
+    }),
     ("KHR_materials_dispersion", |m| {
         extended(m, "KHR_materials_transmission", json!({ "transmissionFactor": 1 }));
         extended(m, "KHR_materials_volume", json!({ "thicknessFactor": 1 }));
