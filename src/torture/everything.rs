@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::bsdf::microfacet::Distribution;
 use crate::bsdf::microfacet::roughness::{Alpha, Roughness};
 use crate::bsdf::{Element, FilmLayer, Glass, Material, NormalModifier, Principled, SurfaceMaterial, textured};
-use crate::camera::{Camera, Orthographic, Perspective, Pose, Spherical};
+use crate::camera::{Camera, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Spherical};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Integrator;
 use crate::light::{
@@ -16,11 +16,12 @@ use crate::math::{Rgb, Transform};
 use crate::render::{RenderReport, Settings, Silent, render};
 use crate::sampler::SamplerSpec;
 use crate::scene::Scene;
-use crate::shape::{Disk, MeshData, Quad, Sphere, TriangleMesh};
+use crate::shape::curves::Basis;
+use crate::shape::{BilinearPatch, Cone, Curves, Cylinder, Disk, MeshData, PartialDisk, PartialSphere, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
 use crate::texture::{Checker, Space, Texture};
 use crate::world::World;
-use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
+use glam::{DVec3, Mat3, UVec2, Vec2, Vec3, Vec4};
 
 use super::meshes::icosphere;
 
@@ -50,6 +51,8 @@ pub enum Lens {
     Orthographic,
     /// All directions.
     Spherical,
+    /// Half of all directions, in a circle.
+    Fisheye,
 }
 
 /// Which lights shine.
@@ -116,6 +119,14 @@ impl Everything {
         world.shape(Quad { size: [0.6, 0.6] }, self.place(at(-0.6, 0.5, 1.4)), veil, None);
         world.shape(Disk { radius: 0.9 }, self.place(at(0.0, 1.0, -1.9)), mirror, None);
         world.shape(TriangleMesh::new(ball()), self.place(at(1.2, 0.6, 0.2)), spotted, None);
+        let upright = |x, y, z| self.place(flat.then(&at(x, y, z)));
+        world.shape(Cylinder { radius: 0.15, z: [0.0, 0.4], phi_max: 250.0 }, upright(0.7, 0.0, 1.2), brushed, None);
+        world.shape(Cone { radius: 0.2, height: 0.5, phi_max: 300.0 }, upright(1.2, 0.0, 1.0), spotted, None);
+        world.shape(PartialSphere { radius: 0.3, z: [-0.3, 0.1], phi_max: 360.0 }, upright(-1.2, 0.3, -1.0), gold, None);
+        world.shape(PartialDisk { radius: 0.25, inner_radius: 0.1, phi_max: 200.0 }, self.place(at(1.8, 0.8, -0.5)), satin, None);
+        world.shape(BilinearPatch { corners: SADDLE }, self.place(at(-1.9, 0.7, -0.4)), brushed, None);
+        world.shape(thread(false), self.place(at(0.2, 1.1, 0.4)), spotted, None);
+        world.shape(thread(true), self.place(at(-1.1, 1.2, 0.2)), gold, None);
         self.add_lights(&mut world, &at, &down, spotted);
         Arc::new(world.build().expect("a valid scene"))
     }
@@ -203,8 +214,21 @@ impl Everything {
             Lens::Perspective => Camera::Perspective(Perspective::new(pose, 45.0, self.lens_radius * scale, 4.0 * scale)),
             Lens::Orthographic => Camera::Orthographic(Orthographic { pose, height: 3.0 * scale }),
             Lens::Spherical => Camera::Spherical(Spherical { pose }),
+            Lens::Fisheye => Camera::Fisheye(Fisheye::new(pose, 180.0, FisheyeMapping::Equisolid)),
         }
     }
+}
+
+/// The corners of a saddle.
+const SADDLE: [DVec3; 4] =
+    [DVec3::new(-0.3, -0.3, 0.1), DVec3::new(0.3, -0.3, -0.1), DVec3::new(-0.3, 0.3, -0.1), DVec3::new(0.3, 0.3, 0.1)];
+
+/// A bent curve that tapers: a tube, or a ribbon that twists.
+fn thread(is_ribbon: bool) -> Curves {
+    let points = [[-0.4, -0.1, 0.1, 0.05], [-0.1, 0.3, -0.1, 0.04], [0.1, -0.2, 0.1, 0.04], [0.4, 0.1, -0.1, 0.03]];
+    let normals = [[0.1, 0.2, 1.0], [0.3, 0.4, 0.8], [-0.2, 0.5, 0.9], [0.3, -0.2, 1.0]];
+    let normals = if is_ribbon { normals.map(Vec3::from).to_vec() } else { vec![] };
+    Curves { basis: Basis::Bezier, points: points.map(Vec4::from).to_vec(), counts: vec![4], normals }
 }
 
 /// A picture of the surroundings whose pixels on one side are eight times as bright as on the other.

@@ -41,7 +41,7 @@ fn differing(a: &Image, b: &Image, same: impl Fn(f32, f32) -> bool) -> Failures 
 fn scale() -> Row {
     let row = Row::new("S1", "values that change when all lengths are multiplied by a power of two", "bit by bit");
     let row = row.peers("no other program tests it; any absolute epsilon breaks it");
-    let lenses = [Lens::Perspective, Lens::Orthographic, Lens::Spherical];
+    let lenses = [Lens::Perspective, Lens::Orthographic, Lens::Spherical, Lens::Fisheye];
     ALL.iter().flat_map(|entry| lenses.map(|camera| (entry, camera))).fold(row, |row, (entry, camera)| {
         row.never(format!("{}, {camera:?}, 2^-20 to 2^20", entry.name), 1, move |_| {
             let scene = Everything { camera, lens_radius: 0.05, ..Everything::default() };
@@ -110,7 +110,7 @@ fn division() -> Row {
 
 fn numbers() -> Row {
     let row = Row::new("K1", "samples that are infinite, negative or not a number", "none").peers("pbrt stops with an error");
-    let lenses = [Lens::Perspective, Lens::Spherical];
+    let lenses = [Lens::Perspective, Lens::Spherical, Lens::Fisheye];
     ALL.iter().flat_map(|entry| lenses.map(|camera| (entry, camera))).fold(row, |row, (entry, camera)| {
         // 64² pixels at 256 samples each.
         row.never(format!("{}, {camera:?}, 64²", entry.name), 256 << 12, move |tries| {

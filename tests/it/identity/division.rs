@@ -43,7 +43,7 @@ fn no_sample_is_invalid() {
     use pt::film::Filter;
     let filters = [Filter::default(), Filter::tent(1.0), Filter::gaussian(1.5, 0.5), Filter::mitchell(2.0, 1.0 / 3.0, 1.0 / 3.0)];
     for (camera, filter) in
-        [Lens::Perspective, Lens::Orthographic, Lens::Spherical].into_iter().flat_map(|c| filters.clone().map(|f| (c, f)))
+        [Lens::Perspective, Lens::Orthographic, Lens::Spherical, Lens::Fisheye].into_iter().flat_map(|c| filters.clone().map(|f| (c, f)))
     {
         for entry in ALL {
             let scene = Everything { camera, lens_radius: 0.1, ..Everything::default() };
