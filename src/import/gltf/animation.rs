@@ -101,6 +101,12 @@ impl Animations {
         keys
     }
 
+    /// Times of the first and the last key (s); `None` if nothing is animated.
+    pub fn span(&self) -> Option<[f64; 2]> {
+        let ends = self.0.values().filter_map(|track| Some([*track.times.first()?, *track.times.last()?]));
+        ends.reduce(|[first, last], [from, to]| [first.min(from), last.max(to)])
+    }
+
     /// Whether nothing is animated.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()

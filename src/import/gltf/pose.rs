@@ -83,19 +83,24 @@ pub struct Poses {
     pub middle: Pose,
     /// Poses at times from the opening of the shutter to its closing; empty if nothing can move.
     keys: Vec<(f64, Pose)>,
+    /// Poses from the first key of the animations to the last; empty without a time of exposure.
+    all: Vec<Pose>,
 }
 
 impl Poses {
     /// Poses for the exposure of the import; `None` with a fault noted.
     pub fn new(document: &Document) -> Option<Poses> {
         let Some([open, close]) = document.root.context().exposure else {
-            return Some(Poses { middle: Pose::new(document, &Animations::default(), 0.0)?, keys: vec![] });
+            return Some(Poses { middle: Pose::new(document, &Animations::default(), 0.0)?, keys: vec![], all: vec![] });
         };
         let animations = Animations::read(document)?;
         let pose = |time| Pose::new(document, &animations, time);
         let middle = pose(0.5 * open + 0.5 * close)?;
+        let [first, last] = animations.span().unwrap_or_default();
+        let moments = if animations.is_empty() { 0 } else { MOMENTS + 1 };
+        let all = (0..moments).map(|k| pose(first + (last - first) * (f64::from(k) / f64::from(MOMENTS)))).collect::<Option<_>>()?;
         if animations.is_empty() || open >= close {
-            return Some(Poses { middle, keys: vec![] });
+            return Some(Poses { middle, keys: vec![], all });
         }
         let mut times: Vec<f64> = (0..=STEPS).map(|k| open + (close - open) * (f64::from(k) / f64::from(STEPS))).collect();
         let within = animations.keys_within([open, close]);
@@ -103,13 +108,18 @@ impl Poses {
         times.sort_by(f64::total_cmp);
         times.dedup();
         let keys: Option<Vec<_>> = times.into_iter().map(|time| Some((time, pose(time)?))).collect();
-        Some(Poses { middle, keys: keys? })
+        Some(Poses { middle, keys: keys?, all })
     }
 
     /// Transforms of a node at several times of the exposure (s); a single one if it does not move.
     pub fn of(&self, node: &gltf::Node) -> Vec<(f64, DMat4)> {
         let all: Vec<(f64, DMat4)> = self.keys.iter().map(|(time, pose)| (*time, pose.of(node))).collect();
         if all.windows(2).all(|pair| pair[0].1 == pair[1].1) { vec![(0.0, self.middle.of(node))] } else { all }
+    }
+
+    /// Poses during all the time that the animations take, for a camera that sees all of it; none without animations.
+    pub fn all(&self) -> &[Pose] {
+        &self.all
     }
 
     /// Poses at times from the opening of the shutter to its closing (s); none if nothing can move.
@@ -121,6 +131,9 @@ impl Poses {
 /// Number of equal parts of the exposure between which transforms are interpolated. A node that goes round another on a circle
 /// deviates from it by 1/3000 of the radius if it makes half a turn.
 const STEPS: u32 = 64;
+
+/// Number of equal parts of the animations between which the places of all nodes are looked up.
+const MOMENTS: u32 = 16;
 
 /// Largest number of the animations' own keys within the exposure that count.
 const MOST_KEYS: usize = 240;

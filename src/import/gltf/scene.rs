@@ -10,7 +10,7 @@ use super::document::Document;
 use super::instances::NOT_SHOWN;
 use super::material::{Colors, PreparedMaterial};
 use super::pose::Poses;
-use crate::describe::mesh::points::{self, InstancePoint};
+use crate::describe::mesh::points;
 use crate::import::auto_camera;
 use crate::import::json_cursor::JsonCursor;
 use crate::import::view::{ASPECT, Bounds, MissingParts};
@@ -138,6 +138,7 @@ impl SceneBuilder<'_, '_> {
             return;
         };
         let Some(instances) = self.document.instances(node) else { return };
+        let places = self.places(node, mesh, primitive, prepared, &made);
         self.lit |= prepared.is_lamp;
         let mut shown = vec![("file", at.make_text(&*made.file)), ("material", at.make_text(name))];
         shown.extend(prepared.emission.clone().map(|emission| ("emission", emission)));
@@ -149,7 +150,10 @@ impl SceneBuilder<'_, '_> {
         match instances {
             None => {
                 members.extend([("type", at.make_text("mesh"))].into_iter().chain(shown));
-                made.positions.iter().for_each(|p| self.bounds.add(to_world.transform_point3(p.as_dvec3())));
+                match &places {
+                    None => made.positions.iter().for_each(|p| self.bounds.add(to_world.transform_point3(p.as_dvec3()))),
+                    Some(places) => places.iter().for_each(|(to_world, ends)| self.add_box(to_world, *ends)),
+                }
             }
             Some(points) => {
                 let shape = at.make_object([("type", at.make_text("mesh"))].into_iter().chain(shown));
@@ -158,7 +162,10 @@ impl SceneBuilder<'_, '_> {
                 self.document.root.context().make(&*file, points::ply_binary(&points));
                 let instances = [("type", "instances"), ("group", &made.file), ("file", &file)];
                 members.extend(instances.map(|(key, value)| (key, at.make_text(value))));
-                self.add_bounds(&made.positions, &points, &to_world);
+                let places = places.unwrap_or_else(|| vec![(to_world, box_of(&made.positions))]);
+                let instances = points.iter().flat_map(|point| places.iter().map(|(to_world, ends)| (*to_world * point.matrix(), *ends)));
+                // Boxes, because looking at all vertices of all instances may take long.
+                instances.for_each(|(to_world, ends)| self.add_box(&to_world, ends));
             }
         }
         if moments.iter().any(|(_, to_world)| *to_world != DMat4::IDENTITY) {
@@ -185,15 +192,32 @@ impl SceneBuilder<'_, '_> {
         still.into_iter().collect()
     }
 
-    /// Adds the boxes of instances to the bounds, because looking at all vertices of all of them may take long.
-    fn add_bounds(&mut self, positions: &[Vec3], points: &[InstancePoint], to_world: &DMat4) {
-        let (low, high) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
-        for point in points {
-            let matrix = *to_world * point.matrix();
-            for k in 0..8 {
-                let corner = Vec3::select(BVec3::new(k & 1 != 0, k & 2 != 0, k & 4 != 0), high, low);
-                self.bounds.add(matrix.transform_point3(corner.as_dvec3()));
-            }
+    /// Boxes of what a node shows during the animations, with their transforms to the world; `None` if it does not move. The bounds of the
+    /// scene hold all of them, so that the camera stands still in a sequence.
+    fn places(
+        &self,
+        node: &gltf::Node,
+        mesh: &gltf::Mesh,
+        primitive: &gltf::Primitive,
+        prepared: &PreparedMaterial,
+        made: &MeshFile,
+    ) -> Option<Vec<(DMat4, [Vec3; 2])>> {
+        let poses = self.poses.all();
+        if made.is_posed {
+            let posed = |pose| self.document.geometry(node, mesh, primitive, &prepared.mapping, pose);
+            let boxes: Vec<_> = poses.iter().filter_map(posed).map(|of| (DMat4::IDENTITY, box_of(&of.mesh.positions))).collect();
+            return (!boxes.is_empty()).then_some(boxes);
+        }
+        let moves = poses.windows(2).any(|pair| pair[0].of(node) != pair[1].of(node));
+        let own = box_of(&made.positions);
+        moves.then(|| poses.iter().map(|pose| (pose.of(node), own)).collect())
+    }
+
+    /// Adds the corners of a box to the bounds.
+    fn add_box(&mut self, to_world: &DMat4, [low, high]: [Vec3; 2]) {
+        for k in 0..8 {
+            let corner = Vec3::select(BVec3::new(k & 1 != 0, k & 2 != 0, k & 4 != 0), high, low);
+            self.bounds.add(to_world.transform_point3(corner.as_dvec3()));
         }
     }
 
@@ -283,4 +307,9 @@ impl SceneBuilder<'_, '_> {
         }
         self.cameras.first().map(|(camera, aspect, _)| (camera.clone(), *aspect))
     }
+}
+
+/// The least and the greatest coordinates of points.
+fn box_of(points: &[Vec3]) -> [Vec3; 2] {
+    points.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
 }

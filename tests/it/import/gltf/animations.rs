@@ -137,6 +137,28 @@ fn bent(scene: &Read) -> Vec<(f64, Vec<Vec3>)> {
     (0..keys).map(|k| (time(k), scene.mesh_at(&format!("/shapes/0/keyframes/{k}/file")).positions)).collect()
 }
 
+/// Without a camera in the file, the camera sees all that the animations show, and stands still while they do.
+#[test]
+fn the_camera_stands_still_in_a_sequence() {
+    let mut model = Model::square(json!({}));
+    animate(&mut model, 0, "translation", "LINEAR", &[0.0, 2.0], &[[-3.0, 0.0, 0.0], [5.0, 0.0, 0.0]]);
+    let cameras = [[0.0, 0.0], [0.5, 0.75], [2.0, 2.0]].map(|[open, close]| exposed(&model, open, close).at("/camera").clone());
+    assert_eq!(cameras[0], cameras[1]);
+    assert_eq!(cameras[0], cameras[2]);
+    let scene = exposed(&model, 0.0, 0.0);
+    let point = |at: &str| DVec3::from_slice(&scene.numbers(at));
+    let (from, to) = (point("/camera/look_at/from"), point("/camera/look_at/to"));
+    let aspect = scene.number("/film/width") / scene.number("/film/height");
+    let half_diagonal = ((0.5 * scene.number("/camera/fov")).to_radians().tan() * aspect.hypot(1.0)).atan();
+    for shift in [-3.0, 5.0] {
+        for corner in CORNERS {
+            let p = DVec3::from(corner.map(f64::from)) + DVec3::X * shift;
+            assert!((p - from).angle_between(to - from) < half_diagonal, "{p} is seen from {from} towards {to}");
+        }
+    }
+    assert_ne!(unexposed(&model).at("/camera"), &cameras[0], "without a time of exposure nothing moves");
+}
+
 /// Weights of morph targets bend a mesh while the shutter is open. Where they change evenly two keyframes say it.
 #[test]
 fn morph_targets_are_blurred() {
