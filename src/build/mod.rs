@@ -350,6 +350,10 @@ impl Builder<'_> {
                 match MovingMesh::new(mesh, poses) {
                     Ok(moving) => {
                         effects |= Effects::MOTION;
+                        // No points are sampled on what bends.
+                        if emits(&emitter) {
+                            effects = (effects - Effects::AREA_LIGHT) | Effects::UNSAMPLED_EMITTER;
+                        }
                         self.place(moving, *to_world, parts, emitter);
                     }
                     Err(still) => self.place(still, *to_world, parts, emitter),

@@ -42,6 +42,7 @@ fn materials_call_for_what_they_do() {
         (r#"{"type": "dielectric", "roughness": 0.3}"#, glossy | frosted),
         (r#"{"type": "conductor", "metal": "Au"}"#, mirrors),
         (r#"{"type": "conductor", "metal": "Au", "roughness": 0.3}"#, glossy),
+        (r#"{"type": "conductor", "color": 0.5, "film": {"eta": 1.5, "thickness": 300}}"#, mirrors | Effects::THIN_FILM),
         (r#"{"type": "phong"}"#, glossy),
         (r#"{"type": "coated", "ground": {"type": "diffuse"}}"#, Effects::INTERREFLECTION | mirrors),
         (r#"{"type": "coated", "roughness": 0.3, "ground": {"type": "diffuse"}}"#, Effects::INTERREFLECTION | glossy),
@@ -75,6 +76,18 @@ fn lamps_call_for_the_way_in_which_they_are_found() {
     let dark = r#"{"type": "point", "position": [0, 1, 0], "intensity": 0}"#;
     let world = built(&format!(r#"{{"pt": 1, {CAMERA}, "lights": [{dark}]}}"#), "").world;
     assert_eq!(world.effects(), Effects::NONE);
+}
+
+/// No points are sampled on a mesh whose vertices move; its light is met by chance, and the mesh is named for it.
+#[test]
+fn moving_meshes_that_shine_are_met_by_chance() {
+    let keyframes = r#"[{"time": 0}, {"time": 1, "positions": [[0, 0, 0], [1, 0, 0], [0, 2, 0]]}]"#;
+    let mesh = format!(
+        r#"{{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]], "keyframes": {keyframes}, "emission": 1}}"#
+    );
+    let built = built(&format!(r#"{{"pt": 1, {CAMERA}, "shutter": {{"open": 0, "close": 1}}, "shapes": [{mesh}]}}"#), "");
+    assert!(built.world.effects().contains(Effects::UNSAMPLED_EMITTER | Effects::MOTION));
+    assert_eq!(needed(&built), built.world.effects());
 }
 
 /// Every effect that a scene calls for is needed by a part, and no part needs more.
