@@ -50,7 +50,11 @@ fn unexpected_word(usage_error: &clap::Error, words: &[String]) -> Option<String
     let parser = CommandLine::command();
     let commands: Vec<&str> = parser.get_subcommands().map(|command| command.get_name()).collect();
     let before = words.iter().position(|other| other == word).and_then(|at| words[..at].last());
-    let misspelt = || words.iter().find_map(|typed| closest(typed, commands.iter().copied()).map(|near| (typed, near)));
+    let is_command = |typed: &&String| commands.contains(&typed.as_str());
+    let misspelt = || {
+        let others = words.iter().filter(|typed| !is_command(typed));
+        others.filter_map(|typed| Some((typed, closest(typed, commands.iter().copied())?))).next()
+    };
     let formed = before.filter(|flag| ["--stats", "--trace"].contains(&flag.as_str()) && TextOrJson::from_str(word, false).is_ok());
     let file = before.filter(|flag| *flag == "--resume");
     Some(if let Some(flag) = formed.or(file) {

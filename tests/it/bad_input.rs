@@ -593,6 +593,7 @@ const CALLS: &[Row] = &[
         2,
         "error: unexpected \"--json-errors\": one scene at a time, and options before a --; see pt --help\n",
     ),
+    ("B52", "farm slurm right.json", 2, "error: unexpected \"right.json\": one scene at a time"),
     ("B52", "right.json right.json", 2, "error: unexpected \"right.json\": one scene at a time"),
     ("B52", "right.json check", 2, "error: check: a command comes first, as in pt check scene.json; see pt --help\n"),
     ("B52", "chek right.json", 2, "error: unknown command \"chek\", did you mean \"check\"? See pt --help\n"),
