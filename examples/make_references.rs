@@ -13,38 +13,50 @@ use pt::integrator::choose;
 use pt::render::{Settings, Silent, render};
 use serde_json::json;
 
-/// Scene, integrator of the reference, integrator that is compared with it, and samples per pixel of the latter.
-const REFERENCES: &[(&str, &str, &str, u32)] = &[
-    ("cornell-box", "path", "nee", 128),
-    ("mirror-balls", "path", "nee", 128),
-    ("mattness", "path", "nee", 128),
-    ("glass-panel", "path", "nee", 128),
-    ("triangle-stacks", "nee", "path", 128),
-    ("statue", "nee", "path", 64),
-    ("shapes", "path", "nee", 128),
-    ("media", "path", "nee", 128),
-    ("motion", "path", "nee", 128),
-    ("bubbles", "path", "nee", 128),
-    ("fur", "path", "nee", 64),
-    ("macro-lens", "path", "nee", 128),
+/// A reference picture: the scene, the integrator and samples per pixel of the reference, and those of the picture that it judges.
+struct Reference {
+    scene: &'static str,
+    maker: (&'static str, u32),
+    judged: (&'static str, u32),
+}
+
+const fn by(scene: &'static str, maker: (&'static str, u32), judged: (&'static str, u32)) -> Reference {
+    Reference { scene, maker, judged }
+}
+
+const REFERENCES: &[Reference] = &[
+    by("cornell-box", ("path", 8192), ("nee", 128)),
+    by("mirror-balls", ("path", 8192), ("nee", 128)),
+    by("mattness", ("path", 8192), ("nee", 128)),
+    by("glass-panel", ("path", 8192), ("nee", 128)),
+    by("triangle-stacks", ("nee", 8192), ("path", 128)),
+    by("statue", ("nee", 4096), ("path", 64)),
+    by("shapes", ("path", 8192), ("nee", 128)),
+    by("media", ("path", 8192), ("nee", 128)),
+    by("motion", ("path", 8192), ("nee", 128)),
+    by("bubbles", ("path", 8192), ("nee", 128)),
+    by("fur", ("path", 4096), ("nee", 64)),
+    by("macro-lens", ("path", 8192), ("nee", 128)),
+    by("gallery", ("light", 16384), ("nee", 64)),
+    by("reflections", ("path", 16384), ("nee", 64)),
 ];
 
-const FACTOR: u32 = 64;
 /// Seed that no test uses.
 const SEED: u64 = 20_260_101;
 const SIZE: [u32; 2] = [64, 64];
 
 fn main() -> pt::Result<()> {
     let wanted: Vec<String> = std::env::args().skip(1).collect();
-    for &(name, maker, judged, spp) in REFERENCES.iter().filter(|row| wanted.is_empty() || wanted.iter().any(|w| w == row.0)) {
+    for reference in REFERENCES.iter().filter(|of| wanted.is_empty() || wanted.iter().any(|name| name == of.scene)) {
         let start = std::time::Instant::now();
-        make(name, maker, judged, spp)?;
-        println!("{name}: {:.0} s", start.elapsed().as_secs_f64());
+        make(reference)?;
+        println!("{}: {:.0} s", reference.scene, start.elapsed().as_secs_f64());
     }
     Ok(())
 }
 
-fn make(name: &str, maker: &str, judged: &str, spp: u32) -> pt::Result<()> {
+fn make(reference: &Reference) -> pt::Result<()> {
+    let Reference { scene: name, maker: (maker, spp), judged } = *reference;
     let file = format!("scenes/{name}.json");
     let mut root = describe::load(Path::new(&file))?;
     let [width, height] = SIZE;
@@ -52,7 +64,7 @@ fn make(name: &str, maker: &str, judged: &str, spp: u32) -> pt::Result<()> {
         ("/film/width", width.to_string()),
         ("/film/height", height.to_string()),
         ("/sampler/type", "independent".into()),
-        ("/sampler/spp", (spp * FACTOR).to_string()),
+        ("/sampler/spp", spp.to_string()),
         ("/sampler/seed", SEED.to_string()),
     ];
     for (pointer, value) in &overrides {
@@ -68,16 +80,13 @@ fn make(name: &str, maker: &str, judged: &str, spp: u32) -> pt::Result<()> {
     let image = film.image();
     let path = PathBuf::from(format!("reference/{name}.exr"));
     pt::output::write(&path, &image, &vec![], &Default::default())?;
-    let command = format!(
-        "pt {file} -i {maker} --size {width}x{height} --sampler independent --spp {} --seed {SEED} -o {}",
-        spp * FACTOR,
-        path.display()
-    );
+    let command =
+        format!("pt {file} -i {maker} --size {width}x{height} --sampler independent --spp {spp} --seed {SEED} -o {}", path.display());
     let provenance = json!({
-        "scene": file, "command": command, "integrator": maker, "seed": SEED, "spp": spp * FACTOR,
+        "scene": file, "command": command, "integrator": maker, "seed": SEED, "spp": spp,
         "mean": RGB.map(|name| mean(&image, name, |v| v)),
         "standard_error": RGB.map(|name| standard_error(&image, name)),
-        "judges": { "integrator": judged, "spp": spp },
+        "judges": { "integrator": judged.0, "spp": judged.1 },
     });
     pt::output::replace(&path.with_extension("json"), format!("{provenance:#}\n").as_bytes())
 }
