@@ -21,7 +21,9 @@ use pt::light::{Environment, Light};
 use pt::math::{Local, Rgb, Transform, Wavelength};
 use pt::measure::{SampledImage, agreement, critical_z, sidak};
 use pt::sampler::{Kind, SamplerSpec};
+use pt::scene::Scene as _;
 use pt::shape::{Quad, Sphere, SurfacePoint, TriangleMesh, VertexColor};
+use pt::torture::everything::bits;
 use pt::torture::meshes::mesh;
 use pt::world::{World, WorldBuilder};
 use serde_json::{Value, json};
@@ -401,6 +403,27 @@ fn no_dispersion_is_plain_glass() {
     let strong = cast_on_floor(&json!({ "type": "dielectric", "eta": 1.6, "abbe": 1 }), true);
     let found = differ([&shot(&plain, &Whitted::default(), 1, 1024), &shot(&strong, &Whitted::default(), 2, 1024)]);
     assert!(!found.accepts(), "glass with much dispersion: {found}");
+}
+
+/// Dispersive glass that no path meets changes no bit, although paths of such a scene have a wavelength to take.
+#[test]
+fn dispersive_glass_that_is_not_met_changes_no_bit() {
+    let below = |glass: Value| {
+        let mut scene = cast_on_floor(&glass, true);
+        scene["shapes"][1]["center"] = json!([0, -2, 0]);
+        scene
+    };
+    let [plain, dispersive] = [json!({ "type": "dielectric", "eta": 1.6 }), json!({ "type": "dielectric", "glass": "SF11" })].map(below);
+    assert!(built(&dispersive.to_string()).world.effects().contains(Effects::DISPERSION));
+    for (name, integrator) in [
+        ("nee", &Nee::default() as &dyn Integrator),
+        ("path", &Path::default()),
+        ("whitted", &Whitted::default()),
+        ("card", &Card::default()),
+    ] {
+        let [plain, dispersive] = [&plain, &dispersive].map(|scene| bits(&shot(scene, integrator, 1, 16)));
+        assert!(plain == dispersive, "{name}");
+    }
 }
 
 /// Descriptions of an index from more than one source, or of one that is no number for some visible light, are refused.

@@ -281,12 +281,12 @@ fn lamps_light_by_their_area() {
     confirm(laws.collect(), Effort::Standard);
 }
 
-/// Irradiance at the origin on a tile that faces +y, by the light of the directions in which the lamp is seen: ∫ cos θ dω, by 1000 × 1000
+/// Irradiance at the origin on a tile that faces +y, by the light of the directions in which the lamp is seen: ∫ cos θ dω, by 400 × 400
 /// directions that are uniform in the projected solid angle. Where the lamp is seen, its radiance is 1.
 ///
 /// - `on_both`: whether both sides of a ribbon shine, or that of its normal alone
 fn irradiance(curves: &Curves, shape: &dyn Shape, on_both: bool) -> f64 {
-    const N: u32 = 1000;
+    const N: u32 = 400;
     let whole = accel::build(shapes(vec![curves.bake(&Transform::IDENTITY).expect("curves")]));
     let seen = |k: u32| {
         let (x, y) = (f64::from(k % N) + 0.5, f64::from(k / N) + 0.5);
