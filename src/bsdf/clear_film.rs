@@ -50,7 +50,7 @@ pub struct ClearFilm {
     pub base: Spectrum,
 }
 
-/// The series ends where its next term is below this share of 1 − |ρ|.
+/// The series ends where its next block of g terms is below this share of 1 − |ρᵍ|.
 const LEAST: f32 = 1e-5;
 /// The least cosine. At grazing incidence a film of index 1 would have the amplitude 0/0.
 const GRAZING: f32 = 1e-4;
