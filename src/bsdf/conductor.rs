@@ -181,7 +181,7 @@ pub mod described {
         pub multiscatter: bool,
         /// A thin clear film on the metal, which gives it the colours of interference: anodized titanium, tempered steel. `eta` and `k` must
         /// be the same everywhere. With `color` the metal counts as a clear body that reflects as much at normal incidence, and bright
-        /// metal is darker towards its edge than without a film: one of 0.9 reflects 0.78 at 78°.
+        /// metal is darker towards its edge than without a film: one of 0.9 reflects 0.79 at 78°.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub film: Option<MetalFilm>,
     }

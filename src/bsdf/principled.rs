@@ -122,7 +122,8 @@ pub mod described {
         pub sheen_roughness: Textured,
         /// The share of metal and plastic that is under a thin film, with the colours of interference. Metal counts as a clear body that
         /// reflects `base_color` at normal incidence. Plastic reflects the film's colours, and its base gets what the brightest film would
-        /// leave: white plastic loses up to 9 % of the light under a film of index 1.3, and up to 17 % under one of index 2. Glass shows no film, see `thin_film` for panes.
+        /// leave: white plastic loses up to 9 % of the light under a film of index 1.3, and up to 17 % under one of index 2. Glass shows no
+        /// film, see `thin_film` for panes.
         pub iridescence: Textured,
         /// The index of refraction of the film.
         pub iridescence_eta: FilmIndex,
