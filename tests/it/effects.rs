@@ -165,6 +165,8 @@ fn every_change_takes_its_effect_out() {
         scene[pointer] = value;
         scene
     };
+    let lens = json!([[50, 3, 1.5, 20], [-50, 1, 1, 20], [0, 0, 1, 18]]);
+    let realistic = json!({ "type": "realistic", "lens": lens, "focus_distance": 2, "look_at": { "from": [0, 0, 2], "to": [0, 0, 0] } });
     let wire = json!({ "type": "curves", "points": [[[-0.5, 0, -2], [0.5, 0.2, -2]]], "radius": 0.2, "material": "wall" });
     let cases = [
         ("mirror reflection", corner(json!({ "type": "mirror", "color": 0.9 }), vec![])),
@@ -179,6 +181,8 @@ fn every_change_takes_its_effect_out() {
             "point lights",
             moved(corner(diffuse.clone(), vec![]), "lights", json!([{ "type": "point", "position": [0, 1, 0], "intensity": 3 }])),
         ),
+        ("realistic lens", moved(corner(diffuse.clone(), vec![]), "camera", realistic.clone())),
+        ("depth of field", moved(corner(diffuse.clone(), vec![]), "camera", realistic)),
         (
             "depth of field",
             moved(

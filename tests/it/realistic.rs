@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec2, DVec3, Vec2};
 use pt::camera::realistic::{LensTable, Sensor, ThickLens};
-use pt::camera::{Camera, CameraRay, Pose, Realistic};
+use pt::camera::{Camera, CameraRay, Perspective, Pose, Realistic};
 use pt::effects::Effects;
 use pt::film::FilmSpec;
 use pt::integrators::ALL;
@@ -282,6 +282,45 @@ fn the_circle_of_confusion_is_that_of_a_thin_lens() {
     let cone = 2.0 * (2.0 * square / count).sqrt();
     let confusion = cone * (2.0 / 4.0) * 50.0 / (2e3 - 50.0) * 1e3;
     assert!((50.0 * confusion / 0.320512821 - 1.0).abs() < 5e-3, "{confusion} mm");
+}
+
+/// Near the axis the thin lens of a realistic camera sends its rays to the same points of the plane in focus, and its cone of rays is as wide.
+#[test]
+fn the_thin_lens_has_the_picture_near_the_axis() {
+    // Through a wide opening the lens has aberrations.
+    let mut stopped = DOUBLE_GAUSS;
+    stopped[5][3] = 2.0;
+    for focus in [0.6, 2.0] {
+        let realistic = camera(&stopped, focus);
+        let thin = realistic.thin_lens();
+        assert!((thin.place + thin.focus_distance - focus).abs() < 1e-12);
+        let pose = Pose::new(&Transform::translate(DVec3::new(0.0, 0.0, -thin.place)).expect("finite"));
+        let perspective = Perspective::new(pose, 45.0, thin.radius as f32, thin.focus_distance as f32);
+        let perspective = Camera::Perspective(perspective.with_sensor(thin.image_distance, 0.024, Some(0.036)));
+        let realistic = Camera::Realistic(realistic);
+        // Where a ray is at a distance from the film, and its weight.
+        let met = |camera: &Camera, film: Vec2, lens: Vec2, distance: f64| {
+            let CameraRay { ray, weight } = camera.sample(film, 1.5, lens, 0.0);
+            let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+            ((o + d * ((-distance - o.z) / d.z)).truncate(), f64::from(weight))
+        };
+        let width = 0.036 * thin.focus_distance / thin.image_distance;
+        for film in [Vec2::new(0.5, 0.5), Vec2::new(0.53, 0.48), Vec2::new(0.46, 0.52)] {
+            let [a, b] = [&realistic, &perspective].map(|camera| met(camera, film, Vec2::splat(0.5), focus).0);
+            assert!((a - b).length() < 1e-3 * width, "{film}: {a} and not {b}");
+        }
+        const N: u32 = 200;
+        let radius = |camera: &Camera| {
+            let lens = |k: u32| Vec2::new((k % N) as f32 + 0.5, (k / N) as f32 + 0.5) / N as f32;
+            let all = (0..N * N).map(|k| met(camera, Vec2::splat(0.5), lens(k), 2.0 * focus));
+            let (square, count) =
+                all.fold((0.0, 0.0), |(square, count), (p, weight)| (square + weight * p.length_squared(), count + weight));
+            (2.0 * square / count).sqrt()
+        };
+        let [found, wanted] = [radius(&realistic), radius(&perspective)];
+        // Light that arrives at a wide angle counts by the fourth power of its cosine: at f/18 less than a thousandth.
+        assert!((found / wanted - 1.0).abs() < 0.005, "{found} m and not {wanted} m");
+    }
 }
 
 /// In focus at infinity, neighbouring pixels differ by their width over the focal length, in angle.

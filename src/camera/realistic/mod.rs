@@ -16,6 +16,7 @@ mod stack;
 mod table;
 mod thick;
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
@@ -60,6 +61,22 @@ struct FocusedLens {
     pupils: ExitPupils,
     /// Ω₀ (sr).
     projected_solid_angle: f64,
+    /// The thin lens that is equivalent near the axis.
+    thin: ThinLens,
+}
+
+/// The thin lens that forms the same image as a realistic lens near the axis. Lengths in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinLens {
+    /// Distance from the film to the thin lens, along the view direction: v plus the distance between the principal planes, so that it lies in
+    /// the front one.
+    pub place: f64,
+    /// v, the distance of the film behind the plane at which light leaves the lens. It decides what the sensor shows.
+    pub image_distance: f64,
+    /// u, the distance of the plane in focus.
+    pub focus_distance: f64,
+    /// Radius: v tan θ₀, so that the middle of the film gets the cone of light that it gets through the realistic lens.
+    pub radius: f64,
 }
 
 impl Realistic {
@@ -71,14 +88,25 @@ impl Realistic {
     ///
     /// `None` if the lens does not focus there ([`ThickLens::film_distance`]), or no light gets through it to the middle of the film.
     pub fn new(pose: Pose, table: &LensTable, focus_distance: f64, sensor: Sensor, aspect: f64) -> Option<Realistic> {
-        let film_distance = ThickLens::new(table).ok()?.film_distance(focus_distance)?;
+        let thick = ThickLens::new(table).ok()?;
+        let film_distance = thick.film_distance(focus_distance)?;
         let stack = LensStack::new(table, film_distance);
         let projected_solid_angle = projected_solid_angle(&stack);
         if !(projected_solid_angle > 0.0 && projected_solid_angle.is_finite()) {
             return None;
         }
         let pupils = ExitPupils::new(&stack, 0.5 * sensor.size(aspect).length());
-        Some(Realistic { pose, sensor, lens: Arc::new(FocusedLens { stack, pupils, projected_solid_angle }) })
+        let image_distance = film_distance - thick.rear;
+        let place = image_distance + thick.separation;
+        let sin2 = projected_solid_angle / PI;
+        let radius = image_distance * (sin2 / (1.0 - sin2)).sqrt();
+        let thin = ThinLens { place, image_distance, focus_distance: focus_distance - place, radius };
+        Some(Realistic { pose, sensor, lens: Arc::new(FocusedLens { stack, pupils, projected_solid_angle, thin }) })
+    }
+
+    /// The thin lens that is equivalent near the axis.
+    pub fn thin_lens(&self) -> ThinLens {
+        self.lens.thin
     }
 
     /// Ω₀ = π sin² θ₀ of the cone of light that arrives at the middle of the film (sr).

@@ -1,7 +1,10 @@
 //! The table of what is measured: which paths contain an effect, and how a scene is without it.
 
+use serde_json::{Map, Value};
+
 use super::paths::PathFacts;
 use super::without::{self, Change};
+use crate::camera::Camera;
 use crate::effects::Effects;
 
 /// Part of the light, or effect of a scene, that is measured.
@@ -19,13 +22,28 @@ pub struct Subject {
     pub change: Option<Change>,
 }
 
-const fn paths(name: &'static str, effect: Effects, contains: fn(&PathFacts) -> bool, change: Option<Change>) -> Subject {
+type OfScene = fn(&mut Value);
+
+const fn paths(name: &'static str, effect: Effects, contains: fn(&PathFacts) -> bool, change: Option<OfScene>) -> Subject {
+    let change = match change {
+        Some(change) => Some(Change::OfScene(change)),
+        None => None,
+    };
     Subject { name, effect, contains: Some(contains), is_light: true, change }
 }
 
 /// An effect whose absence changes light in another way than to remove paths.
-const fn change(effect: Effects, contains: Option<fn(&PathFacts) -> bool>, change: Option<Change>) -> Subject {
+const fn change(effect: Effects, contains: Option<fn(&PathFacts) -> bool>, change: Option<OfScene>) -> Subject {
+    let change = match change {
+        Some(change) => Some(Change::OfScene(change)),
+        None => None,
+    };
     Subject { name: "", effect, contains, is_light: false, change }
+}
+
+/// An effect of the camera.
+const fn camera(effect: Effects, change: fn(&mut Map<String, Value>, &Camera)) -> Subject {
+    Subject { name: "", effect, contains: None, is_light: false, change: Some(Change::OfCamera(change)) }
 }
 
 /// Lobes that focus light.
@@ -36,7 +54,7 @@ const FOCUSING: Effects =
 const NOT_MATTE: Effects = FOCUSING.union(Effects::MEDIA);
 
 /// All that is measured. The first three are disjoint and make up all light, and so do those of the lamps.
-const ALL: [Subject; 24] = [
+const ALL: [Subject; 25] = [
     paths("light seen at its source", Effects::NONE, |path| path.depth == 0, None),
     paths("direct light", Effects::NONE, |path| path.depth == 1, None),
     paths("indirect light", Effects::NONE, |path| path.depth > 1, Some(without::only_direct)),
@@ -50,7 +68,8 @@ const ALL: [Subject; 24] = [
     paths("", Effects::GLOSSY_REFLECTION, |path| path.scattered.contains(Effects::GLOSSY_REFLECTION), Some(without::black_gloss)),
     paths("", Effects::REFRACTION, |path| path.scattered.contains(Effects::REFRACTION), None),
     paths("", Effects::ROUGH_REFRACTION, |path| path.scattered.contains(Effects::ROUGH_REFRACTION), None),
-    change(Effects::THIN_LENS, None, Some(without::pinhole)),
+    camera(Effects::THIN_LENS, without::pinhole),
+    camera(Effects::REALISTIC_LENS, without::thin_lens),
     change(Effects::MOTION, None, Some(without::frozen)),
     change(Effects::MEDIA, Some(|path| path.scattered.contains(Effects::MEDIA)), Some(without::vacuum)),
     change(Effects::TEXTURES, Some(|path| path.scattered.contains(Effects::TEXTURES)), None),
@@ -84,7 +103,7 @@ impl Subject {
         let is_all_matte = NOT_MATTE.iter().all(|other| !effects.contains(other));
         let fitted = |subject: &Subject| match subject.effect {
             // Among matte surfaces all light that was scattered twice is theirs.
-            Effects::INTERREFLECTION if is_all_matte => Subject { change: Some(without::only_direct), ..*subject },
+            Effects::INTERREFLECTION if is_all_matte => Subject { change: Some(Change::OfScene(without::only_direct)), ..*subject },
             _ => *subject,
         };
         ALL.iter().filter(|subject| has(subject)).map(fitted).collect()

@@ -1,8 +1,11 @@
 //! Scenes without an effect, made by changes of the scene file.
 
+use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 use crate::bsdf::described::Dielectric;
+use crate::camera::Camera;
+use crate::camera::realistic::ThinLens;
 use crate::describe;
 use crate::effects::Effects;
 use crate::error::{Error, Result};
@@ -14,7 +17,13 @@ use crate::reader::from_json;
 use crate::scene::Scene as _;
 
 /// Change that takes an effect out of a scene. It need not succeed: [`without`] looks at what is left.
-pub type Change = fn(&mut Value);
+#[derive(Clone, Copy)]
+pub enum Change {
+    /// One of the scene's description.
+    OfScene(fn(&mut Value)),
+    /// One of the camera's description, which depends on the camera that was built by it.
+    OfCamera(fn(&mut Map<String, Value>, &Camera)),
+}
 
 /// The scene after a change, with the integrator that renders it; `None` if the change left the scene as it was, or the effect in it.
 ///
@@ -26,7 +35,10 @@ pub fn without(loaded: &Loaded, effect: Effects, change: Change, tables: &[&[Ent
     let internal = |error: serde_json::Error| Error::Internal(format!("{}: {error}", loaded.file));
     let mut scene = serde_json::to_value(&loaded.root).map_err(internal)?;
     let before = scene.clone();
-    change(&mut scene);
+    match change {
+        Change::OfScene(change) => change(&mut scene),
+        Change::OfCamera(change) => section(&mut scene, "camera", |described| change(described, loaded.world.camera())),
+    }
     if scene == before {
         return Ok(None);
     }
@@ -52,8 +64,41 @@ pub fn only_direct(scene: &mut Value) {
 }
 
 /// A pinhole in the place of the lens.
-pub fn pinhole(scene: &mut Value) {
-    section(scene, "camera", |camera| ["f_number", "lens_radius"].iter().for_each(|key| drop(camera.remove(*key))));
+pub fn pinhole(described: &mut Map<String, Value>, camera: &Camera) {
+    match camera {
+        Camera::Realistic(lens) => become_thin(described, lens.thin_lens(), 0.0),
+        _ => ["f_number", "lens_radius"].iter().for_each(|key| drop(described.remove(*key))),
+    }
+}
+
+/// A thin lens in the place of a realistic one.
+pub fn thin_lens(described: &mut Map<String, Value>, camera: &Camera) {
+    if let Camera::Realistic(lens) = camera {
+        become_thin(described, lens.thin_lens(), lens.thin_lens().radius);
+    }
+}
+
+/// Turns a realistic camera into one with a thin lens of this radius.
+fn become_thin(described: &mut Map<String, Value>, lens: ThinLens, radius: f64) {
+    ["lens", "scale", "aperture_diameter"].iter().for_each(|key| drop(described.remove(*key)));
+    described.insert("type".into(), "perspective".into());
+    described.insert("focal_length".into(), json!(1000.0 * lens.image_distance));
+    described.insert("focus_distance".into(), json!(lens.focus_distance));
+    described.insert("lens_radius".into(), json!(radius));
+    // The film of a realistic camera is at its position, a thin lens at the position of its own.
+    if let Some(look_at) = described.get_mut("look_at") {
+        let point = |key: &str| -> Option<DVec3> { serde_json::from_value::<[f64; 3]>(look_at[key].clone()).ok().map(DVec3::from) };
+        if let (Some(from), Some(to)) = (point("from"), point("to")) {
+            let shift = (to - from).normalize_or_zero() * lens.place;
+            look_at["from"] = json!((from + shift).to_array());
+            look_at["to"] = json!((to + shift).to_array());
+        }
+        return;
+    }
+    let steps = described.entry("transform").or_insert_with(|| json!([]));
+    if let Some(steps) = steps.as_array_mut() {
+        steps.insert(0, json!({ "translate": [0, 0, -lens.place] }));
+    }
 }
 
 /// The moment in the middle of the exposure.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use assert_cmd::Command;
 use glam::{DMat4, DQuat, DVec3, Vec3};
 use pt::math::Ray;
 use pt::scene::Scene;
@@ -157,6 +158,24 @@ fn the_camera_stands_still_in_a_sequence() {
         }
     }
     assert_ne!(unexposed(&model).at("/camera"), &cameras[0], "without a time of exposure nothing moves");
+}
+
+/// `--frame 5 --fps 10` shows the animation from 0.5 s on, with the shutter open for half of the time of a picture.
+#[test]
+fn frames_are_moments_of_the_animation() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut model = Model::square(json!({}));
+    animate(&mut model, 0, "translation", "LINEAR", &[0.0, 2.0], &[[-3.0, 0.0, 0.0], [5.0, 0.0, 0.0]]);
+    model.write(folder.path(), "m.glb");
+    let picture = |args: &[&str], name: &str| {
+        let mut pt = Command::cargo_bin("pt").expect("the program");
+        pt.current_dir(folder.path()).args(["m.glb", "--size", "24x16", "--spp", "2", "-q", "--progress", "none"]);
+        pt.args(args).args(["-o", "x.pfm"]).assert().success();
+        std::fs::read(folder.path().join(name)).expect(name)
+    };
+    let frame = picture(&["--frame", "5", "--fps", "10"], "x.0005.pfm");
+    assert!(frame == picture(&["-D", r#"/shutter={"open":0.5,"close":0.55}"#], "x.pfm"));
+    assert!(frame != picture(&["--frame", "6", "--fps", "10"], "x.0006.pfm"), "the square moves");
 }
 
 /// Weights of morph targets bend a mesh while the shutter is open. Where they change evenly two keyframes say it.
