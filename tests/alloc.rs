@@ -112,10 +112,10 @@ fn samples_allocate_nothing() {
 
 /// Bytes that a scene of hairs of four points on a ball keeps. A million of them have a length of .1 and a radius of 2·10⁻⁴; fewer are longer and
 /// thicker, so that the fur is as dense. (Of sparse hairs fewer share a leaf of the hierarchy, and each takes more.)
-fn bytes_of_hairs(hairs: usize, basis: Basis) -> i64 {
+fn bytes_of_hairs(hairs: usize, basis: Basis, is_ribbon: bool) -> i64 {
     let before = IN_USE.load(Ordering::Relaxed);
     let (mut random, size) = (Random::new(1), (1e6 / hairs as f64).sqrt());
-    let mut points = Vec::with_capacity(4 * hairs);
+    let (mut points, mut normals) = (Vec::with_capacity(4 * hairs), vec![]);
     for _ in 0..hairs {
         let (root, bend) = (random.direction(), random.in_cube() * (0.04 * size));
         points.extend([0.0, 1.0, 2.0, 3.0].map(|k| {
@@ -123,25 +123,29 @@ fn bytes_of_hairs(hairs: usize, basis: Basis) -> i64 {
             let p = root * (1.0 + 0.1 * size * share) + bend * (share * share);
             Vec4::from((p.as_vec3(), 2e-4 * size as f32 * (1.2 - share as f32)))
         }));
+        if is_ribbon {
+            normals.extend([random.direction().cross(root).normalize().as_vec3(); 4]);
+        }
     }
     let mut world = World::builder(Camera::Spherical(Spherical { pose: Pose::new(&Transform::IDENTITY) }));
     let gray = world.material(Material::diffuse(Rgb::gray(0.5)));
-    world.shape(Curves { basis, counts: vec![4; hairs], points, normals: vec![] }, Transform::IDENTITY, gray, None);
+    world.shape(Curves { basis, counts: vec![4; hairs], points, normals }, Transform::IDENTITY, gray, None);
     let world = world.build().expect("a valid scene");
     let bytes = IN_USE.load(Ordering::Relaxed) - before;
     drop(world);
     bytes
 }
 
-/// A hair of four points in dense fur takes at most 200 bytes, whatever its basis: points and radii take 64 of them, and the boxes, capsules
-/// and order of the hierarchy the rest.
+/// A hair of four points in dense fur takes at most 200 bytes, a tube of any basis or a ribbon of a B-spline: points and radii take 64 of them, the
+/// normals of a ribbon 24, and the boxes, capsules and order of the hierarchy the rest.
 #[test]
 fn a_hair_takes_at_most_200_bytes() {
     const HAIRS: usize = 20_000;
     let _turn = TURN.lock();
-    for basis in [Basis::CatmullRom, Basis::Bspline, Basis::Bezier, Basis::Linear] {
-        let bytes = bytes_of_hairs(HAIRS, basis) as f64 / HAIRS as f64;
-        println!("{basis:?}: {bytes:.0} bytes a hair");
-        assert!(bytes <= 200.0, "{basis:?}: {bytes} bytes a hair");
+    let tubes = [Basis::CatmullRom, Basis::Bspline, Basis::Bezier, Basis::Linear].map(|basis| (basis, false));
+    for (basis, is_ribbon) in tubes.into_iter().chain([(Basis::Bspline, true)]) {
+        let bytes = bytes_of_hairs(HAIRS, basis, is_ribbon) as f64 / HAIRS as f64;
+        println!("{basis:?}, ribbon {is_ribbon}: {bytes:.0} bytes a hair");
+        assert!(bytes <= 200.0, "{basis:?}, ribbon {is_ribbon}: {bytes} bytes a hair");
     }
 }

@@ -1,6 +1,7 @@
 //! Curves: hair, fur, grass, threads and wires.
 
 mod line;
+mod packed_normal;
 mod piece;
 mod ribbon;
 mod strands;
@@ -13,6 +14,7 @@ use glam::{DVec3, Vec3, Vec4, Vec4Swizzles as _};
 use super::{Detail, Geometry, Shape};
 use crate::error::{Error, Fault, Result};
 use crate::math::Transform;
+use packed_normal::PackedNormal;
 use ribbon::Ribbons;
 use strands::{MOST_POINTS, Strands};
 use tube::Tubes;
@@ -94,7 +96,7 @@ impl Curves {
         for range in self.ranges() {
             points.extend(self.placed(range.clone(), to_world, scale));
             let of_curve = if self.normals.is_empty() { &[] } else { &self.normals[range] };
-            normals.extend(of_curve.iter().map(|n| to_world.normal(n.as_dvec3()).as_vec3()));
+            normals.extend(of_curve.iter().map(|n| PackedNormal::new(to_world.normal(n.as_dvec3()))));
         }
         Strands::new(self.basis, points, normals, self.ranges().map(|range| range.len()))
     }

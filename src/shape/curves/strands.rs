@@ -1,10 +1,11 @@
 //! Many curves in world space, in pieces.
 
-use std::ops::{Mul, Range, Sub};
+use std::ops::Range;
 
-use glam::{DVec3, DVec4, Vec3, Vec4};
+use glam::{DVec3, DVec4, Vec4};
 
 use super::Basis;
+use super::packed_normal::PackedNormal;
 use super::piece::Cubic;
 
 /// The control points of many curves, and where each curve begins.
@@ -13,7 +14,7 @@ pub(super) struct Strands {
     /// Position (m) and radius (m) of the control points, curve after curve.
     points: Vec<Vec4>,
     /// Normals at the control points, for ribbons; empty for tubes.
-    normals: Vec<Vec3>,
+    normals: Vec<PackedNormal>,
     /// First span of each curve; at the end, the number of all spans.
     curves: Vec<u32>,
     /// Curve of each [`STEP`]th span.
@@ -52,7 +53,7 @@ impl Place {
 
 impl Strands {
     /// - `counts`: number of control points of each curve, which are no more and no less than those of its spans
-    pub fn new(basis: Basis, points: Vec<Vec4>, normals: Vec<Vec3>, counts: impl Iterator<Item = usize>) -> Strands {
+    pub fn new(basis: Basis, points: Vec<Vec4>, normals: Vec<PackedNormal>, counts: impl Iterator<Item = usize>) -> Strands {
         let mut curves = vec![0];
         let mut spans = 0;
         curves.extend(counts.map(|count| {
@@ -128,7 +129,7 @@ impl Strands {
         let span = i / self.parts;
         let curve = self.curve(span);
         let of_curve = &self.normals[self.points(curve)];
-        self.part(Cubic(self.basis.bezier(of_curve, (span - self.curves[curve]) as usize, |n| n.as_dvec3().extend(0.0))), i)
+        self.part(Cubic(self.basis.bezier(of_curve, (span - self.curves[curve]) as usize, |n| n.unit().extend(0.0))), i)
     }
 
     /// The part of its span that a piece is.
@@ -218,12 +219,9 @@ impl Basis {
     /// A span of a curve as a Bézier curve, see [`Basis::span`].
     ///
     /// A Catmull–Rom spline reaches its first point and its last because the mirror images of the second and the second to last follow them.
-    fn bezier<T>(self, points: &[T], k: usize, wide: impl Fn(T) -> DVec4) -> [DVec4; 4]
-    where
-        T: Copy + Sub<Output = T> + Mul<f32, Output = T>,
-    {
+    fn bezier<T: Copy>(self, points: &[T], k: usize, wide: impl Fn(T) -> DVec4) -> [DVec4; 4] {
         let at = |j: usize| wide(points[k * self.stride() + j]);
-        let mirrored = |end: usize, next: usize| wide(points[end] * 2.0 - points[next]);
+        let mirrored = |end: usize, next: usize| 2.0 * wide(points[end]) - wide(points[next]);
         match self {
             Basis::Linear => {
                 let (a, b) = (at(0), at(1));
