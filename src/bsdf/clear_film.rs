@@ -50,10 +50,12 @@ pub struct ClearFilm {
     pub base: Spectrum,
 }
 
-/// The series ends where its next block of g terms is below this share of 1 − |ρᵍ|.
+/// The series ends where its next term is below this share of 1 − |ρ|, or its next block of g terms of 1 − |ρᵍ|.
 const LEAST: f32 = 1e-5;
 /// The least cosine. At grazing incidence a film of index 1 would have the amplitude 0/0.
 const GRAZING: f32 = 1e-4;
+/// The number of terms that are added one by one.
+const SINGLE: u32 = 64;
 /// The greatest path difference between terms that are added as one (nm): a fiftieth of a turn of violet light.
 const BLOCK: f32 = 8.0;
 /// The greatest number of terms that are added as one.
@@ -139,29 +141,52 @@ fn inner(within: f32, beyond: f32, film: f32, base: f32) -> [Face; 2] {
 
 /// Σ ρᵐ C_c(mD) for two polarisations and three colours.
 ///
-/// Terms whose phases hardly differ are added as one, with the phase of their middle: g terms from the m-th on are
-/// ρᵐ (1 − ρᵍ)/(1 − ρ) C_c((m + (g − 1)/2) D). This is exact for a film without thickness. For the thinnest films it changes the reflectance by
-/// up to a thousandth, most where ρ is negative, because the terms of a block then have different signs.
+/// The first [`SINGLE`] terms are added one by one. Further ones are needed where |ρ| is above about 0.84: near grazing incidence, and for films of
+/// high index on bright metal at oblique angles. Of these, terms whose phases hardly differ are added as one, with the phase of their middle: g
+/// terms from the m-th on are ρᵐ (1 − ρᵍ)/(1 − ρ) C_c((m + (g − 1)/2) D). This is exact for a film without thickness, and changes the
+/// reflectance of others by up to three thousandths, most where ρ is negative, because the terms of a block then have different signs.
 fn series(rho: [[f32; 3]; 2], difference: f32) -> [[f32; 3]; 2] {
-    let waves = Waves::table();
+    let mut series = Series { terms: rho, sums: [[0.0; 3]; 2] };
+    for m in 1..=SINGLE {
+        let place = m as f32 * difference;
+        if place >= FARTHEST || series.is_over(&rho) {
+            return series.sums;
+        }
+        series.add(place, &rho);
+    }
     let count = ((BLOCK / difference.max(f32::MIN_POSITIVE)) as u32).clamp(1, MOST);
     let step = rho.map(|of| of.map(|rho| power(rho, count)));
-    let block = |p: usize, c: usize| if count == 1 { 1.0 } else { (1.0 - step[p][c]) / (1.0 - rho[p][c]) };
-    let mut terms = [0, 1].map(|p: usize| [0, 1, 2].map(|c: usize| rho[p][c] * block(p, c)));
-    let (mut sums, mut place) = ([[0.0; 3]; 2], 0.5 * (count + 1) as f32 * difference);
-    // All further terms together are at most the next one over 1 − |ρ|.
-    let is_over = |terms: &[[f32; 3]; 2]| (0..6).all(|k| terms[k / 3][k % 3].abs() < LEAST * (1.0 - step[k / 3][k % 3].abs()));
-    while place < FARTHEST && !is_over(&terms) {
-        let wave = waves.at(place);
-        for p in 0..2 {
-            for c in 0..3 {
-                sums[p][c] += terms[p][c] * wave[c];
-                terms[p][c] *= step[p][c];
-            }
-        }
+    series.terms = [0, 1].map(|p: usize| [0, 1, 2].map(|c: usize| series.terms[p][c] * (1.0 - step[p][c]) / (1.0 - rho[p][c])));
+    let mut place = (SINGLE as f32 + 0.5 * (count + 1) as f32) * difference;
+    while place < FARTHEST && !series.is_over(&step) {
+        series.add(place, &step);
         place += count as f32 * difference;
     }
-    sums
+    series.sums
+}
+
+/// The next terms of a series, and the sums of those before.
+struct Series {
+    terms: [[f32; 3]; 2],
+    sums: [[f32; 3]; 2],
+}
+
+impl Series {
+    /// Adds the next terms, at a path difference (nm).
+    fn add(&mut self, place: f32, step: &[[f32; 3]; 2]) {
+        let wave = Waves::table().at(place);
+        for ((sums, terms), step) in self.sums.iter_mut().zip(&mut self.terms).zip(step) {
+            for c in 0..3 {
+                sums[c] += terms[c] * wave[c];
+                terms[c] *= step[c];
+            }
+        }
+    }
+
+    /// All further terms together are at most the next one over 1 − |ρ|.
+    fn is_over(&self, step: &[[f32; 3]; 2]) -> bool {
+        (0..6).all(|k| self.terms[k / 3][k % 3].abs() < LEAST * (1.0 - step[k / 3][k % 3].abs()))
+    }
 }
 
 /// xⁿ
