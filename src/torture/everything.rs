@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use crate::bsdf::microfacet::Distribution;
 use crate::bsdf::microfacet::roughness::{Alpha, Roughness};
-use crate::bsdf::{Element, FilmLayer, Glass, Material, NormalModifier, Principled, SurfaceMaterial, textured};
-use crate::camera::{Camera, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Spherical};
+use crate::bsdf::{Element, FilmLayer, Glass, Material, MaterialId, NormalModifier, Principled, SurfaceMaterial, textured};
+use crate::camera::realistic::{LensTable, Sensor};
+use crate::camera::{Camera, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Realistic, Spherical};
 use crate::film::{FilmSpec, Image, MomentFilm};
 use crate::integrator::Integrator;
 use crate::light::{
     Directional, Emitter, Environment, EnvironmentMap, Falloff, IntensityProfile, Light, Mapping, Point, ProfiledPoint, Projector, Spot,
 };
+use crate::math::animation::Keyframes;
 use crate::math::{Rgb, Transform};
 use crate::render::{RenderReport, Settings, Silent, render};
 use crate::sampler::SamplerSpec;
@@ -20,7 +22,7 @@ use crate::shape::curves::Basis;
 use crate::shape::{BilinearPatch, Cone, Curves, Cylinder, Disk, MeshData, PartialDisk, PartialSphere, Quad, Sphere, TriangleMesh};
 use crate::texture::image::Pixels;
 use crate::texture::{Checker, Space, Texture};
-use crate::world::World;
+use crate::world::{Objects, World, WorldBuilder};
 use glam::{DVec3, Mat3, UVec2, Vec2, Vec3, Vec4};
 
 use super::meshes::icosphere;
@@ -40,6 +42,8 @@ pub struct Everything {
     pub lights: Which,
     /// Whether to add a point light without power and a shape outside of the picture.
     pub idle: bool,
+    /// Whether to add a body and a lamp that move and turn while the shutter is open.
+    pub moves: bool,
 }
 
 /// Kind of the camera.
@@ -53,6 +57,13 @@ pub enum Lens {
     Spherical,
     /// Half of all directions, in a circle.
     Fisheye,
+    /// Central projection through the surfaces of a lens.
+    Realistic,
+}
+
+impl Lens {
+    /// All of them.
+    pub const ALL: [Lens; 5] = [Lens::Perspective, Lens::Orthographic, Lens::Spherical, Lens::Fisheye, Lens::Realistic];
 }
 
 /// Which lights shine.
@@ -70,7 +81,8 @@ pub enum Which {
 
 impl Default for Everything {
     fn default() -> Everything {
-        Everything { scale: 1.0, emission: 1.0, lens_radius: 0.0, camera: Lens::Perspective, lights: Which::All, idle: false }
+        let (camera, lights) = (Lens::Perspective, Which::All);
+        Everything { scale: 1.0, emission: 1.0, lens_radius: 0.0, camera, lights, idle: false, moves: false }
     }
 }
 
@@ -128,6 +140,9 @@ impl Everything {
         world.shape(thread(false), self.place(at(0.2, 1.1, 0.4)), spotted, None);
         world.shape(thread(true), self.place(at(-1.1, 1.2, 0.2)), gold, None);
         self.add_lights(&mut world, &at, &down, spotted);
+        if self.moves {
+            self.add_motion(&mut world, &at, spotted);
+        }
         Arc::new(world.build().expect("a valid scene"))
     }
 
@@ -155,13 +170,7 @@ impl Everything {
         SurfaceMaterial { normal_modifier: Some(normal_modifier), ..Material::from(paint).into() }
     }
 
-    fn add_lights(
-        &self,
-        world: &mut crate::world::WorldBuilder,
-        at: &dyn Fn(f64, f64, f64) -> Transform,
-        down: &Transform,
-        material: crate::bsdf::MaterialId,
-    ) {
+    fn add_lights(&self, world: &mut WorldBuilder, at: &dyn Fn(f64, f64, f64) -> Transform, down: &Transform, material: MaterialId) {
         let glow = |r, g, b| Rgb::new(r, g, b) * self.emission;
         let square = (self.scale * self.scale) as f32;
         let has = |which| self.lights == Which::All || self.lights == which;
@@ -202,6 +211,20 @@ impl Everything {
         }
     }
 
+    /// A body of triangles and a lamp that fly and turn around each other.
+    fn add_motion(&self, world: &mut WorldBuilder, at: &dyn Fn(f64, f64, f64) -> Transform, material: MaterialId) {
+        let turn = |degrees: f64| Transform::rotate(DVec3::new(0.3, 1.0, 0.2), degrees).expect("an axis");
+        let ends = [turn(20.0).then(&at(0.6, 1.2, 1.0)), turn(150.0).then(&at(1.2, 1.5, 0.8))].map(|end| self.place(end));
+        let keys: Vec<(f64, Transform)> = [0.0, 1.0].into_iter().zip(ends).collect();
+        let mut objects = Objects::default();
+        objects.shape(TriangleMesh::new(ball()), Transform::scale(DVec3::splat(0.3)).expect("not zero"), material, None);
+        let lamp = (self.lights != Which::DirectionalOnly && self.lights != Which::EnvironmentOnly)
+            .then(|| Emitter::new(Rgb::new(3.0, 4.0, 5.0) * self.emission));
+        let aside = Transform::translate(DVec3::new(0.3, 0.1, 0.0)).expect("finite");
+        objects.shape(Sphere { radius: 0.06 }, aside, material, lamp);
+        world.moving(objects, Keyframes::new(&keys).expect("neither mirrors").into());
+    }
+
     fn place(&self, transform: Transform) -> Transform {
         transform.then(&Transform::scale(DVec3::splat(self.scale)).expect("not zero"))
     }
@@ -215,9 +238,17 @@ impl Everything {
             Lens::Orthographic => Camera::Orthographic(Orthographic { pose, height: 3.0 * scale }),
             Lens::Spherical => Camera::Spherical(Spherical { pose }),
             Lens::Fisheye => Camera::Fisheye(Fisheye::new(pose, 180.0, FisheyeMapping::Equisolid)),
+            Lens::Realistic => {
+                let table = LensTable::new(&BICONVEX).expect("a lens").scaled(self.scale);
+                let sensor = Sensor { height: 0.8 * self.scale, width: None };
+                Camera::Realistic(Realistic::new(pose, &table, 4.0 * self.scale, sensor, 4.0 / 3.0).expect("it focuses"))
+            }
         }
     }
 }
+
+/// A lens of a focal length of about 0.67, as rows of a lens table, in units of the scale.
+const BICONVEX: [[f64; 4]; 3] = [[0.68, 0.05, 1.5, 0.3], [-0.68, 0.04, 1.0, 0.3], [0.0, 0.0, 1.0, 0.2]];
 
 /// The corners of a saddle.
 const SADDLE: [DVec3; 4] =

@@ -41,10 +41,11 @@ fn differing(a: &Image, b: &Image, same: impl Fn(f32, f32) -> bool) -> Failures 
 fn scale() -> Row {
     let row = Row::new("S1", "values that change when all lengths are multiplied by a power of two", "bit by bit");
     let row = row.peers("no other program tests it; any absolute epsilon breaks it");
-    let lenses = [Lens::Perspective, Lens::Orthographic, Lens::Spherical, Lens::Fisheye];
-    ALL.iter().flat_map(|entry| lenses.map(|camera| (entry, camera))).fold(row, |row, (entry, camera)| {
+    ALL.iter().flat_map(|entry| Lens::ALL.map(|camera| (entry, camera))).fold(row, |row, (entry, camera)| {
         row.never(format!("{}, {camera:?}, 2^-20 to 2^20", entry.name), 1, move |_| {
-            let scene = Everything { camera, lens_radius: 0.05, ..Everything::default() };
+            // Two of the five cameras see what moves, so that rays with a time and rays without are both tested.
+            let moves = matches!(camera, Lens::Orthographic | Lens::Realistic);
+            let scene = Everything { camera, moves, lens_radius: 0.05, ..Everything::default() };
             let plain = taken(scene, entry);
             let scaled = |k: i32| taken(Everything { scale: 2f64.powi(k), ..scene }, entry);
             let same = |x: f32, y: f32| x.to_bits() == y.to_bits();
@@ -78,7 +79,7 @@ fn brightness() -> Row {
         row,
         |row, (entry, lights)| {
             row.never(format!("{}, {lights:?}, 2^-20 to 2^20", entry.name), 1, move |_| {
-                let scene = Everything { lights, ..Everything::default() };
+                let scene = Everything { lights, moves: lights == Which::AreaOnly, ..Everything::default() };
                 let dim = taken(scene, entry);
                 let compare = |k: i32| {
                     let factor = 2f32.powi(k);
@@ -96,7 +97,8 @@ fn division() -> Row {
     ALL.iter().flat_map(|entry| Kind::ALL.iter().map(move |kind| (entry, kind.0))).fold(row, |row, (entry, kind)| {
         row.never(format!("{}, {kind:?}, 1 to 16 threads", entry.name), 1, move |_| {
             let sampler = SamplerSpec { kind, spp: 7, seed: 3, ..SamplerSpec::default() };
-            let shot = Shot { sampler, ..Shot::default() };
+            let scene = Everything { moves: kind == Kind::Sobol, ..Everything::default() };
+            let shot = Shot { scene, sampler, ..Shot::default() };
             let alone = render_on(1, &*integrator(entry), &shot);
             let mut failures = Failures::default();
             for (threads, tile) in [(2, 8), (3, 16), (7, 64), (16, 5)] {
@@ -110,11 +112,11 @@ fn division() -> Row {
 
 fn numbers() -> Row {
     let row = Row::new("K1", "samples that are infinite, negative or not a number", "none").peers("pbrt stops with an error");
-    let lenses = [Lens::Perspective, Lens::Spherical, Lens::Fisheye];
+    let lenses = [Lens::Perspective, Lens::Spherical, Lens::Fisheye, Lens::Realistic];
     ALL.iter().flat_map(|entry| lenses.map(|camera| (entry, camera))).fold(row, |row, (entry, camera)| {
         // 64² pixels at 256 samples each.
         row.never(format!("{}, {camera:?}, 64²", entry.name), 256 << 12, move |tries| {
-            let scene = Everything { camera, lens_radius: 0.1, ..Everything::default() };
+            let scene = Everything { camera, moves: camera == Lens::Realistic, lens_radius: 0.1, ..Everything::default() };
             let mut film = MomentFilm::new(FilmSpec::new(64, 64));
             let spp = tries.div_ceil(1 << 12);
             let report = render(

@@ -14,7 +14,8 @@ use pt::torture::everything::{Everything, Lens, Shot, picture, render_on};
 #[test]
 fn threads_and_tiles_do_not_matter() {
     for (entry, (kind, ..)) in ALL.iter().flat_map(|e| Kind::ALL.iter().map(move |k| (e, k))) {
-        let shot = Shot { sampler: SamplerSpec { kind: *kind, spp: 7, seed: 3, ..SamplerSpec::default() }, ..Shot::default() };
+        let scene = Everything { moves: *kind == Kind::Sobol, ..Everything::default() };
+        let shot = Shot { scene, sampler: SamplerSpec { kind: *kind, spp: 7, seed: 3, ..SamplerSpec::default() }, ..Shot::default() };
         let wanted = render_on(1, &*new(entry), &shot);
         for (threads, tile) in [(2, 16), (3, 5), (7, 1), (2, 64), (7, 0), (1, u32::MAX)] {
             let found = render_on(threads, &*new(entry), &Shot { tile, ..shot.clone() });
@@ -42,11 +43,9 @@ fn crops_are_parts_of_the_full_picture() {
 fn no_sample_is_invalid() {
     use pt::film::Filter;
     let filters = [Filter::default(), Filter::tent(1.0), Filter::gaussian(1.5, 0.5), Filter::mitchell(2.0, 1.0 / 3.0, 1.0 / 3.0)];
-    for (camera, filter) in
-        [Lens::Perspective, Lens::Orthographic, Lens::Spherical, Lens::Fisheye].into_iter().flat_map(|c| filters.clone().map(|f| (c, f)))
-    {
+    for (camera, filter) in Lens::ALL.into_iter().flat_map(|c| filters.clone().map(|f| (c, f))) {
         for entry in ALL {
-            let scene = Everything { camera, lens_radius: 0.1, ..Everything::default() };
+            let scene = Everything { camera, moves: camera == Lens::Realistic, lens_radius: 0.1, ..Everything::default() };
             let film = FilmSpec { filter: filter.clone(), ..FilmSpec::new(40, 30) };
             picture(scene.build(), &*new(entry), &Shot { scene, film, ..Shot::default() });
         }
