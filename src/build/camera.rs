@@ -95,6 +95,20 @@ fn perspective(pose: Pose, described: &describe::Perspective) -> Perspective {
     }
 }
 
+/// Warnings about keys of a pinhole that count only with a lens.
+pub(super) fn of_no_lens(camera: &describe::Camera) -> Vec<String> {
+    let describe::Camera::Perspective(camera) = camera else { return vec![] };
+    if camera.f_number.is_some() || camera.lens_radius.get() > 0.0 {
+        return vec![];
+    }
+    let has_blades = camera.aperture.as_ref().is_some_and(|iris| iris.blades.get() > 0);
+    let is_tilted = camera.tilt.iter().any(|angle| angle.get() != 0.0);
+    let without_effect = [("aperture", has_blades), ("tilt", is_tilted)].into_iter().filter(|(_, is_given)| *is_given);
+    let message =
+        |key| format!("/camera/{key}: it has no effect, because the camera is a pinhole: give f_number, or a lens_radius above 0");
+    without_effect.map(|(key, _)| message(key)).collect()
+}
+
 /// Builds a camera with a lens table, which may be in a file.
 ///
 /// - `aspect`: width / height of the picture

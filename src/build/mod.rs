@@ -15,6 +15,7 @@ mod medium;
 mod mesh;
 mod poses;
 mod transform;
+mod turns;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -169,6 +170,7 @@ pub fn build(scene: &Scene, source: Source) -> Result<Built> {
         warnings.push(of_scene("/shutter: nothing moves while the shutter is open: the keyframes are at other times, or all the same"));
     }
     let of_parts = Names::of(scene, &world, media);
+    warnings.extend(camera::of_no_lens(&scene.camera).iter().chain(&turns::warnings(source.root)).map(|message| of_scene(message)));
     // The first entry of `needs` is the camera; the shapes of the scene and of its groups follow, as the world numbers them.
     let names: Vec<&str> = needs[1..].iter().map(|(name, _)| name.as_str()).collect();
     let linted = lint::Linted { world: &world, shapes: &names, names: &of_parts };

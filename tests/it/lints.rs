@@ -404,3 +404,38 @@ fn media_that_hide_the_sky_are_told() {
     };
     assert!(rendered(&dense(0.1), "nee").0 == 0.0 && rendered(&dense(0.0), "nee").0 == 1.0);
 }
+
+/// The blades of an iris and a tilted plane of focus do nothing where no lens is open.
+#[test]
+fn what_counts_only_with_a_lens_is_told() {
+    let with_camera = |key: &str, value: Value, radius: f64| {
+        let mut scene = with(&[]);
+        scene["camera"][key] = value;
+        scene["camera"]["lens_radius"] = json!(radius);
+        scene
+    };
+    for (key, value) in [("aperture", json!({"blades": 5})), ("tilt", json!([10, 0]))] {
+        is_told(&with_camera(key, value.clone(), 0.0), &[&format!("/camera/{key}: "), "is a pinhole"], &with_camera(key, value, 0.1));
+    }
+    assert_eq!(said(&with_camera("aperture", json!({"blades": 0}), 0.0)), Vec::<String>::new());
+}
+
+/// A body that turns by half a turn or more between two keyframes turns another way than its angles say.
+#[test]
+fn keyframes_half_a_turn_apart_are_told() {
+    let turning = |degrees: f64, axis: [f64; 3]| {
+        let key =
+            |time: f64, degrees: f64, axis: [f64; 3]| json!({"time": time, "transform": [{"rotate": {"axis": axis, "degrees": degrees}}]});
+        let mut body = block("body", [0.0, 1.0, 0.0], [0.5, 1.0, 0.7], matte(0.5));
+        body["transform"] = json!([{"keyframes": [key(0.0, 10.0, [0.0, 1.0, 0.0]), key(1.0, 10.0 + degrees, axis)]}]);
+        let mut scene = with(&[body]);
+        scene["shutter"] = json!({"open": 0, "close": 1});
+        scene
+    };
+    let (up, aside) = ([0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
+    for degrees in [270.0, -180.0] {
+        is_told(&turning(degrees, up), &["/shapes/2/transform/0/keyframes/1: ", &format!("by {degrees}°")], &turning(179.0, up));
+    }
+    assert_eq!(said(&turning(270.0, aside)), Vec::<String>::new());
+    is_told(&turning(-210.2, [0.0, -3.0, 0.0]), &["by 190.2°"], &turning(-180.0, [0.0, -3.0, 0.0]));
+}

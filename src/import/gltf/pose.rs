@@ -104,6 +104,13 @@ impl Poses {
         }
         let mut times: Vec<f64> = (0..=STEPS).map(|k| open + (close - open) * (f64::from(k) / f64::from(STEPS))).collect();
         let within = animations.keys_within([open, close]);
+        if within.len() > MOST_KEYS {
+            let message = format!(
+                "{} keyframes while the shutter is open: movement follows the first {MOST_KEYS} exactly, and the others within a 64th of the exposure",
+                within.len()
+            );
+            document.note(&document.at(&["animations"]), message);
+        }
         times.extend(within.into_iter().take(MOST_KEYS));
         times.sort_by(f64::total_cmp);
         times.dedup();
