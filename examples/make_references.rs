@@ -37,6 +37,7 @@ const REFERENCES: &[Reference] = &[
     by("bubbles", ("path", 8192), ("nee", 128)),
     by("fur", ("path", 4096), ("nee", 64)),
     by("macro-lens", ("path", 8192), ("nee", 128)),
+    by("double-gauss", ("path", 8192), ("nee", 128)),
     by("gallery", ("light", 16384), ("nee", 64)),
     by("reflections", ("path", 16384), ("nee", 64)),
 ];

@@ -42,6 +42,7 @@ picture media             media           --size 400x200 --spp 512
 picture cloud             cloud           --size 400x250 --spp 256 --exposure auto --tonemap filmic
 picture translucent       translucent     --size 360x203 --spp 192 --exposure auto --tonemap filmic
 picture macro-lens        macro-lens      --size 360x240 --spp 2048
+picture double-gauss      double-gauss    --size 360x240 --spp 2048
 picture terrace           terrace
 picture shapes            shapes          --size 360x225 --spp 512 --exposure 1.3
 picture subdivision       subdivision     --size 360x203 --spp 256 --exposure auto --tonemap filmic
