@@ -183,13 +183,13 @@ pub mod described {
         /// be the same everywhere. With `color` the metal counts as a clear body that reflects as much at normal incidence, and bright
         /// metal is darker towards its edge than without a film: one of 0.9 reflects 0.79 at 78°.
         #[serde(skip_serializing_if = "Option::is_none")]
-        pub film: Option<MetalFilm>,
+        pub film: Option<SurfaceFilm>,
     }
 
-    /// A thin film on metal.
+    /// A thin film on metal or glass.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
-    pub struct MetalFilm {
+    pub struct SurfaceFilm {
         /// The index of refraction of the film.
         pub eta: FilmIndex,
         /// The thickness of the film in nanometres. On metal by its index, a film whose thickness varies needs a table over the thickness,

@@ -6,8 +6,8 @@ use super::description::{Description, Prepare, given};
 use super::dispersion::{Dispersion, MOST_TERMS};
 use super::microfacet::{Roughness, RoughnessKeys, Scale, TableRange, roughness_keys};
 use super::{
-    Bsdf, BsdfSample, HitContext, Lobe, Lookup, Material, Passage, RoughDielectric, ScatteringModel, TexturedModel, TransportMode,
-    rough_dielectric,
+    Bsdf, BsdfSample, FilmLayer, FilmedDielectric, HitContext, Lobe, Lookup, Material, Passage, RoughDielectric, ScatteringModel,
+    TexturedModel, TransportMode, clear_film, rough_dielectric,
 };
 use crate::effects::Effects;
 use crate::format::{Index, Textured, Varying};
@@ -84,6 +84,7 @@ pub mod described {
     use schemars::JsonSchema;
     use serde::{Deserialize, Serialize};
 
+    use crate::bsdf::conductor::described::SurfaceFilm;
     use crate::bsdf::dispersion::Dispersion;
     pub use crate::bsdf::glass::Glass;
     use crate::bsdf::microfacet::{AlphaKey, Distribution};
@@ -151,6 +152,11 @@ pub mod described {
         /// It takes no textures, because it belongs to the body and not to its surface.
         #[serde(skip_serializing_if = "Option::is_none")]
         pub absorption: Option<Absorption>,
+        /// A thin clear film on the surface, which gives reflections the colours of interference: a coated lens, oil on glass. It needs an index
+        /// of at least 1; where the index is 1, the surface counts as smooth whatever its roughness. Rough glass under a film is a little too
+        /// dark: light that hits more than one facet is lost, whatever `multiscatter` says.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub film: Option<SurfaceFilm>,
     }
 
     /// The absorption of a body by the Beer–Lambert law: the transmittance over a length is color^(length / distance).
@@ -167,6 +173,15 @@ pub mod described {
         /// The index of refraction where it does not depend on the wavelength, or that at 588 nm.
         pub fn index(&self) -> Varying<Index> {
             self.eta.clone().unwrap_or(Varying::Same(Index::known(1.5)))
+        }
+
+        /// The least index of refraction for any wavelength and place.
+        pub(super) fn least_index(&self) -> f64 {
+            match (self.dispersion(), self.index()) {
+                (Some(dispersion), _) => dispersion.range().map_or(0.0, |[a, b]| a.min(b)),
+                (None, Varying::Same(index)) => index.get(),
+                (None, Varying::Between(between)) => between.from.get().min(between.to.get()),
+            }
         }
 
         /// The formula of the index of refraction, where it depends on the wavelength.
@@ -200,6 +215,7 @@ pub mod described {
                 distribution: Distribution::Ggx,
                 multiscatter: true,
                 absorption: None,
+                film: None,
             }
         }
     }
@@ -207,7 +223,8 @@ pub mod described {
 
 impl Description for described::Dielectric {
     fn textures(&self) -> Vec<(String, &Textured)> {
-        let own = [("eta/by", self.eta.as_ref().and_then(Varying::by)), ("color", Some(&self.color))];
+        let film = self.film.as_ref().and_then(|film| film.thickness.by());
+        let own = [("eta/by", self.eta.as_ref().and_then(Varying::by)), ("color", Some(&self.color)), ("film/thickness/by", film)];
         own.into_iter().filter_map(given).chain(roughness_keys!(self).textures()).collect()
     }
 
@@ -243,6 +260,12 @@ impl Description for described::Dielectric {
             Some(dispersion) if !dispersion.range().is_some_and(in_range) => {
                 vec![(key, "the index of refraction leaves the range from 0.01 to 100 between 380 and 700 nm")]
             }
+            _ if self.film.is_some() && self.least_index() < 1.0 => {
+                vec![(
+                    "/film",
+                    "a film needs an index of refraction of at least 1 everywhere; for a body of lower index turn its normals round and give 1/eta",
+                )]
+            }
             _ => vec![],
         }
     }
@@ -251,7 +274,14 @@ impl Description for described::Dielectric {
         let (eta, color) = (builder.number("eta", &self.index()), builder.texture("color", &self.color));
         let (roughness, dispersion) = (roughness_keys!(self).prepare(builder), self.dispersion());
         let range = dispersion.as_ref().map_or(eta.range(), Dispersion::tabulated);
-        let surface = textured::Dielectric::of_range(range, eta, color, roughness, self.multiscatter);
+        let surface = textured::Dielectric::of_range(range, eta, color, roughness, self.multiscatter && self.film.is_none());
+        let surface = match &self.film {
+            None => surface,
+            Some(film) => {
+                let thickness = builder.number("film/thickness", &film.thickness);
+                surface.under_film(FilmLayer { eta: film.eta.get() as f32, thickness })
+            }
+        };
         let surface = match &self.absorption {
             None => surface,
             Some(absorption) => {
@@ -268,7 +298,7 @@ impl Description for described::Dielectric {
 
 /// The model with its textures.
 pub mod textured {
-    use super::{Number, Rgb, Roughness, TableRange, Texture, rough_dielectric};
+    use super::{FilmLayer, Number, Rgb, Roughness, TableRange, Texture, rough_dielectric};
 
     /// Glass with textures for parameters: smooth, rough, or varying between the two.
     #[derive(Clone, Debug, PartialEq)]
@@ -280,6 +310,8 @@ pub mod textured {
         pub(super) losses: Option<TableRange<rough_dielectric::Losses>>,
         /// σ, the absorption coefficient of the body behind the surface (1/m): the transmittance over the distance d is e^(−σ d).
         pub(super) absorption: Option<Rgb>,
+        /// The thin film on the surface.
+        pub(super) film: Option<FilmLayer>,
     }
 }
 
@@ -317,6 +349,7 @@ impl textured::Dielectric {
             color: color.into(),
             roughness,
             absorption: None,
+            film: None,
             eta,
         }
     }
@@ -332,6 +365,12 @@ impl textured::Dielectric {
     /// - `absorption`: σ (1/m)
     pub fn absorbing(self, absorption: Rgb) -> textured::Dielectric {
         textured::Dielectric { absorption: Some(absorption), ..self }
+    }
+
+    /// The glass under a thin film. Its index of refraction is at least 1. Light that hits more than one facet is lost.
+    pub fn under_film(self, film: FilmLayer) -> textured::Dielectric {
+        clear_film::prepare();
+        textured::Dielectric { film: Some(film), losses: None, ..self }
     }
 
     /// The colour of the surface times the transmittance of the path segment inside the body.
@@ -356,9 +395,12 @@ impl textured::Dielectric {
     pub(super) fn with_index(&self, at: &HitContext, eta: f32) -> Bsdf<'static> {
         let color = self.color_at(at);
         let facets = self.roughness.as_ref().and_then(|roughness| roughness.at(&at.texture));
-        let Some(facets) = facets.filter(|facets| RoughDielectric::is_rough(eta, facets.alpha)) else {
-            return Bsdf::Dielectric(Dielectric { eta, color });
-        };
+        let facets = facets.filter(|facets| RoughDielectric::is_rough(eta, facets.alpha));
+        if let Some(film) = &self.film {
+            let thickness = film.thickness.at(&at.texture);
+            return Bsdf::FilmedDielectric(FilmedDielectric { eta, color, film_eta: film.eta, thickness, facets });
+        }
+        let Some(facets) = facets else { return Bsdf::Dielectric(Dielectric { eta, color }) };
         let losses = self.losses.as_ref().map(|losses| losses.at(eta));
         let more = losses.and_then(|losses| rough_dielectric::MultiScatter::new(losses, facets.alpha, eta));
         Bsdf::RoughDielectric(RoughDielectric { eta, color, facets, more })
@@ -373,19 +415,22 @@ impl Lookup for textured::Dielectric {
     }
 
     fn textures(&self) -> Vec<&Texture> {
-        self.roughness.iter().flat_map(Roughness::textures).chain(self.eta.texture()).chain([&self.color]).collect()
+        let film = self.film.iter().filter_map(|film| film.thickness.texture());
+        self.roughness.iter().flat_map(Roughness::textures).chain(self.eta.texture()).chain([&self.color]).chain(film).collect()
     }
 
     fn recentred(self, origin: DVec3) -> textured::Dielectric {
         let roughness = self.roughness.map(|roughness| roughness.recentred(origin));
-        textured::Dielectric { eta: self.eta.recentred(origin), color: self.color.recentred(origin), roughness, ..self }
+        let film = self.film.map(|film| film.recentred(origin));
+        textured::Dielectric { eta: self.eta.recentred(origin), color: self.color.recentred(origin), roughness, film, ..self }
     }
 }
 
 impl TexturedModel for textured::Dielectric {
     fn effects(&self) -> Effects {
         let smooth = Effects::REFRACTION | Effects::SPECULAR_REFLECTION;
-        self.roughness.as_ref().map_or(smooth, |roughness| roughness.effects(smooth))
+        let film = if self.film.is_some() { Effects::THIN_FILM } else { Effects::NONE };
+        film | self.roughness.as_ref().map_or(smooth, |roughness| roughness.effects(smooth))
     }
 
     fn passage(&self) -> Passage {

@@ -14,7 +14,7 @@ use crate::texture::{Number, Texture};
 /// - glass: facets of the index `eta`; the base colour multiplies all transmitted and reflected light
 /// - plastic: the share `specular` of a clear layer with the same facets, over a Lambertian base that keeps the base colour
 ///
-/// The share `iridescence` of metal and plastic is under a thin film; glass is not.
+/// The share `iridescence` of the surface is under a thin film.
 ///
 /// It is only a description: light is scattered by the models above, which are tested by themselves. A share of constant 0 or 1 costs
 /// nothing.
@@ -47,7 +47,7 @@ pub struct Principled {
     pub sheen_color: Texture,
     /// The spread of the sheen's fibres, see [`Sheen`].
     pub sheen_roughness: Texture,
-    /// The share of metal and plastic under a thin film, from 0 to 1.
+    /// The share of the surface under a thin film, from 0 to 1.
     pub iridescence: Texture,
     /// The film.
     pub film: FilmLayer,
@@ -58,7 +58,7 @@ pub struct Principled {
 impl From<Principled> for Material {
     fn from(p: Principled) -> Material {
         let base = || Material::diffuse(p.base_color.clone());
-        let glass = || textured::Dielectric::new(p.eta.clone(), p.base_color.clone(), p.roughness.clone(), p.multiscatter).into();
+        let glass_of = |more| textured::Dielectric::new(p.eta.clone(), p.base_color.clone(), p.roughness.clone(), more);
         let layered = |film| {
             let coat = Coat::under_film(p.eta.clone(), 1.0, p.roughness.clone(), film).keep_base_color();
             Compound::Coated(Coated { base: base(), coat }).into()
@@ -67,6 +67,7 @@ impl From<Principled> for Material {
         let bare_metal = || Metallic::from(p.base_color.clone());
         let partly = |bare: &dyn Fn() -> Material, filmed: &dyn Fn() -> Material| Material::mixed(bare, filmed, p.iridescence.clone());
         let coated = || partly(&|| layered(None), &|| layered(Some(p.film.clone())));
+        let glass = || partly(&|| glass_of(p.multiscatter).into(), &|| glass_of(false).under_film(p.film.clone()).into());
         let plastic = || Material::mixed(base, coated, p.specular.clone());
         let metal = || partly(&|| metal_of(bare_metal()), &|| metal_of(bare_metal().under_film(p.film.clone())));
         let body = Material::mixed(|| Material::mixed(plastic, glass, p.transmission.clone()), metal, p.metallic.clone());
@@ -120,10 +121,10 @@ pub mod described {
         pub sheen_color: Textured,
         /// The spread of the fibres: at 0.1 and below they stand upright, at 1 they lie in all directions.
         pub sheen_roughness: Textured,
-        /// The share of metal and plastic that is under a thin film, with the colours of interference. Metal counts as a clear body that
+        /// The share of the surface that is under a thin film, with the colours of interference. Metal counts as a clear body that
         /// reflects `base_color` at normal incidence. Plastic reflects the film's colours, and its base gets what the brightest film would
-        /// leave: white plastic loses up to 9 % of the light under a film of index 1.3, and up to 17 % under one of index 2. Glass shows no
-        /// film, see `thin_film` for panes.
+        /// leave: white plastic loses up to 9 % of the light under a film of index 1.3, and up to 17 % under one of index 2. Rough
+        /// glass under the film is a little too dark: light that hits more than one facet is lost, whatever `multiscatter` says.
         pub iridescence: Textured,
         /// The index of refraction of the film.
         pub iridescence_eta: FilmIndex,

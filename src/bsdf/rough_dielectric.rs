@@ -5,7 +5,8 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec2;
 
 use super::microfacet::energy_loss::{Domain, Key};
-use super::microfacet::{Distribution, EnergyLossTable, LerpedTable, Microfacets, upward, upward_normal};
+use super::microfacet::{Distribution, EnergyLossTable, LerpedTable, Microfacets};
+use super::rough_interface::{RoughInterface, refracted, unmasked};
 use super::table_cache::TableCache;
 use super::{BsdfSample, Lobe, ScatteringModel, TransportMode};
 use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
@@ -87,33 +88,6 @@ fn returned(facets: &Microfacets, eta: f32, wo: Local, u: Vec2) -> f32 {
     back + through.map_or(0.0, |wi| (1.0 - reflectance) * unmasked(facets, wo, wi))
 }
 
-/// G₂/G₁, the share of the light from a visible facet that is not masked on its way out.
-fn unmasked(facets: &Microfacets, wo: Local, wi: Local) -> f32 {
-    let (o, i) = (wo.abs_cos(), wi.abs_cos());
-    let (across_o, across_i) = (facets.projected_area(upward(wo)), facets.projected_area(upward(wi)));
-    (o + across_o) / (o * (across_i / i) + across_o)
-}
-
-/// The direction of `wo` refracted at a facet; `None` under total reflection.
-fn refracted(wo: Local, h: Local, eta: f32) -> Option<Local> {
-    let cos = wo.0.dot(h.0);
-    let n = if wo.cos() < 0.0 { 1.0 / eta } else { eta };
-    // sin² from the part along the facet: 1 − cos² would cancel for small angles.
-    let across = (wo.0 - cos * h.0) / n;
-    let sin2 = across.length_squared();
-    (sin2 < 1.0).then(|| Local((-across - h.0 * (1.0 - sin2).sqrt().copysign(cos)).normalize()))
-}
-
-/// Terms of a pair of directions at a facet that are equal for light in both directions.
-struct Meeting {
-    /// The normal of the facet.
-    h: Local,
-    /// F at the facet.
-    reflectance: f32,
-    /// The factor of D(h) in the density of `wi` from visible normals, without G₁/|cos θo| and Fresnel's factor.
-    jacobian: f32,
-}
-
 impl ScatteringModel for RoughDielectric {
     #[inline]
     fn eval(&self, wo: Local, wi: Local, mode: TransportMode) -> Spectrum {
@@ -139,7 +113,8 @@ impl ScatteringModel for RoughDielectric {
             self.at_a_facet(wo, choice, u)?
         };
         let (f, pdf) = self.both(wo, wi, mode).filter(|(_, pdf)| pdf.get() > 0.0)?;
-        let (lobe, eta) = if wo.same_side(wi) { (Lobe::Reflection, 1.0) } else { (Lobe::Transmission, self.relative_index(wo)) };
+        let (lobe, eta) =
+            if wo.same_side(wi) { (Lobe::Reflection, 1.0) } else { (Lobe::Transmission, self.interface().relative_index(wo)) };
         Some(BsdfSample { wi, weight: self.color * (f / pdf.get()), density: Density::Smooth(pdf), lobe, eta })
     }
 }
@@ -154,14 +129,8 @@ impl RoughDielectric {
 
     /// Samples the reflection or refraction at a visible facet; `None` where it leads to the wrong side of the surface.
     fn at_a_facet(&self, wo: Local, choice: f32, u: Vec2) -> Option<Local> {
-        let seen = self.facets.sample_visible(upward(wo), u);
-        let h = Local(seen.0.with_z(seen.cos() * 1f32.copysign(wo.cos())));
-        let cos = wo.0.dot(h.0) * 1f32.copysign(wo.cos());
-        if choice < fresnel::dielectric(cos, self.eta) {
-            Some(Local((2.0 * wo.0.dot(h.0) * h.0 - wo.0).normalize())).filter(|wi| wo.same_side(*wi))
-        } else {
-            refracted(wo, h, self.eta).filter(|wi| wo.cos() * wi.cos() < 0.0)
-        }
+        let (h, cos) = self.interface().visible(wo, u);
+        if choice < fresnel::dielectric(cos, self.eta) { self.interface().reflected(wo, h) } else { self.interface().refracted(wo, h) }
     }
 
     /// f·|cos θi| without the colour, and the density of `wi`, including f₂.
@@ -170,9 +139,13 @@ impl RoughDielectric {
             return None;
         }
         let reflects = wo.same_side(wi);
-        let eta = self.relative_index(wo);
+        let eta = self.interface().relative_index(wo);
         let spread = if reflects || mode == TransportMode::Importance { 1.0 } else { 1.0 / (eta * eta) };
-        let (once_f, once_pdf) = if reflects { self.reflection(wo, wi) } else { self.refraction(wo, wi) }.unwrap_or((0.0, 0.0));
+        let (once_f, once_pdf) = self.interface().connection(wo, wi).map_or((0.0, 0.0), |at| {
+            let reflectance = fresnel::dielectric(at.cos, self.eta);
+            let pdf = at.pdf * if reflects { reflectance } else { 1.0 - reflectance };
+            (pdf * at.unmasked, pdf)
+        });
         let (lost, through) = self.lost(wo);
         let side = if reflects { 1.0 - through } else { through };
         let pdf = (1.0 - lost) * once_pdf + lost * side * FRAC_1_PI * wi.abs_cos();
@@ -183,47 +156,14 @@ impl RoughDielectric {
         Some((spread * (once_f + more), SolidAnglePdf::new(pdf)))
     }
 
-    fn reflection(&self, wo: Local, wi: Local) -> Option<(f32, f32)> {
-        let (h, length) = upward_normal(wo.0 + wi.0)?;
-        let cos = (0.5 * length).min(1.0).copysign(wo.cos());
-        // dh/dwi = 1/(4 wi·h), and |wo·h| = |wi·h|.
-        Some(self.by(wo, wi, Meeting { h, reflectance: fresnel::dielectric(cos, self.eta), jacobian: 0.25 }, true))
-    }
-
-    fn refraction(&self, wo: Local, wi: Local) -> Option<(f32, f32)> {
-        // The order is by side and not by wo and wi, so that both directions of the light give the same numbers.
-        let (outside, inside) = if wo.cos() > 0.0 { (wo, wi) } else { (wi, wo) };
-        let (h, length) = upward_normal(outside.0 + inside.0 * self.eta)?;
-        let (cos_outside, cos_inside) = (outside.0.dot(h.0), inside.0.dot(h.0));
-        if cos_outside <= 0.0 || cos_inside >= 0.0 {
-            return None;
-        }
-        // Fresnel's equations from the rarer side, where they are less steep.
-        let reflectance =
-            if self.eta > 1.0 { fresnel::dielectric(cos_outside, self.eta) } else { fresnel::dielectric(cos_inside, self.eta) };
-        // n² |wi·h| / (wo·h + n wi·h)², with n the index on the side of wi; the sum is the length of the vector along h.
-        let index = if wi.cos() < 0.0 { self.eta } else { 1.0 };
-        let jacobian = -cos_outside * cos_inside * (index / length) * (index / length);
-        Some(self.by(wo, wi, Meeting { h, reflectance, jacobian }, false))
-    }
-
-    /// f·|cos θi| for importance and the density of `wi`, from the facets with the normal h.
-    fn by(&self, wo: Local, wi: Local, at: Meeting, reflects: bool) -> (f32, f32) {
-        let share = if reflects { at.reflectance } else { 1.0 - at.reflectance };
-        let (o, across) = (wo.abs_cos(), self.facets.projected_area(upward(wo)));
-        // G₁/|cos θo| = 2/(|cos θo| + S)
-        let pdf = 2.0 / (o + across) * self.facets.density(at.h) * at.jacobian * share;
-        (pdf * unmasked(&self.facets, wo, wi), pdf)
-    }
-
     /// 1 − E(wo), and the share x of it that is transmitted.
     fn lost(&self, wo: Local) -> (f32, f32) {
         let side = usize::from(wo.cos() < 0.0);
         self.more.map_or((0.0, 0.0), |m| (m.loss(side, wo, self.facets.alpha), m.through[side]))
     }
 
-    fn relative_index(&self, wo: Local) -> f32 {
-        if wo.cos() > 0.0 { self.eta } else { 1.0 / self.eta }
+    fn interface(&self) -> RoughInterface<'_> {
+        RoughInterface { eta: self.eta, facets: &self.facets }
     }
 }
 

@@ -274,6 +274,7 @@ materials! {
     chosen {
         RoughConductor = rough_conductor as "conductor",
         RoughDielectric = rough_dielectric as "dielectric",
+        FilmedDielectric = filmed_dielectric as "dielectric",
     }
     compound {
         Coated(Coated) = compound::coated as "coated",

@@ -357,11 +357,13 @@ fn principled_extremes_are_the_named_materials() {
     let film = || FilmLayer { eta: 1.3, thickness: 400.0.into() };
     let filmed_plastic = || coated(matte(), Coat::under_film(1.4, Rgb::WHITE, Some(round(0.3)), Some(film())).keep_base_color());
     let filmed_metal = || Material::metal(Metallic::from(Texture::from(stored(base))).under_film(film()), Some(round(0.3)), true);
-    let cases: [(Principled, Material); 15] = [
+    let filmed_glass = || textured::Dielectric::new(1.4, stored(base), Some(round(0.3)), false).under_film(film()).into();
+    let cases: [(Principled, Material); 16] = [
         (Principled { iridescence: 1.0.into(), ..principled() }, filmed_plastic()),
         (Principled { iridescence: 0.5.into(), ..principled() }, Material::mix(plastic(), filmed_plastic(), 0.5)),
         (Principled { iridescence: 1.0.into(), ..metallic.clone() }, filmed_metal()),
-        (Principled { iridescence: 0.5.into(), ..clear.clone() }, glass(true)),
+        (Principled { iridescence: 1.0.into(), ..clear.clone() }, filmed_glass()),
+        (Principled { iridescence: 0.5.into(), ..clear.clone() }, Material::mix(glass(true), filmed_glass(), 0.5)),
         (principled(), plastic()),
         (Principled { specular: 0.0.into(), ..principled() }, matte()),
         (metallic.clone(), metal(true)),

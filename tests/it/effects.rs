@@ -215,6 +215,7 @@ fn every_change_takes_its_effect_out() {
         ("thin films", corner(diffuse.clone(), vec![sphere(json!({ "type": "thin_film" }))])),
         ("thin films", corner(diffuse.clone(), vec![sphere(json!({ "type": "thin_film", "pane": 1.5 }))])),
         ("thin films", corner(json!({ "type": "principled", "iridescence": 0.5 }), vec![])),
+        ("thin films", corner(diffuse.clone(), vec![sphere(json!({ "type": "dielectric", "film": { "eta": 1.4, "thickness": 300 } }))])),
         ("thin films", corner(json!({ "type": "conductor", "metal": "Ti", "film": { "eta": 1.5, "thickness": 300 } }), vec![])),
     ];
     let plan = Plan { pixels: 64, samples: 2, replicates: 4, time: None };

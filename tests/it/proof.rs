@@ -7,9 +7,9 @@ use proptest::prelude::*;
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
 use pt::bsdf::{
-    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, FilmLayer, Glass, HitContext,
-    LommelSeeliger, Material, MatteCone, Metal, Metallic, Mirror, Mix, OrenNayar, Phong, Plastic, Principled, Reflectance, Share, Sheen,
-    ThinDielectric, TwoSided, textured,
+    BlinnPhong, Bsdf, Coat, Coated, Compound, Conductor, Dielectric, Diffuse, DiffuseTransmission, Element, FilmLayer, FilmedDielectric,
+    Glass, HitContext, LommelSeeliger, Material, MatteCone, Metal, Metallic, Mirror, Mix, OrenNayar, Phong, Plastic, Principled,
+    Reflectance, Share, Sheen, ThinDielectric, TwoSided, textured,
 };
 use pt::math::{Rgb, Spectrum};
 use pt::proof::strategies::{any_bsdf, mode, sphere, square, uniform};
@@ -54,9 +54,20 @@ fn models() -> Vec<(Bsdf<'static>, bool)> {
         (Bsdf::Plastic(Plastic { albedo: Spectrum::ONE, eta, internal }), true)
     });
     let (reflectance, transmittance) = (Spectrum::gray(0.25), Spectrum::gray(0.75));
+    let under_film =
+        |eta, film_eta, color| Bsdf::FilmedDielectric(FilmedDielectric { eta, color, film_eta, thickness: 300.0, facets: None });
+    let films = [(1.5, 1.38, COLOR), (1.5, 2.4, Spectrum::ONE), (1.0, 1.33, Spectrum::ONE)];
+    let films = films.map(|(eta, film, color)| (under_film(eta, film, color), color == Spectrum::ONE));
     let dust = (Bsdf::LommelSeeliger(LommelSeeliger { albedo: COLOR }), false);
     let paper = (Bsdf::DiffuseTransmission(DiffuseTransmission { reflectance, transmittance }), true);
-    colored.chain([(Bsdf::Conductor(gold), false), paper, dust]).chain(matte).chain(lobes).chain(shaken).chain(coated).collect()
+    colored
+        .chain([(Bsdf::Conductor(gold), false), paper, dust])
+        .chain(matte)
+        .chain(lobes)
+        .chain(shaken)
+        .chain(coated)
+        .chain(films)
+        .collect()
 }
 
 /// The BSDF of a material at a point, with a static lifetime.
@@ -170,6 +181,8 @@ fn rough() -> Vec<(Bsdf<'static>, bool)> {
     let roughness = Roughness { alpha: Alpha::Constant(Vec2::splat(0.3)), distribution: Distribution::Ggx };
     models.push(met(Material::metal(tempered(), Some(roughness.clone()), true)));
     let frosted = textured::Dielectric::new(1.5, stored(COLOR), Some(roughness), true);
+    let film = FilmLayer { eta: 1.8, thickness: 250.0.into() };
+    models.push(met(frosted.clone().under_film(film).into()));
     models.push(met(Material::dispersive(frosted, Glass::Sf11.dispersion())));
     models.into_iter().map(|model| (model, false)).collect()
 }

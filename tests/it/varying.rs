@@ -51,6 +51,7 @@ const NUMBERS: &[Row] = &[
     (r#"{"type": "principled", "coat": 0.5, "coat_eta": $}"#, "1.2", "1.6"),
     (r#"{"type": "principled", "iridescence": 1, "iridescence_thickness": $}"#, "100", "400"),
     (r#"{"type": "principled", "iridescence": 1, "roughness": 0.3, "eta": $}"#, "1.3", "1.5"),
+    (r#"{"type": "dielectric", "film": {"eta": 1.4, "thickness": $}}"#, "0", "300"),
     (r#"{"type": "conductor", "color": 0.5, "roughness": 0.3, "film": {"eta": 1.5, "thickness": $}}"#, "0", "300"),
 ];
 

@@ -208,7 +208,7 @@ impl<'a> Reader<'_, 'a> {
     ///
     /// - `glass`: share of the transmission, and the volume behind the surface
     fn principled(&self, glass: Option<(Node, Option<JsonCursor<'a>>)>) -> Node {
-        let (at, is_glass) = (&self.at, glass.is_some());
+        let at = &self.at;
         let pbr = self.pbr.as_ref();
         let [base_color, metallic, roughness] = self.of_glossiness().unwrap_or_else(|| {
             let metallic = self.share(pbr, "metallicFactor", 1.0, ["metallicRoughnessTexture", "b"]);
@@ -242,11 +242,8 @@ impl<'a> Reader<'_, 'a> {
             members.push(("sheen_color", self.color(Some(&sheen), "sheenColorFactor", [0.0; 3], "sheenColorTexture")));
             members.push(("sheen_roughness", self.share(Some(&sheen), "sheenRoughnessFactor", 0.0, ["sheenRoughnessTexture", "a"])));
         }
-        if let Some((film, share, [eta, thickness])) = self.film() {
+        if let Some((_, share, [eta, thickness])) = self.film() {
             members.extend([("iridescence", share), ("iridescence_eta", eta), ("iridescence_thickness", thickness)]);
-            if is_glass {
-                self.document.note(&film, "the film on a body that is glass only in part is left out where it is glass");
-            }
         }
         if let Some(specular) = self.extension("KHR_materials_specular") {
             members.push(("specular", self.share(Some(&specular), "specularFactor", 1.0, ["specularTexture", "a"])));
@@ -268,12 +265,16 @@ impl<'a> Reader<'_, 'a> {
         let at = &self.at;
         let mut members =
             vec![("type", at.make_text("dielectric")), ("color", self.base_color()), ("roughness", self.roughness()), ("eta", self.eta())];
+        let mut least_index = self.eta_number().0;
         if let Some((dispersion, location)) = self.dispersion() {
             let (abbe, index) = (20.0 / dispersion, self.eta_number().0);
             let is_index = |range: [f64; 2]| range.iter().all(|n| Index::RANGE.contains(*n));
-            match abbe.is_finite() && Dispersion::of_abbe_number(index, abbe).range().is_some_and(is_index) {
-                true => members.push(("abbe", location.make_number(abbe))),
-                false => self.document.note(&location, "a dispersion with which the index of refraction is no such number is left out"),
+            match Dispersion::of_abbe_number(index, abbe).range().filter(|range| abbe.is_finite() && is_index(*range)) {
+                Some(range) => {
+                    least_index = range[0];
+                    members.push(("abbe", location.make_number(abbe)));
+                }
+                None => self.document.note(&location, "a dispersion with which the index of refraction is no such number is left out"),
             }
         }
         let distance = volume.as_ref().and_then(|volume| volume.get(&["attenuationDistance"]));
@@ -282,7 +283,19 @@ impl<'a> Reader<'_, 'a> {
             members.push(("absorption", volume.make_object([("color", color), ("distance", distance.same())])));
         }
         self.note_layers("glass");
-        at.make_object(members)
+        let Some((film, share, [eta, thickness])) = self.film() else { return at.make_object(members) };
+        if least_index < 1.0 {
+            self.document.note(&film, "the film on glass with an index of refraction below 1 is left out");
+            return at.make_object(members);
+        }
+        let bare = members.clone();
+        members.push(("film", film.make_object([("eta", eta), ("thickness", thickness)])));
+        let covered = at.make_object(members);
+        if self.is_all_filmed(&film) {
+            return covered;
+        }
+        let kind = ("type", at.make_text("mix"));
+        at.make_object([kind, ("a", at.make_object(bare)), ("b", covered), ("share", share)])
     }
 
     /// Pane without thickness, or a mix with one.
@@ -300,8 +313,11 @@ impl<'a> Reader<'_, 'a> {
                 let members =
                     [kind("thin_film"), ("color", self.base_color()), ("pane", self.eta()), ("eta", eta), ("thickness", thickness)];
                 let covered = at.make_object(members);
-                let is_all = self.number(Some(&film), "iridescenceFactor", 0.0).0 == 1.0 && !film.has("iridescenceTexture");
-                if is_all { covered } else { at.make_object([kind("mix"), ("a", bare()), ("b", covered), ("share", share)]) }
+                if self.is_all_filmed(&film) {
+                    covered
+                } else {
+                    at.make_object([kind("mix"), ("a", bare()), ("b", covered), ("share", share)])
+                }
             }
         };
         if glass.get(&["transmissionFactor"]).and_then(|at| at.number()) == Some(1.0)
@@ -343,15 +359,17 @@ impl<'a> Reader<'_, 'a> {
         Some((film, share, [eta_at.make_number(eta.min(MOST_ETA)), thickness]))
     }
 
+    fn is_all_filmed(&self, film: &JsonCursor<'a>) -> bool {
+        self.number(Some(film), "iridescenceFactor", 0.0).0 == 1.0 && !film.has("iridescenceTexture")
+    }
+
     fn has_film(&self) -> bool {
         self.extension("KHR_materials_iridescence").is_some_and(|film| self.number(Some(&film), "iridescenceFactor", 0.0).0 != 0.0)
     }
 
     fn note_layers(&self, what: &str) {
         let layers = ["KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_anisotropy"];
-        // A pane has films.
-        let film = (what != "a pane" && self.has_film()).then_some("KHR_materials_iridescence");
-        for name in layers.into_iter().chain(film) {
+        for name in layers {
             if let Some(layer) = self.extension(name) {
                 self.document.note(&layer, format!("{name} on {what} is left out"));
             }

@@ -21,7 +21,7 @@ use crate::scene::Scene as _;
 pub enum Change {
     /// One of the scene's description.
     OfScene(fn(&mut Value)),
-    /// One of the camera's description, which depends on the camera that was built by it.
+    /// One of the camera's description, which needs the built camera, for example the focal length of its lens.
     OfCamera(fn(&mut Map<String, Value>, &Camera)),
 }
 
@@ -78,14 +78,18 @@ pub fn thin_lens(described: &mut Map<String, Value>, camera: &Camera) {
     }
 }
 
-/// Turns a realistic camera into one with a thin lens of this radius.
+/// Turns a realistic camera into one with a thin lens of this radius. It stays as it is where its transform may change lengths.
 fn become_thin(described: &mut Map<String, Value>, lens: ThinLens, radius: f64) {
+    let transform = described.get("transform").map(Value::to_string).unwrap_or_default();
+    if ["\"scale\"", "\"matrix\""].iter().any(|step| transform.contains(step)) {
+        return;
+    }
     ["lens", "scale", "aperture_diameter"].iter().for_each(|key| drop(described.remove(*key)));
     described.insert("type".into(), "perspective".into());
     described.insert("focal_length".into(), json!(1000.0 * lens.image_distance));
     described.insert("focus_distance".into(), json!(lens.focus_distance));
     described.insert("lens_radius".into(), json!(radius));
-    // The film of a realistic camera is at its position, a thin lens at the position of its own.
+    // The position of a realistic camera is that of its film, that of a perspective camera the place of its lens.
     if let Some(look_at) = described.get_mut("look_at") {
         let point = |key: &str| -> Option<DVec3> { serde_json::from_value::<[f64; 3]>(look_at[key].clone()).ok().map(DVec3::from) };
         if let (Some(from), Some(to)) = (point("from"), point("to")) {
@@ -158,10 +162,15 @@ pub fn one_index(scene: &mut Value) {
     });
 }
 
-/// No films on metals and plastics, and panes in the place of films.
+/// No films on metals, plastics and glass, and panes in the place of films.
 pub fn no_films(scene: &mut Value) {
     each_object(scene, &mut |object| match object.get("type").and_then(Value::as_str) {
         Some("conductor") => drop(object.remove("film")),
+        Some("dielectric") => {
+            // Under the film, light was lost that hits more than one facet.
+            let more = object.remove("film").map(|_| ("multiscatter".to_owned(), json!(false)));
+            object.extend(more);
+        }
         Some("principled") => drop(object.remove("iridescence")),
         Some("thin_film") => {
             object.remove("thickness");

@@ -170,10 +170,12 @@ const ROWS: &[Row] = &[
     ("a film of more than 2000 nm, or of an index above 4", |m| {
         extended(m, "KHR_materials_iridescence", json!({ "iridescenceFactor": 1, "iridescenceIor": 5 }));
     }),
-    ("the film on solid glass, all or in part", |m| {
-        extended(m, "KHR_materials_transmission", json!({ "transmissionFactor": 0.5 }));
+    ("the film on glass with an index of refraction below 1", |m| {
+        extended(m, "KHR_materials_transmission", json!({ "transmissionFactor": 1 }));
         extended(m, "KHR_materials_volume", json!({ "thicknessFactor": 1 }));
+        extended(m, "KHR_materials_dispersion", json!({ "dispersion": 100 }));
         extended(m, "KHR_materials_iridescence", json!({ "iridescenceFactor": 1 }));
+        m.doc["materials"][0]["pbrMetallicRoughness"]["metallicFactor"] = json!(0);
     }),
     ("KHR_materials_dispersion", |m| {
         extended(m, "KHR_materials_transmission", json!({ "transmissionFactor": 1 }));
