@@ -333,7 +333,7 @@ impl Vertex for MediumPoint<'_> {
     }
 }
 
-/// Share of the samples that are distributed about the normal of the facet, where it is not that of the shading.
+/// Share of the samples that are cosine-distributed about the geometric normal, where the shading normal differs from it.
 const ABOUT_FACET: f32 = 0.125;
 
 /// Arrival of a path at a surface.
@@ -355,7 +355,7 @@ impl Vertex for Arrival<'_> {
         self.surface.shadow_origin
     }
 
-    /// What a path from the camera finds that arrives from `wi`, with the shading normal as it is seen from there.
+    /// f·|cos| as a path from the camera finds it: seen from the direction `wi`, with the shading normal that a viewer there gets.
     fn scattered(&self, wo: Vec3, wi: Vec3) -> Spectrum {
         let surface = self.surface;
         let cosines = (surface.point.ng.dot(wi) / surface.point.ng.dot(wo)).abs();
@@ -373,8 +373,9 @@ impl Vertex for Arrival<'_> {
         from_camera(&seen)
     }
 
-    /// A shading normal that is seen from there scatters light also into directions that the BSDF as seen from the light does not sample.
-    /// A share of the samples is therefore distributed about the facet's normal, to both sides.
+    /// A viewer in the direction `wi` may get another shading normal than the light does. [`Vertex::scattered`] can then be above 0 in
+    /// directions that the BSDF as seen from the light never samples. A share of the samples is therefore cosine-distributed about the
+    /// geometric normal, on both sides.
     fn sample(&self, wo: Vec3, choice: f32, u: Vec2) -> Option<(Vec3, Spectrum, BsdfSample)> {
         let surface = self.surface;
         let SurfacePoint { ng, ns, .. } = surface.point;

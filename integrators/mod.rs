@@ -45,5 +45,5 @@ pub const ALL: &[Entry] = &[
         Effects::ALL.without(Effects::POINT_LIGHT.union(Effects::MEDIA)),
     ),
     Entry::of::<normals::Normals>("normals", "the shading normal of what the camera sees, as a colour", Effects::NONE),
-    Entry::of::<ao::AmbientOcclusion>("ao", "ambient occlusion: the share of scattered directions that is free", Effects::NONE),
+    Entry::of::<ao::AmbientOcclusion>("ao", "ambient occlusion: the share of sampled directions in which nothing is hit", Effects::NONE),
 ];

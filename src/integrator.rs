@@ -66,7 +66,8 @@ pub struct Bias {
 /// Method prepared for one scene.
 pub trait Estimator: Send + Sync {
     /// An estimate of the radiance that arrives along the camera's ray [W·m⁻²·sr⁻¹], or of the part of it that [`LightPath::splat`] does
-    /// not bring. Its mean is right but for [`Integrator::biases`].
+    /// not bring. Its expected value is exact, except for the effect of the settings in
+    /// [`Integrator::biases`].
     fn li(&self, camera: &CameraSample, cx: &mut Context) -> Spectrum;
 
     /// The method for many samples at once, if it has one for its scene. It is used for samples without a recorder.
@@ -168,7 +169,7 @@ pub struct Context<'a> {
     pub light_path: Option<LightPath<'a>>,
 }
 
-/// Resources for the path from a light that belongs to a camera sample: in every sample, each pixel of the whole picture has one.
+/// Resources for a path that starts at a light. One such path is traced with each camera sample, in all pixels of the whole picture.
 pub struct LightPath<'a> {
     /// Random numbers of the path. Those of all paths from lights are one sequence, evenly distributed over all of them.
     pub numbers: SampleNumbers<'a>,
@@ -260,7 +261,7 @@ pub struct Entry {
     pub about: &'static str,
     /// Effects that its pictures contain.
     pub simulates: Effects,
-    /// What a picture of some other effects looks like, for the note that says that they are missing.
+    /// What a picture looks like that lacks certain effects: added to the note that names the missing effects.
     pub when_missing: &'static [(Effects, &'static str)],
     /// Makes the integrator from the options of a scene.
     pub new: fn(&Options) -> Box<dyn Integrator>,

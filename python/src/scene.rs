@@ -199,7 +199,7 @@ impl Scene {
             loaded.select(ENTRY, Arc::new(custom));
         }
         if target.is_some() && !tells_error(loaded.sampler.error_estimator()) {
-            return Err(usage(py, "target: a single scrambling tells no error; it takes scramblings of 2 or more"));
+            return Err(usage(py, "target: a single scrambling gives no error estimate; use scramblings of 2 or more"));
         }
         if let Some(why) = scope.refusal(loaded.film.crop, loaded.integrator.splats(), confidence) {
             return Err(usage(py, why));

@@ -127,7 +127,7 @@ def test_notebooks(box):
         ({"target": 0.1, "tiles": 1}, "tiles: expected a share"),
         ({"target": 0.1, "tiles": 0.9, "confidence": 0.5}, "tiles: expected a confidence of 95 %"),
         ({"target": math.nan}, "target: expected a share"),
-        ({"target": 0.1, "scramblings": 1, "sampler": "sobol"}, "a single scrambling tells no error"),
+        ({"target": 0.1, "scramblings": 1, "sampler": "sobol"}, "a single scrambling gives no error estimate"),
         ({"confidence": 1}, "confidence: expected a share"),
         ({"time": 0}, "time: expected a number of seconds above 0"),
         ({"time": math.inf}, "time: expected"),

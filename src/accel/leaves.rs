@@ -58,7 +58,7 @@ pub struct Place(u32);
 /// Bit of the places of items that are not flat.
 const CURVED: u32 = 1 << 31;
 
-/// Bit beside [`CURVED`] of the places of items in bundles: the number of the bundle and the lane follow.
+/// Set in addition to [`CURVED`] for an item in a bundle: the lower bits are bundle · [`bundle::SIZE`] + lane.
 const BUNDLED: u32 = 1 << 30;
 
 impl Place {

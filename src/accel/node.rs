@@ -48,7 +48,7 @@ pub enum Target {
 
 const LEAF: u32 = 1 << 31;
 const MIXED: u32 = 1 << 30;
-/// Beside [`MIXED`].
+/// Set in addition to [`MIXED`]: the leaf is a bundle, and the lower bits are its index.
 const BUNDLE: u32 = 1 << 29;
 /// Position of the number of triangles less 1, in three bits. The index of the first triangle is below.
 const COUNT_AT: u32 = 27;

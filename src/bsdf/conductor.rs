@@ -144,7 +144,7 @@ pub mod described {
     use crate::bsdf::microfacet::{AlphaKey, Distribution};
     use crate::format::{Extinction, FilmIndex, FilmThickness, Index, Textured, Varying, VaryingPerChannel};
 
-    /// Metal, polished or rough. It is given by its name, by its index of refraction eta − i·k, or by its colour.
+    /// Metal, polished or rough. It is given by its name, by its index of refraction eta + i·k, or by its colour.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
     pub struct Conductor {

@@ -10,10 +10,10 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel};
 
 /// An interface between two clear media under a thin clear film, smooth or rough.
 ///
-/// f is that of [`Dielectric`](super::Dielectric) or [`RoughDielectric`](super::RoughDielectric), with the reflectance R of the film for red, green and
-/// blue ([`ClearFilm`]) in the place of Fresnel's. No light is lost in the film, so that 1 − R passes, and light from inside is reflected as much as
-/// light that comes from outside along the refracted ray; beyond the critical angle all of it is reflected. The film is too thin to shift or bend
-/// light. Light that hits more than one facet is lost.
+/// f is that of [`Dielectric`](super::Dielectric) or [`RoughDielectric`](super::RoughDielectric), with the reflectance R of the film for red, green
+/// and blue ([`ClearFilm`]) in the place of Fresnel's. No light is lost in the film, so that 1 − R passes, and light from inside is reflected as
+/// much as light that comes from outside along the refracted ray; beyond the critical angle all of it is reflected. The film is too thin to
+/// shift or bend light. Light that hits more than one facet is lost.
 ///
 /// - `eta`: index of refraction inside over outside: at least 1
 /// - sampling: reflection with the mean of R over the three colours as probability, otherwise refraction

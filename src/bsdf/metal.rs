@@ -81,10 +81,10 @@ impl Metal {
         self.roughness < f32::EPSILON
     }
 
-    /// A bound of the rounding error of q²: |2 sin δ| with sin = r, where the error δ of the sine is at most 4 · 2⁻²⁴.
+    /// Bound of the rounding error of q²: 2 r δ, where the sine, about r at the rim, has an error δ of at most 4 · 2⁻²⁴.
     ///
-    /// Closer to the rim than this, p has its value at this distance. It is smaller inside the rim and larger outside by this, so that
-    /// its integral is kept, and every sampled direction has a density.
+    /// Where |q²| is below this bound, `pdf` replaces q² by the bound. That makes p finite: smaller than exact inside the rim, and above 0
+    /// just outside of it, so that its integral is kept and every sampled direction has a density above 0.
     fn rim(&self) -> f32 {
         8.0 * ROUNDING * self.roughness
     }

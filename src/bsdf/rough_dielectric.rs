@@ -23,8 +23,9 @@ use crate::math::{Density, Local, SolidAnglePdf, Spectrum, fresnel, warp};
 ///
 /// f₂ = (1 − x) (1 − E(wo)) (1 − E(wi)) / (π m)  back,    s x (1 − E(wo)) (1 − E'(wi)) / (π m')  through
 ///
-/// E' and m' are those of the other side. For light from the rarer side x is 1 − F̄, with F̄ = 2 ∫ F μ dμ. For light from the denser side
-/// reciprocity gives x m / (m' n²), with x and m of the rarer side, m' of the denser one and n their ratio of indices, above 1.
+/// E' and m' are those of the other side. For light from the rarer side x = min(1 − F̄, m' n² / m), with F̄ = 2 ∫ F μ dμ. For light from
+/// the denser side reciprocity gives x m / (m' n²), which the minimum keeps at most 1. In both, x and m are those of the rarer side, m' is
+/// that of the denser side, and n > 1 is the ratio of the indices.
 ///
 /// - `eta`: index of refraction inside (below the surface) over outside (where the normal points)
 /// - sampling: visible normals, and reflection there with probability F, so that weight = colour · G₂/G₁ (· s);

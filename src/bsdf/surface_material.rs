@@ -156,8 +156,8 @@ pub mod described {
 
     /// A normal map or bump map: it changes shading normals, and moves no points. A normal that points below the surface, or away from
     /// the viewer, is bent back until its cosine to the surface's own normal, and then to the viewer, is 1/64. At grazing view the
-    /// shading therefore differs a little from the map. The map has no effect where texture coordinates are degenerate. Not within other
-    /// materials.
+    /// shading therefore differs a little from the map. The map has no effect where texture coordinates are degenerate. This material cannot
+    /// be a part of other materials.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct Bumped {
@@ -176,7 +176,8 @@ pub mod described {
     }
 
     /// A surface with holes: leaves, lace, a fence on one quad. Rays pass through the holes, shadow rays too. A ray passes through at
-    /// most 4096 of them and is then blocked. Not within other materials, and not on shapes that emit.
+    /// most 4096 of them and is then blocked. This material cannot be a part of other
+    /// materials, nor be used on shapes that emit.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields)]
     pub struct Masked {

@@ -150,7 +150,7 @@ impl Builder<'_> {
                 return Ok(());
             }
             let Some(to_outer) = matrix(point).map(|matrix| matrix.then(&placer.to_outer)) else {
-                self.fault(&format!("{}/file", placer.pointer), &format!("{file}: vertex {i}: no transform with an inverse"));
+                self.fault(&format!("{}/file", placer.pointer), &format!("{file}: vertex {i}: its transform has no inverse"));
                 return Ok(());
             };
             placer.place(to_outer.into(), material);

@@ -13,8 +13,8 @@ use crate::medium::{MOST_DEPTH, Medium, MediumId, Phase, Varying};
 use crate::reader::escaped;
 
 impl Builder<'_> {
-    /// Builds a medium, or finds it if it was built before. Returns the effects that it asks for too; the light that it emits is met only by
-    /// chance.
+    /// Builds a medium, or finds it if it was built before. Also returns the effects that an integrator must simulate for it: if it emits, its
+    /// light is not sampled, so that paths find it only by chance.
     pub(super) fn medium(&mut self, pointer: &str, chosen: &MediumRef) -> (MediumId, Effects) {
         let key = match chosen {
             MediumRef::Named(name) => format!("/media{}", escaped(name)),

@@ -82,7 +82,8 @@ impl Builder<'_> {
     pub(super) fn note_no_relief(&mut self, pointer: &str, data: &MeshData) {
         let (flat, all) = (data.flat_uvs(), data.triangles.len());
         if flat > 0 {
-            let message = format!("the texture coordinates of {flat} of {all} triangles span no area: no relief shows there");
+            let message =
+                format!("the texture coordinates of {flat} of {all} triangles span no area: normal and bump maps have no effect there");
             self.warnings.push(format!("{}: {pointer}: {message}", self.source.file));
         }
     }

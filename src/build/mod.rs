@@ -396,7 +396,7 @@ impl Builder<'_> {
     ) {
         match Transform::translate(DVec3::from(center.0)) {
             Ok(to_center) => self.place(geometry, to_center.then(to_world), vec![material], emitter),
-            Err(_) => self.fault(&format!("{pointer}/center"), "too far away"),
+            Err(_) => self.fault(&format!("{pointer}/center"), "the centre is too far from the origin: use smaller coordinates"),
         }
     }
 

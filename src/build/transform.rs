@@ -15,7 +15,7 @@ pub(crate) fn placed(steps: &describe::Transform, outer: &Transform) -> Result<T
     let step = |total: Transform, step| Some(total.then(&step_of(step)?));
     let total = steps.0.iter().try_fold(Transform::IDENTITY, step).map(|total| total.then(outer));
     let total = total.filter(|total| total.matrix().is_finite() && total.inverse().matrix().is_finite());
-    let total = total.ok_or("the steps together cannot be undone")?;
+    let total = total.ok_or("the steps together have no inverse: their numbers are too large or too small")?;
     check_volume(total.determinant()).map_err(|message| format!("all steps together: {message}"))?;
     Ok(total)
 }
@@ -32,7 +32,7 @@ pub(in crate::build) fn animated(steps: &describe::Transform, outer: &Transform,
     for step in &steps.0 {
         let next = match step {
             Step::Keyframes(keyframes) => motion(keyframes, shutter)?,
-            _ => step_of(step).ok_or("a step cannot be undone")?.into(),
+            _ => step_of(step).ok_or("a step has no inverse")?.into(),
         };
         total = total.then(&next);
     }
@@ -40,7 +40,7 @@ pub(in crate::build) fn animated(steps: &describe::Transform, outer: &Transform,
     for time in total.keyframe_times() {
         let at = total.at(time as f32);
         if !(at.matrix().is_finite() && at.inverse_matrix().is_finite()) {
-            return Err("the steps together cannot be undone".into());
+            return Err("the steps together have no inverse: their numbers are too large or too small".into());
         }
         check_volume(at.determinant()).map_err(|message| format!("all steps together: {message}"))?;
     }

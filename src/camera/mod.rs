@@ -44,7 +44,7 @@ pub enum Camera {
     Realistic(Realistic),
 }
 
-/// Ray of a camera, and what its light counts.
+/// Ray of a camera, and the weight of the radiance that arrives along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraRay {
     /// The ray. If its weight is 0 it ends where it starts, so that it meets nothing.
@@ -132,7 +132,7 @@ impl Camera {
         }
     }
 
-    /// Ray through a point of the film, and what its light counts.
+    /// Ray through a point of the film, and the weight of the radiance that arrives along it.
     ///
     /// - `film`: position in [0, 1)², from the upper left corner; `aspect`: width / height of the film
     /// - `lens`: uniform numbers in [0, 1)², used only by cameras with a lens
@@ -180,7 +180,8 @@ impl Camera {
         ray.differential_to([beside(Vec2::new(step[0] * pixel.x, 0.0)), beside(Vec2::new(0.0, step[1] * pixel.y))], step)
     }
 
-    /// Positions on the plane of the film, at its edges also outside of it, whose rays are those of `film`.
+    /// All positions on the plane of the film that show the same direction as `film`. For panoramas, which repeat beyond their edges, some
+    /// are outside of the film, where the filter of a pixel may still reach them.
     ///
     /// - `film`: position in [0, 1)² for panoramas, anywhere for other cameras
     pub fn same_film_positions(&self, film: Vec2) -> impl Iterator<Item = Vec2> {

@@ -1,7 +1,7 @@
 //! Perspective projection with a pinhole or a thin lens, whose film may be shifted and whose plane of focus may be tilted.
 //!
 //! ```text
-//! q = ((x + 2 sx) a τ, (y + 2 sy) τ)                      where the axis through the eye meets the plane z = −1, for the film point (x, y)
+//! q = ((x + 2 sx) a τ, (y + 2 sy) τ)                      where the ray of the film point (x, y) through the eye meets the plane z = −1
 //! w = q − o κ(q),  κ(q) = 1/s − g·q                       slope of the ray from the point o of the lens, s: focus distance
 //! q = m − o (g·m)/(1 + g·o),  m = w + o/s                 the inverse, because w = (1 + o gᵀ) q − o/s
 //! |dw/dq| = |1 + g·o|
@@ -124,9 +124,9 @@ impl Perspective {
         self.aperture.point(lens).extend(0.0)
     }
 
-    /// We = 1 / (A J cos⁴ θ), divided by the area of the lens, for a film that shows the area A = 4τ²a at a distance of 1, and
-    /// J = |1 + g·o|. The density of a point on the lens by solid angle has the same area of the lens, so that neither depends on it:
-    /// We / p(ω) = 1 / (A J cos³ θ d²).
+    /// weight = We / p(ω) = 1 / (A J cos³ θ d²), for a film that shows the area A = 4τ²a at a distance of 1, and J = |1 + g·o|.
+    ///
+    /// We = 1 / (A J cos⁴ θ A_lens) and the density of `wi` at p is p(ω) = d² / (cos θ A_lens), so that the area of the lens cancels.
     pub(super) fn connect(&self, p: Vec3, aspect: f32, lens: Vec2) -> Option<CameraConnection> {
         let on_lens = if self.has_lens() { self.on_lens(lens) } else { Vec3::ZERO };
         let end = self.pose.eye() + self.pose.vector(on_lens);

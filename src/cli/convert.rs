@@ -48,7 +48,7 @@ pub fn convert(args: &ConvertArgs, tables: &[&[Entry]]) -> Result<()> {
     folder.fill(&loaded)?;
     replace(to, format!("{root}\n").as_bytes())?;
     if is_outside {
-        note(&format!("note: {} names files outside of its folder: it is rendered with --allow-outside", to.display()));
+        note(&format!("note: {} names files outside of its folder: to render it, add --allow-outside", to.display()));
     }
     Ok(())
 }

@@ -59,7 +59,7 @@ pub fn text(report: &EffectReport) -> String {
     let refused = |(refusal, _): &(Refusal, &str)| rows.iter().flat_map(all).any(|(_, figure)| figure == Some(Err(*refusal)));
     let refusals = refusals.into_iter().filter(refused).map(|(refusal, why)| format!("{}: {why}", refusal.words().0));
     let sure = per_cent(CONFIDENCE);
-    let notes = [format!("intervals hold the true value with {sure} %; –: no setting leaves it out alone")];
+    let notes = [format!("intervals contain the true value with {sure} %; –: no change removes this effect alone")];
     notes
         .into_iter()
         .chain(refusals.map(|refusal| refusal.to_string()))

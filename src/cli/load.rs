@@ -58,7 +58,7 @@ impl SceneArgs {
         SceneArgs { path: Some(path.to_owned()), ..self.clone() }
     }
 
-    /// Options for reading the scene. What `-D` says of the shutter is the time that animations of other programs' files are read for.
+    /// Options for reading the scene. If `-D` sets the shutter, animations in imported files are read for that exposure.
     pub fn import_options(&self) -> ImportOptions {
         let ground = (self.ground || self.no_ground).then_some(self.ground);
         let auto_camera = AutoCamera { up: self.up, view: self.view, ground, studio: self.studio };

@@ -41,7 +41,7 @@ pub struct Commands {
 }
 
 impl Commands {
-    /// Renders with a method up to an error. Pictures from files, and those in double precision, are compared again.
+    /// Command that renders with a method up to an error; for pictures from files, or in double precision, the command of the whole comparison.
     pub fn render(&self, method: &Method, target: f64) -> String {
         if !method.files.is_empty() || method.integrator == double::NAME {
             return self.whole.clone();
@@ -50,7 +50,7 @@ impl Commands {
         format!("pt {} {} --integrator {integrator} --sampler {sampler} --target {}%", self.scene_of(method), self.size, per_cent(target))
     }
 
-    /// Tests whether a method converges to the reference. Of pictures from files the first is measured.
+    /// Command that tests whether a method converges to the reference; for pictures from files it measures the first.
     pub fn verify(&self, method: &Method) -> String {
         if let Some(file) = method.files.first() {
             return format!("pt image diff {file} {}", self.reference);

@@ -145,7 +145,7 @@ fn reasons(methods: &[Method]) -> Vec<String> {
             NoPrice::FewPixels => {
                 format!("A few pixels hold most of the error of {names} (heavy tail): the next bright sample may change it.")
             }
-            NoPrice::Rising => format!("The error of {names} has not fallen with time (heavy tail), so that no time beyond is foretold."),
+            NoPrice::Rising => format!("The error of {names} has not fallen with time (heavy tail), so that no time is extrapolated."),
             NoPrice::Spread => format!("The renders of {names} differ by too much to state a time; more --replicates or --time may tell."),
             NoPrice::Single => {
                 format!("There is one picture of {names}; repeats with other random numbers may tell its times and its bias.")

@@ -30,7 +30,7 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// What is known before the reference is.
+    /// Provenance of a comparison whose reference is not known yet: `reference_hash` is empty.
     ///
     /// - `command`: command of the comparison, to copy into a shell
     /// - `arguments`: its words after the name of the program

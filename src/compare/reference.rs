@@ -27,7 +27,7 @@ impl Reference {
         Reference { image, origin, error, attributes }
     }
 
-    /// Returns whether the reference is closer to the truth than an error. One whose error is not stated is trusted.
+    /// Returns whether the interval of the reference's own error ends at or below `target`. A reference without a stated error is trusted.
     pub fn resolves(&self, target: f64, confidence: f64) -> bool {
         self.error.is_none_or(|error| error.stated(confidence).is_ok_and(|error| error.high <= target))
     }

@@ -46,7 +46,7 @@ pub struct CachedReference {
 impl ReferenceRenderer {
     /// Renderer with an integrator.
     ///
-    /// - `name`: name of the integrator; the most trusted one without a name
+    /// - `name`: name of the integrator; the default integrator without one
     ///
     /// # Errors
     /// `Usage` for an unknown name, `Invalid` for options of the scene that it refuses.

@@ -54,9 +54,9 @@ pub struct Perspective {
     /// film is moved across the axis of the lens, and vertical lines stay vertical. `[0, 0.5]` has the horizon at the lower edge. Default: `[0, 0]`.
     #[serde(skip_serializing_if = "is_zero")]
     pub shift: [Real; 2],
-    /// Turns the plane in focus about its point on the axis of the lens: first about the x axis of the camera, then about its y axis, in
-    /// degrees, counterclockwise as seen from the end of the axis. With −80 it passes under a camera that looks ahead, as the ground does. The
-    /// view stays as it is. Default: `[0, 0]`.
+    /// Tilts the plane in focus about its point on the axis of the lens, as a tilted lens does (Scheimpflug): first about the x axis of the
+    /// camera, then about its y axis, in degrees, counterclockwise as seen from the end of the axis. `[-80, 0]` is a nearly level plane that
+    /// passes below a camera that looks ahead, for sharp ground. The view does not change. Default: `[0, 0]`.
     #[serde(skip_serializing_if = "is_upright")]
     pub tilt: [TiltAngle; 2],
     /// The position of the camera and the point that it looks at. Give this or `transform`.

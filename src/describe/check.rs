@@ -272,10 +272,10 @@ impl Checker<'_> {
         let is_surface = matches!(outer, Material::Bumped(_) | Material::Masked(_));
         match inner {
             Material::Masked(_) | Material::Bumped(_) if !is_surface => {
-                self.fault(pointer, "holes and reliefs go around all other materials: put \"masked\" or \"bumped\" outside");
+                self.fault(pointer, "\"masked\" and \"bumped\" cannot be a part of this material: put them around it");
             }
             _ if matches!(outer, Material::Bumped(_)) && self.has_relief(part, 0) => {
-                self.fault(pointer, "one relief is all a surface can have");
+                self.fault(pointer, "a surface can have only one \"bumped\": remove one of the two");
             }
             _ => {}
         }

@@ -105,7 +105,7 @@ impl Checker {
 
     fn thick(&mut self, pointer: &str, key: &str, radius: f64, thickness: Thickness) {
         if matches!(thickness, Thickness::Needed) && radius == 0.0 {
-            self.fault(pointer, format!("expected a \"{key}\" above 0: only within an extrude a line may be thin"));
+            self.fault(pointer, format!("expected a \"{key}\" above 0: only within an \"extrude\" it may be 0"));
         }
     }
 

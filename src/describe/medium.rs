@@ -45,10 +45,10 @@ impl Medium {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Homogeneous {
-    /// σa, the share of the light that is absorbed on a short length, per metre.
+    /// The absorption coefficient σa, per metre: the share of light absorbed on a short length, divided by that length.
     #[serde(default = "none")]
     pub absorption: Color<Coefficient>,
-    /// σs, the share of the light that is scattered on a short length, per metre.
+    /// The scattering coefficient σs, per metre: the share of light scattered on a short length, divided by that length.
     #[serde(default = "none")]
     pub scattering: Color<Coefficient>,
     /// The radiance Le that the medium would have if it were opaque and did not scatter, in W·m⁻²·sr⁻¹. A short length emits the share
@@ -68,10 +68,10 @@ pub struct Homogeneous {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Heterogeneous {
-    /// σa, the share of the light that is absorbed on a short length, per metre.
+    /// The absorption coefficient σa, per metre: the share of light absorbed on a short length, divided by that length.
     #[serde(default = "none")]
     pub absorption: Color<Coefficient>,
-    /// σs, the share of the light that is scattered on a short length, per metre.
+    /// The scattering coefficient σs, per metre: the share of light scattered on a short length, divided by that length.
     #[serde(default = "none")]
     pub scattering: Color<Coefficient>,
     /// The radiance Le that the medium would have if it were opaque and did not scatter, in W·m⁻²·sr⁻¹.
@@ -103,13 +103,13 @@ pub struct Subsurface {
     /// A measured material instead of `albedo` and `mean_free_path`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<Measured>,
-    /// The share of light from all directions alike that a thick block without a surface reflects.
+    /// The diffuse reflectance (multiple-scattering albedo) of a very thick block, without reflection at its surface, in uniform light.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub albedo: Option<Color<Fraction>>,
     /// The mean length that light goes before it is absorbed or scattered, in metres: 1/(σa + σs).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_free_path: Option<PerChannel<Positive>>,
-    /// The mean cosine of the angle of scattering, with `albedo`. Measured materials scatter isotropically.
+    /// The anisotropy g, the mean cosine of the scattering angle. Only with `albedo`: measured materials scatter isotropically.
     #[serde(default = "even")]
     pub g: Asymmetry,
     /// A factor of all lengths in the body: 10 makes one of ten times the size look the same.

@@ -7,9 +7,9 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum TextureFootprint {
     /// 1/(S · 2^⌊log₂(i/S)⌋) pixels for the sample with the index i of a pixel whose samples are divided among S sequences, and 1 pixel for the
-    /// first sample of each sequence: about 1/n after n samples. The blur of the mean of n samples so falls with 1/n, faster
-    /// than its noise: with 1/√n, for which each sample would stand for its part of the pixel, the blur of many samples would exceed their
-    /// standard error.
+    /// first sample of each sequence: about 1/n after n samples. The blur of the mean of n samples then falls as 1/n, faster
+    /// than its noise. With a width of 1/√n, at which the n areas together cover the pixel once, the blur would exceed the standard error when n
+    /// is large.
     #[default]
     Shrinking,
     /// One width for all samples (pixels). With 0, textures are looked up at points and not averaged.

@@ -217,7 +217,7 @@ fn invertible(rows: [[f64; 3]; 3]) -> Result<(), String> {
     let det = dot(rows[0], cross(rows[1], rows[2]));
     let largest: f64 = rows.into_iter().map(length).product();
     if det.abs() <= 8.0 * f64::EPSILON * largest {
-        return Err("the transform is singular: det 0".into());
+        return Err("the transform has no inverse, because its determinant is 0: use no scale of 0 and no flat matrix".into());
     }
     check_volume(det)
 }
@@ -229,7 +229,7 @@ fn invertible(rows: [[f64; 3]; 3]) -> Result<(), String> {
 pub(crate) fn check_volume(det: f64) -> Result<(), String> {
     let holdable = f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX);
     if !holdable.contains(&det.abs()) {
-        return Err(format!("the transform's det {det:.1e} is more or less than a 32-bit float holds"));
+        return Err(format!("the transform scales volumes by {det:.1e}, outside the range of 32-bit floats: use scales nearer to 1"));
     }
     Ok(())
 }

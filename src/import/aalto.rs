@@ -121,7 +121,7 @@ fn between_corners<'a>(camera: &JsonCursor<'a>, eye: DVec3) -> Option<Window<'a>
     let (across, down) = (-diagonal.dot(left), -diagonal.dot(ahead.cross(DVec3::Z.cross(ahead)).normalize()));
     // Tolerance for the decimals of a file: six digits give the corners to a millionth.
     if diagonal.dot(ahead).abs() > 1e-5 * diagonal.length() {
-        cursor.fault("the corners are not equally far from the focal point: pt has no oblique pictures");
+        cursor.fault("the corners are not equally far from the focal point: off-axis views of this format are not imported");
         return None;
     }
     if across == 0.0 || down == 0.0 {

@@ -202,7 +202,7 @@ impl<W: WideWalk> SideBySide for W {
         batch.radiance.resize(count, Spectrum::BLACK);
         let Some(scene) = self.scene().filter(|_| count > 0) else { return };
         let followed = scene.width().run_wide(Follow { method: self, scene, batch, interrupt });
-        debug_assert!(followed.is_some(), "there are tables for more than one lane only");
+        debug_assert!(followed.is_some(), "a `WideWorld` exists only on machines with more than one lane");
     }
 }
 

@@ -46,7 +46,8 @@ pub trait Space: Send + Sync + 'static {
     ) -> Option<MediumPoint<'s>>;
 
     /// A point on the way to the next surface at which media scatter light into the path, the weight of that light, and the space around
-    /// the point. The point does not depend on where [`Space::scatter`] scatters the path: its light stands for that of all such points.
+    /// the point. The point is sampled independently of [`Space::scatter`]: the direct light there, times the weight, is an unbiased estimate
+    /// of all single scattering of direct light along the way.
     ///
     /// - `hit`: next surface; `None` if there is none
     fn point_on_way<'s>(

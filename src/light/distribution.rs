@@ -79,7 +79,7 @@ impl Distribution {
         [L::min(L::max(x, zero), below_one), L::min(L::max(y, zero), below_one)]
     }
 
-    /// Density of a point by the area of the unit square, without the factors that `weights` lacks there.
+    /// Density of a point, by area of the unit square: its weight over the integral of the weight.
     ///
     /// - `weight`: interpolated weight of the point
     pub fn density(&self, weight: f32) -> f32 {

@@ -5,8 +5,8 @@ use glam::Vec2;
 use crate::math::float::ONE_MINUS_EPSILON;
 use crate::math::lanes::{Lanes, One};
 
-/// Ratio of the radiance from which on light counts as a peak to the mean radiance. Above 1, so that rounding makes no peaks of one
-/// colour.
+/// Radiance from which on light counts as a peak, relative to the mean radiance. It is above 1, so that rounding errors do not create peaks
+/// in light of constant radiance.
 pub(super) const THRESHOLD: f32 = 1.0 + 1.0 / 16.0;
 
 /// Share s of the samples of a light that are of its flat part.

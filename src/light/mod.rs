@@ -67,9 +67,9 @@ pub enum Light {
     Directional(Directional),
     /// Disk of light, infinitely far away.
     Sun(Sun),
-    /// Light of one radiance from all directions.
+    /// Constant environment: the same radiance from all directions.
     Environment(Environment),
-    /// Light from all directions as a picture shows it.
+    /// Environment map: radiance from all directions, given by a picture.
     EnvironmentMap(Arc<EnvironmentMap>),
     /// Light without a surface that a transform places, and may move.
     Placed(Box<Placed>),
@@ -169,7 +169,7 @@ pub struct Lights {
     choice: Choice,
     /// Choice of a light that emits a ray, see [`emission_weights`].
     emission: Option<Discrete>,
-    /// Indices of the lights that are infinitely far away and that rays reach which hit nothing.
+    /// Indices of the infinitely distant lights that emit and that rays which hit nothing can see: suns and environments.
     infinite: Vec<u32>,
     /// Effects that simulating the lights requires.
     effects: Effects,
@@ -305,7 +305,7 @@ impl Lights {
         }
     }
 
-    /// Indices of the lights whose light rays that hit nothing may bring.
+    /// Indices of the infinitely distant lights that rays which hit nothing can see: suns and environments, but no delta lights.
     pub(crate) fn infinite(&self) -> &[u32] {
         &self.infinite
     }
@@ -428,7 +428,7 @@ impl Light {
         }
     }
 
-    /// Whether rays that hit nothing may bring its light.
+    /// Whether rays that hit nothing can see the light: true for suns and environments.
     fn is_background(&self) -> bool {
         matches!(self, Light::Sun(_) | Light::Environment(_) | Light::EnvironmentMap(_))
     }

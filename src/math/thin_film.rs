@@ -38,7 +38,7 @@ pub fn reflectance(wavelength: Wavelength, cos: f64, thickness: f64, film: f64, 
     (0.5 * (s + p)).clamp(0.0, 1.0)
 }
 
-/// The least cosine. At grazing incidence a film without thickness on its own outside would have the reflectance 0/0.
+/// The least cosine. At grazing incidence a film with the index of the outside, 1, would have the reflectance 0/0.
 const GRAZING: f64 = 1e-6;
 
 /// A complex number: its real and its imaginary part.

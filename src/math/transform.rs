@@ -34,7 +34,7 @@ impl Transform {
     /// `Invalid` if the vector is not finite.
     pub fn translate(by: DVec3) -> Result<Transform> {
         let moved = Transform::checked(DAffine3::from_translation(by), DAffine3::from_translation(-by), false);
-        moved.ok_or_else(|| refused(format!("a translation by {by} leads nowhere")))
+        moved.ok_or_else(|| refused(format!("expected a translation by finite numbers, found {by}")))
     }
 
     /// A scale along each axis. Negative factors mirror.
@@ -44,7 +44,7 @@ impl Transform {
     pub fn scale(by: DVec3) -> Result<Transform> {
         let flips = (by.x < 0.0) ^ (by.y < 0.0) ^ (by.z < 0.0);
         let scaled = Transform::checked(DAffine3::from_scale(by), DAffine3::from_scale(by.recip()), flips);
-        scaled.ok_or_else(|| refused(format!("a scale by {by} cannot be undone")))
+        scaled.ok_or_else(|| refused(format!("expected scale factors that are finite and not 0, found {by}")))
     }
 
     /// A rotation about an axis through the origin, counter-clockwise as seen from the tip of the axis.
@@ -60,7 +60,7 @@ impl Transform {
     pub fn rotate(axis: DVec3, degrees: f64) -> Result<Transform> {
         unit(axis)
             .and_then(|axis| Transform::rotation(axis, degrees))
-            .ok_or_else(|| refused(format!("a rotation by {degrees}° about the axis {axis} is none")))
+            .ok_or_else(|| refused(format!("expected a finite angle and an axis that is not 0, found {degrees}° about {axis}")))
     }
 
     /// Rotation about the unit vector `a`.
@@ -107,7 +107,7 @@ impl Transform {
     ///
     /// Tests: singular, projective and non-finite input rejected; tiny and huge scales accepted.
     pub fn from_matrix(m: DMat4) -> Result<Transform> {
-        Transform::affine(m).ok_or_else(|| refused("a matrix that cannot be undone, or is none of an affine map".into()))
+        Transform::affine(m).ok_or_else(|| refused("expected an invertible affine matrix, with the last row 0, 0, 0, 1".into()))
     }
 
     fn affine(m: DMat4) -> Option<Transform> {

@@ -55,8 +55,8 @@ const WORTH: f64 = 0.93;
 /// Radius of the neighbourhood from which the noise of a pixel is estimated (pixels).
 const REACH: usize = 2;
 
-/// Renders a pilot, discards its picture, and returns the allocation that its noise suggests, and the seconds it took. The allocation is even where an
-/// uneven one would hardly lessen the error.
+/// Renders a pilot, discards its picture, and returns the allocation that its noise suggests, and the seconds it took. The allocation is even
+/// where an uneven one would hardly lessen the error.
 ///
 /// - `samples`: samples per pixel that the picture will have
 pub fn pilot_allocation(
@@ -94,8 +94,8 @@ pub fn allocate(film: &MomentFilm) -> Allocation {
     Allocation::new(levels)
 }
 
-/// Expected relMSE of the allocation that the noise of a film suggests, over that of as many samples in every pixel; not a number for a
-/// black film.
+/// Expected relMSE with this allocation, over that of the same total number of samples with equally many in every pixel; NaN for a black
+/// film.
 fn relmse_ratio(film: &MomentFilm, allocation: &Allocation) -> f64 {
     let noise = PixelNoise::of(film, film.spec().crop.size().x as usize);
     let floors = [0, 1].map(|color| noise.floor(color));

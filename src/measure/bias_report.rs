@@ -32,7 +32,7 @@ pub struct BiasEstimate {
 pub struct BiasBudget {
     /// Greatest number of camera samples.
     pub samples: u64,
-    /// Samples of each pixel in the picture. Those of the estimate have indices below it, on which texture footprints depend.
+    /// Samples per pixel of the picture. Sample indices of the estimate stay below it, so that texture footprints are as in the picture.
     pub per_pixel: u64,
     /// Greatest duration of the estimation. The clock is checked after every [`BATCH`] samples.
     pub time: Duration,
@@ -98,7 +98,7 @@ pub fn estimate_bias(setting: String, with: Method, without: Method, seed: u64, 
 /// A scene, the integrator that renders it, and the film.
 pub type Method<'a> = (&'a Arc<dyn Scene>, &'a dyn Integrator, &'a FilmSpec);
 
-/// Number that no scrambling of a picture's pixel has.
+/// Dimension of the key of an estimate's random numbers, which no scrambling of a picture uses.
 const OWN_NUMBERS: u32 = u32::MAX;
 
 /// Difference that sample i shows: the mean over the colours. Invalid samples count as 0 here, as the render itself reports them.

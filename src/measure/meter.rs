@@ -193,7 +193,8 @@ fn reading(sums: &[Sum], response: Response) -> Reading {
 
 impl Meter {
     /// An unbiased estimate of the quantity by one sample; not finite if the estimator's radiance is not, or is negative. Where media
-    /// scatter the path, less light may arrive along it than light sampling has of it in the mean, so that the estimate is negative.
+    /// scatter the path, it may bring less light than the expected contribution of light sampling, which is subtracted; then the estimate is
+    /// negative.
     fn sample(&self, scene: &dyn Scene, estimator: &dyn Estimator, mut numbers: SampleNumbers, interrupt: Interrupt) -> Spectrum {
         let time = if scene.effects().contains(Effects::MOTION) { numbers.get_1d(dimension::TIME) } else { 0.0 };
         match self.quantity {
@@ -275,7 +276,8 @@ fn radiance(
     if radiance.is_valid() { radiance } else { Spectrum::gray(f32::NAN) }
 }
 
-/// The share of the light emitted towards the meter by what a ray hits that light sampling has: the sum of Le p_light/(p_light + p).
+/// Emitted light that arrives along a ray, from the surface that it hits or from the background, times the MIS weight of light sampling:
+/// the sum of Le p_light/(p_light + p).
 ///
 /// - `pdf`: p, the density with which the ray's direction was sampled
 fn sampled_from_lights(scene: &dyn Scene, plane: &Surface, ray: &Ray, hit: Option<Hit>, pdf: f32) -> Spectrum {

@@ -13,8 +13,9 @@ use crate::load::Loaded;
 use crate::math::float::sin_cos_degrees;
 use crate::scene::Scene;
 
-/// Number of samples without any limit, and with a target or a time only.
+/// Default limit of the number of samples; also the number after which a meter that has found no light stops, whatever the limits.
 const SAMPLES: u64 = 1 << 16;
+/// Default limit of the number of samples if there is a target or a time.
 const MOST_SAMPLES: u64 = 1 << 30;
 /// Least target: the rounding of f32 alone makes up to a millionth.
 const LEAST_TARGET: f64 = 2e-6;

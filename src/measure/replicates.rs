@@ -14,7 +14,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// The interval of a function of the number that does not fall anywhere.
+    /// Applies a non-decreasing function to the estimate and to both ends.
     pub fn map(self, f: impl Fn(f64) -> f64) -> Interval {
         Interval { value: f(self.value), low: f(self.low), high: f(self.high) }
     }

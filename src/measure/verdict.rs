@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Outcome of one or several tests, which refuse if p falls below the level.
+/// Outcome of one or several tests, each of which rejects its hypothesis if p is below the level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
     /// Smallest p-value of the `tests` single tests: the probability that chance makes so large a deviation.
@@ -14,7 +14,7 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// Returns whether no single test refuses.
+    /// Returns whether no single test rejects.
     pub fn accepts(&self) -> bool {
         self.p >= self.level
     }

@@ -57,7 +57,7 @@ impl Side {
     /// Reads a picture with standard errors, which must have the pixels of `film`.
     ///
     /// # Errors
-    /// `Invalid` for other pixels, missing channels and values that are no numbers; those of [`exr::read`].
+    /// `Invalid` for other pixels, missing channels and values that are not finite; those of [`exr::read`].
     pub fn read(path: &Path, film: &FilmSpec) -> Result<Side> {
         let (image, attributes) = exr::read(path)?;
         same_pixels(path, &image, film)?;
@@ -74,7 +74,7 @@ impl Side {
         }
         let broken = image.channels.iter().flat_map(|channel| &channel.values).filter(|value| !value.is_finite()).count();
         if broken > 0 {
-            return Err(format!("has {broken} values that are no numbers"));
+            return Err(format!("has {broken} values that are not finite"));
         }
         let value = |name: &str| attributes.iter().find(|(other, _)| other == name).map(|(_, value)| value.to_string());
         let freedom = value("pt/standardErrorFreedom").and_then(|text| text.parse::<u64>().ok());

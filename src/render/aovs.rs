@@ -1,7 +1,7 @@
 //! Layers of a picture: properties of the first surface that a camera ray hits, and the light of the picture's own paths.
 //!
 //! ```text
-//! albedo   f·|cos θi| / pdf of one direction drawn from the surface's BSDF, without the compression of radiance in glass
+//! albedo   f·|cos θi| / pdf of one direction drawn from the surface's BSDF, without the 1/η² scaling of refracted radiance
 //! ```
 //!
 //! The mean of the albedo is the fraction of light from the camera's direction that is scattered, reflected or transmitted. The albedo

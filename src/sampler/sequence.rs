@@ -8,7 +8,7 @@ use super::{Halton, Independent, SampleKey, Sampler, Sobol, Stratified};
 
 /// Sampler with its settings, shared by all threads.
 ///
-/// The samplers of pt are variants, so that a number of theirs costs no call through a table of functions.
+/// pt's own samplers are variants of the enum, so that drawing a number needs no virtual call.
 pub enum Sequence {
     /// Independent numbers.
     Independent(Independent),

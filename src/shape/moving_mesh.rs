@@ -38,7 +38,7 @@ impl MovingMesh {
     /// that it is the same at all times.
     ///
     /// # Errors
-    /// The mesh at rest: in its only pose, or as it is without any.
+    /// Returns the mesh itself if it does not move: in its only pose, or unchanged if there is no pose.
     pub fn new(mesh: TriangleMesh, mut poses: Vec<Pose>) -> std::result::Result<MovingMesh, TriangleMesh> {
         let Some(last) = poses.pop() else { return Err(mesh) };
         let mut data = Arc::unwrap_or_clone(mesh.data);

@@ -136,14 +136,14 @@ fn a_long_render_predicts_its_time_unasked() {
     assert!(lines[0].contains(" % would take about ") && lines[0].ends_with(')'), "{lines:?}");
 }
 
-/// A single scrambling tells no error, so that no target is ever met: it is refused at once. Too few samples say why they tell none.
+/// A single scrambling gives no error estimate, so that no target is ever met: it is refused at once. Too few samples say why they tell none.
 #[test]
 fn samples_that_tell_no_error_say_why() {
     let folder = folder();
     let render = |code: i32, more: &[&str]| said(folder.path(), code, &[&[CORNELL, "--size", "16x16", "-o", "box.exr"], more].concat());
     for flag in [["--target", "2%"], ["--pilot", "1s"]] {
         let text = render(2, &[&flag[..], &["--scramblings", "1"]].concat());
-        assert!(text.contains(&format!("{}: a single scrambling tells no error", flag[0])), "{text}");
+        assert!(text.contains(&format!("{}: a single scrambling gives no error estimate", flag[0])), "{text}");
     }
     assert!(render(0, &["--spp", "3"]).contains("no error is told: that takes 4 samples per pixel"));
     assert!(render(0, &["--spp", "64", "--scramblings", "1"]).contains("no error is told: that takes two scramblings"));

@@ -353,7 +353,7 @@ fn open_bodies_with_media_are_named() {
 fn tinted_glass_with_something_in_it_is_named() {
     let tinted = |eta: f64| json!({"type": "dielectric", "eta": eta, "absorption": {"color": [0.5, 0.2, 0.1], "distance": 0.5}});
     let bottle = block("bottle", [0.0, 1.5, 0.0], [1.4; 3], tinted(1.5));
-    let words = ["bottle", "something else in it", "\"medium\": {\"type\": \"homogeneous\", \"absorption\": [1.386"];
+    let words = ["bottle", "contains an object", "\"medium\": {\"type\": \"homogeneous\", \"absorption\": [1.386"];
     let and = |thing: Value| with(&[bottle.clone(), thing]);
     is_told(&and(ball("pearl", [0.2, 1.5, 0.0], 0.3, "diffuse")), &words, &and(ball("pearl", [1.2, 1.5, 0.0], 0.3, "diffuse")));
     is_told(&and(ball("bubble", [0.2, 1.5, 0.0], 0.3, "dielectric")), &words, &and(ball("bubble", [1.2, 1.5, 0.0], 0.3, "dielectric")));
@@ -376,10 +376,10 @@ fn tinted_glass_with_something_in_it_is_named() {
     };
     let clear = block("block", [0.0; 3], [2.0; 3], json!({"type": "dielectric", "eta": 1}));
     let wrong = seen(block("block", [0.0; 3], [2.0; 3], tinted(1.0)), Value::Null);
-    let told = said(&wrong).into_iter().find(|warning| warning.contains("something else in it")).expect("a warning");
+    let told = said(&wrong).into_iter().find(|warning| warning.contains("contains an object")).expect("a warning");
     let advice = &told[told.find("{").expect("a medium")..];
     let right = seen(clear, serde_json::from_str(advice).expect("a medium"));
-    assert!(!said(&right).iter().any(|warning| warning.contains("something else in it")));
+    assert!(!said(&right).iter().any(|warning| warning.contains("contains an object")));
     assert!((rendered(&wrong, "nee").0 - 1.0).abs() < 1e-6);
     let exact = (0.5f64.powi(2) + 0.2f64.powi(2) + 0.1f64.powi(2)) / 3.0;
     assert!((rendered(&right, "nee").0 / exact - 1.0).abs() < 1e-5);

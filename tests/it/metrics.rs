@@ -244,7 +244,7 @@ fn names_are_read_and_shown() {
     assert_eq!(Metric::default().name(), "relmse");
     let refusals = [
         ("rmsee", "unknown metric \"rmsee\", did you mean \"rmse\"?"),
-        ("mse:eps=1", "metric \"mse:eps=1\": its formula has no eps of one's choice"),
+        ("mse:eps=1", "metric \"mse:eps=1\": this metric takes no eps"),
         ("relmse:eps=-1", "metric \"relmse:eps=-1\": expected a number from 0 after eps="),
         ("relmse:eps=NaN", "metric \"relmse:eps=NaN\": expected a number from 0 after eps="),
         ("relmse:robots", "metric \"relmse:robots\": unknown option \"robots\", expected robust or eps=NUMBER"),

@@ -627,7 +627,7 @@ fn impossible_keyframes_are_refused() {
         ),
         (
             &moving("{\"keyframes\": [{\"time\": 0, \"transform\": [{\"scale\": ^0}]}]}"),
-            "/shapes/0/transform/0/keyframes/0/transform/0/scale: the transform is singular",
+            "/shapes/0/transform/0/keyframes/0/transform/0/scale: the transform has no inverse",
         ),
         (
             "\"background\": {\"image\": \"a.exr\", \"transform\": [{\"keyframes\": ^[{\"time\": 0}]}]}",

@@ -65,7 +65,7 @@ fn faults_of_overrides_name_the_override() {
         (
             "/shapes/0/transform",
             "[{\"scale\": 0}]",
-            "-D /shapes/0/transform=[{\"scale\": 0}]: /shapes/0/transform/0/scale: the transform is singular",
+            "-D /shapes/0/transform=[{\"scale\": 0}]: /shapes/0/transform/0/scale: the transform has no inverse",
         ),
     ];
     for (pointer, value, expected) in cases {

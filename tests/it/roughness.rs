@@ -109,7 +109,8 @@ fn a_bump_map_without_effect_is_reported() {
                 r#"{{"type": "mesh", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]], "uvs": {uvs}, "material": {bumped}}}"#
             );
             let warnings = built(&format!(r#"{{"pt": 1, "camera": {{}}, "background": {{"radiance": 1}}, "shapes": [{mesh}]}}"#)).warnings;
-            let expected = "s.json: /shapes/0: the texture coordinates of 1 of 1 triangles span no area: no relief shows there";
+            let expected =
+                "s.json: /shapes/0: the texture coordinates of 1 of 1 triangles span no area: normal and bump maps have no effect there";
             assert_eq!(warnings.iter().any(|warning| warning == expected), is_said && matters, "{uvs}, {bumped}: {warnings:?}");
         }
     }

@@ -200,9 +200,9 @@ fn frames_are_orthonormal() {
 #[test]
 fn error_messages_name_the_invalid_input() {
     let said = |result: pt::Result<Transform>| result.expect_err("no transform").to_string();
-    assert_eq!(said(Transform::translate(DVec3::new(f64::NAN, 0.0, 0.0))), "a translation by [NaN, 0, 0] leads nowhere");
-    assert_eq!(said(Transform::scale(DVec3::new(1.0, 0.0, 1.0))), "a scale by [1, 0, 1] cannot be undone");
-    assert_eq!(said(Transform::rotate(DVec3::ZERO, 30.0)), "a rotation by 30° about the axis [0, 0, 0] is none");
+    assert_eq!(said(Transform::translate(DVec3::new(f64::NAN, 0.0, 0.0))), "expected a translation by finite numbers, found [NaN, 0, 0]");
+    assert_eq!(said(Transform::scale(DVec3::new(1.0, 0.0, 1.0))), "expected scale factors that are finite and not 0, found [1, 0, 1]");
+    assert_eq!(said(Transform::rotate(DVec3::ZERO, 30.0)), "expected a finite angle and an axis that is not 0, found 30° about [0, 0, 0]");
     assert!(said(Transform::look_at(DVec3::X, DVec3::X, DVec3::Y)).starts_with("a view from [1, 0, 0] to [1, 0, 0]"));
     let (from, to, up) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-1.0, 0.5, 0.0), DVec3::Y);
     let pose = pt::camera::Pose::look_at(from, to, up).expect("a view");

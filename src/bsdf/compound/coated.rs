@@ -30,7 +30,8 @@ use crate::texture::{Number, Texture, TextureContext};
 /// T = (1 − E(wo)) (1 − E(wi)) / (1 − Ē)              for a Lambertian base, also under layers of its own
 ///
 /// The coat reflects the share K = 1 − (1 − Ē)/η² of the light from a Lambertian base back to it, which makes colours deeper: T has the
-/// further factor (1 − K)/(1 − ρ K). The same factor is used for an Oren–Nayar base. For other bases this reflection is neglected.
+/// further factor (1 − K)/(1 − ρ · color · K), unless the base keeps its colour ([`Coat::keep_base_color`]). The same factor is used for an
+/// Oren–Nayar base. For other bases this reflection is neglected.
 ///
 /// No light is lost over white matte bases and mirrors. Some is lost over wide lobes that are not matte: up to 5 % over an Oren–Nayar
 /// base, 6 % over rough metal, and 0.7 % for plastic under another coat, because of its own highlight.
@@ -216,7 +217,7 @@ impl Layer<'_> {
         self.attenuated(wo, wi) * LayerStack::new(self, None, wo, wi).glossy()
     }
 
-    /// (1 − K)/(1 − ρ c K) for a matte base, and 1 for others.
+    /// (1 − K)/(1 − ρ · color · K) for a matte base; 1 for other bases, and where the base keeps its colour.
     fn deepened(&self, base: &Bsdf) -> Spectrum {
         let (Bsdf::Diffuse(Diffuse { albedo }) | Bsdf::OrenNayar(OrenNayar { albedo, .. })) = base else { return Spectrum::ONE };
         let thrown_back = 1.0 - self.mean / (self.surface.eta * self.surface.eta);

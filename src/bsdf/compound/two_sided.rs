@@ -120,7 +120,7 @@ impl Description for described::TwoSided {
         let mut side = |key: &str, chosen: &Option<MaterialRef>| {
             let material = builder.part(key, chosen.as_ref()?);
             if material.transmits() {
-                builder.fault(key, "lets light through, and a two-sided material does not: use it without");
+                builder.fault(key, "transmits light, but both sides of a two-sided material must be opaque");
             }
             Some(material)
         };

@@ -33,7 +33,8 @@ fn lost(bounds: &[Aabb]) -> Option<(usize, String)> {
     let sizes = bounds.iter().map(|b| (b.magnitude().max_element(), (b.max - b.min).max_element()));
     let (shape, (reach, size)) = sizes.enumerate().max_by(|(_, a), (_, b)| (a.0 / a.1).total_cmp(&(b.0 / b.1)))?;
     let text = format!(
-        "{size:.1e} m large, {reach:.1e} m away from where the scene is finest: f32 steps by {:.1e} m there, and it loses its form",
+        "{size:.1e} m large, {reach:.1e} m away from where the scene is finest: f32 steps by {:.1e} m there, which distorts its form; move it \
+         nearer, or make it larger",
         reach.next_up() - reach
     );
     (reach / size > MOST_SIZES_AWAY).then_some((shape, text))

@@ -1,7 +1,7 @@
 //! Warnings about glass that absorbs light and has something else in it.
 //!
-//! The absorption of glass is a factor of its surface: where a ray meets the inner side, its length since the last vertex counts. What lies
-//! in between is another last vertex, and the way to it counts nowhere.
+//! Glass applies its absorption where a ray hits its inner side, over the length since the previous vertex of the path. A path that hits
+//! another object inside of the glass starts a new segment there, and the segment that led to the object is not absorbed.
 
 use super::open_glass::LOST_BY_ROUNDING;
 use super::rays::{Met, OnShape, are_of_one_shape, meet, points_of, scattered};
@@ -40,7 +40,7 @@ fn sentence(name: &str, absorption: Rgb) -> String {
     // A channel that is absorbed at once has no finite coefficient.
     let [r, g, b] = absorption.to_array().map(|sigma| sigma.min(1e30));
     format!(
-        "{name}: glass with an \"absorption\" and something else in it: light on its way to that is not weakened; give the shape a medium in \
+        "{name}: glass with an \"absorption\" that contains an object, or is in a medium: some light is not absorbed; give the shape a medium in \
          place of the absorption: \"medium\": {{\"type\": \"homogeneous\", \"absorption\": [{r}, {g}, {b}]}}"
     )
 }

@@ -68,10 +68,10 @@ struct FocusedLens {
 /// The thin lens that forms the same image as a realistic lens near the axis. Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinLens {
-    /// Distance from the film to the thin lens, along the view direction: v plus the distance between the principal planes, so that it lies in
-    /// the front one.
+    /// Distance from the film to the front principal plane, along the view direction, at which the thin lens lies: v plus the distance
+    /// between the principal planes.
     pub place: f64,
-    /// v, the distance of the film behind the plane at which light leaves the lens. It decides what the sensor shows.
+    /// v, the distance from the rear principal plane to the film. It decides what the sensor shows.
     pub image_distance: f64,
     /// u, the distance of the plane in focus.
     pub focus_distance: f64,

@@ -58,7 +58,7 @@ pub struct CompareArgs {
     /// Samples per pixel of each replicate, at most; without --time exactly.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
-    /// Render time of each method, and of a reference that is computed. Default: 8s.
+    /// Render time of each method, and of a reference that is computed. Default: 8s; with --spp alone the methods have no limit.
     #[arg(long, value_name = "DURATION", value_parser = parse_duration)]
     pub time: Option<Duration>,
     /// Number of independent renders of each method.
@@ -182,7 +182,7 @@ fn read_picture(path: &Path, film: &FilmSpec, role: &str) -> Result<(Image, Attr
     }
     let broken = image.pixels().flatten().filter(|value| !value.is_finite()).count();
     if broken > 0 {
-        return Err(refused(format!("the {role} has {broken} values that are no numbers")));
+        return Err(refused(format!("the {role} has {broken} values that are not finite")));
     }
     Ok((image, attributes))
 }

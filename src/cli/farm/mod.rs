@@ -123,7 +123,7 @@ fn refuse_options(args: &RenderArgs) -> Result<()> {
     }
     match flags.into_iter().find(|(_, is_given)| *is_given) {
         Some((flag, _)) => {
-            Err(Error::Usage(format!("farm {flag}: shards have a number of samples, and nothing else to do; see pt farm --help")))
+            Err(Error::Usage(format!("farm {flag}: not with shards, which only render a fixed number of samples; see pt farm --help")))
         }
         None => Ok(()),
     }

@@ -33,7 +33,7 @@ const CONFIDENCE: f64 = 0.95;
 /// Factor by which the time of a sample may differ from one moment of a machine to another.
 const CLOCK: f64 = 1.1;
 
-/// Ratio of the ends of an interval from which on only its lower end is told: ten times more or less than the value is no figure.
+/// Upper over lower end of an interval from which on only the lower end is printed: the value is then uncertain by a factor of ten.
 const TELLING: f64 = 100.0;
 
 /// Factor by which a price may be wrong where the error of the pilot cannot be stated, as rare bright samples make the noise or are missing.

@@ -95,7 +95,7 @@ fn worst_samples(plan: &RenderPlan, found: &Outliers) -> String {
     match (found.samples.is_empty(), found.complete) {
         (true, _) => text = "no noise: no sample is worse than another\n".into(),
         (_, true) => {}
-        (_, false) => text += "no few samples make the noise: these are the worst of the pixels searched\n",
+        (_, false) => text += "the noise does not come from a few samples: these are the worst of the pixels searched\n",
     }
     text
 }
@@ -128,7 +128,7 @@ pub fn bias_line(removed: &BiasEstimate) -> String {
         (0, true) => format!("{verb} {energy} % of the energy"),
         (0, false) => "removes nothing".into(),
         (_, true) => format!("{verb} {energy} ± {} % of the energy", per_cent(*error)),
-        (n, false) => format!("removes nothing that {n} camera samples would show"),
+        (n, false) => format!("removes nothing that {n} camera samples could detect"),
     };
     format!("bias: {setting} {what}")
 }

@@ -155,7 +155,7 @@ impl RenderPlan {
             [("--target", args.target.is_some()), ("--pilot", args.pilot.is_some())].into_iter().find_map(|(f, g)| g.then_some(f))
             && loaded.sampler.error_estimator() == ErrorEstimator::Scramblings(1)
         {
-            return Err(Error::Usage(format!("{flag}: a single scrambling tells no error; it takes --scramblings 2 or more")));
+            return Err(Error::Usage(format!("{flag}: a single scrambling gives no error estimate; use --scramblings 2 or more")));
         }
         let job = Job { command: words(args, loaded)?, samples: loaded.sampler.spp };
         let view = of_camera(&*loaded.world, &loaded.film);

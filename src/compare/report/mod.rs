@@ -52,7 +52,7 @@ pub fn write(comparison: &Comparison, folder: &Path, jeri: bool) -> Result<()> {
     Ok(())
 }
 
-/// The page of a comparison that goes on: that of the report, with what tells how far it is.
+/// HTML page of a comparison that is still running, or has just ended: the page of the report, with a display of the progress.
 ///
 /// - `version`: number of this page among those that show the comparison
 /// - `is_last`: whether the comparison is over; the pages before have no FLIP

@@ -38,7 +38,7 @@ pub fn waiting(scene: &str) -> String {
     })
 }
 
-/// What tells how far the comparison is.
+/// HTML of the progress display.
 fn live(version: u64) -> String {
     include_str!("assets/live.html").replace("{{version}}", &version.to_string())
 }
@@ -211,7 +211,7 @@ fn price(method: &Method, i: usize) -> String {
         [format::duration(cost.seconds), format::between(cost.low, cost.high)].map(|text| text.replace(' ', "\u{a0}"));
     match cost.kind {
         CostKind::Measured => format!("{seconds} <small>{interval}</small>"),
-        CostKind::Extrapolated => format!("<span title=\"foretold\">≈ {seconds}</span> <small>{interval}</small>"),
+        CostKind::Extrapolated => format!("<span title=\"extrapolated\">≈ {seconds}</span> <small>{interval}</small>"),
         CostKind::AtMost => format!("<span title=\"the first checkpoint is there already\">&lt; {seconds}</span>"),
     }
 }

@@ -66,7 +66,7 @@ pub struct Request<'r> {
     pub grid: Option<&'r str>,
     /// Where in the box the values are.
     pub values_at: ValuesAt,
-    /// The box that the density has in its file, for a colour: an OpenVDB file, which has values everywhere, gives them there.
+    /// For a colour grid, the box of the density's file: a grid of an OpenVDB file is read within this box.
     pub bounds: Option<[DVec3; 2]>,
 }
 

@@ -47,7 +47,7 @@ impl Reader<'_> {
                 let encoding = |version| if version == DartsVersion::Darts { "signed" } else { "absolute" };
                 let (encoding, is_sure) = self.spellings.says(encoding);
                 if !is_sure {
-                    kind.note("nothing tells which of the dialects of dirt and darts this is: read as dirt's, |n|");
+                    kind.note("it is not clear whether this is a scene of dirt or of darts: read as dirt's, which shows |n|");
                 }
                 Some(cursor.make_object([("type", cursor.make_text("normals")), ("encoding", cursor.make_text(encoding))]))
             }
@@ -56,7 +56,7 @@ impl Reader<'_> {
             "path_tracer_nee" => paths("nee", Some("light"), bounces()),
             "path_tracer_mis" => paths("nee", None, bounces()),
             "path_tracer_mixture" => {
-                kind.note("one direction from the mixture of two densities: approximated by one from each, weighed the same way");
+                kind.note("approximated by multiple importance sampling with the balance heuristic: one sample of each density");
                 paths("nee", Some("balance"), bounces())
             }
             "direct_mats" => paths("path", None, once()),

@@ -108,7 +108,7 @@ impl<'a> Media<'a> {
                 same_medium(&boundary.outside, exterior) || bodies(i).any(|j| same_medium(&boxed[j].0.inside, &boundary.outside));
             if !is_known {
                 boundary.surface.fault(format!(
-                    "outside of it is {}, but no body around it has that inside, and outside of {} is {}",
+                    "{} is outside of this surface, but inside of no surface around it; outside of {} is {}: make them agree",
                     in_words(&boundary.outside),
                     first.surface.pointer,
                     in_words(exterior)

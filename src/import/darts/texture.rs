@@ -55,7 +55,7 @@ impl Reader<'_> {
         let (multiplies, is_sure) = self.spellings.says(|version| version == DartsVersion::Dirt);
         let number = numbers::<1>(scale)?[0];
         if !is_sure && number != 1.0 {
-            scale.note("nothing tells which of the dialects of dirt and darts this is: read as dirt's, sin(scale · p)");
+            scale.note("it is not clear whether this is a scene of dirt, sin(scale · p), or of darts, sin(p / scale): read as dirt's");
         }
         if multiplies {
             return Some(radians(scale, scalar(scale)?));

@@ -10,7 +10,7 @@ use crate::format::Index;
 use crate::import::json_cursor::JsonCursor;
 use crate::reader::Node;
 
-/// Extensions that pt has nothing for.
+/// Extensions that are left out, each with the note about its effect.
 const LEFT_OUT: &[(&str, &str)] = &[
     ("KHR_materials_diffuse_transmission", "light that goes through a thin matte sheet is left out: its back stays dark"),
     ("KHR_materials_unlit", "an unlit material is lit like any other: it has shades and is as bright as its light"),
@@ -224,11 +224,11 @@ impl<'a> Reader<'_, 'a> {
         if let Some((share, volume)) = glass {
             members.push(("transmission", share));
             if let Some(color) = volume.and_then(|volume| volume.get(&["attenuationColor"])) {
-                self.document.note(&color, "what a body that is glass only in part takes of the light is left out");
+                self.document.note(&color, "the absorption of a material that transmits only in part is left out");
             }
             if let Some((_, dispersion)) = self.dispersion() {
                 self.document
-                    .note(&dispersion, "the dispersion of a body that is glass only in part is left out: it bends all colours alike");
+                    .note(&dispersion, "the dispersion of a material that transmits only in part is left out: all colours refract alike");
             }
         }
         if let Some(coat) = self.extension("KHR_materials_clearcoat") {
@@ -274,7 +274,7 @@ impl<'a> Reader<'_, 'a> {
                     least_index = range[0];
                     members.push(("abbe", location.make_number(abbe)));
                 }
-                None => self.document.note(&location, "a dispersion with which the index of refraction is no such number is left out"),
+                None => self.document.note(&location, "the dispersion is left out: it gives indices of refraction below 0.01 or above 100"),
             }
         }
         let distance = volume.as_ref().and_then(|volume| volume.get(&["attenuationDistance"]));
@@ -399,7 +399,7 @@ impl<'a> Reader<'_, 'a> {
             let at = location.make_number(cutoff);
             location.make_object([("type", location.make_text("threshold")), ("by", opacity), ("at", at)])
         } else {
-            self.document.note(&mode, "what is blended covers its share of the rays, in no order");
+            self.document.note(&mode, "alphaMode BLEND: each ray hits the surface with the probability alpha, whatever the order");
             opacity
         };
         if !varies && alpha == 1.0 {
@@ -448,7 +448,7 @@ impl<'a> Reader<'_, 'a> {
     fn note_textures(&self) {
         let mapping = self.mapping();
         for other in self.references().iter().filter(|info| Mapping::of(info) != mapping) {
-            self.document.note(other, "a texture lies as the material's first one does: its own coordinates are left out");
+            self.document.note(other, "all textures of a material use the coordinates of its first one: those of this one are left out");
         }
         if let Some(occlusion) = self.own.as_ref().and_then(|own| own.get(&["occlusionTexture"])) {
             self.document.note(&occlusion, "baked occlusion is left out: light finds its way by itself");

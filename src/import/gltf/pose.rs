@@ -106,7 +106,7 @@ impl Poses {
         let within = animations.keys_within([open, close]);
         if within.len() > MOST_KEYS {
             let message = format!(
-                "{} keyframes while the shutter is open: movement follows the first {MOST_KEYS} exactly, and the others within a 64th of the exposure",
+                "{} keyframes while the shutter is open: movement follows the first {MOST_KEYS} exactly, and the others to a 64th of its time",
                 within.len()
             );
             document.note(&document.at(&["animations"]), message);

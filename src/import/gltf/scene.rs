@@ -187,7 +187,7 @@ impl SceneBuilder<'_, '_> {
         let still: Option<(f64, DMat4)> = moments.iter().copied().find(is_shown);
         if still.is_some() {
             let at = self.document.item("nodes", node.index());
-            self.document.note(&at, "what is scaled to nothing for a part of the exposure stands still and is shown for all of it");
+            self.document.note(&at, "its scale is 0 during a part of the exposure: it is shown at rest, for the whole exposure");
         }
         still.into_iter().collect()
     }
@@ -256,7 +256,7 @@ impl SceneBuilder<'_, '_> {
         };
         if bent.is_none() {
             let at = self.document.item("nodes", node.index());
-            self.document.note(&at, "a mesh of which triangles vanish while it is bent is shown as in the middle of the exposure");
+            self.document.note(&at, "in some poses triangles have no area: the mesh is shown at rest, as in the middle of the exposure");
         }
         let written = |(k, (time, mesh)): (usize, (f64, MeshData))| Some((time, self.write(&format!("{name}-pose-{k}"), &mesh)?));
         let keyframes = bent.into_iter().flatten().enumerate().map(written).collect::<Option<_>>()?;

@@ -82,9 +82,9 @@ impl Kind {
     fn without(self) -> &'static str {
         match self {
             Kind::Color => "a plain colour shows in its place",
-            Kind::Emission => "what shines by it stays dark",
+            Kind::Emission => "the surface does not emit",
             Kind::Normal => "the surface is smooth there",
-            Kind::Share(_) => "the same number holds all over",
+            Kind::Share(_) => "its factor alone is used",
         }
     }
 }
@@ -114,7 +114,7 @@ impl<'a> Document<'a> {
         use gltf::texture::{MagFilter, WrappingMode};
         let sampler = texture.sampler();
         if sampler.wrap_s() != sampler.wrap_t() {
-            self.note(at, "the picture goes on along v as it does along u");
+            self.note(at, "different wrapping along u and v is left out: wrapS holds for both");
         }
         let wrap = match sampler.wrap_s() {
             WrappingMode::Repeat => None,

@@ -3,7 +3,7 @@
 use crate::math::{Spectrum, Vec3, float};
 use crate::medium::{Media, Medium, transmittance};
 
-/// Distribution of distances as paths scatter, up to an end.
+/// Distribution of free-flight distances, under the condition that the path scatters before an end.
 pub struct Truncated {
     /// Probabilities of the channels, of which those without extinction cannot be chosen.
     chances: [f32; 3],
@@ -52,7 +52,7 @@ impl Truncated {
     }
 }
 
-/// Distribution of distances that is even in the angle under which a point sees them.
+/// Equiangular distribution of distances along a ray: uniform in the angle at which a point beside the ray sees them.
 pub struct Equiangular {
     /// Distance of the point from the ray, and its place along the ray (m).
     distance: f32,
@@ -63,7 +63,7 @@ pub struct Equiangular {
 }
 
 impl Equiangular {
-    /// - `point`: the point, less that from which distances count (m)
+    /// - `point`: position of the point relative to the point of the ray at distance 0 (m)
     /// - `range`: the two ends (m)
     ///
     /// `None` if the point is on the ray.

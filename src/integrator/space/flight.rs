@@ -21,7 +21,7 @@ use crate::medium::{Media, Medium};
 pub struct Flight {
     /// Channel whose optical depth counts.
     pub channel: usize,
-    /// Optical depth up to the point where the path scatters.
+    /// Optical depth, in that channel, that is left until the path scatters.
     pub left: f32,
     /// Probabilities of the channels, given that the path was not scattered so far.
     chances: [f32; 3],
@@ -102,7 +102,9 @@ impl Flight {
         self.given(real.coefficients().map(|real| 1.0 - real))
     }
 
-    /// Weight of a path to which something happened, for which each channel has a probability, or a number proportional to it.
+    /// Weight of a path after an event, and the new probabilities of the channels (Bayes' theorem).
+    ///
+    /// - `of`: probability of the event in each channel, or numbers proportional to it
     fn given(&mut self, of: [f32; 3]) -> Spectrum {
         let chance: f32 = (0..3).map(|c| self.chances[c] * of[c]).sum();
         self.chances = std::array::from_fn(|c| self.chances[c] * of[c] / chance);

@@ -33,12 +33,12 @@ pub fn stretches<'s, T>(
     t_max: f32,
     mut visit: impl FnMut(&Stretch<'s>) -> ControlFlow<T>,
 ) -> ControlFlow<T> {
-    // The origin lies off the point that the ray leaves by the rounding of that point. Of this offset the part along the ray counts.
+    // `origin` is offset from `from`, the point that the ray leaves, to avoid self-intersection. Lengths count from `from`.
     let whole = (t_max + (ray.origin - ray.from).dot(ray.direction)).max(0.0);
     let (mut onward, mut start) = (Ray { t_max, ..*ray }, 0.0);
     for _ in 0..MOST_BOUNDARIES {
         let crossing = scene.interface(&onward);
-        // Not the difference of start and end, which a far start would round.
+        // Not the end minus the start of the stretch: far from the ray's start, that difference would lose precision.
         let rest = (whole - start).max(0.0);
         let length = crossing.as_ref().map_or(rest, |crossing| crossing.length.min(rest));
         visit(&Stretch { medium: media.at(inside), start, length, inside: *inside })?;

@@ -65,9 +65,9 @@ fn optical_depth(numbers: &mut Stream) -> f32 {
     -float::ln(1.0 - numbers.next_1d())
 }
 
-/// Transmittance below which a ray ends by chance.
+/// Transmittance below which Russian roulette may end the ray at a collision.
 const FAINT: f32 = 1.0 / 64.0;
-/// Probability that a faint ray goes on.
+/// Probability that the ray survives Russian roulette.
 const SURVIVAL: f32 = 0.5;
 
 /// Estimate of the share of the light that passes a stretch, whose mean is e^(−τ) (ratio tracking).

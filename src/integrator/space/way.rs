@@ -23,10 +23,12 @@ const POINTS_PER_SCATTERING: f32 = 4.0;
 
 /// Way from a vertex to the next surface through media of which one at least scatters light.
 ///
-/// A point at the distance t is chosen with the density of half of either technique:
-/// - as paths scatter, but never beyond the end: σ T(t) / (1 − T(end)), for one of the channels
-/// - equal in the angle under which a point y of a light sees the ray: D / ((θ₁ − θ₀) (D² + (t − δ)²)), with the distance D of y from the
-///   ray, and δ its place along the ray
+/// The distance t of the point has the mean of two densities, each sampled half of the time:
+/// - distances at which paths scatter, truncated at the end of the way: σ T(t) / (1 − T(end)), for a channel chosen at random
+/// - equiangular sampling towards a point y of a light: D / ((θ₁ − θ₀) (D² + (t − δ)²)), where D is the distance of y from the ray, δ the
+///   distance along the ray of the point nearest to y, and θ₀ and θ₁ the angles of the two ends seen from y
+///
+/// Without such a y, only the first is used.
 ///
 /// Source: Kulla and Fajardo, *Importance Sampling Techniques for Path Tracing in Participating Media* (2012).
 pub struct Way<'s> {

@@ -81,9 +81,9 @@ impl Mapping {
         }
     }
 
-    /// Column and row of the pixels that pixels up to one beyond the borders of the picture stand for.
+    /// Column and row of the pixel inside the picture that stands for a pixel inside it or one step beyond its border.
     ///
-    /// - `place`: column and row of the latter, plus 1
+    /// - `place`: column and row of the pixel that is looked up, plus 1
     #[inline(always)]
     pub fn wrap<L: Lanes>(self, [x, y]: [L::U32; 2], size: UVec2) -> [L::U32; 2] {
         let (zero, one) = (L::u32(0), L::u32(1));

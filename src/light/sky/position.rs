@@ -36,7 +36,7 @@ impl SunPosition {
         // The axis of the earth is inclined to its orbit.
         let tilt = 23.439_291 - 0.013_004_2 * t + 0.002_56 * cos(node);
         let (x, y, z) = (cos(lambda), cos(tilt) * sin(lambda), sin(tilt) * sin(lambda));
-        // The meridian of the place, turned from the direction of spring by the sidereal time.
+        // Local sidereal time, which turns the meridian of the place away from the vernal equinox.
         let meridian = 280.460_618_37 + 360.985_647_366_29 * days + 0.000_387_933 * t * t + longitude;
         let (south, east) = (x * cos(meridian) + y * sin(meridian), y * cos(meridian) - x * sin(meridian));
         let up = cos(latitude) * south + sin(latitude) * z;

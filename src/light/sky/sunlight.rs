@@ -6,8 +6,8 @@ use super::table::{Table, coordinate};
 
 /// Amounts of particles between points of the atmosphere and its upper end, as a table.
 ///
-/// The table has the coordinates ρ/H and (d − d_least)/(d_most − d_least), with the distance ρ from the horizon's point of contact, its
-/// greatest value H, and the distance d to the upper end, in which the amounts are smooth.
+/// The coordinates of the table are ρ/H and (d − d_least)/(d_most − d_least), in which the amounts are smooth. ρ is the distance from the
+/// point to its horizon (where the tangent touches the ground), H the greatest ρ, and d the distance along the ray to the upper end.
 ///
 /// Source: Bruneton, *Precomputed Atmospheric Scattering: a New Implementation* (2017).
 pub(super) struct Sunlight {

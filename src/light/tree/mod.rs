@@ -29,8 +29,8 @@ const PLACE_BITS: u32 = WIDTH.ilog2();
 const MAX_LEVELS: u32 = u64::BITS / PLACE_BITS;
 
 /// Fraction of the choices that are made uniformly among the lights. A light that outshines others by far may be hidden, and those
-/// others must then be found although a random number of 24 bits resolves no smaller probability. (This reaches 2¹⁹ lights, as many as that
-/// number has values in the fraction; of more lights, some are chosen by their importance alone.)
+/// others must then be found although a random number of 24 bits resolves no smaller probability. (Below this fraction lie 2¹⁹ of the 2²⁴
+/// random numbers, so that up to 2¹⁹ lights can be chosen uniformly. Of more lights, some are chosen by their importance alone.)
 const UNIFORM_FRACTION: f32 = 1.0 / 32.0;
 
 /// Light tree over lights that are not infinitely far away.

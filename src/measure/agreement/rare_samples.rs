@@ -1,7 +1,7 @@
 //! Test of two whole images whose noise comes from a few samples.
 //!
-//! A sum s with the variance v, whose noise is that of h equal samples of the size x = √(v/h), is a dark part c = s − h x and a number
-//! of samples N = h that Poisson's distribution gives. If the truth is μ, their expected number is λ = (μ − c)/x, and
+//! A sum s with variance v, whose noise is that of h equal samples of size x = √(v/h), is modelled as c + x N: a constant c = s − h x, and a
+//! Poisson-distributed number of samples N, of which h were found. If the truth is μ, the expected number is λ = (μ − c)/x, and
 //!
 //! ```text
 //! p_low(μ)  = P(N ≤ h) = Γ(h + 1, λ) / Γ(h + 1)        for the darker image, which may lack samples
@@ -12,8 +12,8 @@
 //! The darker image may also lack samples of a size that only the brighter one has met so far. So its noise counts as that of fewer,
 //! larger samples if those of the brighter one are larger: x is the larger of both, and h = v/x².
 //!
-//! p is below α if no μ lies in both intervals of the level α/2. So a few samples less or more explain a difference as far as they can,
-//! and a difference that they cannot explain remains one.
+//! p is below α if no μ lies in both intervals of the level α/2. So a few samples more or less may explain a difference,
+//! and only a difference that they cannot explain is significant.
 //!
 //! Tests: few_samples_explain_what_poisson_allows, samples_that_only_one_side_has_met_are_no_difference,
 //! a_heavy_tail_does_not_hide_a_brighter_lamp.

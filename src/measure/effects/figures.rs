@@ -10,9 +10,9 @@
 //! g = 1/3P 1/(m² + ε),   ε = 0.01 · mean(m)²      m: mean over the replicates; P: number of pixels
 //! ```
 //!
-//! Replicates are independent, and so are pairs of them, whose products and differences have no bias: each figure is a mean or a ratio of
-//! means over replicates or pairs, with the interval of Student's t. None is stated where one of them has most of the variance. Of noise
-//! nothing is stated where the pictures' own error would not be: [`RelativeError::stated`].
+//! Replicates are independent, and so are pairs of them; products and differences within a pair are unbiased. Each figure is a mean, or a
+//! ratio of means, over replicates or pairs, with the interval of Student's t. A figure is not stated if one replicate or pair has most of
+//! its variance. No noise is stated where the relative error of the pictures cannot be: [`RelativeError::stated`].
 
 use super::pictures::Pixels;
 use crate::measure::error::epsilon::floor_at;
@@ -24,7 +24,7 @@ pub type Figure = Result<Interval, Refusal>;
 /// Rounding of sums over pictures of f32, relative to the light of the picture.
 const ROUNDING: f64 = f32::EPSILON as f64;
 
-/// Pictures of all replicates, with the weights of their pixels.
+/// Weights g of the pixels and colours, see the module, and the confidence of the intervals.
 pub struct Scale {
     weights: Vec<f64>,
     confidence: f64,
@@ -65,7 +65,7 @@ impl Scale {
         pictures.chunks_exact(2).map(half).collect()
     }
 
-    /// The error of one of the pictures, by the only rule of what is stated.
+    /// Relative error of a single picture; [`RelativeError::refusal`] tells whether it may be stated.
     pub fn error(&self, pictures: &[&Pixels]) -> RelativeError {
         let mean = mean(pictures);
         let freedom = pictures.len() as f64 - 1.0;
@@ -80,13 +80,13 @@ impl Scale {
         }
     }
 
-    /// Share of the light of the pictures that some parts of them have.
+    /// Fraction of the light of the pictures that `parts` bring.
     pub fn light(&self, with: &[&Pixels], parts: &[&Pixels]) -> Figure {
         let sums = |pictures: &[&Pixels]| pictures.iter().map(|picture| sum(picture)).collect::<Vec<_>>();
         self.interval(&Replicates::ratio(&sums(parts), &sums(with)), ROUNDING)
     }
 
-    /// What the pictures without an effect lack. Replicate by replicate, they have the random numbers of those with it.
+    /// Figures of leaving an effect out. Pictures of the same index in `with` and `without` must have the same random numbers.
     pub fn absence(&self, with: &[&Pixels], without: &[&Pixels]) -> Absence {
         let noise = self.stated(with).and(self.stated(without)).and_then(|()| {
             let [before, after] = [with, without].map(|pictures| self.noise_of_pairs(pictures));
@@ -135,7 +135,7 @@ impl Scale {
 }
 
 impl Absence {
-    /// Time to the same error without the effect, over that with it. The half widths of the logarithms add as squares.
+    /// Time to the same error without the effect, over that with it. The half widths of the logarithms are added in quadrature.
     ///
     /// - `time`: share of the time that goes
     pub fn price(&self, time: Interval) -> Figure {

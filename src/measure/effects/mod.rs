@@ -66,8 +66,8 @@ pub struct EffectReport {
     pub replicates: u32,
     /// Time of the measurement, without the loading of the scene (s).
     pub seconds: f64,
-    /// Samples per pixel of the scene, and the relative error of a picture with so many, as far as it can be told: as if its samples were
-    /// independent.
+    /// Samples per pixel of the scene, and the relative error of a picture with so many, extrapolated from the measured pictures by 1/√n as
+    /// for independent samples; `None` if their error cannot be stated.
     pub noise_of_scene: (u64, Option<f64>),
     /// The figures: parts of the light first, then effects.
     pub rows: Vec<EffectFigures>,
@@ -183,8 +183,8 @@ fn figures(
 }
 
 impl EffectReport {
-    /// Effects that may be left out: the picture changes by less than 0.1 % or than the noise of the scene's samples, and time is saved, both
-    /// with all uncertainty against it.
+    /// Effects that may be left out: the picture changes by less than 0.1 % or less than the noise of the scene's samples, and rendering takes
+    /// less time. Both must hold at the unfavourable end of the interval.
     pub fn dispensable(&self) -> impl Iterator<Item = &EffectFigures> {
         let most = self.noise_of_scene.1.unwrap_or(0.0).max(LEAST);
         self.rows.iter().filter(move |row| {

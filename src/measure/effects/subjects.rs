@@ -88,7 +88,7 @@ impl Subject {
         if self.name.is_empty() { self.effect.to_string() } else { self.name.to_owned() }
     }
 
-    /// The effect that a scene without it must not call for. Matte surfaces stay without their interreflection.
+    /// Effects that the changed scene must not need any more. Interreflection is exempt, because the matte surfaces stay.
     pub fn gone(&self) -> Effects {
         self.effect - Effects::INTERREFLECTION
     }

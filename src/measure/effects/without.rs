@@ -105,7 +105,7 @@ fn become_thin(described: &mut Map<String, Value>, lens: ThinLens, radius: f64) 
     }
 }
 
-/// The moment in the middle of the exposure.
+/// Sets the shutter to a single time in the middle of the exposure: no motion blur.
 pub fn frozen(scene: &mut Value) {
     section(scene, "shutter", |shutter| {
         let time = |key: &str, default: f64| shutter.get(key).and_then(Value::as_f64).unwrap_or(default);
@@ -119,7 +119,7 @@ pub fn point_lookups(scene: &mut Value) {
     section(scene, "film", |film| drop(film.insert("texture_footprint".into(), 0.into())));
 }
 
-/// Shadows of the facets.
+/// Removes `smooth_shadows` from meshes: shadows are those of the flat facets.
 pub fn facets(scene: &mut Value) {
     each_shape(scene, &mut |shape| drop(shape.remove("smooth_shadows")));
 }
@@ -129,7 +129,7 @@ pub fn smooth(scene: &mut Value) {
     unwrap(scene, "bumped");
 }
 
-/// No holes.
+/// Removes alpha masks (cut-outs): the surfaces become solid.
 pub fn whole(scene: &mut Value) {
     unwrap(scene, "masked");
 }
@@ -167,7 +167,7 @@ pub fn no_films(scene: &mut Value) {
     each_object(scene, &mut |object| match object.get("type").and_then(Value::as_str) {
         Some("conductor") => drop(object.remove("film")),
         Some("dielectric") => {
-            // Under the film, light was lost that hits more than one facet.
+            // Light that hits more than one facet was lost under the film. It stays lost, so that only the film makes the difference.
             let more = object.remove("film").map(|_| ("multiscatter".to_owned(), json!(false)));
             object.extend(more);
         }

@@ -12,7 +12,7 @@
 //! g(x) ≈ g + g′ (x − c) + ½ g″ (x − c)²,    g, g′, g″ at c
 //! ```
 //!
-//! and the part that v and x have in common is subtracted. For samples of any distribution
+//! and the covariance of v and x is subtracted. For samples of any distribution
 //!
 //! ```text
 //! E[v (x − r)] = κ₃        E[v ((x − r)² − v)] = −2σ⁴/ν
@@ -24,8 +24,8 @@
 //! contribution = v (g + g′ (x − c − κ₃/v) + ½ g″ ((x − c)² − v + 2w/ν)),    w near σ²
 //! ```
 //!
-//! has the mean σ² g(r) to second order. κ₃ comes from the samples; for scrambled points a factor of the whole picture corrects it. This holds if c is near r, and also if c is moved by noise or the pixel differs from its
-//! neighbours. By the same cumulants, the difference between this estimate and the true contribution of this very picture, (x − r)²
+//! has the mean σ² g(r) to second order. κ₃ is estimated from the samples; for scrambled points it is scaled by a factor that is estimated
+//! from the whole picture. The result holds if c is near r, even if c contains noise or the pixel differs from its neighbours. By the same cumulants, the difference between this estimate and the true contribution of this very picture, (x − r)²
 //! g(r), has the variance
 //!
 //! ```text

@@ -93,8 +93,8 @@ impl PixelStatistics {
         Contribution::mean(self.colors(i).map(|(pixel, local)| Contribution::new(&pixel, &local, self.floor)))
     }
 
-    /// Share of the skewness ratios, from 0 to 1, that the picture itself shows: that of the part that brightness and noise have in
-    /// common, summed over all pixels.
+    /// Factor from 0 to 1 for the skewness ratios: the covariance of brightness and noise that the picture shows, over the covariance that
+    /// the ratios predict, both summed over all pixels.
     ///
     /// The ratios are those of independent samples, scaled to the noise. Evenly distributed points may also make the noise less skewed, which
     /// the samples of a single pixel cannot tell.

@@ -104,7 +104,7 @@ impl RelativeError {
         if square == 0.0 {
             return RelativeError { value: 0.0, spread: 0.0, effective_pixels: f64::INFINITY };
         }
-        // σ² g(r) where the error is.
+        // Mean of the relative variance σ² g(r), weighted with the contributions.
         let noise = variance_ratio / sum / residual_variance(picture.freedom);
         // E[g(x)]/g(r) = 1 + 3s² + 15s⁴ + … for symmetric noise. The fourth order is not corrected, and up to two thirds of it may
         // be left.
@@ -146,12 +146,12 @@ impl RelativeError {
         }
     }
 
-    /// Bound above which the error lies with this probability, stated or not.
+    /// Lower confidence bound: the error is above it with this probability. It exists even where the error cannot be stated.
     pub(super) fn above(&self, confidence: f64) -> f64 {
         self.value * (-quantile(confidence) * self.spread).exp()
     }
 
-    /// Bound below which the error lies with this probability.
+    /// Upper confidence bound: the error is below it with this probability.
     ///
     /// # Errors
     /// The reason why nothing can be stated.

@@ -1,7 +1,7 @@
 //! Errors of the tiles of a picture, and the error that most of them do not exceed.
 //!
-//! Each of T tiles has an estimated error, and a bound below which its error lies with the probability 1 − β. Of the tiles that may exceed
-//! the target half are kept for bounds that do not hold: at most w of them, with
+//! Each of T tiles has an estimated error and an upper bound, which holds with the probability 1 − β. At most (1 − share) T tiles may exceed
+//! the target. Half of this allowance is kept for tiles whose bounds do not hold: at most w of them, with
 //!
 //! ```text
 //! w = ⌊(1 − share) T / 2⌋,     P(Binomial(T, β) > w) = I_β(w + 1, T − w) = α
@@ -18,8 +18,8 @@ use super::local_reference::PixelStatistics;
 use super::relative::{Refusal, RelativeError, quantile};
 use crate::film::{Crop, Film, MomentFilm};
 
-/// Edge of the tiles (pixels); the edges are as near to it as equal tiles can have. The noise of fewer pixels is often in effectively fewer
-/// than thirty of them, which tell no error.
+/// Desired edge of the tiles (pixels). The actual tiles have equal sizes, as near to it as possible. In smaller tiles, often fewer than
+/// thirty pixels effectively hold the noise, too few to estimate an error.
 const TILE: u32 = 32;
 
 /// Rectangle of a picture, with its error.

@@ -107,7 +107,8 @@ pub const ALL: &[Kind] = &[
     },
 ];
 
-/// A kind of error measure with its options: `relmse`, `relmse:eps=1e-2`, `mse:robust`, `mape:eps=1e-3,robust`.
+/// A kind of error measure with its options: `relmse`, `relmse:eps=1e-2`, `mse:robust`, `mape:eps=1e-3,robust`. `eps` sets ε; `robust`
+/// leaves out the 0.1 % of the pixels with the largest errors.
 #[derive(Clone, Copy, Debug)]
 pub struct Metric {
     kind: Kind,
@@ -152,7 +153,7 @@ impl Metric {
         let usage = |message: &str| Err(Error::Usage(format!("metric {text:?}: {message}")));
         match option.split_once('=') {
             None if option == "robust" => self.robust = true,
-            Some(("eps", _)) if self.kind.epsilon.is_none() => return usage("its formula has no eps of one's choice"),
+            Some(("eps", _)) if self.kind.epsilon.is_none() => return usage("this metric takes no eps"),
             Some(("eps", value)) => match value.parse() {
                 Ok(epsilon) if (0.0..f64::INFINITY).contains(&epsilon) => self.epsilon = Some(epsilon),
                 _ => return usage("expected a number from 0 after eps="),

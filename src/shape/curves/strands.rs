@@ -100,8 +100,7 @@ impl Strands {
         self.has_kinks
     }
 
-    /// The number of pieces of each span: if most spans are slender, as many as a hair of four points can have in 200 bytes, so that capsules and
-    /// boxes fit well. One otherwise.
+    /// The number of pieces of each span: [`Basis::most_parts`] if most spans are slender, so that capsules and boxes fit well; otherwise 1.
     fn fitting_parts(&self) -> u32 {
         let slender = |span: u32| {
             let Cubic(b) = self.span(span);
@@ -176,7 +175,7 @@ impl Basis {
         }
     }
 
-    /// Greatest number of pieces of a span: a piece takes 40 to 60 bytes in the hierarchy, and the four points of a hair 68.
+    /// Greatest number of pieces of a span. A hair of four points then takes at most 200 bytes: 68, and 40 to 60 for each piece.
     fn most_parts(self) -> u32 {
         match self {
             Basis::Bezier => 3,

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// The least number of all vertices in the same place, for each vertex. −0 equals 0.
+/// For each vertex, the lowest index of the vertices at the same position. −0 equals 0.
 pub(super) fn places(positions: &[Vec3]) -> Vec<u32> {
     let key = |&v: &u32| ((positions[v as usize] + 0.0).to_array().map(f32::to_bits), v);
     let mut sorted: Vec<u32> = (0..positions.len() as u32).collect();

@@ -43,7 +43,7 @@ fn fields() {
         ),
         (
             r#"{"type": "place", "transform": [{"scale": ^[1, 0, 1]}], "of": {"type": "sphere", "radius": 1}}"#,
-            "/shapes/0/field/transform/0/scale: the transform is singular",
+            "/shapes/0/field/transform/0/scale: the transform has no inverse",
         ),
     ];
     for (text, expected) in cases {

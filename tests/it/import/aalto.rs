@@ -65,7 +65,7 @@ fn what_is_converted_has_the_same_bits() {
     let folder = files(SCENE);
     std::fs::create_dir(folder.path().join("other")).expect("a folder");
     let said = succeeds(folder.path(), &["convert", "scene.json", "other/scene.json"]);
-    assert_eq!(said, "note: other/scene.json names files outside of its folder: it is rendered with --allow-outside\n");
+    assert_eq!(said, "note: other/scene.json names files outside of its folder: to render it, add --allow-outside\n");
     same_bits(folder.path(), "scene.json", "other/scene.json");
 }
 

@@ -44,7 +44,7 @@ fn what_is_written_renders_to_the_same_bits() {
     fs::create_dir(folder.path().join("other")).expect("a folder");
     assert_eq!(succeeds(folder.path(), &["convert", "scene.json", "here.json"]), "");
     let said = succeeds(folder.path(), &["convert", "scene.json", "other/there.json"]);
-    assert_eq!(said, "note: other/there.json names files outside of its folder: it is rendered with --allow-outside\n");
+    assert_eq!(said, "note: other/there.json names files outside of its folder: to render it, add --allow-outside\n");
     same_bits(folder.path(), "scene.json", "here.json");
     same_bits(folder.path(), "scene.json", "other/there.json");
     let there = fs::read_to_string(folder.path().join("other/there.json")).expect("a scene");

@@ -37,7 +37,7 @@ fn groups_and_instances() {
         ),
         (
             r#""groups": {"a": []}, "shapes": [{"type": "instances", "group": "a", "placements": [{"transform": [{"scale": ^0}]}]}]"#,
-            "/shapes/0/placements/0/transform/0/scale: the transform is singular: det 0",
+            "/shapes/0/placements/0/transform/0/scale: the transform has no inverse, because its determinant is 0",
         ),
         (
             r#""groups": {"a": [{"type": "sphere", "emission": 1}], "b": [{"type": "instances", "group": "a"}]},

@@ -30,7 +30,13 @@ pub fn bars(comparison: &Comparison, format: Format) -> Drawing {
         drawing.line(vec![[x, top], [x, bottom]], Color::Grid, 1.0, Dashes::None);
         drawing.text([x, bottom + 1.4 * font_size], Quantity::Seconds.label(tick), Color::Muted, font_size, Anchor::Middle);
     }
-    drawing.text([width, bottom + 2.9 * font_size], "time of rendering; pale: foretold, <: a bound", Color::Muted, font_size, Anchor::End);
+    drawing.text(
+        [width, bottom + 2.9 * font_size],
+        "time of rendering; pale: extrapolated, <: a bound",
+        Color::Muted,
+        font_size,
+        Anchor::End,
+    );
 
     for (i, target) in TARGETS.into_iter().enumerate() {
         let y = top + i as f64 * group;

@@ -68,15 +68,15 @@ fn inflated(run: &[u8], most: usize) -> Result<Vec<u8>> {
 const HEADER: usize = 16;
 /// Versions of that header in c-blosc 1.
 const HEADERS: std::ops::RangeInclusive<u8> = 1..=2;
-/// The bytes of the numbers are stored in the order of their significance: all first ones, all second ones, and so on.
+/// Byte shuffle (`BLOSC_DOSHUFFLE`): the first bytes of all numbers, then all second bytes, and so on.
 const SHUFFLED: u8 = 1;
-/// The bytes are stored as they are.
+/// Not compressed (`BLOSC_MEMCPYED`).
 const COPIED: u8 = 2;
-/// Bits are shuffled.
+/// Bit shuffle (`BLOSC_DOBITSHUFFLE`).
 const BITS_SHUFFLED: u8 = 4;
-/// The bytes of each significance in a block are not compressed apart.
+/// A block is one stream: it is not split into a stream for each byte of its numbers.
 const UNSPLIT: u8 = 0x10;
-/// Largest size of a number, and smallest count of numbers in a block, of which the bytes of each significance are compressed apart.
+/// Blocks are split into streams only for numbers of at most this size (bytes), and at least this count of numbers.
 const SPLIT: [usize; 2] = [16, 128];
 
 /// The bytes of a run that blosc compressed, which must be `expected` in number.

@@ -85,13 +85,13 @@ pub fn read(content: &[u8], request: Request) -> Result<Volume> {
     }
     let tree = Tree::read(&mut header, values, of_leaves)?;
     if tree.background.iter().any(|x| *x != 0.0) {
-        return invalid(format!("the grid {name:?} has the background {:?}: expected 0, so that its box has all of it", tree.background));
+        return invalid(format!("the grid {name:?} has the background {:?}: expected 0, as outside of the grid's box", tree.background));
     }
     let region = match expected {
         None => tree.occupied()?.map(|region| Region { low: region.low - 1, high: region.high + 1 }),
         Some([low, high]) => Some(map.region([low, high]).ok_or_else(|| {
             let message = format!("the grid {name:?} has no voxels that fill the box of the density, from {low} to {high}");
-            Error::invalid(Fault::new(format!("{message}: expected the voxels of a grid of the same file")))
+            Error::invalid(Fault::new(format!("{message}: expected voxels of the same size and place, as in one file with the density")))
         })?),
     };
     let Some(region) = region else { return invalid(format!("the grid {name:?} has no values but the background")) };
@@ -168,7 +168,7 @@ fn values(Descriptor { name, kind, .. }: &Descriptor, quantity: Quantity) -> Res
     let known = match tree {
         "Tree_float_5_4_3" => Some((if is_half { Number::Half } else { Number::Single }, 1)),
         "Tree_vec3s_5_4_3" => Some((if is_half { Number::Half } else { Number::Single }, 3)),
-        // Halves stand for the doubles of voxels too, and what is not that of a voxel would have 64 bits.
+        // Doubles saved as halves are not read: single values, such as the background, would have 64 bits there, and not 32.
         "Tree_double_5_4_3" if !is_half => Some((Number::Double, 1)),
         _ => None,
     };

@@ -39,7 +39,7 @@ pub struct Values {
 /// How a number is stored.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Number {
-    /// 16 bits; 32 where it is not that of a voxel.
+    /// 16 bits in arrays of voxels, 32 bits in single values, such as the background.
     Half,
     /// 32 bits.
     Single,
@@ -56,7 +56,7 @@ impl Number {
         }
     }
 
-    /// How the numbers are stored that are not those of voxels.
+    /// How a number of a single value, such as the background, is stored.
     fn alone(self) -> Number {
         if self == Number::Half { Number::Single } else { self }
     }
@@ -264,7 +264,7 @@ fn place(entry: usize, level: usize) -> IVec3 {
 }
 
 impl Values {
-    /// A value that is not that of a voxel.
+    /// A single value, such as the background.
     fn alone(self, bytes: &mut Bytes) -> Result<Vec<f32>> {
         let number = self.number.alone();
         (0..self.channels).map(|_| Ok(number.read(bytes.take(number.bytes())?))).collect()

@@ -39,10 +39,10 @@ impl Vertices<'_> {
         Star { center, spokes, is_border: self.mesh.is_border(vertex) }
     }
 
-    /// The star of a vertex after one more division.
+    /// The one-ring of a vertex after one more division.
     ///
-    /// The neighbours of the vertex are then no border vertices to which edges have weights of their own, so that its limit is a matter of
-    /// its star alone.
+    /// After it, no neighbour needs the special weights of edges that end at a border vertex, so that the limit position follows from the
+    /// one-ring alone.
     fn next_star(&self, vertex: u32) -> Star {
         let center = self.moved(vertex);
         let spokes = self.mesh.edges_around(vertex).map(|h| self.middle(h) - center).collect();

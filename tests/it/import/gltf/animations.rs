@@ -297,6 +297,6 @@ fn faults_of_animations_are_told() {
     let mut shrinks = Model::square(json!({}));
     animate(&mut shrinks, 0, "scale", "LINEAR", &[0.0, 1.0], &[[1.0; 3], [0.0; 3]]);
     let scene = exposed(&shrinks, 0.5, 1.0);
-    assert!(scene.notes_say("what is scaled to nothing for a part of the exposure stands still"));
+    assert!(scene.notes_say("its scale is 0 during a part of the exposure: it is shown at rest"));
     assert_near(&placed(&scene).x_axis.to_array(), &[0.5, 0.0, 0.0, 0.0], 1e-12, "the size at the opening");
 }

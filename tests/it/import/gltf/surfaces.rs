@@ -121,7 +121,11 @@ fn alpha_masks_make_holes() {
     let blend = masked("BLEND");
     assert_eq!(blend.at("/materials/material 0/type"), "masked");
     assert_eq!(blend.number("/materials/material 0/opacity/b"), 0.9);
-    assert!(blend.notes_say("/materials/0/alphaMode: what is blended covers its share of the rays"), "{:?}", blend.notes);
+    assert!(
+        blend.notes_say("/materials/0/alphaMode: alphaMode BLEND: each ray hits the surface with the probability alpha"),
+        "{:?}",
+        blend.notes
+    );
 }
 
 /// A texture of emission: what leaves each half.
@@ -235,7 +239,7 @@ fn transmission_distinguishes_bodies_and_panes() {
     assert_eq!(body.at("/materials/material 0"), &expected);
     let part = glass(0.5, Some(&volume));
     assert_eq!((part.at("/materials/material 0/type"), part.number("/materials/material 0/transmission")), (&json!("principled"), 0.5));
-    assert!(part.notes_say("what a body that is glass only in part takes of the light is left out"));
+    assert!(part.notes_say("the absorption of a material that transmits only in part is left out"));
     let pane = glass(1.0, None);
     assert_eq!(pane.at("/materials/material 0"), &json!({ "type": "thin_dielectric", "color": [0.5, 1, 1], "eta": 1.25 }));
     assert!(pane.notes_say("a thin pane is clear"));
@@ -262,10 +266,10 @@ fn dispersion_is_the_abbe_number_of_solid_glass() {
     assert!(glass(1.0, 0.0).at("/materials/material 0").get("abbe").is_none());
     for impossible in [200.0, 1e-320] {
         let glass = glass(1.0, impossible);
-        assert!(glass.notes_say("a dispersion with which the index of refraction is no such number is left out"));
+        assert!(glass.notes_say("the dispersion is left out: it gives indices of refraction below 0.01 or above 100"));
         glass.built();
     }
-    assert!(glass(0.5, 0.5).notes_say("the dispersion of a body that is glass only in part is left out"));
+    assert!(glass(0.5, 0.5).notes_say("the dispersion of a material that transmits only in part is left out"));
 }
 
 /// Pictures in files of their own are referenced by their names, with `%` escapes decoded.
@@ -314,9 +318,9 @@ fn an_unreadable_picture_is_left_out() {
     for (bytes, format) in [(&b"\xABKTX 20\xBB\r\n\x1A\n"[..], "KTX2"), (b"GIF89a", "GIF"), (b"?", "an unknown format")] {
         for (slot, sentence) in [
             ("/pbrMetallicRoughness/baseColorTexture", "a plain colour shows in its place"),
-            ("/pbrMetallicRoughness/metallicRoughnessTexture", "the same number holds all over"),
+            ("/pbrMetallicRoughness/metallicRoughnessTexture", "its factor alone is used"),
             ("/normalTexture", "the surface is smooth there"),
-            ("/emissiveTexture", "what shines by it stays dark"),
+            ("/emissiveTexture", "the surface does not emit"),
         ] {
             let mut model = Model::square(json!({ "pbrMetallicRoughness": { "baseColorTexture": null, "metallicRoughnessTexture": null },
                 "normalTexture": null, "emissiveTexture": null, "emissiveFactor": [1, 1, 1] }));
