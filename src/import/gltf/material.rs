@@ -262,12 +262,13 @@ impl<'a> Reader<'_, 'a> {
 
     /// Solid glass; the absorption is given by colour and distance, as in KHR_materials_volume.
     fn body(&self, volume: Option<JsonCursor<'a>>) -> Node {
-        let at = &self.at;
-        let mut members =
-            vec![("type", at.make_text("dielectric")), ("color", self.base_color()), ("roughness", self.roughness()), ("eta", self.eta())];
-        let mut least_index = self.eta_number().0;
+        // Looked up once, because notes about it are counted.
+        let (at, (index, index_at)) = (&self.at, self.eta_number());
+        let (color, roughness, eta) = (self.base_color(), self.roughness(), index_at.make_number(index));
+        let mut members = vec![("type", at.make_text("dielectric")), ("color", color), ("roughness", roughness), ("eta", eta)];
+        let mut least_index = index;
         if let Some((dispersion, location)) = self.dispersion() {
-            let (abbe, index) = (20.0 / dispersion, self.eta_number().0);
+            let abbe = 20.0 / dispersion;
             let is_index = |range: [f64; 2]| range.iter().all(|n| Index::RANGE.contains(*n));
             match Dispersion::of_abbe_number(index, abbe).range().filter(|range| abbe.is_finite() && is_index(*range)) {
                 Some(range) => {
