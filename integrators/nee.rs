@@ -225,7 +225,7 @@ impl WideWalk for Walk<Vacuum> {
         &self,
         scene: WideWorld,
         depth: u32,
-        paths: &mut PathLanes<L>,
+        paths: &mut PathLanes<'_, L>,
         numbers: &mut NumberLanes<L>,
         active: L::Mask,
     ) -> L::Mask {
@@ -240,7 +240,7 @@ impl WideWalk for Walk<Vacuum> {
         if !L::any(found) {
             return found;
         }
-        let surface = scene.surfaces(&paths.rays, &hits);
+        let surface = paths.surfaces(scene, &hits);
         let wo = -paths.rays.direction;
         paths.add(found, self.emission_lanes(scene, &surface, wo, paths));
         if depth == self.max_depth {
@@ -258,7 +258,13 @@ impl WideWalk for Walk<Vacuum> {
 impl Walk<Vacuum> {
     /// [`Walk::emission`] in each lane.
     #[inline(always)]
-    fn emission_lanes<L: Lanes>(&self, scene: WideWorld, surface: &SurfaceLanes<L>, wo: Vector<L>, paths: &PathLanes<L>) -> Vector<L> {
+    fn emission_lanes<L: Lanes>(
+        &self,
+        scene: WideWorld,
+        surface: &SurfaceLanes<'_, L>,
+        wo: Vector<L>,
+        paths: &PathLanes<'_, L>,
+    ) -> Vector<L> {
         let emitted = surface.emitted(wo);
         let is_delta = L::lt(paths.pdf, L::f32(0.0));
         let weighted = surface.found & !emitted.is_black() & !is_delta;
@@ -272,7 +278,7 @@ impl Walk<Vacuum> {
 
     /// Radiance of an infinitely distant light in each lane, times its weight as [`Walk::background_weight`].
     #[inline(always)]
-    fn background_lanes<L: Lanes>(&self, scene: WideWorld, light: u32, paths: &PathLanes<L>, missed: L::Mask) -> Vector<L> {
+    fn background_lanes<L: Lanes>(&self, scene: WideWorld, light: u32, paths: &PathLanes<'_, L>, missed: L::Mask) -> Vector<L> {
         let is_delta = L::lt(paths.pdf, L::f32(0.0));
         if !L::any(missed & !is_delta) {
             return scene.background(light, &paths.rays, missed);
@@ -287,7 +293,7 @@ impl Walk<Vacuum> {
     fn direct_lanes<L: Lanes>(
         &self,
         scene: WideWorld,
-        surface: &SurfaceLanes<L>,
+        surface: &SurfaceLanes<'_, L>,
         wo: Vector<L>,
         numbers: &mut NumberLanes<L>,
         depth: u32,

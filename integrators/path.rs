@@ -154,7 +154,7 @@ impl WideWalk for Walk<Vacuum> {
         &self,
         scene: WideWorld,
         depth: u32,
-        paths: &mut PathLanes<L>,
+        paths: &mut PathLanes<'_, L>,
         numbers: &mut NumberLanes<L>,
         active: L::Mask,
     ) -> L::Mask {
@@ -169,7 +169,7 @@ impl WideWalk for Walk<Vacuum> {
         if !L::any(found) {
             return found;
         }
-        let surface = scene.surfaces(&paths.rays, &hits);
+        let surface = paths.surfaces(scene, &hits);
         let wo = -paths.rays.direction;
         paths.add(found, surface.emitted(wo));
         if depth == self.max_depth {

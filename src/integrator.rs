@@ -4,6 +4,7 @@
 //! at a time and is called from many threads. A new method is a file with both and an [`Entry`]; see `integrators/` and
 //! `examples/plug_in.rs`.
 
+mod differential;
 mod direct;
 mod interrupt;
 mod side_by_side;

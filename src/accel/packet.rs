@@ -53,6 +53,13 @@ impl Hits {
         let (numbers, zeros) = ([0; MAX_COUNT], [0.0; MAX_COUNT]);
         Hits { found: 0, shape: numbers, primitive: numbers, u: zeros, v: zeros, t: zeros, place: [NO_PLACE; MAX_COUNT] }
     }
+
+    /// Hit of a ray that hit something.
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Hit {
+        let (shape, primitive, uv) = (self.shape[lane], self.primitive[lane], Vec2::new(self.u[lane], self.v[lane]));
+        Hit { instance: None, shape, primitive, uv, t: self.t[lane] }
+    }
 }
 
 /// No triangle.

@@ -2,9 +2,11 @@
 
 use glam::{UVec2, Vec3};
 
+use super::differential::PathDifferential;
 use super::{CameraSample, Interrupt, Roulette};
-use crate::math::Spectrum;
-use crate::math::lanes::{Kernel, Lanes, MAX_COUNT, One, Rays, Vector, Width, each_lane, to_array_u32};
+use crate::accel::Hits;
+use crate::math::lanes::{Kernel, Lanes, MAX_COUNT, One, Rays, Vector, Width, each_lane, get, to_array_u32};
+use crate::math::{Density, Ray, SolidAnglePdf, Spectrum};
 use crate::sampler::dimension::{self, Use};
 use crate::sampler::{BatchNumbers, NumberLanes, SampleNumbers};
 use crate::world::{ReceiverLanes, ScatteredLanes, SurfaceLanes, WideWorld};
@@ -27,6 +29,8 @@ pub struct Batch<'a> {
     weights: Vec<f32>,
     numbers: BatchNumbers<'a>,
     radiance: Vec<Spectrum>,
+    /// Differential of the path of each sample; none if no texture depends on them.
+    differentials: Vec<PathDifferential>,
     paths: Paths,
 }
 
@@ -43,6 +47,7 @@ impl<'a> Batch<'a> {
             weights: vec![1.0; BATCH],
             numbers,
             radiance: Vec::with_capacity(BATCH),
+            differentials: vec![],
             paths: Paths::new(),
         }
     }
@@ -51,6 +56,7 @@ impl<'a> Batch<'a> {
     pub fn clear(&mut self) {
         self.pixels.clear();
         self.numbers.clear();
+        self.differentials.clear();
     }
 
     /// Adds a sample of a pixel. A batch must not get more than [`BATCH`] samples.
@@ -69,19 +75,23 @@ impl<'a> Batch<'a> {
         self.pixels.is_empty()
     }
 
-    /// Gives each sample its camera ray and its weight, that of the reconstruction filter and of the ray.
+    /// Gives each sample its camera ray, with its differential, and its weight, that of the reconstruction filter and of the ray.
     ///
     /// - `camera`: camera sample for the place of a sample in the batch, its pixel and its numbers
     pub fn start_each(&mut self, mut camera: impl FnMut(usize, UVec2, &mut SampleNumbers) -> CameraSample) {
         for (k, (&pixel, numbers)) in self.pixels.iter().zip(self.numbers.samples()).enumerate() {
-            let CameraSample { ray, weight, .. } = camera(k, pixel, numbers);
+            let camera = camera(k, pixel, numbers);
+            let CameraSample { ray, weight, .. } = camera;
             self.weights[k] = weight;
+            if camera.differential.is_some() {
+                self.differentials.push(PathDifferential::at_camera(&camera));
+            }
             self.paths.start::<One>(k, Vector::splat(ray.origin), Vector::splat(ray.direction));
         }
         self.paths.count = self.pixels.len();
     }
 
-    /// Gives all samples camera rays, and the weight 1.
+    /// Gives all samples camera rays without differentials, and the weight 1.
     ///
     /// - `rays`: origins and directions of the rays of several pixels, for the numbers of their samples. Its method must be `#[inline(always)]`.
     #[inline(always)]
@@ -121,8 +131,7 @@ impl Default for Batch<'_> {
 }
 
 /// Paths from the camera between two vertices, one in each lane.
-#[derive(Clone, Copy)]
-pub struct PathLanes<L: Lanes> {
+pub struct PathLanes<'d, L: Lanes> {
     /// Rays to the next vertices.
     pub rays: Rays<L>,
     /// Throughputs.
@@ -137,9 +146,55 @@ pub struct PathLanes<L: Lanes> {
     pub pdf: L::F32,
     /// Places of the samples in the batch.
     place: L::U32,
+    /// See [`Batch::differentials`].
+    differentials: &'d mut [PathDifferential],
 }
 
-impl<L: Lanes> PathLanes<L> {
+impl<L: Lanes> PathLanes<'_, L> {
+    /// Surfaces that the paths hit, with their textures averaged over the paths' footprints.
+    #[inline(always)]
+    pub fn surfaces<'s>(&mut self, scene: WideWorld<'s>, hits: &Hits) -> SurfaceLanes<'s, L> {
+        let mut surface = scene.surfaces(&self.rays, hits);
+        let known = if self.differentials.is_empty() { 0 } else { self.differentials_that_go_on(scene, &surface) };
+        if surface.varied() | known != 0 {
+            self.set_one_by_one(scene, &mut surface, known);
+        }
+        surface
+    }
+
+    /// Lanes whose paths have a differential and are at a surface that may keep it. Others lose theirs, unless their surface needs it.
+    #[inline(always)]
+    fn differentials_that_go_on(&mut self, scene: WideWorld, surface: &SurfaceLanes<'_, L>) -> u32 {
+        let (places, mut known) = (to_array_u32::<L>(self.place), 0);
+        for lane in each_lane(L::bits(surface.found)) {
+            let differential = &mut self.differentials[places[lane] as usize];
+            if differential.is_known() && scene.has_delta_lobes(surface, lane) {
+                known |= 1 << lane;
+            } else if surface.varied() >> lane & 1 == 0 {
+                *differential = PathDifferential::None;
+            }
+        }
+        known
+    }
+
+    /// Sets the surfaces that do not look the same everywhere, and the differentials of paths at their surfaces.
+    ///
+    /// - `known`: result of [`PathLanes::differentials_that_go_on`]
+    #[inline(always)]
+    fn set_one_by_one<'s>(&mut self, scene: WideWorld<'s>, surface: &mut SurfaceLanes<'s, L>, known: u32) {
+        let (mut arrays, places, varied) = (surface.to_arrays(), to_array_u32::<L>(self.place), surface.varied());
+        for lane in each_lane(varied | known) {
+            let mut none = PathDifferential::None;
+            let differential = self.differentials.get_mut(places[lane] as usize).unwrap_or(&mut none);
+            let ray = Ray { from: self.from.p.get(lane), ..self.rays.get(lane) };
+            let found = differential.surface(scene.scene(), &ray, &surface.hit(lane));
+            if varied >> lane & 1 == 1 {
+                surface.set(&mut arrays, lane, &found);
+            }
+        }
+        surface.take(&arrays);
+    }
+
     /// Adds light to the paths of some lanes.
     #[inline(always)]
     pub fn add(&mut self, which: L::Mask, light: Vector<L>) {
@@ -151,7 +206,7 @@ impl<L: Lanes> PathLanes<L> {
     #[inline(always)]
     pub fn scatter(
         &mut self,
-        surface: &SurfaceLanes<L>,
+        surface: &SurfaceLanes<'_, L>,
         wo: Vector<L>,
         sample: &ScatteredLanes<L>,
         roulette: Roulette,
@@ -167,10 +222,27 @@ impl<L: Lanes> PathLanes<L> {
             alive = alive & L::lt(numbers.get_1d(dimension::vertex(depth, Use::Roulette)), chance);
             self.beta = self.beta.scaled(one / chance);
         }
+        if !self.differentials.is_empty() {
+            self.scatter_differentials(surface, sample, L::bits(alive));
+        }
         self.rays = surface.spawn(sample.wi);
         self.from = surface.receiver(wo);
         self.pdf = sample.pdf;
         alive
+    }
+
+    #[inline(always)]
+    fn scatter_differentials(&mut self, surface: &SurfaceLanes<'_, L>, sample: &ScatteredLanes<L>, alive: u32) {
+        let places = to_array_u32::<L>(self.place);
+        for lane in each_lane(alive) {
+            let differential = &mut self.differentials[places[lane] as usize];
+            if differential.is_known() {
+                let pdf = get::<L>(sample.pdf, lane);
+                let density = if pdf < 0.0 { Density::Delta } else { Density::Smooth(SolidAnglePdf::new(pdf)) };
+                let directions = [self.rays.direction.get(lane), sample.wi.get(lane)];
+                differential.scatter(surface.ns.get(lane), directions, density, get::<L>(sample.eta, lane));
+            }
+        }
     }
 }
 
@@ -185,7 +257,7 @@ pub trait WideWalk: Send + Sync {
         &self,
         scene: WideWorld,
         depth: u32,
-        paths: &mut PathLanes<L>,
+        paths: &mut PathLanes<'_, L>,
         numbers: &mut NumberLanes<L>,
         active: L::Mask,
     ) -> L::Mask;
@@ -219,14 +291,14 @@ impl<W: WideWalk> Kernel for Follow<'_, '_, W> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Batch { numbers, radiance, paths, .. } = self.batch;
+        let Batch { numbers, radiance, differentials, paths, .. } = self.batch;
         let mut depth = 0u32;
         // The batch of a cancelled render is discarded.
         while paths.count > 0 && !self.interrupt.is_cancelled() {
             let mut kept = 0;
             for first in (0..paths.count).step_by(L::COUNT) {
                 let active = L::mask(lowest_bits(paths.count - first));
-                let mut lanes = paths.load::<L>(first);
+                let mut lanes = paths.load::<L>(first, differentials);
                 let mut numbers = numbers.lanes(lanes.place, active);
                 let alive = self.method.step(self.scene, depth, &mut lanes, &mut numbers, active) & active;
                 let ended = L::bits(active & !alive);
@@ -280,12 +352,13 @@ impl Paths {
         let rays = Rays { origin, direction, t_max: L::f32(f32::INFINITY), skip: L::u32(u32::MAX) };
         // Light sampling cannot find what the camera sees directly: a delta distribution.
         let (eta_scale, pdf) = (L::f32(1.0), L::f32(-1.0));
-        self.pack(first, &PathLanes { rays, beta: one, radiance: zero, eta_scale, from, pdf, place: places }, L::mask(u32::MAX));
+        let paths = PathLanes { rays, beta: one, radiance: zero, eta_scale, from, pdf, place: places, differentials: &mut [] };
+        self.pack(first, &paths, L::mask(u32::MAX));
     }
 
     /// The paths from `first` on.
     #[inline(always)]
-    fn load<L: Lanes>(&self, first: usize) -> PathLanes<L> {
+    fn load<'d, L: Lanes>(&self, first: usize, differentials: &'d mut [PathDifferential]) -> PathLanes<'d, L> {
         PathLanes {
             rays: Rays {
                 origin: self.vector(0, first),
@@ -304,6 +377,7 @@ impl Paths {
             eta_scale: L::load(&self.rows[22][first..]),
             pdf: L::load(&self.rows[23][first..]),
             place: L::load_u32(&self.places[first..]),
+            differentials,
         }
     }
 
@@ -314,8 +388,8 @@ impl Paths {
 
     /// Writes the paths of some lanes from `first` on. Returns their number.
     #[inline(always)]
-    fn pack<L: Lanes>(&mut self, first: usize, paths: &PathLanes<L>, which: L::Mask) -> usize {
-        let PathLanes { rays, beta, radiance, eta_scale, from, pdf, place } = *paths;
+    fn pack<L: Lanes>(&mut self, first: usize, paths: &PathLanes<'_, L>, which: L::Mask) -> usize {
+        let PathLanes { rays, beta, radiance, eta_scale, from, pdf, place, .. } = *paths;
         let transmits = L::select(from.transmits, L::f32(1.0), L::f32(0.0));
         let numbers: [L::F32; ROWS] = [
             rays.origin.x,

@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
+use super::differential::PathDifferential;
 use super::{CameraSample, PathWavelength};
 use crate::bsdf::BsdfSample;
-use crate::math::{Density, Ray, RayDifferential, Spectrum, SurfaceDifferential, Vec3};
+use crate::math::{Ray, Spectrum, Vec3};
 use crate::primitive::Hit;
 use crate::recorder::{End, Event, Origin, Recorder};
 use crate::sampler::SampleNumbers;
@@ -31,22 +32,10 @@ pub struct CameraPath {
     differential: PathDifferential,
 }
 
-/// How a path from the camera differs from those beside it.
-#[derive(Clone, Copy, Debug)]
-enum PathDifferential {
-    /// Unknown: no texture depends on it, or the path was scattered by something else than smooth mirrors and glass.
-    None,
-    /// Between two vertices.
-    Ray(RayDifferential),
-    /// At a surface.
-    Surface(SurfaceDifferential),
-}
-
 impl CameraPath {
     /// A path that starts at the camera.
     pub fn new(camera: &CameraSample) -> CameraPath {
         let CameraSample { ray, known_hit, .. } = *camera;
-        let differential = camera.differential.map_or(PathDifferential::None, PathDifferential::Ray);
         CameraPath {
             ray,
             depth: 0,
@@ -55,7 +44,7 @@ impl CameraPath {
             radiance: Spectrum::BLACK,
             wavelength: PathWavelength::default(),
             known_hit,
-            differential,
+            differential: PathDifferential::at_camera(camera),
         }
     }
 
@@ -68,14 +57,7 @@ impl CameraPath {
     /// Surface that the path hit, with its textures averaged over the path's footprint.
     #[inline(always)]
     pub fn surface<'s>(&mut self, scene: &'s dyn Scene, hit: &Hit) -> Surface<'s> {
-        match &self.differential {
-            PathDifferential::Ray(differential) => {
-                let (surface, onward) = scene.surface_with_footprint(&self.ray, hit, differential);
-                self.differential = onward.map_or(PathDifferential::None, PathDifferential::Surface);
-                surface
-            }
-            _ => scene.surface(&self.ray, hit),
-        }
+        self.differential.surface(scene, &self.ray, hit)
     }
 
     /// Takes a wavelength where scattering at the surface depends on it.
@@ -125,9 +107,8 @@ impl CameraPath {
         recorder.record(|| Event::scattering(depth, at, wo, &(wi, sample), roulette.chance(depth, carried)));
         let Some(survivors) = roulette.survive(depth, carried, numbers) else { return self.end(End::Roulette, recorder) };
         self.beta *= survivors;
-        if let (PathDifferential::Surface(differential), Some(normal)) = (&self.differential, at.normal()) {
-            let onward = scattered(differential, normal, -wo, wi, &sample);
-            self.differential = onward.map_or(PathDifferential::None, PathDifferential::Ray);
+        if let Some(normal) = at.normal() {
+            self.differential.scatter(normal, [-wo, wi], sample.density, sample.eta);
         }
         self.ray = at.spawn(wi, self.ray.time);
         self.depth += 1;
@@ -177,16 +158,6 @@ impl PathState for CameraPath {
     /// Forgets the differential of the path, which only mirrors and glass keep.
     fn leave_surfaces(&mut self) {
         self.differential = PathDifferential::None;
-    }
-}
-
-/// Differential of a ray that leaves a surface; `None` after anything but reflection or refraction into a single direction. Then
-/// textures are looked up at points, since the paths through a pixel spread over far more than it shows.
-#[inline(never)]
-fn scattered(at: &SurfaceDifferential, normal: Vec3, arriving: Vec3, wi: Vec3, sample: &BsdfSample) -> Option<RayDifferential> {
-    match sample.density {
-        Density::Delta => at.scattered(normal, arriving, wi, sample.eta),
-        Density::Smooth(_) => None,
     }
 }
 

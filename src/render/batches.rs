@@ -82,10 +82,10 @@ struct Pinhole<'a> {
 }
 
 impl<'a> Pinhole<'a> {
-    /// The rays of a render; `None` if it has another camera or filter, or the camera moves.
+    /// The rays of a render; `None` if it has another camera or filter, the camera moves, or textures need differentials.
     fn of(render: &'a Render) -> Option<Pinhole<'a>> {
         let Camera::Perspective(camera) = render.scene.camera() else { return None };
-        if render.scene.camera().is_moving() {
+        if render.scene.camera().is_moving() || render.has_footprints {
             return None;
         }
         let radius = render.spec.filter.box_radius()?;

@@ -33,15 +33,19 @@ struct Samples {
 }
 
 impl<'a> WideWorld<'a> {
-    /// Material of a lane.
+    /// Scattering model of a lane.
     #[inline(always)]
-    fn bsdf<L: Lanes>(&self, surface: &SurfaceLanes<L>, lane: usize) -> Option<Bsdf<'static>> {
-        self.world.materials[surface.materials[lane] as usize].uniform
+    fn bsdf<'s, L: Lanes>(&'s self, surface: &'s SurfaceLanes<'_, L>, lane: usize) -> Option<&'s Bsdf<'s>> {
+        if surface.modelled >> lane & 1 == 1 {
+            let place = (surface.modelled & ((1 << lane) - 1)).count_ones();
+            return surface.models.get(place as usize);
+        }
+        self.world.materials[surface.materials[lane] as usize].uniform.as_ref()
     }
 
     /// Lanes whose material has more than delta lobes.
     #[inline(always)]
-    pub fn has_smooth_lobe<L: Lanes>(&self, surface: &SurfaceLanes<L>) -> L::Mask {
+    pub fn has_smooth_lobe<L: Lanes>(&self, surface: &SurfaceLanes<'_, L>) -> L::Mask {
         let mut delta = 0;
         for lane in each_lane(L::bits(surface.found & !surface.is_diffuse)) {
             let is_smooth = self.bsdf(surface, lane).is_some_and(|bsdf| bsdf.has_smooth_lobe());
@@ -53,7 +57,7 @@ impl<'a> WideWorld<'a> {
     /// f(wo, wi)·|cos θi| [sr⁻¹] and the density with which [`WideWorld::scatter`] samples `wi`, as
     /// [`Surface::eval`](crate::scene::Surface::eval) and [`Surface::pdf`](crate::scene::Surface::pdf).
     #[inline(always)]
-    pub fn eval<L: Lanes>(&self, surface: &SurfaceLanes<L>, wo: Vector<L>, wi: Vector<L>, active: L::Mask) -> (Vector<L>, L::F32) {
+    pub fn eval<L: Lanes>(&self, surface: &SurfaceLanes<'_, L>, wo: Vector<L>, wi: Vector<L>, active: L::Mask) -> (Vector<L>, L::F32) {
         let (lo, li) = (surface.to_local(wo), surface.to_local(wi));
         let (black, zero) = (Vector::splat(Vec3::ZERO), L::f32(0.0));
         let reflects = on_one_side::<L>(lo.z, li.z);
@@ -66,7 +70,7 @@ impl<'a> WideWorld<'a> {
             L::store(pdf, &mut pdfs);
             for lane in each_lane(others) {
                 let Some(bsdf) = self.bsdf(surface, lane) else { continue };
-                let (value, density) = eval(&bsdf, Local(lo.get(lane)), Local(li.get(lane)));
+                let (value, density) = eval(bsdf, Local(lo.get(lane)), Local(li.get(lane)));
                 (0..3).for_each(|axis| values[axis][lane] = value[axis]);
                 pdfs[lane] = density;
             }
@@ -79,7 +83,7 @@ impl<'a> WideWorld<'a> {
     #[inline(always)]
     pub fn scatter<L: Lanes>(
         &self,
-        surface: &SurfaceLanes<L>,
+        surface: &SurfaceLanes<'_, L>,
         wo: Vector<L>,
         [choice, u, v]: [L::F32; 3],
         active: L::Mask,
@@ -110,7 +114,7 @@ impl<'a> WideWorld<'a> {
             for lane in each_lane(others) {
                 let Some(bsdf) = self.bsdf(surface, lane) else { continue };
                 let numbers = [numbers[0][lane], numbers[1][lane], numbers[2][lane]];
-                if let Some(sample) = sample(&bsdf, Local(lo.get(lane)), numbers) {
+                if let Some(sample) = sample(bsdf, Local(lo.get(lane)), numbers) {
                     samples.set(lane, &sample);
                 }
             }

@@ -131,7 +131,7 @@ impl QuadLight {
     fn of(world: &World, area: &Area) -> Option<QuadLight> {
         let shape = &world.shapes[area.shape as usize];
         let Facet::Parallelogram([a, b, c, d]) = shape.facet(area.primitive) else { return None };
-        if shape.has_shading_normals() {
+        if shape.has_shading_normals() || area.emitter.texture.is_some() {
             return None;
         }
         let point = shape.sample_area(area.primitive, Vec2::ZERO).0;
@@ -301,7 +301,7 @@ impl<'a> WideWorld<'a> {
     /// Densities with which [`WideWorld::sample_light`] samples the points of emitting surfaces for other points: see
     /// [`Lights::pdf`](crate::light::Lights::pdf).
     #[inline(always)]
-    pub fn light_pdf<L: Lanes>(&self, from: &ReceiverLanes<L>, rays: &Rays<L>, surface: &SurfaceLanes<L>, active: L::Mask) -> L::F32 {
+    pub fn light_pdf<L: Lanes>(&self, from: &ReceiverLanes<L>, rays: &Rays<L>, surface: &SurfaceLanes<'_, L>, active: L::Mask) -> L::F32 {
         let mut pdf = L::f32(0.0);
         let mut others = L::bits(active);
         if let [WideLight { index, kind: Kind::Quad(quad) }] = &self.tables.lights[..]
@@ -330,7 +330,7 @@ impl<'a> WideWorld<'a> {
 
     /// Index of the light of a lane's surface.
     #[inline(always)]
-    fn light_index<L: Lanes>(&self, surface: &SurfaceLanes<L>, lane: usize) -> u32 {
+    fn light_index<L: Lanes>(&self, surface: &SurfaceLanes<'_, L>, lane: usize) -> u32 {
         let hits = &surface.hits;
         self.world.appearances[hits.shape[lane] as usize].first_light + hits.primitive[lane]
     }
@@ -366,7 +366,7 @@ impl Samples {
     }
 }
 
-impl<L: Lanes> SurfaceLanes<L> {
+impl<L: Lanes> SurfaceLanes<'_, L> {
     /// Shadow rays towards light samples, as [`Surface::shadow_ray`](crate::scene::Surface::shadow_ray).
     #[inline(always)]
     pub fn shadow_rays(&self, light: &LightLanes<L>) -> Rays<L> {

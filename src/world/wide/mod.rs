@@ -1,19 +1,20 @@
 //! Scene for paths that are followed side by side, one in each lane.
 //!
-//! Flat shapes, materials and emission lie in tables from which each lane reads its own. What has no table is computed for one lane
-//! after the other by the code for single paths. Either way each lane gets the bits that a single path gets.
+//! Flat shapes, materials and emission lie in tables from which each lane reads its own. What has no table, such as a textured surface, is
+//! computed for one lane after the other by the code for single paths. Either way each lane gets the bits that a single path gets.
 //!
 //! Tests: side_by_side_paths_have_the_bits_of_single_ones.
 
 mod background;
 mod bsdfs;
 mod lights;
+mod varied;
 
 use std::any::Any;
 
 use glam::{Vec2, Vec3};
 
-use super::{PreparedMaterial, World};
+use super::{PartAppearance, World};
 use crate::accel::{Bvh, Hits, NO_PLACE};
 use crate::bsdf::Bsdf;
 use crate::effects::Effects;
@@ -26,6 +27,7 @@ use crate::shape::{Facet, ShapeHit, SurfacePoint};
 pub use self::bsdfs::ScatteredLanes;
 use self::lights::WideLight;
 pub use self::lights::{LightLanes, ReceiverLanes};
+pub use self::varied::SurfaceArrays;
 
 /// Tables of a scene.
 pub(super) struct Tables {
@@ -39,7 +41,7 @@ pub(super) struct Tables {
     looks: Vec<f32>,
     /// Row of the first part of each shape.
     first_look: Vec<u32>,
-    /// Material of each part.
+    /// Material of each part, with the bit [`VARIES`] if the part does not look the same everywhere.
     materials: Vec<u32>,
     /// The lights that are sampled in all lanes at once.
     lights: Vec<WideLight>,
@@ -57,6 +59,9 @@ const LEAVING: f32 = 100.0 * f32::EPSILON;
 /// Mark of a shape that has no rows.
 const NONE: u32 = u32::MAX;
 
+/// Bit of a part whose scattering or emission differs from place to place.
+const VARIES: u32 = 1 << 31;
+
 /// World and its tables.
 #[derive(Clone, Copy)]
 pub struct WideWorld<'a> {
@@ -66,7 +71,7 @@ pub struct WideWorld<'a> {
 }
 
 /// Surfaces that rays have hit, one in each lane.
-pub struct SurfaceLanes<L: Lanes> {
+pub struct SurfaceLanes<'a, L: Lanes> {
     /// Which lanes have one.
     pub found: L::Mask,
     /// Positions (m).
@@ -87,16 +92,20 @@ pub struct SurfaceLanes<L: Lanes> {
     is_two_sided: L::Mask,
     /// Indices of the materials.
     materials: [u32; MAX_COUNT],
+    /// Bit mask of the lanes whose part varies.
+    varied: u32,
+    /// Bit mask of the lanes that have their own scattering model.
+    modelled: u32,
+    /// These models, in the order of the lanes: on the heap, because moving them would cost other scenes 2 % of a render.
+    models: Vec<Bsdf<'a>>,
     hits: Hits,
 }
 
 impl Tables {
-    /// Tables of a scene; `None` if its paths are better followed one by one: some material or emission is not the same everywhere, a
-    /// surface has holes or smooth shadows, there are media, instances or implicit surfaces, vertices or lights move, the tables would be
-    /// too long for their indices, or there is only one lane.
+    /// Tables of a scene; `None` if its paths are better followed one by one: some material depends on the wavelength, a surface has holes
+    /// or smooth shadows, there are media, instances, implicit surfaces or hair, vertices or lights move, the tables would be too long for
+    /// their indices, or there is only one lane.
     pub fn new(world: &World, width: Width) -> Option<Tables> {
-        let is_plain = |material: &PreparedMaterial| material.uniform.is_some();
-        let parts = || world.appearances.iter().flat_map(|appearance| &appearance.parts);
         let is_wide = width.count() > 1
             && Bvh::for_packets(&*world.hierarchy).is_some()
             && !world.has_holes
@@ -104,8 +113,9 @@ impl Tables {
             && !world.lights.effects().contains(Effects::MOTION)
             && !world.shapes.iter().any(|shape| shape.is_moving())
             && !world.appearances.iter().any(|appearance| appearance.has_shadow_terminator_offset)
-            && parts().all(|part| is_plain(&world.materials[part.material.0 as usize]))
-            && parts().all(|part| part.emitter.as_ref().is_none_or(|emitter| emitter.texture.is_none()));
+            && !world.materials.iter().any(|material| material.is_dispersive)
+            // Packets through hair take longer than single rays.
+            && !world.shapes.iter().any(|shape| shape.is_of_curves());
         if !is_wide {
             return None;
         }
@@ -145,13 +155,18 @@ impl Tables {
                     is(emission.is_some_and(|emission| emission.1)),
                     is(material.transmits),
                 ]);
-                tables.materials.push(part.material.0);
+                tables.materials.push(part.material.0 | if varies(world, part) { VARIES } else { 0 });
             }
         }
         // Indices within the tables are 31-bit numbers.
-        let is_addressable = [tables.flats.len(), tables.looks.len()].into_iter().all(|length| length < i32::MAX as usize);
-        is_addressable.then_some(tables)
+        let lengths = [tables.flats.len(), tables.looks.len(), world.materials.len()];
+        lengths.into_iter().all(|length| length < i32::MAX as usize).then_some(tables)
     }
+}
+
+/// Whether a part does not look the same everywhere.
+fn varies(world: &World, part: &PartAppearance) -> bool {
+    world.materials[part.material.0 as usize].uniform.is_none() || part.emitter.as_ref().is_some_and(|emitter| emitter.texture.is_some())
 }
 
 impl<'a> WideWorld<'a> {
@@ -179,12 +194,12 @@ impl<'a> WideWorld<'a> {
         self.hierarchy.occluded_of_many(rays, active)
     }
 
-    /// Surfaces that rays have hit.
+    /// Surfaces that rays have hit. Those in the lanes of [`SurfaceLanes::varied`] are not complete.
     #[inline(always)]
-    pub fn surfaces<L: Lanes>(&self, rays: &Rays<L>, hits: &Hits) -> SurfaceLanes<L> {
+    pub fn surfaces<L: Lanes>(&self, rays: &Rays<L>, hits: &Hits) -> SurfaceLanes<'a, L> {
         let tables = self.tables;
         let (mut flats, mut looks, mut materials) = ([0; MAX_COUNT], [0; MAX_COUNT], [0; MAX_COUNT]);
-        let mut others = 0;
+        let (mut others, mut varied) = (0, 0);
         for lane in each_lane(hits.found) {
             let (shape, primitive) = (hits.shape[lane] as usize, hits.primitive[lane]);
             let first = tables.first_flat[shape];
@@ -194,7 +209,9 @@ impl<'a> WideWorld<'a> {
                 flats[lane] = first + primitive
             }
             looks[lane] = tables.first_look[shape] + self.part(shape, hits, lane);
-            materials[lane] = tables.materials[looks[lane] as usize];
+            let material = tables.materials[looks[lane] as usize];
+            materials[lane] = material & !VARIES;
+            varied |= u32::from(material & VARIES != 0) << lane;
         }
         let row = L::load_u32(&flats) * L::u32(FLAT);
         let flats = &tables.flats;
@@ -202,6 +219,8 @@ impl<'a> WideWorld<'a> {
         let mut p = vector::<L>(flats, row, 0) + vector::<L>(flats, row, 3).scaled(u) + vector::<L>(flats, row, 6).scaled(v);
         let (mut ng, mut offset) = (vector(flats, row, 9), L::gather(flats, row + L::u32(12)));
         let mut ns = ng;
+        // The points of varied lanes come with their surfaces.
+        others &= !varied;
         if others != 0 {
             self.points(rays, hits, others, [&mut p, &mut ng, &mut ns], &mut offset);
         }
@@ -218,6 +237,9 @@ impl<'a> WideWorld<'a> {
             is_two_sided: is::<L>(looks, row, 8),
             transmits: is::<L>(looks, row, 9),
             materials,
+            varied,
+            modelled: 0,
+            models: vec![],
             hits: *hits,
             p,
             ng,
@@ -289,7 +311,7 @@ impl Points {
     }
 }
 
-impl<L: Lanes> SurfaceLanes<L> {
+impl<L: Lanes> SurfaceLanes<'_, L> {
     /// Radiance that the surfaces emit in the directions `w`, as [`Emission::towards`](crate::light::Emission::towards).
     #[inline(always)]
     pub fn emitted(&self, w: Vector<L>) -> Vector<L> {

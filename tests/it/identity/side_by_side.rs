@@ -5,9 +5,9 @@ use std::sync::Arc;
 use glam::{DVec3, Mat3, UVec2, Vec2, Vec3};
 use pt::bsdf::microfacet::Distribution;
 use pt::bsdf::microfacet::roughness::{Alpha, Roughness};
-use pt::bsdf::{Element, FilmLayer, Material, MaterialId, Metallic, textured};
+use pt::bsdf::{Coat, Coated, Compound, Element, FilmLayer, Material, MaterialId, Metallic, NormalModifier, SurfaceMaterial, textured};
 use pt::camera::{Camera, Fisheye, FisheyeMapping, Orthographic, Perspective, Pose, Spherical};
-use pt::film::{Crop, FilmSpec, Filter};
+use pt::film::{Crop, FilmSpec, Filter, TextureFootprint};
 use pt::integrator::Integrator;
 use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::path::Path;
@@ -17,6 +17,7 @@ use pt::math::{Rgb, Transform};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::shape::{Cuboid, Disk, MeshData, Quad, Sphere, TriangleMesh};
 use pt::texture::image::Pixels;
+use pt::texture::{Checker, Space, Texture};
 use pt::world::{WideWorld, World, WorldBuilder};
 use rayon::prelude::*;
 
@@ -66,15 +67,16 @@ fn shot(random: &mut Random) -> Shot {
     let sampler = SamplerSpec { kind, spp: 1 + random.below(9) as u64, seed: random.below(100) as u64, ..SamplerSpec::default() };
     let whole = FilmSpec::new(23, 17);
     let crop = if random.below(3) == 0 { Crop { min: UVec2::new(3, 5), max: UVec2::new(20, 11) } } else { whole.crop };
-    Shot { film: FilmSpec { filter, crop, ..whole }, sampler, tile: random.pick(&[16, 64, 5]), ..Shot::default() }
+    let texture_footprint = random.pick(&[TextureFootprint::default(), TextureFootprint::Fixed(0.0), TextureFootprint::Fixed(3.0)]);
+    Shot { film: FilmSpec { filter, crop, texture_footprint, ..whole }, sampler, tile: random.pick(&[16, 64, 5]), ..Shot::default() }
 }
 
 fn scene(random: &mut Random) -> WorldBuilder {
     let scale = random.pick(&[1.0, 1.0, 1e-3, 1e4]);
     let mut world = World::builder(camera(random, scale));
     let place = |transform: Transform| transform.then(&Transform::scale(DVec3::splat(scale)).expect("not zero"));
-    let materials: Vec<MaterialId> = materials().into_iter().map(|material| world.material(material)).collect();
-    let (diffuse, others) = materials.split_at(2);
+    let materials: Vec<MaterialId> = materials(scale as f32).into_iter().map(|material| world.material(material)).collect();
+    let (diffuse, others) = materials.split_at(3);
     let is_matte = random.below(3) == 0;
     let any = |random: &mut Random| if is_matte || random.below(2) == 0 { random.pick(diffuse) } else { random.pick(others) };
     let flat = Transform::rotate(DVec3::X, -90.0).expect("an axis");
@@ -142,7 +144,14 @@ fn surroundings(random: &mut Random) -> Light {
 }
 
 fn glow(random: &mut Random) -> Emitter {
-    Emitter::new(Rgb::new(2.0, 8.0, 3.0) * random.unit() as f32)
+    let plain = Emitter::new(Rgb::new(2.0, 8.0, 3.0) * random.unit() as f32);
+    if random.below(4) == 0 { Emitter { texture: Some(Arc::new(checker(3.0))), ..plain } } else { plain }
+}
+
+/// A checkerboard over the texture coordinates.
+fn checker(scale: f32) -> Texture {
+    let [even, odd] = [Rgb::new(0.9, 0.6, 0.1), Rgb::new(0.1, 0.3, 0.8)].map(Texture::Constant);
+    Texture::Checker(Box::new(Checker { even, odd, scale: Vec3::splat(scale), space: Space::Uv }))
 }
 
 fn at(x: f64, y: f64, z: f64) -> Transform {
@@ -163,12 +172,14 @@ fn camera(random: &mut Random, scale: f64) -> Camera {
     }
 }
 
-/// Two diffuse materials, then materials that have no code for lanes. All are the same everywhere.
-fn materials() -> Vec<Material> {
-    let rough = Roughness { alpha: Alpha::Constant(Vec2::splat(0.3)), distribution: Distribution::Ggx };
-    vec![
+/// Three diffuse materials, then materials that have no code for lanes: those that are the same everywhere, and those that are not.
+fn materials(scale: f32) -> Vec<SurfaceMaterial> {
+    let roughness = |alpha| Roughness { alpha: Alpha::Constant(alpha), distribution: Distribution::Ggx };
+    let rough = roughness(Vec2::splat(0.3));
+    let plain = [
         Material::diffuse(Rgb::new(0.7, 0.5, 0.3)),
         Material::diffuse(Rgb::new(0.0, 0.9, 0.2)),
+        Material::diffuse(checker(5.0)),
         Material::diffuse(Rgb::BLACK),
         Material::mirror(Rgb::new(0.9, 0.95, 1.0)),
         Material::glass(1.5),
@@ -179,7 +190,18 @@ fn materials() -> Vec<Material> {
         Material::ThinFilm(textured::ThinFilm::new(1.33, 300.0, 1.0)),
         Material::ThinDielectric(textured::ThinDielectric { eta: 1.33.into(), color: Rgb::WHITE.into() }),
         Material::MatteCone(textured::MatteCone { color: Rgb::gray(0.7).into(), mattness: 0.2.into() }),
-    ]
+        Material::from(textured::Dielectric::smooth(1.5, Rgb::WHITE).absorbing(Rgb::new(0.3, 1.0, 2.0) * (1.0 / scale))),
+        Material::mirror(checker(2.0)),
+        Material::metal(Element::Cu.index(), Some(roughness(Vec2::new(0.4, 0.1))), true),
+        Material::mix(Material::mirror(Rgb::WHITE), Material::diffuse(checker(7.0)), 0.5),
+        Compound::Coated(Coated { base: Material::diffuse(checker(3.0)), coat: Coat::new(1.5, 1.0, None) }).into(),
+    ];
+    let bumps = NormalModifier::BumpMap { map: checker(4.0), scale: (0.1 * scale).into() };
+    let normals = NormalModifier::NormalMap { map: checker(2.0), strength: 0.7.into() };
+    let mapped =
+        [(Material::diffuse(Rgb::gray(0.7)), bumps.clone()), (Material::mirror(Rgb::WHITE), normals), (Material::glass(1.4), bumps)];
+    let mapped = mapped.map(|(material, normal_modifier)| SurfaceMaterial { normal_modifier: Some(normal_modifier), ..material.into() });
+    plain.map(SurfaceMaterial::from).into_iter().chain(mapped).collect()
 }
 
 /// Eighty triangles, with interpolated normals or without.
@@ -187,5 +209,6 @@ fn ball(is_smooth: bool) -> MeshData {
     let (points, triangles) = icosphere(1);
     let positions: Vec<Vec3> = points.iter().map(|p| p.as_vec3() * 0.5).collect();
     let normals = points.iter().filter(|_| is_smooth).map(|p| p.as_vec3()).collect();
-    MeshData { normals, positions, triangles, ..MeshData::default() }
+    let uvs = points.iter().map(|p| p.as_vec3().truncate()).collect();
+    MeshData { normals, positions, triangles, uvs, ..MeshData::default() }
 }
