@@ -87,15 +87,21 @@ pub fn sin_cos_lanes<L: Lanes>(x: L::F32) -> (L::F32, L::F32) {
     let square = r * r;
     let sin = r + r * square * polynomial_lanes::<L, 0>(square);
     let cos = L::f64(1.0) + square * polynomial_lanes::<L, 1>(square);
-    // The quadrant modulo 4, from −2 to 2; [`turn`] in each lane.
+    let (sin, cos) = turn_lanes::<L>(quadrant, sin, cos);
+    (L::narrow(sin), L::narrow(cos))
+}
+
+/// [`turn`] in each lane.
+#[inline(always)]
+fn turn_lanes<L: Lanes>(quadrant: L::F64, sin: L::F64, cos: L::F64) -> (L::F64, L::F64) {
+    // Modulo 4, from −2 to 2.
     let quadrant = quadrant - L::f64(4.0) * round_lanes::<L>(quadrant * L::f64(0.25));
     let size = L::abs_f64(quadrant);
     let is_odd = L::lt_f64(L::f64(0.5), size) & L::lt_f64(size, L::f64(1.5));
     let (sin, cos) = (L::select_f64(is_odd, cos, sin), L::select_f64(is_odd, sin, cos));
     let flips_sin = L::lt_f64(quadrant, L::f64(-0.5)) | L::lt_f64(L::f64(1.5), quadrant);
     let flips_cos = L::lt_f64(quadrant, L::f64(-1.5)) | L::lt_f64(L::f64(0.5), quadrant);
-    let (sin, cos) = (L::select_f64(flips_sin, -sin, sin), L::select_f64(flips_cos, -cos, cos));
-    (L::narrow(sin), L::narrow(cos))
+    (L::select_f64(flips_sin, -sin, sin), L::select_f64(flips_cos, -cos, cos))
 }
 
 /// Polynomial `K` of [`polynomial_pair`] in each lane, for the sine or the cosine.
@@ -134,6 +140,15 @@ pub(crate) fn sin_cos_f64(x: f64) -> (f64, f64) {
     let r = (x - quadrant * FRAC_PI_2_HIGH) - quadrant * FRAC_PI_2_LOW;
     let square = r * r;
     turn(quadrant as i32, r * horner(square, SIN_16), horner(square, COS_18))
+}
+
+/// [`sin_cos_f64`] in each lane.
+#[inline(always)]
+pub(crate) fn sin_cos_f64_lanes<L: Lanes>(x: L::F64) -> (L::F64, L::F64) {
+    let quadrant = round_lanes::<L>(x * L::f64(std::f64::consts::FRAC_2_PI));
+    let r = (x - quadrant * L::f64(FRAC_PI_2_HIGH)) - quadrant * L::f64(FRAC_PI_2_LOW);
+    let square = r * r;
+    turn_lanes::<L>(quadrant, r * horner_lanes::<L, _>(square, SIN_16), horner_lanes::<L, _>(square, COS_18))
 }
 
 /// Sine and cosine of an angle in degrees, in double precision.
@@ -206,6 +221,17 @@ pub(crate) fn atan2_f64(y: f64, x: f64) -> f64 {
     let angle = if across == 0.0 && along == 0.0 { 0.0 } else { angle_below_quarter_turn(across, along) };
     let angle = if x.is_sign_negative() { PI - angle } else { angle };
     angle.copysign(y)
+}
+
+/// [`atan2_f64`] in each lane, of finite numbers. Zeros count as positive.
+#[inline(always)]
+pub(crate) fn atan2_f64_lanes<L: Lanes>(y: L::F64, x: L::F64) -> L::F64 {
+    let zero = L::f64(0.0);
+    let (along, across) = (L::abs_f64(x), L::abs_f64(y));
+    let is_zero = !(L::lt_f64(zero, along) | L::lt_f64(zero, across));
+    let angle = L::select_f64(is_zero, zero, angle_below_quarter_turn_lanes::<L>(across, along));
+    let angle = L::select_f64(L::lt_f64(x, zero), L::f64(PI) - angle, angle);
+    L::select_f64(L::lt_f64(y, zero), -angle, angle)
 }
 
 /// Exponential function eˣ.

@@ -38,7 +38,7 @@ pub use measure::{AreaPdf, Density, SolidAnglePdf, balance_heuristic, balance_he
 pub use ray::Ray;
 pub use rgb::Rgb;
 pub use spectrum::Spectrum;
-pub use spherical_rectangle::SphericalRectangle;
+pub use spherical_rectangle::{RectangleFrame, SphericalRectangle};
 pub use spherical_triangle::SphericalTriangle;
 pub use transform::Transform;
 pub use wavelength::Wavelength;

@@ -16,7 +16,8 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::float::{ONE_MINUS_EPSILON, atan2_f64, sin_cos_f64};
+use super::float::{ONE_MINUS_EPSILON, atan2_f64_lanes, sin_cos_f64};
+use super::lanes::{Lanes, One, VectorF64};
 
 /// Triangle seen from the origin. The corners are unit vectors in double precision, because they may be closer than an `f32` resolves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,9 +95,17 @@ impl SphericalTriangle {
 }
 
 /// Solid angle Ω of a triangle seen from the origin (sr); 0 if it is seen edge-on.
-pub(super) fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
-    let lengths = DVec3::new(a.length(), b.length(), c.length());
-    let det = a.dot((b - a).cross(c - a)).abs();
-    let sum = lengths.element_product() + DVec3::new(b.dot(c), c.dot(a), a.dot(b)).dot(lengths);
-    if det > 0.0 { 2.0 * atan2_f64(det, sum) } else { 0.0 }
+fn solid_angle(corners: [DVec3; 3]) -> f64 {
+    solid_angle_lanes::<One>(corners.map(VectorF64::splat))
+}
+
+/// [`solid_angle`] in each lane.
+#[inline(always)]
+pub(super) fn solid_angle_lanes<L: Lanes>([a, b, c]: [VectorF64<L>; 3]) -> L::F64 {
+    let lengths = VectorF64::<L> { x: a.length(), y: b.length(), z: c.length() };
+    let det = L::abs_f64(a.dot((b - a).cross(c - a)));
+    let products = VectorF64 { x: b.dot(c), y: c.dot(a), z: a.dot(b) };
+    let sum = lengths.x * lengths.y * lengths.z + products.dot(lengths);
+    let zero = L::f64(0.0);
+    L::select_f64(L::lt_f64(zero, det), L::f64(2.0) * atan2_f64_lanes::<L>(det, sum), zero)
 }

@@ -88,6 +88,10 @@ impl Shape for Faces {
         self.face(i).area_coordinates(0, point)
     }
 
+    fn is_rectangle(&self, i: u32) -> bool {
+        self.face(i).is_rectangle(0)
+    }
+
     fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         self.face(i).sample_from(0, from, u)
     }

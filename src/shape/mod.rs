@@ -35,7 +35,7 @@ pub use cylinder::Cylinder;
 pub use disk::Disk;
 pub use mesh_data::{MeshData, MeshPart};
 pub use moving_mesh::MovingMesh;
-pub(crate) use near::NEAR;
+pub(crate) use near::{NEAR, in_direction_lanes};
 pub use partial_disk::PartialDisk;
 pub use partial_sphere::PartialSphere;
 pub use quad::Quad;
@@ -137,6 +137,11 @@ pub trait Shape: Send + Sync {
     /// The numbers for which [`Shape::sample_area`] gives `point`, a point of primitive `i`; `None` if the shape does not know them.
     fn area_coordinates(&self, _i: u32, _point: &SurfacePoint) -> Option<Vec2> {
         None
+    }
+
+    /// Whether primitive `i` is a rectangle that near points sample by the solid angle under which they see it.
+    fn is_rectangle(&self, _i: u32) -> bool {
+        false
     }
 
     /// Samples a point on primitive `i` that lights the point `from`, with its density by solid angle. The default samples by area.

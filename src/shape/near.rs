@@ -5,8 +5,9 @@
 //!
 //! Tests: near_lights_are_sampled_by_solid_angle.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
+use crate::math::lanes::{Lanes, One, Vector, VectorF64};
 use crate::math::{SphericalRectangle, SphericalTriangle};
 
 /// Number of radii within which a surface is near. Farther surfaces are sampled by area, which is cheaper and hardly noisier.
@@ -33,12 +34,21 @@ pub(super) fn rectangle([a, b, c, d]: [Vec3; 4], from: Vec3) -> Option<Spherical
 }
 
 /// Coordinates of the point p = a + x (b − a) + y (c − a) that is seen in the direction `w`.
-pub(super) fn in_direction([a, b, c]: [Vec3; 3], from: Vec3, w: Vec3) -> Vec2 {
-    let [a, b, c, from, w] = [a, b, c, from, w].map(Vec3::as_dvec3);
-    let (x, y, line) = (b - a, c - a, a - from);
-    let n = x.cross(y);
-    let p: DVec3 = w * (n.dot(line) / n.dot(w)) - line;
-    let at = Vec2::new((p.cross(y).dot(n) / n.length_squared()) as f32, (x.cross(p).dot(n) / n.length_squared()) as f32);
+pub(super) fn in_direction(corners: [Vec3; 3], from: Vec3, w: Vec3) -> Vec2 {
+    in_direction_lanes::<One>(corners, from.into(), w.into()).into()
+}
+
+/// [`in_direction`] in each lane.
+#[inline(always)]
+pub(crate) fn in_direction_lanes<L: Lanes>(corners: [Vec3; 3], from: Vector<L>, w: Vector<L>) -> [L::F32; 2] {
+    let [a, b, c] = [corners[0].as_dvec3(), corners[1].as_dvec3(), corners[2].as_dvec3()];
+    let n = (b - a).cross(c - a);
+    let [a, x, y, normal] = [VectorF64::<L>::splat(a), VectorF64::splat(b - a), VectorF64::splat(c - a), VectorF64::splat(n)];
+    let (line, w, square) = (a - from.widened(), w.widened(), L::f64(n.length_squared()));
+    let p = w.scaled(normal.dot(line) / normal.dot(w)) - line;
+    let at = [L::narrow(p.cross(y).dot(normal) / square), L::narrow(x.cross(p).dot(normal) / square)];
+    let (zero, one, infinity) = (L::f32(0.0), L::f32(1.0), L::f32(f32::INFINITY));
     // A rounded direction may pass beside the surface.
-    if at.is_finite() { at.clamp(Vec2::ZERO, Vec2::ONE) } else { Vec2::ZERO }
+    let is_finite = L::lt(L::abs(at[0]), infinity) & L::lt(L::abs(at[1]), infinity);
+    [L::select(is_finite, L::min(L::max(at[0], zero), one), zero), L::select(is_finite, L::min(L::max(at[1], zero), one), zero)]
 }

@@ -115,6 +115,10 @@ impl Shape for Parallelogram {
         Some(point.uv)
     }
 
+    fn is_rectangle(&self, _: u32) -> bool {
+        self.is_rectangle
+    }
+
     /// A near rectangle is sampled uniformly by the solid angle under which it is seen.
     fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         if let Some(seen) = self.seen(from) {

@@ -228,11 +228,22 @@ impl<L: Lanes> VectorF64<L> {
         self.dot(self)
     }
 
+    /// Lengths.
+    #[inline(always)]
+    pub fn length(self) -> L::F64 {
+        L::sqrt_f64(self.length_squared())
+    }
+
+    /// Products with numbers.
+    #[inline(always)]
+    pub fn scaled(self, by: L::F64) -> VectorF64<L> {
+        VectorF64 { x: self.x * by, y: self.y * by, z: self.z * by }
+    }
+
     /// Vectors of the same directions with length 1.
     #[inline(always)]
     pub fn normalized(self) -> VectorF64<L> {
-        let inverse = L::f64(1.0) / L::sqrt_f64(self.length_squared());
-        VectorF64 { x: self.x * inverse, y: self.y * inverse, z: self.z * inverse }
+        self.scaled(L::f64(1.0) / self.length())
     }
 
     /// The nearest vectors in single precision.

@@ -7,9 +7,9 @@ use crate::light::area::MIN_SQUARE;
 use crate::light::environment::FlatLightLanes;
 use crate::light::{Area, Light, LightSample, LightSampleContext, ShadowTarget};
 use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, VectorF64, each_lane, to_array, to_array_u32};
-use crate::math::{Density, Spectrum};
+use crate::math::{Density, RectangleFrame, Spectrum, SphericalRectangle};
 use crate::scene::ROUNDING;
-use crate::shape::{Facet, NEAR, SurfacePoint};
+use crate::shape::{Facet, NEAR, SurfacePoint, in_direction_lanes};
 use crate::world::World;
 
 /// Light samples, one in each lane.
@@ -90,7 +90,7 @@ pub(super) struct WideLight {
 }
 
 enum Kind {
-    Quad(QuadLight),
+    Quad(Box<QuadLight>),
     /// An environment or an environment map.
     Infinite,
 }
@@ -105,7 +105,7 @@ impl WideLight {
         let has_few = world.lights.len() <= MAX_QUADS;
         let kind = |light: &Light| match light {
             Light::Environment(_) | Light::EnvironmentMap(_) => Some(Kind::Infinite),
-            Light::Area(area) if has_few => QuadLight::of(world, area).map(Kind::Quad),
+            Light::Area(area) if has_few => QuadLight::of(world, area).map(|quad| Kind::Quad(Box::new(quad))),
             _ => None,
         };
         (0..).zip(world.lights.iter()).filter_map(|(index, light)| Some(WideLight { index, kind: kind(light)? })).collect()
@@ -114,8 +114,10 @@ impl WideLight {
 
 /// A light that is a parallelogram which emits the same everywhere.
 struct QuadLight {
-    corner: Vec3,
-    edges: [Vec3; 2],
+    /// A corner and its two neighbours.
+    corners: [Vec3; 3],
+    /// Frame of the edges, if they are perpendicular. Near points then sample the solid angle under which they see the rectangle.
+    frame: Option<RectangleFrame>,
     normal: Vec3,
     offset: f32,
     /// Density of points [m⁻²].
@@ -123,7 +125,7 @@ struct QuadLight {
     radiance: Vec3,
     is_two_sided: bool,
     center: Vec3,
-    /// Square of the distance of the centre within which points are sampled in another way than by area (m²).
+    /// Square of the distance of the centre within which a rectangle is near (m²).
     near2: f32,
 }
 
@@ -136,9 +138,10 @@ impl QuadLight {
         }
         let point = shape.sample_area(area.primitive, Vec2::ZERO).0;
         let radius = 0.5 * (c - a).length();
+        let frame = if shape.is_rectangle(area.primitive) { RectangleFrame::new([b - a, d - a]) } else { None };
         Some(QuadLight {
-            corner: a,
-            edges: [b - a, d - a],
+            corners: [a, b, d],
+            frame,
             normal: point.ng,
             offset: point.offset,
             area_pdf: 1.0 / shape.area(area.primitive),
@@ -149,22 +152,42 @@ impl QuadLight {
         })
     }
 
-    /// Lanes for which points are sampled in another way than by area.
+    /// Lanes whose points are near.
     #[inline(always)]
     fn is_near<L: Lanes>(&self, from: Vector<L>) -> L::Mask {
         L::lt((from - Vector::splat(self.center)).length_squared(), L::f32(self.near2))
     }
 
+    /// The rectangle as near points see it, and the lanes in which it is sampled so; `None` if there are none.
+    #[inline(always)]
+    fn seen<L: Lanes>(&self, from: Vector<L>, active: L::Mask) -> Option<(SphericalRectangle<L>, L::Mask)> {
+        let frame = self.frame.as_ref()?;
+        let near = active & self.is_near(from);
+        if !L::any(near) {
+            return None;
+        }
+        let (seen, is_seen) = SphericalRectangle::seen(frame, Vector::splat(self.corners[0]) - from);
+        Some((seen, near & is_seen))
+    }
+
     /// Samples points, with radiance in the place of weights, and the lanes for which this is the way to sample them.
     #[inline(always)]
     fn sample<L: Lanes>(&self, at: &ReceiverLanes<L>, [u, v]: [L::F32; 2], active: L::Mask) -> (LightLanes<L>, L::Mask) {
-        let (x, y) = (Vector::<L>::splat(self.edges[0]), Vector::<L>::splat(self.edges[1]));
-        let end = Vector::splat(self.corner) + x.scaled(u) + y.scaled(v);
+        let (mut x, mut y, mut by_solid_angle, mut solid_angle_pdf) = (u, v, L::mask(0), L::f32(0.0));
+        if let Some((seen, is_seen)) = self.seen(at.p, active) {
+            let near = in_direction_lanes::<L>(self.corners, at.p, seen.sample_lanes([u, v]));
+            (x, y) = (L::select(is_seen, near[0], u), L::select(is_seen, near[1], v));
+            (by_solid_angle, solid_angle_pdf) = (is_seen, seen.pdf_lanes());
+        }
+        let [a, b, d] = self.corners;
+        let end = Vector::splat(a) + Vector::<L>::splat(b - a).scaled(x) + Vector::<L>::splat(d - a).scaled(y);
         let end_normal = Vector::splat(self.normal);
         let line = end - at.p;
         let square = line.length_squared();
-        let sampled = active & !(self.is_near(at.p) | L::lt(square, L::f32(MIN_SQUARE)));
-        let (pdf, is_finite) = self.pdf(line);
+        let sampled = active & !L::lt(square, L::f32(MIN_SQUARE));
+        let (by_area, is_finite) = self.pdf(line);
+        let pdf = L::select(by_solid_angle, solid_angle_pdf, by_area);
+        let is_finite = by_solid_angle | is_finite;
         let inverse = L::f32(1.0) / L::sqrt(square);
         let wi = line.scaled(inverse);
         let shines = L::lt(L::f32(0.0), end_normal.dot(-wi));
@@ -311,10 +334,13 @@ impl<'a> WideWorld<'a> {
             for lane in each_lane(others) {
                 is_it |= u32::from(self.light_index(surface, lane) == *index) << lane;
             }
-            let by_area = L::mask(is_it) & !quad.is_near(from.p);
-            let (by_solid_angle, is_finite) = quad.pdf(surface.p - from.p);
-            pdf = L::select(by_area & is_finite, by_solid_angle, pdf);
-            others &= !L::bits(by_area);
+            let is_it = L::mask(is_it);
+            let (by_area, is_finite) = quad.pdf(surface.p - from.p);
+            pdf = L::select(is_it & is_finite, by_area, pdf);
+            if let Some((seen, is_seen)) = quad.seen(from.p, is_it) {
+                pdf = L::select(is_seen, seen.pdf_lanes(), pdf);
+            }
+            others &= !L::bits(is_it);
         }
         if others != 0 {
             let mut pdfs = [0.0; MAX_COUNT];
