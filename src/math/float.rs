@@ -143,6 +143,8 @@ pub(crate) fn sin_cos_f64(x: f64) -> (f64, f64) {
 }
 
 /// [`sin_cos_f64`] in each lane.
+///
+/// Tests: angles_in_double_precision_have_the_bits_of_plain_functions.
 #[inline(always)]
 pub(crate) fn sin_cos_f64_lanes<L: Lanes>(x: L::F64) -> (L::F64, L::F64) {
     let quadrant = round_lanes::<L>(x * L::f64(std::f64::consts::FRAC_2_PI));
@@ -224,6 +226,8 @@ pub(crate) fn atan2_f64(y: f64, x: f64) -> f64 {
 }
 
 /// [`atan2_f64`] in each lane, of finite numbers. Zeros count as positive.
+///
+/// Tests: angles_in_double_precision_have_the_bits_of_plain_functions.
 #[inline(always)]
 pub(crate) fn atan2_f64_lanes<L: Lanes>(y: L::F64, x: L::F64) -> L::F64 {
     let zero = L::f64(0.0);
@@ -574,4 +578,57 @@ const fn odd_inverses<const N: usize>(sign: f64) -> [f64; N] {
         i += 1;
     }
     c
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes::{Kernel, Width};
+
+    /// Angle of (x, y), and sine and cosine of x, in double precision.
+    struct Angles {
+        x: [f64; 16],
+        y: [f64; 16],
+    }
+
+    impl Kernel for Angles {
+        type Output = [[f64; 16]; 3];
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> [[f64; 16]; 3] {
+            let (x, y) = (L::load_f64(&self.x), L::load_f64(&self.y));
+            let ((sin, cos), mut found) = (sin_cos_f64_lanes::<L>(x), [[0.0; 16]; 3]);
+            L::store_f64(atan2_f64_lanes::<L>(y, x), &mut found[0]);
+            L::store_f64(sin, &mut found[1]);
+            L::store_f64(cos, &mut found[2]);
+            found
+        }
+    }
+
+    #[test]
+    fn angles_in_double_precision_have_the_bits_of_plain_functions() {
+        // All quadrants, their borders, and what is between; then numbers of all sizes. Zeros are positive.
+        let angles = (-32..=32).map(|k| f64::from(k) * PI / 16.0).flat_map(|x| [x.next_down(), x, x.next_up()]);
+        let sizes = [5e-324, 1e-310, 1e-45, 1e-3, 2.0 - 3f64.sqrt(), 1.0, 2.0 + 3f64.sqrt(), 1e39, 1e300];
+        let numbers: Vec<f64> = angles.chain(sizes.into_iter().flat_map(|x| [x, -x])).map(|x| x + 0.0).collect();
+        let pairs: Vec<[f64; 2]> = numbers.iter().flat_map(|&x| numbers.iter().map(move |&y| [x, y])).collect();
+        for group in pairs.chunks(16) {
+            let [x, y] = [0, 1].map(|axis| std::array::from_fn(|k| group[k % group.len()][axis]));
+            for width in Width::available() {
+                let [angle, sin, cos] = width.run(Angles { x, y });
+                for k in 0..width.count() {
+                    let same = |found: f64, wanted: f64| {
+                        assert_eq!(found.to_bits(), wanted.to_bits(), "({:e}, {:e}): {found:e}, not {wanted:e}, {width:?}", x[k], y[k]);
+                    };
+                    same(angle[k], atan2_f64(y[k], x[k]));
+                    // Sines are for angles within ±2π.
+                    if x[k].abs() <= 2.0 * PI {
+                        let wanted = sin_cos_f64(x[k]);
+                        same(sin[k], wanted.0);
+                        same(cos[k], wanted.1);
+                    }
+                }
+            }
+        }
+    }
 }

@@ -255,7 +255,7 @@ const SADDLE: [DVec3; 4] =
     [DVec3::new(-0.3, -0.3, 0.1), DVec3::new(0.3, -0.3, -0.1), DVec3::new(-0.3, 0.3, -0.1), DVec3::new(0.3, 0.3, 0.1)];
 
 /// A bent curve that tapers: a tube, or a ribbon that twists.
-fn thread(is_ribbon: bool) -> Curves {
+pub fn thread(is_ribbon: bool) -> Curves {
     let points = [[-0.4, -0.1, 0.1, 0.05], [-0.1, 0.3, -0.1, 0.04], [0.1, -0.2, 0.1, 0.04], [0.4, 0.1, -0.1, 0.03]];
     let normals = [[0.1, 0.2, 1.0], [0.3, 0.4, 0.8], [-0.2, 0.5, 0.9], [0.3, -0.2, 1.0]];
     let normals = if is_ribbon { normals.map(Vec3::from).to_vec() } else { vec![] };

@@ -20,7 +20,7 @@ use crate::bsdf::Bsdf;
 use crate::effects::Effects;
 use crate::math::Ray;
 use crate::math::Spectrum;
-use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, Width, each_lane, tangents};
+use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, Width, each_lane, tangents, to_array};
 use crate::scene::Scene;
 use crate::shape::{Facet, ShapeHit, SurfacePoint};
 
@@ -96,15 +96,15 @@ pub struct SurfaceLanes<'a, L: Lanes> {
     varied: u32,
     /// Bit mask of the lanes that have their own scattering model.
     modelled: u32,
-    /// These models, in the order of the lanes: on the heap, because moving them would cost other scenes 2 % of a render.
+    /// These models, in the order of the lanes: on the heap, because an array would be moved with the other fields even where it is empty.
     models: Vec<Bsdf<'a>>,
     hits: Hits,
 }
 
 impl Tables {
     /// Tables of a scene; `None` if its paths are better followed one by one: some material depends on the wavelength, a surface has holes
-    /// or smooth shadows, there are media, instances, implicit surfaces or hair, vertices or lights move, the tables would be too long for
-    /// their indices, or there is only one lane.
+    /// or smooth shadows, there are media, instances or implicit surfaces, vertices or lights move, the tables would be too long for their
+    /// indices, or there is only one lane.
     pub fn new(world: &World, width: Width) -> Option<Tables> {
         let is_wide = width.count() > 1
             && Bvh::for_packets(&*world.hierarchy).is_some()
@@ -113,9 +113,7 @@ impl Tables {
             && !world.lights.effects().contains(Effects::MOTION)
             && !world.shapes.iter().any(|shape| shape.is_moving())
             && !world.appearances.iter().any(|appearance| appearance.has_shadow_terminator_offset)
-            && !world.materials.iter().any(|material| material.is_dispersive)
-            // Packets through hair take longer than single rays.
-            && !world.shapes.iter().any(|shape| shape.is_of_curves());
+            && !world.materials.iter().any(|material| material.is_dispersive);
         if !is_wide {
             return None;
         }
@@ -261,8 +259,7 @@ impl<'a> WideWorld<'a> {
     #[inline(always)]
     fn points<L: Lanes>(&self, rays: &Rays<L>, hits: &Hits, which: u32, vectors: [&mut Vector<L>; 3], offset: &mut L::F32) {
         let [p, ng, ns] = vectors;
-        let mut points = Points { p: p.to_arrays(), ng: ng.to_arrays(), ns: ns.to_arrays(), offset: [0.0; MAX_COUNT] };
-        L::store(*offset, &mut points.offset);
+        let mut points = PointArrays { p: p.to_arrays(), ng: ng.to_arrays(), ns: ns.to_arrays(), offset: to_array::<L>(*offset) };
         for lane in each_lane(which) {
             points.set(lane, &self.point(&rays.get(lane), hits, lane));
         }
@@ -291,16 +288,15 @@ fn is<L: Lanes>(table: &[f32], row: L::U32, k: u32) -> L::Mask {
     L::lt(L::f32(0.0), L::gather(table, row + L::u32(k)))
 }
 
-/// Points of several lanes.
-struct Points {
+/// Points of all lanes, as arrays in which single lanes can be set.
+struct PointArrays {
     p: [[f32; MAX_COUNT]; 3],
     ng: [[f32; MAX_COUNT]; 3],
     ns: [[f32; MAX_COUNT]; 3],
     offset: [f32; MAX_COUNT],
 }
 
-impl Points {
-    #[inline(always)]
+impl PointArrays {
     fn set(&mut self, lane: usize, point: &SurfacePoint) {
         for axis in 0..3 {
             self.p[axis][lane] = point.p[axis];

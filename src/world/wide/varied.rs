@@ -1,7 +1,7 @@
 //! Surfaces that do not look the same everywhere: textured ones, those with normal maps, absorbing glass, compounds. They are computed by
 //! the code for single paths.
 
-use super::{SurfaceLanes, WideWorld};
+use super::{PointArrays, SurfaceLanes, WideWorld};
 use crate::bsdf::Bsdf;
 use crate::math::Spectrum;
 use crate::math::lanes::{Lanes, MAX_COUNT, Vector, to_array};
@@ -10,16 +10,11 @@ use crate::scene::{Scene, Surface};
 
 /// Properties of the surfaces of all lanes, as arrays in which single lanes can be set.
 pub struct SurfaceArrays {
-    p: [[f32; MAX_COUNT]; 3],
-    ng: [[f32; MAX_COUNT]; 3],
-    ns: [[f32; MAX_COUNT]; 3],
+    points: PointArrays,
     tangents: [[[f32; MAX_COUNT]; 3]; 2],
-    offset: [f32; MAX_COUNT],
     albedo: [[f32; MAX_COUNT]; 3],
     radiance: [[f32; MAX_COUNT]; 3],
     is_diffuse: u32,
-    emits: u32,
-    is_two_sided: u32,
 }
 
 impl<'a> WideWorld<'a> {
@@ -52,16 +47,16 @@ impl<'a, L: Lanes> SurfaceLanes<'a, L> {
     #[inline(always)]
     pub fn to_arrays(&self) -> SurfaceArrays {
         SurfaceArrays {
-            p: self.p.to_arrays(),
-            ng: self.ng.to_arrays(),
-            ns: self.ns.to_arrays(),
+            points: PointArrays {
+                p: self.p.to_arrays(),
+                ng: self.ng.to_arrays(),
+                ns: self.ns.to_arrays(),
+                offset: to_array::<L>(self.offset),
+            },
             tangents: [self.tangents[0].to_arrays(), self.tangents[1].to_arrays()],
-            offset: to_array::<L>(self.offset),
             albedo: self.albedo.to_arrays(),
             radiance: self.radiance.to_arrays(),
             is_diffuse: L::bits(self.is_diffuse),
-            emits: L::bits(self.emits),
-            is_two_sided: L::bits(self.is_two_sided),
         }
     }
 
@@ -79,16 +74,14 @@ impl<'a, L: Lanes> SurfaceLanes<'a, L> {
     /// Takes the properties from arrays in which lanes were set.
     #[inline(always)]
     pub fn take(&mut self, arrays: &SurfaceArrays) {
-        self.p = Vector::from_arrays(&arrays.p);
-        self.ng = Vector::from_arrays(&arrays.ng);
-        self.ns = Vector::from_arrays(&arrays.ns);
+        self.p = Vector::from_arrays(&arrays.points.p);
+        self.ng = Vector::from_arrays(&arrays.points.ng);
+        self.ns = Vector::from_arrays(&arrays.points.ns);
         self.tangents = [Vector::from_arrays(&arrays.tangents[0]), Vector::from_arrays(&arrays.tangents[1])];
-        self.offset = L::load(&arrays.offset);
+        self.offset = L::load(&arrays.points.offset);
         self.albedo = Vector::from_arrays(&arrays.albedo);
         self.radiance = Vector::from_arrays(&arrays.radiance);
         self.is_diffuse = L::mask(arrays.is_diffuse);
-        self.emits = L::mask(arrays.emits);
-        self.is_two_sided = L::mask(arrays.is_two_sided);
     }
 }
 
@@ -99,10 +92,8 @@ impl SurfaceArrays {
         let albedo = if let Bsdf::Diffuse(diffuse) = bsdf { diffuse.albedo } else { Spectrum::BLACK };
         let radiance = emission.map_or(Spectrum::BLACK, |emission| emission.radiance);
         let [x, y] = &mut self.tangents;
-        let rows: [(&mut [[f32; MAX_COUNT]; 3], [f32; 3]); 7] = [
-            (&mut self.p, point.p.into()),
-            (&mut self.ng, point.ng.into()),
-            (&mut self.ns, frame.z.into()),
+        self.points.set(lane, point);
+        let rows: [(&mut [[f32; MAX_COUNT]; 3], [f32; 3]); 4] = [
             (x, frame.x.into()),
             (y, frame.y.into()),
             (&mut self.albedo, albedo.coefficients()),
@@ -111,13 +102,6 @@ impl SurfaceArrays {
         for (row, values) in rows {
             (row[0][lane], row[1][lane], row[2][lane]) = values.into();
         }
-        self.offset[lane] = point.offset;
-        set_bit(&mut self.is_diffuse, lane, matches!(bsdf, Bsdf::Diffuse(_)));
-        set_bit(&mut self.emits, lane, emission.is_some());
-        set_bit(&mut self.is_two_sided, lane, emission.is_some_and(|emission| emission.two_sided));
+        self.is_diffuse = self.is_diffuse & !(1 << lane) | u32::from(matches!(bsdf, Bsdf::Diffuse(_))) << lane;
     }
-}
-
-fn set_bit(bits: &mut u32, k: usize, yes: bool) {
-    *bits = *bits & !(1 << k) | u32::from(yes) << k;
 }

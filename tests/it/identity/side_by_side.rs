@@ -22,7 +22,7 @@ use pt::world::{WideWorld, World, WorldBuilder};
 use rayon::prelude::*;
 
 use crate::random::Random;
-use pt::torture::everything::{Shot, bits, bright_half, picture, profile, projector};
+use pt::torture::everything::{Shot, bits, bright_half, picture, profile, projector, thread};
 use pt::torture::meshes::icosphere;
 
 /// Random scenes of all shapes, lights and cameras, with materials of many kinds, with both methods and all samplers.
@@ -88,11 +88,12 @@ fn scene(random: &mut Random) -> WorldBuilder {
     for _ in 0..1 + random.below(6) {
         let transform = place(random.rotation().then(&Transform::translate(random.in_cube() * 1.5).expect("finite")));
         let (material, emitter) = (any(random), (random.below(6) == 0).then(|| glow(random)));
-        match random.below(5) {
+        match random.below(6) {
             0 => world.shape(Quad { size: [1.0, 0.7] }, transform, material, emitter),
             1 => world.shape(Cuboid { size: [0.7, 0.5, 0.9] }, transform, material, emitter),
             2 => world.shape(Sphere { radius: 0.5 }, transform, material, emitter),
             3 => world.shape(Disk { radius: 0.6 }, transform, material, emitter),
+            4 => world.shape(thread(random.below(2) == 0), transform, material, emitter),
             _ => world.shape(TriangleMesh::new(ball(random.below(2) == 0)), transform, material, emitter),
         }
     }
@@ -112,7 +113,8 @@ fn lights(random: &mut Random, world: &mut WorldBuilder, place: &dyn Fn(Transfor
     if random.below(4) > 0 {
         let lamp = Emitter { two_sided: random.below(2) == 0, ..glow(random) };
         let tilted = if random.below(2) == 0 { down } else { random.rotation() };
-        world.shape(Quad { size: [0.8, 0.6] }, place(tilted.then(&at(0.3, 1.5, 0.2))), material, Some(lamp));
+        let size = random.pick(&[[0.8, 0.6], [3.0, 2.0]]);
+        world.shape(Quad { size }, place(tilted.then(&at(0.3, 1.5, 0.2))), material, Some(lamp));
     }
     if random.below(3) == 0 {
         world.light(Light::Environment(Environment { radiance: Rgb::new(0.1, 0.2, 0.4) }));
