@@ -9,6 +9,7 @@ mod compare;
 mod error;
 mod integrator;
 mod meters;
+mod part;
 mod picture;
 mod rays;
 mod scene;
@@ -24,6 +25,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("BUILD", pt::part::BUILD)?;
     module.add_class::<scene::Scene>()?;
     module.add_class::<picture::Picture>()?;
+    module.add_class::<part::Part>()?;
     module.add_class::<rays::Mesh>()?;
     module.add_class::<integrator::SceneView>()?;
     module.add_class::<integrator::PathRay>()?;
@@ -31,6 +33,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<integrator::Numbers>()?;
     module.add_function(wrap_pyfunction!(scene::load_scene, module)?)?;
     module.add_function(wrap_pyfunction!(picture::unpickled, module)?)?;
+    module.add_function(wrap_pyfunction!(part::of_bytes, module)?)?;
+    module.add_function(wrap_pyfunction!(part::merge, module)?)?;
     module.add_function(wrap_pyfunction!(compare::compare_methods, module)?)?;
     module.add_function(wrap_pyfunction!(verify::verify_sides, module)?)?;
     Ok(())

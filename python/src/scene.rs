@@ -21,6 +21,7 @@ use pyo3::types::PyDict;
 use crate::error::{detached, raised, usage};
 use crate::integrator::{ENTRY, Failure, PythonIntegrator};
 use crate::meters;
+use crate::part::{self, Part};
 use crate::picture::{Picture, Rendered, share, tells_error};
 use crate::rays::{self, LazyCaster};
 use crate::watch::{Watched, watched};
@@ -220,6 +221,40 @@ impl Scene {
             Some(interrupt) if result.report.samples == 0 => Err(interrupt),
             _ => result.picture(py),
         }
+    }
+
+    /// Renders the samples first, ..., end - 1 of every pixel, and returns them as a Part, which `merge` adds to others.
+    ///
+    /// Other processes and machines may render the other samples: a part is pickled as the bytes of a .ptc file. All parts of a picture must have
+    /// the same settings.
+    ///
+    /// - first, end: samples with 0 <= first <= sample < end
+    /// - spp: number of samples that the sampler `stratified` spreads, which has no more; of no effect on others
+    /// - integrator: name, see `pt list integrators`
+    /// - sampler, seed, scramblings, layers, crop, threads, progress: as for render
+    ///
+    /// Raises pt_renderer.Error for settings that the scene cannot have. On Ctrl-C, and where `progress` raises, the samples are discarded
+    /// and the exception is raised.
+    #[pyo3(signature = (first, end, *, spp = None, integrator = None, sampler = None, seed = None, scramblings = None, layers = None,
+                        crop = None, threads = None, progress = None))]
+    #[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
+    fn part(
+        &self,
+        py: Python<'_>,
+        first: i128,
+        end: i128,
+        spp: Option<i128>,
+        integrator: Option<String>,
+        sampler: Option<String>,
+        seed: Option<i128>,
+        scramblings: Option<i128>,
+        layers: Option<Vec<String>>,
+        crop: Option<[i128; 4]>,
+        threads: Option<i128>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Part> {
+        let settings = Settings { spp, seed, sampler, scramblings, crop, layers };
+        part::render(py, self, [first, end], &settings, integrator.as_deref(), threads, progress)
     }
 
     /// Names of the shapes, in the order of SceneHits.shape.

@@ -13,7 +13,7 @@ use super::summary::{Accuracy, attributes, part_samples, print_summary, samples}
 use super::tone_mapping::ToneMapping;
 use crate::error::{Error, Fault, Result};
 use crate::film::{MomentFilm, SampleSet};
-use crate::measure::{Checkpoint, ErrorHistory, RelativeError};
+use crate::measure::ErrorHistory;
 use crate::output;
 use crate::part::{self, Job, Part, Stored};
 
@@ -99,7 +99,7 @@ fn note_missing(sum: &Part) {
 
 /// Writes the pictures; returns the history of their error.
 fn write_pictures(args: &MergeArgs, pictures: &[&PathBuf], sum: &Part, film: &MomentFilm) -> Result<(Accuracy, ErrorHistory)> {
-    let history = history(film, sum);
+    let history = sum.error_history();
     let accuracy = Accuracy::of(film, &history, args.confidence);
     let attributes = attributes(&sum.about, film, &accuracy, args.confidence, None);
     let image = film.image();
@@ -108,16 +108,6 @@ fn write_pictures(args: &MergeArgs, pictures: &[&PathBuf], sum: &Part, film: &Mo
         note("warning: the image is black");
     }
     Ok((accuracy, history))
-}
-
-/// History of the parts, with the error of their sum.
-fn history(film: &MomentFilm, sum: &Part) -> ErrorHistory {
-    let mut history = sum.history.clone();
-    if history.last().is_none_or(|last| last.samples != film.samples()) {
-        let seconds = sum.report.elapsed.as_secs_f64();
-        history.checkpoints.push(Checkpoint { samples: film.samples(), seconds, error: RelativeError::of(film) });
-    }
-    history
 }
 
 fn words(paths: &[&Path]) -> String {

@@ -12,11 +12,12 @@
 //! All numbers are little-endian. The sizes of all chunks but in bytes follow from the header, so that a file never takes more memory than
 //! the picture that it tells of.
 
+use std::borrow::Cow;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufReader, BufWriter, Cursor, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use glam::UVec2;
@@ -206,10 +207,20 @@ pub struct Stored {
     pub history: ErrorHistory,
     waves: Vec<Wave>,
     chunks: Chunks,
-    /// File with what came from a pipe.
-    spooled: Option<TempPath>,
-    /// The file, if it was kept open. Otherwise it is opened for each chunk, so that there may be more parts than open files.
-    held: Option<Mutex<File>>,
+    source: Source,
+}
+
+/// Where the numbers of a part are.
+#[derive(Debug)]
+enum Source {
+    /// In its file, which is opened for each chunk, so that there may be more parts than open files.
+    Path,
+    /// In a file with what came from a pipe.
+    Spooled(TempPath),
+    /// In a file that was kept open.
+    Held(Mutex<File>),
+    /// In memory.
+    Memory(Arc<Vec<u8>>),
 }
 
 /// Places of the chunks in a file.
@@ -227,7 +238,7 @@ impl Stored {
     /// # Errors
     /// `Invalid` for files that are missing, of another kind, truncated, damaged or of another version; `Io`.
     pub fn open(path: &Path) -> Result<Stored> {
-        Stored::checked(output::regular(path)?, path)
+        Stored::checked(output::regular(path)?, path, Source::Path)
     }
 
     /// Opens a file as [`Stored::open`] does, and keeps it open: if another process replaces it, the numbers are still those of the file that
@@ -238,7 +249,7 @@ impl Stored {
     pub fn hold(path: &Path) -> Result<Stored> {
         let file = output::regular(path)?;
         let held = file.try_clone().map_err(|e| Error::io(path, e))?;
-        Ok(Stored { held: Some(Mutex::new(held)), ..Stored::checked(file, path)? })
+        Stored::checked(file, path, Source::Held(Mutex::new(held)))
     }
 
     /// Takes a file from a pipe into a temporary file, and checks it as [`Stored::open`] does.
@@ -252,21 +263,31 @@ impl Stored {
         let mut file = NamedTempFile::new().map_err(failed)?;
         io::copy(from, file.as_file_mut()).map_err(failed)?;
         let spooled = file.into_temp_path();
-        let stored = Stored::checked(output::regular(&spooled)?, Path::new(name))?;
-        Ok(Stored { spooled: Some(spooled), ..stored })
+        Stored::checked(output::regular(&spooled)?, Path::new(name), Source::Spooled(spooled))
+    }
+
+    /// Takes the bytes of a file, and checks them as [`Stored::open`] does.
+    ///
+    /// - `name`: what they are called in messages
+    ///
+    /// # Errors
+    /// Those of [`Stored::open`].
+    pub fn of_bytes(bytes: &Arc<Vec<u8>>, name: &str) -> Result<Stored> {
+        Stored::checked(Cursor::new(&bytes[..]), Path::new(name), Source::Memory(bytes.clone()))
     }
 
     /// Checks a file.
     ///
     /// - `path`: its name, for messages
-    fn checked(file: File, path: &Path) -> Result<Stored> {
+    fn checked(mut file: impl Read + Seek, path: &Path, source: Source) -> Result<Stored> {
         let refused = |message: String| Error::invalid(Fault::new(message).in_file(path));
         let failed = |e: io::Error| match e.kind() {
             // It has become shorter.
             io::ErrorKind::UnexpectedEof => refused(DAMAGED.into()),
             _ => Error::io(path, e),
         };
-        let length = file.metadata().map_err(failed)?.len();
+        let length = file.seek(SeekFrom::End(0)).map_err(failed)?;
+        file.rewind().map_err(failed)?;
         let mut file = BufReader::with_capacity(1 << 18, file);
         let mut prelude = [0; PRELUDE as usize];
         let is_read = file.read_exact(&mut prelude).is_ok();
@@ -296,7 +317,7 @@ impl Stored {
                     true => header.allocation(&mut file, places.remove(0)).map_err(failed)?,
                     false => Some(Allocation::default()),
                 };
-                let stored = allocation.and_then(|allocation| header.stored(path, allocation, Chunks { places, hash }));
+                let stored = allocation.and_then(|allocation| header.stored(path, allocation, Chunks { places, hash }, source));
                 stored.ok_or_else(|| refused(NONSENSE.into()))
             }
             (true, Ok(_), _) => Err(refused(NONSENSE.into())),
@@ -334,15 +355,17 @@ impl Stored {
         let each = (self.about.crop.pixel_count() as usize).div_ceil(chunk_pixels(layout.all()));
         let index = block * each + chunk.start / chunk_pixels(layout.all());
         let (start, length) = self.chunks.places.get(index).copied().ok_or_else(|| Error::Internal("a chunk beyond the last".into()))?;
-        let read = |file: &mut File| -> io::Result<Vec<u8>> {
+        let read = |file: &mut File| -> io::Result<Cow<[u8]>> {
             file.seek(SeekFrom::Start(start))?;
             let mut bytes = vec![];
             file.take(length.into()).read_to_end(&mut bytes)?;
-            Ok(bytes)
+            Ok(Cow::Owned(bytes))
         };
-        let bytes = match &self.held {
-            Some(held) => read(&mut held.lock().unwrap_or_else(PoisonError::into_inner)),
-            None => File::open(self.spooled.as_deref().unwrap_or(&self.path)).and_then(|mut file| read(&mut file)),
+        let bytes = match &self.source {
+            Source::Path => File::open(&self.path).and_then(|mut file| read(&mut file)),
+            Source::Spooled(path) => File::open(path).and_then(|mut file| read(&mut file)),
+            Source::Held(file) => read(&mut file.lock().unwrap_or_else(PoisonError::into_inner)),
+            Source::Memory(bytes) => Ok(Cow::Borrowed(&bytes[start as usize..][..length as usize])),
         };
         let bytes = bytes.map_err(|e| Error::io(&self.path, e))?;
         let numbers = decode(&bytes, layout.all(), chunk.len());
@@ -392,7 +415,7 @@ enum Places {
 /// Finds `count` chunks.
 ///
 /// - `bytes`: range of the file that they fill
-fn places(file: &mut BufReader<File>, bytes: Range<u64>, count: u64) -> io::Result<Places> {
+fn places(file: &mut BufReader<impl Read + Seek>, bytes: Range<u64>, count: u64) -> io::Result<Places> {
     // Each takes four bytes at least, so that no more of them are remembered than the file has room for.
     let (mut places, mut at) = (vec![], bytes.start);
     file.seek(SeekFrom::Start(at))?;
@@ -431,7 +454,7 @@ impl Header {
     /// Reads the numbers of samples of the pixels; `None` for bytes that are none.
     ///
     /// - `place`: position and length of their chunk (bytes)
-    fn allocation(&self, file: &mut BufReader<File>, (start, length): (u64, u32)) -> io::Result<Option<Allocation>> {
+    fn allocation(&self, file: &mut BufReader<impl Read + Seek>, (start, length): (u64, u32)) -> io::Result<Option<Allocation>> {
         let mut bytes = vec![];
         file.seek(SeekFrom::Start(start))?;
         file.take(length.into()).read_to_end(&mut bytes)?;
@@ -442,7 +465,7 @@ impl Header {
     }
 
     /// The file with this header and these chunks; `None` if the header contradicts itself.
-    fn stored(self, path: &Path, allocation: Allocation, chunks: Chunks) -> Option<Stored> {
+    fn stored(self, path: &Path, allocation: Allocation, chunks: Chunks, source: Source) -> Option<Stored> {
         let [x0, x1, y0, y1] = self.crop;
         let [width, height] = self.size;
         let is_crop = self.pixels().is_some();
@@ -478,8 +501,7 @@ impl Header {
             },
             waves,
             chunks,
-            spooled: None,
-            held: None,
+            source,
         })
     }
 }

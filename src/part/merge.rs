@@ -95,8 +95,8 @@ fn report(parts: &[Stored]) -> RenderReport {
     let mut sum = RenderReport::default();
     for Stored { report, .. } in parts {
         sum.samples += report.samples;
-        sum.invalid += report.invalid;
-        sum.elapsed += report.elapsed;
+        sum.invalid = sum.invalid.saturating_add(report.invalid);
+        sum.elapsed = sum.elapsed.saturating_add(report.elapsed);
         sum.first_invalid.extend(&report.first_invalid);
     }
     sum.first_invalid.sort_unstable_by_key(|id| (id.index, id.pixel));

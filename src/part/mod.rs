@@ -121,12 +121,20 @@ pub struct Part {
 }
 
 impl Part {
-    /// Film of a complete picture with the samples 0 … M − 1.
+    /// History of the error, with that of the sum.
+    pub fn error_history(&self) -> ErrorHistory {
+        let is_known = self.history.last().is_some_and(|last| last.samples == self.film.samples());
+        if is_known { self.history.clone() } else { self.history.and_now(&self.film, self.report.elapsed) }
+    }
+
+    /// Film of a complete picture with the samples 0 … M − 1. With the sampler `stratified`, M is the number of samples that it spreads.
     ///
     /// # Errors
     /// The first range of missing samples.
     pub fn whole(&self) -> Result<&MomentFilm, Range<u64>> {
-        match self.film.sample_set().missing(self.film.range().end).into_iter().next() {
+        // Only for `stratified` is the number of samples a fact of the picture.
+        let planned = self.about.identity.fact("/sampler/spp").and_then(|spp| spp.parse().ok()).unwrap_or(0);
+        match self.film.sample_set().missing(self.film.range().end.max(planned)).into_iter().next() {
             Some(gap) => Err(gap),
             None => Ok(&self.film),
         }

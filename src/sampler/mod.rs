@@ -110,6 +110,11 @@ impl SamplerSpec {
         }
     }
 
+    /// One more than the last index of a sample: `stratified` has its planned samples alone, the others as many as 32 bits count.
+    pub fn end(&self) -> u64 {
+        if self.kind == Kind::Stratified { self.spp } else { u32::MAX.into() }
+    }
+
     /// Independent sequences among which the samples of a pixel are divided. With K sequences, sample i of the pixel is sample i div K of
     /// sequence i mod K.
     pub fn sequences(&self) -> Vec<Sequence> {

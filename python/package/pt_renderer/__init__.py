@@ -20,7 +20,7 @@ from typing import Any as _Any
 
 from . import _native
 from ._compare import Comparison, compare
-from ._native import Mesh, PathRay, PathSampler, PathScene, PathSurface, Picture, Scene, __version__, verify
+from ._native import Mesh, Part, PathRay, PathSampler, PathScene, PathSurface, Picture, Scene, __version__, merge, verify
 from ._values import Error, ErrorEstimate, Fault, MeshHits, Price, Progress, Reading, SceneHits, Verification
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "Fault",
     "Mesh",
     "MeshHits",
+    "Part",
     "PathRay",
     "PathSampler",
     "PathScene",
@@ -43,6 +44,7 @@ __all__ = [
     "Verification",
     "compare",
     "load",
+    "merge",
     "verify",
 ]
 

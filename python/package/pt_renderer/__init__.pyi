@@ -6,12 +6,14 @@ from ._compare import Comparison as Comparison
 from ._compare import compare as compare
 from ._native import Mesh as Mesh
 from ._native import Method as Method
+from ._native import Part as Part
 from ._native import PathRay as PathRay
 from ._native import PathSampler as PathSampler
 from ._native import PathScene as PathScene
 from ._native import PathSurface as PathSurface
 from ._native import Picture as Picture
 from ._native import Scene as Scene
+from ._native import merge as merge
 from ._native import verify as verify
 from ._native import __version__ as __version__
 from ._values import Error as Error

@@ -25,7 +25,7 @@ use crate::output::attributes::{SAMPLES, Value, of_camera};
 use crate::output::{self, Format};
 use crate::part::{self, About, Job, Part, Stored};
 use crate::render::{self, RenderReport, Settings};
-use crate::sampler::{ErrorEstimator, Kind, SamplerSpec};
+use crate::sampler::{ErrorEstimator, SamplerSpec};
 use crate::scene::Scene;
 
 /// Plan of a render. Everything after it is made reads the plan, not the arguments.
@@ -390,9 +390,10 @@ fn samples(args: &RenderArgs, sampler: &SamplerSpec) -> Result<Range<u64>> {
         return shard.samples(spp).ok_or_else(few);
     }
     let samples = args.samples.clone().unwrap_or(0..spp);
-    if samples.end > spp && sampler.kind == Kind::Stratified {
+    if samples.end > sampler.end() {
         let (start, end) = (samples.start, samples.end);
-        return Err(Error::Usage(format!("--samples {start}..{end}: stratified spreads {spp} samples (--spp) and has no more")));
+        let name = sampler.kind.name();
+        return Err(Error::Usage(format!("--samples {start}..{end}: {name} spreads {spp} samples (--spp) and has no more")));
     }
     Ok(samples)
 }
