@@ -1,7 +1,7 @@
 //! `pt farm`: the files that it writes are run by the engines themselves, and the picture has the bits of one render.
 //!
-//! Engines that are not installed are skipped, which is told; `PT_REQUIRE_FARM=1` makes that a failure. Slurm needs a cluster, so that its
-//! script meets a stand-in for `sbatch` here, which runs the jobs at once.
+//! Engines that are not installed are skipped, which is told; `PT_REQUIRE_FARM=1` makes that a failure. The script for Slurm meets a stand-in
+//! for `sbatch`, which runs the jobs at once, and with `PT_SLURM=1` the cluster that `SLURM_CONF` names: `.ci/slurm` starts one.
 
 use std::fs;
 use std::path::Path;
@@ -168,6 +168,20 @@ fn slurm_gets_an_array_and_a_merge() {
             command.args(["farm", "--time=5"]).current_dir(at).env("PT", program()).env("PATH", path).output().expect("it runs")
         });
     }
+}
+
+/// The jobs of a cluster: an array of shards and the merge that waits for it.
+#[cfg(unix)]
+#[test]
+fn a_cluster_of_slurm_renders_the_shards() {
+    // Nobody's cluster gets jobs of a test unasked.
+    if std::env::var_os("PT_SLURM").is_none() {
+        eprintln!("skipped: PT_SLURM=1 submits jobs to a cluster of Slurm");
+        return;
+    }
+    let folder = farmed("slurm", ODD, |at| run(at, &["timeout", "180", "bash", "farm", "--wait", "--time=5"]));
+    let outputs = names(folder.path()).iter().filter(|name| name.starts_with("slurm-")).count();
+    assert_eq!(outputs, 4, "three shards and a merge: {:?}", names(folder.path()));
 }
 
 /// make is killed with all its jobs while it renders. Run again, it leaves the shards that are there alone and makes the others.
