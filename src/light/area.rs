@@ -87,13 +87,18 @@ impl Area {
         (!li.is_black()).then_some(LightLiSample { wi, li, density: Density::Smooth(pdf), target: ShadowTarget::Surface(point) })
     }
 
-    /// Samples a point for the point `from`, both in the space of the shape, with its density by solid angle.
+    /// Samples a point for the point `from`, both in the space of the shape, with its density by solid angle. It has texture coordinates only
+    /// if the emission depends on them.
     #[inline]
     fn sample_at_rest(&self, shape: &dyn Shape, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
-        match &self.distribution {
-            None => shape.sample_from(self.primitive, from, u),
-            Some(distribution) => distribution.sample_from(shape, self.primitive, from, u),
+        let (mut point, pdf) = match &self.distribution {
+            None => shape.sample_from(self.primitive, from, u)?,
+            Some(distribution) => distribution.sample_from(shape, self.primitive, from, u)?,
+        };
+        if self.emitter.texture.is_some() {
+            point.uv = shape.texture_coordinates(self.primitive, &point);
         }
+        Some((point, pdf))
     }
 
     /// Density by solid angle with which [`Area::sample`] samples `point` for the point of `cx`.

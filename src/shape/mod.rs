@@ -145,9 +145,16 @@ pub trait Shape: Send + Sync {
     }
 
     /// Samples a point on primitive `i` that lights the point `from`, with its density by solid angle. The default samples by area.
+    ///
+    /// The point may lack its texture coordinates, where they take time: [`Shape::texture_coordinates`] tells them.
     fn sample_from(&self, i: u32, from: Vec3, u: Vec2) -> Option<(SurfacePoint, SolidAnglePdf)> {
         let (point, pdf) = self.sample_area(i, u);
         Some((point, area_to_solid_angle(&point, pdf, from)?))
+    }
+
+    /// Texture coordinates of a point of primitive `i` that [`Shape::sample_from`] gave.
+    fn texture_coordinates(&self, _i: u32, point: &SurfacePoint) -> Vec2 {
+        point.uv
     }
 
     /// Density with which [`Shape::sample_from`] samples `point`, a point of primitive `i`, for the point `from`.

@@ -102,6 +102,11 @@ impl Ellipsoid {
 
     /// Surface point for the point `n` of the unit sphere.
     fn at(&self, n: DVec3) -> SurfacePoint {
+        SurfacePoint { uv: uv(n), ..self.without_uv(n) }
+    }
+
+    /// [`Ellipsoid::at`] with the texture coordinates 0.
+    fn without_uv(&self, n: DVec3) -> SurfacePoint {
         let ng = (self.inverse.transpose() * n).normalize().as_vec3();
         let p = (self.center + self.linear * n).as_vec3();
         SurfacePoint {
@@ -109,7 +114,7 @@ impl Ellipsoid {
             offset: offset_bound(ng, (self.center.abs() + self.reach).as_vec3()),
             ng,
             ns: ng,
-            uv: uv(n),
+            uv: Vec2::ZERO,
             color: VertexColor::WHITE,
         }
     }
@@ -235,7 +240,12 @@ impl Shape for Ellipsoid {
             return Some((point, area_to_solid_angle(&point, pdf, from)?));
         };
         let world = cone.normal(u);
-        Some((self.at((self.inverse * world).normalize()), cone.pdf()))
+        Some((self.without_uv((self.inverse * world).normalize()), cone.pdf()))
+    }
+
+    fn texture_coordinates(&self, _: u32, point: &SurfacePoint) -> Vec2 {
+        // By the normal: the position may be rounded to the centre of a small sphere far away.
+        uv((self.linear.transpose() * point.ng.as_dvec3()).normalize())
     }
 
     fn pdf_from(&self, i: u32, from: Vec3, point: &SurfacePoint) -> SolidAnglePdf {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use pt::math::{Ray, Transform};
 use pt::shape::{
     BilinearPatch, Cone, Cuboid, Cylinder, Disk, Geometry, MeshData, PartialDisk, PartialSphere, Quad, Shape, Sphere, TriangleMesh,
@@ -89,6 +89,52 @@ fn the_pdf_of_a_sample_equals_the_evaluated_pdf() {
             let cos = (point.ng.as_dvec3().dot(line) / line.length()).abs();
             assert!((asked / pdf.get() - 1.0).abs() as f64 <= 1e-5 + 1e-5 / cos, "{}: {} but {asked}", family.0, pdf.get());
         }
+    }
+}
+
+/// The texture coordinates of a small sphere do not depend on how far from the origin it is, though its points round to its centre.
+#[test]
+fn texture_coordinates_of_a_distant_sphere() {
+    let at = |distance: f64| {
+        let place = Transform::translate(DVec3::new(distance, -distance, distance)).expect("finite");
+        let shape = Sphere { radius: 1e-3 }.bake(&place).expect("a sphere");
+        let from = (DVec3::new(distance, -distance, distance) + DVec3::new(3.0, 2.0, 1.0) * distance.max(1.0)).as_vec3();
+        shape.sample_from(0, from, Vec2::new(0.3, 0.6)).map(|(point, _)| shape.texture_coordinates(0, &point))
+    };
+    let (near, far) = (at(0.0).expect("a sample"), at(1e6).expect("a sample"));
+    // The near point sees the sphere under an angle of 3·10⁻⁴ on either side, and so other points of it.
+    assert!(near.is_finite() && (near - far).abs().max_element() < 1e-3, "{near} and {far}");
+}
+
+/// A sample that lights a point has the texture coordinates of the hit of a ray against its normal.
+#[test]
+fn samples_have_the_texture_coordinates_of_hits() {
+    for family in families() {
+        let shape = bake(&family);
+        let (bounds, mut random, mut compared) = (shape.bounds(0), Random::new(5), 0);
+        let radius = bounds.radius();
+        // The roundings of the points, relative to the size of the shape.
+        let rounding = 8.0 * f32::EPSILON * bounds.magnitude().max_element() / radius;
+        for _ in 0..5_000 {
+            let from = bounds.center() + (random.direction() * random.decade(-0.5, 3.0)).as_vec3();
+            let Some((point, _)) = shape.sample_from(0, from, random.square()) else { continue };
+            let ray = Ray::new(point.p + point.ng * (0.05 * radius), -point.ng);
+            let Some(hit) = shape.intersect(0, &ray) else { continue };
+            let found = shape.point(0, &ray, &hit);
+            if (found.p - point.p).length() > 0.01 * radius {
+                continue;
+            }
+            let difference = shape.texture_coordinates(0, &point) - found.uv;
+            // u goes around. Near a pole or a tip, a short way is a long one in u.
+            let [u, v] = [difference.x - difference.x.round(), difference.y].map(f32::abs);
+            let sine = (std::f32::consts::PI * found.uv.y).sin();
+            if sine < 0.01 {
+                continue;
+            }
+            assert!(v <= rounding && u <= rounding / sine, "{}: {difference} at {}", family.0, found.uv);
+            compared += 1;
+        }
+        assert!(compared > 1000, "{}: {compared}", family.0);
     }
 }
 
