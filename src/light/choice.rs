@@ -1,14 +1,18 @@
 //! Choice of a light for a point.
 
+mod lanes;
+
 use super::tree::{Importances, LightTree, Receiver, Sides};
 use super::{InfiniteIrradiance, Light, LightBounds, LightSampleContext};
 use crate::math::float::ONE_MINUS_EPSILON;
+
+pub(crate) use self::lanes::{ChosenLanes, OneSidedLanes};
 
 /// Chooses one of several lights in proportion to about the irradiance that each brings to a point if nothing is in its way.
 ///
 /// Lights that are infinitely far away are compared with each other and with all other lights together, among which a [`LightTree`]
 /// chooses.
-pub(super) struct Choice {
+pub(crate) struct Choice {
     /// The only light that can be chosen. No importance is computed for it.
     only: Option<u32>,
     infinite: Vec<Infinite>,
@@ -38,7 +42,7 @@ impl Choice {
     /// A choice among the lights that emit and can be sampled.
     ///
     /// - `bounds`: bounds of each light; `None` for those that are infinitely far away, cannot be sampled or do not emit
-    pub fn new(lights: &[Light], bounds: Vec<Option<LightBounds>>) -> Choice {
+    pub(super) fn new(lights: &[Light], bounds: Vec<Option<LightBounds>>) -> Choice {
         let finite: Vec<(LightBounds, u32)> = (0..).zip(bounds).filter_map(|(light, bounds)| Some((bounds?, light))).collect();
         // Intensities and irradiances are compared as numbers: any unit will do, as long as it is a power of two.
         let unit = finite.iter().fold(0.0, |most: f64, (bounds, _)| most.max(bounds.intensity));

@@ -28,7 +28,7 @@ use std::sync::Arc;
 use glam::{DVec3, Mat3, Vec2, Vec3};
 
 use self::bounds::LightBounds;
-use self::choice::Choice;
+pub(crate) use self::choice::{Choice, ChosenLanes, OneSidedLanes};
 use self::emitted_ray::{EmissionContext, pdf_from_infinity};
 use self::environment_map::IrradianceMap;
 use crate::effects::Effects;
@@ -202,6 +202,11 @@ impl Lights {
     /// Whether there are no lights.
     pub fn is_empty(&self) -> bool {
         self.lights.is_empty()
+    }
+
+    /// The choice, if there are so few lights that one can be chosen in each lane.
+    pub(crate) fn choice_of_few(&self) -> Option<&Choice> {
+        Some(&self.choice).filter(|choice| choice.has_lanes())
     }
 
     /// The only light that can be chosen, if there is just one.

@@ -7,14 +7,10 @@
 
 use glam::Vec4;
 
-/// Vector of eight f32, with operations lane by lane.
-pub trait Lanes: Copy {
+/// Vector of f32, with operations lane by lane.
+pub trait Arithmetic: Copy {
     /// `x` in all lanes.
     fn splat(x: f32) -> Self;
-    /// Eight numbers.
-    fn load(from: &[f32; 8]) -> Self;
-    /// Eight whole numbers.
-    fn load_u16(from: &[u16; 8]) -> Self;
     /// Sum.
     fn plus(self, other: Self) -> Self;
     /// Difference.
@@ -31,12 +27,20 @@ pub trait Lanes: Copy {
     fn root(self) -> Self;
     /// `yes` where self < other, `no` elsewhere.
     fn choose_below(self, other: Self, yes: Self, no: Self) -> Self;
+    /// Absolute value.
+    fn size(self) -> Self;
+}
+
+/// Vector of eight f32.
+pub trait Lanes: Arithmetic {
+    /// Eight numbers.
+    fn load(from: &[f32; 8]) -> Self;
+    /// Eight whole numbers.
+    fn load_u16(from: &[u16; 8]) -> Self;
     /// Bit mask of self ≤ other.
     fn at_most(self, other: Self) -> u32;
     /// Bit mask of self < other.
     fn below(self, other: Self) -> u32;
-    /// Absolute value.
-    fn size(self) -> Self;
     /// Product self · sign(other).
     fn signed_by(self, other: Self) -> Self;
     /// The eight numbers.
@@ -47,13 +51,13 @@ pub trait Lanes: Copy {
 ///
 /// Without `array::map`: a call of it is not sure to be inlined, and then its closure is compiled without AVX2.
 #[inline(always)]
-pub fn splat<L: Lanes>(numbers: [f32; 3]) -> [L; 3] {
+pub fn splat<L: Arithmetic>(numbers: [f32; 3]) -> [L; 3] {
     [L::splat(numbers[0]), L::splat(numbers[1]), L::splat(numbers[2])]
 }
 
 /// Scalar product of vectors of three numbers.
 #[inline(always)]
-pub fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
+pub fn dot<L: Arithmetic>(a: [L; 3], b: [L; 3]) -> L {
     a[0].times(b[0]).plus(a[1].times(b[1])).plus(a[2].times(b[2]))
 }
 
@@ -68,21 +72,10 @@ impl Halves {
     }
 }
 
-impl Lanes for Halves {
+impl Arithmetic for Halves {
     #[inline(always)]
     fn splat(x: f32) -> Halves {
         Halves([Vec4::splat(x); 2])
-    }
-
-    #[inline(always)]
-    fn load(from: &[f32; 8]) -> Halves {
-        Halves([Vec4::from_slice(&from[..4]), Vec4::from_slice(&from[4..])])
-    }
-
-    #[inline(always)]
-    fn load_u16(from: &[u16; 8]) -> Halves {
-        let half = |k: usize| Vec4::new(from[k].into(), from[k + 1].into(), from[k + 2].into(), from[k + 3].into());
-        Halves([half(0), half(4)])
     }
 
     #[inline(always)]
@@ -127,6 +120,24 @@ impl Lanes for Halves {
     }
 
     #[inline(always)]
+    fn size(self) -> Halves {
+        Halves(self.0.map(Vec4::abs))
+    }
+}
+
+impl Lanes for Halves {
+    #[inline(always)]
+    fn load(from: &[f32; 8]) -> Halves {
+        Halves([Vec4::from_slice(&from[..4]), Vec4::from_slice(&from[4..])])
+    }
+
+    #[inline(always)]
+    fn load_u16(from: &[u16; 8]) -> Halves {
+        let half = |k: usize| Vec4::new(from[k].into(), from[k + 1].into(), from[k + 2].into(), from[k + 3].into());
+        Halves([half(0), half(4)])
+    }
+
+    #[inline(always)]
     fn at_most(self, other: Halves) -> u32 {
         self.0[0].cmple(other.0[0]).bitmask() | self.0[1].cmple(other.0[1]).bitmask() << 4
     }
@@ -134,11 +145,6 @@ impl Lanes for Halves {
     #[inline(always)]
     fn below(self, other: Halves) -> u32 {
         self.0[0].cmplt(other.0[0]).bitmask() | self.0[1].cmplt(other.0[1]).bitmask() << 4
-    }
-
-    #[inline(always)]
-    fn size(self) -> Halves {
-        Halves(self.0.map(Vec4::abs))
     }
 
     #[inline(always)]
@@ -161,27 +167,17 @@ pub use avx::Whole;
 mod avx {
     use std::arch::x86_64::*;
 
-    use super::Lanes;
+    use super::{Arithmetic, Lanes};
 
     /// One AVX register. It is used only if AVX2 was detected: [`super::Set::Avx2`].
     #[derive(Clone, Copy)]
     pub struct Whole(__m256);
 
     // SAFETY: all code that makes or uses a `Whole` is compiled for AVX2 and runs only on machines that have it (see `accel::bvh` and `light::tree`).
-    impl Lanes for Whole {
+    impl Arithmetic for Whole {
         #[inline(always)]
         fn splat(x: f32) -> Whole {
             Whole(unsafe { _mm256_set1_ps(x) })
-        }
-
-        #[inline(always)]
-        fn load(from: &[f32; 8]) -> Whole {
-            Whole(unsafe { _mm256_loadu_ps(from.as_ptr()) })
-        }
-
-        #[inline(always)]
-        fn load_u16(from: &[u16; 8]) -> Whole {
-            Whole(unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(from.as_ptr().cast()))) })
         }
 
         #[inline(always)]
@@ -225,6 +221,23 @@ mod avx {
         }
 
         #[inline(always)]
+        fn size(self) -> Whole {
+            Whole(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+        }
+    }
+
+    impl Lanes for Whole {
+        #[inline(always)]
+        fn load(from: &[f32; 8]) -> Whole {
+            Whole(unsafe { _mm256_loadu_ps(from.as_ptr()) })
+        }
+
+        #[inline(always)]
+        fn load_u16(from: &[u16; 8]) -> Whole {
+            Whole(unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(from.as_ptr().cast()))) })
+        }
+
+        #[inline(always)]
         fn at_most(self, other: Whole) -> u32 {
             unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)) as u32 }
         }
@@ -232,11 +245,6 @@ mod avx {
         #[inline(always)]
         fn below(self, other: Whole) -> u32 {
             unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)) as u32 }
-        }
-
-        #[inline(always)]
-        fn size(self) -> Whole {
-            Whole(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
         }
 
         #[inline(always)]

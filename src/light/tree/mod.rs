@@ -8,6 +8,7 @@
 //! Tests: probabilities_add_up_and_are_stated_exactly, every_light_that_shines_can_be_chosen, choices_follow_what_lights_bring.
 
 mod build;
+mod lanes;
 mod node;
 
 use self::node::{Child, Node};
@@ -17,6 +18,7 @@ use crate::math::float::ONE_MINUS_EPSILON;
 use crate::math::simd::Whole;
 use crate::math::simd::{Halves, Set};
 
+pub(super) use self::lanes::ImportanceLanes;
 pub(super) use self::node::{Receiver, Sides};
 
 /// Greatest number of children of a node.

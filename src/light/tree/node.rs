@@ -5,7 +5,8 @@ use glam::Vec3;
 use super::{LightBounds, WIDTH};
 use crate::light::LightSampleContext;
 use crate::math::float::sin_cos_f64;
-use crate::math::simd::{Lanes, dot, splat};
+use crate::math::lanes::{self, Each, Vector};
+use crate::math::simd::{Arithmetic, Lanes, dot, splat};
 
 /// Bounds of the children of a node. A place without a child has the intensity 0.
 #[derive(Clone, Debug, Default)]
@@ -140,59 +141,106 @@ impl Node {
         if code & IS_LIGHT == 0 { Child::Node(code) } else { Child::Light(code & !IS_LIGHT) }
     }
 
-    /// Importance of each child, an estimate of the irradiance that it brings:
-    ///
-    /// I cos θ′ cos θ′i / d²,    θ′ = max(0, θ − θo − θb),    θ′i = max(0, θi − θb)                [W·m⁻²]
-    ///
-    /// The estimate uses a sphere around the centre of the child with half the radius of the one that contains the child. θ is the angle
-    /// between the axis and the direction to the point, θi the angle between the normal and the direction to the centre, θb half the
-    /// angle under which the sphere is seen, and d the distance of the centre, or the radius of the sphere if that is more.
-    ///
-    /// The importance is 0 only where the sphere that contains the child sends no light. For the estimate that sphere would be too
-    /// large, because lights are spread over it: for lamps over a floor the mean square of samples is less than 1.5 times the least possible
-    /// with half of the radius, and 3.0 times with all of it (`choices_follow_what_lights_bring`).
+    /// [`importance`] of each child.
     #[inline(always)]
     pub fn importances<L: Lanes>(&self, at: &Receiver) -> [f32; WIDTH] {
-        let (zero, least) = (L::splat(0.0), L::splat(MIN_COSINE));
-        let (center, p) = (load::<L>(&self.center), splat::<L>(at.p.to_array()));
-        let to_point = [p[0].minus(center[0]), p[1].minus(center[1]), p[2].minus(center[2])];
-        let d2 = dot(to_point, to_point);
-        let inverse = zero.choose_below(d2, L::splat(1.0).over(d2.root()), zero);
-        let radius2 = L::load(&self.radius2);
-        // Squared sine of half the angle under which the sphere is seen. The centre is within the half sphere too.
-        let sin2 = zero.choose_below(d2, radius2.over(d2), L::splat(8.0));
-        let (whole, half) = (seen(sin2), seen(sin2.times(L::splat(0.25))));
-
-        let cos = dot(load(&self.axis), to_point).times(inverse);
-        let cos = zero.choose_below(L::load(&self.two_sided), cos.size(), cos);
-        let beyond_normals = reduced((cos, sine(cos)), (L::load(&self.cos_normals), L::load(&self.sin_normals)));
-        let (best, cos) = (reduced(beyond_normals, whole).0, reduced(beyond_normals, half).0);
-        let emitted = best.choose_below(L::load(&self.cos_emission), zero, cos.larger(least));
-
-        let cosines = match at.sides {
-            Sides::NoSurface => emitted,
-            Sides::Both | Sides::One => {
-                let cos = dot(splat((-at.normal).to_array()), to_point).times(inverse);
-                let cos = if at.sides == Sides::Both { cos.size() } else { cos };
-                let from_normal = (cos, sine(cos));
-                let (best, cos) = (reduced(from_normal, whole).0, reduced(from_normal, half).0);
-                let least_seen = if at.sides == Sides::Both { L::splat(f32::NEG_INFINITY) } else { L::splat(-SLACK) };
-                let received = best.choose_below(least_seen, zero, cos.larger(least));
-                emitted.times(received)
-            }
+        let children = Bounds {
+            center: load(&self.center),
+            radius2: L::load(&self.radius2),
+            axis: load(&self.axis),
+            cos_normals: L::load(&self.cos_normals),
+            sin_normals: L::load(&self.sin_normals),
+            cos_emission: L::load(&self.cos_emission),
+            two_sided: L::load(&self.two_sided),
+            intensity: L::load(&self.intensity),
         };
-        // A light that can shine must not get the importance 0 by rounding, nor a point light an infinite one at its own place.
-        let smallest = L::splat(f32::MIN_POSITIVE);
-        let (intensity, d2) = (L::load(&self.intensity), d2.larger(radius2.times(L::splat(0.25))).larger(smallest));
-        let importance = intensity.times(cosines).over(d2).larger(smallest).smaller(L::splat(f32::MAX / 16.0));
-        let is_lit = zero.choose_below(intensity, cosines, zero);
-        zero.choose_below(is_lit, importance, zero).to_array()
+        importance(&children, splat(at.p.to_array()), splat((-at.normal).to_array()), at.sides).to_array()
+    }
+
+    /// [`importance`] of one child for surfaces that receive light on one side, one in each lane.
+    #[inline(always)]
+    pub fn importance_lanes<W: lanes::Lanes>(&self, place: usize, p: Vector<W>, normal: Vector<W>) -> W::F32 {
+        let (center, axis) = (&self.center, &self.axis);
+        let child = Bounds {
+            center: splat([center[0][place], center[1][place], center[2][place]]),
+            radius2: Each::splat(self.radius2[place]),
+            axis: splat([axis[0][place], axis[1][place], axis[2][place]]),
+            cos_normals: Each::splat(self.cos_normals[place]),
+            sin_normals: Each::splat(self.sin_normals[place]),
+            cos_emission: Each::splat(self.cos_emission[place]),
+            two_sided: Each::splat(self.two_sided[place]),
+            intensity: Each::splat(self.intensity[place]),
+        };
+        let opposite = [Each::<W>(-normal.x), Each(-normal.y), Each(-normal.z)];
+        importance(&child, [Each(p.x), Each(p.y), Each(p.z)], opposite, Sides::One).0
     }
 
     /// Intensities of the children.
     pub fn intensities(&self) -> [f32; WIDTH] {
         self.intensity
     }
+}
+
+/// Bounds of children: the fields of [`Node`].
+struct Bounds<A> {
+    center: [A; 3],
+    radius2: A,
+    axis: [A; 3],
+    cos_normals: A,
+    sin_normals: A,
+    cos_emission: A,
+    two_sided: A,
+    intensity: A,
+}
+
+/// Importance of a child, an estimate of the irradiance that it brings:
+///
+/// I cos θ′ cos θ′i / d²,    θ′ = max(0, θ − θo − θb),    θ′i = max(0, θi − θb)                [W·m⁻²]
+///
+/// The estimate uses a sphere around the centre of the child with half the radius of the one that contains the child. θ is the angle
+/// between the axis and the direction to the point, θi the angle between the normal and the direction to the centre, θb half the
+/// angle under which the sphere is seen, and d the distance of the centre, or the radius of the sphere if that is more.
+///
+/// The importance is 0 only where the sphere that contains the child sends no light. For the estimate that sphere would be too
+/// large, because lights are spread over it: for lamps over a floor the mean square of samples is less than 1.5 times the least possible
+/// with half of the radius, and 3.0 times with all of it (`choices_follow_what_lights_bring`).
+///
+/// - `p`: position of the point (m); `opposite`: its normal with the other sign
+#[inline(always)]
+fn importance<A: Arithmetic>(child: &Bounds<A>, p: [A; 3], opposite: [A; 3], sides: Sides) -> A {
+    let (zero, least) = (A::splat(0.0), A::splat(MIN_COSINE));
+    let center = &child.center;
+    let to_point = [p[0].minus(center[0]), p[1].minus(center[1]), p[2].minus(center[2])];
+    let d2 = dot(to_point, to_point);
+    let inverse = zero.choose_below(d2, A::splat(1.0).over(d2.root()), zero);
+    // Squared sine of half the angle under which the sphere is seen. The centre is within the half sphere too.
+    let sin2 = zero.choose_below(d2, child.radius2.over(d2), A::splat(8.0));
+    let (whole, half) = (seen(sin2), seen(sin2.times(A::splat(0.25))));
+
+    let cos = dot(child.axis, to_point).times(inverse);
+    let cos = zero.choose_below(child.two_sided, cos.size(), cos);
+    let beyond_normals = reduced((cos, sine(cos)), (child.cos_normals, child.sin_normals));
+    let (best, cos) = (reduced(beyond_normals, whole).0, reduced(beyond_normals, half).0);
+    let emitted = best.choose_below(child.cos_emission, zero, cos.larger(least));
+
+    let cosines = match sides {
+        Sides::NoSurface => emitted,
+        Sides::Both | Sides::One => {
+            let cos = dot(opposite, to_point).times(inverse);
+            let cos = if sides == Sides::Both { cos.size() } else { cos };
+            let from_normal = (cos, sine(cos));
+            let (best, cos) = (reduced(from_normal, whole).0, reduced(from_normal, half).0);
+            let least_seen = if sides == Sides::Both { A::splat(f32::NEG_INFINITY) } else { A::splat(-SLACK) };
+            let received = best.choose_below(least_seen, zero, cos.larger(least));
+            emitted.times(received)
+        }
+    };
+    // A light that can shine must not get the importance 0 by rounding, nor a point light an infinite one at its own place.
+    let smallest = A::splat(f32::MIN_POSITIVE);
+    let d2 = d2.larger(child.radius2.times(A::splat(0.25))).larger(smallest);
+    let importance = child.intensity.times(cosines).over(d2).larger(smallest).smaller(A::splat(f32::MAX / 16.0));
+    let is_lit = zero.choose_below(child.intensity, cosines, zero);
+    zero.choose_below(is_lit, importance, zero)
 }
 
 #[inline(always)]
@@ -203,22 +251,22 @@ fn load<L: Lanes>(vectors: &[[f32; WIDTH]; 3]) -> [L; 3] {
 /// Cosine and sine of half the angle under which a sphere is seen, from the squared sine: (radius / distance)². If that is 1 or more, the
 /// point is within the sphere and sees it in all directions.
 #[inline(always)]
-fn seen<L: Lanes>(sin2: L) -> (L, L) {
-    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+fn seen<A: Arithmetic>(sin2: A) -> (A, A) {
+    let (zero, one) = (A::splat(0.0), A::splat(1.0));
     let cos = one.minus(sin2).larger(zero).root();
-    (sin2.choose_below(one, cos, L::splat(-1.0)), sin2.choose_below(one, sin2.root(), zero))
+    (sin2.choose_below(one, cos, A::splat(-1.0)), sin2.choose_below(one, sin2.root(), zero))
 }
 
 /// Sine of an angle in [0, π] with the given cosine.
 #[inline(always)]
-fn sine<L: Lanes>(cos: L) -> L {
-    L::splat(1.0).minus(cos.times(cos)).larger(L::splat(0.0)).root()
+fn sine<A: Arithmetic>(cos: A) -> A {
+    A::splat(1.0).minus(cos.times(cos)).larger(A::splat(0.0)).root()
 }
 
 /// Cosine and sine of max(0, a − b), from those of a and of b in [0, π].
 #[inline(always)]
-fn reduced<L: Lanes>((cos_a, sin_a): (L, L), (cos_b, sin_b): (L, L)) -> (L, L) {
+fn reduced<A: Arithmetic>((cos_a, sin_a): (A, A), (cos_b, sin_b): (A, A)) -> (A, A) {
     let cos = cos_a.times(cos_b).plus(sin_a.times(sin_b));
     let sin = sin_a.times(cos_b).minus(cos_a.times(sin_b));
-    (cos_a.choose_below(cos_b, cos, L::splat(1.0)), cos_a.choose_below(cos_b, sin, L::splat(0.0)))
+    (cos_a.choose_below(cos_b, cos, A::splat(1.0)), cos_a.choose_below(cos_b, sin, A::splat(0.0)))
 }

@@ -53,6 +53,7 @@ macro_rules! operators_of_two {
     };
 }
 
+mod each;
 #[cfg(target_arch = "x86_64")]
 #[allow(unsafe_code, reason = "the instructions exist only where the processor has AVX2, which `Width::available` asks")]
 mod eight;
@@ -65,6 +66,7 @@ mod sixteen;
 mod tests;
 mod vector;
 
+pub use each::Each;
 pub use one::One;
 pub use rays::Rays;
 pub use vector::{Vector, VectorF64, get, tangents, to_array, to_array_u32};

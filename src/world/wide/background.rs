@@ -85,17 +85,26 @@ impl<'a> WideWorld<'a> {
         Some(LightLanes { found, wi, weight: radiance, pdf, is_distant: active, ..LightLanes::none() })
     }
 
-    /// Probabilities with which lights are sampled for points, see [`Lights::probability`](crate::light::Lights::probability).
+    /// Probabilities with which an infinitely distant light is sampled for points, see [`Lights::probability`](crate::light::Lights::probability).
     #[inline(always)]
     fn probability<L: Lanes>(&self, light: u32, from: &ReceiverLanes<L>, which: L::Mask) -> L::F32 {
         if let Some(only) = self.world.lights.only() {
             return L::f32(if light == only { 1.0 } else { 0.0 });
         }
-        let mut probabilities = [0.0; MAX_COUNT];
-        for lane in each_lane(L::bits(which)) {
-            probabilities[lane] = self.world.lights.probability(light, &from.get(lane));
+        let (mut probability, mut others) = (L::f32(0.0), which);
+        if let Some(of_few) = self.world.lights.choice_of_few() {
+            let one_sided = from.one_sided(which);
+            probability = of_few.infinite_probability_lanes(&one_sided, light);
+            others = which & !one_sided.active;
         }
-        L::load(&probabilities)
+        if L::any(others) {
+            let mut probabilities = to_array::<L>(probability);
+            for lane in each_lane(L::bits(others)) {
+                probabilities[lane] = self.world.lights.probability(light, &from.get(lane));
+            }
+            probability = L::load(&probabilities);
+        }
+        probability
     }
 }
 

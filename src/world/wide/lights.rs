@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use super::{SurfaceLanes, WideWorld};
 use crate::light::area::MIN_SQUARE;
 use crate::light::environment::FlatLightLanes;
-use crate::light::{Area, Light, LightSample, LightSampleContext, ShadowTarget};
+use crate::light::{Area, ChosenLanes, Light, LightSample, LightSampleContext, OneSidedLanes, ShadowTarget};
 use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, VectorF64, each_lane, to_array, to_array_u32};
 use crate::math::{Density, RectangleFrame, Spectrum, SphericalRectangle};
 use crate::scene::ROUNDING;
@@ -73,6 +73,12 @@ impl<L: Lanes> ReceiverLanes<L> {
     #[inline(always)]
     pub(super) fn flat(&self) -> FlatLightLanes<L> {
         FlatLightLanes { ns: self.ns, is_one_sided: !(self.transmits | self.ns.is_black()) }
+    }
+
+    /// The points of some lanes at which light counts from one side alone.
+    #[inline(always)]
+    pub(super) fn one_sided(&self, active: L::Mask) -> OneSidedLanes<L> {
+        OneSidedLanes { p: self.p, normal: self.ns, active: active & !(self.transmits | self.ns.is_black()) }
     }
 
     /// The point of a lane.
@@ -221,17 +227,12 @@ struct Samples {
     is_distant: u32,
 }
 
-/// The lights that the lanes have chosen.
-struct Chosen<L: Lanes> {
-    light: L::U32,
-    probability: L::F32,
-}
-
 impl<'a> WideWorld<'a> {
     /// Samples a light in each lane, as [`Lights::sample`](crate::light::Lights::sample).
     #[inline(always)]
     pub fn sample_light<L: Lanes>(&self, at: &ReceiverLanes<L>, [choice, u, v]: [L::F32; 3], active: L::Mask) -> LightLanes<L> {
-        let (chosen, mut others) = self.choose_light(at, choice, active);
+        let chosen = self.choose_light(at, choice, active);
+        let mut others = chosen.found;
         let mut light = LightLanes::none();
         for each in &self.tables.lights {
             let which = others & L::eq_u32(chosen.light, L::u32(each.index));
@@ -255,21 +256,31 @@ impl<'a> WideWorld<'a> {
         light
     }
 
-    /// Chooses lights, and the lanes that have one.
+    /// Chooses lights, as [`Lights::choose`](crate::light::Lights::choose).
     #[inline(always)]
-    fn choose_light<L: Lanes>(&self, at: &ReceiverLanes<L>, choice: L::F32, active: L::Mask) -> (Chosen<L>, L::Mask) {
+    fn choose_light<L: Lanes>(&self, at: &ReceiverLanes<L>, choice: L::F32, active: L::Mask) -> ChosenLanes<L> {
         if let Some(only) = self.world.lights.only() {
-            return (Chosen { light: L::u32(only), probability: L::f32(1.0) }, active);
+            return ChosenLanes { light: L::u32(only), probability: L::f32(1.0), found: active };
         }
-        let (mut numbers, mut lights, mut found) = ([0.0; MAX_COUNT], [0; MAX_COUNT], 0);
-        L::store(choice, &mut numbers);
-        for lane in each_lane(L::bits(active)) {
-            if let Some((light, probability)) = self.choose_one(&at.get(lane), numbers[lane]) {
-                (lights[lane], numbers[lane]) = (light, probability);
-                found |= 1 << lane;
+        let mut chosen = ChosenLanes { light: L::u32(0), probability: L::f32(0.0), found: L::mask(0) };
+        let mut others = active;
+        if let Some(of_few) = self.world.lights.choice_of_few() {
+            let one_sided = at.one_sided(active);
+            chosen = of_few.sample_lanes(&one_sided, choice);
+            others = active & !one_sided.active;
+        }
+        if L::any(others) {
+            let (numbers, mut found) = (to_array::<L>(choice), L::bits(chosen.found));
+            let (mut lights, mut probabilities) = (to_array_u32::<L>(chosen.light), to_array::<L>(chosen.probability));
+            for lane in each_lane(L::bits(others)) {
+                if let Some((light, probability)) = self.choose_one(&at.get(lane), numbers[lane]) {
+                    (lights[lane], probabilities[lane]) = (light, probability);
+                    found |= 1 << lane;
+                }
             }
+            chosen = ChosenLanes { light: L::load_u32(&lights), probability: L::load(&probabilities), found: L::mask(found) };
         }
-        (Chosen { light: L::load_u32(&lights), probability: L::load(&numbers) }, L::mask(found))
+        chosen
     }
 
     #[inline(never)]
@@ -281,7 +292,7 @@ impl<'a> WideWorld<'a> {
     fn sample_lights_one_by_one<L: Lanes>(
         &self,
         at: &ReceiverLanes<L>,
-        chosen: &Chosen<L>,
+        chosen: &ChosenLanes<L>,
         [u, v]: [L::F32; 2],
         which: u32,
         light: &mut LightLanes<L>,

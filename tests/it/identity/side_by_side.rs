@@ -185,6 +185,8 @@ fn materials(scale: f32) -> Vec<SurfaceMaterial> {
         Material::diffuse(Rgb::BLACK),
         Material::mirror(Rgb::new(0.9, 0.95, 1.0)),
         Material::glass(1.5),
+        // Light is sampled on both sides of it.
+        Material::rough_glass(1.5, Rgb::WHITE, roughness(Vec2::splat(0.2)), false),
         Material::plastic(Rgb::new(0.2, 0.5, 0.7), 1.5),
         Material::metal((Rgb::new(0.2, 0.9, 1.1), Rgb::new(3.9, 2.4, 2.2)), None, true),
         Material::metal(Element::Cu.index(), Some(rough), false),
