@@ -109,7 +109,8 @@ impl Part {
     /// - partial: make the picture although samples before the last one are missing
     /// - confidence: of the interval of the error
     ///
-    /// The picture of the samples 0, ..., n - 1 has the bits of a render with n samples per pixel.
+    /// The picture of the samples 0, ..., n - 1 has the bits of a render with n samples per pixel. With the sampler `stratified`, all samples
+    /// of its `spp` belong to the picture.
     ///
     /// Raises pt_renderer.Error if samples are missing.
     #[pyo3(signature = (*, partial = false, confidence = 0.95))]

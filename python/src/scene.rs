@@ -229,7 +229,8 @@ impl Scene {
     /// the same settings.
     ///
     /// - first, end: samples with 0 <= first <= sample < end
-    /// - spp: number of samples that the sampler `stratified` spreads, which has no more; of no effect on others
+    /// - spp: number of samples that the sampler `stratified` spreads, which has no more; it changes no sample of
+    ///   the others, but the memory that is needed is estimated by it
     /// - integrator: name, see `pt list integrators`
     /// - sampler, seed, scramblings, layers, crop, threads, progress: as for render
     ///

@@ -51,13 +51,13 @@ pub trait Lanes: Arithmetic {
 ///
 /// Without `array::map`: a call of it is not sure to be inlined, and then its closure is compiled without AVX2.
 #[inline(always)]
-pub fn splat<L: Arithmetic>(numbers: [f32; 3]) -> [L; 3] {
-    [L::splat(numbers[0]), L::splat(numbers[1]), L::splat(numbers[2])]
+pub fn splat<A: Arithmetic>(numbers: [f32; 3]) -> [A; 3] {
+    [A::splat(numbers[0]), A::splat(numbers[1]), A::splat(numbers[2])]
 }
 
 /// Scalar product of vectors of three numbers.
 #[inline(always)]
-pub fn dot<L: Arithmetic>(a: [L; 3], b: [L; 3]) -> L {
+pub fn dot<A: Arithmetic>(a: [A; 3], b: [A; 3]) -> A {
     a[0].times(b[0]).plus(a[1].times(b[1])).plus(a[2].times(b[2]))
 }
 

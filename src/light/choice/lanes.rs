@@ -1,4 +1,6 @@
 //! Choice of a light for several points at once, where there are few lights.
+//!
+//! Tests: side_by_side_paths_have_the_bits_of_single_ones.
 
 use glam::Vec3;
 

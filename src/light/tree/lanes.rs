@@ -1,4 +1,6 @@
 //! Choice among the lights of a single node, for several points at once.
+//!
+//! Tests: side_by_side_paths_have_the_bits_of_single_ones.
 
 use super::{Child, LightTree, UNIFORM_FRACTION, WIDTH};
 use crate::math::float::ONE_MINUS_EPSILON;
@@ -34,7 +36,7 @@ impl LightTree {
         found
     }
 
-    /// [`LightTree::sample`] in each lane: lights and their probabilities. Where all importances are 0, it gives nonsense.
+    /// [`LightTree::sample`] in each lane: lights and their probabilities. Where all importances are 0, the results mean nothing.
     #[inline(always)]
     pub fn sample_lanes<L: Lanes>(&self, importances: &ImportanceLanes<L>, choice: L::F32) -> (L::U32, L::F32) {
         let count = self.lights.len().min(WIDTH);
@@ -42,7 +44,8 @@ impl LightTree {
         let among_all = L::to_u32(choice * L::f32(1.0 / UNIFORM_FRACTION) * all);
         let rest = L::min((choice - fraction) / L::f32(1.0 - UNIFORM_FRACTION), L::f32(ONE_MINUS_EPSILON));
         let target = rest * importances.total;
-        // As in `Importances::choose`: the number of the sums that are at most the target, and the last possible child if that is all.
+        // The place of the chosen child is the number of sums that are at most the target, as in `Importances::choose`. If all of them are,
+        // because of rounding, the last child with an importance is chosen.
         let (mut place, mut last, mut uniform) = (L::u32(0), L::u32(0), L::u32(self.place(count - 1)));
         for k in 0..count {
             let here = L::u32(k as u32);
