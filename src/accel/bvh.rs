@@ -22,7 +22,7 @@ use crate::shape::{Capsule, Facet, FacetUv, ShapeHit};
 
 /// Bounding volume hierarchy over the primitives of a scene, or of a group.
 pub struct Bvh {
-    shapes: Shapes,
+    pub(super) shapes: Shapes,
     instances: Vec<Instance>,
     bounds: Aabb,
     pub(super) nodes: Vec<Node>,
@@ -183,7 +183,7 @@ impl Bvh {
 
     /// Updates the nearest hit with the hits of the items in a leaf that are in no run and no bundle.
     #[inline(always)]
-    pub(super) fn intersect_curved<T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
+    fn intersect_curved<T: Tolerance>(&self, leaf: usize, ray: &Ray, tolerance: T, nearest: &mut Nearest) {
         let (_, _, curved) = self.leaves.mixed(leaf);
         for place in curved.map(Place::curved) {
             let Some(item) = self.leaves.item(place) else { continue };
@@ -240,7 +240,7 @@ impl Bvh {
 
     /// Whether the ray hits any of the items in a leaf that are in no run and no bundle.
     #[inline(always)]
-    pub(super) fn curved_occlude<T: Tolerance>(&self, curved: Range<u32>, ray: &Ray, tolerance: T) -> bool {
+    fn curved_occlude<T: Tolerance>(&self, curved: Range<u32>, ray: &Ray, tolerance: T) -> bool {
         for place in curved.map(Place::curved) {
             let is_hit = match self.leaves.item(place) {
                 None => false,
@@ -285,13 +285,7 @@ impl Primitive for Bvh {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        match self.set {
-            Set::Plain => self.nearest::<Halves, _>(ray, Exact),
-            // SAFETY: `set` is AVX2 only if this machine has it.
-            #[cfg(target_arch = "x86_64")]
-            #[allow(unsafe_code, reason = "sound: the set is what this machine was found to have")]
-            Set::Avx2 => unsafe { self.nearest_avx2(ray, Exact) },
-        }
+        self.nearest_with_place(ray).map(|(hit, _)| hit)
     }
 
     fn occluded(&self, ray: &Ray) -> bool {
@@ -312,6 +306,7 @@ impl Primitive for Bvh {
             #[allow(unsafe_code, reason = "sound: the set is what this machine was found to have")]
             Set::Avx2 => unsafe { self.nearest_avx2(ray, Within(tolerance)) },
         }
+        .map(|(hit, _)| hit)
     }
 
     fn occluded_with_tolerance(&self, ray: &Ray, tolerance: f32) -> bool {
@@ -338,8 +333,19 @@ impl Primitive for Bvh {
     }
 }
 
-/// Traversals below a child, for packets whose rays go on as single rays.
+/// Traversals for packets whose rays go on as single rays.
 impl Bvh {
+    /// Nearest hit of a ray, and the place of its item.
+    pub(super) fn nearest_with_place(&self, ray: &Ray) -> Option<(Hit, Place)> {
+        match self.set {
+            Set::Plain => self.nearest::<Halves, _>(ray, Exact),
+            // SAFETY: `set` is AVX2 only if this machine has it.
+            #[cfg(target_arch = "x86_64")]
+            #[allow(unsafe_code, reason = "sound: the set is what this machine was found to have")]
+            Set::Avx2 => unsafe { self.nearest_avx2(ray, Exact) },
+        }
+    }
+
     /// Updates the nearest hit of a ray with those below a child.
     #[inline(always)]
     pub(super) fn descend(&self, child: Child, ray: &Ray, nearest: &mut Nearest) {
@@ -381,7 +387,7 @@ impl Bvh {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn nearest_avx2<T: Tolerance>(&self, ray: &Ray, tolerance: T) -> Option<Hit> {
+    fn nearest_avx2<T: Tolerance>(&self, ray: &Ray, tolerance: T) -> Option<(Hit, Place)> {
         self.nearest::<Whole, T>(ray, tolerance)
     }
 
@@ -391,17 +397,17 @@ impl Bvh {
         self.any::<Whole, T>(ray, tolerance)
     }
 
-    /// Nearest hit, by front-to-back traversal: the nearest child first, the others in order on the stack.
+    /// Nearest hit and the place of its item, by front-to-back traversal: the nearest child first, the others in order on the stack.
     #[inline(always)]
-    fn nearest<L: Lanes, T: Tolerance>(&self, ray: &Ray, tolerance: T) -> Option<Hit> {
+    fn nearest<L: Lanes, T: Tolerance>(&self, ray: &Ray, tolerance: T) -> Option<(Hit, Place)> {
         let mut nearest = Nearest { hit: ShapeHit { t: ray.t_max, uv: Vec2::ZERO }, place: Place::NONE, t_max: ray.t_max, within: None };
         self.nearest_below::<L, T>(self.root?, ray, tolerance, &mut nearest);
         let item = self.leaves.item(nearest.place)?;
         if item.shape == INSTANCE {
-            return nearest.within;
+            return nearest.within.map(|hit| (hit, nearest.place));
         }
         let uv = item.facet_uv.uv(nearest.hit.uv);
-        Some(Hit { instance: None, shape: item.shape, primitive: item.primitive, uv, t: nearest.hit.t })
+        Some((Hit { instance: None, shape: item.shape, primitive: item.primitive, uv, t: nearest.hit.t }, nearest.place))
     }
 
     /// Updates the nearest hit with those below a child.

@@ -6,6 +6,8 @@
 //!
 //! Tests: packets_find_what_single_rays_find.
 
+use std::ops::Range;
+
 use arrayvec::ArrayVec;
 use glam::{Vec2, Vec3};
 
@@ -14,9 +16,8 @@ use super::leaves::{Place, Run, UNDERFLOW};
 use super::node::{Child, Node, STACK, Target, WIDEN};
 use crate::math::Ray;
 use crate::math::float::ROUNDING;
-use crate::math::lanes::{self, Kernel, Lanes, MAX_COUNT, Rays, Vector, VectorF64, Width, each_lane};
+use crate::math::lanes::{self, Kernel, Lanes, MAX_COUNT, Rays, Vector, VectorF64, Width, each_lane, to_array};
 use crate::primitive::{Hit, Primitive};
-use crate::shape::triangle::Exact;
 use crate::shape::{FacetUv, ShapeHit, triangle};
 
 /// Greatest number of rays that enter an inner node as single rays. Renders take the same time with 2 to 6.
@@ -284,9 +285,7 @@ impl Bvh {
                     for bundle in bundles {
                         self.nearest_of_few(&packet, which, Child::bundle(bundle), &mut candidates);
                     }
-                    if !curved.is_empty() {
-                        self.curved_nearest(&packet, which, leaf, &mut candidates);
-                    }
+                    self.curved_nearest(&packet, which, curved, &mut candidates);
                 }
             }
         }
@@ -331,12 +330,7 @@ impl Bvh {
                     for bundle in bundles {
                         open &= !self.occluded_of_few(&packet, which & open, Child::bundle(bundle));
                     }
-                    if !curved.is_empty() {
-                        for k in each_lane(which & open) {
-                            let is_hit = self.curved_occlude(curved.clone(), &packet.single.get(k), Exact);
-                            open &= !(u32::from(is_hit) << k);
-                        }
-                    }
+                    open &= !self.occluded_by_curved(&packet, which & open, curved);
                 }
             }
         }
@@ -349,18 +343,56 @@ impl Bvh {
         for k in each_lane(which) {
             let mut nearest = candidates.single(k);
             self.descend(child, &packet.single.get(k), &mut nearest);
-            candidates.add_known(k, &nearest);
+            if nearest.place != Place::NONE {
+                candidates.add_known(k, nearest.place, nearest.hit);
+            }
         }
     }
 
-    /// Adds the nearest hits of some rays with the curved primitives in a leaf, ray by ray.
+    /// Adds the nearest hits of some rays with the curved primitives in a leaf.
     #[inline(always)]
-    fn curved_nearest<L: Lanes>(&self, packet: &Packet<L>, which: u32, leaf: usize, candidates: &mut Candidates) {
-        for k in each_lane(which) {
-            let mut nearest = candidates.single(k);
-            self.intersect_curved(leaf, &packet.single.get(k), Exact, &mut nearest);
-            candidates.add_known(k, &nearest);
+    fn curved_nearest<L: Lanes>(&self, packet: &Packet<L>, which: u32, places: Range<u32>, candidates: &mut Candidates) {
+        for place in places.map(Place::curved) {
+            let Some(item) = self.leaves.item(place) else { continue };
+            let shape = &self.shapes[item.shape as usize];
+            if let Some(ellipsoid) = shape.ellipsoid() {
+                let limit = L::load(&candidates.limit);
+                let (t, found) = ellipsoid.intersect_lanes::<L>(packet.origin, packet.direction, limit);
+                let t = to_array::<L>(t);
+                for k in each_lane(L::bits(found) & which) {
+                    candidates.add_known(k, place, ShapeHit { t: t[k], uv: Vec2::ZERO });
+                }
+            } else {
+                for k in each_lane(which) {
+                    let ray = Ray { t_max: candidates.limit[k], ..packet.single.get(k) };
+                    if let Some(hit) = shape.intersect(item.primitive, &ray) {
+                        candidates.add_known(k, place, hit);
+                    }
+                }
+            }
         }
+    }
+
+    /// Which of some rays hit any of the curved primitives in a leaf.
+    #[inline(always)]
+    fn occluded_by_curved<L: Lanes>(&self, packet: &Packet<L>, which: u32, places: Range<u32>) -> u32 {
+        let mut open = which;
+        for place in places.map(Place::curved) {
+            let Some(item) = self.leaves.item(place) else { continue };
+            let shape = &self.shapes[item.shape as usize];
+            if let Some(ellipsoid) = shape.ellipsoid() {
+                let (_, hit) = ellipsoid.intersect_lanes::<L>(packet.origin, packet.direction, packet.rays.t_max);
+                open &= !L::bits(hit);
+            } else {
+                for k in each_lane(open) {
+                    open &= !(u32::from(shape.intersect(item.primitive, &packet.single.get(k)).is_some()) << k);
+                }
+            }
+            if open == 0 {
+                break;
+            }
+        }
+        which & !open
     }
 
     /// Which of some rays hit anything below a child, ray by ray.
@@ -421,9 +453,9 @@ impl Bvh {
     /// Hit of a ray that is traced as a single one.
     #[inline(never)]
     fn hit_of_one(&self, ray: &Ray, k: usize, hits: &mut Hits) {
-        if let Some(Hit { shape, primitive, uv, t, .. }) = self.intersect(ray) {
+        if let Some((Hit { shape, primitive, uv, t, .. }, place)) = self.nearest_with_place(ray) {
             (hits.shape[k], hits.primitive[k], hits.t[k], hits.u[k], hits.v[k]) = (shape, primitive, t, uv.x, uv.y);
-            hits.found |= 1 << k;
+            (hits.found, hits.place[k]) = (hits.found | 1 << k, place.number());
         }
     }
 
@@ -500,16 +532,13 @@ impl Candidates {
         Nearest { hit: ShapeHit { t: limit, uv: Vec2::ZERO }, place: Place::NONE, t_max: limit, within: None }
     }
 
-    /// Adds the nearest hit that a single ray has found.
+    /// Adds the exact hit of a ray with an item.
     #[inline(always)]
-    fn add_known(&mut self, k: usize, nearest: &Nearest) {
-        if nearest.place == Place::NONE {
-            return;
-        }
-        let t = nearest.hit.t;
+    fn add_known(&mut self, k: usize, place: Place, hit: ShapeHit) {
+        let t = hit.t;
         if t < self.first[k] {
             self.second[k] = self.first[k];
-            (self.first[k], self.place[k], self.known[k]) = (t, nearest.place, nearest.hit);
+            (self.first[k], self.place[k], self.known[k]) = (t, place, hit);
             self.is_known |= 1 << k;
         } else {
             self.second[k] = self.second[k].min(t);

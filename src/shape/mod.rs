@@ -25,6 +25,7 @@ pub mod triangle_mesh;
 use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
 
 use crate::error::Result;
+use crate::math::lanes::{Lanes, Vector};
 use crate::math::{Aabb, AreaPdf, Ray, SolidAnglePdf, Transform};
 
 pub use bilinear_patch::BilinearPatch;
@@ -40,7 +41,7 @@ pub use partial_disk::PartialDisk;
 pub use partial_sphere::PartialSphere;
 pub use quad::Quad;
 pub use sdf::Sdf;
-pub use sphere::Sphere;
+pub use sphere::{Ellipsoid, Sphere};
 pub use triangle_mesh::TriangleMesh;
 
 /// Surface in object space.
@@ -99,6 +100,12 @@ pub trait Shape: Send + Sync {
     /// A capsule that contains primitive `i`, if it is slender and curved, so that it fills little of its bounding box: only rays that meet the
     /// capsule are tested.
     fn capsule(&self, _i: u32) -> Option<Capsule> {
+        None
+    }
+
+    /// The ellipsoid that the shape is, if it is one. Several rays are then tested at once, by the ellipsoid in the place of the shape: it must
+    /// be the shape's only primitive, with the same hits, points and samples.
+    fn ellipsoid(&self) -> Option<&Ellipsoid> {
         None
     }
 
@@ -435,6 +442,13 @@ pub fn bent(n: Vec3, w: Vec3, least: f32) -> Vec3 {
 /// Tests: row G4 and row S1 of `pt torture`.
 pub fn offset_bound(n: Vec3, magnitude: Vec3) -> f32 {
     32.0 * f32::EPSILON * 0.5 * n.abs().dot(magnitude)
+}
+
+/// [`offset_bound`] in each lane.
+#[inline(always)]
+pub(crate) fn offset_bound_lanes<L: Lanes>(n: Vector<L>, magnitude: Vec3) -> L::F32 {
+    let size = Vector::<L> { x: L::abs(n.x), y: L::abs(n.y), z: L::abs(n.z) };
+    L::f32(32.0 * f32::EPSILON * 0.5) * size.dot(Vector::splat(magnitude))
 }
 
 /// Origin of a ray that leaves the surface in the direction `w`: the point moved off the surface on the side of `w`.

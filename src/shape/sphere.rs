@@ -1,5 +1,7 @@
 //! Spheres, which a transform may stretch to ellipsoids.
 
+mod lanes;
+
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3, Vec2, Vec3};
@@ -83,7 +85,7 @@ pub(super) fn tangents(n: DVec3) -> Option<[DVec3; 2]> {
 }
 
 /// Image of the unit sphere under p ↦ center + linear·p, in f64 because curved shapes are few.
-struct Ellipsoid {
+pub struct Ellipsoid {
     center: DVec3,
     linear: DMat3,
     inverse: DMat3,
@@ -109,14 +111,18 @@ impl Ellipsoid {
     fn without_uv(&self, n: DVec3) -> SurfacePoint {
         let ng = (self.inverse.transpose() * n).normalize().as_vec3();
         let p = (self.center + self.linear * n).as_vec3();
-        SurfacePoint {
-            p,
-            offset: offset_bound(ng, (self.center.abs() + self.reach).as_vec3()),
-            ng,
-            ns: ng,
-            uv: Vec2::ZERO,
-            color: VertexColor::WHITE,
-        }
+        SurfacePoint { p, offset: offset_bound(ng, self.magnitude()), ng, ns: ng, uv: Vec2::ZERO, color: VertexColor::WHITE }
+    }
+
+    /// Greatest absolute value of a coordinate on each axis (m).
+    #[inline(always)]
+    fn magnitude(&self) -> Vec3 {
+        (self.center.abs() + self.reach).as_vec3()
+    }
+
+    /// Whether it is a sphere, not a stretched one.
+    pub(crate) fn is_sphere(&self) -> bool {
+        self.radius.is_some()
     }
 
     /// Cone of directions that the sphere covers, seen from `p`; `None` for an ellipsoid or if `p` is not outside.
@@ -128,7 +134,7 @@ impl Ellipsoid {
         let line = p.as_dvec3() - self.center;
         let distance = line.length();
         let axis = line / distance;
-        let rounding = offset_bound(axis.as_vec3(), (self.center.abs() + self.reach).as_vec3()) as f64;
+        let rounding = offset_bound(axis.as_vec3(), self.magnitude()) as f64;
         let sin2 = (radius / distance) * (radius / distance);
         (distance - radius > rounding).then(|| Cone { axis, distance, radius, one_minus_cos: sin2 / (1.0 + (1.0 - sin2).sqrt()) })
     }
@@ -180,6 +186,10 @@ impl Shape for Ellipsoid {
 
     fn facet(&self, _: u32) -> Facet {
         Facet::Curved
+    }
+
+    fn ellipsoid(&self) -> Option<&Ellipsoid> {
+        Some(self)
     }
 
     /// Solves |o + t d| = 1 in the space of the unit sphere: t = m ± √((1 − |o + m d|²)/d²) with m = −o·d/d².

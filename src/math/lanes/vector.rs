@@ -240,6 +240,12 @@ impl<L: Lanes> VectorF64<L> {
         VectorF64 { x: self.x * by, y: self.y * by, z: self.z * by }
     }
 
+    /// Quotients by numbers, each component divided.
+    #[inline(always)]
+    pub fn divided(self, by: L::F64) -> VectorF64<L> {
+        VectorF64 { x: self.x / by, y: self.y / by, z: self.z / by }
+    }
+
     /// Vectors of the same directions with length 1.
     #[inline(always)]
     pub fn normalized(self) -> VectorF64<L> {

@@ -97,21 +97,24 @@ pub(super) struct WideLight {
 
 enum Kind {
     Quad(Box<QuadLight>),
+    Sphere(SphereLight),
     /// An environment or an environment map.
     Infinite,
 }
 
-/// Greatest number of lights of a scene for which parallelograms among them are sampled in all lanes at once. With more, the lanes mostly
-/// choose different lights, each of which is then sampled for few lanes.
-const MAX_QUADS: usize = 4;
+/// Greatest number of lights of a scene for which parallelograms and spheres among them are sampled in all lanes at once. With more, the
+/// lanes mostly choose different lights, each of which is then sampled for few lanes.
+const MAX_LIGHTS: usize = 4;
 
 impl WideLight {
     /// Such lights of a scene.
     pub fn of(world: &World) -> Vec<WideLight> {
-        let has_few = world.lights.len() <= MAX_QUADS;
+        let has_few = world.lights.len() <= MAX_LIGHTS;
         let kind = |light: &Light| match light {
             Light::Environment(_) | Light::EnvironmentMap(_) => Some(Kind::Infinite),
-            Light::Area(area) if has_few => QuadLight::of(world, area).map(|quad| Kind::Quad(Box::new(quad))),
+            Light::Area(area) if has_few => {
+                QuadLight::of(world, area).map(|quad| Kind::Quad(Box::new(quad))).or_else(|| SphereLight::of(world, area).map(Kind::Sphere))
+            }
             _ => None,
         };
         (0..).zip(world.lights.iter()).filter_map(|(index, light)| Some(WideLight { index, kind: kind(light)? })).collect()
@@ -215,6 +218,42 @@ impl QuadLight {
     }
 }
 
+/// A light that is a sphere which emits the same everywhere. Points inside of it have no vector code.
+struct SphereLight {
+    shape: u32,
+    radiance: Vec3,
+    is_two_sided: bool,
+}
+
+impl SphereLight {
+    fn of(world: &World, area: &Area) -> Option<SphereLight> {
+        let is_sphere = world.shapes[area.shape as usize].ellipsoid().is_some_and(|ellipsoid| ellipsoid.is_sphere());
+        (is_sphere && area.emitter.texture.is_none()).then(|| SphereLight {
+            shape: area.shape,
+            radiance: Vec3::from(Spectrum::from_illuminant(area.emitter.radiance).coefficients()),
+            is_two_sided: area.emitter.two_sided,
+        })
+    }
+
+    /// Samples points, with radiance in the place of weights, and the lanes for which this is the way to sample them.
+    #[inline(always)]
+    fn sample<L: Lanes>(&self, world: &World, at: &ReceiverLanes<L>, u: [L::F32; 2], active: L::Mask) -> (LightLanes<L>, L::Mask) {
+        let none = (LightLanes::none(), L::mask(0));
+        let Some(ellipsoid) = world.shapes[self.shape as usize].ellipsoid() else { return none };
+        let Some((end, pdf, is_outside)) = ellipsoid.sample_lanes(at.p, u, active) else { return none };
+        let line = end.p - at.p;
+        let square = line.length_squared();
+        let sampled = is_outside & !L::lt(square, L::f32(MIN_SQUARE));
+        let inverse = L::f32(1.0) / L::sqrt(square);
+        let wi = line.scaled(inverse);
+        let shines = L::lt(L::f32(0.0), end.ng.dot(-wi));
+        let shines = if self.is_two_sided { active } else { shines };
+        let is_direction = L::lt(L::f32(0.0), inverse) & L::lt(inverse, L::f32(f32::INFINITY));
+        let (found, weight) = (sampled & shines & is_direction, Vector::splat(self.radiance));
+        (LightLanes { found, wi, weight, pdf, end: end.p, end_normal: end.ng, end_offset: end.offset, is_distant: L::mask(0) }, sampled)
+    }
+}
+
 /// Light samples of lanes that have no vector code.
 struct Samples {
     found: u32,
@@ -239,6 +278,7 @@ impl<'a> WideWorld<'a> {
             if L::any(which) {
                 let (sample, sampled) = match &each.kind {
                     Kind::Quad(quad) => quad.sample(at, [u, v], which),
+                    Kind::Sphere(sphere) => sphere.sample(self.world, at, [u, v], which),
                     Kind::Infinite => {
                         let Some(sample) = self.sample_background(each.index, at, [u, v], which) else { continue };
                         (sample, which)

@@ -1,7 +1,7 @@
 //! Scene for paths that are followed side by side, one in each lane.
 //!
-//! Flat shapes, materials and emission lie in tables from which each lane reads its own. What has no table, such as a textured surface, is
-//! computed for one lane after the other by the code for single paths. Either way each lane gets the bits that a single path gets.
+//! Flat shapes, materials and emission lie in tables from which each lane reads its own. Ellipsoids have code for lanes. All else, such as a
+//! textured surface, is computed for one lane after the other by the code for single paths. Either way each lane gets the bits that a single path gets.
 //!
 //! Tests: side_by_side_paths_have_the_bits_of_single_ones.
 
@@ -255,12 +255,30 @@ impl<'a> WideWorld<'a> {
         0
     }
 
-    /// Points of shapes that have no table, lane by lane.
+    /// Points of shapes that have no table: those of an ellipsoid in all its lanes at once, all others lane by lane.
     #[inline(always)]
     fn points<L: Lanes>(&self, rays: &Rays<L>, hits: &Hits, which: u32, vectors: [&mut Vector<L>; 3], offset: &mut L::F32) {
         let [p, ng, ns] = vectors;
+        let (shapes, mut others, mut left) = (L::load_u32(&hits.shape), 0, which);
+        while left != 0 {
+            let shape = hits.shape[left.trailing_zeros() as usize];
+            let its = L::bits(L::eq_u32(shapes, L::u32(shape))) & left;
+            left &= !its;
+            let Some(ellipsoid) = self.world.shapes[shape as usize].ellipsoid() else {
+                others |= its;
+                continue;
+            };
+            let (points, its) = (ellipsoid.points_lanes(rays, L::load(&hits.t)), L::mask(its));
+            *p = Vector::select(its, points.p, *p);
+            *ng = Vector::select(its, points.ng, *ng);
+            *ns = Vector::select(its, points.ng, *ns);
+            *offset = L::select(its, points.offset, *offset);
+        }
+        if others == 0 {
+            return;
+        }
         let mut points = PointArrays { p: p.to_arrays(), ng: ng.to_arrays(), ns: ns.to_arrays(), offset: to_array::<L>(*offset) };
-        for lane in each_lane(which) {
+        for lane in each_lane(others) {
             points.set(lane, &self.point(&rays.get(lane), hits, lane));
         }
         (*p, *ng, *ns) = (Vector::from_arrays(&points.p), Vector::from_arrays(&points.ng), Vector::from_arrays(&points.ns));

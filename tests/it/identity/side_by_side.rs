@@ -86,12 +86,16 @@ fn scene(random: &mut Random) -> WorldBuilder {
         world.shape(Cuboid { size: [7.0, 6.0, 12.0] }, place(inwards), random.pick(diffuse), None);
     }
     for _ in 0..1 + random.below(6) {
-        let transform = place(random.rotation().then(&Transform::translate(random.in_cube() * 1.5).expect("finite")));
+        let moved = random.rotation().then(&Transform::translate(random.in_cube() * 1.5).expect("finite"));
         let (material, emitter) = (any(random), (random.below(6) == 0).then(|| glow(random)));
-        match random.below(6) {
+        let stretched = (random.in_cube() + DVec3::splat(1.5)) * random.pick(&[1.0, -1.0]);
+        let stretched = Transform::scale(stretched).expect("not zero");
+        let transform = place(moved);
+        match random.below(7) {
             0 => world.shape(Quad { size: [1.0, 0.7] }, transform, material, emitter),
             1 => world.shape(Cuboid { size: [0.7, 0.5, 0.9] }, transform, material, emitter),
             2 => world.shape(Sphere { radius: 0.5 }, transform, material, emitter),
+            6 => world.shape(Sphere { radius: 0.5 }, stretched.then(&transform), material, emitter),
             3 => world.shape(Disk { radius: 0.6 }, transform, material, emitter),
             4 => world.shape(thread(random.below(2) == 0), transform, material, emitter),
             _ => world.shape(TriangleMesh::new(ball(random.below(2) == 0)), transform, material, emitter),
@@ -115,6 +119,12 @@ fn lights(random: &mut Random, world: &mut WorldBuilder, place: &dyn Fn(Transfor
         let tilted = if random.below(2) == 0 { down } else { random.rotation() };
         let size = random.pick(&[[0.8, 0.6], [3.0, 2.0]]);
         world.shape(Quad { size }, place(tilted.then(&at(0.3, 1.5, 0.2))), material, Some(lamp));
+    }
+    // Spheres that shine into the scene, one of which may contain it.
+    if random.below(3) == 0 {
+        let lamp = Emitter { two_sided: random.below(2) == 0, ..glow(random) };
+        let radius = random.pick(&[0.05, 0.4, 9.0]);
+        world.shape(Sphere { radius }, place(at(-0.9, 1.2, 0.6)), material, Some(lamp));
     }
     if random.below(3) == 0 {
         world.light(Light::Environment(Environment { radiance: Rgb::new(0.1, 0.2, 0.4) }));
