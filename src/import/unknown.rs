@@ -35,14 +35,14 @@ const TEXT: &[(&str, &str, &str)] = &[
     ("OFF", "an OFF model", READ),
 ];
 
-/// XML files by their first element.
-const XML: &[(&str, &str, &str)] = &[
-    ("<scene version", "a Mitsuba scene", READ),
-    ("<scene", "a Nori or Mitsuba scene", READ),
-    ("<COLLADA", "a COLLADA scene", EXPORT),
-    ("<X3D", "an X3D scene", EXPORT),
-    ("<svg", "an SVG drawing", READ),
-    ("<html", "a web page", READ),
+/// XML files by the name of their first element and an attribute of it.
+const XML: &[(&str, &str, &str, &str)] = &[
+    ("scene", "version", "a Mitsuba scene", READ),
+    ("scene", "", "a Nori or Mitsuba scene", READ),
+    ("collada", "", "a COLLADA scene", EXPORT),
+    ("x3d", "", "an X3D scene", EXPORT),
+    ("svg", "", "an SVG drawing", READ),
+    ("html", "", "a web page", READ),
 ];
 
 /// Statements that a file of pbrt's format may begin with (*pbrt-v4 File Format*).
@@ -108,6 +108,24 @@ fn binary(start: &[u8]) -> Option<(&'static str, &'static str)> {
     (!is_wide && start.iter().any(is_control)).then_some((NOISE, READ))
 }
 
+/// Name and attributes of the first element of an XML file, after its declaration, its document type and comments. Empty if there is none.
+fn first_element(mut rest: &str) -> (&str, &str) {
+    loop {
+        rest = rest.trim_start();
+        let end = match rest {
+            _ if rest.starts_with("<?") => "?>",
+            _ if rest.starts_with("<!--") => "-->",
+            _ if rest.starts_with("<!") && rest.find('[') < rest.find('>') && rest.contains('[') => "]>",
+            _ if rest.starts_with("<!") => ">",
+            _ => break,
+        };
+        let Some((_, after)) = rest.split_once(end) else { return ("", "") };
+        rest = after;
+    }
+    let tag = rest.strip_prefix('<').and_then(|tag| tag.split('>').next()).unwrap_or("");
+    tag.split_once(|c: char| c.is_whitespace() || c == '/').unwrap_or((tag, ""))
+}
+
 fn text(start: &str) -> Option<(&'static str, &'static str)> {
     let start = start.trim_start_matches('\u{feff}').trim_start();
     let named = TEXT.iter().find(|(first, ..)| start.starts_with(first));
@@ -115,8 +133,9 @@ fn text(start: &str) -> Option<(&'static str, &'static str)> {
         return Some((what, advice));
     }
     if start.starts_with('<') {
-        let element = XML.iter().find(|(element, ..)| start.contains(element));
-        return Some(element.map_or(("an XML file", READ), |(_, what, advice)| (what, advice)));
+        let (name, attributes) = first_element(start);
+        let known = XML.iter().find(|(known, attribute, ..)| name.eq_ignore_ascii_case(known) && attributes.contains(attribute));
+        return Some(known.map_or(("an XML file", READ), |(.., what, advice)| (what, advice)));
     }
     let mut statements = start.lines().map(str::trim_start).filter(|line| !line.is_empty() && !line.starts_with('#'));
     let first = statements.next()?.split(|c: char| !c.is_ascii_alphabetic()).next()?;

@@ -150,12 +150,17 @@ fn files_of_other_formats_are_recognised() {
         let mut random = Random::new(3);
         (0..4096).map(|_| random.below(256) as u8).collect()
     };
-    let cases: [(&[u8], &str, &str); 19] = [
+    let cases: [(&[u8], &str, &str); 24] = [
         (b"LookAt 3 4 1.5  .5 .5 0  0 0 1\nCamera \"perspective\"\nWorldBegin\n", "a pbrt scene", "pt reads its own JSON"),
         (b"# made by hand\n\nFilm \"rgb\" \"string filename\" \"a.exr\"\n", "a pbrt scene", "OBJ, PLY and STL"),
         (b"<?xml version='1.0'?>\n<scene version=\"3.0.0\"></scene>", "a Mitsuba scene", "glTF"),
         (b"\xEF\xBB\xBF<scene>\n <integrator type=\"normals\"/></scene>", "a Nori or Mitsuba scene", "glTF"),
+        (b"<scene\n  version=\"3.0.0\"></scene>", "a Mitsuba scene", "glTF"),
         (b"<COLLADA xmlns=\"http://x\">", "a COLLADA scene", "export it as glTF"),
+        (b"<?xml?>\n<COLLADA version=\"1.4.1\">\n<scene>\n</scene></COLLADA>", "a COLLADA scene", "export it as glTF"),
+        (b"<!DOCTYPE HTML>\n<!-- <scene version> -->\n<HTML><svg></svg></HTML>", "a web page", "glTF"),
+        (b"<!DOCTYPE svg [<!ENTITY x \"<scene>\">]><svg/>", "an SVG drawing", "glTF"),
+        (b"<!-- no end", "an XML file", "glTF"),
         (b"<note/>", "an XML file", "pt reads"),
         (b"#usda 1.0\n(\n)\n", "a USD scene", "export it as glTF"),
         (b"PXR-USDC\0\x08\0\xFF", "a USD scene", "export it as glTF"),
