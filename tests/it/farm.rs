@@ -236,6 +236,7 @@ fn what_cannot_be_farmed_is_refused() {
         (&["-", "--shards", "4", "--for", "make"], 2, "stdin can be read only once"),
         (&["s.json", "--shards", "4", "--for", "make", "--time", "3"], 2, "farm --time"),
         (&["s.json", "--shards", "4", "--for", "make", "--adaptive"], 2, "farm --adaptive"),
+        (&["s.json", "--shards", "4", "--for", "make", "--clamp", "3"], 2, "farm --clamp: shards do not keep what it removes"),
         (&["s.json", "--shards", "4", "--for", "make", "-o", "x.ptc"], 2, "x.ptc: expected a name that ends in .exr"),
         (&["s.json", "--shards", "4", "--for", "make", "-o", "a%b.exr"], 2, "a%b.exr: make cannot have files with % in their names"),
         (&["a'b.json", "--shards", "4", "--for", "make"], 2, "make cannot have files with ' in their names"),

@@ -103,7 +103,6 @@ fn refuse_options(args: &RenderArgs) -> Result<()> {
         ("--samples", args.samples.is_some()),
         ("--time", args.time.is_some()),
         ("--target", args.target.is_some()),
-        ("--clamp", args.clamp.is_some()),
         ("--checkpoint", args.checkpoint.is_some()),
         ("--resume", args.resume.is_some()),
         ("--frames", args.frames.is_some()),
@@ -120,6 +119,9 @@ fn refuse_options(args: &RenderArgs) -> Result<()> {
     if args.adaptive {
         let message = "farm --adaptive: how many rounds of samples there are to share out is known only after the pilot; see docs/parts.md";
         return Err(Error::Usage(message.into()));
+    }
+    if args.clamp.is_some() {
+        return Err(Error::Usage("farm --clamp: shards do not keep what it removes".into()));
     }
     match flags.into_iter().find(|(_, is_given)| *is_given) {
         Some((flag, _)) => {
