@@ -140,12 +140,12 @@ impl PixelStatistics {
 
     /// Medians of value and of the variance of comparison around a pixel. A bright sample or an edge hardly changes them.
     fn median(&self, i: usize) -> Gray {
-        let median_of = |of: &dyn Fn(usize) -> f64| {
-            let mut values: ArrayVec<f64, AROUND> = self.neighbors(i).chain([i]).map(of).collect();
-            let middle = values.len() / 2;
-            *values.select_nth_unstable_by(middle, f64::total_cmp).1
-        };
-        Gray { value: median_of(&|q| self.gray[q].value), variance: median_of(&|q| self.comparison_variance[q]) }
+        let (mut values, mut variances) = (ArrayVec::<f64, AROUND>::new(), ArrayVec::<f64, AROUND>::new());
+        self.neighbors(i).chain([i]).for_each(|q| {
+            values.push(self.gray[q].value);
+            variances.push(self.comparison_variance[q]);
+        });
+        Gray { value: median(values), variance: median(variances) }
     }
 
     /// Weight of a pixel: 1 where it differs from the median by no more than noise explains, falling towards 0 beyond.
@@ -153,6 +153,46 @@ impl PixelStatistics {
         let (distance, noise) = ((self.gray[q].value - median.value).powi(2), self.comparison_variance[q] + median.variance);
         if distance <= MAX_SQUARED_DEVIATION * noise { 1.0 } else { (0.5 * (MAX_SQUARED_DEVIATION - distance / noise)).exp() }
     }
+}
+
+/// Middle one of some numbers, the upper one of two.
+fn median(mut numbers: ArrayVec<f64, AROUND>) -> f64 {
+    if let Ok(nine) = numbers.as_slice().try_into() {
+        return median_of_nine(nine);
+    }
+    let middle = numbers.len() / 2;
+    *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Median of nine numbers by 19 exchanges without a branch: most pixels have eight neighbours, and their medians took a tenth of a short render.
+///
+/// Source: Paeth, *Median Finding on a 3-by-3 Grid* (Graphics Gems, 1990). Tests: nine_numbers_have_their_median.
+fn median_of_nine(mut x: [f64; AROUND]) -> f64 {
+    const EXCHANGES: [[usize; 2]; 19] = [
+        [1, 2],
+        [4, 5],
+        [7, 8],
+        [0, 1],
+        [3, 4],
+        [6, 7],
+        [1, 2],
+        [4, 5],
+        [7, 8],
+        [0, 3],
+        [5, 8],
+        [4, 7],
+        [3, 6],
+        [1, 4],
+        [2, 5],
+        [4, 7],
+        [2, 4],
+        [4, 6],
+        [2, 4],
+    ];
+    for [low, high] in EXCHANGES {
+        (x[low], x[high]) = if x[high] < x[low] { (x[high], x[low]) } else { (x[low], x[high]) };
+    }
+    x[4]
 }
 
 impl Gray {
@@ -221,6 +261,15 @@ mod tests {
         let (found, whole) =
             (picture.skewness_ratio.iter().sum::<f64>(), skews.iter().map(|skew| ratio * skew.skewness_ratio).sum::<f64>());
         found / whole
+    }
+
+    /// A network of exchanges that finds the median of all sequences of zeros and ones finds that of all sequences (the 0-1 principle).
+    #[test]
+    fn nine_numbers_have_their_median() {
+        for ones in 0u32..1 << AROUND {
+            let numbers = std::array::from_fn(|k| f64::from(ones >> k & 1));
+            assert_eq!(median_of_nine(numbers), if ones.count_ones() > 4 { 1.0 } else { 0.0 }, "{numbers:?}");
+        }
     }
 
     /// The variance of two scramblings has one degree of freedom. Its chance must not decide how a pixel is corrected: the error of pictures with
