@@ -225,10 +225,18 @@ def read_pfm(path):
     return pixels[::-1].astype(float)
 
 
-def pt_seconds(program, name, sampler, seed, spp):
+# How pt samples: with error bars, which it has by default, and without, as Mitsuba does.
+SAMPLING = {
+    "independent": ["--sampler", "independent"],
+    "sobol": ["--sampler", "sobol"],
+    "sobol, no error bars": ["--sampler", "sobol", "--scramblings", "1"],
+}
+
+
+def pt_seconds(program, name, sampling, seed, spp):
     """CPU seconds of a run of pt, which leaves its picture in pt.pfm."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-    options = ["--spp", str(spp), "--sampler", sampler, "--seed", str(seed), "--threads", "1", "-q", "-o", f"{FOLDER}/pt.pfm"]
+    options = ["--spp", str(spp), *SAMPLING[sampling], "--seed", str(seed), "--threads", "1", "-q", "-o", f"{FOLDER}/pt.pfm"]
     subprocess.run([program, f"{FOLDER}/{name}.json", *options], check=True)
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
@@ -265,7 +273,7 @@ def main():
     for name, scene in scenes.items():
         for_pt(scene, f"{FOLDER}/{name}.json")
         peer = for_mitsuba(scene)
-        rows = {("pt", s): ([], []) for s in ["independent", "sobol"]}
+        rows = {("pt", s): ([], []) for s in SAMPLING}
         rows |= {("Mitsuba", s): ([], []) for s in ["independent", "ldsampler"]}
         cameras = {sampler: sensor(sampler, options.spp) for sampler in ["independent", "ldsampler"]}
         for camera in cameras.values():
