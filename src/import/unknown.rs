@@ -112,12 +112,16 @@ fn binary(start: &[u8]) -> Option<(&'static str, &'static str)> {
 fn first_element(mut rest: &str) -> (&str, &str) {
     loop {
         rest = rest.trim_start();
-        let end = match rest {
-            _ if rest.starts_with("<?") => "?>",
-            _ if rest.starts_with("<!--") => "-->",
-            _ if rest.starts_with("<!") && rest.find('[') < rest.find('>') && rest.contains('[') => "]>",
-            _ if rest.starts_with("<!") => ">",
-            _ => break,
+        let end = if rest.starts_with("<?") {
+            "?>"
+        } else if rest.starts_with("<!--") {
+            "-->"
+        } else if rest.starts_with("<!") {
+            // A document type may contain declarations in brackets.
+            let bracket_or_end = rest.find(['[', '>']).map(|at| &rest[at..]);
+            if bracket_or_end.is_some_and(|rest| rest.starts_with('[')) { "]>" } else { ">" }
+        } else {
+            break;
         };
         let Some((_, after)) = rest.split_once(end) else { return ("", "") };
         rest = after;

@@ -98,35 +98,30 @@ fn engines() -> impl TypedValueParser<Value = &'static Engine> {
 /// # Errors
 /// `Usage`.
 fn refuse_options(args: &RenderArgs) -> Result<()> {
+    const SINGLE_RUN: &str = "not with shards, which only render a fixed number of samples; see pt farm --help";
+    const ADAPTIVE: &str = "how many rounds of samples there are to share out is known only after the pilot; see docs/parts.md";
     let flags = [
-        ("--shard", args.shard.is_some()),
-        ("--samples", args.samples.is_some()),
-        ("--time", args.time.is_some()),
-        ("--target", args.target.is_some()),
-        ("--checkpoint", args.checkpoint.is_some()),
-        ("--resume", args.resume.is_some()),
-        ("--frames", args.frames.is_some()),
-        ("--clock-name", args.clock_name),
-        ("--pixel", args.pixel.is_some()),
-        ("--pilot", args.pilot.is_some()),
-        ("--worst", args.worst.is_some()),
-        ("--ledger", args.ledger),
-        ("--stats", args.stats.is_some()),
-        ("--display-server", args.display_server.is_some()),
-        ("--serve", args.serve.is_some()),
-        ("--verbose", args.verbose),
+        ("--adaptive", args.adaptive, ADAPTIVE),
+        ("--clamp", args.clamp.is_some(), "shards do not keep what it removes"),
+        ("--shard", args.shard.is_some(), SINGLE_RUN),
+        ("--samples", args.samples.is_some(), SINGLE_RUN),
+        ("--time", args.time.is_some(), SINGLE_RUN),
+        ("--target", args.target.is_some(), SINGLE_RUN),
+        ("--checkpoint", args.checkpoint.is_some(), SINGLE_RUN),
+        ("--resume", args.resume.is_some(), SINGLE_RUN),
+        ("--frames", args.frames.is_some(), SINGLE_RUN),
+        ("--clock-name", args.clock_name, SINGLE_RUN),
+        ("--pixel", args.pixel.is_some(), SINGLE_RUN),
+        ("--pilot", args.pilot.is_some(), SINGLE_RUN),
+        ("--worst", args.worst.is_some(), SINGLE_RUN),
+        ("--ledger", args.ledger, SINGLE_RUN),
+        ("--stats", args.stats.is_some(), SINGLE_RUN),
+        ("--display-server", args.display_server.is_some(), SINGLE_RUN),
+        ("--serve", args.serve.is_some(), SINGLE_RUN),
+        ("--verbose", args.verbose, SINGLE_RUN),
     ];
-    if args.adaptive {
-        let message = "farm --adaptive: how many rounds of samples there are to share out is known only after the pilot; see docs/parts.md";
-        return Err(Error::Usage(message.into()));
-    }
-    if args.clamp.is_some() {
-        return Err(Error::Usage("farm --clamp: shards do not keep what it removes".into()));
-    }
-    match flags.into_iter().find(|(_, is_given)| *is_given) {
-        Some((flag, _)) => {
-            Err(Error::Usage(format!("farm {flag}: not with shards, which only render a fixed number of samples; see pt farm --help")))
-        }
+    match flags.into_iter().find(|(_, is_given, _)| *is_given) {
+        Some((flag, _, reason)) => Err(Error::Usage(format!("farm {flag}: {reason}"))),
         None => Ok(()),
     }
 }

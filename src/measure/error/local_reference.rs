@@ -164,7 +164,8 @@ fn median(mut numbers: ArrayVec<f64, AROUND>) -> f64 {
     *numbers.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Median of nine numbers by 19 exchanges without a branch: most pixels have eight neighbours, and their medians took a tenth of a short render.
+/// Median of nine numbers by 19 exchanges without a branch. Most pixels have eight neighbours, and selecting their medians took most of the time of
+/// stating an error.
 ///
 /// Source: Paeth, *Median Finding on a 3-by-3 Grid* (Graphics Gems, 1990). Tests: nine_numbers_have_their_median.
 fn median_of_nine(mut x: [f64; AROUND]) -> f64 {
