@@ -41,6 +41,7 @@ pub use partial_disk::PartialDisk;
 pub use partial_sphere::PartialSphere;
 pub use quad::Quad;
 pub use sdf::Sdf;
+pub(crate) use sphere::PointLanes;
 pub use sphere::{Ellipsoid, Sphere};
 pub use triangle_mesh::TriangleMesh;
 

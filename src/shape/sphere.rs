@@ -10,6 +10,8 @@ use super::{Facet, Geometry, Shape, ShapeHit, SurfacePoint, VertexColor, area_to
 use crate::error::Result;
 use crate::math::{Aabb, AreaPdf, Frame, Ray, SolidAnglePdf, Transform, float, warp};
 
+pub(crate) use self::lanes::PointLanes;
+
 /// Sphere x² + y² + z² = r² around the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {

@@ -9,7 +9,7 @@ use crate::light::{Area, ChosenLanes, Light, LightSample, LightSampleContext, On
 use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, VectorF64, each_lane, to_array, to_array_u32};
 use crate::math::{Density, RectangleFrame, Spectrum, SphericalRectangle};
 use crate::scene::ROUNDING;
-use crate::shape::{Facet, NEAR, SurfacePoint, in_direction_lanes};
+use crate::shape::{Facet, NEAR, PointLanes, SurfacePoint, in_direction_lanes};
 use crate::world::World;
 
 /// Light samples, one in each lane.
@@ -121,6 +121,37 @@ impl WideLight {
     }
 }
 
+/// Emission that is the same everywhere on a surface.
+struct Glow {
+    radiance: Vec3,
+    is_two_sided: bool,
+}
+
+impl Glow {
+    /// Emission of a light; `None` if it has a texture.
+    fn of(area: &Area) -> Option<Glow> {
+        let radiance = Vec3::from(Spectrum::from_illuminant(area.emitter.radiance).coefficients());
+        area.emitter.texture.is_none().then_some(Glow { radiance, is_two_sided: area.emitter.two_sided })
+    }
+
+    /// Light from sampled points of the surface, with radiance in the place of weights, and the lanes whose points are not too near.
+    ///
+    /// - `pdf`: densities of the points by solid angle [sr⁻¹]
+    #[inline(always)]
+    fn light<L: Lanes>(&self, at: &ReceiverLanes<L>, end: PointLanes<L>, pdf: L::F32, active: L::Mask) -> (LightLanes<L>, L::Mask) {
+        let line = end.p - at.p;
+        let square = line.length_squared();
+        let sampled = active & !L::lt(square, L::f32(MIN_SQUARE));
+        let inverse = L::f32(1.0) / L::sqrt(square);
+        let wi = line.scaled(inverse);
+        let shines = L::lt(L::f32(0.0), end.ng.dot(-wi));
+        let shines = if self.is_two_sided { active } else { shines };
+        let is_direction = L::lt(L::f32(0.0), inverse) & L::lt(inverse, L::f32(f32::INFINITY));
+        let (found, weight) = (sampled & shines & is_direction, Vector::splat(self.radiance));
+        (LightLanes { found, wi, weight, pdf, end: end.p, end_normal: end.ng, end_offset: end.offset, is_distant: L::mask(0) }, sampled)
+    }
+}
+
 /// A light that is a parallelogram which emits the same everywhere.
 struct QuadLight {
     /// A corner and its two neighbours.
@@ -131,8 +162,7 @@ struct QuadLight {
     offset: f32,
     /// Density of points [m⁻²].
     area_pdf: f32,
-    radiance: Vec3,
-    is_two_sided: bool,
+    glow: Glow,
     center: Vec3,
     /// Square of the distance of the centre within which a rectangle is near (m²).
     near2: f32,
@@ -142,9 +172,7 @@ impl QuadLight {
     fn of(world: &World, area: &Area) -> Option<QuadLight> {
         let shape = &world.shapes[area.shape as usize];
         let Facet::Parallelogram([a, b, c, d]) = shape.facet(area.primitive) else { return None };
-        if shape.has_shading_normals() || area.emitter.texture.is_some() {
-            return None;
-        }
+        let glow = Glow::of(area).filter(|_| !shape.has_shading_normals())?;
         let point = shape.sample_area(area.primitive, Vec2::ZERO).0;
         let radius = 0.5 * (c - a).length();
         let frame = if shape.is_rectangle(area.primitive) { RectangleFrame::new([b - a, d - a]) } else { None };
@@ -154,8 +182,7 @@ impl QuadLight {
             normal: point.ng,
             offset: point.offset,
             area_pdf: 1.0 / shape.area(area.primitive),
-            radiance: Vec3::from(Spectrum::from_illuminant(area.emitter.radiance).coefficients()),
-            is_two_sided: area.emitter.two_sided,
+            glow,
             center: 0.5 * (a + c),
             near2: NEAR * NEAR * (radius * radius),
         })
@@ -190,21 +217,11 @@ impl QuadLight {
         }
         let [a, b, d] = self.corners;
         let end = Vector::splat(a) + Vector::<L>::splat(b - a).scaled(x) + Vector::<L>::splat(d - a).scaled(y);
-        let end_normal = Vector::splat(self.normal);
-        let line = end - at.p;
-        let square = line.length_squared();
-        let sampled = active & !L::lt(square, L::f32(MIN_SQUARE));
-        let (by_area, is_finite) = self.pdf(line);
+        let (by_area, is_finite) = self.pdf(end - at.p);
         let pdf = L::select(by_solid_angle, solid_angle_pdf, by_area);
-        let is_finite = by_solid_angle | is_finite;
-        let inverse = L::f32(1.0) / L::sqrt(square);
-        let wi = line.scaled(inverse);
-        let shines = L::lt(L::f32(0.0), end_normal.dot(-wi));
-        let shines = if self.is_two_sided { active } else { shines };
-        let is_direction = L::lt(L::f32(0.0), inverse) & L::lt(inverse, L::f32(f32::INFINITY));
-        let found = sampled & is_finite & shines & is_direction;
-        let (weight, end_offset) = (Vector::splat(self.radiance), L::f32(self.offset));
-        (LightLanes { found, wi, weight, pdf, end, end_normal, end_offset, is_distant: L::mask(0) }, sampled)
+        let end = PointLanes { p: end, ng: Vector::splat(self.normal), offset: L::f32(self.offset) };
+        let (light, sampled) = self.glow.light(at, end, pdf, active);
+        (LightLanes { found: light.found & (by_solid_angle | is_finite), ..light }, sampled)
     }
 
     /// Density of points by area as a density by solid angle, and whether it is finite: see [`AreaPdf`](crate::math::AreaPdf).
@@ -221,18 +238,13 @@ impl QuadLight {
 /// A light that is a sphere which emits the same everywhere. Points inside of it have no vector code.
 struct SphereLight {
     shape: u32,
-    radiance: Vec3,
-    is_two_sided: bool,
+    glow: Glow,
 }
 
 impl SphereLight {
     fn of(world: &World, area: &Area) -> Option<SphereLight> {
         let is_sphere = world.shapes[area.shape as usize].ellipsoid().is_some_and(|ellipsoid| ellipsoid.is_sphere());
-        (is_sphere && area.emitter.texture.is_none()).then(|| SphereLight {
-            shape: area.shape,
-            radiance: Vec3::from(Spectrum::from_illuminant(area.emitter.radiance).coefficients()),
-            is_two_sided: area.emitter.two_sided,
-        })
+        Glow::of(area).filter(|_| is_sphere).map(|glow| SphereLight { shape: area.shape, glow })
     }
 
     /// Samples points, with radiance in the place of weights, and the lanes for which this is the way to sample them.
@@ -241,16 +253,7 @@ impl SphereLight {
         let none = (LightLanes::none(), L::mask(0));
         let Some(ellipsoid) = world.shapes[self.shape as usize].ellipsoid() else { return none };
         let Some((end, pdf, is_outside)) = ellipsoid.sample_lanes(at.p, u, active) else { return none };
-        let line = end.p - at.p;
-        let square = line.length_squared();
-        let sampled = is_outside & !L::lt(square, L::f32(MIN_SQUARE));
-        let inverse = L::f32(1.0) / L::sqrt(square);
-        let wi = line.scaled(inverse);
-        let shines = L::lt(L::f32(0.0), end.ng.dot(-wi));
-        let shines = if self.is_two_sided { active } else { shines };
-        let is_direction = L::lt(L::f32(0.0), inverse) & L::lt(inverse, L::f32(f32::INFINITY));
-        let (found, weight) = (sampled & shines & is_direction, Vector::splat(self.radiance));
-        (LightLanes { found, wi, weight, pdf, end: end.p, end_normal: end.ng, end_offset: end.offset, is_distant: L::mask(0) }, sampled)
+        self.glow.light(at, end, pdf, is_outside)
     }
 }
 
