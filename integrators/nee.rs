@@ -1,6 +1,5 @@
 //! Path tracing with next-event estimation and multiple importance sampling.
 
-use std::any::Any;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -10,7 +9,7 @@ use pt::effects::Effects;
 use pt::film::FilmSpec;
 use pt::integrator::{
     Bias, CameraPath, CameraSample, Estimator, Filled, Integrator, MAX_DEPTH, PathLanes, PathWalk, Roulette, SideBySide, Space, Vacuum,
-    WideWalk, sample_light,
+    WideSpace, WideWalk, sample_light,
 };
 use pt::light::{LightSample, LightSampleContext};
 use pt::math::lanes::{Lanes, Vector};
@@ -21,7 +20,7 @@ use pt::recorder::{End, Event, Origin, Recorder};
 use pt::sampler::dimension::{self, OnWay, Use};
 use pt::sampler::{NumberLanes, SampleNumbers};
 use pt::scene::{Interaction, Scene, Surface};
-use pt::world::{SurfaceLanes, WideWorld};
+use pt::world::{LightLanes, MediumLanes, SurfaceLanes, WideWorld};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -162,14 +161,11 @@ struct Arrival {
     density: Density,
 }
 
-impl<S: Space> PathWalk for Walk<S> {
+impl<S: WideSpace> PathWalk for Walk<S> {
     type State = State<S>;
 
-    /// Only paths in empty space are followed side by side.
     fn side_by_side(&self) -> Option<&dyn SideBySide> {
-        let any: &dyn Any = self;
-        let walk = any.downcast_ref::<Walk<Vacuum>>()?;
-        WideWalk::scene(walk).map(|_| walk as &dyn SideBySide)
+        WideWalk::scene(self).map(|_| self as &dyn SideBySide)
     }
 
     fn start(&self, camera: &CameraSample) -> State<S> {
@@ -215,9 +211,9 @@ impl<S: Space> PathWalk for Walk<S> {
     }
 }
 
-impl WideWalk for Walk<Vacuum> {
+impl<S: WideSpace> WideWalk for Walk<S> {
     fn scene(&self) -> Option<WideWorld<'_>> {
-        WideWorld::of(&*self.scene)
+        S::scene(&*self.scene)
     }
 
     #[inline(always)]
@@ -229,19 +225,27 @@ impl WideWalk for Walk<Vacuum> {
         numbers: &mut NumberLanes<L>,
         active: L::Mask,
     ) -> L::Mask {
-        let hits = scene.intersect(&paths.rays, active);
+        let mut hits = scene.intersect(&paths.rays, active);
+        let wo = -paths.rays.direction;
+        if depth < self.max_depth
+            && let Some((points, weight)) = S::points_on_way(scene, paths, &hits, numbers, depth, active)
+        {
+            let (lit, direct) = self.direct_in_medium(scene, &points, wo, numbers.get_3d(dimension::on_way(depth, OnWay::Light)));
+            paths.add(lit, direct * weight);
+        }
+        let in_medium = S::scatter_lanes(scene, paths, &mut hits, numbers, depth, active);
+        let scattered = in_medium.as_ref().map_or(L::mask(0), |points| points.found);
         let found = L::mask(hits.found);
-        let missed = active & !found;
+        let missed = active & !(found | scattered);
         if L::any(missed) {
             for &light in scene.background_lights() {
                 paths.add(missed, self.background_lanes(scene, light, paths, missed));
             }
         }
-        if !L::any(found) {
+        if !L::any(found | scattered) {
             return found;
         }
         let surface = paths.surfaces(scene, &hits);
-        let wo = -paths.rays.direction;
         paths.add(found, self.emission_lanes(scene, &surface, wo, paths));
         if depth == self.max_depth {
             return L::mask(0);
@@ -249,13 +253,12 @@ impl WideWalk for Walk<Vacuum> {
         let (lit, direct) = self.direct_lanes(scene, &surface, wo, numbers, depth);
         paths.add(lit, direct);
 
-        let sample = scene.scatter(&surface, wo, numbers.get_3d(dimension::vertex(depth, Use::Bsdf)), found);
-        paths.scatter(&surface, wo, &sample, self.roulette, depth, numbers)
+        paths.scatter(scene, &surface, in_medium.as_ref(), self.roulette, depth, numbers)
     }
 }
 
 /// The terms of [`Walk`]'s sum for the paths of several lanes.
-impl Walk<Vacuum> {
+impl<S: WideSpace> Walk<S> {
     /// [`Walk::emission`] in each lane.
     #[inline(always)]
     fn emission_lanes<L: Lanes>(
@@ -305,10 +308,35 @@ impl Walk<Vacuum> {
         let light = scene.sample_light(&surface.receiver(wo), numbers.get_3d(dimension::vertex(depth, Use::Light)), smooth);
         let (f, by_bsdf) = scene.eval(surface, wo, light.wi, light.found);
         let unshadowed = light.found & !f.is_black();
-        let lit = unshadowed & !scene.occluded(&surface.shadow_rays(&light), unshadowed);
+        let rays = surface.shadow_rays(&light);
+        let (passes, passed) = S::transmittance_lanes(scene, &rays, surface.p, unshadowed);
+        let lit = passes & !scene.occluded(&rays, passes);
+        (lit, (f.scaled(passed) * light.weight).scaled(self.light_weight(&light, by_bsdf)))
+    }
+
+    /// [`Walk::direct`] for points of a medium in each lane, and the lanes that have light.
+    #[inline(always)]
+    fn direct_in_medium<L: Lanes>(
+        &self,
+        scene: WideWorld,
+        at: &MediumLanes<'_, L>,
+        wo: Vector<L>,
+        numbers: [L::F32; 3],
+    ) -> (L::Mask, Vector<L>) {
+        let light = scene.sample_light(&at.receiver(), numbers, at.found);
+        let phase = at.phase.eval_lanes(wo, light.wi);
+        let unshadowed = light.found & L::lt(L::f32(0.0), phase);
+        let rays = at.shadow_rays(&light);
+        let (passes, passed) = S::transmittance_lanes(scene, &rays, at.p, unshadowed);
+        let lit = passes & !scene.occluded(&rays, passes);
+        (lit, light.weight.scaled(phase * passed).scaled(self.light_weight(&light, phase)))
+    }
+
+    /// Weights of light samples against samples of the BSDF or of the phase function.
+    #[inline(always)]
+    fn light_weight<L: Lanes>(&self, light: &LightLanes<L>, by_bsdf: L::F32) -> L::F32 {
         let is_delta = L::lt(light.pdf, L::f32(0.0));
-        let weight = L::select(is_delta, L::f32(1.0), self.weights.of_light_lanes::<L>(light.pdf, by_bsdf));
-        (lit, (f * light.weight).scaled(weight))
+        L::select(is_delta, L::f32(1.0), self.weights.of_light_lanes::<L>(light.pdf, by_bsdf))
     }
 }
 

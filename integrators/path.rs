@@ -1,6 +1,5 @@
 //! Path tracing without light sampling.
 
-use std::any::Any;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -10,7 +9,7 @@ use pt::effects::Effects;
 use pt::film::FilmSpec;
 use pt::integrator::{
     Bias, CameraPath, CameraSample, Estimator, Filled, Integrator, MAX_DEPTH, PathLanes, PathWalk, Roulette, SideBySide, Space, Vacuum,
-    WideWalk,
+    WideSpace, WideWalk,
 };
 use pt::math::Spectrum;
 use pt::math::lanes::Lanes;
@@ -80,18 +79,15 @@ struct Walk<S> {
     space: PhantomData<S>,
 }
 
-impl<S: Space> PathWalk for Walk<S> {
+impl<S: WideSpace> PathWalk for Walk<S> {
     type State = (CameraPath, S);
 
     fn start(&self, camera: &CameraSample) -> (CameraPath, S) {
         (CameraPath::new(camera), S::at_camera(&*self.scene, camera))
     }
 
-    /// Only paths in empty space are followed side by side.
     fn side_by_side(&self) -> Option<&dyn SideBySide> {
-        let any: &dyn Any = self;
-        let walk = any.downcast_ref::<Walk<Vacuum>>()?;
-        WideWalk::scene(walk).map(|_| walk as &dyn SideBySide)
+        WideWalk::scene(self).map(|_| self as &dyn SideBySide)
     }
 
     // Inlined into the loop over the steps, because a call would cost 3 % of a render.
@@ -144,9 +140,9 @@ impl<S: Space> Walk<S> {
     }
 }
 
-impl WideWalk for Walk<Vacuum> {
+impl<S: WideSpace> WideWalk for Walk<S> {
     fn scene(&self) -> Option<WideWorld<'_>> {
-        WideWorld::of(&*self.scene)
+        S::scene(&*self.scene)
     }
 
     #[inline(always)]
@@ -158,15 +154,17 @@ impl WideWalk for Walk<Vacuum> {
         numbers: &mut NumberLanes<L>,
         active: L::Mask,
     ) -> L::Mask {
-        let hits = scene.intersect(&paths.rays, active);
+        let mut hits = scene.intersect(&paths.rays, active);
+        let in_medium = S::scatter_lanes(scene, paths, &mut hits, numbers, depth, active);
+        let scattered = in_medium.as_ref().map_or(L::mask(0), |points| points.found);
         let found = L::mask(hits.found);
-        let missed = active & !found;
+        let missed = active & !(found | scattered);
         if L::any(missed) {
             for &light in scene.background_lights() {
                 paths.add(missed, scene.background(light, &paths.rays, missed));
             }
         }
-        if !L::any(found) {
+        if !L::any(found | scattered) {
             return found;
         }
         let surface = paths.surfaces(scene, &hits);
@@ -175,7 +173,6 @@ impl WideWalk for Walk<Vacuum> {
         if depth == self.max_depth {
             return L::mask(0);
         }
-        let sample = scene.scatter(&surface, wo, numbers.get_3d(dimension::vertex(depth, Use::Bsdf)), found);
-        paths.scatter(&surface, wo, &sample, self.roulette, depth, numbers)
+        paths.scatter(scene, &surface, in_medium.as_ref(), self.roulette, depth, numbers)
     }
 }

@@ -35,7 +35,7 @@ use crate::scene::Scene;
 pub use direct::sample_light;
 pub use interrupt::Interrupt;
 pub use side_by_side::{BATCH, Batch, CameraRays, PathLanes, SideBySide, WideWalk};
-pub use space::{Filled, Space, Vacuum};
+pub use space::{Filled, Space, Vacuum, WideSpace};
 pub use transport::{CameraPath, PathState, Roulette};
 pub use wavelength::PathWavelength;
 

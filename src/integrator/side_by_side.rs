@@ -9,7 +9,7 @@ use crate::math::lanes::{Kernel, Lanes, MAX_COUNT, One, Rays, Vector, Width, eac
 use crate::math::{Density, Ray, SolidAnglePdf, Spectrum};
 use crate::sampler::dimension::{self, Use};
 use crate::sampler::{BatchNumbers, NumberLanes, SampleNumbers};
-use crate::world::{ReceiverLanes, ScatteredLanes, SurfaceLanes, WideWorld};
+use crate::world::{MediumLanes, ReceiverLanes, ScatteredLanes, SurfaceLanes, WideWorld};
 
 /// Method that estimates many samples at once, with the same bits as [`Estimator::li`](super::Estimator::li) gives for each.
 pub trait SideBySide: Send + Sync {
@@ -201,18 +201,24 @@ impl<L: Lanes> PathLanes<'_, L> {
         self.radiance = Vector::select(which, self.radiance + self.beta * light, self.radiance);
     }
 
-    /// Continues the paths in the sampled directions, as [`CameraPath::scatter`](super::CameraPath::scatter). Returns the lanes whose
-    /// paths go on.
+    /// Continues the paths in sampled directions, as [`CameraPath::scatter`](super::CameraPath::scatter). Returns the lanes whose paths go on.
+    ///
+    /// - `in_medium`: paths that are at points of a medium and not at surfaces
     #[inline(always)]
     pub fn scatter(
         &mut self,
+        scene: WideWorld,
         surface: &SurfaceLanes<'_, L>,
-        wo: Vector<L>,
-        sample: &ScatteredLanes<L>,
+        in_medium: Option<&MediumLanes<'_, L>>,
         roulette: Roulette,
         depth: u32,
         numbers: &mut NumberLanes<L>,
     ) -> L::Mask {
+        let (wo, u) = (-self.rays.direction, numbers.get_3d(dimension::vertex(depth, Use::Bsdf)));
+        let mut sample = scene.scatter(surface, wo, u, surface.found);
+        if let Some(points) = in_medium {
+            sample = points.scatter(wo, u, sample);
+        }
         let mut alive = sample.found;
         self.beta = self.beta * sample.weight;
         self.eta_scale = self.eta_scale * (sample.eta * sample.eta);
@@ -223,12 +229,24 @@ impl<L: Lanes> PathLanes<'_, L> {
             self.beta = self.beta.scaled(one / chance);
         }
         if !self.differentials.is_empty() {
-            self.scatter_differentials(surface, sample, L::bits(alive));
+            self.scatter_differentials(surface, &sample, L::bits(alive));
         }
         self.rays = surface.spawn(sample.wi);
         self.from = surface.receiver(wo);
+        if let Some(points) = in_medium {
+            points.leave(sample.wi, &mut self.rays, &mut self.from);
+        }
         self.pdf = sample.pdf;
         alive
+    }
+
+    /// Forgets the differentials of paths that a medium scatters.
+    #[inline(always)]
+    pub fn leave_surfaces(&mut self, scattered: L::Mask) {
+        if !self.differentials.is_empty() {
+            let places = to_array_u32::<L>(self.place);
+            each_lane(L::bits(scattered)).for_each(|lane| self.differentials[places[lane] as usize] = PathDifferential::None);
+        }
     }
 
     #[inline(always)]
@@ -348,7 +366,7 @@ impl Paths {
     fn start<L: Lanes>(&mut self, first: usize, origin: Vector<L>, direction: Vector<L>) {
         let (zero, one) = (Vector::splat(Vec3::ZERO), Vector::splat(Vec3::ONE));
         let places = L::lanes() + L::u32(first as u32);
-        let from = ReceiverLanes { p: origin, ng: zero, ns: zero, transmits: L::mask(0) };
+        let from = ReceiverLanes::at(origin);
         let rays = Rays { origin, direction, t_max: L::f32(f32::INFINITY), skip: L::u32(u32::MAX) };
         // Light sampling cannot find what the camera sees directly: a delta distribution.
         let (eta_scale, pdf) = (L::f32(1.0), L::f32(-1.0));

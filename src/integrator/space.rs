@@ -4,6 +4,7 @@
 
 mod distances;
 mod flight;
+mod lanes;
 mod stretches;
 mod tracking;
 mod way;
@@ -11,6 +12,7 @@ mod way;
 use std::ops::ControlFlow;
 
 use self::flight::Flight;
+pub use self::lanes::WideSpace;
 use self::stretches::{Stretch, stretches};
 use self::tracking::Collision;
 use self::way::Way;

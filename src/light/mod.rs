@@ -219,6 +219,11 @@ impl Lights {
         self.lights.iter().any(|light| !light.is_black())
     }
 
+    /// Number of lights without any radiance, intensity or irradiance.
+    pub fn black_count(&self) -> usize {
+        self.lights.iter().filter(|light| light.is_black()).count()
+    }
+
     /// A light. Panics if there is no such light.
     pub(crate) fn get(&self, index: u32) -> &Light {
         &self.lights[index as usize]
@@ -281,6 +286,11 @@ impl Lights {
     /// - `time`: fraction of the shutter interval
     pub fn place(&self, choice: f32, u: Vec2, time: f32) -> Option<Vec3> {
         self.lights[self.emission.as_ref()?.sample(choice).0].place(&self.shapes, u, time)
+    }
+
+    /// The only light that [`Lights::place`] can choose, if there is just one.
+    pub(crate) fn only_emitter(&self) -> Option<u32> {
+        self.choice.only().filter(|only| self.emission_probability(*only) == 1.0)
     }
 
     /// Probability with which [`Lights::emit`] chooses the light `index`.

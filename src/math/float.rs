@@ -144,7 +144,7 @@ pub(crate) fn sin_cos_f64(x: f64) -> (f64, f64) {
 
 /// [`sin_cos_f64`] in each lane.
 ///
-/// Tests: angles_in_double_precision_have_the_bits_of_plain_functions.
+/// Tests: double_precision_in_lanes_has_the_bits_of_plain_functions.
 #[inline(always)]
 pub(crate) fn sin_cos_f64_lanes<L: Lanes>(x: L::F64) -> (L::F64, L::F64) {
     let quadrant = round_lanes::<L>(x * L::f64(std::f64::consts::FRAC_2_PI));
@@ -199,7 +199,7 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     atan2_f64(y.into(), x.into()) as f32
 }
 
-/// [`atan2`] in each lane, of finite numbers.
+/// [`atan2`] in each lane, of numbers that are not NaN and not both infinite.
 ///
 /// Tests: lanes_have_the_bits_of_plain_functions.
 #[inline(always)]
@@ -227,7 +227,7 @@ pub(crate) fn atan2_f64(y: f64, x: f64) -> f64 {
 
 /// [`atan2_f64`] in each lane, of finite numbers. Zeros count as positive.
 ///
-/// Tests: angles_in_double_precision_have_the_bits_of_plain_functions.
+/// Tests: double_precision_in_lanes_has_the_bits_of_plain_functions.
 #[inline(always)]
 pub(crate) fn atan2_f64_lanes<L: Lanes>(y: L::F64, x: L::F64) -> L::F64 {
     let zero = L::f64(0.0);
@@ -248,6 +248,14 @@ pub fn exp(x: f32) -> f32 {
     exp_f64(f64::from(x)) as f32
 }
 
+/// [`exp`] in each lane, of numbers that are not NaN.
+///
+/// Tests: lanes_have_the_bits_of_plain_functions.
+#[inline(always)]
+pub fn exp_lanes<L: Lanes>(x: L::F32) -> L::F32 {
+    L::narrow(exp_f64_lanes::<L>(L::widen(x)))
+}
+
 /// Natural logarithm.
 ///
 /// x = 2ᵏ m, m ∈ [√½, √2);    ln x = k ln 2 + 2 (s + s³/3 + s⁵/5 + …),    s = (m − 1)/(m + 1)
@@ -258,6 +266,22 @@ pub fn exp(x: f32) -> f32 {
 #[inline]
 pub fn ln(x: f32) -> f32 {
     ln_f64(f64::from(x)) as f32
+}
+
+/// [`ln`] in each lane, of positive finite numbers.
+///
+/// Tests: lanes_have_the_bits_of_plain_functions.
+#[inline(always)]
+pub fn ln_lanes<L: Lanes>(x: L::F32) -> L::F32 {
+    let bits = L::bits_f64(L::widen(x));
+    let shifted = bits + L::u64(1.0f64.to_bits() - std::f64::consts::FRAC_1_SQRT_2.to_bits());
+    // 2⁵² + an exponent below 2¹¹, exactly.
+    let exponent = L::from_bits_f64(L::shr_u64::<52>(shifted) | L::u64(TWO_TO_52.to_bits()));
+    let k = exponent - L::f64(TWO_TO_52 + 1023.0);
+    let m = L::from_bits_f64((shifted & L::u64(TWO_TO_52 as u64 - 1)) + L::u64(std::f64::consts::FRAC_1_SQRT_2.to_bits()));
+    let one = L::f64(1.0);
+    let s = (m - one) / (m + one);
+    L::narrow(k * L::f64(LN_2) + L::f64(2.0) * s * horner_lanes::<L, _>(s * s, ATANH_16))
 }
 
 /// Power xʸ = e^(y ln x).
@@ -332,10 +356,31 @@ pub(crate) fn exp_f64(x: f64) -> f64 {
     power_of_two * (1.0 + r * horner(r, EXP_M1_10))
 }
 
+/// [`exp_f64`] in each lane, of numbers that are not NaN.
+#[inline(always)]
+fn exp_f64_lanes<L: Lanes>(x: L::F64) -> L::F64 {
+    let x = L::min_f64(L::max_f64(x, L::f64(-160.0)), L::f64(160.0));
+    let k = round_lanes::<L>(x * L::f64(LOG2_E));
+    let r = (x - k * L::f64(LN_2_HIGH)) - k * L::f64(LN_2_LOW);
+    // The lowest bits of 2⁵² + 1023 + k are 1023 + k, the exponent of 2ᵏ.
+    let exponent = L::bits_f64(k + L::f64(TWO_TO_52 + 1023.0));
+    let power_of_two = L::from_bits_f64(exponent * L::u64(1 << 52));
+    power_of_two * (L::f64(1.0) + r * horner_lanes::<L, _>(r, EXP_M1_10))
+}
+
 /// eˣ − 1 without cancellation near 0, with the precision of [`exp_f64`].
 #[inline]
 pub(crate) fn exp_m1_f64(x: f64) -> f64 {
     if x.abs() < LN_2 / 2.0 { x * horner(x, EXP_M1_10) } else { exp_f64(x) - 1.0 }
+}
+
+/// [`exp_m1_f64`] in each lane, of numbers that are not NaN.
+///
+/// Tests: double_precision_in_lanes_has_the_bits_of_plain_functions.
+#[inline(always)]
+pub(crate) fn exp_m1_f64_lanes<L: Lanes>(x: L::F64) -> L::F64 {
+    let is_small = L::lt_f64(L::abs_f64(x), L::f64(LN_2 / 2.0));
+    L::select_f64(is_small, x * horner_lanes::<L, _>(x, EXP_M1_10), exp_f64_lanes::<L>(x) - L::f64(1.0))
 }
 
 /// Natural logarithm in double precision of a number in the range of `f32`, with a relative error below 10⁻¹³.
@@ -446,6 +491,9 @@ fn round(x: f64) -> f64 {
 fn round_lanes<L: Lanes>(x: L::F64) -> L::F64 {
     (x + L::f64(SHIFT)) - L::f64(SHIFT)
 }
+
+/// From this number on, the numbers of double precision are integers, up to its double all of them.
+const TWO_TO_52: f64 = (1u64 << 52) as f64;
 
 /// Near this number, the numbers of double precision are the integers.
 const SHIFT: f64 = 1.5 * (1u64 << 52) as f64;
@@ -585,28 +633,29 @@ mod tests {
     use super::*;
     use crate::math::lanes::{Kernel, Width};
 
-    /// Angle of (x, y), and sine and cosine of x, in double precision.
-    struct Angles {
+    /// Angle of (x, y), sine and cosine of x, and eˣ − 1, in double precision.
+    struct Functions {
         x: [f64; 16],
         y: [f64; 16],
     }
 
-    impl Kernel for Angles {
-        type Output = [[f64; 16]; 3];
+    impl Kernel for Functions {
+        type Output = [[f64; 16]; 4];
 
         #[inline(always)]
-        fn run<L: Lanes>(self) -> [[f64; 16]; 3] {
+        fn run<L: Lanes>(self) -> [[f64; 16]; 4] {
             let (x, y) = (L::load_f64(&self.x), L::load_f64(&self.y));
-            let ((sin, cos), mut found) = (sin_cos_f64_lanes::<L>(x), [[0.0; 16]; 3]);
+            let ((sin, cos), mut found) = (sin_cos_f64_lanes::<L>(x), [[0.0; 16]; 4]);
             L::store_f64(atan2_f64_lanes::<L>(y, x), &mut found[0]);
             L::store_f64(sin, &mut found[1]);
             L::store_f64(cos, &mut found[2]);
+            L::store_f64(exp_m1_f64_lanes::<L>(x), &mut found[3]);
             found
         }
     }
 
     #[test]
-    fn angles_in_double_precision_have_the_bits_of_plain_functions() {
+    fn double_precision_in_lanes_has_the_bits_of_plain_functions() {
         // All quadrants, their borders, and what is between; then numbers of all sizes. Zeros are positive.
         let angles = (-32..=32).map(|k| f64::from(k) * PI / 16.0).flat_map(|x| [x.next_down(), x, x.next_up()]);
         let sizes = [5e-324, 1e-310, 1e-45, 1e-3, 2.0 - 3f64.sqrt(), 1.0, 2.0 + 3f64.sqrt(), 1e39, 1e300];
@@ -615,12 +664,13 @@ mod tests {
         for group in pairs.chunks(16) {
             let [x, y] = [0, 1].map(|axis| std::array::from_fn(|k| group[k % group.len()][axis]));
             for width in Width::available() {
-                let [angle, sin, cos] = width.run(Angles { x, y });
+                let [angle, sin, cos, exp_m1] = width.run(Functions { x, y });
                 for k in 0..width.count() {
                     let same = |found: f64, wanted: f64| {
                         assert_eq!(found.to_bits(), wanted.to_bits(), "({:e}, {:e}): {found:e}, not {wanted:e}, {width:?}", x[k], y[k]);
                     };
                     same(angle[k], atan2_f64(y[k], x[k]));
+                    same(exp_m1[k], exp_m1_f64(x[k]));
                     // Sines are for angles within ±2π.
                     if x[k].abs() <= 2.0 * PI {
                         let wanted = sin_cos_f64(x[k]);

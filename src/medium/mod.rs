@@ -6,6 +6,7 @@
 
 mod density;
 mod grid;
+mod lanes;
 mod majorants;
 mod media;
 mod phase;
@@ -19,6 +20,7 @@ use crate::math::{Spectrum, float};
 
 pub use density::{Density, MOST_DEPTH, MOST_VALUES, value_count};
 pub use grid::{ColorGrid, Grid, Places};
+pub use lanes::{lost_lanes, transmittance_lanes};
 pub use majorants::{Line, Segment};
 pub use media::{Body, Boundaries, Boundary, Inside, InterfaceCrossing, MOST_BODIES, MOST_NESTED, Media};
 pub use phase::{MOST_ASYMMETRY, Phase};

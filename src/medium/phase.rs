@@ -4,6 +4,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::{Vec2, Vec3};
 
+use crate::math::lanes::Lanes;
 use crate::math::{Frame, Local, float};
 
 /// Greatest |g| of a Henyey–Greenstein phase function. Nearer to 1 the peak is narrower than what 32-bit directions can tell apart.
@@ -54,6 +55,16 @@ impl HenyeyGreenstein {
         self.less * self.more * (0.25 * FRAC_1_PI) / (base * base.sqrt())
     }
 
+    /// [`HenyeyGreenstein::density`] in each lane.
+    #[inline(always)]
+    pub(super) fn density_lanes<L: Lanes>(&self, one_minus_cos: L::F32, one_plus_cos: L::F32) -> L::F32 {
+        let base = match self.g >= 0.0 {
+            true => L::f32(self.less * self.less) + L::f32(2.0 * self.g) * one_minus_cos,
+            false => L::f32(self.more * self.more) - L::f32(2.0 * self.g) * one_plus_cos,
+        };
+        L::f32(self.less * self.more * (0.25 * FRAC_1_PI)) / (base * L::sqrt(base))
+    }
+
     /// 1 − cos θ and 1 + cos θ of a sampled direction.
     ///
     /// 1 − cos θ = 2 (1 − g)² (1 − u)(1 + g u) / k²,  1 + cos θ = 2 (1 + g)² u (1 − g (1 − u)) / k²,  k = (1 − g)(1 − u) + (1 + g) u
@@ -63,6 +74,17 @@ impl HenyeyGreenstein {
         let k = less * v + more * u;
         let (a, b) = (less / k, more / k);
         (2.0 * a * a * v * (1.0 + g * u), 2.0 * b * b * u * (1.0 - g * v))
+    }
+
+    /// [`HenyeyGreenstein::sample`] in each lane.
+    #[inline(always)]
+    pub(super) fn sample_lanes<L: Lanes>(&self, u: L::F32) -> (L::F32, L::F32) {
+        let (g, less, more) = (L::f32(self.g), L::f32(self.less), L::f32(self.more));
+        let (one, two) = (L::f32(1.0), L::f32(2.0));
+        let v = one - u;
+        let k = less * v + more * u;
+        let (a, b) = (less / k, more / k);
+        (two * a * a * v * (one + g * u), two * b * b * u * (one - g * v))
     }
 }
 
@@ -133,6 +155,18 @@ fn rayleigh_cosine(u: f32) -> f32 {
     let right = 8.0 * u - 4.0;
     let step = |x: f32| x - (x * (x * x + 3.0) - right) / (3.0 * (x * x + 1.0));
     step(step(step(0.25 * right))).clamp(-1.0, 1.0)
+}
+
+/// [`rayleigh_cosine`] in each lane.
+#[inline(always)]
+pub(super) fn rayleigh_cosine_lanes<L: Lanes>(u: L::F32) -> L::F32 {
+    let (one, three) = (L::f32(1.0), L::f32(3.0));
+    let right = L::f32(8.0) * u - L::f32(4.0);
+    let mut x = L::f32(0.25) * right;
+    for _ in 0..3 {
+        x = x - (x * (x * x + three) - right) / (three * (x * x + one));
+    }
+    L::min(L::max(x, -one), one)
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ pub use builder::WorldBuilder;
 pub use instanced::PlacedGroup;
 pub use objects::{GroupId, Objects};
 pub use spaces::MAX_COPIES;
-pub use wide::{LightLanes, ReceiverLanes, ScatteredLanes, SurfaceArrays, SurfaceLanes, WideWorld};
+pub use wide::{LightLanes, MediumLanes, ReceiverLanes, ScatteredLanes, SurfaceArrays, SurfaceLanes, WideWorld};
 
 /// Scene that is ready for rendering.
 pub struct World {

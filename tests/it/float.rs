@@ -176,17 +176,18 @@ fn powf_is_rounded_once_with_ieee_special_cases() {
     }
 }
 
-/// Sines, cosines and angles of points in each lane.
-struct Angles([f32; 16], [f32; 16]);
+/// Sines, cosines, angles of points, exponential functions and logarithms of absolute values in each lane.
+struct Functions([f32; 16], [f32; 16]);
 
-impl Kernel for Angles {
-    type Output = [[f32; 16]; 3];
+impl Kernel for Functions {
+    type Output = [[f32; 16]; 5];
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> [[f32; 16]; 3] {
+    fn run<L: Lanes>(self) -> [[f32; 16]; 5] {
         let (x, y) = (L::load(&self.0), L::load(&self.1));
         let (sin, cos) = sin_cos_lanes::<L>(x);
-        [sin, cos, atan2_lanes::<L>(y, x)].map(to_array::<L>)
+        let positive = L::max(L::abs(x), L::f32(f32::from_bits(1)));
+        [sin, cos, atan2_lanes::<L>(y, x), exp_lanes::<L>(x), ln_lanes::<L>(positive)].map(to_array::<L>)
     }
 }
 
@@ -198,14 +199,16 @@ fn lanes_have_the_bits_of_plain_functions() {
     let special = [0.0, -0.0, 1.0, -1.0, f32::MIN_POSITIVE, 1e-42, 8191.9, -8191.9, 0.267_949_2, -0.267_949_2, 3.732_05];
     let mut numbers: Vec<f32> = special.into_iter().chain(quarters).collect();
     numbers.extend((0..80).map(|_| (random.decade(-6.0, 3.9) * if random.bits() & 1 == 0 { 1.0 } else { -1.0 }) as f32));
-    let pairs: Vec<[f32; 2]> = numbers.iter().flat_map(|&x| numbers.iter().map(move |&y| [x, y])).collect();
+    let ends = [f32::INFINITY, f32::NEG_INFINITY];
+    let pairs: Vec<[f32; 2]> = numbers.iter().flat_map(|&x| numbers.iter().chain(&ends).map(move |&y| [x, y])).collect();
     for group in pairs.chunks_exact(16) {
         let [x, y] = [0, 1].map(|axis| std::array::from_fn(|k| group[k][axis]));
         for width in Width::available() {
-            let found = width.run(Angles(x, y));
+            let found = width.run(Functions(x, y));
             for lane in 0..width.count() {
                 let (sin, cos) = sin_cos(x[lane]);
-                let wanted = [sin, cos, atan2(y[lane], x[lane])].map(f32::to_bits);
+                let positive = x[lane].abs().max(f32::from_bits(1));
+                let wanted = [sin, cos, atan2(y[lane], x[lane]), exp(x[lane]), ln(positive)].map(f32::to_bits);
                 assert_eq!(found.map(|row| row[lane].to_bits()), wanted, "({}, {}), {width:?}", x[lane], y[lane]);
             }
         }

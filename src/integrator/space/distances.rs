@@ -1,7 +1,8 @@
 //! Distributions of distances along a ray through media.
 
+use crate::math::lanes::{Lanes, Vector};
 use crate::math::{Spectrum, Vec3, float};
-use crate::medium::{Media, Medium, transmittance};
+use crate::medium::{Media, Medium, lost_lanes, transmittance, transmittance_lanes};
 
 /// Distribution of free-flight distances, under the condition that the path scatters before an end.
 pub struct Truncated {
@@ -52,6 +53,41 @@ impl Truncated {
     }
 }
 
+/// [`Truncated`] in each lane, for a medium that is the same everywhere and gray.
+pub struct TruncatedLanes<L: Lanes> {
+    /// σa + σs (m⁻¹).
+    extinction: L::F32,
+    /// Optical depth up to the end.
+    end: L::F32,
+    /// 1 − T(end), the probability that a path scatters before the end. Where it is 0, the other values mean nothing.
+    pub scattered: L::F32,
+}
+
+impl<L: Lanes> TruncatedLanes<L> {
+    /// - `end`: optical depth up to the end
+    #[inline(always)]
+    pub fn new(extinction: L::F32, end: L::F32) -> TruncatedLanes<L> {
+        TruncatedLanes { extinction, end, scattered: lost_lanes::<L>(end) }
+    }
+
+    /// A distance (m).
+    ///
+    /// - `length`: that of the end (m)
+    #[inline(always)]
+    pub fn sample(&self, u: L::F32, length: L::F32) -> L::F32 {
+        let u = L::min(u, L::f32(float::ONE_MINUS_EPSILON));
+        let depth = -float::ln_lanes::<L>(L::f32(1.0) - u * self.scattered);
+        // Rounding may lead past the end.
+        L::select(L::lt(depth, self.end), depth / self.extinction, length)
+    }
+
+    /// Density of a point behind an optical depth (m⁻¹).
+    #[inline(always)]
+    pub fn density(&self, depth: L::F32) -> L::F32 {
+        self.extinction * transmittance_lanes::<L>(depth) / self.scattered
+    }
+}
+
 /// Equiangular distribution of distances along a ray: uniform in the angle at which a point beside the ray sees them.
 pub struct Equiangular {
     /// Distance of the point from the ray, and its place along the ray (m).
@@ -66,12 +102,12 @@ impl Equiangular {
     /// - `point`: position of the point relative to the point of the ray at distance 0 (m)
     /// - `range`: the two ends (m)
     ///
-    /// `None` if the point is on the ray.
+    /// `None` if the point is on the ray, or so far away that its distance cannot be told.
     pub fn new(point: Vec3, direction: Vec3, range: [f32; 2]) -> Option<Equiangular> {
         let place = point.dot(direction);
         let distance = (point - direction * place).length();
         let angles = range.map(|end| float::atan2(end - place, distance));
-        let is_usable = distance > 1e-6 * place.abs() && angles[1] > angles[0];
+        let is_usable = distance > 1e-6 * place.abs() && distance.is_finite() && angles[1] > angles[0];
         is_usable.then_some(Equiangular { distance, place, angles, range })
     }
 
@@ -84,6 +120,49 @@ impl Equiangular {
     pub fn density(&self, t: f32) -> f32 {
         let along = (t - self.place) / self.distance;
         1.0 / ((self.angles[1] - self.angles[0]) * self.distance * (1.0 + along * along))
+    }
+}
+
+/// [`Equiangular`] in each lane, with 0 as the first end.
+pub struct EquiangularLanes<L: Lanes> {
+    distance: L::F32,
+    place: L::F32,
+    /// Angle of the first end, and that between the two ends.
+    first: L::F32,
+    angle: L::F32,
+    /// Second end (m).
+    end: L::F32,
+}
+
+impl<L: Lanes> EquiangularLanes<L> {
+    /// See [`Equiangular::new`]. The second value is true where the distribution can be used.
+    ///
+    /// - `end`: the second end (m)
+    #[inline(always)]
+    pub fn new(point: Vector<L>, direction: Vector<L>, end: L::F32) -> (EquiangularLanes<L>, L::Mask) {
+        let zero = L::f32(0.0);
+        let place = point.dot(direction);
+        let distance = (point - direction.scaled(place)).length();
+        let first = float::atan2_lanes::<L>(zero - place, distance);
+        let last = float::atan2_lanes::<L>(end - place, distance);
+        let is_finite = L::lt(distance, L::f32(f32::INFINITY));
+        let is_usable = L::lt(L::f32(1e-6) * L::abs(place), distance) & is_finite & L::lt(first, last);
+        (EquiangularLanes { distance, place, first, angle: last - first, end }, is_usable)
+    }
+
+    #[inline(always)]
+    pub fn sample(&self, u: L::F32) -> L::F32 {
+        let (sin, cos) = float::sin_cos_lanes::<L>(self.first + u * self.angle);
+        let t = self.place + self.distance * (sin / cos);
+        L::min(L::max(t, L::f32(0.0)), self.end)
+    }
+
+    /// Density of a distance (m⁻¹).
+    #[inline(always)]
+    pub fn density(&self, t: L::F32) -> L::F32 {
+        let one = L::f32(1.0);
+        let along = (t - self.place) / self.distance;
+        one / (self.angle * self.distance * (one + along * along))
     }
 }
 

@@ -19,7 +19,7 @@ const MOST_STRETCHES: usize = 16;
 
 /// A point is chosen with a probability of this number times that of scattering on the way, and always where this exceeds 1. A point costs as
 /// much as a vertex, and in thin media hardly any path scatters.
-const POINTS_PER_SCATTERING: f32 = 4.0;
+pub const POINTS_PER_SCATTERING: f32 = 4.0;
 
 /// Way from a vertex to the next surface through media of which one at least scatters light.
 ///

@@ -354,6 +354,16 @@ impl Lanes for Eight {
     }
 
     #[inline(always)]
+    fn bits_f64(x: F64) -> U64 {
+        unsafe { U64(_mm256_castpd_si256(x.0), _mm256_castpd_si256(x.1)) }
+    }
+
+    #[inline(always)]
+    fn from_bits_f64(x: U64) -> F64 {
+        unsafe { F64(_mm256_castsi256_pd(x.0), _mm256_castsi256_pd(x.1)) }
+    }
+
+    #[inline(always)]
     fn rotate_32(x: U64) -> U64 {
         unsafe { U64(_mm256_shuffle_epi32::<0b10_11_00_01>(x.0), _mm256_shuffle_epi32::<0b10_11_00_01>(x.1)) }
     }

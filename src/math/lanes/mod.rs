@@ -198,6 +198,10 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     fn shr<const K: u32>(x: Self::U32) -> Self::U32;
     /// Shift to the right by K < 64 bits; zeros come in.
     fn shr_u64<const K: u32>(x: Self::U64) -> Self::U64;
+    /// Bits of floating-point numbers.
+    fn bits_f64(x: Self::F64) -> Self::U64;
+    /// Floating-point numbers with the given bits.
+    fn from_bits_f64(x: Self::U64) -> Self::F64;
     /// The upper and the lower 32 bits exchanged.
     fn rotate_32(x: Self::U64) -> Self::U64;
     /// Converts to 64 bits; the upper 32 are 0.

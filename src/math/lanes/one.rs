@@ -235,6 +235,16 @@ impl Lanes for One {
     }
 
     #[inline(always)]
+    fn bits_f64(x: F64) -> U64 {
+        Wrapping(x.to_bits())
+    }
+
+    #[inline(always)]
+    fn from_bits_f64(x: U64) -> F64 {
+        f64::from_bits(x.0)
+    }
+
+    #[inline(always)]
     fn rotate_32(x: U64) -> U64 {
         Wrapping(x.0.rotate_left(32))
     }

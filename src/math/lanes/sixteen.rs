@@ -346,6 +346,16 @@ impl Lanes for Sixteen {
     }
 
     #[inline(always)]
+    fn bits_f64(x: F64) -> U64 {
+        unsafe { U64(_mm512_castpd_si512(x.0), _mm512_castpd_si512(x.1)) }
+    }
+
+    #[inline(always)]
+    fn from_bits_f64(x: U64) -> F64 {
+        unsafe { F64(_mm512_castsi512_pd(x.0), _mm512_castsi512_pd(x.1)) }
+    }
+
+    #[inline(always)]
     fn rotate_32(x: U64) -> U64 {
         unsafe { U64(_mm512_shuffle_epi32::<0b10_11_00_01>(x.0), _mm512_shuffle_epi32::<0b10_11_00_01>(x.1)) }
     }

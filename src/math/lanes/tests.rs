@@ -283,6 +283,8 @@ fn long<L: Lanes>() {
     compare::<L, u64, u64>("shr_u64 0", &x, |a, _| L::shr_u64::<0>(a), |a, _| a);
     compare::<L, u64, u64>("shr_u64 17", &x, |a, _| L::shr_u64::<17>(a), |a, _| a >> 17);
     compare::<L, u64, u64>("shr_u64 63", &x, |a, _| L::shr_u64::<63>(a), |a, _| a >> 63);
+    compare::<L, u64, f64>("from_bits_f64", &x, |a, _| L::from_bits_f64(a), |a, _| f64::from_bits(a));
+    compare::<L, u64, u64>("bits_f64", &x, |a, _| L::bits_f64(L::from_bits_f64(a)), |a, _| a);
     compare::<L, u64, u64>("rotate_32", &x, |a, _| L::rotate_32(a), |a, _| a.rotate_left(32));
     compare::<L, u64, u32>("high", &x, |a, _| L::high(a), |a, _| (a >> 32) as u32);
     compare::<L, u64, u32>("low", &x, |a, _| L::low(a), |a, _| a as u32);

@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::{SurfaceLanes, WideWorld};
+use crate::accel::NO_PLACE;
 use crate::light::area::MIN_SQUARE;
 use crate::light::environment::FlatLightLanes;
 use crate::light::{Area, ChosenLanes, Light, LightSample, LightSampleContext, OneSidedLanes, ShadowTarget};
@@ -69,6 +70,13 @@ impl<L: Lanes> LightLanes<L> {
 }
 
 impl<L: Lanes> ReceiverLanes<L> {
+    /// Points in empty space or in a medium, see [`LightSampleContext::at`].
+    #[inline(always)]
+    pub fn at(p: Vector<L>) -> ReceiverLanes<L> {
+        let zero = Vector::splat(Vec3::ZERO);
+        ReceiverLanes { p, ng: zero, ns: zero, transmits: L::mask(0) }
+    }
+
     /// The points as receivers of light with the same radiance from everywhere, see [`LightSampleContext::is_one_sided`].
     #[inline(always)]
     pub(super) fn flat(&self) -> FlatLightLanes<L> {
@@ -206,6 +214,13 @@ impl QuadLight {
         Some((seen, near & is_seen))
     }
 
+    /// Points with given coordinates.
+    #[inline(always)]
+    fn point<L: Lanes>(&self, [x, y]: [L::F32; 2]) -> Vector<L> {
+        let [a, b, d] = self.corners;
+        Vector::splat(a) + Vector::<L>::splat(b - a).scaled(x) + Vector::<L>::splat(d - a).scaled(y)
+    }
+
     /// Samples points, with radiance in the place of weights, and the lanes for which this is the way to sample them.
     #[inline(always)]
     fn sample<L: Lanes>(&self, at: &ReceiverLanes<L>, [u, v]: [L::F32; 2], active: L::Mask) -> (LightLanes<L>, L::Mask) {
@@ -215,8 +230,7 @@ impl QuadLight {
             (x, y) = (L::select(is_seen, near[0], u), L::select(is_seen, near[1], v));
             (by_solid_angle, solid_angle_pdf) = (is_seen, seen.pdf_lanes());
         }
-        let [a, b, d] = self.corners;
-        let end = Vector::splat(a) + Vector::<L>::splat(b - a).scaled(x) + Vector::<L>::splat(d - a).scaled(y);
+        let end = self.point([x, y]);
         let (by_area, is_finite) = self.pdf(end - at.p);
         let pdf = L::select(by_solid_angle, solid_angle_pdf, by_area);
         let end = PointLanes { p: end, ng: Vector::splat(self.normal), offset: L::f32(self.offset) };
@@ -297,6 +311,29 @@ impl<'a> WideWorld<'a> {
             self.sample_lights_one_by_one(at, &chosen, [u, v], L::bits(others), &mut light);
         }
         light
+    }
+
+    /// Points of lights that are chosen by their power, and the lanes that have one, as [`Lights::place`](crate::light::Lights::place).
+    #[inline(always)]
+    pub fn place_of_light<L: Lanes>(&self, [choice, u, v]: [L::F32; 3], active: L::Mask) -> (Vector<L>, L::Mask) {
+        if let [WideLight { index, kind: Kind::Quad(quad) }] = &self.tables.lights[..]
+            && self.world.lights.only_emitter() == Some(*index)
+        {
+            return (quad.point([u, v]), active);
+        }
+        let (numbers, mut places, mut found) = ([choice, u, v].map(to_array::<L>), [[0.0; MAX_COUNT]; 3], 0);
+        for lane in each_lane(L::bits(active)) {
+            if let Some(place) = self.place_of_one(numbers[0][lane], Vec2::new(numbers[1][lane], numbers[2][lane])) {
+                (0..3).for_each(|axis| places[axis][lane] = place[axis]);
+                found |= 1 << lane;
+            }
+        }
+        (Vector::from_arrays(&places), L::mask(found))
+    }
+
+    #[inline(never)]
+    fn place_of_one(&self, choice: f32, u: Vec2) -> Option<Vec3> {
+        self.world.lights.place(choice, u, 0.0)
     }
 
     /// Chooses lights, as [`Lights::choose`](crate::light::Lights::choose).
@@ -446,22 +483,29 @@ impl Samples {
     }
 }
 
+impl<L: Lanes> LightLanes<L> {
+    /// Rays from points to the samples.
+    #[inline(always)]
+    pub(super) fn rays_from(&self, origin: Vector<L>) -> Rays<L> {
+        let far = self.end - origin;
+        let deviation = L::f32(ROUNDING) * (L::abs(far.x) + L::abs(far.y) + L::abs(far.z));
+        let offset = self.end_offset + deviation;
+        let below = L::lt(self.end_normal.dot(-self.wi), L::f32(0.0));
+        let line = self.end + self.end_normal.scaled(L::select(below, -offset, offset)) - origin;
+        let distance = line.length();
+        let t_max = distance * L::f32(1.0 - ROUNDING);
+        // The rays end off the lights, so that their directions are not exactly `wi`.
+        let direction = Vector::select(self.is_distant, self.wi, line.divided(distance));
+        Rays { origin, direction, t_max: L::select(self.is_distant, L::f32(f32::INFINITY), t_max), skip: L::u32(NO_PLACE) }
+    }
+}
+
 impl<L: Lanes> SurfaceLanes<'_, L> {
     /// Shadow rays towards light samples, as [`Surface::shadow_ray`](crate::scene::Surface::shadow_ray).
     #[inline(always)]
     pub fn shadow_rays(&self, light: &LightLanes<L>) -> Rays<L> {
-        let start = self.spawn(light.wi);
-        let origin = start.origin;
-        let far = light.end - origin;
-        let deviation = L::f32(ROUNDING) * (L::abs(far.x) + L::abs(far.y) + L::abs(far.z));
-        let offset = light.end_offset + deviation;
-        let below = L::lt(light.end_normal.dot(-light.wi), L::f32(0.0));
-        let line = light.end + light.end_normal.scaled(L::select(below, -offset, offset)) - origin;
-        let distance = line.length();
-        let t_max = distance * L::f32(1.0 - ROUNDING);
-        let direction = Vector::select(light.is_distant, start.direction, line.divided(distance));
-        // The rays end off the lights, so that their directions are not exactly `wi`.
-        Rays { origin, direction, t_max: L::select(light.is_distant, start.t_max, t_max), skip: self.skip(light.wi, direction) }
+        let rays = light.rays_from(self.spawn(light.wi).origin);
+        Rays { skip: self.skip(light.wi, rays.direction), ..rays }
     }
 
     /// The surfaces as lights are sampled for them.

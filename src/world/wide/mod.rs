@@ -8,6 +8,7 @@
 mod background;
 mod bsdfs;
 mod lights;
+mod medium;
 mod varied;
 
 use std::any::Any;
@@ -21,12 +22,14 @@ use crate::effects::Effects;
 use crate::math::Ray;
 use crate::math::Spectrum;
 use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Vector, Width, each_lane, tangents, to_array};
+use crate::medium::{Media, Medium};
 use crate::scene::Scene;
 use crate::shape::{Facet, ShapeHit, SurfacePoint};
 
 pub use self::bsdfs::ScatteredLanes;
 use self::lights::WideLight;
 pub use self::lights::{LightLanes, ReceiverLanes};
+pub use self::medium::MediumLanes;
 pub use self::varied::SurfaceArrays;
 
 /// Tables of a scene.
@@ -45,6 +48,8 @@ pub(super) struct Tables {
     materials: Vec<u32>,
     /// The lights that are sampled in all lanes at once.
     lights: Vec<WideLight>,
+    /// Whether a medium fills all space.
+    is_filled: bool,
 }
 
 /// Numbers in a row of the table of parallelograms.
@@ -103,13 +108,13 @@ pub struct SurfaceLanes<'a, L: Lanes> {
 
 impl Tables {
     /// Tables of a scene; `None` if its paths are better followed one by one: some material depends on the wavelength, a surface has holes
-    /// or smooth shadows, there are media, instances or implicit surfaces, vertices or lights move, the tables would be too long for their
-    /// indices, or there is only one lane.
+    /// or smooth shadows, there are instances, implicit surfaces or media other than [`Media::uniform`], vertices or lights move, the tables
+    /// would be too long for their indices, or there is only one lane.
     pub fn new(world: &World, width: Width) -> Option<Tables> {
         let is_wide = width.count() > 1
             && Bvh::for_packets(&*world.hierarchy).is_some()
             && !world.has_holes
-            && world.media.is_none()
+            && (world.media.is_none() || medium(world).is_some())
             && !world.lights.effects().contains(Effects::MOTION)
             && !world.shapes.iter().any(|shape| shape.is_moving())
             && !world.appearances.iter().any(|appearance| appearance.has_shadow_terminator_offset)
@@ -125,6 +130,7 @@ impl Tables {
             first_look: vec![],
             materials: vec![0],
             lights: WideLight::of(world),
+            is_filled: world.media.is_some(),
         };
         for (shape, appearance) in world.shapes.iter().zip(&world.appearances) {
             let is_flat = shape.count() > 0 && (0..shape.count()).all(|i| matches!(shape.facet(i), Facet::Parallelogram(_)));
@@ -160,6 +166,11 @@ impl Tables {
         let lengths = [tables.flats.len(), tables.looks.len(), world.materials.len()];
         lengths.into_iter().all(|length| length < i32::MAX as usize).then_some(tables)
     }
+}
+
+/// The medium that fills all space, if it has code for lanes and no boundary without a surface cuts it into pieces.
+fn medium(world: &World) -> Option<&Medium> {
+    world.media.as_ref().filter(|_| world.interfaces.is_none()).and_then(Media::uniform)
 }
 
 /// Whether a part does not look the same everywhere.

@@ -13,7 +13,8 @@ use pt::integrators::nee::{Nee, Weights};
 use pt::integrators::path::Path;
 use pt::light::{Directional, Emitter, Environment, EnvironmentMap, Falloff, Light, Mapping, Point, Spot, Sun};
 use pt::math::lanes::Width;
-use pt::math::{Rgb, Transform};
+use pt::math::{Rgb, Spectrum, Transform};
+use pt::medium::{Medium, Phase};
 use pt::sampler::{Kind, SamplerSpec};
 use pt::shape::{Cuboid, Disk, MeshData, Quad, Sphere, TriangleMesh};
 use pt::texture::image::Pixels;
@@ -25,7 +26,7 @@ use crate::random::Random;
 use pt::torture::everything::{Shot, bits, bright_half, picture, profile, projector, thread};
 use pt::torture::meshes::icosphere;
 
-/// Random scenes of all shapes, lights and cameras, with materials of many kinds, with both methods and all samplers.
+/// Random scenes of all shapes, lights and cameras, with materials of many kinds, clear or in fog, with both methods and all samplers.
 #[test]
 fn side_by_side_paths_have_the_bits_of_single_ones() {
     let widths: Vec<Width> = Width::available().into_iter().filter(|width| width.count() > 1).collect();
@@ -47,6 +48,28 @@ fn side_by_side_paths_have_the_bits_of_single_ones() {
             assert!(bits(&picture(wide, &*method, &shot)) == wanted, "seed {seed}, {width:?}");
         }
     });
+}
+
+/// Boundaries without a surface cut the ways through a medium into pieces, for which there is no code for lanes.
+#[test]
+fn boundaries_without_a_surface_need_single_paths() {
+    let Some(width) = Width::available().into_iter().find(|width| width.count() > 1) else { return };
+    for (has_fog, has_boundary) in [(false, false), (false, true), (true, false), (true, true)] {
+        let mut world = World::builder(camera(&mut Random::new(1), 1.0));
+        let white = world.material(Material::diffuse(Rgb::WHITE));
+        world.shape(Quad { size: [6.0, 6.0] }, Transform::IDENTITY, white, None);
+        if has_boundary {
+            let none = world.material(Material::from(textured::Interface));
+            world.shape(Sphere { radius: 0.4 }, at(0.0, 1.0, 0.0), none, None);
+        }
+        if has_fog {
+            let fog = world.medium(Medium::new(Spectrum::BLACK, Spectrum::ONE, Phase::Isotropic));
+            world.surround(fog);
+        }
+        world.width(width);
+        let world = world.build().expect("the scene is valid");
+        assert_eq!(WideWorld::of(&world).is_some(), !has_boundary, "fog {has_fog}, boundary {has_boundary}");
+    }
 }
 
 fn method(random: &mut Random) -> Box<dyn Integrator> {
@@ -102,7 +125,26 @@ fn scene(random: &mut Random) -> WorldBuilder {
         }
     }
     lights(random, &mut world, &place, diffuse[0]);
+    if random.below(3) == 0 {
+        let medium = world.medium(medium(random, scale as f32));
+        world.surround(medium);
+    }
     world
+}
+
+/// A medium that is the same everywhere: thin or thick, and with absorption, scattering and emission or without.
+fn medium(random: &mut Random, scale: f32) -> Medium {
+    // Numbers of few digits, so that absorption and scattering have the same sum for all colours.
+    let extinction = 2f32.powi(random.below(9) as i32 - 7 - scale.log2().round() as i32);
+    let albedo = random.pick(&[Spectrum::BLACK, Spectrum::ONE, Spectrum::gray(0.875), Spectrum::rgb(0.25, 0.5, 0.75)]);
+    let phase = match random.below(4) {
+        0 => Phase::Isotropic,
+        1 => Phase::Rayleigh,
+        _ => Phase::henyey_greenstein(random.pick(&[-0.9, 0.3, 0.6, 0.99])),
+    };
+    let scattering = albedo * extinction;
+    let medium = Medium::new(Spectrum::gray(extinction) - scattering, scattering, phase);
+    if random.below(4) == 0 { medium.emitting(Spectrum::rgb(0.3, 0.2, 0.1)) } else { medium }
 }
 
 /// Often a single rectangle or a single picture of the surroundings, which have code of their own; otherwise lights of all kinds.
