@@ -1,8 +1,8 @@
-"""Renders five scenes with pt and with Mitsuba 3, alternately, and prints the time and the noise of both.
+"""Renders seven scenes with pt and with Mitsuba 3, alternately, and prints the time and the noise of both.
 
     pip install mitsuba numpy        (Mitsuba's fast variant needs LLVM 19 or later, see DRJIT_LIBLLVM_PATH)
     cargo build --release
-    python3 benches/peers/peers.py [cornell blob glass lights outdoors] [--seeds 4] [--spp 64] [--pt target/release/pt]
+    python3 benches/peers/peers.py [cornell blob glass lights outdoors fog smoke] [--seeds 4] [--spp 64] [--pt target/release/pt]
 
 Both programs get the same geometry, two-sided materials, depth of paths and box filter, and one thread. Noise is the variance of a pixel
 between renders with different seeds, divided by its squared mean plus 0.01, in the mean over pixels and colours: the relative mean square
@@ -163,7 +163,28 @@ def outdoors():
     return dict(shapes=shapes, depth=7, map=maps["mitsuba"])
 
 
-SCENES = dict(cornell=cornell, blob=blob, glass=glass, lights=lights, outdoors=outdoors)
+def fog():
+    """The room of `cornell` in fog: a path scatters about every fourth time on its way through the room."""
+    return dict(shapes=cornell()["shapes"], depth=16, fog=dict(scattering=0.15, absorption=0.02))
+
+
+def smoke():
+    """A column of smoke on a grid of 256^3 values in the room."""
+    n = 256
+    z, y, x = np.meshgrid(*[(np.arange(n, dtype="<f4") + 0.5) / n] * 3, indexing="ij")
+    dice, swirls = np.random.default_rng(3), np.zeros((n,) * 3, dtype="<f4")
+    for octave in range(5):
+        for _ in range(3):
+            w, phase = dice.normal(size=3) * 9 * 1.9**octave, dice.uniform(0, 6.28)
+            swirls += 0.4 * 0.6**octave * np.sin(w[0] * x + w[1] * y + w[2] * z + phase).astype("<f4")
+    radius = np.hypot(x - 0.5 + 0.06 * np.sin(9 * y), z - 0.5 + 0.06 * np.cos(7 * y)) / (0.12 + 0.25 * y)
+    density = np.clip((1 - radius + 0.5 * swirls) * np.minimum(1, 8 * (1 - y)), 0, 1).astype("<f4")
+    mi.VolumeGrid(density).write(f"{FOLDER}/smoke.vol")
+    column = dict(kind="smoke", matrix=place((0, -0.15, 0), scale=(0.8,) * 3), material=None, emission=None)
+    return dict(shapes=[s for s in room() if s["kind"] == "quad"] + [column], depth=32, smoke=dict(extinction=20.0, albedo=0.9))
+
+
+SCENES = dict(cornell=cornell, blob=blob, glass=glass, lights=lights, outdoors=outdoors, fog=fog, smoke=smoke)
 
 
 def for_pt(scene, path):
@@ -173,6 +194,13 @@ def for_pt(scene, path):
         keys = dict(quad=dict(type="quad", size=1), box=dict(type="box", size=1), sphere=dict(type="sphere", radius=1))
         keys["mesh"] = dict(type="mesh", file="blob.ply")
         emission = {"emission": s["emission"]} if s["emission"] else {}
+        if s["kind"] == "smoke":
+            # The cube from -1 to 1, without a surface; the box of the density is in the world.
+            low, high = s["matrix"][:3, 3] - s["matrix"].diagonal()[:3], s["matrix"][:3, 3] + s["matrix"].diagonal()[:3]
+            density = {"type": "grid", "file": "smoke.vol", "bounds": {"low": low.tolist(), "high": high.tolist()}}
+            extinction, albedo = scene["smoke"]["extinction"], scene["smoke"]["albedo"]
+            medium = {"type": "heterogeneous", "scattering": extinction * albedo, "absorption": extinction * (1 - albedo), "density": density}
+            return {"type": "box", "size": 2, "medium": medium, "transform": [{"matrix": s["matrix"].flatten().tolist()}]}
         return {**keys[s["kind"]], "material": s["material"], **emission, "transform": [{"matrix": s["matrix"].flatten().tolist()}]}
 
     materials = {name: {"type": "diffuse", "albedo": color} for name, color in [("white", WHITE), ("red", RED), ("green", GREEN)]}
@@ -185,6 +213,7 @@ def for_pt(scene, path):
         "shapes": [shape(s) for s in scene["shapes"]],
         **({"background": {"radiance": scene["sky"]}} if "sky" in scene else {}),
         **({"background": {"image": "map.exr"}} if "map" in scene else {}),
+        **({"medium": {"type": "homogeneous", **scene["fog"]}} if "fog" in scene else {}),
     }
     with open(path, "w") as file:
         json.dump(written, file)
@@ -197,12 +226,20 @@ def for_mitsuba(scene):
         bsdfs[name] = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": color}}}
     loaded = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": scene["depth"] + 1},
+        "integrator": {"type": "volpath" if "fog" in scene or "smoke" in scene else "path", "max_depth": scene["depth"] + 1},
         **{f"bsdf_{name}": {**bsdf, "id": name} for name, bsdf in bsdfs.items()},
     }
     half = np.diag([0.5, 0.5, 1, 1])
     for k, s in enumerate(scene["shapes"]):
         matrix = {"quad": s["matrix"] @ half, "box": s["matrix"] @ np.diag([0.5, 0.5, 0.5, 1])}.get(s["kind"], s["matrix"])
+        if s["kind"] == "smoke":
+            to_world = mi.ScalarTransform4f(s["matrix"])
+            # The grid fills the unit cube, the shape is the cube from -1 to 1.
+            fill = to_world @ mi.ScalarTransform4f().translate([-1, -1, -1]).scale([2, 2, 2])
+            grid = {"type": "gridvolume", "filename": f"{FOLDER}/smoke.vol", "to_world": fill}
+            medium = {"type": "heterogeneous", "sigma_t": grid, "scale": scene["smoke"]["extinction"], "albedo": scene["smoke"]["albedo"]}
+            loaded[f"shape{k}"] = {"type": "cube", "to_world": to_world, "bsdf": {"type": "null"}, "interior": medium}
+            continue
         kind = {"quad": "rectangle", "box": "cube", "sphere": "sphere", "mesh": "ply"}[s["kind"]]
         shape = {"type": kind, "to_world": mi.ScalarTransform4f(matrix), "bsdf": {"type": "ref", "id": s["material"]}}
         if s["kind"] == "mesh":
@@ -241,12 +278,16 @@ def pt_seconds(program, name, sampling, seed, spp):
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
 
-def sensor(sampler, spp):
-    """Camera of Mitsuba with a sampler."""
+def sensor(scene, sampler, spp):
+    """Camera of Mitsuba with a sampler, in the scene's fog."""
     camera = mi.ScalarTransform4f().look_at(origin=[0, 0, 3.9], target=[0, 0, 0], up=[0, 1, 0])
     film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "rfilter": {"type": "box"}}
     numbers = {"type": sampler, "sample_count": spp}
-    return mi.load_dict({"type": "perspective", "fov": 39, "to_world": camera, "film": film, "sampler": numbers})
+    medium = {}
+    if "fog" in scene:
+        extinction = scene["fog"]["scattering"] + scene["fog"]["absorption"]
+        medium["medium"] = {"type": "homogeneous", "sigma_t": extinction, "albedo": scene["fog"]["scattering"] / extinction}
+    return mi.load_dict({"type": "perspective", "fov": 39, "to_world": camera, "film": film, "sampler": numbers, **medium})
 
 
 def mitsuba_picture(scene, camera, seed, spp):
@@ -275,7 +316,7 @@ def main():
         peer = for_mitsuba(scene)
         rows = {("pt", s): ([], []) for s in SAMPLING}
         rows |= {("Mitsuba", s): ([], []) for s in ["independent", "ldsampler"]}
-        cameras = {sampler: sensor(sampler, options.spp) for sampler in ["independent", "ldsampler"]}
+        cameras = {sampler: sensor(scene, sampler, options.spp) for sampler in ["independent", "ldsampler"]}
         for camera in cameras.values():
             mitsuba_picture(peer, camera, 0, options.spp)  # compiles its kernels
         for seed in range(1, options.seeds + 1):
