@@ -114,7 +114,7 @@ pub enum Verdict {
     Holds,
     /// It is not, or it is not a number.
     Fails,
-    /// pt does not have the feature that the case needs.
+    /// The case cannot be tested here, see [`Row::not_yet`].
     NotYet,
 }
 
@@ -135,7 +135,7 @@ impl Row {
         Row { id, what, reason, peers: "", cases: vec![] }
     }
 
-    /// A law about a feature that pt does not have.
+    /// A law that cannot be tested here: about a feature that pt does not have, or about another machine.
     pub fn not_yet(id: &'static str, what: &'static str) -> Row {
         Row::new(id, what, "")
     }
