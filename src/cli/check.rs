@@ -51,7 +51,8 @@ pub fn check(args: &CheckArgs, tables: &[&[Entry]]) -> Result<()> {
 pub fn contents(loaded: &Loaded) -> String {
     let size = loaded.film.size;
     let mut text = format!(
-        "film        {} × {}, {} samples per pixel\nintegrator  {}: {}\nshapes      {}, {} primitives in all{}\nmaterials   {}\nlights      {}\n",
+        "film        {} × {}, {} samples per pixel\nintegrator  {}: {}\n\
+         shapes      {}, {} primitives in all{}\nmaterials   {} named\nlights      {}\n",
         size.x,
         size.y,
         loaded.sampler.spp,
@@ -61,7 +62,7 @@ pub fn contents(loaded: &Loaded) -> String {
         loaded.world.primitive_count(),
         instances(&loaded.world),
         loaded.description.materials.len(),
-        loaded.world.lights().len(),
+        lights(&loaded.world),
     );
     let effects = loaded.world.effects();
     text += "\ncalled for\n";
@@ -74,6 +75,12 @@ pub fn contents(loaded: &Loaded) -> String {
 
 /// Width of the list of effects.
 const COLUMNS: usize = 80;
+
+/// Number of lights, and of those that emit nothing, if there are any.
+fn lights(world: &World) -> String {
+    let (count, black) = (world.lights().len(), world.lights().black_count());
+    if black == 0 { count.to_string() } else { format!("{}, and {black} that emit nothing", count - black) }
+}
 
 /// Number of instances, if there are any.
 fn instances(world: &World) -> String {

@@ -100,6 +100,21 @@ fn effects_are_those_of_the_parts() {
     }
 }
 
+/// Lamps that emit nothing are counted apart.
+#[test]
+fn check_counts_lights_that_shine() {
+    let lamp = |radiance: f64| format!(r#"{{"type": "quad", "size": 1, "emission": {radiance}}}"#);
+    let count = |lamps: &[f64]| {
+        let shapes: Vec<String> = lamps.iter().map(|radiance| lamp(*radiance)).collect();
+        let scene = format!(r#"{{"pt": 1, {CAMERA}, "shapes": [{}]}}"#, shapes.join(", "));
+        let check = Command::cargo_bin("pt").expect("the binary").args(["check", "-"]).write_stdin(scene).assert().success();
+        let text = String::from_utf8_lossy(&check.get_output().stdout).into_owned();
+        text.lines().find_map(|line| line.strip_prefix("lights      ")).map(str::to_owned)
+    };
+    assert_eq!(count(&[1.0, 2.0]).as_deref(), Some("2"));
+    assert_eq!(count(&[0.0, 1.0, 0.0]).as_deref(), Some("1, and 2 that emit nothing"));
+}
+
 /// Frosted glass alone: refraction is called for, and what is off is that in clear glass. The list fits into 80 columns.
 #[test]
 fn check_names_frosted_glass() {
