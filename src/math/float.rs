@@ -364,7 +364,7 @@ fn exp_f64_lanes<L: Lanes>(x: L::F64) -> L::F64 {
     let r = (x - k * L::f64(LN_2_HIGH)) - k * L::f64(LN_2_LOW);
     // The lowest bits of 2⁵² + 1023 + k are 1023 + k, the exponent of 2ᵏ.
     let exponent = L::bits_f64(k + L::f64(TWO_TO_52 + 1023.0));
-    let power_of_two = L::from_bits_f64(exponent * L::u64(1 << 52));
+    let power_of_two = L::from_bits_f64(L::shl_u64::<52>(exponent));
     power_of_two * (L::f64(1.0) + r * horner_lanes::<L, _>(r, EXP_M1_10))
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Tests: lanes_have_the_numbers_of_their_samples.
 
+use super::dimension::BLOCK;
 use super::hash::{EVEN_A, EVEN_B, GOLDEN, ODD_A, ODD_B};
 use super::{SampleNumbers, Sequence};
 use crate::math::lanes::{Lanes, MAX_COUNT, each_lane};
@@ -9,9 +10,18 @@ use crate::math::lanes::{Lanes, MAX_COUNT, each_lane};
 /// Numbers of the samples of a batch, by their places in it.
 pub struct BatchNumbers<'a> {
     samples: Vec<SampleNumbers<'a>>,
-    /// Keys of the samples if all are of scrambled Sobol' sequences: upper and lower half of the hash, and the index.
+    /// Keys of the samples: upper and lower half of the hash, and the index.
     keys: [Vec<u32>; 3],
-    is_sobol: bool,
+    /// Kind of all their sequences; `None` before the first sample.
+    kind: Option<Kind>,
+}
+
+/// Kind of the sequences of a batch.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Sobol,
+    Independent,
+    Others,
 }
 
 /// Numbers of some samples of a batch, one in each lane.
@@ -23,6 +33,8 @@ pub enum NumberLanes<'b, 'a, L: Lanes> {
         /// Indices with reversed bits.
         index: L::U32,
     },
+    /// Independent numbers.
+    Independent(Blocks<L>),
     /// Samples of other sequences, whose numbers are computed one after the other.
     Others {
         /// All samples of the batch.
@@ -38,20 +50,25 @@ impl<'a> BatchNumbers<'a> {
     /// No samples, with room for some.
     pub fn with_capacity(count: usize) -> BatchNumbers<'a> {
         let keys = std::array::from_fn(|_| Vec::with_capacity(count));
-        BatchNumbers { samples: Vec::with_capacity(count), keys, is_sobol: true }
+        BatchNumbers { samples: Vec::with_capacity(count), keys, kind: None }
     }
 
     /// Removes all samples.
     pub fn clear(&mut self) {
         self.samples.clear();
         self.keys.iter_mut().for_each(Vec::clear);
-        self.is_sobol = true;
+        self.kind = None;
     }
 
     /// Adds a sample.
     pub fn push(&mut self, sample: SampleNumbers<'a>) {
         let key = sample.key();
-        self.is_sobol &= matches!(sample.sequence, Sequence::Sobol(_));
+        let kind = match sample.sequence {
+            Sequence::Sobol(_) => Kind::Sobol,
+            Sequence::Independent(_) => Kind::Independent,
+            _ => Kind::Others,
+        };
+        self.kind = Some(if self.kind.is_none_or(|all| all == kind) { kind } else { Kind::Others });
         let words = [(key.hash >> 32) as u32, key.hash as u32, key.index as u32];
         self.keys.iter_mut().zip(words).for_each(|(keys, word)| keys.push(word));
         self.samples.push(sample);
@@ -65,15 +82,22 @@ impl<'a> BatchNumbers<'a> {
     /// Numbers of the samples at some places.
     #[inline(always)]
     pub fn lanes<L: Lanes>(&mut self, places: L::U32, active: L::Mask) -> NumberLanes<'_, 'a, L> {
-        if self.is_sobol {
-            let [high, low, index] = &self.keys;
-            let (high, low) = (L::gather_u32(high, places), L::gather_u32(low, places));
-            let hash = L::rotate_32(L::wide(high)) | L::wide(low);
-            return NumberLanes::Sobol { hash, index: L::gather_u32(index, places) };
+        match self.kind {
+            Some(Kind::Sobol) => NumberLanes::Sobol { hash: self.hash::<L>(places), index: L::gather_u32(&self.keys[2], places) },
+            Some(Kind::Independent) => NumberLanes::Independent(Blocks::new(self.hash::<L>(places))),
+            Some(Kind::Others) | None => {
+                let mut numbers = [0; MAX_COUNT];
+                L::store_u32(places, &mut numbers);
+                NumberLanes::Others { samples: &mut self.samples, places: numbers, active: L::bits(active) }
+            }
         }
-        let mut numbers = [0; MAX_COUNT];
-        L::store_u32(places, &mut numbers);
-        NumberLanes::Others { samples: &mut self.samples, places: numbers, active: L::bits(active) }
+    }
+
+    /// Hashes of the keys at some places.
+    #[inline(always)]
+    fn hash<L: Lanes>(&self, places: L::U32) -> L::U64 {
+        let (high, low) = (L::gather_u32(&self.keys[0], places), L::gather_u32(&self.keys[1], places));
+        L::rotate_32(L::wide(high)) | L::wide(low)
     }
 }
 
@@ -86,6 +110,7 @@ impl<L: Lanes> NumberLanes<'_, '_, L> {
                 let (key, place) = scrambled_index::<L>(*hash, *index, dimension);
                 unit::<L>(scramble::<L>(place, mix::<L>(key)))
             }
+            NumberLanes::Independent(blocks) => blocks.get(dimension),
             NumberLanes::Others { samples, places, active } => {
                 let mut numbers = [0.0; MAX_COUNT];
                 for lane in each_lane(*active) {
@@ -105,6 +130,7 @@ impl<L: Lanes> NumberLanes<'_, '_, L> {
                 let key_x = mix::<L>(key);
                 pair::<L>(place, key_x, mix::<L>(key_x))
             }
+            NumberLanes::Independent(blocks) => [blocks.get(dimension), blocks.get(dimension.wrapping_add(1))],
             NumberLanes::Others { samples, places, active } => {
                 let mut numbers = [[0.0; MAX_COUNT]; 2];
                 for lane in each_lane(*active) {
@@ -128,6 +154,9 @@ impl<L: Lanes> NumberLanes<'_, '_, L> {
                 let [x, y] = pair::<L>(place, key_x, key_y);
                 [choice, x, y]
             }
+            NumberLanes::Independent(blocks) => {
+                [blocks.get(dimension), blocks.get(dimension.wrapping_add(1)), blocks.get(dimension.wrapping_add(2))]
+            }
             NumberLanes::Others { samples, places, active } => {
                 let mut numbers = [[0.0; MAX_COUNT]; 3];
                 for lane in each_lane(*active) {
@@ -138,6 +167,62 @@ impl<L: Lanes> NumberLanes<'_, '_, L> {
             }
         }
     }
+}
+
+/// Independent numbers, see [`Independent`](super::independent::Independent): the block of each lane's numbers that was asked for last.
+pub struct Blocks<L: Lanes> {
+    hash: L::U64,
+    /// Index of the block; `None` before the first number.
+    index: Option<u32>,
+    /// Draws of the generators; each draw gives two numbers.
+    draws: [L::U64; BLOCK as usize / 2],
+}
+
+impl<L: Lanes> Blocks<L> {
+    #[inline(always)]
+    fn new(hash: L::U64) -> Blocks<L> {
+        // Until the first number is asked for, the draws have no meaning.
+        Blocks { hash, index: None, draws: [hash; BLOCK as usize / 2] }
+    }
+
+    #[inline(always)]
+    fn get(&mut self, dimension: u32) -> L::F32 {
+        let (index, place) = (dimension / BLOCK, (dimension % BLOCK) as usize);
+        if self.index != Some(index) {
+            self.draws = draws::<L>(mix::<L>(self.hash ^ L::u64(index.into())));
+            self.index = Some(index);
+        }
+        let draw = self.draws[place / 2];
+        unit::<L>(if place % 2 == 0 { L::high(draw) } else { L::low(draw) })
+    }
+}
+
+/// The first draws of xoshiro256++ generators, seeded by SplitMix64 as `seed_from_u64` of `rand_xoshiro` does.
+///
+/// Source: Blackman and Vigna, *Scrambled Linear Pseudorandom Number Generators* (2021); Steele, Lea and Flood, *Fast Splittable
+/// Pseudorandom Number Generators* (2014).
+#[inline(always)]
+fn draws<L: Lanes>(mut seed: L::U64) -> [L::U64; BLOCK as usize / 2] {
+    let mut s = [seed; 4];
+    for word in &mut s {
+        seed = seed + L::u64(GOLDEN);
+        let x = (seed ^ L::shr_u64::<30>(seed)) * L::u64(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ L::shr_u64::<27>(x)) * L::u64(0x94d0_49bb_1331_11eb);
+        *word = x ^ L::shr_u64::<31>(x);
+    }
+    let mut draws = [seed; BLOCK as usize / 2];
+    for draw in &mut draws {
+        let sum = s[0] + s[3];
+        *draw = (L::shl_u64::<23>(sum) | L::shr_u64::<41>(sum)) + s[0];
+        let shifted = L::shl_u64::<17>(s[1]);
+        s[2] = s[2] ^ s[0];
+        s[3] = s[3] ^ s[1];
+        s[1] = s[1] ^ s[2];
+        s[0] = s[0] ^ s[3];
+        s[2] = s[2] ^ shifted;
+        s[3] = L::shl_u64::<45>(s[3]) | L::shr_u64::<19>(s[3]);
+    }
+    draws
 }
 
 /// [`hash::mix`](super::hash::mix) in each lane.

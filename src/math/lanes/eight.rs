@@ -345,6 +345,15 @@ impl Lanes for Eight {
     }
 
     #[inline(always)]
+    fn shl_u64<const K: u32>(x: U64) -> U64 {
+        const { assert!(K < 64) };
+        unsafe {
+            let count = _mm_cvtsi32_si128(K as i32);
+            U64(_mm256_sll_epi64(x.0, count), _mm256_sll_epi64(x.1, count))
+        }
+    }
+
+    #[inline(always)]
     fn shr_u64<const K: u32>(x: U64) -> U64 {
         const { assert!(K < 64) };
         unsafe {

@@ -196,6 +196,8 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     fn shl<const K: u32>(x: Self::U32) -> Self::U32;
     /// Shift to the right by K < 32 bits; zeros come in.
     fn shr<const K: u32>(x: Self::U32) -> Self::U32;
+    /// Shift to the left by K < 64 bits.
+    fn shl_u64<const K: u32>(x: Self::U64) -> Self::U64;
     /// Shift to the right by K < 64 bits; zeros come in.
     fn shr_u64<const K: u32>(x: Self::U64) -> Self::U64;
     /// Bits of floating-point numbers.

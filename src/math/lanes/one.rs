@@ -229,6 +229,12 @@ impl Lanes for One {
     }
 
     #[inline(always)]
+    fn shl_u64<const K: u32>(x: U64) -> U64 {
+        const { assert!(K < 64) };
+        Wrapping(x.0 << K)
+    }
+
+    #[inline(always)]
     fn shr_u64<const K: u32>(x: U64) -> U64 {
         const { assert!(K < 64) };
         Wrapping(x.0 >> K)

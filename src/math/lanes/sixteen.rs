@@ -340,6 +340,12 @@ impl Lanes for Sixteen {
     }
 
     #[inline(always)]
+    fn shl_u64<const K: u32>(x: U64) -> U64 {
+        const { assert!(K < 64) };
+        unsafe { U64(_mm512_slli_epi64::<K>(x.0), _mm512_slli_epi64::<K>(x.1)) }
+    }
+
+    #[inline(always)]
     fn shr_u64<const K: u32>(x: U64) -> U64 {
         const { assert!(K < 64) };
         unsafe { U64(_mm512_srli_epi64::<K>(x.0), _mm512_srli_epi64::<K>(x.1)) }

@@ -280,6 +280,9 @@ fn long<L: Lanes>() {
     compare::<L, u64, u64>("and", &x, |a, b| a & b, |a, b| a & b);
     compare::<L, u64, u64>("or", &x, |a, b| a | b, |a, b| a | b);
     compare::<L, u64, u64>("xor", &x, |a, b| a ^ b, |a, b| a ^ b);
+    compare::<L, u64, u64>("shl_u64 0", &x, |a, _| L::shl_u64::<0>(a), |a, _| a);
+    compare::<L, u64, u64>("shl_u64 17", &x, |a, _| L::shl_u64::<17>(a), |a, _| a << 17);
+    compare::<L, u64, u64>("shl_u64 63", &x, |a, _| L::shl_u64::<63>(a), |a, _| a << 63);
     compare::<L, u64, u64>("shr_u64 0", &x, |a, _| L::shr_u64::<0>(a), |a, _| a);
     compare::<L, u64, u64>("shr_u64 17", &x, |a, _| L::shr_u64::<17>(a), |a, _| a >> 17);
     compare::<L, u64, u64>("shr_u64 63", &x, |a, _| L::shr_u64::<63>(a), |a, _| a >> 63);
