@@ -146,7 +146,7 @@ fn rows() -> Vec<Row> {
         row(Effects::UNSAMPLED_EMITTER, "a solid that glows", &[("/shapes/-", solid(json!(0)))], &[("/shapes/-", solid(json!(3)))]),
         row(
             Effects::MEDIA,
-            "haze around everything",
+            "haze in a box around everything",
             &[],
             &[("/shapes/-", json!({ "type": "box", "size": 40, "medium": { "type": "homogeneous", "scattering": 0.05 } }))],
         ),

@@ -7,9 +7,9 @@
 //! f₂(wo, wi) = (1 − E(wo)) (1 − E(wi)) / (π m),    m = 2 ∫₀¹ (1 − E(μ)) μ dμ
 //!
 //! which is reciprocal and integrates to 1 − E. E is tabulated when a scene is built, with the model's own sampling of visible
-//! normals: for the roughness of each material at 96 cosines with 4181 samples each (some ten milliseconds). That takes 17 times as
-//! long for a textured roughness, and a hundred times as long for a textured anisotropic one. A lookup costs a division and a square
-//! root.
+//! normals, on all threads: for the roughness of each material at 96 cosines with 4181 samples each (some ten milliseconds of one
+//! thread). That takes 17 times as long for a textured roughness, and a hundred times as long for a textured anisotropic one. A lookup
+//! costs a division and a square root.
 //!
 //! Source: Kulla and Conty, *Revisiting Physically Based Shading at Imageworks* (2017).
 //! Tests: row M2, row M5 and row M4 of `pt torture`.
@@ -17,6 +17,7 @@
 use std::fmt;
 
 use glam::Vec2;
+use rayon::prelude::*;
 
 use super::{Distribution, MIN_ALPHA, Microfacets};
 use crate::math::{Local, float};
@@ -111,7 +112,11 @@ impl EnergyLossTable {
     /// Computes a table by sampling.
     ///
     /// - `returned`: the estimate of E for the facets and a direction from one pair of uniform numbers
-    pub fn tabulate(domain: Domain, distribution: Distribution, returned: impl Fn(&Microfacets, Local, Vec2) -> f32) -> EnergyLossTable {
+    pub fn tabulate(
+        domain: Domain,
+        distribution: Distribution,
+        returned: impl Fn(&Microfacets, Local, Vec2) -> f32 + Sync,
+    ) -> EnergyLossTable {
         let one = |alpha: Vec2, axis, turns, lattice| {
             let facets = Microfacets { alpha: alpha.max(Vec2::splat(MIN_ALPHA)), distribution };
             EnergyLossTable::of_facets(&facets, axis, turns, |wo| share_returned(&facets, wo, lattice, &returned))
@@ -140,13 +145,15 @@ impl EnergyLossTable {
     }
 
     /// Computes the rows of one roughness.
-    fn of_facets(facets: &Microfacets, axis: Axis, turns: usize, share: impl Fn(Local) -> f32) -> EnergyLossTable {
+    fn of_facets(facets: &Microfacets, axis: Axis, turns: usize, share: impl Fn(Local) -> f32 + Sync) -> EnergyLossTable {
         let row = |k: usize| {
             let (scale, cos2_phi) = match axis {
                 Axis::Single => (scale(facets.alpha), 1.0),
                 _ => turned(facets.alpha, k as f32 / (turns - 1) as f32),
             };
-            let losses: [f32; NODES] = std::array::from_fn(|node| (1.0 - share(direction(node, scale, cos2_phi))).max(0.0));
+            let mut losses = [0.0; NODES];
+            let loss = |(node, loss): (usize, &mut f32)| *loss = (1.0 - share(direction(node, scale, cos2_phi))).max(0.0);
+            losses.par_iter_mut().enumerate().for_each(loss);
             Row { losses, mean: mean(&losses, scale) }
         };
         let mut table = EnergyLossTable { rows: (0..turns).map(row).collect(), axis };
