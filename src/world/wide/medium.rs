@@ -21,7 +21,8 @@ impl<'a> WideWorld<'a> {
     /// The medium that is everywhere, if there is one.
     #[inline(always)]
     pub fn medium(&self) -> Option<&'a Medium> {
-        self.world.media.as_ref().filter(|_| self.tables.is_filled).and_then(Media::around)
+        // A scene with other media has no tables.
+        self.world.media.as_ref().and_then(Media::around)
     }
 }
 

@@ -48,8 +48,6 @@ pub(super) struct Tables {
     materials: Vec<u32>,
     /// The lights that are sampled in all lanes at once.
     lights: Vec<WideLight>,
-    /// Whether a medium fills all space.
-    is_filled: bool,
 }
 
 /// Numbers in a row of the table of parallelograms.
@@ -130,7 +128,6 @@ impl Tables {
             first_look: vec![],
             materials: vec![0],
             lights: WideLight::of(world),
-            is_filled: world.media.is_some(),
         };
         for (shape, appearance) in world.shapes.iter().zip(&world.appearances) {
             let is_flat = shape.count() > 0 && (0..shape.count()).all(|i| matches!(shape.facet(i), Facet::Parallelogram(_)));
