@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use super::{Lanes, last_index};
+use super::{Lanes, Subroutine, call_eight, last_index};
 
 /// Width of eight lanes: AVX2.
 ///
@@ -31,7 +31,8 @@ pub struct U64(__m256i, __m256i);
 #[derive(Clone, Copy)]
 pub struct Mask(__m256);
 
-// SAFETY, of all operations of this file: `Eight` is used only by code that runs on machines with AVX2 ([`Width::run`](super::Width::run)).
+// SAFETY, of all operations of this file: `Eight` is used only by code that [`Width::run`](super::Width::run) or `Width::run_wide` runs, after
+// `Width::available` has found every feature that `run_eight` and `call_eight` enable.
 // Loads and stores touch only the numbers of slices whose length was checked, and gathers only indices that were bounded.
 
 operators_of_one!(F32: Add add _mm256_add_ps, Sub sub _mm256_sub_ps, Mul mul _mm256_mul_ps, Div div _mm256_div_ps);
@@ -414,6 +415,11 @@ impl Lanes for Eight {
     #[inline(always)]
     fn to_u32(x: F32) -> U32 {
         U32(unsafe { _mm256_cvttps_epi32(x.0) })
+    }
+
+    #[inline(always)]
+    fn call<S: Subroutine<Self>>(subroutine: S) -> S::Output {
+        unsafe { call_eight(subroutine) }
     }
 }
 

@@ -218,6 +218,19 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     fn to_f32(x: Self::U32) -> Self::F32;
     /// Numbers from 0 to below 2³¹, rounded down; the result for another number is not specified.
     fn to_u32(x: Self::F32) -> Self::U32;
+
+    /// Runs large code as a function of its own, compiled for the instruction set of this width, so that the kernels that use it share one
+    /// copy. With one lane it is an ordinary call, which may be inlined.
+    fn call<S: Subroutine<Self>>(subroutine: S) -> S::Output;
+}
+
+/// Large code over lanes that several kernels use, with its arguments: [`Lanes::call`] runs it.
+pub trait Subroutine<L: Lanes> {
+    /// Its result.
+    type Output;
+
+    /// Runs the code. It must be `#[inline(always)]`, as [`Kernel::run`].
+    fn run(self) -> Self::Output;
 }
 
 /// Greatest number of lanes.
@@ -248,8 +261,8 @@ pub trait Kernel {
 
     /// Runs the code.
     ///
-    /// It must be `#[inline(always)]`, and so must all functions over lanes that it calls: only what is inlined into [`Width::run`] or
-    /// [`Width::run_wide`] is compiled for the instruction set of the width. The rest, which may include closures, gives the same result but
+    /// It must be `#[inline(always)]`, and so must all functions over lanes that it calls: only what is inlined into [`Width::run`],
+    /// [`Width::run_wide`] or code that [`Lanes::call`] runs is compiled for the instruction set of the width. The rest, which may include closures, gives the same result but
     /// slowly.
     fn run<L: Lanes>(self) -> Self::Output;
 }
@@ -358,9 +371,25 @@ fn run_eight<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<Eight>()
 }
 
+/// The subroutine, compiled for AVX2.
+#[cfg(target_arch = "x86_64")]
+#[inline(never)]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn call_eight<S: Subroutine<Eight>>(subroutine: S) -> S::Output {
+    subroutine.run()
+}
+
 /// The kernel, compiled for AVX-512.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd,gfni,avx2,bmi1,bmi2,lzcnt,popcnt")]
 fn run_sixteen<K: Kernel>(kernel: K) -> K::Output {
     kernel.run::<Sixteen>()
+}
+
+/// The subroutine, compiled for AVX-512.
+#[cfg(target_arch = "x86_64")]
+#[inline(never)]
+#[target_feature(enable = "avx512f,avx512dq,avx512bw,avx512vl,avx512cd,gfni,avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn call_sixteen<S: Subroutine<Sixteen>>(subroutine: S) -> S::Output {
+    subroutine.run()
 }

@@ -2,7 +2,7 @@
 
 use std::num::Wrapping;
 
-use super::{Lanes, last_index};
+use super::{Lanes, Subroutine, last_index};
 
 /// Width of one lane: plain numbers.
 #[derive(Clone, Copy, Debug)]
@@ -283,5 +283,10 @@ impl Lanes for One {
     #[inline(always)]
     fn to_u32(x: F32) -> U32 {
         Wrapping(x as u32)
+    }
+
+    #[inline(always)]
+    fn call<S: Subroutine<Self>>(subroutine: S) -> S::Output {
+        subroutine.run()
     }
 }

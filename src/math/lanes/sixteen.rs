@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use super::{Lanes, last_index};
+use super::{Lanes, Subroutine, call_sixteen, last_index};
 
 /// Width of sixteen lanes: AVX-512 with the instructions of Galois fields.
 ///
@@ -31,7 +31,8 @@ pub struct U64(__m512i, __m512i);
 #[derive(Clone, Copy)]
 pub struct Mask(u16);
 
-// SAFETY, of all operations of this file: `Sixteen` is used only by code that runs on machines with AVX-512 ([`Width::run`](super::Width::run)).
+// SAFETY, of all operations of this file: `Sixteen` is used only by code that [`Width::run`](super::Width::run) or `Width::run_wide` runs,
+// after `Width::available` has found every feature that `run_sixteen` and `call_sixteen` enable.
 // Loads and stores touch only the numbers of slices whose length was checked, and gathers only indices that were bounded.
 
 operators_of_one!(F32: Add add _mm512_add_ps, Sub sub _mm512_sub_ps, Mul mul _mm512_mul_ps, Div div _mm512_div_ps);
@@ -405,5 +406,10 @@ impl Lanes for Sixteen {
     #[inline(always)]
     fn to_u32(x: F32) -> U32 {
         U32(unsafe { _mm512_cvttps_epi32(x.0) })
+    }
+
+    #[inline(always)]
+    fn call<S: Subroutine<Self>>(subroutine: S) -> S::Output {
+        unsafe { call_sixteen(subroutine) }
     }
 }
