@@ -14,7 +14,7 @@ use crate::torture::{Effort, Record, Row, TABLES, Verdict, csv, html, json, mark
 
 #[derive(clap::Args, Debug)]
 pub struct TortureArgs {
-    /// Few tries, and no slow cases: one to two minutes on two cores.
+    /// Few tries, and no slow cases: about a minute on two cores.
     #[arg(long, conflicts_with = "full")]
     pub quick: bool,
     /// 10⁸ rays of each kind and means to 0.1 %: hours.

@@ -336,11 +336,18 @@ pub fn picture(scene: Arc<dyn Scene>, integrator: &dyn Integrator, shot: &Shot) 
     film.image()
 }
 
-/// Renders on this number of threads.
+/// Builds the scene and renders it, on this number of threads.
 ///
 /// # Panics
 /// There are no threads to be had, or a sample is not a number.
 pub fn render_on(threads: usize, integrator: &dyn Integrator, shot: &Shot) -> Bits {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had");
-    pool.install(|| bits(&picture(shot.scene.build(), integrator, shot)))
+    with_threads(threads, || bits(&picture(shot.scene.build(), integrator, shot)))
+}
+
+/// Runs code on this number of threads.
+///
+/// # Panics
+/// There are no threads to be had.
+pub fn with_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be had").install(run)
 }

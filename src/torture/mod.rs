@@ -68,6 +68,8 @@ pub struct Row {
     pub reason: &'static str,
     /// What other programs reach, where that is known.
     pub peers: &'static str,
+    /// What is done before the cases are asked, which is on all threads.
+    pub prepare: Option<fn()>,
     /// The cases.
     pub cases: Vec<Case>,
 }
@@ -99,7 +101,7 @@ pub struct Answer {
 /// How much is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Few tries, and no slow cases: one to two minutes on two cores.
+    /// Few tries, and no slow cases: about a minute on two cores.
     Quick,
     /// 10⁷ rays of each kind.
     Standard,
@@ -132,7 +134,7 @@ impl Effort {
 impl Row {
     /// A law without cases.
     pub fn new(id: &'static str, what: &'static str, reason: &'static str) -> Row {
-        Row { id, what, reason, peers: "", cases: vec![] }
+        Row { id, what, reason, peers: "", prepare: None, cases: vec![] }
     }
 
     /// A law that cannot be tested here: about a feature that pt does not have, or about another machine.
@@ -145,6 +147,12 @@ impl Row {
         Row { peers, ..self }
     }
 
+    /// Adds what is done before the cases are asked: tables that all of them need, which each thread would otherwise compute for itself, since
+    /// a cache is not locked while a table is made.
+    pub fn prepared_by(self, prepare: fn()) -> Row {
+        Row { prepare: Some(prepare), ..self }
+    }
+
     /// Leaves the case that was added last out of quick runs, if `is_slow`.
     pub fn slow(mut self, is_slow: bool) -> Row {
         self.cases.last_mut().expect("a case was added").is_slow = is_slow;
@@ -153,6 +161,9 @@ impl Row {
 
     /// Asks the renderer all cases, on all threads. The answers do not depend on the threads.
     pub fn ask(&self, effort: Effort) -> Vec<Record<'_>> {
+        if let Some(prepare) = self.prepare {
+            prepare();
+        }
         let is_asked = |case: &&Case| effort != Effort::Quick || !case.is_slow;
         self.cases.par_iter().filter(is_asked).map(|case| Record { row: self, case, answer: case.ask(effort) }).collect()
     }

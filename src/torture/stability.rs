@@ -1,9 +1,11 @@
 //! What must not change a picture: the scale of a scene, its brightness, the place in the world, threads and tiles; and no sample may be
 //! anything but a number.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
-use super::everything::{Everything, Lens, Shot, Which, bits, picture, render_on};
+use super::everything::{Everything, Lens, Shot, Which, bits, picture, with_threads};
 use super::radiance::{Depth, KnownRadiance, glow, gray, probe, room, stored};
 use super::{Failures, Row, radiometry};
 use crate::bsdf::Material;
@@ -17,6 +19,11 @@ use crate::world::World;
 /// The rows.
 pub fn rows() -> Vec<Row> {
     vec![scale(), place(), brightness(), permuted(), division(), Row::not_yet("D2", "another architecture gives the same bits"), numbers()]
+}
+
+/// Computes the tables of the materials of [`Everything`].
+fn tables() {
+    drop(Everything::default().build());
 }
 
 fn integrator(entry: &Entry) -> Box<dyn Integrator> {
@@ -40,7 +47,7 @@ fn differing(a: &Image, b: &Image, same: impl Fn(f32, f32) -> bool) -> Failures 
 
 fn scale() -> Row {
     let row = Row::new("S1", "values that change when all lengths are multiplied by a power of two", "bit by bit");
-    let row = row.peers("no other program tests it; any absolute epsilon breaks it");
+    let row = row.peers("no other program tests it; any absolute epsilon breaks it").prepared_by(tables);
     ALL.iter().flat_map(|entry| Lens::ALL.map(|camera| (entry, camera))).fold(row, |row, (entry, camera)| {
         row.never(format!("{}, {camera:?}, 2^-20 to 2^20", entry.name), 1, move |_| {
             // Two of the five cameras see what moves, so that rays with a time and rays without are both tested.
@@ -73,7 +80,7 @@ fn permuted() -> Row {
 }
 
 fn brightness() -> Row {
-    let row = Row::new("S3", "values that are not multiplied when all lamps are, by a power of two", "bit by bit");
+    let row = Row::new("S3", "values that are not multiplied when all lamps are, by a power of two", "bit by bit").prepared_by(tables);
     let lights = [Which::All, Which::AreaOnly, Which::DirectionalOnly, Which::EnvironmentOnly];
     ALL.iter().filter(|entry| !entry.simulates.is_empty()).flat_map(|entry| lights.map(|lights| (entry, lights))).fold(
         row,
@@ -94,16 +101,25 @@ fn brightness() -> Row {
 
 fn division() -> Row {
     let row = Row::new("D1", "pictures that change with threads and tiles", "bit by bit").peers("pbrt's splats and Mitsuba 0.6 change");
+    let row = row.prepared_by(tables);
     ALL.iter().flat_map(|entry| Kind::ALL.iter().map(move |kind| (entry, kind.0))).fold(row, |row, (entry, kind)| {
         row.never(format!("{}, {kind:?}, 1 to 16 threads", entry.name), 1, move |_| {
             let sampler = SamplerSpec { kind, spp: 7, seed: 3, ..SamplerSpec::default() };
             let scene = Everything { moves: kind == Kind::Sobol, ..Everything::default() };
             let shot = Shot { scene, sampler, ..Shot::default() };
-            let alone = render_on(1, &*integrator(entry), &shot);
+            let integrator = integrator(entry);
+            let build = |threads| with_threads(threads, || scene.build());
+            let drawn = |world: &Arc<World>, threads: usize, tile: u32| {
+                with_threads(threads, || bits(&picture(world.clone(), &*integrator, &Shot { tile, ..shot.clone() })))
+            };
+            let world = build(1);
+            let alone = drawn(&world, 1, shot.tile);
             let mut failures = Failures::default();
-            for (threads, tile) in [(2, 8), (3, 16), (7, 64), (16, 5)] {
-                let same = render_on(threads, &*integrator(entry), &Shot { tile, ..shot.clone() }) == alone;
-                failures.record((!same).then(|| format!("{threads} threads, tiles of {tile}")));
+            // Pictures of one build on several threads; then the same scene, built on 16 threads. Tables of materials are made before.
+            let again = build(16);
+            for (world, built_on, threads, tile) in [(&world, 1, 2, 8), (&world, 1, 7, 16), (&world, 1, 16, 5), (&again, 16, 3, 64)] {
+                let same = drawn(world, threads, tile) == alone;
+                failures.record((!same).then(|| format!("built on {built_on} threads, rendered on {threads}, tiles of {tile}")));
             }
             failures
         })
@@ -111,7 +127,8 @@ fn division() -> Row {
 }
 
 fn numbers() -> Row {
-    let row = Row::new("K1", "samples that are infinite, negative or not a number", "none").peers("pbrt stops with an error");
+    let row =
+        Row::new("K1", "samples that are infinite, negative or not a number", "none").peers("pbrt stops with an error").prepared_by(tables);
     let lenses = [Lens::Perspective, Lens::Spherical, Lens::Fisheye, Lens::Realistic];
     ALL.iter().flat_map(|entry| lenses.map(|camera| (entry, camera))).fold(row, |row, (entry, camera)| {
         // 64² pixels at 256 samples each.

@@ -343,3 +343,19 @@ impl Domain {
         numbers.map(f32::to_bits)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::torture::everything::with_threads;
+
+    /// Row D1 of `pt torture` cannot tell, because tables are kept for the life of the process.
+    #[test]
+    fn tables_do_not_depend_on_the_number_of_threads() {
+        let returned = |facets: &Microfacets, wo: Local, u: Vec2| (wo.abs_cos() * u.x + facets.alpha.y * u.y).sin().abs();
+        for alpha in [Vec2::splat(0.3), Vec2::new(0.1, 0.4)] {
+            let table = |threads| with_threads(threads, || EnergyLossTable::tabulate(Domain::One(alpha), Distribution::Ggx, returned));
+            assert_eq!(table(1), table(16), "{alpha}");
+        }
+    }
+}
