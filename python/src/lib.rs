@@ -8,6 +8,7 @@
 mod compare;
 mod error;
 mod integrator;
+mod items;
 mod meters;
 mod part;
 mod picture;

@@ -18,6 +18,7 @@ use pyo3::types::{PyBytes, PyDict};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{detached, raised, usage, value};
+use crate::items::Items;
 
 /// Greatest size of a picture in a notebook (bytes).
 const NOTEBOOK: usize = 1_000_000;
@@ -219,11 +220,11 @@ impl Picture {
         value(py, "ErrorEstimate")?.call1((numbers[0], numbers[1], numbers[2], confidence, refusal))
     }
 
-    /// What smaller relative errors take: a Price for each of `errors`, or None where no price can be stated.
+    /// What smaller relative errors take: a Price for each of `errors` (at most 10000), or None where no price can be stated.
     ///
     /// Times are those of the whole render, in seconds, on this machine, with the interval that holds them with `confidence`.
-    #[pyo3(signature = (errors = vec![0.1, 0.03, 0.01, 0.003], *, confidence = None))]
-    fn price<'py>(&self, py: Python<'py>, errors: Vec<f64>, confidence: Option<f64>) -> PyResult<Vec<Option<Bound<'py, PyAny>>>> {
+    #[pyo3(signature = (errors = Items(vec![0.1, 0.03, 0.01, 0.003]), *, confidence = None))]
+    fn price<'py>(&self, py: Python<'py>, errors: Items<f64>, confidence: Option<f64>) -> PyResult<Vec<Option<Bound<'py, PyAny>>>> {
         let confidence = share(py, "confidence", confidence.unwrap_or(self.facts.confidence))?;
         let (history, class) = (self.history(), value(py, "Price")?);
         let price = |error: f64| {
@@ -231,7 +232,7 @@ impl Picture {
             let price = history.price(error, confidence).map(|price| class.call1((error, price.value, price.low, price.high)));
             price.transpose()
         };
-        errors.into_iter().map(price).collect()
+        errors.0.into_iter().map(price).collect()
     }
 
     /// Hash of the picture, as `pt image hash` prints it: the same for the same scene, settings and version of pt.

@@ -20,6 +20,7 @@ use pyo3::types::PyDict;
 
 use crate::error::{detached, raised, usage};
 use crate::integrator::{ENTRY, Failure, PythonIntegrator};
+use crate::items::Items;
 use crate::meters;
 use crate::part::{self, Part};
 use crate::picture::{Picture, Rendered, share, tells_error};
@@ -178,7 +179,7 @@ impl Scene {
         sampler: Option<String>,
         seed: Option<i128>,
         scramblings: Option<i128>,
-        layers: Option<Vec<String>>,
+        layers: Option<Items<String>>,
         crop: Option<[i128; 4]>,
         region: Option<[i128; 4]>,
         tiles: Option<f64>,
@@ -191,6 +192,7 @@ impl Scene {
         let target = target.map(|error| share(py, "target", error)).transpose()?.map(|error| ErrorTarget { error, confidence, scope });
         let time = time.map(|seconds| duration(py, seconds)).transpose()?;
         let threads = threads.map(|threads| thread_count(py, threads)).transpose()?;
+        let layers = layers.map(|names| names.0);
         let settings = Settings { spp, seed, sampler, scramblings, crop, layers };
         let (failure, custom, name) = method(py, integrator.as_ref(), "integrator")?;
         let mut loaded = detached(py, || self.changed(&settings, name.as_deref()))?;
@@ -249,11 +251,12 @@ impl Scene {
         sampler: Option<String>,
         seed: Option<i128>,
         scramblings: Option<i128>,
-        layers: Option<Vec<String>>,
+        layers: Option<Items<String>>,
         crop: Option<[i128; 4]>,
         threads: Option<i128>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Part> {
+        let layers = layers.map(|names| names.0);
         let settings = Settings { spp, seed, sampler, scramblings, crop, layers };
         part::render(py, self, [first, end], &settings, integrator.as_deref(), threads, progress)
     }

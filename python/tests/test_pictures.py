@@ -142,6 +142,19 @@ def test_settings_that_are_refused(box, settings, message):
     assert caught.value.kind == "usage" and caught.value.faults[0].message
 
 
+def test_sequences_are_taken_item_by_item(box):
+    """A sequence that states a huge length is refused and does not exhaust the memory; a string is not a list of names."""
+    with pytest.raises(TypeError):
+        box.render(1, layers=range(1 << 40))
+    with pytest.raises(TypeError):
+        box.part(0, 1, layers=range(1 << 40))
+    with pytest.raises(pt_renderer.Error, match="expected at most 10000 items"):
+        box.render(1).price(range(1, 1 << 40))
+    with pytest.raises(pt_renderer.Error, match="such as a list, found a string"):
+        box.render(1, layers="albedo")
+    assert "albedo" in box.render(1, layers=iter(["albedo"])).layers
+
+
 def test_arguments_of_load_that_are_refused(ball):
     for arguments, message in [
         ({"overrides": {"/camera/fov": 180}}, "/camera/fov=180: /camera/fov: expected an angle"),

@@ -45,7 +45,7 @@ class Picture:
     def target_met(self) -> bool | None: ...
     @property
     def attributes(self) -> dict[str, str]: ...
-    def price(self, errors: Sequence[float] = ..., *, confidence: float | None = None) -> list[Price | None]: ...
+    def price(self, errors: Iterable[float] = ..., *, confidence: float | None = None) -> list[Price | None]: ...
     def save(
         self,
         path: str | PathLike[str],
@@ -109,7 +109,7 @@ class Scene:
         sampler: str | None = None,
         seed: int | None = None,
         scramblings: int | None = None,
-        layers: Sequence[str] | None = None,
+        layers: Iterable[str] | None = None,
         crop: Sequence[int] | None = None,
         region: Sequence[int] | None = None,
         tiles: float | None = None,
@@ -127,7 +127,7 @@ class Scene:
         sampler: str | None = None,
         seed: int | None = None,
         scramblings: int | None = None,
-        layers: Sequence[str] | None = None,
+        layers: Iterable[str] | None = None,
         crop: Sequence[int] | None = None,
         threads: int | None = None,
         progress: Callable[[Progress], object] | None = None,
