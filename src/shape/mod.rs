@@ -294,7 +294,8 @@ pub struct Capsule {
 /// Flat form of a primitive, for accelerators.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Facet {
-    /// Triangle. The `uv` of a hit are the barycentric weights of the second and third corner.
+    /// Triangle with the corners a, b and c. The `uv` of a hit are the barycentric weights of b and c. Unless the shape has shading normals,
+    /// its point there is (1 − u − v) a + u b + v c, and normal and offset are the same everywhere.
     Triangle([Vec3; 3]),
     /// Parallelogram with the corners a, b, c, d in turn. The `uv` of a hit run along ab and ad. Unless the shape has shading normals, its
     /// point there is a + u ab + v ad with the same normal and offset everywhere; seen from a distance, it is sampled uniformly by area.

@@ -24,7 +24,7 @@ use crate::math::Spectrum;
 use crate::math::lanes::{Lanes, MAX_COUNT, Rays, Subroutine, Vector, Width, each_lane, tangents, to_array};
 use crate::medium::{Media, Medium};
 use crate::scene::Scene;
-use crate::shape::{Facet, ShapeHit, SurfacePoint};
+use crate::shape::{Facet, Shape, ShapeHit, SurfacePoint};
 
 pub use self::bsdfs::ScatteredLanes;
 use self::lights::WideLight;
@@ -35,7 +35,9 @@ pub use self::varied::SurfaceArrays;
 /// Tables of a scene.
 pub(super) struct Tables {
     width: Width,
-    /// Rows of [`FLAT`] numbers, one for each parallelogram: corner a, edges ab and ad, normal, offset.
+    /// Rows of [`FLAT`] numbers, one for each flat primitive: three vectors a, b and c, the normal, the offset, and 1 for triangles or 0. The
+    /// point with the coordinates u and v is w a + u b + v c. For parallelograms b and c are the edges from the corner a, and w is 1; for
+    /// triangles all three are corners, and w is 1 − u − v.
     flats: Vec<f32>,
     /// Row of the first primitive of each shape; [`NONE`] for shapes of other kinds.
     first_flat: Vec<u32>,
@@ -50,8 +52,11 @@ pub(super) struct Tables {
     lights: Vec<WideLight>,
 }
 
-/// Numbers in a row of the table of parallelograms.
-const FLAT: u32 = 13;
+/// Numbers in a row of the table of flat primitives.
+const FLAT: u32 = 14;
+
+/// Greatest number of triangles of a mesh that has rows. Larger meshes would take a third more memory.
+const MOST_TRIANGLES: u32 = 1 << 12;
 
 /// Numbers in a row of the table of parts.
 const LOOK: u32 = 10;
@@ -130,15 +135,11 @@ impl Tables {
             lights: WideLight::of(world),
         };
         for (shape, appearance) in world.shapes.iter().zip(&world.appearances) {
-            let is_flat = shape.count() > 0 && (0..shape.count()).all(|i| matches!(shape.facet(i), Facet::Parallelogram(_)));
-            let is_flat = is_flat && !shape.has_shading_normals();
-            tables.first_flat.push(if is_flat { tables.flats.len() as u32 / FLAT } else { NONE });
-            for i in (0..shape.count()).filter(|_| is_flat) {
-                let Facet::Parallelogram([a, b, _, d]) = shape.facet(i) else { continue };
-                let point = shape.sample_area(i, Vec2::ZERO).0;
-                tables.flats.extend([a, b - a, d - a, point.ng].iter().flat_map(|v| v.to_array()));
-                tables.flats.push(point.offset);
-            }
+            let is_flat = (1..=MOST_TRIANGLES).contains(&shape.count()) && !shape.has_shading_normals();
+            let rows: Option<Vec<_>> = (0..shape.count()).filter(|_| is_flat).map(|i| flat(&**shape, i)).collect();
+            let rows = rows.unwrap_or_default();
+            tables.first_flat.push(if rows.is_empty() { NONE } else { tables.flats.len() as u32 / FLAT });
+            tables.flats.extend(rows.as_flattened());
             tables.first_look.push(tables.materials.len() as u32);
             for part in &appearance.parts {
                 let material = &world.materials[part.material.0 as usize];
@@ -163,6 +164,18 @@ impl Tables {
         let lengths = [tables.flats.len(), tables.looks.len(), world.materials.len()];
         lengths.into_iter().all(|length| length < i32::MAX as usize).then_some(tables)
     }
+}
+
+/// Row of a flat primitive, see [`Tables::flats`]; `None` for others.
+fn flat(shape: &dyn Shape, i: u32) -> Option<[f32; FLAT as usize]> {
+    let (vectors, is_triangle) = match shape.facet(i) {
+        Facet::Parallelogram([a, b, _, d]) => ([a, b - a, d - a], 0.0),
+        Facet::Triangle(corners) => (corners, 1.0),
+        Facet::Curved => return None,
+    };
+    let SurfacePoint { ng: n, offset, .. } = shape.sample_area(i, Vec2::ZERO).0;
+    let [a, b, c] = vectors;
+    Some([a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, n.x, n.y, n.z, offset, is_triangle])
 }
 
 /// The medium that fills all space, if it has code for lanes and no boundary without a surface cuts it into pieces.
@@ -222,7 +235,9 @@ impl<'a> WideWorld<'a> {
         let row = L::load_u32(&flats) * L::u32(FLAT);
         let flats = &tables.flats;
         let (u, v) = (L::load(&hits.u), L::load(&hits.v));
-        let mut p = vector::<L>(flats, row, 0) + vector::<L>(flats, row, 3).scaled(u) + vector::<L>(flats, row, 6).scaled(v);
+        let one = L::f32(1.0);
+        let w = L::select(is::<L>(flats, row, 13), one - u - v, one);
+        let mut p = vector::<L>(flats, row, 0).scaled(w) + vector::<L>(flats, row, 3).scaled(u) + vector::<L>(flats, row, 6).scaled(v);
         let (mut ng, mut offset) = (vector(flats, row, 9), L::gather(flats, row + L::u32(12)));
         let mut ns = ng;
         // The points of varied lanes come with their surfaces.
