@@ -42,7 +42,7 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::error::allocator::set_message;
 use crate::error::text::printable;
@@ -217,11 +217,13 @@ pub fn main_with(tables: &[&[Entry]]) -> ExitCode {
     finish(panic::caught(&file, || run(args, tables)), json)
 }
 
-/// Moves options that all commands share behind the command: `pt -q check` becomes `pt check -q`.
+/// Moves options that all commands share behind the name of the command: `pt -q check` becomes `pt check -q`.
 fn command_first(mut words: Vec<OsString>) -> Vec<OsString> {
     let is_shared = |word: &&OsString| ["-q", "--quiet", "--json-errors"].iter().any(|shared| *word == *shared);
     let shared = words.iter().skip(1).take_while(is_shared).count();
-    if let Some(moved) = words.get_mut(1..shared + 2) {
+    if let Some(moved) = words.get_mut(1..shared + 2)
+        && CommandLine::command().find_subcommand(&moved[shared]).is_some()
+    {
         moved.rotate_right(1);
     }
     words

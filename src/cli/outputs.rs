@@ -88,7 +88,7 @@ pub fn check_outputs(outputs: &[PathBuf], kinds: OutputKinds, inputs: &[&Path], 
 }
 
 /// Returns whether two outputs, which need not exist yet, are the same file.
-fn is_same_file(a: &Path, b: &Path) -> bool {
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
     let [a, b] = [a, b].map(|path| output::target(path).unwrap_or(path.to_owned()));
     let folder = |path: &Path| output::folder(path).canonicalize().ok();
     a.file_name() == b.file_name() && folder(&a) == folder(&b)

@@ -249,4 +249,7 @@ fn what_cannot_be_farmed_is_refused() {
         assert!(said.lines().filter(|line| line.starts_with("error: ")).count() == 1 && said.contains(phrase), "{args:?}: {said}");
         assert_eq!(names(at), before, "{args:?}");
     }
+    let output = pt(at, &["farm", "s.json", "--shards", "4", "--for", "make", "--file", "./s.json"]);
+    assert!(output.status.code() == Some(2) && String::from_utf8_lossy(&output.stderr).contains("--file ./s.json: is the scene file"));
+    assert_eq!(fs::read_to_string(at.join("s.json")).expect("read"), SCENE);
 }

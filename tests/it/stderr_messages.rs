@@ -41,8 +41,13 @@ fn shared_options_may_come_first() {
         let output = pt(folder.path(), before);
         assert_eq!((output.status, &output.stdout, &output.stderr), (after.status, &after.stdout, &after.stderr), "{before}");
     }
-    let scene = pt(folder.path(), "-q s.json --spp 1 -o x.pfm");
-    assert!(scene.status.success() && scene.stderr.is_empty() && folder.path().join("x.pfm").is_file());
+    // A scene needs no command: options with values stay together.
+    for (file, words) in
+        [("x.pfm", "-q s.json --spp 1 -o x.pfm"), ("y.pfm", "-q --spp 1 -o y.pfm s.json"), ("z.pfm", "-q -t 1 s.json --spp 1 -o z.pfm")]
+    {
+        let scene = pt(folder.path(), words);
+        assert!(scene.status.success() && scene.stderr.is_empty() && folder.path().join(file).is_file(), "{words}: {}", stderr(&scene));
+    }
 }
 
 /// Every command accepts -q and then prints nothing on stderr. Without -q most of these print something.

@@ -11,7 +11,7 @@ fn text(plan: &FarmPlan) -> Result<String> {
     let picture = plan.outputs[0].display().to_string();
     let head = plan.head(&format!(
         "    make -f FILE                         one shard at a time, with all cores\n    \
-         make -f FILE -j 4 PT='pt -t 2'       four at a time, with two threads each\n\
+         PT_THREADS=2 make -f FILE -j 4       four at a time, with two threads each\n\
          The other files of the picture are made with {picture}. Shards that are newer than the scene are not rendered again."
     ));
     let shards: Vec<String> = (1..=plan.shards).map(|shard| shard.to_string()).collect();

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::load::load;
-use super::outputs::{OutputKinds, check_outputs};
+use super::outputs::{OutputKinds, check_outputs, is_same_file};
 use super::parse::whole;
 use super::render::{self, RenderArgs};
 use super::{note, print_stdout};
@@ -65,6 +65,9 @@ pub fn farm(args: &FarmArgs, tables: &[&[Entry]]) -> Result<()> {
         given => given.to_vec(),
     };
     check_outputs(&outputs, OutputKinds::Pictures, &[scene], "is the scene file")?;
+    if let Some(path) = args.file.as_ref().filter(|path| is_same_file(path, scene)) {
+        return Err(Error::Usage(format!("--file {}: is the scene file", path.display())));
+    }
     // The number of threads is that of the machine that renders, unless it is said here.
     let threads = args.render.work.threads.filter(|_| std::env::var_os("PT_THREADS").is_none());
     let threads = threads.iter().flat_map(|n| ["--threads".to_owned(), n.to_string()]);
