@@ -341,12 +341,13 @@ type Pickled = (String, Vec<Py<PyArrayDyn<f32>>>);
 #[pyfunction]
 #[pyo3(name = "_unpickled")]
 pub fn unpickled(py: Python<'_>, facts: &str, arrays: Vec<Py<PyArrayDyn<f32>>>) -> PyResult<Picture> {
-    let facts: Facts = serde_json::from_str(facts).map_err(|failure| internal(py, &failure))?;
+    let facts: Facts =
+        serde_json::from_str(facts).map_err(|failure| usage(py, format!("the pickle of a picture is damaged: {failure}")))?;
     let count = facts.size[0] as usize * facts.size[1] as usize;
     let fits =
         |(group, array): (&Group, &Py<PyArrayDyn<f32>>)| array.bind(py).shape().iter().product::<usize>() == count * group.channels.len();
     if facts.groups.len() != arrays.len() || !facts.groups.iter().zip(&arrays).all(fits) {
-        return Err(usage(py, "the pickle is not one of a picture"));
+        return Err(usage(py, "the pickle of a picture is damaged: its arrays do not fit"));
     }
     let frozen = |array: Py<PyArrayDyn<f32>>| frozen(array.into_bound(py));
     Ok(Picture { facts, arrays: arrays.into_iter().map(frozen).collect() })

@@ -129,9 +129,9 @@ impl Mesh {
     /// How often the mesh surrounds each point of shape (..., 3): 1 within a closed mesh whose triangles are counter-clockwise seen from
     /// outside, -1 if it is turned inside out, 0 outside. An int64 for each point.
     fn winding<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        // Directions do not count here.
-        let Batch { rays, shape } = batch(py, points, points)?;
-        let numbers: Vec<i64> = detached(py, || Ok(rays.iter().map(|ray| self.caster.winding(ray.origin)).collect()))?;
+        let (rows, shape): (PyReadonlyArray2<'py, f64>, Bound<'py, PyAny>) = value(py, "_points")?.call1((points,))?.extract()?;
+        let places = self::points(rows.as_array());
+        let numbers: Vec<i64> = detached(py, || Ok(places.iter().map(|place| self.caster.winding(*place)).collect()))?;
         Array1::from(numbers).into_pyarray(py).call_method1("reshape", (shape,))
     }
 

@@ -282,7 +282,7 @@ impl Scene {
     ///
     /// - integrator: name; the scene's by default
     /// - target: greatest relative error of the mean of each meter's three colours, half the width of its 95 % interval
-    /// - samples: greatest number of samples of each meter, rounded down to 512, 1024, 2048, ...; by default 65536, or 2**30 with another limit
+    /// - samples: greatest number of samples of each meter, rounded down to 512, 1024, 2048, ..., and 512 at least; by default 65536, or 2**30 with another limit
     /// - time: time for each meter in seconds
     /// - threads: as for render
     ///
@@ -370,7 +370,7 @@ fn without_places(error: Error, path: &Path) -> Error {
 /// A time above 0.
 pub fn duration(py: Python<'_>, seconds: f64) -> PyResult<Duration> {
     let given = Duration::try_from_secs_f64(seconds).ok().filter(|time| !time.is_zero());
-    given.ok_or_else(|| usage(py, format!("time: expected a number of seconds above 0, found {seconds}")))
+    given.ok_or_else(|| usage(py, format!("time: expected a number of seconds above 0 and up to 1e19, found {seconds:?}")))
 }
 
 /// A number of threads.

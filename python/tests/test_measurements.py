@@ -44,10 +44,23 @@ def test_shapes_of_batches():
         ([0, 0], [0, 0, 1], "origins: expected numbers of shape (..., 3), found shape (2,)"),
         ([[0, 0, 0]] * 2, [[0, 0, 1]] * 3, "do not go together"),
         (["x"] * 3, [0, 0, 1], "origins: expected numbers"),
+        ([[0, 0, 5], [0, math.nan, 5]], [0, 0, 1], "origins[1]: expected a vector whose largest coordinate is up to 1e60, found [0.0, nan, 5.0]"),
+        ([0, math.inf, 5], [0, 0, 1], "origins: expected a vector"),
+        ([0, 0, 1e61], [0, 0, 1], "origins: expected a vector"),
+        ([0, 0, 5], [[[0, 0, 1], [0, 0, 0]]], "directions[0][1]: expected a vector whose largest coordinate is from 1e-60 to 1e60"),
+        ([0, 0, 5], [0, 0, -1e-300], "directions: expected a vector"),
+        ([0, 0, 5], [-math.inf, 0, 0], "directions: expected a vector"),
     ]:
         with pytest.raises(pt_renderer.Error) as caught:
             scene.intersect(origins, directions)
         assert message in str(caught.value)
+    for origin, direction in [([0, 0, 1e59], [0, 0, -1]), ([0, 0, 5], [0, 0, -1e-59]), ([0, 0, 5], [0, 0, -1e59])]:
+        assert np.isfinite(scene.intersect(origin, direction).t)
+    mesh = pt_renderer.Mesh(np.eye(3), [[0, 1, 2]])
+    with pytest.raises(pt_renderer.Error, match=r"points\[0\]: expected a vector"):
+        mesh.winding([[math.nan, 0, 0]])
+    with pytest.raises(pt_renderer.Error, match="points: expected numbers of shape"):
+        mesh.winding([[1, 2]])
 
 
 def test_instances_are_met_where_they_are():

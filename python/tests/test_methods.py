@@ -153,6 +153,16 @@ def test_comparisons(pt, tmp_path):
     assert said.count("the same picture bit for bit") == 2, said
 
 
+def test_comparisons_that_are_refused(box):
+    for scene, integrators, failure, message in [
+        (box, "nee", pt_renderer.Error, r'integrators: expected several names, such as \["nee"\], found a string'),
+        (box, [], pt_renderer.Error, "integrators: expected at least one name"),
+        ("box.json", ["nee"], TypeError, "scene: expected a Scene, as load returns it, found str"),
+    ]:
+        with pytest.raises(failure, match=message):
+            pt_renderer.compare(scene, integrators)
+
+
 def test_comparisons_with_a_reference(tmp_path):
     scene = pt_renderer.load(SCENES / "cornell-box.json", size=(24, 18))
     reference = scene.render(512, seed=99)

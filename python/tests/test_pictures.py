@@ -93,6 +93,9 @@ def test_pickled_numbers_keep_their_last_bit(box):
     new, (facts, arrays) = picture.__reduce__()
     assert repr(picture.error.low) in facts
     assert new(facts.replace(repr(picture.error.low), repr(number)), arrays).error.low == number
+    for wrong in (facts[:-1], facts.replace("[", "", 1)):
+        with pytest.raises(pt_renderer.Error, match="the pickle of a picture is damaged"):
+            new(wrong, arrays)
 
 
 def test_notebooks(box):

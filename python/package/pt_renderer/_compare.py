@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Optional
 
 from . import _native
+from ._values import Error
 
 
 class Comparison:
@@ -107,6 +108,13 @@ def compare(
         Error: for unknown names, and for a reference that is black or has other pixels.
         KeyboardInterrupt: on Ctrl-C.
     """
+    if not isinstance(scene, _native.Scene):
+        raise TypeError(f"scene: expected a Scene, as load returns it, found {type(scene).__name__}")
+    for what, given in (("integrators", integrators), ("samplers", samplers), ("metrics", metrics)):
+        if isinstance(given, str):
+            raise Error(f'{what}: expected several names, such as ["{given}"], found a string')
+    if not integrators:
+        raise Error("integrators: expected at least one name")
     size = f"{scene.width}x{scene.height}"
     words = ["compare", scene.file, "--size", size, "--integrators", ",".join(integrators), "--replicates", str(replicates)]
     given = {"--samplers": ",".join(samplers) or None, "--spp": spp, "--time": time, "--reference-integrator": reference_integrator}

@@ -203,8 +203,27 @@ def _rows(values: Any, what: str) -> np.ndarray:
     return array
 
 
+def _check(rows: np.ndarray, what: str, least: float = 0.0) -> None:
+    """Refuses rows that are no points or directions, by the index of the first: coordinates must be numbers of up to 1e60."""
+    largest = np.abs(rows).max(axis=-1, initial=0.0)
+    wrong = ~((largest >= least) & (largest <= 1e60))
+    if wrong.any():
+        index = np.unravel_index(np.argmax(wrong), wrong.shape)
+        place = "".join(f"[{int(k)}]" for k in index)
+        span = "up to 1e60" if least == 0.0 else f"from {least:g} to 1e60"
+        raise Error(f"{what}{place}: expected a vector whose largest coordinate is {span}, found {rows[index].tolist()}")
+
+
+def _points(points: Any) -> tuple[np.ndarray, tuple[int, ...]]:
+    rows = _rows(points, "points")
+    _check(rows, "points")
+    return np.ascontiguousarray(rows).reshape(-1, 3), rows.shape[:-1]
+
+
 def _rays(origins: Any, directions: Any) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
     origins, directions = _rows(origins, "origins"), _rows(directions, "directions")
+    _check(origins, "origins")
+    _check(directions, "directions", 1e-60)
     try:
         origins, directions = np.broadcast_arrays(origins, directions)
     except ValueError as failure:
