@@ -282,7 +282,8 @@ impl Scene {
     ///
     /// - integrator: name; the scene's by default
     /// - target: greatest relative error of the mean of each meter's three colours, half the width of its 95 % interval
-    /// - samples: greatest number of samples of each meter, rounded down to 512, 1024, 2048, ..., and 512 at least; by default 65536, or 2**30 with another limit
+    /// - samples: greatest number of samples of each meter, rounded down to 512, 1024, 2048, ..., and 512 at least; by default 65536, or 2**30
+    ///   with another limit
     /// - time: time for each meter in seconds
     /// - threads: as for render
     ///

@@ -262,8 +262,8 @@ pub trait Kernel {
     /// Runs the code.
     ///
     /// It must be `#[inline(always)]`, and so must all functions over lanes that it calls: only what is inlined into [`Width::run`],
-    /// [`Width::run_wide`] or code that [`Lanes::call`] runs is compiled for the instruction set of the width. The rest, which may include closures, gives the same result but
-    /// slowly.
+    /// [`Width::run_wide`] or code that [`Lanes::call`] runs is compiled for the instruction set of the width. The rest, which may include
+    /// closures, gives the same result but slowly.
     fn run<L: Lanes>(self) -> Self::Output;
 }
 

@@ -55,8 +55,8 @@ pub(super) struct Tables {
 /// Numbers in a row of the table of flat primitives.
 const FLAT: u32 = 14;
 
-/// Greatest number of triangles of a mesh that has rows. Larger meshes would take a third more memory.
-const MOST_TRIANGLES: u32 = 1 << 12;
+/// Greatest number of primitives of a shape that has rows. A row has 56 bytes, which large meshes would pay for every triangle.
+const MOST_ROWS: u32 = 1 << 12;
 
 /// Numbers in a row of the table of parts.
 const LOOK: u32 = 10;
@@ -135,7 +135,7 @@ impl Tables {
             lights: WideLight::of(world),
         };
         for (shape, appearance) in world.shapes.iter().zip(&world.appearances) {
-            let is_flat = (1..=MOST_TRIANGLES).contains(&shape.count()) && !shape.has_shading_normals();
+            let is_flat = (1..=MOST_ROWS).contains(&shape.count()) && !shape.has_shading_normals();
             let rows: Option<Vec<_>> = (0..shape.count()).filter(|_| is_flat).map(|i| flat(&**shape, i)).collect();
             let rows = rows.unwrap_or_default();
             tables.first_flat.push(if rows.is_empty() { NONE } else { tables.flats.len() as u32 / FLAT });
