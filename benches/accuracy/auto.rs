@@ -66,7 +66,7 @@ pub fn print(request: &Request) -> pt::Result<()> {
 
 /// Time × relMSE, the mean over some seeds.
 fn cost(subject: &Subject, kind: Kind, reference: &Image, seeds: u64) -> f64 {
-    let until = StopCondition { samples: u32::MAX.into(), time: Some(TIME), target: None };
+    let until = StopCondition { samples: u32::MAX.into(), time: Some(TIME), target: None, patience: None };
     let one = |seed: u64| {
         let scramblings = if subject.integrator.splats() { 8 } else { 2 };
         let (film, history) = taken(subject, kind, scramblings, seed, &until);

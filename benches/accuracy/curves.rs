@@ -75,7 +75,7 @@ pub fn long(subject: &Subject, sampling: Sampling) -> Option<Curve> {
     let goal = TARGETS.into_iter().rev().find(|target| is_reached(*target)).unwrap_or(TARGETS[0]);
     // A little below the target, so that the curve crosses it.
     let target = ErrorTarget { error: 0.95 * goal, confidence: 0.5, scope: Scope::Picture };
-    let until = StopCondition { samples: u32::MAX.into(), time: Some(LONGEST), target: Some(target) };
+    let until = StopCondition { samples: u32::MAX.into(), time: Some(LONGEST), target: Some(target), patience: None };
     let histories: Vec<_> = (0..RENDERS).map(|seed| taken_with(subject, &spec, kind, 2, FIRST + seed, &until).1).collect();
     let at = |samples: u64| -> Option<(f64, f64)> {
         let error = |history: &ErrorHistory| history.checkpoints.iter().find(|c| c.samples == samples)?.error;

@@ -79,7 +79,7 @@ fn small(name: &str) -> pt::Result<Subject> {
 
 /// Stop condition of a number of samples, without a time limit or a target error.
 const fn after(samples: u64) -> StopCondition {
-    StopCondition { samples, time: None, target: None }
+    StopCondition { samples, time: None, target: None, patience: None }
 }
 
 /// Number of rounds with about so many samples per pixel. A round of uneven samples has several on average.

@@ -32,7 +32,7 @@ pub fn print(request: &Request) -> pt::Result<()> {
 /// How often the error of a met target is true, the median number of samples spent, and the number at which the mean relMSE falls below
 /// the target.
 fn counted(subject: &Subject, kind: Kind, reference: &Image, seeds: u64) -> (Share, f64, f64) {
-    let until = StopCondition { samples: u32::MAX.into(), time: None, target: Some(TARGET) };
+    let until = StopCondition { samples: u32::MAX.into(), time: None, target: Some(TARGET), patience: None };
     let look = |seed: u64| {
         let (film, history) = taken(subject, kind, 2, seed, &until);
         let is_met = TARGET.outcome(&history) == Outcome::Met;

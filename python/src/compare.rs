@@ -78,7 +78,7 @@ pub fn compare_methods(
             Some(reference) => reference,
             None => {
                 let renderer = ReferenceRenderer::new(&loaded, reference_integrator.as_deref(), TABLES)?;
-                let until = StopCondition { samples: u32::MAX.into(), time: Some(reference_time), target: None };
+                let until = StopCondition { samples: u32::MAX.into(), time: Some(reference_time), target: None, patience: None };
                 let made = renderer.render(&world, None, &until, watch);
                 if made.report.cancelled {
                     return Ok(false);

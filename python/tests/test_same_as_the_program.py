@@ -81,6 +81,9 @@ def test_targets(pt, tmp_path):
     assert picture.target_met is True and picture.error.value < 0.3
     assert pt("image", "hash", tmp_path / "a.exr").stdout.split()[0] == picture.hash
     assert scene.render(2, target=0.001).target_met is False
+    # So few pixels that no error can be established: given up.
+    picture = pt_renderer.load(CORNELL, size=(4, 4)).render(target=0.01)
+    assert picture.target_met is False and picture.error.refusal.startswith("heavy tail") and picture.spp == 16384
     scene, samples = pt_renderer.load(CORNELL, size=(96, 72)), set()
     for flags, settings in [([], {}), (["--region", "8,40,8,40"], {"region": (8, 40, 8, 40)}), (["--tiles", "90%"], {"tiles": 0.9})]:
         pt(CORNELL, "--target", "10%", *flags, "--size", "96x72", "--spp", 4096, "-q", "-o", tmp_path / "a.exr")

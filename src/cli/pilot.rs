@@ -37,7 +37,7 @@ pub fn price_list(
     let rows = who.iter().map(|PricedIntegrator { entry, integrator, sampler }| {
         let mut film = MomentFilm::new(spec.clone());
         let mut render = Render::new(scene.clone(), &**integrator, spec, &Settings { sampler: *sampler, ..settings.clone() });
-        let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None };
+        let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None, patience: None };
         (entry.name, render_until(&mut render, &mut film, &until, observer))
     });
     print(&rows.collect::<Vec<_>>(), confidence)

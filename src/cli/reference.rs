@@ -123,7 +123,7 @@ fn render_reference(args: &ReferenceArgs, loaded: Loaded, renderer: &ReferenceRe
     let before = cached.as_ref().map_or(RenderReport::default(), |cached| cached.report.clone());
     // A cached reference is never replaced by one with fewer samples.
     let samples = args.spp.map_or(u32::MAX.into(), u64::from).max(before.samples);
-    let until = StopCondition { samples, time, target };
+    let until = StopCondition { samples, time, target, patience: None };
     let progress = Progress::new(args.work.progress, &renderer.spec, samples, time).resumed(&before);
     let cached = renderer.render(&scene, cached, &until, &progress);
     progress.finish();

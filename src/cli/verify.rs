@@ -110,7 +110,7 @@ fn render_side(
     (sampler, k): (SamplerSpec, u64),
 ) -> Result<Side> {
     let samples = args.spp.map_or(if args.time.is_some() { u32::MAX.into() } else { sampler.spp }, u64::from);
-    let until = StopCondition { samples, time: args.time, target: None };
+    let until = StopCondition { samples, time: args.time, target: None, patience: None };
     let progress = Progress::new(args.work.progress, film, samples, args.time);
     let rendered = Side::render(scene, film, method, (sampler, k), &until, &progress);
     progress.finish();

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::RelativeError;
+use super::{Refusal, RelativeError};
 use crate::film::MomentFilm;
 use crate::sampler::Kind;
 
@@ -13,8 +13,15 @@ pub struct Checkpoint {
     pub samples: u64,
     /// Render time.
     pub seconds: f64,
-    /// Estimated error of the picture; `None` if the samples tell none.
+    /// Estimated error of the picture; `None` if the samples tell none, or the picture is black.
     pub error: Option<RelativeError>,
+}
+
+impl Checkpoint {
+    /// Returns whether there is an error that is not refused as a heavy tail. One of a picture that is too noisy counts.
+    pub(super) fn is_established(&self) -> bool {
+        self.error.is_some_and(|error| error.refusal() != Some(Refusal::HeavyTail))
+    }
 }
 
 /// Checkpoints of one render, in order.

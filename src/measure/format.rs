@@ -60,7 +60,8 @@ pub fn outcome(target: &ErrorTarget, outcome: Outcome) -> String {
     match outcome {
         Outcome::Met => format!("{what}: met ({} % sure)", per_cent(target.confidence)),
         Outcome::NotMet => format!("{what}: not met"),
-        Outcome::NotEstablished => format!("{what}: cannot be established ({})", Refusal::HeavyTail),
+        Outcome::HeavyTail => format!("{what}: cannot be established ({})", Refusal::HeavyTail),
+        Outcome::Black => format!("{what}: cannot be established (no light was found)"),
     }
 }
 

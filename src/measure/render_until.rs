@@ -7,6 +7,9 @@ use super::{Checkpoint, ErrorHistory, Refusal, Scope, checkpoints};
 use crate::film::{Film, MomentFilm};
 use crate::render::{Observer, Render, RenderReport, Silent};
 
+/// [`StopCondition::patience`] of a render that has no limit but a target.
+const PATIENCE: u64 = 1 << 14;
+
 /// Condition at which a render stops: the first of these limits that is reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopCondition {
@@ -16,6 +19,9 @@ pub struct StopCondition {
     pub time: Option<Duration>,
     /// Accuracy.
     pub target: Option<ErrorTarget>,
+    /// Samples per pixel from which on the render ends if no error could be established while their number grew by a factor of 64: where the
+    /// picture is black, or a few dozen pixels have all the noise, the target may never be reached. `None` for a render that has another limit.
+    pub patience: Option<u64>,
 }
 
 impl StopCondition {
@@ -25,7 +31,8 @@ impl StopCondition {
     /// - `planned`: samples per pixel that the scene plans
     pub fn new(asked: Option<u64>, planned: u64, time: Option<Duration>, target: Option<ErrorTarget>) -> StopCondition {
         let is_free = (time.is_some() || target.is_some()) && asked.is_none();
-        StopCondition { samples: if is_free { u32::MAX.into() } else { asked.unwrap_or(planned) }, time, target }
+        let samples = if is_free { u32::MAX.into() } else { asked.unwrap_or(planned) };
+        StopCondition { samples, time, target, patience: Some(PATIENCE).filter(|_| is_free && time.is_none()) }
     }
 
     /// Pixels whose error the history of the render tells.
@@ -48,6 +55,13 @@ impl StopCondition {
     /// Returns whether the target, if there is one, is probably reached after so many samples.
     fn may_be_met_at(&self, samples: u64, history: &ErrorHistory) -> bool {
         self.target.is_some_and(|target| history.error_at(samples).is_some_and(|error| error <= target.error))
+    }
+
+    /// Returns whether the target is given up: see [`StopCondition::patience`].
+    pub fn is_given_up(&self, history: &ErrorHistory) -> bool {
+        let (Some(patience), Some(last)) = (self.patience, history.last()) else { return false };
+        let mut recent = history.checkpoints.iter().filter(|checkpoint| checkpoint.samples >= last.samples / 64);
+        last.samples >= patience && recent.all(|checkpoint| !checkpoint.is_established())
     }
 
     /// The history without the checkpoints that a render which never paused would not have: those at which it was paused.
@@ -82,6 +96,9 @@ pub struct ErrorTarget {
     pub scope: Scope,
 }
 
+/// Samples per pixel from which on every render tells an error, unless its picture is black: two for each of the most scramblings.
+const ENOUGH: u64 = 128;
+
 /// Outcome of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -90,7 +107,9 @@ pub enum Outcome {
     /// The error is not known to be at most the target.
     NotMet,
     /// A few pixels hold all the noise, so that the estimated error says little.
-    NotEstablished,
+    HeavyTail,
+    /// No sample has found light.
+    Black,
 }
 
 /// A film whose moments can be read.
@@ -133,8 +152,8 @@ pub fn resume_until(
     let mut tests = SequentialTest::default();
     let is_met = until.target.is_some_and(|target| history.checkpoints.iter().any(|before| tests.is_met(target, Some(before))));
     let (seen, done) = (history.last().map_or(0, |last| last.samples), film.moments().samples());
-    if is_met {
-        // The target was met earlier. The last error that is reported must be that of all samples.
+    if is_met || until.is_given_up(&history) {
+        // The target was met or given up earlier. The last error that is reported must be that of all samples.
         history.checkpoints.extend((done > seen).then(|| measure_error(render, film, until)));
         return history;
     }
@@ -153,7 +172,8 @@ pub fn resume_until(
         }
         // The render was cancelled or ran out of time. That moment was not planned, but it does not depend on the error, so that its test
         // counts in `ErrorTarget::outcome` like the others.
-        if reached < samples || until.target.is_some_and(|target| tests.is_met(target, history.last())) {
+        let is_met = until.target.is_some_and(|target| tests.is_met(target, history.last()));
+        if reached < samples || is_met || until.is_given_up(&history) {
             break;
         }
     }
@@ -196,8 +216,9 @@ impl ErrorTarget {
         let mut tests = SequentialTest::default();
         let met = history.checkpoints.iter().any(|checkpoint| tests.is_met(*self, Some(checkpoint)));
         match history.checkpoints.iter().rev().find_map(|checkpoint| checkpoint.error) {
-            Some(last) if last.refusal() == Some(Refusal::HeavyTail) => Outcome::NotEstablished,
+            Some(last) if last.refusal() == Some(Refusal::HeavyTail) => Outcome::HeavyTail,
             Some(_) if met => Outcome::Met,
+            None if history.last().is_some_and(|last| last.samples >= ENOUGH) => Outcome::Black,
             _ => Outcome::NotMet,
         }
     }

@@ -43,6 +43,30 @@ fn a_target_is_met_or_missed() {
     assert!(render(2, &["--target", "0"]).contains("above 0 and below 1"));
 }
 
+/// A render that only its target would end gives up where the target will never be established: in a picture of so few pixels that a few
+/// always have all the noise, and in a black one. With another limit, that limit ends it.
+#[test]
+fn a_target_out_of_reach_is_given_up() {
+    let folder = folder();
+    let render = |more: &[&str]| said(folder.path(), 7, &[&["-o", "x.exr", "--target", "1%"], more].concat());
+    let few = render(&[CORNELL, "--size", "4x4"]);
+    assert!(few.contains("16384 spp") && few.contains("target 1 %: cannot be established (heavy tail"), "{few}");
+    let few = render(&[CORNELL, "--size", "4x4", "--spp", "20000"]);
+    assert!(few.contains("20000 spp") && few.contains("target 1 %: cannot be established (heavy tail"), "{few}");
+    // Uneven numbers of samples: 16384 samples are as many rounds as they take, and the next measurement ends the render.
+    let dot = render(&[CORNELL, "--size", "4x4", "--adaptive"]);
+    assert!(dot.contains("given up") && dot.contains("cannot be established (heavy tail"), "{dot}");
+    // An error from 64 scramblings takes two samples of each.
+    let early = render(&[CORNELL, "--size", "8x8", "--scramblings", "64", "--spp", "64"]);
+    assert!(early.contains("target 1 %: not met"), "{early}");
+    let scene = r#"{"pt": 1, "camera": {"type": "perspective", "look_at": {"from": [0, 0, 5], "to": [0, 0, 0], "up": [0, 1, 0]}, "fov": 40}, "shapes": [{"type": "sphere", "material": {"type": "diffuse"}}]}"#;
+    std::fs::write(folder.path().join("black.json"), scene).expect("a scene");
+    for more in [&["black.json", "--size", "8x8"] as &[&str], &["black.json", "--size", "16x16", "--region", "0,8,0,8"]] {
+        let black = render(more);
+        assert!(black.contains("16384 spp") && black.contains("cannot be established (no light was found)"), "{black}");
+    }
+}
+
 /// If a few bright dots make all the noise, no error and no verdict are given, in the closing line and in the file alike. What is said of
 /// most pixels is a lower bound. The path of the brightest dot is shown instead.
 #[test]

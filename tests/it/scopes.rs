@@ -27,7 +27,7 @@ fn film(scene: &Arc<dyn Scene>, spec: &FilmSpec, kind: Kind, spp: u64) -> Moment
     let mut film = MomentFilm::new(spec.clone());
     let integrator: &dyn Integrator = &Nee::default();
     let mut render = Render::new(scene.clone(), integrator, spec, &Settings::new(sampler));
-    render_until(&mut render, &mut film, &StopCondition { samples: spp, time: None, target: None }, &Silent);
+    render_until(&mut render, &mut film, &StopCondition { samples: spp, time: None, target: None, patience: None }, &Silent);
     film
 }
 

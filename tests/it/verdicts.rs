@@ -91,7 +91,7 @@ fn healthy(seeds: u64) {
             let mut number = 0;
             let [a, b] = sides.map(|(name, samples)| {
                 let sampler = SamplerSpec { seed: 1000 * seed, ..subject.sampler };
-                let until = StopCondition { samples, time: None, target: None };
+                let until = StopCondition { samples, time: None, target: None, patience: None };
                 number += 1;
                 let side =
                     Side::render(&subject.built, &subject.spec, (name, &*subject.integrator(name)), (sampler, number), &until, &Silent);

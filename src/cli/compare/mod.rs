@@ -262,7 +262,7 @@ fn compute_reference(
     let before = cached.as_ref().and_then(|path| renderer.read(path));
     let (known, origin) =
         (before.as_ref().map_or(0, |cached| cached.report.samples), if before.is_some() { "the kept reference" } else { "a reference" });
-    let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None };
+    let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None, patience: None };
     let told = Told { progress: &progress, doing: "Rendering the reference", live };
     let made = renderer.render(scene, before, &until, &told);
     if let Some(path) = cached.filter(|_| known > 0 && made.report.samples > known) {

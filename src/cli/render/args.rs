@@ -62,7 +62,7 @@ pub struct RenderArgs {
     /// `independent`): 1 to 64.
     #[arg(long, value_name = "K")]
     pub scramblings: Option<u32>,
-    /// Stop when the relative error of the picture is at most this, such as 1% or 0.01. Exit code 7 if it is not reached.
+    /// Stop when the relative error of the picture is at most this, such as 1% or 0.01. Exit code 7 if it is not reached. Without --spp and --time it is given up where no error can be established, as in a black picture.
     #[arg(long, value_name = "ERROR", value_parser = share)]
     pub target: Option<f64>,
     /// With --target: it holds for these pixels, as for a picture of them alone; the others are rendered, too.

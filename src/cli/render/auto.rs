@@ -137,7 +137,7 @@ impl Pilot {
 
     /// Renders until a time has passed in all.
     fn run(&mut self, time: Duration) {
-        let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None };
+        let until = StopCondition { samples: u32::MAX.into(), time: Some(time), target: None, patience: None };
         self.history = resume_until(std::mem::take(&mut self.history), &mut self.render, &mut self.film, &until, &Silent);
     }
 }

@@ -209,6 +209,9 @@ impl<'a> Picture<'a> {
             print_summary(&plan.about, &samples, report, (&rendered.accuracy, history), plan.confidence, plan.written());
             if let Some((target, outcome, history)) = &rendered.target {
                 note(&format::outcome(target, *outcome));
+                if plan.until.is_given_up(history) {
+                    note("given up: no error could be established for a long time; --time or --spp sets another limit");
+                }
                 scope_lines(film, &target.scope, history, plan.confidence).iter().for_each(|line| note(line));
             }
         }

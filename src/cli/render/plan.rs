@@ -218,6 +218,7 @@ impl RenderPlan {
             self.samples = shard.samples(rounds).ok_or_else(few)?;
         }
         self.until.samples = self.samples.end;
+        self.until.patience = self.until.patience.map(|samples| (samples as f64 / allocation.mean()).round() as u64);
         self.about.allocation = allocation.clone();
         self.about.job.samples = rounds;
         loaded.film.allocation = allocation;

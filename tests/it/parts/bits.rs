@@ -100,6 +100,7 @@ fn pausing_at_any_wave_changes_nothing() {
         let until = StopCondition {
             samples,
             time: None,
+            patience: None,
             target: target.map(|error| ErrorTarget { error, confidence: 0.95, scope: Scope::Picture }),
         };
         let start = || Render::new(scene.clone(), &*nee(), &film(), &Settings::new(sampler));
