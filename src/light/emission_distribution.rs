@@ -5,6 +5,7 @@ use glam::{IVec2, UVec2, Vec2, Vec3};
 use super::distribution::{Distribution, Weights, bilinear};
 use super::emitter::Emitter;
 use super::flat_share::{FlatShare, Part, THRESHOLD};
+use crate::math::float::ONE_MINUS_EPSILON;
 use crate::math::lanes::{Lanes, One};
 use crate::math::{AreaPdf, SolidAnglePdf};
 use crate::shape::{Shape, SurfacePoint};
@@ -123,20 +124,27 @@ struct Table {
 impl Table {
     /// Looks the emission up in each cell, averaged over the cell where the texture can be.
     fn new(shape: &dyn Shape, primitive: u32, emitter: &Emitter, side: u32) -> Table {
-        let step = 1.0 / side as f32;
         let area = shape.area(primitive);
-        let sample = |x: f32, y: f32| shape.sample_area(primitive, Vec2::new(x, y) * step);
-        let weight = |k: u32| {
-            let (x, y) = ((k % side) as f32, (k / side) as f32);
-            let (point, pdf) = sample(x + 0.5, y + 0.5);
-            let across = |[a, b]: [(SurfacePoint, AreaPdf); 2]| b.0.p - a.0.p;
-            // The last number stays below 1.
-            let sides = [[sample(x, y + 0.5), sample(x + 0.999, y + 0.5)], [sample(x + 0.5, y), sample(x + 0.5, y + 0.999)]].map(across);
-            let footprint = Some(Footprint::new(sides, shape.tangents(primitive, &point, 0.0)));
-            let at = TextureContext { footprint, ..TextureContext::exact(&point) };
-            emitter.at(&at).radiance.average() / (pdf.get() * area)
+        let sample = |x: f32, y: f32| {
+            let u = Vec2::new(x, y) / side as f32;
+            shape.sample_area(primitive, u.min(Vec2::splat(ONE_MINUS_EPSILON)))
         };
-        Table { side, weights: (0..side * side).map(weight).collect() }
+        // Middles of the edges between the cells. Neighbours share them, since finding a point costs as much as looking a texture up.
+        let edges = |count: u32, at: &dyn Fn(f32) -> (SurfacePoint, AreaPdf)| (0..count).map(|k| at(k as f32).0.p).collect::<Vec<Vec3>>();
+        let across = |y: f32| edges(side, &|x| sample(x + 0.5, y));
+        let (mut weights, mut above) = (Vec::with_capacity((side * side) as usize), across(0.0));
+        for y in (0..side).map(|y| y as f32) {
+            let (below, beside) = (across(y + 1.0), edges(side + 1, &|x| sample(x, y + 0.5)));
+            for x in 0..side as usize {
+                let (point, pdf) = sample(x as f32 + 0.5, y + 0.5);
+                let sides = [beside[x + 1] - beside[x], below[x] - above[x]];
+                let footprint = Some(Footprint::new(sides, shape.tangents(primitive, &point, 0.0)));
+                let at = TextureContext { footprint, ..TextureContext::exact(&point) };
+                weights.push(emitter.at(&at).radiance.average() / (pdf.get() * area));
+            }
+            above = below;
+        }
+        Table { side, weights }
     }
 
     fn mean(&self) -> f32 {
