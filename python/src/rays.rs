@@ -97,7 +97,7 @@ impl Mesh {
         Ok(Mesh { caster, warnings: vec![] })
     }
 
-    /// The mesh in a file: OBJ, PLY or STL, recognised by its content.
+    /// The mesh in a file: OBJ, PLY or STL, recognised by its content, or all triangles of a glTF model (.gltf, .glb).
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Mesh> {
         let (caster, warnings) = detached(py, || RayCaster::load(&path))?;

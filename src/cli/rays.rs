@@ -16,7 +16,7 @@ use crate::rays::{Hit, Ray, RayCaster};
 
 #[derive(clap::Args, Debug)]
 pub struct RaysArgs {
-    /// Mesh file: OBJ, PLY or STL.
+    /// Mesh file: OBJ, PLY or STL; or glTF (.gltf, .glb): all triangles of the model, placed by its nodes.
     #[arg(value_name = "MESH")]
     pub mesh: PathBuf,
     /// Rays, one in each line: origin and direction, six numbers with commas or spaces between; `-` reads stdin.

@@ -39,6 +39,7 @@ pub mod table;
 mod tree;
 mod triangle;
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -46,6 +47,10 @@ use rayon::prelude::*;
 
 use crate::describe::mesh;
 use crate::error::{Error, Fault, Result};
+use crate::import::{AutoCamera, ImportOptions, import_with};
+use crate::integrators;
+use crate::load::load;
+use crate::reader::Node;
 use tree::Tree;
 
 pub use scene::{SceneCaster, SceneHit};
@@ -72,6 +77,25 @@ pub struct Hit {
     pub uv: DVec2,
     /// Whether the ray comes from the side to which the triangle's normal points; its corners are counter-clockwise seen from there.
     pub enters: bool,
+}
+
+/// All triangles of a model that stands in a scene, with warnings.
+fn load_model(path: &Path) -> Result<(RayCaster, Vec<String>)> {
+    let auto_camera = AutoCamera { ground: Some(false), ..AutoCamera::default() };
+    // A camera and light of its own, so that none is made up and told of.
+    let alone = |root: &mut Node, _: &str| {
+        root.set("/camera", r#"{"type": "perspective"}"#)?;
+        root.set("/background", r#"{"radiance": 1}"#)
+    };
+    let imported = import_with(path, &ImportOptions { auto_camera, ..ImportOptions::default() }, alone)?;
+    let mut warnings: Vec<String> = imported.notes.iter().map(Fault::to_string).collect();
+    let (caster, curved) = SceneCaster::new(load(imported, None, &[integrators::ALL])?.world)?.triangles()?;
+    let name = path.to_string_lossy();
+    warnings.extend((curved > 0).then(|| format!("{name}: {curved} shapes without triangles are left out")));
+    if caster.is_empty() {
+        return Err(Error::invalid(Fault::new("no triangles").in_file(path)));
+    }
+    Ok((caster, warnings))
 }
 
 /// A triangle mesh that answers where rays meet it.
@@ -123,11 +147,16 @@ impl RayCaster {
         Ok(RayCaster { positions, triangles, tree })
     }
 
-    /// The mesh in a file: OBJ, PLY or STL, recognised by its content. Returns it with warnings.
+    /// The mesh in a file: OBJ, PLY or STL, recognised by its content, or all triangles of a glTF model (`.gltf`, `.glb`) in the pose that the file
+    /// shows: first of the meshes that one node shows, then of those that several nodes show. Returns it with warnings.
     ///
     /// # Errors
-    /// Those of [`mesh::load`], and of [`RayCaster::new`].
+    /// Those of [`mesh::load`], of [`import_with`] and of [`RayCaster::new`].
     pub fn load(path: &Path) -> Result<(RayCaster, Vec<String>)> {
+        let is_model = |extension: &OsStr| ["gltf", "glb"].iter().any(|known| extension.eq_ignore_ascii_case(known));
+        if path.extension().is_some_and(is_model) {
+            return load_model(path);
+        }
         let (data, warnings) = mesh::load(path, &path.to_string_lossy())?;
         let positions = data.positions.iter().map(|p| p.as_dvec3()).collect();
         Ok((RayCaster::new(positions, data.triangles)?, warnings))

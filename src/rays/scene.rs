@@ -109,6 +109,25 @@ impl SceneCaster {
         Ok(SceneCaster { world, shapes, own, groups, instances, tree })
     }
 
+    /// All triangles of the scene as one mesh, as they are when the shutter opens: those of its own shapes in their order, then those that each
+    /// instance shows. Boundaries of media without a surface are not among them. Returns it with the number of shapes that have no flat form,
+    /// counted once for each instance; they are left out.
+    ///
+    /// # Errors
+    /// Those of [`RayCaster::new`].
+    pub fn triangles(&self) -> Result<(RayCaster, usize)> {
+        let (mut corners, mut curved) = (self.own.flat.positions.clone(), self.own.curved.len());
+        for PlacedSet { set, to_world, .. } in &self.instances {
+            let (group, to_world) = (&self.groups[*set], to_world.matrix());
+            let place = |p: DVec3| to_world.transform_point3(p);
+            // Mirroring reverses the order of each triangle's corners as seen from outside; exchanging two corners restores it.
+            let order = if to_world.matrix3.determinant() < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
+            corners.extend(group.flat.positions.as_chunks::<3>().0.iter().flat_map(|triangle| order.map(|k| place(triangle[k]))));
+            curved += group.curved.len();
+        }
+        Ok((separate(corners)?, curved))
+    }
+
     /// The first hit; of equal distances that of the shapes of the scene itself, or else of the first instance.
     pub fn closest(&self, ray: &Ray) -> Option<SceneHit> {
         let line = Line::new(ray)?;
@@ -156,9 +175,7 @@ impl ShapeSet {
                 curved.push((index, shape.count()));
             }
         }
-        let count = u32::try_from(corners.len()).unwrap_or(u32::MAX);
-        let triangles = (0..count / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        Ok(ShapeSet { flat: RayCaster::new(corners, triangles)?, sources, curved, origin })
+        Ok(ShapeSet { flat: separate(corners)?, sources, curved, origin })
     }
 
     /// Lower and upper corner of the bounding box.
@@ -207,6 +224,15 @@ impl ShapeSet {
             SceneHit { t, shape, instance: None, primitive, uv, normal, is_exact: false }
         })
     }
+}
+
+/// Caster for triangles that share no corners.
+///
+/// # Errors
+/// Those of [`RayCaster::new`].
+fn separate(corners: Vec<DVec3>) -> Result<RayCaster> {
+    let count = u32::try_from(corners.len()).unwrap_or(u32::MAX);
+    RayCaster::new(corners, (0..count / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
 
 /// Bounding box of a transformed box, larger than that by the roundings of points in it.

@@ -183,6 +183,35 @@ fn the_command_reads_rays_and_points() {
     assert!(pt(&[mesh], "").status.code() == Some(2));
 }
 
+/// A tetrahedron at the origin, and its mirror image further along x. The mirror reverses the order of the corners: without a correction the
+/// winding number there would be -1.
+#[test]
+fn all_triangles_of_a_model_are_met() {
+    let positions: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    let corners: [u16; 12] = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
+    let bytes: Vec<u8> = positions.iter().flat_map(|x| x.to_le_bytes()).chain(corners.iter().flat_map(|i| i.to_le_bytes())).collect();
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("data.bin"), bytes).expect("numbers");
+    let model = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"mesh": 0}, {"mesh": 0, "scale": [-1, 1, 1], "translation": [5, 0, 0]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
+            {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}],
+        "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+        "buffers": [{"uri": "data.bin", "byteLength": 72}]}"#;
+    let path = folder.path().join("model.gltf");
+    std::fs::write(&path, model).expect("a model");
+    let (caster, _) = RayCaster::load(&path).expect("a mesh");
+    let at = |x: f64| DVec3::new(x, 0.1, 0.1);
+    assert_eq!((caster.len(), caster.winding(at(0.1)), caster.winding(at(4.9)), caster.winding(at(2.0))), (8, 1, 1, 0));
+    let distances: Vec<f64> = caster.all(&Ray::new(at(-1.0), DVec3::X)).iter().map(|hit| hit.t).collect();
+    // Faces at x = 0 and x + y + z = 1, and their mirror images.
+    let expected = [1.0, 1.8, 5.2, 6.0];
+    assert!(distances.len() == 4 && distances.iter().zip(expected).all(|(t, x)| (t - x).abs() < 1e-6), "{distances:?}");
+    let output = pt(&[path.to_str().expect("a name"), "--inside", "-"], "0.1 0.1 0.1\n2 0 0\n");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "x,y,z,inside,winding\n0.1,0.1,0.1,1,1\n2,0,0,0,0\n");
+}
+
 /// A transform, and its matrix by other code.
 fn placed(random: &mut Random) -> (Transform, DMat4) {
     let (axis, degrees) = (random.direction(), 360.0 * random.unit());
