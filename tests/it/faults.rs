@@ -8,6 +8,7 @@
 mod folders;
 mod kills;
 mod limits;
+mod soak;
 mod stops;
 
 use std::path::Path;
