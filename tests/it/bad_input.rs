@@ -13,7 +13,7 @@ mod outside;
 use std::collections::BTreeSet;
 use std::fs;
 
-use crate::pictures::{bomb, promising, with_palette};
+use crate::pictures::{bomb, large_jpeg, promising, with_palette};
 use bench::{Bench, RIGHT, SQUARE, UNLIT, long_name};
 
 /// Case of the table: the row's name, the input, the exit code, and a part of the message.
@@ -675,13 +675,19 @@ fn generated(bench: &mut Bench) {
         // The palette has one and a third colours.
         ("B33", &with_palette(4), 3, "/shapes/0/material/albedo/file: p.jpg: not a usable PNG picture: "),
         ("B33", &with_palette(3), 0, "warning: p.jpg: read as PNG"),
+        ("B33", &*large_jpeg(), 3, "p.jpg: not a usable JPEG picture: "),
         ("B34", &png, 0, "warning: p.jpg: read as PNG, which its first bytes say it is\n"),
     ] {
         fs::write(bench.folder.path().join("p.jpg"), bytes).expect("write");
         let matte = r#""shapes": [{"type": "disk", "material": {"type": "diffuse", "albedo": {"type": "image", "file": "p.jpg"}}}]"#;
         bench.scene(row, &format!("{RIGHT},\n{matte}}}"), code, phrase);
         if code != 0 {
-            let phrase = if code == 4 { phrase } else { "p.jpg: not a readable PNG picture: " };
+            let unreadable = if bytes.starts_with(b"\xff\xd8") {
+                "bytes cannot hold 15855 × 15625 pixels"
+            } else {
+                "p.jpg: not a readable PNG picture: "
+            };
+            let phrase = if code == 4 { phrase } else { unreadable };
             bench.call(row, &["image", "info", "p.jpg"], code, phrase);
         }
     }

@@ -215,6 +215,17 @@ pub fn promising(mut png: Vec<u8>, side: u32, bits: u8) -> Vec<u8> {
     png
 }
 
+/// A JPEG of 8 × 8 pixels that claims to have 15855 × 15625.
+pub fn large_jpeg() -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(vec![]);
+    image::RgbImage::new(8, 8).write_to(&mut bytes, image::ImageFormat::Jpeg).expect("encoded");
+    let mut bytes = bytes.into_inner();
+    // The frame header begins with its mark, its length and the number of bits, and goes on with height and width.
+    let frame = bytes.windows(2).position(|mark| mark == [0xff, 0xc0]).expect("a frame");
+    bytes[frame + 5..][..4].copy_from_slice(&[15625u16.to_be_bytes(), 15855u16.to_be_bytes()].concat());
+    bytes
+}
+
 /// A PNG of 4 × 4 pixels, all of the palette's first colour. The palette has `bytes` bytes, three for each colour.
 pub fn with_palette(bytes: usize) -> Vec<u8> {
     let chunk = |name: &[u8; 4], data: &[u8]| {
