@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::meshes::{baked, icosphere, mesh, shapes};
+use super::meshes::{baked, icosphere, mesh, round_mesh, shapes};
 use super::{Failures, Random, Row, moving_meshes};
 use crate::accel;
 use crate::bsdf::{Bsdf, Diffuse};
@@ -15,8 +15,8 @@ use crate::rays::{self, RayCaster};
 use crate::scene::Surface;
 use crate::shape::curves::Basis;
 use crate::shape::{
-    BilinearPatch, Cone, Curves, Cylinder, Disk, Geometry, PartialDisk, PartialSphere, Quad, Shape, Sphere, SurfacePoint, VertexColor,
-    triangle,
+    BilinearPatch, Cone, Curves, Cylinder, Disk, Geometry, MeshData, PartialDisk, PartialSphere, Quad, Shape, Sphere, SurfacePoint,
+    VertexColor, triangle,
 };
 
 /// The rows.
@@ -40,6 +40,8 @@ pub fn rows() -> Vec<Row> {
         cones(),
         triangles(),
         subdivided_solids(),
+        displaced_spheres(),
+        split_vertices(),
     ]
 }
 
@@ -648,4 +650,44 @@ fn subdivided_solids() -> Row {
             distances.unwrap_or_default().into_iter().max_by(|a, b| (a - exact).abs().total_cmp(&(b - exact).abs())).unwrap_or(f64::NAN)
         })
     })
+}
+
+/// A vertex p of a unit sphere whose normals are exact, moved by the height h, lies at the distance 1 + h from the centre.
+fn displaced_spheres() -> Row {
+    let row = Row::new("G15", "distance of the vertices of a displaced sphere from its centre, over 1 + height", "roundings of f32");
+    type Height = fn(Vec3) -> f64;
+    let heights: [(&str, Height); 3] = [
+        ("outwards by a fourth", |_| 0.25),
+        ("inwards by a half", |_| -0.5),
+        ("by a ramp", |p| 0.3 * f64::from(p.x) - 0.2 * f64::from(p.z)),
+    ];
+    heights.into_iter().fold(row, |row, (name, height)| {
+        row.number(name, 1.0, 3e-7, move || {
+            let sphere = round_sphere(5);
+            let heights: Vec<f64> = sphere.positions.iter().map(|p| height(*p)).collect();
+            let moved = sphere.displaced(&heights);
+            let ratios = moved.positions.iter().zip(&heights).map(|(p, h)| p.as_dvec3().length() / (1.0 + h));
+            ratios.max_by(|a, b| (a - 1.0).abs().total_cmp(&(b - 1.0).abs())).unwrap_or(f64::NAN)
+        })
+    })
+}
+
+/// A sphere whose triangles share no vertices. Vertices at the same point have different heights, as those at the seam of a texture have.
+fn split_vertices() -> Row {
+    let row = Row::new("G15a", "rays out of a displaced sphere with several vertices at each point", "none may leave");
+    [0.1, 0.5].into_iter().fold(row, |row, greatest| {
+        row.never(format!("heights up to {greatest}"), RAYS / 10, move |tries| {
+            let (sphere, mut heights) = (round_sphere(4), Random::new(15));
+            let heights: Vec<f64> = sphere.positions.iter().map(|_| greatest * heights.unit()).collect();
+            let moved = sphere.displaced(&heights);
+            let shell = Shell::new(moved.positions, moved.triangles, DVec3::ZERO, 1.0);
+            Failures::count(tries, |random| shell.leak(&shell.ray(random.pick(&[Aim::Anywhere, Aim::Vertex, Aim::Edge]), random)))
+        })
+    })
+}
+
+/// A unit sphere with exact normals. Each triangle has vertices of its own.
+fn round_sphere(levels: u32) -> MeshData {
+    let sphere = round_mesh(levels);
+    MeshData { normals: sphere.positions.clone(), ..sphere }
 }
