@@ -125,11 +125,13 @@ impl Table {
     /// Looks the emission up in each cell, averaged over the cell where the texture can be.
     fn new(shape: &dyn Shape, primitive: u32, emitter: &Emitter, side: u32) -> Table {
         let area = shape.area(primitive);
+        // Both coordinates stay below 1.
         let sample = |x: f32, y: f32| {
             let u = Vec2::new(x, y) / side as f32;
             shape.sample_area(primitive, u.min(Vec2::splat(ONE_MINUS_EPSILON)))
         };
-        // Middles of the edges between the cells. Neighbours share them, since finding a point costs as much as looking a texture up.
+        // Middles of the edges between the cells. Neighbours share them, since finding a point of a curved shape costs more than looking up a
+        // plain texture.
         let edges = |count: u32, at: &dyn Fn(f32) -> (SurfacePoint, AreaPdf)| (0..count).map(|k| at(k as f32).0.p).collect::<Vec<Vec3>>();
         let across = |y: f32| edges(side, &|x| sample(x + 0.5, y));
         let (mut weights, mut above) = (Vec::with_capacity((side * side) as usize), across(0.0));

@@ -7,7 +7,8 @@ use super::{Checkpoint, ErrorHistory, Refusal, Scope, checkpoints};
 use crate::film::{Film, MomentFilm};
 use crate::render::{Observer, Render, RenderReport, Silent};
 
-/// [`StopCondition::patience`] of a render that has no limit but a target.
+/// [`StopCondition::patience`] of a render that has no limit but a target. It is chosen, not derived: far more samples than pictures take until
+/// their error is established, and seconds for a picture of a few pixels.
 const PATIENCE: u64 = 1 << 14;
 
 /// Condition at which a render stops: the first of these limits that is reached.

@@ -79,10 +79,10 @@ pub struct Hit {
     pub enters: bool,
 }
 
-/// All triangles of a model that stands in a scene, with warnings.
+/// The triangles of a glTF model as [`RayCaster::load`] returns them, with warnings.
 fn load_model(path: &Path) -> Result<(RayCaster, Vec<String>)> {
     let auto_camera = AutoCamera { ground: Some(false), ..AutoCamera::default() };
-    // A camera and light of its own, so that none is made up and told of.
+    // With a camera and a background the importer adds none, and has no notes about them.
     let alone = |root: &mut Node, _: &str| {
         root.set("/camera", r#"{"type": "perspective"}"#)?;
         root.set("/background", r#"{"radiance": 1}"#)

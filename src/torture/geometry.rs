@@ -662,6 +662,7 @@ fn displaced_spheres() -> Row {
         ("by a ramp", |p| 0.3 * f64::from(p.x) - 0.2 * f64::from(p.z)),
     ];
     heights.into_iter().fold(row, |row, (name, height)| {
+        // Vertices of the unit sphere are off by up to 1.2e-7, which is twice as much of half the radius; the rest is the last rounding.
         row.number(name, 1.0, 3e-7, move || {
             let sphere = round_sphere(5);
             let heights: Vec<f64> = sphere.positions.iter().map(|p| height(*p)).collect();

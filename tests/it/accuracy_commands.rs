@@ -53,13 +53,17 @@ fn a_target_out_of_reach_is_given_up() {
     assert!(few.contains("16384 spp") && few.contains("target 1 %: cannot be established (heavy tail"), "{few}");
     let few = render(&[CORNELL, "--size", "4x4", "--spp", "20000"]);
     assert!(few.contains("20000 spp") && few.contains("target 1 %: cannot be established (heavy tail"), "{few}");
-    // Uneven numbers of samples: 16384 samples are as many rounds as they take, and the next measurement ends the render.
-    let dot = render(&[CORNELL, "--size", "4x4", "--adaptive"]);
-    assert!(dot.contains("given up") && dot.contains("cannot be established (heavy tail"), "{dot}");
+    // A small ball, lit by a lamp, in the dark: with --adaptive pixels take different numbers of samples, as the closing line says.
+    let ball = r#"{"type": "sphere", "radius": 0.25, "material": {"type": "diffuse"}}"#;
+    let lamp = r#"{"type": "sphere", "radius": 0.5, "center": [3, 0, 3], "emission": 5}"#;
+    let camera = r#""camera": {"type": "perspective", "look_at": {"from": [0, 0, 5], "to": [0, 0, 0], "up": [0, 1, 0]}, "fov": 40}"#;
+    std::fs::write(folder.path().join("ball.json"), format!(r#"{{"pt": 1, {camera}, "shapes": [{ball}, {lamp}]}}"#)).expect("a scene");
+    let ball = render(&["ball.json", "--size", "16x16", "--adaptive"]);
+    assert!(ball.contains(" spp (") && ball.contains("given up") && ball.contains("cannot be established (heavy tail"), "{ball}");
     // An error from 64 scramblings takes two samples of each.
     let early = render(&[CORNELL, "--size", "8x8", "--scramblings", "64", "--spp", "64"]);
     assert!(early.contains("target 1 %: not met"), "{early}");
-    let scene = r#"{"pt": 1, "camera": {"type": "perspective", "look_at": {"from": [0, 0, 5], "to": [0, 0, 0], "up": [0, 1, 0]}, "fov": 40}, "shapes": [{"type": "sphere", "material": {"type": "diffuse"}}]}"#;
+    let scene = format!(r#"{{"pt": 1, {camera}, "shapes": [{{"type": "sphere", "material": {{"type": "diffuse"}}}}]}}"#);
     std::fs::write(folder.path().join("black.json"), scene).expect("a scene");
     for more in [&["black.json", "--size", "8x8"] as &[&str], &["black.json", "--size", "16x16", "--region", "0,8,0,8"]] {
         let black = render(more);
